@@ -1,0 +1,11 @@
+# Warnings, sanitizers and floating-point rules that every target of ours shares.
+# No contraction: a*b+c must round the same way on every machine and at every inlining.
+function(surfit_compile_options target)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -ffp-contract=off)
+  if(SURFIT_SANITIZE)
+    target_compile_options(${target} PRIVATE -fsanitize=${SURFIT_SANITIZE} -fno-omit-frame-pointer)
+    target_link_options(${target} PUBLIC -fsanitize=${SURFIT_SANITIZE})
+    # Eigen would change its allocator under AddressSanitizer and disagree with prebuilt libraries.
+    target_compile_definitions(${target} PUBLIC EIGEN_MALLOC_ALREADY_ALIGNED=1)
+  endif()
+endfunction()

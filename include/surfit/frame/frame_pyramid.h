@@ -1,0 +1,22 @@
+#pragma once
+
+#include <vector>
+
+#include "surfit/frame/vector_image.h"
+#include "surfit/geometry/pinhole_camera.h"
+
+namespace surfit {
+
+// Vertex and normal map of one resolution, both in the frame of the camera that sees them.
+struct FrameLevel {
+  PinholeCamera camera;
+  VectorImage vertex;  // metres; z = 0 where missing
+  VectorImage normal;  // unit length, facing the camera; (0, 0, 0) where missing
+};
+
+// Level 0 is the finest; each further one has half the width and height.
+struct FramePyramid {
+  std::vector<FrameLevel> levels;
+};
+
+}  // namespace surfit

@@ -1,0 +1,102 @@
+#include "surfit/geometry/rigid3.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <unsupported/Eigen/MatrixFunctions>
+
+namespace surfit {
+namespace {
+
+template <typename Scalar>
+class Rigid3Test : public testing::Test {
+ protected:
+  using Vector3 = Eigen::Matrix<Scalar, 3, 1>;
+  using Vector6 = Eigen::Matrix<Scalar, 6, 1>;
+
+  // A few rounding errors of numbers of size 10.
+  static constexpr Scalar kTolerance = 100 * std::numeric_limits<Scalar>::epsilon();
+
+  Vector3 RandomVector(Scalar size) {
+    std::uniform_real_distribution<Scalar> uniform(-size, size);
+    return {uniform(rng_), uniform(rng_), uniform(rng_)};
+  }
+  Rigid3<Scalar> RandomPose() {
+    return Rigid3<Scalar>(QuaternionExp<Scalar>(RandomVector(1.7)), RandomVector(3));
+  }
+  // Rotation vectors at identity, at 1e-8, on both sides of the series' border, and at random.
+  std::vector<Vector3> RotationVectors() {
+    std::vector<Vector3> vectors = {Vector3::Zero()};
+    for (const Scalar size : {1e-8, 1e-5, 0.9e-4, 1.1e-4, 0.1, 1.0, 1.7}) {
+      for (int i = 0; i < 10; ++i) vectors.push_back(RandomVector(size));
+    }
+    return vectors;
+  }
+  std::mt19937_64 rng_{7};
+};
+
+using Scalars = testing::Types<float, double>;
+TYPED_TEST_SUITE(Rigid3Test, Scalars);
+
+TYPED_TEST(Rigid3Test, ExpIsTheMatrixExponentialOfTheCrossMatrix) {
+  for (const auto& w : this->RotationVectors()) {
+    const Eigen::Matrix3d expected = CrossMatrix<double>(w.template cast<double>()).exp();
+    const auto actual = QuaternionExp<TypeParam>(w).toRotationMatrix();
+    EXPECT_LT((actual.template cast<double>() - expected).norm(), this->kTolerance);
+  }
+}
+
+TYPED_TEST(Rigid3Test, LogInvertsExp) {
+  for (const auto& w : this->RotationVectors()) {
+    const auto back = QuaternionLog<TypeParam>(QuaternionExp<TypeParam>(w));
+    EXPECT_LT((back - w).norm(), this->kTolerance * std::max<TypeParam>(w.norm(), 1e-6));
+  }
+}
+
+TYPED_TEST(Rigid3Test, LogTakesTheShortWayForBothSignsOfTheQuaternion) {
+  auto q = QuaternionExp<TypeParam>({0.1, -0.2, 0.3});
+  q.coeffs() = -q.coeffs();
+  EXPECT_LT((QuaternionLog<TypeParam>(q) - typename TestFixture::Vector3(0.1, -0.2, 0.3)).norm(),
+            this->kTolerance);
+}
+
+TYPED_TEST(Rigid3Test, InverseAndCompositionAgreeWithMatrices) {
+  for (int i = 0; i < 20; ++i) {
+    const auto a = this->RandomPose(), b = this->RandomPose();
+    EXPECT_LT(((a * b).Matrix() - a.Matrix() * b.Matrix()).norm(), this->kTolerance);
+    EXPECT_LT(((a * a.Inverse()).Matrix() - Rigid3<TypeParam>().Matrix()).norm(), this->kTolerance);
+    const auto x = this->RandomVector(2);
+    EXPECT_LT((a * (b * x) - (a * b) * x).norm(), this->kTolerance);
+  }
+}
+
+TYPED_TEST(Rigid3Test, LeftIncrementMovesThePointAfterThePose) {
+  const auto pose = this->RandomPose();
+  const auto x = this->RandomVector(2);
+  typename TestFixture::Vector6 increment;
+  increment << 0.01, -0.02, 0.03, 0.1, 0.2, -0.3;
+  const typename TestFixture::Vector3 w = increment.template head<3>();
+  const typename TestFixture::Vector3 expected =
+      QuaternionExp<TypeParam>(w) * (pose * x) + increment.template tail<3>();
+  EXPECT_LT((LeftIncrement(increment, pose) * x - expected).norm(), this->kTolerance);
+}
+
+TYPED_TEST(Rigid3Test, RotationStaysUnitOverManyIncrements) {
+  auto pose = this->RandomPose();
+  typename TestFixture::Vector6 increment;
+  increment << 0.1, -0.2, 0.3, 0, 0, 0;
+  for (int i = 0; i < 10000; ++i) pose = LeftIncrement(increment, pose);
+  EXPECT_NEAR(pose.rotation.norm(), 1, this->kTolerance);
+}
+
+TYPED_TEST(Rigid3Test, RotationMatrixIsReorthonormalised) {
+  const auto q = QuaternionExp<TypeParam>({0.1, -0.2, 0.3});
+  const Rigid3<TypeParam> pose(Eigen::Matrix<TypeParam, 3, 3>(q.toRotationMatrix() * 1.01),
+                               TestFixture::Vector3::Zero());
+  const auto r = pose.rotation.toRotationMatrix();
+  EXPECT_LT((r * r.transpose() - Eigen::Matrix<TypeParam, 3, 3>::Identity()).norm(),
+            this->kTolerance);
+}
+
+}  // namespace
+}  // namespace surfit
