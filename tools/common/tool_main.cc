@@ -1,0 +1,82 @@
+#include "common/tool_main.h"
+
+#include <gflags/gflags.h>
+#include <glog/logging.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <iostream>
+#include <vector>
+
+#include "surfit/core/error.h"
+
+namespace surfit::tools {
+namespace {
+
+// gflags prints and then exits on a bad flag; this exception takes the place of its exit.
+struct GflagsExit {};
+
+// Parses the flags; throws InputError with gflags' own sentence for a bad one.
+void ParseFlags(int* argc, char*** argv) {
+  char* text = nullptr;
+  std::size_t size = 0;
+  std::FILE* const terminal = stderr;
+  stderr = open_memstream(&text, &size);
+  gflags::gflags_exitfunc = [](int) { throw GflagsExit(); };
+  bool failed = false;
+  try {
+    gflags::ParseCommandLineNonHelpFlags(argc, argv, /*remove_flags=*/true);
+  } catch (const GflagsExit&) {
+    failed = true;
+  }
+  std::fclose(stderr);
+  stderr = terminal;
+  std::string message(text, size);
+  std::free(text);
+  if (failed) {
+    if (message.rfind("ERROR: ", 0) == 0) message = message.substr(7);
+    while (!message.empty() && message.back() == '\n') message.pop_back();
+    throw InputError(message);
+  }
+  if (*argc > 1)
+    throw InputError(Concat("unexpected argument '", (*argv)[1], "', flags begin with --"));
+}
+
+bool FlagIsSet(const char* name) {
+  std::string value;
+  return gflags::GetCommandLineOption(name, &value) && value == "true";
+}
+
+void PrintHelp(const std::string& program, const std::string& summary) {
+  std::cout << program << ": " << summary << "\n\nFlags:\n";
+  std::vector<gflags::CommandLineFlagInfo> flags;
+  gflags::GetAllFlags(&flags);
+  for (const auto& flag : flags) {
+    if (flag.filename.find("tools/") == std::string::npos) continue;
+    std::cout << "  --" << flag.name << "  (" << flag.type << ", default ";
+    std::cout << (flag.type == "string" ? "\"" + flag.default_value + "\"" : flag.default_value);
+    std::cout << ")\n      " << flag.description << "\n";
+  }
+  std::cout << "  --flagfile  (string)\n      read flags from this file, one a line\n";
+}
+
+}  // namespace
+
+int ToolMain(int argc, char** argv, const std::string& summary, const std::function<int()>& run) {
+  try {
+    const std::string path = argv[0];
+    FLAGS_logtostderr = true;
+    google::InitGoogleLogging(argv[0]);
+    ParseFlags(&argc, &argv);
+    if (FlagIsSet("help") || FlagIsSet("helpfull") || FlagIsSet("helpshort")) {
+      PrintHelp(path.substr(path.find_last_of('/') + 1), summary);
+      return kDone;
+    }
+    return run();
+  } catch (const std::exception& error) {
+    std::cerr << "error: " << error.what() << std::endl;
+    return kBadInput;
+  }
+}
+
+}  // namespace surfit::tools
