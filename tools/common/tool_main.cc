@@ -10,6 +10,11 @@
 
 #include "surfit/core/error.h"
 
+namespace google {
+// gflags' exit function: exported by the library for its own tests, declared in no header.
+extern void (*gflags_exitfunc)(int);
+}  // namespace google
+
 namespace surfit::tools {
 namespace {
 
@@ -22,7 +27,7 @@ void ParseFlags(int* argc, char*** argv) {
   std::size_t size = 0;
   std::FILE* const terminal = stderr;
   stderr = open_memstream(&text, &size);
-  gflags::gflags_exitfunc = [](int) { throw GflagsExit(); };
+  google::gflags_exitfunc = [](int) { throw GflagsExit(); };
   bool failed = false;
   try {
     gflags::ParseCommandLineNonHelpFlags(argc, argv, /*remove_flags=*/true);
