@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+
+#include "surfit/geometry/pinhole_camera.h"
+
+namespace surfit {
+
+// A camera as YAML (OpenCV FileStorage):
+//   depth_camera: { width, height, fx, fy, cx, cy, distortion: [ k1, k2, p1, p2, k3 ] }   pixels
+//   color_camera: { the same keys }          only where colour is not registered to depth
+//   color_from_depth: { translation_m: [ x, y, z ], rotation_xyzw: [ x, y, z, w ] }
+//   depth_units_per_metre: 5000.
+//   frames_per_second: 30.
+// depth_camera and depth_units_per_metre must stand; distortion is zero, color_from_depth the
+// identity and frames_per_second the RgbdCamera's default where they do not. A key that is none of
+// these is an error, for it is a misspelt one.
+// Throws InputError naming the file, the key, the value and the constraint.
+RgbdCamera ReadCameraYaml(const std::string& path);
+
+// Writes such a file. Throws InputError naming the file if it cannot be written.
+void WriteCameraYaml(const RgbdCamera& camera, const std::string& path);
+
+}  // namespace surfit

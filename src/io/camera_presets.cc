@@ -1,0 +1,69 @@
+#include "surfit/io/camera_presets.h"
+
+#include <algorithm>
+
+#include "surfit/core/error.h"
+
+namespace surfit {
+namespace {
+
+using Distortion = std::array<double, 5>;
+
+PinholeCamera Vga(double fx, double fy, double cx, double cy, const Distortion& distortion = {}) {
+  return {640, 480, fx, fy, cx, cy, distortion};
+}
+
+RgbdCamera Registered(const PinholeCamera& camera, double depth_units_per_metre) {
+  RgbdCamera rgbd;
+  rgbd.depth = camera;
+  rgbd.depth_units_per_metre = depth_units_per_metre;
+  return rgbd;
+}
+
+// The colour camera's figures are measured on the red kitchen; its pose is not published.
+RgbdCamera SevenScenes() {
+  RgbdCamera rgbd = Registered(Vga(585, 585, 320, 240), 1000);
+  rgbd.color = Vga(525, 525, 312, 240);
+  rgbd.color_is_registered = false;
+  return rgbd;
+}
+
+struct Preset {
+  std::string name;
+  RgbdCamera camera;
+};
+
+const std::vector<Preset>& Presets() {
+  static const auto* const presets = new std::vector<Preset>{
+      {"tum_fr1",
+       Registered(Vga(517.3, 516.5, 318.6, 255.3, Distortion{.2624, -.9531, -.0054, .0026, 1.1633}),
+                  5000)},
+      {"tum_fr2",
+       Registered(Vga(520.9, 521.0, 325.1, 249.7, Distortion{.2312, -.7849, -.0033, -.0001, .9172}),
+                  5000)},
+      {"tum_fr3", Registered(Vga(535.4, 539.2, 320.1, 247.6), 5000)},
+      {"icl_nuim", Registered(Vga(481.2, -480, 319.5, 239.5), 5000)},
+      {"seven_scenes", SevenScenes()},
+      {"redwood", Registered(Vga(525, 525, 319.5, 239.5), 1000)},
+  };
+  return *presets;
+}
+
+}  // namespace
+
+RgbdCamera CameraPreset(const std::string& name) {
+  std::string known;
+  for (const Preset& preset : Presets()) {
+    if (preset.name == name) return preset.camera;
+    known += (known.empty() ? "" : ", ") + preset.name;
+  }
+  throw InputError(Concat("camera is '", name, "', must be one of ", known));
+}
+
+std::vector<std::string> CameraPresetNames() {
+  std::vector<std::string> names;
+  for (const Preset& preset : Presets()) names.push_back(preset.name);
+  return names;
+}
+
+}  // namespace surfit

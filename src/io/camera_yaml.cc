@@ -1,0 +1,151 @@
+#include "surfit/io/camera_yaml.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "surfit/core/error.h"
+
+namespace surfit {
+namespace {
+
+// One node of the file with the words to complain about it.
+class Node {
+ public:
+  Node(const cv::FileNode& node, const std::string& name) : node_(node), name_(name) {}
+
+  bool Exists() const { return !node_.empty() && !node_.isNone(); }
+  Node operator[](const std::string& key) const { return Node(node_[key], name_ + ": " + key); }
+
+  void RequireKeysAmong(const std::vector<std::string>& known) const {
+    if (!node_.isMap()) throw InputError(name_ + " must be a map of keys to values");
+    for (const std::string& key : node_.keys()) {
+      if (std::find(known.begin(), known.end(), key) == known.end())
+        throw InputError(Concat(name_, ": '", key, "' is no known key"));
+    }
+  }
+  double Number() const {
+    if (!Exists()) throw InputError(name_ + " is missing");
+    if (!node_.isInt() && !node_.isReal()) throw InputError(name_ + " must be a number");
+    return node_.real();
+  }
+  int Integer() const {
+    if (Exists() && !node_.isInt()) throw InputError(name_ + " must be an integer");
+    return static_cast<int>(Number());
+  }
+  template <std::size_t kSize>
+  std::array<double, kSize> Numbers() const {
+    if (!node_.isSeq() || node_.size() != kSize)
+      throw InputError(Concat(name_, " must be a list of ", kSize, " numbers"));
+    std::array<double, kSize> numbers;
+    for (std::size_t i = 0; i < kSize; ++i)
+      numbers[i] = Node(node_[static_cast<int>(i)], name_).Number();
+    return numbers;
+  }
+
+ private:
+  cv::FileNode node_;
+  std::string name_;
+};
+
+PinholeCamera ReadPinhole(const Node& node) {
+  node.RequireKeysAmong({"width", "height", "fx", "fy", "cx", "cy", "distortion"});
+  PinholeCamera camera;
+  camera.width = node["width"].Integer();
+  camera.height = node["height"].Integer();
+  camera.fx = node["fx"].Number();
+  camera.fy = node["fy"].Number();
+  camera.cx = node["cx"].Number();
+  camera.cy = node["cy"].Number();
+  if (node["distortion"].Exists()) camera.distortion = node["distortion"].Numbers<5>();
+  return camera;
+}
+
+Rigid3d ReadTransform(const Node& node, const std::string& name) {
+  node.RequireKeysAmong({"translation_m", "rotation_xyzw"});
+  const auto t = node["translation_m"].Numbers<3>();
+  const auto q = node["rotation_xyzw"].Numbers<4>();
+  const Eigen::Quaterniond rotation(q[3], q[0], q[1], q[2]);
+  if (!(std::abs(rotation.norm() - 1) < 0.01))
+    throw InputError(Concat(name, ": rotation_xyzw has length ", rotation.norm(), ", must have 1"));
+  return Rigid3d(rotation.normalized(), {t[0], t[1], t[2]});
+}
+
+RgbdCamera ReadCamera(const Node& root, const std::string& path) {
+  root.RequireKeysAmong({"depth_camera", "color_camera", "color_from_depth",
+                         "depth_units_per_metre", "frames_per_second"});
+  RgbdCamera camera;
+  if (!root["depth_camera"].Exists()) throw InputError(path + ": depth_camera is missing");
+  camera.depth = ReadPinhole(root["depth_camera"]);
+  camera.depth_units_per_metre = root["depth_units_per_metre"].Number();
+  if (root["frames_per_second"].Exists())
+    camera.frames_per_second = root["frames_per_second"].Number();
+  camera.color_is_registered = !root["color_camera"].Exists();
+  if (!camera.color_is_registered) camera.color = ReadPinhole(root["color_camera"]);
+  if (root["color_from_depth"].Exists()) {
+    if (camera.color_is_registered)
+      throw InputError(path + ": color_from_depth needs a color_camera beside it");
+    camera.color_from_depth = ReadTransform(root["color_from_depth"], path + ": color_from_depth");
+  }
+  camera.Validate(path);
+  return camera;
+}
+
+void WritePinhole(cv::FileStorage& file, const char* key, const PinholeCamera& camera) {
+  file << key << "{:"
+       << "width" << camera.width << "height" << camera.height;
+  file << "fx" << camera.fx << "fy" << camera.fy << "cx" << camera.cx << "cy" << camera.cy;
+  file << "distortion"
+       << "[:";
+  for (const double k : camera.distortion) file << k;
+  file << "]"
+       << "}";
+}
+
+void WriteTransform(cv::FileStorage& file, const char* key, const Rigid3d& transform) {
+  file << key << "{:"
+       << "translation_m"
+       << "[:";
+  for (int i = 0; i < 3; ++i) file << transform.translation[i];
+  file << "]"
+       << "rotation_xyzw"
+       << "[:";
+  for (int i = 0; i < 4; ++i) file << transform.rotation.coeffs()[i];
+  file << "]"
+       << "}";
+}
+
+}  // namespace
+
+RgbdCamera ReadCameraYaml(const std::string& path) {
+  if (!std::filesystem::is_regular_file(path)) throw InputError(path + " does not exist");
+  cv::FileStorage file;
+  try {
+    file.open(path, cv::FileStorage::READ);
+    if (!file.isOpened()) throw InputError(path + " cannot be read");
+    return ReadCamera(Node(file.root(), path), path);
+  } catch (const cv::Exception& error) {
+    throw InputError(path + " is not a YAML file as OpenCV reads it: " + error.err);
+  }
+}
+
+void WriteCameraYaml(const RgbdCamera& camera, const std::string& path) {
+  cv::FileStorage file;
+  try {
+    if (!file.open(path, cv::FileStorage::WRITE | cv::FileStorage::FORMAT_YAML))
+      throw InputError(path + " cannot be written");
+    WritePinhole(file, "depth_camera", camera.depth);
+    if (!camera.color_is_registered) {
+      WritePinhole(file, "color_camera", camera.color);
+      WriteTransform(file, "color_from_depth", camera.color_from_depth);
+    }
+    file << "depth_units_per_metre" << camera.depth_units_per_metre;
+    file << "frames_per_second" << camera.frames_per_second;
+  } catch (const cv::Exception& error) {
+    throw InputError(path + " cannot be written: " + error.err);
+  }
+}
+
+}  // namespace surfit

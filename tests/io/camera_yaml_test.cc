@@ -1,0 +1,97 @@
+#include "surfit/io/camera_yaml.h"
+
+#include "testing/expect_input_error.h"
+#include "testing/temp_folder.h"
+
+namespace surfit {
+namespace {
+
+using ::testing::AllOf;
+using testing::ExpectInputError;
+using ::testing::HasSubstr;
+using testing::TempFolder;
+
+RgbdCamera SomeCamera() {
+  RgbdCamera camera;
+  camera.depth = {320, 240, 262.1, -263.2, 159.3, 121.4, {0.1, -0.2, 0.003, -0.004, 0.05}};
+  camera.color = {1280, 720, 900.5, -901.5, 640, 360, {}};
+  camera.color_is_registered = false;
+  camera.color_from_depth = Rigid3d(QuaternionExp<double>({0.1, -0.2, 0.3}), {0.025, -0.01, 0.002});
+  camera.depth_units_per_metre = 6553.5;
+  camera.frames_per_second = 29.97;
+  return camera;
+}
+
+TEST(CameraYaml, ReadsWhatItWrites) {
+  TempFolder folder;
+  const RgbdCamera camera = SomeCamera();
+  WriteCameraYaml(camera, folder / "camera.yaml");
+  const RgbdCamera read = ReadCameraYaml(folder / "camera.yaml");
+  EXPECT_EQ(read.depth.width, 320);
+  EXPECT_EQ(read.depth.height, 240);
+  EXPECT_EQ(read.depth.fx, camera.depth.fx);
+  EXPECT_EQ(read.depth.fy, camera.depth.fy);
+  EXPECT_EQ(read.depth.cx, camera.depth.cx);
+  EXPECT_EQ(read.depth.cy, camera.depth.cy);
+  EXPECT_EQ(read.depth.distortion, camera.depth.distortion);
+  EXPECT_FALSE(read.color_is_registered);
+  EXPECT_EQ(read.color.width, 1280);
+  EXPECT_EQ(read.color.fy, camera.color.fy);
+  EXPECT_EQ(read.depth_units_per_metre, camera.depth_units_per_metre);
+  EXPECT_EQ(read.frames_per_second, camera.frames_per_second);
+  // Numbers are written with 17 digits; reading normalises the quaternion: a rounding error.
+  EXPECT_LT((read.color_from_depth.Matrix() - camera.color_from_depth.Matrix()).norm(), 1e-15);
+}
+
+TEST(CameraYaml, WritesNoColorCameraWhereColorIsRegistered) {
+  TempFolder folder;
+  RgbdCamera camera = SomeCamera();
+  camera.color_is_registered = true;
+  WriteCameraYaml(camera, folder / "camera.yaml");
+  EXPECT_TRUE(ReadCameraYaml(folder / "camera.yaml").color_is_registered);
+}
+
+// Expects an error about the file with `from` replaced by `to`.
+void ExpectErrorAfterReplacing(const std::string& from, const std::string& to,
+                               const std::string& message) {
+  TempFolder folder;
+  const std::string path = folder / "camera.yaml";
+  std::string text =
+      "%YAML:1.0\n---\n"
+      "depth_camera: { width: 640, height: 480, fx: 525., fy: 525., cx: 319.5, cy: 239.5 }\n"
+      "color_camera: { width: 640, height: 480, fx: 525., fy: 525., cx: 319.5, cy: 239.5,"
+      " distortion: [ 0., 0., 0., 0., 0. ] }\n"
+      "color_from_depth: { translation_m: [ 0., 0., 0. ], rotation_xyzw: [ 0., 0., 0., 1. ] }\n"
+      "depth_units_per_metre: 5000.\n";
+  testing::WriteBytes(path, text);
+  EXPECT_NO_THROW(ReadCameraYaml(path));
+  ASSERT_NE(text.find(from), std::string::npos);
+  testing::WriteBytes(path, text.replace(text.find(from), from.size(), to));
+  ExpectInputError([&] { ReadCameraYaml(path); }, AllOf(HasSubstr(path), HasSubstr(message)));
+}
+
+TEST(CameraYaml, NamesFileAndKeyOfWhatIsWrong) {
+  ExpectErrorAfterReplacing("fx: 525., ", "", "depth_camera: fx is missing");
+  ExpectErrorAfterReplacing("fx: 525.", "fx: -5.", "depth camera: fx is -5");
+  ExpectErrorAfterReplacing("fx: 525.", "fx: many", "depth_camera: fx must be a number");
+  ExpectErrorAfterReplacing("width: 640", "width: 640.5", "width must be an integer");
+  ExpectErrorAfterReplacing("depth_camera", "depth_kamera", "'depth_kamera' is no known key");
+  ExpectErrorAfterReplacing("distortion", "distorsion", "'distorsion' is no known key");
+  ExpectErrorAfterReplacing("[ 0., 0., 0., 0., 0. ]", "[ 0., 0. ]", "must be a list of 5 numbers");
+  ExpectErrorAfterReplacing("[ 0., 0., 0., 1. ]", "[ 0., 0., 0., 0. ]",
+                            "has length 0, must have 1");
+  ExpectErrorAfterReplacing("depth_units_per_metre: 5000.\n", "",
+                            "depth_units_per_metre is missing");
+  ExpectErrorAfterReplacing("color_camera: {", "color_camera: [", "");
+  ExpectErrorAfterReplacing("5000.", "0.", "depth_units_per_metre is 0");
+}
+
+TEST(CameraYaml, NamesAFileThatCannotBeReadOrWritten) {
+  ExpectInputError([] { ReadCameraYaml("/nowhere/camera.yaml"); },
+                   HasSubstr("/nowhere/camera.yaml does not exist"));
+  ExpectInputError([] { WriteCameraYaml(SomeCamera(), "/nowhere/camera.yaml"); },
+                   HasSubstr("/nowhere/camera.yaml cannot be written"));
+}
+
+}  // namespace
+}  // namespace surfit
