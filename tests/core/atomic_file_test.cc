@@ -1,0 +1,81 @@
+#include "surfit/core/atomic_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "surfit/core/error.h"
+#include "testing/temp_dir.h"
+
+namespace surfit {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using testing::ReadBytes;
+using testing::TempDir;
+using ::testing::ThrowsMessage;
+
+std::size_t FileCount(const std::string& folder) {
+  return std::distance(fs::directory_iterator(folder), fs::directory_iterator());
+}
+
+TEST(WriteFileAtomically, WritesTheFileAndLeavesNothingElse) {
+  const TempDir dir;
+  const std::string path = dir.Write("a.txt", "an older and longer file");
+  WriteFileAtomically(path, [](std::ostream& out) { out << "new\n"; });
+  EXPECT_EQ(ReadBytes(path), "new\n");
+  EXPECT_EQ(FileCount(dir.path()), 1u);
+}
+
+TEST(WriteFileAtomically, KeepsTheOldFileWhileTheNewOneIsIncomplete) {
+  const TempDir dir;
+  const std::string path = dir.Write("a.txt", "old");
+  WriteFileAtomically(path, [&](std::ostream& out) {
+    out << "new" << std::flush;
+    EXPECT_EQ(ReadBytes(path), "old");
+  });
+}
+
+TEST(WriteFileAtomically, KeepsTheOldFileIfTheWriterThrows) {
+  const TempDir dir;
+  const std::string path = dir.Write("a.txt", "old");
+  const auto write = [&] {
+    WriteFileAtomically(path, [](std::ostream& out) {
+      out << "half";
+      throw std::out_of_range("the writer's own");
+    });
+  };
+  EXPECT_THROW(write(), std::out_of_range);
+  EXPECT_EQ(ReadBytes(path), "old");
+  EXPECT_EQ(FileCount(dir.path()), 1u);
+}
+
+TEST(WriteFileAtomically, NamesTheFileAndTheReason) {
+  const TempDir dir;
+  EXPECT_THAT(
+      [&] { WriteFileAtomically(dir.File("no/such/folder/a.txt"), [](std::ostream&) {}); },
+      ThrowsMessage<InputError>(AllOf(HasSubstr("cannot write"), HasSubstr("such/folder/a.txt"),
+                                      HasSubstr("No such file or directory"))));
+  EXPECT_THAT([&] { WriteFileAtomically(dir.path(), [](std::ostream&) {}); },
+              ThrowsMessage<InputError>(HasSubstr("Is a directory")));
+}
+
+TEST(WriteFileAtomically, ReportsAFullDisk) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "this system has no /dev/full";
+  EXPECT_THAT([] { WriteFileAtomically("/dev/full", [](std::ostream& out) { out << "x"; }); },
+              ThrowsMessage<InputError>(HasSubstr("No space left on device")));
+  EXPECT_TRUE(fs::is_character_file("/dev/full"));  // written to, not replaced
+}
+
+TEST(WriteFileAtomically, FollowsASymbolicLink) {
+  const TempDir dir;
+  const std::string target = dir.Write("target.txt", "old");
+  fs::create_symlink(target, dir.File("link.txt"));
+  WriteFileAtomically(dir.File("link.txt"), [](std::ostream& out) { out << "new"; });
+  EXPECT_EQ(ReadBytes(target), "new");
+  EXPECT_TRUE(fs::is_symlink(dir.File("link.txt")));
+}
+
+}  // namespace
+}  // namespace surfit
