@@ -1,0 +1,29 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "surfit/core/image.h"
+
+namespace surfit {
+
+// Points with optional normals and colours: each of these is empty or of the points' size.
+struct PointCloud {
+  std::vector<Eigen::Vector3f> points;  // metres
+  std::vector<Eigen::Vector3f> normals;
+  std::vector<Rgb8> colors;
+};
+
+// Reads the element `vertex` of a PLY file, ascii or binary little endian: x y z of any scalar
+// type, nx ny nz where there are all three, red green blue where there are all three as uchar.
+// Everything else in the file is skipped. Coordinates come as they are, NaN included.
+// Throws InputError naming the file and what is wrong with it. A count that the file is too short
+// for is refused before any memory is taken for it.
+PointCloud ReadPly(const std::string& path);
+
+// Writes binary little endian PLY, atomically. Throws InputError naming the file if it cannot be
+// written.
+void WritePly(const PointCloud& cloud, const std::string& path);
+
+}  // namespace surfit

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <fstream>
+#include <string>
+
+#include "surfit/geometry/trajectory.h"
+
+namespace surfit {
+
+// Trajectory files of the TUM RGB-D benchmark (and ICL-NUIM's .gt.freiburg): one pose a line,
+// `timestamp tx ty tz qx qy qz qw`, seconds and metres, camera-to-world; # begins a comment.
+
+// Reads a trajectory and orders it by time. Columns are separated by spaces, tabs or commas;
+// quaternions are normalised. A file without poses gives an empty trajectory.
+// Throws InputError naming the file, and the line where one is at fault.
+Trajectory ReadTumTrajectory(const std::string& path);
+
+// Writes a trajectory pose by pose: single spaces, stamps with 6 and poses with 9 decimals.
+class TumTrajectoryWriter {
+ public:
+  // Begins a new file. Throws InputError naming the file if it cannot be written.
+  explicit TumTrajectoryWriter(const std::string& path);
+  // Adds one line and flushes it, so that the file is complete whatever happens later.
+  // Throws InputError naming the file if it cannot be written.
+  void Append(const StampedPose& pose);
+
+ private:
+  void Write(const std::string& line);
+
+  std::string path_;
+  std::ofstream file_;
+};
+
+}  // namespace surfit

@@ -1,0 +1,138 @@
+#include "io/ply_header.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <utility>
+
+#include "surfit/core/error.h"
+
+namespace surfit {
+namespace {
+
+struct TypeNames {
+  PlyType type;
+  std::size_t size;
+  std::string_view name, sized_name;
+};
+
+constexpr std::array<TypeNames, 8> kTypes = {{{PlyType::kInt8, 1, "char", "int8"},
+                                              {PlyType::kUint8, 1, "uchar", "uint8"},
+                                              {PlyType::kInt16, 2, "short", "int16"},
+                                              {PlyType::kUint16, 2, "ushort", "uint16"},
+                                              {PlyType::kInt32, 4, "int", "int32"},
+                                              {PlyType::kUint32, 4, "uint", "uint32"},
+                                              {PlyType::kFloat32, 4, "float", "float32"},
+                                              {PlyType::kFloat64, 8, "double", "float64"}}};
+
+using Words = std::vector<std::string_view>;
+
+Words SplitWords(std::string_view line) {
+  constexpr std::string_view kBlanks = " \t\r";
+  Words words;
+  while (true) {
+    line.remove_prefix(std::min(line.find_first_not_of(kBlanks), line.size()));
+    if (line.empty()) return words;
+    words.push_back(line.substr(0, line.find_first_of(kBlanks)));
+    line.remove_prefix(words.back().size());
+  }
+}
+
+PlyType ParseType(std::string_view word) {
+  for (const TypeNames& t : kTypes) {
+    if (word == t.name || word == t.sized_name) return t.type;
+  }
+  throw InputError(Concat("unknown type '", word, "'"));
+}
+
+std::int64_t ParseCount(std::string_view word) {
+  std::int64_t count = -1;
+  const char* const end = word.data() + word.size();
+  const auto [parsed, error] = std::from_chars(word.data(), end, count);
+  if (error != std::errc() || parsed != end || count < 0) {
+    throw InputError(Concat("the count is '", word, "', must be an integer from 0"));
+  }
+  return count;
+}
+
+bool ParseFormat(const Words& words) {
+  if (words.size() == 3 && words[2] == "1.0") {
+    if (words[1] == "ascii") return true;
+    if (words[1] == "binary_little_endian") return false;
+  }
+  throw InputError("the format must be 'ascii 1.0' or 'binary_little_endian 1.0'");
+}
+
+PlyProperty ParseProperty(const Words& words) {
+  PlyProperty property;
+  property.name = words.back();
+  if (words.size() == 3) {
+    property.type = ParseType(words[1]);
+  } else if (words.size() == 5 && words[1] == "list") {
+    property.count_type = ParseType(words[2]);
+    property.type = ParseType(words[3]);
+  } else {
+    throw InputError("a property must be 'property TYPE NAME' or 'property list TYPE TYPE NAME'");
+  }
+  return property;
+}
+
+// One line between `format` and `end_header`.
+void ParseLine(const Words& words, PlyHeader* header) {
+  if (words.empty() || words[0] == "comment" || words[0] == "obj_info") return;
+  if (words[0] == "element" && words.size() == 3) {
+    header->elements.push_back({std::string(words[1]), ParseCount(words[2]), {}});
+  } else if (words[0] == "property" && !header->elements.empty()) {
+    header->elements.back().properties.push_back(ParseProperty(words));
+  } else {
+    throw InputError(Concat("'", words[0], "' is misplaced or incomplete"));
+  }
+}
+
+}  // namespace
+
+std::size_t PlySize(PlyType type) { return kTypes[static_cast<std::size_t>(type)].size; }
+
+std::string_view PlyName(PlyType type) { return kTypes[static_cast<std::size_t>(type)].name; }
+
+PlyHeader ParsePlyHeader(std::string_view file, const std::string& path) {
+  PlyHeader header;
+  bool has_format = false;
+  while (true) {
+    const std::size_t line_size = file.substr(header.size).find('\n');
+    if (header.line_count == 0 && SplitWords(file.substr(0, line_size)) != Words{"ply"}) {
+      throw InputError(Concat(path, ": no PLY file, the first line must be 'ply'"));
+    }
+    if (line_size == file.npos) throw InputError(Concat(path, ": the header has no end_header"));
+    const Words words = SplitWords(file.substr(header.size, line_size));
+    header.size += line_size + 1;
+    ++header.line_count;
+    try {
+      if (header.line_count == 1) continue;
+      if (!words.empty() && words[0] == "end_header") break;
+      if (!words.empty() && words[0] == "format") {
+        header.ascii = ParseFormat(words);
+        has_format = true;
+      } else {
+        ParseLine(words, &header);
+      }
+    } catch (const InputError& error) {
+      throw InputError(Concat(path, ":", header.line_count, ": ", error.what()));
+    }
+  }
+  if (!has_format) throw InputError(Concat(path, ": the header has no format"));
+  return header;
+}
+
+std::string FormatPlyHeader(const std::vector<PlyElement>& elements) {
+  std::string text = "ply\nformat binary_little_endian 1.0\n";
+  for (const PlyElement& element : elements) {
+    text += Concat("element ", element.name, " ", element.count, "\n");
+    for (const PlyProperty& property : element.properties) {
+      text += Concat("property ", PlyName(property.type), " ", property.name, "\n");
+    }
+  }
+  return text + "end_header\n";
+}
+
+}  // namespace surfit

@@ -1,0 +1,107 @@
+#include "surfit/io/point_cloud.h"
+
+#include <glog/logging.h>
+
+#include <algorithm>
+#include <array>
+#include <optional>
+
+#include "core/read_file.h"
+#include "io/ply_body.h"
+#include "io/ply_header.h"
+#include "io/ply_writer.h"
+#include "surfit/core/error.h"
+
+namespace surfit {
+namespace {
+
+using Names = std::array<const char*, 3>;
+using Columns = std::array<std::size_t, 3>;
+
+// Where three scalar properties stand in a row, if all of them do.
+std::optional<Columns> FindColumns(const PlyElement& element, const Names& names) {
+  Columns columns;
+  const auto& properties = element.properties;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const auto at = std::find_if(properties.begin(), properties.end(), [&](const PlyProperty& p) {
+      return p.name == names[k] && !p.count_type;
+    });
+    if (at == properties.end()) return std::nullopt;
+    columns[k] = at - properties.begin();
+  }
+  return columns;
+}
+
+// The colour's columns, if they are bytes.
+std::optional<Columns> FindColorColumns(const PlyElement& element) {
+  const auto columns = FindColumns(element, {"red", "green", "blue"});
+  const auto is_byte = [&](std::size_t c) { return element.properties[c].type == PlyType::kUint8; };
+  if (columns && std::all_of(columns->begin(), columns->end(), is_byte)) return columns;
+  return std::nullopt;
+}
+
+Eigen::Vector3f Vector(const double* row, const Columns& c) {
+  return Eigen::Vector3d(row[c[0]], row[c[1]], row[c[2]]).cast<float>();
+}
+
+Rgb8 Color(const double* row, const Columns& c) {
+  const auto byte = [&](int k) {
+    return static_cast<std::uint8_t>(std::clamp(row[c[k]], 0., 255.));
+  };
+  return {byte(0), byte(1), byte(2)};
+}
+
+const PlyElement& FindVertices(const PlyHeader& header, const std::string& path) {
+  for (const PlyElement& element : header.elements) {
+    if (element.name == "vertex") return element;
+  }
+  throw InputError(Concat(path, ": the header has no element 'vertex'"));
+}
+
+}  // namespace
+
+PointCloud ReadPly(const std::string& path) {
+  const std::string file = ReadFile(path);
+  const PlyHeader header = ParsePlyHeader(file, path);
+  const PlyElement& vertices = FindVertices(header, path);
+  const auto points = FindColumns(vertices, {"x", "y", "z"});
+  if (!points) throw InputError(Concat(path, ": element 'vertex' must have x, y and z"));
+  const auto normals = FindColumns(vertices, {"nx", "ny", "nz"});
+  const auto colors = FindColorColumns(vertices);
+  PointCloud cloud;
+  const auto begin = [&] {
+    cloud.points.reserve(vertices.count);
+    if (normals) cloud.normals.reserve(vertices.count);
+    if (colors) cloud.colors.reserve(vertices.count);
+  };
+  ReadPlyElement(file, header, "vertex", path, begin, [&](const double* row) {
+    cloud.points.push_back(Vector(row, *points));
+    if (normals) cloud.normals.push_back(Vector(row, *normals));
+    if (colors) cloud.colors.push_back(Color(row, *colors));
+  });
+  return cloud;
+}
+
+void WritePly(const PointCloud& cloud, const std::string& path) {
+  CHECK(cloud.normals.empty() || cloud.normals.size() == cloud.points.size());
+  CHECK(cloud.colors.empty() || cloud.colors.size() == cloud.points.size());
+  std::vector<PlyProperty> properties;
+  const auto add = [&](const Names& names, PlyType type) {
+    for (const char* name : names) properties.push_back({name, type});
+  };
+  add({"x", "y", "z"}, PlyType::kFloat32);
+  if (!cloud.normals.empty()) add({"nx", "ny", "nz"}, PlyType::kFloat32);
+  if (!cloud.colors.empty()) add({"red", "green", "blue"}, PlyType::kUint8);
+  WritePlyVertices(path, cloud.points.size(), properties, [&](std::size_t i, PlyRow* row) {
+    for (const float value : cloud.points[i]) row->Put(value);
+    if (!cloud.normals.empty()) {
+      for (const float value : cloud.normals[i]) row->Put(value);
+    }
+    if (!cloud.colors.empty()) {
+      const Rgb8 c = cloud.colors[i];
+      for (const std::uint8_t value : {c.r, c.g, c.b}) row->Put(value);
+    }
+  });
+}
+
+}  // namespace surfit

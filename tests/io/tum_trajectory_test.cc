@@ -1,0 +1,163 @@
+#include "surfit/io/tum_trajectory.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+#include <regex>
+#include <sstream>
+
+#include "surfit/core/error.h"
+#include "testing/matchers.h"
+#include "testing/temp_dir.h"
+
+namespace surfit {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using testing::ReadBytes;
+using testing::RigidNear;
+using testing::TempDir;
+using ::testing::ThrowsMessage;
+
+Trajectory RandomTrajectory(int count) {
+  std::mt19937_64 rng(3);
+  std::uniform_real_distribution<double> uniform(-3, 3);
+  const auto vector = [&] {
+    const double x = uniform(rng), y = uniform(rng), z = uniform(rng);
+    return Eigen::Vector3d(x, y, z);
+  };
+  Trajectory trajectory;
+  for (int i = 0; i < count; ++i) {
+    const Eigen::Quaterniond rotation = QuaternionExp<double>(vector());
+    trajectory.push_back({1305031453.359684 + i / 30.0, Rigid3d(rotation, vector())});
+  }
+  return trajectory;
+}
+
+std::vector<std::string> Lines(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+TEST(TumTrajectoryWriter, KeepsTheRulesOnColumnsStampsAndSeparators) {
+  const TempDir dir;
+  TumTrajectoryWriter writer(dir.File("t.txt"));
+  for (StampedPose pose : RandomTrajectory(50)) {
+    pose.world_from_camera.translation *= 1e-7;  // where exponents would appear
+    writer.Append(pose);
+  }
+  const std::string text = ReadBytes(dir.File("t.txt"));
+  EXPECT_EQ(text.back(), '\n');
+  EXPECT_EQ(text.find('\r'), text.npos);
+  const auto lines = Lines(text);
+  ASSERT_EQ(lines.size(), 51u);
+  EXPECT_EQ(lines[0], "# timestamp tx ty tz qx qy qz qw");
+  const std::regex rule(R"(\d+\.\d{6,}( -?\d+\.\d{9}){7})");
+  for (std::size_t i = 1; i < lines.size(); ++i) {
+    EXPECT_TRUE(std::regex_match(lines[i], rule)) << lines[i];
+  }
+}
+
+TEST(TumTrajectoryWriter, WritesTheRealPartOfTheQuaternionLast) {
+  const TempDir dir;
+  TumTrajectoryWriter writer(dir.File("t.txt"));
+  writer.Append({2.5, Rigid3d(Eigen::Quaterniond(0.4, 0.1, 0.2, 0.3), {1, 2, 3})});
+  EXPECT_EQ(Lines(ReadBytes(dir.File("t.txt")))[1],
+            "2.500000 1.000000000 2.000000000 3.000000000 "
+            "0.100000000 0.200000000 0.300000000 0.400000000");
+}
+
+TEST(TumTrajectoryWriter, HasTheFileCompleteAfterEveryPose) {
+  const TempDir dir;
+  TumTrajectoryWriter writer(dir.File("t.txt"));
+  for (std::size_t i = 1; i <= 3; ++i) {
+    writer.Append({1.0 * i, Rigid3d()});
+    EXPECT_EQ(ReadTumTrajectory(dir.File("t.txt")).size(), i);
+  }
+}
+
+TEST(TumTrajectoryWriter, NamesAFileThatCannotBeWritten) {
+  EXPECT_THAT([] { TumTrajectoryWriter writer("/no/such/folder/t.txt"); },
+              ThrowsMessage<InputError>(
+                  AllOf(HasSubstr("/no/such/folder/t.txt"), HasSubstr("No such file"))));
+}
+
+TEST(ReadTumTrajectory, ReadsBackWhatIsWritten) {
+  const TempDir dir;
+  const Trajectory written = RandomTrajectory(50);
+  TumTrajectoryWriter writer(dir.File("t.txt"));
+  for (const StampedPose& pose : written) writer.Append(pose);
+  const Trajectory read = ReadTumTrajectory(dir.File("t.txt"));
+  ASSERT_EQ(read.size(), written.size());
+  for (std::size_t i = 0; i < read.size(); ++i) {
+    // Half of the last decimal; a double of this size has steps of 2.4e-7 s of its own.
+    EXPECT_NEAR(read[i].stamp_s, written[i].stamp_s, 0.5e-6 + 2.4e-7);
+    // Half of the last decimal in each of 3 and 4 columns; an angle is twice the quaternion's.
+    EXPECT_THAT(read[i].world_from_camera,
+                RigidNear(written[i].world_from_camera, 0.5e-9 * 1.74, 2 * 0.5e-9 * 2.01));
+  }
+}
+
+TEST(ReadTumTrajectory, TakesCommentsTabsCommasAndCarriageReturns) {
+  const TempDir dir;
+  const std::string path = dir.Write("t.txt",
+                                     "# comment\r\n"
+                                     "1.5 1 2 3 0 0 0 1 \r\n"
+                                     "\n"
+                                     "  2.5\t-1e-3\t2\t3\t0\t0\t0.6\t0.8\n"
+                                     "3.5, 1, 2, 3, 0, 0, 0, -1");
+  const Trajectory t = ReadTumTrajectory(path);
+  ASSERT_EQ(t.size(), 3u);
+  EXPECT_EQ(t[0].stamp_s, 1.5);
+  EXPECT_EQ(t[1].world_from_camera.translation, Eigen::Vector3d(-1e-3, 2, 3));
+  EXPECT_NEAR(t[1].world_from_camera.rotation.z(), 0.6, 1e-15);
+  EXPECT_EQ(t[2].world_from_camera.rotation.w(), -1);
+}
+
+TEST(ReadTumTrajectory, OrdersByTime) {
+  const TempDir dir;
+  const Trajectory t =
+      ReadTumTrajectory(dir.Write("t.txt", "2 0 0 0 0 0 0 1\n1 5 0 0 0 0 0 1\n3 0 0 0 0 0 0 1\n"));
+  ASSERT_EQ(t.size(), 3u);
+  EXPECT_EQ(t[0].stamp_s, 1);
+  EXPECT_EQ(t[0].world_from_camera.translation.x(), 5);
+  EXPECT_EQ(t[2].stamp_s, 3);
+}
+
+TEST(ReadTumTrajectory, OfAFileWithoutPosesIsEmpty) {
+  const TempDir dir;
+  EXPECT_TRUE(ReadTumTrajectory(dir.Write("t.txt", "")).empty());
+  EXPECT_TRUE(ReadTumTrajectory(dir.Write("t.txt", "# nothing\n\n")).empty());
+}
+
+TEST(ReadTumTrajectory, NamesFileAndLineOfWhatItCannotRead) {
+  const TempDir dir;
+  const auto expect_error = [&](const std::string& line, const std::string& message) {
+    const std::string path = dir.Write("t.txt", "# x\n1 0 0 0 0 0 0 1\n" + line + "\n");
+    EXPECT_THAT([&] { ReadTumTrajectory(path); },
+                ThrowsMessage<InputError>(AllOf(HasSubstr(path + ":3: "), HasSubstr(message))));
+  };
+  expect_error("2 0 0 0 0 0 0", "7 columns, must be 8");
+  expect_error("2 0 0 0 0 0 0 1 9", "9 columns, must be 8");
+  expect_error("2 0 0 x 0 0 0 1", "'x' is not a finite number");
+  expect_error("2 0 0 1.5z 0 0 0 1", "'1.5z' is not a finite number");
+  expect_error("2 0 0 nan 0 0 0 1", "'nan' is not a finite number");
+  expect_error("2 0 0 1e999 0 0 0 1", "'1e999' is not a finite number");
+  expect_error("2 0 0 0 0 0 0 0", "the norm of the quaternion is 0, must be 1");
+  expect_error("2 0 0 0 0 0 1 1", "the norm of the quaternion is 1.41421, must be 1");
+}
+
+TEST(ReadTumTrajectory, NamesAFileThatCannotBeRead) {
+  const TempDir dir;
+  EXPECT_THAT([&] { ReadTumTrajectory(dir.File("none.txt")); },
+              ThrowsMessage<InputError>(AllOf(HasSubstr("none.txt"), HasSubstr("No such file"))));
+  EXPECT_THAT([&] { ReadTumTrajectory(dir.path()); },
+              ThrowsMessage<InputError>(AllOf(HasSubstr(dir.path()), HasSubstr("directory"))));
+}
+
+}  // namespace
+}  // namespace surfit
