@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "surfit/core/error.h"
-#include "testing/temp_dir.h"
+#include "testing/temp_folder.h"
 
 namespace surfit {
 namespace {
@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using testing::ReadBytes;
-using testing::TempDir;
+using testing::TempFolder;
 using ::testing::ThrowsMessage;
 
 std::size_t FileCount(const std::string& folder) {
@@ -21,7 +21,7 @@ std::size_t FileCount(const std::string& folder) {
 }
 
 TEST(WriteFileAtomically, WritesTheFileAndLeavesNothingElse) {
-  const TempDir dir;
+  const TempFolder dir;
   const std::string path = dir.Write("a.txt", "an older and longer file");
   WriteFileAtomically(path, [](std::ostream& out) { out << "new\n"; });
   EXPECT_EQ(ReadBytes(path), "new\n");
@@ -29,7 +29,7 @@ TEST(WriteFileAtomically, WritesTheFileAndLeavesNothingElse) {
 }
 
 TEST(WriteFileAtomically, KeepsTheOldFileWhileTheNewOneIsIncomplete) {
-  const TempDir dir;
+  const TempFolder dir;
   const std::string path = dir.Write("a.txt", "old");
   WriteFileAtomically(path, [&](std::ostream& out) {
     out << "new" << std::flush;
@@ -38,7 +38,7 @@ TEST(WriteFileAtomically, KeepsTheOldFileWhileTheNewOneIsIncomplete) {
 }
 
 TEST(WriteFileAtomically, KeepsTheOldFileIfTheWriterThrows) {
-  const TempDir dir;
+  const TempFolder dir;
   const std::string path = dir.Write("a.txt", "old");
   const auto write = [&] {
     WriteFileAtomically(path, [](std::ostream& out) {
@@ -52,9 +52,9 @@ TEST(WriteFileAtomically, KeepsTheOldFileIfTheWriterThrows) {
 }
 
 TEST(WriteFileAtomically, NamesTheFileAndTheReason) {
-  const TempDir dir;
+  const TempFolder dir;
   EXPECT_THAT(
-      [&] { WriteFileAtomically(dir.File("no/such/folder/a.txt"), [](std::ostream&) {}); },
+      [&] { WriteFileAtomically(dir.path() + "/no/such/folder/a.txt", [](std::ostream&) {}); },
       ThrowsMessage<InputError>(AllOf(HasSubstr("cannot write"), HasSubstr("such/folder/a.txt"),
                                       HasSubstr("No such file or directory"))));
   EXPECT_THAT([&] { WriteFileAtomically(dir.path(), [](std::ostream&) {}); },
@@ -69,12 +69,12 @@ TEST(WriteFileAtomically, ReportsAFullDisk) {
 }
 
 TEST(WriteFileAtomically, FollowsASymbolicLink) {
-  const TempDir dir;
+  const TempFolder dir;
   const std::string target = dir.Write("target.txt", "old");
-  fs::create_symlink(target, dir.File("link.txt"));
-  WriteFileAtomically(dir.File("link.txt"), [](std::ostream& out) { out << "new"; });
+  fs::create_symlink(target, dir / "link.txt");
+  WriteFileAtomically(dir / "link.txt", [](std::ostream& out) { out << "new"; });
   EXPECT_EQ(ReadBytes(target), "new");
-  EXPECT_TRUE(fs::is_symlink(dir.File("link.txt")));
+  EXPECT_TRUE(fs::is_symlink(dir / "link.txt"));
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include <cstring>
 
 #include "surfit/core/error.h"
-#include "testing/temp_dir.h"
+#include "testing/temp_folder.h"
 
 namespace surfit {
 namespace {
@@ -17,7 +17,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using testing::ReadBytes;
-using testing::TempDir;
+using testing::TempFolder;
 using ::testing::ThrowsMessage;
 using V = Eigen::Vector3f;
 
@@ -33,8 +33,8 @@ constexpr char kAscii[] = "ply\nformat ascii 1.0\n";
 constexpr char kXyz[] = "property float x\nproperty float y\nproperty float z\n";
 
 TEST(Ply, ReadsBackWhatIsWritten) {
-  const TempDir dir;
-  const std::string path = dir.File("a.ply");
+  const TempFolder dir;
+  const std::string path = dir / "a.ply";
   PointCloud cloud;
   cloud.points = {{1.f, -2.f, 1e-30f}, {4.f, 5.f, 6.f}};
   WritePly(cloud, path);
@@ -50,25 +50,25 @@ TEST(Ply, ReadsBackWhatIsWritten) {
 }
 
 TEST(Ply, WritesEachByteAsTheFormatDemands) {
-  const TempDir dir;
+  const TempFolder dir;
   PointCloud cloud;
   cloud.points = {{1, 2, 3}};
   cloud.colors = {{7, 8, 9}};
-  WritePly(cloud, dir.File("a.ply"));
-  EXPECT_EQ(ReadBytes(dir.File("a.ply")),
+  WritePly(cloud, dir / "a.ply");
+  EXPECT_EQ(ReadBytes(dir / "a.ply"),
             std::string(kBinary) + "element vertex 1\n" + kXyz +
                 "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n" +
                 Bytes(1.f, 2.f, 3.f, std::uint8_t{7}, std::uint8_t{8}, std::uint8_t{9}));
 }
 
 TEST(Ply, ReadsAnEmptyCloud) {
-  const TempDir dir;
-  WritePly(PointCloud(), dir.File("a.ply"));
-  EXPECT_THAT(ReadPly(dir.File("a.ply")).points, IsEmpty());
+  const TempFolder dir;
+  WritePly(PointCloud(), dir / "a.ply");
+  EXPECT_THAT(ReadPly(dir / "a.ply").points, IsEmpty());
 }
 
 TEST(Ply, ReadsAscii) {
-  const TempDir dir;
+  const TempFolder dir;
   const std::string path =
       dir.Write("a.ply", std::string(kAscii) +
                              "comment by hand\r\nobj_info x\nelement vertex 2\n"
@@ -82,7 +82,7 @@ TEST(Ply, ReadsAscii) {
 }
 
 TEST(Ply, ReadsEveryScalarTypeByBothNames) {
-  const TempDir dir;
+  const TempFolder dir;
   const std::string path =
       dir.Write("a.ply", std::string(kBinary) +
                              "element vertex 1\nproperty char a\nproperty uint8 b\n"
@@ -94,7 +94,7 @@ TEST(Ply, ReadsEveryScalarTypeByBothNames) {
 }
 
 TEST(Ply, IgnoresColorsThatAreNoBytes) {
-  const TempDir dir;
+  const TempFolder dir;
   const std::string path = dir.Write(
       "a.ply", std::string(kAscii) + "element vertex 1\n" + kXyz +
                    "property float red\nproperty float green\nproperty float blue\nend_header\n"
@@ -103,7 +103,7 @@ TEST(Ply, IgnoresColorsThatAreNoBytes) {
 }
 
 TEST(Ply, SkipsOtherElementsAndLists) {
-  const TempDir dir;
+  const TempFolder dir;
   const std::string header = std::string("element face 2\nproperty list uchar int vertices\n") +
                              "property float area\nelement vertex 2\n" +
                              "property list ushort double history\n" + kXyz +
@@ -131,7 +131,7 @@ void PrintTo(const Malformed& malformed, std::ostream* out) { *out << malformed.
 class MalformedPly : public ::testing::TestWithParam<Malformed> {};
 
 TEST_P(MalformedPly, IsRefusedWithTheFilesNameAndTheReason) {
-  const TempDir dir;
+  const TempFolder dir;
   const std::string path = dir.Write("bad.ply", GetParam().content);
   EXPECT_THAT([&] { ReadPly(path); },
               ThrowsMessage<InputError>(AllOf(HasSubstr(path), HasSubstr(GetParam().message))));

@@ -6,13 +6,13 @@
 #include <cstring>
 
 #include "surfit/io/point_cloud.h"
-#include "testing/temp_dir.h"
+#include "testing/temp_folder.h"
 
 namespace surfit {
 namespace {
 
 using testing::ReadBytes;
-using testing::TempDir;
+using testing::TempFolder;
 
 Surfel TestSurfel() {
   Surfel s;
@@ -27,10 +27,10 @@ Surfel TestSurfel() {
 }
 
 TEST(WriteSurfelPly, WritesTheDocumentedProperties) {
-  const TempDir dir;
+  const TempFolder dir;
   SurfelMap map;
   map.Append(TestSurfel());
-  WriteSurfelPly(map, dir.File("map.ply"));
+  WriteSurfelPly(map, dir / "map.ply");
   const std::string header =
       "ply\nformat binary_little_endian 1.0\nelement vertex 1\n"
       "property float x\nproperty float y\nproperty float z\n"
@@ -38,7 +38,7 @@ TEST(WriteSurfelPly, WritesTheDocumentedProperties) {
       "property uchar red\nproperty uchar green\nproperty uchar blue\n"
       "property float radius\nproperty float confidence\n"
       "property int first_seen\nproperty int last_seen\nend_header\n";
-  const std::string bytes = ReadBytes(dir.File("map.ply"));
+  const std::string bytes = ReadBytes(dir / "map.ply");
   ASSERT_EQ(bytes.size(), header.size() + 6 * 4 + 3 + 2 * 4 + 2 * 4);
   EXPECT_EQ(bytes.substr(0, header.size()), header);
   float own[2];
@@ -52,7 +52,7 @@ TEST(WriteSurfelPly, WritesTheDocumentedProperties) {
 }
 
 TEST(WriteSurfelPly, IsReadAsAPointCloud) {
-  const TempDir dir;
+  const TempFolder dir;
   SurfelMap map;
   for (int i = 0; i < 3; ++i) {
     Surfel s = TestSurfel();
@@ -60,8 +60,8 @@ TEST(WriteSurfelPly, IsReadAsAPointCloud) {
     s.color.r = static_cast<std::uint8_t>(100 + i);
     map.Append(s);
   }
-  WriteSurfelPly(map, dir.File("map.ply"));
-  const PointCloud cloud = ReadPly(dir.File("map.ply"));
+  WriteSurfelPly(map, dir / "map.ply");
+  const PointCloud cloud = ReadPly(dir / "map.ply");
   ASSERT_EQ(cloud.points.size(), 3u);
   for (int i = 0; i < 3; ++i) {
     EXPECT_EQ(cloud.points[i], Eigen::Vector3f(i, 2, 3));
@@ -71,9 +71,9 @@ TEST(WriteSurfelPly, IsReadAsAPointCloud) {
 }
 
 TEST(WriteSurfelPly, WritesAnEmptyMap) {
-  const TempDir dir;
-  WriteSurfelPly(SurfelMap(), dir.File("map.ply"));
-  EXPECT_TRUE(ReadPly(dir.File("map.ply")).points.empty());
+  const TempFolder dir;
+  WriteSurfelPly(SurfelMap(), dir / "map.ply");
+  EXPECT_TRUE(ReadPly(dir / "map.ply").points.empty());
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 
 #include "surfit/core/error.h"
 #include "testing/matchers.h"
-#include "testing/temp_dir.h"
+#include "testing/temp_folder.h"
 
 namespace surfit {
 namespace {
@@ -18,7 +18,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using testing::ReadBytes;
 using testing::RigidNear;
-using testing::TempDir;
+using testing::TempFolder;
 using ::testing::ThrowsMessage;
 
 Trajectory RandomTrajectory(int count) {
@@ -44,13 +44,13 @@ std::vector<std::string> Lines(const std::string& text) {
 }
 
 TEST(TumTrajectoryWriter, KeepsTheRulesOnColumnsStampsAndSeparators) {
-  const TempDir dir;
-  TumTrajectoryWriter writer(dir.File("t.txt"));
+  const TempFolder dir;
+  TumTrajectoryWriter writer(dir / "t.txt");
   for (StampedPose pose : RandomTrajectory(50)) {
     pose.world_from_camera.translation *= 1e-7;  // where exponents would appear
     writer.Append(pose);
   }
-  const std::string text = ReadBytes(dir.File("t.txt"));
+  const std::string text = ReadBytes(dir / "t.txt");
   EXPECT_EQ(text.back(), '\n');
   EXPECT_EQ(text.find('\r'), text.npos);
   const auto lines = Lines(text);
@@ -63,20 +63,20 @@ TEST(TumTrajectoryWriter, KeepsTheRulesOnColumnsStampsAndSeparators) {
 }
 
 TEST(TumTrajectoryWriter, WritesTheRealPartOfTheQuaternionLast) {
-  const TempDir dir;
-  TumTrajectoryWriter writer(dir.File("t.txt"));
+  const TempFolder dir;
+  TumTrajectoryWriter writer(dir / "t.txt");
   writer.Append({2.5, Rigid3d(Eigen::Quaterniond(0.4, 0.1, 0.2, 0.3), {1, 2, 3})});
-  EXPECT_EQ(Lines(ReadBytes(dir.File("t.txt")))[1],
+  EXPECT_EQ(Lines(ReadBytes(dir / "t.txt"))[1],
             "2.500000 1.000000000 2.000000000 3.000000000 "
             "0.100000000 0.200000000 0.300000000 0.400000000");
 }
 
 TEST(TumTrajectoryWriter, HasTheFileCompleteAfterEveryPose) {
-  const TempDir dir;
-  TumTrajectoryWriter writer(dir.File("t.txt"));
+  const TempFolder dir;
+  TumTrajectoryWriter writer(dir / "t.txt");
   for (std::size_t i = 1; i <= 3; ++i) {
     writer.Append({1.0 * i, Rigid3d()});
-    EXPECT_EQ(ReadTumTrajectory(dir.File("t.txt")).size(), i);
+    EXPECT_EQ(ReadTumTrajectory(dir / "t.txt").size(), i);
   }
 }
 
@@ -87,11 +87,11 @@ TEST(TumTrajectoryWriter, NamesAFileThatCannotBeWritten) {
 }
 
 TEST(ReadTumTrajectory, ReadsBackWhatIsWritten) {
-  const TempDir dir;
+  const TempFolder dir;
   const Trajectory written = RandomTrajectory(50);
-  TumTrajectoryWriter writer(dir.File("t.txt"));
+  TumTrajectoryWriter writer(dir / "t.txt");
   for (const StampedPose& pose : written) writer.Append(pose);
-  const Trajectory read = ReadTumTrajectory(dir.File("t.txt"));
+  const Trajectory read = ReadTumTrajectory(dir / "t.txt");
   ASSERT_EQ(read.size(), written.size());
   for (std::size_t i = 0; i < read.size(); ++i) {
     // Half of the last decimal; a double of this size has steps of 2.4e-7 s of its own.
@@ -103,7 +103,7 @@ TEST(ReadTumTrajectory, ReadsBackWhatIsWritten) {
 }
 
 TEST(ReadTumTrajectory, TakesCommentsTabsCommasAndCarriageReturns) {
-  const TempDir dir;
+  const TempFolder dir;
   const std::string path = dir.Write("t.txt",
                                      "# comment\r\n"
                                      "1.5 1 2 3 0 0 0 1 \r\n"
@@ -119,7 +119,7 @@ TEST(ReadTumTrajectory, TakesCommentsTabsCommasAndCarriageReturns) {
 }
 
 TEST(ReadTumTrajectory, OrdersByTime) {
-  const TempDir dir;
+  const TempFolder dir;
   const Trajectory t =
       ReadTumTrajectory(dir.Write("t.txt", "2 0 0 0 0 0 0 1\n1 5 0 0 0 0 0 1\n3 0 0 0 0 0 0 1\n"));
   ASSERT_EQ(t.size(), 3u);
@@ -129,13 +129,13 @@ TEST(ReadTumTrajectory, OrdersByTime) {
 }
 
 TEST(ReadTumTrajectory, OfAFileWithoutPosesIsEmpty) {
-  const TempDir dir;
+  const TempFolder dir;
   EXPECT_TRUE(ReadTumTrajectory(dir.Write("t.txt", "")).empty());
   EXPECT_TRUE(ReadTumTrajectory(dir.Write("t.txt", "# nothing\n\n")).empty());
 }
 
 TEST(ReadTumTrajectory, NamesFileAndLineOfWhatItCannotRead) {
-  const TempDir dir;
+  const TempFolder dir;
   const auto expect_error = [&](const std::string& line, const std::string& message) {
     const std::string path = dir.Write("t.txt", "# x\n1 0 0 0 0 0 0 1\n" + line + "\n");
     EXPECT_THAT([&] { ReadTumTrajectory(path); },
@@ -152,8 +152,8 @@ TEST(ReadTumTrajectory, NamesFileAndLineOfWhatItCannotRead) {
 }
 
 TEST(ReadTumTrajectory, NamesAFileThatCannotBeRead) {
-  const TempDir dir;
-  EXPECT_THAT([&] { ReadTumTrajectory(dir.File("none.txt")); },
+  const TempFolder dir;
+  EXPECT_THAT([&] { ReadTumTrajectory(dir / "none.txt"); },
               ThrowsMessage<InputError>(AllOf(HasSubstr("none.txt"), HasSubstr("No such file"))));
   EXPECT_THAT([&] { ReadTumTrajectory(dir.path()); },
               ThrowsMessage<InputError>(AllOf(HasSubstr(dir.path()), HasSubstr("directory"))));

@@ -29,6 +29,11 @@ class TempFolder {
     std::filesystem::create_directories(file.parent_path());
     return file.string();
   }
+  // The same, for a file that is written with these bytes.
+  std::string Write(const std::string& name, const std::string& bytes) const {
+    std::ofstream(*this / name, std::ios::binary) << bytes;
+    return *this / name;
+  }
 
  private:
   std::string path_;
