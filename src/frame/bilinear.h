@@ -1,0 +1,44 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "surfit/core/image.h"
+
+namespace surfit {
+
+// Where to look up a colour between four pixels.
+struct BilinearTap {
+  std::int32_t index = -1;     // of the upper left pixel; -1 = outside the image
+  std::uint16_t weight_u = 0;  // of the right pixels, in 1/256
+  std::uint16_t weight_v = 0;  // of the lower pixels, in 1/256
+};
+
+// The tap at a pixel position of an image at least 2 x 2 in size; positions beyond the outermost
+// pixel centres take these.
+inline BilinearTap TapAt(const Eigen::Vector2d& pixel, int width, int height) {
+  const double u = std::clamp(pixel.x(), 0.0, width - 1.0);
+  const double v = std::clamp(pixel.y(), 0.0, height - 1.0);
+  const int left = std::min(static_cast<int>(u), width - 2);
+  const int top = std::min(static_cast<int>(v), height - 2);
+  return {top * width + left, static_cast<std::uint16_t>((u - left) * 256 + 0.5),
+          static_cast<std::uint16_t>((v - top) * 256 + 0.5)};
+}
+
+// The colour at a tap; (0, 0, 0) outside.
+inline Rgb8 SampleBilinear(const Image<Rgb8>& image, const BilinearTap& tap) {
+  if (tap.index < 0) return {};
+  const Rgb8* const upper = image.data() + tap.index;
+  const Rgb8* const lower = upper + image.width();
+  const auto mix = [&](std::uint8_t Rgb8::*channel) {
+    const unsigned wu = tap.weight_u, wv = tap.weight_v;
+    const unsigned above = upper[0].*channel * (256 - wu) + upper[1].*channel * wu;
+    const unsigned below = lower[0].*channel * (256 - wu) + lower[1].*channel * wu;
+    return static_cast<std::uint8_t>((above * (256 - wv) + below * wv + (1u << 15)) >> 16);
+  };
+  return {mix(&Rgb8::r), mix(&Rgb8::g), mix(&Rgb8::b)};
+}
+
+}  // namespace surfit

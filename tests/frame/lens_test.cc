@@ -1,0 +1,56 @@
+#include "frame/lens.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+
+namespace surfit {
+namespace {
+
+PinholeCamera Fr1() {
+  return {640, 480, 517.3, 516.5, 318.6, 255.3, {.2624, -.9531, -.0054, .0026, 1.1633}};
+}
+
+// One coefficient at a time in OpenCV's order k1 k2 p1 p2 k3, at x = 0.5, y = 0.25, r2 = 0.3125:
+// the added displacement, by hand from OpenCV's documentation of camera calibration.
+TEST(ProjectThroughLens, EachCoefficientMovesThePixelAsOpenCvDefinesIt) {
+  const double r2 = 0.3125;
+  const std::array<Eigen::Vector2d, 5> displacements = {
+      Eigen::Vector2d(0.5 * r2, 0.25 * r2),
+      Eigen::Vector2d(0.5 * r2 * r2, 0.25 * r2 * r2),
+      Eigen::Vector2d(2 * 0.5 * 0.25, r2 + 2 * 0.25 * 0.25),
+      Eigen::Vector2d(r2 + 2 * 0.5 * 0.5, 2 * 0.5 * 0.25),
+      Eigen::Vector2d(0.5 * r2 * r2 * r2, 0.25 * r2 * r2 * r2),
+  };
+  for (int i = 0; i < 5; ++i) {
+    PinholeCamera camera{640, 480, 100, 200, 10, 20, {}};
+    camera.distortion[i] = 0.1;
+    const auto pixel = ProjectThroughLens(camera, {1.0, 0.5, 2.0});
+    ASSERT_TRUE(pixel);
+    EXPECT_NEAR(pixel->x(), 100 * (0.5 + 0.1 * displacements[i].x()) + 10, 1e-12) << i;
+    EXPECT_NEAR(pixel->y(), 200 * (0.25 + 0.1 * displacements[i].y()) + 20, 1e-12) << i;
+  }
+}
+
+TEST(ProjectThroughLens, WithoutDistortionIsProject) {
+  PinholeCamera camera = Fr1();
+  camera.distortion = {};
+  const Eigen::Vector3d point(0.3, -0.2, 1.7);
+  EXPECT_LT((*ProjectThroughLens(camera, point) - camera.Project(point)).norm(), 1e-12);
+}
+
+TEST(ProjectThroughLens, SeesNothingBehindTheCamera) {
+  EXPECT_FALSE(ProjectThroughLens(Fr1(), {0.1, 0.1, 0}));
+  EXPECT_FALSE(ProjectThroughLens(Fr1(), {0.1, 0.1, -1}));
+}
+
+// With k1 = -0.3 the radius r (1 - 0.3 r^2) grows until r = 1 / sqrt(0.9) = 1.054 only.
+TEST(ProjectThroughLens, SeesNothingBeyondTheFoldOfThePolynomial) {
+  PinholeCamera camera = Fr1();
+  camera.distortion = {-0.3, 0, 0, 0, 0};
+  EXPECT_TRUE(ProjectThroughLens(camera, {1.05, 0, 1}));
+  EXPECT_FALSE(ProjectThroughLens(camera, {1.06, 0, 1}));
+}
+
+}  // namespace
+}  // namespace surfit

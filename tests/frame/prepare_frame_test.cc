@@ -1,0 +1,142 @@
+#include "surfit/frame/prepare_frame.h"
+
+#include <limits>
+
+#include "frame/lens.h"
+#include "testing/expect_input_error.h"
+
+namespace surfit {
+namespace {
+
+using testing::ExpectInputError;
+using ::testing::HasSubstr;
+
+RgbdCamera SmallCamera() {
+  RgbdCamera camera;
+  camera.depth = {5, 3, 10, 10, 2, 1, {}};
+  camera.depth_units_per_metre = 1000;
+  return camera;
+}
+
+PrepareOptions Options(int downsample, double max_depth_m = 8) {
+  PrepareOptions options;
+  options.downsample = downsample;
+  options.max_depth_m = max_depth_m;
+  return options;
+}
+
+TEST(FramePreparer, CountsBecomeMetresAndMissingStaysMissing) {
+  Image<std::uint16_t> raw(5, 3, 2500);
+  raw(0, 0) = 0;
+  raw(1, 0) = 65535;
+  raw(2, 0) = 8000;  // at the limit
+  raw(3, 0) = 8001;  // beyond it
+  const RgbdFrame frame = FramePreparer(SmallCamera(), Options(1)).Prepare(raw, {});
+  EXPECT_EQ(frame.depth_m(0, 0), 0);
+  EXPECT_EQ(frame.depth_m(1, 0), 0);
+  EXPECT_EQ(frame.depth_m(2, 0), 8);
+  EXPECT_EQ(frame.depth_m(3, 0), 0);
+  EXPECT_EQ(frame.depth_m(4, 0), 2.5f);
+  EXPECT_TRUE(frame.color.empty());
+}
+
+TEST(FramePreparer, TheInvalidCodeIsMissingEvenWithinTheDepthLimit) {
+  Image<std::uint16_t> raw(5, 3, 65535);
+  raw(0, 0) = 65534;
+  const RgbdFrame frame = FramePreparer(SmallCamera(), Options(1, 100)).Prepare(raw, {});
+  EXPECT_EQ(frame.depth_m(0, 0), 65.534f);
+  EXPECT_EQ(frame.depth_m(1, 0), 0);
+}
+
+TEST(FramePreparer, FloatsAreMetresAndWhatIsNoDepthIsMissing) {
+  Image<float> raw(5, 3, 1.25f);
+  raw(0, 0) = std::numeric_limits<float>::quiet_NaN();
+  raw(1, 0) = std::numeric_limits<float>::infinity();
+  raw(2, 0) = -1;
+  raw(3, 0) = 0;
+  raw(4, 0) = 8.5f;
+  const RgbdFrame frame = FramePreparer(SmallCamera(), Options(1)).Prepare(raw, {});
+  for (int u = 0; u < 5; ++u) EXPECT_EQ(frame.depth_m(u, 0), 0) << u;
+  EXPECT_EQ(frame.depth_m(0, 1), 1.25f);
+}
+
+TEST(FramePreparer, DownsamplingKeepsEveryNthPixelAndItsRay) {
+  Image<std::uint16_t> raw(5, 3);
+  Image<Rgb8> color(5, 3);
+  for (int v = 0; v < 3; ++v) {
+    for (int u = 0; u < 5; ++u) {
+      raw(u, v) = static_cast<std::uint16_t>(1000 + 10 * v + u);
+      color(u, v) = {static_cast<std::uint8_t>(u), static_cast<std::uint8_t>(v), 7};
+    }
+  }
+  const FramePreparer preparer(SmallCamera(), Options(2));
+  const RgbdFrame frame = preparer.Prepare(raw, color);
+  ASSERT_EQ(frame.depth_m.width(), 3);
+  ASSERT_EQ(frame.depth_m.height(), 2);
+  for (int v = 0; v < 2; ++v) {
+    for (int u = 0; u < 3; ++u) {
+      EXPECT_EQ(frame.depth_m(u, v), raw(2 * u, 2 * v) / 1000.f);
+      EXPECT_EQ(frame.color(u, v), color(2 * u, 2 * v));
+      EXPECT_EQ(preparer.pinhole().Ray(u, v), SmallCamera().depth.Ray(2 * u, 2 * v));
+    }
+  }
+}
+
+// Distorts a picture whose depth is a smooth function of the ray, then prepares it: the pixels of
+// the frame must have the depth of their own rays again.
+TEST(FramePreparer, UndoesLensDistortion) {
+  RgbdCamera camera;
+  camera.depth = {640, 480, 517.3, 516.5, 318.6, 255.3, {.2624, -.9531, -.0054, .0026, 1.1633}};
+  camera.depth_units_per_metre = 10000;
+  const auto depth_of_ray = [](const Eigen::Vector3d& ray) { return 2 + ray.x() + 0.5 * ray.y(); };
+  const auto red_of_ray = [](const Eigen::Vector3d& ray) { return 128 + 100 * ray.x(); };
+  Image<std::uint16_t> raw(640, 480);
+  Image<Rgb8> color(640, 480);
+  for (int v = 0; v < 480; ++v) {
+    for (int u = 0; u < 640; ++u) {
+      // The ray that the lens images at (u, v), by fixed-point iteration.
+      Eigen::Vector3d ray = camera.depth.Ray(u, v);
+      for (int i = 0; i < 30; ++i) {
+        const Eigen::Vector2d error =
+            Eigen::Vector2d(u, v) - *ProjectThroughLens(camera.depth, ray);
+        ray += Eigen::Vector3d(error.x() / camera.depth.fx, error.y() / camera.depth.fy, 0);
+      }
+      raw(u, v) = static_cast<std::uint16_t>(std::lround(10000 * depth_of_ray(ray)));
+      color(u, v).r = static_cast<std::uint8_t>(std::lround(red_of_ray(ray)));
+    }
+  }
+  const FramePreparer preparer(camera, Options(1));
+  EXPECT_FALSE(preparer.pinhole().HasDistortion());
+  const RgbdFrame frame = preparer.Prepare(raw, color);
+  int seen = 0;
+  for (int v = 0; v < 480; ++v) {
+    for (int u = 0; u < 640; ++u) {
+      if (frame.depth_m(u, v) == 0) continue;
+      ++seen;
+      const Eigen::Vector3d ray = preparer.pinhole().Ray(u, v);
+      // The nearest pixel is at most half a pixel off in u and in v; the lens shrinks the picture
+      // by at most 1.4, so the ray is off by 0.5 * 1.4 / 516 in each: 1.5 times that in depth.
+      EXPECT_NEAR(frame.depth_m(u, v), depth_of_ray(ray), 1.5 * 0.5 * 1.4 / 516 + 1e-4);
+      // Two roundings to whole steps, half a step each, and a gradient of 0.2 steps a pixel whose
+      // tap is within 1/512 pixel.
+      EXPECT_NEAR(frame.color(u, v).r, red_of_ray(ray), 1.01);
+    }
+  }
+  EXPECT_GT(seen, 640 * 480 * 9 / 10);
+}
+
+TEST(FramePreparer, RefusesWhatItCannotUse) {
+  const RgbdCamera camera = SmallCamera();
+  ExpectInputError([&] { FramePreparer(camera, Options(0)); }, HasSubstr("downsample is 0"));
+  ExpectInputError([&] { FramePreparer(camera, Options(17)); }, HasSubstr("downsample is 17"));
+  ExpectInputError([&] { FramePreparer(camera, Options(1, 0)); }, HasSubstr("max_depth_m is 0"));
+  RgbdCamera upside_down = camera;
+  upside_down.depth.fy = -10;
+  ExpectInputError([&] { FramePreparer(upside_down, Options(1)); }, HasSubstr("fy is -10"));
+  RgbdCamera tiny = camera;
+  tiny.depth.width = 1;
+  ExpectInputError([&] { FramePreparer(tiny, Options(1)); }, HasSubstr("is 1 x 3 pixels"));
+}
+
+}  // namespace
+}  // namespace surfit

@@ -1,0 +1,130 @@
+#include "frame/register_color.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace surfit {
+namespace {
+
+TEST(SampleBilinear, IsExactAtPixelCentresAndOnTheBorder) {
+  Image<Rgb8> image(4, 3);
+  for (int v = 0; v < 3; ++v) {
+    for (int u = 0; u < 4; ++u) image(u, v) = {static_cast<std::uint8_t>(50 * u + 3 * v), 255, 0};
+  }
+  for (int v = 0; v < 3; ++v) {
+    for (int u = 0; u < 4; ++u) {
+      const Eigen::Vector2d centre(u, v);
+      EXPECT_EQ(SampleBilinear(image, TapAt(centre, 4, 3)), image(u, v)) << u << " " << v;
+    }
+  }
+  EXPECT_EQ(SampleBilinear(image, TapAt({-0.4, 2.4}, 4, 3)), image(0, 2));
+  EXPECT_EQ(SampleBilinear(image, TapAt({1.5, 0.5}, 4, 3)).r, 77);  // 76.5 rounded
+  EXPECT_EQ(SampleBilinear(image, BilinearTap()), Rgb8());
+}
+
+// A colour camera with its own lens and size, beside, above and turned against the depth camera.
+RgbdCamera TwoCameras() {
+  RgbdCamera camera;
+  camera.depth = {64, 48, 58, 57, 31, 24.5, {}};
+  camera.color = {128, 96, 105, 106, 65, 46, {0.05, -0.02, 0.001, -0.002, 0}};
+  camera.color_is_registered = false;
+  camera.color_from_depth =
+      Rigid3d(QuaternionExp<double>({0.02, -0.03, 0.01}), {0.05, -0.02, 0.01});
+  return camera;
+}
+
+// Red is the column and green the row, so that a colour tells where it was seen; bilinear
+// interpolation of these ramps is exact up to the tap (1/512) and the rounding (1/2).
+constexpr double kColorTolerance = 0.503;
+
+Image<Rgb8> Ramps(const PinholeCamera& camera) {
+  Image<Rgb8> ramps(camera.width, camera.height);
+  for (int v = 0; v < camera.height; ++v) {
+    for (int u = 0; u < camera.width; ++u) {
+      ramps(u, v) = {static_cast<std::uint8_t>(u), static_cast<std::uint8_t>(v), 99};
+    }
+  }
+  return ramps;
+}
+
+// The colour pixel of a depth pixel by 4 x 4 matrices and OpenCV's formula written out.
+Eigen::Vector2d ExpectedPixel(const RgbdCamera& c, int u, int v, double depth) {
+  const Eigen::Vector4d in_depth(depth * (u - c.depth.cx) / c.depth.fx,
+                                 depth * (v - c.depth.cy) / c.depth.fy, depth, 1);
+  const Eigen::Vector4d p = c.color_from_depth.Matrix() * in_depth;
+  const double x = p.x() / p.z(), y = p.y() / p.z(), r2 = x * x + y * y;
+  const auto& k = c.color.distortion;
+  const double radial = 1 + k[0] * r2 + k[1] * r2 * r2 + k[4] * r2 * r2 * r2;
+  return {c.color.fx * (x * radial + 2 * k[2] * x * y + k[3] * (r2 + 2 * x * x)) + c.color.cx,
+          c.color.fy * (y * radial + k[2] * (r2 + 2 * y * y) + 2 * k[3] * x * y) + c.color.cy};
+}
+
+int CheckAgainstExpectedPixels(const RgbdCamera& camera, const Image<float>& depth_m,
+                               const Image<Rgb8>& registered) {
+  int seen = 0;
+  for (int v = 0; v < depth_m.height(); ++v) {
+    for (int u = 0; u < depth_m.width(); ++u) {
+      const Rgb8 color = registered(u, v);
+      const Eigen::Vector2d pixel = ExpectedPixel(camera, u, v, depth_m(u, v));
+      const bool inside = pixel.x() > 0 && pixel.y() > 0 && pixel.x() < camera.color.width - 1 &&
+                          pixel.y() < camera.color.height - 1;
+      if (!inside) continue;
+      ++seen;
+      EXPECT_EQ(color.b, 99);
+      EXPECT_NEAR(color.r, pixel.x(), kColorTolerance);
+      EXPECT_NEAR(color.g, pixel.y(), kColorTolerance);
+    }
+  }
+  return seen;
+}
+
+TEST(ColorRegistration, LooksUpThePointSeenAtEachDepth) {
+  const RgbdCamera camera = TwoCameras();
+  std::mt19937_64 rng(5);
+  std::uniform_real_distribution<float> depth(0.4f, 4.f);
+  Image<float> depth_m(64, 48);
+  for (float& d : depth_m) d = depth(rng);
+  const auto registered = ColorRegistration(camera, 1).Apply(Ramps(camera.color), depth_m);
+  EXPECT_GT(CheckAgainstExpectedPixels(camera, depth_m, registered), 2000);
+}
+
+// The direction of the parallax: a colour camera to the right of the depth camera has its origin
+// at (+b, 0, 0) in depth coordinates, so color_from_depth is the translation (-b, 0, 0), and it
+// sees a near point further left, by f b / z.
+TEST(ColorRegistration, ACameraToTheRightSeesNearPointsFurtherLeft) {
+  RgbdCamera camera;
+  camera.depth = {64, 48, 60, 60, 32, 24, {}};
+  camera.color = camera.depth;
+  camera.color_is_registered = false;
+  camera.color_from_depth.translation = {-0.1, 0, 0};
+  const Image<float> depth_m(64, 48, 1.f);
+  const auto registered = ColorRegistration(camera, 1).Apply(Ramps(camera.color), depth_m);
+  EXPECT_EQ(registered(32, 24), (Rgb8{32 - 6, 24, 99}));
+  EXPECT_EQ(registered(2, 24), Rgb8());  // left of the colour camera's image
+}
+
+TEST(ColorRegistration, PixelsWithoutDepthHaveNoColorWhereItDependsOnDepth) {
+  const RgbdCamera camera = TwoCameras();
+  const Image<float> nothing(64, 48, 0.f);
+  const auto registered = ColorRegistration(camera, 1).Apply(Ramps(camera.color), nothing);
+  EXPECT_EQ(registered, Image<Rgb8>(64, 48));
+}
+
+TEST(ColorRegistration, WithoutTranslationEveryPixelHasItsColor) {
+  RgbdCamera camera = TwoCameras();
+  camera.color_from_depth.translation.setZero();
+  const Image<float> nothing(64, 48, 0.f), one(64, 48, 1.f);
+  const auto registered = ColorRegistration(camera, 1).Apply(Ramps(camera.color), nothing);
+  EXPECT_GT(CheckAgainstExpectedPixels(camera, one, registered), 2000);
+}
+
+TEST(ColorRegistration, RegisteredColorOfAPinholeCameraIsLeftAlone) {
+  RgbdCamera camera = TwoCameras();
+  camera.color_is_registered = true;
+  const Image<Rgb8> color = Ramps(camera.depth);
+  EXPECT_EQ(ColorRegistration(camera, 1).Apply(color, Image<float>(64, 48)), color);
+}
+
+}  // namespace
+}  // namespace surfit
