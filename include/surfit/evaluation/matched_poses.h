@@ -1,0 +1,43 @@
+#pragma once
+
+#include <vector>
+
+#include "surfit/geometry/trajectory.h"
+
+namespace surfit {
+
+struct MatchOptions {
+  // Stamps further apart never match. evo's default; the TUM scripts use 0.02.
+  double max_difference_s = 0.01;
+
+  // Throws InputError naming the field, its value and the constraint.
+  void Validate() const;
+};
+
+// Positions in two lists of stamps.
+struct StampMatch {
+  int first = 0;
+  int second = 0;
+};
+
+// Pairs of stamps, both lists ascending: among all pairs that are near enough the nearest is taken
+// first, and no stamp twice (associate.py of the TUM RGB-D benchmark). Ascending in both.
+std::vector<StampMatch> MatchStamps(const std::vector<double>& first_s,
+                                    const std::vector<double>& second_s,
+                                    const MatchOptions& options);
+
+// What the ground truth and the estimate say of the same moment, each in its own world.
+struct MatchedPose {
+  double stamp_s = 0;  // the estimate's
+  Rigid3d ground_truth;
+  Rigid3d estimate;
+};
+
+// In order of time. Ground truth is taken at its nearest stamp, without interpolation, as the TUM
+// scripts and evo do.
+std::vector<MatchedPose> MatchPoses(const Trajectory& ground_truth, const Trajectory& estimate,
+                                    const MatchOptions& options);
+
+std::vector<double> Stamps(const Trajectory& trajectory);
+
+}  // namespace surfit

@@ -1,0 +1,39 @@
+#include "surfit/evaluation/error_statistics.h"
+
+#include <glog/logging.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace surfit {
+namespace {
+
+double Quantile(const std::vector<double>& sorted, double share) {
+  const double rank = share * static_cast<double>(sorted.size() - 1);
+  const auto below = static_cast<std::size_t>(rank);
+  const std::size_t above = std::min(below + 1, sorted.size() - 1);
+  return sorted[below] + (rank - std::floor(rank)) * (sorted[above] - sorted[below]);
+}
+
+}  // namespace
+
+ErrorStatistics Summarize(std::vector<double> errors) {
+  CHECK(!errors.empty());
+  std::sort(errors.begin(), errors.end());
+  double sum = 0, sum_of_squares = 0;
+  for (const double error : errors) {
+    sum += error;
+    sum_of_squares += error * error;
+  }
+  const auto count = static_cast<double>(errors.size());
+  ErrorStatistics s;
+  s.count = errors.size();
+  s.rmse = std::sqrt(sum_of_squares / count);
+  s.mean = sum / count;
+  s.median = Quantile(errors, 0.5);
+  s.p90 = Quantile(errors, 0.9);
+  s.max = errors.back();
+  return s;
+}
+
+}  // namespace surfit

@@ -1,0 +1,145 @@
+#include "surfit/evaluation/alignment.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "testing/matchers.h"
+#include "testing/random_pose.h"
+
+namespace surfit {
+namespace {
+
+using testing::RandomPose;
+using testing::RandomVector;
+using testing::RigidNear;
+using testing::VectorNear;
+using Points = std::vector<Eigen::Vector3d>;
+
+// Exact data of size 10 in double.
+constexpr double kExact = 1e-12;
+
+Points RandomPoints(int count, std::mt19937_64* rng) {
+  Points points;
+  for (int i = 0; i < count; ++i) points.push_back(RandomVector(3, rng));
+  return points;
+}
+
+Points Transformed(const Rigid3d& transform, Points points) {
+  for (Eigen::Vector3d& point : points) point = transform * point;
+  return points;
+}
+
+double SumOfSquares(const Rigid3d& target_from_source, const Points& source, const Points& target) {
+  double sum = 0;
+  for (std::size_t i = 0; i < source.size(); ++i) {
+    sum += (target[i] - target_from_source * source[i]).squaredNorm();
+  }
+  return sum;
+}
+
+TEST(AlignPoints, RecoversARigidMotionExactly) {
+  std::mt19937_64 rng(1);
+  for (int count : {3, 4, 100}) {
+    for (int i = 0; i < 20; ++i) {
+      const Rigid3d truth = RandomPose(1.8, 5, &rng);
+      const Points source = RandomPoints(count, &rng);
+      const Alignment alignment = AlignPoints(source, Transformed(truth, source));
+      EXPECT_EQ(alignment.status, AlignmentStatus::kAligned);
+      EXPECT_THAT(alignment.target_from_source, RigidNear(truth, kExact, kExact));
+    }
+  }
+}
+
+// At a minimum over rotations and translations every small motion costs.
+TEST(AlignPoints, IsAMinimumUnderNoise) {
+  std::mt19937_64 rng(2);
+  const Points source = RandomPoints(50, &rng);
+  Points target = Transformed(RandomPose(1.8, 5, &rng), source);
+  for (Eigen::Vector3d& point : target) point += RandomVector(0.3, &rng);
+  const Rigid3d best = AlignPoints(source, target).target_from_source;
+  const double least = SumOfSquares(best, source, target);
+  for (int i = 0; i < 6; ++i) {
+    for (const double step : {-1e-4, 1e-4}) {
+      Rigid3d::Vector6 increment = Rigid3d::Vector6::Zero();
+      increment[i] = step;
+      EXPECT_GT(SumOfSquares(LeftIncrement<double>(increment, best), source, target), least);
+    }
+  }
+}
+
+TEST(AlignPoints, KeepsTheScale) {
+  std::mt19937_64 rng(3);
+  const Points source = RandomPoints(20, &rng);
+  Points target = source;
+  for (Eigen::Vector3d& point : target) point *= 3;
+  const Rigid3d transform = AlignPoints(source, target).target_from_source;
+  EXPECT_NEAR((transform * source[0] - transform * source[1]).norm(),
+              (source[0] - source[1]).norm(), kExact);
+}
+
+// Mirrored data: the best proper rotation turns, for points mirrored in x whose spread is least
+// along x, nothing at all.
+TEST(AlignPoints, NeverReflects) {
+  const Points source = {{0.1, 0, 0}, {-0.1, 0, 0}, {0, 2, 0}, {0, -2, 0}, {0, 0, 3}, {0, 0, -3}};
+  Points target = source;
+  for (Eigen::Vector3d& point : target) point.x() = -point.x();
+  const Alignment alignment = AlignPoints(source, target);
+  EXPECT_EQ(alignment.status, AlignmentStatus::kAligned);
+  EXPECT_NEAR(alignment.target_from_source.rotation.toRotationMatrix().determinant(), 1, kExact);
+  EXPECT_THAT(alignment.target_from_source, RigidNear(Rigid3d(), kExact, kExact));
+}
+
+TEST(AlignPoints, OfAPlaneIsUnique) {
+  std::mt19937_64 rng(4);
+  for (int i = 0; i < 20; ++i) {
+    Points source = RandomPoints(10, &rng);
+    for (Eigen::Vector3d& point : source) point.z() = 1;
+    const Rigid3d truth = RandomPose(1.8, 5, &rng);
+    const Alignment alignment = AlignPoints(source, Transformed(truth, source));
+    EXPECT_EQ(alignment.status, AlignmentStatus::kAligned);
+    EXPECT_THAT(alignment.target_from_source, RigidNear(truth, kExact, kExact));
+  }
+}
+
+TEST(AlignPoints, OfALineSaysThatTheRotationIsNotUniqueButFits) {
+  std::mt19937_64 rng(5);
+  for (int i = 0; i < 20; ++i) {
+    const Eigen::Vector3d start = RandomVector(5, &rng), direction = RandomVector(1, &rng);
+    Points source;
+    for (int k = 0; k < 10; ++k) source.push_back(start + k * direction);
+    const Points target = Transformed(RandomPose(1.8, 5, &rng), source);
+    const Alignment alignment = AlignPoints(source, target);
+    EXPECT_EQ(alignment.status, AlignmentStatus::kRotationNotUnique);
+    for (std::size_t k = 0; k < source.size(); ++k) {
+      EXPECT_THAT(alignment.target_from_source * source[k], VectorNear(target[k], 10 * kExact));
+    }
+  }
+}
+
+TEST(AlignPoints, OfOneSpotMovesTheSpot) {
+  const Alignment alignment =
+      AlignPoints(Points(5, Eigen::Vector3d(1, 2, 3)), Points(5, Eigen::Vector3d(4, 5, 7)));
+  EXPECT_EQ(alignment.status, AlignmentStatus::kRotationNotUnique);
+  EXPECT_THAT(alignment.target_from_source * Eigen::Vector3d(1, 2, 3),
+              VectorNear(Eigen::Vector3d(4, 5, 7), kExact));
+}
+
+TEST(AlignPoints, OfAMirroredCubeSaysThatTheRotationIsNotUnique) {
+  Points source, target;
+  for (int i = 0; i < 3; ++i) {
+    for (const double sign : {-1, 1}) {
+      source.push_back(sign * Eigen::Vector3d::Unit(i));
+      target.push_back(-source.back());
+    }
+  }
+  EXPECT_EQ(AlignPoints(source, target).status, AlignmentStatus::kRotationNotUnique);
+}
+
+TEST(AlignPoints, OfTwoPointsIsRefused) {
+  EXPECT_EQ(AlignPoints(Points(2), Points(2)).status, AlignmentStatus::kTooFewPoints);
+  EXPECT_EQ(AlignPoints({}, {}).status, AlignmentStatus::kTooFewPoints);
+}
+
+}  // namespace
+}  // namespace surfit

@@ -1,0 +1,142 @@
+#include "surfit/evaluation/map_error.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "surfit/core/error.h"
+#include "surfit/core/parallel.h"
+#include "testing/random_pose.h"
+
+namespace surfit {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+using Points = std::vector<Eigen::Vector3f>;
+
+Points RandomPoints(int count, double size_m, int seed) {
+  std::mt19937_64 rng(seed);
+  Points points;
+  for (int i = 0; i < count; ++i) {
+    points.push_back(testing::RandomVector(size_m, &rng).cast<float>());
+  }
+  return points;
+}
+
+// A grid of (2 n + 1)^2 points in the plane z = 0.
+Points Grid(int n, float spacing_m) {
+  Points points;
+  for (int i = -n; i <= n; ++i) {
+    for (int j = -n; j <= n; ++j) points.push_back({spacing_m * i, spacing_m * j, 0});
+  }
+  return points;
+}
+
+double BruteForceDistance(const Eigen::Vector3f& query, const Points& points) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Eigen::Vector3f& point : points) {
+    least = std::min(least, (query.cast<double>() - point.cast<double>()).norm());
+  }
+  return least;
+}
+
+TEST(MapError, AgreesWithBruteForce) {
+  const Points map = RandomPoints(1500, 1, 1), reference = RandomPoints(2500, 1, 2);
+  const MapErrorOptions options{0.1};
+  const MapError error = ComputeMapError(map, reference, {}, options);
+  std::vector<double> to_reference;
+  for (const auto& point : map) to_reference.push_back(BruteForceDistance(point, reference));
+  const ErrorStatistics expected = Summarize(to_reference);
+  // The tree compares squared distances in float: what it takes for the nearest may be further by
+  // some 1e-7 of the distance.
+  EXPECT_NEAR(error.accuracy_m.mean, expected.mean, 1e-6 * expected.mean);
+  EXPECT_NEAR(error.accuracy_m.median, expected.median, 1e-6 * expected.median);
+  EXPECT_NEAR(error.accuracy_m.p90, expected.p90, 1e-6 * expected.p90);
+  EXPECT_NEAR(error.accuracy_m.max, expected.max, 1e-6 * expected.max);
+  const auto mapped = std::count_if(reference.begin(), reference.end(), [&](const auto& point) {
+    return BruteForceDistance(point, map) <= 0.1;
+  });
+  EXPECT_GT(mapped, 100);
+  EXPECT_LT(mapped, 2400);
+  EXPECT_EQ(error.completeness, static_cast<double>(mapped) / 2500);
+  EXPECT_EQ(error.map_points, 1500u);
+  EXPECT_EQ(error.reference_points, 2500u);
+}
+
+// A plane seen 5 mm too far, of which one half is mapped.
+TEST(MapError, OfAShiftedHalfPlane) {
+  const Points reference = Grid(20, 0.125f);
+  Points map;
+  for (const auto& point : reference) {
+    if (point.x() > 0) map.push_back(point + Eigen::Vector3f(0, 0, 0.0078125f));
+  }
+  const MapError error = ComputeMapError(map, reference, {}, MapErrorOptions());
+  EXPECT_EQ(error.accuracy_m.mean, 0.0078125);
+  EXPECT_EQ(error.accuracy_m.max, 0.0078125);
+  EXPECT_EQ(error.completeness, 20. / 41);
+  EXPECT_FALSE(error.plane_accuracy_m.has_value());
+}
+
+TEST(MapError, DistanceOfCompletenessIsInclusive) {
+  const Points reference = {{0, 0, 0}}, map = {{0.25f, 0, 0}};
+  EXPECT_EQ(ComputeMapError(map, reference, {}, {0.25}).completeness, 1);
+  EXPECT_EQ(ComputeMapError(map, reference, {}, {0.2499}).completeness, 0);
+}
+
+// Map points anywhere over a grid of spacing s, h above it: the plane is h away everywhere. For
+// h = 0 the nearest grid point is at the distance of a uniform point of a square of side s from its
+// centre, whose mean is s (sqrt(2) + ln(1 + sqrt(2))) / 6 = 0.3826 s.
+TEST(MapError, ToThePlaneIsFreeOfTheReferencesSpacing) {
+  const Points reference = Grid(20, 0.1f);
+  const Points normals(reference.size(), Eigen::Vector3f(0, 0, -1));
+  const int count = 20000;
+  Points map = RandomPoints(count, 2, 3);
+  for (auto& point : map) point.z() = 0;
+  const MapError flat = ComputeMapError(map, reference, normals, MapErrorOptions());
+  // 5 sigma / sqrt(N); the distance's standard deviation is 0.143 s.
+  EXPECT_NEAR(flat.accuracy_m.mean, 0.03826, 5 * 0.0143 / std::sqrt(count));
+  EXPECT_EQ(flat.plane_accuracy_m->max, 0);
+  for (auto& point : map) point.z() = 0.25f;
+  const MapError lifted = ComputeMapError(map, reference, normals, MapErrorOptions());
+  EXPECT_EQ(lifted.plane_accuracy_m->median, 0.25);
+  EXPECT_GT(lifted.accuracy_m.median, 0.25);
+}
+
+TEST(MapError, LeavesOutPointsThatAreNotFinite) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  const Points map = {{kNan, 0, 0}, {0, 0, 0}}, reference = {{0, 0, 1}, {0, 0, 0}, {0, kNan, 0}};
+  const Points normals = {{1, 0, 0}, {0, 0, 1}, {1, 0, 0}};
+  const MapError error = ComputeMapError(map, reference, normals, MapErrorOptions());
+  EXPECT_EQ(error.map_points, 1u);
+  EXPECT_EQ(error.reference_points, 2u);
+  EXPECT_EQ(error.accuracy_m.max, 0);
+  EXPECT_EQ(error.completeness, 0.5);
+}
+
+TEST(MapError, IsTheSameAtAnyNumberOfThreads) {
+  const Points map = RandomPoints(20000, 1, 1), reference = RandomPoints(30000, 1, 2);
+  std::vector<MapError> errors;
+  for (const int threads : {1, 4}) {
+    ThreadLimit limit(threads);
+    errors.push_back(ComputeMapError(map, reference, {}, {0.03}));
+  }
+  EXPECT_EQ(errors[0].accuracy_m.mean, errors[1].accuracy_m.mean);
+  EXPECT_EQ(errors[0].accuracy_m.rmse, errors[1].accuracy_m.rmse);
+  EXPECT_EQ(errors[0].completeness, errors[1].completeness);
+}
+
+TEST(MapError, NamesTheCloudThatHasNoPoint) {
+  const Points none, one = {{0, 0, 0}};
+  EXPECT_THAT([&] { ComputeMapError(none, one, {}, MapErrorOptions()); },
+              ThrowsMessage<InputError>(HasSubstr("the map has no finite point")));
+  EXPECT_THAT([&] { ComputeMapError(one, none, {}, MapErrorOptions()); },
+              ThrowsMessage<InputError>(HasSubstr("the reference has no finite point")));
+  EXPECT_THAT([&] { ComputeMapError(one, one, {}, {-1}); },
+              ThrowsMessage<InputError>(HasSubstr("completeness_distance_m is -1")));
+}
+
+}  // namespace
+}  // namespace surfit

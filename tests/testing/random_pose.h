@@ -1,0 +1,22 @@
+#pragma once
+
+#include <random>
+
+#include "surfit/geometry/rigid3.h"
+
+namespace surfit::testing {
+
+// Uniform in the cube [-size, size]^3.
+inline Eigen::Vector3d RandomVector(double size, std::mt19937_64* rng) {
+  std::uniform_real_distribution<double> uniform(-size, size);
+  const double x = uniform(*rng), y = uniform(*rng), z = uniform(*rng);
+  return {x, y, z};
+}
+
+// A pose with a rotation vector and a translation from such cubes.
+inline Rigid3d RandomPose(double size_rad, double size_m, std::mt19937_64* rng) {
+  const Eigen::Quaterniond rotation = QuaternionExp<double>(RandomVector(size_rad, rng));
+  return {rotation, RandomVector(size_m, rng)};
+}
+
+}  // namespace surfit::testing
