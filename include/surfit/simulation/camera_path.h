@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+
+#include "surfit/geometry/trajectory.h"
+#include "surfit/simulation/scene.h"
+
+namespace surfit {
+
+struct PathOptions {
+  double frames_per_second = 30;
+  // Distance and angle between consecutive frames vary slowly inside these bounds, the trembling
+  // of the hand included.
+  double min_step_m = 0.010;
+  double max_step_m = 0.020;
+  double min_turn_deg = 0.5;
+  double max_turn_deg = 1.5;
+
+  // Throws InputError naming the field, its value and the constraint.
+  void Validate() const;
+};
+
+// A smooth hand-held camera path of world_from_camera poses through scene.camera_space, the gaze
+// wandering over scene.targets, x right, y down, z forward, the horizon level but for a tremble.
+// Keeps clear of objects as well as the camera space allows. Throws InputError if frames < 1.
+Trajectory MakePath(const Scene& scene, int frames, std::uint64_t seed,
+                    const PathOptions& options = {});
+
+}  // namespace surfit

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+
+#include "surfit/core/image.h"
+#include "surfit/frame/vector_image.h"
+#include "surfit/geometry/pinhole_camera.h"
+
+namespace surfit {
+
+// A Kinect v1, after Handa, Whelan, McDonald and Davison, "A Benchmark for RGB-D Visual Odometry,
+// 3D Reconstruction and SLAM", ICRA 2014, and Barron and Malik, "Intrinsic Scene Properties from a
+// Single RGB-D Image", CVPR 2013.
+struct KinectOptions {
+  double shift_sd_px = 0.5;             // random shift of each pixel, in u and in v
+  double disparity_sd = 1.0 / 6.0;      // of the disparity, in quantisation steps
+  double disparity_times_z_cm = 35130;  // disparity step number = this / z_cm
+  double min_depth_m = 0.4;             // nearer is missing
+  double max_depth_m = 4.5;             // farther is missing
+  double max_incidence_deg = 80;        // seen more obliquely is missing
+  double max_edge_ratio =
+      0.02;  // shifts do not cross steps of depth beyond this share of the depth
+
+  // Throws InputError naming the field, its value and the constraint.
+  void Validate() const;
+};
+
+// What a Kinect measures where the exact depth is depth_m and the surface has the normals (camera
+// frame, unit length):
+//   z_cm = 35130 / round(35130 / z_cm(u + N(0, 1/2), v + N(0, 1/2)) + N(0, 1/6)).
+// The disparity is interpolated linearly between pixels. Images share their size; 0 = missing in
+// both. The same seed gives the same noise, at any number of threads.
+Image<float> KinectDepth(const Image<float>& depth_m, const VectorImage& normal,
+                         const PinholeCamera& camera, std::uint64_t seed,
+                         const KinectOptions& options = {});
+
+}  // namespace surfit

@@ -1,0 +1,91 @@
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "surfit/simulation/shape.h"
+
+namespace surfit {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+double DistanceToSegment(const Vector2d& point, const Vector2d& a, const Vector2d& b) {
+  const Vector2d along = b - a;
+  const double share = std::clamp((point - a).dot(along) / along.squaredNorm(), 0.0, 1.0);
+  return (point - a - share * along).norm();
+}
+
+// The solid x^2 + y^2 <= r(z)^2, |z| <= h / 2, with r(z) = r_middle + slope * z.
+class Frustum : public Shape {
+ public:
+  Frustum(double bottom_radius, double top_radius, double height)
+      : half_height_(height / 2),
+        middle_radius_((bottom_radius + top_radius) / 2),
+        slope_((top_radius - bottom_radius) / height) {}
+
+  std::optional<ShapeHit> Intersect(const Vector3d& origin,
+                                    const Vector3d& direction) const override {
+    // A convex body is entered only once, at a cap or at the side.
+    if (auto hit = IntersectCap(origin, direction)) return hit;
+    return IntersectSide(origin, direction);
+  }
+
+  double Distance(const Vector3d& point) const override {
+    const Vector2d p(point.head<2>().norm(), point.z());  // in the half plane (radius, z)
+    const Vector2d bottom(RadiusAt(-half_height_), -half_height_);
+    const Vector2d top(RadiusAt(half_height_), half_height_);
+    const double distance =
+        std::min({DistanceToSegment(p, bottom, top), DistanceToSegment(p, {0, bottom.y()}, bottom),
+                  DistanceToSegment(p, {0, top.y()}, top)});
+    const bool inside = std::abs(p.y()) < half_height_ && p.x() < RadiusAt(p.y());
+    return inside ? -distance : distance;
+  }
+
+  double BoundingRadius() const override {
+    return std::hypot(half_height_, std::max(RadiusAt(-half_height_), RadiusAt(half_height_)));
+  }
+
+ private:
+  double RadiusAt(double z) const { return middle_radius_ + slope_ * z; }
+
+  std::optional<ShapeHit> IntersectCap(const Vector3d& origin, const Vector3d& direction) const {
+    if (direction.z() == 0) return std::nullopt;
+    const double side = direction.z() < 0 ? 1 : -1;
+    const double t = (side * half_height_ - origin.z()) / direction.z();
+    const Vector3d point = origin + t * direction;
+    if (t <= 0 || point.head<2>().norm() > RadiusAt(side * half_height_)) return std::nullopt;
+    return ShapeHit{t, {0, 0, side}, side > 0 ? 1 : 0};
+  }
+
+  // x^2 + y^2 - r(z)^2 along the ray is a t^2 + 2 b t + c.
+  std::optional<ShapeHit> IntersectSide(const Vector3d& origin, const Vector3d& direction) const {
+    const double radius = RadiusAt(origin.z()), growth = slope_ * direction.z();
+    const double a = direction.head<2>().squaredNorm() - growth * growth;
+    const double b = origin.head<2>().dot(direction.head<2>()) - radius * growth;
+    const double c = origin.head<2>().squaredNorm() - radius * radius;
+    const double discriminant = b * b - a * c;
+    if (discriminant <= 0) return std::nullopt;
+    // Both roots without cancellation; a may be zero, the first root is then infinite.
+    const double q = -(b + std::copysign(std::sqrt(discriminant), b));
+    for (const double t : {q / a, c / q}) {
+      if (!(t > 0) || !std::isfinite(t)) continue;
+      const Vector3d point = origin + t * direction;
+      const double r = RadiusAt(point.z());
+      if (std::abs(point.z()) > half_height_ || r <= 0) continue;
+      const Vector3d normal = Vector3d(point.x(), point.y(), -slope_ * r).normalized();
+      if (normal.dot(direction) < 0) return ShapeHit{t, normal, kCurved};
+    }
+    return std::nullopt;
+  }
+
+  double half_height_, middle_radius_, slope_;
+};
+
+}  // namespace
+
+ShapePtr MakeFrustum(double bottom_radius, double top_radius, double height) {
+  return std::make_shared<Frustum>(bottom_radius, top_radius, height);
+}
+
+}  // namespace surfit

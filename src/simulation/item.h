@@ -1,0 +1,76 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "simulation/random.h"
+#include "simulation/textures.h"
+#include "surfit/simulation/scene.h"
+
+namespace surfit {
+
+// A piece of furniture while it is being put together: adds parts to the scene in its own frame,
+// z up, metres.
+class Item {
+ public:
+  Item(Scene* scene, const Rigid3d& world_from_item) : scene_(scene), frame_(world_from_item) {}
+
+  // A frame within this one, turned about z.
+  Item At(const Eigen::Vector3d& position, double turn_rad = 0) const;
+  Eigen::Vector3d InWorld(const Eigen::Vector3d& point) const { return frame_ * point; }
+  // A camera path looks at this point.
+  void Target(const Eigen::Vector3d& point) const { scene_->targets.push_back(frame_ * point); }
+
+  void Add(ShapePtr shape, const Rigid3d& item_from_part, const Texture& texture,
+           float glow = 0) const;
+  void Add(ShapePtr shape, const Eigen::Vector3d& center, const Texture& texture,
+           float glow = 0) const;
+  void Box(const Eigen::Vector3d& low, const Eigen::Vector3d& high, const Texture& texture) const;
+  void RoundedBox(const Eigen::Vector3d& low, const Eigen::Vector3d& high, double edge_radius,
+                  const Texture& texture) const;
+  // A round rod; flat ends.
+  void Rod(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double radius,
+           const Texture& texture) const;
+  // A cut cone on its bottom's centre.
+  void Cone(const Eigen::Vector3d& bottom, double bottom_radius, double top_radius, double height,
+            const Texture& texture, float glow = 0) const;
+
+ private:
+  Scene* scene_;
+  Rigid3d frame_;
+};
+
+// What stands on the floor: the middle of the back edge is the origin, y points away from the wall.
+void AddBookshelf(const Item& item, double width_m, Random* random);
+void AddSofa(const Item& item, double width_m, Random* random);
+void AddCabinet(const Item& item, double width_m, Random* random);
+// These have their origin below their middle.
+void AddTable(const Item& item, double width_m, double depth_m, Random* random);
+void AddChair(const Item& item, Random* random);  // its back at -y
+void AddFloorLamp(const Item& item, Random* random);
+void AddPlant(const Item& item, Random* random);
+
+// What stands on other things: the origin is below the middle.
+void AddCup(const Item& item, Random* random);
+void AddPileOfBooks(const Item& item, Random* random);
+void AddBowlOfFruit(const Item& item, Random* random);
+void AddVase(const Item& item, Random* random);
+void AddRing(const Item& item, Random* random);
+void AddMonitor(const Item& item, Random* random);
+// A row of upright books from x = 0 to at most the width, their backs at y = depth_m.
+void AddRowOfBooks(const Item& item, double width_m, double depth_m, double height_m,
+                   Random* random);
+// Small things here and there on a table top of this size.
+void AddClutter(const Item& item, double width_m, double depth_m, Random* random);
+
+// What hangs on a wall: the origin is the middle of its lower edge, on the wall.
+void AddPoster(const Item& item, double width_m, double height_m, Random* random);
+void AddDoor(const Item& item, Random* random);
+void AddCurtain(const Item& item, double width_m, double height_m, Random* random);
+void AddWallShelf(const Item& item, double width_m, Random* random);
+void AddClock(const Item& item, Random* random);
+
+// Colours of painted or woven things, not too dark for a depth camera's taste.
+Color RandomPaint(Random* random);
+Texture RandomWood(int grain_axis, Random* random);
+
+}  // namespace surfit

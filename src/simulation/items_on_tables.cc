@@ -1,0 +1,105 @@
+#include <algorithm>
+#include <cmath>
+
+#include "simulation/item.h"
+
+namespace surfit {
+
+using Eigen::Vector3d;
+
+void AddCup(const Item& item, Random* random) {
+  const Texture glaze = Plain(RandomPaint(random));
+  const double height = random->Uniform(0.08, 0.11), radius = random->Uniform(0.035, 0.045);
+  const Item turned = item.At(Vector3d::Zero(), random->Uniform(0, 2 * M_PI));
+  turned.Cone(Vector3d::Zero(), 0.85 * radius, radius, height, glaze);
+  const Eigen::Quaterniond upright(Eigen::AngleAxisd(M_PI / 2, Vector3d::UnitX()));
+  turned.Add(MakeTorus(0.3 * height, 0.006),
+             Rigid3d(upright, Vector3d(0.95 * radius, 0, 0.5 * height)), glaze);
+}
+
+void AddPileOfBooks(const Item& item, Random* random) {
+  const int books = 2 + random->Index(4);
+  double z = 0;
+  for (int i = 0; i < books; ++i) {
+    const double thickness = random->Uniform(0.015, 0.045);
+    const double width = random->Uniform(0.14, 0.2), depth = random->Uniform(0.2, 0.26);
+    const Item turned = item.At({0, 0, z}, random->Uniform(-0.4, 0.4));
+    turned.Box({-width / 2, -depth / 2, 0}, {width / 2, depth / 2, thickness},
+               Stripes(RandomPaint(random), RandomPaint(random), random->Uniform(0.05, 0.12), 1));
+    z += thickness;
+  }
+}
+
+void AddBowlOfFruit(const Item& item, Random* random) {
+  const Texture glaze = Plain(RandomPaint(random));
+  item.Cone(Vector3d::Zero(), 0.06, 0.13, 0.06, glaze);
+  item.Add(MakeTorus(0.128, 0.008), {0, 0, 0.06}, glaze);
+  const Color fruits[] = {{0.6f, 0.08f, 0.05f}, {0.7f, 0.4f, 0.05f}, {0.4f, 0.5f, 0.08f}};
+  for (int i = 0; i < 4; ++i) {
+    const double azimuth = 2 * M_PI * i / 4 + random->Uniform(0, 0.5);
+    const double radius = random->Uniform(0.032, 0.042);
+    const std::uint64_t seed = random->Index(1 << 30);
+    item.Add(MakeSphere(radius),
+             {0.06 * std::cos(azimuth), 0.06 * std::sin(azimuth), 0.06 + 0.8 * radius},
+             Mottled(fruits[random->Index(3)], 0.02, 0.6f, seed));
+  }
+}
+
+void AddVase(const Item& item, Random* random) {
+  const std::uint64_t seed = random->Index(1 << 30);
+  const Texture glaze = Mottled(RandomPaint(random), 0.04, 0.8f, seed);
+  const double radius = random->Uniform(0.05, 0.07);
+  item.Cone(Vector3d::Zero(), 0.7 * radius, 0.7 * radius, 0.01, glaze);
+  item.Add(MakeSphere(radius), {0, 0, 0.95 * radius}, glaze);
+  item.Cone({0, 0, 1.7 * radius}, 0.5 * radius, 0.35 * radius, 0.06, glaze);
+  item.Add(MakeTorus(0.4 * radius, 0.006), {0, 0, 1.7 * radius + 0.06}, glaze);
+}
+
+void AddRing(const Item& item, Random* random) {
+  const Texture paint = Checks(RandomPaint(random), RandomPaint(random), 0.04);
+  const double tube = random->Uniform(0.02, 0.035);
+  item.Add(MakeTorus(0.08, tube), {0, 0, tube}, paint);
+}
+
+void AddMonitor(const Item& item, Random* random) {
+  const Texture black = Plain(Color::Constant(0.06f));
+  const double width = random->Uniform(0.55, 0.75), height = 0.58 * width;
+  item.Box({-0.12, -0.09, 0}, {0.12, 0.09, 0.012}, black);
+  item.Rod({0, -0.02, 0.012}, {0, -0.02, 0.2}, 0.02, black);
+  item.Box({-width / 2, -0.02, 0.1}, {width / 2, 0.02, 0.1 + height}, black);
+  item.Add(MakeBox({width - 0.03, 0.004, height - 0.03}), {0, 0.021, 0.1 + height / 2},
+           Poster(width - 0.03, height - 0.03, random->Index(1 << 30)), 0.5f);
+}
+
+void AddRowOfBooks(const Item& item, double width_m, double depth_m, double height_m,
+                   Random* random) {
+  double x = 0;
+  while (true) {
+    const double thickness = random->Uniform(0.015, 0.055);
+    if (x + thickness > width_m) return;
+    const double height = random->Uniform(0.65, 1) * height_m;
+    const double depth = random->Uniform(0.75, 1) * depth_m;
+    const double band = random->Uniform(0.04, 0.1);
+    item.Box({x, 0, 0}, {x + thickness - 0.001, depth, height},
+             Stripes(RandomPaint(random), RandomPaint(random), band, 2));
+    x += thickness;
+  }
+}
+
+void AddClutter(const Item& item, double width_m, double depth_m, Random* random) {
+  using Adder = void (*)(const Item&, Random*);
+  constexpr Adder kThings[] = {&AddCup, &AddPileOfBooks, &AddBowlOfFruit,
+                               &AddCup, &AddRing,        &AddVase};
+  // A grid of places, so that nothing stands in anything else; some stay free.
+  const int columns = std::max(1, static_cast<int>(width_m / 0.33));
+  const int rows = std::max(1, static_cast<int>(depth_m / 0.33));
+  const double column = width_m / columns, row = depth_m / rows;
+  for (int i = 0; i < columns * rows; ++i) {
+    if (random->Uniform() < 0.3) continue;
+    const double x = (i % columns + 0.5) * column - width_m / 2 + random->Uniform(-0.02, 0.02);
+    const double y = (i / columns + 0.5) * row - depth_m / 2 + random->Uniform(-0.02, 0.02);
+    kThings[random->Index(6)](item.At({x, y, 0}), random);
+  }
+}
+
+}  // namespace surfit

@@ -1,0 +1,116 @@
+#include "surfit/simulation/render.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "simulation/shading.h"
+#include "surfit/core/parallel.h"
+
+namespace surfit {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr int kTileSize = 16;  // px; small enough that few objects reach into a tile
+
+struct View {
+  const Scene& scene;
+  const PinholeCamera& camera;
+  Rigid3d world_from_camera;
+  Eigen::Matrix3d rotation;  // world from camera
+
+  Vector3d RayInWorld(double u, double v) const { return rotation * camera.Ray(u, v); }
+};
+
+struct Tile {
+  int u_begin, u_end, v_begin, v_end;
+};
+
+Tile TileOf(const PinholeCamera& camera, int index) {
+  const int tiles_across = (camera.width + kTileSize - 1) / kTileSize;
+  const int u = index % tiles_across * kTileSize, v = index / tiles_across * kTileSize;
+  return {u, std::min(u + kTileSize, camera.width), v, std::min(v + kTileSize, camera.height)};
+}
+
+// The objects that rays of the tile can meet: those in the cone about the tile's middle ray that
+// holds its four corner rays (and with them, it being convex, all between).
+std::vector<int> ObjectsInTile(const View& view, const Tile& tile) {
+  const int u_last = tile.u_end - 1, v_last = tile.v_end - 1;
+  const Vector3d axis =
+      view.RayInWorld((tile.u_begin + u_last) / 2.0, (tile.v_begin + v_last) / 2.0).normalized();
+  double half_angle = 0;
+  for (const auto& [u, v] : {std::pair{tile.u_begin, tile.v_begin}, std::pair{u_last, tile.v_begin},
+                             std::pair{tile.u_begin, v_last}, std::pair{u_last, v_last}}) {
+    const Vector3d corner = view.RayInWorld(u, v);
+    half_angle = std::max(half_angle, std::atan2(axis.cross(corner).norm(), axis.dot(corner)));
+  }
+  constexpr double kRounding_rad = 1e-9;
+  return view.scene.ObjectsInCone(view.world_from_camera.translation, axis,
+                                  half_angle + kRounding_rad);
+}
+
+struct PixelHit {
+  int u, v;
+  SceneHit hit;
+};
+
+// The camera rays of the tile that meet something. The direction has z = 1 in the camera's frame,
+// so that the ray parameter is the depth.
+std::vector<PixelHit> TraceTile(const View& view, const Tile& tile) {
+  const std::vector<int> candidates = ObjectsInTile(view, tile);
+  std::vector<PixelHit> hits;
+  hits.reserve(kTileSize * kTileSize);
+  for (int v = tile.v_begin; v < tile.v_end; ++v) {
+    for (int u = tile.u_begin; u < tile.u_end; ++u) {
+      const auto hit =
+          view.scene.Intersect(view.world_from_camera.translation, view.RayInWorld(u, v),
+                               candidates, std::numeric_limits<double>::infinity());
+      if (hit) hits.push_back({u, v, *hit});
+    }
+  }
+  return hits;
+}
+
+void RenderTile(const View& view, const Tile& tile, Rendering* rendering) {
+  const std::vector<PixelHit> hits = TraceTile(view, tile);
+  std::vector<SurfacePoint> points;
+  points.reserve(hits.size());
+  for (const auto& [u, v, hit] : hits) {
+    const Vector3d point = view.world_from_camera.translation + hit.t * view.RayInWorld(u, v);
+    points.push_back({hit, point});
+    rendering->depth_m(u, v) = static_cast<float>(hit.t);
+    const Vector3d normal = view.rotation.transpose() * hit.normal_in_world;
+    rendering->normal.Set(u, v, normal.cast<float>());
+    rendering->surface(u, v) = Rendering::SurfaceOf(hit);
+  }
+  const std::vector<Rgb8> colors = Shade(view.scene, points);
+  for (std::size_t i = 0; i < hits.size(); ++i) rendering->color(hits[i].u, hits[i].v) = colors[i];
+}
+
+}  // namespace
+
+Rendering Render(const Scene& scene, const PinholeCamera& camera,
+                 const Rigid3d& world_from_camera) {
+  camera.Validate("camera");
+  Rendering rendering{Image<float>(camera.width, camera.height, 0.f),
+                      Image<Rgb8>(camera.width, camera.height),
+                      VectorImage(camera.width, camera.height),
+                      Image<std::int32_t>(camera.width, camera.height, Rendering::kNothing)};
+  const View view{scene, camera, world_from_camera, world_from_camera.rotation.toRotationMatrix()};
+  const int tiles_across = (camera.width + kTileSize - 1) / kTileSize;
+  const int tiles_down = (camera.height + kTileSize - 1) / kTileSize;
+  ParallelFor(0, tiles_across * tiles_down, 8, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) RenderTile(view, TileOf(camera, i), &rendering);
+  });
+  return rendering;
+}
+
+RgbdFrame RenderFrame(const Scene& scene, const PinholeCamera& camera,
+                      const Rigid3d& world_from_camera, int index, double stamp_s) {
+  Rendering rendering = Render(scene, camera, world_from_camera);
+  return {index, stamp_s, std::move(rendering.depth_m), std::move(rendering.color)};
+}
+
+}  // namespace surfit

@@ -1,0 +1,211 @@
+#include "simulation/room.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <vector>
+
+#include "simulation/item.h"
+#include "simulation/random.h"
+#include "simulation/textures.h"
+
+namespace surfit {
+namespace {
+
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+constexpr double kHeight_m = 2.5;
+
+struct Room {
+  Scene* scene;
+  Random* random;
+  double width_m, depth_m;  // x from 0 to width_m, y from 0 to depth_m, the floor at z = 0
+
+  Item World() const { return Item(scene, Rigid3d()); }
+  // Wall i's frame: x from 0 to WallLength(i) along its foot, y into the room, z up.
+  Item WallFrame(int i) const {
+    const Vector3d corners[] = {{0, 0, 0}, {width_m, 0, 0}, {width_m, depth_m, 0}, {0, depth_m, 0}};
+    return World().At(corners[i], i * M_PI / 2);
+  }
+  double WallLength(int i) const { return i % 2 == 0 ? width_m : depth_m; }
+};
+
+template <typename Container>
+void Shuffle(Container* items, Random* random) {
+  for (std::size_t i = items->size(); i > 1; --i) {
+    std::swap((*items)[i - 1], (*items)[random->Index(static_cast<int>(i))]);
+  }
+}
+
+void AddShell(const Room& room) {
+  Random& random = *room.random;
+  const Item world = room.World();
+  const auto shade = static_cast<float>(random.Uniform(0.6, 1.1));
+  const std::uint64_t seed = random.Index(1 << 30);
+  constexpr double kThick_m = 0.2;
+  world.Box(
+      {-kThick_m, -kThick_m, -kThick_m}, {room.width_m + kThick_m, room.depth_m + kThick_m, 0},
+      Boards(shade * Color(0.45f, 0.3f, 0.18f), shade * Color(0.3f, 0.18f, 0.1f), 0.14, 1.2, seed));
+  world.Box({-kThick_m, -kThick_m, kHeight_m},
+            {room.width_m + kThick_m, room.depth_m + kThick_m, kHeight_m + kThick_m},
+            Plain(Color::Constant(0.78f)));
+  const Color base(0.68f, 0.65f, 0.6f);
+  for (int i = 0; i < 4; ++i) {
+    const Color paint = 0.8f * base + 0.2f * RandomPaint(&random);
+    const double length = room.WallLength(i);
+    const Item wall = room.WallFrame(i);
+    wall.Box({-kThick_m, -kThick_m, 0}, {length + kThick_m, 0, kHeight_m},
+             Mottled(paint, 0.5, 0.08f, seed + i));
+    wall.Box({0, 0, 0}, {length, 0.015, 0.08}, Plain(Color::Constant(0.55f)));
+  }
+}
+
+void AddCeilingLamp(const Room& room) {
+  const Vector3d above(room.width_m / 2 + room.random->Uniform(-0.4, 0.4),
+                       room.depth_m / 2 + room.random->Uniform(-0.4, 0.4), kHeight_m);
+  const Item lamp = room.World().At(above);
+  lamp.Rod({0, 0, -0.22}, {0, 0, 0}, 0.008, Plain(Color::Constant(0.2f)));
+  lamp.Add(MakeSphere(0.12), {0, 0, -0.3}, Plain(Color::Constant(0.8f)), 1.f);
+  room.scene->lights.push_back({above - Vector3d(0, 0, 0.45), 0.75f, true});
+}
+
+// Something that takes up a stretch of wall.
+struct Stretch {
+  double width_m;
+  std::function<void(const Item&)> add;
+};
+
+// Puts the stretches side by side in random order, with random gaps; the corners stay free.
+void Line(const Room& room, int wall, std::vector<Stretch> stretches) {
+  constexpr double kCorner_m = 0.8;
+  Shuffle(&stretches, room.random);
+  double free = room.WallLength(wall) - 2 * kCorner_m;
+  for (const Stretch& stretch : stretches) free -= stretch.width_m;
+  double x = kCorner_m;
+  for (const Stretch& stretch : stretches) {
+    const double gap = std::max(0.0, room.random->Uniform(0, free));
+    free -= gap;
+    x += gap;
+    stretch.add(room.WallFrame(wall).At({x + stretch.width_m / 2, 0, 0}));
+    x += stretch.width_m;
+  }
+}
+
+Stretch PosterStretch(Random* random) {
+  const double width = random->Uniform(0.4, 0.7), height = random->Uniform(0.5, 0.9);
+  return {width, [=](const Item& at) {
+            AddPoster(at.At({0, 0, 1.1}), width, height, random);
+            at.Target({0, 0, 0.9});
+          }};
+}
+
+void AddReadingWall(const Room& room, int wall) {
+  Random* random = room.random;
+  const double width = random->Uniform(1.2, 1.8);
+  Line(room, wall,
+       {{width, [=](const Item& at) { AddBookshelf(at, width, random); }},
+        {0.3,
+         [=](const Item& at) {
+           AddClock(at.At({0, 0, 1.5}), random);
+         }},
+        PosterStretch(random)});
+}
+
+void AddSofaWall(const Room& room, int wall) {
+  Random* random = room.random;
+  const double width = random->Uniform(1.5, 2.1);
+  const auto sofa_and_poster = [=](const Item& at) {
+    AddSofa(at, width, random);
+    AddPoster(at.At({random->Uniform(-0.3, 0.3), 0, 1.2}), 0.8, 0.6, random);
+  };
+  Line(room, wall, {{width, sofa_and_poster}, PosterStretch(random)});
+}
+
+void AddCabinetWall(const Room& room, int wall) {
+  Random* random = room.random;
+  const double width = random->Uniform(1.2, 1.7), curtain = random->Uniform(0.6, 0.9);
+  Line(room, wall,
+       {{width, [=](const Item& at) { AddCabinet(at, width, random); }},
+        {curtain, [=](const Item& at) {
+           AddCurtain(at, curtain, kHeight_m - 0.15, random);
+           at.Target({0, 0.1, 0.9});
+         }}});
+}
+
+// Hardly anything but plain wall.
+void AddBareWall(const Room& room, int wall) {
+  Random* random = room.random;
+  const auto shelf = [=](const Item& at) { AddWallShelf(at.At({0, 0, 1.45}), 0.8, random); };
+  Line(room, wall, {{1.0, [=](const Item& at) { AddDoor(at, random); }}, {0.8, shelf}});
+  const double length = room.WallLength(wall);
+  for (const double share : {0.25, 0.4, 0.6, 0.75}) {
+    room.WallFrame(wall).Target({share * length, 0, random->Uniform(0.2, 0.9)});
+  }
+}
+
+void AddWalls(const Room& room) {
+  std::array<void (*)(const Room&, int), 4> walls = {&AddReadingWall, &AddSofaWall, &AddCabinetWall,
+                                                     &AddBareWall};
+  Shuffle(&walls, room.random);
+  for (int i = 0; i < 4; ++i) walls[i](room, i);
+}
+
+void AddBall(const Item& item, Random* random) {
+  const double radius = random->Uniform(0.11, 0.2);
+  item.Add(MakeSphere(radius), {0, 0, radius},
+           Checks(RandomPaint(random), RandomPaint(random), 0.9 * radius));
+  item.Target({0, 0, radius});
+}
+
+void AddBin(const Item& item, Random* random) {
+  item.Cone(Vector3d::Zero(), 0.11, 0.15, 0.34, Plain(RandomPaint(random)));
+  item.Target({0, 0, 0.2});
+}
+
+void AddCorners(const Room& room) {
+  std::array<void (*)(const Item&, Random*), 4> things = {&AddPlant, &AddFloorLamp, &AddBall,
+                                                          &AddBin};
+  Shuffle(&things, room.random);
+  for (int i = 0; i < 4; ++i) things[i](room.WallFrame(i).At({0.38, 0.38, 0}), room.random);
+}
+
+void AddMiddle(const Room& room) {
+  Random* random = room.random;
+  const Vector3d middle(room.width_m / 2 + random->Uniform(-0.5, 0.5),
+                        room.depth_m / 2 + random->Uniform(-0.3, 0.3), 0);
+  const Item place = room.World().At(middle, random->Uniform(0, M_PI));
+  place.Box({-1.1, -0.8, 0}, {1.1, 0.8, 0.01}, Rug(2.2, 1.6, random->Index(1 << 30)));
+  const double width = random->Uniform(1.1, 1.5), depth = random->Uniform(0.7, 0.9);
+  AddTable(place, width, depth, random);
+  for (const double side : {-1, 1}) {
+    // A chair faces the table, its back away from it.
+    const double x = random->Uniform(-0.25, 0.25),
+                 y = side * (depth / 2 + random->Uniform(0.1, 0.3));
+    AddChair(place.At({x, y, 0}, (side > 0 ? M_PI : 0) + random->Uniform(-0.4, 0.4)), random);
+  }
+  AddChair(place.At({width / 2 + 0.3, random->Uniform(-0.1, 0.1), 0},
+                    M_PI / 2 + random->Uniform(-0.4, 0.4)),
+           random);
+}
+
+}  // namespace
+
+Scene MakeRoom(std::uint64_t seed) {
+  Scene scene;
+  Random random(seed);
+  const Room room{&scene, &random, random.Uniform(5, 6.5), random.Uniform(4.6, 5.6)};
+  AddShell(room);
+  AddCeilingLamp(room);
+  AddWalls(room);
+  AddCorners(room);
+  AddMiddle(room);
+  constexpr double kFromWall_m = 1.3, kLow_m = 1.2, kHigh_m = 1.6;
+  scene.camera_space = Eigen::AlignedBox3d(
+      Vector3d(kFromWall_m, kFromWall_m, kLow_m),
+      Vector3d(room.width_m - kFromWall_m, room.depth_m - kFromWall_m, kHigh_m));
+  return scene;
+}
+
+}  // namespace surfit

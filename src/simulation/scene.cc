@@ -1,0 +1,77 @@
+#include "surfit/simulation/scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace surfit {
+
+using Eigen::Vector3d;
+
+void Scene::Add(ShapePtr shape, const Rigid3d& world_from_object, Texture texture, float glow) {
+  placements_.push_back({world_from_object.rotation.conjugate().toRotationMatrix(),
+                         world_from_object.translation, shape->BoundingRadius()});
+  objects_.push_back({std::move(shape), world_from_object, std::move(texture), glow});
+}
+
+std::optional<SceneHit> Scene::Intersect(const Vector3d& origin, const Vector3d& direction) const {
+  std::vector<int> all(objects_.size());
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int>(i);
+  return Intersect(origin, direction, all, std::numeric_limits<double>::infinity());
+}
+
+std::optional<SceneHit> Scene::Intersect(const Vector3d& origin, const Vector3d& direction,
+                                         const std::vector<int>& candidates, double t_end) const {
+  std::optional<ShapeHit> nearest;
+  int object = -1;
+  for (const int i : candidates) {
+    const Placement& place = placements_[i];
+    const auto hit =
+        objects_[i].shape->Intersect(place.object_from_world * (origin - place.center_in_world),
+                                     place.object_from_world * direction);
+    if (hit && hit->t < t_end) {
+      nearest = hit;
+      object = i;
+      t_end = hit->t;
+    }
+  }
+  if (!nearest) return std::nullopt;
+  const Vector3d normal = placements_[object].object_from_world.transpose() * nearest->normal;
+  return SceneHit{nearest->t, normal, object, nearest->face};
+}
+
+std::vector<int> Scene::ObjectsInCone(const Vector3d& apex, const Vector3d& unit_axis,
+                                      double half_angle_rad, double reach_m) const {
+  std::vector<int> inside;
+  for (std::size_t i = 0; i < placements_.size(); ++i) {
+    const Vector3d to_center = placements_[i].center_in_world - apex;
+    const double distance = to_center.norm(), radius = placements_[i].radius;
+    if (distance - radius > reach_m) continue;
+    if (distance > radius) {
+      const double cosine = std::clamp(to_center.dot(unit_axis) / distance, -1.0, 1.0);
+      if (std::acos(cosine) > half_angle_rad + std::asin(radius / distance)) continue;
+    }
+    inside.push_back(static_cast<int>(i));
+  }
+  return inside;
+}
+
+double Scene::Distance(const Vector3d& point_in_world) const {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    const Vector3d from_center = point_in_world - placements_[i].center_in_world;
+    if (from_center.norm() - placements_[i].radius > nearest) continue;
+    const double distance =
+        objects_[i].shape->Distance(placements_[i].object_from_world * from_center);
+    nearest = std::min(nearest, distance);
+  }
+  return nearest;
+}
+
+Eigen::Vector3f Scene::Reflectance(const SceneHit& hit, const Vector3d& point_in_world) const {
+  const Placement& place = placements_[hit.object];
+  return objects_[hit.object].texture(place.object_from_world *
+                                      (point_in_world - place.center_in_world));
+}
+
+}  // namespace surfit

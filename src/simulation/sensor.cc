@@ -1,0 +1,86 @@
+#include "surfit/simulation/sensor.h"
+
+#include <glog/logging.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "simulation/random.h"
+#include "surfit/core/error.h"
+#include "surfit/core/parallel.h"
+
+namespace surfit {
+namespace {
+
+void Check(bool holds, const char* field, double value, const char* constraint) {
+  if (!holds) throw InputError(Concat("KinectOptions: ", field, " is ", value, ", ", constraint));
+}
+
+// The depth at (u, v) by linear interpolation of the disparity, which is exact on planes; `here`,
+// the depth of the pixel itself, where the four pixels about (u, v) do not all lie on its surface.
+double ShiftedDepth(const Image<float>& depth_m, double u, double v, double here,
+                    double max_edge_ratio) {
+  const int u0 = static_cast<int>(std::floor(u)), v0 = static_cast<int>(std::floor(v));
+  if (u0 < 0 || v0 < 0 || u0 + 1 >= depth_m.width() || v0 + 1 >= depth_m.height()) return here;
+  double disparity[2][2];
+  for (int j = 0; j < 2; ++j) {
+    for (int i = 0; i < 2; ++i) {
+      const double depth = depth_m(u0 + i, v0 + j);
+      if (!(std::abs(depth - here) <= max_edge_ratio * here)) return here;
+      disparity[j][i] = 1 / depth;
+    }
+  }
+  const double a = u - u0, b = v - v0;
+  return 1 / ((1 - b) * ((1 - a) * disparity[0][0] + a * disparity[0][1]) +
+              b * ((1 - a) * disparity[1][0] + a * disparity[1][1]));
+}
+
+double Quantised(double depth_m, double disparity_noise, const KinectOptions& options) {
+  constexpr double kCmPerMetre = 100;
+  const double constant_m = options.disparity_times_z_cm / kCmPerMetre;
+  return constant_m / std::round(constant_m / depth_m + disparity_noise);
+}
+
+}  // namespace
+
+void KinectOptions::Validate() const {
+  Check(shift_sd_px >= 0, "shift_sd_px", shift_sd_px, "must not be negative");
+  Check(disparity_sd >= 0, "disparity_sd", disparity_sd, "must not be negative");
+  Check(disparity_times_z_cm > 0, "disparity_times_z_cm", disparity_times_z_cm, "must be positive");
+  Check(min_depth_m > 0, "min_depth_m", min_depth_m, "must be positive");
+  Check(max_depth_m > min_depth_m, "max_depth_m", max_depth_m, "must be above min_depth_m");
+  Check(max_incidence_deg > 0 && max_incidence_deg <= 90, "max_incidence_deg", max_incidence_deg,
+        "must be above 0 and at most 90");
+  Check(max_edge_ratio >= 0, "max_edge_ratio", max_edge_ratio, "must not be negative");
+}
+
+Image<float> KinectDepth(const Image<float>& depth_m, const VectorImage& normal,
+                         const PinholeCamera& camera, std::uint64_t seed,
+                         const KinectOptions& options) {
+  options.Validate();
+  CHECK(depth_m.width() == normal.width() && depth_m.height() == normal.height());
+  const double min_cosine = std::cos(options.max_incidence_deg * M_PI / 180);
+  Image<float> measured(depth_m.width(), depth_m.height(), 0.f);
+  ParallelFor(0, depth_m.height(), 16, [&](int begin, int end) {
+    for (int v = begin; v < end; ++v) {
+      Random random(seed, v);
+      for (int u = 0; u < depth_m.width(); ++u) {
+        const double shift_u = options.shift_sd_px * random.Normal();
+        const double shift_v = options.shift_sd_px * random.Normal();
+        const double disparity_noise = options.disparity_sd * random.Normal();
+        const double here = depth_m(u, v);
+        if (here <= 0) continue;
+        const Eigen::Vector3d ray = camera.Ray(u, v);
+        if (-normal(u, v).cast<double>().dot(ray) < min_cosine * ray.norm()) continue;
+        const double shifted =
+            ShiftedDepth(depth_m, u + shift_u, v + shift_v, here, options.max_edge_ratio);
+        const double z = Quantised(shifted, disparity_noise, options);
+        if (z < options.min_depth_m || z > options.max_depth_m) continue;
+        measured(u, v) = static_cast<float>(z);
+      }
+    }
+  });
+  return measured;
+}
+
+}  // namespace surfit
