@@ -54,6 +54,26 @@ StampedPose ParsePose(std::string_view line) {
   return {v[0], Rigid3d(rotation.normalized(), {v[1], v[2], v[3]})};
 }
 
+// Calls parse(line) for each line that is neither empty nor a comment, and adds file and line
+// number to the message of an InputError that it throws.
+template <typename Parse>
+void ForEachLine(const std::string& path, const Parse& parse) {
+  const std::string text = ReadFile(path);
+  int line_number = 0;
+  for (std::string_view rest = text; !rest.empty();) {
+    ++line_number;
+    const std::string_view line = rest.substr(0, rest.find('\n'));
+    rest.remove_prefix(std::min(line.size() + 1, rest.size()));
+    const std::size_t first = line.find_first_not_of(kSeparators);
+    if (first == line.npos || line[first] == '#') continue;
+    try {
+      parse(line);
+    } catch (const InputError& error) {
+      throw InputError(Concat(path, ":", line_number, ": ", error.what()));
+    }
+  }
+}
+
 void AppendFixed(double value, int decimals, std::string* line) {
   std::array<char, 400> text;  // the longest double has 309 digits before the point
   const auto result = std::to_chars(text.data(), text.data() + text.size(), value,
@@ -64,25 +84,20 @@ void AppendFixed(double value, int decimals, std::string* line) {
 }  // namespace
 
 Trajectory ReadTumTrajectory(const std::string& path) {
-  const std::string text = ReadFile(path);
   Trajectory trajectory;
-  int line_number = 0;
-  for (std::string_view rest = text; !rest.empty();) {
-    ++line_number;
-    const std::string_view line = rest.substr(0, rest.find('\n'));
-    rest.remove_prefix(std::min(line.size() + 1, rest.size()));
-    const std::size_t first = line.find_first_not_of(kSeparators);
-    if (first == line.npos || line[first] == '#') continue;
-    try {
-      trajectory.push_back(ParsePose(line));
-    } catch (const InputError& error) {
-      throw InputError(Concat(path, ":", line_number, ": ", error.what()));
-    }
-  }
+  ForEachLine(path, [&](std::string_view line) { trajectory.push_back(ParsePose(line)); });
   std::stable_sort(
       trajectory.begin(), trajectory.end(),
       [](const StampedPose& a, const StampedPose& b) { return a.stamp_s < b.stamp_s; });
   return trajectory;
+}
+
+std::vector<double> ReadTumStamps(const std::string& path) {
+  std::vector<double> stamps_s;
+  ForEachLine(path,
+              [&](std::string_view line) { stamps_s.push_back(ParseNumber(TakeColumn(&line))); });
+  std::sort(stamps_s.begin(), stamps_s.end());
+  return stamps_s;
 }
 
 TumTrajectoryWriter::TumTrajectoryWriter(const std::string& path)

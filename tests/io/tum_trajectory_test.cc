@@ -151,6 +151,15 @@ TEST(ReadTumTrajectory, NamesFileAndLineOfWhatItCannotRead) {
   expect_error("2 0 0 0 0 0 1 1", "the norm of the quaternion is 1.41421, must be 1");
 }
 
+TEST(ReadTumStamps, ReadsTheFirstColumnOfAnyList) {
+  const TempFolder dir;
+  const std::string path = dir.Write("rgb.txt", "# x\n2.5 rgb/2.png\n1.25 rgb/1.png\n");
+  EXPECT_THAT(ReadTumStamps(path), ::testing::ElementsAre(1.25, 2.5));
+  dir.Write("rgb.txt", "1.25 rgb/1.png\nrgb/2.png\n");
+  EXPECT_THAT([&] { ReadTumStamps(path); },
+              ThrowsMessage<InputError>(HasSubstr(path + ":2: 'rgb/2.png' is not a finite")));
+}
+
 TEST(ReadTumTrajectory, NamesAFileThatCannotBeRead) {
   const TempFolder dir;
   EXPECT_THAT([&] { ReadTumTrajectory(dir / "none.txt"); },

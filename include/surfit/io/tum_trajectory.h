@@ -2,6 +2,7 @@
 
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include "surfit/geometry/trajectory.h"
 
@@ -14,6 +15,10 @@ namespace surfit {
 // quaternions are normalised. A file without poses gives an empty trajectory.
 // Throws InputError naming the file, and the line where one is at fault.
 Trajectory ReadTumTrajectory(const std::string& path);
+
+// The first column of a trajectory, or of a list of images such as rgb.txt: stamps in s, ascending.
+// Throws InputError naming the file, and the line where one is at fault.
+std::vector<double> ReadTumStamps(const std::string& path);
 
 // Writes a trajectory pose by pose: single spaces, stamps with 6 and poses with 9 decimals.
 class TumTrajectoryWriter {
