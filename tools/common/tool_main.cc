@@ -84,4 +84,8 @@ int ToolMain(int argc, char** argv, const std::string& summary, const std::funct
   }
 }
 
+void RequireFlag(const std::string& name, const std::string& value) {
+  if (value.empty()) throw InputError(Concat("--", name, " is missing, must be set"));
+}
+
 }  // namespace surfit::tools

@@ -13,4 +13,7 @@ enum ExitCode { kDone = 0, kBadInput = 1, kAlgorithmFailed = 2 };
 // other exception. --help prints the summary and our own flags with their defaults, on stdout.
 int ToolMain(int argc, char** argv, const std::string& summary, const std::function<int()>& run);
 
+// Throws InputError naming the flag if its value is empty.
+void RequireFlag(const std::string& name, const std::string& value);
+
 }  // namespace surfit::tools

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <string>
+#include <vector>
+
+#include "testing/temp_folder.h"
+
+namespace surfit::testing {
+
+struct ProgramResult {
+  int exit_code = -1;  // 128 + signal if one ended it, as in a shell
+  std::string out;     // all it wrote to stdout
+  std::string err;     // and to stderr
+};
+
+// One of our programs (by its name in the build's tools folder), running as a process of its own.
+class RunningProgram {
+ public:
+  RunningProgram(const std::string& name, std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), std::string(SURFIT_TOOLS_DIR) + "/" + name);
+    std::vector<char*> argv;
+    for (std::string& argument : arguments) argv.push_back(argument.data());
+    argv.push_back(nullptr);
+    posix_spawn_file_actions_t files;
+    posix_spawn_file_actions_init(&files);
+    constexpr int kFlags = O_WRONLY | O_CREAT | O_TRUNC;
+    posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, out().c_str(), kFlags, 0600);
+    posix_spawn_file_actions_addopen(&files, STDERR_FILENO, err().c_str(), kFlags, 0600);
+    const int error = posix_spawn(&pid_, argv[0], &files, nullptr, argv.data(), environ);
+    posix_spawn_file_actions_destroy(&files);
+    if (error != 0) {
+      pid_ = -1;
+      ADD_FAILURE() << "cannot run " << argv[0];
+    }
+  }
+  ~RunningProgram() {
+    if (pid_ < 0) return;
+    kill(pid_, SIGKILL);
+    Wait();
+  }
+  RunningProgram(const RunningProgram&) = delete;
+  RunningProgram& operator=(const RunningProgram&) = delete;
+
+  void Signal(int signal) { kill(pid_, signal); }
+
+  // What it has written so far.
+  std::string StdoutSoFar() const { return ReadBytes(out()); }
+  std::string StderrSoFar() const { return ReadBytes(err()); }
+
+  // Waits for its end; once.
+  ProgramResult Wait() {
+    int status = 0;
+    if (pid_ < 0 || waitpid(pid_, &status, 0) != pid_) return {};
+    pid_ = -1;
+    const int exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    return {exit_code, StdoutSoFar(), StderrSoFar()};
+  }
+
+ private:
+  std::string out() const { return folder_ / "stdout"; }
+  std::string err() const { return folder_ / "stderr"; }
+
+  TempFolder folder_;
+  pid_t pid_ = -1;
+};
+
+// Runs one of our programs to its end: RunProgram("surfit_evaluate", {"--estimate=" + path}).
+inline ProgramResult RunProgram(const std::string& name,
+                                const std::vector<std::string>& arguments) {
+  return RunningProgram(name, arguments).Wait();
+}
+
+}  // namespace surfit::testing

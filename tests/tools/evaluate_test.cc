@@ -1,0 +1,172 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "surfit/core/error.h"
+#include "testing/run_program.h"
+#include "testing/shared_data.h"
+
+namespace surfit {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::MatchesRegex;
+using testing::ProgramResult;
+using testing::RunProgram;
+using testing::TempFolder;
+
+// The square of tests/evaluation/square_trajectory.h, where the figures are derived: one corner is
+// lifted by h = 0.001 m, so that the ATE is h / 4 for every pose, and the step errors are 0, h, h.
+constexpr char kSquare[] =
+    "# timestamp tx ty tz qx qy qz qw\n"
+    "1305031453.000000 -1 -1 0 0 0 0 1\n"
+    "1305031454.000000 1 -1 0 0 0 0 1\n"
+    "1305031455.000000 1 1 0 0 0 0 1\n"
+    "1305031456.000000 -1 1 0 0 0 0 1\n";
+constexpr char kLifted[] =
+    "1305031453.004 -1 -1 0 0 0 0 1\n"
+    "1305031454.004 1 -1 0 0 0 0 1\n"
+    "1305031455.004 1 1 0.001 0 0 0 1\n"
+    "1305031456.004 -1 1 0 0 0 0 1\n";
+constexpr double kLift_m = 0.001;
+
+std::string FirstLines(const std::string& text, int count) {
+  std::size_t end = 0;
+  for (int i = 0; i < count; ++i) end = text.find('\n', end) + 1;
+  return text.substr(0, end);
+}
+
+class EvaluateTest : public ::testing::Test {
+ protected:
+  ProgramResult Evaluate(std::vector<std::string> flags) const {
+    flags.push_back("--groundtruth=" + (folder_ / "truth.txt"));
+    flags.push_back("--estimate=" + (folder_ / "estimate.txt"));
+    return RunProgram("surfit_evaluate", flags);
+  }
+  void Write(const std::string& truth, const std::string& estimate) const {
+    folder_.Write("truth.txt", truth);
+    folder_.Write("estimate.txt", estimate);
+  }
+  void ExpectError(const ProgramResult& result, const std::string& message) const {
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_THAT(result.out, IsEmpty());
+    EXPECT_THAT(result.err, MatchesRegex("error: [^\n]*\n"));
+    EXPECT_THAT(result.err, HasSubstr(message));
+  }
+  TempFolder folder_;
+};
+
+TEST_F(EvaluateTest, PrintsTheFiguresOfTheLiftedSquare) {
+  Write(kSquare, kLifted);
+  const ProgramResult result = Evaluate({});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  // Second order in h, as derived with the square.
+  EXPECT_NEAR(json.at("ate_rmse_m"), kLift_m / 4, kLift_m * kLift_m);
+  EXPECT_NEAR(json.at("ate_max_m"), kLift_m / 4, kLift_m * kLift_m);
+  EXPECT_EQ(json.at("ate_coverage"), 1);
+  EXPECT_NEAR(json.at("rpe_translation_rmse_m"), kLift_m * std::sqrt(2. / 3), 1e-12);
+  EXPECT_EQ(json.at("rpe_rotation_rmse_deg"), 0);
+  EXPECT_EQ(json.at("rpe_pairs"), 3);
+  EXPECT_EQ(json.at("poses_matched"), 4);
+  EXPECT_THAT(result.err, HasSubstr("over 4 of 4 true poses"));
+}
+
+TEST_F(EvaluateTest, TakesTheStepFromTheFlags) {
+  Write(kSquare, kLifted);
+  for (const char* unit : {"frames", "seconds"}) {
+    const ProgramResult result = Evaluate({"--delta=2", Concat("--delta_unit=", unit)});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const auto json = nlohmann::json::parse(result.out);
+    EXPECT_EQ(json.at("rpe_pairs"), 2);
+    EXPECT_NEAR(json.at("rpe_translation_rmse_m"), kLift_m * std::sqrt(1. / 2), 1e-12);
+  }
+}
+
+TEST_F(EvaluateTest, ReportsNoStepAsNull) {
+  Write(kSquare, kLifted);
+  const ProgramResult result = Evaluate({"--delta=10"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(nlohmann::json::parse(result.out).at("rpe_translation_rmse_m").is_null());
+  EXPECT_THAT(result.err, HasSubstr("no two poses are apart by 10 frames"));
+}
+
+TEST_F(EvaluateTest, CoverageIsOfTheListedFrames) {
+  Write(kSquare, FirstLines(kLifted, 3));
+  EXPECT_EQ(nlohmann::json::parse(Evaluate({}).out).at("ate_coverage"), 0.75);
+  const std::string frames = folder_.Write(
+      "rgb.txt", "1305031453.004 a.png\n1305031454.004 b.png\n1305031455.004 c.png\n");
+  const ProgramResult result = Evaluate({"--frames=" + frames});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(nlohmann::json::parse(result.out).at("ate_coverage"), 1);
+}
+
+TEST_F(EvaluateTest, RefusesFewerThanThreeMatches) {
+  Write(kSquare, kLifted);
+  ExpectError(Evaluate({"--max_difference_s=0.003"}),
+              "0 poses match within 0.003 s, must be at least 3");
+  Write(kSquare, FirstLines(kLifted, 2));
+  ExpectError(Evaluate({}), "estimate.txt has 2 poses from 1305031453.004 to 1305031454.004 s");
+  Write("# nothing\n", kLifted);
+  ExpectError(Evaluate({}), "truth.txt has no poses");
+}
+
+TEST_F(EvaluateTest, NamesFileAndLineOfWhatItCannotRead) {
+  Write(kSquare, "1 0 0 0 0 0 0 1\n2 0 0 0 0 0 0\n");
+  ExpectError(Evaluate({}), "estimate.txt:2: 7 columns, must be 8");
+  Write(std::string("\x89PNG\n"), kLifted);
+  ExpectError(Evaluate({}), "truth.txt:1: ");
+}
+
+TEST_F(EvaluateTest, RefusesBadFlags) {
+  Write(kSquare, kLifted);
+  ExpectError(Evaluate({"--delta=0"}), "delta is 0, must be finite and positive");
+  ExpectError(Evaluate({"--delta=1.5"}), "delta is 1.5 frames, must be an integer");
+  ExpectError(Evaluate({"--delta_unit=m"}), "--delta_unit is 'm', must be 'frames' or 'seconds'");
+  ExpectError(Evaluate({"--max_difference_s=-1"}), "max_difference_s is -1, must be from 0 to 1");
+  ExpectError(Evaluate({"--max_difference_s=abc"}), "abc");
+  ExpectError(Evaluate({"--no_such_flag=1"}), "no_such_flag");
+  ExpectError(Evaluate({"word"}), "unexpected argument 'word'");
+  ExpectError(RunProgram("surfit_evaluate", {}), "--groundtruth is missing, must be set");
+  ExpectError(RunProgram("surfit_evaluate", {"--groundtruth=x"}), "--estimate is missing");
+  ExpectError(RunProgram("surfit_evaluate", {"--groundtruth=/no/such", "--estimate=x"}),
+              "cannot read '/no/such'");
+}
+
+TEST_F(EvaluateTest, TakesAFlagfile) {
+  Write(kSquare, kLifted);
+  const std::string flags = folder_.Write("flags", "--delta=2\n--max_difference_s=0.02\n");
+  const ProgramResult result = Evaluate({"--flagfile=" + flags});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(nlohmann::json::parse(result.out).at("options").at("max_difference_s"), 0.02);
+}
+
+TEST(EvaluateHelp, ShowsEveryDefault) {
+  const ProgramResult result = RunProgram("surfit_evaluate", {"--help"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.out, AllOf(HasSubstr("--max_difference_s  (double, default 0.01)"),
+                                HasSubstr("--delta  (double, default 1)"),
+                                HasSubstr("--delta_unit  (string, default \"frames\")")));
+}
+
+// Motion capture at 100 Hz against itself: no error, and each of the nine frames is covered.
+TEST(EvaluateSharedData, ReadsMotionCaptureAndCountsFrames) {
+  SURFIT_REQUIRE_SHARED_DATA("tum_fr1_desk_9");
+  const std::string folder = testing::SharedData("tum_fr1_desk_9");
+  const ProgramResult result =
+      RunProgram("surfit_evaluate",
+                 {"--groundtruth=" + folder + "/groundtruth.txt",
+                  "--estimate=" + folder + "/groundtruth.txt", "--frames=" + folder + "/rgb.txt"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_LT(json.at("ate_max_m"), 1e-9);
+  EXPECT_EQ(json.at("poses_expected"), 9);
+  EXPECT_EQ(json.at("ate_coverage"), 1);
+}
+
+}  // namespace
+}  // namespace surfit

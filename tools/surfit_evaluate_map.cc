@@ -1,0 +1,61 @@
+// Compares a map with a reference surface: accuracy and completeness.
+
+#include <gflags/gflags.h>
+
+#include <iostream>
+
+#include "common/json.h"
+#include "common/tool_main.h"
+#include "surfit/evaluation/map_error.h"
+#include "surfit/io/point_cloud.h"
+
+DEFINE_string(map, "", "the map, a PLY file with points or surfels");
+DEFINE_string(reference, "", "the true surface as a dense PLY point cloud, in the map's frame");
+DEFINE_double(completeness_distance_m, surfit::MapErrorOptions().completeness_distance_m,
+              "a reference point counts as mapped if a map point is at most this far");
+
+namespace surfit::tools {
+namespace {
+
+Json ToJson(const MapError& error) {
+  Json json;
+  SetStatistics("accuracy", "m", &error.accuracy_m, &json);
+  json["completeness"] = error.completeness;
+  SetStatistics("plane_accuracy", "m", error.plane_accuracy_m ? &*error.plane_accuracy_m : nullptr,
+                &json);
+  json["map_points"] = error.map_points;
+  json["reference_points"] = error.reference_points;
+  json["options"] = {{"map", FLAGS_map},
+                     {"reference", FLAGS_reference},
+                     {"completeness_distance_m", FLAGS_completeness_distance_m}};
+  return json;
+}
+
+int Run() {
+  RequireFlag("map", FLAGS_map);
+  RequireFlag("reference", FLAGS_reference);
+  const MapErrorOptions options{FLAGS_completeness_distance_m};
+  options.Validate();
+  const PointCloud map = ReadPly(FLAGS_map);
+  const PointCloud reference = ReadPly(FLAGS_reference);
+  const MapError error = ComputeMapError(map.points, reference.points, reference.normals, options);
+  std::cout << ToJson(error).dump(2) << std::endl;
+  std::cerr << "accuracy " << error.accuracy_m.mean << " m mean, " << error.accuracy_m.p90
+            << " m for 90 %; " << 100 * error.completeness << " % of the reference mapped within "
+            << options.completeness_distance_m << " m" << std::endl;
+  return kDone;
+}
+
+}  // namespace
+}  // namespace surfit::tools
+
+int main(int argc, char** argv) {
+  return surfit::tools::ToolMain(
+      argc, argv,
+      "compares a map with a reference surface. Prints JSON on stdout and a summary on stderr: "
+      "accuracy is the distance from each map point to the nearest reference point (the "
+      "reference's spacing is part of it), plane_accuracy the distance to that point's plane "
+      "where the reference has normals, completeness the share of the reference with a map point "
+      "near by.",
+      surfit::tools::Run);
+}
