@@ -1,0 +1,29 @@
+# Installs SURFIT_BUILD to a fresh prefix under WORK, then configures, builds and runs the consumer
+# project against what was installed.
+cmake_minimum_required(VERSION 3.25)
+
+function(run)
+  execute_process(COMMAND ${ARGN} COMMAND_ERROR_IS_FATAL ANY)
+endfunction()
+
+set(prefix "${WORK}/prefix")
+file(REMOVE_RECURSE "${WORK}")
+run("${CMAKE_COMMAND}" --install "${SURFIT_BUILD}" --prefix "${prefix}")
+
+# An installed package must not lean on the tree that it came from.
+file(GLOB_RECURSE cmake_files "${prefix}/*.cmake")
+foreach(file ${cmake_files})
+  file(STRINGS "${file}" lines)
+  foreach(tree "${SURFIT_SOURCE}" "${SURFIT_BUILD}")
+    string(FIND "${lines}" "${tree}" position)
+    if(NOT position EQUAL -1)
+      message(FATAL_ERROR "${file} names ${tree}")
+    endif()
+  endforeach()
+endforeach()
+
+run("${CMAKE_COMMAND}" -S "${CMAKE_CURRENT_LIST_DIR}" -B "${WORK}/build" -G "${GENERATOR}"
+  "-DCMAKE_PREFIX_PATH=${prefix}" -DCMAKE_BUILD_TYPE=Release "-DCMAKE_CXX_COMPILER=${COMPILER}"
+  "-DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}")
+run("${CMAKE_COMMAND}" --build "${WORK}/build")
+run("${WORK}/build/consumer")

@@ -1,0 +1,63 @@
+# Every .cc file is named in the CMakeLists.txt of its folder or of the nearest one above, or as a
+# neighbour's (../folder/file.cc) in any other; every public header is in its room's list; every
+# other header is included by somebody.
+cmake_minimum_required(VERSION 3.25)
+
+file(GLOB_RECURSE sources RELATIVE "${ROOT}" "${ROOT}/src/*.cc" "${ROOT}/tools/*.cc"
+  "${ROOT}/tests/*.cc")
+file(GLOB_RECURSE public_headers RELATIVE "${ROOT}" "${ROOT}/include/*.h")
+file(GLOB_RECURSE internal_headers RELATIVE "${ROOT}" "${ROOT}/src/*.h" "${ROOT}/tools/*.h"
+  "${ROOT}/tests/*.h" "${ROOT}/cost_functions/*.h")
+if(NOT sources OR NOT public_headers)
+  message(SEND_ERROR "no files under ${ROOT}")
+endif()
+
+# The nearest folder, from the file's upwards, with a CMakeLists.txt.
+function(listing_folder file result)
+  cmake_path(GET file PARENT_PATH folder)
+  while(NOT EXISTS "${ROOT}/${folder}/CMakeLists.txt")
+    cmake_path(GET folder PARENT_PATH folder)
+  endwhile()
+  set(${result} "${folder}" PARENT_SCOPE)
+endfunction()
+
+set(all_lists)
+file(GLOB_RECURSE list_files "${ROOT}/src/CMakeLists.txt" "${ROOT}/tools/CMakeLists.txt"
+  "${ROOT}/tests/CMakeLists.txt")
+foreach(file ${list_files})
+  file(READ "${file}" list)
+  string(APPEND all_lists "${list}")
+endforeach()
+
+# Programs may be listed without their ending.
+foreach(file ${sources})
+  listing_folder("${file}" folder)
+  file(READ "${ROOT}/${folder}/CMakeLists.txt" list)
+  cmake_path(RELATIVE_PATH file BASE_DIRECTORY "${folder}" OUTPUT_VARIABLE name)
+  string(REGEX REPLACE "\\.cc$" "" stem "${name}")
+  string(REGEX MATCH "[^/]+/[^/]+$" with_folder "${file}")
+  if(NOT list MATCHES "[ \n(/]${stem}(\\.cc)?[ \n)]" AND NOT all_lists MATCHES "\\.\\./${with_folder}")
+    message(SEND_ERROR "${file} is not listed in ${folder}/CMakeLists.txt")
+  endif()
+endforeach()
+
+foreach(file ${public_headers})
+  string(REGEX MATCH "^include/surfit/([^/]+)/" ignored "${file}")
+  set(listing "src/${CMAKE_MATCH_1}/CMakeLists.txt")
+  file(READ "${ROOT}/${listing}" list)
+  if(NOT list MATCHES "/${file}\"")
+    message(SEND_ERROR "${file} is not listed in ${listing}")
+  endif()
+endforeach()
+
+set(includes)
+foreach(file ${sources} ${public_headers} ${internal_headers})
+  file(STRINGS "${ROOT}/${file}" lines REGEX "^#include \"")
+  list(APPEND includes ${lines})
+endforeach()
+foreach(file ${internal_headers})
+  string(REGEX REPLACE "^(src|tools|tests)/" "" name "${file}")
+  if(NOT "#include \"${name}\"" IN_LIST includes)
+    message(SEND_ERROR "nobody includes ${file} (as \"${name}\")")
+  endif()
+endforeach()
