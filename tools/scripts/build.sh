@@ -1,0 +1,12 @@
+#!/usr/bin/env bash
+# Configures and builds one preset on all cores: build.sh <preset> [target...]
+set -euo pipefail
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
+preset=$1
+shift
+
+# Hits survive a move of the source folder.
+export CCACHE_BASEDIR=$root CCACHE_NOHASHDIR=1
+cd "$root"
+cmake --preset "$preset" --log-level=NOTICE
+cmake --build --preset "$preset" --parallel "$(nproc)" ${1:+--target "$@"}

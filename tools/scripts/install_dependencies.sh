@@ -1,0 +1,44 @@
+#!/usr/bin/env bash
+# Installs with apt what building, running and testing Surfit needs and this Debian 12 lacks.
+# Needs no root, and does nothing, when nothing is missing.
+set -euo pipefail
+
+packages=(
+  # compiler and build tools
+  g++ make cmake ninja-build ccache
+  # the library and the programs
+  libeigen3-dev libceres-dev libgoogle-glog-dev libgflags-dev libopencv-dev libtbb-dev
+  libnanoflann-dev nlohmann-json3-dev
+  # the tests
+  libgtest-dev libgmock-dev libbenchmark-dev
+)
+
+if ! command -v dpkg-query apt-get >/dev/null; then
+  echo "error: no dpkg-query and apt-get here; install what third_party_notes.md lists by hand" >&2
+  exit 1
+fi
+
+missing=()
+for package in "${packages[@]}"; do
+  status=$(dpkg-query --show --showformat='${db:Status-Status}' "$package" 2>/dev/null || true)
+  [[ $status == installed ]] || missing+=("$package")
+done
+[[ ${#missing[@]} -gt 0 ]] || exit 0
+
+if [[ $(id -u) == 0 ]]; then
+  as_root=(env)
+elif command -v sudo >/dev/null; then
+  as_root=(sudo env)
+else
+  echo "error: Debian packages are missing, and this is neither root nor is there sudo;" >&2
+  echo "have an administrator run: apt-get install --no-install-recommends ${missing[*]}" >&2
+  exit 1
+fi
+
+apt() {
+  "${as_root[@]}" DEBIAN_FRONTEND=noninteractive \
+    apt-get -o Acquire::Retries=3 -o DPkg::Lock::Timeout=300 "$@" </dev/null
+}
+echo "Installing ${missing[*]}"
+apt update -q || echo "warning: apt-get update failed, trying with the lists at hand" >&2
+apt install -q -y --no-install-recommends "${missing[@]}"
