@@ -1,7 +1,9 @@
 # Warnings, sanitizers and floating-point rules that every target of ours shares.
-# No contraction: a*b+c must round the same way on every machine and at every inlining.
+# No contraction: a*b+c must round the same way on every machine and at every inlining. Nobody reads
+# errno or floating-point traps, and without them more loops become SIMD code.
 function(surfit_compile_options target)
-  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -ffp-contract=off)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -ffp-contract=off
+                         -fno-math-errno -fno-trapping-math)
   if(SURFIT_SANITIZE)
     target_compile_options(${target} PRIVATE -fsanitize=${SURFIT_SANITIZE} -fno-omit-frame-pointer)
     target_link_options(${target} PUBLIC -fsanitize=${SURFIT_SANITIZE})

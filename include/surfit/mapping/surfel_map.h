@@ -9,6 +9,9 @@
 
 namespace surfit {
 
+// Surfels with less confidence are unstable: mostly noise (Keller et al., 3DV 2013).
+inline constexpr float kDefaultStableConfidence = 10;
+
 // One surfel: an oriented disc, in the world frame.
 struct Surfel {
   Eigen::Vector3f position_in_world = Eigen::Vector3f::Zero();  // metres
@@ -20,6 +23,15 @@ struct Surfel {
   std::int32_t last_seen = 0;   // frame index
 };
 
+// A measured point that is to be merged with a surfel.
+struct SurfelObservation {
+  Eigen::Vector3f position_in_world = Eigen::Vector3f::Zero();  // metres
+  Eigen::Vector3f normal_in_world = Eigen::Vector3f::Zero();    // unit length
+  Rgb8 color;
+  float radius_m = 0;
+  float weight = 1;  // a
+};
+
 // The fused map as structure of arrays, all of size().
 class SurfelMap {
  public:
@@ -27,9 +39,19 @@ class SurfelMap {
   void Reserve(std::size_t count);
   void Append(const Surfel& surfel);
   Surfel operator[](std::size_t i) const;
+  Rgb8 Color(std::size_t i) const;
   void Set(std::size_t i, const Surfel& surfel);
-  // Removes the surfels with keep[i] == 0 and keeps the order of the others; returns how many.
-  std::size_t Compact(const std::vector<std::uint8_t>& keep);
+
+  // The weighted average of surfel i with an observation of weight a: position, normal and colour
+  // become (w q + a p) / (w + a), w the confidence; the normal is unit again, the radius the
+  // smaller of both, and w becomes w + a, but at most max_confidence. Without `refine` position,
+  // normal and radius stay: the observation is too coarse to improve them.
+  void Merge(std::size_t i, const SurfelObservation& observation, bool refine,
+             float max_confidence);
+
+  // Removes the surfels with remove[i] != 0 and adds others. The added ones take the places of the
+  // removed, in order; what stays empty is filled from the end. Returns how many were removed.
+  std::size_t Replace(const std::vector<std::uint8_t>& remove, const std::vector<Surfel>& added);
 
   std::vector<float> x, y, z;                   // position in the world, metres
   std::vector<float> nx, ny, nz;                // unit normal in the world
@@ -37,6 +59,9 @@ class SurfelMap {
   std::vector<float> radius_m;
   std::vector<float> confidence;
   std::vector<std::int32_t> first_seen, last_seen;  // frame index
+
+ private:
+  void FillFromTheEnd(const std::vector<std::size_t>& holes);
 };
 
 }  // namespace surfit

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "surfit/frame/depth_noise.h"
+#include "surfit/frame/frame_pyramid.h"
+#include "surfit/frame/rgbd_frame.h"
+#include "surfit/geometry/rigid3.h"
+#include "surfit/mapping/surfel_map.h"
+
+namespace surfit {
+
+// How frames become surfels.
+struct FusionOptions {
+  std::string weighting = "confidence";  // or "uniform": a = 1 for every point
+  float max_distance_m = 0.05f;          // along the surfel's normal, between point and surfel
+  float max_normal_angle_rad = 0.6f;     // between their normals
+  // A point merges with a surfel within its own radius, but never farther than this across the
+  // surface: so much stays between the surfels of a far or coarsely sampled surface.
+  float max_spacing_m = 0.01f;
+  float max_slant_scale = 2;      // radius = sqrt(2) z / f times at most this for 1 / |n_z|
+  float max_radius_ratio = 1.5f;  // points that are coarser than this do not move a surfel
+  float stable_confidence = kDefaultStableConfidence;  // below it a surfel is unstable ...
+  int max_dormant_frames = 20;        // ... and removed when not seen for longer than this
+  float max_confidence = 200;         // so that the map can still change
+  float free_space_margin_m = 0.05f;  // measured farther than this behind a surfel, plus 4 sigma
+  DepthNoise noise;                   // of the depth: the surfel is not there
+
+  // Throws InputError naming field, value and constraint.
+  void Validate() const;
+};
+
+// What the fusion of one frame did.
+struct FusionReport {
+  int input_points = 0;   // pixels with depth and normal
+  int merged_points = 0;  // of those, the ones that met a surfel
+  int merged = 0;         // surfels updated
+  int added = 0;          // surfels
+  int removed = 0;        // surfels: dormant unstable ones and free-space violations
+};
+
+// Fuses posed frames into a map: point-based fusion (Keller et al., 3DV 2013). The map is projected
+// into the frame at its tracked pose, so that each point meets the surfel nearest to itself rather
+// than the one that happens to hide the others. Keeps its buffers between frames.
+class Fusion {
+ public:
+  explicit Fusion(const FusionOptions& options);
+  ~Fusion();
+
+  // `surface` is the filtered vertex and normal map of the frame. The result does not depend on
+  // the number of threads.
+  FusionReport Fuse(const RgbdFrame& frame, const FrameLevel& surface,
+                    const Rigid3d& world_from_camera, SurfelMap* map);
+
+ private:
+  struct Workspace;
+
+  FusionOptions options_;
+  std::unique_ptr<Workspace> workspace_;
+};
+
+}  // namespace surfit

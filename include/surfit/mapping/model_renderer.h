@@ -1,0 +1,43 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <vector>
+
+#include "surfit/frame/model_view.h"
+#include "surfit/mapping/surfel_map.h"
+
+namespace surfit {
+
+// How the map is drawn.
+struct RenderOptions {
+  // Surfels with less confidence are drawn only where no others are: they are mostly noise, and
+  // would otherwise hide the surface behind them.
+  float stable_confidence = kDefaultStableConfidence;
+  // A disc covers the pixels within this share of its radius. A surfel made from one pixel has a
+  // radius of sqrt(2) pixels, so that half of it just closes the gaps of the pixel grid.
+  float radius_share = 0.6f;
+  int max_half_window_px = 4;  // of the pixels that one disc may cover
+
+  // Throws InputError naming field, value and constraint.
+  void Validate() const;
+};
+
+// Draws surfel maps as oriented discs with hidden surfaces removed: at each pixel the disc that
+// its ray meets first, stable ones before unstable ones. Vertices lie where the ray meets the disc.
+// Discs seen from behind are not drawn. Keeps its depth buffer between calls.
+class ModelRenderer {
+ public:
+  explicit ModelRenderer(const RenderOptions& options);
+
+  // The view of an undistorted camera. The same map and pose give the same view bit for bit at any
+  // number of threads: the depth buffer keeps minima, and those do not depend on the order.
+  ModelView Render(const SurfelMap& map, const PinholeCamera& camera,
+                   const Rigid3d& world_from_view);
+
+ private:
+  RenderOptions options_;
+  std::vector<std::atomic<std::uint64_t>> nearest_;
+};
+
+}  // namespace surfit

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "surfit/frame/frame_pyramid.h"
+#include "surfit/geometry/rigid3.h"
+#include "surfit/registration/error_model.h"
+#include "surfit/registration/normal_system.h"
+#include "surfit/registration/projective_association.h"
+
+namespace surfit {
+
+// How two surfaces are registered.
+struct IcpOptions {
+  std::string solver = "closed_form_ldlt";
+  std::string residual = "point_to_plane";
+  std::string association = "projective";
+  int max_iterations = 10;  // on each level
+  AssociationGates gates;   // of the finest level
+  double gate_growth = 2;   // the distance gate grows by this on each coarser level
+  ErrorModel error_model;
+  double min_relative_rmse_change = 1e-3;  // a level ends where RMSE changes by less ...
+  double min_increment = 1e-5;             // ... or where rad and metres of the step are below
+  int min_inliers = 200;
+  double min_inlier_share = 0.1;  // of the valid source points of the level
+  double min_eigenvalue = 1e-6;   // scaled; below it the problem is singular
+
+  // Throws InputError naming field, value and constraint.
+  void Validate() const;
+};
+
+enum class Termination {
+  kConverged,       // the convergence rule held on the finest level
+  kMaxIterations,   // the iterations of the finest level were used up
+  kTooFewInliers,   // failure: fewer pairs than the options ask for
+  kSingularSystem,  // failure: the data does not hold some direction
+};
+
+// "converged", "max_iterations", "too_few_inliers", "singular_system".
+std::string ToString(Termination termination);
+
+// The state before one step.
+struct IcpIteration {
+  int level = 0;            // 0 is the finest
+  double average_loss = 0;  // m^2, weighted mean of r^2
+  int inlier_count = 0;
+};
+
+// The outcome of a registration.
+struct IcpResult {
+  Termination termination = Termination::kTooFewInliers;
+  Rigid3d target_from_source;  // the last pose reached
+  std::vector<IcpIteration> iterations;
+  // At that pose, on the level where ICP ended:
+  int inlier_count = 0;
+  double inlier_share = 0;              // of the valid source points
+  double rmse_m = 0;                    // square root of the weighted mean of r^2
+  Matrix6d hessian = Matrix6d::Zero();  // information of the left increment (1/rad^2, 1/m^2)
+  double smallest_eigenvalue = 0;       // of NormalSystem::ScaledEigenvalues()
+
+  // Converged or out of iterations; otherwise the pose must not be used.
+  bool Succeeded() const {
+    return termination == Termination::kConverged || termination == Termination::kMaxIterations;
+  }
+};
+
+// Registers source to target, coarse to fine over the levels that both have, from an initial pose.
+// Point-to-plane ICP (Chen and Medioni 1992) with Gauss-Newton steps as the options choose.
+// Throws InputError for impossible options; failure to register is a termination, not an error.
+IcpResult Register(const FramePyramid& source, const FramePyramid& target,
+                   const Rigid3d& target_from_source_initial, const IcpOptions& options);
+
+}  // namespace surfit

@@ -1,0 +1,104 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "surfit/frame/model_view.h"
+#include "surfit/frame/preprocess.h"
+#include "surfit/frame/rgbd_frame.h"
+#include "surfit/mapping/fusion.h"
+#include "surfit/mapping/model_renderer.h"
+#include "surfit/mapping/surfel_map.h"
+#include "surfit/registration/icp.h"
+
+namespace surfit {
+
+// How the camera is tracked and the map is made.
+struct SlamOptions {
+  PreprocessOptions preprocess;
+  IcpOptions icp;
+  FusionOptions fusion;
+  RenderOptions render;
+  std::string tracking = "frame_to_model";         // or "frame_to_frame"
+  std::string motion_model = "constant_velocity";  // or "constant_pose": where tracking starts
+  // A registration is believed if so many of the points find a partner with such a residual.
+  double min_inlier_share = 0.3;
+  double max_rmse_m = 0.03;
+
+  // Throws InputError naming field, value and constraint.
+  void Validate() const;
+};
+
+enum class FrameState {
+  kFirst,    // the first frame: it stands at the initial pose
+  kTracked,  // registered and fused
+  kFrozen,   // its depth repeats the last frame's byte for byte: same pose, nothing fused
+  kGiven,    // fused at a given pose, without tracking
+  kLost,     // not registered: no pose, nothing fused
+};
+
+// "first", "tracked", "frozen", "given", "lost".
+std::string ToString(FrameState state);
+
+// Wall time spent in each stage, milliseconds.
+struct StageTimes {
+  double preprocess_ms = 0;
+  double predict_ms = 0;
+  double track_ms = 0;
+  double fuse_ms = 0;
+};
+
+// What became of one frame.
+struct FrameReport {
+  int index = 0;
+  double stamp_s = 0;
+  FrameState state = FrameState::kLost;
+  Rigid3d world_from_camera;  // meaningless if lost
+  IcpResult icp;              // of a tracked or lost frame
+  FusionReport fusion;
+  StageTimes times;
+};
+
+// Dense SLAM by point-based fusion: each frame is registered to what the map predicts, and fused
+// into the map at the pose found. No loop closure.
+class Slam {
+ public:
+  // The camera is undistorted with fy > 0. Throws InputError for bad options.
+  Slam(const PinholeCamera& camera, const SlamOptions& options,
+       const Rigid3d& world_from_first_camera);
+
+  // Tracks and fuses the next frame. The frame's size must be the camera's.
+  FrameReport Process(const RgbdFrame& frame);
+
+  // Fuses the next frame at a known pose.
+  FrameReport ProcessAt(const RgbdFrame& frame, const Rigid3d& world_from_camera);
+
+  const SurfelMap& map() const { return map_; }
+
+ private:
+  // What the frame is registered to, and the pose it is seen from.
+  struct Target {
+    FramePyramid pyramid;
+    Rigid3d world_from_target;
+  };
+  Rigid3d PredictedPose() const;
+  Target MakeTarget(const Rigid3d& world_from_predicted);
+  bool IsBelievable(const IcpResult& icp) const;
+  void Track(const FramePyramid& pyramid, FrameReport* report);
+  void Fuse(const RgbdFrame& frame, FramePyramid pyramid, FrameReport* report);
+  FrameReport Process(const RgbdFrame& frame, const std::optional<Rigid3d>& given_pose);
+
+  PinholeCamera camera_;
+  SlamOptions options_;
+  ModelRenderer renderer_;
+  Fusion fusion_;
+  SurfelMap map_;
+  bool started_ = false;
+  bool last_was_lost_ = false;
+  Rigid3d world_from_last_;    // the last good pose
+  Rigid3d last_from_next_;     // motion that the motion model expects
+  Image<float> last_depth_m_;  // of the last frame, for frozen frames
+  FramePyramid last_pyramid_;  // of the last good frame, for frame-to-frame tracking
+};
+
+}  // namespace surfit

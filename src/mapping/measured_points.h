@@ -1,0 +1,31 @@
+#pragma once
+
+#include <vector>
+
+#include "surfit/frame/frame_pyramid.h"
+#include "surfit/frame/rgbd_frame.h"
+#include "surfit/mapping/fusion.h"
+
+namespace surfit {
+
+// What fusion asks of a pixel, together in memory.
+struct MeasuredPoint {
+  Eigen::Vector3f position = Eigen::Vector3f::Zero();  // in the camera frame; valid if radius_m > 0
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();
+  // sqrt(2) z / f / |n_z|, clamped at grazing angles: the disc that covers the pixel's footprint.
+  // 0 where there is no point.
+  float radius_m = 0;
+  // Surfels at this pixel with less depth are seen through: all pixels around are measured, and
+  // behind it by the margin. 0 where some depth is missing.
+  float free_depth_m = 0;
+};
+
+// The points of a frame, row by row. Reuses the memory of `points`.
+void MeasurePoints(const RgbdFrame& frame, const FrameLevel& surface, const FusionOptions& options,
+                   std::vector<MeasuredPoint>* points);
+
+// The weight a of each pixel's point: exp(-g^2 / (2 * 0.6^2)) (Keller et al.), g its distance from
+// the principal point as a share of the farthest corner's; 1 with uniform weighting.
+Image<float> PointWeights(const PinholeCamera& camera, const FusionOptions& options);
+
+}  // namespace surfit

@@ -1,0 +1,143 @@
+#include "surfit/registration/projective_association.h"
+
+#include <glog/logging.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "registration/pair_buffer.h"
+#include "surfit/core/parallel.h"
+
+namespace surfit {
+namespace {
+
+constexpr int kRowsPerBlock = 8;
+
+// Everything the inner loop needs, in single precision.
+class RowAssociator {
+ public:
+  RowAssociator(const FrameLevel& source, const FrameLevel& target, const AssociationGates& gates,
+                const ErrorModel& error_model, const Rigid3d& target_from_source)
+      : source_(source),
+        target_(target),
+        rotation_(target_from_source.rotation.toRotationMatrix().cast<float>()),
+        translation_(target_from_source.translation.cast<float>()),
+        fx_(static_cast<float>(target.camera.fx)),
+        fy_(static_cast<float>(target.camera.fy)),
+        cx_(static_cast<float>(target.camera.cx)),
+        cy_(static_cast<float>(target.camera.cy)),
+        max_distance2_(gates.max_distance_m > 0
+                           ? static_cast<float>(gates.max_distance_m * gates.max_distance_m)
+                           : std::numeric_limits<float>::infinity()),
+        normal_gate_(gates.max_normal_angle_rad > 0),
+        min_cosine_(static_cast<float>(std::cos(gates.max_normal_angle_rad))),
+        floor_variance_(static_cast<float>(error_model.floor_sigma_m * error_model.floor_sigma_m)),
+        inverse_depth_variance_(static_cast<float>(error_model.noise.inverse_depth_sigma *
+                                                   error_model.noise.inverse_depth_sigma)),
+        inverse_kernel2_(
+            error_model.kernel_width > 0
+                ? static_cast<float>(1 / (error_model.kernel_width * error_model.kernel_width))
+                : 0.f) {}
+
+  // Fills the buffer with the pairs of row v.
+  void Associate(int v, PairBuffer* pairs) const {
+    pairs->size = 0;
+    const float *sx = source_.vertex.x.row(v), *sy = source_.vertex.y.row(v),
+                *sz = source_.vertex.z.row(v);
+    const int width = source_.vertex.width();
+    for (int u = 0; u < width; ++u) {
+      if (!(sz[u] > 0)) continue;
+      const Eigen::Vector3f p = rotation_ * Eigen::Vector3f(sx[u], sy[u], sz[u]) + translation_;
+      const int pixel = TargetPixel(p);
+      if (pixel < 0) continue;
+      const Eigen::Vector3f q(target_.vertex.x[pixel], target_.vertex.y[pixel],
+                              target_.vertex.z[pixel]);
+      const Eigen::Vector3f n(target_.normal.x[pixel], target_.normal.y[pixel],
+                              target_.normal.z[pixel]);
+      if (!(q.z() > 0) || (q - p).squaredNorm() > max_distance2_ || n.isZero(0.f)) continue;
+      if (normal_gate_ && (rotation_ * source_.normal(u, v)).dot(n) < min_cosine_) continue;
+      Append(p, q, n, Weight(sz[u], n.dot(p - q)), pairs);
+    }
+  }
+
+ private:
+  // Index of the target pixel that p projects to, or -1.
+  int TargetPixel(const Eigen::Vector3f& p) const {
+    if (!(p.z() > 0)) return -1;
+    const float inverse_z = 1.f / p.z();
+    const float u = fx_ * p.x() * inverse_z + cx_ + 0.5f;
+    const float v = fy_ * p.y() * inverse_z + cy_ + 0.5f;
+    const bool inside = u >= 0.f && v >= 0.f && u < static_cast<float>(target_.vertex.width()) &&
+                        v < static_cast<float>(target_.vertex.height());
+    return inside ? static_cast<int>(v) * target_.vertex.width() + static_cast<int>(u) : -1;
+  }
+
+  float Weight(float depth_m, float residual_m) const {
+    const float z2 = depth_m * depth_m;
+    const float variance = floor_variance_ + inverse_depth_variance_ * z2 * z2;
+    const float kernel = 1.f + residual_m * residual_m * inverse_kernel2_ / variance;
+    return 1.f / (variance * kernel * kernel);
+  }
+
+  static void Append(const Eigen::Vector3f& p, const Eigen::Vector3f& q, const Eigen::Vector3f& n,
+                     float weight, PairBuffer* pairs) {
+    const int i = pairs->size++;
+    pairs->px[i] = p.x(), pairs->py[i] = p.y(), pairs->pz[i] = p.z();
+    pairs->qx[i] = q.x(), pairs->qy[i] = q.y(), pairs->qz[i] = q.z();
+    pairs->nx[i] = n.x(), pairs->ny[i] = n.y(), pairs->nz[i] = n.z();
+    pairs->weight[i] = weight;
+  }
+
+  const FrameLevel& source_;
+  const FrameLevel& target_;
+  const Eigen::Matrix3f rotation_;
+  const Eigen::Vector3f translation_;
+  const float fx_, fy_, cx_, cy_;
+  const float max_distance2_;
+  const bool normal_gate_;
+  const float min_cosine_;
+  const float floor_variance_;
+  const float inverse_depth_variance_;
+  const float inverse_kernel2_;
+};
+
+}  // namespace
+
+ProjectiveAssociation::ProjectiveAssociation(const FrameLevel& source, const FrameLevel& target,
+                                             const AssociationGates& gates,
+                                             const ErrorModel& error_model)
+    : source_(source), target_(target), gates_(gates), error_model_(error_model) {
+  CHECK_EQ(target.vertex.width(), target.camera.width);
+  CHECK_EQ(target.vertex.height(), target.camera.height);
+}
+
+NormalSystem ProjectiveAssociation::Linearize(const Rigid3d& target_from_source) const {
+  const RowAssociator rows(source_, target_, gates_, error_model_, target_from_source);
+  return ParallelSum(0, source_.vertex.height(), kRowsPerBlock, NormalSystem(),
+                     [&](int begin, int end) {
+                       PairBuffer pairs(source_.vertex.width());
+                       NormalSystem system;
+                       for (int v = begin; v < end; ++v) {
+                         rows.Associate(v, &pairs);
+                         AddPairs(&pairs, &system);
+                       }
+                       return system;
+                     });
+}
+
+Correspondences ProjectiveAssociation::Collect(const Rigid3d& target_from_source) const {
+  const RowAssociator rows(source_, target_, gates_, error_model_, target_from_source);
+  PairBuffer pairs(source_.vertex.width());
+  Correspondences all;
+  for (int v = 0; v < source_.vertex.height(); ++v) {
+    rows.Associate(v, &pairs);
+    for (int i = 0; i < pairs.size; ++i) {
+      all.Add({pairs.px[i], pairs.py[i], pairs.pz[i]}, {pairs.qx[i], pairs.qy[i], pairs.qz[i]},
+              {pairs.nx[i], pairs.ny[i], pairs.nz[i]}, pairs.weight[i]);
+    }
+  }
+  return all;
+}
+
+}  // namespace surfit

@@ -1,0 +1,59 @@
+#include <cmath>
+
+#include "surfit/core/error.h"
+#include "surfit/registration/icp.h"
+#include "surfit/registration/pose_solver.h"
+
+namespace surfit {
+namespace {
+
+void Require(bool holds, const char* field, double value, const char* constraint) {
+  if (!holds) throw InputError(Concat(field, " is ", value, ", must be ", constraint));
+}
+
+void RequireName(const std::string& field, const std::string& value,
+                 const std::vector<std::string>& known) {
+  std::string list;
+  for (const std::string& name : known) {
+    if (name == value) return;
+    list += (list.empty() ? "" : ", ") + name;
+  }
+  throw InputError(Concat(field, " is '", value, "', must be one of: ", list));
+}
+
+}  // namespace
+
+void ErrorModel::Validate() const {
+  Require(noise.inverse_depth_sigma >= 0, "inverse_depth_sigma", noise.inverse_depth_sigma,
+          "zero or positive");
+  Require(std::isfinite(floor_sigma_m) && floor_sigma_m > 0, "floor_sigma_m", floor_sigma_m,
+          "finite and positive");
+  Require(kernel_width >= 0, "kernel_width", kernel_width, "zero (off) or positive");
+}
+
+void AssociationGates::Validate() const {
+  Require(max_distance_m >= 0, "max_distance_m", max_distance_m, "zero (off) or positive");
+  Require(max_normal_angle_rad >= 0 && max_normal_angle_rad < M_PI, "max_normal_angle_rad",
+          max_normal_angle_rad, "zero (off) or positive and below pi");
+}
+
+void IcpOptions::Validate() const {
+  RequireName("solver", solver, PoseSolverNames());
+  RequireName("residual", residual, {"point_to_plane"});
+  RequireName("association", association, {"projective"});
+  Require(max_iterations >= 1 && max_iterations <= 1000, "max_iterations", max_iterations,
+          "from 1 to 1000");
+  gates.Validate();
+  Require(gate_growth >= 1, "gate_growth", gate_growth, "at least 1");
+  error_model.Validate();
+  Require(min_relative_rmse_change >= 0, "min_relative_rmse_change", min_relative_rmse_change,
+          "zero or positive");
+  Require(min_increment >= 0, "min_increment", min_increment, "zero or positive");
+  Require(min_inliers >= 6, "min_inliers", min_inliers, "at least 6");
+  Require(min_inlier_share >= 0 && min_inlier_share <= 1, "min_inlier_share", min_inlier_share,
+          "from 0 to 1");
+  Require(min_eigenvalue >= 0 && min_eigenvalue < 1, "min_eigenvalue", min_eigenvalue,
+          "zero or positive and below 1");
+}
+
+}  // namespace surfit

@@ -1,0 +1,156 @@
+#include "surfit/slam/slam.h"
+
+#include <glog/logging.h>
+
+#include <chrono>
+#include <utility>
+
+#include "surfit/core/error.h"
+
+namespace surfit {
+namespace {
+
+// Adds the time of its life to a sum.
+class StageTimer {
+ public:
+  explicit StageTimer(double* sum_ms) : sum_ms_(sum_ms), start_(Clock::now()) {}
+  ~StageTimer() {
+    *sum_ms_ += std::chrono::duration<double, std::milli>(Clock::now() - start_).count();
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  double* sum_ms_;
+  Clock::time_point start_;
+};
+
+}  // namespace
+
+void SlamOptions::Validate() const {
+  preprocess.Validate();
+  icp.Validate();
+  fusion.Validate();
+  render.Validate();
+  if (tracking != "frame_to_model" && tracking != "frame_to_frame") {
+    throw InputError(
+        Concat("tracking is '", tracking, "', must be one of: frame_to_model, frame_to_frame"));
+  }
+  if (motion_model != "constant_velocity" && motion_model != "constant_pose") {
+    throw InputError(Concat("motion_model is '", motion_model,
+                            "', must be one of: constant_velocity, constant_pose"));
+  }
+  if (!(min_inlier_share >= 0 && min_inlier_share <= 1)) {
+    throw InputError(Concat("min_inlier_share is ", min_inlier_share, ", must be from 0 to 1"));
+  }
+  if (!(max_rmse_m > 0)) {
+    throw InputError(Concat("max_rmse_m is ", max_rmse_m, ", must be positive"));
+  }
+}
+
+std::string ToString(FrameState state) {
+  switch (state) {
+    case FrameState::kFirst:
+      return "first";
+    case FrameState::kTracked:
+      return "tracked";
+    case FrameState::kFrozen:
+      return "frozen";
+    case FrameState::kGiven:
+      return "given";
+    case FrameState::kLost:
+      return "lost";
+  }
+  return "unknown";
+}
+
+Slam::Slam(const PinholeCamera& camera, const SlamOptions& options,
+           const Rigid3d& world_from_first_camera)
+    : camera_(camera),
+      options_(options),
+      renderer_(options.render),
+      fusion_(options.fusion),
+      world_from_last_(world_from_first_camera) {
+  camera.Validate("camera");
+  options.Validate();
+}
+
+FrameReport Slam::Process(const RgbdFrame& frame) { return Process(frame, std::nullopt); }
+
+FrameReport Slam::ProcessAt(const RgbdFrame& frame, const Rigid3d& world_from_camera) {
+  return Process(frame, world_from_camera);
+}
+
+FrameReport Slam::Process(const RgbdFrame& frame, const std::optional<Rigid3d>& given_pose) {
+  CHECK_EQ(frame.depth_m.width(), camera_.width);
+  CHECK_EQ(frame.depth_m.height(), camera_.height);
+  FrameReport report;
+  report.index = frame.index;
+  report.stamp_s = frame.stamp_s;
+  const bool frozen = started_ && !given_pose && frame.depth_m == last_depth_m_;
+  last_depth_m_ = frame.depth_m;
+  if (frozen) {
+    report.state = last_was_lost_ ? FrameState::kLost : FrameState::kFrozen;
+    report.world_from_camera = world_from_last_;
+    return report;
+  }
+
+  FramePyramid pyramid;
+  {
+    StageTimer timer(&report.times.preprocess_ms);
+    pyramid = PreprocessDepth(frame.depth_m, camera_, options_.preprocess);
+  }
+  if (given_pose) {
+    report.state = FrameState::kGiven;
+    report.world_from_camera = *given_pose;
+  } else if (!started_) {
+    report.state = FrameState::kFirst;
+    report.world_from_camera = world_from_last_;
+  } else {
+    Track(pyramid, &report);
+  }
+  last_was_lost_ = report.state == FrameState::kLost;
+  if (!last_was_lost_) Fuse(frame, std::move(pyramid), &report);
+  return report;
+}
+
+void Slam::Track(const FramePyramid& pyramid, FrameReport* report) {
+  const Rigid3d world_from_predicted = PredictedPose();
+  Target target;
+  {
+    StageTimer timer(&report->times.predict_ms);
+    target = MakeTarget(world_from_predicted);
+  }
+  StageTimer timer(&report->times.track_ms);
+  report->icp = Register(pyramid, target.pyramid,
+                         target.world_from_target.Inverse() * world_from_predicted, options_.icp);
+  report->world_from_camera = target.world_from_target * report->icp.target_from_source;
+  report->state = IsBelievable(report->icp) ? FrameState::kTracked : FrameState::kLost;
+}
+
+Rigid3d Slam::PredictedPose() const {
+  // After a loss the motion is unknown: start where the camera was last seen.
+  if (last_was_lost_ || options_.motion_model == "constant_pose") return world_from_last_;
+  return world_from_last_ * last_from_next_;
+}
+
+Slam::Target Slam::MakeTarget(const Rigid3d& world_from_predicted) {
+  if (options_.tracking == "frame_to_frame") return {last_pyramid_, world_from_last_};
+  ModelView view = renderer_.Render(map_, camera_, world_from_predicted);
+  return {BuildPyramid(std::move(view.surface), options_.preprocess), world_from_predicted};
+}
+
+bool Slam::IsBelievable(const IcpResult& icp) const {
+  return icp.Succeeded() && icp.inlier_share >= options_.min_inlier_share &&
+         icp.rmse_m <= options_.max_rmse_m;
+}
+
+void Slam::Fuse(const RgbdFrame& frame, FramePyramid pyramid, FrameReport* report) {
+  StageTimer timer(&report->times.fuse_ms);
+  report->fusion = fusion_.Fuse(frame, pyramid.levels.front(), report->world_from_camera, &map_);
+  last_from_next_ = started_ ? world_from_last_.Inverse() * report->world_from_camera : Rigid3d();
+  world_from_last_ = report->world_from_camera;
+  if (options_.tracking == "frame_to_frame") last_pyramid_ = std::move(pyramid);
+  started_ = true;
+}
+
+}  // namespace surfit
