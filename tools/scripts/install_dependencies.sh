@@ -5,10 +5,10 @@ set -euo pipefail
 
 packages=(
   # compiler and build tools
-  g++ make cmake ninja-build ccache
+  g++ make cmake ninja-build ccache pkg-config
   # the library and the programs
   libeigen3-dev libceres-dev libgoogle-glog-dev libgflags-dev libopencv-dev libtbb-dev
-  libnanoflann-dev nlohmann-json3-dev
+  libnanoflann-dev nlohmann-json3-dev libplplot-dev plplot-driver-cairo
   # the tests
   libgtest-dev libgmock-dev libbenchmark-dev
 )

@@ -1,0 +1,118 @@
+#include "surfit/pictures/cloud_picture.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "pictures/index_coloring.h"
+#include "pictures/picture_sheet.h"
+#include "pictures/png_file.h"
+#include "pictures/splat_renderer.h"
+
+namespace surfit {
+namespace {
+
+constexpr Rgb8 kSourceColor = {240, 120, 0};
+constexpr Rgb8 kTargetColor = {20, 90, 210};
+constexpr int kPointSize_px = 3;  // in the finer image, so 1.5 pixels of the picture
+constexpr int kWidth = PictureSheet::kCellWidth * PictureSheet::kSupersampling;
+constexpr int kHeight = PictureSheet::kCellHeight * PictureSheet::kSupersampling;
+
+PictureView FittedView(const std::string& label, const std::vector<Eigen::Vector3f>& points,
+                       const Rigid3d& camera_from_world) {
+  PictureView view;
+  view.label = label;
+  view.camera_from_world = camera_from_world;
+  std::vector<Eigen::Vector3f> in_camera;
+  in_camera.reserve(points.size());
+  for (const Eigen::Vector3f& p : points) {
+    in_camera.push_back((camera_from_world * p.cast<double>()).cast<float>());
+  }
+  view.camera = FitCamera(in_camera, kWidth, kHeight);
+  return view;
+}
+
+// From the right and above, about the clouds' median point, a little farther away than the camera.
+Rigid3d ObliqueView(const std::vector<Eigen::Vector3f>& points) {
+  constexpr double kToTheRight = 0.6, kAbove = 0.45, kDistance = 1.3;  // of the median depth
+  Eigen::Vector3d center;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<float> values;
+    values.reserve(points.size());
+    for (const Eigen::Vector3f& p : points) values.push_back(p[axis]);
+    center[axis] = Quantile(std::move(values), 0.5, axis == 2 ? 1 : 0);
+  }
+  const Eigen::Vector3d towards_eye = Eigen::Vector3d(kToTheRight, -kAbove, -1).normalized();
+  const double distance = kDistance * std::max(0.1, center.norm());
+  return LookAlong(center + distance * towards_eye, -towards_eye, -Eigen::Vector3d::UnitY());
+}
+
+// Brightness that lets edges and slopes stand out where there are no normals: the farther a pixel
+// lies behind its neighbours, by the logarithm of depth, the darker it is (eye-dome lighting,
+// Boucheny 2009). log_depth is infinite where nothing is seen.
+float EyeDomeLight(const Image<float>& log_depth, int u, int v) {
+  constexpr int kReach_px = 2;
+  constexpr float kStrength = 12, kDarkest = 0.35f;
+  float behind = 0;
+  for (const auto& [du, dv] :
+       {std::pair(-1, 0), std::pair(1, 0), std::pair(0, -1), std::pair(0, 1)}) {
+    const int nu = u + kReach_px * du, nv = v + kReach_px * dv;
+    if (nu < 0 || nv < 0 || nu >= log_depth.width() || nv >= log_depth.height()) continue;
+    behind += std::max(0.f, log_depth(u, v) - log_depth(nu, nv));
+  }
+  return std::max(kDarkest, std::exp(-kStrength * behind));
+}
+
+// The first source_count points are the source's.
+Image<Rgb8> ColorPoints(const std::vector<Eigen::Vector3f>& points, std::size_t source_count,
+                        const PictureView& view) {
+  const Image<std::int32_t> indices = RenderPoints(points, kPointSize_px, view);
+  const Rigid3f camera_from_world = view.camera_from_world.cast<float>();
+  Image<float> log_depth(indices.width(), indices.height(), std::numeric_limits<float>::infinity());
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    if (indices[i] == NearestIndexImage::kNothing) continue;
+    log_depth[i] = std::log((camera_from_world * points[indices[i]]).z());
+  }
+  return ColorIndices(indices, [&](int u, int v, std::int32_t i) {
+    if (i == NearestIndexImage::kNothing) return PictureSheet::kPaper;
+    const bool is_source = static_cast<std::size_t>(i) < source_count;
+    return Dimmed(is_source ? kSourceColor : kTargetColor, EyeDomeLight(log_depth, u, v));
+  });
+}
+
+// One entry of the legend: a patch of the colour and a name.
+void DrawEntry(PlotCanvas* canvas, double u, Rgb8 color, const std::string& name) {
+  constexpr double kMiddle = PictureSheet::kHeaderHeight / 2.;
+  canvas->SetColor(color);
+  canvas->SetLineWidth(18);
+  canvas->Line({u, u + 40}, {kMiddle, kMiddle});
+  canvas->SetColor(PictureSheet::kInk);
+  canvas->Text(u + 60, kMiddle, name);
+}
+
+}  // namespace
+
+void WriteTwoCloudPicture(const std::vector<Eigen::Vector3f>& source,
+                          const std::vector<Eigen::Vector3f>& target, const std::string& path) {
+  std::vector<Eigen::Vector3f> points = source;
+  points.insert(points.end(), target.begin(), target.end());
+  const std::array<PictureView, 2> views = {
+      FittedView("from the target's camera", points, Rigid3d()),
+      FittedView("obliquely from the right and above", points, ObliqueView(points))};
+  PictureSheet sheet(2, 1);
+  for (int i = 0; i < 2; ++i) {
+    sheet.SetCell(i, ColorPoints(points, source.size(), views[i]));
+  }
+  {
+    PlotCanvas canvas(sheet.image());
+    canvas.SetTextHeight(20);
+    DrawEntry(&canvas, 20, kSourceColor, "source");
+    DrawEntry(&canvas, 220, kTargetColor, "target");
+    for (int i = 0; i < 2; ++i) sheet.DrawCaption(&canvas, i, views[i].label);
+  }
+  WritePng(*sheet.image(), path);
+}
+
+}  // namespace surfit

@@ -1,0 +1,128 @@
+#include "surfit/pictures/map_pictures.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "pictures/color_bar.h"
+#include "pictures/index_coloring.h"
+#include "pictures/map_views.h"
+#include "pictures/picture_sheet.h"
+#include "pictures/png_file.h"
+#include "pictures/splat_renderer.h"
+#include "pictures/surfel_coloring.h"
+#include "surfit/core/error.h"
+
+namespace surfit {
+namespace {
+
+// What the four views see, shared by the colourings.
+struct RenderedViews {
+  std::array<PictureView, 4> views;
+  std::array<Image<std::int32_t>, 4> surfel_indices;
+};
+
+RenderedViews Render(const SurfelMap& map, const std::vector<std::uint8_t>& shown,
+                     const std::array<PictureView, 4>& views) {
+  RenderedViews rendered;
+  rendered.views = views;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    rendered.surfel_indices[i] = RenderSurfels(map, shown, views[i]);
+  }
+  return rendered;
+}
+
+// The colours of one view. The headlight shines along the pixel's ray.
+Image<Rgb8> Color(const SurfelMap& map, const SurfelColoring& coloring, const PictureView& view,
+                  const Image<std::int32_t>& indices) {
+  const Eigen::Matrix3d world_from_camera =
+      view.camera_from_world.rotation.conjugate().toRotationMatrix();
+  return ColorIndices(indices, [&](int u, int v, std::int32_t i) {
+    if (i == NearestIndexImage::kNothing) return PictureSheet::kPaper;
+    const Rgb8 color = coloring.color_of(i);
+    if (coloring.headlight == 0) return color;
+    const Eigen::Vector3d ray = world_from_camera * view.camera.Ray(u, v).normalized();
+    const double facing = std::abs(ray.dot(Eigen::Vector3d(map.nx[i], map.ny[i], map.nz[i])));
+    return Dimmed(color, static_cast<float>(1 - coloring.headlight * (1 - std::min(facing, 1.))));
+  });
+}
+
+void DrawHeader(const SurfelColoring& coloring, const std::string& count, PictureSheet* sheet,
+                PlotCanvas* canvas) {
+  const double right = sheet->image()->width() - 40;
+  canvas->SetColor(PictureSheet::kInk);
+  canvas->SetTextHeight(30);
+  canvas->Text(16, 30, coloring.title);
+  canvas->SetTextHeight(17);
+  canvas->Text(16, 62, count);
+  if (!coloring.scale) {
+    canvas->Text(right, 30, coloring.legend, 1);
+    return;
+  }
+  const PixelBox bar = {right - 700, 16, right, 42};
+  canvas->Text(bar.left - 16, 30, coloring.legend, 1);
+  DrawColorBar(canvas, *coloring.scale, bar);
+}
+
+void WriteSheet(const SurfelMap& map, const SurfelColoring& coloring, const std::string& count,
+                const RenderedViews& rendered, const std::string& path) {
+  PictureSheet sheet(2, 2);
+  for (int i = 0; i < 4; ++i) {
+    sheet.SetCell(i, Color(map, coloring, rendered.views[i], rendered.surfel_indices[i]));
+  }
+  {
+    PlotCanvas canvas(sheet.image());
+    DrawHeader(coloring, count, &sheet, &canvas);
+    for (int i = 0; i < 4; ++i) sheet.DrawCaption(&canvas, i, rendered.views[i].label);
+  }
+  WritePng(*sheet.image(), path);
+}
+
+void WriteEmptySheet(const std::string& path) {
+  PictureSheet sheet(2, 2);
+  {
+    PlotCanvas canvas(sheet.image());
+    canvas.SetTextHeight(40);
+    canvas.Text(sheet.image()->width() / 2., sheet.image()->height() / 2., "empty map", 0.5);
+  }
+  WritePng(*sheet.image(), path);
+}
+
+}  // namespace
+
+float DustConfidence(const SurfelMap& map) {
+  constexpr float kMost = 3, kShare = 0.1f;
+  return std::min(kMost, kShare * Quantile(map.confidence, 0.9, 0));
+}
+
+void WriteMapPictures(const SurfelMap& map, const Trajectory& camera_path,
+                      const std::string& directory) {
+  const std::string prefix = directory + "/map_";
+  if (map.size() == 0) {
+    for (const char* name : {"color", "normals", "last_seen", "confidence"}) {
+      WriteEmptySheet(prefix + name + ".png");
+    }
+    return;
+  }
+  const float least = DustConfidence(map);
+  std::vector<std::uint8_t> shown(map.size());
+  for (std::size_t i = 0; i < map.size(); ++i) shown[i] = map.confidence[i] >= least;
+  const auto views = ChooseMapViews(map, shown, camera_path,
+                                    PictureSheet::kCellWidth * PictureSheet::kSupersampling,
+                                    PictureSheet::kCellHeight * PictureSheet::kSupersampling);
+  const auto count = std::count(shown.begin(), shown.end(), 1);
+  const std::string some = Concat(count, " of ", map.size(), " surfels, those of confidence ",
+                                  std::round(100 * least) / 100, " and more");
+  const RenderedViews trusted = Render(map, shown, views);
+  WriteSheet(map, ColorByColor(map), some, trusted, prefix + "color.png");
+  WriteSheet(map, ColorByNormal(map), some, trusted, prefix + "normals.png");
+  WriteSheet(map, ColorByLastSeen(map), some, trusted, prefix + "last_seen.png");
+
+  std::fill(shown.begin(), shown.end(), 1);
+  const RenderedViews all = Render(map, shown, views);
+  WriteSheet(map, ColorByConfidence(map), Concat("all ", map.size(), " surfels"), all,
+             prefix + "confidence.png");
+}
+
+}  // namespace surfit

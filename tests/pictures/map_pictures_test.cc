@@ -1,0 +1,130 @@
+#include "surfit/pictures/map_pictures.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "pictures/picture_file.h"
+#include "surfit/core/parallel.h"
+#include "testing/expect_input_error.h"
+#include "testing/temp_folder.h"
+
+namespace surfit {
+namespace {
+
+using testing::CountColors;
+using testing::CountPixels;
+using testing::ReadPicture;
+
+constexpr int kWidth = 1608, kHeight = 1344;
+constexpr Rgb8 kGreen = {10, 200, 30};
+const char* const kNames[] = {"color", "normals", "confidence", "last_seen"};
+
+// A wall of one colour, 2 m before the first camera and facing it.
+SurfelMap Wall() {
+  SurfelMap map;
+  Surfel surfel;
+  surfel.normal_in_world = {0, 0, -1};
+  surfel.color = kGreen;
+  surfel.radius_m = 0.1f;
+  for (int i = -20; i <= 20; ++i) {
+    for (int j = -20; j <= 20; ++j) {
+      surfel.position_in_world = {0.1f * i, 0.1f * j, 2};
+      surfel.confidence = 5.f + i * 0.1f;
+      surfel.last_seen = j + 20;
+      map.Append(surfel);
+    }
+  }
+  return map;
+}
+
+TEST(WriteMapPictures, WritesFourSheetsThatShowTheMap) {
+  const testing::TempFolder folder;
+  WriteMapPictures(Wall(), Trajectory(3), folder.path());
+  for (const char* name : kNames) {
+    const Image<Rgb8> picture = ReadPicture(folder / ("map_" + std::string(name) + ".png"));
+    EXPECT_EQ(picture.width(), kWidth);
+    EXPECT_EQ(picture.height(), kHeight);
+    EXPECT_GT(CountColors(picture), 10u) << name;
+  }
+  const Image<Rgb8> color = ReadPicture(folder / "map_color.png");
+  const Image<Rgb8> normals = ReadPicture(folder / "map_normals.png");
+  // The third cell begins at (0, 76 + 634). Its camera is 20 % of 2 m behind the first one and
+  // 0.75 * 800 pixels of focal length see +-2 m of wall at 2.4 m: 500 pixels each way, so all.
+  for (const int u : {2, 400, 797}) {
+    for (const int v : {712, 1000, 1307}) {
+      EXPECT_EQ(color(u, v), kGreen);
+      EXPECT_EQ(normals(u, v), (Rgb8{128, 128, 0}));
+    }
+  }
+}
+
+TEST(WriteMapPictures, HidesDustButInTheConfidence) {
+  SurfelMap map = Wall();
+  Surfel dust;
+  dust.position_in_world = {0, 0, 1};
+  dust.normal_in_world = {0, 0, -1};
+  dust.color = {255, 0, 0};
+  dust.radius_m = 0.05f;
+  dust.confidence = 0.1f;
+  map.Append(dust);
+  const testing::TempFolder folder;
+  WriteMapPictures(map, Trajectory(1), folder.path());
+  EXPECT_EQ(CountPixels(ReadPicture(folder / "map_color.png"), dust.color), 0u);
+  // The middle of the third cell shows the dust in the scale's lowest colour.
+  const Rgb8 middle = ReadPicture(folder / "map_confidence.png")(400, 76 + 634 + 300);
+  EXPECT_NEAR(middle.r, 68, 1);
+  EXPECT_NEAR(middle.b, 84, 1);
+}
+
+TEST(DustConfidence, IsThreeOrATenthOfWhatTheMapHas) {
+  SurfelMap map;
+  EXPECT_EQ(DustConfidence(map), 0);
+  map = Wall();
+  std::fill(map.confidence.begin(), map.confidence.end(), 2.f);
+  EXPECT_FLOAT_EQ(DustConfidence(map), 0.2f);
+  std::fill(map.confidence.begin(), map.confidence.end(), 100.f);
+  EXPECT_FLOAT_EQ(DustConfidence(map), 3);
+}
+
+TEST(WriteMapPictures, IsTheSameAtAnyNumberOfThreads) {
+  const testing::TempFolder folder;
+  std::vector<std::string> bytes;
+  for (const int threads : {1, 3}) {
+    ThreadLimit limit(threads);
+    WriteMapPictures(Wall(), Trajectory(2), folder.path());
+    std::string all;
+    for (const char* name : kNames) {
+      all += testing::ReadBytes(folder / ("map_" + std::string(name) + ".png"));
+    }
+    bytes.push_back(all);
+  }
+  EXPECT_TRUE(bytes[0] == bytes[1]);
+}
+
+TEST(WriteMapPictures, OfAnEmptyMapSaysSo) {
+  const testing::TempFolder folder;
+  WriteMapPictures(SurfelMap(), {}, folder.path());
+  for (const char* name : kNames) {
+    const Image<Rgb8> picture = ReadPicture(folder / ("map_" + std::string(name) + ".png"));
+    EXPECT_EQ(picture.width(), kWidth);
+    EXPECT_GT(CountColors(picture), 2u);  // the words, with smooth edges
+    EXPECT_GT(CountPixels(picture, {255, 255, 255}), picture.size() * 9 / 10);
+  }
+}
+
+TEST(WriteMapPictures, NeedsNoPathAndNoReasonableMap) {
+  const testing::TempFolder folder;
+  SurfelMap map;
+  map.Append(Surfel());  // at the origin, no normal, no size, no confidence
+  EXPECT_NO_THROW(WriteMapPictures(map, {}, folder.path()));
+}
+
+TEST(WriteMapPictures, NamesTheFileItCannotWrite) {
+  testing::ExpectInputError([] { WriteMapPictures(Wall(), {}, "/nonexistent/out"); },
+                            ::testing::HasSubstr("/nonexistent/out/map_"));
+}
+
+}  // namespace
+}  // namespace surfit

@@ -1,0 +1,130 @@
+#include "pictures/map_views.h"
+
+#include <gtest/gtest.h>
+
+#include "pictures/splat_renderer.h"
+
+namespace surfit {
+namespace {
+
+constexpr int kWidth = 160, kHeight = 120;
+// What a surfel of the test's room belongs to, kept as its first_seen.
+enum Part { kFloor, kCeiling, kFrontWall, kRightWall };
+
+void AppendPlane(Part part, const Eigen::Vector3f& corner, const Eigen::Vector3f& a,
+                 const Eigen::Vector3f& b, const Rigid3d& world_from_room, SurfelMap* map) {
+  constexpr int kSteps = 40;
+  Surfel surfel;
+  surfel.first_seen = part;
+  surfel.radius_m = 0.15f;
+  surfel.confidence = 10;
+  const Rigid3f pose = world_from_room.cast<float>();
+  surfel.normal_in_world = pose.rotation * a.cross(b).normalized();
+  for (int i = 0; i <= kSteps; ++i) {
+    for (int j = 0; j <= kSteps; ++j) {
+      surfel.position_in_world = pose * (corner + a * i / kSteps + b * j / kSteps);
+      map->Append(surfel);
+    }
+  }
+}
+
+// 6 m wide, 3 m high, 5 m deep; its frame is x right, y down, z forward, the origin 1.5 m above the
+// middle of the floor's near edge.
+SurfelMap Room(const Rigid3d& world_from_room) {
+  SurfelMap map;
+  AppendPlane(kFloor, {-3, 1.5, 0}, {6, 0, 0}, {0, 0, 5}, world_from_room, &map);
+  AppendPlane(kCeiling, {-3, -1.5, 0}, {0, 0, 5}, {6, 0, 0}, world_from_room, &map);
+  AppendPlane(kFrontWall, {-3, -1.5, 5}, {0, 3, 0}, {6, 0, 0}, world_from_room, &map);
+  AppendPlane(kRightWall, {3, -1.5, 5}, {0, 3, 0}, {0, 0, -5}, world_from_room, &map);
+  return map;
+}
+
+// A hand-held path that looks ahead, then to the right.
+Trajectory LookAround(const Rigid3d& world_from_room) {
+  Trajectory path;
+  for (int i = 0; i <= 10; ++i) {
+    StampedPose pose;
+    pose.world_from_camera.rotation =
+        Eigen::AngleAxisd(0.1 * i, Eigen::Vector3d::UnitY()) *
+        Eigen::AngleAxisd(i % 2 ? 0.1 : -0.1, Eigen::Vector3d::UnitX());
+    pose.world_from_camera = world_from_room * pose.world_from_camera;
+    path.push_back(pose);
+  }
+  return path;
+}
+
+class MapViewsTest : public ::testing::Test {
+ protected:
+  // Gravity along no axis of the world.
+  const Rigid3d world_from_room_{
+      Eigen::Quaterniond(Eigen::AngleAxisd(2, Eigen::Vector3d(1, -2, 0.5).normalized())),
+      Eigen::Vector3d(3, -1, 7)};
+  const SurfelMap map_ = Room(world_from_room_);
+  const std::vector<std::uint8_t> all_ = std::vector<std::uint8_t>(map_.size(), 1);
+  const std::array<PictureView, 4> views_ =
+      ChooseMapViews(map_, all_, LookAround(world_from_room_), kWidth, kHeight);
+
+  Eigen::Vector2d Project(int view, const Eigen::Vector3d& point_in_room) const {
+    return views_[view].camera.Project(views_[view].camera_from_world *
+                                       (world_from_room_ * point_in_room));
+  }
+  // The share of the view's pixels that show this part of the room.
+  double Share(int view, Part part) const {
+    const Image<std::int32_t> seen = RenderSurfels(map_, all_, views_[view]);
+    return std::count_if(seen.begin(), seen.end(),
+                         [&](int i) {
+                           return i != NearestIndexImage::kNothing && map_.first_seen[i] == part;
+                         }) /
+           static_cast<double>(seen.size());
+  }
+};
+
+TEST_F(MapViewsTest, FromAboveOneLooksThroughTheCeilingAtTheFloor) {
+  EXPECT_GT(Share(0, kFloor), 0.7);  // 6 m x 5 m in a picture of 4 : 3 fill 90 % of 0.94^2
+  EXPECT_EQ(Share(0, kCeiling), 0);
+}
+
+TEST_F(MapViewsTest, FromAboveTheWallsStandUprightAndNothingIsMirrored) {
+  const Eigen::Vector2d near_left = Project(0, {-3, 1.5, 0}), near_right = Project(0, {3, 1.5, 0});
+  const Eigen::Vector2d far_left = Project(0, {-3, 1.5, 5});
+  // The room's width lies across the page, what is ahead of the first camera above. The cameras'
+  // mean up is 0.1 / 11 rad off at most by the odd number of nods.
+  EXPECT_GT(near_right.x() - near_left.x(), 0.8 * kWidth);
+  EXPECT_NEAR(near_right.y(), near_left.y(), 0.02 * kWidth);
+  EXPECT_LT(far_left.y() - near_left.y(), -0.8 * kHeight);
+}
+
+TEST_F(MapViewsTest, TheBirdSeesFloorAndWallsButNotTheCeiling) {
+  EXPECT_GT(Share(1, kFloor), 0.1);
+  EXPECT_GT(Share(1, kFrontWall), 0.1);
+  EXPECT_GT(Share(1, kRightWall), 0.1);
+  EXPECT_EQ(Share(1, kCeiling), 0);
+  EXPECT_LT(Project(1, {0, -1.5, 5}).y(), Project(1, {0, 1.5, 5}).y());  // up is up
+}
+
+TEST_F(MapViewsTest, TheFirstCameraIsPulledBack) {
+  const Eigen::Vector3d eye_in_room =
+      world_from_room_.Inverse() *
+      (views_[2].camera_from_world.Inverse() * Eigen::Vector3d::Zero());
+  EXPECT_LT(eye_in_room.z(), -0.5);  // 20 % of the median depth, which is between 3 and 5 m
+  EXPECT_GT(eye_in_room.z(), -1);
+  EXPECT_GT(Share(2, kFrontWall), 0.1);
+  EXPECT_LT(Project(2, {-1, 0, 5}).x(), Project(2, {1, 0, 5}).x());
+}
+
+TEST_F(MapViewsTest, TheOtherCameraLooksElsewhere) {
+  EXPECT_EQ(views_[3].label, "camera 11 of 11, pulled back");
+  EXPECT_GT(Share(3, kRightWall), Share(2, kRightWall));
+}
+
+TEST(MostDifferentPose, WeighsAngleAgainstDistance) {
+  Trajectory path(3);
+  path[1].world_from_camera.translation = {1, 0, 0};
+  path[2].world_from_camera.rotation = Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitY());
+  EXPECT_EQ(MostDifferentPose(path, 1), 1u);   // 1 against 0.5
+  EXPECT_EQ(MostDifferentPose(path, 10), 2u);  // 0.1 against 0.5
+  EXPECT_EQ(MostDifferentPose(Trajectory(1), 1), 0u);
+}
+
+}  // namespace
+}  // namespace surfit
