@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "evaluation/morton_order.h"
 #include "evaluation/nearest_point.h"
 #include "surfit/core/error.h"
 #include "surfit/core/parallel.h"
@@ -20,21 +21,26 @@ struct Cloud {
   Points normals;  // or empty
 };
 
-// The points with finite coordinates, and their normals.
-Cloud KeepFinite(const Points& points, const Points& normals, const char* name) {
+// The points with finite coordinates and their normals, neighbours in space near in memory.
+Cloud Prepare(const Points& points, const Points& normals, const char* name) {
   if (points.size() > std::size_t{1} << 30) {
     throw InputError(Concat("the ", name, " has ", points.size(), " points, must be at most 2^30"));
   }
-  Cloud kept;
-  kept.points.reserve(points.size());
-  kept.normals.reserve(normals.size());
+  Points finite_points, finite_normals;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!points[i].allFinite()) continue;
-    kept.points.push_back(points[i]);
-    if (!normals.empty()) kept.normals.push_back(normals[i]);
+    finite_points.push_back(points[i]);
+    if (!normals.empty()) finite_normals.push_back(normals[i]);
   }
-  if (kept.points.empty()) throw InputError(Concat("the ", name, " has no finite point"));
-  return kept;
+  if (finite_points.empty()) throw InputError(Concat("the ", name, " has no finite point"));
+  Cloud cloud;
+  cloud.points.reserve(finite_points.size());
+  cloud.normals.reserve(finite_normals.size());
+  for (const std::uint32_t i : MortonOrder(finite_points)) {
+    cloud.points.push_back(finite_points[i]);
+    if (!normals.empty()) cloud.normals.push_back(finite_normals[i]);
+  }
+  return cloud;
 }
 
 // Accuracy, to points and to planes.
@@ -84,8 +90,8 @@ MapError ComputeMapError(const std::vector<Eigen::Vector3f>& map,
                          const MapErrorOptions& options) {
   options.Validate();
   CHECK(reference_normals.empty() || reference_normals.size() == reference.size());
-  const Cloud finite_map = KeepFinite(map, {}, "map");
-  const Cloud finite_reference = KeepFinite(reference, reference_normals, "reference");
+  const Cloud finite_map = Prepare(map, {}, "map");
+  const Cloud finite_reference = Prepare(reference, reference_normals, "reference");
   MapError error;
   error.map_points = finite_map.points.size();
   error.reference_points = finite_reference.points.size();
