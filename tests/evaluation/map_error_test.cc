@@ -105,6 +105,13 @@ TEST(MapError, ToThePlaneIsFreeOfTheReferencesSpacing) {
   EXPECT_GT(lifted.accuracy_m.median, 0.25);
 }
 
+TEST(MapError, TakesThePlaneOfTheNearestPoint) {
+  const Points reference = {{-2, 0, 0}, {0, 0, 0}, {0, 3, 0}};
+  const Points normals = {{1, 0, 0}, {0, 0, 1}, {0, 1, 0}};
+  const MapError error = ComputeMapError({{0.5f, 0.25f, 0.125f}}, reference, normals, {});
+  EXPECT_EQ(error.plane_accuracy_m->max, 0.125);
+}
+
 TEST(MapError, LeavesOutPointsThatAreNotFinite) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   const Points map = {{kNan, 0, 0}, {0, 0, 0}}, reference = {{0, 0, 1}, {0, 0, 0}, {0, kNan, 0}};
