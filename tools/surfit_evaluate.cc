@@ -102,7 +102,7 @@ int Run() {
                " s, must be at least 3: ", FLAGS_groundtruth, " has ", DescribeStamps(ground_truth),
                ", ", FLAGS_estimate, " has ", DescribeStamps(estimate)));
   }
-  std::cout << ToJson(evaluation, options).dump(2) << std::endl;
+  PrintJson(ToJson(evaluation, options));
   PrintSummary(evaluation);
   return kDone;
 }

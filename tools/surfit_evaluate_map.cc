@@ -39,7 +39,7 @@ int Run() {
   const PointCloud map = ReadPly(FLAGS_map);
   const PointCloud reference = ReadPly(FLAGS_reference);
   const MapError error = ComputeMapError(map.points, reference.points, reference.normals, options);
-  std::cout << ToJson(error).dump(2) << std::endl;
+  PrintJson(ToJson(error));
   std::cerr << "accuracy " << error.accuracy_m.mean << " m mean, " << error.accuracy_m.p90
             << " m for 90 %; " << 100 * error.completeness << " % of the reference mapped within "
             << options.completeness_distance_m << " m" << std::endl;

@@ -137,6 +137,14 @@ TEST_F(EvaluateTest, RefusesBadFlags) {
               "cannot read '/no/such'");
 }
 
+TEST_F(EvaluateTest, TakesNamesThatAreNoUtf8) {
+  Write(kSquare, kLifted);
+  const ProgramResult result =
+      Evaluate({"--frames=" + folder_.Write("\xff.txt", "1305031453 a.png\n")});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NO_THROW(nlohmann::json::parse(result.out));
+}
+
 TEST_F(EvaluateTest, TakesAFlagfile) {
   Write(kSquare, kLifted);
   const std::string flags = folder_.Write("flags", "--delta=2\n--max_difference_s=0.02\n");

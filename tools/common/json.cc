@@ -1,5 +1,9 @@
 #include "common/json.h"
 
+#include <iostream>
+
+#include "surfit/core/error.h"
+
 namespace surfit::tools {
 
 void SetStatistics(const std::string& prefix, const std::string& unit,
@@ -13,6 +17,15 @@ void SetStatistics(const std::string& prefix, const std::string& unit,
   set("median", &ErrorStatistics::median);
   set("p90", &ErrorStatistics::p90);
   set("max", &ErrorStatistics::max);
+}
+
+std::string ToText(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+void PrintJson(const Json& json) {
+  std::cout << ToText(json) << std::flush;
+  if (!std::cout) throw InputError("cannot write to stdout");
 }
 
 }  // namespace surfit::tools

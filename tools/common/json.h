@@ -1,6 +1,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "surfit/evaluation/error_statistics.h"
 
@@ -12,5 +13,12 @@ using Json = nlohmann::ordered_json;
 // Sets `prefix`_rmse_`unit`, and so on for mean, median, p90 and max; null without statistics.
 void SetStatistics(const std::string& prefix, const std::string& unit,
                    const ErrorStatistics* statistics, Json* json);
+
+// The text of a JSON file: indented, a line feed at the end; what is no UTF-8 (a file's name may
+// be anything) is replaced.
+std::string ToText(const Json& json);
+
+// Prints it on stdout. Throws InputError if stdout cannot take it.
+void PrintJson(const Json& json);
 
 }  // namespace surfit::tools
