@@ -71,6 +71,7 @@ class Splatter {
     for (int pv = v_begin; pv <= v_end; ++pv) {
       for (int pu = u_begin; pu <= u_end; ++pu) {
         const float depth = plane.Depth(pu, pv);
+        if (!(depth > 0)) continue;  // a steep disc close by: the ray meets its plane behind us
         const Eigen::Vector3f x = PointAtDepth(camera_, pu, pv, depth);
         if (!((x - p).squaredNorm() <= radius * radius)) continue;
         LowerTo(unstable | MinimumKey(depth, i), &nearest_[pv * camera_.width + pu]);

@@ -15,7 +15,8 @@ struct RenderOptions {
   // would otherwise hide the surface behind them.
   float stable_confidence = kDefaultStableConfidence;
   // A disc covers the pixels within this share of its radius. A surfel made from one pixel has a
-  // radius of sqrt(2) pixels, so that half of it just closes the gaps of the pixel grid.
+  // radius of sqrt(2) pixels, so that half of it just closes the gaps of the pixel grid. Pixels
+  // farther than f / z times that from the disc's centre, in u or v, are not looked at.
   float radius_share = 0.6f;
   int max_half_window_px = 4;  // of the pixels that one disc may cover
 
