@@ -1,0 +1,133 @@
+#include "mapping/measured_points.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace surfit {
+namespace {
+
+FrameLevel Surface(const PinholeCamera& camera, const Eigen::Vector3f& normal, float depth_m) {
+  FrameLevel surface{camera, VectorImage(camera.width, camera.height),
+                     VectorImage(camera.width, camera.height)};
+  for (int v = 0; v < camera.height; ++v) {
+    for (int u = 0; u < camera.width; ++u) {
+      surface.vertex.Set(u, v, (depth_m * camera.Ray(u, v)).cast<float>());
+      surface.normal.Set(u, v, normal);
+    }
+  }
+  return surface;
+}
+
+MeasuredPoint PointAt(int u, int v, const RgbdFrame& frame, const FrameLevel& surface,
+                      const FusionOptions& options = {}) {
+  std::vector<MeasuredPoint> points;
+  MeasurePoints(frame, surface, options, &points);
+  EXPECT_EQ(points.size(), frame.depth_m.size());
+  return points[v * frame.depth_m.width() + u];
+}
+
+RgbdFrame FrameOf(const PinholeCamera& camera, float depth_m) {
+  RgbdFrame frame;
+  frame.depth_m = Image<float>(camera.width, camera.height, depth_m);
+  return frame;
+}
+
+PinholeCamera SmallCamera() { return {7, 5, 100, 100, 3, 2, {}}; }
+
+// The relative error of a few float operations.
+constexpr float kRounding = 5e-7f;
+
+TEST(MeasurePoints, RadiusCoversTheFootprintOfAPixel) {
+  const PinholeCamera camera = SmallCamera();
+  const RgbdFrame frame = FrameOf(camera, 2);
+  for (const float tilt : {0.f, 0.3f, 0.9f, 1.04f}) {
+    const Eigen::Vector3f normal(std::sin(tilt), 0, -std::cos(tilt));
+    const float expected = std::sqrt(2.f) * 2 / 100 / std::cos(tilt);
+    EXPECT_NEAR(PointAt(1, 1, frame, Surface(camera, normal, 2)).radius_m, expected,
+                kRounding * expected);
+  }
+}
+
+TEST(MeasurePoints, RadiusOfASlantedSurfaceIsClamped) {
+  const PinholeCamera camera = SmallCamera();
+  const RgbdFrame frame = FrameOf(camera, 2);
+  FusionOptions options;
+  for (const float scale : {1.f, 2.f, 3.f}) {
+    options.max_slant_scale = scale;
+    const Eigen::Vector3f normal(0, std::sin(1.5f), -std::cos(1.5f));  // 1 / |n_z| = 14
+    const float expected = scale * std::sqrt(2.f) * 2 / 100;
+    EXPECT_NEAR(PointAt(3, 2, frame, Surface(camera, normal, 2), options).radius_m, expected,
+                kRounding * expected);
+  }
+}
+
+TEST(MeasurePoints, WithoutDepthOrNormalThereIsNoPoint) {
+  const PinholeCamera camera = SmallCamera();
+  const RgbdFrame frame = FrameOf(camera, 2);
+  FrameLevel surface = Surface(camera, {0, 0, -1}, 2);
+  surface.vertex.Set(1, 1, {0, 0, 0});
+  surface.normal.Set(2, 1, {0, 0, 0});
+  EXPECT_EQ(PointAt(1, 1, frame, surface).radius_m, 0);
+  EXPECT_EQ(PointAt(2, 1, frame, surface).radius_m, 0);
+  EXPECT_GT(PointAt(3, 1, frame, surface).radius_m, 0);
+  EXPECT_EQ(PointAt(3, 1, frame, surface).position, surface.vertex(3, 1));
+  EXPECT_EQ(PointAt(3, 1, frame, surface).normal, surface.normal(3, 1));
+}
+
+// sigma_z = 0.002 z^2: what is measured at 2 m leaves free what is nearer than 2 - 0.05 - 4 *
+// 0.008.
+TEST(MeasurePoints, FreeSpaceEndsAMarginAndFourSigmasBeforeTheNearestDepthAround) {
+  const PinholeCamera camera = SmallCamera();
+  RgbdFrame frame = FrameOf(camera, 3);
+  frame.depth_m(2, 2) = 2;
+  const FrameLevel surface = Surface(camera, {0, 0, -1}, 3);
+  const float near = 2 - 0.05f - 0.032f, far = 3 - 0.05f - 0.072f;
+  for (int v = 0; v < camera.height; ++v) {
+    for (int u = 0; u < camera.width; ++u) {
+      const bool beside = std::abs(u - 2) <= 1 && std::abs(v - 2) <= 1;
+      EXPECT_NEAR(PointAt(u, v, frame, surface).free_depth_m, beside ? near : far, 3 * kRounding);
+    }
+  }
+}
+
+TEST(MeasurePoints, BesideAMissingDepthNothingIsFree) {
+  const PinholeCamera camera = SmallCamera();
+  RgbdFrame frame = FrameOf(camera, 3);
+  frame.depth_m(6, 0) = 0;
+  const FrameLevel surface = Surface(camera, {0, 0, -1}, 3);
+  for (int v = 0; v < camera.height; ++v) {
+    for (int u = 0; u < camera.width; ++u) {
+      EXPECT_EQ(PointAt(u, v, frame, surface).free_depth_m == 0, u >= 5 && v <= 1);
+    }
+  }
+}
+
+TEST(MeasurePoints, TheMarginNeverReachesBehindTheCamera) {
+  const PinholeCamera camera = SmallCamera();
+  const FrameLevel surface = Surface(camera, {0, 0, -1}, 0.04f);
+  EXPECT_EQ(PointAt(3, 2, FrameOf(camera, 0.04f), surface).free_depth_m, 0);
+}
+
+TEST(PointWeights, FallFromOneAtThePrincipalPointToTheFarthestCorner) {
+  const PinholeCamera camera{9, 7, 100, 100, 3, 4, {}};  // the farthest corner is (8, 0)
+  const Image<float> weights = PointWeights(camera, {});
+  EXPECT_EQ(weights(3, 4), 1);
+  EXPECT_NEAR(weights(8, 0), std::exp(-1 / 0.72), kRounding);
+  // At (0, 0) the distance is 5, that of the farthest corner sqrt(25 + 16).
+  EXPECT_NEAR(weights(0, 0), std::exp(-25. / 41 / (2 * 0.6 * 0.6)), kRounding);
+  for (const float weight : weights) {
+    EXPECT_GE(weight, weights(8, 0));
+    EXPECT_LE(weight, 1);
+  }
+}
+
+TEST(PointWeights, AreOneIfUniform) {
+  FusionOptions options;
+  options.weighting = "uniform";
+  EXPECT_THAT(PointWeights(SmallCamera(), options), ::testing::Each(1.f));
+}
+
+}  // namespace
+}  // namespace surfit

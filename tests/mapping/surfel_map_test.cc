@@ -1,0 +1,274 @@
+#include "surfit/mapping/surfel_map.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+#include "mapping/random_surfel.h"
+#include "mapping/same_map.h"
+#include "testing/matchers.h"
+
+namespace surfit {
+namespace {
+
+using testing::ExpectDense;
+using testing::RandomColor;
+using testing::RandomNormal;
+using testing::RandomSurfel;
+using testing::Uniform;
+using testing::VectorNear;
+
+constexpr float kNoCap = 1e9f;
+constexpr double kUlp = 6e-8;  // relative rounding of a float, 2^-24
+
+auto AsTuple(const Surfel& s) {
+  const auto& p = s.position_in_world;
+  const auto& n = s.normal_in_world;
+  return std::make_tuple(p.x(), p.y(), p.z(), n.x(), n.y(), n.z(), s.color.r, s.color.g, s.color.b,
+                         s.radius_m, s.confidence, s.first_seen, s.last_seen);
+}
+
+SurfelObservation RandomObservation(std::mt19937_64* rng) {
+  SurfelObservation seen;
+  for (float& x : seen.position_in_world) x = Uniform(-3, 3, rng);
+  seen.normal_in_world = RandomNormal(0.5f, rng);
+  seen.color = RandomColor(rng);
+  seen.radius_m = Uniform(0.001f, 0.02f, rng);
+  seen.weight = Uniform(0.2f, 1, rng);
+  return seen;
+}
+
+Eigen::Vector3d ColorAsVector(Rgb8 color) { return {1. * color.r, 1. * color.g, 1. * color.b}; }
+
+// The stored colour in steps of a byte.
+Eigen::Vector3d StoredColor(const SurfelMap& map, std::size_t i) {
+  return Eigen::Vector3d(map.red[i], map.green[i], map.blue[i]) / 256;
+}
+
+TEST(SurfelMap, GivesBackWhatWasAppendedAndSet) {
+  std::mt19937_64 rng(1);
+  SurfelMap map;
+  map.Reserve(100);
+  EXPECT_EQ(map.size(), 0u);
+  std::vector<Surfel> surfels;
+  for (int i = 0; i < 100; ++i) {
+    surfels.push_back(RandomSurfel(&rng));
+    map.Append(surfels.back());
+  }
+  surfels[37] = RandomSurfel(&rng);
+  map.Set(37, surfels[37]);
+  ExpectDense(map);
+  ASSERT_EQ(map.size(), 100u);
+  for (int i = 0; i < 100; ++i) EXPECT_EQ(AsTuple(map[i]), AsTuple(surfels[i])) << i;
+}
+
+TEST(SurfelMap, EveryByteOfColorSurvives) {
+  SurfelMap map;
+  for (int byte = 0; byte < 256; ++byte) {
+    Surfel s;
+    s.color = {static_cast<std::uint8_t>(byte), static_cast<std::uint8_t>(255 - byte), 7};
+    map.Append(s);
+    EXPECT_EQ(map.Color(byte), s.color);
+  }
+}
+
+TEST(Merge, IsTheWeightedAverage) {
+  std::mt19937_64 rng(2);
+  for (int trial = 0; trial < 200; ++trial) {
+    SurfelMap map;
+    map.Append(RandomSurfel(&rng));
+    const Surfel q = map[0];
+    const SurfelObservation p = RandomObservation(&rng);
+    map.Merge(0, p, true, kNoCap);
+    const double w = q.confidence, a = p.weight;
+    const Eigen::Vector3d position =
+        (w * q.position_in_world.cast<double>() + a * p.position_in_world.cast<double>()) / (w + a);
+    const Eigen::Vector3d normal =
+        (w * q.normal_in_world.cast<double>() + a * p.normal_in_world.cast<double>()).normalized();
+    const Eigen::Vector3d color =
+        (w * ColorAsVector(q.color) + a * ColorAsVector(p.color)) / (w + a);
+    // A difference of up to 6, its product with the share (itself rounded twice) and a sum: not
+    // more than five roundings of 6 on each axis.
+    EXPECT_THAT(map[0].position_in_world.cast<double>(), VectorNear(position, 30 * kUlp * 2));
+    EXPECT_THAT(map[0].normal_in_world.cast<double>(), VectorNear(normal, 10 * kUlp * 2));
+    EXPECT_NEAR(map[0].normal_in_world.norm(), 1, 4 * kUlp);
+    // Rounded to the next of 256 parts of a byte's step, on each of three channels.
+    EXPECT_THAT(StoredColor(map, 0), VectorNear(color, std::sqrt(3) * 0.501 / 256));
+    EXPECT_EQ(map[0].radius_m, std::min(q.radius_m, p.radius_m));
+    EXPECT_NEAR(map[0].confidence, w + a, (w + a) * kUlp);
+    EXPECT_EQ(map[0].first_seen, q.first_seen);
+    EXPECT_EQ(map[0].last_seen, q.last_seen);
+  }
+}
+
+TEST(Merge, WithoutRefinementKeepsTheShapeAndTakesColorAndWeight) {
+  std::mt19937_64 rng(3);
+  SurfelMap map;
+  map.Append(RandomSurfel(&rng));
+  const Surfel q = map[0];
+  const SurfelObservation p = RandomObservation(&rng);
+  map.Merge(0, p, false, kNoCap);
+  EXPECT_EQ(map[0].position_in_world, q.position_in_world);
+  EXPECT_EQ(map[0].normal_in_world, q.normal_in_world);
+  EXPECT_EQ(map[0].radius_m, q.radius_m);
+  EXPECT_FLOAT_EQ(map[0].confidence, q.confidence + p.weight);
+  const double share = p.weight / (1. * q.confidence + p.weight);
+  const Eigen::Vector3d color =
+      ColorAsVector(q.color) + share * (ColorAsVector(p.color) - ColorAsVector(q.color));
+  EXPECT_THAT(StoredColor(map, 0), VectorNear(color, std::sqrt(3) * 0.501 / 256));
+}
+
+TEST(Merge, TouchesNoOtherSurfel) {
+  std::mt19937_64 rng(4);
+  SurfelMap map;
+  for (int i = 0; i < 3; ++i) map.Append(RandomSurfel(&rng));
+  const Surfel first = map[0], last = map[2];
+  map.Merge(1, RandomObservation(&rng), true, kNoCap);
+  EXPECT_EQ(AsTuple(map[0]), AsTuple(first));
+  EXPECT_EQ(AsTuple(map[2]), AsTuple(last));
+}
+
+TEST(Merge, ConfidenceStopsAtTheCapAndTheMapStillMoves) {
+  SurfelMap map;
+  Surfel s;
+  s.normal_in_world = {0, 0, -1};
+  s.confidence = 199.5f;
+  s.radius_m = 0.01f;
+  map.Append(s);
+  SurfelObservation seen;
+  seen.position_in_world = {0, 0, 1};
+  seen.normal_in_world = {0, 0, -1};
+  seen.radius_m = 0.01f;
+  map.Merge(0, seen, true, 200);
+  EXPECT_EQ(map.confidence[0], 200);
+  EXPECT_FLOAT_EQ(map.z[0], 1 / 200.5f);
+  map.Merge(0, seen, true, 200);
+  EXPECT_EQ(map.confidence[0], 200);
+  EXPECT_FLOAT_EQ(map.z[0], 1 / 200.5f + (1 - 1 / 200.5f) / 201);
+}
+
+// With w = 1 for the first and a = 1 for each further observation, the average is the mean.
+TEST(Merge, EqualWeightsGiveTheArithmeticMean) {
+  constexpr int kCount = 150;
+  std::mt19937_64 rng(5);
+  SurfelMap map;
+  Surfel first = RandomSurfel(&rng);
+  first.confidence = 1;
+  map.Append(first);
+  Eigen::Vector3d position_sum = first.position_in_world.cast<double>();
+  Eigen::Vector3d color_sum = ColorAsVector(first.color);
+  float smallest = first.radius_m;
+  for (int n = 2; n <= kCount; ++n) {
+    SurfelObservation seen = RandomObservation(&rng);
+    seen.weight = 1;
+    position_sum += seen.position_in_world.cast<double>();
+    color_sum += ColorAsVector(seen.color);
+    smallest = std::min(smallest, seen.radius_m);
+    map.Merge(0, seen, true, kNoCap);
+  }
+  EXPECT_EQ(map.confidence[0], kCount);
+  EXPECT_EQ(map.radius_m[0], smallest);
+  // Merge n rounds by e and damps older errors by (n - 1) / n, so that n E_n = (n - 1) E_(n-1) +
+  // n e and E_N <= e (N + 1) / 2. For positions of up to 3 m, e is about 3 roundings of 3 m on each
+  // axis; for colours 1/512 of a byte's step.
+  constexpr double kGrowth = (kCount + 1) / 2.;
+  EXPECT_THAT(map[0].position_in_world.cast<double>(),
+              VectorNear(position_sum / kCount, std::sqrt(3) * 9 * kUlp * kGrowth));
+  EXPECT_THAT(StoredColor(map, 0),
+              VectorNear(color_sum / kCount, std::sqrt(3) * 0.51 / 256 * kGrowth));
+}
+
+// The stored colour moves as long as share * difference is at least half of 1/256: at the cap of
+// 200 it comes within 201 / 512 of a byte's step, which rounds to the byte.
+TEST(Merge, AColorAtTheCapStillComesToTheObservedByte) {
+  for (const int goal : {0, 255}) {
+    SurfelMap map;
+    Surfel s;
+    s.normal_in_world = {0, 0, -1};
+    s.color = {static_cast<std::uint8_t>(255 - goal), 100, 128};
+    s.confidence = 200;
+    map.Append(s);
+    SurfelObservation seen;
+    seen.normal_in_world = {0, 0, -1};
+    seen.color = {static_cast<std::uint8_t>(goal), 101, 127};
+    for (int i = 0; i < 3000; ++i) map.Merge(0, seen, true, 200);
+    EXPECT_EQ(map.Color(0), seen.color);
+  }
+}
+
+// Replace() against sets: the kept and the added surfels, each once.
+void CheckReplace(int size, const std::vector<std::uint8_t>& remove, int added_count,
+                  std::mt19937_64* rng) {
+  SurfelMap map;
+  std::vector<Surfel> added;
+  for (int i = 0; i < size; ++i) map.Append(RandomSurfel(rng));
+  for (int i = 0; i < added_count; ++i) added.push_back(RandomSurfel(rng));
+  const SurfelMap old = map;
+  const std::size_t removed = map.Replace(remove, added);
+
+  std::vector<decltype(AsTuple(Surfel()))> expected, actual;
+  for (int i = 0; i < size; ++i) {
+    if (!remove[i]) expected.push_back(AsTuple(old[i]));
+  }
+  EXPECT_EQ(removed, size - expected.size());
+  for (const Surfel& s : added) expected.push_back(AsTuple(s));
+  ExpectDense(map);
+  ASSERT_EQ(map.size(), expected.size());
+  for (std::size_t i = 0; i < map.size(); ++i) actual.push_back(AsTuple(map[i]));
+
+  // The added ones stand in their order.
+  std::vector<decltype(AsTuple(Surfel()))> found;
+  for (const auto& surfel : actual) {
+    const auto is_it = [&](const Surfel& s) { return AsTuple(s) == surfel; };
+    if (std::any_of(added.begin(), added.end(), is_it)) found.push_back(surfel);
+  }
+  ASSERT_EQ(found.size(), added.size());
+  for (int i = 0; i < added_count; ++i) EXPECT_EQ(found[i], AsTuple(added[i]));
+
+  std::sort(expected.begin(), expected.end());
+  std::sort(actual.begin(), actual.end());
+  EXPECT_EQ(actual, expected);
+}
+
+TEST(Replace, KeepsAndAddsExactlyWhatItShould) {
+  std::mt19937_64 rng(6);
+  for (int trial = 0; trial < 300; ++trial) {
+    const int size = static_cast<int>(rng() % 40);
+    const float share = Uniform(0, 1, &rng);
+    std::vector<std::uint8_t> remove(size);
+    for (auto& r : remove) r = Uniform(0, 1, &rng) < share;
+    CheckReplace(size, remove, static_cast<int>(rng() % 25), &rng);
+  }
+}
+
+TEST(Replace, HandlesTheExtremes) {
+  std::mt19937_64 rng(7);
+  for (const int added : {0, 1, 4, 5, 6}) {
+    CheckReplace(0, {}, added, &rng);
+    CheckReplace(5, {0, 0, 0, 0, 0}, added, &rng);
+    CheckReplace(5, {1, 1, 1, 1, 1}, added, &rng);
+    CheckReplace(5, {0, 0, 0, 1, 1}, added, &rng);
+    CheckReplace(5, {1, 1, 0, 0, 0}, added, &rng);
+    CheckReplace(5, {0, 1, 0, 0, 1}, added, &rng);
+  }
+}
+
+TEST(Replace, LeavesSurfelsInPlaceWhereHolesAreReused) {
+  std::mt19937_64 rng(8);
+  SurfelMap map;
+  for (int i = 0; i < 4; ++i) map.Append(RandomSurfel(&rng));
+  const SurfelMap old = map;
+  const Surfel added = RandomSurfel(&rng);
+  EXPECT_EQ(map.Replace({0, 1, 0, 0}, {added}), 1u);
+  EXPECT_EQ(AsTuple(map[0]), AsTuple(old[0]));
+  EXPECT_EQ(AsTuple(map[1]), AsTuple(added));
+  EXPECT_EQ(AsTuple(map[3]), AsTuple(old[3]));
+}
+
+}  // namespace
+}  // namespace surfit
