@@ -1,0 +1,161 @@
+#include "io/read_image.h"
+
+#include <random>
+
+#include "testing/expect_input_error.h"
+#include "testing/temp_folder.h"
+#include "testing/write_images.h"
+
+namespace surfit {
+namespace {
+
+using testing::ExpectInputError;
+using ::testing::HasSubstr;
+using testing::TempFolder;
+
+Image<std::uint16_t> SomeDepth() {
+  std::mt19937_64 rng(3);
+  Image<std::uint16_t> depth(37, 23);
+  for (auto& d : depth) d = static_cast<std::uint16_t>(rng());
+  depth[0] = 0;
+  depth[1] = 65535;
+  return depth;
+}
+
+Image<Rgb8> SomeColor() {
+  Image<Rgb8> color(37, 23);
+  for (int v = 0; v < 23; ++v) {
+    for (int u = 0; u < 37; ++u) {
+      color(u, v) = {static_cast<std::uint8_t>(200 - u), static_cast<std::uint8_t>(9 * v),
+                     static_cast<std::uint8_t>(3 * u)};
+    }
+  }
+  return color;
+}
+
+TEST(ReadDepthImage, GivesTheCountsOfPngAndPgm) {
+  TempFolder folder;
+  for (const char* name : {"depth.png", "depth.pgm"}) {
+    testing::WriteDepth(folder / name, SomeDepth());
+    EXPECT_EQ(std::get<Image<std::uint16_t>>(ReadDepthImage(folder / name)), SomeDepth()) << name;
+  }
+}
+
+TEST(ReadDepthImage, GivesTheMetresOfFloatTiff) {
+  TempFolder folder;
+  Image<float> metres(5, 4, 1.25f);
+  metres(3, 2) = 0;
+  testing::WriteDepth(folder / "depth.tiff", metres);
+  EXPECT_EQ(std::get<Image<float>>(ReadDepthImage(folder / "depth.tiff")), metres);
+}
+
+TEST(ReadDepthImage, RefusesAColorImage) {
+  TempFolder folder;
+  testing::WriteColor(folder / "color.png", SomeColor());
+  ExpectInputError([&] { ReadDepthImage(folder / "color.png"); },
+                   HasSubstr("color.png has 3 channel(s) of 8 bits"));
+}
+
+TEST(ReadColorImage, GivesRedGreenBlueOfPng) {
+  TempFolder folder;
+  testing::WriteColor(folder / "color.png", SomeColor());
+  EXPECT_EQ(ReadColorImage(folder / "color.png"), SomeColor());
+}
+
+TEST(ReadColorImage, GivesTheSameJpegPixelsAsOpenCv) {
+  TempFolder folder;
+  testing::WriteColor(folder / "color.jpg", SomeColor());
+  const Image<Rgb8> read = ReadColorImage(folder / "color.jpg");
+  const cv::Mat bgr = cv::imread(folder / "color.jpg");
+  for (int v = 0; v < read.height(); ++v) {
+    for (int u = 0; u < read.width(); ++u) {
+      const auto& p = bgr.at<cv::Vec3b>(v, u);
+      EXPECT_EQ(read(u, v), (Rgb8{p[2], p[1], p[0]}));
+    }
+  }
+}
+
+// Wherever the file ends, and whether the rest is gone or was never written (zeros), the picture
+// must count as unreadable.
+void ExpectEveryTruncationIsRefused(const std::string& path) {
+  const std::string bytes = testing::ReadBytes(path);
+  ASSERT_GT(bytes.size(), 100u);
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    const std::string cut = bytes.substr(0, size);
+    EXPECT_THROW(DecodeColorImage(cut, path), InputError) << path << " cut to " << size;
+    const std::string zeroed = cut + std::string(bytes.size() - size, '\0');
+    if (zeroed == bytes) continue;
+    EXPECT_THROW(DecodeColorImage(zeroed, path), InputError) << path << " zero from " << size;
+  }
+}
+
+TEST(DecodeColorImage, RefusesEveryTruncation) {
+  TempFolder folder;
+  testing::WriteColor(folder / "color.png", SomeColor());
+  ExpectEveryTruncationIsRefused(folder / "color.png");
+  testing::WriteColor(folder / "baseline.jpg", SomeColor());
+  ExpectEveryTruncationIsRefused(folder / "baseline.jpg");
+  testing::WriteColor(folder / "progressive.jpg", SomeColor(), {cv::IMWRITE_JPEG_PROGRESSIVE, 1});
+  ExpectEveryTruncationIsRefused(folder / "progressive.jpg");
+}
+
+// Cut anywhere, the depth is refused, or all of it is there (a TIFF may lack bytes that say
+// nothing).
+void ExpectTruncatedDepthIsRefusedOrWhole(const std::string& path) {
+  const std::string bytes = testing::ReadBytes(path);
+  const RawDepth whole = DecodeDepthImage(bytes, path);
+  int refused = 0;
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    try {
+      EXPECT_EQ(DecodeDepthImage(bytes.substr(0, size), path), whole) << path << " cut to " << size;
+    } catch (const InputError&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, static_cast<int>(bytes.size()) - 10);
+}
+
+TEST(DecodeDepthImage, RefusesTruncatedDepth) {
+  TempFolder folder;
+  testing::WriteDepth(folder / "depth.png", SomeDepth());
+  ExpectTruncatedDepthIsRefusedOrWhole(folder / "depth.png");
+  testing::WriteDepth(folder / "depth.pgm", SomeDepth());
+  ExpectTruncatedDepthIsRefusedOrWhole(folder / "depth.pgm");
+  testing::WriteDepth(folder / "depth.tiff", Image<float>(37, 23, 1.25f));
+  ExpectTruncatedDepthIsRefusedOrWhole(folder / "depth.tiff");
+}
+
+TEST(DecodeDepthImage, RefusesAPngWithAnyByteFlipped) {
+  TempFolder folder;
+  const std::string path = folder / "depth.png";
+  testing::WriteDepth(path, SomeDepth());
+  const std::string bytes = testing::ReadBytes(path);
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    std::string damaged = bytes;
+    damaged[i] ^= 0x10;
+    EXPECT_THROW(DecodeDepthImage(damaged, path), InputError) << "byte " << i;
+  }
+}
+
+// JPEG has no checksums, so that damage to a coefficient can pass for a picture; damage that the
+// decoder notices must not: here a piece cut out of the middle.
+TEST(DecodeColorImage, RefusesAJpegWithAPieceMissing) {
+  TempFolder folder;
+  const std::string path = folder / "color.jpg";
+  testing::WriteColor(path, SomeColor());
+  std::string bytes = testing::ReadBytes(path);
+  bytes.erase(bytes.size() - 40, 20);
+  ExpectInputError([&] { DecodeColorImage(bytes, path); },
+                   HasSubstr("color.jpg is truncated or damaged"));
+}
+
+TEST(ReadImage, NamesWhatIsNoImage) {
+  TempFolder folder;
+  testing::WriteBytes(folder / "text.png", "no image at all");
+  ExpectInputError([&] { ReadColorImage(folder / "text.png"); }, HasSubstr("text.png"));
+  ExpectInputError([&] { ReadColorImage(folder / "missing.png"); }, HasSubstr("missing.png"));
+  ExpectInputError([&] { ReadColorImage(folder.path()); }, HasSubstr(folder.path()));
+}
+
+}  // namespace
+}  // namespace surfit
