@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "surfit/frame/rgbd_frame.h"
 #include "surfit/geometry/pinhole_camera.h"
@@ -22,6 +23,7 @@ struct SequenceInfo {
   // World-from-camera poses in our (mirrored, if so) convention, for evaluation; empty if there
   // are none. Its stamps are the files'; they need not equal the frames'.
   Trajectory ground_truth;
+  std::vector<std::string> warnings;  // what the user should know: doubtful camera, depth scale
 };
 
 // One attempt to read a frame.

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace surfit {
+
+// The names of what a folder holds, sorted; empty if there is no such folder.
+std::vector<std::string> NamesIn(const std::string& folder);
+
+bool IsFolder(const std::string& path);
+bool IsFile(const std::string& path);
+bool EndsWith(const std::string& name, const std::string& ending);
+
+// The value of the first run of digits in a file's name, if any: 12 for frame-000012.color.png.
+std::optional<long> NumberInName(const std::string& name);
+
+// The path after following its folder if this is a link written out as text: where links are
+// unknown (archives, some file systems, git without them), a link to a folder becomes a small file
+// that holds the folder's relative path.
+std::string FollowTextLink(const std::string& path);
+
+}  // namespace surfit

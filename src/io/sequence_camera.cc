@@ -1,0 +1,94 @@
+#include "io/sequence_camera.h"
+
+#include "io/folder.h"
+#include "io/open3d_camera.h"
+#include "surfit/core/error.h"
+#include "surfit/io/camera_presets.h"
+#include "surfit/io/camera_yaml.h"
+
+namespace surfit {
+namespace {
+
+// The drivers' default of the Kinect, with TUM's depth scale.
+RgbdCamera RosDefault() {
+  RgbdCamera camera = CameraPreset("redwood");
+  camera.depth_units_per_metre = 5000;
+  return camera;
+}
+
+RgbdCamera RedwoodCamera(const std::string& folder) {
+  RgbdCamera camera = CameraPreset("redwood");
+  for (const char* name : {"/camera_intrinsic.json", "/intrinsic.json"}) {
+    if (!IsFile(folder + name)) continue;
+    camera.depth = ReadOpen3dCamera(folder + name);
+    break;
+  }
+  return camera;
+}
+
+// The camera before any figure of the options.
+RgbdCamera BaseCamera(const SequenceOptions& options, const std::string& format,
+                      std::vector<std::string>* warnings) {
+  if (!options.camera.empty()) return CameraPreset(options.camera);
+  const std::string yaml = options.path + "/camera.yaml";
+  if (IsFile(yaml)) return ReadCameraYaml(yaml);
+  if (format == "redwood") return RedwoodCamera(options.path);
+  if (format != "tum") return CameraPreset(format);
+  if (!options.intrinsics) {
+    warnings->push_back(Concat(options.path, " does not say its camera: taking the default of the ",
+                               "Kinect's drivers, 525 525 319.5 239.5 without distortion; name a ",
+                               "preset (TUM's: tum_fr1, tum_fr2, tum_fr3) or give intrinsics"));
+  }
+  return RosDefault();
+}
+
+void SetIntrinsics(const std::array<double, 4>& values, PinholeCamera* camera) {
+  camera->width = camera->height = 0;
+  camera->fx = values[0];
+  camera->fy = values[1];
+  camera->cx = values[2];
+  camera->cy = values[3];
+}
+
+void OverrideColor(const SequenceOptions& options, RgbdCamera* camera) {
+  if (options.color_intrinsics) {
+    if (camera->color_is_registered) camera->color = {};
+    camera->color_is_registered = false;
+    SetIntrinsics(*options.color_intrinsics, &camera->color);
+  }
+  if (camera->color_is_registered && (options.color_distortion || options.color_from_depth)) {
+    throw InputError(
+        "color_distortion and color_from_depth are of a colour camera of its own: give "
+        "color_intrinsics too");
+  }
+  if (options.color_distortion) camera->color.distortion = *options.color_distortion;
+  if (options.color_from_depth) camera->color_from_depth = *options.color_from_depth;
+}
+
+// Image sizes that are not known yet are checked once they are.
+void ValidateFigures(RgbdCamera camera) {
+  for (PinholeCamera* c : {&camera.depth, &camera.color}) {
+    if (c->width == 0 && c->height == 0) c->width = c->height = 1;
+  }
+  camera.Validate("camera");
+  if (!camera.color_is_registered && (camera.color.fy < 0) != (camera.depth.fy < 0)) {
+    throw InputError(Concat("camera: fy is ", camera.depth.fy, " of depth and ", camera.color.fy,
+                            " of colour, must have one sign"));
+  }
+}
+
+}  // namespace
+
+RgbdCamera ResolveCamera(const SequenceOptions& options, const std::string& format,
+                         std::vector<std::string>* warnings) {
+  RgbdCamera camera = BaseCamera(options, format, warnings);
+  if (options.intrinsics) SetIntrinsics(*options.intrinsics, &camera.depth);
+  if (options.distortion) camera.depth.distortion = *options.distortion;
+  if (options.depth_units_per_metre) camera.depth_units_per_metre = *options.depth_units_per_metre;
+  if (options.frames_per_second) camera.frames_per_second = *options.frames_per_second;
+  OverrideColor(options, &camera);
+  ValidateFigures(camera);
+  return camera;
+}
+
+}  // namespace surfit

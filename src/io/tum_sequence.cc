@@ -1,0 +1,105 @@
+#include <algorithm>
+#include <array>
+
+#include "io/associate.h"
+#include "io/folder.h"
+#include "io/numbered_frames.h"
+#include "io/sequence_files.h"
+#include "io/text_rows.h"
+#include "surfit/core/error.h"
+#include "surfit/io/tum_trajectory.h"
+
+namespace surfit {
+namespace {
+
+constexpr double kMaxDifference_s = 0.02;
+
+struct StampedFile {
+  double stamp_s = 0;
+  std::string path;
+};
+
+StampedFile ParseStampedFile(const TextRow& row, int column, const std::string& folder) {
+  return {ParseNumber(row.columns[column], row.place),
+          FollowTextLink(folder + "/" + row.columns[column + 1])};
+}
+
+void RequireColumns(const TextRow& row, std::size_t count, const char* meaning) {
+  if (row.columns.size() != count)
+    throw InputError(Concat(row.place, " has ", row.columns.size(), " columns, must have ", count,
+                            ": ", meaning));
+}
+
+// rgb.txt or depth.txt, in order of time.
+std::vector<StampedFile> ReadStampedFiles(const std::string& folder, const std::string& name) {
+  std::vector<StampedFile> files;
+  for (const TextRow& row : ReadTextRows(folder + "/" + name)) {
+    RequireColumns(row, 2, "stamp and file");
+    files.push_back(ParseStampedFile(row, 0, folder));
+  }
+  std::stable_sort(files.begin(), files.end(), [](const StampedFile& a, const StampedFile& b) {
+    return a.stamp_s < b.stamp_s;
+  });
+  return files;
+}
+
+std::vector<double> Stamps(const std::vector<StampedFile>& files) {
+  std::vector<double> stamps_s;
+  for (const StampedFile& file : files) stamps_s.push_back(file.stamp_s);
+  return stamps_s;
+}
+
+std::vector<FrameFiles> PairByTime(const std::string& folder) {
+  const auto depth = ReadStampedFiles(folder, "depth.txt");
+  std::vector<FrameFiles> frames;
+  if (!IsFile(folder + "/rgb.txt")) {
+    for (const StampedFile& file : depth) frames.push_back({file.stamp_s, file.path, ""});
+    return frames;
+  }
+  const auto color = ReadStampedFiles(folder, "rgb.txt");
+  for (const auto [c, d] : AssociateByTime(Stamps(color), Stamps(depth), kMaxDifference_s))
+    frames.push_back({color[c].stamp_s, depth[d].path, color[c].path});
+  if (frames.empty() && !depth.empty() && !color.empty())
+    throw InputError(Concat(folder, ": no stamp in rgb.txt is within ", kMaxDifference_s,
+                            " s of one in depth.txt"));
+  return frames;
+}
+
+// Colour stands first (TUM) or second (ICL-NUIM): the folder that is called depth tells.
+std::vector<FrameFiles> ReadAssociations(const std::string& folder) {
+  std::vector<FrameFiles> frames;
+  for (const TextRow& row : ReadTextRows(folder + "/associations.txt")) {
+    RequireColumns(row, 4, "stamp and file of colour and of depth");
+    const bool depth_first = row.columns[1].find("depth") != std::string::npos;
+    const StampedFile depth = ParseStampedFile(row, depth_first ? 0 : 2, folder);
+    const StampedFile color = ParseStampedFile(row, depth_first ? 2 : 0, folder);
+    frames.push_back({color.stamp_s, depth.path, color.path});
+  }
+  return frames;
+}
+
+Trajectory ReadGroundTruth(const std::string& folder) {
+  if (IsFile(folder + "/groundtruth.txt")) return ReadTumTrajectory(folder + "/groundtruth.txt");
+  for (const std::string& name : NamesIn(folder)) {
+    if (EndsWith(name, ".gt.freiburg")) return ReadTumTrajectory(folder + "/" + name);
+  }
+  return {};
+}
+
+}  // namespace
+
+SequenceFiles ListTumSequence(const std::string& folder) {
+  SequenceFiles files;
+  files.frames =
+      IsFile(folder + "/associations.txt") ? ReadAssociations(folder) : PairByTime(folder);
+  files.ground_truth = ReadGroundTruth(folder);
+  return files;
+}
+
+SequenceFiles ListIclNuimSequence(const std::string& folder) {
+  if (IsFile(folder + "/associations.txt") || IsFile(folder + "/depth.txt"))
+    return ListTumSequence(folder);
+  return {ListNumberedFrames(folder + "/depth", folder + "/rgb"), ReadGroundTruth(folder)};
+}
+
+}  // namespace surfit

@@ -1,0 +1,131 @@
+#include "surfit/io/read_ahead.h"
+
+#include <atomic>
+#include <chrono>
+#include <stdexcept>
+#include <thread>
+
+#include "surfit/core/parallel.h"
+#include "surfit/io/sequence.h"
+#include "testing/expect_input_error.h"
+#include "testing/read_all.h"
+#include "testing/sequence_writer.h"
+
+namespace surfit {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::TempFolder;
+
+TEST(ReadAhead, GivesTheSameFramesAtAnyNumberOfThreads) {
+  TempFolder folder;
+  testing::WriteTumSequence(folder, 20);
+  testing::WriteBytes(folder / "depth/007.png", "broken");
+  SequenceOptions options;
+  options.path = folder.path();
+  const auto expected = testing::ReadAll(OpenSequence(options).get());
+  for (const int threads : {1, 2, 4}) {
+    ThreadLimit limit(threads);
+    for (const int capacity : {1, 3, 100}) {
+      const auto source = ReadAhead(OpenSequence(options), capacity);
+      EXPECT_EQ(source->info().frame_count, 20);
+      const auto results = testing::ReadAll(source.get());
+      ASSERT_EQ(results.size(), expected.size());
+      for (std::size_t i = 0; i < results.size(); ++i) {
+        EXPECT_EQ(results[i].index, expected[i].index);
+        EXPECT_EQ(results[i].stamp_s, expected[i].stamp_s);
+        EXPECT_EQ(results[i].error, expected[i].error);
+        ASSERT_EQ(results[i].frame.has_value(), expected[i].frame.has_value());
+        if (!results[i].frame) continue;
+        EXPECT_EQ(results[i].frame->depth_m, expected[i].frame->depth_m);
+        EXPECT_EQ(results[i].frame->color, expected[i].frame->color);
+      }
+      EXPECT_FALSE(source->Next());
+    }
+  }
+}
+
+// Counts what is asked of it, fails if asked by two threads at once, and throws at frame `bad`.
+class CountingSource : public FrameSource {
+ public:
+  CountingSource(int count, int bad, std::atomic<int>* reads)
+      : count_(count), bad_(bad), reads_(reads) {}
+  const SequenceInfo& info() const override { return info_; }
+  std::optional<ReadResult> Next() override {
+    EXPECT_FALSE(busy_.exchange(true));
+    std::this_thread::sleep_for(std::chrono::microseconds(200));
+    busy_ = false;
+    if (next_ == count_) return std::nullopt;
+    ++*reads_;
+    if (next_ == bad_) throw std::runtime_error("disk on fire");
+    ReadResult result;
+    result.index = next_++;
+    return result;
+  }
+
+ private:
+  SequenceInfo info_;
+  int count_, bad_, next_ = 0;
+  std::atomic<bool> busy_ = false;
+  std::atomic<int>* reads_;
+};
+
+TEST(ReadAhead, CarriesAnExceptionToItsPlace) {
+  for (const int threads : {1, 2, 4}) {
+    ThreadLimit limit(threads);
+    std::atomic<int> reads = 0;
+    const auto source = ReadAhead(std::make_unique<CountingSource>(10, 3, &reads), 5);
+    for (int i = 0; i < 3; ++i) EXPECT_EQ(source->Next()->index, i);
+    EXPECT_THROW(source->Next(), std::runtime_error);
+    EXPECT_FALSE(source->Next());
+    EXPECT_EQ(reads, 4);
+  }
+}
+
+void WaitUntil(const std::atomic<int>& reads, int count) {
+  const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+  while (reads < count && std::chrono::steady_clock::now() < limit) std::this_thread::yield();
+}
+
+TEST(ReadAhead, RunsAheadByItsCapacityAndNoFurther) {
+  ThreadLimit limit(2);
+  std::atomic<int> reads = 0;
+  const auto source = ReadAhead(std::make_unique<CountingSource>(100, -1, &reads), 4);
+  EXPECT_EQ(reads, 0);  // nothing before it is asked
+  source->Next();
+  WaitUntil(reads, 5);
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  EXPECT_EQ(reads, 5);  // one taken, four waiting
+  source->Next();
+  WaitUntil(reads, 6);
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  EXPECT_EQ(reads, 6);
+}
+
+TEST(ReadAhead, WithOneThreadReadsWhenAsked) {
+  ThreadLimit limit(1);
+  std::atomic<int> reads = 0;
+  const auto source = ReadAhead(std::make_unique<CountingSource>(100, -1, &reads), 4);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(source->Next()->index, i);
+    EXPECT_EQ(reads, i + 1);
+  }
+}
+
+TEST(ReadAhead, MayBeLeftAtAnyTime) {
+  ThreadLimit limit(2);
+  for (int taken = 0; taken < 50; ++taken) {
+    std::atomic<int> reads = 0;
+    const auto source = ReadAhead(std::make_unique<CountingSource>(20, -1, &reads), 3);
+    for (int i = 0; i < taken % 25; ++i) source->Next();
+  }
+}
+
+TEST(ReadAhead, NeedsACapacity) {
+  std::atomic<int> reads = 0;
+  testing::ExpectInputError([&] { ReadAhead(std::make_unique<CountingSource>(1, -1, &reads), 0); },
+                            HasSubstr("capacity of reading ahead is 0"));
+}
+
+}  // namespace
+}  // namespace surfit

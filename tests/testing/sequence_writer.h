@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <string>
+
+#include "testing/temp_folder.h"
+#include "testing/write_images.h"
+
+namespace surfit::testing {
+
+// Small images that tell their frame: depth between 1 and 2 m at 1000 counts a metre, red the
+// frame's number.
+inline Image<std::uint16_t> NumberedDepth(int frame, int width = 32, int height = 24) {
+  Image<std::uint16_t> depth(width, height);
+  for (std::size_t i = 0; i < depth.size(); ++i)
+    depth[i] = static_cast<std::uint16_t>(1000 + 10 * frame + i % 7);
+  return depth;
+}
+
+inline Image<Rgb8> NumberedColor(int frame, int width = 32, int height = 24) {
+  return Image<Rgb8>(width, height, {static_cast<std::uint8_t>(frame), 20, 30});
+}
+
+inline std::string Format(const char* format, int number) {
+  char text[100];
+  std::snprintf(text, sizeof(text), format, number);
+  return text;
+}
+
+// The camera of these images as a camera.yaml.
+inline std::string SmallCameraYaml(double fy = 30) {
+  return "%YAML:1.0\n---\ndepth_camera: { width: 32, height: 24, fx: 31., fy: " +
+         std::to_string(fy) +
+         ", cx: 15.5, cy: 11.5 }\ndepth_units_per_metre: 1000.\nframes_per_second: 30.\n";
+}
+
+// A TUM folder of `count` frames at 10 Hz from time 5, depth 3 ms later than colour, each frame's
+// pose the translation (its number, 2, 3), with a camera.yaml.
+inline void WriteTumSequence(const TempFolder& folder, int count, double fy = 30) {
+  std::string rgb = "# colour\n", depth = "# depth\n", poses = "# poses\n";
+  for (int i = 0; i < count; ++i) {
+    const std::string color_name = Format("rgb/%03d.png", i),
+                      depth_name = Format("depth/%03d.png", i);
+    WriteColor(folder / color_name, NumberedColor(i));
+    WriteDepth(folder / depth_name, NumberedDepth(i));
+    rgb += std::to_string(5 + 0.1 * i) + " " + color_name + "\n";
+    depth += std::to_string(5.003 + 0.1 * i) + " " + depth_name + "\n";
+    poses += std::to_string(5 + 0.1 * i) + Format(" %d 2 3 0.6 0 0 0.8\n", i);
+  }
+  folder.Write("rgb.txt", rgb);
+  folder.Write("depth.txt", depth);
+  folder.Write("groundtruth.txt", poses);
+  folder.Write("camera.yaml", SmallCameraYaml(fy));
+}
+
+}  // namespace surfit::testing
