@@ -55,6 +55,7 @@ struct Fusion::Workspace {
   const float min_cosine;
   const RgbdFrame* frame = nullptr;
   Image<float> weights;
+  double weights_cx = 0, weights_cy = 0;  // the principal point they belong to
   std::vector<MeasuredPoint> points;            // per pixel
   std::vector<std::atomic<std::uint64_t>> own;  // per pixel: nearest surfel that projects there
   Image<std::int32_t> surfel_of_point;          // per pixel: own or a neighbour's, or kNone
@@ -78,6 +79,8 @@ void FusionOptions::Validate() const {
   require(max_dormant_frames >= 0, "max_dormant_frames", max_dormant_frames, "zero or positive");
   require(max_confidence > 0, "max_confidence", max_confidence, "positive");
   require(free_space_margin_m > 0, "free_space_margin_m", free_space_margin_m, "positive");
+  require(noise.inverse_depth_sigma >= 0, "inverse_depth_sigma", noise.inverse_depth_sigma,
+          "zero or positive");
 }
 
 Fusion::Fusion(const FusionOptions& options)
@@ -111,8 +114,12 @@ void Fusion::Workspace::Begin(const RgbdFrame& new_frame, const FrameLevel& surf
                               const SurfelMap& map) {
   frame = &new_frame;
   const int width = surface.camera.width, height = surface.camera.height;
-  if (weights.width() != width || weights.height() != height) {
-    weights = PointWeights(surface.camera, options);
+  const PinholeCamera& camera = surface.camera;
+  if (weights.width() != width || weights.height() != height || weights_cx != camera.cx ||
+      weights_cy != camera.cy) {
+    weights = PointWeights(camera, options);
+    weights_cx = camera.cx;
+    weights_cy = camera.cy;
   }
   MeasurePoints(new_frame, surface, options, &points);
   ResetMinima(points.size(), &own);
