@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
+#include <limits>
 
 #include "mapping/atomic_minimum.h"
 #include "mapping/measured_points.h"
@@ -54,8 +56,10 @@ struct Fusion::Workspace {
   const FusionOptions& options;
   const float min_cosine;
   const RgbdFrame* frame = nullptr;
+  std::deque<int> last_frames;  // indices of the last max_dormant_frames + 1, this one included
+  int awake_since = 0;          // surfels that were last seen before this frame are dormant
   Image<float> weights;
-  double weights_cx = 0, weights_cy = 0;  // the principal point they belong to
+  double weights_cx = 0, weights_cy = 0;        // the principal point they belong to
   std::vector<MeasuredPoint> points;            // per pixel
   std::vector<std::atomic<std::uint64_t>> own;  // per pixel: nearest surfel that projects there
   Image<std::int32_t> surfel_of_point;          // per pixel: own or a neighbour's, or kNone
@@ -113,6 +117,10 @@ FusionReport Fusion::Fuse(const RgbdFrame& frame, const FrameLevel& surface,
 void Fusion::Workspace::Begin(const RgbdFrame& new_frame, const FrameLevel& surface,
                               const SurfelMap& map) {
   frame = &new_frame;
+  const std::size_t most = static_cast<std::size_t>(options.max_dormant_frames) + 1;
+  last_frames.push_back(frame->index);
+  if (last_frames.size() > most) last_frames.pop_front();
+  awake_since = last_frames.size() == most ? last_frames.front() : std::numeric_limits<int>::min();
   const int width = surface.camera.width, height = surface.camera.height;
   const PinholeCamera& camera = surface.camera;
   if (weights.width() != width || weights.height() != height || weights_cx != camera.cx ||
@@ -155,7 +163,7 @@ void Fusion::Workspace::OfferChunk(const PosedCamera& camera, const SurfelMap& m
   chunk.Project(map, camera, begin, end);
   for (int k = 0; k < end - begin; ++k) {
     const int i = begin + k;
-    const bool dormant = frame->index - map.last_seen[i] > options.max_dormant_frames;
+    const bool dormant = map.last_seen[i] < awake_since;
     remove[i] = dormant && map.confidence[i] < options.stable_confidence;
     const float u = chunk.u[k] + 0.5f, v = chunk.v[k] + 0.5f;
     if (!(u >= 0 && v >= 0 && u < camera.width && v < camera.height)) continue;

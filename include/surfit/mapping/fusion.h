@@ -25,7 +25,7 @@ struct FusionOptions {
   float max_slant_scale = 2;      // radius = sqrt(2) z / f times at most this for 1 / |n_z|
   float max_radius_ratio = 1.5f;  // points that are coarser than this do not move a surfel
   float stable_confidence = kDefaultStableConfidence;  // below it a surfel is unstable ...
-  int max_dormant_frames = 20;        // ... and removed when not seen for longer than this
+  int max_dormant_frames = 20;        // ... and removed after so many fused frames without it
   float max_confidence = 200;         // so that the map can still change
   float free_space_margin_m = 0.05f;  // measured farther than this behind a surfel, plus 4 sigma
   DepthNoise noise;                   // of the depth: the surfel is not there
@@ -45,7 +45,8 @@ struct FusionReport {
 
 // Fuses posed frames into a map: point-based fusion (Keller et al., 3DV 2013). The map is projected
 // into the frame at its tracked pose, so that each point meets the surfel nearest to itself rather
-// than the one that happens to hide the others. Keeps its buffers between frames.
+// than the one that happens to hide the others. Keeps its buffers between frames, and remembers
+// which frames it has fused: surfels go dormant by these, not by those that were skipped or lost.
 class Fusion {
  public:
   explicit Fusion(const FusionOptions& options);
