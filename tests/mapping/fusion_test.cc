@@ -1,0 +1,413 @@
+#include "surfit/mapping/fusion.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "mapping/plane_frame.h"
+#include "mapping/same_map.h"
+#include "testing/expect_input_error.h"
+
+namespace surfit {
+namespace {
+
+using Eigen::Vector3f;
+using testing::BlankFrame;
+using testing::ExpectDense;
+using testing::ExpectInputError;
+using testing::FrameWithSurface;
+using ::testing::HasSubstr;
+using testing::SetPixel;
+using testing::WallFrame;
+
+PinholeCamera TestCamera() { return {64, 48, 80, 80, 31.5, 23.5, {}}; }
+
+FusionReport Fuse(const FrameWithSurface& f, const Rigid3d& pose, Fusion* fusion, SurfelMap* map) {
+  const int before = static_cast<int>(map->size());
+  const FusionReport report = fusion->Fuse(f.frame, f.surface, pose, map);
+  ExpectDense(*map);
+  EXPECT_EQ(static_cast<int>(map->size()), before + report.added - report.removed);
+  EXPECT_EQ(report.merged_points + report.added, report.input_points);
+  EXPECT_LE(report.merged, report.merged_points);
+  return report;
+}
+
+TEST(Fusion, TheFirstFrameBecomesTheMap) {
+  const PinholeCamera camera = TestCamera();
+  FrameWithSurface f = WallFrame(camera, {}, 2, 7);
+  SetPixel(5, 6, 0, {0, 0, 0}, &f);         // no depth
+  f.surface.normal.Set(10, 20, {0, 0, 0});  // no normal
+  f.frame.color(0, 0) = {1, 2, 3};
+  SurfelMap map;
+  Fusion fusion({});
+  const FusionReport report = Fuse(f, {}, &fusion, &map);
+  EXPECT_EQ(report.input_points, 64 * 48 - 2);
+  EXPECT_EQ(report.added, 64 * 48 - 2);
+  EXPECT_EQ(report.merged, 0);
+  EXPECT_EQ(report.removed, 0);
+  const Surfel corner = map[0];  // raster order
+  EXPECT_EQ(corner.position_in_world, f.surface.vertex(0, 0));
+  EXPECT_EQ(corner.normal_in_world, Vector3f(0, 0, -1));
+  EXPECT_EQ(corner.color, (Rgb8{1, 2, 3}));
+  EXPECT_FLOAT_EQ(corner.radius_m, std::sqrt(2.f) * 2 / 80);
+  EXPECT_FLOAT_EQ(corner.confidence, std::exp(-1 / 0.72f));
+  EXPECT_EQ(corner.first_seen, 7);
+  EXPECT_EQ(corner.last_seen, 7);
+}
+
+TEST(Fusion, TheSameFrameAgainMergesAllAndMovesNothing) {
+  const FrameWithSurface f = WallFrame(TestCamera(), {}, 2, 0);
+  SurfelMap map;
+  Fusion fusion({});
+  Fuse(f, {}, &fusion, &map);
+  const SurfelMap once = map;
+  FrameWithSurface again = f;
+  again.frame.index = 1;
+  const FusionReport report = Fuse(again, {}, &fusion, &map);
+  EXPECT_EQ(report.merged_points, 64 * 48);
+  EXPECT_EQ(report.merged, 64 * 48);
+  EXPECT_EQ(report.added, 0);
+  EXPECT_EQ(report.removed, 0);
+  EXPECT_EQ(map.x, once.x);
+  EXPECT_EQ(map.z, once.z);
+  EXPECT_EQ(map.red, once.red);
+  EXPECT_EQ(map.radius_m, once.radius_m);
+  EXPECT_EQ(map.first_seen, once.first_seen);
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    EXPECT_FLOAT_EQ(map.confidence[i], 2 * once.confidence[i]);
+    EXPECT_EQ(map.last_seen[i], 1);
+  }
+}
+
+TEST(Fusion, WithoutColorTheMapIsGreyAndKeepsItsColors) {
+  FrameWithSurface colored = WallFrame(TestCamera(), {}, 2, 0), plain = colored;
+  plain.frame.color = {};
+  SurfelMap grey, kept;
+  Fusion fusion({});
+  Fuse(plain, {}, &fusion, &grey);
+  EXPECT_EQ(grey.Color(5), (Rgb8{128, 128, 128}));
+  Fuse(colored, {}, &fusion, &kept);
+  Fuse(plain, {}, &fusion, &kept);
+  EXPECT_EQ(kept.Color(5), (Rgb8{100, 150, 200}));
+}
+
+Rigid3d HandHeldPose(int i) {
+  return {QuaternionExp<double>({0.02 * std::sin(0.7 * i), 0.015 * i, 0.01 * i}),
+          Eigen::Vector3d(0.015 * i, 0.01 * std::sin(i), -0.012 * i)};
+}
+
+// Exact data: all that can leave the plane is the rounding of positions of a few metres, far below
+// 1e-5 of the depth.
+TEST(Fusion, AnExactWallStaysExactUnderAMovingCamera) {
+  SurfelMap map;
+  Fusion fusion({});
+  for (int i = 0; i < 30; ++i) {
+    const Rigid3d pose = HandHeldPose(i);
+    const FusionReport report = Fuse(WallFrame(TestCamera(), pose, 2, i), pose, &fusion, &map);
+    EXPECT_EQ(report.input_points, 64 * 48);
+    EXPECT_EQ(report.merged_points > 0, i > 0);
+  }
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    EXPECT_NEAR(map.z[i], 2, 2e-5);
+    EXPECT_NEAR(map.nx[i], 0, 1e-5);
+    EXPECT_NEAR(map.ny[i], 0, 1e-5);
+    EXPECT_NEAR(map.nz[i], -1, 1e-5);
+  }
+}
+
+// The mean of N exposures with noise of sigma has sigma / sqrt(N); the RMS of M = W H independent
+// surfels scatters about that by a share of 1 / sqrt(2 M), five of which are allowed.
+TEST(Fusion, NoiseFallsWithTheSquareRootOfTheFrames) {
+  const PinholeCamera camera = TestCamera();
+  constexpr double kSigma = 0.001;
+  constexpr int kFrames = 64;
+  for (const char* weighting : {"uniform", "confidence"}) {
+    FusionOptions options;
+    options.weighting = weighting;
+    Fusion fusion(options);
+    SurfelMap map;
+    std::mt19937_64 rng(9);
+    std::normal_distribution<double> noise(0, kSigma);
+    for (int n = 1; n <= kFrames; ++n) {
+      FrameWithSurface f = BlankFrame(camera, n);
+      for (int v = 0; v < camera.height; ++v) {
+        for (int u = 0; u < camera.width; ++u) {
+          SetPixel(u, v, 2 + noise(rng), {0, 0, -1}, &f);
+        }
+      }
+      Fuse(f, {}, &fusion, &map);
+      if (n != 1 && n != 4 && n != 16 && n != kFrames) continue;
+      ASSERT_EQ(map.size(), 64u * 48);
+      double square_sum = 0;
+      for (const float z : map.z) square_sum += (z - 2.) * (z - 2.);
+      const double rms = std::sqrt(square_sum / (64 * 48)), expected = kSigma / std::sqrt(n);
+      EXPECT_NEAR(rms, expected, 5 * expected / std::sqrt(2. * 64 * 48)) << weighting << " " << n;
+    }
+  }
+}
+
+// One surfel and one measured pixel, the middle one of 5 x 5: whether they meet, at 1 m, where a
+// pixel is 1 cm wide.
+struct OnePair {
+  Surfel surfel;
+  FrameWithSurface f = BlankFrame({5, 5, 100, 100, 2, 2, {}}, 3);
+  FusionOptions options;
+
+  OnePair() {
+    surfel.position_in_world = {0, 0, 1};
+    surfel.normal_in_world = {0, 0, -1};
+    surfel.radius_m = std::sqrt(2.f) / 100;
+    surfel.confidence = 4;
+    surfel.first_seen = surfel.last_seen = 2;
+    SetPixel(2, 2, 1, {0, 0, -1}, &f);
+  }
+
+  FusionReport Run(SurfelMap* map) const {
+    map->Append(surfel);
+    Fusion fusion(options);
+    const FusionReport report = Fuse(f, {}, &fusion, map);
+    EXPECT_EQ(report.input_points, 1);
+    EXPECT_EQ(report.removed, 0);
+    return report;
+  }
+  bool Merges() const {
+    SurfelMap map;
+    const bool merged = Run(&map).merged_points == 1;
+    EXPECT_EQ(map.size(), merged ? 1u : 2u);
+    return merged;
+  }
+};
+
+TEST(FusionGates, DistanceAlongTheNormal) {
+  for (const float sign : {-1.f, 1.f}) {
+    OnePair pair;
+    pair.surfel.position_in_world.z() = 1 + sign * 0.0499f;
+    EXPECT_TRUE(pair.Merges());
+    pair.surfel.position_in_world.z() = 1 + sign * 0.0501f;
+    EXPECT_FALSE(pair.Merges());
+    pair.options.max_distance_m = 0.06f;
+    EXPECT_TRUE(pair.Merges());
+  }
+}
+
+TEST(FusionGates, AngleBetweenTheNormals) {
+  OnePair pair;
+  const auto tilt = [&](float angle) {
+    pair.surfel.normal_in_world = {0, std::sin(angle), -std::cos(angle)};
+  };
+  tilt(0.599f);
+  EXPECT_TRUE(pair.Merges());
+  tilt(0.601f);
+  EXPECT_FALSE(pair.Merges());
+  pair.options.max_normal_angle_rad = 0.7f;
+  EXPECT_TRUE(pair.Merges());
+}
+
+TEST(FusionGates, DistanceAcrossIsTheSpacingOrTheRadius) {
+  OnePair pair;
+  pair.options.max_spacing_m = 0.003f;  // below half a pixel, so that the pixel stays the same
+  pair.surfel.position_in_world.x() = 0.00299f;
+  EXPECT_TRUE(pair.Merges());
+  pair.surfel.position_in_world.x() = 0.00301f;
+  EXPECT_FALSE(pair.Merges());
+
+  // Finer pixels: the point's radius of sqrt(2) / 1000 rules where it is below the spacing. Beyond
+  // the pixel itself another measured one must have taken the surfel.
+  OnePair fine;
+  fine.f = BlankFrame({5, 5, 1000, 1000, 2, 2, {}}, 3);
+  SetPixel(2, 2, 1, {0, 0, -1}, &fine.f);
+  fine.options.max_spacing_m = 1;
+  fine.surfel.normal_in_world = Vector3f(0, 0.5f, -1).normalized();
+  // A surfel behind the pixel's centre by h is (n_y h, n_z h) = 0.447 h across.
+  fine.surfel.position_in_world = {0, 0, 1 + 0.0014f / 0.4472f};
+  EXPECT_TRUE(fine.Merges());
+  fine.surfel.position_in_world = {0, 0, 1 + 0.0015f / 0.4472f};
+  EXPECT_FALSE(fine.Merges());
+}
+
+TEST(FusionGates, CoarsePointsDoNotMoveAFineSurfel) {
+  OnePair pair;
+  pair.surfel.position_in_world.z() = 1.01f;
+  pair.surfel.radius_m = 0.0142f / 1.49f;
+  SurfelMap fine_enough, too_coarse;
+  EXPECT_EQ(pair.Run(&fine_enough).merged, 1);
+  EXPECT_NEAR(fine_enough.z[0], 1.01 - 0.01 / 5, 1e-6);
+  EXPECT_EQ(fine_enough.radius_m[0], pair.surfel.radius_m);
+
+  pair.surfel.radius_m = 0.0141f / 1.51f;
+  EXPECT_EQ(pair.Run(&too_coarse).merged, 1);
+  EXPECT_EQ(too_coarse.z[0], 1.01f);
+  EXPECT_EQ(too_coarse.confidence[0], 5);
+  EXPECT_EQ(too_coarse.last_seen[0], 3);
+  EXPECT_EQ(too_coarse.first_seen[0], 2);
+}
+
+TEST(FusionGates, AFinerPointShrinksTheSurfel) {
+  OnePair pair;
+  pair.surfel.radius_m = 0.05f;
+  SurfelMap map;
+  pair.Run(&map);
+  EXPECT_FLOAT_EQ(map.radius_m[0], std::sqrt(2.f) / 100);
+}
+
+TEST(FusionGates, TheNearestOfTwoSurfelsIsTaken) {
+  OnePair pair;
+  SurfelMap map;
+  Surfel other = pair.surfel;
+  other.position_in_world.z() = 0.99f;
+  map.Append(other);
+  other.position_in_world.z() = 1.02f;
+  map.Append(other);
+  pair.surfel.position_in_world.z() = 1.005f;
+  pair.Run(&map);
+  EXPECT_EQ(map.confidence, (std::vector<float>{4, 4, 5}));
+}
+
+// Two pixels, one surfel in the first one: the second point has none of its own and takes it.
+TEST(FusionGates, APointTakesTheSurfelOfItsNeighbourWithinReach) {
+  OnePair pair;
+  pair.options.weighting = "uniform";
+  pair.options.max_spacing_m = 0.0125f;
+  SetPixel(3, 2, 1, {0, 0, -1}, &pair.f);
+  SurfelMap map;
+  map.Append(pair.surfel);
+  Fusion fusion(pair.options);
+  const FusionReport report = Fuse(pair.f, {}, &fusion, &map);
+  EXPECT_EQ(report.merged_points, 2);
+  EXPECT_EQ(report.merged, 1);
+  EXPECT_EQ(report.added, 0);
+  EXPECT_EQ(map.confidence[0], 6);
+  EXPECT_NEAR(map.x[0], 0.01 / 6, 1e-7);
+
+  pair.options.max_spacing_m = 0.0075f;
+  Fusion tighter(pair.options);
+  SurfelMap two;
+  two.Append(pair.surfel);
+  EXPECT_EQ(Fuse(pair.f, {}, &tighter, &two).added, 1);
+}
+
+TEST(FusionDormancy, UnstableSurfelsGoWhenNotSeenForLongerThanAllowed) {
+  FusionOptions options;
+  options.max_dormant_frames = 5;
+  Fusion fusion(options);
+  SurfelMap map;
+  Surfel s;  // behind the camera
+  s.position_in_world = {0, 0, -1};
+  s.normal_in_world = {0, 0, -1};
+  s.radius_m = 0.01f;
+  s.confidence = 9.99f;
+  map.Append(s);
+  s.confidence = 10;
+  map.Append(s);
+  for (int i = 1; i <= 5; ++i) {
+    EXPECT_EQ(Fuse(BlankFrame(TestCamera(), i), {}, &fusion, &map).removed, 0) << i;
+  }
+  EXPECT_EQ(Fuse(BlankFrame(TestCamera(), 6), {}, &fusion, &map).removed, 1);
+  EXPECT_EQ(map.confidence, std::vector<float>{10});
+  for (int i = 7; i < 100; ++i) Fuse(BlankFrame(TestCamera(), i), {}, &fusion, &map);
+  EXPECT_EQ(map.size(), 1u);
+}
+
+// A sequence of which every 30th frame is used, or a long one that was lost, must not empty the
+// map: what counts is how often fusion had the chance to see a surfel again.
+TEST(FusionDormancy, CountsTheFramesThatWereFused) {
+  Fusion fusion({});
+  SurfelMap map;
+  for (int i = 0; i < 5; ++i) {
+    const FusionReport report = Fuse(WallFrame(TestCamera(), {}, 2, 30 * i), {}, &fusion, &map);
+    EXPECT_EQ(report.removed, 0);
+    EXPECT_EQ(report.merged_points, i == 0 ? 0 : 64 * 48);
+  }
+}
+
+// A patch of 5 x 5 surfels about the ray of pixel (32, 24), in front of a wall at 2 m.
+struct FloatingPatch {
+  SurfelMap map;
+  FrameWithSurface f = WallFrame(TestCamera(), {}, 2, 1);
+
+  explicit FloatingPatch(float depth_m) {
+    Surfel s;
+    s.normal_in_world = {0, 0, -1};
+    s.radius_m = 0.02f;
+    s.confidence = 50;
+    for (int v = -2; v <= 2; ++v) {
+      for (int u = -2; u <= 2; ++u) {
+        s.position_in_world = (depth_m * TestCamera().Ray(32 + u, 24 + v)).cast<float>();
+        map.Append(s);
+      }
+    }
+  }
+  int Removed(const FusionOptions& options = {}) {
+    Fusion fusion(options);
+    return Fuse(f, {}, &fusion, &map).removed;
+  }
+};
+
+TEST(FusionFreeSpace, WhatIsSeenThroughIsRemovedEvenIfStable) {
+  FloatingPatch patch(1);
+  EXPECT_EQ(patch.Removed(), 25);
+  for (const float z : patch.map.z) EXPECT_NEAR(z, 2, 1e-6);
+}
+
+// All 25 pixels see the missing one but those more than a pixel off.
+TEST(FusionFreeSpace, WhereSomeDepthAroundIsMissingNothingIsRemoved) {
+  FloatingPatch patch(1);
+  patch.f.frame.depth_m(32, 24) = 0;
+  EXPECT_EQ(patch.Removed(), 25 - 9);
+}
+
+TEST(FusionFreeSpace, TheMarginIsFiveCentimetresAndFourSigmas) {
+  const float border = 2 - 0.05f - 4 * 0.002f * 4;
+  EXPECT_EQ(FloatingPatch(border - 0.001f).Removed(), 25);
+  EXPECT_EQ(FloatingPatch(border + 0.001f).Removed(), 0);
+  FusionOptions wider;
+  wider.free_space_margin_m = 0.2f;
+  EXPECT_EQ(FloatingPatch(border - 0.001f).Removed(wider), 0);
+}
+
+TEST(FusionFreeSpace, WhatIsHiddenStays) { EXPECT_EQ(FloatingPatch(3).Removed(), 0); }
+
+TEST(Fusion, WeightsFollowTheCamera) {
+  PinholeCamera camera = TestCamera();
+  Fusion fusion({});
+  SurfelMap map, other;
+  Fuse(WallFrame(camera, {}, 2, 0), {}, &fusion, &map);
+  camera.cx = 0;
+  camera.cy = 0;
+  Fuse(WallFrame(camera, {}, 2, 0), {}, &fusion, &other);
+  EXPECT_EQ(other.confidence[0], 1);
+}
+
+TEST(FusionOptions, RefuseWhatMakesNoSense) {
+  const auto expect_refused = [](auto change, const char* message) {
+    FusionOptions options;
+    change(options);
+    ExpectInputError([&] { options.Validate(); }, HasSubstr(message));
+    ExpectInputError([&] { Fusion fusion(options); }, HasSubstr(message));
+  };
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  FusionOptions().Validate();
+  expect_refused([](auto& o) { o.weighting = "best"; },
+                 "weighting is 'best', must be one of: confidence, uniform");
+  expect_refused([](auto& o) { o.max_distance_m = 0; }, "max_distance_m is 0, must be positive");
+  expect_refused([](auto& o) { o.max_distance_m = kNan; }, "max_distance_m is nan");
+  expect_refused([](auto& o) { o.max_normal_angle_rad = 1.6f; },
+                 "max_normal_angle_rad is 1.6, must be positive and below pi/2");
+  expect_refused([](auto& o) { o.max_spacing_m = -1; }, "max_spacing_m is -1, must be positive");
+  expect_refused([](auto& o) { o.max_slant_scale = 0.5f; },
+                 "max_slant_scale is 0.5, must be at least 1");
+  expect_refused([](auto& o) { o.max_radius_ratio = 0; }, "max_radius_ratio is 0");
+  expect_refused([](auto& o) { o.stable_confidence = -1; }, "stable_confidence is -1");
+  expect_refused([](auto& o) { o.max_dormant_frames = -1; },
+                 "max_dormant_frames is -1, must be zero or positive");
+  expect_refused([](auto& o) { o.max_confidence = 0; }, "max_confidence is 0, must be positive");
+  expect_refused([](auto& o) { o.free_space_margin_m = 0; }, "free_space_margin_m is 0");
+  expect_refused([](auto& o) { o.noise.inverse_depth_sigma = -1; },
+                 "inverse_depth_sigma is -1, must be zero or positive");
+}
+
+}  // namespace
+}  // namespace surfit

@@ -1,0 +1,47 @@
+#pragma once
+
+#include "surfit/frame/frame_pyramid.h"
+#include "surfit/frame/rgbd_frame.h"
+#include "surfit/geometry/rigid3.h"
+
+namespace surfit::testing {
+
+// A frame with its exact vertex and normal map.
+struct FrameWithSurface {
+  RgbdFrame frame;
+  FrameLevel surface;
+};
+
+inline void SetPixel(int u, int v, double depth_m, const Eigen::Vector3d& normal_in_camera,
+                     FrameWithSurface* f) {
+  f->frame.depth_m(u, v) = static_cast<float>(depth_m);
+  f->surface.vertex.Set(u, v, (depth_m * f->surface.camera.Ray(u, v)).cast<float>());
+  f->surface.normal.Set(u, v, normal_in_camera.cast<float>());
+}
+
+// A frame in which nothing is measured.
+inline FrameWithSurface BlankFrame(const PinholeCamera& camera, int index) {
+  const int width = camera.width, height = camera.height;
+  FrameWithSurface f;
+  f.frame.index = index;
+  f.frame.depth_m = Image<float>(width, height, 0.f);
+  f.frame.color = Image<Rgb8>(width, height, Rgb8{100, 150, 200});
+  f.surface = {camera, VectorImage(width, height), VectorImage(width, height)};
+  return f;
+}
+
+// The plane z = depth_m of the world, seen from a pose; all rays must meet it from its -z side.
+inline FrameWithSurface WallFrame(const PinholeCamera& camera, const Rigid3d& world_from_camera,
+                                  double depth_m, int index) {
+  FrameWithSurface f = BlankFrame(camera, index);
+  const Eigen::Vector3d normal = world_from_camera.rotation.conjugate() * Eigen::Vector3d(0, 0, -1);
+  const double distance = depth_m - world_from_camera.translation.z();
+  for (int v = 0; v < camera.height; ++v) {
+    for (int u = 0; u < camera.width; ++u) {
+      SetPixel(u, v, -distance / normal.dot(camera.Ray(u, v)), normal, &f);
+    }
+  }
+  return f;
+}
+
+}  // namespace surfit::testing
