@@ -1,8 +1,6 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 
 #include "surfit/core/image.h"
@@ -18,13 +16,13 @@ struct BilinearTap {
 
 // The tap at a pixel position of an image at least 2 x 2 in size; positions beyond the outermost
 // pixel centres take these.
-inline BilinearTap TapAt(const Eigen::Vector2d& pixel, int width, int height) {
-  const double u = std::clamp(pixel.x(), 0.0, width - 1.0);
-  const double v = std::clamp(pixel.y(), 0.0, height - 1.0);
+inline BilinearTap TapAt(float pixel_u, float pixel_v, int width, int height) {
+  const float u = std::clamp(pixel_u, 0.f, width - 1.f);
+  const float v = std::clamp(pixel_v, 0.f, height - 1.f);
   const int left = std::min(static_cast<int>(u), width - 2);
   const int top = std::min(static_cast<int>(v), height - 2);
-  return {top * width + left, static_cast<std::uint16_t>((u - left) * 256 + 0.5),
-          static_cast<std::uint16_t>((v - top) * 256 + 0.5)};
+  return {top * width + left, static_cast<std::uint16_t>((u - left) * 256 + 0.5f),
+          static_cast<std::uint16_t>((v - top) * 256 + 0.5f)};
 }
 
 // The colour at a tap; (0, 0, 0) outside.

@@ -1,35 +1,59 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <optional>
 
 #include "surfit/geometry/pinhole_camera.h"
 
 namespace surfit {
 
-// The pixel at which a camera with lens distortion sees a point. With x = X/Z, y = Y/Z, r2 = x^2 +
-// y^2 and k = 1 + k1 r2 + k2 r2^2 + k3 r2^3 (Brown's model, as OpenCV's calibration has it):
+template <typename Scalar>
+struct LensPixel {
+  Scalar u = 0, v = 0;   // px
+  bool is_seen = false;  // else u and v mean nothing
+};
+
+// A camera with its lens distortion. With x = X/Z, y = Y/Z, r2 = x^2 + y^2 and k = 1 + k1 r2
+// + k2 r2^2 + k3 r2^3 (Brown's model, as OpenCV's calibration has it) a point appears at
 //   u = fx (x k + 2 p1 x y + p2 (r2 + 2 x^2)) + cx,
 //   v = fy (y k + p1 (r2 + 2 y^2) + 2 p2 x y) + cy.
-// Nothing for points with Z <= 0, and nothing where r k falls with growing r: there the polynomial
-// folds the outside of the picture back into it.
-inline std::optional<Eigen::Vector2d> ProjectThroughLens(const PinholeCamera& camera,
-                                                         const Eigen::Vector3d& point_in_camera) {
-  if (!(point_in_camera.z() > 0)) return std::nullopt;
-  const auto& [k1, k2, p1, p2, k3] = camera.distortion;
-  const double x = point_in_camera.x() / point_in_camera.z();
-  const double y = point_in_camera.y() / point_in_camera.z();
-  const double r2 = x * x + y * y;
-  if (1 + r2 * (3 * k1 + r2 * (5 * k2 + r2 * 7 * k3)) <= 0) return std::nullopt;
-  const double k = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
-  return Eigen::Vector2d(camera.fx * (x * k + 2 * p1 * x * y + p2 * (r2 + 2 * x * x)) + camera.cx,
-                         camera.fy * (y * k + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y) + camera.cy);
-}
+// Not seen are points with Z <= 0, and those where r k falls with growing r: there the polynomial
+// folds the outside of the picture back into it. The image's borders are not considered.
+template <typename Scalar>
+class Lens {
+ public:
+  explicit Lens(const PinholeCamera& c)
+      : fx_(Scalar(c.fx)),
+        fy_(Scalar(c.fy)),
+        cx_(Scalar(c.cx)),
+        cy_(Scalar(c.cy)),
+        k1_(Scalar(c.distortion[0])),
+        k2_(Scalar(c.distortion[1])),
+        p1_(Scalar(c.distortion[2])),
+        p2_(Scalar(c.distortion[3])),
+        k3_(Scalar(c.distortion[4])) {}
 
-// Whether a pixel position lies on a pixel of the camera's image.
-inline bool IsInImage(const PinholeCamera& camera, const Eigen::Vector2d& pixel) {
-  return pixel.x() >= -0.5 && pixel.y() >= -0.5 && pixel.x() < camera.width - 0.5 &&
-         pixel.y() < camera.height - 0.5;
+  LensPixel<Scalar> Project(Scalar point_x, Scalar point_y, Scalar point_z) const {
+    const Scalar x = point_x / point_z, y = point_y / point_z;
+    const Scalar r2 = x * x + y * y, xy = x * y;
+    const Scalar k = 1 + r2 * (k1_ + r2 * (k2_ + r2 * k3_));
+    const Scalar slope = 1 + r2 * (3 * k1_ + r2 * (5 * k2_ + r2 * 7 * k3_));  // d(r k) / dr
+    return {fx_ * (x * k + 2 * p1_ * xy + p2_ * (r2 + 2 * x * x)) + cx_,
+            fy_ * (y * k + p1_ * (r2 + 2 * y * y) + 2 * p2_ * xy) + cy_, point_z > 0 && slope > 0};
+  }
+  LensPixel<Scalar> Project(const Eigen::Matrix<Scalar, 3, 1>& point_in_camera) const {
+    return Project(point_in_camera.x(), point_in_camera.y(), point_in_camera.z());
+  }
+
+ private:
+  Scalar fx_, fy_, cx_, cy_, k1_, k2_, p1_, p2_, k3_;
+};
+
+// Whether a pixel is seen and lies on the camera's image.
+template <typename Scalar>
+bool IsInImage(const PinholeCamera& camera, const LensPixel<Scalar>& pixel) {
+  constexpr Scalar kHalf = Scalar(0.5);
+  return pixel.is_seen && pixel.u >= -kHalf && pixel.v >= -kHalf &&
+         pixel.u < Scalar(camera.width) - kHalf && pixel.v < Scalar(camera.height) - kHalf;
 }
 
 }  // namespace surfit

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <vector>
+
 #include "frame/bilinear.h"
+#include "frame/lens.h"
 #include "surfit/core/image.h"
 #include "surfit/geometry/pinhole_camera.h"
 
@@ -19,13 +22,19 @@ class ColorRegistration {
   Image<Rgb8> Apply(Image<Rgb8> color, const Image<float>& depth_m) const;
 
  private:
-  BilinearTap TapOf(const Eigen::Vector3d& point_in_depth_camera) const;
+  using PixelRow = std::vector<LensPixel<float>>;
+
+  // The colour camera's pixels of the points at these depths (m) on the rays of output row v.
+  void ProjectRow(int v, const float* depth_m, PixelRow* pixels) const;
+  BilinearTap TapAtPixel(const LensPixel<float>& pixel) const;
 
   PinholeCamera pinhole_;  // of the output
   PinholeCamera color_;
-  Rigid3d color_from_depth_;
-  bool is_copy_;             // each output pixel is the colour pixel at the same place
-  Image<BilinearTap> taps_;  // empty where the tap depends on depth
+  Lens<float> color_lens_;
+  Eigen::Matrix3d rotation_;     // of color_from_depth
+  Eigen::Vector3d translation_;  // m
+  bool is_copy_;                 // each output pixel is the colour pixel at the same place
+  Image<BilinearTap> taps_;      // empty where the tap depends on depth
 };
 
 }  // namespace surfit

@@ -23,13 +23,14 @@ float Metres(float raw, float /*units_per_metre*/, float max_m) {
 
 Image<std::int32_t> NearestPixels(const PinholeCamera& camera, int downsample) {
   const PinholeCamera out = camera.Subsampled(downsample);
+  const Lens<double> lens(camera);
   Image<std::int32_t> pixels(out.width, out.height, -1);
   for (int v = 0; v < out.height; ++v) {
     for (int u = 0; u < out.width; ++u) {
-      const auto pixel = ProjectThroughLens(camera, out.Ray(u, v));
-      if (!pixel || !IsInImage(camera, *pixel)) continue;
-      pixels(u, v) = static_cast<std::int32_t>(std::floor(pixel->y() + 0.5)) * camera.width +
-                     static_cast<std::int32_t>(std::floor(pixel->x() + 0.5));
+      const LensPixel<double> pixel = lens.Project(out.Ray(u, v));
+      if (!IsInImage(camera, pixel)) continue;
+      pixels(u, v) = static_cast<std::int32_t>(std::floor(pixel.v + 0.5)) * camera.width +
+                     static_cast<std::int32_t>(std::floor(pixel.u + 0.5));
     }
   }
   return pixels;

@@ -90,6 +90,7 @@ TEST(FramePreparer, UndoesLensDistortion) {
   camera.depth_units_per_metre = 10000;
   const auto depth_of_ray = [](const Eigen::Vector3d& ray) { return 2 + ray.x() + 0.5 * ray.y(); };
   const auto red_of_ray = [](const Eigen::Vector3d& ray) { return 128 + 100 * ray.x(); };
+  const Lens<double> lens(camera.depth);
   Image<std::uint16_t> raw(640, 480);
   Image<Rgb8> color(640, 480);
   for (int v = 0; v < 480; ++v) {
@@ -97,9 +98,9 @@ TEST(FramePreparer, UndoesLensDistortion) {
       // The ray that the lens images at (u, v), by fixed-point iteration.
       Eigen::Vector3d ray = camera.depth.Ray(u, v);
       for (int i = 0; i < 30; ++i) {
-        const Eigen::Vector2d error =
-            Eigen::Vector2d(u, v) - *ProjectThroughLens(camera.depth, ray);
-        ray += Eigen::Vector3d(error.x() / camera.depth.fx, error.y() / camera.depth.fy, 0);
+        const LensPixel<double> pixel = lens.Project(ray);
+        ray.x() += (u - pixel.u) / camera.depth.fx;
+        ray.y() += (v - pixel.v) / camera.depth.fy;
       }
       raw(u, v) = static_cast<std::uint16_t>(std::lround(10000 * depth_of_ray(ray)));
       color(u, v).r = static_cast<std::uint8_t>(std::lround(red_of_ray(ray)));

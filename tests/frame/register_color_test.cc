@@ -14,12 +14,13 @@ TEST(SampleBilinear, IsExactAtPixelCentresAndOnTheBorder) {
   }
   for (int v = 0; v < 3; ++v) {
     for (int u = 0; u < 4; ++u) {
-      const Eigen::Vector2d centre(u, v);
-      EXPECT_EQ(SampleBilinear(image, TapAt(centre, 4, 3)), image(u, v)) << u << " " << v;
+      const float centre_u = static_cast<float>(u), centre_v = static_cast<float>(v);
+      EXPECT_EQ(SampleBilinear(image, TapAt(centre_u, centre_v, 4, 3)), image(u, v))
+          << u << " " << v;
     }
   }
-  EXPECT_EQ(SampleBilinear(image, TapAt({-0.4, 2.4}, 4, 3)), image(0, 2));
-  EXPECT_EQ(SampleBilinear(image, TapAt({1.5, 0.5}, 4, 3)).r, 77);  // 76.5 rounded
+  EXPECT_EQ(SampleBilinear(image, TapAt(-0.4f, 2.4f, 4, 3)), image(0, 2));
+  EXPECT_EQ(SampleBilinear(image, TapAt(1.5f, 0.5f, 4, 3)).r, 77);  // 76.5 rounded
   EXPECT_EQ(SampleBilinear(image, BilinearTap()), Rgb8());
 }
 
