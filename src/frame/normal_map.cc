@@ -28,20 +28,21 @@ class RowSlopes {
       slope_[u] = 0;
       norm_[u] = 0;
     }
-    for (int k = 1; k <= radius_; ++k)
-      AddOffset(center, center + k * stride, center - k * stride, k);
+    for (int k = 1; k <= radius_; ++k) AddOffset(center, stride, k);
   }
 
   float slope(int u) const { return slope_[u] / norm_[u]; }
   bool valid(int u) const { return norm_[u] > 0; }
 
  private:
-  void AddOffset(const float* center, const float* ahead, const float* behind, int k) {
+  void AddOffset(const float* center, std::ptrdiff_t stride, int k) {
     const float step = static_cast<float>(k);
+    const float *ahead = center + k * stride, *behind = center - k * stride;
+    const float *before_ahead = ahead - stride, *before_behind = behind + stride;
     for (int u = 0; u < width_; ++u) {
-      const float bound = noise_ + step * slant_ * center[u];
-      const bool continues = std::fabs(ahead[u] - center[u]) < bound &&
-                             std::fabs(behind[u] - center[u]) < bound && ahead[u] > 0 &&
+      const float bound = noise_ + slant_ * center[u];
+      const bool continues = std::fabs(ahead[u] - before_ahead[u]) < bound &&
+                             std::fabs(behind[u] - before_behind[u]) < bound && ahead[u] > 0 &&
                              behind[u] > 0;
       alive_[u] = continues ? alive_[u] : 0.f;
       slope_[u] += alive_[u] * step * (ahead[u] - behind[u]);
