@@ -1,0 +1,213 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/QR>
+#include <array>
+#include <optional>
+#include <random>
+
+#include "frame/plane_images.h"
+#include "surfit/frame/preprocess.h"
+#include "testing/matchers.h"
+
+namespace surfit {
+namespace {
+
+using testing::kFloatRounding;
+using testing::kLongestRay;
+using testing::Plane;
+using testing::VectorNear;
+
+VectorImage Normals(const Image<float>& depth_m, const PinholeCamera& camera,
+                    const PreprocessOptions& options = {}) {
+  return NormalMap(VertexMap(depth_m, camera), camera, options);
+}
+
+// Inverse depth is off by two roundings, a slope by at most as much (one symmetric difference; more
+// of them only help), hence the vector (f r_u, f r_v, ...), whose length is at least r / |ray|, by
+// at most sqrt(2) f and once more as much in its third component: with |u - cx| < f, 3 f at most.
+double NormalTolerance(const PinholeCamera& camera) {
+  return 3 * camera.fx * 2 * kFloatRounding * kLongestRay;
+}
+
+TEST(NormalMap, IsExactOnPlanes) {
+  const PinholeCamera camera = testing::SmallCamera();
+  for (const Plane& plane : testing::ManyPlanes()) {
+    const Image<float> depth_m = PlaneDepth(plane, camera);
+    const VectorImage normal = Normals(depth_m, camera);
+    int seen = 0;
+    for (int v = 1; v < camera.height - 1; ++v) {
+      for (int u = 1; u < camera.width - 1; ++u) {
+        if (depth_m(u, v) == 0 || plane.Slant(camera.Ray(u, v)) > 1.3) continue;
+        ++seen;
+        ASSERT_THAT(normal(u, v).cast<double>(), VectorNear(plane.normal, NormalTolerance(camera)))
+            << u << ", " << v;
+      }
+    }
+    EXPECT_GT(seen, 1000);
+  }
+}
+
+// Steeper than max_slant_rad along the image's axes: no normal, rather than a guess.
+TEST(NormalMap, IsZeroWhereTheSurfaceIsTooSteep) {
+  const PinholeCamera camera = testing::SmallCamera();
+  PreprocessOptions options;
+  options.max_slant_rad = 0.9;
+  options.noise.inverse_depth_sigma = 1e-9;  // no slack
+  for (const double tilt_rad : {0.85, 0.95}) {
+    const Plane plane = testing::TiltedPlane(tilt_rad, 0);
+    const VectorImage normal = Normals(PlaneDepth(plane, camera), camera, options);
+    // On the optical axis dr/du / r = tan(tilt) / f; the tilt to the ray is the plane's own.
+    const int u = 48, v = 35;
+    ASSERT_NEAR(plane.Slant(camera.Ray(u, v)), tilt_rad, 0.01);
+    EXPECT_EQ(normal(u, v).isZero(0.f), tilt_rad > 0.9);
+  }
+}
+
+// A rough surface with steps and holes.
+Image<float> RoughDepth(const PinholeCamera& camera) {
+  std::mt19937_64 rng(5);
+  std::normal_distribution<double> noise(0, 0.001);
+  std::uniform_int_distribution<int> dice(0, 60);
+  Image<float> depth_m(camera.width, camera.height);
+  for (int v = 0; v < camera.height; ++v) {
+    for (int u = 0; u < camera.width; ++u) {
+      const double inverse = 0.5 + 0.004 * u - 0.002 * v + (u + 2 * v > 130 ? 0.5 : 0) + noise(rng);
+      depth_m(u, v) = dice(rng) == 0 ? 0.f : static_cast<float>(1 / inverse);
+    }
+  }
+  return depth_m;
+}
+
+// The slope along a direction, from the definition: the longest run of offsets on both sides that
+// continue the surface, and a straight line fitted to all of its values by QR. Nothing if there is
+// no offset; `close` is set where a value is too close to the bound to tell in single precision.
+std::optional<double> FittedSlope(const Image<float>& depth_m, int u, int v, int du, int dv,
+                                  double focal, const PreprocessOptions& options, bool* close) {
+  const auto inverse = [&](int k) {
+    const int x = u + k * du, y = v + k * dv;
+    const bool inside = x >= 0 && y >= 0 && x < depth_m.width() && y < depth_m.height();
+    return inside && depth_m(x, y) > 0 ? 1.0 / depth_m(x, y) : 0.0;
+  };
+  const double bound =
+      3 * options.noise.inverse_depth_sigma + std::tan(options.max_slant_rad) / focal * inverse(0);
+  int run = 0;
+  for (int k = 1; k <= options.normal_radius_px && run == k - 1; ++k) {
+    bool continues = true;
+    for (const int sign : {-1, 1}) {
+      const double step = std::abs(inverse(sign * k) - inverse(sign * (k - 1)));
+      continues &= inverse(sign * k) > 0 && step < bound;
+      *close |= std::abs(step - bound) < 1e-5;
+    }
+    if (continues) run = k;
+  }
+  if (run == 0) return std::nullopt;
+  Eigen::MatrixX2d a(2 * run + 1, 2);
+  Eigen::VectorXd b(2 * run + 1);
+  for (int k = -run; k <= run; ++k) {
+    a.row(k + run) << 1, k;
+    b[k + run] = inverse(k);
+  }
+  return a.householderQr().solve(b)[1];
+}
+
+TEST(NormalMap, AgreesWithLinesFittedInDoublePrecision) {
+  const PinholeCamera camera = testing::SmallCamera();
+  const Image<float> depth_m = RoughDepth(camera);
+  PreprocessOptions options;
+  options.max_slant_rad = 1.3;
+  for (const int radius : {1, 2, 5}) {
+    options.normal_radius_px = radius;
+    const VectorImage normal = Normals(depth_m, camera, options);
+    std::array<int, 2> seen = {0, 0};  // without, with a normal
+    for (int v = 0; v < camera.height; ++v) {
+      for (int u = 0; u < camera.width; ++u) {
+        bool close = false;
+        const auto slope_u = FittedSlope(depth_m, u, v, 1, 0, camera.fx, options, &close);
+        const auto slope_v = FittedSlope(depth_m, u, v, 0, 1, camera.fy, options, &close);
+        if (close) continue;
+        const bool expected = depth_m(u, v) > 0 && slope_u && slope_v;
+        ++seen[expected];
+        ASSERT_EQ(!normal(u, v).isZero(0.f), expected) << u << ", " << v;
+        if (!expected) continue;
+        // Three points of the fitted plane span it.
+        const double r = 1.0 / depth_m(u, v), h = 1e-3;
+        const Eigen::Vector3d x = camera.Ray(u, v) / r;
+        const Eigen::Vector3d x_u = camera.Ray(u + h, v) / (r + h * *slope_u);
+        const Eigen::Vector3d x_v = camera.Ray(u, v + h) / (r + h * *slope_v);
+        const Eigen::Vector3d across = -(x_u - x).cross(x_v - x).normalized();
+        // Doubles of size 2 differ by 1e-3 / 60 here: 1e-10 is lost.
+        ASSERT_THAT(normal(u, v).cast<double>(),
+                    VectorNear(across, NormalTolerance(camera) + 1e-9));
+      }
+    }
+    EXPECT_GT(seen[0], 500);
+    EXPECT_GT(seen[1], 2000);
+  }
+}
+
+TEST(NormalMap, HasUnitNormalsThatFaceTheCameraOrNone) {
+  const PinholeCamera camera = testing::SmallCamera();
+  const Image<float> depth_m = RoughDepth(camera);
+  const VectorImage normal = Normals(depth_m, camera);
+  for (int v = 0; v < camera.height; ++v) {
+    for (int u = 0; u < camera.width; ++u) {
+      const Eigen::Vector3d n = normal(u, v).cast<double>();
+      if (n.isZero(0)) continue;
+      EXPECT_GT(depth_m(u, v), 0);
+      EXPECT_NEAR(n.norm(), 1, 6 * kFloatRounding);
+      EXPECT_LT(n.dot(camera.Ray(u, v)), 0);
+    }
+  }
+}
+
+// Two planes with a step between them: next to the step there is no normal, farther off it is that
+// of the pixel's own plane.
+TEST(NormalMap, DoesNotReachAcrossADepthEdge) {
+  const PinholeCamera camera = testing::SmallCamera();
+  const Plane near_plane = testing::TiltedPlane(0.3, 1);
+  Plane far_plane = testing::TiltedPlane(0.4, 4);
+  far_plane.distance_m = -3;
+  Image<float> depth_m = PlaneDepth(near_plane, camera);
+  const Image<float> far_depth_m = PlaneDepth(far_plane, camera);
+  for (int v = 0; v < camera.height; ++v) {
+    for (int u = 50; u < camera.width; ++u) depth_m(u, v) = far_depth_m(u, v);
+  }
+  const VectorImage normal = Normals(depth_m, camera);
+  for (int v = 1; v < camera.height - 1; ++v) {
+    for (int u = 1; u < camera.width - 1; ++u) {
+      if (u == 49 || u == 50) {
+        EXPECT_TRUE(normal(u, v).isZero(0.f)) << u << ", " << v;
+      } else {
+        const Eigen::Vector3d expected = (u < 50 ? near_plane : far_plane).normal;
+        EXPECT_THAT(normal(u, v).cast<double>(), VectorNear(expected, NormalTolerance(camera)));
+      }
+    }
+  }
+}
+
+// The slope of 2 K + 1 equally noisy values has the variance sigma^2 / sum k^2 = sigma^2 / 28 for
+// K = 3. On a plane that faces the camera at depth z, n_x = f z r_u to first order.
+TEST(NormalMap, NoiseIsThatOfALeastSquaresSlope) {
+  PinholeCamera camera = testing::SmallCamera();
+  camera.width = camera.height = 400;
+  camera.fx = camera.fy = 60;
+  camera.cx = camera.cy = 199.5;
+  const PreprocessOptions options;
+  const double sigma = 0.05 * options.noise.inverse_depth_sigma, z = 1.6;
+  std::mt19937_64 rng(11);
+  std::normal_distribution<double> noise(0, sigma);
+  Image<float> depth_m(camera.width, camera.height);
+  for (float& depth : depth_m) depth = static_cast<float>(1 / (1 / z + noise(rng)));
+  const VectorImage normal = Normals(depth_m, camera, options);
+  double square_sum = 0;
+  int count = 0;
+  for (int v = 3; v < 397; ++v) {
+    // 7 px apart along u: no two slopes share a pixel.
+    for (int u = 3; u < 397; u += 7, ++count) square_sum += std::pow(normal.x(u, v), 2);
+  }
+  const double expected = std::pow(camera.fx * z * sigma, 2) / 28;
+  EXPECT_NEAR(square_sum / count, expected, 4 * std::sqrt(2.0 / count) * expected);
+}
+
+}  // namespace
+}  // namespace surfit

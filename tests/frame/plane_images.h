@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cmath>
+#include <vector>
+
+#include "surfit/core/image.h"
+#include "surfit/geometry/pinhole_camera.h"
+
+namespace surfit::testing {
+
+// Relative rounding of one float operation.
+constexpr double kFloatRounding = 1.0 / (1 << 24);
+
+// An odd little camera: 74 x 62 deg, no number is round, no two are equal.
+inline PinholeCamera SmallCamera() {
+  PinholeCamera camera;
+  camera.width = 96;
+  camera.height = 72;
+  camera.fx = 63.7;
+  camera.fy = 60.3;
+  camera.cx = 48.3;
+  camera.cy = 35.1;
+  return camera;
+}
+
+// The length of the ray at depth 1 through the farthest corner of SmallCamera().
+constexpr double kLongestRay = 1.42;
+
+// A plane normal . X = distance_m (negative: the normal faces the camera).
+struct Plane {
+  Eigen::Vector3d normal = -Eigen::Vector3d::UnitZ();
+  double distance_m = -1.5;
+
+  // 1 / z where the ray meets the plane: normal . ray / distance, linear in the pixel.
+  double InverseDepth(const Eigen::Vector3d& ray) const { return normal.dot(ray) / distance_m; }
+  // Angle between the ray and the surface's normal.
+  double Slant(const Eigen::Vector3d& ray) const {
+    return std::acos(std::abs(normal.dot(ray)) / ray.norm());
+  }
+};
+
+// A plane whose normal leans by `tilt_rad` off the optical axis, towards the direction
+// `azimuth_rad` in the image.
+inline Plane TiltedPlane(double tilt_rad, double azimuth_rad) {
+  const double s = std::sin(tilt_rad);
+  return {{s * std::cos(azimuth_rad), s * std::sin(azimuth_rad), -std::cos(tilt_rad)}, -1.5};
+}
+
+// Leaning towards all sides, from facing the camera to steep.
+inline std::vector<Plane> ManyPlanes() {
+  std::vector<Plane> planes = {Plane()};
+  for (const double tilt_rad : {0.2, 0.6, 1.0, 1.25}) {
+    for (int i = 0; i < 8; ++i) planes.push_back(TiltedPlane(tilt_rad, 0.1 + i * M_PI / 4));
+  }
+  return planes;
+}
+
+// Exact depth of the plane, rounded to float; 0 where it is not in front of the camera.
+inline Image<float> PlaneDepth(const Plane& plane, const PinholeCamera& camera) {
+  Image<float> depth_m(camera.width, camera.height);
+  for (int v = 0; v < camera.height; ++v) {
+    for (int u = 0; u < camera.width; ++u) {
+      const double inverse = plane.InverseDepth(camera.Ray(u, v));
+      depth_m(u, v) = inverse > 0.02 ? static_cast<float>(1 / inverse) : 0.f;
+    }
+  }
+  return depth_m;
+}
+
+}  // namespace surfit::testing

@@ -1,0 +1,150 @@
+#include <gtest/gtest.h>
+
+#include "frame/plane_images.h"
+#include "surfit/frame/preprocess.h"
+#include "testing/matchers.h"
+
+namespace surfit {
+namespace {
+
+using testing::kFloatRounding;
+using testing::Plane;
+using testing::VectorNear;
+
+FrameLevel LevelOf(const Image<float>& depth_m, const PinholeCamera& camera) {
+  FrameLevel level;
+  level.camera = camera;
+  level.vertex = VertexMap(depth_m, camera);
+  level.normal = NormalMap(level.vertex, camera, PreprocessOptions());
+  return level;
+}
+
+// A 4 x 2 image of two blocks, normals all (0, 0, -1).
+FrameLevel TwoBlocks(const std::array<float, 8>& depth_m) {
+  PinholeCamera camera = testing::SmallCamera();
+  camera.width = 4;
+  camera.height = 2;
+  Image<float> image(4, 2);
+  std::copy(depth_m.begin(), depth_m.end(), image.begin());
+  FrameLevel level = LevelOf(image, camera);
+  for (int v = 0; v < 2; ++v) {
+    for (int u = 0; u < 4; ++u) level.normal.Set(u, v, {0, 0, image(u, v) > 0 ? -1.f : 0.f});
+  }
+  return level;
+}
+
+// Four values and their mean are rounded, and 1 / z twice.
+constexpr double kMeanTolerance = 8 * kFloatRounding;
+
+TEST(HalfResolution, IsTheMeanInverseDepthOfEachBlock) {
+  const FrameLevel fine = TwoBlocks({1.f, 1.01f, 2.f, 2.02f,  //
+                                     1.02f, 1.03f, 2.04f, 2.06f});
+  const FrameLevel coarse = HalfResolution(fine, PreprocessOptions());
+  ASSERT_EQ(coarse.vertex.width(), 2);
+  ASSERT_EQ(coarse.vertex.height(), 1);
+  const double first = 4 / (1 / 1. + 1 / 1.01 + 1 / 1.02 + 1 / 1.03);
+  const double second = 4 / (1 / 2. + 1 / 2.02 + 1 / 2.04 + 1 / 2.06);
+  EXPECT_NEAR(coarse.vertex.z(0, 0), first, kMeanTolerance * first);
+  EXPECT_NEAR(coarse.vertex.z(1, 0), second, kMeanTolerance * second);
+}
+
+TEST(HalfResolution, MissingPixelsHaveNoSay) {
+  const FrameLevel coarse =
+      HalfResolution(TwoBlocks({1.f, 0.f, 0.f, 0.f, 0.f, 1.02f, 0.f, 0.f}), PreprocessOptions());
+  const double mean = 2 / (1 + 1 / 1.02);
+  EXPECT_NEAR(coarse.vertex.z(0, 0), mean, kMeanTolerance * mean);
+  EXPECT_THAT(coarse.normal(0, 0), VectorNear(Eigen::Vector3f(0, 0, -1), 0.f));
+  EXPECT_TRUE(coarse.vertex(1, 0).isZero(0.f));
+  EXPECT_TRUE(coarse.normal(1, 0).isZero(0.f));
+}
+
+TEST(HalfResolution, KeepsTheNearSideOfADepthEdge) {
+  FrameLevel fine = TwoBlocks({1.f, 3.f, 2.f, 5.f, 3.f, 3.f, 5.f, 2.02f});
+  fine.normal.Set(0, 0, {0.6f, 0, -0.8f});
+  fine.normal.Set(2, 0, {0.6f, 0, -0.8f});
+  const FrameLevel coarse = HalfResolution(fine, PreprocessOptions());
+  EXPECT_NEAR(coarse.vertex.z(0, 0), 1, kMeanTolerance);
+  EXPECT_THAT(coarse.normal(0, 0), VectorNear(Eigen::Vector3f(0.6f, 0, -0.8f), 1e-6f));
+  const double mean = 2 / (1 / 2. + 1 / 2.02);
+  EXPECT_NEAR(coarse.vertex.z(1, 0), mean, kMeanTolerance * mean);
+  const Eigen::Vector3f normal = Eigen::Vector3f(0.6f, 0, -1.8f).normalized();
+  EXPECT_THAT(coarse.normal(1, 0), VectorNear(normal, 1e-6f));
+}
+
+// A plane is linear in inverse depth, and the block's mean is the value at its centre, where the
+// binned camera has its pixel: planes stay exact on every level.
+TEST(BuildPyramid, PlanesStayExactOnEveryLevel) {
+  PinholeCamera camera = testing::SmallCamera();
+  camera.width = 336;
+  camera.height = 240;
+  camera.cx = 165.2;
+  camera.cy = 121.9;
+  camera.fx = 240;
+  camera.fy = 235;
+  const Plane plane = testing::TiltedPlane(0.6, 2.5);
+  const FramePyramid pyramid =
+      BuildPyramid(LevelOf(PlaneDepth(plane, camera), camera), PreprocessOptions());
+  ASSERT_EQ(pyramid.levels.size(), 4u);
+  for (std::size_t i = 0; i < pyramid.levels.size(); ++i) {
+    const FrameLevel& level = pyramid.levels[i];
+    const PinholeCamera expected = camera.Binned(1 << i);
+    EXPECT_EQ(level.camera.width, expected.width);
+    EXPECT_EQ(level.camera.height, expected.height);
+    EXPECT_NEAR(level.camera.fx, expected.fx, 1e-9);
+    EXPECT_NEAR(level.camera.fy, expected.fy, 1e-9);
+    EXPECT_NEAR(level.camera.cx, expected.cx, 1e-9);
+    EXPECT_NEAR(level.camera.cy, expected.cy, 1e-9);
+    ASSERT_EQ(level.vertex.width(), expected.width);
+    ASSERT_EQ(level.normal.height(), expected.height);
+    for (int v = 1; v < expected.height - 1; ++v) {
+      for (int u = 1; u < expected.width - 1; ++u) {
+        const Eigen::Vector3d x = level.vertex(u, v).cast<double>();
+        const double z = 1 / plane.InverseDepth(expected.Ray(u, v));
+        // Eight roundings a level.
+        const double tolerance = kMeanTolerance * static_cast<double>(i + 1);
+        ASSERT_THAT(x, VectorNear(z * expected.Ray(u, v), tolerance * x.norm()));
+        // The finest level's normals (normal_map_test.cc), averaged.
+        const double normal_tolerance = 6 * camera.fx * 2 * kFloatRounding * testing::kLongestRay;
+        ASSERT_THAT(level.normal(u, v).cast<double>(), VectorNear(plane.normal, normal_tolerance));
+      }
+    }
+  }
+}
+
+struct SizeCase {
+  int width, height, most_levels, levels;
+};
+
+class PyramidSizes : public ::testing::TestWithParam<SizeCase> {};
+
+TEST_P(PyramidSizes, ShortensItselfForSmallImages) {
+  PinholeCamera camera = testing::SmallCamera();
+  camera.width = GetParam().width;
+  camera.height = GetParam().height;
+  PreprocessOptions options;
+  options.pyramid_levels = GetParam().most_levels;
+  const FramePyramid pyramid =
+      PreprocessDepth(Image<float>(camera.width, camera.height, 1.f), camera, options);
+  ASSERT_EQ(pyramid.levels.size(), static_cast<std::size_t>(GetParam().levels));
+  for (std::size_t i = 0; i < pyramid.levels.size(); ++i) {
+    EXPECT_EQ(pyramid.levels[i].camera.width, camera.width >> i);
+    EXPECT_EQ(pyramid.levels[i].vertex.width(), camera.width >> i);
+    EXPECT_EQ(pyramid.levels[i].normal.height(), camera.height >> i);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, PyramidSizes,
+                         ::testing::Values(SizeCase{640, 480, 4, 4}, SizeCase{640, 480, 8, 5},
+                                           SizeCase{640, 480, 1, 1},
+                                           SizeCase{40, 30, 4, 1},  // --downsample=16
+                                           SizeCase{80, 60, 4, 2}, SizeCase{79, 60, 4, 1},
+                                           SizeCase{80, 59, 4, 1}, SizeCase{321, 243, 4, 4},
+                                           SizeCase{7, 5, 4, 1}),
+                         [](const auto& instance) {
+                           const SizeCase& size = instance.param;
+                           return std::to_string(size.width) + "x" + std::to_string(size.height) +
+                                  "_" + std::to_string(size.most_levels);
+                         });
+
+}  // namespace
+}  // namespace surfit
