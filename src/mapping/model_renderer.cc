@@ -29,6 +29,9 @@ struct DiscPlane {
   float offset, slope_u, slope_v, constant;
 };
 
+// The largest integer not above x, for x > -1024: a conversion alone, unlike std::floor.
+int Floor(float x) { return static_cast<int>(x + 1024.f) - 1024; }
+
 Eigen::Vector3f PointAtDepth(const PosedCamera& camera, int u, int v, float depth) {
   return {depth * ((static_cast<float>(u) - camera.cx) / camera.fx),
           depth * ((static_cast<float>(v) - camera.cy) / camera.fy), depth};
@@ -64,10 +67,10 @@ class Splatter {
     const float radius = options_.radius_share * map_.radius_m[i];
     const float extent =
         std::min(camera_.fx * radius / p.z(), static_cast<float>(options_.max_half_window_px));
-    const int u_begin = std::max(0, static_cast<int>(std::ceil(u - extent)));
-    const int u_end = std::min(camera_.width - 1, static_cast<int>(std::floor(u + extent)));
-    const int v_begin = std::max(0, static_cast<int>(std::ceil(v - extent)));
-    const int v_end = std::min(camera_.height - 1, static_cast<int>(std::floor(v + extent)));
+    const int u_begin = std::max(0, Floor(u - extent) + 1);
+    const int u_end = std::min(camera_.width - 1, Floor(u + extent));
+    const int v_begin = std::max(0, Floor(v - extent) + 1);
+    const int v_end = std::min(camera_.height - 1, Floor(v + extent));
     for (int pv = v_begin; pv <= v_end; ++pv) {
       for (int pu = u_begin; pu <= u_end; ++pu) {
         const float depth = plane.Depth(pu, pv);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "surfit/geometry/rigid3.h"
@@ -14,5 +15,10 @@ struct StampedPose {
 
 // Poses in ascending order of time.
 using Trajectory = std::vector<StampedPose>;
+
+// The pose at a time between two poses at most max_gap_s apart: translation linear, rotation along
+// the shortest arc. Elsewhere that of a pose at most max_difference_s away, or nothing.
+std::optional<Rigid3d> InterpolatePose(const Trajectory& trajectory, double stamp_s,
+                                       double max_gap_s = 0.1, double max_difference_s = 0.02);
 
 }  // namespace surfit

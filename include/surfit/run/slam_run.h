@@ -1,0 +1,77 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "surfit/evaluation/trajectory_evaluation.h"
+#include "surfit/io/sequence.h"
+#include "surfit/slam/slam.h"
+
+namespace surfit {
+
+// What a run is to do, beyond how the SLAM works.
+struct SlamRunOptions {
+  SequenceOptions sequence;
+  SlamOptions slam;
+  std::string output;                     // folder for all results; made if missing
+  std::string initial_pose = "identity";  // identity, groundtruth or tx,ty,tz,qx,qy,qz,qw
+  std::string poses = "track";            // track, or groundtruth: fuse along the given poses
+  int threads = 2;                        // that compute at the same time
+  int queue_capacity = 4;                 // frames that are read ahead
+  bool pictures = true;
+  // All options by name, to be kept with the results.
+  std::map<std::string, std::string> record;
+
+  // Throws InputError naming the option, its value and the constraint.
+  void Validate() const;
+};
+
+// How far a run has come.
+struct SlamRunProgress {
+  int frames_done = 0;
+  int frames_total = 0;
+  std::size_t map_points = 0;
+  double elapsed_s = 0;
+};
+
+// The median and the 95 % quantile of some times.
+struct TimeStatistics {
+  double median_ms = 0;
+  double p95_ms = 0;
+};
+
+// The outcome of a run: what summary.json says.
+struct SlamRunSummary {
+  int frames_total = 0;    // read or attempted
+  int frames_tracked = 0;  // with a pose: all but lost and skipped ones
+  int frames_lost = 0;
+  int frames_skipped = 0;  // could not be read
+  bool interrupted = false;
+  std::int64_t input_points = 0;        // pixels after downsampling, of all frames read
+  std::int64_t input_points_valid = 0;  // of those, with depth
+  std::int64_t updated = 0, added = 0, removed = 0;  // surfels, summed over all frames
+  std::size_t map_points = 0;
+  double compression_ratio = 0;   // input_points / map_points
+  double match_share_last = 0;    // merged over valid points, of the last fused frame
+  double match_share_median = 0;  // over all fused frames
+  std::optional<TrajectoryEvaluation> evaluation;  // where there is ground truth
+  double total_s = 0;
+  TimeStatistics frame;  // between the completions of consecutive frames
+  std::map<std::string, TimeStatistics> stages;
+  std::int64_t peak_rss_bytes = 0;
+  std::string digest;  // of trajectory and map: equal digests, equal results bit for bit
+};
+
+// Runs SLAM over a sequence and writes into the output folder: trajectory.txt (TUM format, a line
+// at a time, in the source's convention), frames.csv, map.ply, summary.json and the pictures.
+// Frames that cannot be read are skipped and counted. When *interrupted becomes true the frame at
+// work is finished and everything is written. `progress` is called after every frame.
+// Throws InputError for bad options, or a sequence that cannot be read at all.
+SlamRunSummary RunSlam(const SlamRunOptions& options, const std::atomic<bool>& interrupted,
+                       const std::function<void(const SlamRunProgress&)>& progress);
+
+}  // namespace surfit

@@ -1,0 +1,36 @@
+#include "surfit/geometry/trajectory.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace surfit {
+
+std::optional<Rigid3d> InterpolatePose(const Trajectory& trajectory, double stamp_s,
+                                       double max_gap_s, double max_difference_s) {
+  const auto after =
+      std::lower_bound(trajectory.begin(), trajectory.end(), stamp_s,
+                       [](const StampedPose& pose, double stamp) { return pose.stamp_s < stamp; });
+  const bool has_after = after != trajectory.end(), has_before = after != trajectory.begin();
+  if (has_after && after->stamp_s == stamp_s) return after->world_from_camera;
+  if (has_after && has_before && after->stamp_s - std::prev(after)->stamp_s <= max_gap_s) {
+    const StampedPose &a = *std::prev(after), &b = *after;
+    const double share = (stamp_s - a.stamp_s) / (b.stamp_s - a.stamp_s);
+    const Rigid3d &p = a.world_from_camera, &q = b.world_from_camera;
+    return Rigid3d(p.rotation.slerp(share, q.rotation),
+                   (1 - share) * p.translation + share * q.translation);
+  }
+  const auto near = [&](const StampedPose& pose) {
+    return std::abs(pose.stamp_s - stamp_s) <= max_difference_s;
+  };
+  const bool near_after = has_after && near(*after);
+  const bool near_before = has_before && near(*std::prev(after));
+  if (near_after && near_before) {
+    const bool before_is_nearer = stamp_s - std::prev(after)->stamp_s < after->stamp_s - stamp_s;
+    return (before_is_nearer ? std::prev(after) : after)->world_from_camera;
+  }
+  if (near_after) return after->world_from_camera;
+  if (near_before) return std::prev(after)->world_from_camera;
+  return std::nullopt;
+}
+
+}  // namespace surfit

@@ -1,0 +1,110 @@
+#include "surfit/run/align_run.h"
+
+#include <filesystem>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "surfit/core/error.h"
+#include "surfit/core/parallel.h"
+#include "surfit/io/point_cloud.h"
+#include "surfit/pictures/cloud_picture.h"
+
+namespace surfit {
+namespace {
+
+constexpr Rgb8 kSourceColor = {240, 130, 20};
+constexpr Rgb8 kTargetColor = {30, 110, 220};
+
+// One frame, ready to be registered.
+struct View {
+  FramePyramid pyramid;
+  std::optional<Rigid3d> world_from_camera;  // true pose
+};
+
+View ReadView(const AlignRunOptions& options, int index) {
+  SequenceOptions sequence = options.sequence;
+  sequence.first = sequence.last = index;
+  sequence.stride = 1;
+  const std::unique_ptr<FrameSource> source = OpenSequence(sequence);
+  const std::optional<ReadResult> result = source->Next();
+  if (!result) throw InputError(Concat(sequence.path, ": there is no frame ", index));
+  if (!result->frame) throw InputError(result->error);
+  View view;
+  view.pyramid =
+      PreprocessDepth(result->frame->depth_m, source->info().pinhole, options.preprocess);
+  view.world_from_camera = InterpolatePose(source->info().ground_truth, result->stamp_s);
+  return view;
+}
+
+std::vector<Eigen::Vector3f> PointsOf(const FrameLevel& level, const Rigid3d& frame_from_camera) {
+  const Eigen::Matrix3f rotation = frame_from_camera.rotation.toRotationMatrix().cast<float>();
+  const Eigen::Vector3f translation = frame_from_camera.translation.cast<float>();
+  std::vector<Eigen::Vector3f> points;
+  for (int v = 0; v < level.vertex.height(); ++v) {
+    for (int u = 0; u < level.vertex.width(); ++u) {
+      const Eigen::Vector3f point = level.vertex(u, v);
+      if (point.z() > 0) points.push_back(rotation * point + translation);
+    }
+  }
+  return points;
+}
+
+void WriteClouds(const View& source, const View& target, const Rigid3d& target_from_source,
+                 const std::string& stem) {
+  const auto source_points = PointsOf(source.pyramid.levels.front(), target_from_source);
+  const auto target_points = PointsOf(target.pyramid.levels.front(), Rigid3d());
+  WriteTwoCloudPicture(source_points, target_points, stem + ".png");
+  PointCloud both;
+  both.points = source_points;
+  both.points.insert(both.points.end(), target_points.begin(), target_points.end());
+  both.colors.assign(source_points.size(), kSourceColor);
+  both.colors.resize(both.points.size(), kTargetColor);
+  WritePly(both, stem + ".ply");
+}
+
+PoseError ErrorOf(const Rigid3d& estimated, const Rigid3d& truth) {
+  const Rigid3d difference = truth.Inverse() * estimated;
+  return {difference.translation.norm(), RotationAngle(difference.rotation) * 180 / M_PI};
+}
+
+}  // namespace
+
+IcpOptions AlignRunOptions::DefaultIcp() {
+  IcpOptions icp;
+  return icp;
+}
+
+void AlignRunOptions::Validate() const {
+  sequence.Validate();
+  preprocess.Validate();
+  icp.Validate();
+  if (output.empty()) throw InputError("output is empty, must name a folder");
+  if (source < 0) throw InputError(Concat("source is ", source, ", must be zero or positive"));
+  if (target < 0) throw InputError(Concat("target is ", target, ", must be zero or positive"));
+}
+
+AlignRunResult RunAlign(const AlignRunOptions& options) {
+  options.Validate();
+  const ThreadLimit limit(options.threads);
+  const View source = ReadView(options, options.source);
+  const View target = ReadView(options, options.target);
+  std::error_code error;
+  std::filesystem::create_directories(options.output, error);
+  if (error) {
+    throw InputError(Concat(options.output, ": cannot make the folder: ", error.message()));
+  }
+
+  AlignRunResult result;
+  result.icp = Register(source.pyramid, target.pyramid, Rigid3d(), options.icp);
+  if (source.world_from_camera && target.world_from_camera) {
+    const Rigid3d truth = target.world_from_camera->Inverse() * *source.world_from_camera;
+    result.initial_error = ErrorOf(Rigid3d(), truth);
+    result.final_error = ErrorOf(result.icp.target_from_source, truth);
+  }
+  WriteClouds(source, target, Rigid3d(), options.output + "/before");
+  WriteClouds(source, target, result.icp.target_from_source, options.output + "/after");
+  return result;
+}
+
+}  // namespace surfit

@@ -1,0 +1,69 @@
+#include "run/run_files.h"
+
+#include <filesystem>
+#include <iomanip>
+
+#include "surfit/core/error.h"
+#include "surfit/geometry/mirror.h"
+
+namespace surfit {
+
+void PrepareOutputFolder(const std::string& folder) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error || !fs::is_directory(folder)) {
+    throw InputError(Concat(folder, ": cannot make the output folder: ", error.message()));
+  }
+  for (const char* name :
+       {"trajectory.txt", "frames.csv", "map.ply", "summary.json", "trajectory.png",
+        "map_color.png", "map_normals.png", "map_confidence.png", "map_last_seen.png"}) {
+    fs::remove(fs::path(folder) / name, error);
+    if (error) {
+      throw InputError(Concat(folder, "/", name, ": cannot be replaced: ", error.message()));
+    }
+  }
+}
+
+RunFiles::RunFiles(const std::string& folder, bool mirrored)
+    : mirrored_(mirrored),
+      trajectory_(folder + "/trajectory.txt"),
+      csv_path_(folder + "/frames.csv"),
+      csv_(csv_path_) {
+  csv_ << "index,stamp_s,state,termination,iterations,inliers,inlier_share,rmse_m,"
+          "smallest_eigenvalue,points,merged_points,merged,added,removed,"
+          "decode_ms,preprocess_ms,predict_ms,track_ms,fuse_ms,frame_ms\n";
+  Flush();
+}
+
+void RunFiles::Write(const FrameReport& report, double decode_ms, double frame_ms) {
+  if (report.state != FrameState::kLost) {
+    const Rigid3d& pose = report.world_from_camera;
+    trajectory_.Append({report.stamp_s, mirrored_ ? Mirrored(pose) : pose});
+  }
+  const bool registered = !report.icp.iterations.empty();
+  csv_ << report.index << ',' << std::fixed << std::setprecision(6) << report.stamp_s << ','
+       << ToString(report.state) << ',' << (registered ? ToString(report.icp.termination) : "")
+       << ',' << report.icp.iterations.size() << ',' << report.icp.inlier_count << ','
+       << report.icp.inlier_share << ',' << report.icp.rmse_m << ',' << std::scientific
+       << report.icp.smallest_eigenvalue << ',' << std::fixed << report.fusion.input_points << ','
+       << report.fusion.merged_points << ',' << report.fusion.merged << ',' << report.fusion.added
+       << ',' << report.fusion.removed << ',' << std::setprecision(3) << decode_ms << ','
+       << report.times.preprocess_ms << ',' << report.times.predict_ms << ','
+       << report.times.track_ms << ',' << report.times.fuse_ms << ',' << frame_ms << '\n';
+  Flush();
+}
+
+void RunFiles::WriteSkipped(const ReadResult& result, double frame_ms) {
+  csv_ << result.index << ',' << std::fixed << std::setprecision(6) << result.stamp_s
+       << ",skipped,,0,0,0,0,0,0,0,0,0,0," << std::setprecision(3) << result.decode_ms
+       << ",0,0,0,0," << frame_ms << '\n';
+  Flush();
+}
+
+void RunFiles::Flush() {
+  csv_.flush();
+  if (!csv_) throw InputError(csv_path_ + ": cannot be written");
+}
+
+}  // namespace surfit

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <fstream>
+#include <string>
+
+#include "surfit/io/frame_source.h"
+#include "surfit/io/tum_trajectory.h"
+#include "surfit/slam/slam.h"
+
+namespace surfit {
+
+// Makes the output folder if it is missing, and removes a former run's files from it.
+// Throws InputError naming the folder if that fails.
+void PrepareOutputFolder(const std::string& folder);
+
+// The files that grow with every frame: trajectory.txt and frames.csv.
+class RunFiles {
+ public:
+  // Poses are written back in the source's convention. Throws InputError naming the file.
+  RunFiles(const std::string& folder, bool mirrored);
+
+  // A frame that was processed; a lost one has no trajectory line.
+  void Write(const FrameReport& report, double decode_ms, double frame_ms);
+  // A frame that could not be read.
+  void WriteSkipped(const ReadResult& result, double frame_ms);
+
+ private:
+  void Flush();
+
+  bool mirrored_;
+  TumTrajectoryWriter trajectory_;
+  std::string csv_path_;
+  std::ofstream csv_;
+};
+
+}  // namespace surfit

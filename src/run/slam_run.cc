@@ -1,0 +1,230 @@
+#include "surfit/run/slam_run.h"
+
+#include <glog/logging.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "run/digest.h"
+#include "run/given_poses.h"
+#include "run/run_files.h"
+#include "run/summary_json.h"
+#include "surfit/core/error.h"
+#include "surfit/core/parallel.h"
+#include "surfit/io/read_ahead.h"
+#include "surfit/io/surfel_ply.h"
+#include "surfit/pictures/map_pictures.h"
+#include "surfit/pictures/trajectory_picture.h"
+
+namespace surfit {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double SecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// The value at a share of the ascending order, interpolated between two; 0 of nothing.
+double Quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  const double rank = share * static_cast<double>(values.size() - 1);
+  const std::size_t below = static_cast<std::size_t>(rank);
+  const std::size_t above = std::min(below + 1, values.size() - 1);
+  return values[below] + (rank - static_cast<double>(below)) * (values[above] - values[below]);
+}
+
+TimeStatistics Statistics(const std::vector<double>& times_ms) {
+  return {Quantile(times_ms, 0.5), Quantile(times_ms, 0.95)};
+}
+
+std::int64_t PeakRssBytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::int64_t>(usage.ru_maxrss) * 1024;
+}
+
+std::int64_t CountValid(const Image<float>& depth_m) {
+  return std::count_if(depth_m.begin(), depth_m.end(), [](float depth) { return depth > 0; });
+}
+
+// A run in progress.
+class SlamRun {
+ public:
+  explicit SlamRun(const SlamRunOptions& options)
+      : options_(options),
+        start_(Clock::now()),
+        last_completion_(start_),
+        source_(ReadAhead(OpenSequence(options.sequence), options.queue_capacity)),
+        info_(source_->info()) {
+    for (const std::string& warning : info_.warnings) LOG(WARNING) << warning;
+    if (options.poses == "groundtruth" && info_.ground_truth.empty()) {
+      throw InputError(
+          Concat("poses is 'groundtruth', but ", options.sequence.path, " has no ground truth"));
+    }
+    PrepareOutputFolder(options.output);
+    files_ = std::make_unique<RunFiles>(options.output, info_.mirrored);
+  }
+
+  SlamRunSummary Run(const std::atomic<bool>& interrupted,
+                     const std::function<void(const SlamRunProgress&)>& progress) {
+    while (!interrupted) {
+      const std::optional<ReadResult> result = source_->Next();
+      if (!result) break;
+      ++summary_.frames_total;
+      stamps_s_.push_back(result->stamp_s);
+      if (result->frame) {
+        Process(*result);
+      } else {
+        Skip(*result);
+      }
+      progress({summary_.frames_total, info_.frame_count, slam_ ? slam_->map().size() : 0,
+                SecondsSince(start_)});
+    }
+    summary_.interrupted = interrupted;
+    if (!slam_) throw InputError(options_.sequence.path + ": no frame could be read");
+    return Finish();
+  }
+
+ private:
+  // Wall time since the last frame was completed.
+  double CompleteFrame() {
+    const Clock::time_point now = Clock::now();
+    const double ms = std::chrono::duration<double, std::milli>(now - last_completion_).count();
+    last_completion_ = now;
+    frame_ms_.push_back(ms);
+    return ms;
+  }
+
+  void Skip(const ReadResult& result) {
+    LOG(WARNING) << "frame " << result.index << " skipped: " << result.error;
+    ++summary_.frames_skipped;
+    files_->WriteSkipped(result, CompleteFrame());
+  }
+
+  void Process(const ReadResult& result) {
+    const RgbdFrame& frame = *result.frame;
+    if (!slam_) {
+      slam_ = std::make_unique<Slam>(info_.pinhole, options_.slam,
+                                     InitialPose(options_.initial_pose, info_, frame.stamp_s));
+    }
+    const FrameReport report = ProcessFrame(frame);
+    const std::int64_t valid = CountValid(frame.depth_m);
+    summary_.input_points += static_cast<std::int64_t>(frame.depth_m.size());
+    summary_.input_points_valid += valid;
+    Count(report, valid);
+    files_->Write(report, result.decode_ms, CompleteFrame());
+    stage_ms_["decode"].push_back(result.decode_ms);
+    stage_ms_["preprocess"].push_back(report.times.preprocess_ms);
+    stage_ms_["predict"].push_back(report.times.predict_ms);
+    stage_ms_["track"].push_back(report.times.track_ms);
+    stage_ms_["fuse"].push_back(report.times.fuse_ms);
+  }
+
+  FrameReport ProcessFrame(const RgbdFrame& frame) {
+    if (options_.poses == "track") return slam_->Process(frame);
+    const std::optional<Rigid3d> pose = InterpolatePose(info_.ground_truth, frame.stamp_s);
+    if (pose) return slam_->ProcessAt(frame, *pose);
+    LOG(WARNING) << "frame " << frame.index << " has no true pose within reach: not fused";
+    FrameReport report;
+    report.index = frame.index;
+    report.stamp_s = frame.stamp_s;
+    return report;
+  }
+
+  void Count(const FrameReport& report, std::int64_t valid_points) {
+    if (report.state == FrameState::kLost) {
+      ++summary_.frames_lost;
+      return;
+    }
+    ++summary_.frames_tracked;
+    trajectory_.push_back({report.stamp_s, report.world_from_camera});
+    summary_.updated += report.fusion.merged;
+    summary_.added += report.fusion.added;
+    summary_.removed += report.fusion.removed;
+    if (report.state == FrameState::kFrozen || valid_points == 0) return;
+    match_shares_.push_back(static_cast<double>(report.fusion.merged_points) /
+                            static_cast<double>(valid_points));
+  }
+
+  SlamRunSummary Finish() {
+    const SurfelMap& map = slam_->map();
+    summary_.map_points = map.size();
+    if (map.size() > 0) {
+      summary_.compression_ratio =
+          static_cast<double>(summary_.input_points) / static_cast<double>(map.size());
+    }
+    summary_.match_share_last = match_shares_.empty() ? 0 : match_shares_.back();
+    summary_.match_share_median = Quantile(match_shares_, 0.5);
+    summary_.frame = Statistics(frame_ms_);
+    for (const auto& [stage, times] : stage_ms_) summary_.stages[stage] = Statistics(times);
+    summary_.digest = Digest(trajectory_, map);
+    if (!info_.ground_truth.empty()) {
+      summary_.evaluation = EvaluateTrajectory(info_.ground_truth, trajectory_, stamps_s_, {});
+    }
+    WriteSurfelPly(map, options_.output + "/map.ply");
+    if (options_.pictures) WritePictures();
+    summary_.peak_rss_bytes = PeakRssBytes();
+    summary_.total_s = SecondsSince(start_);
+    WriteSummaryJson(summary_, options_, options_.output + "/summary.json");
+    return summary_;
+  }
+
+  void WritePictures() const {
+    WriteMapPictures(slam_->map(), trajectory_, options_.output);
+    Trajectory aligned = trajectory_;
+    if (summary_.evaluation && summary_.evaluation->ate) {
+      const Rigid3d& true_from_estimated = summary_.evaluation->ate->alignment.target_from_source;
+      for (StampedPose& pose : aligned) {
+        pose.world_from_camera = true_from_estimated * pose.world_from_camera;
+      }
+    }
+    WriteTrajectoryPicture(aligned, info_.ground_truth, options_.output + "/trajectory.png");
+  }
+
+  const SlamRunOptions& options_;
+  const Clock::time_point start_;
+  Clock::time_point last_completion_;
+  std::unique_ptr<FrameSource> source_;
+  const SequenceInfo& info_;
+  std::unique_ptr<RunFiles> files_;
+  std::unique_ptr<Slam> slam_;
+  SlamRunSummary summary_;
+  Trajectory trajectory_;
+  std::vector<double> stamps_s_;
+  std::vector<double> frame_ms_;
+  std::vector<double> match_shares_;
+  std::map<std::string, std::vector<double>> stage_ms_;
+};
+
+}  // namespace
+
+void SlamRunOptions::Validate() const {
+  sequence.Validate();
+  slam.Validate();
+  if (output.empty()) throw InputError("output is empty, must name a folder");
+  if (poses != "track" && poses != "groundtruth") {
+    throw InputError(Concat("poses is '", poses, "', must be one of: track, groundtruth"));
+  }
+  if (initial_pose != "identity" && initial_pose != "groundtruth") {
+    ParsePose("initial_pose", initial_pose);
+  }
+  if (queue_capacity < 1 || queue_capacity > 1000) {
+    throw InputError(Concat("queue_capacity is ", queue_capacity, ", must be from 1 to 1000"));
+  }
+}
+
+SlamRunSummary RunSlam(const SlamRunOptions& options, const std::atomic<bool>& interrupted,
+                       const std::function<void(const SlamRunProgress&)>& progress) {
+  options.Validate();
+  const ThreadLimit limit(options.threads);
+  return SlamRun(options).Run(interrupted, progress);
+}
+
+}  // namespace surfit

@@ -1,0 +1,63 @@
+#include "run/summary_json.h"
+
+#include <nlohmann/json.hpp>
+
+#include "surfit/core/atomic_file.h"
+
+namespace surfit {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json ToJson(const TimeStatistics& times) {
+  return {{"median", times.median_ms}, {"p95", times.p95_ms}};
+}
+
+void SetErrors(const std::optional<TrajectoryEvaluation>& evaluation, Json* json) {
+  Json& j = *json;
+  for (const char* key :
+       {"ate_rmse_m", "ate_coverage", "rpe_translation_rmse_m", "rpe_rotation_rmse_deg"}) {
+    j[key] = nullptr;
+  }
+  if (!evaluation) return;
+  j["ate_coverage"] = evaluation->coverage;
+  if (evaluation->ate) j["ate_rmse_m"] = evaluation->ate->translation_m.rmse;
+  if (evaluation->rpe) {
+    j["rpe_translation_rmse_m"] = evaluation->rpe->translation_m.rmse;
+    j["rpe_rotation_rmse_deg"] = evaluation->rpe->rotation_deg.rmse;
+  }
+}
+
+}  // namespace
+
+void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
+                      const std::string& path) {
+  Json j;
+  j["frames_total"] = s.frames_total;
+  j["frames_tracked"] = s.frames_tracked;
+  j["frames_lost"] = s.frames_lost;
+  j["frames_skipped"] = s.frames_skipped;
+  j["interrupted"] = s.interrupted;
+  j["input_points"] = s.input_points;
+  j["input_points_valid"] = s.input_points_valid;
+  j["surfels_updated"] = s.updated;
+  j["surfels_added"] = s.added;
+  j["surfels_removed"] = s.removed;
+  j["map_points"] = s.map_points;
+  j["compression_ratio"] = s.compression_ratio;
+  j["match_share"] = {{"last", s.match_share_last}, {"median", s.match_share_median}};
+  SetErrors(s.evaluation, &j);
+  j["total_s"] = s.total_s;
+  j["frame_ms"] = ToJson(s.frame);
+  j["stage_ms"] = Json::object();
+  for (const auto& [stage, times] : s.stages) j["stage_ms"][stage] = ToJson(times);
+  j["peak_rss_bytes"] = s.peak_rss_bytes;
+  j["residual"] = options.slam.icp.residual;
+  j["association"] = options.slam.icp.association;
+  j["solver"] = options.slam.icp.solver;
+  j["options"] = options.record;
+  j["digest"] = s.digest;
+  WriteFileAtomically(path, [&](std::ostream& file) { file << j.dump(2) << '\n'; });
+}
+
+}  // namespace surfit

@@ -1,0 +1,80 @@
+#include "common/slam_flags.h"
+
+#include <gflags/gflags.h>
+
+#include <vector>
+
+namespace {
+
+const surfit::PreprocessOptions kPreprocess;
+const surfit::IcpOptions kIcp;
+constexpr double kDegree = 3.14159265358979323846 / 180;
+
+}  // namespace
+
+DEFINE_string(solver, kIcp.solver,
+              "pose solver: closed_form_ldlt, closed_form_lu or closed_form_qr");
+DEFINE_string(residual, kIcp.residual, "residual: point_to_plane");
+DEFINE_string(association, kIcp.association, "data association: projective");
+DEFINE_int32(max_iterations, kIcp.max_iterations, "ICP iterations on each pyramid level at most");
+DEFINE_double(max_distance_m, kIcp.gates.max_distance_m,
+              "pairs farther apart are no pairs, on the finest level; 0 = off");
+DEFINE_double(max_normal_angle_deg, kIcp.gates.max_normal_angle_rad / kDegree,
+              "pairs whose normals differ by more are no pairs; 0 = off");
+DEFINE_double(gate_growth, kIcp.gate_growth,
+              "max_distance_m grows by this factor on each coarser level");
+DEFINE_double(kernel_width, kIcp.error_model.kernel_width,
+              "width of the Geman-McClure kernel in sigmas; 0 = least squares");
+DEFINE_double(floor_sigma_m, kIcp.error_model.floor_sigma_m,
+              "standard deviation of a residual beyond the depth noise, m");
+DEFINE_double(inverse_depth_sigma, kPreprocess.noise.inverse_depth_sigma,
+              "depth noise: standard deviation of inverse depth, 1/m");
+DEFINE_double(min_relative_rmse_change, kIcp.min_relative_rmse_change,
+              "a level ends where RMSE changes by a smaller share");
+DEFINE_int32(min_inliers, kIcp.min_inliers, "fewer pairs are a failure");
+DEFINE_int32(depth_filter_radius, kPreprocess.filter_radius_px,
+             "half the window of the depth filter, px; 0 = no filter");
+DEFINE_int32(normal_radius, kPreprocess.normal_radius_px,
+             "normals come from depths up to this far apart, px");
+DEFINE_int32(pyramid_levels, kPreprocess.pyramid_levels,
+             "resolutions to register on, as far as the image allows");
+
+namespace surfit::tools {
+
+PreprocessOptions PreprocessOptionsFromFlags() {
+  PreprocessOptions options;
+  options.noise.inverse_depth_sigma = FLAGS_inverse_depth_sigma;
+  options.filter_radius_px = FLAGS_depth_filter_radius;
+  options.normal_radius_px = FLAGS_normal_radius;
+  options.pyramid_levels = FLAGS_pyramid_levels;
+  return options;
+}
+
+IcpOptions IcpOptionsFromFlags() {
+  IcpOptions options;
+  options.solver = FLAGS_solver;
+  options.residual = FLAGS_residual;
+  options.association = FLAGS_association;
+  options.max_iterations = FLAGS_max_iterations;
+  options.gates.max_distance_m = FLAGS_max_distance_m;
+  options.gates.max_normal_angle_rad = FLAGS_max_normal_angle_deg * kDegree;
+  options.gate_growth = FLAGS_gate_growth;
+  options.error_model.kernel_width = FLAGS_kernel_width;
+  options.error_model.floor_sigma_m = FLAGS_floor_sigma_m;
+  options.error_model.noise.inverse_depth_sigma = FLAGS_inverse_depth_sigma;
+  options.min_relative_rmse_change = FLAGS_min_relative_rmse_change;
+  options.min_inliers = FLAGS_min_inliers;
+  return options;
+}
+
+std::map<std::string, std::string> RecordedFlags() {
+  std::vector<gflags::CommandLineFlagInfo> flags;
+  gflags::GetAllFlags(&flags);
+  std::map<std::string, std::string> record;
+  for (const auto& flag : flags) {
+    if (flag.filename.find("tools/") != std::string::npos) record[flag.name] = flag.current_value;
+  }
+  return record;
+}
+
+}  // namespace surfit::tools

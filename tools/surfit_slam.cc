@@ -1,0 +1,129 @@
+// Dense SLAM over a recorded sequence: trajectory, surfel map, figures and pictures.
+
+#include <gflags/gflags.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+
+#include "common/sequence_flags.h"
+#include "common/slam_flags.h"
+#include "common/tool_main.h"
+#include "surfit/run/slam_run.h"
+
+namespace {
+
+const surfit::SlamRunOptions kRun;
+constexpr double kDegree = 3.14159265358979323846 / 180;
+
+}  // namespace
+
+DEFINE_string(output, kRun.output, "folder for the results; made if missing");
+DEFINE_string(initial_pose, kRun.initial_pose,
+              "pose of the first frame: identity, groundtruth or tx,ty,tz,qx,qy,qz,qw");
+DEFINE_string(poses, kRun.poses, "track, or groundtruth: fuse along the sequence's own poses");
+DEFINE_string(tracking, kRun.slam.tracking, "frame_to_model or frame_to_frame");
+DEFINE_string(motion_model, kRun.slam.motion_model,
+              "where tracking starts: constant_velocity or constant_pose");
+DEFINE_int32(threads, kRun.threads, "threads that compute at the same time, reading included");
+DEFINE_bool(pictures, kRun.pictures, "write the pictures");
+DEFINE_double(min_inlier_share, kRun.slam.min_inlier_share,
+              "a frame with a smaller share of paired points is lost");
+DEFINE_double(max_rmse_m, kRun.slam.max_rmse_m, "a frame with larger residuals is lost");
+DEFINE_string(weighting, kRun.slam.fusion.weighting,
+              "weight of a point in the map: confidence (less off the centre) or uniform");
+DEFINE_double(merge_distance_m, kRun.slam.fusion.max_distance_m,
+              "points merge with surfels at most this far along the normal");
+DEFINE_double(merge_angle_deg, kRun.slam.fusion.max_normal_angle_rad / kDegree,
+              "points merge with surfels whose normal differs by at most this");
+DEFINE_double(max_spacing_m, kRun.slam.fusion.max_spacing_m,
+              "points merge with surfels at most this far across the surface");
+DEFINE_double(stable_confidence, kRun.slam.fusion.stable_confidence,
+              "surfels of less confidence are unstable");
+DEFINE_int32(max_dormant_frames, kRun.slam.fusion.max_dormant_frames,
+             "unstable surfels are removed when not seen for longer");
+
+namespace surfit::tools {
+namespace {
+
+std::atomic<bool> interrupted{false};
+
+void OnSignal(int) { interrupted = true; }
+
+SlamRunOptions OptionsFromFlags() {
+  SlamRunOptions options;
+  options.sequence = SequenceOptionsFromFlags();
+  options.output = FLAGS_output;
+  options.initial_pose = FLAGS_initial_pose;
+  options.poses = FLAGS_poses;
+  options.threads = FLAGS_threads;
+  options.pictures = FLAGS_pictures;
+  SlamOptions& slam = options.slam;
+  slam.preprocess = PreprocessOptionsFromFlags();
+  slam.icp = IcpOptionsFromFlags();
+  slam.tracking = FLAGS_tracking;
+  slam.motion_model = FLAGS_motion_model;
+  slam.min_inlier_share = FLAGS_min_inlier_share;
+  slam.max_rmse_m = FLAGS_max_rmse_m;
+  slam.fusion.noise = slam.preprocess.noise;
+  slam.fusion.weighting = FLAGS_weighting;
+  slam.fusion.max_distance_m = static_cast<float>(FLAGS_merge_distance_m);
+  slam.fusion.max_normal_angle_rad = static_cast<float>(FLAGS_merge_angle_deg * kDegree);
+  slam.fusion.max_spacing_m = static_cast<float>(FLAGS_max_spacing_m);
+  slam.fusion.stable_confidence = static_cast<float>(FLAGS_stable_confidence);
+  slam.fusion.max_dormant_frames = FLAGS_max_dormant_frames;
+  slam.render.stable_confidence = slam.fusion.stable_confidence;
+  options.record = RecordedFlags();
+  return options;
+}
+
+// One line that is written over on a terminal, and now and then a new one elsewhere.
+void ShowProgress(const SlamRunProgress& progress) {
+  static const bool terminal = isatty(STDERR_FILENO) != 0;
+  static double shown_s = 0;
+  const bool last = progress.frames_done == progress.frames_total;
+  if (!last && progress.elapsed_s - shown_s < (terminal ? 0.2 : 10)) return;
+  shown_s = progress.elapsed_s;
+  const double fps = progress.frames_done / progress.elapsed_s;
+  std::fprintf(stderr, "%sframe %d/%d  %.1f fps  map %.2f M surfels  %.0f s left%s",
+               terminal ? "\r" : "", progress.frames_done, progress.frames_total, fps,
+               static_cast<double>(progress.map_points) * 1e-6,
+               (progress.frames_total - progress.frames_done) / fps,
+               terminal && !last ? "   " : "\n");
+}
+
+void PrintSummary(const SlamRunSummary& s, const std::string& output) {
+  std::printf("%s: %d frames, %d tracked, %d lost, %d skipped%s\n", output.c_str(), s.frames_total,
+              s.frames_tracked, s.frames_lost, s.frames_skipped,
+              s.interrupted ? ", interrupted" : "");
+  std::printf("updated %lld, added %lld, removed %lld, total points %zu, compression %.1f : 1\n",
+              static_cast<long long>(s.updated), static_cast<long long>(s.added),
+              static_cast<long long>(s.removed), s.map_points, s.compression_ratio);
+  if (s.evaluation && s.evaluation->ate) {
+    std::printf("ATE RMSE %.4f m over %.1f %% of the frames\n",
+                s.evaluation->ate->translation_m.rmse, 100 * s.evaluation->coverage);
+  } else {
+    std::printf("ATE unknown: no ground truth for these frames\n");
+  }
+  std::printf("frame %.1f ms median, %.1f ms p95; %.1f s in all\n", s.frame.median_ms,
+              s.frame.p95_ms, s.total_s);
+}
+
+int Run() {
+  const SlamRunOptions options = OptionsFromFlags();
+  std::signal(SIGINT, OnSignal);
+  std::signal(SIGTERM, OnSignal);
+  const SlamRunSummary summary = RunSlam(options, interrupted, ShowProgress);
+  PrintSummary(summary, options.output);
+  const bool nothing_tracked = summary.frames_tracked <= 1 && summary.frames_lost > 0;
+  return nothing_tracked ? kAlgorithmFailed : kDone;
+}
+
+}  // namespace
+}  // namespace surfit::tools
+
+int main(int argc, char** argv) {
+  return surfit::tools::ToolMain(argc, argv, "dense SLAM over an RGB-D sequence on the CPU",
+                                 surfit::tools::Run);
+}
