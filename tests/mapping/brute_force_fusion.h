@@ -1,0 +1,171 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "mapping/plane_frame.h"
+#include "surfit/mapping/fusion.h"
+
+namespace surfit::testing {
+
+// Fusion of one frame once more, from its description: double precision, a double loop over points
+// and surfels, no projection tables. Uniform weights, no dormancy. `margin` tells how close the
+// closest decision was: above the rounding of single precision, both must decide alike.
+class BruteForceFusion {
+ public:
+  BruteForceFusion(const FrameWithSurface& f, const Rigid3d& world_from_camera,
+                   const FusionOptions& options)
+      : f_(f),
+        width_(f.surface.camera.width),
+        height_(f.surface.camera.height),
+        world_from_camera_(world_from_camera),
+        options_(options) {}
+
+  FusionReport Fuse(SurfelMap* map) {
+    const int pixels = width_ * height_, count = static_cast<int>(map->size());
+    std::vector<std::uint8_t> remove(count, 0);
+    std::vector<int> pixel_of(count, -1), own(pixels, -1), chosen(pixels, -1);
+    for (int i = 0; i < count; ++i) {
+      pixel_of[i] = PixelOf(CameraPosition((*map)[i]));
+      remove[i] = pixel_of[i] >= 0 && SeenThrough(CameraPosition((*map)[i]).z(), pixel_of[i]);
+    }
+    const SurfelMap before = *map;
+    for (int pixel = 0; pixel < pixels; ++pixel) {
+      own[pixel] =
+          Nearest(before, pixel, [&](int i) { return pixel_of[i] == pixel && !remove[i]; });
+    }
+    for (int pixel = 0; pixel < pixels; ++pixel) {
+      chosen[pixel] = own[pixel] >= 0 ? own[pixel] : Nearest(before, pixel, [&](int i) {
+        return pixel_of[i] >= 0 && own[pixel_of[i]] == i && AreNeighbours(pixel, pixel_of[i]);
+      });
+    }
+    return Apply(remove, chosen, map);
+  }
+
+  double margin() const { return margin_; }
+
+ private:
+  // Remembers how far the value is from zero, its limit.
+  bool Positive(double value) {
+    margin_ = std::min(margin_, std::fabs(value));
+    return value > 0;
+  }
+
+  Eigen::Vector3d CameraPosition(const Surfel& s) const {
+    return world_from_camera_.Inverse() * s.position_in_world.cast<double>();
+  }
+
+  int PixelOf(const Eigen::Vector3d& p) {
+    if (!Positive(p.z() - 0.05)) return -1;
+    const PinholeCamera& camera = f_.surface.camera;
+    const Eigen::Vector2d at = camera.Project(p) + Eigen::Vector2d(0.5, 0.5);
+    for (const double x : {at.x(), at.y()}) Positive((x - std::round(x)) / camera.fx);
+    const int u = static_cast<int>(std::floor(at.x())), v = static_cast<int>(std::floor(at.y()));
+    return u >= 0 && v >= 0 && u < width_ && v < height_ ? v * width_ + u : -1;
+  }
+
+  bool SeenThrough(double z, int pixel) {
+    const int u = pixel % width_, v = pixel / width_;
+    bool through = true;
+    for (int qv = std::max(0, v - 1); qv < std::min(height_, v + 2); ++qv) {
+      for (int qu = std::max(0, u - 1); qu < std::min(width_, u + 2); ++qu) {
+        const double d = f_.frame.depth_m(qu, qv);
+        const double margin = options_.free_space_margin_m + 4 * options_.noise.SigmaZ(d);
+        if (d == 0 || !Positive(d - margin - z)) through = false;
+      }
+    }
+    return through;
+  }
+
+  bool IsPoint(int pixel) const {
+    const int u = pixel % width_, v = pixel / width_;
+    return f_.surface.vertex.z(u, v) > 0 && !f_.surface.normal(u, v).isZero(0);
+  }
+
+  double Radius(int pixel) const {
+    const int u = pixel % width_, v = pixel / width_;
+    const double slant = 1 / std::fabs(f_.surface.normal(u, v).z());
+    return std::sqrt(2) * f_.surface.vertex.z(u, v) / f_.surface.camera.fx *
+           std::min(slant, 1. * options_.max_slant_scale);
+  }
+
+  // Its squared distance if point and surfel are the same piece of surface.
+  std::optional<double> SquaredDistance(const Surfel& s, int pixel) {
+    const int u = pixel % width_, v = pixel / width_;
+    const Eigen::Vector3d n =
+        world_from_camera_.rotation.conjugate() * s.normal_in_world.cast<double>();
+    const Eigen::Vector3d gap = f_.surface.vertex(u, v).cast<double>() - CameraPosition(s);
+    const double along = n.dot(gap), across = (gap - along * n).norm();
+    const double reach = std::min(Radius(pixel), 1. * options_.max_spacing_m);
+    const double angle = std::acos(n.dot(f_.surface.normal(u, v).cast<double>()));
+    const bool near = Positive(options_.max_distance_m - std::fabs(along));
+    const bool above = Positive(reach - across);
+    const bool parallel = Positive(options_.max_normal_angle_rad - angle);
+    if (!near || !above || !parallel) return std::nullopt;
+    return gap.squaredNorm();
+  }
+
+  template <typename MayTake>
+  int Nearest(const SurfelMap& map, int pixel, const MayTake& may_take) {
+    if (!IsPoint(pixel)) return -1;
+    int nearest = -1;
+    double least = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < static_cast<int>(map.size()); ++i) {
+      if (!may_take(i)) continue;
+      const auto distance2 = SquaredDistance(map[i], pixel);
+      if (!distance2) continue;
+      if (Positive(std::sqrt(least) - std::sqrt(*distance2))) {
+        nearest = i;
+        least = *distance2;
+      }
+    }
+    return nearest;
+  }
+
+  bool AreNeighbours(int a, int b) const {
+    return std::abs(a % width_ - b % width_) <= 1 && std::abs(a / width_ - b / width_) <= 1;
+  }
+
+  FusionReport Apply(const std::vector<std::uint8_t>& remove, const std::vector<int>& chosen,
+                     SurfelMap* map) {
+    FusionReport report;
+    std::vector<Surfel> added;
+    std::vector<int> meetings(map->size(), 0);
+    for (int pixel = 0; pixel < width_ * height_; ++pixel) {
+      if (!IsPoint(pixel)) continue;
+      ++report.input_points;
+      const int u = pixel % width_, v = pixel / width_;
+      const Eigen::Vector3d x = world_from_camera_ * f_.surface.vertex(u, v).cast<double>();
+      const Eigen::Vector3d n =
+          world_from_camera_.rotation * f_.surface.normal(u, v).cast<double>();
+      const int i = chosen[pixel];
+      if (i < 0) {
+        added.push_back({x.cast<float>(), n.cast<float>(), f_.frame.color(u, v),
+                         static_cast<float>(Radius(pixel)), 1, f_.frame.index, f_.frame.index});
+        continue;
+      }
+      ++report.merged_points;
+      if (meetings[i]++ == 0) ++report.merged;
+      const bool refine = Positive(options_.max_radius_ratio * map->radius_m[i] - Radius(pixel));
+      map->Merge(i,
+                 {x.cast<float>(), n.cast<float>(), f_.frame.color(u, v),
+                  static_cast<float>(Radius(pixel)), 1},
+                 refine, options_.max_confidence);
+      map->last_seen[i] = f_.frame.index;
+    }
+    report.added = static_cast<int>(added.size());
+    report.removed = static_cast<int>(map->Replace(remove, added));
+    return report;
+  }
+
+  const FrameWithSurface& f_;
+  const int width_, height_;
+  const Rigid3d world_from_camera_;
+  const FusionOptions options_;
+  double margin_ = std::numeric_limits<double>::infinity();
+};
+
+}  // namespace surfit::testing

@@ -1,0 +1,114 @@
+#include <gtest/gtest.h>
+
+#include "mapping/brute_force_fusion.h"
+#include "mapping/random_surfel.h"
+#include "testing/random_pose.h"
+
+namespace surfit {
+namespace {
+
+using testing::BlankFrame;
+using testing::BruteForceFusion;
+using testing::FrameWithSurface;
+using testing::RandomColor;
+using testing::RandomNormal;
+using testing::RandomPose;
+using testing::SetPixel;
+using testing::Uniform;
+
+PinholeCamera TinyCamera() { return {20, 15, 100, 100, 9.3, 7.1, {}}; }
+
+// About 1 m away with holes; normals that need not fit.
+FrameWithSurface RandomFrame(std::mt19937_64* rng) {
+  FrameWithSurface f = BlankFrame(TinyCamera(), 12);
+  for (int v = 0; v < f.frame.depth_m.height(); ++v) {
+    for (int u = 0; u < f.frame.depth_m.width(); ++u) {
+      f.frame.color(u, v) = RandomColor(rng);
+      const float chance = Uniform(0, 1, rng);
+      const double depth_m = chance < 0.02f ? 0 : Uniform(0.97f, 1.03f, rng);
+      const Eigen::Vector3d normal = RandomNormal(0.6f, rng).cast<double>();
+      if (depth_m > 0) SetPixel(u, v, depth_m, chance < 0.1f ? normal * 0 : normal, &f);
+    }
+  }
+  return f;
+}
+
+// Surfels in and around the view, near the points and far from them.
+SurfelMap RandomMap(int count, const Rigid3d& world_from_camera, std::mt19937_64* rng) {
+  SurfelMap map;
+  for (int i = 0; i < count; ++i) {
+    const double z = i % 10 == 0 ? Uniform(-1, 2, rng) : Uniform(0.92f, 1.08f, rng);
+    const Eigen::Vector3d ray = TinyCamera().Ray(Uniform(-2, 21, rng), Uniform(-2, 16, rng));
+    Surfel s;
+    s.position_in_world = (world_from_camera * Eigen::Vector3d(z * ray)).cast<float>();
+    s.normal_in_world =
+        (world_from_camera.rotation * RandomNormal(0.5f, rng).cast<double>()).cast<float>();
+    s.color = RandomColor(rng);
+    s.radius_m = Uniform(0.005f, 0.02f, rng);
+    s.confidence = Uniform(1, 199.5f, rng);
+    s.first_seen = s.last_seen = 11;
+    map.Append(s);
+  }
+  return map;
+}
+
+// Both maps got the same merges, in single precision from positions that differ by rounding:
+// a few 1e-7 of coordinates of up to 4 m.
+void ExpectNear(const Surfel& a, const Surfel& b) {
+  constexpr float kTolerance = 4e-6f;
+  EXPECT_LT((a.position_in_world - b.position_in_world).norm(), kTolerance);
+  EXPECT_LT((a.normal_in_world - b.normal_in_world).norm(), kTolerance);
+  EXPECT_EQ(a.color, b.color);
+  EXPECT_NEAR(a.radius_m, b.radius_m, kTolerance * b.radius_m);
+  EXPECT_EQ(a.confidence, b.confidence);
+  EXPECT_EQ(a.first_seen, b.first_seen);
+  EXPECT_EQ(a.last_seen, b.last_seen);
+}
+
+FusionOptions OptionsOfTrial(int trial) {
+  FusionOptions options;
+  options.weighting = "uniform";
+  options.max_spacing_m = trial % 2 == 0 ? 0.01f : 0.03f;
+  options.max_normal_angle_rad = trial % 3 == 0 ? 0.6f : 0.9f;
+  options.max_distance_m = trial % 5 == 0 ? 0.02f : 0.05f;
+  options.free_space_margin_m = 0.02f;
+  return options;
+}
+
+TEST(Fusion, DoesWhatBruteForceDoes) {
+  FusionReport sum;
+  int compared = 0;
+  for (int trial = 0; trial < 30; ++trial) {
+    std::mt19937_64 rng(trial);
+    const Rigid3d pose = RandomPose(2, 2, &rng);
+    const FusionOptions options = OptionsOfTrial(trial);
+    const FrameWithSurface f = RandomFrame(&rng);
+    SurfelMap expected = RandomMap(500, pose, &rng), actual = expected;
+    BruteForceFusion brute_force(f, pose, options);
+    const FusionReport expected_report = brute_force.Fuse(&expected);
+    // Positions of up to 4 m round by 2.4e-7, a few times: closer decisions may go either way.
+    if (brute_force.margin() < 2e-6) continue;
+    ++compared;
+
+    Fusion fusion(options);
+    const FusionReport report = fusion.Fuse(f.frame, f.surface, pose, &actual);
+    EXPECT_EQ(report.input_points, expected_report.input_points);
+    EXPECT_EQ(report.merged_points, expected_report.merged_points);
+    EXPECT_EQ(report.merged, expected_report.merged);
+    EXPECT_EQ(report.added, expected_report.added);
+    EXPECT_EQ(report.removed, expected_report.removed);
+    ASSERT_EQ(actual.size(), expected.size());
+    for (std::size_t i = 0; i < actual.size(); ++i) ExpectNear(actual[i], expected[i]);
+    sum.merged_points += report.merged_points - report.merged;
+    sum.added += report.added;
+    sum.removed += report.removed;
+  }
+  // The trials are of use: each thing happens often.
+  EXPECT_GT(compared, 15);
+  EXPECT_GT(sum.merged_points, 100);
+  EXPECT_GT(sum.added, 100);
+  EXPECT_GT(sum.removed, 100);
+}
+
+}  // namespace
+}  // namespace surfit
