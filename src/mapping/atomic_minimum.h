@@ -26,6 +26,14 @@ inline std::int32_t IndexOfKey(std::uint64_t key) {
   return static_cast<std::int32_t>(static_cast<std::uint32_t>(key));
 }
 
+// Of a key whose highest bit is clear.
+inline float ValueOfKey(std::uint64_t key) {
+  const std::uint32_t bits = static_cast<std::uint32_t>(key >> 32);
+  float value;
+  std::memcpy(&value, &bits, sizeof(value));
+  return value;
+}
+
 inline void LowerTo(std::uint64_t key, std::atomic<std::uint64_t>* minimum) {
   std::uint64_t present = minimum->load(std::memory_order_relaxed);
   while (key < present &&

@@ -37,14 +37,35 @@ Eigen::Vector3f PointAtDepth(const PosedCamera& camera, int u, int v, float dept
           depth * ((static_cast<float>(v) - camera.cy) / camera.fy), depth};
 }
 
-// Offers a disc to the pixels that it covers.
+// A disc where the ray of one pixel meets it.
+struct Fragment {
+  std::int32_t surfel;
+  int pixel;
+  float depth;
+  float offset2;  // from the disc's centre, squared, as a share of its drawn radius
+  bool stable;
+};
+
+// Finds the pixels that discs cover.
 class Splatter {
  public:
-  Splatter(const SurfelMap& map, const PosedCamera& camera, const RenderOptions& options,
-           std::vector<std::atomic<std::uint64_t>>* nearest)
-      : map_(map), camera_(camera), options_(options), nearest_(nearest->data()) {}
+  Splatter(const SurfelMap& map, const PosedCamera& camera, const RenderOptions& options)
+      : map_(map), camera_(camera), options_(options) {}
 
-  void SplatChunk(int begin, int end) const {
+  // Calls visit(Fragment) for all discs, in parallel.
+  template <typename Visit>
+  void ForEachFragment(const Visit& visit) const {
+    ParallelFor(0, static_cast<int>(map_.size()), 16 * ProjectedChunk::kCapacity,
+                [&](int begin, int end) {
+                  for (int i = begin; i < end; i += ProjectedChunk::kCapacity) {
+                    SplatChunk(i, std::min(end, i + ProjectedChunk::kCapacity), visit);
+                  }
+                });
+  }
+
+ private:
+  template <typename Visit>
+  void SplatChunk(int begin, int end, const Visit& visit) const {
     ProjectedChunk chunk;
     chunk.Project(map_, camera_, begin, end);
     const float margin = static_cast<float>(options_.max_half_window_px);
@@ -52,18 +73,17 @@ class Splatter {
       const float u = chunk.u[k], v = chunk.v[k];
       if (u > -margin && v > -margin && u < static_cast<float>(camera_.width) + margin &&
           v < static_cast<float>(camera_.height) + margin) {
-        Splat(begin + k, {chunk.x[k], chunk.y[k], chunk.z[k]}, u, v);
+        Splat(begin + k, {chunk.x[k], chunk.y[k], chunk.z[k]}, u, v, visit);
       }
     }
   }
 
- private:
-  void Splat(int i, const Eigen::Vector3f& p, float u, float v) const {
+  template <typename Visit>
+  void Splat(int i, const Eigen::Vector3f& p, float u, float v, const Visit& visit) const {
     const Eigen::Vector3f n = camera_.NormalInCamera(map_, i);
     if (!(n.dot(p) < 0)) return;
     const DiscPlane plane(p, n, camera_);
-    const std::uint64_t unstable =
-        map_.confidence[i] < options_.stable_confidence ? kUnstableBit : 0;
+    const bool stable = map_.confidence[i] >= options_.stable_confidence;
     const float radius = options_.radius_share * map_.radius_m[i];
     const float extent =
         std::min(camera_.fx * radius / p.z(), static_cast<float>(options_.max_half_window_px));
@@ -75,9 +95,9 @@ class Splatter {
       for (int pu = u_begin; pu <= u_end; ++pu) {
         const float depth = plane.Depth(pu, pv);
         if (!(depth > 0)) continue;  // a steep disc close by: the ray meets its plane behind us
-        const Eigen::Vector3f x = PointAtDepth(camera_, pu, pv, depth);
-        if (!((x - p).squaredNorm() <= radius * radius)) continue;
-        LowerTo(unstable | MinimumKey(depth, i), &nearest_[pv * camera_.width + pu]);
+        const float offset2 =
+            (PointAtDepth(camera_, pu, pv, depth) - p).squaredNorm() / (radius * radius);
+        if (offset2 <= 1) visit(Fragment{i, pv * camera_.width + pu, depth, offset2, stable});
       }
     }
   }
@@ -85,8 +105,14 @@ class Splatter {
   const SurfelMap& map_;
   const PosedCamera& camera_;
   const RenderOptions& options_;
-  std::atomic<std::uint64_t>* nearest_;
 };
+
+// Discs up to this depth are the same surface as the first disc.
+float BackOfSurface(float first_depth, const RenderOptions& options) {
+  const float sigma =
+      static_cast<float>(options.noise.inverse_depth_sigma) * first_depth * first_depth;
+  return first_depth + options.surface_thickness_m + 4.f * sigma;
+}
 
 // Writes what the pixel (u, v) sees of surfel i.
 void Resolve(const SurfelMap& map, const PosedCamera& camera, int i, int u, int v,
@@ -109,6 +135,9 @@ void RenderOptions::Validate() const {
   require(radius_share > 0, "radius_share", radius_share, "positive");
   require(max_half_window_px >= 0 && max_half_window_px <= 64, "max_half_window_px",
           max_half_window_px, "from 0 to 64");
+  require(surface_thickness_m >= 0, "surface_thickness_m", surface_thickness_m, "zero or positive");
+  require(noise.inverse_depth_sigma >= 0, "inverse_depth_sigma", noise.inverse_depth_sigma,
+          "zero or positive");
 }
 
 ModelRenderer::ModelRenderer(const RenderOptions& options) : options_(options) {
@@ -118,15 +147,21 @@ ModelRenderer::ModelRenderer(const RenderOptions& options) : options_(options) {
 ModelView ModelRenderer::Render(const SurfelMap& map, const PinholeCamera& camera,
                                 const Rigid3d& world_from_view) {
   const int width = camera.width, height = camera.height;
-  ResetMinima(static_cast<std::size_t>(width) * height, &nearest_);
+  ResetMinima(static_cast<std::size_t>(width) * height, &first_);
+  ResetMinima(static_cast<std::size_t>(width) * height, &drawn_);
   const PosedCamera posed(camera, world_from_view);
-  const Splatter splatter(map, posed, options_, &nearest_);
-  ParallelFor(0, static_cast<int>(map.size()), 16 * ProjectedChunk::kCapacity,
-              [&](int begin, int end) {
-                for (int i = begin; i < end; i += ProjectedChunk::kCapacity) {
-                  splatter.SplatChunk(i, std::min(end, i + ProjectedChunk::kCapacity));
-                }
-              });
+  const Splatter splatter(map, posed, options_);
+  splatter.ForEachFragment([&](const Fragment& f) {
+    const std::uint64_t class_bit = f.stable ? 0 : kUnstableBit;
+    LowerTo(class_bit | MinimumKey(f.depth, 0), &first_[f.pixel]);
+  });
+  splatter.ForEachFragment([&](const Fragment& f) {
+    const std::uint64_t first = first_[f.pixel].load(std::memory_order_relaxed);
+    const bool first_is_stable = (first & kUnstableBit) == 0;
+    if (f.stable != first_is_stable) return;
+    if (f.depth > BackOfSurface(ValueOfKey(first & ~kUnstableBit), options_)) return;
+    LowerTo(MinimumKey(f.offset2, f.surfel), &drawn_[f.pixel]);
+  });
 
   ModelView view;
   view.world_from_view = world_from_view;
@@ -138,7 +173,7 @@ ModelView ModelRenderer::Render(const SurfelMap& map, const PinholeCamera& camer
   ParallelFor(0, height, 8, [&](int begin, int end) {
     for (int v = begin; v < end; ++v) {
       for (int u = 0; u < width; ++u) {
-        const std::uint64_t key = nearest_[v * width + u].load(std::memory_order_relaxed);
+        const std::uint64_t key = drawn_[v * width + u].load(std::memory_order_relaxed);
         if (key != kNoMinimum) Resolve(map, posed, IndexOfKey(key), u, v, &view);
       }
     }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "surfit/frame/depth_noise.h"
 #include "surfit/frame/model_view.h"
 #include "surfit/mapping/surfel_map.h"
 
@@ -19,26 +20,32 @@ struct RenderOptions {
   // farther than f / z times that from the disc's centre, in u or v, are not looked at.
   float radius_share = 0.6f;
   int max_half_window_px = 4;  // of the pixels that one disc may cover
+  // Discs this far behind the first one that a ray meets, plus 4 sigma of the depth, belong to the
+  // same surface. Of these the ray takes the one whose centre it passes closest. Taking the first
+  // would pick those that noise brought nearest, and with them a surface that is too near.
+  float surface_thickness_m = 0.02f;
+  DepthNoise noise;
 
   // Throws InputError naming field, value and constraint.
   void Validate() const;
 };
 
-// Draws surfel maps as oriented discs with hidden surfaces removed: at each pixel the disc that
-// its ray meets first, stable ones before unstable ones. Vertices lie where the ray meets the disc.
-// Discs seen from behind are not drawn. Keeps its depth buffer between calls.
+// Draws surfel maps as oriented discs with hidden surfaces removed: each pixel shows one disc of
+// the surface that its ray meets first, stable ones before unstable ones. Vertices lie where the
+// ray meets that disc. Discs seen from behind are not drawn. Keeps its buffers between calls.
 class ModelRenderer {
  public:
   explicit ModelRenderer(const RenderOptions& options);
 
   // The view of an undistorted camera. The same map and pose give the same view bit for bit at any
-  // number of threads: the depth buffer keeps minima, and those do not depend on the order.
+  // number of threads: the buffers keep minima, and those do not depend on the order.
   ModelView Render(const SurfelMap& map, const PinholeCamera& camera,
                    const Rigid3d& world_from_view);
 
  private:
   RenderOptions options_;
-  std::vector<std::atomic<std::uint64_t>> nearest_;
+  std::vector<std::atomic<std::uint64_t>> first_;  // per pixel: depth of the first disc
+  std::vector<std::atomic<std::uint64_t>> drawn_;  // per pixel: disc that is drawn
 };
 
 }  // namespace surfit
