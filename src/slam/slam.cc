@@ -2,6 +2,7 @@
 
 #include <glog/logging.h>
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -83,6 +84,7 @@ FrameReport Slam::ProcessAt(const RgbdFrame& frame, const Rigid3d& world_from_ca
 FrameReport Slam::Process(const RgbdFrame& frame, const std::optional<Rigid3d>& given_pose) {
   CHECK_EQ(frame.depth_m.width(), camera_.width);
   CHECK_EQ(frame.depth_m.height(), camera_.height);
+  CHECK(frame.color.empty() || frame.color.size() == frame.depth_m.size());
   FrameReport report;
   report.index = frame.index;
   report.stamp_s = frame.stamp_s;
@@ -103,13 +105,14 @@ FrameReport Slam::Process(const RgbdFrame& frame, const std::optional<Rigid3d>& 
     report.state = FrameState::kGiven;
     report.world_from_camera = *given_pose;
   } else if (!started_) {
-    report.state = FrameState::kFirst;
+    report.state = CanStart(pyramid) ? FrameState::kFirst : FrameState::kLost;
     report.world_from_camera = world_from_last_;
   } else {
     Track(pyramid, &report);
   }
-  last_was_lost_ = report.state == FrameState::kLost;
-  if (!last_was_lost_) Fuse(frame, std::move(pyramid), &report);
+  const bool lost = report.state == FrameState::kLost;
+  if (!lost) Fuse(frame, std::move(pyramid), &report);
+  last_was_lost_ = lost;
   return report;
 }
 
@@ -144,10 +147,19 @@ bool Slam::IsBelievable(const IcpResult& icp) const {
          icp.rmse_m <= options_.max_rmse_m;
 }
 
+bool Slam::CanStart(const FramePyramid& pyramid) const {
+  const Image<float>& normal_z = pyramid.levels.front().normal.z;
+  const auto points =
+      std::count_if(normal_z.begin(), normal_z.end(), [](float z) { return z < 0; });
+  return points >= options_.icp.min_inliers;
+}
+
 void Slam::Fuse(const RgbdFrame& frame, FramePyramid pyramid, FrameReport* report) {
   StageTimer timer(&report->times.fuse_ms);
   report->fusion = fusion_.Fuse(frame, pyramid.levels.front(), report->world_from_camera, &map_);
-  last_from_next_ = started_ ? world_from_last_.Inverse() * report->world_from_camera : Rigid3d();
+  // The way over lost frames is not one frame's motion.
+  const bool is_next = started_ && !last_was_lost_;
+  last_from_next_ = is_next ? world_from_last_.Inverse() * report->world_from_camera : Rigid3d();
   world_from_last_ = report->world_from_camera;
   if (options_.tracking == "frame_to_frame") last_pyramid_ = std::move(pyramid);
   started_ = true;

@@ -30,7 +30,7 @@ struct SlamOptions {
 };
 
 enum class FrameState {
-  kFirst,    // the first frame: it stands at the initial pose
+  kFirst,    // the first frame with enough depth to start: it stands at the initial pose
   kTracked,  // registered and fused
   kFrozen,   // its depth repeats the last frame's byte for byte: same pose, nothing fused
   kGiven,    // fused at a given pose, without tracking
@@ -83,6 +83,7 @@ class Slam {
   };
   Rigid3d PredictedPose() const;
   Target MakeTarget(const Rigid3d& world_from_predicted);
+  bool CanStart(const FramePyramid& pyramid) const;
   bool IsBelievable(const IcpResult& icp) const;
   void Track(const FramePyramid& pyramid, FrameReport* report);
   void Fuse(const RgbdFrame& frame, FramePyramid pyramid, FrameReport* report);
