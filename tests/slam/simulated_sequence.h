@@ -1,0 +1,81 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "surfit/simulation/camera_path.h"
+#include "surfit/simulation/render.h"
+#include "surfit/simulation/scenes.h"
+#include "surfit/simulation/sensor.h"
+#include "surfit/slam/slam.h"
+
+namespace surfit::testing {
+
+inline PinholeCamera SimulatedCamera() { return {160, 120, 131.25, 131.25, 79.5, 59.5, {}}; }
+
+// Frames of a simulated room with the exact poses.
+struct SimulatedSequence {
+  PinholeCamera camera = SimulatedCamera();
+  std::vector<RgbdFrame> frames;
+  std::vector<Rigid3d> world_from_camera;
+};
+
+enum class Sensor { kIdeal, kKinect };
+
+inline SimulatedSequence SimulateRoom(std::uint64_t seed, int frames, Sensor sensor) {
+  const Scene scene = MakeScene("room", seed);
+  SimulatedSequence sequence;
+  for (const StampedPose& pose : MakePath(scene, frames, seed)) {
+    const int index = static_cast<int>(sequence.frames.size());
+    Rendering image = Render(scene, sequence.camera, pose.world_from_camera);
+    RgbdFrame frame;
+    frame.index = index;
+    frame.stamp_s = pose.stamp_s;
+    frame.depth_m = sensor == Sensor::kIdeal
+                        ? std::move(image.depth_m)
+                        : KinectDepth(image.depth_m, image.normal, sequence.camera, seed + index);
+    frame.color = std::move(image.color);
+    sequence.frames.push_back(std::move(frame));
+    sequence.world_from_camera.push_back(pose.world_from_camera);
+  }
+  return sequence;
+}
+
+// Slam over all frames, from a pose of the first camera.
+struct SlamRun {
+  std::vector<FrameReport> reports;
+  SurfelMap map;
+};
+
+inline SlamRun RunSlam(const SimulatedSequence& sequence, const SlamOptions& options,
+                       const Rigid3d& world_from_first_camera) {
+  Slam slam(sequence.camera, options, world_from_first_camera);
+  SlamRun run;
+  for (const RgbdFrame& frame : sequence.frames) run.reports.push_back(slam.Process(frame));
+  run.map = slam.map();
+  return run;
+}
+
+struct PoseErrors {
+  double rms_m = 0;
+  double max_m = 0;
+  double max_rad = 0;
+};
+
+// Of camera positions and orientations; both start at the same pose, so nothing is aligned.
+inline PoseErrors ErrorsOf(const SlamRun& run, const std::vector<Rigid3d>& truth) {
+  PoseErrors errors;
+  double square_sum = 0;
+  for (std::size_t i = 0; i < run.reports.size(); ++i) {
+    const Rigid3d error = truth[i].Inverse() * run.reports[i].world_from_camera;
+    square_sum += error.translation.squaredNorm();
+    errors.max_m = std::max(errors.max_m, error.translation.norm());
+    errors.max_rad = std::max(errors.max_rad, RotationAngle(error.rotation));
+  }
+  errors.rms_m = std::sqrt(square_sum / static_cast<double>(run.reports.size()));
+  return errors;
+}
+
+}  // namespace surfit::testing
