@@ -4,6 +4,8 @@
 
 #include <array>
 
+#include "surfit/geometry/mirror.h"
+
 namespace surfit {
 namespace {
 
@@ -51,6 +53,15 @@ TEST(Lens, SeesNothingBeyondTheFoldOfThePolynomial) {
   camera.distortion = {-0.3, 0, 0, 0, 0};
   EXPECT_TRUE(Lens<double>(camera).Project(1.05, 0, 1).is_seen);
   EXPECT_FALSE(Lens<double>(camera).Project(1.06, 0, 1).is_seen);
+}
+
+TEST(Lens, OfAMirroredCameraSeesTheMirroredPointAtTheSamePixel) {
+  PinholeCamera camera = Fr1();
+  camera.fy = -camera.fy;
+  const LensPixel<double> pixel = Lens<double>(camera).Project(0.3, 0.2, 1);
+  const LensPixel<double> mirrored = Lens<double>(Mirrored(camera)).Project(0.3, -0.2, 1);
+  EXPECT_NEAR(mirrored.u, pixel.u, 1e-12);
+  EXPECT_NEAR(mirrored.v, pixel.v, 1e-12);
 }
 
 TEST(IsInImage, HoldsUpToHalfAPixelBeyondTheOutermostCentres) {
