@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "surfit/core/error.h"
 
@@ -27,6 +28,23 @@ Sample DrawSample(const SurfelMap& map, const std::vector<std::uint8_t>& shown) 
     sample.areas.push_back(map.radius_m[i] * map.radius_m[i]);
   }
   return sample;
+}
+
+// The mean normal of the surfels that look upwards: floors and tables. Cameras are held at a pitch,
+// so the search begins wide about their mean up, and narrows.
+Eigen::Vector3d RefineUp(const Sample& sample, Eigen::Vector3d up) {
+  constexpr double kLeastShare = 0.02;  // of all area; below it there is no floor to go by
+  const double total = std::accumulate(sample.areas.begin(), sample.areas.end(), 0.);
+  for (const double gate_rad : {0.75, 0.5, 0.35, 0.25}) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (std::size_t i = 0; i < sample.normals.size(); ++i) {
+      const Eigen::Vector3d n = sample.normals[i].cast<double>();
+      if (n.dot(up) > std::cos(gate_rad)) sum += sample.areas[i] * n;
+    }
+    if (!(sum.norm() > kLeastShare * total)) break;
+    up = sum.normalized();
+  }
+  return up;
 }
 
 // Two horizontal directions that stand with the walls, and up.
@@ -175,7 +193,7 @@ std::array<PictureView, 4> ChooseMapViews(const SurfelMap& map,
   const Rigid3d first = path.front().world_from_camera;
   const Sample sample = DrawSample(map, shown);
   const Bounds bounds = FindBounds(sample);
-  const RoomAxes axes = FindRoomAxes(sample, UpDirection(path));
+  const RoomAxes axes = FindRoomAxes(sample, RefineUp(sample, UpDirection(path)));
   const std::size_t other = MostDifferentPose(path, MedianDepth(sample, first.Inverse()));
   const Eigen::Vector3d first_forward = first.rotation * Eigen::Vector3d::UnitZ();
   return {TopView(sample, bounds, axes, first_forward, width, height),

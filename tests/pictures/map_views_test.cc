@@ -39,14 +39,14 @@ SurfelMap Room(const Rigid3d& world_from_room) {
   return map;
 }
 
-// A hand-held path that looks ahead, then to the right.
+// A hand-held path that looks ahead, then to the right, and downwards by 0.4 to 0.6 rad.
 Trajectory LookAround(const Rigid3d& world_from_room) {
   Trajectory path;
   for (int i = 0; i <= 10; ++i) {
     StampedPose pose;
     pose.world_from_camera.rotation =
         Eigen::AngleAxisd(0.1 * i, Eigen::Vector3d::UnitY()) *
-        Eigen::AngleAxisd(i % 2 ? 0.1 : -0.1, Eigen::Vector3d::UnitX());
+        Eigen::AngleAxisd(i % 2 ? -0.6 : -0.4, Eigen::Vector3d::UnitX());
     pose.world_from_camera = world_from_room * pose.world_from_camera;
     path.push_back(pose);
   }
@@ -87,11 +87,14 @@ TEST_F(MapViewsTest, FromAboveOneLooksThroughTheCeilingAtTheFloor) {
 TEST_F(MapViewsTest, FromAboveTheWallsStandUprightAndNothingIsMirrored) {
   const Eigen::Vector2d near_left = Project(0, {-3, 1.5, 0}), near_right = Project(0, {3, 1.5, 0});
   const Eigen::Vector2d far_left = Project(0, {-3, 1.5, 5});
-  // The room's width lies across the page, what is ahead of the first camera above. The cameras'
-  // mean up is 0.1 / 11 rad off at most by the odd number of nods.
+  // The room's width lies across the page, what is ahead of the first camera above.
   EXPECT_GT(near_right.x() - near_left.x(), 0.8 * kWidth);
   EXPECT_NEAR(near_right.y(), near_left.y(), 0.02 * kWidth);
   EXPECT_LT(far_left.y() - near_left.y(), -0.8 * kHeight);
+  // The walls' height of 3 m is seen end on, from four times at least the 8.4 m of the room's
+  // diagonal: it makes at most 3 / 33 of the way from the picture's middle, here 56 pixels.
+  const double wall_px = (Project(0, {0, -1.5, 5}) - Project(0, {0, 1.5, 5})).norm();
+  EXPECT_LT(wall_px, 56 * 3 / 33. + 1);
 }
 
 TEST_F(MapViewsTest, TheBirdSeesFloorAndWallsButNotTheCeiling) {

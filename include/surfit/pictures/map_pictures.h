@@ -10,7 +10,8 @@ namespace surfit {
 // Writes map_color.png, map_normals.png, map_confidence.png and map_last_seen.png into the
 // directory: each a sheet of four views of the map, from above, obliquely from a bird's place, from
 // the first camera pulled back a little, and from the camera of the path that looks most elsewhere.
-// Up is the mean of the cameras' upward (-y) axes, so any world frame will do.
+// Up is the mean of the cameras' upward (-y) axes, then that of the surfels that look that way, so
+// any world frame will do.
 //
 // Surfels that face away are not drawn: the ceiling and the near walls open by themselves.
 // map_confidence shows all surfels, the other sheets only those of confidence >= DustConfidence().
