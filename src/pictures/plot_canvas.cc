@@ -7,6 +7,15 @@
 #include <cstring>
 #include <stdexcept>
 
+#if defined(__SANITIZE_ADDRESS__)
+// Pango's fontconfig and PLplot's libltdl keep some 30 kB to the end of the process, by pointers in
+// modules that are unloaded by then.
+extern "C" const char* __lsan_default_suppressions() {
+  return "leak:libfontconfig.so\nleak:libltdl.so\n";
+}
+extern "C" const char* __lsan_default_options() { return "print_suppressions=0"; }
+#endif
+
 namespace surfit {
 namespace {
 

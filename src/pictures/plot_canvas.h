@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "pictures/equal_aspect.h"
-#include "pictures/leak_check_pause.h"
 #include "surfit/core/image.h"
 
 namespace surfit {
@@ -56,7 +55,6 @@ class PlotCanvas {
   void SetBox(const PixelBox& box, const AxisRanges& ranges);
 
   std::lock_guard<std::mutex> lock_;
-  LeakCheckPause leak_check_pause_;
   int stream_ = 0;
   int width_px_;
   int height_px_;
