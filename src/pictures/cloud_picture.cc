@@ -28,7 +28,7 @@ PictureView FittedView(const std::string& label, const std::vector<Eigen::Vector
   std::vector<Eigen::Vector3f> in_camera;
   in_camera.reserve(points.size());
   for (const Eigen::Vector3f& p : points) {
-    in_camera.push_back((camera_from_world * p.cast<double>()).cast<float>());
+    in_camera.emplace_back((camera_from_world * p.cast<double>()).cast<float>());
   }
   view.camera = FitCamera(in_camera, kWidth, kHeight);
   return view;

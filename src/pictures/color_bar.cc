@@ -7,8 +7,10 @@ namespace surfit {
 void DrawColorBar(PlotCanvas* canvas, const ColorScale& scale, const PixelBox& box) {
   canvas->UsePixels();
   canvas->SetLineWidth(2);
-  for (double u = box.left; u <= box.right; ++u) {
-    canvas->SetColor(scale.ColorAt((u - box.left) / (box.right - box.left)));
+  const int width = static_cast<int>(box.right - box.left);
+  for (int column = 0; column <= width; ++column) {
+    const double u = box.left + column;
+    canvas->SetColor(scale.ColorAt(static_cast<double>(column) / width));
     canvas->Line({u, u}, {box.top, box.bottom});
   }
   const auto coordinate = [&](double value) {

@@ -29,7 +29,7 @@ double ColorScale::Position(double value) const {
 }
 
 Rgb8 ColorScale::ColorAt(double position) const {
-  return colors_[static_cast<int>(std::clamp(position, 0., 1.) * 255 + 0.5)];
+  return colors_[std::lround(std::clamp(position, 0., 1.) * 255)];
 }
 
 }  // namespace surfit

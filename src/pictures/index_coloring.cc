@@ -1,5 +1,7 @@
 #include "pictures/index_coloring.h"
 
+#include <cmath>
+
 #include "surfit/core/parallel.h"
 
 namespace surfit {
@@ -18,7 +20,7 @@ Image<Rgb8> ColorIndices(const Image<std::int32_t>& indices,
 
 Rgb8 Dimmed(Rgb8 color, float brightness) {
   const auto dim = [brightness](std::uint8_t component) {
-    return static_cast<std::uint8_t>(component * brightness + 0.5f);
+    return static_cast<std::uint8_t>(std::lrint(component * brightness));
   };
   return {dim(color.r), dim(color.g), dim(color.b)};
 }

