@@ -92,8 +92,10 @@ std::unique_ptr<PoseSolver> MakePoseSolver(const std::string& name, double min_e
   }
   if (name == "closed_form_qr") return std::make_unique<QrSolver>(min_eigenvalue);
   std::string known;
-  for (const std::string& known_name : PoseSolverNames()) known += " " + known_name;
-  throw InputError(Concat("solver is '", name, "', must be one of:", known));
+  for (const std::string& known_name : PoseSolverNames()) {
+    known += (known.empty() ? "" : ", ") + known_name;
+  }
+  throw InputError(Concat("solver is '", name, "', must be one of: ", known));
 }
 
 }  // namespace surfit

@@ -33,8 +33,8 @@ void ErrorModel::Validate() const {
 
 void AssociationGates::Validate() const {
   Require(max_distance_m >= 0, "max_distance_m", max_distance_m, "zero (off) or positive");
-  Require(max_normal_angle_rad >= 0 && max_normal_angle_rad < M_PI, "max_normal_angle_rad",
-          max_normal_angle_rad, "zero (off) or positive and below pi");
+  Require(max_normal_angle_rad >= 0 && max_normal_angle_rad < M_PI / 2, "max_normal_angle_rad",
+          max_normal_angle_rad, "zero (off) or positive and below pi/2");
 }
 
 void IcpOptions::Validate() const {
