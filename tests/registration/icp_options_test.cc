@@ -1,0 +1,62 @@
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "surfit/registration/icp.h"
+#include "testing/expect_input_error.h"
+
+namespace surfit {
+namespace {
+
+void ExpectRefused(const std::function<void(IcpOptions*)>& change, const char* message) {
+  IcpOptions options;
+  change(&options);
+  testing::ExpectInputError([&] { options.Validate(); }, ::testing::StrEq(message));
+  testing::ExpectInputError([&] { Register({}, {}, Rigid3d(), options); },
+                            ::testing::StrEq(message));
+}
+
+TEST(IcpOptions, DefaultsAreValid) { IcpOptions().Validate(); }
+
+TEST(IcpOptions, UnknownNamesListTheKnown) {
+  ExpectRefused([](auto* o) { o->solver = "svd"; },
+                "solver is 'svd', must be one of: closed_form_ldlt, closed_form_lu, "
+                "closed_form_qr");
+  ExpectRefused([](auto* o) { o->residual = "colour"; },
+                "residual is 'colour', must be one of: point_to_plane");
+  ExpectRefused([](auto* o) { o->association = "guess"; },
+                "association is 'guess', must be one of: projective");
+}
+
+TEST(IcpOptions, ValidateNamesFieldValueAndConstraint) {
+  ExpectRefused([](auto* o) { o->max_iterations = 0; },
+                "max_iterations is 0, must be from 1 to 1000");
+  ExpectRefused([](auto* o) { o->gate_growth = 0.5; }, "gate_growth is 0.5, must be at least 1");
+  ExpectRefused([](auto* o) { o->min_relative_rmse_change = -1; },
+                "min_relative_rmse_change is -1, must be zero or positive");
+  ExpectRefused([](auto* o) { o->min_increment = std::nan(""); },
+                "min_increment is nan, must be zero or positive");
+  ExpectRefused([](auto* o) { o->min_inliers = 5; }, "min_inliers is 5, must be at least 6");
+  ExpectRefused([](auto* o) { o->min_inlier_share = 1.5; },
+                "min_inlier_share is 1.5, must be from 0 to 1");
+  ExpectRefused([](auto* o) { o->min_eigenvalue = 1; },
+                "min_eigenvalue is 1, must be zero or positive and below 1");
+  ExpectRefused([](auto* o) { o->gates.max_distance_m = -0.1; },
+                "max_distance_m is -0.1, must be zero (off) or positive");
+  ExpectRefused([](auto* o) { o->error_model.floor_sigma_m = 0; },
+                "floor_sigma_m is 0, must be finite and positive");
+  ExpectRefused([](auto* o) { o->error_model.kernel_width = -1; },
+                "kernel_width is -1, must be zero (off) or positive");
+  ExpectRefused([](auto* o) { o->error_model.noise.inverse_depth_sigma = -1; },
+                "inverse_depth_sigma is -1, must be zero or positive");
+}
+
+TEST(Termination, HasAName) {
+  EXPECT_EQ(ToString(Termination::kConverged), "converged");
+  EXPECT_EQ(ToString(Termination::kMaxIterations), "max_iterations");
+  EXPECT_EQ(ToString(Termination::kTooFewInliers), "too_few_inliers");
+  EXPECT_EQ(ToString(Termination::kSingularSystem), "singular_system");
+}
+
+}  // namespace
+}  // namespace surfit

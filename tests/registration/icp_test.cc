@@ -1,0 +1,203 @@
+#include "surfit/registration/icp.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+
+#include "registration/simulated_views.h"
+#include "registration/three_planes.h"
+#include "surfit/core/parallel.h"
+#include "surfit/registration/pose_solver.h"
+#include "testing/matchers.h"
+
+namespace surfit {
+namespace {
+
+using testing::RigidNear;
+
+// A pixel of 1/131 rad is 23 mm wide at 3 m; a surface fitted to thousands of them is known to a
+// small share of it. 3 mm and 0.1 deg are what the align program is held to at full resolution.
+constexpr double kToleranceM = 0.003;
+constexpr double kToleranceRad = 0.1 * M_PI / 180;
+
+TEST(Register, FindsTheMotionOfAHandHeldCamera) {
+  for (const std::uint64_t seed : {1, 2}) {
+    for (const int gap : {1, 5}) {
+      const testing::SimulatedViews views = testing::MakeViews(3, gap, seed);
+      const IcpResult result = Register(views.source, views.target, Rigid3d(), IcpOptions());
+      EXPECT_EQ(result.termination, Termination::kConverged);
+      EXPECT_THAT(result.target_from_source,
+                  RigidNear(views.target_from_source, kToleranceM, kToleranceRad))
+          << "seed " << seed << ", gap " << gap;
+    }
+  }
+}
+
+TEST(Register, FindsAMotionOfTenDegrees) {
+  for (const std::uint64_t seed : {1, 2}) {
+    const testing::SimulatedViews views = testing::MakeViews(20, 10, seed);
+    ASSERT_GT(RotationAngle(views.target_from_source.rotation), 8 * M_PI / 180);
+    const IcpResult result = Register(views.source, views.target, Rigid3d(), IcpOptions());
+    EXPECT_EQ(result.termination, Termination::kConverged);
+    EXPECT_THAT(result.target_from_source,
+                RigidNear(views.target_from_source, kToleranceM, kToleranceRad))
+        << "seed " << seed;
+  }
+}
+
+TEST(Register, SolversAgree) {
+  const testing::SimulatedViews views = testing::MakeViews(3, 5);
+  IcpOptions options;
+  options.min_relative_rmse_change = 0;  // so that all end at the same point
+  options.min_increment = 1e-8;
+  options.max_iterations = 30;
+  const Rigid3d expected =
+      Register(views.source, views.target, Rigid3d(), options).target_from_source;
+  for (const std::string& name : PoseSolverNames()) {
+    options.solver = name;
+    // LDLT and LU solve what lanes of floats have summed, off by 1e-6 of the last steps; a pixel
+    // of 20,000 may take another partner for it.
+    EXPECT_THAT(Register(views.source, views.target, Rigid3d(), options).target_from_source,
+                RigidNear(expected, 1e-6, 1e-6))
+        << name;
+  }
+}
+
+TEST(Register, ReportsEveryIterationAndTheEnd) {
+  const testing::SimulatedViews views = testing::MakeViews(3, 5);
+  const IcpOptions options;
+  const IcpResult result = Register(views.source, views.target, Rigid3d(), options);
+  ASSERT_EQ(views.source.levels.size(), 3u);
+  ASSERT_FALSE(result.iterations.empty());
+  // Coarse to fine, each level there, none longer than allowed.
+  std::vector<int> on_level(3, 0);
+  int last_level = 2;
+  for (const IcpIteration& iteration : result.iterations) {
+    EXPECT_LE(iteration.level, last_level);
+    last_level = iteration.level;
+    ++on_level[iteration.level];
+    EXPECT_GT(iteration.inlier_count, 0);
+    EXPECT_GT(iteration.average_loss, 0);
+  }
+  for (const int count : on_level) {
+    EXPECT_GE(count, 1);
+    EXPECT_LE(count, options.max_iterations);
+  }
+  // From 7 cm off the loss falls at once.
+  EXPECT_LT(result.iterations[1].average_loss, result.iterations[0].average_loss);
+  EXPECT_LT(result.iterations[2].average_loss, result.iterations[1].average_loss);
+
+  // The end is described on the finest level, at the pose that is returned.
+  const ProjectiveAssociation association(views.source.levels[0], views.target.levels[0],
+                                          options.gates, options.error_model);
+  const NormalSystem system = association.Linearize(result.target_from_source);
+  EXPECT_EQ(result.inlier_count, system.inlier_count);
+  EXPECT_EQ(result.rmse_m, std::sqrt(system.AverageLoss()));
+  EXPECT_TRUE(result.hessian == system.hessian);
+  EXPECT_EQ(result.smallest_eigenvalue, system.ScaledEigenvalues()[0]);
+  EXPECT_GT(result.smallest_eigenvalue, options.min_eigenvalue);
+  const auto& z = views.source.levels[0].vertex.z;
+  const auto valid = std::count_if(z.begin(), z.end(), [](float depth) { return depth > 0; });
+  EXPECT_NEAR(result.inlier_share, static_cast<double>(result.inlier_count) / valid, 1e-15);
+  EXPECT_TRUE(result.hessian == result.hessian.transpose());
+  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Matrix6d>(result.hessian).eigenvalues()[0], 0);
+}
+
+TEST(Register, GatesGrowFromTheFinestLevelUp) {
+  // 15 mm and a degree apart: far beyond the gate of 0.1 mm, well within 30^2 times as much.
+  const testing::SimulatedViews views = testing::MakeViews(3, 1);
+  IcpOptions options;
+  options.gates.max_distance_m = 1e-4;
+  options.gate_growth = 1;
+  EXPECT_EQ(Register(views.source, views.target, Rigid3d(), options).termination,
+            Termination::kTooFewInliers);
+  options.gate_growth = 30;
+  const IcpResult result = Register(views.source, views.target, Rigid3d(), options);
+  EXPECT_EQ(result.iterations.front().level, 2);
+  EXPECT_GT(result.iterations.back().level, -1);
+  EXPECT_LT(result.iterations.back().level, 2);
+}
+
+TEST(Register, TooFewInliersIsATermination) {
+  const testing::SimulatedViews views = testing::MakeViews(3, 1);
+  IcpOptions options;
+  options.min_inliers = 1'000'000;
+  const IcpResult by_count = Register(views.source, views.target, Rigid3d(), options);
+  EXPECT_EQ(by_count.termination, Termination::kTooFewInliers);
+  EXPECT_FALSE(by_count.Succeeded());
+  EXPECT_EQ(by_count.iterations.size(), 1u);
+  EXPECT_GT(by_count.inlier_count, 0);
+
+  options = IcpOptions();
+  options.min_inlier_share = 1;
+  EXPECT_EQ(Register(views.source, views.target, Rigid3d(), options).termination,
+            Termination::kTooFewInliers);
+
+  // Cameras that look away from each other share nothing.
+  const Rigid3d around(QuaternionExp<double>({0, M_PI, 0}), {0, 0, 0});
+  const IcpResult apart = Register(views.source, views.target, around, IcpOptions());
+  EXPECT_EQ(apart.termination, Termination::kTooFewInliers);
+  EXPECT_THAT(apart.target_from_source, RigidNear(around, 0, 1e-15));
+}
+
+TEST(Register, FramesWithoutDepthHaveTooFewInliers) {
+  const FramePyramid view =
+      testing::OneLevel(testing::RenderCorner(testing::PoseBeforeTheCorner()));
+  const FramePyramid nothing =
+      testing::OneLevel(testing::RenderCorner(testing::PoseBeforeTheCorner(), 0));
+  for (const auto* source : {&view, &nothing}) {
+    const IcpResult result = Register(*source, nothing, Rigid3d(), IcpOptions());
+    EXPECT_EQ(result.termination, Termination::kTooFewInliers);
+    EXPECT_EQ(result.inlier_count, 0);
+    EXPECT_EQ(result.inlier_share, 0);
+    EXPECT_EQ(result.rmse_m, 0);
+    EXPECT_TRUE(result.target_from_source.Matrix().allFinite());
+  }
+  EXPECT_EQ(Register(FramePyramid(), FramePyramid(), Rigid3d(), IcpOptions()).termination,
+            Termination::kTooFewInliers);
+}
+
+TEST(Register, UsesTheLevelsThatBothHave) {
+  testing::SimulatedViews views = testing::MakeViews(3, 1);
+  views.target.levels.pop_back();
+  const IcpResult result = Register(views.source, views.target, Rigid3d(), IcpOptions());
+  EXPECT_TRUE(result.Succeeded());
+  EXPECT_EQ(result.iterations.front().level, 1);
+}
+
+TEST(Register, StopsWhereTheOptionsSay) {
+  const testing::SimulatedViews views = testing::MakeViews(3, 5);
+  IcpOptions options;
+  options.min_relative_rmse_change = 0;
+  options.min_increment = 0;
+  options.max_iterations = 4;
+  const IcpResult all = Register(views.source, views.target, Rigid3d(), options);
+  EXPECT_EQ(all.termination, Termination::kMaxIterations);
+  EXPECT_EQ(all.iterations.size(), 12u);
+
+  options.min_increment = 10;  // any step is small enough
+  const IcpResult one = Register(views.source, views.target, Rigid3d(), options);
+  EXPECT_EQ(one.termination, Termination::kConverged);
+  EXPECT_EQ(one.iterations.size(), 3u);
+
+  options.min_increment = 0;
+  options.min_relative_rmse_change = 1e9;  // any change is: the second iteration can tell
+  EXPECT_EQ(Register(views.source, views.target, Rigid3d(), options).iterations.size(), 6u);
+}
+
+TEST(Register, IsTheSameAtAnyNumberOfThreads) {
+  const testing::SimulatedViews views = testing::MakeViews(3, 5);
+  const auto pose = [&](int threads, const std::string& solver) {
+    const ThreadLimit limit(threads);
+    IcpOptions options;
+    options.solver = solver;
+    return Register(views.source, views.target, Rigid3d(), options).target_from_source.Matrix();
+  };
+  for (const std::string& solver : PoseSolverNames()) {
+    const Eigen::Matrix4d expected = pose(1, solver);
+    for (const int threads : {2, 4}) EXPECT_TRUE(pose(threads, solver) == expected) << solver;
+  }
+}
+
+}  // namespace
+}  // namespace surfit

@@ -1,0 +1,64 @@
+// The pose test of BAD SLAM: three exact planes, every degree of freedom perturbed both ways.
+#include <gtest/gtest.h>
+
+#include "registration/three_planes.h"
+#include "surfit/registration/icp.h"
+#include "surfit/registration/pose_solver.h"
+#include "testing/matchers.h"
+
+namespace surfit {
+namespace {
+
+using testing::RigidNear;
+
+// Points within 2.5 m and poses are rounded to float, p' = R p + t with three roundings more: each
+// p' is off by 5 * 2^-24 * 2.5 m = 7e-7 m at most, all in the same way at worst.
+constexpr double kToleranceM = 1e-6;
+constexpr double kToleranceRad = 1e-6;
+
+class PoseRecovery : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(PoseRecovery, FromEveryDirection) {
+  const Rigid3d world_from_target = testing::PoseBeforeTheCorner();
+  Vector6d motion;
+  motion << 0.01, -0.02, 0.015, 0.02, 0.01, -0.03;
+  const Rigid3d target_from_source = LeftIncrement(motion, Rigid3d());
+  const FramePyramid target = testing::OneLevel(testing::RenderCorner(world_from_target));
+  const FramePyramid source =
+      testing::OneLevel(testing::RenderCorner(world_from_target * target_from_source));
+  IcpOptions options;
+  options.solver = GetParam();
+  options.max_iterations = 20;
+  options.min_relative_rmse_change = 0;
+  options.min_increment = 1e-7;
+  for (int i = 0; i < 6; ++i) {
+    for (const double size : {-1.0, 1.0}) {
+      Vector6d perturbation = Vector6d::Zero();
+      perturbation[i] = size * (i < 3 ? 0.5 * M_PI / 180 : 0.01);
+      const IcpResult result =
+          Register(source, target, LeftIncrement(perturbation, target_from_source), options);
+      EXPECT_TRUE(result.Succeeded());
+      EXPECT_THAT(result.target_from_source,
+                  RigidNear(target_from_source, kToleranceM, kToleranceRad))
+          << "component " << i << ", " << size;
+      EXPECT_LT(result.rmse_m, kToleranceM);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(AllSolvers, PoseRecovery, ::testing::ValuesIn(PoseSolverNames()),
+                         [](const auto& instance) { return instance.param; });
+
+// Where the world's origin lies is nobody's business: only the pose between the cameras counts.
+TEST(Register, DoesNotKnowTheWorld) {
+  const Rigid3d world_from_target = testing::PoseBeforeTheCorner();
+  const FramePyramid target = testing::OneLevel(testing::RenderCorner(world_from_target));
+  const IcpResult result = Register(target, target, Rigid3d(), IcpOptions());
+  EXPECT_THAT(result.target_from_source, RigidNear(Rigid3d(), kToleranceM, kToleranceRad));
+  EXPECT_EQ(result.inlier_count, 160 * 120);
+  EXPECT_EQ(result.inlier_share, 1);
+  EXPECT_GT(result.smallest_eigenvalue, 1e-3);
+}
+
+}  // namespace
+}  // namespace surfit

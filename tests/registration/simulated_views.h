@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+
+#include "surfit/frame/preprocess.h"
+#include "surfit/simulation/camera_path.h"
+#include "surfit/simulation/render.h"
+#include "surfit/simulation/scenes.h"
+
+namespace surfit::testing {
+
+// Two views of a furnished room, `gap` frames of a hand-held path apart, without noise.
+struct SimulatedViews {
+  FramePyramid source, target;
+  Rigid3d target_from_source;
+};
+
+inline SimulatedViews MakeViews(int first, int gap, std::uint64_t seed = 1) {
+  PinholeCamera camera;
+  camera.width = 160;
+  camera.height = 120;
+  camera.fx = camera.fy = 131;
+  camera.cx = 79.5;
+  camera.cy = 59.5;
+  const Scene scene = MakeScene("room", seed);
+  const Trajectory path = MakePath(scene, first + gap + 1, seed);
+  const Rigid3d& source = path[first].world_from_camera;
+  const Rigid3d& target = path[first + gap].world_from_camera;
+  const auto view = [&](const Rigid3d& pose) {
+    return PreprocessDepth(RenderFrame(scene, camera, pose).depth_m, camera, PreprocessOptions());
+  };
+  return {view(source), view(target), target.Inverse() * source};
+}
+
+}  // namespace surfit::testing

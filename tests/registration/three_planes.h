@@ -1,0 +1,62 @@
+#pragma once
+
+#include <limits>
+
+#include "surfit/frame/frame_pyramid.h"
+#include "surfit/geometry/rigid3.h"
+
+namespace surfit::testing {
+
+inline PinholeCamera CornerCamera() {
+  PinholeCamera camera;
+  camera.width = 160;
+  camera.height = 120;
+  camera.fx = 131.3;
+  camera.fy = 130.1;
+  camera.cx = 79.3;
+  camera.cy = 60.2;
+  return camera;
+}
+
+// A camera 1.9 m from the corner of three planes, all of which it sees.
+inline Rigid3d PoseBeforeTheCorner() {
+  const Eigen::Vector3d eye(1.3, 1.0, 0.9);
+  const Eigen::Vector3d z = -eye.normalized();
+  const Eigen::Vector3d x = z.cross(Eigen::Vector3d::UnitZ()).normalized();
+  Eigen::Matrix3d world_from_camera;
+  world_from_camera << x, z.cross(x), z;
+  return {world_from_camera, eye};
+}
+
+// Exact vertices and normals of the planes x = 0, y = 0 and z = 0, rounded to float once. Of the
+// planes, only the first `planes` exist.
+inline FrameLevel RenderCorner(const Rigid3d& world_from_camera, int planes = 3) {
+  FrameLevel level;
+  level.camera = CornerCamera();
+  level.vertex = VectorImage(level.camera.width, level.camera.height);
+  level.normal = VectorImage(level.camera.width, level.camera.height);
+  const Eigen::Matrix3d rotation = world_from_camera.rotation.toRotationMatrix();
+  for (int v = 0; v < level.camera.height; ++v) {
+    for (int u = 0; u < level.camera.width; ++u) {
+      const Eigen::Vector3d ray = rotation * level.camera.Ray(u, v);
+      double depth_m = std::numeric_limits<double>::infinity();
+      int nearest = -1;
+      for (int i = 0; i < planes; ++i) {
+        const double t = -world_from_camera.translation[i] / ray[i];
+        if (t > 0 && t < depth_m) depth_m = t, nearest = i;
+      }
+      if (nearest < 0) continue;
+      level.vertex.Set(u, v, (depth_m * level.camera.Ray(u, v)).cast<float>());
+      level.normal.Set(u, v, rotation.row(nearest).transpose().cast<float>());  // into the room
+    }
+  }
+  return level;
+}
+
+inline FramePyramid OneLevel(FrameLevel level) {
+  FramePyramid pyramid;
+  pyramid.levels.push_back(std::move(level));
+  return pyramid;
+}
+
+}  // namespace surfit::testing
