@@ -32,8 +32,8 @@ Image<Rgb8> DecodeJpeg(const std::string& bytes, const std::string& path) {
   int width = 0, height = 0, subsampling = 0, color_space = 0;
   require(tjDecompressHeader3(decoder.get(), data, bytes.size(), &width, &height, &subsampling,
                               &color_space) == 0);
-  if (width > kMaxSize || height > kMaxSize)
-    throw InputError(Concat(path, " is ", width, " x ", height, " pixels, must be at most ",
+  if (width < 1 || height < 1 || width > kMaxSize || height > kMaxSize)
+    throw InputError(Concat(path, " is ", width, " x ", height, " pixels, must be from 1 x 1 to ",
                             kMaxSize, " x ", kMaxSize));
   Image<Rgb8> image(width, height);
   require(tjDecompress2(decoder.get(), data, bytes.size(), &image.data()->r, width, 0, height,
