@@ -46,8 +46,8 @@ void Item::Cone(const Vector3d& bottom, double bottom_radius, double top_radius,
 
 Color RandomPaint(Random* random) {
   // A hue, half mixed with grey.
-  const double hue = random->Uniform(0, 2 * M_PI), strength = random->Uniform(0.1, 0.3);
-  const double grey = random->Uniform(0.22, 0.5);
+  const double hue = random->Uniform(0, 2 * M_PI), strength = random->Uniform(0.05, 0.22);
+  const double grey = random->Uniform(0.2, 0.45);
   const auto channel = [&](double phase) {
     return static_cast<float>(std::max(0.04, grey + strength * std::cos(hue - phase)));
   };

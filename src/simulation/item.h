@@ -43,6 +43,7 @@ class Item {
 void AddBookshelf(const Item& item, double width_m, Random* random);
 void AddSofa(const Item& item, double width_m, Random* random);
 void AddCabinet(const Item& item, double width_m, Random* random);
+void AddCrates(const Item& item, Random* random);
 // These have their origin below their middle.
 void AddTable(const Item& item, double width_m, double depth_m, Random* random);
 void AddChair(const Item& item, Random* random);  // its back at -y

@@ -120,6 +120,17 @@ void AddChair(const Item& item, Random* random) {
   item.Target({0, 0, kSeat_m});
 }
 
+void AddCrates(const Item& item, Random* random) {
+  double height = 0;
+  for (double size = random->Uniform(0.38, 0.48); size > 0.2; size *= random->Uniform(0.6, 0.8)) {
+    const double low = height + 0.002, turn = random->Uniform(-0.5, 0.5);
+    height += 0.7 * size;
+    item.At({0, 0.36, 0}, turn)
+        .Box({-size / 2, -size / 2, low}, {size / 2, size / 2, height}, RandomWood(0, random));
+  }
+  item.Target({0, 0.36, 0.3});
+}
+
 void AddFloorLamp(const Item& item, Random* random) {
   const Texture metal = Plain(Color::Constant(0.22f)), shade = Plain({0.75f, 0.65f, 0.45f});
   const double height = random->Uniform(1.4, 1.65);

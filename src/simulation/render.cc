@@ -13,7 +13,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kTileSize = 16;  // px; small enough that few objects reach into a tile
+// Small enough that few objects reach into a tile, large enough to be worth asking which.
+int TileSize(const PinholeCamera& camera) { return std::clamp(camera.width / 8, 4, 16); }
 
 struct View {
   const Scene& scene;
@@ -28,10 +29,15 @@ struct Tile {
   int u_begin, u_end, v_begin, v_end;
 };
 
-Tile TileOf(const PinholeCamera& camera, int index) {
-  const int tiles_across = (camera.width + kTileSize - 1) / kTileSize;
-  const int u = index % tiles_across * kTileSize, v = index / tiles_across * kTileSize;
-  return {u, std::min(u + kTileSize, camera.width), v, std::min(v + kTileSize, camera.height)};
+std::vector<Tile> Tiles(const PinholeCamera& camera) {
+  const int size = TileSize(camera);
+  std::vector<Tile> tiles;
+  for (int v = 0; v < camera.height; v += size) {
+    for (int u = 0; u < camera.width; u += size) {
+      tiles.push_back({u, std::min(u + size, camera.width), v, std::min(v + size, camera.height)});
+    }
+  }
+  return tiles;
 }
 
 // The objects that rays of the tile can meet: those in the cone about the tile's middle ray that
@@ -61,7 +67,6 @@ struct PixelHit {
 std::vector<PixelHit> TraceTile(const View& view, const Tile& tile) {
   const std::vector<int> candidates = ObjectsInTile(view, tile);
   std::vector<PixelHit> hits;
-  hits.reserve(kTileSize * kTileSize);
   for (int v = tile.v_begin; v < tile.v_end; ++v) {
     for (int u = tile.u_begin; u < tile.u_end; ++u) {
       const auto hit =
@@ -85,26 +90,36 @@ void RenderTile(const View& view, const Tile& tile, Rendering* rendering) {
     rendering->normal.Set(u, v, normal.cast<float>());
     rendering->surface(u, v) = Rendering::SurfaceOf(hit);
   }
+  if (rendering->color.empty()) return;
   const std::vector<Rgb8> colors = Shade(view.scene, points);
   for (std::size_t i = 0; i < hits.size(); ++i) rendering->color(hits[i].u, hits[i].v) = colors[i];
+}
+
+// Fills the colours if there is an image for them.
+Rendering Render(const Scene& scene, const PinholeCamera& camera, const Rigid3d& world_from_camera,
+                 Image<Rgb8> color) {
+  camera.Validate("camera");
+  Rendering rendering{Image<float>(camera.width, camera.height, 0.f), std::move(color),
+                      VectorImage(camera.width, camera.height),
+                      Image<std::int32_t>(camera.width, camera.height, Rendering::kNothing)};
+  const View view{scene, camera, world_from_camera, world_from_camera.rotation.toRotationMatrix()};
+  const std::vector<Tile> tiles = Tiles(camera);
+  ParallelFor(0, static_cast<int>(tiles.size()), 8, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) RenderTile(view, tiles[i], &rendering);
+  });
+  return rendering;
 }
 
 }  // namespace
 
 Rendering Render(const Scene& scene, const PinholeCamera& camera,
                  const Rigid3d& world_from_camera) {
-  camera.Validate("camera");
-  Rendering rendering{Image<float>(camera.width, camera.height, 0.f),
-                      Image<Rgb8>(camera.width, camera.height),
-                      VectorImage(camera.width, camera.height),
-                      Image<std::int32_t>(camera.width, camera.height, Rendering::kNothing)};
-  const View view{scene, camera, world_from_camera, world_from_camera.rotation.toRotationMatrix()};
-  const int tiles_across = (camera.width + kTileSize - 1) / kTileSize;
-  const int tiles_down = (camera.height + kTileSize - 1) / kTileSize;
-  ParallelFor(0, tiles_across * tiles_down, 8, [&](int begin, int end) {
-    for (int i = begin; i < end; ++i) RenderTile(view, TileOf(camera, i), &rendering);
-  });
-  return rendering;
+  return Render(scene, camera, world_from_camera, Image<Rgb8>(camera.width, camera.height));
+}
+
+Rendering RenderGeometry(const Scene& scene, const PinholeCamera& camera,
+                         const Rigid3d& world_from_camera) {
+  return Render(scene, camera, world_from_camera, Image<Rgb8>());
 }
 
 RgbdFrame RenderFrame(const Scene& scene, const PinholeCamera& camera,

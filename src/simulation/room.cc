@@ -68,7 +68,7 @@ void AddCeilingLamp(const Room& room) {
   const Item lamp = room.World().At(above);
   lamp.Rod({0, 0, -0.22}, {0, 0, 0}, 0.008, Plain(Color::Constant(0.2f)));
   lamp.Add(MakeSphere(0.12), {0, 0, -0.3}, Plain(Color::Constant(0.8f)), 1.f);
-  room.scene->lights.push_back({above - Vector3d(0, 0, 0.45), 0.75f, true});
+  room.scene->lights.push_back({above - Vector3d(0, 0, 0.45), 1.15f, true});
 }
 
 // Something that takes up a stretch of wall.
@@ -77,7 +77,8 @@ struct Stretch {
   std::function<void(const Item&)> add;
 };
 
-// Puts the stretches side by side in random order, with random gaps; the corners stay free.
+// Puts the stretches side by side in random order, with random gaps, which are worth a look where
+// they are wide; the corners stay free.
 void Line(const Room& room, int wall, std::vector<Stretch> stretches) {
   constexpr double kCorner_m = 0.8;
   Shuffle(&stretches, room.random);
@@ -87,6 +88,10 @@ void Line(const Room& room, int wall, std::vector<Stretch> stretches) {
   for (const Stretch& stretch : stretches) {
     const double gap = std::max(0.0, room.random->Uniform(0, free));
     free -= gap;
+    constexpr double kPlainWall_m = 0.5;
+    if (gap > kPlainWall_m) {
+      room.WallFrame(wall).Target({x + gap / 2, 0, room.random->Uniform(0.3, 1.1)});
+    }
     x += gap;
     stretch.add(room.WallFrame(wall).At({x + stretch.width_m / 2, 0, 0}));
     x += stretch.width_m;
@@ -138,10 +143,12 @@ void AddCabinetWall(const Room& room, int wall) {
 void AddBareWall(const Room& room, int wall) {
   Random* random = room.random;
   const auto shelf = [=](const Item& at) { AddWallShelf(at.At({0, 0, 1.45}), 0.8, random); };
-  Line(room, wall, {{1.0, [=](const Item& at) { AddDoor(at, random); }}, {0.8, shelf}});
+  const auto crate = [=](const Item& at) { AddCrates(at, random); };
+  Line(room, wall,
+       {{1.0, [=](const Item& at) { AddDoor(at, random); }}, {0.8, shelf}, {0.6, crate}});
   const double length = room.WallLength(wall);
-  for (const double share : {0.25, 0.4, 0.6, 0.75}) {
-    room.WallFrame(wall).Target({share * length, 0, random->Uniform(0.2, 0.9)});
+  for (double share = 0.2; share < 0.85; share += 0.05) {
+    room.WallFrame(wall).Target({share * length, 0, random->Uniform(0.3, 1.2)});
   }
 }
 
@@ -201,7 +208,7 @@ Scene MakeRoom(std::uint64_t seed) {
   AddWalls(room);
   AddCorners(room);
   AddMiddle(room);
-  constexpr double kFromWall_m = 1.3, kLow_m = 1.2, kHigh_m = 1.6;
+  constexpr double kFromWall_m = 1.0, kLow_m = 1.2, kHigh_m = 1.6;
   scene.camera_space = Eigen::AlignedBox3d(
       Vector3d(kFromWall_m, kFromWall_m, kLow_m),
       Vector3d(room.width_m - kFromWall_m, room.depth_m - kFromWall_m, kHigh_m));

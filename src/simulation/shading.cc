@@ -53,7 +53,7 @@ bool InShadow(const Scene& scene, const SurfacePoint& point, const Vector3d& to_
 }
 
 float Daylight(const Vector3d& normal_in_world) {
-  return 0.34f + 0.14f * static_cast<float>(normal_in_world.z());
+  return 0.26f + 0.1f * static_cast<float>(normal_in_world.z());
 }
 
 // Light per unit reflectance; falls off slower than 1/r^2, as light in a room with pale walls does.

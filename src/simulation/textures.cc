@@ -120,8 +120,9 @@ Texture Poster(double width_m, double height_m, std::uint64_t seed) {
 Texture Rug(double width_m, double depth_m, std::uint64_t seed) {
   Random random(seed);
   const Vector2d half(width_m / 2, depth_m / 2);
-  const Color border = RandomColor(&random), field = RandomColor(&random),
-              figure = RandomColor(&random);
+  const Color wool(0.45f, 0.38f, 0.3f);
+  const auto dyed = [&] { return Mix(wool, RandomColor(&random), 0.35f); };
+  const Color border = 0.5f * dyed(), field = dyed(), figure = 0.7f * dyed();
   return [=](const Vector3d& p) {
     const double to_edge = (half - p.head<2>().cwiseAbs()).minCoeff();
     const float weave = 0.85f + 0.3f * FractalNoise(p / 0.02, seed);

@@ -32,6 +32,10 @@ struct Rendering {
 // Ray-traces the scene, in parallel over tiles. The camera's distortion is ignored.
 Rendering Render(const Scene& scene, const PinholeCamera& camera, const Rigid3d& world_from_camera);
 
+// The same but for the colours, whose image stays empty.
+Rendering RenderGeometry(const Scene& scene, const PinholeCamera& camera,
+                         const Rigid3d& world_from_camera);
+
 // The same as a frame of a sequence.
 RgbdFrame RenderFrame(const Scene& scene, const PinholeCamera& camera,
                       const Rigid3d& world_from_camera, int index = 0, double stamp_s = 0);

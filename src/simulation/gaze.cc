@@ -1,0 +1,101 @@
+#include "simulation/gaze.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "simulation/path_quality.h"
+#include "surfit/geometry/rigid3.h"
+
+namespace surfit {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kRadPerDeg = M_PI / 180;
+
+Eigen::Quaterniond LevelOrientation(const Vector3d& gaze) {
+  Eigen::Matrix3d world_from_camera;
+  const Vector3d right = gaze.cross(Vector3d::UnitZ()).normalized();
+  world_from_camera << right, gaze.cross(right), gaze;
+  return Eigen::Quaterniond(world_from_camera);
+}
+
+double Angle(const Vector3d& a, const Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+// Neither too near nor so high or low that the horizon could not be kept level.
+bool InSight(const Vector3d& to_target) {
+  const double elevation = std::asin(to_target.z() / to_target.norm());
+  return to_target.norm() > 0.6 && elevation > -52 * kRadPerDeg && elevation < 25 * kRadPerDeg;
+}
+
+}  // namespace
+
+Gaze::Gaze(const Scene& scene, const Vector3d& position, std::uint64_t seed)
+    : scene_(&scene), random_(seed) {
+  ChooseTarget(position);
+  direction_ = (scene_->targets[target_] - position).normalized();
+  heading_ = direction_.cross(Vector3d::UnitZ()).normalized();
+  ChooseTarget(position);
+}
+
+Eigen::Quaterniond Gaze::Orientation() const { return LevelOrientation(direction_); }
+
+void Gaze::Advance(const Vector3d& position, double turn_rad) {
+  constexpr double kReached_rad = 9 * kRadPerDeg;
+  constexpr int kMostFrames = 90;
+  const Vector3d to_target = scene_->targets[target_] - position;
+  if (Angle(direction_, to_target) < kReached_rad || ++frames_on_target_ > kMostFrames ||
+      !InSight(to_target)) {
+    ChooseTarget(position);
+  }
+  Steer((scene_->targets[target_] - position).normalized());
+  // The camera turns more than its gaze where it looks up or down: the fixed point of the arc.
+  constexpr int kIterations = 10;
+  const Eigen::Quaterniond before = Orientation();
+  const Vector3d direction = direction_, heading = heading_;
+  double arc = turn_rad;
+  for (int i = 0; i < kIterations; ++i) {
+    direction_ = std::cos(arc) * direction + std::sin(arc) * heading;
+    heading_ = std::cos(arc) * heading - std::sin(arc) * direction;
+    arc *= turn_rad / RotationAngle<double>(before.conjugate() * Orientation());
+  }
+}
+
+bool Gaze::MayTurnTo(const Vector3d& to_target) const {
+  constexpr double kFar_m = 3.5, kFarthestTurn_rad = 100 * kRadPerDeg;
+  return InSight(to_target) && to_target.norm() < kFar_m &&
+         Angle(direction_, to_target) < kFarthestTurn_rad;
+}
+
+// Another target, at random among those in sight and not far behind, if there are any; if possible
+// one whose view from here is of the kind that is sought.
+void Gaze::ChooseTarget(const Vector3d& position) {
+  constexpr double kPlanarChoices = 0.8;
+  constexpr int kAttempts = 40, kMostViews = 12;
+  const bool want_planar = random_.Uniform() < kPlanarChoices;
+  const int last = target_;
+  int views = 0;
+  for (int i = 0; i < kAttempts && views < kMostViews; ++i) {
+    const int candidate = random_.Index(static_cast<int>(scene_->targets.size()));
+    const Vector3d to_target = scene_->targets[candidate] - position;
+    if (candidate == last || (i < kAttempts / 2 && !MayTurnTo(to_target))) continue;
+    target_ = candidate;
+    ++views;
+    const ViewQuality view =
+        JudgeView(*scene_, Rigid3d(LevelOrientation(to_target.normalized()), position));
+    if (!view.IsBare() && view.IsPlanar() == want_planar) break;
+  }
+  frames_on_target_ = 0;
+}
+
+void Gaze::Steer(const Vector3d& to_target) {
+  constexpr double kMostTurn_rad = 7 * kRadPerDeg;
+  const double wanted =
+      std::atan2(direction_.cross(heading_).dot(to_target), heading_.dot(to_target));
+  const double turn = std::clamp(wanted, -kMostTurn_rad, kMostTurn_rad);
+  heading_ = (Eigen::AngleAxisd(turn, direction_) * heading_).normalized();
+}
+
+}  // namespace surfit

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstdint>
+
+#include "simulation/random.h"
+#include "surfit/simulation/scene.h"
+
+namespace surfit {
+
+// A gaze that glides from target to target and never rests: it moves on the sphere of directions
+// at a given speed and only steers, turning its heading little by little towards the target. Often
+// it seeks a view of hardly more than one or two planes, otherwise any other.
+class Gaze {
+ public:
+  // Keeps a pointer to the scene, which must have two targets at least.
+  Gaze(const Scene& scene, const Eigen::Vector3d& position, std::uint64_t seed);
+
+  // Goes on to other targets from here: changes the random choices to come.
+  void Reseed(std::uint64_t seed) { random_ = Random(seed); }
+
+  // World from camera: z along the gaze, x right, y down, the horizon level.
+  Eigen::Quaterniond Orientation() const;
+
+  // Moves on so that the orientation turns by this angle.
+  void Advance(const Eigen::Vector3d& position, double turn_rad);
+
+ private:
+  void ChooseTarget(const Eigen::Vector3d& position);
+  bool MayTurnTo(const Eigen::Vector3d& to_target) const;
+  void Steer(const Eigen::Vector3d& to_target);
+
+  const Scene* scene_;
+  Random random_;
+  int target_ = -1;
+  int frames_on_target_ = 0;
+  // Unit vectors in the world's frame, z up, at right angles: where the gaze is, and where on the
+  // sphere it moves to.
+  Eigen::Vector3d direction_ = Eigen::Vector3d::UnitY(), heading_ = Eigen::Vector3d::UnitX();
+};
+
+}  // namespace surfit
