@@ -35,6 +35,21 @@ double ShiftedDepth(const Image<float>& depth_m, double u, double v, double here
               b * ((1 - a) * disparity[1][0] + a * disparity[1][1]));
 }
 
+// The cosine of the angle between the ray of a pixel and the normal of the depth image there.
+double CosineOfIncidence(const Image<float>& depth_m, const PinholeCamera& camera, int u, int v) {
+  // The point that another pixel sees, or this one where that is outside or sees nothing.
+  const auto point = [&](int other_u, int other_v) -> Eigen::Vector3d {
+    const bool inside = other_u >= 0 && other_v >= 0 && other_u < depth_m.width() &&
+                        other_v < depth_m.height() && depth_m(other_u, other_v) > 0;
+    if (!inside) return depth_m(u, v) * camera.Ray(u, v);
+    return depth_m(other_u, other_v) * camera.Ray(other_u, other_v);
+  };
+  const Eigen::Vector3d normal =
+      (point(u + 1, v) - point(u - 1, v)).cross(point(u, v + 1) - point(u, v - 1));
+  const Eigen::Vector3d ray = camera.Ray(u, v);
+  return std::abs(normal.dot(ray)) / (normal.norm() * ray.norm());
+}
+
 double Quantised(double depth_m, double disparity_noise, const KinectOptions& options) {
   constexpr double kCmPerMetre = 100;
   const double constant_m = options.disparity_times_z_cm / kCmPerMetre;
@@ -54,11 +69,10 @@ void KinectOptions::Validate() const {
   Check(max_edge_ratio >= 0, "max_edge_ratio", max_edge_ratio, "must not be negative");
 }
 
-Image<float> KinectDepth(const Image<float>& depth_m, const VectorImage& normal,
-                         const PinholeCamera& camera, std::uint64_t seed,
-                         const KinectOptions& options) {
+Image<float> KinectDepth(const Image<float>& depth_m, const PinholeCamera& camera,
+                         std::uint64_t seed, const KinectOptions& options) {
   options.Validate();
-  CHECK(depth_m.width() == normal.width() && depth_m.height() == normal.height());
+  CHECK(depth_m.width() == camera.width && depth_m.height() == camera.height);
   const double min_cosine = std::cos(options.max_incidence_deg * M_PI / 180);
   Image<float> measured(depth_m.width(), depth_m.height(), 0.f);
   ParallelFor(0, depth_m.height(), 16, [&](int begin, int end) {
@@ -70,8 +84,7 @@ Image<float> KinectDepth(const Image<float>& depth_m, const VectorImage& normal,
         const double disparity_noise = options.disparity_sd * random.Normal();
         const double here = depth_m(u, v);
         if (here <= 0) continue;
-        const Eigen::Vector3d ray = camera.Ray(u, v);
-        if (-normal(u, v).cast<double>().dot(ray) < min_cosine * ray.norm()) continue;
+        if (!(CosineOfIncidence(depth_m, camera, u, v) > min_cosine)) continue;
         const double shifted =
             ShiftedDepth(depth_m, u + shift_u, v + shift_v, here, options.max_edge_ratio);
         const double z = Quantised(shifted, disparity_noise, options);

@@ -3,7 +3,6 @@
 #include <cstdint>
 
 #include "surfit/core/image.h"
-#include "surfit/frame/vector_image.h"
 #include "surfit/geometry/pinhole_camera.h"
 
 namespace surfit {
@@ -25,13 +24,12 @@ struct KinectOptions {
   void Validate() const;
 };
 
-// What a Kinect measures where the exact depth is depth_m and the surface has the normals (camera
-// frame, unit length):
+// What a Kinect measures where the exact depth is depth_m:
 //   z_cm = 35130 / round(35130 / z_cm(u + N(0, 1/2), v + N(0, 1/2)) + N(0, 1/6)).
-// The disparity is interpolated linearly between pixels. Images share their size; 0 = missing in
-// both. The same seed gives the same noise, at any number of threads.
-Image<float> KinectDepth(const Image<float>& depth_m, const VectorImage& normal,
-                         const PinholeCamera& camera, std::uint64_t seed,
-                         const KinectOptions& options = {});
+// The disparity is interpolated linearly between pixels. The angle of incidence is that of the
+// depth image itself (central differences), so that pixels at steps of depth are missing as well.
+// 0 = missing, in both images. The same seed gives the same noise, at any number of threads.
+Image<float> KinectDepth(const Image<float>& depth_m, const PinholeCamera& camera,
+                         std::uint64_t seed, const KinectOptions& options = {});
 
 }  // namespace surfit

@@ -1,0 +1,34 @@
+#include "simulate/surface_sampler.h"
+
+#include <cmath>
+
+namespace surfit::tools {
+
+bool SurfaceSampler::IsFirstInItsCube(const Eigen::Vector3d& point_in_world) {
+  // 21 bits for each axis: 5 mm cubes reach 5 km either way.
+  constexpr std::int64_t kOffset = 1 << 20;
+  constexpr int kBits = 21;
+  std::uint64_t key = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto cell = static_cast<std::int64_t>(std::floor(point_in_world[axis] / grid_m_));
+    key = (key << kBits) | static_cast<std::uint64_t>(cell + kOffset);
+  }
+  return taken_.insert(key).second;
+}
+
+void SurfaceSampler::Add(const Rendering& rendering, const Image<float>& measured_depth_m,
+                         const PinholeCamera& camera, const Rigid3d& world_from_camera) {
+  for (int v = 0; v < camera.height; ++v) {
+    for (int u = 0; u < camera.width; ++u) {
+      if (measured_depth_m(u, v) == 0) continue;
+      const Eigen::Vector3d point =
+          world_from_camera * (rendering.depth_m(u, v) * camera.Ray(u, v));
+      if (!IsFirstInItsCube(point)) continue;
+      cloud_.points.push_back(point.cast<float>());
+      cloud_.normals.push_back(world_from_camera.rotation.cast<float>() * rendering.normal(u, v));
+      cloud_.colors.push_back(rendering.color(u, v));
+    }
+  }
+}
+
+}  // namespace surfit::tools
