@@ -31,7 +31,7 @@ ViewQuality JudgeView(const Scene& scene, const Rigid3d& world_from_camera) {
 }
 
 PathQuality JudgePath(const Scene& scene, const Trajectory& path) {
-  constexpr std::size_t kFramesApart = 5;
+  constexpr std::size_t kFramesApart = 10;
   PathQuality quality;
   int views = 0, planar = 0, bare = 0;
   for (std::size_t i = 0; i < path.size(); i += kFramesApart, ++views) {

@@ -42,14 +42,19 @@ std::optional<SceneHit> Scene::Intersect(const Vector3d& origin, const Vector3d&
 
 std::vector<int> Scene::ObjectsInCone(const Vector3d& apex, const Vector3d& unit_axis,
                                       double half_angle_rad, double reach_m) const {
+  // A ball of radius r at a distance d looms r / d = sin(b) wide; it reaches into the cone where
+  // the angle to its centre is at most a + b, a the cone's half angle:
+  //   cos(angle) >= cos(a + b) = cos(a) cos(b) - sin(a) sin(b), for a + b < pi.
+  const double cos_a = std::cos(half_angle_rad), sin_a = std::sin(half_angle_rad);
+  const bool is_narrow = half_angle_rad < M_PI / 2;
   std::vector<int> inside;
   for (std::size_t i = 0; i < placements_.size(); ++i) {
     const Vector3d to_center = placements_[i].center_in_world - apex;
     const double distance = to_center.norm(), radius = placements_[i].radius;
     if (distance - radius > reach_m) continue;
-    if (distance > radius) {
-      const double cosine = std::clamp(to_center.dot(unit_axis) / distance, -1.0, 1.0);
-      if (std::acos(cosine) > half_angle_rad + std::asin(radius / distance)) continue;
+    if (is_narrow && distance > radius) {
+      const double sin_b = radius / distance, cos_b = std::sqrt(1 - sin_b * sin_b);
+      if (to_center.dot(unit_axis) < (cos_a * cos_b - sin_a * sin_b) * distance) continue;
     }
     inside.push_back(static_cast<int>(i));
   }

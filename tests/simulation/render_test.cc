@@ -1,12 +1,7 @@
 #include "surfit/simulation/render.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <set>
-
-#include "simulation/random.h"
-#include "surfit/core/error.h"
 #include "surfit/core/parallel.h"
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/scenes.h"
@@ -140,16 +135,6 @@ TEST_P(RenderEveryScene, IsTheSameAtAnyNumberOfThreads) {
 INSTANTIATE_TEST_SUITE_P(All, RenderEveryScene, testing::ValuesIn(SceneNames()),
                          [](const auto& instance) { return instance.param; });
 
-TEST(Scenes, AnUnknownNameListsTheKnown) {
-  try {
-    MakeScene("kitchen");
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_STREQ(error.what(),
-                 "scene is 'kitchen', must be one of corridor, room, sphere, three_planes, wall");
-  }
-}
-
 TEST(RenderFrame, HasTheImagesOfTheRendering) {
   const Scene scene = MakeScene("three_planes");
   const Rigid3d pose = MakePath(scene, 1, 1)[0].world_from_camera;
@@ -159,6 +144,9 @@ TEST(RenderFrame, HasTheImagesOfTheRendering) {
   EXPECT_EQ(frame.stamp_s, 0.25);
   EXPECT_TRUE(frame.depth_m == image.depth_m);
   EXPECT_TRUE(frame.color == image.color);
+  const Rendering geometry = RenderGeometry(scene, TestCamera(), pose);
+  EXPECT_TRUE(geometry.depth_m == image.depth_m);
+  EXPECT_TRUE(geometry.color.empty());
 }
 
 }  // namespace

@@ -1,0 +1,242 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <map>
+#include <opencv2/imgcodecs.hpp>
+
+#include "surfit/geometry/mirror.h"
+#include "surfit/io/camera_yaml.h"
+#include "surfit/io/point_cloud.h"
+#include "surfit/io/sequence.h"
+#include "surfit/io/tum_trajectory.h"
+#include "surfit/simulation/camera_path.h"
+#include "surfit/simulation/render.h"
+#include "surfit/simulation/scenes.h"
+#include "testing/matchers.h"
+#include "testing/run_program.h"
+
+namespace surfit {
+namespace {
+
+using Eigen::Vector3d;
+using ::testing::HasSubstr;
+using ::testing::MatchesRegex;
+using testing::ProgramResult;
+using testing::ReadBytes;
+using testing::RigidNear;
+using testing::RunProgram;
+using testing::TempFolder;
+
+constexpr int kFrames = 7;
+constexpr double kUnit_m = 1.0 / 5000;
+
+class SimulateTest : public ::testing::Test {
+ protected:
+  ProgramResult Simulate(const std::string& name, std::vector<std::string> flags) const {
+    flags.push_back("--output=" + (folder_ / name));
+    flags.push_back("--frames=" + std::to_string(kFrames));
+    flags.push_back("--downsample=8");
+    return RunProgram("surfit_simulate", flags);
+  }
+  // All files of a folder by their names in it.
+  std::map<std::string, std::string> Files(const std::string& name) const {
+    std::map<std::string, std::string> files;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_ / name)) {
+      if (!entry.is_regular_file()) continue;
+      const auto path = std::filesystem::relative(entry.path(), folder_ / name).string();
+      files[path] = ReadBytes(entry.path().string());
+    }
+    return files;
+  }
+  std::unique_ptr<FrameSource> Open(const std::string& name) const {
+    SequenceOptions options;
+    options.path = folder_ / name;
+    return OpenSequence(options);
+  }
+  TempFolder folder_;
+};
+
+TEST_F(SimulateTest, WritesTheRenderedFramesAsATumFolder) {
+  ASSERT_EQ(Simulate("room", {"--sensor=ideal", "--seed=3"}).exit_code, 0);
+  const auto source = Open("room");
+  EXPECT_EQ(source->info().format, "tum");
+  EXPECT_EQ(source->info().frame_count, kFrames);
+  const Scene scene = MakeScene("room", 3);
+  const Trajectory path = MakePath(scene, kFrames, 3);
+  for (int i = 0; i < kFrames; ++i) {
+    const Rigid3d& pose = path[i].world_from_camera;
+    const auto read = source->Next();
+    ASSERT_TRUE(read && read->frame) << read->error;
+    EXPECT_NEAR(read->stamp_s, i / 30.0, 1e-6);
+    // The files have nine decimals of the pose.
+    EXPECT_THAT(source->info().ground_truth[i].world_from_camera, RigidNear(pose, 2e-9, 4e-9));
+    const RgbdFrame expected = RenderFrame(scene, source->info().pinhole, pose);
+    EXPECT_TRUE(read->frame->color == expected.color);
+    for (std::size_t k = 0; k < expected.depth_m.size(); ++k) {
+      EXPECT_NEAR(read->frame->depth_m[k], expected.depth_m[k], kUnit_m / 2 + 1e-6);
+    }
+  }
+}
+
+TEST_F(SimulateTest, KinectDepthHasHolesAndSteps) {
+  ASSERT_EQ(Simulate("room", {"--sensor=kinect"}).exit_code, 0);
+  const auto read = Open("room")->Next();
+  ASSERT_TRUE(read && read->frame);
+  int missing = 0;
+  for (const float depth : read->frame->depth_m) {
+    if (depth == 0) {
+      ++missing;
+      continue;
+    }
+    const double disparity = 351.3 / depth;  // a whole number, but for the depth's rounding
+    const double rounding = 0.6 * kUnit_m * 351.3 / (depth * depth);
+    if (rounding < 0.4) {
+      EXPECT_NEAR(disparity, std::round(disparity), rounding);
+    }
+  }
+  EXPECT_GT(missing, 0);
+}
+
+// The convention of ICL-NUIM: u = fx x/z + cx, v = fy y/z + cy with fy < 0, in a camera and a world
+// that are mirrored. Mapping both by S = diag(1, -1, 1) must give the ordinary scene back.
+TEST_F(SimulateTest, ImageYUpIsTheMirroredWorldOfTheSamePictures) {
+  ASSERT_EQ(Simulate("up", {"--sensor=ideal", "--image_y_up"}).exit_code, 0);
+  ASSERT_EQ(Simulate("down", {"--sensor=ideal"}).exit_code, 0);
+  const PinholeCamera camera = ReadCameraYaml(folder_ / "up/camera.yaml").depth;
+  EXPECT_LT(camera.fy, 0);
+  EXPECT_EQ(ReadBytes(folder_ / "up/groundtruth.txt"),
+            ReadBytes(folder_ / "up/simulated.gt.freiburg"));
+  const Trajectory mirrored = ReadTumTrajectory(folder_ / "up/groundtruth.txt");
+  const Trajectory upright = ReadTumTrajectory(folder_ / "down/groundtruth.txt");
+  ASSERT_EQ(mirrored.size(), std::size_t{kFrames});
+  const Scene scene = MakeScene("room", 1);
+  const Eigen::DiagonalMatrix<double, 3> mirror(1, -1, 1);
+  const auto names = Files("down/rgb");
+  auto name = names.begin();
+  for (int i = 0; i < kFrames; ++i, ++name) {
+    EXPECT_EQ(mirrored[i].stamp_s, i);
+    const std::string file = std::to_string(i) + ".png";
+    EXPECT_EQ(ReadBytes(folder_ / ("up/rgb/" + file)), name->second);
+    const cv::Mat depth = cv::imread(folder_ / ("up/depth/" + file), cv::IMREAD_UNCHANGED);
+    for (int v = 0; v < depth.rows; ++v) {
+      for (int u = 0; u < depth.cols; ++u) {
+        const double z = depth.at<std::uint16_t>(v, u) * kUnit_m;
+        const Vector3d point_in_camera(z * (u - camera.cx) / camera.fx,
+                                       z * (v - camera.cy) / camera.fy, z);
+        const Vector3d point_in_mirrored_world = mirrored[i].world_from_camera * point_in_camera;
+        // Half a unit of depth along a ray of length 1.3.
+        EXPECT_LT(std::abs(scene.Distance(mirror * point_in_mirrored_world)),
+                  0.65 * kUnit_m + 1e-6);
+      }
+    }
+    EXPECT_THAT(Mirrored(mirrored[i].world_from_camera),
+                RigidNear(upright[i].world_from_camera, 4e-9, 8e-9));
+  }
+}
+
+TEST_F(SimulateTest, ImageYUpReadsBackAsTheOrdinarySequence) {
+  ASSERT_EQ(Simulate("up", {"--image_y_up"}).exit_code, 0);
+  ASSERT_EQ(Simulate("down", {}).exit_code, 0);
+  const auto up = Open("up"), down = Open("down");
+  EXPECT_EQ(up->info().format, "icl_nuim");
+  EXPECT_TRUE(up->info().mirrored);
+  EXPECT_FALSE(down->info().mirrored);
+  for (int i = 0; i < kFrames; ++i) {
+    const auto a = up->Next(), b = down->Next();
+    ASSERT_TRUE(a->frame && b->frame);
+    EXPECT_TRUE(a->frame->depth_m == b->frame->depth_m);
+    EXPECT_TRUE(a->frame->color == b->frame->color);
+    EXPECT_THAT(up->info().ground_truth[i].world_from_camera,
+                RigidNear(down->info().ground_truth[i].world_from_camera, 4e-9, 8e-9));
+  }
+  EXPECT_EQ(Files("up")["surface.ply"], Files("down")["surface.ply"]);
+}
+
+TEST_F(SimulateTest, SurfaceIsExactAndDense) {
+  ASSERT_EQ(Simulate("room", {"--seed=2", "--sensor=ideal", "--surface_grid_m=0.02"}).exit_code, 0);
+  const PointCloud surface = ReadPly(folder_ / "room/surface.ply");
+  ASSERT_EQ(surface.normals.size(), surface.points.size());
+  ASSERT_EQ(surface.colors.size(), surface.points.size());
+  ASSERT_GT(surface.points.size(), 1000u);
+  const Scene scene = MakeScene("room", 2);
+  for (std::size_t i = 0; i < surface.points.size(); ++i) {
+    const Vector3d point = surface.points[i].cast<double>();
+    EXPECT_LT(std::abs(scene.Distance(point)), 2e-6);  // floats of up to 8 m
+    // A little outward of the surface is outside, at that distance from this face at most.
+    const Vector3d outward = point + 1e-3 * surface.normals[i].cast<double>();
+    EXPECT_LE(scene.Distance(outward), 1e-3 + 2e-6);
+  }
+  // Every pixel of the first frame has a point in its own cube: not farther than its diagonal.
+  const auto source = Open("room");
+  const auto read = source->Next();
+  ASSERT_TRUE(read && read->frame);
+  const Image<float>& depth_m = read->frame->depth_m;
+  const Rigid3d pose = source->info().ground_truth[0].world_from_camera;
+  const double diagonal_m = 0.02 * std::sqrt(3.0) + kUnit_m;
+  for (int v = 0; v < depth_m.height(); v += 5) {
+    for (int u = 0; u < depth_m.width(); u += 5) {
+      const Vector3d point = pose * (depth_m(u, v) * source->info().pinhole.Ray(u, v));
+      double nearest = 1e9;
+      for (const auto& p : surface.points) {
+        nearest = std::min(nearest, (p.cast<double>() - point).norm());
+      }
+      EXPECT_LT(nearest, diagonal_m);
+    }
+  }
+}
+
+TEST_F(SimulateTest, SameSeedSameFilesAtAnyNumberOfThreads) {
+  ASSERT_EQ(Simulate("a", {"--threads=1"}).exit_code, 0);
+  ASSERT_EQ(Simulate("b", {"--threads=3"}).exit_code, 0);
+  ASSERT_EQ(Simulate("c", {"--seed=2"}).exit_code, 0);
+  EXPECT_TRUE(Files("a") == Files("b"));
+  EXPECT_NE(Files("a")["surface.ply"], Files("c")["surface.ply"]);
+  EXPECT_NE(Files("a")["groundtruth.txt"], Files("c")["groundtruth.txt"]);
+}
+
+TEST_F(SimulateTest, ReplacesAFormerSimulationAndNothingElse) {
+  ASSERT_EQ(Simulate("room", {"--image_y_up"}).exit_code, 0);
+  ASSERT_EQ(Simulate("room", {}).exit_code, 0);
+  EXPECT_EQ(Files("room").count("simulated.gt.freiburg"), 0u);
+  folder_.Write("mine/thesis.tex", "irreplaceable");
+  const ProgramResult refused = Simulate("mine", {});
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_THAT(refused.err, HasSubstr("mine holds other files, must be empty"));
+  EXPECT_EQ(ReadBytes(folder_ / "mine/thesis.tex"), "irreplaceable");
+}
+
+TEST_F(SimulateTest, RefusesBadFlagsByName) {
+  const std::map<std::string, std::string> errors = {
+      {"--scene=kitchen", "scene is 'kitchen', must be one of corridor, room"},
+      {"--sensor=lidar", "--sensor is 'lidar', must be 'ideal' or 'kinect'"},
+      {"--seed=-1", "--seed is -1, must not be negative"},
+      {"--surface_grid_m=0", "--surface_grid_m is 0, must be at least 0.001"},
+      {"--threads=-2", "threads is -2, must be from 1"},
+      {"--colour=red", "colour"}};
+  for (const auto& [flag, message] : errors) {
+    const ProgramResult result = Simulate("room", {flag});
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_THAT(result.err, MatchesRegex("error: [^\n]*\n"));
+    EXPECT_THAT(result.err, HasSubstr(message));
+  }
+  for (const std::string flag : {"--frames=0", "--downsample=17", "--output="}) {
+    const ProgramResult result = RunProgram("surfit_simulate", {"--output=/nowhere", flag});
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_THAT(result.err, HasSubstr(flag.substr(0, flag.find('=')) + " is "));
+  }
+  EXPECT_THAT(RunProgram("surfit_simulate", {"--output=/dev/null/room", "--frames=1"}).err,
+              HasSubstr("error: /dev/null/room cannot be made a folder"));
+}
+
+TEST_F(SimulateTest, HelpListsTheFlagsWithTheirDefaults) {
+  const ProgramResult help = RunProgram("surfit_simulate", {"--help"});
+  EXPECT_EQ(help.exit_code, 0);
+  for (const char* const flag : {"--output", "--scene  (string, default \"room\")",
+                                 "--frames  (int32, default 200)", "--seed", "--sensor"}) {
+    EXPECT_THAT(help.out, HasSubstr(flag));
+  }
+}
+
+}  // namespace
+}  // namespace surfit
