@@ -28,7 +28,7 @@ struct MappedRoom {
     for (next.index = 0;; ++next.index) {
       world_from_next = path[next.index].world_from_camera;
       Rendering image = Render(scene, camera, world_from_next);
-      next.depth_m = KinectDepth(image.depth_m, image.normal, camera, next.index);
+      next.depth_m = KinectDepth(image.depth_m, camera, next.index);
       next.color = std::move(image.color);
       next_surface = PreprocessDepth(next.depth_m, camera, {}).levels[0];
       if (next.index == kFrames) return;

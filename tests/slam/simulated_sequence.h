@@ -35,7 +35,7 @@ inline SimulatedSequence SimulateRoom(std::uint64_t seed, int frames, Sensor sen
     frame.stamp_s = pose.stamp_s;
     frame.depth_m = sensor == Sensor::kIdeal
                         ? std::move(image.depth_m)
-                        : KinectDepth(image.depth_m, image.normal, sequence.camera, seed + index);
+                        : KinectDepth(image.depth_m, sequence.camera, seed + index);
     frame.color = std::move(image.color);
     sequence.frames.push_back(std::move(frame));
     sequence.world_from_camera.push_back(pose.world_from_camera);

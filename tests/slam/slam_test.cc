@@ -33,9 +33,12 @@ const SimulatedSequence& IdealRoom() {
   return *room;
 }
 
+// Long enough for drift to outgrow the noise of single poses.
 const SimulatedSequence& KinectRoom(int seed) {
-  static const auto* const rooms = new std::vector<SimulatedSequence>{
-      SimulateRoom(1, kFrames, Sensor::kKinect), SimulateRoom(2, kFrames, Sensor::kKinect)};
+  constexpr int kKinectFrames = 60;
+  static const auto* const rooms =
+      new std::vector<SimulatedSequence>{SimulateRoom(1, kKinectFrames, Sensor::kKinect),
+                                         SimulateRoom(2, kKinectFrames, Sensor::kKinect)};
   return rooms->at(seed - 1);
 }
 

@@ -158,8 +158,8 @@ TEST_F(SlamTool, WritesTheTrajectoryOfAnImageWithYUpInItsOwnConvention) {
   const std::string mirrored = Simulate("mirrored", {"--image_y_up"});
   ASSERT_EQ(Slam(Room(), Output("down")).exit_code, 0);
   ASSERT_EQ(Slam(mirrored, Output("up")).exit_code, 0);
-  // The same images of the same room: inside, all is the same.
-  EXPECT_EQ(Summary(Output("down"))["digest"], Summary(Output("up"))["digest"]);
+  // The same images of the same room: inside, all but the stamps is the same.
+  EXPECT_EQ(ReadBytes(Output("down") + "/map.ply"), ReadBytes(Output("up") + "/map.ply"));
   // Its own ground truth is met without a reflection ...
   std::string truth;
   for (const auto& entry : fs::directory_iterator(mirrored)) {
