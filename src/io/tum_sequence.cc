@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 
 #include "io/associate.h"
 #include "io/folder.h"
