@@ -26,14 +26,17 @@ class NearestIndexImage {
 
   // Thread-safe. depth > 0; (u, v) inside the image.
   void Offer(int u, int v, float depth, std::int32_t index) {
-    // The bits of positive floats are ordered as the floats.
-    std::uint32_t bits;
-    std::memcpy(&bits, &depth, sizeof bits);
-    const std::uint64_t key = std::uint64_t{bits} << 32 | static_cast<std::uint32_t>(index);
+    const std::uint64_t key = Key(depth, index);
     auto& nearest = keys_[static_cast<std::size_t>(v) * width_ + u];
     std::uint64_t seen = nearest.load(std::memory_order_relaxed);
     while (key < seen && !nearest.compare_exchange_weak(seen, key, std::memory_order_relaxed)) {
     }
+  }
+
+  // Whether something nearer than the depth is there already, so that an offer would be in vain.
+  bool IsHidden(int u, int v, float depth) const {
+    const auto& nearest = keys_[static_cast<std::size_t>(v) * width_ + u];
+    return nearest.load(std::memory_order_relaxed) < Key(depth, 0);
   }
 
   // kNothing where nothing was offered.
@@ -46,6 +49,13 @@ class NearestIndexImage {
   }
 
  private:
+  // Ordered by depth, then by index: the bits of positive floats are ordered as the floats.
+  static std::uint64_t Key(float depth, std::int32_t index) {
+    std::uint32_t bits;
+    std::memcpy(&bits, &depth, sizeof bits);
+    return std::uint64_t{bits} << 32 | static_cast<std::uint32_t>(index);
+  }
+
   // Its lower half reads as kNothing.
   static constexpr std::uint64_t kFarthest = std::numeric_limits<std::uint64_t>::max();
 

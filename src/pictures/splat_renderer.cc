@@ -59,6 +59,7 @@ void DrawDisc(const Canvas& canvas, const Eigen::Vector3f& c, const Eigen::Vecto
   for (int row = rows.begin; row < rows.end; ++row) {
     const float ey = (row - v) * per_pixel;
     for (int column = columns.begin; column < columns.end; ++column) {
+      if (canvas.image.IsHidden(column, row, nearest_z)) continue;
       const float ex = (column - u) * per_pixel;
       const float n_e = n.x() * ex + n.y() * ey;
       if (n_r + n_e >= 0) continue;
