@@ -65,7 +65,9 @@ void DrawDisc(const Canvas& canvas, const Eigen::Vector3f& c, const Eigen::Vecto
       if (n_r + n_e >= 0) continue;
       const float k = -z * n_e / (n_r + n_e);
       const Eigen::Vector3f offset((z + k) * ex + k * x, (z + k) * ey + k * y, k);
-      if (offset.squaredNorm() <= radius * radius) canvas.image.Offer(column, row, z + k, index);
+      if (offset.squaredNorm() > radius * radius) continue;
+      // Never below nearest_z, not even by rounding: else the test above would depend on the order.
+      canvas.image.Offer(column, row, std::max(z + k, nearest_z), index);
     }
   }
 }
