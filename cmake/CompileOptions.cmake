@@ -5,7 +5,8 @@ function(surfit_compile_options target)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -ffp-contract=off
                          -fno-math-errno -fno-trapping-math)
   if(SURFIT_SANITIZE)
-    target_compile_options(${target} PRIVATE -fsanitize=${SURFIT_SANITIZE} -fno-omit-frame-pointer)
+    target_compile_options(${target} PRIVATE -fsanitize=${SURFIT_SANITIZE}
+      -fno-sanitize-recover=all -fno-omit-frame-pointer)
     target_link_options(${target} PUBLIC -fsanitize=${SURFIT_SANITIZE})
     # Eigen would change its allocator under AddressSanitizer and disagree with prebuilt libraries.
     target_compile_definitions(${target} PUBLIC EIGEN_MALLOC_ALREADY_ALIGNED=1)

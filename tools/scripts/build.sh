@@ -8,5 +8,5 @@ shift
 # Hits survive a move of the source folder.
 export CCACHE_BASEDIR=$root CCACHE_NOHASHDIR=1
 cd "$root"
-cmake --preset "$preset" --log-level=NOTICE
+cmake --preset "$preset" --log-level=WARNING
 cmake --build --preset "$preset" --parallel "$(nproc)" ${1:+--target "$@"}
