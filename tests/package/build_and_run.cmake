@@ -1,5 +1,5 @@
 # Installs SURFIT_BUILD to a fresh prefix under WORK, then configures, builds and runs the consumer
-# project against what was installed.
+# project against what was installed, and asks every installed program for its help.
 cmake_minimum_required(VERSION 3.25)
 
 function(run)
@@ -27,3 +27,8 @@ run("${CMAKE_COMMAND}" -S "${CMAKE_CURRENT_LIST_DIR}" -B "${WORK}/build" -G "${G
   "-DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}")
 run("${CMAKE_COMMAND}" --build "${WORK}/build")
 run("${WORK}/build/consumer")
+
+file(GLOB programs "${prefix}/bin/*")
+foreach(program ${programs})
+  execute_process(COMMAND "${program}" --help OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
+endforeach()
