@@ -14,8 +14,9 @@ set(io_uses geometry frame mapping)
 set(evaluation_uses geometry)
 set(simulation_uses geometry frame)
 set(pictures_uses mapping)
+set(run_uses slam io evaluation pictures)
 set(rooms core geometry frame cost_functions registration mapping slam io evaluation simulation
-  pictures)
+  pictures run)
 
 # Sets <result> to the room itself and all it may include, directly or through others.
 function(rooms_within_reach room result)
