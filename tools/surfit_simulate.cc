@@ -22,7 +22,7 @@
 DEFINE_string(output, "", "folder of the sequence; must be empty, new or of a former simulation");
 DEFINE_string(scene, "room", "room, three_planes, wall, sphere or corridor");
 DEFINE_int32(frames, 200, "number of frames");
-DEFINE_int32(seed, 1, "another seed gives another room, another path and other noise");
+DEFINE_int32(seed, 4, "another seed gives another room, another path and other noise");
 DEFINE_string(sensor, "kinect", "ideal (exact depth) or kinect (noise model of a Kinect v1)");
 DEFINE_int32(downsample, 1, "1 to 16: keep every n-th pixel of 640 x 480 in each direction");
 DEFINE_bool(image_y_up, false,
