@@ -22,12 +22,20 @@ AssociationGates GatesOfLevel(const IcpOptions& options, int level) {
   return gates;
 }
 
+ErrorModel ErrorModelOfLevel(const IcpOptions& options, int level) {
+  ErrorModel error_model = options.error_model;
+  error_model.kernel_width *= std::pow(options.kernel_growth, level);
+  return error_model;
+}
+
 // One resolution of the registration.
 class LevelIcp {
  public:
   LevelIcp(const FrameLevel& source, const FrameLevel& target, int level, const PoseSolver& solver,
            const IcpOptions& options)
-      : association_(source, target, GatesOfLevel(options, level), options.error_model),
+      : association_(source, target, GatesOfLevel(options, level),
+                     ErrorModelOfLevel(options, level)),
+        focal_px_(target.camera.fx),
         solver_(solver),
         options_(options),
         level_(level),
@@ -36,50 +44,50 @@ class LevelIcp {
   // Iterates from result->target_from_source until one of the terminations holds.
   void Run(IcpResult* result) const {
     double last_rmse = 0;
+    result->termination = Termination::kMaxIterations;
     for (int i = 0; i < options_.max_iterations; ++i) {
       const StepResult step = solver_.Step(association_, result->target_from_source);
-      result->iterations.push_back({level_, step.system.AverageLoss(), step.system.inlier_count});
       Describe(step.system, step.smallest_eigenvalue, result);
-      if (Failed(step, result)) return;
+      if (Failed(step.system, step.singular, result)) return;
       result->target_from_source = LeftIncrement(step.increment, result->target_from_source);
-      if (Converged(step, i == 0 ? 0 : last_rmse)) {
+      ++result->step_count;
+      if (Converged(step, last_rmse)) {
         result->termination = Termination::kConverged;
-        return;
+        break;
       }
       last_rmse = std::sqrt(step.system.AverageLoss());
     }
-    result->termination = Termination::kMaxIterations;
-  }
-
-  // Describes the registration at the pose reached.
-  void Finish(IcpResult* result) const {
     const NormalSystem system = association_.Linearize(result->target_from_source);
-    Describe(system, system.ScaledEigenvalues()[0], result);
+    const double smallest_eigenvalue = system.ScaledEigenvalues()[0];
+    Describe(system, smallest_eigenvalue, result);
+    Failed(system, !(smallest_eigenvalue > options_.min_eigenvalue), result);
   }
 
  private:
-  bool Failed(const StepResult& step, IcpResult* result) const {
+  bool Failed(const NormalSystem& system, bool singular, IcpResult* result) const {
     const double needed =
         std::max<double>(options_.min_inliers, options_.min_inlier_share * valid_count_);
-    if (step.system.inlier_count < needed) {
+    if (system.pair_count < needed) {
       result->termination = Termination::kTooFewInliers;
       return true;
     }
-    if (step.singular) result->termination = Termination::kSingularSystem;
-    return step.singular;
+    if (singular) result->termination = Termination::kSingularSystem;
+    return singular;
   }
 
   bool Converged(const StepResult& step, double last_rmse) const {
-    if (step.increment.head<3>().norm() < options_.min_increment &&
-        step.increment.tail<3>().norm() < options_.min_increment) {
-      return true;
-    }
+    const double turn_rad = step.increment.head<3>().norm();
+    const double shift_m = step.increment.tail<3>().norm();
+    if (turn_rad < options_.min_increment && shift_m < options_.min_increment) return true;
+    const double step_px = focal_px_ * (turn_rad + shift_m / step.system.RmsDistance());
+    if (level_ > 0 && step_px < options_.min_coarse_step_px) return true;
     const double rmse = std::sqrt(step.system.AverageLoss());
     return last_rmse > 0 &&
            std::abs(rmse - last_rmse) < options_.min_relative_rmse_change * last_rmse;
   }
 
   void Describe(const NormalSystem& system, double smallest_eigenvalue, IcpResult* result) const {
+    result->iterations.push_back({level_, system.AverageLoss(), system.inlier_count});
     result->inlier_count = system.inlier_count;
     result->inlier_share =
         valid_count_ > 0 ? static_cast<double>(system.inlier_count) / valid_count_ : 0;
@@ -89,6 +97,7 @@ class LevelIcp {
   }
 
   ProjectiveAssociation association_;
+  double focal_px_;
   const PoseSolver& solver_;
   const IcpOptions& options_;
   int level_;
@@ -119,10 +128,10 @@ IcpResult Register(const FramePyramid& source, const FramePyramid& target,
   result.target_from_source = target_from_source_initial;
   const int levels = static_cast<int>(std::min(source.levels.size(), target.levels.size()));
   for (int level = levels - 1; level >= 0; --level) {
+    if (!options.middle_levels && level > 0 && level < levels - 1) continue;
     const LevelIcp icp(source.levels[level], target.levels[level], level, *solver, options);
     icp.Run(&result);
     if (!result.Succeeded()) return result;
-    if (level == 0) icp.Finish(&result);
   }
   return result;
 }

@@ -11,15 +11,19 @@ NormalSystem& NormalSystem::operator+=(const NormalSystem& other) {
   weighted_square_sum += other.weighted_square_sum;
   weight_sum += other.weight_sum;
   weighted_point_square_sum += other.weighted_point_square_sum;
+  pair_count += other.pair_count;
   inlier_count += other.inlier_count;
   return *this;
 }
 
+double NormalSystem::RmsDistance() const {
+  return weight_sum > 0 ? std::sqrt(weighted_point_square_sum / weight_sum) : 0;
+}
+
 Vector6d NormalSystem::ScaledEigenvalues() const {
-  if (!(weight_sum > 0) || !(weighted_point_square_sum > 0)) return Vector6d::Zero();
-  const double length_m = std::sqrt(weighted_point_square_sum / weight_sum);
+  if (!(RmsDistance() > 0)) return Vector6d::Zero();
   Vector6d scale = Vector6d::Ones();
-  scale.head<3>().setConstant(1 / length_m);
+  scale.head<3>().setConstant(1 / RmsDistance());
   const Matrix6d scaled = scale.asDiagonal() * hessian * scale.asDiagonal() / weight_sum;
   return Eigen::SelfAdjointEigenSolver<Matrix6d>(scaled, Eigen::EigenvaluesOnly).eigenvalues();
 }
@@ -39,7 +43,8 @@ NormalSystem BuildNormalSystem(const Correspondences& c) {
     system.weight_sum += w;
     system.weighted_point_square_sum += w * p.squaredNorm();
   }
-  system.inlier_count = static_cast<int>(c.size());
+  system.pair_count = static_cast<int>(c.size());
+  system.inlier_count = c.inlier_count;
   return system;
 }
 

@@ -85,7 +85,8 @@ void AddPairs(PairBuffer* pairs, NormalSystem* system) {
     for (int group = first; group < end; group += kLanes) AddGroup(*pairs, group, &sums);
     Flush(sums, system);
   }
-  system->inlier_count += pairs->size;
+  system->pair_count += pairs->size;
+  system->inlier_count += pairs->inlier_count;
 }
 
 }  // namespace surfit

@@ -22,6 +22,7 @@ struct PairBuffer {
   std::vector<float> nx, ny, nz;  // target normal
   std::vector<float> weight;
   int size = 0;
+  int inlier_count = 0;
 };
 
 // Adds the rows [p x n, n | n . (q - p)] of the pairs to the system: lanes of single precision,

@@ -13,6 +13,8 @@ namespace surfit {
 namespace {
 
 constexpr int kRowsPerBlock = 8;
+constexpr float kInlierBound2 =
+    static_cast<float>(ErrorModel::kInlierSigmas * ErrorModel::kInlierSigmas);
 
 // Everything the inner loop needs, in single precision.
 class RowAssociator {
@@ -43,6 +45,7 @@ class RowAssociator {
   // Fills the buffer with the pairs of row v.
   void Associate(int v, PairBuffer* pairs) const {
     pairs->size = 0;
+    pairs->inlier_count = 0;
     const float *sx = source_.vertex.x.row(v), *sy = source_.vertex.y.row(v),
                 *sz = source_.vertex.z.row(v);
     const int width = source_.vertex.width();
@@ -57,7 +60,11 @@ class RowAssociator {
                               target_.normal.z[pixel]);
       if (!(q.z() > 0) || (q - p).squaredNorm() > max_distance2_ || n.isZero(0.f)) continue;
       if (normal_gate_ && (rotation_ * source_.normal(u, v)).dot(n) < min_cosine_) continue;
-      Append(p, q, n, Weight(sz[u], n.dot(p - q)), pairs);
+      const float variance = Variance(sz[u]);
+      const float residual2 = Square(n.dot(p - q));
+      const float kernel = 1.f + residual2 * inverse_kernel2_ / variance;
+      Append(p, q, n, 1.f / (variance * kernel * kernel), pairs);
+      if (residual2 <= kInlierBound2 * variance) ++pairs->inlier_count;
     }
   }
 
@@ -73,11 +80,10 @@ class RowAssociator {
     return inside ? static_cast<int>(v) * target_.vertex.width() + static_cast<int>(u) : -1;
   }
 
-  float Weight(float depth_m, float residual_m) const {
+  static float Square(float x) { return x * x; }
+  float Variance(float depth_m) const {
     const float z2 = depth_m * depth_m;
-    const float variance = floor_variance_ + inverse_depth_variance_ * z2 * z2;
-    const float kernel = 1.f + residual_m * residual_m * inverse_kernel2_ / variance;
-    return 1.f / (variance * kernel * kernel);
+    return floor_variance_ + inverse_depth_variance_ * z2 * z2;
   }
 
   static void Append(const Eigen::Vector3f& p, const Eigen::Vector3f& q, const Eigen::Vector3f& n,
@@ -132,6 +138,7 @@ Correspondences ProjectiveAssociation::Collect(const Rigid3d& target_from_source
   Correspondences all;
   for (int v = 0; v < source_.vertex.height(); ++v) {
     rows.Associate(v, &pairs);
+    all.inlier_count += pairs.inlier_count;
     for (int i = 0; i < pairs.size; ++i) {
       all.Add({pairs.px[i], pairs.py[i], pairs.pz[i]}, {pairs.qx[i], pairs.qy[i], pairs.qz[i]},
               {pairs.nx[i], pairs.ny[i], pairs.nz[i]}, pairs.weight[i]);

@@ -45,7 +45,9 @@ void IcpOptions::Validate() const {
           "from 1 to 1000");
   gates.Validate();
   Require(gate_growth >= 1, "gate_growth", gate_growth, "at least 1");
+  Require(kernel_growth >= 1, "kernel_growth", kernel_growth, "at least 1");
   error_model.Validate();
+  Require(min_coarse_step_px >= 0, "min_coarse_step_px", min_coarse_step_px, "zero or positive");
   Require(min_relative_rmse_change >= 0, "min_relative_rmse_change", min_relative_rmse_change,
           "zero or positive");
   Require(min_increment >= 0, "min_increment", min_increment, "zero or positive");

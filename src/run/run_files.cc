@@ -44,7 +44,7 @@ void RunFiles::Write(const FrameReport& report, double decode_ms, double frame_m
   const bool registered = !report.icp.iterations.empty();
   csv_ << report.index << ',' << std::fixed << std::setprecision(6) << report.stamp_s << ','
        << ToString(report.state) << ',' << (registered ? ToString(report.icp.termination) : "")
-       << ',' << report.icp.iterations.size() << ',' << report.icp.inlier_count << ','
+       << ',' << report.icp.step_count << ',' << report.icp.inlier_count << ','
        << report.icp.inlier_share << ',' << report.icp.rmse_m << ',' << std::scientific
        << report.icp.smallest_eigenvalue << ',' << std::fixed << report.fusion.input_points << ','
        << report.fusion.merged_points << ',' << report.fusion.merged << ',' << report.fusion.added

@@ -31,7 +31,7 @@ class AssociationTest : public ::testing::Test {
   Correspondences Collect(const Rigid3d& pose, const AssociationGates& gates = kOff) const {
     const ProjectiveAssociation association(source_, target_, gates, ErrorModel());
     const Correspondences pairs = association.Collect(pose);
-    EXPECT_EQ(association.Linearize(pose).inlier_count, static_cast<int>(pairs.size()));
+    EXPECT_EQ(association.Linearize(pose).pair_count, static_cast<int>(pairs.size()));
     return pairs;
   }
   std::size_t Count(const Rigid3d& pose, const AssociationGates& gates = kOff) const {
@@ -143,6 +143,21 @@ TEST_F(AssociationTest, OnlyTheNormalGateNeedsASourceNormal) {
   AssociationGates gates = kOff;
   gates.max_normal_angle_rad = 1.57;  // the widest
   EXPECT_EQ(Count(Rigid3d(), gates), 0u);
+}
+
+// An inlier's residual, not its distance, is within three sigmas of the error model.
+TEST_F(AssociationTest, InliersAreThePairsWithinThreeSigmas) {
+  const ErrorModel model;
+  const ProjectiveAssociation association(source_, target_, kOff, model);
+  const auto inliers = [&](const Rigid3d& pose) {
+    const int inlier_count = association.Linearize(pose).inlier_count;
+    EXPECT_EQ(association.Collect(pose).inlier_count, inlier_count);
+    EXPECT_EQ(association.Linearize(pose).pair_count, 1);
+    return inlier_count;
+  };
+  EXPECT_EQ(inliers(Shift(0.3, 0.1, 0)), 1);
+  EXPECT_EQ(inliers(Shift(0, 0, 2.999 * model.Sigma(1))), 1);
+  EXPECT_EQ(inliers(Shift(0, 0, 3.001 * model.Sigma(1))), 0);
 }
 
 TEST(AssociationGates, ValidateNamesFieldValueAndConstraint) {

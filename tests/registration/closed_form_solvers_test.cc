@@ -53,7 +53,7 @@ TEST(ClosedFormSolvers, AllGiveTheLeastSquaresIncrement) {
     for (const NamedSolution& solution : AllSolutions(pairs)) {
       EXPECT_FALSE(solution.step.singular);
       EXPECT_GT(solution.step.smallest_eigenvalue, kMinEigenvalue);
-      EXPECT_EQ(solution.step.system.inlier_count, 500);
+      EXPECT_EQ(solution.step.system.pair_count, 500);
       EXPECT_THAT(solution.step.increment,
                   VectorNear(expected, kRelativeTolerance * expected.norm()))
           << solution.name;

@@ -25,6 +25,7 @@ TEST_F(Linearize, SumsWhatCollectLists) {
     const Correspondences pairs = association_.Collect(pose);
     ASSERT_GT(pairs.size(), 5000u);
     const NormalSystem expected = BuildNormalSystem(pairs), actual = association_.Linearize(pose);
+    EXPECT_EQ(actual.pair_count, expected.pair_count);
     EXPECT_EQ(actual.inlier_count, expected.inlier_count);
     EXPECT_NEAR(actual.weight_sum, expected.weight_sum, kRelative * expected.weight_sum);
     EXPECT_NEAR(actual.weighted_point_square_sum, expected.weighted_point_square_sum,

@@ -41,8 +41,9 @@ NormalSystem DualSystem(const Correspondences& c) {
     system.weighted_square_sum += c.weight[i] * r.a * r.a;
     system.weight_sum += c.weight[i];
     system.weighted_point_square_sum += c.weight[i] * testing::PointOf(c, i).squaredNorm();
-    ++system.inlier_count;
+    ++system.pair_count;
   }
+  system.inlier_count = c.inlier_count;
   return system;
 }
 
@@ -62,6 +63,7 @@ void ExpectNear(const NormalSystem& actual, const NormalSystem& expected, double
   EXPECT_NEAR(actual.weight_sum, expected.weight_sum, relative * expected.weight_sum);
   EXPECT_NEAR(actual.weighted_point_square_sum, expected.weighted_point_square_sum,
               relative * expected.weighted_point_square_sum);
+  EXPECT_EQ(actual.pair_count, expected.pair_count);
   EXPECT_EQ(actual.inlier_count, expected.inlier_count);
 }
 
@@ -83,7 +85,8 @@ TEST(BuildNormalSystem, SumsAllRows) {
 
 TEST(BuildNormalSystem, IsZeroWithoutPairs) {
   const NormalSystem system = BuildNormalSystem(Correspondences());
-  EXPECT_EQ(system.inlier_count, 0);
+  EXPECT_EQ(system.pair_count, 0);
+  EXPECT_EQ(system.RmsDistance(), 0);
   EXPECT_TRUE(system.hessian.isZero(0));
   EXPECT_EQ(system.AverageLoss(), 0);
   EXPECT_TRUE(system.ScaledEigenvalues().isZero(0));
@@ -115,16 +118,19 @@ TEST(AddPairs, AgreesWithDoublePrecisionForAnyNumberOfPairs) {
       rounded.Add(p.cast<double>(), q.cast<double>(), n.cast<double>(), weight);
     }
     buffer.size = count;
+    buffer.inlier_count = count / 2;
     NormalSystem system;
     AddPairs(&buffer, &system);
     // Columns p x n are differences of products of size |p| <= 4.6 (a cube about 3 m): relative to
     // root_i, which can be as small as for a single pair, cancellation costs that factor.
+    rounded.inlier_count = buffer.inlier_count;
     const NormalSystem expected = DualSystem(rounded);
     if (count >= 63) ExpectNear(system, expected, 5 * kLaneTolerance);
     const double size = expected.weight_sum * 4.6 * 4.6;
     EXPECT_THAT(system.hessian, VectorNear(expected.hessian, 6 * kLaneTolerance * size));
     EXPECT_THAT(system.right_side, VectorNear(expected.right_side, 6 * kLaneTolerance * size));
-    EXPECT_EQ(system.inlier_count, count);
+    EXPECT_EQ(system.pair_count, count);
+    EXPECT_EQ(system.inlier_count, buffer.inlier_count);
   }
 }
 
@@ -133,7 +139,9 @@ TEST(NormalSystem, SumIsThatOfAllPairs) {
   Correspondences all;
   NormalSystem sum;
   for (int part = 0; part < 3; ++part) {
-    const Correspondences pairs = testing::RandomCorrespondences(50, 0.1, &rng);
+    Correspondences pairs = testing::RandomCorrespondences(50, 0.1, &rng);
+    pairs.inlier_count = 20 + part;
+    all.inlier_count += pairs.inlier_count;
     sum += BuildNormalSystem(pairs);
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       all.Add(testing::PointOf(pairs, i), testing::TargetOf(pairs, i), testing::NormalOf(pairs, i),
@@ -148,6 +156,13 @@ TEST(NormalSystem, AverageLossIsTheWeightedMeanOfSquares) {
   pairs.Add({0, 0, 2}, {0, 0, 2.1}, {0, 0, -1}, 1);  // r = 0.1
   pairs.Add({0, 0, 2}, {0, 1, 2.3}, {0, 0, -1}, 3);  // r = 0.3
   EXPECT_NEAR(BuildNormalSystem(pairs).AverageLoss(), (0.01 + 3 * 0.09) / 4, 1e-15);
+}
+
+TEST(NormalSystem, RmsDistanceIsThatOfTheMovedPoints) {
+  Correspondences pairs;
+  pairs.Add({0, 3, 4}, {0, 0, 1}, {0, 0, -1}, 1);  // 5 m
+  pairs.Add({0, 0, 1}, {0, 0, 1}, {0, 0, -1}, 3);  // 1 m
+  EXPECT_NEAR(BuildNormalSystem(pairs).RmsDistance(), std::sqrt((25.0 + 3 * 1) / 4), 1e-15);
 }
 
 TEST(ScaledEigenvalues, DoNotDependOnUnitsOrWeights) {

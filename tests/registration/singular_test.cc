@@ -55,7 +55,7 @@ TEST_P(Singular, IsSaidAndGivesNoIncrement) {
     EXPECT_TRUE(step.singular);
     EXPECT_TRUE(step.increment.isZero(0));
     EXPECT_NEAR(step.smallest_eigenvalue, 0, 1e-14);
-    EXPECT_EQ(step.system.inlier_count, 500);
+    EXPECT_EQ(step.system.pair_count, 500);
   }
 }
 

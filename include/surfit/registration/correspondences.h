@@ -14,6 +14,7 @@ struct Correspondences {
   std::vector<double> qx, qy, qz;
   std::vector<double> nx, ny, nz;
   std::vector<double> weight;
+  int inlier_count = 0;  // pairs whose residual is within ErrorModel::kInlierSigmas
 
   std::size_t size() const { return weight.size(); }
   void Add(const Eigen::Vector3d& p, const Eigen::Vector3d& q, const Eigen::Vector3d& n, double w) {

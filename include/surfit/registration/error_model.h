@@ -13,6 +13,9 @@ namespace surfit {
 // rho'(s) = 1 / (1 + s / k^2)^2 (Geman and McClure), s = (r / sigma)^2, in iteratively reweighted
 // least squares.
 struct ErrorModel {
+  // A pair is an inlier if its residual is within so many sigmas.
+  static constexpr double kInlierSigmas = 3;
+
   DepthNoise noise;
   double floor_sigma_m = 0.004;
   double kernel_width = 3;  // k, in sigmas; 0 = no robust kernel

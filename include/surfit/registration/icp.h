@@ -16,15 +16,18 @@ struct IcpOptions {
   std::string solver = "closed_form_ldlt";
   std::string residual = "point_to_plane";
   std::string association = "projective";
-  int max_iterations = 10;  // on each level
-  AssociationGates gates;   // of the finest level
-  double gate_growth = 2;   // the distance gate grows by this on each coarser level
-  ErrorModel error_model;
+  bool middle_levels = true;      // false: only the coarsest and the finest level
+  int max_iterations = 10;        // on each level
+  AssociationGates gates;         // of the finest level
+  double gate_growth = 2;         // the distance gate grows by this on each coarser level
+  double kernel_growth = 1;       // and so does the robust kernel's width by this
+  ErrorModel error_model;         // of the finest level
+  double min_coarse_step_px = 0;  // a coarser level also ends where points move by less of its px
   double min_relative_rmse_change = 1e-3;  // a level ends where RMSE changes by less ...
   double min_increment = 1e-5;             // ... or where rad and metres of the step are below
-  int min_inliers = 200;
-  double min_inlier_share = 0.1;  // of the valid source points of the level
-  double min_eigenvalue = 1e-6;   // scaled; below it the problem is singular
+  int min_inliers = 200;                   // pairs, of whatever residual
+  double min_inlier_share = 0.1;           // of the valid source points of the level
+  double min_eigenvalue = 1e-6;            // scaled; below it the problem is singular
 
   // Throws InputError naming field, value and constraint.
   void Validate() const;
@@ -40,11 +43,11 @@ enum class Termination {
 // "converged", "max_iterations", "too_few_inliers", "singular_system".
 std::string ToString(Termination termination);
 
-// The state before one step.
+// The state of a level before a step or, its last one, after all steps.
 struct IcpIteration {
   int level = 0;            // 0 is the finest
   double average_loss = 0;  // m^2, weighted mean of r^2
-  int inlier_count = 0;
+  int inlier_count = 0;     // pairs whose residual is within ErrorModel::kInlierSigmas
 };
 
 // The outcome of a registration.
@@ -52,8 +55,9 @@ struct IcpResult {
   Termination termination = Termination::kTooFewInliers;
   Rigid3d target_from_source;  // the last pose reached
   std::vector<IcpIteration> iterations;
+  int step_count = 0;  // over all levels
   // At that pose, on the level where ICP ended:
-  int inlier_count = 0;
+  int inlier_count = 0;                 // pairs whose residual is within ErrorModel::kInlierSigmas
   double inlier_share = 0;              // of the valid source points
   double rmse_m = 0;                    // square root of the weighted mean of r^2
   Matrix6d hessian = Matrix6d::Zero();  // information of the left increment (1/rad^2, 1/m^2)

@@ -24,12 +24,16 @@ struct NormalSystem {
   double weighted_square_sum = 0;          // sum of w r^2
   double weight_sum = 0;                   // sum of w
   double weighted_point_square_sum = 0;    // sum of w |p'|^2
-  int inlier_count = 0;
+  int pair_count = 0;                      // pairs that were associated
+  int inlier_count = 0;  // those whose residual is within ErrorModel::kInlierSigmas
 
   NormalSystem& operator+=(const NormalSystem& other);
 
-  // Weighted mean of r^2 in m^2; 0 without inliers.
+  // Weighted mean of r^2 in m^2; 0 without pairs.
   double AverageLoss() const { return weight_sum > 0 ? weighted_square_sum / weight_sum : 0; }
+
+  // Root of the weighted mean of |p'|^2, in metres; 0 without pairs.
+  double RmsDistance() const;
 
   // The eigenvalues, ascending, of A^T W A per weight after measuring rotations as arc lengths at
   // the points' RMS distance: without unit, from 0 (a direction the data does not hold) to 1.
