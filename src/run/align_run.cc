@@ -72,6 +72,12 @@ PoseError ErrorOf(const Rigid3d& estimated, const Rigid3d& truth) {
 
 IcpOptions AlignRunOptions::DefaultIcp() {
   IcpOptions icp;
+  icp.middle_levels = false;
+  icp.min_coarse_step_px = 20;
+  icp.gates.max_distance_m = 0.05;
+  icp.gates.max_normal_angle_rad = 0.35;
+  icp.gate_growth = 2.5;
+  icp.kernel_growth = 4;
   return icp;
 }
 
