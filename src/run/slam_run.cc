@@ -185,7 +185,20 @@ class SlamRun {
         pose.world_from_camera = true_from_estimated * pose.world_from_camera;
       }
     }
-    WriteTrajectoryPicture(aligned, info_.ground_truth, options_.output + "/trajectory.png");
+    WriteTrajectoryPicture(aligned, TruthOfTheRun(), options_.output + "/trajectory.png");
+  }
+
+  // The ground truth from the first to the last frame of the run.
+  Trajectory TruthOfTheRun() const {
+    constexpr double kMarginSeconds = 0.02;
+    Trajectory truth;
+    for (const StampedPose& pose : info_.ground_truth) {
+      if (pose.stamp_s >= stamps_s_.front() - kMarginSeconds &&
+          pose.stamp_s <= stamps_s_.back() + kMarginSeconds) {
+        truth.push_back(pose);
+      }
+    }
+    return truth;
   }
 
   const SlamRunOptions& options_;
