@@ -64,7 +64,7 @@ int Run() {
   options.output = FLAGS_output;
   options.threads = FLAGS_threads;
   options.preprocess = PreprocessOptionsFromFlags();
-  options.icp = IcpOptionsFromFlags();
+  options.icp = IcpOptionsFromFlags(surfit::AlignRunOptions::DefaultIcp());
   const AlignRunResult result = RunAlign(options);
   PrintIterations(result.icp);
   PrintResult(result);
@@ -77,6 +77,7 @@ int Run() {
 }  // namespace surfit::tools
 
 int main(int argc, char** argv) {
+  surfit::tools::SetIcpFlagDefaults(surfit::AlignRunOptions::DefaultIcp());
   return surfit::tools::ToolMain(argc, argv, "registers two frames of an RGB-D sequence",
                                  surfit::tools::Run);
 }

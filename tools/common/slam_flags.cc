@@ -4,6 +4,8 @@
 
 #include <vector>
 
+#include "surfit/core/error.h"
+
 namespace {
 
 const surfit::PreprocessOptions kPreprocess;
@@ -50,8 +52,18 @@ PreprocessOptions PreprocessOptionsFromFlags() {
   return options;
 }
 
-IcpOptions IcpOptionsFromFlags() {
-  IcpOptions options;
+void SetIcpFlagDefaults(const IcpOptions& options) {
+  const auto set = [](const char* flag, double value) {
+    gflags::SetCommandLineOptionWithMode(flag, Concat(value).c_str(), gflags::SET_FLAGS_DEFAULT);
+  };
+  set("max_iterations", options.max_iterations);
+  set("max_distance_m", options.gates.max_distance_m);
+  set("max_normal_angle_deg", options.gates.max_normal_angle_rad / kDegree);
+  set("gate_growth", options.gate_growth);
+}
+
+IcpOptions IcpOptionsFromFlags(const IcpOptions& base) {
+  IcpOptions options = base;
   options.solver = FLAGS_solver;
   options.residual = FLAGS_residual;
   options.association = FLAGS_association;

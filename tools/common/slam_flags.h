@@ -9,7 +9,11 @@ namespace surfit::tools {
 
 // The flags of preprocessing and registration, shared by all programs that register frames.
 PreprocessOptions PreprocessOptionsFromFlags();
-IcpOptions IcpOptionsFromFlags();
+// What has no flag is taken from `base`.
+IcpOptions IcpOptionsFromFlags(const IcpOptions& base = {});
+
+// Makes these the flags' defaults, for a program whose own differ. To be called before ToolMain().
+void SetIcpFlagDefaults(const IcpOptions& options);
 
 // All flags of our own programs with their present values.
 std::map<std::string, std::string> RecordedFlags();
