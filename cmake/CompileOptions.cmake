@@ -6,7 +6,8 @@ function(surfit_compile_options target)
                          -fno-math-errno -fno-trapping-math)
   if(SURFIT_SANITIZE)
     target_compile_options(${target} PRIVATE -fsanitize=${SURFIT_SANITIZE}
-      -fno-sanitize-recover=all -fno-omit-frame-pointer)
+      -fno-sanitize-recover=all -fno-omit-frame-pointer
+      -Wno-maybe-uninitialized)  # instrumented code misleads it, within <regex> for one
     target_link_options(${target} PUBLIC -fsanitize=${SURFIT_SANITIZE})
     # Eigen would change its allocator under AddressSanitizer and disagree with prebuilt libraries.
     target_compile_definitions(${target} PUBLIC EIGEN_MALLOC_ALREADY_ALIGNED=1)

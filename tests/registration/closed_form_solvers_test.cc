@@ -20,7 +20,7 @@ constexpr double kRelativeTolerance = 1e-9;
 
 // Minimises the linearised cost by SVD of the weighted N x 6 matrix, its rows written out by hand.
 Vector6d DenseSolution(const Correspondences& c) {
-  Eigen::Matrix<double, Eigen::Dynamic, 6> a(c.size(), 6);
+  Eigen::MatrixXd a(c.size(), 6);
   Eigen::VectorXd b(c.size());
   for (std::size_t i = 0; i < c.size(); ++i) {
     const double s = std::sqrt(c.weight[i]);
