@@ -28,6 +28,11 @@ struct PosedCamera {
   Eigen::Vector3f NormalInCamera(const SurfelMap& map, std::size_t i) const {
     return rotation * Eigen::Vector3f(map.nx[i], map.ny[i], map.nz[i]);
   }
+  // The point that a pixel sees at a depth.
+  Eigen::Vector3f PointAt(int u, int v, float depth) const {
+    return {depth * ((static_cast<float>(u) - cx) / fx),
+            depth * ((static_cast<float>(v) - cy) / fy), depth};
+  }
   Eigen::Vector3f PointInWorld(const Eigen::Vector3f& point_in_camera) const {
     return world_rotation * point_in_camera + world_translation;
   }

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <atomic>
-#include <cstdint>
 #include <vector>
 
 #include "surfit/frame/depth_noise.h"
@@ -9,6 +7,8 @@
 #include "surfit/mapping/surfel_map.h"
 
 namespace surfit {
+
+class DiscList;
 
 // How the map is drawn.
 struct RenderOptions {
@@ -36,16 +36,18 @@ struct RenderOptions {
 class ModelRenderer {
  public:
   explicit ModelRenderer(const RenderOptions& options);
+  ~ModelRenderer();
+  ModelRenderer(const ModelRenderer&) = delete;
+  ModelRenderer& operator=(const ModelRenderer&) = delete;
 
   // The view of an undistorted camera. The same map and pose give the same view bit for bit at any
-  // number of threads: the buffers keep minima, and those do not depend on the order.
+  // number of threads.
   ModelView Render(const SurfelMap& map, const PinholeCamera& camera,
                    const Rigid3d& world_from_view);
 
  private:
   RenderOptions options_;
-  std::vector<std::atomic<std::uint64_t>> first_;  // per pixel: depth of the first disc
-  std::vector<std::atomic<std::uint64_t>> drawn_;  // per pixel: disc that is drawn
+  std::vector<DiscList> lists_;  // the map's discs, part by part
 };
 
 }  // namespace surfit
