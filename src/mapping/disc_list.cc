@@ -60,9 +60,12 @@ void DiscList::Sort(const Unsorted& unsorted) {
     count += bucket;
     bucket = count;
   }
-  // What was seen once must not keep its memory for ever.
-  if (discs_.capacity() / 4 > static_cast<std::size_t>(count)) discs_ = {};
-  discs_.resize(count);
+  const std::size_t size = static_cast<std::size_t>(count);
+  if (discs_.capacity() < size || discs_.capacity() > 2 * size) {
+    discs_ = std::vector<Disc>(size);  // just that: not twice as much, nor what was needed once
+  } else {
+    discs_.resize(size);
+  }
   for (int k = unsorted.size - 1; k >= 0; --k) {
     ForEachBand(unsorted.discs[k], [&](int band) {
       discs_[--begin_[unsorted.layers[k] * band_count_ + band]] = unsorted.discs[k];
