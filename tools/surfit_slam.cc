@@ -40,7 +40,7 @@ DEFINE_double(merge_angle_deg, kRun.slam.fusion.max_normal_angle_rad / kDegree,
 DEFINE_double(max_spacing_m, kRun.slam.fusion.max_spacing_m,
               "points merge with surfels at most this far across the surface");
 DEFINE_double(stable_confidence, kRun.slam.fusion.stable_confidence,
-              "surfels of less confidence are unstable");
+              "surfels of less confidence are removed when not seen for a while");
 DEFINE_int32(max_dormant_frames, kRun.slam.fusion.max_dormant_frames,
              "unstable surfels are removed when not seen for longer");
 
@@ -73,7 +73,6 @@ SlamRunOptions OptionsFromFlags() {
   slam.fusion.max_spacing_m = static_cast<float>(FLAGS_max_spacing_m);
   slam.fusion.stable_confidence = static_cast<float>(FLAGS_stable_confidence);
   slam.fusion.max_dormant_frames = FLAGS_max_dormant_frames;
-  slam.render.stable_confidence = slam.fusion.stable_confidence;
   options.record = RecordedFlags();
   return options;
 }

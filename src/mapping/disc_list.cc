@@ -33,7 +33,7 @@ void DiscList::Assign(const SurfelMap& map, int begin, int end, const PosedCamer
   for (int i = begin; i < end; i += 4) {
     if (!projector.Project(i, end, &four)) continue;
     for (int k = 0; k < 4; ++k) {
-      if (!four.seen[k]) continue;
+      if (!four.seen[k] || map.at_edge[i + k]) continue;
       Disc& disc = unsorted.discs[unsorted.size];
       disc = four[k];
       disc.surfel = i + k;

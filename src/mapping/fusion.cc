@@ -237,7 +237,9 @@ int Fusion::Workspace::MergeAround(const PosedCamera& camera, int u, int v, Surf
       observation.color = frame->color.empty() ? map->Color(i) : frame->color(qu, qv);
       observation.radius_m = point.radius_m;
       observation.weight = weights(qu, qv);
-      const bool fine = point.radius_m < options.max_radius_ratio * map->radius_m[i];
+      observation.at_edge = point.at_edge;
+      const bool fine =
+          !point.at_edge && point.radius_m < options.max_radius_ratio * map->radius_m[i];
       map->Merge(i, observation, fine, options.max_confidence);
       ++count;
     }
@@ -265,6 +267,7 @@ std::vector<Surfel> Fusion::Workspace::NewSurfels(const PosedCamera& camera,
         surfel.color = frame->color.empty() ? Rgb8{128, 128, 128} : frame->color(u, v);
         surfel.radius_m = point.radius_m;
         surfel.confidence = weights(u, v);
+        surfel.at_edge = point.at_edge;
         surfel.first_seen = surfel.last_seen = frame->index;
         of_block[begin / kRowsPerBlock].push_back(surfel);
       }

@@ -42,24 +42,70 @@ Image<float> FreeDepths(const Image<float>& depth_m, const FusionOptions& option
   return result;
 }
 
+// The measured depth of a frame as points with normals.
+class Points {
+ public:
+  Points(const Image<float>& depth_m, const FrameLevel& surface, const FusionOptions& options)
+      : depth_m_(depth_m),
+        surface_(surface),
+        pixel_size_(std::sqrt(2.f) / static_cast<float>(surface.camera.fx)),
+        max_slant_scale_(options.max_slant_scale),
+        sigma_(static_cast<float>(options.noise.inverse_depth_sigma)) {}
+
+  void Measure(int u, int v, MeasuredPoint* point) const {
+    const float depth = depth_m_(u, v);
+    point->position = Position(u, v);
+    point->normal = surface_.normal(u, v);
+    point->at_edge = depth > 0 && point->normal.isZero(0.f);
+    if (point->at_edge) point->normal = NormalOfNeighbour(u, v, point->position);
+    const float slant =
+        std::min(1.f / std::max(std::fabs(point->normal.z()), 1e-6f), max_slant_scale_);
+    point->radius_m = point->normal.isZero(0.f) ? 0.f : pixel_size_ * depth * slant;
+  }
+
+ private:
+  Eigen::Vector3f Position(int u, int v) const {
+    return surface_.camera.Ray(u, v).cast<float>() * depth_m_(u, v);
+  }
+
+  // The normal of the neighbour whose plane passes nearest to the point, within half a sigma of its
+  // depth: the one that continues its surface. Zero if there is none.
+  Eigen::Vector3f NormalOfNeighbour(int u, int v, const Eigen::Vector3f& point) const {
+    Eigen::Vector3f normal = Eigen::Vector3f::Zero();
+    float nearest = 0.5f * sigma_ * point.z() * point.z();
+    for (int qv = std::max(0, v - 1); qv <= std::min(depth_m_.height() - 1, v + 1); ++qv) {
+      for (int qu = std::max(0, u - 1); qu <= std::min(depth_m_.width() - 1, u + 1); ++qu) {
+        const Eigen::Vector3f n = surface_.normal(qu, qv);
+        if (n.isZero(0.f)) continue;
+        const float distance = std::fabs(n.dot(point - Position(qu, qv)));
+        if (distance > nearest || !(n.dot(point) < 0)) continue;
+        nearest = distance;
+        normal = n;
+      }
+    }
+    return normal;
+  }
+
+  const Image<float>& depth_m_;
+  const FrameLevel& surface_;
+  const float pixel_size_;
+  const float max_slant_scale_;
+  const float sigma_;  // of inverse depth
+};
+
 }  // namespace
 
 void MeasurePoints(const RgbdFrame& frame, const FrameLevel& surface, const FusionOptions& options,
                    std::vector<MeasuredPoint>* points) {
   const int width = surface.camera.width, height = surface.camera.height;
-  const float pixel_size = std::sqrt(2.f) / static_cast<float>(surface.camera.fx);
+  const Points measured(frame.depth_m, surface, options);
   const Image<float> free_depth = FreeDepths(frame.depth_m, options);
   points->resize(static_cast<std::size_t>(width) * height);
   ParallelFor(0, height, kRowsPerBlock, [&](int begin, int end) {
     for (int v = begin; v < end; ++v) {
       for (int u = 0; u < width; ++u) {
         MeasuredPoint& point = (*points)[static_cast<std::size_t>(v) * width + u];
-        point.position = surface.vertex(u, v);
-        point.normal = surface.normal(u, v);
-        const float cosine = std::fabs(point.normal.z());
-        const bool exists = point.position.z() > 0 && !point.normal.isZero(0.f);
-        const float slant = std::min(1.f / std::max(cosine, 1e-6f), options.max_slant_scale);
-        point.radius_m = exists ? pixel_size * point.position.z() * slant : 0.f;
+        measured.Measure(u, v, &point);
         point.free_depth_m = free_depth(u, v);
       }
     }

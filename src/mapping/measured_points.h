@@ -18,6 +18,7 @@ struct MeasuredPoint {
   // Surfels at this pixel with less depth are seen through: all pixels around are measured, and
   // behind it by the margin. 0 where some depth is missing.
   float free_depth_m = 0;
+  bool at_edge = false;  // the normal is a neighbour's
 };
 
 // The points of a frame, row by row. Reuses the memory of `points`.

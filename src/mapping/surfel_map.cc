@@ -18,7 +18,7 @@ template <typename Map, typename F>
 void ForEachArray(Map& m, const F& f) {
   f(m.x), f(m.y), f(m.z), f(m.nx), f(m.ny), f(m.nz);
   f(m.red), f(m.green), f(m.blue);
-  f(m.radius_m), f(m.confidence), f(m.first_seen), f(m.last_seen);
+  f(m.radius_m), f(m.confidence), f(m.first_seen), f(m.last_seen), f(m.at_edge);
 }
 
 }  // namespace
@@ -41,6 +41,7 @@ Surfel SurfelMap::operator[](std::size_t i) const {
   s.confidence = confidence[i];
   s.first_seen = first_seen[i];
   s.last_seen = last_seen[i];
+  s.at_edge = at_edge[i] != 0;
   return s;
 }
 
@@ -62,6 +63,7 @@ void SurfelMap::Set(std::size_t i, const Surfel& s) {
   confidence[i] = s.confidence;
   first_seen[i] = s.first_seen;
   last_seen[i] = s.last_seen;
+  at_edge[i] = s.at_edge;
 }
 
 void SurfelMap::Merge(std::size_t i, const SurfelObservation& seen, bool refine,
@@ -87,6 +89,7 @@ void SurfelMap::Merge(std::size_t i, const SurfelObservation& seen, bool refine,
   mix(&red[i], seen.color.r);
   mix(&green[i], seen.color.g);
   mix(&blue[i], seen.color.b);
+  if (!seen.at_edge) at_edge[i] = 0;
   confidence[i] = std::min(confidence[i] + seen.weight, max_confidence);
 }
 

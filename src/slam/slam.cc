@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "surfit/core/error.h"
+#include "surfit/core/parallel.h"
 
 namespace surfit {
 namespace {
@@ -24,6 +25,18 @@ class StageTimer {
   double* sum_ms_;
   Clock::time_point start_;
 };
+
+// The map is less exact at its depth edges, which a view shows as any depth image does.
+void DropNormalsAtEdges(const PreprocessOptions& options, FrameLevel* surface) {
+  const VectorImage inner = NormalMap(surface->vertex, surface->camera, options);
+  ParallelFor(0, inner.height(), 16, [&](int begin, int end) {
+    for (int v = begin; v < end; ++v) {
+      for (int u = 0; u < inner.width(); ++u) {
+        if (inner(u, v).isZero(0.f)) surface->normal.Set(u, v, Eigen::Vector3f::Zero());
+      }
+    }
+  });
+}
 
 }  // namespace
 
@@ -139,6 +152,7 @@ Rigid3d Slam::PredictedPose() const {
 Slam::Target Slam::MakeTarget(const Rigid3d& world_from_predicted) {
   if (options_.tracking == "frame_to_frame") return {last_pyramid_, world_from_last_};
   ModelView view = renderer_.Render(map_, camera_, world_from_predicted);
+  DropNormalsAtEdges(options_.preprocess, &view.surface);
   return {BuildPyramid(std::move(view.surface), options_.preprocess), world_from_predicted};
 }
 

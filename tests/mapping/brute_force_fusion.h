@@ -22,7 +22,12 @@ class BruteForceFusion {
         width_(f.surface.camera.width),
         height_(f.surface.camera.height),
         world_from_camera_(world_from_camera),
-        options_(options) {}
+        options_(options),
+        normal_(f.surface.normal) {
+    for (int pixel = 0; pixel < width_ * height_; ++pixel) {
+      if (AtEdge(pixel)) SetNormal(pixel, NormalOfNeighbour(pixel));
+    }
+  }
 
   FusionReport Fuse(SurfelMap* map) {
     const int pixels = width_ * height_, count = static_cast<int>(map->size());
@@ -80,27 +85,52 @@ class BruteForceFusion {
     return through;
   }
 
-  bool IsPoint(int pixel) const {
-    const int u = pixel % width_, v = pixel / width_;
-    return f_.surface.vertex.z(u, v) > 0 && !f_.surface.normal(u, v).isZero(0);
+  Eigen::Vector3d Vertex(int pixel) const {
+    return f_.surface.vertex(pixel % width_, pixel / width_).cast<double>();
+  }
+  Eigen::Vector3d Normal(int pixel) const {
+    return normal_(pixel % width_, pixel / width_).cast<double>();
+  }
+  void SetNormal(int pixel, const Eigen::Vector3d& n) {
+    normal_.Set(pixel % width_, pixel / width_, n.cast<float>());
   }
 
+  bool HasOwnNormal(int pixel) const {
+    return !f_.surface.normal(pixel % width_, pixel / width_).isZero(0);
+  }
+  bool AtEdge(int pixel) const { return Vertex(pixel).z() > 0 && !HasOwnNormal(pixel); }
+
+  // Of the neighbours, the one whose plane is nearest and within half a sigma.
+  Eigen::Vector3d NormalOfNeighbour(int pixel) {
+    const Eigen::Vector3d p = Vertex(pixel);
+    double nearest = options_.noise.SigmaZ(p.z()) / 2;
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+    for (int q = 0; q < width_ * height_; ++q) {
+      if (!AreNeighbours(pixel, q) || !HasOwnNormal(q)) continue;
+      const double distance = std::fabs(Normal(q).dot(p - Vertex(q)));
+      if (!Positive(nearest - distance) || !Positive(-Normal(q).dot(p))) continue;
+      nearest = distance;
+      normal = Normal(q);
+    }
+    return normal;
+  }
+
+  bool IsPoint(int pixel) const { return Vertex(pixel).z() > 0 && !Normal(pixel).isZero(0); }
+
   double Radius(int pixel) const {
-    const int u = pixel % width_, v = pixel / width_;
-    const double slant = 1 / std::fabs(f_.surface.normal(u, v).z());
-    return std::sqrt(2) * f_.surface.vertex.z(u, v) / f_.surface.camera.fx *
+    const double slant = 1 / std::fabs(Normal(pixel).z());
+    return std::sqrt(2) * Vertex(pixel).z() / f_.surface.camera.fx *
            std::min(slant, 1. * options_.max_slant_scale);
   }
 
   // Its squared distance if point and surfel are the same piece of surface.
   std::optional<double> SquaredDistance(const Surfel& s, int pixel) {
-    const int u = pixel % width_, v = pixel / width_;
     const Eigen::Vector3d n =
         world_from_camera_.rotation.conjugate() * s.normal_in_world.cast<double>();
-    const Eigen::Vector3d gap = f_.surface.vertex(u, v).cast<double>() - CameraPosition(s);
+    const Eigen::Vector3d gap = Vertex(pixel) - CameraPosition(s);
     const double along = n.dot(gap), across = (gap - along * n).norm();
     const double reach = std::min(Radius(pixel), 1. * options_.max_spacing_m);
-    const double angle = std::acos(n.dot(f_.surface.normal(u, v).cast<double>()));
+    const double angle = std::acos(n.dot(Normal(pixel)));
     const bool near = Positive(options_.max_distance_m - std::fabs(along));
     const bool above = Positive(reach - across);
     const bool parallel = Positive(options_.max_normal_angle_rad - angle);
@@ -138,22 +168,22 @@ class BruteForceFusion {
       if (!IsPoint(pixel)) continue;
       ++report.input_points;
       const int u = pixel % width_, v = pixel / width_;
-      const Eigen::Vector3d x = world_from_camera_ * f_.surface.vertex(u, v).cast<double>();
-      const Eigen::Vector3d n =
-          world_from_camera_.rotation * f_.surface.normal(u, v).cast<double>();
+      const Eigen::Vector3d x = world_from_camera_ * Vertex(pixel);
+      const Eigen::Vector3d n = world_from_camera_.rotation * Normal(pixel);
       const int i = chosen[pixel];
       if (i < 0) {
         added.push_back({x.cast<float>(), n.cast<float>(), f_.frame.color(u, v),
-                         static_cast<float>(Radius(pixel)), 1, f_.frame.index, f_.frame.index});
+                         static_cast<float>(Radius(pixel)), 1, f_.frame.index, f_.frame.index,
+                         AtEdge(pixel)});
         continue;
       }
       ++report.merged_points;
       if (meetings[i]++ == 0) ++report.merged;
-      const bool refine = Positive(options_.max_radius_ratio * map->radius_m[i] - Radius(pixel));
+      const bool fine = Positive(options_.max_radius_ratio * map->radius_m[i] - Radius(pixel));
       map->Merge(i,
                  {x.cast<float>(), n.cast<float>(), f_.frame.color(u, v),
-                  static_cast<float>(Radius(pixel)), 1},
-                 refine, options_.max_confidence);
+                  static_cast<float>(Radius(pixel)), 1, AtEdge(pixel)},
+                 fine && !AtEdge(pixel), options_.max_confidence);
       map->last_seen[i] = f_.frame.index;
     }
     report.added = static_cast<int>(added.size());
@@ -165,6 +195,7 @@ class BruteForceFusion {
   const int width_, height_;
   const Rigid3d world_from_camera_;
   const FusionOptions options_;
+  VectorImage normal_;  // of the frame, with those taken from neighbours
   double margin_ = std::numeric_limits<double>::infinity();
 };
 

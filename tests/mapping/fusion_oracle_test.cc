@@ -47,6 +47,7 @@ SurfelMap RandomMap(int count, const Rigid3d& world_from_camera, std::mt19937_64
     s.radius_m = Uniform(0.005f, 0.02f, rng);
     s.confidence = Uniform(1, 199.5f, rng);
     s.first_seen = s.last_seen = 11;
+    s.at_edge = i % 3 == 0;
     map.Append(s);
   }
   return map;
@@ -63,6 +64,7 @@ void ExpectNear(const Surfel& a, const Surfel& b) {
   EXPECT_EQ(a.confidence, b.confidence);
   EXPECT_EQ(a.first_seen, b.first_seen);
   EXPECT_EQ(a.last_seen, b.last_seen);
+  EXPECT_EQ(a.at_edge, b.at_edge);
 }
 
 FusionOptions OptionsOfTrial(int trial) {

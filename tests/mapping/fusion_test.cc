@@ -38,8 +38,8 @@ FusionReport Fuse(const FrameWithSurface& f, const Rigid3d& pose, Fusion* fusion
 TEST(Fusion, TheFirstFrameBecomesTheMap) {
   const PinholeCamera camera = TestCamera();
   FrameWithSurface f = WallFrame(camera, {}, 2, 7);
-  SetPixel(5, 6, 0, {0, 0, 0}, &f);         // no depth
-  f.surface.normal.Set(10, 20, {0, 0, 0});  // no normal
+  SetPixel(5, 6, 0, {0, 0, 0}, &f);      // no depth
+  SetPixel(10, 20, 1.9, {0, 0, 0}, &f);  // no normal, before the wall
   f.frame.color(0, 0) = {1, 2, 3};
   SurfelMap map;
   Fusion fusion({});
@@ -298,15 +298,15 @@ TEST(FusionDormancy, UnstableSurfelsGoWhenNotSeenForLongerThanAllowed) {
   s.position_in_world = {0, 0, -1};
   s.normal_in_world = {0, 0, -1};
   s.radius_m = 0.01f;
-  s.confidence = 9.99f;
+  s.confidence = 0.999f * options.stable_confidence;
   map.Append(s);
-  s.confidence = 10;
+  s.confidence = options.stable_confidence;
   map.Append(s);
   for (int i = 1; i <= 5; ++i) {
     EXPECT_EQ(Fuse(BlankFrame(TestCamera(), i), {}, &fusion, &map).removed, 0) << i;
   }
   EXPECT_EQ(Fuse(BlankFrame(TestCamera(), 6), {}, &fusion, &map).removed, 1);
-  EXPECT_EQ(map.confidence, std::vector<float>{10});
+  EXPECT_EQ(map.confidence, std::vector<float>{options.stable_confidence});
   for (int i = 7; i < 100; ++i) Fuse(BlankFrame(TestCamera(), i), {}, &fusion, &map);
   EXPECT_EQ(map.size(), 1u);
 }

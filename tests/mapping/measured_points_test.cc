@@ -65,15 +65,53 @@ TEST(MeasurePoints, RadiusOfASlantedSurfaceIsClamped) {
 
 TEST(MeasurePoints, WithoutDepthOrNormalThereIsNoPoint) {
   const PinholeCamera camera = SmallCamera();
-  const RgbdFrame frame = FrameOf(camera, 2);
+  RgbdFrame frame = FrameOf(camera, 2);
   FrameLevel surface = Surface(camera, {0, 0, -1}, 2);
-  surface.vertex.Set(1, 1, {0, 0, 0});
-  surface.normal.Set(2, 1, {0, 0, 0});
+  frame.depth_m(1, 1) = 0;
+  surface.normal = VectorImage(camera.width, camera.height);
+  surface.normal.Set(3, 1, {0, 0, -1});
   EXPECT_EQ(PointAt(1, 1, frame, surface).radius_m, 0);
-  EXPECT_EQ(PointAt(2, 1, frame, surface).radius_m, 0);
+  EXPECT_EQ(PointAt(5, 1, frame, surface).radius_m, 0);  // nor has any neighbour a normal
   EXPECT_GT(PointAt(3, 1, frame, surface).radius_m, 0);
   EXPECT_EQ(PointAt(3, 1, frame, surface).position, surface.vertex(3, 1));
   EXPECT_EQ(PointAt(3, 1, frame, surface).normal, surface.normal(3, 1));
+  EXPECT_FALSE(PointAt(3, 1, frame, surface).at_edge);
+}
+
+// At 2 m sigma is 8 mm: a point up to 4 mm off the plane of a neighbour lies in it.
+TEST(MeasurePoints, AtADepthEdgeThePlaneOfANeighbourServesIfThePointLiesInIt) {
+  const PinholeCamera camera = SmallCamera();
+  for (const float off_m : {-0.0042f, -0.0038f, 0.f, 0.0038f, 0.0042f}) {
+    RgbdFrame frame = FrameOf(camera, 2);
+    const FrameLevel plane = Surface(camera, {0, 0, -1}, 2);
+    FrameLevel surface = plane;
+    frame.depth_m(2, 1) += off_m;
+    surface.normal.Set(2, 1, {0, 0, 0});
+    const MeasuredPoint point = PointAt(2, 1, frame, surface);
+    const bool in_plane = std::fabs(off_m) < 0.004f;
+    EXPECT_EQ(point.radius_m > 0, in_plane) << off_m;
+    EXPECT_EQ(point.normal, in_plane ? plane.normal(2, 1) : Eigen::Vector3f(0, 0, 0)) << off_m;
+    EXPECT_TRUE(point.at_edge) << off_m;
+  }
+}
+
+// A step of 10 cm between the columns 2 and 3, where normals are missing on both sides; on its left
+// the floor, on its right a steep wall.
+TEST(MeasurePoints, OfTwoNeighboursTheOneWhosePlaneIsNearerGivesTheNormal) {
+  const PinholeCamera camera = SmallCamera();
+  const Eigen::Vector3f near_normal(0, 0, -1), far_normal = Eigen::Vector3f(0, -1, -1).normalized();
+  RgbdFrame frame = FrameOf(camera, 2);
+  FrameLevel surface = Surface(camera, near_normal, 2);
+  for (int v = 0; v < camera.height; ++v) {
+    for (int u = 3; u < camera.width; ++u) {
+      const Eigen::Vector3f ray = camera.Ray(u, v).cast<float>();
+      frame.depth_m(u, v) = far_normal.z() * 2.1f / far_normal.dot(ray);
+      surface.normal.Set(u, v, far_normal);
+    }
+    for (const int u : {2, 3}) surface.normal.Set(u, v, {0, 0, 0});
+  }
+  EXPECT_EQ(PointAt(2, 2, frame, surface).normal, near_normal);
+  EXPECT_EQ(PointAt(3, 2, frame, surface).normal, far_normal);
 }
 
 // sigma_z = 0.002 z^2: what is measured at 2 m leaves free what is nearer than 2 - 0.05 - 4 *

@@ -278,10 +278,20 @@ TEST(ModelRenderer, NoiseDoesNotMakeSurfacesNearer) {
 TEST(ModelRenderer, AStableWallIsSeenThroughAnUnstableOne) {
   const PinholeCamera camera = SmallCamera();
   SurfelMap map;
-  AppendWall(1.5f, 9.99f, camera, &map);
+  AppendWall(1.5f, 0.999f * kDefaultStableConfidence, camera, &map);
   const ModelView unstable = ModelRenderer({}).Render(map, camera, {});
   for (const float z : unstable.surface.vertex.z) EXPECT_NEAR(z, 1.5, 1e-6);
-  AppendWall(2, 10, camera, &map);
+  AppendWall(2, kDefaultStableConfidence, camera, &map);
+  const ModelView view = ModelRenderer({}).Render(map, camera, {});
+  for (const float z : view.surface.vertex.z) EXPECT_NEAR(z, 2, 1e-6);
+}
+
+TEST(ModelRenderer, WhatWasSeenAtDepthEdgesAloneIsNotDrawn) {
+  const PinholeCamera camera = SmallCamera();
+  SurfelMap map;
+  AppendWall(1.5f, kDefaultStableConfidence, camera, &map);
+  map.at_edge.assign(map.size(), 1);
+  AppendWall(2, kDefaultStableConfidence, camera, &map);
   const ModelView view = ModelRenderer({}).Render(map, camera, {});
   for (const float z : view.surface.vertex.z) EXPECT_NEAR(z, 2, 1e-6);
 }

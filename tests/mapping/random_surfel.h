@@ -33,6 +33,7 @@ inline Surfel RandomSurfel(std::mt19937_64* rng) {
   s.confidence = Uniform(0.1f, 20, rng);
   s.first_seen = static_cast<std::int32_t>((*rng)() % 50);
   s.last_seen = s.first_seen + static_cast<std::int32_t>((*rng)() % 50);
+  s.at_edge = (*rng)() % 2 == 0;
   return s;
 }
 

@@ -14,6 +14,7 @@ inline void ExpectDense(const SurfelMap& map) {
     EXPECT_EQ(array->size(), n);
   }
   for (const auto* array : {&map.red, &map.green, &map.blue}) EXPECT_EQ(array->size(), n);
+  EXPECT_EQ(map.at_edge.size(), n);
   for (const auto* array : {&map.first_seen, &map.last_seen}) EXPECT_EQ(array->size(), n);
 }
 
@@ -26,6 +27,7 @@ inline void ExpectSameMap(const SurfelMap& a, const SurfelMap& b) {
   EXPECT_TRUE(a.radius_m == b.radius_m) << "radii differ";
   EXPECT_TRUE(a.confidence == b.confidence) << "confidences differ";
   EXPECT_TRUE(a.first_seen == b.first_seen && a.last_seen == b.last_seen) << "times differ";
+  EXPECT_TRUE(a.at_edge == b.at_edge) << "edges differ";
 }
 
 }  // namespace surfit::testing

@@ -30,7 +30,7 @@ auto AsTuple(const Surfel& s) {
   const auto& p = s.position_in_world;
   const auto& n = s.normal_in_world;
   return std::make_tuple(p.x(), p.y(), p.z(), n.x(), n.y(), n.z(), s.color.r, s.color.g, s.color.b,
-                         s.radius_m, s.confidence, s.first_seen, s.last_seen);
+                         s.radius_m, s.confidence, s.first_seen, s.last_seen, s.at_edge);
 }
 
 SurfelObservation RandomObservation(std::mt19937_64* rng) {
@@ -121,6 +121,22 @@ TEST(Merge, WithoutRefinementKeepsTheShapeAndTakesColorAndWeight) {
   const Eigen::Vector3d color =
       ColorAsVector(q.color) + share * (ColorAsVector(p.color) - ColorAsVector(q.color));
   EXPECT_THAT(StoredColor(map, 0), VectorNear(color, std::sqrt(3) * 0.501 / 256));
+}
+
+TEST(Merge, OneObservationWithinASurfaceIsEnough) {
+  std::mt19937_64 rng(6);
+  for (const bool at_edge : {false, true}) {
+    SurfelMap map;
+    map.Append(RandomSurfel(&rng));
+    map.at_edge[0] = at_edge;
+    SurfelObservation seen = RandomObservation(&rng);
+    seen.at_edge = true;
+    map.Merge(0, seen, false, kNoCap);
+    EXPECT_EQ(map[0].at_edge, at_edge);
+    seen.at_edge = false;
+    map.Merge(0, seen, true, kNoCap);
+    EXPECT_FALSE(map[0].at_edge);
+  }
 }
 
 TEST(Merge, TouchesNoOtherSurfel) {

@@ -22,9 +22,9 @@ struct FusionOptions {
   // A point merges with a surfel within its own radius, but never farther than this across the
   // surface: so much stays between the surfels of a far or coarsely sampled surface.
   float max_spacing_m = 0.01f;
-  float max_slant_scale = 2;      // radius = sqrt(2) z / f times at most this for 1 / |n_z|
-  float max_radius_ratio = 1.5f;  // points that are coarser than this do not move a surfel
-  float stable_confidence = kDefaultStableConfidence;  // below it a surfel is unstable ...
+  float max_slant_scale = 2;          // radius = sqrt(2) z / f times at most this for 1 / |n_z|
+  float max_radius_ratio = 1.5f;      // points that are coarser than this do not move a surfel
+  float stable_confidence = 2;        // below it a surfel is unstable (seen about once) ...
   int max_dormant_frames = 20;        // ... and removed after so many fused frames without it
   float max_confidence = 200;         // so that the map can still change
   float free_space_margin_m = 0.05f;  // measured farther than this behind a surfel, plus 4 sigma
@@ -36,7 +36,7 @@ struct FusionOptions {
 
 // What the fusion of one frame did.
 struct FusionReport {
-  int input_points = 0;   // pixels with depth and normal
+  int input_points = 0;   // pixels with depth and a normal, their own or a neighbour's
   int merged_points = 0;  // of those, the ones that met a surfel
   int merged = 0;         // surfels updated
   int added = 0;          // surfels
@@ -52,8 +52,10 @@ class Fusion {
   explicit Fusion(const FusionOptions& options);
   ~Fusion();
 
-  // `surface` is the filtered vertex and normal map of the frame. The result does not depend on
-  // the number of threads.
+  // Merges the measured depth of the frame, whose noise averages out in the map, with the normals
+  // of `surface`, its filtered vertex and normal map. Points at depth edges have none: they take
+  // that of a neighbour whose plane they lie in. They complete the map, but move no surfel. The
+  // result does not depend on the number of threads.
   FusionReport Fuse(const RgbdFrame& frame, const FrameLevel& surface,
                     const Rigid3d& world_from_camera, SurfelMap* map);
 

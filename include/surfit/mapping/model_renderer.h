@@ -32,7 +32,9 @@ struct RenderOptions {
 
 // Draws surfel maps as oriented discs with hidden surfaces removed: each pixel shows one disc of
 // the surface that its ray meets first, stable ones before unstable ones. Vertices lie where the
-// ray meets that disc. Discs seen from behind are not drawn. Keeps its buffers between calls.
+// ray meets that disc. Discs seen from behind are not drawn, and
+// neither are surfels that were seen at depth edges alone: tracking would suffer. Keeps its buffers
+// between calls.
 class ModelRenderer {
  public:
   explicit ModelRenderer(const RenderOptions& options);

@@ -21,6 +21,7 @@ struct Surfel {
   float confidence = 0;         // sum of the weights of its observations
   std::int32_t first_seen = 0;  // frame index
   std::int32_t last_seen = 0;   // frame index
+  bool at_edge = false;         // no observation yet but at depth edges
 };
 
 // A measured point that is to be merged with a surfel.
@@ -29,7 +30,8 @@ struct SurfelObservation {
   Eigen::Vector3f normal_in_world = Eigen::Vector3f::Zero();    // unit length
   Rgb8 color;
   float radius_m = 0;
-  float weight = 1;  // a
+  float weight = 1;      // a
+  bool at_edge = false;  // at a depth edge, with the normal of a neighbour
 };
 
 // The fused map as structure of arrays, all of size().
@@ -45,7 +47,7 @@ class SurfelMap {
   // The weighted average of surfel i with an observation of weight a: position, normal and colour
   // become (w q + a p) / (w + a), w the confidence; the normal is unit again, the radius the
   // smaller of both, and w becomes w + a, but at most max_confidence. Without `refine` position,
-  // normal and radius stay: the observation is too coarse to improve them.
+  // normal and radius stay: the observation cannot improve them.
   void Merge(std::size_t i, const SurfelObservation& observation, bool refine,
              float max_confidence);
 
@@ -59,6 +61,7 @@ class SurfelMap {
   std::vector<float> radius_m;
   std::vector<float> confidence;
   std::vector<std::int32_t> first_seen, last_seen;  // frame index
+  std::vector<std::uint8_t> at_edge;                // 1 = no observation yet but at depth edges
 
  private:
   void FillFromTheEnd(const std::vector<std::size_t>& holes);
