@@ -39,10 +39,10 @@ DEFINE_double(merge_angle_deg, kRun.slam.fusion.max_normal_angle_rad / kDegree,
               "points merge with surfels whose normal differs by at most this");
 DEFINE_double(max_spacing_m, kRun.slam.fusion.max_spacing_m,
               "points merge with surfels at most this far across the surface");
-DEFINE_double(stable_confidence, kRun.slam.fusion.stable_confidence,
+DEFINE_double(lasting_confidence, kRun.slam.fusion.lasting_confidence,
               "surfels of less confidence are removed when not seen for a while");
 DEFINE_int32(max_dormant_frames, kRun.slam.fusion.max_dormant_frames,
-             "unstable surfels are removed when not seen for longer");
+             "these surfels are removed when not seen for longer");
 
 namespace surfit::tools {
 namespace {
@@ -71,7 +71,7 @@ SlamRunOptions OptionsFromFlags() {
   slam.fusion.max_distance_m = static_cast<float>(FLAGS_merge_distance_m);
   slam.fusion.max_normal_angle_rad = static_cast<float>(FLAGS_merge_angle_deg * kDegree);
   slam.fusion.max_spacing_m = static_cast<float>(FLAGS_max_spacing_m);
-  slam.fusion.stable_confidence = static_cast<float>(FLAGS_stable_confidence);
+  slam.fusion.lasting_confidence = static_cast<float>(FLAGS_lasting_confidence);
   slam.fusion.max_dormant_frames = FLAGS_max_dormant_frames;
   options.record = RecordedFlags();
   return options;

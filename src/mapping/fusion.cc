@@ -79,7 +79,7 @@ void FusionOptions::Validate() const {
   require(max_spacing_m > 0, "max_spacing_m", max_spacing_m, "positive");
   require(max_slant_scale >= 1, "max_slant_scale", max_slant_scale, "at least 1");
   require(max_radius_ratio > 0, "max_radius_ratio", max_radius_ratio, "positive");
-  require(stable_confidence >= 0, "stable_confidence", stable_confidence, "zero or positive");
+  require(lasting_confidence >= 0, "lasting_confidence", lasting_confidence, "zero or positive");
   require(max_dormant_frames >= 0, "max_dormant_frames", max_dormant_frames, "zero or positive");
   require(max_confidence > 0, "max_confidence", max_confidence, "positive");
   require(free_space_margin_m > 0, "free_space_margin_m", free_space_margin_m, "positive");
@@ -164,7 +164,7 @@ void Fusion::Workspace::OfferChunk(const PosedCamera& camera, const SurfelMap& m
   for (int k = 0; k < end - begin; ++k) {
     const int i = begin + k;
     const bool dormant = map.last_seen[i] < awake_since;
-    remove[i] = dormant && map.confidence[i] < options.stable_confidence;
+    remove[i] = dormant && map.confidence[i] < options.lasting_confidence;
     const float u = chunk.u[k] + 0.5f, v = chunk.v[k] + 0.5f;
     if (!(u >= 0 && v >= 0 && u < camera.width && v < camera.height)) continue;
     const int pixel = static_cast<int>(v) * camera.width + static_cast<int>(u);

@@ -289,7 +289,7 @@ TEST(FusionGates, APointTakesTheSurfelOfItsNeighbourWithinReach) {
   EXPECT_EQ(Fuse(pair.f, {}, &tighter, &two).added, 1);
 }
 
-TEST(FusionDormancy, UnstableSurfelsGoWhenNotSeenForLongerThanAllowed) {
+TEST(FusionDormancy, SurfelsOfLowConfidenceGoWhenNotSeenForLongerThanAllowed) {
   FusionOptions options;
   options.max_dormant_frames = 5;
   Fusion fusion(options);
@@ -298,15 +298,15 @@ TEST(FusionDormancy, UnstableSurfelsGoWhenNotSeenForLongerThanAllowed) {
   s.position_in_world = {0, 0, -1};
   s.normal_in_world = {0, 0, -1};
   s.radius_m = 0.01f;
-  s.confidence = 0.999f * options.stable_confidence;
+  s.confidence = 0.999f * options.lasting_confidence;
   map.Append(s);
-  s.confidence = options.stable_confidence;
+  s.confidence = options.lasting_confidence;
   map.Append(s);
   for (int i = 1; i <= 5; ++i) {
     EXPECT_EQ(Fuse(BlankFrame(TestCamera(), i), {}, &fusion, &map).removed, 0) << i;
   }
   EXPECT_EQ(Fuse(BlankFrame(TestCamera(), 6), {}, &fusion, &map).removed, 1);
-  EXPECT_EQ(map.confidence, std::vector<float>{options.stable_confidence});
+  EXPECT_EQ(map.confidence, std::vector<float>{options.lasting_confidence});
   for (int i = 7; i < 100; ++i) Fuse(BlankFrame(TestCamera(), i), {}, &fusion, &map);
   EXPECT_EQ(map.size(), 1u);
 }
@@ -400,7 +400,7 @@ TEST(FusionOptions, RefuseWhatMakesNoSense) {
   expect_refused([](auto& o) { o.max_slant_scale = 0.5f; },
                  "max_slant_scale is 0.5, must be at least 1");
   expect_refused([](auto& o) { o.max_radius_ratio = 0; }, "max_radius_ratio is 0");
-  expect_refused([](auto& o) { o.stable_confidence = -1; }, "stable_confidence is -1");
+  expect_refused([](auto& o) { o.lasting_confidence = -1; }, "lasting_confidence is -1");
   expect_refused([](auto& o) { o.max_dormant_frames = -1; },
                  "max_dormant_frames is -1, must be zero or positive");
   expect_refused([](auto& o) { o.max_confidence = 0; }, "max_confidence is 0, must be positive");

@@ -278,10 +278,10 @@ TEST(ModelRenderer, NoiseDoesNotMakeSurfacesNearer) {
 TEST(ModelRenderer, AStableWallIsSeenThroughAnUnstableOne) {
   const PinholeCamera camera = SmallCamera();
   SurfelMap map;
-  AppendWall(1.5f, 0.999f * kDefaultStableConfidence, camera, &map);
+  AppendWall(1.5f, 0.999f * RenderOptions().stable_confidence, camera, &map);
   const ModelView unstable = ModelRenderer({}).Render(map, camera, {});
   for (const float z : unstable.surface.vertex.z) EXPECT_NEAR(z, 1.5, 1e-6);
-  AppendWall(2, kDefaultStableConfidence, camera, &map);
+  AppendWall(2, RenderOptions().stable_confidence, camera, &map);
   const ModelView view = ModelRenderer({}).Render(map, camera, {});
   for (const float z : view.surface.vertex.z) EXPECT_NEAR(z, 2, 1e-6);
 }
@@ -289,9 +289,9 @@ TEST(ModelRenderer, AStableWallIsSeenThroughAnUnstableOne) {
 TEST(ModelRenderer, WhatWasSeenAtDepthEdgesAloneIsNotDrawn) {
   const PinholeCamera camera = SmallCamera();
   SurfelMap map;
-  AppendWall(1.5f, kDefaultStableConfidence, camera, &map);
+  AppendWall(1.5f, RenderOptions().stable_confidence, camera, &map);
   map.at_edge.assign(map.size(), 1);
-  AppendWall(2, kDefaultStableConfidence, camera, &map);
+  AppendWall(2, RenderOptions().stable_confidence, camera, &map);
   const ModelView view = ModelRenderer({}).Render(map, camera, {});
   for (const float z : view.surface.vertex.z) EXPECT_NEAR(z, 2, 1e-6);
 }

@@ -24,7 +24,7 @@ struct FusionOptions {
   float max_spacing_m = 0.01f;
   float max_slant_scale = 2;          // radius = sqrt(2) z / f times at most this for 1 / |n_z|
   float max_radius_ratio = 1.5f;      // points that are coarser than this do not move a surfel
-  float stable_confidence = 2;        // below it a surfel is unstable (seen about once) ...
+  float lasting_confidence = 2;       // a surfel with less, seen about once, is noise ...
   int max_dormant_frames = 20;        // ... and removed after so many fused frames without it
   float max_confidence = 200;         // so that the map can still change
   float free_space_margin_m = 0.05f;  // measured farther than this behind a surfel, plus 4 sigma
@@ -40,7 +40,7 @@ struct FusionReport {
   int merged_points = 0;  // of those, the ones that met a surfel
   int merged = 0;         // surfels updated
   int added = 0;          // surfels
-  int removed = 0;        // surfels: dormant unstable ones and free-space violations
+  int removed = 0;        // surfels: dormant noise and free-space violations
 };
 
 // Fuses posed frames into a map: point-based fusion (Keller et al., 3DV 2013). The map is projected

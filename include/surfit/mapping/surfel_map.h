@@ -9,9 +9,6 @@
 
 namespace surfit {
 
-// Surfels with less confidence are unstable: mostly noise (Keller et al., 3DV 2013).
-inline constexpr float kDefaultStableConfidence = 10;
-
 // One surfel: an oriented disc, in the world frame.
 struct Surfel {
   Eigen::Vector3f position_in_world = Eigen::Vector3f::Zero();  // metres
