@@ -12,8 +12,8 @@ class DiscList;
 
 // How the map is drawn.
 struct RenderOptions {
-  // Surfels with less confidence (Keller et al., 3DV 2013) are drawn only where no others are: they are mostly noise, and
-  // would otherwise hide the surface behind them.
+  // Surfels with less confidence (Keller et al., 3DV 2013) are drawn only where no others are: they
+  // are mostly noise, and would otherwise hide the surface behind them.
   float stable_confidence = 10;
   // A disc covers the pixels within this share of its radius. A surfel made from one pixel has a
   // radius of sqrt(2) pixels, so that half of it just closes the gaps of the pixel grid. Pixels
@@ -32,8 +32,8 @@ struct RenderOptions {
 
 // Draws surfel maps as oriented discs with hidden surfaces removed: each pixel shows one disc of
 // the surface that its ray meets first, stable ones before unstable ones. Vertices lie where the
-// ray meets that disc. Not drawn are discs seen from behind, and surfels that were observed at depth
-// edges alone: tracking would suffer. Keeps its buffers between calls.
+// ray meets that disc. Not drawn are discs seen from behind, and surfels that were observed at
+// depth edges alone: tracking would suffer. Keeps its buffers between calls.
 class ModelRenderer {
  public:
   explicit ModelRenderer(const RenderOptions& options);
