@@ -16,8 +16,10 @@ namespace {
 constexpr double kNearest_m = 0.4, kFarthest_m = 5;
 constexpr double kAbsurdlyNear_m = 0.2, kAbsurdlyFar_m = 20;
 constexpr double kUsual_m = 1.8;
-// Millimetres, TUM, Replica, tenths of millimetres.
-constexpr std::array<double, 4> kCommonScales = {1000, 5000, 6553.5, 10000};
+// Millimetres and TUM's; Replica's and tenths of millimetres are too near to TUM's to be told from
+// it, and so much rarer that only counts beyond its range speak for them.
+constexpr std::array<double, 2> kCommonScales = {1000, 5000};
+constexpr std::array<double, 2> kRareScales = {6553.5, 10000};
 
 // The median of the valid counts; 0 if there are none.
 double MedianCount(const Image<std::uint16_t>& depth) {
@@ -35,7 +37,9 @@ double LikelyScale(double median_count) {
   const auto distance = [&](double scale) {
     return std::abs(std::log(median_count / scale / kUsual_m));
   };
-  return *std::min_element(kCommonScales.begin(), kCommonScales.end(),
+  const auto& scales =
+      median_count > kFarthest_m * kCommonScales.back() ? kRareScales : kCommonScales;
+  return *std::min_element(scales.begin(), scales.end(),
                            [&](double a, double b) { return distance(a) < distance(b); });
 }
 

@@ -25,8 +25,16 @@ TEST(DepthScaleWarning, IsSilentAboutUsualDepth) {
 TEST(DepthScaleWarning, TellsValueAndLikelyScale) {
   EXPECT_THAT(Warning(1800, 5000), HasSubstr("d.png is 0.36 m at 5000 units per metre; the scale "
                                              "is more likely 1000, which makes it 1.8 m"));
-  EXPECT_THAT(Warning(9000, 1000), HasSubstr("more likely 5000"));
   EXPECT_THAT(Warning(18000, 1), HasSubstr("18000 m at 1 units per metre"));
+}
+
+TEST(DepthScaleWarning, TakesTumsDepthForTumsUpToFiveMetres) {
+  for (const double depth_m : {1.2, 2.2, 3.5, 4.9}) {
+    const auto count = static_cast<std::uint16_t>(5000 * depth_m);
+    EXPECT_THAT(Warning(count, 1000), HasSubstr("more likely 5000, ")) << depth_m;
+  }
+  // 6.4 m at TUM's scale, 4.9 m at Replica's, 3.2 m in tenths of millimetres
+  EXPECT_THAT(Warning(32000, 1000), HasSubstr("more likely 10000, "));
 }
 
 TEST(DepthScaleWarning, IsSilentWhereNoScaleFitsBetterUnlessAbsurd) {
