@@ -31,7 +31,9 @@ const std::vector<std::string>& SequenceFormats() {
 std::string DetectFormat(const std::string& folder) {
   if (HasNameEnding(folder, ".depth.png")) return "seven_scenes";
   if (HasNameEnding(folder, ".gt.freiburg") || HasIclNuimNumbers(folder)) return "icl_nuim";
-  if (IsFile(folder + "/associations.txt") || IsFile(folder + "/depth.txt")) return "tum";
+  for (const char* list : {"/associations.txt", "/depth.txt", "/rgb.txt"}) {
+    if (IsFile(folder + list)) return "tum";
+  }
   if (IsFolder(folder + "/depth")) return "redwood";
   throw InputError(Concat(
       folder, " holds no sequence of a known format: looked for depth.txt or associations.txt (",

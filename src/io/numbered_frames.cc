@@ -3,6 +3,7 @@
 #include <map>
 
 #include "io/folder.h"
+#include "surfit/core/error.h"
 
 namespace surfit {
 namespace {
@@ -13,7 +14,11 @@ std::map<long, std::string> NumberedImages(const std::string& folder) {
   for (const std::string& name : NamesIn(folder)) {
     const auto number = NumberInName(name);
     for (const char* ending : {".png", ".jpg", ".jpeg", ".pgm", ".ppm", ".tif", ".tiff"}) {
-      if (number && EndsWith(name, ending)) images[*number] = name;
+      if (!number || !EndsWith(name, ending)) continue;
+      const auto [it, is_new] = images.emplace(*number, name);
+      if (!is_new)
+        throw InputError(Concat(folder, ": ", it->second, " and ", name, " are both number ",
+                                *number, ", must be one image a number"));
     }
   }
   return images;

@@ -8,7 +8,8 @@ namespace surfit {
 
 // Pairs the images of two folders by the numbers in their names, in ascending order; stamp_s is
 // the number. A frame of which one image is missing is listed with the name it should have, so
-// that reading it reports that name. color_folder may be empty: no colour.
+// that reading it reports that name. color_folder may be empty: no colour. Throws InputError where
+// two images of a folder have the same number.
 std::vector<FrameFiles> ListNumberedFrames(const std::string& depth_folder,
                                            const std::string& color_folder);
 

@@ -64,7 +64,8 @@ std::vector<FrameFiles> PairByTime(const std::string& folder) {
   return frames;
 }
 
-// Colour stands first (TUM) or second (ICL-NUIM): the folder that is called depth tells.
+// In order of time. Colour stands first (TUM) or second (ICL-NUIM): the folder that is called depth
+// tells.
 std::vector<FrameFiles> ReadAssociations(const std::string& folder) {
   std::vector<FrameFiles> frames;
   for (const TextRow& row : ReadTextRows(folder + "/associations.txt")) {
@@ -74,6 +75,9 @@ std::vector<FrameFiles> ReadAssociations(const std::string& folder) {
     const StampedFile color = ParseStampedFile(row, depth_first ? 2 : 0, folder);
     frames.push_back({color.stamp_s, depth.path, color.path});
   }
+  std::stable_sort(frames.begin(), frames.end(), [](const FrameFiles& a, const FrameFiles& b) {
+    return a.stamp_s < b.stamp_s;
+  });
   return frames;
 }
 

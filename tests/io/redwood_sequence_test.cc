@@ -87,6 +87,14 @@ TEST(RedwoodSequence, AMissingImageIsASkippedFrameAndShiftsNoOther) {
   EXPECT_TRUE(results[3].frame);
 }
 
+TEST(RedwoodSequence, NamesTwoImagesOfOneNumber) {
+  TempFolder folder;
+  WriteRedwood(folder, 2, "color");
+  testing::WriteColor(folder / "color/0000001.png", testing::NumberedColor(0));
+  ExpectInputError([&] { OpenSequence(Options(folder)); },
+                   HasSubstr("0000001.jpg and 0000001.png are both number 1"));
+}
+
 TEST(RedwoodSequence, NamesWhatIsMalformed) {
   TempFolder folder;
   WriteRedwood(folder, 2, "color");

@@ -63,9 +63,10 @@ TEST(TumSequence, AssociationsTakeThePlaceOfTime) {
   testing::WriteTumSequence(folder, 4);
   folder.Write(
       "associations.txt",
-      "# colour first\n5.0 rgb/000.png 7.0 depth/002.png\r\n5.1,rgb/001.png,7.1,depth/003.png\n");
+      "# colour first\n5.1 rgb/001.png 7.1 depth/003.png\r\n5.0,rgb/000.png,7.0,depth/002.png\n");
   const auto results = testing::ReadAll(OpenSequence(Options(folder)).get());
   ASSERT_EQ(results.size(), 2u);
+  EXPECT_EQ(results[0].stamp_s, 5.0);  // in order of time
   EXPECT_EQ(results[1].stamp_s, 5.1);
   EXPECT_EQ(results[1].frame->color, testing::NumberedColor(1));
   EXPECT_FLOAT_EQ(results[1].frame->depth_m(0, 0), 1.03f);
@@ -125,9 +126,7 @@ TEST(TumSequence, NamesAMissingList) {
   TempFolder folder;
   testing::WriteTumSequence(folder, 2);
   std::filesystem::remove(folder / "depth.txt");
-  SequenceOptions options = Options(folder);
-  options.format = "tum";
-  ExpectInputError([&] { OpenSequence(options); }, HasSubstr("depth.txt"));
+  ExpectInputError([&] { OpenSequence(Options(folder)); }, HasSubstr("depth.txt"));
 }
 
 }  // namespace
