@@ -63,7 +63,6 @@ class SlamRun {
         last_completion_(start_),
         source_(ReadAhead(OpenSequence(options.sequence), options.queue_capacity)),
         info_(source_->info()) {
-    for (const std::string& warning : info_.warnings) LOG(WARNING) << warning;
     if (options.poses == "groundtruth" && info_.ground_truth.empty()) {
       throw InputError(
           Concat("poses is 'groundtruth', but ", options.sequence.path, " has no ground truth"));
@@ -74,7 +73,7 @@ class SlamRun {
 
   SlamRunSummary Run(const std::atomic<bool>& interrupted,
                      const std::function<void(const SlamRunProgress&)>& progress) {
-    while (!interrupted) {
+    while (!interrupted || !slam_) {  // an interrupted run has one frame at least
       const std::optional<ReadResult> result = source_->Next();
       if (!result) break;
       ++summary_.frames_total;

@@ -68,8 +68,9 @@ struct SlamRunSummary {
 
 // Runs SLAM over a sequence and writes into the output folder: trajectory.txt (TUM format, a line
 // at a time, in the source's convention), frames.csv, map.ply, summary.json and the pictures.
-// Frames that cannot be read are skipped and counted. When *interrupted becomes true the frame at
-// work is finished and everything is written. `progress` is called after every frame.
+// Frames that cannot be read are skipped and counted. When `interrupted` becomes true the frame at
+// work, or else the first one, is finished and everything is written. `progress` is called after
+// every frame.
 // Throws InputError for bad options, or a sequence that cannot be read at all.
 SlamRunSummary RunSlam(const SlamRunOptions& options, const std::atomic<bool>& interrupted,
                        const std::function<void(const SlamRunProgress&)>& progress);
