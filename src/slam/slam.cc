@@ -38,13 +38,28 @@ void DropNormalsAtEdges(const PreprocessOptions& options, FrameLevel* surface) {
   });
 }
 
+// Two parts may have options of one name: errors say whose it is.
+template <typename Options>
+void ValidatePart(const char* part, const Options& options) {
+  try {
+    options.Validate();
+  } catch (const InputError& error) {
+    throw InputError(Concat(part, ": ", error.what()));
+  }
+}
+
+const SlamOptions& Validated(const SlamOptions& options) {
+  options.Validate();
+  return options;
+}
+
 }  // namespace
 
 void SlamOptions::Validate() const {
-  preprocess.Validate();
-  icp.Validate();
-  fusion.Validate();
-  render.Validate();
+  ValidatePart("preprocess", preprocess);
+  ValidatePart("icp", icp);
+  ValidatePart("fusion", fusion);
+  ValidatePart("render", render);
   if (tracking != "frame_to_model" && tracking != "frame_to_frame") {
     throw InputError(
         Concat("tracking is '", tracking, "', must be one of: frame_to_model, frame_to_frame"));
@@ -80,12 +95,11 @@ std::string ToString(FrameState state) {
 Slam::Slam(const PinholeCamera& camera, const SlamOptions& options,
            const Rigid3d& world_from_first_camera)
     : camera_(camera),
-      options_(options),
+      options_(Validated(options)),
       renderer_(options.render),
       fusion_(options.fusion),
       world_from_last_(world_from_first_camera) {
   camera.Validate("camera");
-  options.Validate();
 }
 
 FrameReport Slam::Process(const RgbdFrame& frame) { return Process(frame, std::nullopt); }

@@ -316,10 +316,12 @@ TEST(SlamOptions, RefuseWhatMakesNoSense) {
                  "min_inlier_share is 1.1, must be from 0 to 1");
   expect_refused([](auto& o) { o.min_inlier_share = kNan; }, "min_inlier_share is nan");
   expect_refused([](auto& o) { o.max_rmse_m = 0; }, "max_rmse_m is 0, must be positive");
-  expect_refused([](auto& o) { o.preprocess.pyramid_levels = 0; }, "pyramid_levels is 0");
-  expect_refused([](auto& o) { o.icp.max_iterations = 0; }, "max_iterations is 0");
-  expect_refused([](auto& o) { o.fusion.max_distance_m = 0; }, "max_distance_m is 0");
-  expect_refused([](auto& o) { o.render.radius_share = 0; }, "radius_share is 0");
+  expect_refused([](auto& o) { o.preprocess.pyramid_levels = 0; },
+                 "preprocess: pyramid_levels is 0");
+  expect_refused([](auto& o) { o.icp.max_iterations = 0; }, "icp: max_iterations is 0");
+  expect_refused([](auto& o) { o.icp.gates.max_distance_m = -1; }, "icp: max_distance_m is -1");
+  expect_refused([](auto& o) { o.fusion.max_distance_m = 0; }, "fusion: max_distance_m is 0");
+  expect_refused([](auto& o) { o.render.radius_share = 0; }, "render: radius_share is 0");
   PinholeCamera camera = testing::SimulatedCamera();
   camera.fx = 0;
   ExpectInputError([&] { Slam(camera, {}, {}); }, HasSubstr("camera: fx is 0"));

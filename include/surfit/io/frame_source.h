@@ -23,7 +23,8 @@ struct SequenceInfo {
   // World-from-camera poses in our (mirrored, if so) convention, for evaluation; empty if there
   // are none. Its stamps are the files'; they need not equal the frames'.
   Trajectory ground_truth;
-  std::vector<std::string> warnings;  // what the user should know: doubtful camera, depth scale
+  // What the user should know, logged already: doubtful camera, depth scale.
+  std::vector<std::string> warnings;
 };
 
 // One attempt to read a frame.
