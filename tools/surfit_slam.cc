@@ -19,6 +19,10 @@ constexpr double kDegree = 3.14159265358979323846 / 180;
 
 }  // namespace
 
+DEFINE_int32(first, kRun.sequence.first, "index of the first frame to read");
+DEFINE_int32(last, kRun.sequence.last,
+             "index of the last frame to read, inclusive; -1 = to the end");
+DEFINE_int32(stride, kRun.sequence.stride, "read every stride-th frame");
 DEFINE_string(output, kRun.output, "folder for the results; made if missing");
 DEFINE_string(initial_pose, kRun.initial_pose,
               "pose of the first frame: identity, groundtruth or tx,ty,tz,qx,qy,qz,qw");
@@ -54,6 +58,9 @@ void OnSignal(int) { interrupted = true; }
 SlamRunOptions OptionsFromFlags() {
   SlamRunOptions options;
   options.sequence = SequenceOptionsFromFlags();
+  options.sequence.first = FLAGS_first;
+  options.sequence.last = FLAGS_last;
+  options.sequence.stride = FLAGS_stride;
   options.output = FLAGS_output;
   options.initial_pose = FLAGS_initial_pose;
   options.poses = FLAGS_poses;
@@ -116,7 +123,7 @@ int Run() {
   const SlamRunSummary summary = RunSlam(options, interrupted, ShowProgress);
   PrintSummary(summary, options.output);
   const bool nothing_tracked = summary.frames_tracked <= 1 && summary.frames_lost > 0;
-  return nothing_tracked ? kAlgorithmFailed : kDone;
+  return nothing_tracked && !summary.interrupted ? kAlgorithmFailed : kDone;
 }
 
 }  // namespace

@@ -232,8 +232,9 @@ TEST_F(SimulateTest, RefusesBadFlagsByName) {
 TEST_F(SimulateTest, HelpListsTheFlagsWithTheirDefaults) {
   const ProgramResult help = RunProgram("surfit_simulate", {"--help"});
   EXPECT_EQ(help.exit_code, 0);
-  for (const char* const flag : {"--output", "--scene  (string, default \"room\")",
-                                 "--frames  (int32, default 200)", "--seed", "--sensor"}) {
+  for (const char* const flag :
+       {"--output", "--scene  (string, default \"room\")", "--frames  (int32, default 200)",
+        "--seed", "--sensor", "--surface_grid_m  (double, default 0.005)"}) {
     EXPECT_THAT(help.out, HasSubstr(flag));
   }
 }

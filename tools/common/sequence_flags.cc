@@ -28,9 +28,6 @@ DEFINE_string(color_distortion, "", "k1,k2,p1,p2,k3 of a colour camera of its ow
 DEFINE_string(color_from_depth, "",
               "tx,ty,tz,qx,qy,qz,qw from the depth to the colour camera's frame, metres");
 DEFINE_string(fps, "", "frames per second of files without time stamps");
-DEFINE_int32(first, kSequence.first, "index of the first frame to read");
-DEFINE_int32(last, kSequence.last, "index of the last frame to read, inclusive; -1 = to the end");
-DEFINE_int32(stride, kSequence.stride, "read every stride-th frame");
 DEFINE_int32(downsample, kSequence.prepare.downsample,
              "keep every downsample-th column and row, 1 to 16");
 DEFINE_double(max_depth_m, kSequence.prepare.max_depth_m, "depth beyond is missing");
@@ -84,9 +81,6 @@ SequenceOptions SequenceOptionsFromFlags() {
   options.color_distortion = Numbers<5>("color_distortion", FLAGS_color_distortion);
   options.color_from_depth = Pose("color_from_depth", FLAGS_color_from_depth);
   options.frames_per_second = Number("fps", FLAGS_fps);
-  options.first = FLAGS_first;
-  options.last = FLAGS_last;
-  options.stride = FLAGS_stride;
   options.prepare.downsample = FLAGS_downsample;
   options.prepare.max_depth_m = FLAGS_max_depth_m;
   return options;

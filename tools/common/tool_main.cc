@@ -3,6 +3,8 @@
 #include <gflags/gflags.h>
 #include <glog/logging.h>
 
+#include <array>
+#include <charconv>
 #include <cstdio>
 #include <cstdlib>
 #include <iostream>
@@ -52,15 +54,24 @@ bool FlagIsSet(const char* name) {
   return gflags::GetCommandLineOption(name, &value) && value == "true";
 }
 
+// gflags writes 0.004 as 0.0040000000000000001: the digits that single precision has will do.
+std::string DefaultText(const gflags::CommandLineFlagInfo& flag) {
+  if (flag.type == "string") return "\"" + flag.default_value + "\"";
+  if (flag.type != "double") return flag.default_value;
+  std::array<char, 60> text;
+  const auto end =
+      std::to_chars(text.data(), text.data() + text.size(), std::stof(flag.default_value));
+  return std::string(text.data(), end.ptr);
+}
+
 void PrintHelp(const std::string& program, const std::string& summary) {
   std::cout << program << ": " << summary << "\n\nFlags:\n";
   std::vector<gflags::CommandLineFlagInfo> flags;
   gflags::GetAllFlags(&flags);
   for (const auto& flag : flags) {
     if (flag.filename.find("tools/") == std::string::npos) continue;
-    std::cout << "  --" << flag.name << "  (" << flag.type << ", default ";
-    std::cout << (flag.type == "string" ? "\"" + flag.default_value + "\"" : flag.default_value);
-    std::cout << ")\n      " << flag.description << "\n";
+    std::cout << "  --" << flag.name << "  (" << flag.type << ", default " << DefaultText(flag)
+              << ")\n      " << flag.description << "\n";
   }
   std::cout << "  --flagfile  (string)\n      read flags from this file, one a line\n";
 }
