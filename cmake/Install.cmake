@@ -2,6 +2,8 @@
 include(CMakePackageConfigHelpers)
 set(SURFIT_CMAKE_DIR "${CMAKE_INSTALL_LIBDIR}/cmake/surfit")
 install(TARGETS surfit EXPORT surfit-targets FILE_SET HEADERS)
+install(TARGETS surfit_cost_functions EXPORT surfit-targets
+  FILE_SET HEADERS DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/surfit")
 install(EXPORT surfit-targets NAMESPACE surfit:: DESTINATION "${SURFIT_CMAKE_DIR}")
 configure_package_config_file(cmake/surfit-config.cmake.in "${PROJECT_BINARY_DIR}/surfit-config.cmake"
   INSTALL_DESTINATION "${SURFIT_CMAKE_DIR}")

@@ -1,0 +1,192 @@
+#pragma once
+
+#include <algorithm>
+#include <type_traits>
+
+#include "cost_functions/batch_data.h"
+#include "cost_functions/dual.h"
+#include "cost_functions/pose_manifold.h"
+#include "cost_functions/robust_kernel.h"
+#include "surfit/core/parallel.h"
+
+namespace surfit {
+
+// Sums over the rows [J r] of a batch, J by the left increment (w, v): of products of their columns
+// weighted by rho', and of rho.
+struct BatchSums {
+  static constexpr int kColumns = kPoseTangentSize + 1;
+  static constexpr int kProducts = kColumns * (kColumns + 1) / 2;
+
+  double product[kProducts] = {};  // upper triangle, row by row
+  double rho = 0;
+
+  BatchSums& operator+=(const BatchSums& other) {
+    for (int k = 0; k < kProducts; ++k) product[k] += other.product[k];
+    rho += other.rho;
+    return *this;
+  }
+};
+
+// Whether a functor's residuals depend on the pose through y = R p + t alone.
+template <typename Functor, typename V, typename = void>
+struct UsesMovedPointOnly : std::false_type {};
+template <typename Functor, typename V>
+struct UsesMovedPointOnly<
+    Functor, V,
+    std::void_t<decltype(std::declval<const Functor&>().AtMovedPoint(
+        std::declval<const V*>(), std::declval<const V*>(), std::declval<V*>()))>>
+    : std::true_type {};
+
+// Evaluates a functor and its Jacobian for as many points at once as Lanes<S> holds.
+template <typename Functor, typename S>
+class BatchRows {
+ public:
+  using V = Lanes<S>;
+  static constexpr int kRows = Functor::kResidualSize;
+  using Rows = V[kRows][BatchSums::kColumns];
+
+  BatchRows(const Functor& functor, const double* pose) : functor_(functor) {
+    double plus[kPoseSize * kPoseTangentSize];
+    LeftPoseManifold().PlusJacobian(pose, plus);
+    for (int i = 0; i < kPoseSize; ++i) {
+      pose_[i] = V(pose[i]);
+      moving_pose_[i] = Moving(pose_[i]);
+      for (int j = 0; j < kPoseTangentSize; ++j) {
+        moving_pose_[i].derivative[j] = V(plus[i * kPoseTangentSize + j]);
+      }
+    }
+  }
+
+  void Residuals(const V* data, V* residuals) const { functor_.AtPose(pose_, data, residuals); }
+
+  void Linearize(const V* data, Rows& rows) const {
+    if constexpr (UsesMovedPointOnly<Functor, V>::value) {
+      LinearizeAtMovedPoint(data, rows);
+    } else {
+      Moving residuals[kRows];
+      functor_.AtPose(moving_pose_, data, residuals);
+      for (int k = 0; k < kRows; ++k) {
+        for (int j = 0; j < kPoseTangentSize; ++j) rows[k][j] = residuals[k].derivative[j];
+        rows[k][kPoseTangentSize] = residuals[k].value;
+      }
+    }
+  }
+
+ private:
+  using Moving = Dual<V, kPoseTangentSize>;
+
+  // y moves to y + w x y + v, so that with g = dr/dy the row is [y x g, g].
+  void LinearizeAtMovedPoint(const V* data, Rows& rows) const {
+    V y[3];
+    MovePoint(pose_, data, y);
+    Dual<V, 3> moving_y[3], residuals[kRows];
+    for (int i = 0; i < 3; ++i) moving_y[i] = Dual<V, 3>::Variable(y[i], i);
+    functor_.AtMovedPoint(moving_y, data, residuals);
+    for (int k = 0; k < kRows; ++k) {
+      Cross(y, residuals[k].derivative, rows[k]);
+      for (int i = 0; i < 3; ++i) rows[k][3 + i] = residuals[k].derivative[i];
+      rows[k][kPoseTangentSize] = residuals[k].value;
+    }
+  }
+
+  const Functor& functor_;
+  V pose_[kPoseSize];
+  Moving moving_pose_[kPoseSize];
+};
+
+// Adds the points [begin, end) of a batch to sums: lanes of short sums in precision S, which are
+// then added in double.
+template <RobustKernelType kKernel, bool kWithJacobian, typename Functor, typename S>
+class BatchSummer {
+ public:
+  using V = Lanes<S>;
+
+  BatchSummer(const Functor& functor, const BatchData<Functor, S>& data, const double* pose,
+              double kernel_width)
+      : rows_(functor, pose), data_(data), kernel_width_(kernel_width) {}
+
+  BatchSums Sum(int begin, int end) const {
+    constexpr int kFlush = 8 * V::kCount;
+    BatchSums sums;
+    for (int first = begin; first < end; first += kFlush) {
+      LaneSums lanes;
+      const int last = std::min(end, first + kFlush);
+      for (int i = first; i < last; i += V::kCount) Add(i, last - i, &lanes);
+      Flush(lanes, &sums);
+    }
+    return sums;
+  }
+
+ private:
+  static constexpr int kRows = Functor::kResidualSize;
+  struct LaneSums {
+    V product[kWithJacobian ? BatchSums::kProducts : 1];
+    V rho;
+  };
+
+  void Add(int first, int count, LaneSums* sums) const {
+    V data[Functor::kDataSize];
+    for (int i = 0; i < Functor::kDataSize; ++i) data[i] = V::Load(data_.array(i) + first);
+    V s(0.);
+    if constexpr (kWithJacobian) {
+      typename BatchRows<Functor, S>::Rows rows;
+      rows_.Linearize(data, rows);
+      for (int k = 0; k < kRows; ++k) s += rows[k][kPoseTangentSize] * rows[k][kPoseTangentSize];
+      const KernelValue<V> kernel = Masked(EvaluateKernel<kKernel>(s, kernel_width_), count);
+      sums->rho += kernel.rho;
+      for (int k = 0; k < kRows; ++k) AddProducts(rows[k], kernel.slope, sums->product);
+    } else {
+      V residuals[kRows];
+      rows_.Residuals(data, residuals);
+      for (int k = 0; k < kRows; ++k) s += residuals[k] * residuals[k];
+      sums->rho += Masked(EvaluateKernel<kKernel>(s, kernel_width_), count).rho;
+    }
+  }
+
+  // Nothing beyond the first `count` lanes.
+  static KernelValue<V> Masked(KernelValue<V> kernel, int count) {
+    for (int k = count; k < V::kCount; ++k) kernel.rho.v[k] = kernel.slope.v[k] = 0;
+    return kernel;
+  }
+
+  static void AddProducts(const V* row, V weight, V* product) {
+    for (int i = 0, k = 0; i < BatchSums::kColumns; ++i) {
+      const V weighted = weight * row[i];
+      for (int j = i; j < BatchSums::kColumns; ++j, ++k) product[k] += weighted * row[j];
+    }
+  }
+
+  static double SumOfLanes(V lanes) {
+    double sum = 0;
+    for (int k = 0; k < V::kCount; ++k) sum += static_cast<double>(lanes[k]);
+    return sum;
+  }
+
+  static void Flush(const LaneSums& lanes, BatchSums* sums) {
+    if constexpr (kWithJacobian) {
+      for (int k = 0; k < BatchSums::kProducts; ++k) {
+        sums->product[k] += SumOfLanes(lanes.product[k]);
+      }
+    }
+    sums->rho += SumOfLanes(lanes.rho);
+  }
+
+  const BatchRows<Functor, S> rows_;
+  const BatchData<Functor, S>& data_;
+  const double kernel_width_;
+};
+
+// The sums of a whole batch at a pose block, the same at any number of threads.
+template <bool kWithJacobian, typename Functor, typename S>
+BatchSums SumBatch(const Functor& functor, const BatchData<Functor, S>& data, const double* pose,
+                   const RobustKernel& kernel) {
+  constexpr int kPointsPerBlock = 4096;
+  return WithKernelType(kernel.type, [&](auto type) {
+    const BatchSummer<decltype(type)::value, kWithJacobian, Functor, S> summer(functor, data, pose,
+                                                                               kernel.width);
+    return ParallelSum(0, static_cast<int>(data.size()), kPointsPerBlock, BatchSums(),
+                       [&](int begin, int end) { return summer.Sum(begin, end); });
+  });
+}
+
+}  // namespace surfit

@@ -1,0 +1,108 @@
+#pragma once
+
+#include "cost_functions/lanes.h"
+
+namespace surfit {
+
+// A number with N derivatives, for automatic differentiation over lanes: what ceres::Jet is for
+// plain numbers. V is Lanes<float> or Lanes<double>. Mixes with V and with plain numbers, which
+// have no derivatives and cost none.
+template <typename V, int N>
+struct Dual {
+  V value;
+  V derivative[N];
+
+  Dual() = default;
+  Dual(V v) : value(v) {}       // NOLINT(google-explicit-constructor): a constant
+  Dual(double x) : value(x) {}  // NOLINT(google-explicit-constructor): a constant
+  static Dual Variable(V v, int index) {
+    Dual result(v);
+    result.derivative[index] = V(1.);
+    return result;
+  }
+
+  Dual operator-() const { return Chain(-value, V(-1.)); }
+
+  // The dual of f(value), given f'(value).
+  Dual Chain(V f, V slope) const {
+    Dual result(f);
+    for (int i = 0; i < N; ++i) result.derivative[i] = slope * derivative[i];
+    return result;
+  }
+
+  friend Dual operator+(const Dual& a, const Dual& b) {
+    Dual result(a.value + b.value);
+    for (int i = 0; i < N; ++i) result.derivative[i] = a.derivative[i] + b.derivative[i];
+    return result;
+  }
+  friend Dual operator-(const Dual& a, const Dual& b) {
+    Dual result(a.value - b.value);
+    for (int i = 0; i < N; ++i) result.derivative[i] = a.derivative[i] - b.derivative[i];
+    return result;
+  }
+  friend Dual operator*(const Dual& a, const Dual& b) {
+    Dual result(a.value * b.value);
+    for (int i = 0; i < N; ++i) {
+      result.derivative[i] = a.value * b.derivative[i] + b.value * a.derivative[i];
+    }
+    return result;
+  }
+  friend Dual operator/(const Dual& a, const Dual& b) {
+    const V inverse = V(1.) / b.value, quotient = a.value * inverse;
+    Dual result(quotient);
+    for (int i = 0; i < N; ++i) {
+      result.derivative[i] = (a.derivative[i] - quotient * b.derivative[i]) * inverse;
+    }
+    return result;
+  }
+
+  friend Dual operator+(Dual a, V b) {
+    a.value += b;
+    return a;
+  }
+  friend Dual operator+(V a, const Dual& b) { return b + a; }
+  friend Dual operator-(Dual a, V b) {
+    a.value += -b;
+    return a;
+  }
+  friend Dual operator-(V a, const Dual& b) { return -b + a; }
+  friend Dual operator*(const Dual& a, V b) { return a.Chain(a.value * b, b); }
+  friend Dual operator*(V a, const Dual& b) { return b * a; }
+  friend Dual operator/(const Dual& a, V b) { return a * (V(1.) / b); }
+  friend Dual operator/(V a, const Dual& b) {
+    const V quotient = a / b.value;
+    return b.Chain(quotient, -quotient / b.value);
+  }
+  friend Dual operator+(const Dual& a, double b) { return a + V(b); }
+  friend Dual operator+(double a, const Dual& b) { return b + V(a); }
+  friend Dual operator-(const Dual& a, double b) { return a - V(b); }
+  friend Dual operator-(double a, const Dual& b) { return V(a) - b; }
+  friend Dual operator*(const Dual& a, double b) { return a * V(b); }
+  friend Dual operator*(double a, const Dual& b) { return b * V(a); }
+  friend Dual operator/(const Dual& a, double b) { return a * V(1 / b); }
+  friend Dual operator/(double a, const Dual& b) { return V(a) / b; }
+
+  friend auto operator<(const Dual& a, const Dual& b) { return a.value < b.value; }
+  friend auto operator>(const Dual& a, const Dual& b) { return a.value > b.value; }
+  friend auto operator<=(const Dual& a, const Dual& b) { return a.value <= b.value; }
+  friend auto operator>=(const Dual& a, const Dual& b) { return a.value >= b.value; }
+};
+
+template <typename V, int N>
+Dual<V, N> sqrt(const Dual<V, N>& x) {
+  const V root = sqrt(x.value);
+  return x.Chain(root, V(0.5) / root);
+}
+
+// condition ? a : b, lane by lane, derivatives included.
+template <typename S, int N>
+Dual<Lanes<S>, N> Select(LaneMask<S> condition, const Dual<Lanes<S>, N>& a,
+                         const Dual<Lanes<S>, N>& b) {
+  Dual<Lanes<S>, N> result(Select(condition, a.value, b.value));
+  for (int i = 0; i < N; ++i) {
+    result.derivative[i] = Select(condition, a.derivative[i], b.derivative[i]);
+  }
+  return result;
+}
+
+}  // namespace surfit

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <Eigen/Cholesky>
+
+#include "cost_functions/point_functor.h"
+
+namespace surfit {
+
+// r = U (R p + t - q), three residuals, with U^T U = C^-1 and C = C_q + R C_p R^T the covariance of
+// the difference of two points that each lie somewhere on their own plane: Generalized-ICP (Segal,
+// Haehnel and Thrun 2009). C is evaluated at a given rotation and held during a solve, as there.
+struct PlaneToPlane : PointFunctor<PlaneToPlane, 12, 3> {
+  PlaneToPlane() = default;  // no data: for batches
+  // p in the source frame, q in the target frame, metres; C in the target frame, m^2.
+  PlaneToPlane(const Eigen::Vector3d& p, const Eigen::Vector3d& q,
+               const Eigen::Matrix3d& covariance) {
+    Set(0, p);
+    Set(3, q);
+    // C^-1 = L L^T: the whitening factor is L^T, not L.
+    const Eigen::Matrix3d inverse = covariance.inverse();
+    const Eigen::Matrix3d u = inverse.llt().matrixU();
+    data[6] = u(0, 0), data[7] = u(0, 1), data[8] = u(0, 2);
+    data[9] = u(1, 1), data[10] = u(1, 2), data[11] = u(2, 2);
+  }
+
+  // The covariance of a point that is known to sigma along the unit normal of its plane, and to
+  // sigma / flatness within it.
+  static Eigen::Matrix3d CovarianceOfPlane(const Eigen::Vector3d& normal, double sigma_m,
+                                           double flatness) {
+    const Eigen::Matrix3d across = normal * normal.transpose();
+    const double within = sigma_m / flatness;
+    return sigma_m * sigma_m * across + within * within * (Eigen::Matrix3d::Identity() - across);
+  }
+
+  template <typename T, typename D>
+  void AtMovedPoint(const T* y, const D* d, T* residuals) const {
+    const T x[3] = {y[0] - d[3], y[1] - d[4], y[2] - d[5]};
+    residuals[0] = x[0] * d[6] + x[1] * d[7] + x[2] * d[8];
+    residuals[1] = x[1] * d[9] + x[2] * d[10];
+    residuals[2] = x[2] * d[11];
+  }
+};
+
+}  // namespace surfit

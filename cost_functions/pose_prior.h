@@ -1,0 +1,25 @@
+#pragma once
+
+#include "cost_functions/pose_error.h"
+
+namespace surfit {
+
+// Six residuals between a pose X and what is known of it, a prior Z with full information matrix:
+// the error X Z^-1 is the left increment (w, v) that takes Z to X, in the target frame.
+class PosePrior {
+ public:
+  PosePrior(const Rigid3d& prior, const PoseInformation& information)
+      : inverse_prior_(prior.Inverse()), whiten_(information) {}
+
+  template <typename T>
+  bool operator()(const T* pose, T* residuals) const {
+    whiten_(PoseFromBlock(pose) * inverse_prior_.cast<T>(), residuals);
+    return true;
+  }
+
+ private:
+  Rigid3d inverse_prior_;
+  WhitenedPoseError whiten_;
+};
+
+}  // namespace surfit

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <ceres/cost_function.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "cost_functions/batch_sums.h"
+
+namespace surfit {
+
+// N functors of one kind (see point_functor.h) as one Ceres residual block of seven rows.
+//
+// The triangular factor [R q; 0 e] of all rows [J r] has R^T R = J^T J, R^T q = J^T r and
+// |q|^2 + e^2 = |r|^2: cost, gradient and Gauss-Newton matrix of all N rows, so that
+// Levenberg-Marquardt takes the same steps. With a robust kernel per point, rows count rho'(s)-fold
+// and e is chosen so that |q|^2 + e^2 = sum rho(s): cost and gradient stay exact, as
+// rho(s) >= s rho'(s) for all kernels (rho is concave). The factor comes from the Cholesky
+// decomposition of the sums of products, evaluated by automatic differentiation over lanes.
+//
+// S is the precision of residuals and products; sums are in double. Float: cost and gradient to
+// 1e-5 of the sum of their absolute terms; double: 1e-9. Evaluation runs in parallel, and gives the
+// same bit for bit at any number of threads.
+//
+// The parameter block is a pose (pose.h) on LeftPoseManifold or ProductPoseManifold. Do not add a
+// loss function to the block: the kernel is one per point, a loss would see the sum.
+template <typename Functor, typename S = float>
+class ReducedBatch final : public ceres::CostFunction {
+ public:
+  ReducedBatch(Functor functor, BatchData<Functor, S> data, const RobustKernel& kernel)
+      : functor_(std::move(functor)), data_(std::move(data)), kernel_(kernel) {
+    mutable_parameter_block_sizes()->push_back(kPoseSize);
+    set_num_residuals(kRows);
+  }
+
+  bool Evaluate(double const* const* parameters, double* residuals,
+                double** jacobians) const override {
+    const double* pose = parameters[0];
+    if (jacobians == nullptr || jacobians[0] == nullptr) {
+      std::fill(residuals, residuals + kRows, 0.);
+      residuals[0] = std::sqrt(SumBatch<false>(functor_, data_, pose, kernel_).rho);
+      return std::isfinite(residuals[0]);
+    }
+    const BatchSums sums = SumBatch<true>(functor_, data_, pose, kernel_);
+    if (!std::isfinite(sums.rho)) return false;
+    Factor factor;
+    Decompose(sums, &factor, residuals);
+    Eigen::Matrix<double, kPoseTangentSize, kPoseSize, Eigen::RowMajor> minus;
+    LeftPoseManifold().MinusJacobian(pose, minus.data());
+    Eigen::Map<Eigen::Matrix<double, kRows, kPoseSize, Eigen::RowMajor>> jacobian(jacobians[0]);
+    jacobian = factor * minus;
+    return true;
+  }
+
+ private:
+  static constexpr int kRows = BatchSums::kColumns;
+  using Factor = Eigen::Matrix<double, kRows, kPoseTangentSize>;
+
+  // Cholesky decomposition of the semidefinite matrix of products: R, and [q e] as residuals. Pivots
+  // are at least what the sums' rounding leaves of zero: R^T q = J^T r holds in any case.
+  static void Decompose(const BatchSums& sums, Factor* factor, double* residuals) {
+    constexpr double kPrecision = sizeof(S) == sizeof(float) ? 1e-6 : 1e-13;
+    Eigen::Matrix<double, kRows, kRows> rest;  // upper triangle
+    for (int i = 0, k = 0; i < kRows; ++i) {
+      for (int j = i; j < kRows; ++j, ++k) rest(i, j) = sums.product[k];
+    }
+    const Eigen::Matrix<double, kRows, 1> diagonal = rest.diagonal();
+    factor->setZero();
+    double explained = 0;
+    for (int i = 0; i < kPoseTangentSize; ++i) {
+      residuals[i] = 0;
+      if (!(diagonal[i] > 0)) continue;
+      const double pivot = std::sqrt(std::max(rest(i, i), kPrecision * diagonal[i]));
+      Eigen::Matrix<double, kRows, 1> row = Eigen::Matrix<double, kRows, 1>::Zero();
+      row[i] = pivot;
+      for (int j = i + 1; j < kRows; ++j) row[j] = rest(i, j) / pivot;
+      for (int a = i + 1; a < kRows; ++a) {
+        for (int b = a; b < kRows; ++b) rest(a, b) -= row[a] * row[b];
+      }
+      factor->row(i) = row.head<kPoseTangentSize>().transpose();
+      residuals[i] = row[kPoseTangentSize];
+      explained += residuals[i] * residuals[i];
+    }
+    residuals[kRows - 1] = std::sqrt(std::max(0., sums.rho - explained));
+  }
+
+  Functor functor_;
+  BatchData<Functor, S> data_;
+  RobustKernel kernel_;
+};
+
+}  // namespace surfit

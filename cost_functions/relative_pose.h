@@ -1,0 +1,28 @@
+#pragma once
+
+#include "cost_functions/pose_error.h"
+
+namespace surfit {
+
+// Six residuals between two poses world_from_a, world_from_b and a measured a_from_b with full
+// information matrix, the edge of a pose graph. The error (world_from_a^-1 world_from_b)
+// a_from_b^-1 is the left increment (w, v), in the frame of a, that takes the measured pose to the
+// estimate.
+class RelativePose {
+ public:
+  RelativePose(const Rigid3d& a_from_b, const PoseInformation& information)
+      : b_from_a_(a_from_b.Inverse()), whiten_(information) {}
+
+  template <typename T>
+  bool operator()(const T* world_from_a, const T* world_from_b, T* residuals) const {
+    const Rigid3<T> a_from_b = PoseFromBlock(world_from_a).Inverse() * PoseFromBlock(world_from_b);
+    whiten_(a_from_b * b_from_a_.cast<T>(), residuals);
+    return true;
+  }
+
+ private:
+  Rigid3d b_from_a_;
+  WhitenedPoseError whiten_;
+};
+
+}  // namespace surfit

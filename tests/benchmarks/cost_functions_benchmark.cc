@@ -1,0 +1,118 @@
+// One linearisation and one full solve of point-to-plane residuals: as one reduced block, as one
+// Ceres block per point, and by the hand-written sums of the closed form.
+#include <benchmark/benchmark.h>
+
+#include "cost_functions/random_functors.h"
+#include "cost_functions/solve_pose.h"
+#include "registration/pair_buffer.h"
+#include "surfit/registration/pose_solver.h"
+
+namespace surfit {
+namespace {
+
+constexpr int kPoints = 280000;
+
+const std::vector<PointToPlane>& Functors() {
+  static const auto* const functors = new std::vector<PointToPlane>(
+      testing::RandomFunctors<PointToPlane>(kPoints, Rigid3d(), 0.005, 1));
+  return *functors;
+}
+
+Rigid3d Start() { return {QuaternionExp<double>({0.01, -0.02, 0.01}), {0.02, -0.01, 0.01}}; }
+
+template <typename S>
+ReducedBatch<PointToPlane, S>* MakeReduced() {
+  return new ReducedBatch<PointToPlane, S>(
+      PointToPlane(), BatchData<PointToPlane, S>::FromFunctors(Functors()), RobustKernel());
+}
+
+template <typename S>
+void LinearizeReduced(benchmark::State& state) {
+  const ThreadLimit limit(static_cast<int>(state.range(0)));
+  const std::unique_ptr<ceres::CostFunction> cost(MakeReduced<S>());
+  const testing::PoseBlock pose = testing::AsBlock(Start());
+  const double* parameters = pose.data();
+  double residuals[7], jacobian[49];
+  double* jacobians = jacobian;
+  for (auto _ : state) cost->Evaluate(&parameters, residuals, &jacobians);
+}
+BENCHMARK_TEMPLATE(LinearizeReduced, float)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(LinearizeReduced, double)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond);
+
+// The inner loop of ProjectiveAssociation::Linearize, on the pairs of a pose.
+void LinearizeByHand(benchmark::State& state) {
+  const ThreadLimit limit(static_cast<int>(state.range(0)));
+  constexpr int kRow = 640;
+  const Rigid3d pose = Start();
+  std::vector<PairBuffer> rows(kPoints / kRow, PairBuffer(kRow));
+  for (std::size_t v = 0; v < rows.size(); ++v) {
+    PairBuffer& row = rows[v];
+    row.size = kRow;
+    row.inlier_count = kRow;
+    for (int i = 0; i < kRow; ++i) {
+      const auto& d = Functors()[v * kRow + i].data;
+      const Eigen::Vector3d p = pose * Eigen::Vector3d(d[0], d[1], d[2]);
+      row.px[i] = p.x(), row.py[i] = p.y(), row.pz[i] = p.z();
+      row.qx[i] = d[3], row.qy[i] = d[4], row.qz[i] = d[5];
+      row.nx[i] = d[6], row.ny[i] = d[7], row.nz[i] = d[8];
+      row.weight[i] = d[9] * d[9];
+    }
+  }
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(
+        ParallelSum(0, static_cast<int>(rows.size()), 8, NormalSystem(), [&](int begin, int end) {
+          NormalSystem system;
+          for (int v = begin; v < end; ++v) {
+            AddPairs(&rows[v], &system);
+          }
+          return system;
+        }));
+  }
+}
+BENCHMARK(LinearizeByHand)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond);
+
+template <typename AddBlocks>
+void Solve(const AddBlocks& add_blocks, ceres::LinearSolverType type) {
+  testing::PoseBlock pose = testing::AsBlock(Start());
+  ceres::Problem problem;
+  problem.AddParameterBlock(pose.data(), kPoseSize, new LeftPoseManifold);
+  add_blocks(&problem, pose.data());
+  ceres::Solver::Options options;
+  options.linear_solver_type = type;
+  options.num_threads = 2;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  benchmark::DoNotOptimize(pose);
+}
+
+// Building included.
+void SolveReduced(benchmark::State& state) {
+  for (auto _ : state) {
+    Solve([](ceres::Problem* problem,
+             double* pose) { problem->AddResidualBlock(MakeReduced<float>(), nullptr, pose); },
+          ceres::DENSE_QR);
+  }
+}
+BENCHMARK(SolveReduced)->Unit(benchmark::kMillisecond);
+
+void SolvePerPoint(benchmark::State& state) {
+  for (auto _ : state) {
+    Solve(
+        [](ceres::Problem* problem, double* pose) {
+          for (const PointToPlane& functor : Functors()) {
+            problem->AddResidualBlock(testing::PerPointCost(functor), nullptr, pose);
+          }
+        },
+        static_cast<ceres::LinearSolverType>(state.range(0)));
+  }
+}
+BENCHMARK(SolvePerPoint)
+    ->ArgName("linear_solver")
+    ->Arg(ceres::DENSE_NORMAL_CHOLESKY)
+    ->Arg(ceres::DENSE_QR)
+    ->Arg(ceres::SPARSE_NORMAL_CHOLESKY)
+    ->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace surfit

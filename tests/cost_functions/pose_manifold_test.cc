@@ -1,0 +1,99 @@
+#include "cost_functions/pose_manifold.h"
+
+#include <ceres/manifold_test_utils.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "testing/matchers.h"
+#include "testing/random_pose.h"
+
+namespace surfit {
+namespace {
+
+using testing::RandomPose;
+using testing::RandomVector;
+using testing::RigidNear;
+using testing::VectorNear;
+
+using Block = Eigen::Matrix<double, kPoseSize, 1>;
+using Increment = Eigen::Matrix<double, 6, 1>;
+
+Block AsBlock(const Rigid3d& pose) {
+  Block block;
+  PoseToBlock(pose, block.data());
+  return block;
+}
+
+Increment RandomIncrement(double size_rad, std::mt19937_64* rng) {
+  Increment delta;
+  delta << RandomVector(size_rad, rng), RandomVector(2, rng);
+  return delta;
+}
+
+// Ceres' own matcher: Plus and Minus against each other and against their Jacobians. Coordinates of
+// a few metres and rotations near pi lose a few digits of 1e-16.
+template <typename Manifold>
+void ExpectInvariants() {
+  using namespace ceres;  // NOLINT(google-build-using-namespace): the macro needs it
+  constexpr double kTolerance = 1e-9;
+  const Manifold manifold;
+  std::mt19937_64 rng(1);
+  for (int trial = 0; trial < 100; ++trial) {
+    // From x to y by less than half a turn: beyond, Minus takes the shorter way, to -q.
+    const Block x = AsBlock(RandomPose(1.5, 3, &rng));
+    Block y;
+    manifold.Plus(x.data(), RandomIncrement(1.5, &rng).eval().data(), y.data());
+    const Increment delta = RandomIncrement(trial % 2 == 0 ? 1e-8 : 1.5, &rng);
+    EXPECT_THAT_MANIFOLD_INVARIANTS_HOLD(manifold, x, delta, y, kTolerance);
+  }
+  const Block identity = AsBlock(Rigid3d());
+  const Increment zero = Increment::Zero();
+  EXPECT_THAT_MANIFOLD_INVARIANTS_HOLD(manifold, identity, zero, identity, kTolerance);
+}
+
+TEST(PoseManifold, InvariantsHold) {
+  ExpectInvariants<LeftPoseManifold>();
+  ExpectInvariants<ProductPoseManifold>();
+}
+
+TEST(LeftPoseManifold, MovesPointsFromTheLeft) {
+  std::mt19937_64 rng(2);
+  for (int trial = 0; trial < 20; ++trial) {
+    const Rigid3d pose = RandomPose(2, 3, &rng);
+    const Increment delta = RandomIncrement(1, &rng);
+    Block moved;
+    LeftPoseManifold().Plus(AsBlock(pose).data(), delta.data(), moved.data());
+    const Eigen::Vector3d p = RandomVector(3, &rng);
+    const Eigen::Vector3d expected =
+        QuaternionExp<double>(delta.head<3>()) * (pose * p) + delta.tail<3>();
+    EXPECT_THAT(PoseFromBlock(moved.data()) * p, VectorNear(expected, 1e-14 * 10));
+  }
+}
+
+TEST(ProductPoseManifold, TurnsInPlaceAndAddsTranslations) {
+  std::mt19937_64 rng(3);
+  for (int trial = 0; trial < 20; ++trial) {
+    const Rigid3d pose = RandomPose(2, 3, &rng);
+    const Increment delta = RandomIncrement(1, &rng);
+    Block moved;
+    ProductPoseManifold().Plus(AsBlock(pose).data(), delta.data(), moved.data());
+    const Rigid3d expected(QuaternionExp<double>(delta.head<3>()) * pose.rotation,
+                           pose.translation + delta.tail<3>());
+    EXPECT_THAT(PoseFromBlock(moved.data()), RigidNear(expected, 1e-15, 1e-14));
+  }
+}
+
+TEST(PoseBlock, KeepsTheOrderOfTumFiles) {
+  const Rigid3d pose(Eigen::Quaterniond(0.1, 0.7, 0.5, 0.5).normalized(), {1, 2, 3});
+  const Block block = AsBlock(pose);
+  EXPECT_EQ(block[0], pose.rotation.x());
+  EXPECT_EQ(block[1], pose.rotation.y());
+  EXPECT_EQ(block[2], pose.rotation.z());
+  EXPECT_EQ(block[3], pose.rotation.w());
+  EXPECT_EQ(block.tail<3>(), pose.translation);
+  EXPECT_EQ(PoseFromBlock(block.data()).Matrix(), pose.Matrix());
+}
+
+}  // namespace
+}  // namespace surfit

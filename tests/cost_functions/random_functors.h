@@ -1,0 +1,71 @@
+#pragma once
+
+#include <vector>
+
+#include "cost_functions/photometric.h"
+#include "cost_functions/plane_to_plane.h"
+#include "cost_functions/point_to_plane.h"
+#include "cost_functions/point_to_point.h"
+#include "cost_functions/symmetric_point_to_plane.h"
+#include "testing/random_pose.h"
+
+namespace surfit::testing {
+
+// Points about 2 m before the source camera, and where a pose takes them, off by noise.
+struct Match {
+  Eigen::Vector3d p, q, m, n;  // m the normal at p, n = R m at q
+  double sigma_m;
+};
+
+inline Match RandomMatch(const Rigid3d& target_from_source, double noise_m, std::mt19937_64* rng) {
+  Match match;
+  match.p = RandomVector(1, rng) + Eigen::Vector3d(0, 0, 2);
+  match.q = target_from_source * match.p + RandomVector(noise_m, rng);
+  match.m = RandomVector(1, rng).normalized();
+  match.n = target_from_source.rotation * match.m;
+  match.sigma_m = 0.005 + 0.002 * RandomVector(1, rng).x();
+  return match;
+}
+
+inline void Append(const Match& m, std::vector<PointToPoint>* functors) {
+  functors->emplace_back(m.p, m.q, m.sigma_m);
+}
+inline void Append(const Match& m, std::vector<PointToPlane>* functors) {
+  functors->emplace_back(m.p, m.q, m.n, m.sigma_m);
+}
+inline void Append(const Match& m, std::vector<SymmetricPointToPlane>* functors) {
+  functors->emplace_back(m.p, m.m, m.q, m.n, m.sigma_m);
+}
+inline void Append(const Match& m, std::vector<PlaneToPlane>* functors) {
+  functors->emplace_back(m.p, m.q, 2 * PlaneToPlane::CovarianceOfPlane(m.n, m.sigma_m, 0.1));
+}
+// A smooth image, looked up where q is seen: the point's own intensity is that of q.
+inline void Append(const Match& m, std::vector<Photometric>* functors) {
+  const Photometric camera(500, 510, 320, 240);
+  const double u = camera.fx * m.q.x() / m.q.z() + camera.cx;
+  const double v = camera.fy * m.q.y() / m.q.z() + camera.cy;
+  const Eigen::Vector2d gradient(3 * m.n.x(), 3 * m.n.y());
+  functors->push_back(camera);
+  functors->back().SetPoint(m.p, 100, u, v, 100, gradient, 1000 * m.sigma_m);
+}
+
+template <typename Functor>
+std::vector<Functor> RandomFunctors(int count, const Rigid3d& target_from_source, double noise_m,
+                                    std::uint64_t seed) {
+  std::mt19937_64 rng(seed);
+  std::vector<Functor> functors;
+  for (int i = 0; i < count; ++i) Append(RandomMatch(target_from_source, noise_m, &rng), &functors);
+  return functors;
+}
+
+// A functor without data, for batches.
+template <typename Functor>
+Functor Definition() {
+  return Functor();
+}
+template <>
+inline Photometric Definition<Photometric>() {
+  return Photometric(500, 510, 320, 240);
+}
+
+}  // namespace surfit::testing
