@@ -17,6 +17,7 @@ using ::testing::IsEmpty;
 using ::testing::MatchesRegex;
 using testing::ProgramResult;
 using testing::RunProgram;
+using ::testing::StartsWith;
 using testing::TempFolder;
 
 // The square of tests/evaluation/square_trajectory.h, where the figures are derived: one corner is
@@ -151,6 +152,21 @@ TEST_F(EvaluateTest, TakesAFlagfile) {
   const ProgramResult result = Evaluate({"--flagfile=" + flags});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(nlohmann::json::parse(result.out).at("options").at("max_difference_s"), 0.02);
+}
+
+TEST_F(EvaluateTest, RefusesAFlagfileThatItDoesNotUnderstand) {
+  const auto expect_refused = [&](const std::string& text, const std::string& message) {
+    const ProgramResult result = Evaluate({"--flagfile", folder_.Write("flags", text)});
+    EXPECT_EQ(result.exit_code, 1) << text;
+    EXPECT_THAT(result.err, AllOf(StartsWith("error: "), HasSubstr(message)));
+  };
+  expect_refused("# a misspelt flag\n--deltas=2\n", "unknown command line flag 'deltas'");
+  expect_refused("\n  --delta=much\r\n", "illegal value 'much'");
+  expect_refused("delta=2\n", "unexpected argument 'delta=2'");
+  expect_refused("--flagfile=other\n", "must not name another one");
+  const ProgramResult result = Evaluate({"--flagfile=" + folder_.path()});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("cannot be read"));
 }
 
 TEST(EvaluateHelp, ShowsEveryDefault) {

@@ -10,6 +10,7 @@
 #include <iostream>
 #include <vector>
 
+#include "common/flag_file.h"
 #include "surfit/core/error.h"
 
 namespace google {
@@ -24,7 +25,13 @@ namespace {
 struct GflagsExit {};
 
 // Parses the flags; throws InputError with gflags' own sentence for a bad one.
-void ParseFlags(int* argc, char*** argv) {
+void ParseFlags(int argc, char** argv) {
+  std::vector<std::string> arguments = ExpandFlagFiles({argv, argv + argc});
+  std::vector<char*> pointers;
+  for (std::string& argument : arguments) pointers.push_back(argument.data());
+  pointers.push_back(nullptr);
+  argc = static_cast<int>(arguments.size());
+  argv = pointers.data();
   char* text = nullptr;
   std::size_t size = 0;
   std::FILE* const terminal = stderr;
@@ -32,7 +39,7 @@ void ParseFlags(int* argc, char*** argv) {
   google::gflags_exitfunc = [](int) { throw GflagsExit(); };
   bool failed = false;
   try {
-    gflags::ParseCommandLineNonHelpFlags(argc, argv, /*remove_flags=*/true);
+    gflags::ParseCommandLineNonHelpFlags(&argc, &argv, /*remove_flags=*/true);
   } catch (const GflagsExit&) {
     failed = true;
   }
@@ -45,8 +52,8 @@ void ParseFlags(int* argc, char*** argv) {
     while (!message.empty() && message.back() == '\n') message.pop_back();
     throw InputError(message);
   }
-  if (*argc > 1)
-    throw InputError(Concat("unexpected argument '", (*argv)[1], "', flags begin with --"));
+  if (argc > 1)
+    throw InputError(Concat("unexpected argument '", argv[1], "', flags begin with --"));
 }
 
 bool FlagIsSet(const char* name) {
@@ -83,7 +90,7 @@ int ToolMain(int argc, char** argv, const std::string& summary, const std::funct
     const std::string path = argv[0];
     FLAGS_logtostderr = true;
     google::InitGoogleLogging(argv[0]);
-    ParseFlags(&argc, &argv);
+    ParseFlags(argc, argv);
     if (FlagIsSet("help") || FlagIsSet("helpfull") || FlagIsSet("helpshort")) {
       PrintHelp(path.substr(path.find_last_of('/') + 1), summary);
       return kDone;
