@@ -109,8 +109,11 @@ void PrintSummary(const SlamRunSummary& s, const std::string& output) {
   if (s.evaluation && s.evaluation->ate) {
     std::printf("ATE RMSE %.4f m over %.1f %% of the frames\n",
                 s.evaluation->ate->translation_m.rmse, 100 * s.evaluation->coverage);
+  } else if (s.evaluation) {
+    std::printf("ATE unknown: %d of %d frames with ground truth have a pose, 3 must have one\n",
+                s.evaluation->matched, s.evaluation->expected);
   } else {
-    std::printf("ATE unknown: no ground truth for these frames\n");
+    std::printf("ATE unknown: no ground truth\n");
   }
   std::printf("frame %.1f ms median, %.1f ms p95; %.1f s in all\n", s.frame.median_ms,
               s.frame.p95_ms, s.total_s);
