@@ -124,6 +124,7 @@ int Run() {
   std::signal(SIGINT, OnSignal);
   std::signal(SIGTERM, OnSignal);
   const SlamRunSummary summary = RunSlam(options, interrupted, ShowProgress);
+  if (summary.interrupted) std::fputc('\n', stderr);  // ends the line of progress
   PrintSummary(summary, options.output);
   const bool nothing_tracked = summary.frames_tracked <= 1 && summary.frames_lost > 0;
   return nothing_tracked && !summary.interrupted ? kAlgorithmFailed : kDone;
