@@ -1,27 +1,10 @@
 #include "mapping/disc_projector.h"
 
-#include <algorithm>
-
 namespace surfit {
 namespace {
 
 // Discs closer to edge-on than this sine are not seen: rho_u and rho_v would overflow.
 constexpr float kMinSine = 1e-6f;
-
-Float4 Dot(const Vector4& a, const Vector4& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-
-Vector4 Rotate(const Eigen::Matrix3f& r, const Vector4& a) {
-  return {r(0, 0) * a.x + r(0, 1) * a.y + r(0, 2) * a.z,
-          r(1, 0) * a.x + r(1, 1) * a.y + r(1, 2) * a.z,
-          r(2, 0) * a.x + r(2, 1) * a.y + r(2, 2) * a.z};
-}
-
-Float4 LoadSome(const std::vector<float>& array, int begin, int count) {
-  if (count == 4) return Load4(&array[begin]);
-  Float4 result = {};
-  for (int k = 0; k < count; ++k) result[k] = array[begin + k];
-  return result;
-}
 
 }  // namespace
 
@@ -46,29 +29,22 @@ Disc FourDiscs::operator[](int k) const {
 }
 
 bool DiscProjector::Project(int begin, int end, FourDiscs* discs) const {
-  const int count = std::min(4, end - begin);
-  const auto load = [&](const std::vector<float>& array) { return LoadSome(array, begin, count); };
-  Vector4 p = Rotate(camera_.rotation, {load(map_.x), load(map_.y), load(map_.z)});
-  p.x += camera_.translation.x();
-  p.y += camera_.translation.y();
-  p.z += camera_.translation.z();
-  if (!FindCentres(p, count, discs)) return false;
-  discs->normal = Rotate(camera_.rotation, {load(map_.nx), load(map_.ny), load(map_.nz)});
-  const Float4 radius = options_.radius_share * load(map_.radius_m);
+  const FourCentres centres = surfels_.Centres(begin, end);
+  if (!FindCentres(centres, discs)) return false;
+  discs->normal = surfels_.Normals(begin, end);
+  const Float4 radius = options_.radius_share * surfels_.Radii(begin, end);
   if (!FindPixels(radius, discs)) return false;
-  FindShapes(p, radius, discs);
+  FindShapes(centres.position, radius, discs);
   return Any(discs->seen);
 }
 
-bool DiscProjector::FindCentres(const Vector4& p, int count, FourDiscs* discs) const {
-  const Int4 in_front = (p.z > ProjectedChunk::kMinDepth) & (kLanes < count);
-  const Float4 rho = 1.f / (in_front ? p.z : AllLanes(1.f));
-  const Float4 u = camera_.fx * p.x * rho + camera_.cx;
-  const Float4 v = camera_.fy * p.y * rho + camera_.cy;
+bool DiscProjector::FindCentres(const FourCentres& centres, FourDiscs* discs) const {
+  const Float4 u = centres.u, v = centres.v;
   const float margin = static_cast<float>(options_.max_half_window_px);
-  discs->seen = in_front & (u > -margin) & (u < static_cast<float>(camera_.width) + margin) &
-                (v > -margin) & (v < static_cast<float>(camera_.height) + margin);
-  discs->rho = rho;
+  discs->seen = centres.in_front & (u > -margin) &
+                (u < static_cast<float>(camera_.width) + margin) & (v > -margin) &
+                (v < static_cast<float>(camera_.height) + margin);
+  discs->rho = centres.rho;
   discs->u = discs->seen ? u : Float4{};
   discs->v = discs->seen ? v : Float4{};
   return Any(discs->seen);

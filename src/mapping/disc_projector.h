@@ -1,17 +1,10 @@
 #pragma once
 
-#include <vector>
-
 #include "mapping/disc.h"
-#include "mapping/surfel_projection.h"
+#include "mapping/surfel_projector.h"
 #include "surfit/mapping/model_renderer.h"
 
 namespace surfit {
-
-// Four 3-vectors.
-struct Vector4 {
-  Float4 x, y, z;
-};
 
 // The discs of four surfels that follow each other in the map; fields as in Disc.
 struct FourDiscs {
@@ -28,18 +21,18 @@ struct FourDiscs {
 class DiscProjector {
  public:
   DiscProjector(const SurfelMap& map, const PosedCamera& camera, const RenderOptions& options)
-      : map_(map), camera_(camera), options_(options) {}
+      : surfels_(map, camera), camera_(camera), options_(options) {}
 
   // The discs of the surfels [begin, end), at most four. False if none of them may be seen: they
   // are outside the image, too close, turned away, or so small that they are between the pixels.
   bool Project(int begin, int end, FourDiscs* discs) const;
 
  private:
-  bool FindCentres(const Vector4& p, int count, FourDiscs* discs) const;
+  bool FindCentres(const FourCentres& centres, FourDiscs* discs) const;
   bool FindPixels(const Float4& radius, FourDiscs* discs) const;
   void FindShapes(const Vector4& p, const Float4& radius, FourDiscs* discs) const;
 
-  const SurfelMap& map_;
+  const SurfelProjector surfels_;
   const PosedCamera& camera_;
   const RenderOptions& options_;
 };

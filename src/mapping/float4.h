@@ -30,6 +30,9 @@ inline void Store4(Int4 values, std::int32_t* to) { std::memcpy(to, &values, siz
 
 inline Float4 ToFloat(Int4 x) { return __builtin_convertvector(x, Float4); }
 
+// Towards zero.
+inline Int4 ToInt(Float4 x) { return __builtin_convertvector(x, Int4); }
+
 // The largest integers not above x, for -1024 < x < 2^22: a conversion alone, unlike std::floor.
 inline Int4 Floor(Float4 x) { return __builtin_convertvector(x + 1024.f, Int4) - 1024; }
 

@@ -3,21 +3,29 @@
 #include <glog/logging.h>
 
 #include <algorithm>
-#include <cmath>
 #include <deque>
 #include <limits>
 
-#include "mapping/atomic_minimum.h"
+#include "mapping/bands.h"
+#include "mapping/candidate_finder.h"
 #include "mapping/measured_points.h"
-#include "mapping/surfel_projection.h"
+#include "mapping/merge_gate.h"
+#include "mapping/posed_camera.h"
+#include "mapping/surfel_choice.h"
 #include "surfit/core/error.h"
 #include "surfit/core/parallel.h"
 
 namespace surfit {
 namespace {
 
-constexpr int kRowsPerBlock = 8;
-constexpr std::int32_t kNone = -1;
+// So many meetings before its own the point is asked for, to be in the cache by then.
+constexpr int kMeetingsAhead = 16;
+
+// A surfel and the pixel of a point that chose it.
+struct Meeting {
+  std::int32_t surfel;
+  int pixel;
+};
 
 struct MergeCounts {
   int points = 0;
@@ -29,41 +37,49 @@ struct MergeCounts {
   }
 };
 
+// By surfel, and there in raster order.
+std::vector<Meeting> Meetings(const CandidateList& list, int width, int* surfels) {
+  std::vector<Meeting> meetings;
+  for (const Candidate& candidate : list.candidates) {
+    if (!candidate.chosen_by[4]) continue;  // nor did others: its own point chose another one
+    ++*surfels;
+    for (int k = 0; k < 9; ++k) {
+      const int pixel = candidate.pixel + (k / 3 - 1) * width + k % 3 - 1;
+      if (candidate.chosen_by[k]) meetings.push_back({candidate.surfel, pixel});
+    }
+  }
+  return meetings;
+}
+
 }  // namespace
 
 // The fusion of one frame; owns the buffers that are kept between frames.
 struct Fusion::Workspace {
   explicit Workspace(const FusionOptions& fusion_options)
-      : options(fusion_options), min_cosine(std::cos(fusion_options.max_normal_angle_rad)) {}
+      : options(fusion_options), gate(fusion_options), choice(gate) {}
 
-  void Begin(const RgbdFrame& new_frame, const FrameLevel& surface, const SurfelMap& map);
-  void FindOwnSurfels(const PosedCamera& camera, const SurfelMap& map);
-  void FindSurfelsOfNeighbours(const PosedCamera& camera, const SurfelMap& map);
+  void Begin(const RgbdFrame& new_frame, const FrameLevel& surface);
+  void FindCandidates(const PosedCamera& camera, const SurfelMap& map);
+  void MarkDormant(const SurfelMap& map, int begin, int end);
+  int ChooseSurfels(const PosedCamera& camera);
+  Surfel NewSurfel(const PosedCamera& camera, int pixel) const;
   MergeCounts MergePoints(const PosedCamera& camera, SurfelMap* map) const;
-  std::vector<Surfel> NewSurfels(const PosedCamera& camera, int* input_points) const;
-
-  bool Belongs(const MeasuredPoint& point, const Eigen::Vector3f& surfel_in_camera,
-               const Eigen::Vector3f& surfel_normal) const;
-  void OfferChunk(const PosedCamera& camera, const SurfelMap& map, int begin, int end);
-  std::int32_t SurfelOfNeighbours(const PosedCamera& camera, const SurfelMap& map, int u,
-                                  int v) const;
-  int MergeAround(const PosedCamera& camera, int u, int v, SurfelMap* map) const;
-  std::int32_t Own(int pixel) const {
-    const std::uint64_t key = own[pixel].load(std::memory_order_relaxed);
-    return key == kNoMinimum ? kNone : IndexOfKey(key);
-  }
+  void Fetch(int pixel) const;
+  void Merge(const PosedCamera& camera, const Meeting& meeting, SurfelMap* map) const;
 
   const FusionOptions& options;
-  const float min_cosine;
+  const MergeGate gate;
+  SurfelChoice choice;
   const RgbdFrame* frame = nullptr;
   std::deque<int> last_frames;  // indices of the last max_dormant_frames + 1, this one included
   int awake_since = 0;          // surfels that were last seen before this frame are dormant
   Image<float> weights;
-  double weights_cx = 0, weights_cy = 0;        // the principal point they belong to
-  std::vector<MeasuredPoint> points;            // per pixel
-  std::vector<std::atomic<std::uint64_t>> own;  // per pixel: nearest surfel that projects there
-  Image<std::int32_t> surfel_of_point;          // per pixel: own or a neighbour's, or kNone
-  std::vector<std::uint8_t> remove;             // per surfel
+  double weights_cx = 0, weights_cy = 0;           // the principal point they belong to
+  std::vector<MeasuredPoint> points;               // per pixel
+  Image<float> free_depth_m;                       // per pixel
+  std::vector<CandidateList> candidates;           // per part of the map
+  std::vector<std::vector<Surfel>> added_of_band;  // in raster order
+  std::vector<std::uint8_t> remove;                // per surfel
 };
 
 void FusionOptions::Validate() const {
@@ -100,13 +116,15 @@ FusionReport Fusion::Fuse(const RgbdFrame& frame, const FrameLevel& surface,
   CHECK_EQ(frame.depth_m.height(), surface.camera.height);
   const PosedCamera camera(surface.camera, world_from_camera);
   Workspace& work = *workspace_;
-  work.Begin(frame, surface, *map);
-  work.FindOwnSurfels(camera, *map);
-  work.FindSurfelsOfNeighbours(camera, *map);
-  const MergeCounts merged = work.MergePoints(camera, map);
-
+  work.Begin(frame, surface);
+  work.FindCandidates(camera, *map);
   FusionReport report;
-  const std::vector<Surfel> added = work.NewSurfels(camera, &report.input_points);
+  report.input_points = work.ChooseSurfels(camera);
+  const MergeCounts merged = work.MergePoints(camera, map);
+  std::vector<Surfel> added;
+  for (const auto& of_band : work.added_of_band) {
+    added.insert(added.end(), of_band.begin(), of_band.end());
+  }
   report.merged_points = merged.points;
   report.merged = merged.surfels;
   report.added = static_cast<int>(added.size());
@@ -114,8 +132,7 @@ FusionReport Fusion::Fuse(const RgbdFrame& frame, const FrameLevel& surface,
   return report;
 }
 
-void Fusion::Workspace::Begin(const RgbdFrame& new_frame, const FrameLevel& surface,
-                              const SurfelMap& map) {
+void Fusion::Workspace::Begin(const RgbdFrame& new_frame, const FrameLevel& surface) {
   frame = &new_frame;
   const std::size_t most = static_cast<std::size_t>(options.max_dormant_frames) + 1;
   last_frames.push_back(frame->index);
@@ -130,153 +147,100 @@ void Fusion::Workspace::Begin(const RgbdFrame& new_frame, const FrameLevel& surf
     weights_cy = camera.cy;
   }
   MeasurePoints(new_frame, surface, options, &points);
-  ResetMinima(points.size(), &own);
-  surfel_of_point.Resize(width, height);
-  remove.resize(map.size());
+  free_depth_m = FreeDepths(frame->depth_m, options);
 }
 
-// Point and surfel are the same piece of surface.
-bool Fusion::Workspace::Belongs(const MeasuredPoint& point, const Eigen::Vector3f& surfel_in_camera,
-                                const Eigen::Vector3f& surfel_normal) const {
-  const Eigen::Vector3f gap = point.position - surfel_in_camera;
-  const float along = surfel_normal.dot(gap);
-  const float across2 = gap.squaredNorm() - along * along;
-  const float reach = std::min(point.radius_m, options.max_spacing_m);
-  return std::fabs(along) <= options.max_distance_m && across2 <= reach * reach &&
-         surfel_normal.dot(point.normal) >= min_cosine;
-}
-
-// Filter passes 1 and 2: each surfel that projects into the image (pass 1) and belongs to the point
-// found there (pass 2) offers itself; the pixel keeps the nearest. Marks what is to be removed.
-void Fusion::Workspace::FindOwnSurfels(const PosedCamera& camera, const SurfelMap& map) {
-  ParallelFor(0, static_cast<int>(map.size()), 16 * ProjectedChunk::kCapacity,
-              [&](int begin, int end) {
-                for (int i = begin; i < end; i += ProjectedChunk::kCapacity) {
-                  OfferChunk(camera, map, i, std::min(end, i + ProjectedChunk::kCapacity));
-                }
-              });
-}
-
-void Fusion::Workspace::OfferChunk(const PosedCamera& camera, const SurfelMap& map, int begin,
-                                   int end) {
-  ProjectedChunk chunk;
-  chunk.Project(map, camera, begin, end);
-  for (int k = 0; k < end - begin; ++k) {
-    const int i = begin + k;
+void Fusion::Workspace::MarkDormant(const SurfelMap& map, int begin, int end) {
+  for (int i = begin; i < end; ++i) {
     const bool dormant = map.last_seen[i] < awake_since;
-    remove[i] = dormant && map.confidence[i] < options.lasting_confidence;
-    const float u = chunk.u[k] + 0.5f, v = chunk.v[k] + 0.5f;
-    if (!(u >= 0 && v >= 0 && u < camera.width && v < camera.height)) continue;
-    const int pixel = static_cast<int>(v) * camera.width + static_cast<int>(u);
-    const MeasuredPoint& point = points[pixel];
-    if (chunk.z[k] < point.free_depth_m) remove[i] = 1;
-    if (remove[i] || !(point.radius_m > 0)) continue;
-    const Eigen::Vector3f position(chunk.x[k], chunk.y[k], chunk.z[k]);
-    if (!Belongs(point, position, camera.NormalInCamera(map, i))) continue;
-    LowerTo(MinimumKey((point.position - position).squaredNorm(), i), &own[pixel]);
+    const bool lasting = map.confidence[i] >= options.lasting_confidence;
+    remove[i] = dormant & !lasting;
   }
 }
 
-// A point without a surfel of its own takes the nearest of its neighbours' surfels it belongs to.
-void Fusion::Workspace::FindSurfelsOfNeighbours(const PosedCamera& camera, const SurfelMap& map) {
-  ParallelFor(0, camera.height, kRowsPerBlock, [&](int begin, int end) {
-    for (int v = begin; v < end; ++v) {
-      for (int u = 0; u < camera.width; ++u) {
-        const int pixel = v * camera.width + u;
-        const std::int32_t i = Own(pixel);
-        const bool lonely = i == kNone && points[pixel].radius_m > 0;
-        surfel_of_point(u, v) = lonely ? SurfelOfNeighbours(camera, map, u, v) : i;
-      }
-    }
+// Filter passes 1 and 2: the surfels that project into the image (pass 1) and belong to the point
+// found there (pass 2). Marks what is to be removed.
+void Fusion::Workspace::FindCandidates(const PosedCamera& camera, const SurfelMap& map) {
+  constexpr int kCapacity = CandidateFinder::kCapacity;
+  const CandidateFinder finder(map, camera, points, free_depth_m, gate);
+  remove.resize(map.size());
+  candidates.resize((map.size() + kCapacity - 1) / kCapacity);
+  ParallelFor(0, static_cast<int>(map.size()), kCapacity, [&](int begin, int end) {
+    MarkDormant(map, begin, end);
+    finder.Find(begin, end, &remove, &candidates[begin / kCapacity]);
   });
 }
 
-std::int32_t Fusion::Workspace::SurfelOfNeighbours(const PosedCamera& camera, const SurfelMap& map,
-                                                   int u, int v) const {
-  const MeasuredPoint& point = points[v * camera.width + u];
-  std::uint64_t nearest = kNoMinimum;
-  for (int qv = std::max(0, v - 1); qv <= std::min(camera.height - 1, v + 1); ++qv) {
-    for (int qu = std::max(0, u - 1); qu <= std::min(camera.width - 1, u + 1); ++qu) {
-      const std::int32_t i = Own(qv * camera.width + qu);
-      if (i == kNone) continue;
-      const Eigen::Vector3f position = camera.PositionInCamera(map, i);
-      if (!Belongs(point, position, camera.NormalInCamera(map, i))) continue;
-      nearest = std::min(nearest, MinimumKey((point.position - position).squaredNorm(), i));
-    }
-  }
-  return nearest == kNoMinimum ? kNone : IndexOfKey(nearest);
-}
-
-// A surfel projects to one pixel, and the points that chose it lie around that pixel: no two tasks
-// touch the same surfel, and it meets its points in raster order.
-MergeCounts Fusion::Workspace::MergePoints(const PosedCamera& camera, SurfelMap* map) const {
-  return ParallelSum(0, camera.height, kRowsPerBlock, MergeCounts(), [&](int begin, int end) {
-    MergeCounts counts;
-    for (int v = begin; v < end; ++v) {
-      for (int u = 0; u < camera.width; ++u) {
-        if (Own(v * camera.width + u) == kNone) continue;
-        counts.points += MergeAround(camera, u, v, map);
-        ++counts.surfels;
-      }
-    }
-    return counts;
-  });
-}
-
-// Merges the surfel of pixel (u, v) with the points that chose it; returns how many.
-int Fusion::Workspace::MergeAround(const PosedCamera& camera, int u, int v, SurfelMap* map) const {
-  const std::int32_t i = Own(v * camera.width + u);
-  int count = 0;
-  for (int qv = std::max(0, v - 1); qv <= std::min(camera.height - 1, v + 1); ++qv) {
-    for (int qu = std::max(0, u - 1); qu <= std::min(camera.width - 1, u + 1); ++qu) {
-      if (surfel_of_point(qu, qv) != i) continue;
-      const MeasuredPoint& point = points[qv * camera.width + qu];
-      SurfelObservation observation;
-      observation.position_in_world = camera.PointInWorld(point.position);
-      observation.normal_in_world = camera.world_rotation * point.normal;
-      observation.color = frame->color.empty() ? map->Color(i) : frame->color(qu, qv);
-      observation.radius_m = point.radius_m;
-      observation.weight = weights(qu, qv);
-      observation.at_edge = point.at_edge;
-      const bool fine =
-          !point.at_edge && point.radius_m < options.max_radius_ratio * map->radius_m[i];
-      map->Merge(i, observation, fine, options.max_confidence);
-      ++count;
-    }
-  }
-  map->last_seen[i] = frame->index;
-  return count;
-}
-
-// The points that no surfel stands for, in raster order.
-std::vector<Surfel> Fusion::Workspace::NewSurfels(const PosedCamera& camera,
-                                                  int* input_points) const {
-  const int blocks = (camera.height + kRowsPerBlock - 1) / kRowsPerBlock;
-  std::vector<std::vector<Surfel>> of_block(blocks);
-  *input_points = ParallelSum(0, camera.height, kRowsPerBlock, 0, [&](int begin, int end) {
+// Each point chooses its surfel; those that no surfel stands for become new ones. Returns how many
+// points there are.
+int Fusion::Workspace::ChooseSurfels(const PosedCamera& camera) {
+  choice.SetCandidates(camera.width, camera.height, &candidates);
+  added_of_band.resize(BandCount(camera.height));
+  return ParallelSum(0, camera.height, kBandRows, 0, [&](int begin, int end) {
+    std::vector<Surfel>& added = added_of_band[begin / kBandRows];
+    added.clear();
     int count = 0;
     for (int v = begin; v < end; ++v) {
       for (int u = 0; u < camera.width; ++u) {
         const MeasuredPoint& point = points[v * camera.width + u];
         if (!(point.radius_m > 0)) continue;
         ++count;
-        if (surfel_of_point(u, v) != kNone) continue;
-        Surfel surfel;
-        surfel.position_in_world = camera.PointInWorld(point.position);
-        surfel.normal_in_world = camera.world_rotation * point.normal;
-        surfel.color = frame->color.empty() ? Rgb8{128, 128, 128} : frame->color(u, v);
-        surfel.radius_m = point.radius_m;
-        surfel.confidence = weights(u, v);
-        surfel.at_edge = point.at_edge;
-        surfel.first_seen = surfel.last_seen = frame->index;
-        of_block[begin / kRowsPerBlock].push_back(surfel);
+        if (!choice.Choose(point, u, v)) added.push_back(NewSurfel(camera, v * camera.width + u));
       }
     }
     return count;
   });
-  std::vector<Surfel> all;
-  for (const auto& surfels : of_block) all.insert(all.end(), surfels.begin(), surfels.end());
-  return all;
+}
+
+Surfel Fusion::Workspace::NewSurfel(const PosedCamera& camera, int pixel) const {
+  const MeasuredPoint& point = points[pixel];
+  Surfel surfel;
+  surfel.position_in_world = camera.PointInWorld(point.position);
+  surfel.normal_in_world = camera.world_rotation * point.normal;
+  surfel.color = frame->color.empty() ? Rgb8{128, 128, 128} : frame->color[pixel];
+  surfel.radius_m = point.radius_m;
+  surfel.confidence = weights[pixel];
+  surfel.at_edge = point.at_edge;
+  surfel.first_seen = surfel.last_seen = frame->index;
+  return surfel;
+}
+
+// A surfel meets the points that chose it in raster order; no two tasks touch the same surfel.
+MergeCounts Fusion::Workspace::MergePoints(const PosedCamera& camera, SurfelMap* map) const {
+  const int lists = static_cast<int>(candidates.size());
+  return ParallelSum(0, lists, 1, MergeCounts(), [&](int list, int) {
+    MergeCounts counts;
+    const std::vector<Meeting> meetings = Meetings(candidates[list], camera.width, &counts.surfels);
+    counts.points = static_cast<int>(meetings.size());
+    for (int k = 0; k < counts.points; ++k) {
+      Fetch(meetings[std::min(k + kMeetingsAhead, counts.points - 1)].pixel);
+      Merge(camera, meetings[k], map);
+    }
+    return counts;
+  });
+}
+
+// Asks for what Merge() will look at.
+void Fusion::Workspace::Fetch(int pixel) const {
+  __builtin_prefetch(&points[pixel]);
+  __builtin_prefetch(&weights[pixel]);
+  if (!frame->color.empty()) __builtin_prefetch(&frame->color[pixel]);
+}
+
+void Fusion::Workspace::Merge(const PosedCamera& camera, const Meeting& meeting,
+                              SurfelMap* map) const {
+  const std::int32_t i = meeting.surfel;
+  const MeasuredPoint& point = points[meeting.pixel];
+  SurfelObservation observation;
+  observation.position_in_world = camera.PointInWorld(point.position);
+  observation.normal_in_world = camera.world_rotation * point.normal;
+  observation.color = frame->color.empty() ? map->Color(i) : frame->color[meeting.pixel];
+  observation.radius_m = point.radius_m;
+  observation.weight = weights[meeting.pixel];
+  observation.at_edge = point.at_edge;
+  const bool fine = !point.at_edge && point.radius_m < options.max_radius_ratio * map->radius_m[i];
+  map->Merge(i, observation, fine, options.max_confidence);
+  map->last_seen[i] = frame->index;
 }
 
 }  // namespace surfit

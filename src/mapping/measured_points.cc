@@ -18,30 +18,6 @@ float FreeDepth(float depth_m, const FusionOptions& options) {
   return std::max(0.f, depth_m - options.free_space_margin_m - 4.f * sigma);
 }
 
-// The minimum of FreeDepth over the 3 x 3 pixels around each one.
-Image<float> FreeDepths(const Image<float>& depth_m, const FusionOptions& options) {
-  const int width = depth_m.width(), height = depth_m.height();
-  Image<float> along_rows(width, height), result(width, height);
-  ParallelFor(0, height, kRowsPerBlock, [&](int begin, int end) {
-    std::vector<float> own(width + 2, std::numeric_limits<float>::infinity());
-    for (int v = begin; v < end; ++v) {
-      for (int u = 0; u < width; ++u) own[u + 1] = FreeDepth(depth_m(u, v), options);
-      float* out = along_rows.row(v);
-      for (int u = 0; u < width; ++u) out[u] = std::min(std::min(own[u], own[u + 1]), own[u + 2]);
-    }
-  });
-  ParallelFor(0, height, kRowsPerBlock, [&](int begin, int end) {
-    for (int v = begin; v < end; ++v) {
-      const float* above = along_rows.row(std::max(0, v - 1));
-      const float* own = along_rows.row(v);
-      const float* below = along_rows.row(std::min(height - 1, v + 1));
-      float* out = result.row(v);
-      for (int u = 0; u < width; ++u) out[u] = std::min(std::min(above[u], own[u]), below[u]);
-    }
-  });
-  return result;
-}
-
 // The measured depth of a frame as points with normals.
 class Points {
  public:
@@ -99,17 +75,38 @@ void MeasurePoints(const RgbdFrame& frame, const FrameLevel& surface, const Fusi
                    std::vector<MeasuredPoint>* points) {
   const int width = surface.camera.width, height = surface.camera.height;
   const Points measured(frame.depth_m, surface, options);
-  const Image<float> free_depth = FreeDepths(frame.depth_m, options);
   points->resize(static_cast<std::size_t>(width) * height);
   ParallelFor(0, height, kRowsPerBlock, [&](int begin, int end) {
     for (int v = begin; v < end; ++v) {
       for (int u = 0; u < width; ++u) {
-        MeasuredPoint& point = (*points)[static_cast<std::size_t>(v) * width + u];
-        measured.Measure(u, v, &point);
-        point.free_depth_m = free_depth(u, v);
+        measured.Measure(u, v, &(*points)[static_cast<std::size_t>(v) * width + u]);
       }
     }
   });
+}
+
+// The minimum of FreeDepth over the 3 x 3 pixels around each one.
+Image<float> FreeDepths(const Image<float>& depth_m, const FusionOptions& options) {
+  const int width = depth_m.width(), height = depth_m.height();
+  Image<float> along_rows(width, height), result(width, height);
+  ParallelFor(0, height, kRowsPerBlock, [&](int begin, int end) {
+    std::vector<float> own(width + 2, std::numeric_limits<float>::infinity());
+    for (int v = begin; v < end; ++v) {
+      for (int u = 0; u < width; ++u) own[u + 1] = FreeDepth(depth_m(u, v), options);
+      float* out = along_rows.row(v);
+      for (int u = 0; u < width; ++u) out[u] = std::min(std::min(own[u], own[u + 1]), own[u + 2]);
+    }
+  });
+  ParallelFor(0, height, kRowsPerBlock, [&](int begin, int end) {
+    for (int v = begin; v < end; ++v) {
+      const float* above = along_rows.row(std::max(0, v - 1));
+      const float* own = along_rows.row(v);
+      const float* below = along_rows.row(std::min(height - 1, v + 1));
+      float* out = result.row(v);
+      for (int u = 0; u < width; ++u) out[u] = std::min(std::min(above[u], own[u]), below[u]);
+    }
+  });
+  return result;
 }
 
 Image<float> PointWeights(const PinholeCamera& camera, const FusionOptions& options) {

@@ -8,22 +8,23 @@
 
 namespace surfit {
 
-// What fusion asks of a pixel, together in memory.
-struct MeasuredPoint {
+// The point of a pixel, within one line of cache.
+struct alignas(32) MeasuredPoint {
   Eigen::Vector3f position = Eigen::Vector3f::Zero();  // in the camera frame; valid if radius_m > 0
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();
   // sqrt(2) z / f / |n_z|, clamped at grazing angles: the disc that covers the pixel's footprint.
   // 0 where there is no point.
   float radius_m = 0;
-  // Surfels at this pixel with less depth are seen through: all pixels around are measured, and
-  // behind it by the margin. 0 where some depth is missing.
-  float free_depth_m = 0;
   bool at_edge = false;  // the normal is a neighbour's
 };
 
 // The points of a frame, row by row. Reuses the memory of `points`.
 void MeasurePoints(const RgbdFrame& frame, const FrameLevel& surface, const FusionOptions& options,
                    std::vector<MeasuredPoint>* points);
+
+// Surfels at a pixel with less depth than this are seen through: all pixels around are measured,
+// and behind it by the margin. 0 where some depth is missing.
+Image<float> FreeDepths(const Image<float>& depth_m, const FusionOptions& options);
 
 // The weight a of each pixel's point: exp(-g^2 / (2 * 0.6^2)) (Keller et al.), g its distance from
 // the principal point as a share of the farthest corner's; 1 with uniform weighting.

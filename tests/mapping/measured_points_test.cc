@@ -116,36 +116,36 @@ TEST(MeasurePoints, OfTwoNeighboursTheOneWhosePlaneIsNearerGivesTheNormal) {
 
 // sigma_z = 0.002 z^2: what is measured at 2 m leaves free what is nearer than 2 - 0.05 - 4 *
 // 0.008.
-TEST(MeasurePoints, FreeSpaceEndsAMarginAndFourSigmasBeforeTheNearestDepthAround) {
+TEST(FreeDepths, EndAMarginAndFourSigmasBeforeTheNearestDepthAround) {
   const PinholeCamera camera = SmallCamera();
   RgbdFrame frame = FrameOf(camera, 3);
   frame.depth_m(2, 2) = 2;
-  const FrameLevel surface = Surface(camera, {0, 0, -1}, 3);
+  const Image<float> free_depth_m = FreeDepths(frame.depth_m, {});
   const float near = 2 - 0.05f - 0.032f, far = 3 - 0.05f - 0.072f;
   for (int v = 0; v < camera.height; ++v) {
     for (int u = 0; u < camera.width; ++u) {
       const bool beside = std::abs(u - 2) <= 1 && std::abs(v - 2) <= 1;
-      EXPECT_NEAR(PointAt(u, v, frame, surface).free_depth_m, beside ? near : far, 3 * kRounding);
+      EXPECT_NEAR(free_depth_m(u, v), beside ? near : far, 3 * kRounding);
     }
   }
 }
 
-TEST(MeasurePoints, BesideAMissingDepthNothingIsFree) {
+TEST(FreeDepths, BesideAMissingDepthNothingIsFree) {
   const PinholeCamera camera = SmallCamera();
   RgbdFrame frame = FrameOf(camera, 3);
   frame.depth_m(6, 0) = 0;
-  const FrameLevel surface = Surface(camera, {0, 0, -1}, 3);
+  const Image<float> free_depth_m = FreeDepths(frame.depth_m, {});
   for (int v = 0; v < camera.height; ++v) {
     for (int u = 0; u < camera.width; ++u) {
-      EXPECT_EQ(PointAt(u, v, frame, surface).free_depth_m == 0, u >= 5 && v <= 1);
+      EXPECT_EQ(free_depth_m(u, v) == 0, u >= 5 && v <= 1);
     }
   }
 }
 
-TEST(MeasurePoints, TheMarginNeverReachesBehindTheCamera) {
+TEST(FreeDepths, TheMarginNeverReachesBehindTheCamera) {
   const PinholeCamera camera = SmallCamera();
-  const FrameLevel surface = Surface(camera, {0, 0, -1}, 0.04f);
-  EXPECT_EQ(PointAt(3, 2, FrameOf(camera, 0.04f), surface).free_depth_m, 0);
+  const Image<float> free_depth_m = FreeDepths(FrameOf(camera, 0.04f).depth_m, {});
+  EXPECT_EQ(free_depth_m(3, 2), 0);
 }
 
 TEST(PointWeights, FallFromOneAtThePrincipalPointToTheFarthestCorner) {

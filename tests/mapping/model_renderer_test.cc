@@ -64,7 +64,7 @@ class DiscAtPixel {
     const Eigen::Vector3d p = camera_from_world * s.position_in_world.cast<double>();
     const Eigen::Vector3d n = camera_from_world.rotation * s.normal_in_world.cast<double>();
     stable_ = s.confidence >= options.stable_confidence;
-    if (p.z() < 0.05) return;  // ProjectedChunk::kMinDepth
+    if (p.z() < 0.05) return;  // kMinDepth
     const Eigen::Vector3d ray = camera.Ray(u, v);
     depth_ = n.dot(p) / n.dot(ray);
     point_ = depth_ * ray;
