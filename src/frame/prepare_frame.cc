@@ -59,7 +59,7 @@ FramePreparer::FramePreparer(const RgbdCamera& camera, const PrepareOptions& opt
   tables_ = std::make_unique<Tables>(camera, options);
 }
 
-FramePreparer::FramePreparer(FramePreparer&&) = default;
+FramePreparer::FramePreparer(FramePreparer&&) noexcept = default;
 FramePreparer::~FramePreparer() = default;
 
 const PinholeCamera& FramePreparer::pinhole() const { return tables_->pinhole; }

@@ -75,9 +75,8 @@ std::vector<FrameFiles> ReadAssociations(const std::string& folder) {
     const StampedFile color = ParseStampedFile(row, depth_first ? 2 : 0, folder);
     frames.push_back({color.stamp_s, depth.path, color.path});
   }
-  std::stable_sort(frames.begin(), frames.end(), [](const FrameFiles& a, const FrameFiles& b) {
-    return a.stamp_s < b.stamp_s;
-  });
+  std::stable_sort(frames.begin(), frames.end(),
+                   [](const FrameFiles& a, const FrameFiles& b) { return a.stamp_s < b.stamp_s; });
   return frames;
 }
 

@@ -28,6 +28,7 @@ struct GflagsExit {};
 void ParseFlags(int argc, char** argv) {
   std::vector<std::string> arguments = ExpandFlagFiles({argv, argv + argc});
   std::vector<char*> pointers;
+  pointers.reserve(arguments.size() + 1);
   for (std::string& argument : arguments) pointers.push_back(argument.data());
   pointers.push_back(nullptr);
   argc = static_cast<int>(arguments.size());

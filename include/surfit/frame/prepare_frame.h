@@ -30,7 +30,7 @@ class FramePreparer {
   // Throws InputError unless the options and the camera are valid, fy > 0 (see geometry/mirror.h)
   // and the images at least 2 x 2 pixels.
   FramePreparer(const RgbdCamera& camera, const PrepareOptions& options);
-  FramePreparer(FramePreparer&&);
+  FramePreparer(FramePreparer&&) noexcept;
   ~FramePreparer();
 
   // The camera of the frames: the depth camera's fx fy cx cy without its distortion, subsampled.
