@@ -3,8 +3,7 @@
 #include <Eigen/QR>
 #include <cmath>
 
-#include "surfit/core/error.h"
-#include "surfit/registration/pose_solver.h"
+#include "registration/solver_factories.h"
 
 namespace surfit {
 namespace {
@@ -79,23 +78,16 @@ StepResult SolveQr(const Correspondences& c, double min_eigenvalue) {
   return result;
 }
 
-std::vector<std::string> PoseSolverNames() {
-  return {"closed_form_ldlt", "closed_form_lu", "closed_form_qr"};
-}
-
-std::unique_ptr<PoseSolver> MakePoseSolver(const std::string& name, double min_eigenvalue) {
-  if (name == "closed_form_ldlt") {
+std::unique_ptr<PoseSolver> MakeClosedFormSolver(const PoseSolverOptions& options) {
+  const double min_eigenvalue = options.min_eigenvalue;
+  if (options.name == "closed_form_ldlt") {
     return std::make_unique<NormalSystemSolver>(SolveLdlt, min_eigenvalue);
   }
-  if (name == "closed_form_lu") {
+  if (options.name == "closed_form_lu") {
     return std::make_unique<NormalSystemSolver>(SolveLu, min_eigenvalue);
   }
-  if (name == "closed_form_qr") return std::make_unique<QrSolver>(min_eigenvalue);
-  std::string known;
-  for (const std::string& known_name : PoseSolverNames()) {
-    known += (known.empty() ? "" : ", ") + known_name;
-  }
-  throw InputError(Concat("solver is '", name, "', must be one of: ", known));
+  if (options.name == "closed_form_qr") return std::make_unique<QrSolver>(min_eigenvalue);
+  return nullptr;
 }
 
 }  // namespace surfit

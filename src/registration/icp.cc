@@ -123,7 +123,8 @@ std::string ToString(Termination termination) {
 IcpResult Register(const FramePyramid& source, const FramePyramid& target,
                    const Rigid3d& target_from_source_initial, const IcpOptions& options) {
   options.Validate();
-  const std::unique_ptr<PoseSolver> solver = MakePoseSolver(options.solver, options.min_eigenvalue);
+  const std::unique_ptr<PoseSolver> solver =
+      MakePoseSolver({options.solver, options.linear_solver, options.min_eigenvalue});
   IcpResult result;
   result.target_from_source = target_from_source_initial;
   const int levels = static_cast<int>(std::min(source.levels.size(), target.levels.size()));

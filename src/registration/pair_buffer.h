@@ -12,15 +12,16 @@ struct PairBuffer {
   static constexpr int kLanes = 8;
 
   explicit PairBuffer(int capacity) {
-    for (auto* array : {&px, &py, &pz, &qx, &qy, &qz, &nx, &ny, &nz, &weight}) {
+    for (auto* array : {&px, &py, &pz, &qx, &qy, &qz, &nx, &ny, &nz, &information, &weight}) {
       array->assign(capacity + kLanes, 0.f);
     }
   }
 
-  std::vector<float> px, py, pz;  // source point in the target frame
-  std::vector<float> qx, qy, qz;  // target point
-  std::vector<float> nx, ny, nz;  // target normal
-  std::vector<float> weight;
+  std::vector<float> px, py, pz;   // source point in the target frame
+  std::vector<float> qx, qy, qz;   // target point
+  std::vector<float> nx, ny, nz;   // target normal
+  std::vector<float> information;  // 1 / sigma^2, in 1/m^2
+  std::vector<float> weight;       // times the robust kernel's
   int size = 0;
   int inlier_count = 0;
 };

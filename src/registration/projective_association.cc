@@ -63,7 +63,7 @@ class RowAssociator {
       const float variance = Variance(sz[u]);
       const float residual2 = Square(n.dot(p - q));
       const float kernel = 1.f + residual2 * inverse_kernel2_ / variance;
-      Append(p, q, n, 1.f / (variance * kernel * kernel), pairs);
+      Append(p, q, n, 1.f / variance, 1.f / (variance * kernel * kernel), pairs);
       if (residual2 <= kInlierBound2 * variance) ++pairs->inlier_count;
     }
   }
@@ -87,11 +87,12 @@ class RowAssociator {
   }
 
   static void Append(const Eigen::Vector3f& p, const Eigen::Vector3f& q, const Eigen::Vector3f& n,
-                     float weight, PairBuffer* pairs) {
+                     float information, float weight, PairBuffer* pairs) {
     const int i = pairs->size++;
     pairs->px[i] = p.x(), pairs->py[i] = p.y(), pairs->pz[i] = p.z();
     pairs->qx[i] = q.x(), pairs->qy[i] = q.y(), pairs->qz[i] = q.z();
     pairs->nx[i] = n.x(), pairs->ny[i] = n.y(), pairs->nz[i] = n.z();
+    pairs->information[i] = information;
     pairs->weight[i] = weight;
   }
 
@@ -132,12 +133,23 @@ NormalSystem ProjectiveAssociation::Linearize(const Rigid3d& target_from_source)
                      });
 }
 
+std::vector<PairBuffer> ProjectiveAssociation::CollectRows(
+    const Rigid3d& target_from_source) const {
+  const RowAssociator associator(source_, target_, gates_, error_model_, target_from_source);
+  const int height = source_.vertex.height();
+  std::vector<PairBuffer> rows(height, PairBuffer(0));
+  ParallelFor(0, height, kRowsPerBlock, [&](int begin, int end) {
+    for (int v = begin; v < end; ++v) {
+      rows[v] = PairBuffer(source_.vertex.width());
+      associator.Associate(v, &rows[v]);
+    }
+  });
+  return rows;
+}
+
 Correspondences ProjectiveAssociation::Collect(const Rigid3d& target_from_source) const {
-  const RowAssociator rows(source_, target_, gates_, error_model_, target_from_source);
-  PairBuffer pairs(source_.vertex.width());
   Correspondences all;
-  for (int v = 0; v < source_.vertex.height(); ++v) {
-    rows.Associate(v, &pairs);
+  for (const PairBuffer& pairs : CollectRows(target_from_source)) {
     all.inlier_count += pairs.inlier_count;
     for (int i = 0; i < pairs.size; ++i) {
       all.Add({pairs.px[i], pairs.py[i], pairs.pz[i]}, {pairs.qx[i], pairs.qy[i], pairs.qz[i]},

@@ -39,6 +39,7 @@ void AssociationGates::Validate() const {
 
 void IcpOptions::Validate() const {
   RequireName("solver", solver, PoseSolverNames());
+  RequireName("linear_solver", linear_solver, LinearSolverNames());
   RequireName("residual", residual, {"point_to_plane"});
   RequireName("association", association, {"projective"});
   Require(max_iterations >= 1 && max_iterations <= 1000, "max_iterations", max_iterations,

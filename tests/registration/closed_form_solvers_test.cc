@@ -129,12 +129,12 @@ TEST(ClosedFormSolvers, EigenvaluesFallWithTheDistanceOfTheOriginThatWeDoNotUse)
 
 TEST(MakePoseSolver, KnowsItsNamesAndListsThemForAnother) {
   for (const std::string& name : PoseSolverNames()) {
-    EXPECT_NE(MakePoseSolver(name, kMinEigenvalue), nullptr);
+    EXPECT_NE(MakePoseSolver({name, "dense_qr", kMinEigenvalue}), nullptr);
   }
   testing::ExpectInputError(
-      [] { MakePoseSolver("svd", kMinEigenvalue); },
+      [] { MakePoseSolver({"svd", "dense_qr", kMinEigenvalue}); },
       ::testing::StrEq("solver is 'svd', must be one of: closed_form_ldlt, closed_form_lu, "
-                       "closed_form_qr"));
+                       "closed_form_qr, ceres, ceres_per_point, tiny"));
 }
 
 }  // namespace

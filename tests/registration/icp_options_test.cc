@@ -21,7 +21,7 @@ TEST(IcpOptions, DefaultsAreValid) { IcpOptions().Validate(); }
 TEST(IcpOptions, UnknownNamesListTheKnown) {
   ExpectRefused([](auto* o) { o->solver = "svd"; },
                 "solver is 'svd', must be one of: closed_form_ldlt, closed_form_lu, "
-                "closed_form_qr");
+                "closed_form_qr, ceres, ceres_per_point, tiny");
   ExpectRefused([](auto* o) { o->residual = "colour"; },
                 "residual is 'colour', must be one of: point_to_plane");
   ExpectRefused([](auto* o) { o->association = "guess"; },

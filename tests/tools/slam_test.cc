@@ -264,7 +264,9 @@ TEST_F(SlamTool, RefusesBadInputInOneSentence) {
       {{"--nonsense"}, "nonsense"},
       {{"--threads=0"}, "threads is 0"},
       {{"--threads=abc"}, "abc"},
-      {{"--solver=magic"}, "closed_form_ldlt, closed_form_lu, closed_form_qr"},
+      {{"--solver=magic"},
+       "closed_form_ldlt, closed_form_lu, closed_form_qr, ceres, "
+       "ceres_per_point, tiny"},
       {{"--residual=magic"}, "point_to_plane"},
       {{"--association=magic"}, "projective"},
       {{"--weighting=magic"}, "confidence, uniform"},

@@ -15,7 +15,11 @@ constexpr double kDegree = 3.14159265358979323846 / 180;
 }  // namespace
 
 DEFINE_string(solver, kIcp.solver,
-              "pose solver: closed_form_ldlt, closed_form_lu or closed_form_qr");
+              "pose solver: closed_form_ldlt, closed_form_lu, closed_form_qr, ceres, "
+              "ceres_per_point or tiny");
+DEFINE_string(linear_solver, kIcp.linear_solver,
+              "linear solver of ceres_per_point: dense_qr, dense_normal_cholesky or "
+              "sparse_normal_cholesky");
 DEFINE_string(residual, kIcp.residual, "residual: point_to_plane");
 DEFINE_string(association, kIcp.association, "data association: projective");
 DEFINE_int32(max_iterations, kIcp.max_iterations, "ICP iterations on each pyramid level at most");
@@ -65,6 +69,7 @@ void SetIcpFlagDefaults(const IcpOptions& options) {
 IcpOptions IcpOptionsFromFlags(const IcpOptions& base) {
   IcpOptions options = base;
   options.solver = FLAGS_solver;
+  options.linear_solver = FLAGS_linear_solver;
   options.residual = FLAGS_residual;
   options.association = FLAGS_association;
   options.max_iterations = FLAGS_max_iterations;

@@ -14,6 +14,7 @@ namespace surfit {
 // How two surfaces are registered.
 struct IcpOptions {
   std::string solver = "closed_form_ldlt";
+  std::string linear_solver = "dense_qr";  // of ceres_per_point: see PoseSolverOptions
   std::string residual = "point_to_plane";
   std::string association = "projective";
   bool middle_levels = true;      // false: only the coarsest and the finest level

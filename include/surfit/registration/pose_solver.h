@@ -18,7 +18,7 @@ struct StepResult {
   double smallest_eigenvalue = 0;         // of NormalSystem::ScaledEigenvalues()
 };
 
-// Computes the increment of a pose from associated surfaces.
+// Computes the increment of a pose from associated surfaces, whose pairs it keeps.
 class PoseSolver {
  public:
   virtual ~PoseSolver() = default;
@@ -32,10 +32,23 @@ StepResult SolveLu(const NormalSystem& system, double min_eigenvalue);
 // Householder QR of the N x 6 matrix with rows sqrt(w) a: the condition number is not squared.
 StepResult SolveQr(const Correspondences& correspondences, double min_eigenvalue);
 
-// closed_form_ldlt, closed_form_lu, closed_form_qr.
+// What makes one solver out of the others.
+struct PoseSolverOptions {
+  std::string name = "closed_form_ldlt";   // one of PoseSolverNames()
+  std::string linear_solver = "dense_qr";  // of ceres_per_point: one of LinearSolverNames()
+  double min_eigenvalue = 1e-6;            // scaled; below it the problem is singular
+};
+
+// closed_form_ldlt, closed_form_lu, closed_form_qr: one Gauss-Newton step.
+// ceres, ceres_per_point, tiny: Levenberg-Marquardt to the minimum of the robust cost over the
+// given pairs, by Ceres on one reduced block of all pairs, by Ceres with a residual block for each
+// pair (slow: the reference), and by Ceres' TinySolver on the reduced block.
 std::vector<std::string> PoseSolverNames();
 
-// The solver of that name; throws InputError that lists the known ones for an unknown name.
-std::unique_ptr<PoseSolver> MakePoseSolver(const std::string& name, double min_eigenvalue);
+// dense_qr, dense_normal_cholesky, sparse_normal_cholesky (over SuiteSparse where Ceres has it).
+std::vector<std::string> LinearSolverNames();
+
+// Throws InputError that lists the known names for an unknown one.
+std::unique_ptr<PoseSolver> MakePoseSolver(const PoseSolverOptions& options);
 
 }  // namespace surfit

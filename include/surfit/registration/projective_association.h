@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "surfit/frame/frame_pyramid.h"
 #include "surfit/geometry/rigid3.h"
 #include "surfit/registration/correspondences.h"
@@ -7,6 +9,8 @@
 #include "surfit/registration/normal_system.h"
 
 namespace surfit {
+
+struct PairBuffer;
 
 // What a pair of points must satisfy beyond being valid.
 struct AssociationGates {
@@ -32,8 +36,13 @@ class ProjectiveAssociation {
   // the rows, double for the sums, in an order that does not depend on the number of threads.
   NormalSystem Linearize(const Rigid3d& target_from_source) const;
 
+  // The same pairs, a buffer for each row of the source image.
+  std::vector<PairBuffer> CollectRows(const Rigid3d& target_from_source) const;
+
   // The same pairs as a list, row by row.
   Correspondences Collect(const Rigid3d& target_from_source) const;
+
+  const ErrorModel& error_model() const { return error_model_; }
 
  private:
   const FrameLevel& source_;
