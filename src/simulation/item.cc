@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "simulation/turn.h"
+
 namespace surfit {
 
 using Eigen::Quaterniond;
@@ -34,8 +36,8 @@ void Item::RoundedBox(const Vector3d& low, const Vector3d& high, double edge_rad
 void Item::Rod(const Vector3d& from, const Vector3d& to, double radius,
                const Texture& texture) const {
   const Vector3d along = to - from;
-  Add(MakeFrustum(radius, radius, along.norm()),
-      Rigid3d(Quaterniond::FromTwoVectors(Vector3d::UnitZ(), along), (from + to) / 2), texture);
+  Add(MakeFrustum(radius, radius, along.norm()), Rigid3d(TurnZInto(along), (from + to) / 2),
+      texture);
 }
 
 void Item::Cone(const Vector3d& bottom, double bottom_radius, double top_radius, double height,

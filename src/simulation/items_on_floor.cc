@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "simulation/item.h"
+#include "simulation/turn.h"
 
 namespace surfit {
 
@@ -160,8 +161,7 @@ void AddPlant(const Item& item, Random* random) {
       const Vector3d tilt = (Vector3d(0, 0, 1) + random->Uniform(0.4, 1.2) * outward).normalized();
       const Vector3d center = root + share * (tip - root) + 0.05 * outward;
       const double radius = random->Uniform(0.05, 0.09);
-      item.Add(MakeFrustum(radius, radius, 0.004),
-               Rigid3d(Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), tilt), center), green);
+      item.Add(MakeFrustum(radius, radius, 0.004), Rigid3d(TurnZInto(tilt), center), green);
     }
   }
   item.Target({0, 0, 0.6});

@@ -4,6 +4,7 @@
 
 #include "simulation/room.h"
 #include "simulation/textures.h"
+#include "simulation/turn.h"
 #include "surfit/core/error.h"
 
 namespace surfit {
@@ -15,8 +16,7 @@ const Color kPale(0.65f, 0.62f, 0.55f), kDark(0.25f, 0.2f, 0.16f), kBlue(0.2f, 0
 
 // A half space whose face passes through a point.
 void AddPlane(const Vector3d& point, const Vector3d& normal, const Texture& texture, Scene* scene) {
-  const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), normal);
-  scene->Add(MakeHalfSpace(), Rigid3d(turn, point), texture);
+  scene->Add(MakeHalfSpace(), Rigid3d(TurnZInto(normal), point), texture);
 }
 
 void AddFloor(Scene* scene) {

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <random>
-#include <regex>
 #include <sstream>
 
 #include "surfit/core/error.h"
@@ -16,6 +15,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::MatchesRegex;
 using testing::ReadBytes;
 using testing::RigidNear;
 using testing::TempFolder;
@@ -56,9 +56,9 @@ TEST(TumTrajectoryWriter, KeepsTheRulesOnColumnsStampsAndSeparators) {
   const auto lines = Lines(text);
   ASSERT_EQ(lines.size(), 51u);
   EXPECT_EQ(lines[0], "# timestamp tx ty tz qx qy qz qw");
-  const std::regex rule(R"(\d+\.\d{6,}( -?\d+\.\d{9}){7})");
+  const char* const rule = "[0-9]+\\.[0-9]{6,}( -?[0-9]+\\.[0-9]{9}){7}";
   for (std::size_t i = 1; i < lines.size(); ++i) {
-    EXPECT_TRUE(std::regex_match(lines[i], rule)) << lines[i];
+    EXPECT_THAT(lines[i], MatchesRegex(rule));
   }
 }
 

@@ -1,7 +1,7 @@
 #include <ceres/ceres.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/SVD>
+#include <Eigen/QR>
 
 #include "registration/random_correspondences.h"
 #include "surfit/registration/pose_solver.h"
@@ -18,7 +18,8 @@ constexpr double kMinEigenvalue = 1e-6;
 // The condition number of these data is about 100 in A, 1e4 in A^T A: 1e4 roundings of 1e-16.
 constexpr double kRelativeTolerance = 1e-9;
 
-// Minimises the linearised cost by SVD of the weighted N x 6 matrix, its rows written out by hand.
+// Minimises the linearised cost by pivoted QR of the weighted N x 6 matrix, its rows written out by
+// hand.
 Vector6d DenseSolution(const Correspondences& c) {
   Eigen::MatrixXd a(c.size(), 6);
   Eigen::VectorXd b(c.size());
@@ -30,7 +31,7 @@ Vector6d DenseSolution(const Correspondences& c) {
     b[i] = s * (c.nx[i] * (c.qx[i] - c.px[i]) + c.ny[i] * (c.qy[i] - c.py[i]) +
                 c.nz[i] * (c.qz[i] - c.pz[i]));
   }
-  return a.bdcSvd(Eigen::ComputeThinU | Eigen::ComputeThinV).solve(b);
+  return a.colPivHouseholderQr().solve(b);
 }
 
 struct NamedSolution {
