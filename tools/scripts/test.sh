@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds and runs all tests: under AddressSanitizer and UBSan all but the slow ones, under
-# ThreadSanitizer those labelled threads, then every one of them in Release. The sanitizers' test
+# ThreadSanitizer those labelled threads, then in Release all but the sweeps. The sanitizers' test
 # logs are shown only if they fail; the last lines are ctest's summary of the Release run.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
@@ -22,4 +22,6 @@ test_quietly asan
 bash "$scripts/build.sh" tsan thread_tests
 test_quietly tsan
 bash "$scripts/build.sh" release
-ctest --preset release --parallel "$(nproc)" </dev/null
+echo "Running the tests under release, without the sweeps over whole sequences, which take minutes:"
+echo "  ctest --preset release --label-regex sweep"
+ctest --preset release --parallel "$(nproc)" --label-exclude sweep </dev/null
