@@ -7,6 +7,7 @@
 #include "common/sequence_flags.h"
 #include "common/slam_flags.h"
 #include "common/tool_main.h"
+#include "surfit/core/error.h"
 #include "surfit/run/align_run.h"
 
 namespace {
@@ -38,9 +39,10 @@ void PrintIterations(const IcpResult& icp) {
 
 void PrintResult(const AlignRunResult& result) {
   const IcpResult& icp = result.icp;
-  std::printf("%s: rmse %.4f m, inlier share %.3f, smallest eigenvalue %.2e\n",
-              ToString(icp.termination).c_str(), icp.rmse_m, icp.inlier_share,
-              icp.smallest_eigenvalue);
+  std::printf(
+      "%s: rmse %.4f m, inlier share %.3f, free-space share %.3f, smallest eigenvalue %.2e\n",
+      ToString(icp.termination).c_str(), icp.rmse_m, icp.inlier_share, icp.free_space_share,
+      icp.smallest_eigenvalue);
   const Eigen::Matrix4d pose = icp.target_from_source.Matrix();
   std::printf("target_from_source =\n");
   for (int row = 0; row < 4; ++row) {
@@ -54,6 +56,25 @@ void PrintResult(const AlignRunResult& result) {
   std::printf("pose error: %.4f m, %.3f deg (before: %.4f m, %.3f deg)\n",
               result.final_error->translation_m, result.final_error->rotation_deg,
               result.initial_error->translation_m, result.initial_error->rotation_deg);
+}
+
+// What an unsuccessful registration lacks: value and constraint.
+std::string Failure(const IcpResult& icp, const IcpOptions& options) {
+  switch (icp.termination) {
+    case Termination::kTooFewInliers:
+      return Concat("inlier share is ", icp.inlier_share, ", pairs must be at least min_inliers (",
+                    options.min_inliers, ") and a share of ", options.min_inlier_share);
+    case Termination::kSingularSystem:
+      return Concat("smallest eigenvalue is ", icp.smallest_eigenvalue, ", must be above ",
+                    options.min_eigenvalue);
+    case Termination::kFreeSpaceFilled:
+      return Concat("free-space share is ", icp.free_space_share,
+                    ", must be at most max_free_space_share (", options.max_free_space_share, ")");
+    case Termination::kConverged:
+    case Termination::kMaxIterations:
+      break;
+  }
+  return "";
 }
 
 int Run() {
@@ -70,7 +91,10 @@ int Run() {
   PrintResult(result);
   std::printf("pictures: %s/before.png, %s/after.png\n", FLAGS_output.c_str(),
               FLAGS_output.c_str());
-  return result.icp.Succeeded() ? kDone : kAlgorithmFailed;
+  if (result.icp.Succeeded()) return kDone;
+  std::fprintf(stderr, "failed: %s: %s\n", ToString(result.icp.termination).c_str(),
+               Failure(result.icp, options.icp).c_str());
+  return kAlgorithmFailed;
 }
 
 }  // namespace

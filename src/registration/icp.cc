@@ -6,6 +6,7 @@
 
 #include "surfit/core/error.h"
 #include "surfit/core/parallel.h"
+#include "surfit/registration/free_space.h"
 #include "surfit/registration/pose_solver.h"
 
 namespace surfit {
@@ -104,6 +105,19 @@ class LevelIcp {
   int valid_count_;
 };
 
+// Rejects a fit after which one view's surfaces stand in what the other saw through.
+void CheckFreeSpace(const FrameLevel& source, const FrameLevel& target, const IcpOptions& options,
+                    IcpResult* result) {
+  if (options.max_free_space_share >= 1) return;
+  const Rigid3d& pose = result->target_from_source;
+  result->free_space_share =
+      std::max(FreeSpaceShare(source, target, options.error_model, pose),
+               FreeSpaceShare(target, source, options.error_model, pose.Inverse()));
+  if (result->free_space_share > options.max_free_space_share) {
+    result->termination = Termination::kFreeSpaceFilled;
+  }
+}
+
 }  // namespace
 
 std::string ToString(Termination termination) {
@@ -116,6 +130,8 @@ std::string ToString(Termination termination) {
       return "too_few_inliers";
     case Termination::kSingularSystem:
       return "singular_system";
+    case Termination::kFreeSpaceFilled:
+      return "free_space_filled";
   }
   return "unknown";
 }
@@ -134,6 +150,7 @@ IcpResult Register(const FramePyramid& source, const FramePyramid& target,
     icp.Run(&result);
     if (!result.Succeeded()) return result;
   }
+  if (levels > 0) CheckFreeSpace(source.levels[0], target.levels[0], options, &result);
   return result;
 }
 

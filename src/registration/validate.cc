@@ -57,6 +57,8 @@ void IcpOptions::Validate() const {
           "from 0 to 1");
   Require(min_eigenvalue >= 0 && min_eigenvalue < 1, "min_eigenvalue", min_eigenvalue,
           "zero or positive and below 1");
+  Require(max_free_space_share >= 0 && max_free_space_share <= 1, "max_free_space_share",
+          max_free_space_share, "from 0 to 1");
 }
 
 }  // namespace surfit

@@ -78,6 +78,7 @@ IcpOptions AlignRunOptions::DefaultIcp() {
   icp.gates.max_normal_angle_rad = 0.35;
   icp.gate_growth = 2.5;
   icp.kernel_growth = 4;
+  icp.max_free_space_share = 0.02;
   return icp;
 }
 

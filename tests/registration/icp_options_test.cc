@@ -44,6 +44,8 @@ TEST(IcpOptions, ValidateNamesFieldValueAndConstraint) {
                 "min_inlier_share is 1.5, must be from 0 to 1");
   ExpectRefused([](auto* o) { o->min_eigenvalue = 1; },
                 "min_eigenvalue is 1, must be zero or positive and below 1");
+  ExpectRefused([](auto* o) { o->max_free_space_share = 1.1; },
+                "max_free_space_share is 1.1, must be from 0 to 1");
   ExpectRefused([](auto* o) { o->gates.max_distance_m = -0.1; },
                 "max_distance_m is -0.1, must be zero (off) or positive");
   ExpectRefused([](auto* o) { o->error_model.floor_sigma_m = 0; },
@@ -59,6 +61,7 @@ TEST(Termination, HasAName) {
   EXPECT_EQ(ToString(Termination::kMaxIterations), "max_iterations");
   EXPECT_EQ(ToString(Termination::kTooFewInliers), "too_few_inliers");
   EXPECT_EQ(ToString(Termination::kSingularSystem), "singular_system");
+  EXPECT_EQ(ToString(Termination::kFreeSpaceFilled), "free_space_filled");
 }
 
 }  // namespace

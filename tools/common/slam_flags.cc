@@ -29,14 +29,23 @@ DEFINE_double(max_normal_angle_deg, kIcp.gates.max_normal_angle_rad / kDegree,
               "pairs whose normals differ by more are no pairs; 0 = off");
 DEFINE_double(gate_growth, kIcp.gate_growth,
               "max_distance_m grows by this factor on each coarser level");
+DEFINE_bool(middle_levels, kIcp.middle_levels,
+            "register on all pyramid levels; false = on the coarsest and the finest only");
 DEFINE_double(kernel_width, kIcp.error_model.kernel_width,
               "width of the Geman-McClure kernel in sigmas; 0 = least squares");
+DEFINE_double(kernel_growth, kIcp.kernel_growth,
+              "kernel_width grows by this factor on each coarser level");
 DEFINE_double(floor_sigma_m, kIcp.error_model.floor_sigma_m,
               "standard deviation of a residual beyond the depth noise, m");
 DEFINE_double(inverse_depth_sigma, kPreprocess.noise.inverse_depth_sigma,
               "depth noise: standard deviation of inverse depth, 1/m");
 DEFINE_double(min_relative_rmse_change, kIcp.min_relative_rmse_change,
               "a level ends where RMSE changes by a smaller share");
+DEFINE_double(min_coarse_step_px, kIcp.min_coarse_step_px,
+              "a coarser level also ends where points move by less, px of the level");
+DEFINE_double(max_free_space_share, kIcp.max_free_space_share,
+              "a larger share of points in space that the other view saw through is a failure; 1 = "
+              "off");
 DEFINE_int32(min_inliers, kIcp.min_inliers, "fewer pairs are a failure");
 DEFINE_int32(depth_filter_radius, kPreprocess.filter_radius_px,
              "half the window of the depth filter, px; 0 = no filter");
@@ -64,6 +73,10 @@ void SetIcpFlagDefaults(const IcpOptions& options) {
   set("max_distance_m", options.gates.max_distance_m);
   set("max_normal_angle_deg", options.gates.max_normal_angle_rad / kDegree);
   set("gate_growth", options.gate_growth);
+  set("middle_levels", options.middle_levels);
+  set("kernel_growth", options.kernel_growth);
+  set("min_coarse_step_px", options.min_coarse_step_px);
+  set("max_free_space_share", options.max_free_space_share);
 }
 
 IcpOptions IcpOptionsFromFlags(const IcpOptions& base) {
@@ -76,7 +89,11 @@ IcpOptions IcpOptionsFromFlags(const IcpOptions& base) {
   options.gates.max_distance_m = FLAGS_max_distance_m;
   options.gates.max_normal_angle_rad = FLAGS_max_normal_angle_deg * kDegree;
   options.gate_growth = FLAGS_gate_growth;
+  options.middle_levels = FLAGS_middle_levels;
   options.error_model.kernel_width = FLAGS_kernel_width;
+  options.kernel_growth = FLAGS_kernel_growth;
+  options.min_coarse_step_px = FLAGS_min_coarse_step_px;
+  options.max_free_space_share = FLAGS_max_free_space_share;
   options.error_model.floor_sigma_m = FLAGS_floor_sigma_m;
   options.error_model.noise.inverse_depth_sigma = FLAGS_inverse_depth_sigma;
   options.min_relative_rmse_change = FLAGS_min_relative_rmse_change;

@@ -29,19 +29,22 @@ struct IcpOptions {
   int min_inliers = 200;                   // pairs, of whatever residual
   double min_inlier_share = 0.1;           // of the valid source points of the level
   double min_eigenvalue = 1e-6;            // scaled; below it the problem is singular
+  double max_free_space_share = 1;         // of IcpResult::free_space_share; 1 = off
 
   // Throws InputError naming field, value and constraint.
   void Validate() const;
 };
 
 enum class Termination {
-  kConverged,       // the convergence rule held on the finest level
-  kMaxIterations,   // the iterations of the finest level were used up
-  kTooFewInliers,   // failure: fewer pairs than the options ask for
-  kSingularSystem,  // failure: the data does not hold some direction
+  kConverged,        // the convergence rule held on the finest level
+  kMaxIterations,    // the iterations of the finest level were used up
+  kTooFewInliers,    // failure: fewer pairs than the options ask for
+  kSingularSystem,   // failure: the data does not hold some direction
+  kFreeSpaceFilled,  // failure: surfaces stand where the other view saw through
 };
 
-// "converged", "max_iterations", "too_few_inliers", "singular_system".
+// "converged", "max_iterations", "too_few_inliers", "singular_system",
+// "free_space_filled".
 std::string ToString(Termination termination);
 
 // The state of a level before a step or, its last one, after all steps.
@@ -63,6 +66,9 @@ struct IcpResult {
   double rmse_m = 0;                    // square root of the weighted mean of r^2
   Matrix6d hessian = Matrix6d::Zero();  // information of the left increment (1/rad^2, 1/m^2)
   double smallest_eigenvalue = 0;       // of NormalSystem::ScaledEigenvalues()
+  // The larger FreeSpaceShare() of source in target and target in source, on the finest level; 0
+  // unless ICP came to its end there and the options limit it.
+  double free_space_share = 0;
 
   // Converged or out of iterations; otherwise the pose must not be used.
   bool Succeeded() const {

@@ -23,7 +23,9 @@ struct AlignRunOptions {
   // (80 x 60 of 640 x 480) accepts pairs 0.8 m apart, almost without a robust kernel, and is left
   // after a step of less than a quarter of its width: what remains then is within the reach of the
   // finest level, which does the rest with gates close to the surface. Levels between the two, or
-  // more steps of the coarsest, would leave it hardly anything to gain.
+  // more steps of the coarsest, would leave it hardly anything to gain. A right fit puts
+  // at most 1.7 % of the points into the other view's free space (a Kinect's kitchen; 0.02 % in the
+  // office of ICL-NUIM), one that is off by 2 cm or more at least 4.1 % there.
   static IcpOptions DefaultIcp();
 
   // Throws InputError naming the option, its value and the constraint.

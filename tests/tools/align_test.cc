@@ -1,0 +1,100 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "surfit/io/point_cloud.h"
+#include "testing/run_program.h"
+#include "testing/shared_data.h"
+
+namespace surfit::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+// A simulated walk at 160 x 120 pixels; made once for all tests.
+class AlignTool : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new TempFolder;
+    const ProgramResult result =
+        RunProgram("surfit_simulate", {"--output=" + Room(), "--frames=6", "--downsample=4"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+  }
+  static void TearDownTestSuite() {
+    delete folder_;
+    folder_ = nullptr;
+  }
+
+  static std::string Room() { return folder_->path() + "/room"; }
+  ProgramResult Align(const std::string& sequence, std::vector<std::string> flags) const {
+    flags.insert(flags.begin(), {"--sequence=" + sequence, "--output=" + (own_ / "out")});
+    return RunProgram("surfit_align", flags);
+  }
+
+  static TempFolder* folder_;
+  TempFolder own_;
+};
+
+TempFolder* AlignTool::folder_ = nullptr;
+
+TEST_F(AlignTool, PrintsEachIterationAndWritesCloudsAndPictures) {
+  const ProgramResult result = Align(Room(), {"--source=0", "--target=2"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out,
+              AllOf(ContainsRegex("iter 0: avg loss = [0-9.]+e[-+][0-9]+, inlier count = [0-9]+\n"),
+                    HasSubstr("converged: "), HasSubstr("pose error: ")));
+  for (const char* name : {"before", "after"}) {
+    const PointCloud cloud = ReadPly(own_ / "out" + "/" + name + ".ply");
+    EXPECT_GT(cloud.points.size(), 20000u);  // most of 2 x 19,200 pixels
+    EXPECT_EQ(cloud.colors.size(), cloud.points.size());
+    EXPECT_THAT(ReadBytes(own_ / "out" + "/" + name + ".png"), StartsWith("\x89PNG"));
+  }
+}
+
+TEST_F(AlignTool, FailsWithValueAndConstraint) {
+  const ProgramResult few = Align(Room(), {"--target=5", "--min_inliers=100000"});
+  EXPECT_EQ(few.exit_code, 2);
+  EXPECT_THAT(few.err, AllOf(StartsWith("failed: too_few_inliers: inlier share is "),
+                             HasSubstr("min_inliers (100000)")));
+  const ProgramResult filled = Align(Room(), {"--target=5", "--max_free_space_share=0"});
+  EXPECT_EQ(filled.exit_code, 2);
+  EXPECT_THAT(filled.err, AllOf(StartsWith("failed: free_space_filled: free-space share is "),
+                                HasSubstr("must be at most max_free_space_share (0)")));
+}
+
+TEST_F(AlignTool, RefusesBadInputInOneSentence) {
+  const std::pair<std::vector<std::string>, const char*> cases[] = {
+      {{"--source=-1"}, "source is -1, must be zero or positive"},
+      {{"--target=6"}, "must be below 6, the number of frames"},
+      {{"--kernel_growth=0.5"}, "kernel_growth is 0.5, must be at least 1"},
+      {{"--min_coarse_step_px=-1"}, "min_coarse_step_px is -1, must be zero or positive"},
+      {{"--max_free_space_share=2"}, "max_free_space_share is 2, must be from 0 to 1"},
+      {{"--solver=magic"}, "solver is 'magic', must be one of: "},
+      {{"--nonsense=1"}, "nonsense"},
+  };
+  for (const auto& [flags, message] : cases) {
+    const ProgramResult result = Align(Room(), flags);
+    EXPECT_EQ(result.exit_code, 1) << message;
+    EXPECT_THAT(result.err, AllOf(StartsWith("error: "), HasSubstr(message)));
+    EXPECT_THAT(result.out, IsEmpty());
+  }
+  EXPECT_THAT(Align(own_ / "nowhere", {}).err, AllOf(StartsWith("error: "), HasSubstr("nowhere")));
+}
+
+// ICP from the identity cannot follow so far; it must say so.
+TEST_F(AlignTool, SaysThatLargeMotionsFailed) {
+  SURFIT_REQUIRE_SHARED_DATA("icl_office");
+  for (const char* target : {"--target=50", "--target=100"}) {
+    const ProgramResult result = Align(SharedData("icl_office"), {"--source=10", target});
+    EXPECT_EQ(result.exit_code, 2) << target;
+    EXPECT_THAT(result.out, Not(HasSubstr("converged: "))) << target;
+    EXPECT_THAT(result.err, StartsWith("failed: ")) << target;
+  }
+}
+
+}  // namespace
+}  // namespace surfit::testing
