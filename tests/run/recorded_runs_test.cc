@@ -1,0 +1,80 @@
+// Whole runs over recorded sequences, as far as these are there.
+#include <gtest/gtest.h>
+
+#include "surfit/run/slam_run.h"
+#include "testing/shared_data.h"
+#include "testing/temp_folder.h"
+
+namespace surfit {
+namespace {
+
+SlamRunOptions Options(const std::string& sequence, int last) {
+  SlamRunOptions options;
+  options.sequence.path = testing::SharedData(sequence);
+  options.sequence.last = last;
+  options.pictures = false;
+  return options;
+}
+
+SlamRunSummary RunOnce(SlamRunOptions options) {
+  const testing::TempFolder output;
+  options.output = output.path();
+  return RunSlam(options, false, [](const SlamRunProgress&) {});
+}
+
+// Runs all of the frames, every one of which must be tracked; returns the ATE in metres.
+double AteOf(const SlamRunOptions& options, int frames) {
+  const SlamRunSummary summary = RunOnce(options);
+  EXPECT_EQ(summary.frames_total, frames);
+  EXPECT_EQ(summary.frames_tracked, frames);
+  if (!summary.evaluation || !summary.evaluation->ate) {
+    ADD_FAILURE() << "no ground truth";
+    return 0;
+  }
+  EXPECT_EQ(summary.evaluation->coverage, 1);
+  const double ate_m = summary.evaluation->ate->translation_m.rmse;
+  std::printf("%s, %s: ATE %.4f m\n", options.sequence.path.c_str(), options.slam.tracking.c_str(),
+              ate_m);
+  return ate_m;
+}
+
+void ExpectLessDriftAgainstTheMap(SlamRunOptions options, int frames, double max_ate_m) {
+  const double to_model_m = AteOf(options, frames);
+  EXPECT_LE(to_model_m, max_ate_m);
+  options.slam.tracking = "frame_to_frame";
+  EXPECT_LT(to_model_m, AteOf(options, frames));
+}
+
+// The bounds are what Surfit promises of these sequences: see the README.
+TEST(RecordedRuns, KitchenOf200FramesWithin3Centimetres) {
+  SURFIT_REQUIRE_SHARED_DATA("seven_scenes_kitchen");
+  ExpectLessDriftAgainstTheMap(Options("seven_scenes_kitchen", 199), 200, 0.030);
+}
+
+TEST(RecordedRuns, OfficeWithKinectNoiseWithin15Millimetres) {
+  SURFIT_REQUIRE_SHARED_DATA("icl_office_kinect");
+  ExpectLessDriftAgainstTheMap(Options("icl_office_kinect", -1), 200, 0.015);
+}
+
+TEST(RecordedRuns, OfficeWithoutNoiseWithin3Millimetres) {
+  SURFIT_REQUIRE_SHARED_DATA("icl_office");
+  EXPECT_LE(AteOf(Options("icl_office", -1), 200), 0.003);
+}
+
+TEST(RecordedRuns, KitchenOf1000FramesWithin6Centimetres) {
+  SURFIT_REQUIRE_SHARED_DATA("seven_scenes_kitchen");
+  EXPECT_LE(AteOf(Options("seven_scenes_kitchen", -1), 1000), 0.060);
+}
+
+TEST(RecordedRuns, HaveTheSameDigestAtAnyNumberOfThreads) {
+  SURFIT_REQUIRE_SHARED_DATA("seven_scenes_kitchen");
+  SlamRunOptions options = Options("seven_scenes_kitchen", 5);
+  options.threads = 1;
+  const std::string digest = RunOnce(options).digest;
+  options.threads = 2;
+  EXPECT_EQ(RunOnce(options).digest, digest);
+  EXPECT_EQ(RunOnce(options).digest, digest);
+}
+
+}  // namespace
+}  // namespace surfit
