@@ -57,8 +57,8 @@ class ReducedBatch final : public ceres::CostFunction {
   static constexpr int kRows = BatchSums::kColumns;
   using Factor = Eigen::Matrix<double, kRows, kPoseTangentSize>;
 
-  // Cholesky decomposition of the semidefinite matrix of products: R, and [q e] as residuals. Pivots
-  // are at least what the sums' rounding leaves of zero: R^T q = J^T r holds in any case.
+  // Cholesky decomposition of the semidefinite matrix of products: R, and [q e] as residuals.
+  // Pivots are at least what the sums' rounding leaves of zero: R^T q = J^T r holds in any case.
   static void Decompose(const BatchSums& sums, Factor* factor, double* residuals) {
     constexpr double kPrecision = sizeof(S) == sizeof(float) ? 1e-6 : 1e-13;
     Eigen::Matrix<double, kRows, kRows> rest;  // upper triangle

@@ -1,6 +1,9 @@
 // Whole runs over recorded sequences, as far as these are there.
 #include <gtest/gtest.h>
 
+#include "surfit/evaluation/map_error.h"
+#include "surfit/geometry/trajectory.h"
+#include "surfit/io/point_cloud.h"
 #include "surfit/run/slam_run.h"
 #include "testing/shared_data.h"
 #include "testing/temp_folder.h"
@@ -64,6 +67,47 @@ TEST(RecordedRuns, OfficeWithoutNoiseWithin3Millimetres) {
 TEST(RecordedRuns, KitchenOf1000FramesWithin6Centimetres) {
   SURFIT_REQUIRE_SHARED_DATA("seven_scenes_kitchen");
   EXPECT_LE(AteOf(Options("seven_scenes_kitchen", -1), 1000), 0.060);
+}
+
+// The depth of every second frame at every second pixel of a row and a column, by the true poses.
+// Dense, as the reference's spacing is part of the distance to it.
+std::vector<Eigen::Vector3f> ExactSurface(SequenceOptions options) {
+  options.stride = 2;
+  options.prepare.downsample = 2;
+  const std::unique_ptr<FrameSource> source = OpenSequence(options);
+  const SequenceInfo& info = source->info();
+  std::vector<Eigen::Vector3f> points;
+  while (const std::optional<ReadResult> read = source->Next()) {
+    const std::optional<Rigid3d> pose = InterpolatePose(info.ground_truth, read->stamp_s);
+    if (!read->frame || !pose) continue;
+    const Image<float>& depth_m = read->frame->depth_m;
+    for (int v = 0; v < depth_m.height(); ++v) {
+      for (int u = 0; u < depth_m.width(); ++u) {
+        if (!(depth_m(u, v) > 0)) continue;
+        const Eigen::Vector3d point = info.pinhole.Ray(u, v) * depth_m(u, v);
+        points.push_back((*pose * point).cast<float>());
+      }
+    }
+  }
+  return points;
+}
+
+TEST(RecordedRuns, FusionAlongTheTruthIsCompactExactAndComplete) {
+  SURFIT_REQUIRE_SHARED_DATA("icl_office");
+  SlamRunOptions options = Options("icl_office", -1);
+  options.sequence.prepare.downsample = 2;
+  options.poses = "groundtruth";
+  const testing::TempFolder output;
+  options.output = output.path();
+  const SlamRunSummary summary = RunSlam(options, false, [](const SlamRunProgress&) {});
+  EXPECT_EQ(summary.frames_tracked, 200);
+  EXPECT_GE(summary.compression_ratio, 20);
+  const PointCloud map = ReadPly(output.path() + "/map.ply");
+  const MapError error = ComputeMapError(map.points, ExactSurface(options.sequence), {}, {});
+  std::printf("%zu surfels, %.1f : 1, mean distance %.2f mm, %.2f %% mapped\n", summary.map_points,
+              summary.compression_ratio, 1e3 * error.accuracy_m.mean, 100 * error.completeness);
+  EXPECT_LT(error.accuracy_m.mean, 0.003);
+  EXPECT_GE(error.completeness, 0.99);
 }
 
 TEST(RecordedRuns, HaveTheSameDigestAtAnyNumberOfThreads) {
