@@ -1,11 +1,11 @@
 #include <algorithm>
 
-#include "io/associate.h"
 #include "io/folder.h"
 #include "io/numbered_frames.h"
 #include "io/sequence_files.h"
 #include "io/text_rows.h"
 #include "surfit/core/error.h"
+#include "surfit/geometry/match_stamps.h"
 #include "surfit/io/tum_trajectory.h"
 
 namespace surfit {
@@ -56,7 +56,7 @@ std::vector<FrameFiles> PairByTime(const std::string& folder) {
     return frames;
   }
   const auto color = ReadStampedFiles(folder, "rgb.txt");
-  for (const auto [c, d] : AssociateByTime(Stamps(color), Stamps(depth), kMaxDifference_s))
+  for (const auto [c, d] : MatchStamps(Stamps(color), Stamps(depth), kMaxDifference_s))
     frames.push_back({color[c].stamp_s, depth[d].path, color[c].path});
   if (frames.empty() && !depth.empty() && !color.empty())
     throw InputError(Concat(folder, ": no stamp in rgb.txt is within ", kMaxDifference_s,

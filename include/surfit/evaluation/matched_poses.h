@@ -14,18 +14,6 @@ struct MatchOptions {
   void Validate() const;
 };
 
-// Positions in two lists of stamps.
-struct StampMatch {
-  int first = 0;
-  int second = 0;
-};
-
-// Pairs of stamps, both lists ascending: among all pairs that are near enough the nearest is taken
-// first, and no stamp twice (associate.py of the TUM RGB-D benchmark). Ascending in both.
-std::vector<StampMatch> MatchStamps(const std::vector<double>& first_s,
-                                    const std::vector<double>& second_s,
-                                    const MatchOptions& options);
-
 // What the ground truth and the estimate say of the same moment, each in its own world.
 struct MatchedPose {
   double stamp_s = 0;  // the estimate's

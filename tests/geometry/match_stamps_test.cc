@@ -1,9 +1,10 @@
-#include "io/associate.h"
+#include "surfit/geometry/match_stamps.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <utility>
 
@@ -12,34 +13,42 @@ namespace {
 
 std::vector<std::pair<int, int>> Pairs(const std::vector<double>& a, const std::vector<double>& b) {
   std::vector<std::pair<int, int>> pairs;
-  for (const auto [i, j] : AssociateByTime(a, b, 0.02)) pairs.emplace_back(i, j);
+  for (const auto [i, j] : MatchStamps(a, b, 0.02)) pairs.emplace_back(i, j);
   return pairs;
 }
 
 using P = std::vector<std::pair<int, int>>;
 
-TEST(AssociateByTime, PairsNearestNeighbours) {
+TEST(MatchStamps, PairsNearestNeighbours) {
   EXPECT_EQ(Pairs({1.0, 1.1, 1.2}, {1.01, 1.095, 1.205}), (P{{0, 0}, {1, 1}, {2, 2}}));
 }
 
-TEST(AssociateByTime, LeavesOutWhatHasNoPartnerInTime) {
+TEST(MatchStamps, LeavesOutWhatHasNoPartnerInTime) {
   EXPECT_EQ(Pairs({1.0, 1.1, 1.2}, {1.021, 1.119, 1.3}), (P{{1, 1}}));
   EXPECT_EQ(Pairs({}, {1.0}), P{});
   EXPECT_EQ(Pairs({1.0}, {}), P{});
 }
 
-TEST(AssociateByTime, TheClosestPairComesFirstAndEachIsUsedOnce) {
+TEST(MatchStamps, TheClosestPairComesFirstAndEachIsUsedOnce) {
   // 1.010 is nearer to 1.012 than 1.000 is, so 1.000 must go without.
   EXPECT_EQ(Pairs({1.000, 1.010}, {1.012}), (P{{1, 0}}));
   // Having lost 1.012 to 1.010, the first stamp takes the other one within 0.02 s.
   EXPECT_EQ(Pairs({1.000, 1.010}, {0.985, 1.012}), (P{{0, 0}, {1, 1}}));
 }
 
-TEST(AssociateByTime, IsStrictAboutTheLimit) {
+TEST(MatchStamps, MatchesAtTheLimit) {
   // Powers of two, so that the differences are exact.
-  EXPECT_TRUE(AssociateByTime({1.0}, {1.25}, 0.25).empty());
-  EXPECT_EQ(AssociateByTime({1.0}, {1.25}, 0.2500001).size(), 1u);
-  EXPECT_EQ(AssociateByTime({1.25}, {1.0}, 0.2500001).size(), 1u);
+  for (const double other : {0.75, 1.25}) {
+    EXPECT_EQ(MatchStamps({1.0}, {other}, 0.25).size(), 1u);
+    EXPECT_TRUE(MatchStamps({1.0}, {other}, 0.2499999).empty());
+  }
+}
+
+TEST(MatchStamps, MatchesEqualStampsOnceEach) {
+  const auto matches = MatchStamps({1, 1, 2}, {1, 2, 2}, 0);
+  ASSERT_EQ(matches.size(), 2u);
+  EXPECT_EQ(std::make_pair(matches[0].first, matches[0].second), std::make_pair(0, 0));
+  EXPECT_EQ(std::make_pair(matches[1].first, matches[1].second), std::make_pair(2, 1));
 }
 
 // associate.py as its documentation says: of all pairs in time, again and again the closest one.
@@ -48,16 +57,17 @@ std::vector<std::pair<int, int>> BruteForce(const std::vector<double>& a,
   std::vector<bool> used_a(a.size()), used_b(b.size());
   std::vector<std::pair<int, int>> pairs;
   for (;;) {
-    double best = 0.02;
+    double best = std::numeric_limits<double>::infinity();
     std::pair<int, int> pair;
     for (std::size_t i = 0; i < a.size(); ++i) {
       for (std::size_t j = 0; j < b.size(); ++j) {
-        if (used_a[i] || used_b[j] || std::abs(a[i] - b[j]) >= best) continue;
-        best = std::abs(a[i] - b[j]);
+        const double difference = std::abs(a[i] - b[j]);
+        if (used_a[i] || used_b[j] || difference > 0.02 || difference >= best) continue;
+        best = difference;
         pair = {static_cast<int>(i), static_cast<int>(j)};
       }
     }
-    if (best == 0.02) break;
+    if (std::isinf(best)) break;
     used_a[pair.first] = used_b[pair.second] = true;
     pairs.push_back(pair);
   }
@@ -65,7 +75,7 @@ std::vector<std::pair<int, int>> BruteForce(const std::vector<double>& a,
   return pairs;
 }
 
-TEST(AssociateByTime, AgreesWithBruteForce) {
+TEST(MatchStamps, AgreesWithBruteForce) {
   std::mt19937_64 rng(11);
   for (int trial = 0; trial < 50; ++trial) {
     std::vector<double> a(40), b(35);
