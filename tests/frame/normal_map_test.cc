@@ -1,6 +1,5 @@
 #include <gtest/gtest.h>
 
-#include <Eigen/QR>
 #include <array>
 #include <optional>
 #include <random>
@@ -79,7 +78,7 @@ Image<float> RoughDepth(const PinholeCamera& camera) {
 }
 
 // The slope along a direction, from the definition: the longest run of offsets on both sides that
-// continue the surface, and a straight line fitted to all of its values by QR. Nothing if there is
+// continue the surface, and a straight line fitted to all of its values. Nothing if there is
 // no offset; `close` is set where a value is too close to the bound to tell in single precision.
 std::optional<double> FittedSlope(const Image<float>& depth_m, int u, int v, int du, int dv,
                                   double focal, const PreprocessOptions& options, bool* close) {
@@ -101,13 +100,11 @@ std::optional<double> FittedSlope(const Image<float>& depth_m, int u, int v, int
     if (continues) run = k;
   }
   if (run == 0) return std::nullopt;
-  Eigen::MatrixX2d a(2 * run + 1, 2);
-  Eigen::VectorXd b(2 * run + 1);
+  double n = 0, x = 0, y = 0, xx = 0, xy = 0;
   for (int k = -run; k <= run; ++k) {
-    a.row(k + run) << 1, k;
-    b[k + run] = inverse(k);
+    n += 1, x += k, y += inverse(k), xx += k * k, xy += k * inverse(k);
   }
-  return a.householderQr().solve(b)[1];
+  return (n * xy - x * y) / (n * xx - x * x);
 }
 
 TEST(NormalMap, AgreesWithLinesFittedInDoublePrecision) {

@@ -3,10 +3,19 @@
 #include <gtest/gtest.h>
 
 #include <random>
-#include <unsupported/Eigen/MatrixFunctions>
 
 namespace surfit {
 namespace {
+
+// The matrix exponential by its series; below a norm of 3 its 40th term is under 1e-28.
+Eigen::Matrix3d Exp(const Eigen::Matrix3d& matrix) {
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Identity(), term = sum;
+  for (int k = 1; k <= 40; ++k) {
+    term = term * matrix / k;
+    sum += term;
+  }
+  return sum;
+}
 
 template <typename Scalar>
 class Rigid3Test : public testing::Test {
@@ -40,7 +49,7 @@ TYPED_TEST_SUITE(Rigid3Test, Scalars);
 
 TYPED_TEST(Rigid3Test, ExpIsTheMatrixExponentialOfTheCrossMatrix) {
   for (const auto& w : this->RotationVectors()) {
-    const Eigen::Matrix3d expected = CrossMatrix<double>(w.template cast<double>()).exp();
+    const Eigen::Matrix3d expected = Exp(CrossMatrix<double>(w.template cast<double>()));
     const auto actual = QuaternionExp<TypeParam>(w).toRotationMatrix();
     EXPECT_LT((actual.template cast<double>() - expected).norm(), this->kTolerance);
   }

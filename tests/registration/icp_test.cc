@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
-
 #include "registration/simulated_views.h"
 #include "registration/three_planes.h"
 #include "surfit/core/parallel.h"
@@ -100,7 +98,6 @@ TEST(Register, ReportsEveryIterationAndTheEnd) {
   const auto valid = std::count_if(z.begin(), z.end(), [](float depth) { return depth > 0; });
   EXPECT_NEAR(result.inlier_share, static_cast<double>(result.inlier_count) / valid, 1e-15);
   EXPECT_TRUE(result.hessian == result.hessian.transpose());
-  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Matrix6d>(result.hessian).eigenvalues()[0], 0);
 }
 
 TEST(Register, GatesGrowFromTheFinestLevelUp) {

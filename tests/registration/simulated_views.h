@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
+#include <utility>
 
 #include "surfit/frame/preprocess.h"
 #include "surfit/simulation/camera_path.h"
@@ -15,6 +17,22 @@ struct SimulatedViews {
   Rigid3d target_from_source;
 };
 
+// The room made by a seed and the first poses of a path through it, made once for all tests.
+struct RoomWithPath {
+  Scene scene;
+  Trajectory path;
+};
+
+inline const RoomWithPath& MakeRoomWithPath(int frames, std::uint64_t seed) {
+  static std::map<std::pair<int, std::uint64_t>, RoomWithPath> rooms;
+  RoomWithPath& room = rooms[{frames, seed}];
+  if (room.path.empty()) {
+    room.scene = MakeScene("room", seed);
+    room.path = MakePath(room.scene, frames, seed);
+  }
+  return room;
+}
+
 inline SimulatedViews MakeViews(int first, int gap, std::uint64_t seed = 1) {
   PinholeCamera camera;
   camera.width = 160;
@@ -22,8 +40,7 @@ inline SimulatedViews MakeViews(int first, int gap, std::uint64_t seed = 1) {
   camera.fx = camera.fy = 131;
   camera.cx = 79.5;
   camera.cy = 59.5;
-  const Scene scene = MakeScene("room", seed);
-  const Trajectory path = MakePath(scene, first + gap + 1, seed);
+  const auto& [scene, path] = MakeRoomWithPath(first + gap + 1, seed);
   const Rigid3d& source = path[first].world_from_camera;
   const Rigid3d& target = path[first + gap].world_from_camera;
   const auto view = [&](const Rigid3d& pose) {

@@ -275,8 +275,7 @@ TEST(Slam, TheMotionDoesNotDependOnTheInitialPose) {
 }
 
 TEST(SlamThreads, RunsAreTheSameBitForBitAtAnyNumberOfThreads) {
-  SimulatedSequence room = KinectRoom(1);
-  room.frames.resize(8);
+  const SimulatedSequence room = SimulateRoom(1, 8, Sensor::kKinect);
   std::vector<SlamRun> runs;
   for (const int threads : {1, 1, 2, 4}) {
     const ThreadLimit limit(threads);
