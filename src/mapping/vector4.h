@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "mapping/float4.h"
+#include "core/float4.h"
 
 namespace surfit {
 

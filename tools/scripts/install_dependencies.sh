@@ -8,7 +8,7 @@ packages=(
   g++ make cmake ninja-build ccache pkg-config
   # the library and the programs
   libeigen3-dev libceres-dev libgoogle-glog-dev libgflags-dev libopencv-dev libtbb-dev
-  libnanoflann-dev nlohmann-json3-dev libplplot-dev plplot-driver-cairo
+  nlohmann-json3-dev libplplot-dev plplot-driver-cairo
   libturbojpeg0-dev zlib1g-dev
   # the tests
   libgtest-dev libgmock-dev libbenchmark-dev

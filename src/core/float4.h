@@ -2,6 +2,9 @@
 
 #include <cstdint>
 #include <cstring>
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
 
 namespace surfit {
 
@@ -37,6 +40,7 @@ inline Int4 ToInt(Float4 x) { return __builtin_convertvector(x, Int4); }
 inline Int4 Floor(Float4 x) { return __builtin_convertvector(x + 1024.f, Int4) - 1024; }
 
 inline Float4 Min(Float4 a, Float4 b) { return a < b ? a : b; }
+inline Float4 Max(Float4 a, Float4 b) { return a < b ? b : a; }
 inline Int4 Min(Int4 a, Int4 b) { return a < b ? a : b; }
 inline Int4 Max(Int4 a, Int4 b) { return a < b ? b : a; }
 
@@ -45,6 +49,15 @@ inline bool Any(Int4 mask) {
   std::uint64_t half[2];
   std::memcpy(half, &mask, sizeof(half));
   return (half[0] | half[1]) != 0;
+}
+
+// Bit k of the result is set where lane k of the mask is.
+inline unsigned Bits(Int4 mask) {
+#ifdef __SSE2__
+  return static_cast<unsigned>(_mm_movemask_ps(reinterpret_cast<__m128>(mask)));
+#else
+  return (mask[0] & 1u) | (mask[1] & 2u) | (mask[2] & 4u) | (mask[3] & 8u);
+#endif
 }
 
 }  // namespace surfit
