@@ -9,8 +9,8 @@
 #include "surfit/evaluation/map_error.h"
 #include "surfit/io/point_cloud.h"
 
-DEFINE_string(map, "", "the map, a PLY file with points or surfels");
-DEFINE_string(reference, "", "the true surface as a dense PLY point cloud, in the map's frame");
+DEFINE_string(map, "", "the map, a PLY or PCD file with points or surfels");
+DEFINE_string(reference, "", "the true surface as a dense point cloud (PLY or PCD), in the map's frame");
 DEFINE_double(completeness_distance_m, surfit::MapErrorOptions().completeness_distance_m,
               "a reference point counts as mapped if a map point is at most this far");
 
@@ -36,8 +36,8 @@ int Run() {
   RequireFlag("reference", FLAGS_reference);
   const MapErrorOptions options{FLAGS_completeness_distance_m};
   options.Validate();
-  const PointCloud map = ReadPly(FLAGS_map);
-  const PointCloud reference = ReadPly(FLAGS_reference);
+  const PointCloud map = ReadPointCloud(FLAGS_map);
+  const PointCloud reference = ReadPointCloud(FLAGS_reference);
   const MapError error = ComputeMapError(map.points, reference.points, reference.normals, options);
   PrintJson(ToJson(error));
   std::cerr << "accuracy " << error.accuracy_m.mean << " m mean, " << error.accuracy_m.p90

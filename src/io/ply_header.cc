@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <utility>
 
+#include "io/words.h"
 #include "surfit/core/error.h"
 
 namespace surfit {
@@ -25,34 +25,11 @@ constexpr std::array<TypeNames, 8> kTypes = {{{PlyType::kInt8, 1, "char", "int8"
                                               {PlyType::kFloat32, 4, "float", "float32"},
                                               {PlyType::kFloat64, 8, "double", "float64"}}};
 
-using Words = std::vector<std::string_view>;
-
-Words SplitWords(std::string_view line) {
-  constexpr std::string_view kBlanks = " \t\r";
-  Words words;
-  while (true) {
-    line.remove_prefix(std::min(line.find_first_not_of(kBlanks), line.size()));
-    if (line.empty()) return words;
-    words.push_back(line.substr(0, line.find_first_of(kBlanks)));
-    line.remove_prefix(words.back().size());
-  }
-}
-
 PlyType ParseType(std::string_view word) {
   for (const TypeNames& t : kTypes) {
     if (word == t.name || word == t.sized_name) return t.type;
   }
   throw InputError(Concat("unknown type '", word, "'"));
-}
-
-std::int64_t ParseCount(std::string_view word) {
-  std::int64_t count = -1;
-  const char* const end = word.data() + word.size();
-  const auto [parsed, error] = std::from_chars(word.data(), end, count);
-  if (error != std::errc() || parsed != end || count < 0) {
-    throw InputError(Concat("the count is '", word, "', must be an integer from 0"));
-  }
-  return count;
 }
 
 bool ParseFormat(const Words& words) {
@@ -122,6 +99,19 @@ PlyHeader ParsePlyHeader(std::string_view file, const std::string& path) {
   }
   if (!has_format) throw InputError(Concat(path, ": the header has no format"));
   return header;
+}
+
+std::optional<PlyColumns> FindPlyColumns(const PlyElement& element, const PlyNames& names) {
+  PlyColumns columns;
+  const auto& properties = element.properties;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const auto at = std::find_if(properties.begin(), properties.end(), [&](const PlyProperty& p) {
+      return p.name == names[k] && !p.count_type;
+    });
+    if (at == properties.end()) return std::nullopt;
+    columns[k] = at - properties.begin();
+  }
+  return columns;
 }
 
 std::string FormatPlyHeader(const std::vector<PlyElement>& elements) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -39,6 +40,11 @@ struct PlyHeader {
 
 // Throws InputError naming `path`, the line and what is wrong with it.
 PlyHeader ParsePlyHeader(std::string_view file, const std::string& path);
+
+// Where three scalar properties stand in a row, if all of them do.
+using PlyNames = std::array<const char*, 3>;
+using PlyColumns = std::array<std::size_t, 3>;
+std::optional<PlyColumns> FindPlyColumns(const PlyElement& element, const PlyNames& names);
 
 // The text of a binary little endian header.
 std::string FormatPlyHeader(const std::vector<PlyElement>& elements);

@@ -3,48 +3,33 @@
 #include <glog/logging.h>
 
 #include <algorithm>
-#include <array>
 #include <optional>
+#include <string_view>
 
 #include "core/read_file.h"
+#include "io/pcd.h"
 #include "io/ply_body.h"
 #include "io/ply_header.h"
 #include "io/ply_writer.h"
+#include "io/words.h"
 #include "surfit/core/error.h"
 
 namespace surfit {
 namespace {
 
-using Names = std::array<const char*, 3>;
-using Columns = std::array<std::size_t, 3>;
-
-// Where three scalar properties stand in a row, if all of them do.
-std::optional<Columns> FindColumns(const PlyElement& element, const Names& names) {
-  Columns columns;
-  const auto& properties = element.properties;
-  for (std::size_t k = 0; k < names.size(); ++k) {
-    const auto at = std::find_if(properties.begin(), properties.end(), [&](const PlyProperty& p) {
-      return p.name == names[k] && !p.count_type;
-    });
-    if (at == properties.end()) return std::nullopt;
-    columns[k] = at - properties.begin();
-  }
-  return columns;
-}
-
 // The colour's columns, if they are bytes.
-std::optional<Columns> FindColorColumns(const PlyElement& element) {
-  const auto columns = FindColumns(element, {"red", "green", "blue"});
+std::optional<PlyColumns> FindColorColumns(const PlyElement& element) {
+  const auto columns = FindPlyColumns(element, {"red", "green", "blue"});
   const auto is_byte = [&](std::size_t c) { return element.properties[c].type == PlyType::kUint8; };
   if (columns && std::all_of(columns->begin(), columns->end(), is_byte)) return columns;
   return std::nullopt;
 }
 
-Eigen::Vector3f Vector(const double* row, const Columns& c) {
+Eigen::Vector3f Vector(const double* row, const PlyColumns& c) {
   return Eigen::Vector3d(row[c[0]], row[c[1]], row[c[2]]).cast<float>();
 }
 
-Rgb8 Color(const double* row, const Columns& c) {
+Rgb8 Color(const double* row, const PlyColumns& c) {
   const auto byte = [&](int k) {
     return static_cast<std::uint8_t>(std::clamp(row[c[k]], 0., 255.));
   };
@@ -58,15 +43,12 @@ const PlyElement& FindVertices(const PlyHeader& header, const std::string& path)
   throw InputError(Concat(path, ": the header has no element 'vertex'"));
 }
 
-}  // namespace
-
-PointCloud ReadPly(const std::string& path) {
-  const std::string file = ReadFile(path);
+PointCloud ParsePly(std::string_view file, const std::string& path) {
   const PlyHeader header = ParsePlyHeader(file, path);
   const PlyElement& vertices = FindVertices(header, path);
-  const auto points = FindColumns(vertices, {"x", "y", "z"});
+  const auto points = FindPlyColumns(vertices, {"x", "y", "z"});
   if (!points) throw InputError(Concat(path, ": element 'vertex' must have x, y and z"));
-  const auto normals = FindColumns(vertices, {"nx", "ny", "nz"});
+  const auto normals = FindPlyColumns(vertices, {"nx", "ny", "nz"});
   const auto colors = FindColorColumns(vertices);
   PointCloud cloud;
   const auto begin = [&] {
@@ -82,11 +64,39 @@ PointCloud ReadPly(const std::string& path) {
   return cloud;
 }
 
+}  // namespace
+
+PointCloud ReadPly(const std::string& path) { return ParsePly(ReadFile(path), path); }
+
+PointCloud ReadPointCloud(const std::string& path) {
+  const std::string file = ReadFile(path);
+  const bool is_ply = SplitWords(std::string_view(file).substr(0, file.find('\n'))) == Words{"ply"};
+  return is_ply ? ParsePly(file, path) : ParsePcd(file, path);
+}
+
+std::size_t RemoveNonFinite(PointCloud* cloud) {
+  CHECK(cloud->normals.empty() || cloud->normals.size() == cloud->points.size());
+  CHECK(cloud->colors.empty() || cloud->colors.size() == cloud->points.size());
+  const std::size_t count = cloud->points.size();
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!cloud->points[i].allFinite()) continue;
+    cloud->points[kept] = cloud->points[i];
+    if (!cloud->normals.empty()) cloud->normals[kept] = cloud->normals[i];
+    if (!cloud->colors.empty()) cloud->colors[kept] = cloud->colors[i];
+    ++kept;
+  }
+  cloud->points.resize(kept);
+  if (!cloud->normals.empty()) cloud->normals.resize(kept);
+  if (!cloud->colors.empty()) cloud->colors.resize(kept);
+  return count - kept;
+}
+
 void WritePly(const PointCloud& cloud, const std::string& path) {
   CHECK(cloud.normals.empty() || cloud.normals.size() == cloud.points.size());
   CHECK(cloud.colors.empty() || cloud.colors.size() == cloud.points.size());
   std::vector<PlyProperty> properties;
-  const auto add = [&](const Names& names, PlyType type) {
+  const auto add = [&](const PlyNames& names, PlyType type) {
     for (const char* name : names) properties.push_back({name, type});
   };
   add({"x", "y", "z"}, PlyType::kFloat32);

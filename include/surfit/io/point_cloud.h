@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,15 @@ struct PointCloud {
 // Throws InputError naming the file and what is wrong with it. A count that the file is too short
 // for is refused before any memory is taken for it.
 PointCloud ReadPly(const std::string& path);
+
+// Reads a PLY file or, where the first line is not `ply`, a PCD file (Point Cloud Data 0.7: ascii,
+// binary or binary_compressed): x y z of any type, normal_x normal_y normal_z where there are all
+// three, rgb or rgba where there is one of four bytes. VIEWPOINT is not applied. The rest is as with
+// ReadPly().
+PointCloud ReadPointCloud(const std::string& path);
+
+// Leaves out the points with a coordinate that is not finite; returns how many.
+std::size_t RemoveNonFinite(PointCloud* cloud);
 
 // Writes binary little endian PLY, atomically. Throws InputError naming the file if it cannot be
 // written.
