@@ -10,7 +10,8 @@
 #include "surfit/io/point_cloud.h"
 
 DEFINE_string(map, "", "the map, a PLY or PCD file with points or surfels");
-DEFINE_string(reference, "", "the true surface as a dense point cloud (PLY or PCD), in the map's frame");
+DEFINE_string(reference, "",
+              "the true surface as a dense point cloud (PLY or PCD), in the map's frame");
 DEFINE_double(completeness_distance_m, surfit::MapErrorOptions().completeness_distance_m,
               "a reference point counts as mapped if a map point is at most this far");
 

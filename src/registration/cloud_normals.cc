@@ -1,0 +1,143 @@
+#include "surfit/registration/cloud_normals.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/kd_tree.h"
+#include "surfit/core/error.h"
+#include "surfit/core/parallel.h"
+
+namespace surfit {
+namespace {
+
+constexpr int kGrain = 512;
+constexpr double kRadiusStep = M_SQRT2;
+constexpr double kLeastWidth = 0.01;  // sqrt(l1 / l2): narrower neighbourhoods are lines
+
+// Coordinates are taken relative to the point itself, so that nothing cancels far from the origin.
+Eigen::Vector3d Offset(const KdTree& tree, std::uint32_t from, std::uint32_t to) {
+  return tree.Point(to).cast<double>() - tree.Point(from).cast<double>();
+}
+
+float SquaredBound(double radius_m) { return static_cast<float>(radius_m * radius_m); }
+
+// The side of the square that each point has for itself, where points are many: k of them within
+// r have pi r^2. The median over points all over the cloud; 0 if there are too few.
+double Spacing(const KdTree& tree) {
+  constexpr std::size_t kNeighbors = 8, kSamples = 500;
+  if (tree.size() <= kNeighbors) return 0;
+  Eigen::Vector3d low = tree.Point(0).cast<double>(), high = low;
+  for (std::uint32_t i = 0; i < tree.size(); ++i) {
+    low = low.cwiseMin(tree.Point(i).cast<double>());
+    high = high.cwiseMax(tree.Point(i).cast<double>());
+  }
+  const double extent = (high - low).norm();
+  const std::size_t step = std::max<std::size_t>(1, tree.size() / kSamples);
+  std::vector<double> spacings;
+  std::vector<std::uint32_t> found;
+  for (std::uint32_t i = 0; i < tree.size(); i += step) {
+    double radius = extent / 4096;
+    do {
+      tree.FindWithin(tree.Point(i), SquaredBound(radius), &found);
+      radius *= 2;
+    } while (found.size() <= kNeighbors && radius <= 4 * extent);
+    if (found.size() <= kNeighbors) continue;
+    std::vector<double> distances;
+    for (const std::uint32_t j : found) distances.push_back(Offset(tree, i, j).norm());
+    std::nth_element(distances.begin(), distances.begin() + kNeighbors, distances.end());
+    spacings.push_back(distances[kNeighbors] * std::sqrt(M_PI / kNeighbors));
+  }
+  if (spacings.empty()) return 0;
+  const auto middle = spacings.begin() + spacings.size() / 2;
+  std::nth_element(spacings.begin(), middle, spacings.end());
+  return *middle;
+}
+
+struct Plane {
+  bool good = false;
+  Eigen::Vector3d normal;
+  double deviation_m = 0;
+};
+
+Plane FitPlane(const KdTree& tree, std::uint32_t center, const std::vector<std::uint32_t>& found,
+               const CloudNormalOptions& options) {
+  Plane plane;
+  const double count = static_cast<double>(found.size());
+  if (count < options.min_neighbors) return plane;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+  for (const std::uint32_t i : found) {
+    const Eigen::Vector3d offset = Offset(tree, center, i);
+    sum += offset;
+    squares += offset * offset.transpose();
+  }
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(squares / count - sum * sum.transpose() / (count * count));
+  const double least = std::max(0., solver.eigenvalues()[0]), middle = solver.eigenvalues()[1];
+  if (!(middle > kLeastWidth * kLeastWidth * solver.eigenvalues()[2])) return plane;
+  const double thickness = std::sqrt(least / middle);
+  plane.good = thickness <= options.max_thickness &&
+               thickness <= options.max_normal_sigma_rad * std::sqrt(count - 3);
+  plane.normal = solver.eigenvectors().col(0);
+  plane.deviation_m = std::sqrt(least * count / (count - 3));
+  return plane;
+}
+
+// From the smallest radius that gives a good plane.
+Plane FindPlane(const KdTree& tree, std::uint32_t center, double radius_m,
+                const CloudNormalOptions& options, std::vector<std::uint32_t>* found) {
+  Plane plane;
+  for (double growth = 1; !plane.good && growth <= options.max_growth * (1 + 1e-9);
+       growth *= kRadiusStep) {
+    tree.FindWithin(tree.Point(center), SquaredBound(radius_m * growth), found);
+    plane = FitPlane(tree, center, *found, options);
+  }
+  return plane;
+}
+
+}  // namespace
+
+void CloudNormalOptions::Validate() const {
+  const auto require = [](bool holds, const char* field, double value, const char* constraint) {
+    if (!holds) throw InputError(Concat(field, " is ", value, ", must be ", constraint));
+  };
+  require(std::isfinite(radius_m) && radius_m >= 0, "radius_m", radius_m,
+          "zero (from the cloud) or positive");
+  require(max_growth >= 1 && max_growth <= 1000, "max_growth", max_growth, "from 1 to 1000");
+  require(min_neighbors >= 4, "min_neighbors", min_neighbors, "at least 4");
+  require(max_thickness > 0, "max_thickness", max_thickness, "positive");
+  require(max_normal_sigma_rad > 0, "max_normal_sigma_rad", max_normal_sigma_rad, "positive");
+}
+
+CloudNormals EstimateCloudNormals(const std::vector<Eigen::Vector3f>& points,
+                                  const CloudNormalOptions& options) {
+  options.Validate();
+  const KdTree tree(points);
+  CloudNormals result;
+  result.normals.assign(points.size(), Eigen::Vector3f::Zero());
+  result.deviation_m.assign(points.size(), 0.f);
+  result.radius_m =
+      options.radius_m > 0 ? options.radius_m : CloudNormalOptions::kSpacings * Spacing(tree);
+  const int count = static_cast<int>(points.size());
+  result.missing = ParallelSum(0, count, kGrain, 0, [&](int begin, int end) {
+    int missing = 0;
+    std::vector<std::uint32_t> found;
+    for (int rank = begin; rank < end; ++rank) {
+      const Plane plane = FindPlane(tree, rank, result.radius_m, options, &found);
+      if (!plane.good) {
+        ++missing;
+        continue;
+      }
+      const Eigen::Vector3d to_viewpoint = options.viewpoint - tree.Point(rank).cast<double>();
+      const double sign = plane.normal.dot(to_viewpoint) < 0 ? -1 : 1;
+      const std::uint32_t i = tree.order()[rank];
+      result.normals[i] = (sign * plane.normal).cast<float>();
+      result.deviation_m[i] = static_cast<float>(plane.deviation_m);
+    }
+    return missing;
+  });
+  return result;
+}
+
+}  // namespace surfit

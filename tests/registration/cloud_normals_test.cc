@@ -1,0 +1,162 @@
+#include "surfit/registration/cloud_normals.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "surfit/core/error.h"
+#include "surfit/core/parallel.h"
+#include "testing/expect_input_error.h"
+#include "testing/matchers.h"
+#include "testing/random_pose.h"
+
+namespace surfit {
+namespace {
+
+using ::testing::Each;
+using ::testing::HasSubstr;
+using Points = std::vector<Eigen::Vector3f>;
+
+// Points all over a rectangle of the given sides (m), `density` of them for each square metre, with
+// noise along its normal z; then moved.
+Points Rectangle(double side_x, double side_y, double density, double sigma_m,
+                 const Rigid3d& pose = {}) {
+  std::mt19937_64 rng(1);
+  std::uniform_real_distribution<double> uniform(-0.5, 0.5);
+  std::normal_distribution<double> noise(0, 1);
+  Points points;
+  const int count = static_cast<int>(side_x * side_y * density);
+  for (int i = 0; i < count; ++i) {
+    const double x = side_x * uniform(rng), y = side_y * uniform(rng);
+    points.push_back((pose * Eigen::Vector3d(x, y, sigma_m * noise(rng))).cast<float>());
+  }
+  return points;
+}
+
+TEST(CloudNormals, AreExactOnATiltedPlaneOfAnyScale) {
+  for (const double scale : {0.01, 1., 100.}) {
+    const Eigen::Quaterniond turn = QuaternionExp<double>({0.3, -0.4, 0.2});
+    const Points points =
+        Rectangle(scale, scale, 3000 / (scale * scale), 0, {turn, {scale, 2 * scale, 5 * scale}});
+    const CloudNormals result = EstimateCloudNormals(points, {});
+    EXPECT_EQ(result.missing, 0);
+    const Eigen::Vector3f expected = (turn * -Eigen::Vector3d::UnitZ()).cast<float>();
+    for (const auto& normal : result.normals) {
+      // Coordinates of up to 6 are rounded to 2.4e-7 at random. The smallest neighbourhood has a
+      // radius of 3 / sqrt(3000) = 0.05 and 10 points: 2.4e-7 / (0.025 sqrt(10)) = 3e-6 rad at one
+      // sigma, at the rim a few times that.
+      ASSERT_THAT(normal, testing::VectorNear(expected, 5e-5f));
+    }
+  }
+}
+
+// The normal's deviation has two components, each of at most max_normal_sigma_rad at one sigma, so
+// that its mean square is at most twice that squared. The points' own noise is what s measures.
+TEST(CloudNormals, TakeAsManyNeighboursAsTheNoiseNeeds) {
+  double last_square = 0;
+  for (const double sigma_m : {0.0005, 0.004}) {
+    const Points points =
+        Rectangle(1, 1, 20000, sigma_m, {Eigen::Quaterniond::Identity(), {0, 0, 2}});
+    const CloudNormals result = EstimateCloudNormals(points, {});
+    EXPECT_LT(result.missing, 0.01 * points.size());
+    double square = 0, deviation_m = 0;
+    const double found = static_cast<double>(points.size()) - result.missing;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (result.normals[i].isZero(0)) continue;
+      square += (result.normals[i] + Eigen::Vector3f::UnitZ()).squaredNorm() / found;
+      deviation_m += result.deviation_m[i] / found;
+    }
+    EXPECT_LT(std::sqrt(square), M_SQRT2 * CloudNormalOptions().max_normal_sigma_rad);
+    // Neighbourhoods whose noise happens to be small are taken early: some 10 % less.
+    EXPECT_NEAR(deviation_m, sigma_m, 0.15 * sigma_m);
+    EXPECT_GT(square, last_square);
+    last_square = square;
+  }
+}
+
+// A fixed ten neighbours of 4 mm noise, 7 mm apart, would give normals off by 0.3 rad.
+TEST(CloudNormals, NeedMoreThanTheFirstRadiusWhereThereIsNoise) {
+  const Points points = Rectangle(1, 1, 20000, 0.004);
+  CloudNormalOptions options;
+  options.max_growth = 1;
+  EXPECT_GT(EstimateCloudNormals(points, options).missing, 0.9 * points.size());
+}
+
+// Two walls that meet at a right angle along y.
+TEST(CloudNormals, AreOfOneWallOrMissingNearAnEdge) {
+  const double half_pi = M_PI / 2;
+  Points points = Rectangle(1, 1, 20000, 0.001, {Eigen::Quaterniond::Identity(), {0.5, 0, 2}});
+  const Points other =
+      Rectangle(1, 1, 20000, 0.001, {QuaternionExp<double>({0, half_pi, 0}), {0, 0, 1.5}});
+  points.insert(points.end(), other.begin(), other.end());
+  CloudNormalOptions options;
+  options.viewpoint = {0.5, 0, 1.5};
+  const CloudNormals result = EstimateCloudNormals(points, options);
+  int slanted = 0;
+  for (const auto& n : result.normals) {
+    const bool is_wall = (n + Eigen::Vector3f::UnitZ()).norm() < 0.3f ||
+                         (n - Eigen::Vector3f::UnitX()).norm() < 0.3f;
+    slanted += !n.isZero(0) && !is_wall;
+  }
+  EXPECT_GT(result.missing, 0);
+  EXPECT_LT(result.missing, 0.1 * points.size());
+  EXPECT_LT(slanted, 0.005 * points.size());
+}
+
+TEST(CloudNormals, FaceTheViewpoint) {
+  std::mt19937_64 rng(1);
+  Points sphere;
+  for (int i = 0; i < 5000; ++i) {
+    sphere.push_back(testing::RandomVector(1, &rng).normalized().cast<float>());
+  }
+  const CloudNormals inwards = EstimateCloudNormals(sphere, {});
+  EXPECT_EQ(inwards.missing, 0);
+  for (std::size_t i = 0; i < sphere.size(); ++i) {
+    ASSERT_LT(inwards.normals[i].dot(sphere[i]), -0.98f);  // 0.2 rad
+  }
+}
+
+TEST(CloudNormals, AreMissingWhereThereIsNoPlane) {
+  Points points = Rectangle(1, 1, 1000, 0);
+  points.push_back({0, 0, 9});                                                           // a stray
+  for (int i = 0; i < 50; ++i) points.push_back({3, 3, 0.01f * static_cast<float>(i)});  // a wire
+  for (int i = 0; i < 50; ++i) points.push_back({5, 5, 5});  // one place
+  const CloudNormals result = EstimateCloudNormals(points, {});
+  EXPECT_EQ(result.missing, 101);
+  for (std::size_t i = 1000; i < points.size(); ++i) {
+    EXPECT_TRUE(result.normals[i].isZero(0));
+    EXPECT_EQ(result.deviation_m[i], 0);
+  }
+  for (const Points& few :
+       {Points(), Points(1, Eigen::Vector3f::Zero()), Points(9, Eigen::Vector3f::Zero()),
+        Points(20, Eigen::Vector3f::Zero())}) {
+    EXPECT_EQ(EstimateCloudNormals(few, {}).missing, static_cast<int>(few.size()));
+  }
+}
+
+TEST(CloudNormals, IsTheSameAtAnyNumberOfThreads) {
+  const Points points = Rectangle(1, 1, 5000, 0.002);
+  std::vector<CloudNormals> results;
+  for (const int threads : {1, 4}) {
+    const ThreadLimit limit(threads);
+    results.push_back(EstimateCloudNormals(points, {}));
+  }
+  EXPECT_EQ(results[0].normals, results[1].normals);
+  EXPECT_EQ(results[0].deviation_m, results[1].deviation_m);
+}
+
+TEST(CloudNormals, RefusesImpossibleOptions) {
+  CloudNormalOptions options;
+  options.radius_m = -1;
+  testing::ExpectInputError([&] { EstimateCloudNormals({}, options); },
+                            HasSubstr("radius_m is -1, must be zero"));
+  options = {};
+  options.min_neighbors = 3;
+  testing::ExpectInputError([&] { EstimateCloudNormals({}, options); },
+                            HasSubstr("min_neighbors is 3, must be at least 4"));
+}
+
+}  // namespace
+}  // namespace surfit
