@@ -7,6 +7,7 @@
 #include "cost_functions/dual.h"
 #include "cost_functions/pose_manifold.h"
 #include "cost_functions/robust_kernel.h"
+#include "cost_functions/row_products.h"
 #include "surfit/core/parallel.h"
 
 namespace surfit {
@@ -14,14 +15,11 @@ namespace surfit {
 // Sums over the rows [J r] of a batch, J by the left increment (w, v): of products of their columns
 // weighted by rho', and of rho.
 struct BatchSums {
-  static constexpr int kColumns = kPoseTangentSize + 1;
-  static constexpr int kProducts = kColumns * (kColumns + 1) / 2;
-
-  double product[kProducts] = {};  // upper triangle, row by row
+  double product[kRowProducts] = {};  // see RowProducts
   double rho = 0;
 
   BatchSums& operator+=(const BatchSums& other) {
-    for (int k = 0; k < kProducts; ++k) product[k] += other.product[k];
+    for (int k = 0; k < kRowProducts; ++k) product[k] += other.product[k];
     rho += other.rho;
     return *this;
   }
@@ -43,7 +41,7 @@ class BatchRows {
  public:
   using V = Lanes<S>;
   static constexpr int kRows = Functor::kResidualSize;
-  using Rows = V[kRows][BatchSums::kColumns];
+  using Rows = V[kRows][kRowColumns];
 
   BatchRows(const Functor& functor, const double* pose) : functor_(functor) {
     double plus[kPoseSize * kPoseTangentSize];
@@ -120,13 +118,15 @@ class BatchSummer {
  private:
   static constexpr int kRows = Functor::kResidualSize;
   struct LaneSums {
-    V product[kWithJacobian ? BatchSums::kProducts : 1];
+    std::conditional_t<kWithJacobian, RowProducts<V>, char> products;
     V rho;
   };
 
   void Add(int first, int count, LaneSums* sums) const {
     V data[Functor::kDataSize];
-    for (int i = 0; i < Functor::kDataSize; ++i) data[i] = V::Load(data_.array(i) + first);
+    for (int i = 0; i < Functor::kDataSize; ++i) {
+      data[i] = V::LoadUpTo(data_.array(i) + first, count);
+    }
     V s(0.);
     if constexpr (kWithJacobian) {
       typename BatchRows<Functor, S>::Rows rows;
@@ -134,7 +134,7 @@ class BatchSummer {
       for (int k = 0; k < kRows; ++k) s += rows[k][kPoseTangentSize] * rows[k][kPoseTangentSize];
       const KernelValue<V> kernel = Masked(EvaluateKernel<kKernel>(s, kernel_width_), count);
       sums->rho += kernel.rho;
-      for (int k = 0; k < kRows; ++k) AddProducts(rows[k], kernel.slope, sums->product);
+      for (int k = 0; k < kRows; ++k) sums->products.Add(rows[k], kernel.slope);
     } else {
       V residuals[kRows];
       rows_.Residuals(data, residuals);
@@ -143,29 +143,14 @@ class BatchSummer {
     }
   }
 
-  // Nothing beyond the first `count` lanes.
-  static KernelValue<V> Masked(KernelValue<V> kernel, int count) {
-    for (int k = count; k < V::kCount; ++k) kernel.rho.v[k] = kernel.slope.v[k] = 0;
-    return kernel;
-  }
-
-  static void AddProducts(const V* row, V weight, V* product) {
-    for (int i = 0, k = 0; i < BatchSums::kColumns; ++i) {
-      const V weighted = weight * row[i];
-      for (int j = i; j < BatchSums::kColumns; ++j, ++k) product[k] += weighted * row[j];
-    }
-  }
-
-  static double SumOfLanes(V lanes) {
-    double sum = 0;
-    for (int k = 0; k < V::kCount; ++k) sum += static_cast<double>(lanes[k]);
-    return sum;
+  static KernelValue<V> Masked(const KernelValue<V>& kernel, int count) {
+    return {kernel.rho.UpTo(count), kernel.slope.UpTo(count)};
   }
 
   static void Flush(const LaneSums& lanes, BatchSums* sums) {
     if constexpr (kWithJacobian) {
-      for (int k = 0; k < BatchSums::kProducts; ++k) {
-        sums->product[k] += SumOfLanes(lanes.product[k]);
+      for (int k = 0; k < kRowProducts; ++k) {
+        sums->product[k] += SumOfLanes(lanes.products.product[k]);
       }
     }
     sums->rho += SumOfLanes(lanes.rho);

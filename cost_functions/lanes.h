@@ -26,6 +26,19 @@ struct Lanes {
     std::memcpy(&result.v, from, sizeof(result.v));
     return result;
   }
+  // The first `count` >= 1 values, the last of them repeated.
+  static Lanes LoadUpTo(const S* from, int count) {
+    if (count >= kCount) return Load(from);
+    Lanes result(from[count - 1]);
+    for (int k = 0; k < count; ++k) result.v[k] = from[k];
+    return result;
+  }
+  // Zeros beyond the first `count` values.
+  Lanes UpTo(int count) const {
+    Lanes result = *this;
+    for (int k = count; k < kCount; ++k) result.v[k] = 0;
+    return result;
+  }
   S operator[](int k) const { return v[k]; }
   Lanes operator-() const { return -v; }
   Lanes& operator+=(Lanes other) {

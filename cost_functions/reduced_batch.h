@@ -54,7 +54,7 @@ class ReducedBatch final : public ceres::CostFunction {
   }
 
  private:
-  static constexpr int kRows = BatchSums::kColumns;
+  static constexpr int kRows = kRowColumns;
   using Factor = Eigen::Matrix<double, kRows, kPoseTangentSize>;
 
   // Cholesky decomposition of the semidefinite matrix of products: R, and [q e] as residuals.

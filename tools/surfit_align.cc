@@ -42,7 +42,7 @@ void PrintResult(const AlignRunResult& result) {
   std::printf(
       "%s: rmse %.4f m, inlier share %.3f, free-space share %.3f, smallest eigenvalue %.2e\n",
       ToString(icp.termination).c_str(), icp.rmse_m, icp.inlier_share, icp.free_space_share,
-      icp.smallest_eigenvalue);
+      icp.eigenvalues[0]);
   const Eigen::Matrix4d pose = icp.target_from_source.Matrix();
   std::printf("target_from_source =\n");
   for (int row = 0; row < 4; ++row) {
@@ -65,12 +65,13 @@ std::string Failure(const IcpResult& icp, const IcpOptions& options) {
       return Concat("inlier share is ", icp.inlier_share, ", pairs must be at least min_inliers (",
                     options.min_inliers, ") and a share of ", options.min_inlier_share);
     case Termination::kSingularSystem:
-      return Concat("smallest eigenvalue is ", icp.smallest_eigenvalue, ", must be above ",
+      return Concat("smallest eigenvalue is ", icp.eigenvalues[0], ", must be above ",
                     options.min_eigenvalue);
     case Termination::kFreeSpaceFilled:
       return Concat("free-space share is ", icp.free_space_share,
                     ", must be at most max_free_space_share (", options.max_free_space_share, ")");
     case Termination::kConverged:
+    case Termination::kRmseIncreased:
     case Termination::kMaxIterations:
       break;
   }

@@ -3,90 +3,116 @@
 #include <Eigen/QR>
 #include <cmath>
 
+#include "cost_functions/robust_kernel.h"
+#include "registration/linearize.h"
+#include "registration/pair_solver.h"
+#include "registration/residual_rows.h"
 #include "registration/solver_factories.h"
 
 namespace surfit {
 namespace {
 
-// The step with everything but the increment.
-StepResult PrepareStep(const NormalSystem& system, double min_eigenvalue) {
-  StepResult result;
-  result.system = system;
-  result.smallest_eigenvalue = system.ScaledEigenvalues()[0];
-  result.singular = !(result.smallest_eigenvalue > min_eigenvalue);
-  return result;
+Vector6d SolveLdlt(const NormalSystem& system) {
+  return system.hessian.ldlt().solve(system.right_side);
 }
 
-using SystemSolver = StepResult (*)(const NormalSystem&, double);
+Vector6d SolveLu(const NormalSystem& system) {
+  return system.hessian.partialPivLu().solve(system.right_side);
+}
 
-// Solves the 6 x 6 system that the association sums while it associates.
-class NormalSystemSolver : public PoseSolver {
+// Solves the 6 x 6 system, which is summed while pairs are found.
+class NormalSystemSolver final : public PoseSolver {
  public:
-  NormalSystemSolver(SystemSolver solve, double min_eigenvalue)
-      : solve_(solve), min_eigenvalue_(min_eigenvalue) {}
-  StepResult Step(const ProjectiveAssociation& association,
+  using SystemSolver = Vector6d (*)(const NormalSystem&);
+
+  NormalSystemSolver(const PoseSolverOptions& options, SystemSolver solve)
+      : PoseSolver(options), solve_(solve) {}
+
+  StepResult Step(const Association& association,
                   const Rigid3d& target_from_source) const override {
-    return solve_(association.Linearize(target_from_source), min_eigenvalue_);
+    const Stopwatch linearizing;
+    StepResult result = Describe(association, target_from_source);
+    return Solved(linearizing.Milliseconds(), &result);
+  }
+  StepResult Step(const Correspondences& pairs) const override {
+    const Stopwatch linearizing;
+    StepResult result;
+    result.system = Linearize(pairs, options().residual,
+                              KernelFor(pairs, options().residual, options().error_model));
+    result.observability = Observe(result.system, options().min_eigenvalue);
+    return Solved(linearizing.Milliseconds(), &result);
   }
 
  private:
+  StepResult Solved(double linearize_ms, StepResult* result) const {
+    const Stopwatch solving;
+    result->increment = result->observability.Degenerate()
+                            ? SolveHeld(result->system, result->observability)
+                            : solve_(result->system);
+    result->times.linearize_ms = linearize_ms;
+    result->times.solve_ms = linearize_ms + solving.Milliseconds();
+    return *result;
+  }
+
   SystemSolver solve_;
-  double min_eigenvalue_;
 };
 
-// Solves the N x 6 system of all rows.
-class QrSolver : public PoseSolver {
+// Householder QR of the matrix of all rows, each times the root of its weight: the condition number
+// is not squared.
+class QrSolver final : public PairSolver<QrSolver> {
  public:
-  explicit QrSolver(double min_eigenvalue) : min_eigenvalue_(min_eigenvalue) {}
-  StepResult Step(const ProjectiveAssociation& association,
-                  const Rigid3d& target_from_source) const override {
-    return SolveQr(association.Collect(target_from_source), min_eigenvalue_);
+  using PairSolver::PairSolver;
+
+  template <typename S>
+  Vector6d Solve(const Pairs<S>& pairs, const RobustKernel& kernel, const StepResult& before,
+                 SolveTimes* times) const {
+    const Stopwatch solving;
+    if (before.observability.Degenerate()) {
+      return SolveHeld(before.system, before.observability);
+    }
+    const Eigen::Matrix<double, Eigen::Dynamic, 7> rows = WithRowsOf(
+        options().residual, [&](auto type) { return WeightedRows<decltype(type)>(pairs, kernel); });
+    times->linearize_ms = solving.Milliseconds();
+    const Vector6d increment = rows.template leftCols<6>().householderQr().solve(-rows.col(6));
+    times->solve_ms = solving.Milliseconds();
+    return increment;
   }
 
  private:
-  double min_eigenvalue_;
+  template <typename Rows, typename S>
+  static Eigen::Matrix<double, Eigen::Dynamic, 7> WeightedRows(const Pairs<S>& pairs,
+                                                               const RobustKernel& kernel) {
+    constexpr int kRows = Rows::kRows;
+    Eigen::Matrix<double, Eigen::Dynamic, 7> all(pairs.size * kRows, 7);
+    for (int i = 0; i < pairs.size; ++i) {
+      double rows[kRows][kRowColumns];
+      const PairValues<double> pair{{pairs.px[i], pairs.py[i], pairs.pz[i]},
+                                    {pairs.qx[i], pairs.qy[i], pairs.qz[i]},
+                                    {pairs.nx[i], pairs.ny[i], pairs.nz[i]},
+                                    {pairs.mx[i], pairs.my[i], pairs.mz[i]},
+                                    pairs.information[i]};
+      Rows::Evaluate(pair, rows);
+      const Eigen::Map<const Eigen::Matrix<double, kRows, 7, Eigen::RowMajor>> block(rows[0]);
+      const double s = pair.information * block.col(6).squaredNorm();
+      const double slope = WithKernelType(kernel.type, [&](auto type) {
+        return EvaluateKernel<decltype(type)::value>(s, kernel.width).slope;
+      });
+      all.template middleRows<kRows>(i * kRows) = std::sqrt(pair.information * slope) * block;
+    }
+    return all;
+  }
 };
 
 }  // namespace
 
-StepResult SolveLdlt(const NormalSystem& system, double min_eigenvalue) {
-  StepResult result = PrepareStep(system, min_eigenvalue);
-  if (!result.singular) result.increment = system.hessian.ldlt().solve(system.right_side);
-  return result;
-}
-
-StepResult SolveLu(const NormalSystem& system, double min_eigenvalue) {
-  StepResult result = PrepareStep(system, min_eigenvalue);
-  if (!result.singular) result.increment = system.hessian.partialPivLu().solve(system.right_side);
-  return result;
-}
-
-StepResult SolveQr(const Correspondences& c, double min_eigenvalue) {
-  StepResult result = PrepareStep(BuildNormalSystem(c), min_eigenvalue);
-  if (result.singular) return result;
-  Eigen::Matrix<double, Eigen::Dynamic, 6> a(c.size(), 6);
-  Eigen::VectorXd b(c.size());
-  for (std::size_t i = 0; i < c.size(); ++i) {
-    const Eigen::Vector3d p(c.px[i], c.py[i], c.pz[i]);
-    const Eigen::Vector3d q(c.qx[i], c.qy[i], c.qz[i]);
-    const Eigen::Vector3d n(c.nx[i], c.ny[i], c.nz[i]);
-    const double root = std::sqrt(c.weight[i]);
-    a.row(i) << root * p.cross(n).transpose(), root * n.transpose();
-    b[i] = root * n.dot(q - p);
-  }
-  result.increment = a.householderQr().solve(b);
-  return result;
-}
-
 std::unique_ptr<PoseSolver> MakeClosedFormSolver(const PoseSolverOptions& options) {
-  const double min_eigenvalue = options.min_eigenvalue;
   if (options.name == "closed_form_ldlt") {
-    return std::make_unique<NormalSystemSolver>(SolveLdlt, min_eigenvalue);
+    return std::make_unique<NormalSystemSolver>(options, SolveLdlt);
   }
   if (options.name == "closed_form_lu") {
-    return std::make_unique<NormalSystemSolver>(SolveLu, min_eigenvalue);
+    return std::make_unique<NormalSystemSolver>(options, SolveLu);
   }
-  if (options.name == "closed_form_qr") return std::make_unique<QrSolver>(min_eigenvalue);
+  if (options.name == "closed_form_qr") return std::make_unique<QrSolver>(options);
   return nullptr;
 }
 

@@ -1,27 +1,41 @@
 #include "surfit/registration/pose_solver.h"
 
+#include "core/named_values.h"
+#include "registration/linearize.h"
 #include "registration/solver_factories.h"
-#include "surfit/core/error.h"
 
 namespace surfit {
-namespace {
 
-std::string Listed(const std::vector<std::string>& names) {
-  std::string list;
-  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
-  return list;
+StepResult PoseSolver::Describe(const Association& association,
+                                const Rigid3d& target_from_source) const {
+  const ErrorModel& error_model = options_.error_model;
+  StepResult result;
+  if (error_model.estimate_scale) {
+    const PairBuffer pairs = association.Collect(target_from_source);
+    result.system =
+        Linearize(pairs, options_.residual, KernelFor(pairs, options_.residual, error_model));
+  } else {
+    result.system =
+        Linearize(association, target_from_source, options_.residual, error_model.kernel);
+  }
+  result.observability = Observe(result.system, options_.min_eigenvalue);
+  return result;
 }
 
-}  // namespace
-
 std::vector<std::string> PoseSolverNames() {
-  return {
-      "closed_form_ldlt", "closed_form_lu", "closed_form_qr", "ceres", "ceres_per_point", "tiny"};
+  return {"closed_form_ldlt",
+          "closed_form_lu",
+          "closed_form_qr",
+          "svd",
+          "ceres",
+          "ceres_per_point",
+          "tiny"};
 }
 
 std::unique_ptr<PoseSolver> MakePoseSolver(const PoseSolverOptions& options) {
-  if (auto solver = MakeClosedFormSolver(options)) return solver;
-  if (auto solver = MakeCeresSolver(options)) return solver;
+  for (const auto make : {MakeClosedFormSolver, MakeSvdSolver, MakeCeresSolver, MakeTinySolver}) {
+    if (auto solver = make(options)) return solver;
+  }
   throw InputError(
       Concat("solver is '", options.name, "', must be one of: ", Listed(PoseSolverNames())));
 }

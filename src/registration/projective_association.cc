@@ -2,25 +2,24 @@
 
 #include <glog/logging.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <vector>
-
-#include "registration/pair_buffer.h"
-#include "surfit/core/parallel.h"
 
 namespace surfit {
 namespace {
 
-constexpr int kRowsPerBlock = 8;
-constexpr float kInlierBound2 =
-    static_cast<float>(ErrorModel::kInlierSigmas * ErrorModel::kInlierSigmas);
+int CountValid(const FrameLevel& level) {
+  const auto& z = level.vertex.z;
+  return static_cast<int>(std::count_if(z.begin(), z.end(), [](float depth) { return depth > 0; }));
+}
 
 // Everything the inner loop needs, in single precision.
-class RowAssociator {
+class RowFinder final : public PairFinder {
  public:
-  RowAssociator(const FrameLevel& source, const FrameLevel& target, const AssociationGates& gates,
-                const ErrorModel& error_model, const Rigid3d& target_from_source)
+  RowFinder(const FrameLevel& source, const FrameLevel& target, const AssociationGates& gates,
+            const ErrorModel& error_model, NeededNormals needed_normals,
+            const Rigid3d& target_from_source)
       : source_(source),
         target_(target),
         rotation_(target_from_source.rotation.toRotationMatrix().cast<float>()),
@@ -32,20 +31,17 @@ class RowAssociator {
         max_distance2_(gates.max_distance_m > 0
                            ? static_cast<float>(gates.max_distance_m * gates.max_distance_m)
                            : std::numeric_limits<float>::infinity()),
-        normal_gate_(gates.max_normal_angle_rad > 0),
-        min_cosine_(static_cast<float>(std::cos(gates.max_normal_angle_rad))),
+        target_normal_(gates.max_normal_angle_rad > 0 || needed_normals != NeededNormals::kNone),
+        source_normal_(gates.max_normal_angle_rad > 0 || needed_normals == NeededNormals::kBoth),
+        min_cosine_(gates.max_normal_angle_rad > 0
+                        ? static_cast<float>(std::cos(gates.max_normal_angle_rad))
+                        : -std::numeric_limits<float>::infinity()),
         floor_variance_(static_cast<float>(error_model.floor_sigma_m * error_model.floor_sigma_m)),
         inverse_depth_variance_(static_cast<float>(error_model.noise.inverse_depth_sigma *
-                                                   error_model.noise.inverse_depth_sigma)),
-        inverse_kernel2_(
-            error_model.kernel_width > 0
-                ? static_cast<float>(1 / (error_model.kernel_width * error_model.kernel_width))
-                : 0.f) {}
+                                                   error_model.noise.inverse_depth_sigma)) {}
 
-  // Fills the buffer with the pairs of row v.
-  void Associate(int v, PairBuffer* pairs) const {
+  void Find(int v, PairBuffer* pairs) const override {
     pairs->size = 0;
-    pairs->inlier_count = 0;
     const float *sx = source_.vertex.x.row(v), *sy = source_.vertex.y.row(v),
                 *sz = source_.vertex.z.row(v);
     const int width = source_.vertex.width();
@@ -58,13 +54,13 @@ class RowAssociator {
                               target_.vertex.z[pixel]);
       const Eigen::Vector3f n(target_.normal.x[pixel], target_.normal.y[pixel],
                               target_.normal.z[pixel]);
-      if (!(q.z() > 0) || (q - p).squaredNorm() > max_distance2_ || n.isZero(0.f)) continue;
-      if (normal_gate_ && (rotation_ * source_.normal(u, v)).dot(n) < min_cosine_) continue;
-      const float variance = Variance(sz[u]);
-      const float residual2 = Square(n.dot(p - q));
-      const float kernel = 1.f + residual2 * inverse_kernel2_ / variance;
-      Append(p, q, n, 1.f / variance, 1.f / (variance * kernel * kernel), pairs);
-      if (residual2 <= kInlierBound2 * variance) ++pairs->inlier_count;
+      if (!(q.z() > 0) || (q - p).squaredNorm() > max_distance2_) continue;
+      if (target_normal_ && n.isZero(0.f)) continue;
+      const Eigen::Vector3f unmoved = source_.normal(u, v);
+      if (source_normal_ && unmoved.isZero(0.f)) continue;
+      const Eigen::Vector3f m = rotation_ * unmoved;
+      if (m.dot(n) < min_cosine_) continue;
+      pairs->Append(p, q, n, m, Information(sz[u]));
     }
   }
 
@@ -80,20 +76,9 @@ class RowAssociator {
     return inside ? static_cast<int>(v) * target_.vertex.width() + static_cast<int>(u) : -1;
   }
 
-  static float Square(float x) { return x * x; }
-  float Variance(float depth_m) const {
+  float Information(float depth_m) const {
     const float z2 = depth_m * depth_m;
-    return floor_variance_ + inverse_depth_variance_ * z2 * z2;
-  }
-
-  static void Append(const Eigen::Vector3f& p, const Eigen::Vector3f& q, const Eigen::Vector3f& n,
-                     float information, float weight, PairBuffer* pairs) {
-    const int i = pairs->size++;
-    pairs->px[i] = p.x(), pairs->py[i] = p.y(), pairs->pz[i] = p.z();
-    pairs->qx[i] = q.x(), pairs->qy[i] = q.y(), pairs->qz[i] = q.z();
-    pairs->nx[i] = n.x(), pairs->ny[i] = n.y(), pairs->nz[i] = n.z();
-    pairs->information[i] = information;
-    pairs->weight[i] = weight;
+    return 1.f / (floor_variance_ + inverse_depth_variance_ * z2 * z2);
   }
 
   const FrameLevel& source_;
@@ -102,61 +87,32 @@ class RowAssociator {
   const Eigen::Vector3f translation_;
   const float fx_, fy_, cx_, cy_;
   const float max_distance2_;
-  const bool normal_gate_;
+  const bool target_normal_, source_normal_;
   const float min_cosine_;
   const float floor_variance_;
   const float inverse_depth_variance_;
-  const float inverse_kernel2_;
 };
 
 }  // namespace
 
 ProjectiveAssociation::ProjectiveAssociation(const FrameLevel& source, const FrameLevel& target,
                                              const AssociationGates& gates,
-                                             const ErrorModel& error_model)
-    : source_(source), target_(target), gates_(gates), error_model_(error_model) {
+                                             const ErrorModel& error_model,
+                                             NeededNormals needed_normals)
+    : source_(source),
+      target_(target),
+      gates_(gates),
+      error_model_(error_model),
+      needed_normals_(needed_normals),
+      source_count_(CountValid(source)) {
   CHECK_EQ(target.vertex.width(), target.camera.width);
   CHECK_EQ(target.vertex.height(), target.camera.height);
 }
 
-NormalSystem ProjectiveAssociation::Linearize(const Rigid3d& target_from_source) const {
-  const RowAssociator rows(source_, target_, gates_, error_model_, target_from_source);
-  return ParallelSum(0, source_.vertex.height(), kRowsPerBlock, NormalSystem(),
-                     [&](int begin, int end) {
-                       PairBuffer pairs(source_.vertex.width());
-                       NormalSystem system;
-                       for (int v = begin; v < end; ++v) {
-                         rows.Associate(v, &pairs);
-                         AddPairs(&pairs, &system);
-                       }
-                       return system;
-                     });
-}
-
-std::vector<PairBuffer> ProjectiveAssociation::CollectRows(
+std::unique_ptr<const PairFinder> ProjectiveAssociation::At(
     const Rigid3d& target_from_source) const {
-  const RowAssociator associator(source_, target_, gates_, error_model_, target_from_source);
-  const int height = source_.vertex.height();
-  std::vector<PairBuffer> rows(height, PairBuffer(0));
-  ParallelFor(0, height, kRowsPerBlock, [&](int begin, int end) {
-    for (int v = begin; v < end; ++v) {
-      rows[v] = PairBuffer(source_.vertex.width());
-      associator.Associate(v, &rows[v]);
-    }
-  });
-  return rows;
-}
-
-Correspondences ProjectiveAssociation::Collect(const Rigid3d& target_from_source) const {
-  Correspondences all;
-  for (const PairBuffer& pairs : CollectRows(target_from_source)) {
-    all.inlier_count += pairs.inlier_count;
-    for (int i = 0; i < pairs.size; ++i) {
-      all.Add({pairs.px[i], pairs.py[i], pairs.pz[i]}, {pairs.qx[i], pairs.qy[i], pairs.qz[i]},
-              {pairs.nx[i], pairs.ny[i], pairs.nz[i]}, pairs.weight[i]);
-    }
-  }
-  return all;
+  return std::make_unique<RowFinder>(source_, target_, gates_, error_model_, needed_normals_,
+                                     target_from_source);
 }
 
 }  // namespace surfit

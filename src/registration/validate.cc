@@ -1,6 +1,7 @@
+#include <algorithm>
 #include <cmath>
 
-#include "surfit/core/error.h"
+#include "core/named_values.h"
 #include "surfit/registration/icp.h"
 #include "surfit/registration/pose_solver.h"
 
@@ -11,14 +12,10 @@ void Require(bool holds, const char* field, double value, const char* constraint
   if (!holds) throw InputError(Concat(field, " is ", value, ", must be ", constraint));
 }
 
-void RequireName(const std::string& field, const std::string& value,
+void RequireName(const char* field, const std::string& value,
                  const std::vector<std::string>& known) {
-  std::string list;
-  for (const std::string& name : known) {
-    if (name == value) return;
-    list += (list.empty() ? "" : ", ") + name;
-  }
-  throw InputError(Concat(field, " is '", value, "', must be one of: ", list));
+  if (std::find(known.begin(), known.end(), value) != known.end()) return;
+  throw InputError(Concat(field, " is '", value, "', must be one of: ", Listed(known)));
 }
 
 }  // namespace
@@ -28,7 +25,7 @@ void ErrorModel::Validate() const {
           "zero or positive");
   Require(std::isfinite(floor_sigma_m) && floor_sigma_m > 0, "floor_sigma_m", floor_sigma_m,
           "finite and positive");
-  Require(kernel_width >= 0, "kernel_width", kernel_width, "zero (off) or positive");
+  Require(kernel.width > 0, "kernel_width", kernel.width, "positive");
 }
 
 void AssociationGates::Validate() const {
@@ -38,10 +35,10 @@ void AssociationGates::Validate() const {
 }
 
 void IcpOptions::Validate() const {
-  RequireName("solver", solver, PoseSolverNames());
   RequireName("linear_solver", linear_solver, LinearSolverNames());
-  RequireName("residual", residual, {"point_to_plane"});
-  RequireName("association", association, {"projective"});
+  RequireName("association", association, AssociationNames());
+  MakePoseSolver({solver, linear_solver, ResidualTypeFromName(residual), error_model,
+                  min_eigenvalue});  // throws where it is impossible
   Require(max_iterations >= 1 && max_iterations <= 1000, "max_iterations", max_iterations,
           "from 1 to 1000");
   gates.Validate();

@@ -46,7 +46,7 @@ void RunFiles::Write(const FrameReport& report, double decode_ms, double frame_m
        << ToString(report.state) << ',' << (registered ? ToString(report.icp.termination) : "")
        << ',' << report.icp.step_count << ',' << report.icp.inlier_count << ','
        << report.icp.inlier_share << ',' << report.icp.rmse_m << ',' << std::scientific
-       << report.icp.smallest_eigenvalue << ',' << std::fixed << report.fusion.input_points << ','
+       << report.icp.eigenvalues[0] << ',' << std::fixed << report.fusion.input_points << ','
        << report.fusion.merged_points << ',' << report.fusion.merged << ',' << report.fusion.added
        << ',' << report.fusion.removed << ',' << std::setprecision(3) << decode_ms << ','
        << report.times.preprocess_ms << ',' << report.times.predict_ms << ','

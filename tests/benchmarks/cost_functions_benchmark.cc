@@ -4,7 +4,7 @@
 
 #include "cost_functions/random_functors.h"
 #include "cost_functions/solve_pose.h"
-#include "registration/pair_buffer.h"
+#include "registration/linearize.h"
 #include "surfit/registration/pose_solver.h"
 
 namespace surfit {
@@ -19,6 +19,21 @@ const std::vector<PointToPlane>& Functors() {
 }
 
 Rigid3d Start() { return {QuaternionExp<double>({0.01, -0.02, 0.01}), {0.02, -0.01, 0.01}}; }
+
+PairBuffer MovedPairs() {
+  PairBuffer pairs;
+  const Rigid3d pose = Start();
+  for (const PointToPlane& functor : Functors()) {
+    const auto& d = functor.data;
+    const Eigen::Vector3d p = pose * Eigen::Vector3d(d[0], d[1], d[2]);
+    const Eigen::Vector3f n(d[6], d[7], d[8]);
+    pairs.Add(p.cast<float>(),
+              {static_cast<float>(d[3]), static_cast<float>(d[4]), static_cast<float>(d[5])}, n, n,
+              static_cast<float>(d[9] * d[9]));
+  }
+  pairs.SetCapacity(pairs.size);
+  return pairs;
+}
 
 template <typename S>
 ReducedBatch<PointToPlane, S>* MakeReduced() {
@@ -39,34 +54,12 @@ void LinearizeReduced(benchmark::State& state) {
 BENCHMARK_TEMPLATE(LinearizeReduced, float)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond);
 BENCHMARK_TEMPLATE(LinearizeReduced, double)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond);
 
-// The inner loop of ProjectiveAssociation::Linearize, on the pairs of a pose.
+// The hand-built closed form over the same pairs, moved to the pose.
 void LinearizeByHand(benchmark::State& state) {
   const ThreadLimit limit(static_cast<int>(state.range(0)));
-  constexpr int kRow = 640;
-  const Rigid3d pose = Start();
-  std::vector<PairBuffer> rows(kPoints / kRow, PairBuffer(kRow));
-  for (std::size_t v = 0; v < rows.size(); ++v) {
-    PairBuffer& row = rows[v];
-    row.size = kRow;
-    row.inlier_count = kRow;
-    for (int i = 0; i < kRow; ++i) {
-      const auto& d = Functors()[v * kRow + i].data;
-      const Eigen::Vector3d p = pose * Eigen::Vector3d(d[0], d[1], d[2]);
-      row.px[i] = p.x(), row.py[i] = p.y(), row.pz[i] = p.z();
-      row.qx[i] = d[3], row.qy[i] = d[4], row.qz[i] = d[5];
-      row.nx[i] = d[6], row.ny[i] = d[7], row.nz[i] = d[8];
-      row.weight[i] = d[9] * d[9];
-    }
-  }
+  const PairBuffer pairs = MovedPairs();
   for (auto _ : state) {
-    benchmark::DoNotOptimize(
-        ParallelSum(0, static_cast<int>(rows.size()), 8, NormalSystem(), [&](int begin, int end) {
-          NormalSystem system;
-          for (int v = begin; v < end; ++v) {
-            AddPairs(&rows[v], &system);
-          }
-          return system;
-        }));
+    benchmark::DoNotOptimize(Linearize(pairs, ResidualType::kPointToPlane, RobustKernel()));
   }
 }
 BENCHMARK(LinearizeByHand)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond);

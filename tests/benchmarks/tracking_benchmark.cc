@@ -1,5 +1,6 @@
 #include <benchmark/benchmark.h>
 
+#include "registration/linearize.h"
 #include "surfit/core/parallel.h"
 #include "surfit/frame/preprocess.h"
 #include "surfit/registration/projective_association.h"
@@ -44,15 +45,18 @@ BENCHMARK(Preprocess)
     ->Unit(benchmark::kMillisecond);
 
 // One linearisation on the finest level.
-void Linearize(benchmark::State& state) {
+void LinearizeProjective(benchmark::State& state) {
   const FramePyramid view = PreprocessDepth(RoomDepth(), FullCamera(), PreprocessOptions());
   const ProjectiveAssociation association(view.levels[0], view.levels[0], AssociationGates(),
                                           ErrorModel());
   const Rigid3d motion(QuaternionExp<double>({0.005, -0.01, 0.002}), {0.01, 0.005, -0.01});
   const ThreadLimit limit(static_cast<int>(state.range(0)));
-  for (auto _ : state) benchmark::DoNotOptimize(association.Linearize(motion));
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(
+        Linearize(association, motion, ResidualType::kPointToPlane, ErrorModel().kernel));
+  }
 }
-BENCHMARK(Linearize)
+BENCHMARK(LinearizeProjective)
     ->ArgName("threads")
     ->Arg(1)
     ->Arg(2)

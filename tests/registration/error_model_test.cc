@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "registration/linearize.h"
 #include "registration/tiny_levels.h"
 #include "surfit/registration/projective_association.h"
 
@@ -23,10 +24,11 @@ double WeightOf(double depth_m, double residual_m, const ErrorModel& model) {
   testing::SetPoint(&source, 2, 2, depth_m, {0, 0, -1});
   testing::SetPoint(&target, 2, 2, depth_m + residual_m, {0, 0, -1});
   const AssociationGates off = {0, 0};
-  const Correspondences pairs =
-      ProjectiveAssociation(source, target, off, model).Collect(Rigid3d());
-  EXPECT_EQ(pairs.size(), 1u);
-  return pairs.weight.at(0);
+  const ProjectiveAssociation association(source, target, off, model);
+  const NormalSystem system =
+      Linearize(association, Rigid3d(), ResidualType::kPointToPlane, model.kernel);
+  EXPECT_EQ(system.pair_count, 1);
+  return system.weight_sum;
 }
 
 // rho(s) = s / (1 + s / k^2), the kernel of Geman and McClure in s = (r / sigma)^2.
@@ -36,7 +38,7 @@ TEST(ErrorModel, WeightsAreTheKernelsDerivativePerVariance) {
   ErrorModel model;
   model.noise.inverse_depth_sigma = 0.003;
   for (const double width : {1.0, 3.0}) {
-    model.kernel_width = width;
+    model.kernel.width = width;
     for (const double depth_m : {0.5, 2.0, 4.0}) {
       for (const double share : {0.0, 0.5, 1.0, 3.0, 8.0}) {
         const double sigma = model.Sigma(depth_m);
@@ -54,7 +56,7 @@ TEST(ErrorModel, WeightsAreTheKernelsDerivativePerVariance) {
 
 TEST(ErrorModel, WithoutKernelTheWeightIsOnePerVariance) {
   ErrorModel model;
-  model.kernel_width = 0;
+  model.kernel.type = RobustKernelType::kNone;
   const double variance = model.Sigma(2) * model.Sigma(2);
   EXPECT_NEAR(WeightOf(2, 0, model), 1 / variance, 1e-6 / variance);
   EXPECT_NEAR(WeightOf(2, 1, model), 1 / variance, 1e-6 / variance);

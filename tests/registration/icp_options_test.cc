@@ -19,13 +19,20 @@ void ExpectRefused(const std::function<void(IcpOptions*)>& change, const char* m
 TEST(IcpOptions, DefaultsAreValid) { IcpOptions().Validate(); }
 
 TEST(IcpOptions, UnknownNamesListTheKnown) {
-  ExpectRefused([](auto* o) { o->solver = "svd"; },
-                "solver is 'svd', must be one of: closed_form_ldlt, closed_form_lu, "
-                "closed_form_qr, ceres, ceres_per_point, tiny");
+  ExpectRefused([](auto* o) { o->solver = "magic"; },
+                "solver is 'magic', must be one of: closed_form_ldlt, closed_form_lu, "
+                "closed_form_qr, svd, ceres, ceres_per_point, tiny");
   ExpectRefused([](auto* o) { o->residual = "colour"; },
-                "residual is 'colour', must be one of: point_to_plane");
+                "residual is 'colour', must be one of: point_to_point, point_to_plane, "
+                "symmetric_point_to_plane, plane_to_plane");
   ExpectRefused([](auto* o) { o->association = "guess"; },
                 "association is 'guess', must be one of: projective");
+}
+
+TEST(IcpOptions, ImpossibleCombinationsSayWhatIsPossible) {
+  ExpectRefused([](auto* o) { o->solver = "svd"; },
+                "residual is 'point_to_plane', must be point_to_point with solver svd; all other "
+                "solvers take every residual");
 }
 
 TEST(IcpOptions, ValidateNamesFieldValueAndConstraint) {
@@ -50,14 +57,15 @@ TEST(IcpOptions, ValidateNamesFieldValueAndConstraint) {
                 "max_distance_m is -0.1, must be zero (off) or positive");
   ExpectRefused([](auto* o) { o->error_model.floor_sigma_m = 0; },
                 "floor_sigma_m is 0, must be finite and positive");
-  ExpectRefused([](auto* o) { o->error_model.kernel_width = -1; },
-                "kernel_width is -1, must be zero (off) or positive");
+  ExpectRefused([](auto* o) { o->error_model.kernel.width = 0; },
+                "kernel_width is 0, must be positive");
   ExpectRefused([](auto* o) { o->error_model.noise.inverse_depth_sigma = -1; },
                 "inverse_depth_sigma is -1, must be zero or positive");
 }
 
 TEST(Termination, HasAName) {
   EXPECT_EQ(ToString(Termination::kConverged), "converged");
+  EXPECT_EQ(ToString(Termination::kRmseIncreased), "rmse_increased");
   EXPECT_EQ(ToString(Termination::kMaxIterations), "max_iterations");
   EXPECT_EQ(ToString(Termination::kTooFewInliers), "too_few_inliers");
   EXPECT_EQ(ToString(Termination::kSingularSystem), "singular_system");

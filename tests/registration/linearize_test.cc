@@ -1,5 +1,9 @@
+#include "registration/linearize.h"
+
 #include <gtest/gtest.h>
 
+#include "registration/dual_system.h"
+#include "registration/random_correspondences.h"
 #include "registration/simulated_views.h"
 #include "surfit/core/parallel.h"
 #include "surfit/registration/projective_association.h"
@@ -8,46 +12,152 @@
 namespace surfit {
 namespace {
 
-using testing::VectorNear;
+constexpr ResidualType kResiduals[] = {ResidualType::kPointToPoint, ResidualType::kPointToPlane,
+                                       ResidualType::kSymmetricPointToPlane,
+                                       ResidualType::kPlaneToPlane};
+constexpr RobustKernelType kKernels[] = {RobustKernelType::kNone, RobustKernelType::kHuber,
+                                         RobustKernelType::kTukey, RobustKernelType::kGemanMcClure,
+                                         RobustKernelType::kStudentT};
 
-class Linearize : public ::testing::Test {
- protected:
-  const testing::SimulatedViews views_ = testing::MakeViews(0, 5);
-  const ProjectiveAssociation association_{views_.source.levels[0], views_.target.levels[0],
-                                           AssociationGates(), ErrorModel()};
-};
+// Each sum is within `relative` of the expected one, measured by sums of absolute values.
+void ExpectNear(const NormalSystem& actual, const NormalSystem& expected, double relative) {
+  const Vector6d root = expected.hessian.diagonal().cwiseSqrt();
+  const double residual_root = std::sqrt(expected.weighted_square_sum);
+  for (int i = 0; i < 6; ++i) {
+    for (int j = 0; j < 6; ++j) {
+      // Cauchy and Schwarz: sum |w a_i a_j| <= root_i root_j.
+      EXPECT_NEAR(actual.hessian(i, j), expected.hessian(i, j), relative * root[i] * root[j]);
+    }
+    EXPECT_NEAR(actual.right_side[i], expected.right_side[i], relative * root[i] * residual_root);
+  }
+  const auto expect = [&](double a, double b) { EXPECT_NEAR(a, b, relative * b); };
+  expect(actual.cost, expected.cost);
+  expect(actual.weighted_square_sum, expected.weighted_square_sum);
+  expect(actual.weight_sum, expected.weight_sum);
+  expect(actual.weighted_point_square_sum, expected.weighted_point_square_sum);
+  EXPECT_EQ(actual.row_count, expected.row_count);
+  EXPECT_EQ(actual.pair_count, expected.pair_count);
+}
 
-// The fused pass takes the same pairs. A product of a weight and two columns has about 12 roundings
-// of float, 8 values a lane are summed in float: 20 * 2^-24 of the sums of absolute values.
-TEST_F(Linearize, SumsWhatCollectLists) {
-  constexpr double kRelative = 20.0 / (1 << 24);
-  for (const Rigid3d& pose : {Rigid3d(), views_.target_from_source}) {
-    const Correspondences pairs = association_.Collect(pose);
-    ASSERT_GT(pairs.size(), 5000u);
-    const NormalSystem expected = BuildNormalSystem(pairs), actual = association_.Linearize(pose);
-    EXPECT_EQ(actual.pair_count, expected.pair_count);
+class LinearizeResidual : public ::testing::TestWithParam<ResidualType> {};
+
+// In double precision the hand-built rows are what automatic differentiation of the definition
+// gives. Roundings are 1e-16 of numbers of the same size; a plane's covariance has the condition
+// number 1e3, whose inverse and factor lose as many digits.
+TEST_P(LinearizeResidual, RowsAreTheDerivativesOfTheResidual) {
+  std::mt19937_64 rng(1);
+  for (const RobustKernelType kernel : kKernels) {
+    const Correspondences pairs = testing::RandomCorrespondences(1000, 1, &rng);
+    const RobustKernel robust = {kernel, 0.7};
+    const NormalSystem actual = Linearize(pairs, GetParam(), robust);
+    const NormalSystem expected = testing::DualSystem(pairs, GetParam(), robust);
+    ExpectNear(actual, expected, 1e-11);
     EXPECT_EQ(actual.inlier_count, expected.inlier_count);
-    EXPECT_NEAR(actual.weight_sum, expected.weight_sum, kRelative * expected.weight_sum);
-    EXPECT_NEAR(actual.weighted_point_square_sum, expected.weighted_point_square_sum,
-                kRelative * expected.weighted_point_square_sum);
-    EXPECT_NEAR(actual.weighted_square_sum, expected.weighted_square_sum,
-                // b = n . (q - p') itself is off by 5 roundings of 8 m: 2.4e-6 m.
-                kRelative * expected.weighted_square_sum +
-                    2 * 2.4e-6 * std::sqrt(expected.weighted_square_sum * expected.weight_sum));
-    // Columns are at most |p'| < 9 m long, those of p' x n differences of such products.
-    const double size = expected.weighted_point_square_sum + expected.weight_sum;
-    EXPECT_THAT(actual.hessian, VectorNear(expected.hessian, 6 * kRelative * size));
-    const double right_size = std::sqrt(size * expected.weighted_square_sum) +
-                              2.4e-6 / kRelative * std::sqrt(size * expected.weight_sum);
-    EXPECT_THAT(actual.right_side, VectorNear(expected.right_side, 6 * kRelative * right_size));
-    EXPECT_TRUE(actual.hessian == actual.hessian.transpose());
   }
 }
 
-TEST_F(Linearize, IsTheSameAtAnyNumberOfThreads) {
+// Single precision lanes against the same values in double. A product of a weight and two columns
+// has about 20 roundings, 8 are summed in a lane; columns p x n of points 4.6 m off are differences
+// of such products, up to 5 times their own size.
+constexpr double kSinglePrecision = 5.0 * 30 / (1 << 24);
+
+TEST_P(LinearizeResidual, SinglePrecisionAgreesForAnyNumberOfPairs) {
+  std::mt19937_64 rng(2);
+  // The float whitening of planes inverts a matrix of condition 1e3 by cofactors.
+  const double relative =
+      GetParam() == ResidualType::kPlaneToPlane ? 100 * kSinglePrecision : kSinglePrecision;
+  for (const int count : {0, 63, 64, 65, 5000}) {
+    const PairBuffer pairs =
+        testing::Rounded<float>(testing::RandomCorrespondences(count, 1, &rng));
+    const RobustKernel kernel = {RobustKernelType::kGemanMcClure, 3};
+    ExpectNear(Linearize(pairs, GetParam(), kernel),
+               testing::DualSystem(testing::AsDouble(pairs), GetParam(), kernel), relative);
+  }
+}
+
+// What is beyond size must not count.
+TEST_P(LinearizeResidual, IgnoresWhatIsLeftOverFromMorePairs) {
+  std::mt19937_64 rng(3);
+  const Correspondences pairs = testing::RandomCorrespondences(9, 0.1, &rng);
+  Correspondences longer = pairs;
+  longer.SetCapacity(64);
+  for (auto* array : longer.Arrays()) std::fill(array->begin() + 9, array->end(), NAN);
+  const NormalSystem expected = Linearize(pairs, GetParam(), {}),
+                     actual = Linearize(longer, GetParam(), {});
+  EXPECT_TRUE(actual.hessian == expected.hessian);
+  EXPECT_EQ(actual.inlier_count, expected.inlier_count);
+}
+
+INSTANTIATE_TEST_SUITE_P(Residuals, LinearizeResidual, ::testing::ValuesIn(kResiduals),
+                         [](const auto& instance) { return ToString(instance.param); });
+
+TEST(Linearize, IsZeroWithoutPairs) {
+  const NormalSystem system = Linearize(Correspondences(), ResidualType::kPointToPlane, {});
+  EXPECT_EQ(system.pair_count, 0);
+  EXPECT_EQ(system.RmsDistance(), 0);
+  EXPECT_TRUE(system.hessian.isZero(0));
+  EXPECT_EQ(system.AverageLoss(), 0);
+}
+
+TEST(Linearize, CountsPairsWithinThreeSigmasAsInliers) {
+  Correspondences pairs;
+  const double sigma_m = 0.01;
+  for (const double height_m : {0.0, 0.0299, -0.0299, 0.0301, -0.0301}) {
+    pairs.Add({0.3, 0, 2 + height_m}, {0, 0, 2}, {0, 0, -1}, {0, 0, -1}, 1 / (sigma_m * sigma_m));
+  }
+  EXPECT_EQ(Linearize(pairs, ResidualType::kPointToPlane, {}).inlier_count, 3);
+  EXPECT_EQ(Linearize(pairs, ResidualType::kPointToPoint, {}).inlier_count, 0);
+}
+
+TEST(KernelFor, MeasuresItsWidthInSigmasOfTheResidualsIfAsked) {
+  std::mt19937_64 rng(4);
+  std::normal_distribution<double> normal;
+  constexpr double kSigma = 0.02;
+  Correspondences pairs;
+  for (int i = 0; i < 20000; ++i) {
+    const Eigen::Vector3d p = testing::RandomVector(1, &rng);
+    const double x = kSigma * normal(rng), y = kSigma * normal(rng), z = kSigma * normal(rng);
+    pairs.Add(p, p + Eigen::Vector3d(x, y, z), {0, 0, 1}, {0, 0, 1}, 1e4);
+  }
+  ErrorModel model;
+  model.kernel = {RobustKernelType::kHuber, 1.5};
+  EXPECT_EQ(KernelFor(pairs, ResidualType::kPointToPlane, model).width, 1.5);
+  model.estimate_scale = true;
+  // The median of 20000 absolute values is off by 1.1 % (1.2533 / sqrt(N) / density at it) a sigma.
+  for (const ResidualType type : {ResidualType::kPointToPlane, ResidualType::kPointToPoint}) {
+    EXPECT_NEAR(KernelFor(pairs, type, model).width, 1.5 * kSigma * 100, 0.04 * 3.0);
+  }
+  EXPECT_GT(KernelFor(Correspondences(), ResidualType::kPointToPlane, model).width, 0);
+}
+
+class LinearizeAssociation : public ::testing::Test {
+ protected:
+  const testing::SimulatedViews views_ = testing::MakeViews(0, 5);
+  const ErrorModel error_model_;
+  const ProjectiveAssociation association_{views_.source.levels[0], views_.target.levels[0],
+                                           AssociationGates(), error_model_, NeededNormals::kBoth};
+};
+
+// The pass without a list takes the same pairs and sums them in groups of its own.
+TEST_F(LinearizeAssociation, SumsWhatCollectLists) {
+  for (const Rigid3d& pose : {Rigid3d(), views_.target_from_source}) {
+    const PairBuffer pairs = association_.Collect(pose);
+    ASSERT_GT(pairs.size, 5000);
+    for (const ResidualType type : kResiduals) {
+      const NormalSystem expected = Linearize(pairs, type, error_model_.kernel);
+      const NormalSystem actual = Linearize(association_, pose, type, error_model_.kernel);
+      ExpectNear(actual, expected, kSinglePrecision);
+      EXPECT_EQ(actual.inlier_count, expected.inlier_count);
+      EXPECT_TRUE(actual.hessian == actual.hessian.transpose());
+    }
+  }
+}
+
+TEST_F(LinearizeAssociation, IsTheSameAtAnyNumberOfThreads) {
   const auto linearize = [&](int threads) {
     const ThreadLimit limit(threads);
-    return association_.Linearize(views_.target_from_source);
+    return Linearize(association_, views_.target_from_source, ResidualType::kPointToPlane,
+                     error_model_.kernel);
   };
   const NormalSystem expected = linearize(1);
   for (const int threads : {2, 4}) {

@@ -2,34 +2,56 @@
 
 #include <random>
 
-#include "surfit/registration/correspondences.h"
+#include "surfit/registration/pairs.h"
 #include "testing/random_pose.h"
 
 namespace surfit::testing {
 
 // Pairs as in a room: points within a cube of 2 m around `center`, residuals of `noise_m`, normals
-// to all sides, weights from 1 to 3.
+// to all sides that differ a little, information from 1 to 3 per m^2.
 inline Correspondences RandomCorrespondences(int count, double noise_m, std::mt19937_64* rng,
                                              const Eigen::Vector3d& center = {0, 0, 3}) {
   Correspondences pairs;
-  std::uniform_real_distribution<double> weight(1, 3);
+  std::uniform_real_distribution<double> information(1, 3);
   for (int i = 0; i < count; ++i) {
     const Eigen::Vector3d p = center + RandomVector(1, rng);
     const Eigen::Vector3d q = p + RandomVector(noise_m, rng);
     const Eigen::Vector3d n = RandomVector(1, rng).normalized();
-    pairs.Add(p, q, n, weight(*rng));
+    const Eigen::Vector3d m = (n + RandomVector(0.1, rng)).normalized();
+    pairs.Add(p, q, n, m, information(*rng));
   }
   return pairs;
 }
 
-inline Eigen::Vector3d PointOf(const Correspondences& c, std::size_t i) {
-  return {c.px[i], c.py[i], c.pz[i]};
+// The pairs whose targets are where a motion takes the source, normals included.
+inline Correspondences ExactCorrespondences(int count, const Rigid3d& motion,
+                                            std::mt19937_64* rng) {
+  const Correspondences random = RandomCorrespondences(count, 0, rng);
+  Correspondences pairs;
+  for (int i = 0; i < count; ++i) {
+    pairs.Add(random.p(i), motion * random.p(i), motion.rotation * random.m(i), random.m(i),
+              random.information[i]);
+  }
+  return pairs;
 }
-inline Eigen::Vector3d TargetOf(const Correspondences& c, std::size_t i) {
-  return {c.qx[i], c.qy[i], c.qz[i]};
+
+template <typename S>
+Pairs<S> Rounded(const Correspondences& pairs) {
+  Pairs<S> rounded;
+  for (int i = 0; i < pairs.size; ++i) {
+    rounded.Add(pairs.p(i).cast<S>(), pairs.q(i).cast<S>(), pairs.n(i).cast<S>(),
+                pairs.m(i).cast<S>(), static_cast<S>(pairs.information[i]));
+  }
+  return rounded;
 }
-inline Eigen::Vector3d NormalOf(const Correspondences& c, std::size_t i) {
-  return {c.nx[i], c.ny[i], c.nz[i]};
+
+inline Correspondences AsDouble(const PairBuffer& pairs) {
+  Correspondences result;
+  for (int i = 0; i < pairs.size; ++i) {
+    result.Add(pairs.p(i).cast<double>(), pairs.q(i).cast<double>(), pairs.n(i).cast<double>(),
+               pairs.m(i).cast<double>(), pairs.information[i]);
+  }
+  return result;
 }
 
 }  // namespace surfit::testing

@@ -250,8 +250,8 @@ double StoppingDistance(const SlamRun& run) {
   for (const FrameReport& report : run.reports) {
     if (report.state != FrameState::kTracked) continue;
     const double share = SlamOptions().icp.min_relative_rmse_change;
-    largest = std::max(largest,
-                       report.icp.rmse_m * std::sqrt(2 * share / report.icp.smallest_eigenvalue));
+    largest =
+        std::max(largest, report.icp.rmse_m * std::sqrt(2 * share / report.icp.eigenvalues[0]));
   }
   return largest;
 }

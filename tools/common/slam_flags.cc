@@ -15,12 +15,14 @@ constexpr double kDegree = 3.14159265358979323846 / 180;
 }  // namespace
 
 DEFINE_string(solver, kIcp.solver,
-              "pose solver: closed_form_ldlt, closed_form_lu, closed_form_qr, ceres, "
-              "ceres_per_point or tiny");
+              "pose solver: closed_form_ldlt, closed_form_lu, closed_form_qr, svd (point_to_point "
+              "only), ceres, ceres_per_point or tiny");
 DEFINE_string(linear_solver, kIcp.linear_solver,
               "linear solver of ceres_per_point: dense_qr, dense_normal_cholesky or "
               "sparse_normal_cholesky");
-DEFINE_string(residual, kIcp.residual, "residual: point_to_plane");
+DEFINE_string(residual, kIcp.residual,
+              "residual: point_to_point, point_to_plane, symmetric_point_to_plane or "
+              "plane_to_plane");
 DEFINE_string(association, kIcp.association, "data association: projective");
 DEFINE_int32(max_iterations, kIcp.max_iterations, "ICP iterations on each pyramid level at most");
 DEFINE_double(max_distance_m, kIcp.gates.max_distance_m,
@@ -31,8 +33,12 @@ DEFINE_double(gate_growth, kIcp.gate_growth,
               "max_distance_m grows by this factor on each coarser level");
 DEFINE_bool(middle_levels, kIcp.middle_levels,
             "register on all pyramid levels; false = on the coarsest and the finest only");
-DEFINE_double(kernel_width, kIcp.error_model.kernel_width,
-              "width of the Geman-McClure kernel in sigmas; 0 = least squares");
+DEFINE_string(kernel, surfit::ToString(kIcp.error_model.kernel.type),
+              "robust kernel: none, huber, tukey, geman_mcclure or student_t");
+DEFINE_double(kernel_width, kIcp.error_model.kernel.width, "width of the robust kernel in sigmas");
+DEFINE_bool(estimate_scale, kIcp.error_model.estimate_scale,
+            "measure kernel_width in sigmas estimated from the residuals (MAD) before each solve, "
+            "not in those of the noise model");
 DEFINE_double(kernel_growth, kIcp.kernel_growth,
               "kernel_width grows by this factor on each coarser level");
 DEFINE_double(floor_sigma_m, kIcp.error_model.floor_sigma_m,
@@ -41,6 +47,8 @@ DEFINE_double(inverse_depth_sigma, kPreprocess.noise.inverse_depth_sigma,
               "depth noise: standard deviation of inverse depth, 1/m");
 DEFINE_double(min_relative_rmse_change, kIcp.min_relative_rmse_change,
               "a level ends where RMSE changes by a smaller share");
+DEFINE_bool(stop_at_rmse_increase, kIcp.stop_at_rmse_increase,
+            "a level ends at the pose before where RMSE rises by more and inliers do not");
 DEFINE_double(min_coarse_step_px, kIcp.min_coarse_step_px,
               "a coarser level also ends where points move by less, px of the level");
 DEFINE_double(max_free_space_share, kIcp.max_free_space_share,
@@ -90,13 +98,15 @@ IcpOptions IcpOptionsFromFlags(const IcpOptions& base) {
   options.gates.max_normal_angle_rad = FLAGS_max_normal_angle_deg * kDegree;
   options.gate_growth = FLAGS_gate_growth;
   options.middle_levels = FLAGS_middle_levels;
-  options.error_model.kernel_width = FLAGS_kernel_width;
+  options.error_model.kernel = {RobustKernelTypeFromName(FLAGS_kernel), FLAGS_kernel_width};
+  options.error_model.estimate_scale = FLAGS_estimate_scale;
   options.kernel_growth = FLAGS_kernel_growth;
   options.min_coarse_step_px = FLAGS_min_coarse_step_px;
   options.max_free_space_share = FLAGS_max_free_space_share;
   options.error_model.floor_sigma_m = FLAGS_floor_sigma_m;
   options.error_model.noise.inverse_depth_sigma = FLAGS_inverse_depth_sigma;
   options.min_relative_rmse_change = FLAGS_min_relative_rmse_change;
+  options.stop_at_rmse_increase = FLAGS_stop_at_rmse_increase;
   options.min_inliers = FLAGS_min_inliers;
   return options;
 }

@@ -2,23 +2,29 @@
 
 #include <cmath>
 
+#include "surfit/core/robust_kernel.h"
 #include "surfit/frame/depth_noise.h"
 
 namespace surfit {
 
-// The one error model of registration. A point-to-plane residual r = n . (p' - q) in metres has
+// The one error model of registration. A residual r in metres (ResidualType) has
 //   sigma^2 = floor_sigma_m^2 + sigma_z(z)^2,
 // z the measured depth of the source point: the sensor's noise on top of what the map, the normals
-// and the calibration leave over. Its weight is 1 / sigma^2, times the robust kernel's
-// rho'(s) = 1 / (1 + s / k^2)^2 (Geman and McClure), s = (r / sigma)^2, in iteratively reweighted
-// least squares.
+// and the calibration leave over. With s = |r|^2 / sigma^2, registration minimises
+//   1/2 sum rho(s):
+// the closed form by rows weighted with rho'(s) / sigma^2 and computed anew in each step
+// (iteratively reweighted least squares), Levenberg-Marquardt within its solve.
 struct ErrorModel {
   // A pair is an inlier if its residual is within so many sigmas.
   static constexpr double kInlierSigmas = 3;
 
   DepthNoise noise;
   double floor_sigma_m = 0.004;
-  double kernel_width = 3;  // k, in sigmas; 0 = no robust kernel
+  RobustKernel kernel = {RobustKernelType::kGemanMcClure, 3};
+  // Whether the kernel's width is measured in sigmas of the model, or in those estimated before
+  // each solve from the residuals: the median of |r| / sigma over that of its distribution for
+  // normal errors (0.6745 for one component, 1.5382 for three).
+  bool estimate_scale = false;
 
   // Throws InputError naming field, value and constraint.
   void Validate() const;

@@ -1,46 +1,66 @@
 #pragma once
 
 #include <Eigen/Core>
-
-#include "surfit/registration/correspondences.h"
+#include <vector>
 
 namespace surfit {
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
-// The linearised point-to-plane problem about the present pose, in the target's camera frame.
-//
-// With the left increment (w, v), p' = R p + t moves to exp(w) p' + v = p' + w x p' + v + O(w^2),
-// so that the residual r = n . (p' - q) becomes
-//   r(w, v) = n . (p' + w x p' + v - q) = a . (w, v) - b,
-//   a = [p' x n, n] (a row of A),  b = n . (q - p'),
-// because n . (w x p') = w . (p' x n). The least-squares increment solves A^T W A x = A^T W b.
-// Units: w in rad, v in metres. Rotations turn about the target camera's centre, so that
-// conditioning does not depend on where the world's origin lies.
+// The problem linearised about the present pose, in the target's frame, for the left increment
+// (w, v) [rad, m] by which p' moves to exp(w) p' + v = p' + w x p' + v + O(w^2). Each residual has
+// rows a with r(w, v) = a . (w, v) + r: see the ResidualType's derivation in residual_rows.h. The
+// least-squares increment solves A^T W A x = -A^T W r. Rotations turn about the target camera's
+// centre, so that conditioning does not depend on where the world's origin lies.
 struct NormalSystem {
   Matrix6d hessian = Matrix6d::Zero();     // A^T W A
-  Vector6d right_side = Vector6d::Zero();  // A^T W b
-  double weighted_square_sum = 0;          // sum of w r^2
+  Vector6d right_side = Vector6d::Zero();  // -A^T W r
+  double cost = 0;                         // 1/2 sum of rho(s): see ErrorModel
+  double weighted_square_sum = 0;          // sum of w |r|^2
   double weight_sum = 0;                   // sum of w
   double weighted_point_square_sum = 0;    // sum of w |p'|^2
+  int row_count = 0;                       // residuals: pairs times their components
   int pair_count = 0;                      // pairs that were associated
   int inlier_count = 0;  // those whose residual is within ErrorModel::kInlierSigmas
 
   NormalSystem& operator+=(const NormalSystem& other);
 
-  // Weighted mean of r^2 in m^2; 0 without pairs.
+  // Weighted mean of |r|^2 in m^2; 0 without pairs.
   double AverageLoss() const { return weight_sum > 0 ? weighted_square_sum / weight_sum : 0; }
 
   // Root of the weighted mean of |p'|^2, in metres; 0 without pairs.
   double RmsDistance() const;
 
-  // The eigenvalues, ascending, of A^T W A per weight after measuring rotations as arc lengths at
-  // the points' RMS distance: without unit, from 0 (a direction the data does not hold) to 1.
-  Vector6d ScaledEigenvalues() const;
+  // Variance of the residuals in units of their sigma^2: sum of w |r|^2 per degree of freedom; 1
+  // where there are no more rows than unknowns.
+  double VarianceFactor() const;
 };
 
-// Sums the rows of all correspondences in double precision, in their order.
-NormalSystem BuildNormalSystem(const Correspondences& correspondences);
+// What the data of a system holds. Rotations count as arc lengths at the points' RMS distance and
+// sums are taken per weight, so that eigenvalues are without unit, from 0 (a direction that the
+// data does not hold) to 1.
+struct Observability {
+  Vector6d eigenvalues = Vector6d::Zero();  // ascending
+  Matrix6d directions = Matrix6d::Zero();   // columns of these: increments (w [rad], v [m])
+  Matrix6d coordinates = Matrix6d::Zero();  // rows: increment -> its parts along them
+  int free_count = 6;                       // the first ones are not held
+
+  bool Degenerate() const { return free_count > 0; }
+  // The increment without what it has along free directions.
+  Vector6d Held(const Vector6d& increment) const;
+  // The free ones of the directions: each moves the points by about a metre.
+  std::vector<Vector6d> FreeDirections() const;
+};
+
+// Directions are free whose eigenvalue is not above the minimum.
+Observability Observe(const NormalSystem& system, double min_eigenvalue);
+
+// The least-squares increment among those without part along free directions.
+Vector6d SolveHeld(const NormalSystem& system, const Observability& observability);
+
+// Covariance of the increment (rad, m), the inverse information times the variance factor. Only
+// where nothing is free.
+Matrix6d CovarianceOf(const NormalSystem& system);
 
 }  // namespace surfit

@@ -4,42 +4,64 @@
 #include <string>
 #include <vector>
 
-#include "surfit/registration/projective_association.h"
+#include "surfit/registration/association.h"
+#include "surfit/registration/error_model.h"
+#include "surfit/registration/normal_system.h"
+#include "surfit/registration/residual_type.h"
 
 namespace surfit {
 
-// One Gauss-Newton step.
-struct StepResult {
-  // The smallest scaled eigenvalue is too small: the data does not hold some direction. There is
-  // then no increment.
-  bool singular = false;
-  Vector6d increment = Vector6d::Zero();  // left increment (w [rad], v [m]) in the target frame
-  NormalSystem system;                    // what was solved, about the pose before the step
-  double smallest_eigenvalue = 0;         // of NormalSystem::ScaledEigenvalues()
-};
-
-// Computes the increment of a pose from associated surfaces, whose pairs it keeps.
-class PoseSolver {
- public:
-  virtual ~PoseSolver() = default;
-  virtual StepResult Step(const ProjectiveAssociation& association,
-                          const Rigid3d& target_from_source) const = 0;
-};
-
-// The closed-form solvers on given correspondences; `min_eigenvalue` is the border of `singular`.
-StepResult SolveLdlt(const NormalSystem& system, double min_eigenvalue);
-StepResult SolveLu(const NormalSystem& system, double min_eigenvalue);
-// Householder QR of the N x 6 matrix with rows sqrt(w) a: the condition number is not squared.
-StepResult SolveQr(const Correspondences& correspondences, double min_eigenvalue);
-
-// What makes one solver out of the others.
+// How the increment of a pose is computed.
 struct PoseSolverOptions {
   std::string name = "closed_form_ldlt";   // one of PoseSolverNames()
   std::string linear_solver = "dense_qr";  // of ceres_per_point: one of LinearSolverNames()
-  double min_eigenvalue = 1e-6;            // scaled; below it the problem is singular
+  ResidualType residual = ResidualType::kPointToPlane;
+  ErrorModel error_model;
+  double min_eigenvalue = 1e-6;  // of Observability; up to it a direction is free
 };
 
-// closed_form_ldlt, closed_form_lu, closed_form_qr: one Gauss-Newton step.
+// What a solve took, in milliseconds.
+struct SolveTimes {
+  double build_ms = 0;      // what Ceres is given
+  double linearize_ms = 0;  // one linearisation
+  double solve_ms = 0;      // all but building
+};
+
+// One solve over given pairs.
+struct StepResult {
+  NormalSystem system;                    // the hand-built one, about the pose before the step
+  Observability observability;            // of that system
+  Vector6d increment = Vector6d::Zero();  // left increment (w [rad], v [m]) in the target frame,
+                                          // with no part along free directions
+  SolveTimes times;
+};
+
+// Computes the increment of a pose from pairs of points. Where the data leaves directions free, the
+// increment has no part along them.
+class PoseSolver {
+ public:
+  explicit PoseSolver(const PoseSolverOptions& options) : options_(options) {}
+  virtual ~PoseSolver() = default;
+
+  // From what an association finds at a pose, in single precision.
+  virtual StepResult Step(const Association& association,
+                          const Rigid3d& target_from_source) const = 0;
+  // From given pairs, in double precision.
+  virtual StepResult Step(const Correspondences& pairs) const = 0;
+
+  // The system at a pose and what it holds, without an increment.
+  StepResult Describe(const Association& association, const Rigid3d& target_from_source) const;
+
+ protected:
+  const PoseSolverOptions& options() const { return options_; }
+
+ private:
+  PoseSolverOptions options_;
+};
+
+// closed_form_ldlt, closed_form_lu, closed_form_qr: one Gauss-Newton step, the last from the matrix
+// of all rows.
+// svd: the rigid motion of the weighted points that is best in closed form; point_to_point only.
 // ceres, ceres_per_point, tiny: Levenberg-Marquardt to the minimum of the robust cost over the
 // given pairs, by Ceres on one reduced block of all pairs, by Ceres with a residual block for each
 // pair (slow: the reference), and by Ceres' TinySolver on the reduced block.
@@ -48,7 +70,7 @@ std::vector<std::string> PoseSolverNames();
 // dense_qr, dense_normal_cholesky, sparse_normal_cholesky (over SuiteSparse where Ceres has it).
 std::vector<std::string> LinearSolverNames();
 
-// Throws InputError that lists the known names for an unknown one.
+// Throws InputError that lists what is possible for unknown names and impossible combinations.
 std::unique_ptr<PoseSolver> MakePoseSolver(const PoseSolverOptions& options);
 
 }  // namespace surfit

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "surfit/registration/association.h"
+#include "surfit/registration/error_model.h"
+#include "surfit/registration/normal_system.h"
+#include "surfit/registration/residual_type.h"
+
+namespace surfit {
+
+// The hand-built system of the pairs, on the source point as it is, for residuals weighted by the
+// kernel. Single precision pairs: lanes of single precision, summed into double precision every few
+// lanes. In a fixed order: the same at any number of threads.
+template <typename S>
+NormalSystem Linearize(const Pairs<S>& pairs, ResidualType residual, const RobustKernel& kernel);
+
+// The same of what an association finds at a pose, in one pass without a list of pairs.
+NormalSystem Linearize(const Association& association, const Rigid3d& target_from_source,
+                       ResidualType residual, const RobustKernel& kernel);
+
+// The error model's kernel for a solve over these pairs, its width in estimated sigmas if so asked.
+template <typename S>
+RobustKernel KernelFor(const Pairs<S>& pairs, ResidualType residual, const ErrorModel& error_model);
+
+}  // namespace surfit

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <chrono>
+#include <utility>
+
+#include "registration/linearize.h"
+#include "surfit/registration/pose_solver.h"
+
+namespace surfit {
+
+// Milliseconds since it was made.
+class Stopwatch {
+ public:
+  double Milliseconds() const {
+    return std::chrono::duration<double, std::milli>(Clock::now() - start_).count();
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point start_ = Clock::now();
+};
+
+// A solver that is written once for pairs of either precision: Derived has
+//   template <typename S>
+//   Vector6d Solve(Pairs<S> pairs, const RobustKernel& kernel, const StepResult& before,
+//                  SolveTimes* times) const
+// which gives the increment from pairs whose arrays are of their size. `before` is the result so
+// far: system and observability.
+template <typename Derived>
+class PairSolver : public PoseSolver {
+ public:
+  using PoseSolver::PoseSolver;
+
+  StepResult Step(const Association& association,
+                  const Rigid3d& target_from_source) const override {
+    return StepOver(association.Collect(target_from_source));
+  }
+  StepResult Step(const Correspondences& pairs) const override { return StepOver(pairs); }
+
+ private:
+  template <typename S>
+  StepResult StepOver(Pairs<S> pairs) const {
+    const RobustKernel kernel = KernelFor(pairs, options().residual, options().error_model);
+    StepResult result;
+    const Stopwatch linearizing;
+    result.system = Linearize(pairs, options().residual, kernel);
+    result.times.linearize_ms = linearizing.Milliseconds();
+    result.observability = Observe(result.system, options().min_eigenvalue);
+    if (result.observability.free_count == 6) return result;
+    pairs.SetCapacity(pairs.size);
+    result.increment = result.observability.Held(
+        static_cast<const Derived*>(this)->Solve(std::move(pairs), kernel, result, &result.times));
+    return result;
+  }
+};
+
+}  // namespace surfit

@@ -1,0 +1,139 @@
+#pragma once
+
+#include <cmath>
+
+#include "cost_functions/lanes.h"
+#include "cost_functions/pose.h"
+#include "cost_functions/row_products.h"
+#include "surfit/registration/pairs.h"
+#include "surfit/registration/residual_type.h"
+
+namespace surfit {
+
+// One pair, or as many as the lanes of V hold, in the target's frame.
+template <typename V>
+struct PairValues {
+  V p[3], q[3], n[3], m[3];
+  V information;
+};
+
+template <typename V>
+V Dot(const V* a, const V* b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+// The rows [a r] of the hand-built systems. The left increment moves p to p + w x p + v, so that a
+// residual with the derivative g by p has a = [p x g, g]:  g . (w x p) = w . (p x g).
+template <typename V>
+void SetRow(const V* p, const V* g, V r, V* row) {
+  Cross(p, g, row);
+  for (int i = 0; i < 3; ++i) row[3 + i] = g[i];
+  row[6] = r;
+}
+
+// r = p - q: a = [-[p]x | I], row by row.
+struct PointToPointRows {
+  static constexpr int kRows = 3;
+  template <typename V>
+  static void Evaluate(const PairValues<V>& pair, V rows[][kRowColumns]) {
+    const V zero(0.), one(1.);
+    const V *p = pair.p, *q = pair.q;
+    const V a[kRows][kRowColumns] = {{zero, p[2], -p[1], one, zero, zero, p[0] - q[0]},
+                                     {-p[2], zero, p[0], zero, one, zero, p[1] - q[1]},
+                                     {p[1], -p[0], zero, zero, zero, one, p[2] - q[2]}};
+    for (int k = 0; k < kRows; ++k) {
+      for (int i = 0; i < kRowColumns; ++i) rows[k][i] = a[k][i];
+    }
+  }
+};
+
+// r = n . (p - q): a = [p x n, n].
+struct PointToPlaneRows {
+  static constexpr int kRows = 1;
+  template <typename V>
+  static void Evaluate(const PairValues<V>& pair, V rows[][kRowColumns]) {
+    const V x[3] = {pair.p[0] - pair.q[0], pair.p[1] - pair.q[1], pair.p[2] - pair.q[2]};
+    SetRow(pair.p, pair.n, Dot(pair.n, x), rows[0]);
+  }
+};
+
+// r = g . (p - q), g = (n + m) / 2. The increment turns m as well, to m + w x m, which adds
+// (w x m) . (p - q) / 2 = w . (m x (p - q)) / 2: a = [p x g + m x (p - q) / 2, g].
+struct SymmetricPointToPlaneRows {
+  static constexpr int kRows = 1;
+  template <typename V>
+  static void Evaluate(const PairValues<V>& pair, V rows[][kRowColumns]) {
+    const V half(0.5);
+    V x[3], g[3], turned[3];
+    for (int i = 0; i < 3; ++i) {
+      x[i] = pair.p[i] - pair.q[i];
+      g[i] = (pair.n[i] + pair.m[i]) * half;
+    }
+    SetRow(pair.p, g, Dot(g, x), rows[0]);
+    Cross(pair.m, x, turned);
+    for (int i = 0; i < 3; ++i) rows[0][i] = rows[0][i] + turned[i] * half;
+  }
+};
+
+// r = U (p - q) with U^T U = C^-1, upper triangular, held during the step. C is the mean of the two
+// planes' covariances in units of sigma^2, each 1 along its normal and 1 / e within the plane:
+//   C = 1/2 (C_n + C_m),  C_n = n n^T + (I - n n^T) / e,
+// so that for equal normals r has the length of the point-to-plane residual, plus sqrt(e) of what
+// is along the plane. e = 1e-3 as in Segal, Haehnel and Thrun 2009.
+struct PlaneToPlaneRows {
+  static constexpr int kRows = 3;
+  static constexpr double kFlatness = 1e-3;
+
+  // U as its entries 00, 01, 02, 11, 12, 22.
+  template <typename V>
+  static void Whitening(const V* n, const V* m, V* u) {
+    using std::sqrt;
+    // e C = I - (1 - e) / 2 (n n^T + m m^T), whose entries are of the size of one.
+    const V c(0.5 * (1 - kFlatness));
+    const auto entry = [&](int i, int j) {
+      return V(i == j ? 1. : 0.) - c * (n[i] * n[j] + m[i] * m[j]);
+    };
+    const V a = entry(0, 0), b = entry(0, 1), d = entry(0, 2), e = entry(1, 1), f = entry(1, 2),
+            g = entry(2, 2);
+    // The inverse by cofactors, then its Cholesky factor.
+    const V c00 = e * g - f * f, c01 = d * f - b * g, c02 = b * f - d * e;
+    const V scale = V(kFlatness) / (a * c00 + b * c01 + d * c02);
+    const V w00 = c00 * scale, w01 = c01 * scale, w02 = c02 * scale;
+    const V w11 = (a * g - d * d) * scale, w12 = (b * d - a * f) * scale,
+            w22 = (a * e - b * b) * scale;
+    u[0] = sqrt(w00);
+    u[1] = w01 / u[0];
+    u[2] = w02 / u[0];
+    u[3] = sqrt(w11 - u[1] * u[1]);
+    u[4] = (w12 - u[1] * u[2]) / u[3];
+    u[5] = sqrt(w22 - u[2] * u[2] - u[4] * u[4]);
+  }
+
+  template <typename V>
+  static void Evaluate(const PairValues<V>& pair, V rows[][kRowColumns]) {
+    const V zero(0.);
+    V u[6], x[3];
+    Whitening(pair.n, pair.m, u);
+    for (int i = 0; i < 3; ++i) x[i] = pair.p[i] - pair.q[i];
+    const V g[kRows][3] = {{u[0], u[1], u[2]}, {zero, u[3], u[4]}, {zero, zero, u[5]}};
+    for (int k = 0; k < kRows; ++k) SetRow(pair.p, g[k], Dot(g[k], x), rows[k]);
+  }
+};
+
+// Calls f with the rows of a type, so that it is known to the compiler.
+template <typename F>
+auto WithRowsOf(ResidualType type, const F& f) {
+  switch (type) {
+    case ResidualType::kPointToPoint:
+      return f(PointToPointRows());
+    case ResidualType::kSymmetricPointToPlane:
+      return f(SymmetricPointToPlaneRows());
+    case ResidualType::kPlaneToPlane:
+      return f(PlaneToPlaneRows());
+    case ResidualType::kPointToPlane:
+      break;
+  }
+  return f(PointToPlaneRows());
+}
+
+}  // namespace surfit

@@ -1,0 +1,88 @@
+#include <ceres/jet.h>
+#include <ceres/tiny_solver.h>
+
+#include <memory>
+#include <utility>
+
+#include "cost_functions/reduced_batch.h"
+#include "registration/functor_batch.h"
+#include "registration/pair_solver.h"
+#include "registration/pose_block.h"
+#include "registration/solver_factories.h"
+
+namespace surfit {
+namespace {
+
+// A reduced block for ceres::TinySolver, whose six parameters are (w, v) of the pose (exp(w), v).
+struct TinyFunction {
+  using Scalar = double;
+  enum { NUM_RESIDUALS = kRowColumns, NUM_PARAMETERS = kPoseTangentSize };
+
+  // `jacobian` is stored by columns.
+  bool operator()(const double* x, double* residuals, double* jacobian) const {
+    using Jet = ceres::Jet<double, NUM_PARAMETERS>;
+    Eigen::Matrix<Jet, 3, 1> w, v;
+    for (int i = 0; i < 3; ++i) {
+      w[i] = Jet(x[i], i);
+      v[i] = Jet(x[3 + i], 3 + i);
+    }
+    Jet moving[kPoseSize];
+    PoseToBlock(Rigid3<Jet>(QuaternionExp<Jet>(w), v), moving);
+    double pose[kPoseSize];
+    Eigen::Matrix<double, kPoseSize, NUM_PARAMETERS> pose_by_x;
+    for (int i = 0; i < kPoseSize; ++i) {
+      pose[i] = moving[i].a;
+      pose_by_x.row(i) = moving[i].v.transpose();
+    }
+    const double* parameters = pose;
+    if (jacobian == nullptr) return cost->Evaluate(&parameters, residuals, nullptr);
+    const Stopwatch linearizing;
+    Eigen::Matrix<double, NUM_RESIDUALS, kPoseSize, Eigen::RowMajor> by_pose;
+    double* jacobians = by_pose.data();
+    if (!cost->Evaluate(&parameters, residuals, &jacobians)) return false;
+    Eigen::Map<Eigen::Matrix<double, NUM_RESIDUALS, NUM_PARAMETERS>> by_x(jacobian);
+    by_x = by_pose * pose_by_x;
+    *linearize_ms = linearizing.Milliseconds();
+    return true;
+  }
+
+  const ceres::CostFunction* cost;
+  double* linearize_ms;  // of the last linearisation
+};
+
+class TinyPoseSolver final : public PairSolver<TinyPoseSolver> {
+ public:
+  using PairSolver::PairSolver;
+
+  template <typename S>
+  Vector6d Solve(Pairs<S> pairs, const RobustKernel& kernel, const StepResult& before,
+                 SolveTimes* times) const {
+    return WithFunctorOf(options().residual, [&](const auto& functor) {
+      using Functor = std::decay_t<decltype(functor)>;
+      const Stopwatch building;
+      const ReducedBatch<Functor, S> cost(functor, MakeBatch(std::move(pairs), functor), kernel);
+      times->build_ms = building.Milliseconds();
+      ceres::TinySolver<TinyFunction> solver;
+      solver.options.max_num_iterations = LmTolerances<S>::kMaxIterations;
+      solver.options.gradient_tolerance = LmTolerances<S>::kGradient;
+      solver.options.parameter_tolerance = LmTolerances<S>::kParameter;
+      solver.options.function_tolerance = LmTolerances<S>::kFunction * before.system.cost;
+      solver.options.cost_threshold = 0;
+      Vector6d x = Vector6d::Zero();
+      const Stopwatch solving;
+      solver.Solve({&cost, &times->linearize_ms}, &x);
+      times->solve_ms = solving.Milliseconds();
+      // (exp(w), v) is the increment itself.
+      return x;
+    });
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<PoseSolver> MakeTinySolver(const PoseSolverOptions& options) {
+  if (options.name != "tiny") return nullptr;
+  return std::make_unique<TinyPoseSolver>(options);
+}
+
+}  // namespace surfit

@@ -1,0 +1,136 @@
+// Synthetic rigid transforms: solvers over exact pairs that are known.
+#include <gtest/gtest.h>
+
+#include "registration/random_correspondences.h"
+#include "surfit/registration/pose_solver.h"
+#include "testing/matchers.h"
+
+namespace surfit {
+namespace {
+
+using testing::RigidNear;
+
+struct Combination {
+  std::string solver;
+  ResidualType residual;
+};
+
+std::vector<Combination> AllCombinations() {
+  std::vector<Combination> all;
+  for (const std::string& solver : PoseSolverNames()) {
+    for (const std::string& residual : ResidualTypeNames()) {
+      if (solver == "svd" && residual != "point_to_point") continue;
+      all.push_back({solver, ResidualTypeFromName(residual)});
+    }
+  }
+  return all;
+}
+
+std::string NameOf(const ::testing::TestParamInfo<Combination>& info) {
+  return info.param.solver + "_" + ToString(info.param.residual);
+}
+
+// Solves over the same pairs until nothing moves.
+Rigid3d SolveKnown(const Correspondences& pairs, const PoseSolverOptions& options) {
+  constexpr int kMaxSteps = 30;
+  const std::unique_ptr<PoseSolver> solver = MakePoseSolver(options);
+  Rigid3d pose;
+  for (int i = 0; i < kMaxSteps; ++i) {
+    const Vector6d step = solver->Step(Moved(pairs, pose)).increment;
+    pose = LeftIncrement(step, pose);
+    if (step.norm() < 1e-13) break;
+  }
+  return pose;
+}
+
+class KnownPairs : public ::testing::TestWithParam<Combination> {
+ protected:
+  PoseSolverOptions Options(RobustKernelType kernel = RobustKernelType::kNone) const {
+    PoseSolverOptions options;
+    options.name = GetParam().solver;
+    options.residual = GetParam().residual;
+    options.error_model.kernel = {kernel, 3};
+    return options;
+  }
+};
+
+// Exact data: the residuals vanish to 1e-15 m, and directions are held with eigenvalues above 1e-2.
+TEST_P(KnownPairs, GiveBackEachDegreeOfFreedom) {
+  for (int i = 0; i < 6; ++i) {
+    for (const double sign : {-1.0, 1.0}) {
+      Vector6d motion = Vector6d::Zero();
+      motion[i] = sign * (i < 3 ? 0.2 : 0.3);
+      const Rigid3d expected = LeftIncrement<double>(motion, Rigid3d());
+      std::mt19937_64 rng(i);
+      const Correspondences pairs = testing::ExactCorrespondences(200, expected, &rng);
+      EXPECT_THAT(SolveKnown(pairs, Options()), RigidNear(expected, 1e-9, 1e-9))
+          << "component " << i << ", " << sign;
+    }
+  }
+}
+
+TEST_P(KnownPairs, GiveBackAnyMotionWithARobustKernelToo) {
+  std::mt19937_64 rng(7);
+  for (int i = 0; i < 3; ++i) {
+    const Rigid3d expected = testing::RandomPose(0.3, 0.3, &rng);
+    const Correspondences pairs = testing::ExactCorrespondences(200, expected, &rng);
+    EXPECT_THAT(SolveKnown(pairs, Options(RobustKernelType::kHuber)),
+                RigidNear(expected, 1e-9, 1e-9));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, KnownPairs, ::testing::ValuesIn(AllCombinations()), NameOf);
+
+// With noise there is one minimum: each residual's solvers agree on it.
+class SolversOf : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(SolversOf, ReachTheSameMinimum) {
+  std::mt19937_64 rng(8);
+  const Rigid3d motion = testing::RandomPose(0.1, 0.1, &rng);
+  const Correspondences random = testing::ExactCorrespondences(400, motion, &rng);
+  Correspondences pairs;
+  for (int i = 0; i < random.size; ++i) {
+    pairs.Add(random.p(i), random.q(i) + testing::RandomVector(0.01, &rng), random.n(i),
+              random.m(i), random.information[i]);
+  }
+  PoseSolverOptions options;
+  options.residual = ResidualTypeFromName(GetParam());
+  for (const RobustKernelType kernel : {RobustKernelType::kNone, RobustKernelType::kHuber}) {
+    options.error_model.kernel = {kernel, 0.01};
+    options.name = "closed_form_ldlt";
+    const Rigid3d expected = SolveKnown(pairs, options);
+    for (const std::string& solver : PoseSolverNames()) {
+      if (solver == "svd" && GetParam() != "point_to_point") continue;
+      options.name = solver;
+      EXPECT_THAT(SolveKnown(pairs, options), RigidNear(expected, 1e-6, 1e-6))
+          << solver << ", kernel " << ToString(kernel);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Residuals, SolversOf, ::testing::ValuesIn(ResidualTypeNames()),
+                         [](const auto& instance) { return instance.param; });
+
+// Points of a plane and their mirror image: without the sign of the determinant, a reflection would
+// fit best.
+TEST(SvdSolver, NeverReflects) {
+  std::mt19937_64 rng(9);
+  Correspondences pairs;
+  for (int i = 0; i < 50; ++i) {
+    const Eigen::Vector3d p = testing::RandomVector(1, &rng);
+    pairs.Add(p, {p.x(), p.y(), -p.z()}, {0, 0, 1}, {0, 0, 1}, 1);
+  }
+  PoseSolverOptions options;
+  options.name = "svd";
+  options.residual = ResidualType::kPointToPoint;
+  options.error_model.kernel.type = RobustKernelType::kNone;
+  const StepResult step = MakePoseSolver(options)->Step(pairs);
+  const Rigid3d pose = LeftIncrement<double>(step.increment, Rigid3d());
+  EXPECT_NEAR(pose.rotation.toRotationMatrix().determinant(), 1, 1e-12);
+  // It is the best of the rotations: no closed-form step from there improves.
+  options.name = "closed_form_ldlt";
+  EXPECT_LT(MakePoseSolver(options)->Step(Moved(pairs, pose)).increment.norm(), 1e-9);
+}
+
+}  // namespace
+}  // namespace surfit
