@@ -6,6 +6,7 @@
 
 #include "registration/icp_level.h"
 #include "surfit/registration/free_space.h"
+#include "surfit/registration/kd_tree_association.h"
 #include "surfit/registration/pose_solver.h"
 #include "surfit/registration/projective_association.h"
 
@@ -24,15 +25,29 @@ ErrorModel ErrorModelOfLevel(const IcpOptions& options, int level) {
   return error_model;
 }
 
+std::unique_ptr<Association> MakeAssociation(const FrameLevel& source, const FrameLevel& target,
+                                             const std::string& name, const AssociationGates& gates,
+                                             const ErrorModel& error_model,
+                                             NeededNormals needed_normals) {
+  if (name == "projective") {
+    return std::make_unique<ProjectiveAssociation>(source, target, gates, error_model,
+                                                   needed_normals);
+  }
+  return std::make_unique<KdTreeAssociation>(SearchablePoints(PointSetOf(source, error_model)),
+                                             SearchablePoints(PointSetOf(target, error_model)),
+                                             KdTreeAssociationOptions{gates, needed_normals});
+}
+
 void RegisterLevel(const FrameLevel& source, const FrameLevel& target, int level,
                    const IcpOptions& options, IcpResult* result) {
   const ResidualType residual = ResidualTypeFromName(options.residual);
   const ErrorModel error_model = ErrorModelOfLevel(options, level);
   const std::unique_ptr<PoseSolver> solver = MakePoseSolver(
       {options.solver, options.linear_solver, residual, error_model, options.min_eigenvalue});
-  const ProjectiveAssociation association(source, target, GatesOfLevel(options, level), error_model,
-                                          NormalsNeededBy(residual));
-  RunLevel({association, *solver, level, target.camera.fx}, options, result);
+  const std::unique_ptr<Association> association =
+      MakeAssociation(source, target, options.association, GatesOfLevel(options, level),
+                      error_model, NormalsNeededBy(residual));
+  RunLevel({*association, *solver, level, target.camera.fx}, options, result);
 }
 
 // Rejects a fit after which one view's surfaces stand in what the other saw through.
@@ -68,7 +83,7 @@ std::string ToString(Termination termination) {
   return "unknown";
 }
 
-std::vector<std::string> AssociationNames() { return {"projective"}; }
+std::vector<std::string> AssociationNames() { return {"projective", "kd_tree"}; }
 
 IcpResult Register(const FramePyramid& source, const FramePyramid& target,
                    const Rigid3d& target_from_source_initial, const IcpOptions& options) {

@@ -26,7 +26,7 @@ TEST(IcpOptions, UnknownNamesListTheKnown) {
                 "residual is 'colour', must be one of: point_to_point, point_to_plane, "
                 "symmetric_point_to_plane, plane_to_plane");
   ExpectRefused([](auto* o) { o->association = "guess"; },
-                "association is 'guess', must be one of: projective");
+                "association is 'guess', must be one of: projective, kd_tree");
 }
 
 TEST(IcpOptions, ImpossibleCombinationsSayWhatIsPossible) {

@@ -64,6 +64,24 @@ TEST_P(PoseRecovery, FromEveryDirection) {
 INSTANTIATE_TEST_SUITE_P(All, PoseRecovery, ::testing::ValuesIn(SurfaceCombinations()),
                          [](const auto& instance) { return instance.param; });
 
+// Other pairs of the same planes; those that reach over an edge are off, and the normal gate leaves
+// them out.
+TEST(Register, FindsTheSamePoseByNearestNeighbours) {
+  const Rigid3d world_from_target = testing::PoseBeforeTheCorner();
+  const Rigid3d target_from_source(QuaternionExp<double>({0.01, -0.02, 0.015}),
+                                   {0.02, 0.01, -0.03});
+  IcpOptions options;
+  options.association = "kd_tree";
+  options.max_iterations = 20;
+  options.min_relative_rmse_change = 0;
+  options.min_increment = 1e-7;
+  const IcpResult result =
+      Register(testing::OneLevel(testing::RenderCorner(world_from_target * target_from_source)),
+               testing::OneLevel(testing::RenderCorner(world_from_target)), Rigid3d(), options);
+  EXPECT_TRUE(result.Succeeded());
+  EXPECT_THAT(result.target_from_source, RigidNear(target_from_source, kToleranceM, kToleranceRad));
+}
+
 // Where the world's origin lies is nobody's business: only the pose between the cameras counts.
 TEST(Register, DoesNotKnowTheWorld) {
   const Rigid3d world_from_target = testing::PoseBeforeTheCorner();

@@ -23,7 +23,7 @@ DEFINE_string(linear_solver, kIcp.linear_solver,
 DEFINE_string(residual, kIcp.residual,
               "residual: point_to_point, point_to_plane, symmetric_point_to_plane or "
               "plane_to_plane");
-DEFINE_string(association, kIcp.association, "data association: projective");
+DEFINE_string(association, kIcp.association, "data association: projective or kd_tree");
 DEFINE_int32(max_iterations, kIcp.max_iterations, "ICP iterations on each pyramid level at most");
 DEFINE_double(max_distance_m, kIcp.gates.max_distance_m,
               "pairs farther apart are no pairs, on the finest level; 0 = off");

@@ -1,0 +1,30 @@
+#pragma once
+
+#include "surfit/geometry/rigid3.h"
+#include "surfit/registration/icp.h"
+#include "surfit/registration/point_set.h"
+
+namespace surfit {
+
+// How two clouds are registered.
+struct RegisterCloudsOptions {
+  // Its association is the nearest neighbour, and what is about images is not used.
+  IcpOptions icp;
+  bool reciprocal = false;  // on the finest level, pairs must be each other's nearest points
+  // Level l uses every 4^l-th source point. Levels that would leave fewer than kMinPoints are left
+  // out, but never the finest.
+  int levels = 4;
+
+  static constexpr int kMinPoints = 1000;
+
+  // Throws InputError naming field, value and constraint.
+  void Validate() const;
+};
+
+// Registers source to target from an initial pose, coarse to fine, by ICP with nearest neighbours.
+// Throws InputError for impossible options; failure to register is a termination, not an error.
+IcpResult RegisterClouds(const PointSet& source, const PointSet& target,
+                         const Rigid3d& target_from_source_initial,
+                         const RegisterCloudsOptions& options);
+
+}  // namespace surfit

@@ -1,0 +1,128 @@
+#include "surfit/registration/register_clouds.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "surfit/core/parallel.h"
+#include "testing/expect_input_error.h"
+#include "testing/matchers.h"
+#include "testing/random_pose.h"
+
+namespace surfit {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr float kSigma_m = 0.002f;
+
+// A corner of three walls of 1 m at 2 m from the origin, sampled all over, with noise along the
+// normals; 4 points for each square centimetre.
+PointSet Corner(double sigma_m, int seed) {
+  constexpr int kPointsOfWall = 10000;
+  std::mt19937_64 rng(seed);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  std::normal_distribution<double> noise(0, 1);
+  PointSet set;
+  for (int wall = 0; wall < 3; ++wall) {
+    for (int i = 0; i < kPointsOfWall; ++i) {
+      Eigen::Vector3d point(uniform(rng), uniform(rng), uniform(rng));
+      point[wall] = sigma_m * noise(rng);
+      set.Add((point + Eigen::Vector3d(-0.5, -0.5, 2)).cast<float>(), Eigen::Vector3f::Unit(wall),
+              kSigma_m);
+    }
+  }
+  return set;
+}
+
+PointSet Moved(PointSet set, const Rigid3d& pose) {
+  for (auto& point : set.points) point = (pose * point.cast<double>()).cast<float>();
+  for (auto& normal : set.normals) normal = (pose.rotation * normal.cast<double>()).cast<float>();
+  return set;
+}
+
+// Other points of the same planes are exact up to rounding: 1.2e-7 for each of N = 30,000
+// coordinates up to 2.5, so that the plane's position is better than 1e-8 at random; a bias of
+// rounding in p' = R p + t would be common to all and stays below 2.4e-7.
+TEST(RegisterClouds, FindsEachDegreeOfFreedomExactly) {
+  const PointSet target = Corner(0, 1), corner = Corner(0, 2);
+  for (int axis = 0; axis < 6; ++axis) {
+    for (const double sign : {-1., 1.}) {
+      Vector6d motion = Vector6d::Zero();
+      motion[axis] = sign * (axis < 3 ? 0.05 : 0.1);
+      const Rigid3d truth = LeftIncrement<double>(motion, Rigid3d());
+      RegisterCloudsOptions options;
+      options.icp.max_iterations = 30;
+      const IcpResult result =
+          RegisterClouds(Moved(corner, truth.Inverse()), target, Rigid3d(), options);
+      EXPECT_TRUE(result.Succeeded());
+      EXPECT_THAT(result.target_from_source, testing::RigidNear(truth, 1e-6, 1e-6));
+    }
+  }
+}
+
+// Each wall of N = 10,000 points 0.41 m from its middle (RMS) holds its two turns to
+// sqrt(2) sigma / (0.41 sqrt(N)) = 7e-5 rad, with the noise of both clouds: 4 sigma of three turns
+// are 4.8e-4 rad, and 2.3 m away, at the origin, 1.1 mm.
+TEST(RegisterClouds, FindsTheMotionOfNoisyClouds) {
+  std::mt19937_64 rng(5);
+  for (int i = 0; i < 3; ++i) {
+    const Rigid3d truth = testing::RandomPose(0.05, 0.1, &rng);
+    for (const bool reciprocal : {false, true}) {
+      RegisterCloudsOptions options;
+      options.reciprocal = reciprocal;
+      const IcpResult result = RegisterClouds(Moved(Corner(0.002, 7), truth.Inverse()),
+                                              Corner(0.002, 6), Rigid3d(), options);
+      EXPECT_TRUE(result.Succeeded());
+      EXPECT_THAT(result.target_from_source, testing::RigidNear(truth, 1.1e-3, 4.8e-4));
+    }
+  }
+}
+
+TEST(RegisterClouds, LeavesOutLevelsOfTooFewPoints) {
+  const auto coarsest = [](int count, int levels) {
+    PointSet set = Corner(0, 1);
+    set.points.resize(count), set.normals.resize(count), set.sigma_m.resize(count);
+    RegisterCloudsOptions options;
+    options.levels = levels;
+    return RegisterClouds(set, Corner(0, 2), Rigid3d(), options).iterations.front().level;
+  };
+  EXPECT_EQ(coarsest(30000, 4), 2);  // 30000 / 4^3 < 1000
+  EXPECT_EQ(coarsest(30000, 2), 1);
+  EXPECT_EQ(coarsest(3999, 4), 0);
+  EXPECT_EQ(coarsest(4000, 4), 1);
+}
+
+TEST(RegisterClouds, SaysWhenTooFewPointsMeet) {
+  const PointSet corner = Corner(0, 1);
+  const Rigid3d away(Eigen::Quaterniond::Identity(), {10, 0, 0});
+  EXPECT_EQ(ToString(RegisterClouds(corner, corner, away, {}).termination), "too_few_inliers");
+  EXPECT_EQ(ToString(RegisterClouds({}, corner, {}, {}).termination), "too_few_inliers");
+  EXPECT_EQ(ToString(RegisterClouds(corner, {}, {}, {}).termination), "too_few_inliers");
+}
+
+TEST(RegisterClouds, IsTheSameAtAnyNumberOfThreads) {
+  const Rigid3d moved(QuaternionExp<double>({0.02, 0.01, 0}), {0.05, 0, 0.02});
+  std::vector<IcpResult> results;
+  for (const int threads : {1, 4}) {
+    const ThreadLimit limit(threads);
+    results.push_back(RegisterClouds(Corner(0.002, 1), Corner(0.002, 2), moved, {}));
+  }
+  EXPECT_EQ(results[0].target_from_source.Matrix(), results[1].target_from_source.Matrix());
+  EXPECT_EQ(results[0].information, results[1].information);
+}
+
+TEST(RegisterClouds, RefusesImpossibleOptions) {
+  RegisterCloudsOptions options;
+  options.levels = 0;
+  testing::ExpectInputError([&] { RegisterClouds({}, {}, {}, options); },
+                            HasSubstr("levels is 0, must be from 1 to 10"));
+  options = {};
+  options.icp.solver = "magic";
+  testing::ExpectInputError([&] { RegisterClouds({}, {}, {}, options); },
+                            HasSubstr("solver is 'magic'"));
+}
+
+}  // namespace
+}  // namespace surfit
