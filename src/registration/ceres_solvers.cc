@@ -19,7 +19,7 @@ constexpr NamedValue<ceres::LinearSolverType> kLinearSolvers[] = {
     {"sparse_normal_cholesky", ceres::SPARSE_NORMAL_CHOLESKY}};
 
 template <typename S>
-void SolveProblem(ceres::LinearSolverType type, ceres::Problem* problem, SolveTimes* times) {
+void SolveProblem(ceres::LinearSolverType type, ceres::Problem* problem, SolveReport* report) {
   ceres::Solver::Options options;
   options.function_tolerance = LmTolerances<S>::kFunction;
   options.gradient_tolerance = LmTolerances<S>::kGradient;
@@ -31,18 +31,26 @@ void SolveProblem(ceres::LinearSolverType type, ceres::Problem* problem, SolveTi
   ceres::Solver::Summary summary;
   const Stopwatch solving;
   ceres::Solve(options, problem, &summary);
-  times->solve_ms = solving.Milliseconds();
-  times->linearize_ms = 1000 * summary.jacobian_evaluation_time_in_seconds /
-                        std::max(1, summary.num_jacobian_evaluations);
+  report->solve_ms = solving.Milliseconds();
+  report->linearize_ms = 1000 * summary.jacobian_evaluation_time_in_seconds /
+                         std::max(1, summary.num_jacobian_evaluations);
+  report->costs.clear();
+  for (const ceres::IterationSummary& iteration : summary.iterations) {
+    if (iteration.iteration == 0 || iteration.step_is_successful) {
+      report->costs.push_back(iteration.cost);
+    }
+  }
 }
 
 class ReducedCeresSolver final : public PairSolver<ReducedCeresSolver> {
  public:
   using PairSolver::PairSolver;
 
+  bool ReachesMinimum() const override { return true; }
+
   template <typename S>
   Vector6d Solve(Pairs<S> pairs, const RobustKernel& kernel, const StepResult&,
-                 SolveTimes* times) const {
+                 SolveReport* report) const {
     return WithFunctorOf(options().residual, [&](const auto& functor) {
       using Functor = std::decay_t<decltype(functor)>;
       const Stopwatch building;
@@ -52,8 +60,8 @@ class ReducedCeresSolver final : public PairSolver<ReducedCeresSolver> {
       problem.AddResidualBlock(
           new ReducedBatch<Functor, S>(functor, MakeBatch(std::move(pairs), functor), kernel),
           nullptr, pose.data());
-      times->build_ms = building.Milliseconds();
-      SolveProblem<S>(ceres::DENSE_QR, &problem, times);
+      report->build_ms = building.Milliseconds();
+      SolveProblem<S>(ceres::DENSE_QR, &problem, report);
       return AsIncrement(pose);
     });
   }
@@ -82,9 +90,11 @@ class PerPointCeresSolver final : public PairSolver<PerPointCeresSolver> {
   PerPointCeresSolver(const PoseSolverOptions& options, ceres::LinearSolverType linear_solver)
       : PairSolver(options), linear_solver_(linear_solver) {}
 
+  bool ReachesMinimum() const override { return true; }
+
   template <typename S>
   Vector6d Solve(Pairs<S> pairs, const RobustKernel& kernel, const StepResult&,
-                 SolveTimes* times) const {
+                 SolveReport* report) const {
     return WithFunctorOf(options().residual, [&](const auto& functor) {
       const Stopwatch building;
       PoseBlock pose = IdentityBlock();
@@ -95,8 +105,8 @@ class PerPointCeresSolver final : public PairSolver<PerPointCeresSolver> {
       problem.AddParameterBlock(pose.data(), kPoseSize, new LeftPoseManifold);
       AddBlocks(MakeBatch(std::move(pairs), functor), functor,
                 kernel.type == RobustKernelType::kNone ? nullptr : &loss, &problem, &pose);
-      times->build_ms = building.Milliseconds();
-      SolveProblem<S>(linear_solver_, &problem, times);
+      report->build_ms = building.Milliseconds();
+      SolveProblem<S>(linear_solver_, &problem, report);
       return AsIncrement(pose);
     });
   }

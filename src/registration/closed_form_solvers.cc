@@ -34,7 +34,12 @@ class NormalSystemSolver final : public PoseSolver {
     StepResult result = Describe(association, target_from_source);
     return Solved(linearizing.Milliseconds(), &result);
   }
-  StepResult Step(const Correspondences& pairs) const override {
+  StepResult Step(const PairBuffer& pairs) const override { return StepOver(pairs); }
+  StepResult Step(const Correspondences& pairs) const override { return StepOver(pairs); }
+
+ private:
+  template <typename S>
+  StepResult StepOver(const Pairs<S>& pairs) const {
     const Stopwatch linearizing;
     StepResult result;
     result.system = Linearize(pairs, options().residual,
@@ -43,14 +48,14 @@ class NormalSystemSolver final : public PoseSolver {
     return Solved(linearizing.Milliseconds(), &result);
   }
 
- private:
   StepResult Solved(double linearize_ms, StepResult* result) const {
     const Stopwatch solving;
     result->increment = result->observability.Degenerate()
                             ? SolveHeld(result->system, result->observability)
                             : solve_(result->system);
-    result->times.linearize_ms = linearize_ms;
-    result->times.solve_ms = linearize_ms + solving.Milliseconds();
+    result->report.costs = {result->system.cost};
+    result->report.linearize_ms = linearize_ms;
+    result->report.solve_ms = linearize_ms + solving.Milliseconds();
     return *result;
   }
 
@@ -65,16 +70,16 @@ class QrSolver final : public PairSolver<QrSolver> {
 
   template <typename S>
   Vector6d Solve(const Pairs<S>& pairs, const RobustKernel& kernel, const StepResult& before,
-                 SolveTimes* times) const {
+                 SolveReport* report) const {
     const Stopwatch solving;
     if (before.observability.Degenerate()) {
       return SolveHeld(before.system, before.observability);
     }
     const Eigen::Matrix<double, Eigen::Dynamic, 7> rows = WithRowsOf(
         options().residual, [&](auto type) { return WeightedRows<decltype(type)>(pairs, kernel); });
-    times->linearize_ms = solving.Milliseconds();
+    report->linearize_ms = solving.Milliseconds();
     const Vector6d increment = rows.template leftCols<6>().householderQr().solve(-rows.col(6));
-    times->solve_ms = solving.Milliseconds();
+    report->solve_ms = solving.Milliseconds();
     return increment;
   }
 

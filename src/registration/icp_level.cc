@@ -69,7 +69,8 @@ class LevelRun {
 
   void Record(const PoseState& state) {
     const NormalSystem& system = state.step.system;
-    result_.iterations.push_back({level_.level, system.AverageLoss(), system.inlier_count});
+    result_.iterations.push_back(
+        {level_.level, system.AverageLoss(), system.cost, system.inlier_count, state.step.report});
   }
 
   void Finish(const PoseState& state, Termination termination) {

@@ -23,7 +23,7 @@ class Stopwatch {
 // A solver that is written once for pairs of either precision: Derived has
 //   template <typename S>
 //   Vector6d Solve(Pairs<S> pairs, const RobustKernel& kernel, const StepResult& before,
-//                  SolveTimes* times) const
+//                  SolveReport* report) const
 // which gives the increment from pairs whose arrays are of their size. `before` is the result so
 // far: system and observability.
 template <typename Derived>
@@ -35,6 +35,7 @@ class PairSolver : public PoseSolver {
                   const Rigid3d& target_from_source) const override {
     return StepOver(association.Collect(target_from_source));
   }
+  StepResult Step(const PairBuffer& pairs) const override { return StepOver(pairs); }
   StepResult Step(const Correspondences& pairs) const override { return StepOver(pairs); }
 
  private:
@@ -44,12 +45,13 @@ class PairSolver : public PoseSolver {
     StepResult result;
     const Stopwatch linearizing;
     result.system = Linearize(pairs, options().residual, kernel);
-    result.times.linearize_ms = linearizing.Milliseconds();
+    result.report.linearize_ms = linearizing.Milliseconds();
+    result.report.costs = {result.system.cost};
     result.observability = Observe(result.system, options().min_eigenvalue);
     if (result.observability.free_count == 6) return result;
     pairs.SetCapacity(pairs.size);
     result.increment = result.observability.Held(
-        static_cast<const Derived*>(this)->Solve(std::move(pairs), kernel, result, &result.times));
+        static_cast<const Derived*>(this)->Solve(std::move(pairs), kernel, result, &result.report));
     return result;
   }
 };

@@ -41,9 +41,13 @@ class SvdSolver final : public PairSolver<SvdSolver> {
  public:
   using PairSolver::PairSolver;
 
+  bool ReachesMinimum() const override {
+    return options().error_model.kernel.type == RobustKernelType::kNone;
+  }
+
   template <typename S>
   Vector6d Solve(const Pairs<S>& pairs, const RobustKernel& kernel, const StepResult&,
-                 SolveTimes* times) const {
+                 SolveReport* report) const {
     constexpr int kGrain = 4096;
     const Stopwatch solving;
     // Products about the first pair: far from the origin, centring afterwards would lose digits.
@@ -63,13 +67,13 @@ class SvdSolver final : public PairSolver<SvdSolver> {
         return sum;
       });
     });
-    times->linearize_ms = solving.Milliseconds();
+    report->linearize_ms = solving.Milliseconds();
     const Eigen::Vector3d p0 = sums.p / sums.weight, q0 = sums.q / sums.weight;
     const Eigen::Matrix3d rotation = NearestRotation(sums.qp - sums.weight * q0 * p0.transpose());
     const Rigid3d motion(rotation, origin + q0 - rotation * (origin + p0));
     Vector6d increment;
     increment << QuaternionLog<double>(motion.rotation), motion.translation;
-    times->solve_ms = solving.Milliseconds();
+    report->solve_ms = solving.Milliseconds();
     return increment;
   }
 };

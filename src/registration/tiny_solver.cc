@@ -42,36 +42,41 @@ struct TinyFunction {
     if (!cost->Evaluate(&parameters, residuals, &jacobians)) return false;
     Eigen::Map<Eigen::Matrix<double, NUM_RESIDUALS, NUM_PARAMETERS>> by_x(jacobian);
     by_x = by_pose * pose_by_x;
-    *linearize_ms = linearizing.Milliseconds();
+    report->linearize_ms = linearizing.Milliseconds();  // of the last one
+    report->costs.push_back(
+        0.5 * Eigen::Map<const Eigen::Matrix<double, NUM_RESIDUALS, 1>>(residuals).squaredNorm());
     return true;
   }
 
   const ceres::CostFunction* cost;
-  double* linearize_ms;  // of the last linearisation
+  SolveReport* report;
 };
 
 class TinyPoseSolver final : public PairSolver<TinyPoseSolver> {
  public:
   using PairSolver::PairSolver;
 
+  bool ReachesMinimum() const override { return true; }
+
   template <typename S>
   Vector6d Solve(Pairs<S> pairs, const RobustKernel& kernel, const StepResult& before,
-                 SolveTimes* times) const {
+                 SolveReport* report) const {
     return WithFunctorOf(options().residual, [&](const auto& functor) {
       using Functor = std::decay_t<decltype(functor)>;
       const Stopwatch building;
       const ReducedBatch<Functor, S> cost(functor, MakeBatch(std::move(pairs), functor), kernel);
-      times->build_ms = building.Milliseconds();
+      report->build_ms = building.Milliseconds();
       ceres::TinySolver<TinyFunction> solver;
       solver.options.max_num_iterations = LmTolerances<S>::kMaxIterations;
       solver.options.gradient_tolerance = LmTolerances<S>::kGradient;
       solver.options.parameter_tolerance = LmTolerances<S>::kParameter;
       solver.options.function_tolerance = LmTolerances<S>::kFunction * before.system.cost;
       solver.options.cost_threshold = 0;
+      report->costs.clear();
       Vector6d x = Vector6d::Zero();
       const Stopwatch solving;
-      solver.Solve({&cost, &times->linearize_ms}, &x);
-      times->solve_ms = solving.Milliseconds();
+      solver.Solve({&cost, report}, &x);
+      report->solve_ms = solving.Milliseconds();
       // (exp(w), v) is the increment itself.
       return x;
     });

@@ -9,6 +9,7 @@
 #include "surfit/registration/association.h"
 #include "surfit/registration/error_model.h"
 #include "surfit/registration/normal_system.h"
+#include "surfit/registration/pose_solver.h"
 
 namespace surfit {
 
@@ -56,7 +57,9 @@ std::string ToString(Termination termination);
 struct IcpIteration {
   int level = 0;            // 0 is the finest
   double average_loss = 0;  // m^2, weighted mean of |r|^2
+  double cost = 0;          // 1/2 sum of rho(s)
   int inlier_count = 0;     // pairs whose residual is within ErrorModel::kInlierSigmas
+  SolveReport report;       // of the step; empty after all steps
 };
 
 // The outcome of a registration.

@@ -20,11 +20,12 @@ struct PoseSolverOptions {
   double min_eigenvalue = 1e-6;  // of Observability; up to it a direction is free
 };
 
-// What a solve took, in milliseconds.
-struct SolveTimes {
-  double build_ms = 0;      // what Ceres is given
-  double linearize_ms = 0;  // one linearisation
-  double solve_ms = 0;      // all but building
+// What a solve took, and what it went through.
+struct SolveReport {
+  double build_ms = 0;        // what Ceres is given
+  double linearize_ms = 0;    // one linearisation; association included where both are done at once
+  double solve_ms = 0;        // all but building
+  std::vector<double> costs;  // 1/2 sum of rho(s) at each linearisation, the first at the start
 };
 
 // One solve over given pairs.
@@ -33,7 +34,7 @@ struct StepResult {
   Observability observability;            // of that system
   Vector6d increment = Vector6d::Zero();  // left increment (w [rad], v [m]) in the target frame,
                                           // with no part along free directions
-  SolveTimes times;
+  SolveReport report;
 };
 
 // Computes the increment of a pose from pairs of points. Where the data leaves directions free, the
@@ -46,8 +47,13 @@ class PoseSolver {
   // From what an association finds at a pose, in single precision.
   virtual StepResult Step(const Association& association,
                           const Rigid3d& target_from_source) const = 0;
-  // From given pairs, in double precision.
+  // From given pairs.
+  virtual StepResult Step(const PairBuffer& pairs) const = 0;
   virtual StepResult Step(const Correspondences& pairs) const = 0;
+
+  // Whether a step ends at the minimum of the robust cost over its pairs, rather than one
+  // linearised step nearer.
+  virtual bool ReachesMinimum() const { return false; }
 
   // The system at a pose and what it holds, without an increment.
   StepResult Describe(const Association& association, const Rigid3d& target_from_source) const;
