@@ -35,22 +35,29 @@ struct UsesMovedPointOnly<
         std::declval<const V*>(), std::declval<const V*>(), std::declval<V*>()))>>
     : std::true_type {};
 
-// Evaluates a functor and its Jacobian for as many points at once as Lanes<S> holds.
-template <typename Functor, typename S>
+// A pose block and its derivatives by the left increment.
+struct MovingPose {
+  explicit MovingPose(const double* block) {
+    std::copy_n(block, kPoseSize, pose);
+    LeftPoseManifold().PlusJacobian(block, plus_jacobian);
+  }
+  double pose[kPoseSize];
+  double plus_jacobian[kPoseSize * kPoseTangentSize];
+};
+
+// Evaluates a functor and its Jacobian for as many points at once as the lanes V hold.
+template <typename Functor, typename V>
 class BatchRows {
  public:
-  using V = Lanes<S>;
   static constexpr int kRows = Functor::kResidualSize;
   using Rows = V[kRows][kRowColumns];
 
-  BatchRows(const Functor& functor, const double* pose) : functor_(functor) {
-    double plus[kPoseSize * kPoseTangentSize];
-    LeftPoseManifold().PlusJacobian(pose, plus);
+  BatchRows(const Functor& functor, const MovingPose& pose) : functor_(functor) {
     for (int i = 0; i < kPoseSize; ++i) {
-      pose_[i] = V(pose[i]);
+      pose_[i] = V(pose.pose[i]);
       moving_pose_[i] = Moving(pose_[i]);
       for (int j = 0; j < kPoseTangentSize; ++j) {
-        moving_pose_[i].derivative[j] = V(plus[i * kPoseTangentSize + j]);
+        moving_pose_[i].derivative[j] = V(pose.plus_jacobian[i * kPoseTangentSize + j]);
       }
     }
   }
@@ -94,14 +101,12 @@ class BatchRows {
 
 // Adds the points [begin, end) of a batch to sums: lanes of short sums in precision S, which are
 // then added in double.
-template <RobustKernelType kKernel, bool kWithJacobian, typename Functor, typename S>
+template <typename V, bool kWithJacobian, typename Functor, typename S>
 class BatchSummer {
  public:
-  using V = Lanes<S>;
-
-  BatchSummer(const Functor& functor, const BatchData<Functor, S>& data, const double* pose,
-              double kernel_width)
-      : rows_(functor, pose), data_(data), kernel_width_(kernel_width) {}
+  BatchSummer(const Functor& functor, const BatchData<Functor, S>& data, const MovingPose& pose,
+              const RobustKernel& kernel)
+      : rows_(functor, pose), data_(data), kernel_(kernel) {}
 
   BatchSums Sum(int begin, int end) const {
     constexpr int kFlush = 8 * V::kCount;
@@ -129,17 +134,17 @@ class BatchSummer {
     }
     V s(0.);
     if constexpr (kWithJacobian) {
-      typename BatchRows<Functor, S>::Rows rows;
+      typename BatchRows<Functor, V>::Rows rows;
       rows_.Linearize(data, rows);
       for (int k = 0; k < kRows; ++k) s += rows[k][kPoseTangentSize] * rows[k][kPoseTangentSize];
-      const KernelValue<V> kernel = Masked(EvaluateKernel<kKernel>(s, kernel_width_), count);
+      const KernelValue<V> kernel = Masked(EvaluateKernel(kernel_, s), count);
       sums->rho += kernel.rho;
       for (int k = 0; k < kRows; ++k) sums->products.Add(rows[k], kernel.slope);
     } else {
       V residuals[kRows];
       rows_.Residuals(data, residuals);
       for (int k = 0; k < kRows; ++k) s += residuals[k] * residuals[k];
-      sums->rho += Masked(EvaluateKernel<kKernel>(s, kernel_width_), count).rho;
+      sums->rho += Masked(EvaluateKernel(kernel_, s), count).rho;
     }
   }
 
@@ -156,9 +161,9 @@ class BatchSummer {
     sums->rho += SumOfLanes(lanes.rho);
   }
 
-  const BatchRows<Functor, S> rows_;
+  const BatchRows<Functor, V> rows_;
   const BatchData<Functor, S>& data_;
-  const double kernel_width_;
+  const RobustKernel kernel_;
 };
 
 // The sums of a whole batch at a pose block, the same at any number of threads.
@@ -166,12 +171,15 @@ template <bool kWithJacobian, typename Functor, typename S>
 BatchSums SumBatch(const Functor& functor, const BatchData<Functor, S>& data, const double* pose,
                    const RobustKernel& kernel) {
   constexpr int kPointsPerBlock = 4096;
-  return WithKernelType(kernel.type, [&](auto type) {
-    const BatchSummer<decltype(type)::value, kWithJacobian, Functor, S> summer(functor, data, pose,
-                                                                               kernel.width);
-    return ParallelSum(0, static_cast<int>(data.size()), kPointsPerBlock, BatchSums(),
-                       [&](int begin, int end) { return summer.Sum(begin, end); });
-  });
+  const MovingPose moving_pose(pose);
+  return ParallelSum(
+      0, static_cast<int>(data.size()), kPointsPerBlock, BatchSums(), [&](int begin, int end) {
+        return WithInstructions([&](auto instructions) {
+          using V = Lanes<S, decltype(instructions)>;
+          return BatchSummer<V, kWithJacobian, Functor, S>(functor, data, moving_pose, kernel)
+              .Sum(begin, end);
+        });
+      });
 }
 
 }  // namespace surfit

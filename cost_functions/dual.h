@@ -13,9 +13,9 @@ struct Dual {
   V derivative[N];
 
   Dual() = default;
-  Dual(V v) : value(v) {}       // NOLINT(google-explicit-constructor): a constant
-  Dual(double x) : value(x) {}  // NOLINT(google-explicit-constructor): a constant
-  static Dual Variable(V v, int index) {
+  Dual(const V& v) : value(v) {}  // NOLINT(google-explicit-constructor): a constant
+  Dual(double x) : value(x) {}    // NOLINT(google-explicit-constructor): a constant
+  static Dual Variable(const V& v, int index) {
     Dual result(v);
     result.derivative[index] = V(1.);
     return result;
@@ -24,7 +24,7 @@ struct Dual {
   Dual operator-() const { return Chain(-value, V(-1.)); }
 
   // The dual of f(value), given f'(value).
-  Dual Chain(V f, V slope) const {
+  Dual Chain(const V& f, const V& slope) const {
     Dual result(f);
     for (int i = 0; i < N; ++i) result.derivative[i] = slope * derivative[i];
     return result;
@@ -56,20 +56,22 @@ struct Dual {
     return result;
   }
 
-  friend Dual operator+(Dual a, V b) {
-    a.value += b;
-    return a;
+  friend Dual operator+(const Dual& a, const V& b) {
+    Dual result = a;
+    result.value += b;
+    return result;
   }
-  friend Dual operator+(V a, const Dual& b) { return b + a; }
-  friend Dual operator-(Dual a, V b) {
-    a.value += -b;
-    return a;
+  friend Dual operator+(const V& a, const Dual& b) { return b + a; }
+  friend Dual operator-(const Dual& a, const V& b) {
+    Dual result = a;
+    result.value += -b;
+    return result;
   }
-  friend Dual operator-(V a, const Dual& b) { return -b + a; }
-  friend Dual operator*(const Dual& a, V b) { return a.Chain(a.value * b, b); }
-  friend Dual operator*(V a, const Dual& b) { return b * a; }
-  friend Dual operator/(const Dual& a, V b) { return a * (V(1.) / b); }
-  friend Dual operator/(V a, const Dual& b) {
+  friend Dual operator-(const V& a, const Dual& b) { return -b + a; }
+  friend Dual operator*(const Dual& a, const V& b) { return a.Chain(a.value * b, b); }
+  friend Dual operator*(const V& a, const Dual& b) { return b * a; }
+  friend Dual operator/(const Dual& a, const V& b) { return a * (V(1.) / b); }
+  friend Dual operator/(const V& a, const Dual& b) {
     const V quotient = a / b.value;
     return b.Chain(quotient, -quotient / b.value);
   }
@@ -95,10 +97,9 @@ Dual<V, N> sqrt(const Dual<V, N>& x) {
 }
 
 // condition ? a : b, lane by lane, derivatives included.
-template <typename S, int N>
-Dual<Lanes<S>, N> Select(LaneMask<S> condition, const Dual<Lanes<S>, N>& a,
-                         const Dual<Lanes<S>, N>& b) {
-  Dual<Lanes<S>, N> result(Select(condition, a.value, b.value));
+template <typename V, int N>
+Dual<V, N> Select(const typename V::Mask& condition, const Dual<V, N>& a, const Dual<V, N>& b) {
+  Dual<V, N> result(Select(condition, a.value, b.value));
   for (int i = 0; i < N; ++i) {
     result.derivative[i] = Select(condition, a.derivative[i], b.derivative[i]);
   }

@@ -5,66 +5,44 @@
 #include <cstring>
 #include <type_traits>
 
+// Vectors wider than what the compiler may assume are passed in memory; all of these are inlined.
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wpsabi"
+#endif
+
 namespace surfit {
 
-template <typename S>
-struct LaneMask;
+// The instructions that code over lanes is compiled to: those that the compiler may assume, or AVX2
+// as well (never contracted to fused operations), for processors found to have them at run time.
+// Both give the same results bit for bit.
+struct BaseInstructions {};
+struct Avx2Instructions {};
+
+// Code over Lanes<S, Avx2Instructions> must all be inlined into one function that is compiled for
+// AVX2: see WithInstructions(). That takes an optimising compiler.
+#if defined(__x86_64__) && defined(__GNUC__) && defined(__OPTIMIZE__)
+#define SURFIT_HAS_AVX2 1
+#define SURFIT_AVX2 __attribute__((target("avx2")))
+#define SURFIT_INLINE_ALL __attribute__((flatten))
+#else
+#define SURFIT_HAS_AVX2 0
+#define SURFIT_INLINE_ALL
+#endif
 
 // Several numbers of type float or double to compute with at once, in the vector types of GCC and
 // Clang. Mixes with plain numbers; comparisons give a LaneMask for Select().
-template <typename S>
-struct Lanes {
-  static constexpr int kCount = 16 / sizeof(S);
-  using Vector __attribute__((vector_size(16))) = S;
-
-  Lanes() : v{} {}
-  Lanes(Vector vector) : v(vector) {}                   // NOLINT(google-explicit-constructor)
-  Lanes(double x) : v(Vector{} + static_cast<S>(x)) {}  // NOLINT(google-explicit-constructor)
-
-  static Lanes Load(const S* from) {
-    Lanes result;
-    std::memcpy(&result.v, from, sizeof(result.v));
-    return result;
-  }
-  // The first `count` >= 1 values, the last of them repeated.
-  static Lanes LoadUpTo(const S* from, int count) {
-    if (count >= kCount) return Load(from);
-    Lanes result(from[count - 1]);
-    for (int k = 0; k < count; ++k) result.v[k] = from[k];
-    return result;
-  }
-  // Zeros beyond the first `count` values.
-  Lanes UpTo(int count) const {
-    Lanes result = *this;
-    for (int k = count; k < kCount; ++k) result.v[k] = 0;
-    return result;
-  }
-  S operator[](int k) const { return v[k]; }
-  Lanes operator-() const { return -v; }
-  Lanes& operator+=(Lanes other) {
-    v += other.v;
-    return *this;
-  }
-
-  friend Lanes operator+(Lanes a, Lanes b) { return a.v + b.v; }
-  friend Lanes operator-(Lanes a, Lanes b) { return a.v - b.v; }
-  friend Lanes operator*(Lanes a, Lanes b) { return a.v * b.v; }
-  friend Lanes operator/(Lanes a, Lanes b) { return a.v / b.v; }
-  friend LaneMask<S> operator<(Lanes a, Lanes b) { return {a.v < b.v}; }
-  friend LaneMask<S> operator>(Lanes a, Lanes b) { return {a.v > b.v}; }
-  friend LaneMask<S> operator<=(Lanes a, Lanes b) { return {a.v <= b.v}; }
-  friend LaneMask<S> operator>=(Lanes a, Lanes b) { return {a.v >= b.v}; }
-
-  Vector v;
-};
+template <typename S, typename Instructions = BaseInstructions>
+struct Lanes;
 
 template <typename>
 inline constexpr bool kNever = false;
 
 // The outcome of a comparison, one per lane. It is no bool: lanes may differ.
-template <typename S>
+template <typename S, typename Instructions>
 struct LaneMask {
-  decltype(typename Lanes<S>::Vector{} < typename Lanes<S>::Vector{}) v;
+  using Vector __attribute__((vector_size(32))) = S;
+  decltype(Vector{} < Vector{}) v;
 
   template <typename B, typename = std::enable_if_t<std::is_same_v<B, bool>>>
   operator B() const {
@@ -76,26 +54,102 @@ struct LaneMask {
   }
 };
 
-// condition ? a : b, lane by lane.
-template <typename S>
-Lanes<S> Select(LaneMask<S> condition, Lanes<S> a, Lanes<S> b) {
-  return condition.v ? a.v : b.v;
-}
+// The definition for each kind of instructions: a function's attribute can't depend on a template's
+// argument.
+//   LoadUpTo(from, count): the first `count` >= 1 values, the last of them repeated.
+//   UpTo(count): zeros beyond the first `count` values.
+//   Select(condition, a, b): condition ? a : b, lane by lane.
+#define SURFIT_DEFINE_LANES(INSTRUCTIONS, TARGET)                                          \
+  template <typename S>                                                                    \
+  struct Lanes<S, INSTRUCTIONS> {                                                          \
+    static constexpr int kCount = 32 / sizeof(S);                                          \
+    using Vector __attribute__((vector_size(32))) = S;                                     \
+    using Mask = LaneMask<S, INSTRUCTIONS>;                                                \
+                                                                                           \
+    TARGET Lanes() : v{} {}                                                                \
+    TARGET Lanes(const Vector& vector) : v(vector) {}           /* NOLINT: implicit */     \
+    TARGET Lanes(double x) : v(Vector{} + static_cast<S>(x)) {} /* NOLINT: implicit */     \
+                                                                                           \
+    TARGET static Lanes Load(const S* from) {                                              \
+      Lanes result;                                                                        \
+      std::memcpy(&result.v, from, sizeof(result.v));                                      \
+      return result;                                                                       \
+    }                                                                                      \
+    TARGET static Lanes LoadUpTo(const S* from, int count) {                               \
+      if (count >= kCount) return Load(from);                                              \
+      S values[kCount];                                                                    \
+      for (int k = 0; k < kCount; ++k) values[k] = from[k < count ? k : count - 1];        \
+      return Load(values);                                                                 \
+    }                                                                                      \
+    TARGET Lanes UpTo(int count) const {                                                   \
+      if (count >= kCount) return *this;                                                   \
+      S values[kCount];                                                                    \
+      for (int k = 0; k < kCount; ++k) values[k] = k < count ? v[k] : S(0);                \
+      return Load(values);                                                                 \
+    }                                                                                      \
+    TARGET S operator[](int k) const { return v[k]; }                                      \
+    TARGET Lanes operator-() const { return -v; }                                          \
+    TARGET Lanes& operator+=(const Lanes& other) {                                         \
+      v += other.v;                                                                        \
+      return *this;                                                                        \
+    }                                                                                      \
+    TARGET friend Lanes operator+(const Lanes& a, const Lanes& b) { return a.v + b.v; }    \
+    TARGET friend Lanes operator-(const Lanes& a, const Lanes& b) { return a.v - b.v; }    \
+    TARGET friend Lanes operator*(const Lanes& a, const Lanes& b) { return a.v * b.v; }    \
+    TARGET friend Lanes operator/(const Lanes& a, const Lanes& b) { return a.v / b.v; }    \
+    TARGET friend Mask operator<(const Lanes& a, const Lanes& b) { return {a.v < b.v}; }   \
+    TARGET friend Mask operator>(const Lanes& a, const Lanes& b) { return {a.v > b.v}; }   \
+    TARGET friend Mask operator<=(const Lanes& a, const Lanes& b) { return {a.v <= b.v}; } \
+    TARGET friend Mask operator>=(const Lanes& a, const Lanes& b) { return {a.v >= b.v}; } \
+    TARGET friend Lanes Select(const Mask& condition, const Lanes& a, const Lanes& b) {    \
+      return condition.v ? a.v : b.v;                                                      \
+    }                                                                                      \
+    TARGET friend Lanes sqrt(const Lanes& x) {                                             \
+      Lanes result;                                                                        \
+      for (int k = 0; k < kCount; ++k) result.v[k] = std::sqrt(x.v[k]);                    \
+      return result;                                                                       \
+    }                                                                                      \
+    TARGET friend Lanes log(const Lanes& x) {                                              \
+      Lanes result;                                                                        \
+      for (int k = 0; k < kCount; ++k) result.v[k] = std::log(x.v[k]);                     \
+      return result;                                                                       \
+    }                                                                                      \
+                                                                                           \
+    Vector v;                                                                              \
+  };
+
+SURFIT_DEFINE_LANES(BaseInstructions, )
+#if SURFIT_HAS_AVX2
+SURFIT_DEFINE_LANES(Avx2Instructions, SURFIT_AVX2)
+#endif
+#undef SURFIT_DEFINE_LANES
+
 inline double Select(bool condition, double a, double b) { return condition ? a : b; }
 
-// f of each lane.
-template <typename S, typename F>
-Lanes<S> ForEachLane(Lanes<S> x, const F& f) {
-  for (int k = 0; k < Lanes<S>::kCount; ++k) x.v[k] = f(x.v[k]);
-  return x;
+template <typename F>
+SURFIT_INLINE_ALL auto WithBaseInstructions(const F& f) {
+  return f(BaseInstructions());
 }
-template <typename S>
-Lanes<S> sqrt(Lanes<S> x) {
-  return ForEachLane(x, [](S value) { return std::sqrt(value); });
+#if SURFIT_HAS_AVX2
+template <typename F>
+SURFIT_AVX2 SURFIT_INLINE_ALL auto WithAvx2Instructions(const F& f) {
+  return f(Avx2Instructions());
 }
-template <typename S>
-Lanes<S> log(Lanes<S> x) {
-  return ForEachLane(x, [](S value) { return std::log(value); });
+#endif
+
+// Calls f(instructions) with the best that the processor has. All that f calls is inlined; neither
+// its argument nor its result may contain lanes.
+template <typename F>
+auto WithInstructions(const F& f) {
+#if SURFIT_HAS_AVX2
+  static const bool has_avx2 = __builtin_cpu_supports("avx2");
+  if (has_avx2) return WithAvx2Instructions(f);
+#endif
+  return WithBaseInstructions(f);
 }
 
 }  // namespace surfit
+
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic pop
+#endif

@@ -33,24 +33,22 @@ KernelValue<V> EvaluateKernel(const V& s, double width) {
   }
 }
 
-// Calls f(std::integral_constant<RobustKernelType, type>), so that the type is known to the
-// compiler.
-template <typename F>
-auto WithKernelType(RobustKernelType type, const F& f) {
-  using T = RobustKernelType;
-  switch (type) {
-    case T::kHuber:
-      return f(std::integral_constant<T, T::kHuber>());
-    case T::kTukey:
-      return f(std::integral_constant<T, T::kTukey>());
-    case T::kGemanMcClure:
-      return f(std::integral_constant<T, T::kGemanMcClure>());
-    case T::kStudentT:
-      return f(std::integral_constant<T, T::kStudentT>());
-    case T::kNone:
+// The same of a type that is known at run time only.
+template <typename V>
+KernelValue<V> EvaluateKernel(const RobustKernel& kernel, const V& s) {
+  switch (kernel.type) {
+    case RobustKernelType::kHuber:
+      return EvaluateKernel<RobustKernelType::kHuber>(s, kernel.width);
+    case RobustKernelType::kTukey:
+      return EvaluateKernel<RobustKernelType::kTukey>(s, kernel.width);
+    case RobustKernelType::kGemanMcClure:
+      return EvaluateKernel<RobustKernelType::kGemanMcClure>(s, kernel.width);
+    case RobustKernelType::kStudentT:
+      return EvaluateKernel<RobustKernelType::kStudentT>(s, kernel.width);
+    case RobustKernelType::kNone:
       break;
   }
-  return f(std::integral_constant<T, T::kNone>());
+  return EvaluateKernel<RobustKernelType::kNone>(s, kernel.width);
 }
 
 }  // namespace surfit

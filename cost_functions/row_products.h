@@ -14,7 +14,7 @@ template <typename V>
 struct RowProducts {
   V product[kRowProducts];
 
-  void Add(const V* row, V weight) {
+  void Add(const V* row, const V& weight) {
     for (int i = 0, k = 0; i < kRowColumns; ++i) {
       const V weighted = weight * row[i];
       for (int j = i; j < kRowColumns; ++j, ++k) product[k] += weighted * row[j];
@@ -22,10 +22,10 @@ struct RowProducts {
   }
 };
 
-template <typename S>
-double SumOfLanes(Lanes<S> lanes) {
+template <typename V>
+double SumOfLanes(const V& lanes) {
   double sum = 0;
-  for (int k = 0; k < Lanes<S>::kCount; ++k) sum += static_cast<double>(lanes[k]);
+  for (int k = 0; k < V::kCount; ++k) sum += static_cast<double>(lanes[k]);
   return sum;
 }
 

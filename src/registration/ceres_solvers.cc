@@ -4,10 +4,11 @@
 #include <utility>
 
 #include "core/named_values.h"
-#include "cost_functions/reduced_batch.h"
+#include "cost_functions/robust_kernel.h"
 #include "registration/functor_batch.h"
 #include "registration/pair_solver.h"
 #include "registration/pose_block.h"
+#include "registration/reduced_cost.h"
 #include "registration/solver_factories.h"
 
 namespace surfit {
@@ -51,19 +52,16 @@ class ReducedCeresSolver final : public PairSolver<ReducedCeresSolver> {
   template <typename S>
   Vector6d Solve(Pairs<S> pairs, const RobustKernel& kernel, const StepResult&,
                  SolveReport* report) const {
-    return WithFunctorOf(options().residual, [&](const auto& functor) {
-      using Functor = std::decay_t<decltype(functor)>;
-      const Stopwatch building;
-      PoseBlock pose = IdentityBlock();
-      ceres::Problem problem;
-      problem.AddParameterBlock(pose.data(), kPoseSize, new LeftPoseManifold);
-      problem.AddResidualBlock(
-          new ReducedBatch<Functor, S>(functor, MakeBatch(std::move(pairs), functor), kernel),
-          nullptr, pose.data());
-      report->build_ms = building.Milliseconds();
-      SolveProblem<S>(ceres::DENSE_QR, &problem, report);
-      return AsIncrement(pose);
-    });
+    const Stopwatch building;
+    PoseBlock pose = IdentityBlock();
+    ceres::Problem problem;
+    problem.AddParameterBlock(pose.data(), kPoseSize, new LeftPoseManifold);
+    problem.AddResidualBlock(
+        MakeReducedCost(std::move(pairs), options().residual, kernel).release(), nullptr,
+        pose.data());
+    report->build_ms = building.Milliseconds();
+    SolveProblem<S>(ceres::DENSE_QR, &problem, report);
+    return AsIncrement(pose);
   }
 };
 
@@ -73,9 +71,7 @@ class KernelLoss final : public ceres::LossFunction {
  public:
   explicit KernelLoss(const RobustKernel& kernel) : kernel_(kernel) {}
   void Evaluate(double s, double rho[3]) const override {
-    const KernelValue<double> value = WithKernelType(kernel_.type, [&](auto type) {
-      return EvaluateKernel<decltype(type)::value>(s, kernel_.width);
-    });
+    const KernelValue<double> value = EvaluateKernel(kernel_, s);
     rho[0] = value.rho;
     rho[1] = value.slope;
     rho[2] = 0;

@@ -99,9 +99,7 @@ class QrSolver final : public PairSolver<QrSolver> {
       Rows::Evaluate(pair, rows);
       const Eigen::Map<const Eigen::Matrix<double, kRows, 7, Eigen::RowMajor>> block(rows[0]);
       const double s = pair.information * block.col(6).squaredNorm();
-      const double slope = WithKernelType(kernel.type, [&](auto type) {
-        return EvaluateKernel<decltype(type)::value>(s, kernel.width).slope;
-      });
+      const double slope = EvaluateKernel(kernel, s).slope;
       all.template middleRows<kRows>(i * kRows) = std::sqrt(pair.information * slope) * block;
     }
     return all;

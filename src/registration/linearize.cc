@@ -14,21 +14,24 @@ namespace surfit {
 namespace {
 
 // Lanes beyond the first `count` repeat the last pair, without information.
-template <typename S>
-PairValues<Lanes<S>> LoadPairs(const Pairs<S>& pairs, int first, int count) {
-  const auto load = [&](const std::vector<S>& array) {
-    return Lanes<S>::LoadUpTo(array.data() + first, count);
+template <typename V, typename S>
+void LoadPairs(const Pairs<S>& pairs, int first, int count, PairValues<V>* values) {
+  const auto load = [&](const std::vector<S>& x, const std::vector<S>& y, const std::vector<S>& z,
+                        V* to) {
+    to[0] = V::LoadUpTo(x.data() + first, count);
+    to[1] = V::LoadUpTo(y.data() + first, count);
+    to[2] = V::LoadUpTo(z.data() + first, count);
   };
-  return {{load(pairs.px), load(pairs.py), load(pairs.pz)},
-          {load(pairs.qx), load(pairs.qy), load(pairs.qz)},
-          {load(pairs.nx), load(pairs.ny), load(pairs.nz)},
-          {load(pairs.mx), load(pairs.my), load(pairs.mz)},
-          load(pairs.information).UpTo(count)};
+  load(pairs.px, pairs.py, pairs.pz, values->p);
+  load(pairs.qx, pairs.qy, pairs.qz, values->q);
+  load(pairs.nx, pairs.ny, pairs.nz, values->n);
+  load(pairs.mx, pairs.my, pairs.mz, values->m);
+  values->information = V::LoadUpTo(pairs.information.data() + first, count).UpTo(count);
 }
 
 // s = |r|^2 / sigma^2 of the rows of a pair.
 template <int kRows, typename V>
-V SquaredResidual(const V rows[][kRowColumns], V information) {
+V SquaredResidual(const V rows[][kRowColumns], const V& information) {
   V sum(0.);
   for (int k = 0; k < kRows; ++k) sum += rows[k][6] * rows[k][6];
   return sum * information;
@@ -41,21 +44,21 @@ struct LaneSums {
   V rho, weight, point_square, inlier_count;
 };
 
-template <typename Rows, RobustKernelType kKernel, typename S>
-void AddLanes(const Pairs<S>& pairs, int first, int count, double kernel_width,
-              LaneSums<Lanes<S>>* sums) {
-  using V = Lanes<S>;
+template <typename Rows, typename V, typename S>
+void AddLanes(const Pairs<S>& pairs, int first, int count, const RobustKernel& kernel,
+              LaneSums<V>* sums) {
   constexpr double kInlierBound = ErrorModel::kInlierSigmas * ErrorModel::kInlierSigmas;
-  const PairValues<V> pair = LoadPairs(pairs, first, count);
+  PairValues<V> pair;
+  LoadPairs(pairs, first, count, &pair);
   V rows[Rows::kRows][kRowColumns];
   Rows::Evaluate(pair, rows);
   const V s = SquaredResidual<Rows::kRows>(rows, pair.information);
-  const KernelValue<V> kernel = EvaluateKernel<kKernel>(s, kernel_width);
-  const V weight = pair.information * kernel.slope;
+  const KernelValue<V> value = EvaluateKernel(kernel, s);
+  const V weight = pair.information * value.slope;
   for (int k = 0; k < Rows::kRows; ++k) sums->products.Add(rows[k], weight);
   sums->weight += weight;
   sums->point_square += weight * Dot(pair.p, pair.p);
-  sums->rho += kernel.rho;
+  sums->rho += value.rho;
   sums->inlier_count += Select(s <= V(kInlierBound), V(1.), V(0.)).UpTo(count);
 }
 
@@ -81,33 +84,38 @@ void Flush(const LaneSums<V>& sums, NormalSystem* system) {
 }
 
 // The system of the pairs [begin, end), lanes summed over at most 8 values each.
-template <typename Rows, RobustKernelType kKernel, typename S>
-NormalSystem SumPairs(const Pairs<S>& pairs, int begin, int end, double kernel_width) {
-  constexpr int kLanes = Lanes<S>::kCount, kFlush = 8 * kLanes;
-  NormalSystem system;
+template <typename Rows, typename V, typename S>
+void SumLanes(const Pairs<S>& pairs, int begin, int end, const RobustKernel& kernel,
+              NormalSystem* system) {
+  constexpr int kFlush = 8 * V::kCount;
   for (int first = begin; first < end; first += kFlush) {
-    LaneSums<Lanes<S>> sums;
+    LaneSums<V> sums;
     const int last = std::min(end, first + kFlush);
-    for (int i = first; i < last; i += kLanes) {
-      AddLanes<Rows, kKernel>(pairs, i, last - i, kernel_width, &sums);
+    for (int i = first; i < last; i += V::kCount) {
+      AddLanes<Rows>(pairs, i, last - i, kernel, &sums);
     }
-    Flush(sums, &system);
+    Flush(sums, system);
   }
+}
+
+template <typename Rows, typename S>
+NormalSystem SumPairs(const Pairs<S>& pairs, int begin, int end, const RobustKernel& kernel) {
+  NormalSystem system;
+  WithInstructions([&](auto instructions) {
+    SumLanes<Rows, Lanes<S, decltype(instructions)>>(pairs, begin, end, kernel, &system);
+  });
   system.pair_count = end - begin;
   system.row_count = system.pair_count * Rows::kRows;
   return system;
 }
 
 template <typename S>
-using PairSummer = NormalSystem (*)(const Pairs<S>&, int, int, double);
+using PairSummer = NormalSystem (*)(const Pairs<S>&, int, int, const RobustKernel&);
 
 template <typename S>
-PairSummer<S> PairSummerOf(ResidualType residual, RobustKernelType kernel) {
-  return WithRowsOf(residual, [&](auto rows) {
-    return WithKernelType(kernel, [&](auto type) -> PairSummer<S> {
-      return SumPairs<decltype(rows), decltype(type)::value, S>;
-    });
-  });
+PairSummer<S> PairSummerOf(ResidualType residual) {
+  return WithRowsOf(residual,
+                    [](auto rows) -> PairSummer<S> { return SumPairs<decltype(rows), S>; });
 }
 
 // The median of |r| / sigma; 0 without pairs.
@@ -119,7 +127,8 @@ double MedianResidual(const Pairs<S>& pairs) {
     using V = Lanes<S>;
     for (int i = begin; i < end; i += V::kCount) {
       const int count = std::min(end - i, V::kCount);
-      const PairValues<V> pair = LoadPairs(pairs, i, count);
+      PairValues<V> pair;
+      LoadPairs(pairs, i, count, &pair);
       V rows[Rows::kRows][kRowColumns];
       Rows::Evaluate(pair, rows);
       const V s = SquaredResidual<Rows::kRows>(rows, pair.information);
@@ -136,15 +145,15 @@ double MedianResidual(const Pairs<S>& pairs) {
 template <typename S>
 NormalSystem Linearize(const Pairs<S>& pairs, ResidualType residual, const RobustKernel& kernel) {
   constexpr int kPairsPerBlock = 4096;
-  const PairSummer<S> sum = PairSummerOf<S>(residual, kernel.type);
+  const PairSummer<S> sum = PairSummerOf<S>(residual);
   return ParallelSum(0, pairs.size, kPairsPerBlock, NormalSystem(),
-                     [&](int begin, int end) { return sum(pairs, begin, end, kernel.width); });
+                     [&](int begin, int end) { return sum(pairs, begin, end, kernel); });
 }
 
 NormalSystem Linearize(const Association& association, const Rigid3d& target_from_source,
                        ResidualType residual, const RobustKernel& kernel) {
   constexpr int kGrain = 8;
-  const PairSummer<float> sum = PairSummerOf<float>(residual, kernel.type);
+  const PairSummer<float> sum = PairSummerOf<float>(residual);
   const std::unique_ptr<const PairFinder> finder = association.At(target_from_source);
   return ParallelSum(0, association.block_count(), kGrain, NormalSystem(), [&](int begin, int end) {
     PairBuffer pairs;
@@ -152,7 +161,7 @@ NormalSystem Linearize(const Association& association, const Rigid3d& target_fro
     NormalSystem system;
     for (int block = begin; block < end; ++block) {
       finder->Find(block, &pairs);
-      system += sum(pairs, 0, pairs.size, kernel.width);
+      system += sum(pairs, 0, pairs.size, kernel);
     }
     return system;
   });

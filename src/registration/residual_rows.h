@@ -25,7 +25,7 @@ V Dot(const V* a, const V* b) {
 // The rows [a r] of the hand-built systems. The left increment moves p to p + w x p + v, so that a
 // residual with the derivative g by p has a = [p x g, g]:  g . (w x p) = w . (p x g).
 template <typename V>
-void SetRow(const V* p, const V* g, V r, V* row) {
+void SetRow(const V* p, const V* g, const V& r, V* row) {
   Cross(p, g, row);
   for (int i = 0; i < 3; ++i) row[3 + i] = g[i];
   row[6] = r;

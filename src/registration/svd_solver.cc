@@ -52,20 +52,17 @@ class SvdSolver final : public PairSolver<SvdSolver> {
     const Stopwatch solving;
     // Products about the first pair: far from the origin, centring afterwards would lose digits.
     const Eigen::Vector3d origin = pairs.p(0).template cast<double>();
-    const PointSums sums = WithKernelType(kernel.type, [&](auto type) {
-      return ParallelSum(0, pairs.size, kGrain, PointSums(), [&](int begin, int end) {
-        PointSums sum;
-        for (int i = begin; i < end; ++i) {
-          const Eigen::Vector3d p = pairs.p(i).template cast<double>() - origin;
-          const Eigen::Vector3d q = pairs.q(i).template cast<double>() - origin;
-          const double information = pairs.information[i];
-          const double w = information * EvaluateKernel<decltype(type)::value>(
-                                             information * (p - q).squaredNorm(), kernel.width)
-                                             .slope;
-          sum += {w, w * p, w * q, w * q * p.transpose()};
-        }
-        return sum;
-      });
+    const PointSums sums = ParallelSum(0, pairs.size, kGrain, PointSums(), [&](int begin, int end) {
+      PointSums sum;
+      for (int i = begin; i < end; ++i) {
+        const Eigen::Vector3d p = pairs.p(i).template cast<double>() - origin;
+        const Eigen::Vector3d q = pairs.q(i).template cast<double>() - origin;
+        const double information = pairs.information[i];
+        const double s = information * (p - q).squaredNorm();
+        const double w = information * EvaluateKernel(kernel, s).slope;
+        sum += {w, w * p, w * q, w * q * p.transpose()};
+      }
+      return sum;
     });
     report->linearize_ms = solving.Milliseconds();
     const Eigen::Vector3d p0 = sums.p / sums.weight, q0 = sums.q / sums.weight;

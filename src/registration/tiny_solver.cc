@@ -4,10 +4,11 @@
 #include <memory>
 #include <utility>
 
-#include "cost_functions/reduced_batch.h"
-#include "registration/functor_batch.h"
+#include "cost_functions/pose_manifold.h"
+#include "cost_functions/row_products.h"
 #include "registration/pair_solver.h"
 #include "registration/pose_block.h"
+#include "registration/reduced_cost.h"
 #include "registration/solver_factories.h"
 
 namespace surfit {
@@ -61,25 +62,22 @@ class TinyPoseSolver final : public PairSolver<TinyPoseSolver> {
   template <typename S>
   Vector6d Solve(Pairs<S> pairs, const RobustKernel& kernel, const StepResult& before,
                  SolveReport* report) const {
-    return WithFunctorOf(options().residual, [&](const auto& functor) {
-      using Functor = std::decay_t<decltype(functor)>;
-      const Stopwatch building;
-      const ReducedBatch<Functor, S> cost(functor, MakeBatch(std::move(pairs), functor), kernel);
-      report->build_ms = building.Milliseconds();
-      ceres::TinySolver<TinyFunction> solver;
-      solver.options.max_num_iterations = LmTolerances<S>::kMaxIterations;
-      solver.options.gradient_tolerance = LmTolerances<S>::kGradient;
-      solver.options.parameter_tolerance = LmTolerances<S>::kParameter;
-      solver.options.function_tolerance = LmTolerances<S>::kFunction * before.system.cost;
-      solver.options.cost_threshold = 0;
-      report->costs.clear();
-      Vector6d x = Vector6d::Zero();
-      const Stopwatch solving;
-      solver.Solve({&cost, report}, &x);
-      report->solve_ms = solving.Milliseconds();
-      // (exp(w), v) is the increment itself.
-      return x;
-    });
+    const Stopwatch building;
+    const auto cost = MakeReducedCost(std::move(pairs), options().residual, kernel);
+    report->build_ms = building.Milliseconds();
+    ceres::TinySolver<TinyFunction> solver;
+    solver.options.max_num_iterations = LmTolerances<S>::kMaxIterations;
+    solver.options.gradient_tolerance = LmTolerances<S>::kGradient;
+    solver.options.parameter_tolerance = LmTolerances<S>::kParameter;
+    // Absolute tolerances, unlike those of ceres::Solver.
+    solver.options.function_tolerance = LmTolerances<S>::kFunction * before.system.cost;
+    solver.options.cost_threshold = 0;
+    report->costs.clear();
+    Vector6d x = Vector6d::Zero();
+    const Stopwatch solving;
+    solver.Solve({cost.get(), report}, &x);
+    report->solve_ms = solving.Milliseconds();
+    return x;  // (exp(w), v) is the increment itself
   }
 };
 

@@ -24,10 +24,11 @@ T AllOperations(const T& x, const T& y, const C& c) {
 }
 
 TEST(Dual, HasTheDerivativesOfJets) {
-  const double xs[2] = {0.7, 2.3}, ys[2] = {1.9, 0.4}, cs[2] = {-1.1, 3.7};
+  const double xs[4] = {0.7, 2.3, 1.1, 0.2}, ys[4] = {1.9, 0.4, 1.1, 3.1},
+               cs[4] = {-1.1, 3.7, 0.6, -0.3};
   const D2 lanes = AllOperations(D2::Variable(Lanes<double>::Load(xs), 0),
                                  D2::Variable(Lanes<double>::Load(ys), 1), Lanes<double>::Load(cs));
-  for (int k = 0; k < 2; ++k) {
+  for (int k = 0; k < 4; ++k) {
     const Jet jet = AllOperations(Jet(xs[k], 0), Jet(ys[k], 1), cs[k]);
     // A few dozen roundings of numbers below 100.
     EXPECT_NEAR(lanes.value[k], jet.a, 1e-12);
@@ -36,12 +37,44 @@ TEST(Dual, HasTheDerivativesOfJets) {
   }
 }
 
-TEST(Lanes, AreFourFloatsOrTwoDoubles) {
-  EXPECT_EQ(Lanes<float>::kCount, 4);
-  EXPECT_EQ(Lanes<double>::kCount, 2);
-  const float x[4] = {1, 2, 3, 4};
+TEST(Lanes, AreEightFloatsOrFourDoubles) {
+  EXPECT_EQ(Lanes<float>::kCount, 8);
+  EXPECT_EQ(Lanes<double>::kCount, 4);
+  const float x[8] = {1, 2, 3, 4, 5, 6, 7, 8};
   const Lanes<float> y = Lanes<float>::Load(x) * 2. + 1.;
-  for (int k = 0; k < 4; ++k) EXPECT_EQ(y[k], 2 * x[k] + 1);
+  for (int k = 0; k < 8; ++k) EXPECT_EQ(y[k], 2 * x[k] + 1);
+}
+
+TEST(Lanes, LoadAndKeepUpToACount) {
+  const double x[4] = {1, 2, 3, 4};
+  const Lanes<double> loaded = Lanes<double>::LoadUpTo(x, 2);
+  const double expected[4] = {1, 2, 2, 2};
+  for (int k = 0; k < 4; ++k) {
+    EXPECT_EQ(loaded[k], expected[k]);
+    EXPECT_EQ(loaded.UpTo(3)[k], k < 3 ? expected[k] : 0);
+    EXPECT_EQ(Lanes<double>::LoadUpTo(x, 9)[k], x[k]);
+    EXPECT_EQ(loaded.UpTo(9)[k], expected[k]);
+  }
+}
+
+// Whatever the processor has: the numbers are the same bit for bit.
+TEST(Instructions, GiveTheSameNumbers) {
+  const auto compute = [](auto instructions, float* results) {
+    using V = Lanes<float, decltype(instructions)>;
+    const float x[8] = {0.1f, -2, 30, 4e-5f, 5, 0.6f, 7.7f, 8.1f};
+    Dual<V, 2> a = Dual<V, 2>::Variable(V::Load(x), 0), b(V(0.3));
+    for (int i = 0; i < 4; ++i) {
+      b = b * a / (b + 1.7) + sqrt(b * b + 0.1) * Select(a > b, a - b, a * 0.01);
+    }
+    for (int k = 0; k < 8; ++k) {
+      results[k] = b.value[k];
+      results[8 + k] = b.derivative[0][k];
+    }
+  };
+  float base[16], best[16];
+  WithBaseInstructions([&](auto instructions) { compute(instructions, base); });
+  WithInstructions([&](auto instructions) { compute(instructions, best); });
+  for (int k = 0; k < 16; ++k) EXPECT_EQ(base[k], best[k]) << k;
 }
 
 }  // namespace

@@ -54,9 +54,7 @@ Expansion PerPoint(const std::vector<Functor>& functors, const PoseBlock& pose,
     double* jacobian = ambient.data();
     cost->Evaluate(&parameters, r.data(), &jacobian);
     const Eigen::Matrix<double, kRows, 6> j = ambient * PlusJacobian(pose);
-    const KernelValue<double> rho = WithKernelType(kernel.type, [&](auto type) {
-      return EvaluateKernel<decltype(type)::value>(r.squaredNorm(), kernel.width);
-    });
+    const KernelValue<double> rho = EvaluateKernel(kernel, r.squaredNorm());
     sum.cost += rho.rho / 2;
     sum.gradient += rho.slope * j.transpose() * r;
     sum.hessian += rho.slope * j.transpose() * j;

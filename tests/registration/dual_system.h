@@ -62,9 +62,7 @@ inline NormalSystem DualSystem(const Correspondences& c, ResidualType type,
     double square = 0;
     for (const Jet& r : residuals) square += r.a * r.a;
     const double s = square * c.information[i];
-    const KernelValue<double> value = WithKernelType(kernel.type, [&](auto kind) {
-      return EvaluateKernel<decltype(kind)::value>(s, kernel.width);
-    });
+    const KernelValue<double> value = EvaluateKernel(kernel, s);
     const double weight = c.information[i] * value.slope;
     for (const Jet& r : residuals) {
       system.hessian += weight * r.v * r.v.transpose();

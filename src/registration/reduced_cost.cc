@@ -1,0 +1,24 @@
+#include "registration/reduced_cost.h"
+
+#include <utility>
+
+#include "cost_functions/reduced_batch.h"
+#include "registration/functor_batch.h"
+
+namespace surfit {
+
+template <typename S>
+std::unique_ptr<ceres::CostFunction> MakeReducedCost(Pairs<S> pairs, ResidualType residual,
+                                                     const RobustKernel& kernel) {
+  return WithFunctorOf(residual, [&](const auto& functor) -> std::unique_ptr<ceres::CostFunction> {
+    return std::make_unique<ReducedBatch<std::decay_t<decltype(functor)>, S>>(
+        functor, MakeBatch(std::move(pairs), functor), kernel);
+  });
+}
+
+template std::unique_ptr<ceres::CostFunction> MakeReducedCost(Pairs<float>, ResidualType,
+                                                              const RobustKernel&);
+template std::unique_ptr<ceres::CostFunction> MakeReducedCost(Pairs<double>, ResidualType,
+                                                              const RobustKernel&);
+
+}  // namespace surfit
