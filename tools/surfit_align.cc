@@ -6,6 +6,7 @@
 
 #include "common/sequence_flags.h"
 #include "common/slam_flags.h"
+#include "common/solver_flags.h"
 #include "common/tool_main.h"
 #include "surfit/core/error.h"
 #include "surfit/run/align_run.h"
@@ -87,6 +88,7 @@ int Run() {
   options.threads = FLAGS_threads;
   options.preprocess = PreprocessOptionsFromFlags();
   options.icp = IcpOptionsFromFlags(surfit::AlignRunOptions::DefaultIcp());
+  SetSolverFromFlags(&options.icp);
   const AlignRunResult result = RunAlign(options);
   PrintIterations(result.icp);
   PrintResult(result);

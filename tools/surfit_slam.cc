@@ -1,14 +1,15 @@
 // Dense SLAM over a recorded sequence: trajectory, surfel map, figures and pictures.
 
 #include <gflags/gflags.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <csignal>
 #include <cstdio>
 
+#include "common/progress_line.h"
 #include "common/sequence_flags.h"
 #include "common/slam_flags.h"
+#include "common/solver_flags.h"
 #include "common/tool_main.h"
 #include "surfit/run/slam_run.h"
 
@@ -69,6 +70,7 @@ SlamRunOptions OptionsFromFlags() {
   SlamOptions& slam = options.slam;
   slam.preprocess = PreprocessOptionsFromFlags();
   slam.icp = IcpOptionsFromFlags();
+  SetSolverFromFlags(&slam.icp);
   slam.tracking = FLAGS_tracking;
   slam.motion_model = FLAGS_motion_model;
   slam.min_inlier_share = FLAGS_min_inlier_share;
@@ -84,19 +86,15 @@ SlamRunOptions OptionsFromFlags() {
   return options;
 }
 
-// One line that is written over on a terminal, and now and then a new one elsewhere.
 void ShowProgress(const SlamRunProgress& progress) {
-  static const bool terminal = isatty(STDERR_FILENO) != 0;
-  static double shown_s = 0;
-  const bool last = progress.frames_done == progress.frames_total;
-  if (!last && progress.elapsed_s - shown_s < (terminal ? 0.2 : 10)) return;
-  shown_s = progress.elapsed_s;
+  static ProgressLine line;
   const double fps = progress.frames_done / progress.elapsed_s;
-  std::fprintf(stderr, "%sframe %d/%d  %.1f fps  map %.2f M surfels  %.0f s left%s",
-               terminal ? "\r" : "", progress.frames_done, progress.frames_total, fps,
-               static_cast<double>(progress.map_points) * 1e-6,
-               (progress.frames_total - progress.frames_done) / fps,
-               terminal && !last ? "   " : "\n");
+  char text[200];
+  std::snprintf(text, sizeof(text), "frame %d/%d  %.1f fps  map %.2f M surfels  %.0f s left",
+                progress.frames_done, progress.frames_total, fps,
+                static_cast<double>(progress.map_points) * 1e-6,
+                (progress.frames_total - progress.frames_done) / fps);
+  line.Show(text, progress.elapsed_s, progress.frames_done == progress.frames_total);
 }
 
 void PrintSummary(const SlamRunSummary& s, const std::string& output) {

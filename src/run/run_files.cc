@@ -1,6 +1,5 @@
 #include "run/run_files.h"
 
-#include <filesystem>
 #include <iomanip>
 
 #include "surfit/core/error.h"
@@ -8,21 +7,10 @@
 
 namespace surfit {
 
-void PrepareOutputFolder(const std::string& folder) {
-  namespace fs = std::filesystem;
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error || !fs::is_directory(folder)) {
-    throw InputError(Concat(folder, ": cannot make the output folder: ", error.message()));
-  }
-  for (const char* name :
-       {"trajectory.txt", "frames.csv", "map.ply", "summary.json", "trajectory.png",
-        "map_color.png", "map_normals.png", "map_confidence.png", "map_last_seen.png"}) {
-    fs::remove(fs::path(folder) / name, error);
-    if (error) {
-      throw InputError(Concat(folder, "/", name, ": cannot be replaced: ", error.message()));
-    }
-  }
+std::vector<std::string> RunFileNames() {
+  return {"trajectory.txt",  "frames.csv",         "map.ply",
+          "summary.json",    "trajectory.png",     "map_color.png",
+          "map_normals.png", "map_confidence.png", "map_last_seen.png"};
 }
 
 RunFiles::RunFiles(const std::string& folder, bool mirrored)

@@ -2,6 +2,7 @@
 
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include "surfit/io/frame_source.h"
 #include "surfit/io/tum_trajectory.h"
@@ -9,9 +10,8 @@
 
 namespace surfit {
 
-// Makes the output folder if it is missing, and removes a former run's files from it.
-// Throws InputError naming the folder if that fails.
-void PrepareOutputFolder(const std::string& folder);
+// All that a run may write into its output folder.
+std::vector<std::string> RunFileNames();
 
 // The files that grow with every frame: trajectory.txt and frames.csv.
 class RunFiles {

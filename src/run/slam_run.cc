@@ -12,6 +12,8 @@
 
 #include "run/digest.h"
 #include "run/given_poses.h"
+#include "run/output_folder.h"
+#include "run/quantile.h"
 #include "run/run_files.h"
 #include "run/summary_json.h"
 #include "surfit/core/error.h"
@@ -28,16 +30,6 @@ using Clock = std::chrono::steady_clock;
 
 double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-// The value at a share of the ascending order, interpolated between two; 0 of nothing.
-double Quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  const double rank = share * static_cast<double>(values.size() - 1);
-  const std::size_t below = static_cast<std::size_t>(rank);
-  const std::size_t above = std::min(below + 1, values.size() - 1);
-  return values[below] + (rank - static_cast<double>(below)) * (values[above] - values[below]);
 }
 
 TimeStatistics Statistics(const std::vector<double>& times_ms) {
@@ -67,7 +59,7 @@ class SlamRun {
       throw InputError(
           Concat("poses is 'groundtruth', but ", options.sequence.path, " has no ground truth"));
     }
-    PrepareOutputFolder(options.output);
+    PrepareOutputFolder(options.output, RunFileNames());
     files_ = std::make_unique<RunFiles>(options.output, info_.mirrored);
   }
 

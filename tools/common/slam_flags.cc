@@ -14,16 +14,6 @@ constexpr double kDegree = 3.14159265358979323846 / 180;
 
 }  // namespace
 
-DEFINE_string(solver, kIcp.solver,
-              "pose solver: closed_form_ldlt, closed_form_lu, closed_form_qr, svd (point_to_point "
-              "only), ceres, ceres_per_point or tiny");
-DEFINE_string(linear_solver, kIcp.linear_solver,
-              "linear solver of ceres_per_point: dense_qr, dense_normal_cholesky or "
-              "sparse_normal_cholesky");
-DEFINE_string(residual, kIcp.residual,
-              "residual: point_to_point, point_to_plane, symmetric_point_to_plane or "
-              "plane_to_plane");
-DEFINE_string(association, kIcp.association, "data association: projective or kd_tree");
 DEFINE_int32(max_iterations, kIcp.max_iterations, "ICP iterations on each pyramid level at most");
 DEFINE_double(max_distance_m, kIcp.gates.max_distance_m,
               "pairs farther apart are no pairs, on the finest level; 0 = off");
@@ -89,10 +79,6 @@ void SetIcpFlagDefaults(const IcpOptions& options) {
 
 IcpOptions IcpOptionsFromFlags(const IcpOptions& base) {
   IcpOptions options = base;
-  options.solver = FLAGS_solver;
-  options.linear_solver = FLAGS_linear_solver;
-  options.residual = FLAGS_residual;
-  options.association = FLAGS_association;
   options.max_iterations = FLAGS_max_iterations;
   options.gates.max_distance_m = FLAGS_max_distance_m;
   options.gates.max_normal_angle_rad = FLAGS_max_normal_angle_deg * kDegree;

@@ -9,7 +9,8 @@ namespace surfit::tools {
 
 // The flags of preprocessing and registration, shared by all programs that register frames.
 PreprocessOptions PreprocessOptionsFromFlags();
-// What has no flag is taken from `base`.
+// What has no flag is taken from `base`, and so are solver, residual and association
+// (solver_flags.h).
 IcpOptions IcpOptionsFromFlags(const IcpOptions& base = {});
 
 // Makes these the flags' defaults, for a program whose own differ. To be called before ToolMain().

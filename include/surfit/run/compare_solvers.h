@@ -1,0 +1,101 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "surfit/frame/preprocess.h"
+#include "surfit/io/sequence.h"
+#include "surfit/registration/icp.h"
+
+namespace surfit {
+
+// What to compare, and on what: exactly one of synthetic_points, sequence and the two clouds.
+struct CompareOptions {
+  int synthetic_points = 0;  // so many known pairs; 0 = none
+  double noise_m = 0;        // standard deviation of each coordinate of their targets
+
+  SequenceOptions sequence;  // its path empty = none; stride is not used
+  int pairs = 4;             // of its frames, evenly spread
+  int gap = 10;              // frames from source to target
+
+  std::string source, target;    // clouds: PLY or PCD
+  std::optional<Rigid3d> truth;  // target_from_source of the clouds, where known
+
+  std::string output;  // folder for tables and pictures; made if missing
+
+  // By name; empty = all that make sense.
+  std::vector<std::string> solvers, linear_solvers, residuals, associations;
+  std::vector<int> threads = {2};  // one row for each
+
+  // Each registration starts at the truth (the identity where it is unknown), turned about the
+  // target's origin and shifted, each with each, about and along random axes.
+  std::vector<double> rotations_deg = {1, 5, 10, 20, 45};
+  std::vector<double> translations_m = {0.01, 0.05, 0.1, 0.3, 1};
+  std::uint64_t seed = 1;
+  // Nearer to the truth counts as converged.
+  double max_rotation_error_deg = 1;
+  double max_translation_error_m = 0.02;
+
+  PreprocessOptions preprocess;
+  IcpOptions icp;  // its solver, residual and association are the compared ones
+
+  // Throws InputError naming the option, its value and the constraint; for unknown names and
+  // impossible combinations it lists what is possible.
+  void Validate() const;
+};
+
+// One way to solve for a pose.
+struct SolverCombination {
+  std::string solver;
+  std::string linear_solver;  // of ceres_per_point, else empty
+  std::string residual;
+  std::string association;  // "known" for known pairs
+
+  // "solver", or "solver (linear_solver)".
+  std::string SolverTitle() const;
+};
+
+// What a combination did on all starts: medians over the runs that converged (that did not fail,
+// where the truth is unknown). Where none did, of points, times and iterations those over all runs;
+// cost and errors are empty then, as is what does not apply.
+struct ComparisonRow {
+  SolverCombination combination;
+  int points = 0;  // of the source, on the finest level
+  int threads = 0;
+  int runs = 0;
+  std::optional<double> build_ms;      // of a solve: what Ceres is given
+  std::optional<double> linearize_ms;  // once; with the association where both are done at once
+  std::optional<double> solve_ms;      // of a solve, without build_ms
+  double total_ms = 0;                 // from the start to the final pose, all included
+  double iterations = 0;               // steps of ICP or, over known pairs, linearisations
+  std::optional<double> final_cost;    // 1/2 sum of rho(s)
+  std::optional<double> rotation_error_deg, translation_error_m;
+  std::optional<double> converged_share;  // of all runs
+  std::string termination;  // the most frequent one of all runs; empty over known pairs
+};
+
+struct CompareProgress {
+  int runs_done = 0;
+  int runs_total = 0;
+  double elapsed_s = 0;
+};
+
+struct Comparison {
+  std::vector<ComparisonRow> rows;
+  std::vector<std::string> notes;  // what the user should know of the rows
+};
+
+// Runs every combination from every start and writes comparison.csv, comparison.json,
+// convergence.png, basin.png and time.png into the output folder. Combinations take turns, so that
+// what else the machine does meets all of them alike. ceres_per_point is slow: over known pairs it
+// runs from a few of the starts only, elsewhere only if it is asked for by name, and then on the
+// first pair. When `interrupted` becomes true, what has been run so far is written.
+// Throws InputError for bad options or data that cannot be read.
+Comparison CompareSolvers(const CompareOptions& options, const std::atomic<bool>& interrupted,
+                          const std::function<void(const CompareProgress&)>& progress);
+
+}  // namespace surfit

@@ -1,0 +1,74 @@
+#include "run/comparison_files.h"
+
+#include <nlohmann/json.hpp>
+
+#include "surfit/core/atomic_file.h"
+
+namespace surfit {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json ToJson(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+Json ToJson(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
+
+Json ToJson(const ComparisonRow& row) {
+  return {{"solver", row.combination.solver},
+          {"linear_solver", ToJson(row.combination.linear_solver)},
+          {"residual", row.combination.residual},
+          {"association", row.combination.association},
+          {"points", row.points},
+          {"threads", row.threads},
+          {"runs", row.runs},
+          {"build_ms", ToJson(row.build_ms)},
+          {"linearize_ms", ToJson(row.linearize_ms)},
+          {"solve_ms", ToJson(row.solve_ms)},
+          {"total_ms", row.total_ms},
+          {"iterations", row.iterations},
+          {"final_cost", ToJson(row.final_cost)},
+          {"rotation_error_deg", ToJson(row.rotation_error_deg)},
+          {"translation_error_m", ToJson(row.translation_error_m)},
+          {"converged_share", ToJson(row.converged_share)},
+          {"termination", ToJson(row.termination)}};
+}
+
+// The keys of the first row, then each row's values.
+void WriteCsv(const Json& rows, const std::string& path) {
+  WriteFileAtomically(path, [&](std::ostream& file) {
+    if (rows.empty()) return;
+    const char* separator = "";
+    for (const auto& [key, value] : rows.front().items()) {
+      file << separator << key;
+      separator = ",";
+    }
+    file << '\n';
+    for (const Json& row : rows) {
+      separator = "";
+      for (const auto& [key, value] : row.items()) {
+        file << separator;
+        if (value.is_string()) {
+          file << value.get<std::string>();
+        } else if (!value.is_null()) {
+          file << value.dump();
+        }
+        separator = ",";
+      }
+      file << '\n';
+    }
+  });
+}
+
+}  // namespace
+
+void WriteComparisonFiles(const Comparison& comparison, const std::string& folder) {
+  Json rows = Json::array();
+  for (const ComparisonRow& row : comparison.rows) rows.push_back(ToJson(row));
+  WriteCsv(rows, folder + "/comparison.csv");
+  Json json;
+  json["rows"] = std::move(rows);
+  json["notes"] = comparison.notes;
+  WriteFileAtomically(folder + "/comparison.json",
+                      [&](std::ostream& file) { file << json.dump(2) << '\n'; });
+}
+
+}  // namespace surfit

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "surfit/run/compare_solvers.h"
+
+namespace surfit {
+
+// comparison.csv and comparison.json: a line, or an element of `rows`, for each row; what does not
+// apply is empty, or null. Throws InputError naming the file that cannot be written.
+void WriteComparisonFiles(const Comparison& comparison, const std::string& folder);
+
+}  // namespace surfit

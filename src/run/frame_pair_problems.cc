@@ -1,0 +1,76 @@
+// Pairs of frames of a sequence.
+#include <algorithm>
+#include <memory>
+
+#include "registration/pair_solver.h"
+#include "run/pose_problem.h"
+#include "run/posed_view.h"
+#include "surfit/core/error.h"
+
+namespace surfit {
+namespace {
+
+// Index of the source frame of pair i: spread evenly from the first to the last possible one.
+int SourceOf(int i, int pairs, int first, int last) {
+  return pairs == 1 ? first
+                    : first + static_cast<int>(std::int64_t{last - first} * i / (pairs - 1));
+}
+
+int CountValid(const FrameLevel& level) {
+  const auto& z = level.vertex.z;
+  return static_cast<int>(std::count_if(z.begin(), z.end(), [](float depth) { return depth > 0; }));
+}
+
+SolveOutcome Solve(const FramePyramid& source, const FramePyramid& target, IcpOptions icp,
+                   const SolverCombination& combination, const Rigid3d& start) {
+  SetCombination(combination, &icp);
+  const Stopwatch total;
+  const IcpResult result = Register(source, target, start, icp);
+  return OutcomeOf(result, CountValid(source.levels.front()), total.Milliseconds());
+}
+
+}  // namespace
+
+void SetCombination(const SolverCombination& combination, IcpOptions* icp) {
+  icp->solver = combination.solver;
+  if (!combination.linear_solver.empty()) icp->linear_solver = combination.linear_solver;
+  icp->residual = combination.residual;
+  icp->association = combination.association;
+}
+
+PoseProblem FramePairProblem(FramePyramid source, FramePyramid target,
+                             const std::optional<Rigid3d>& truth, const IcpOptions& icp) {
+  PoseProblem problem;
+  problem.truth = truth;
+  const auto shared_source = std::make_shared<const FramePyramid>(std::move(source));
+  const auto shared_target = std::make_shared<const FramePyramid>(std::move(target));
+  problem.solve = [=](const SolverCombination& combination, const Rigid3d& start) {
+    return Solve(*shared_source, *shared_target, icp, combination, start);
+  };
+  return problem;
+}
+
+PoseProblems FramePairProblems(const CompareOptions& options) {
+  const int first = options.sequence.first;
+  const int frames = OpenSequence(options.sequence)->info().frame_count;
+  const int last = first + frames - 1 - options.gap;
+  if (last < first) {
+    throw InputError(Concat("gap is ", options.gap, ", must be below the ", frames, " frames of ",
+                            options.sequence.path));
+  }
+  const int count = std::min(options.pairs, last - first + 1);
+  return {count, [&options, count, first, last](int i) {
+            const int index = SourceOf(i, count, first, last);
+            PosedView source = ReadPosedView(options.sequence, index, options.preprocess);
+            PosedView target =
+                ReadPosedView(options.sequence, index + options.gap, options.preprocess);
+            std::optional<Rigid3d> truth;
+            if (source.world_from_camera && target.world_from_camera) {
+              truth = target.world_from_camera->Inverse() * *source.world_from_camera;
+            }
+            return FramePairProblem(std::move(source.pyramid), std::move(target.pyramid), truth,
+                                    options.icp);
+          }};
+}
+
+}  // namespace surfit

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "surfit/run/compare_solvers.h"
+
+namespace surfit {
+
+// What one combination made of one start.
+struct SolveOutcome {
+  Rigid3d target_from_source;
+  std::string termination;  // empty over known pairs
+  bool succeeded = false;
+  int points = 0;
+  int iterations = 0;
+  std::optional<double> build_ms, linearize_ms, solve_ms;  // medians of the finest level's solves
+  double total_ms = 0;
+  double final_cost = 0;
+  std::vector<double> losses;  // m^2, weighted mean of |r|^2 at each iteration
+};
+
+// Two surfaces, and how to solve for the motion between them.
+struct PoseProblem {
+  std::optional<Rigid3d> truth;  // target_from_source
+  std::function<SolveOutcome(const SolverCombination&, const Rigid3d& start)> solve;
+};
+
+// Problems, each made when it is its turn.
+struct PoseProblems {
+  int count = 0;
+  std::function<PoseProblem(int)> make;
+};
+
+// Of the options' synthetic_points, or sequence, or clouds.
+PoseProblems KnownPairsProblems(const CompareOptions& options);
+PoseProblems FramePairProblems(const CompareOptions& options);
+PoseProblems CloudProblems(const CompareOptions& options);
+
+// Two frames.
+PoseProblem FramePairProblem(FramePyramid source, FramePyramid target,
+                             const std::optional<Rigid3d>& truth, const IcpOptions& icp);
+
+// Makes the options those of a combination.
+void SetCombination(const SolverCombination& combination, IcpOptions* icp);
+
+// Sets the times from what the solves of one start took.
+void SetTimes(const std::vector<SolveReport>& reports, SolveOutcome* outcome);
+
+// A registration by ICP, taken from its result and the time it took.
+SolveOutcome OutcomeOf(const IcpResult& result, int points, double total_ms);
+
+}  // namespace surfit

@@ -1,0 +1,26 @@
+#include "run/posed_view.h"
+
+#include <memory>
+#include <utility>
+
+#include "surfit/core/error.h"
+
+namespace surfit {
+
+PosedView ReadPosedView(const SequenceOptions& options, int index,
+                        const PreprocessOptions& preprocess) {
+  SequenceOptions sequence = options;
+  sequence.first = sequence.last = index;
+  sequence.stride = 1;
+  const std::unique_ptr<FrameSource> source = OpenSequence(sequence);
+  std::optional<ReadResult> result = source->Next();
+  if (!result) throw InputError(Concat(sequence.path, ": there is no frame ", index));
+  if (!result->frame) throw InputError(result->error);
+  PosedView view;
+  view.pyramid = PreprocessDepth(result->frame->depth_m, source->info().pinhole, preprocess);
+  view.color = std::move(result->frame->color);
+  view.world_from_camera = InterpolatePose(source->info().ground_truth, result->stamp_s);
+  return view;
+}
+
+}  // namespace surfit

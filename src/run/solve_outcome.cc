@@ -1,0 +1,49 @@
+#include <cmath>
+
+#include "run/pose_problem.h"
+#include "run/quantile.h"
+
+namespace surfit {
+namespace {
+
+std::optional<double> MedianOf(const std::vector<SolveReport>& reports, double SolveReport::*time) {
+  if (reports.empty()) return std::nullopt;
+  std::vector<double> times;
+  for (const SolveReport& report : reports) times.push_back(report.*time);
+  return Quantile(times, 0.5);
+}
+
+}  // namespace
+
+void SetTimes(const std::vector<SolveReport>& reports, SolveOutcome* outcome) {
+  outcome->build_ms = MedianOf(reports, &SolveReport::build_ms);
+  if (outcome->build_ms == 0) outcome->build_ms.reset();  // nothing was built
+  outcome->linearize_ms = MedianOf(reports, &SolveReport::linearize_ms);
+  outcome->solve_ms = MedianOf(reports, &SolveReport::solve_ms);
+}
+
+SolveOutcome OutcomeOf(const IcpResult& result, int points, double total_ms) {
+  SolveOutcome outcome;
+  outcome.target_from_source = result.target_from_source;
+  outcome.termination = ToString(result.termination);
+  outcome.succeeded = result.Succeeded();
+  outcome.points = points;
+  outcome.iterations = result.step_count;
+  outcome.total_ms = total_ms;
+  std::vector<SolveReport> reports;
+  for (const IcpIteration& iteration : result.iterations) {
+    outcome.losses.push_back(iteration.average_loss);
+    if (iteration.level == 0 && !iteration.report.costs.empty()) {
+      reports.push_back(iteration.report);
+    }
+  }
+  SetTimes(reports, &outcome);
+  // The pose is the one before where the last step made the fit worse.
+  const std::size_t back = result.termination == Termination::kRmseIncreased ? 2 : 1;
+  if (result.iterations.size() >= back) {
+    outcome.final_cost = (result.iterations.end() - back)->cost;
+  }
+  return outcome;
+}
+
+}  // namespace surfit

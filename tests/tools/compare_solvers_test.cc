@@ -1,0 +1,123 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "testing/run_program.h"
+
+namespace surfit::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+class CompareTool : public ::testing::Test {
+ protected:
+  ProgramResult Compare(std::vector<std::string> flags) const {
+    flags.push_back("--output=" + Output());
+    return RunProgram("surfit_compare_solvers", flags);
+  }
+  std::string Output() const { return own_ / "out"; }
+  nlohmann::json Rows() const {
+    return nlohmann::json::parse(ReadBytes(Output() + "/comparison.json"))["rows"];
+  }
+
+  TempFolder own_;
+};
+
+TEST_F(CompareTool, ComparesAllSolversOverKnownPairs) {
+  const ProgramResult result =
+      Compare({"--synthetic_points=2000", "--rotations_deg=1,10", "--translations_m=0.01,0.1"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("ceres_per_point (sparse_normal_cholesky)"));
+  const nlohmann::json rows = Rows();
+  ASSERT_EQ(rows.size(), 33u);
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.dump());
+    const bool slow = row["solver"] == "ceres_per_point";
+    EXPECT_EQ(row["runs"], slow ? 2 : 4);
+    EXPECT_EQ(row["points"], 2000);
+    EXPECT_EQ(row["converged_share"], 1);
+    // Coordinates of at most 6 m in single precision are rounded by 2.4e-7 m.
+    EXPECT_LT(row["translation_error_m"], 1e-6);
+    const bool builds = slow || row["solver"] == "ceres" || row["solver"] == "tiny";
+    EXPECT_EQ(row["build_ms"].is_null(), !builds);
+    EXPECT_GE(row["total_ms"], row["solve_ms"]);
+    EXPECT_TRUE(row["termination"].is_null());
+  }
+  std::istringstream csv(ReadBytes(Output() + "/comparison.csv"));
+  std::string line;
+  std::getline(csv, line);
+  EXPECT_THAT(line, StartsWith("solver,linear_solver,residual,association,points,threads,"));
+  int lines = 0;
+  while (std::getline(csv, line)) ++lines;
+  EXPECT_EQ(lines, 33);
+}
+
+// Noise of 1 cm on each of 2000 points leaves the pose 1 cm / sqrt(2000) off, turns about the
+// origin 3 m away add a few times as much.
+TEST_F(CompareTool, KeepsToNoiseOverKnownPairs) {
+  const ProgramResult result = Compare(
+      {"--synthetic_points=2000", "--noise_m=0.01", "--rotations_deg=5", "--translations_m=0.1",
+       "--solvers=svd,closed_form_ldlt,ceres", "--residuals=point_to_point", "--threads=1,2"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const nlohmann::json rows = Rows();
+  ASSERT_EQ(rows.size(), 6u);
+  for (const auto& row : rows) {
+    EXPECT_GT(row["translation_error_m"], 1e-5);
+    EXPECT_LT(row["translation_error_m"], 5 * 4 * 0.01 / std::sqrt(2000));
+    // All of them reach the same minimum.
+    EXPECT_NEAR(row["final_cost"], rows[0]["final_cost"],
+                1e-5 * rows[0]["final_cost"].get<double>());
+  }
+  EXPECT_EQ(rows[0]["threads"], 1);
+  EXPECT_EQ(rows[1]["threads"], 2);
+}
+
+TEST_F(CompareTool, ComparesOverPairsOfFrames) {
+  const std::string room = own_ / "room";
+  ASSERT_EQ(
+      RunProgram("surfit_simulate", {"--output=" + room, "--frames=6", "--downsample=4"}).exit_code,
+      0);
+  const ProgramResult result =
+      Compare({"--sequence=" + room, "--pairs=2", "--gap=2", "--rotations_deg=1,45",
+               "--translations_m=0.01,1", "--solvers=closed_form_ldlt,ceres"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const nlohmann::json rows = Rows();
+  ASSERT_EQ(rows.size(), 2u * 4 * 2);
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.dump());
+    EXPECT_EQ(row["runs"], 8);
+    if (row["residual"] != "point_to_plane") continue;
+    EXPECT_GE(row["converged_share"], 0.25);  // from 1 deg and 1 cm
+    EXPECT_LT(row["converged_share"], 1);     // not from 45 deg and 1 m
+    EXPECT_LT(row["translation_error_m"], 0.005);
+    EXPECT_FALSE(row["termination"].is_null());
+  }
+}
+
+TEST_F(CompareTool, RefusesBadInputInOneSentence) {
+  const std::pair<std::vector<std::string>, const char*> cases[] = {
+      {{}, "0 of them are set, must be one"},
+      {{"--synthetic_points=10", "--sequence=x"}, "2 of them are set, must be one"},
+      {{"--synthetic_points=-5"}, "synthetic_points is -5, must be from 10"},
+      {{"--synthetic_points=10", "--solvers=magic"}, "closed_form_ldlt"},
+      {{"--synthetic_points=10", "--solvers=svd", "--residuals=point_to_plane"}, "point_to_point"},
+      {{"--synthetic_points=10", "--threads=two"}, "threads is 'two', must be whole numbers"},
+      {{"--synthetic_points=10", "--threads=0"}, "threads has 0, must be from 1"},
+      {{"--synthetic_points=10", "--rotations_deg=1,x"}, "rotations_deg is '1,x'"},
+      {{"--synthetic_points=10", "--translations_m=-1"}, "translations_m has -1"},
+      {{"--sequence=nowhere"}, "nowhere"},
+  };
+  for (const auto& [flags, message] : cases) {
+    const ProgramResult result = Compare(flags);
+    EXPECT_EQ(result.exit_code, 1) << message;
+    EXPECT_THAT(result.err, AllOf(StartsWith("error: "), HasSubstr(message)));
+  }
+}
+
+}  // namespace
+}  // namespace surfit::testing
