@@ -99,7 +99,7 @@ void PlotCanvas::BeginAxes(const Axes& axes) {
   SetColor(kGrid);
   plbox("g", 0, 0, "g", 0, 0);
   SetColor(kInk);
-  plbox("bcnst", 0, 0, "bcnstv", 0, 0);
+  plbox("bcnst", 0, 0, axes.y_logarithmic ? "bclnstv" : "bcnstv", 0, 0);
   plmtex("t", 1.5, 0.5, 0.5, axes.title.c_str());
   plmtex("b", 3, 0.5, 0.5, axes.x_label.c_str());
   plmtex("l", 4.5, 0.5, 0.5, axes.y_label.c_str());

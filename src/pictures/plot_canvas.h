@@ -18,6 +18,8 @@ struct Axes {
   PixelBox box;
   AxisRanges ranges;
   std::string title, x_label, y_label;
+  // Whether the y range holds common logarithms; its numbers are powers of ten then.
+  bool y_logarithmic = false;
 };
 
 // Draws lines, text and axes upon an image, through PLplot and Cairo in memory. The image holds the

@@ -5,6 +5,7 @@
 
 #include "registration/pair_solver.h"
 #include "run/comparison_files.h"
+#include "run/comparison_pictures.h"
 #include "run/comparison_rows.h"
 #include "run/output_folder.h"
 #include "run/solver_combinations.h"
@@ -123,6 +124,7 @@ Comparison CompareSolvers(const CompareOptions& options, const std::atomic<bool>
   }
   comparison.notes = NotesOf(options, all);
   WriteComparisonFiles(comparison, options.output);
+  WriteComparisonPictures(all, comparison.rows, options);
   return comparison;
 }
 

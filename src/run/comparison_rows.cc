@@ -93,9 +93,7 @@ ComparisonRow RowOf(const ComparedRuns& compared) {
 }
 
 std::optional<double> ConvergedShare(const ComparedRuns& runs, const GridCell& cell) {
-  return ShareConverged(runs.runs, [&](const ComparedRun& run) {
-    return run.cell.rotation == cell.rotation && run.cell.translation == cell.translation;
-  });
+  return ShareConverged(runs.runs, [&](const ComparedRun& run) { return run.cell == cell; });
 }
 
 }  // namespace surfit

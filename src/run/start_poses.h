@@ -12,6 +12,9 @@ struct GridCell {
   int rotation = 0;  // indices of what is perturbed by
   int translation = 0;
   bool on_diagonal() const { return rotation == translation; }
+  friend bool operator==(const GridCell& a, const GridCell& b) {
+    return a.rotation == b.rotation && a.translation == b.translation;
+  }
 };
 
 // All cells, rotation by rotation.

@@ -48,6 +48,9 @@ TEST_F(CompareTool, ComparesAllSolversOverKnownPairs) {
     EXPECT_GE(row["total_ms"], row["solve_ms"]);
     EXPECT_TRUE(row["termination"].is_null());
   }
+  for (const char* name : {"convergence.png", "basin.png", "time.png"}) {
+    EXPECT_THAT(ReadBytes(Output() + "/" + name), StartsWith("\x89PNG")) << name;
+  }
   std::istringstream csv(ReadBytes(Output() + "/comparison.csv"));
   std::string line;
   std::getline(csv, line);
