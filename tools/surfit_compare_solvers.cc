@@ -76,7 +76,7 @@ CompareOptions OptionsFromFlags() {
   options.max_rotation_error_deg = FLAGS_max_rotation_error_deg;
   options.max_translation_error_m = FLAGS_max_translation_error_m;
   options.preprocess = PreprocessOptionsFromFlags();
-  options.icp = IcpOptionsFromFlags();
+  options.icp = FrameIcpOptionsFromFlags();
   return options;
 }
 

@@ -69,7 +69,7 @@ SlamRunOptions OptionsFromFlags() {
   options.pictures = FLAGS_pictures;
   SlamOptions& slam = options.slam;
   slam.preprocess = PreprocessOptionsFromFlags();
-  slam.icp = IcpOptionsFromFlags();
+  slam.icp = FrameIcpOptionsFromFlags();
   SetSolverFromFlags(&slam.icp);
   slam.tracking = FLAGS_tracking;
   slam.motion_model = FLAGS_motion_model;

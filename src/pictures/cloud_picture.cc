@@ -1,5 +1,6 @@
 #include "surfit/pictures/cloud_picture.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -82,6 +83,20 @@ Image<Rgb8> ColorPoints(const std::vector<Eigen::Vector3f>& points, std::size_t 
   });
 }
 
+// Whether a camera at the origin may have seen the points.
+bool AreBeforeTheOrigin(const std::vector<Eigen::Vector3f>& points) {
+  const auto before =
+      std::count_if(points.begin(), points.end(), [](const auto& p) { return p.z() > 0; });
+  return static_cast<double>(before) >= 0.99 * static_cast<double>(points.size());
+}
+
+// To where a camera at the origin sees all of the points.
+Eigen::Vector3f ShiftBeforeTheOrigin(const std::vector<Eigen::Vector3f>& points) {
+  Eigen::AlignedBox3f box;
+  for (const Eigen::Vector3f& p : points) box.extend(p);
+  return Eigen::Vector3f(0, 0, box.diagonal().norm()) - box.center();
+}
+
 // One entry of the legend: a patch of the colour and a name.
 void DrawEntry(PlotCanvas* canvas, double u, Rgb8 color, const std::string& name) {
   constexpr double kMiddle = PictureSheet::kHeaderHeight / 2.;
@@ -98,8 +113,13 @@ void WriteTwoCloudPicture(const std::vector<Eigen::Vector3f>& source,
                           const std::vector<Eigen::Vector3f>& target, const std::string& path) {
   std::vector<Eigen::Vector3f> points = source;
   points.insert(points.end(), target.begin(), target.end());
+  const bool is_view = AreBeforeTheOrigin(target);
+  if (!is_view) {
+    const Eigen::Vector3f shift = ShiftBeforeTheOrigin(target);
+    for (Eigen::Vector3f& p : points) p += shift;
+  }
   const std::array<PictureView, 2> views = {
-      FittedView("from the target's camera", points, Rigid3d()),
+      FittedView(is_view ? "from the target's camera" : "along the z axis", points, Rigid3d()),
       FittedView("obliquely from the right and above", points, ObliqueView(points))};
   PictureSheet sheet(2, 1);
   for (int i = 0; i < 2; ++i) {

@@ -10,8 +10,19 @@
 
 namespace surfit {
 
+IcpOptions RegisterCloudsOptions::DefaultIcp() {
+  IcpOptions icp;
+  icp.association = "kd_tree";
+  icp.kernel_growth = 3;
+  return icp;
+}
+
 void RegisterCloudsOptions::Validate() const {
   icp.Validate();
+  if (icp.association != "kd_tree") {
+    throw InputError(
+        Concat("association is '", icp.association, "', must be 'kd_tree' for clouds"));
+  }
   if (levels < 1 || levels > 10)
     throw InputError(Concat("levels is ", levels, ", must be from 1 to 10"));
 }

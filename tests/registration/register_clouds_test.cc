@@ -119,6 +119,10 @@ TEST(RegisterClouds, RefusesImpossibleOptions) {
   testing::ExpectInputError([&] { RegisterClouds({}, {}, {}, options); },
                             HasSubstr("levels is 0, must be from 1 to 10"));
   options = {};
+  options.icp.association = "projective";
+  testing::ExpectInputError([&] { RegisterClouds({}, {}, {}, options); },
+                            HasSubstr("association is 'projective', must be 'kd_tree' for clouds"));
+  options = {};
   options.icp.solver = "magic";
   testing::ExpectInputError([&] { RegisterClouds({}, {}, {}, options); },
                             HasSubstr("solver is 'magic'"));

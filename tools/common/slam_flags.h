@@ -1,8 +1,6 @@
 #pragma once
 
-#include <map>
-#include <string>
-
+#include "common/icp_flags.h"
 #include "surfit/slam/slam.h"
 
 namespace surfit::tools {
@@ -11,12 +9,6 @@ namespace surfit::tools {
 PreprocessOptions PreprocessOptionsFromFlags();
 // What has no flag is taken from `base`, and so are solver, residual and association
 // (solver_flags.h).
-IcpOptions IcpOptionsFromFlags(const IcpOptions& base = {});
-
-// Makes these the flags' defaults, for a program whose own differ. To be called before ToolMain().
-void SetIcpFlagDefaults(const IcpOptions& options);
-
-// All flags of our own programs with their present values.
-std::map<std::string, std::string> RecordedFlags();
+IcpOptions FrameIcpOptionsFromFlags(const IcpOptions& base = {});
 
 }  // namespace surfit::tools

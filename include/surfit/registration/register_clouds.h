@@ -8,14 +8,17 @@ namespace surfit {
 
 // How two clouds are registered.
 struct RegisterCloudsOptions {
-  // Its association is the nearest neighbour, and what is about images is not used.
-  IcpOptions icp;
+  IcpOptions icp = DefaultIcp();  // what is about images is not used
   bool reciprocal = false;  // on the finest level, pairs must be each other's nearest points
   // Level l uses every 4^l-th source point. Levels that would leave fewer than kMinPoints are left
   // out, but never the finest.
   int levels = 4;
 
   static constexpr int kMinPoints = 1000;
+
+  // Those of frames, with nearest neighbours: the only association that clouds have. Far from the
+  // right pose most residuals are large, so that coarse levels need a wide kernel.
+  static IcpOptions DefaultIcp();
 
   // Throws InputError naming field, value and constraint.
   void Validate() const;

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <string>
+
+#include "surfit/registration/cloud_normals.h"
+#include "surfit/registration/register_clouds.h"
+
+namespace surfit {
+
+// Which two clouds to register, and how.
+struct RegisterRunOptions {
+  std::string source;  // the file of the cloud to be moved: PLY or PCD, metres
+  std::string target;  // the file of the cloud to be met
+  std::string output;  // folder for the pose, the aligned cloud and pictures; made if missing
+  CloudNormalOptions normals;
+  RegisterCloudsOptions registration;
+  int threads = 2;
+  std::map<std::string, std::string> record;  // of options, for registration.json
+
+  // Throws InputError naming the option, its value and the constraint.
+  void Validate() const;
+};
+
+// What came of a file.
+struct RegisteredCloud {
+  std::size_t points = 0;
+  std::size_t not_finite = 0;      // left out
+  std::size_t without_normal = 0;  // of the points
+  double normal_radius_m = 0;      // at least; 0 where the normals are the file's
+};
+
+struct RegisterRunResult {
+  IcpResult icp;
+  RegisteredCloud source, target;
+};
+
+// Registers two clouds from the identity. Normals are the files' where they have them, and are
+// estimated otherwise; sigma of a point is floor_sigma_m of the error model and, if estimated, the
+// deviation of the points around it from their plane. Writes into the output folder:
+// transform.txt (target_from_source, 4 x 4), registration.json (the same, how well it is known, and
+// how it came about), aligned.ply (the source in the target's frame, with its normals and colours),
+// before.png and after.png (source in orange, target in blue).
+// Throws InputError for bad options, files that cannot be read and clouds without a finite point.
+RegisterRunResult RunRegister(const RegisterRunOptions& options);
+
+}  // namespace surfit

@@ -1,0 +1,184 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <sstream>
+
+#include "surfit/geometry/rigid3.h"
+#include "surfit/io/point_cloud.h"
+#include "testing/matchers.h"
+#include "testing/run_program.h"
+
+namespace surfit::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::StartsWith;
+
+constexpr double kSigma_m = 0.001;
+
+// Three walls of 1 m before the origin with 4000 points each, off by noise.
+PointCloud Corner(int seed) {
+  std::mt19937_64 rng(seed);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  std::normal_distribution<double> noise(0, kSigma_m);
+  PointCloud cloud;
+  for (int wall = 0; wall < 3; ++wall) {
+    for (int i = 0; i < 4000; ++i) {
+      Eigen::Vector3d point(uniform(rng), uniform(rng), uniform(rng));
+      point[wall] = noise(rng);
+      const Eigen::Vector3d in_camera(point.x() - 0.5, point.y() - 0.5, 2.5 - point.z());
+      cloud.points.push_back(in_camera.cast<float>());
+    }
+  }
+  return cloud;
+}
+
+const Rigid3d& Truth() {
+  static const Rigid3d truth(QuaternionExp<double>({0.02, -0.03, 0.01}), {0.03, -0.02, 0.04});
+  return truth;
+}
+
+// The corner where the source saw it.
+PointCloud MovedCorner(int seed) {
+  PointCloud cloud = Corner(seed);
+  const Rigid3d source_from_target = Truth().Inverse();
+  for (auto& point : cloud.points) {
+    point = (source_from_target * point.cast<double>()).cast<float>();
+  }
+  return cloud;
+}
+
+Rigid3d ParseTransform(const std::string& text) {
+  std::istringstream stream(text);
+  Eigen::Matrix4d matrix;
+  for (int i = 0; i < 16; ++i) stream >> matrix(i / 4, i % 4);
+  EXPECT_EQ(matrix.row(3), Eigen::RowVector4d(0, 0, 0, 1));
+  return {Eigen::Matrix3d(matrix.topLeftCorner<3, 3>()), matrix.topRightCorner<3, 1>()};
+}
+
+class RegisterTool : public ::testing::Test {
+ protected:
+  RegisterTool() {
+    WritePly(MovedCorner(1), Source());
+    WritePly(Corner(2), Target());
+  }
+  std::string Source() const { return folder_ / "source.ply"; }
+  std::string Target() const { return folder_ / "target.ply"; }
+  std::string Output(const std::string& name) const { return folder_ / "out" + "/" + name; }
+  using RunFlags = std::vector<std::string>;
+  ProgramResult Register(const std::string& source, const std::string& target,
+                         RunFlags flags = {}) const {
+    flags.insert(flags.begin(),
+                 {"--source=" + source, "--target=" + target, "--output=" + (folder_ / "out")});
+    return RunProgram("surfit_register", flags);
+  }
+
+  TempFolder folder_;
+};
+
+// A wall of N = 4000 points 0.41 m from its middle (RMS) holds its turns to
+// sqrt(2) sigma / (0.41 sqrt(N)) = 5.5e-5 rad: 4 sigma of three are 4e-4 rad, and 1 mm at the
+// origin, 2.5 m away.
+constexpr double kTolerance_rad = 4e-4, kTolerance_m = 1e-3;
+
+TEST_F(RegisterTool, FindsThePoseAndWritesIt) {
+  const ProgramResult result = Register(Source(), Target());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out,
+              AllOf(HasSubstr("source: 12000 points, normals from 0.0"),
+                    ContainsRegex("iter 0: avg loss = [0-9.]+e[-+][0-9]+, inlier count = [0-9]+\n"),
+                    HasSubstr("converged: rmse 0.00"), HasSubstr("target_from_source =\n")));
+  const Rigid3d pose = ParseTransform(ReadBytes(Output("transform.txt")));
+  EXPECT_THAT(pose, RigidNear(Truth(), kTolerance_m, kTolerance_rad));
+
+  const auto json = nlohmann::json::parse(ReadBytes(Output("registration.json")));
+  const Eigen::Matrix4d matrix = pose.Matrix();
+  for (int i = 0; i < 16; ++i) {
+    EXPECT_NEAR(json["target_from_source"][i / 4][i % 4], matrix(i / 4, i % 4), 1e-12);
+  }
+  EXPECT_EQ(json["termination"], "converged");
+  EXPECT_EQ(json["covariance"].size(), 6u);
+  EXPECT_EQ(json["source"]["points"], 12000);
+  EXPECT_EQ(json["options"]["association"], "kd_tree");
+
+  const PointCloud source = ReadPly(Source()), aligned = ReadPly(Output("aligned.ply"));
+  ASSERT_EQ(aligned.points.size(), source.points.size());
+  EXPECT_EQ(aligned.normals.size(), source.points.size());
+  for (std::size_t i = 0; i < source.points.size(); i += 1000) {
+    const Eigen::Vector3d expected = pose * source.points[i].cast<double>();
+    EXPECT_THAT(aligned.points[i].cast<double>(), VectorNear(expected, 1e-6));
+  }
+  for (const char* name : {"before.png", "after.png"}) {
+    EXPECT_THAT(ReadBytes(Output(name)), StartsWith("\x89PNG"));
+  }
+}
+
+TEST_F(RegisterTool, TakesNormalsOfTheFilesAndLeavesOutWhatIsNotFinite) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  PointCloud target = Corner(2);
+  for (int i = 0; i < 12000; ++i) {
+    const Eigen::Vector3f inwards[] = {{2, 0, 0}, {0, 2, 0}, {0, 0, -2}};  // of any length
+    target.normals.push_back(inwards[i / 4000]);
+  }
+  target.normals[7].setZero();
+  target.points.push_back({kNan, 0, 0});
+  target.normals.push_back({0, 0, 1});
+  WritePly(target, Target());
+  const ProgramResult result = Register(Source(), Target(), {"--max_normal_angle_deg=0"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("target: 12000 points, 1 more not finite, 1 without normal\n"));
+  EXPECT_THAT(ParseTransform(ReadBytes(Output("transform.txt"))),
+              RigidNear(Truth(), kTolerance_m, kTolerance_rad));
+}
+
+TEST_F(RegisterTool, RegistersByEachResidualAndSolver) {
+  for (const char* flag :
+       {"--residual=symmetric_point_to_plane", "--residual=plane_to_plane", "--solver=ceres",
+        "--solver=tiny", "--solver=closed_form_qr", "--reciprocal", "--levels=1"}) {
+    const ProgramResult result = Register(Source(), Target(), {flag});
+    ASSERT_EQ(result.exit_code, 0) << flag << "\n" << result.err;
+    EXPECT_THAT(ParseTransform(ReadBytes(Output("transform.txt"))),
+                RigidNear(Truth(), kTolerance_m, kTolerance_rad))
+        << flag;
+  }
+}
+
+TEST_F(RegisterTool, FailsWhereCloudsDoNotMeet) {
+  PointCloud far = Corner(1);
+  for (auto& point : far.points) point.x() += 100;
+  WritePly(far, Source());
+  const ProgramResult result = Register(Source(), Target());
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, StartsWith("failed: too_few_inliers: inlier share is 0, pairs must be"));
+}
+
+TEST_F(RegisterTool, RefusesBadInputInOneSentence) {
+  const std::string empty = folder_ / "empty.ply";
+  WritePly({}, empty);
+  const std::tuple<std::string, RunFlags, std::string> cases[] = {
+      {Source(), {"--target="}, "--target is missing"},
+      {"/no/such.pcd", {}, "/no/such.pcd"},
+      {empty, {}, empty + ": there is no finite point"},
+      {Source(), {"--association=projective"}, "association is 'projective', must be 'kd_tree'"},
+      {Source(), {"--levels=0"}, "levels is 0, must be from 1 to 10"},
+      {Source(), {"--normal_radius_m=-1"}, "radius_m is -1, must be zero"},
+      {Source(), {"--solver=magic"}, "solver is 'magic', must be one of: "},
+      {Source(), {"--solver=svd"}, "svd"},
+      {Source(), {"--pyramid_levels=3"}, "pyramid_levels"}};
+  for (const auto& [source, flags, message] : cases) {
+    const ProgramResult result = Register(source, Target(), flags);
+    EXPECT_EQ(result.exit_code, 1) << message;
+    EXPECT_THAT(result.err, AllOf(StartsWith("error: "), HasSubstr(message)));
+    EXPECT_THAT(result.out, IsEmpty());
+  }
+}
+
+}  // namespace
+}  // namespace surfit::testing

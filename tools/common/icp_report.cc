@@ -1,0 +1,60 @@
+#include "common/icp_report.h"
+
+#include <cstdio>
+
+#include "surfit/core/error.h"
+
+namespace surfit::tools {
+namespace {
+
+std::string Failure(const IcpResult& icp, const IcpOptions& options) {
+  switch (icp.termination) {
+    case Termination::kTooFewInliers:
+      return Concat("inlier share is ", icp.inlier_share, ", pairs must be at least min_inliers (",
+                    options.min_inliers, ") and a share of ", options.min_inlier_share);
+    case Termination::kSingularSystem:
+      return Concat("smallest eigenvalue is ", icp.eigenvalues[0], ", must be above ",
+                    options.min_eigenvalue);
+    case Termination::kFreeSpaceFilled:
+      return Concat("free-space share is ", icp.free_space_share,
+                    ", must be at most max_free_space_share (", options.max_free_space_share, ")");
+    case Termination::kConverged:
+    case Termination::kRmseIncreased:
+    case Termination::kMaxIterations:
+      break;
+  }
+  return "";
+}
+
+}  // namespace
+
+void PrintIterations(const IcpResult& icp) {
+  int level = -1, count = 0;
+  for (const IcpIteration& iteration : icp.iterations) {
+    if (iteration.level != level) {
+      std::printf("level %d\n", iteration.level);
+      level = iteration.level;
+      count = 0;
+    }
+    std::printf("iter %d: avg loss = %.4e, inlier count = %d\n", count++, iteration.average_loss,
+                iteration.inlier_count);
+  }
+}
+
+void PrintPose(const IcpResult& icp) {
+  const Eigen::Matrix4d pose = icp.target_from_source.Matrix();
+  std::printf("target_from_source =\n");
+  for (int row = 0; row < 4; ++row) {
+    std::printf("  %12.8f %12.8f %12.8f %12.8f\n", pose(row, 0), pose(row, 1), pose(row, 2),
+                pose(row, 3));
+  }
+}
+
+ExitCode PrintFailure(const IcpResult& icp, const IcpOptions& options) {
+  if (icp.Succeeded()) return kDone;
+  std::fprintf(stderr, "failed: %s: %s\n", ToString(icp.termination).c_str(),
+               Failure(icp, options).c_str());
+  return kAlgorithmFailed;
+}
+
+}  // namespace surfit::tools
