@@ -29,6 +29,9 @@ DEFINE_int32(gap, kRun.gap, "frames from the source to the target of a pair");
 DEFINE_int32(first, kRun.sequence.first, "index of the first frame to use");
 DEFINE_int32(last, kRun.sequence.last,
              "index of the last frame to use, inclusive; -1 = to the end");
+DEFINE_string(replay, kRun.replay,
+              "compare on a frame that tracking lost: a folder frame-XXXXXX of surfit_slam "
+              "--dump_failures, which brings its own start and options of registration");
 DEFINE_string(output, kRun.output, "folder for tables and pictures; made if missing");
 DEFINE_string(solvers, "",
               "pose solvers, with commas between them; empty = all, of which ceres_per_point on "
@@ -64,6 +67,7 @@ CompareOptions OptionsFromFlags() {
   options.sequence.last = FLAGS_last;
   options.pairs = FLAGS_pairs;
   options.gap = FLAGS_gap;
+  options.replay = FLAGS_replay;
   options.output = FLAGS_output;
   options.solvers = Names(FLAGS_solvers);
   options.linear_solvers = Names(FLAGS_linear_solvers);
@@ -100,7 +104,8 @@ std::string Cell(const char* format, const std::optional<double>& value, double 
 void PrintTable(const std::vector<ComparisonRow>& rows) {
   std::vector<std::vector<std::string>> table = {
       {"association", "residual", "solver", "threads", "points", "runs", "build ms", "linearize ms",
-       "solve ms", "total ms", "iterations", "final cost", "error deg", "error mm", "converged"}};
+       "solve ms", "total ms", "iterations", "final cost", "error deg", "error mm", "converged",
+       "ended mostly as"}};
   for (const ComparisonRow& row : rows) {
     table.push_back(
         {row.combination.association, row.combination.residual, row.combination.SolverTitle(),
@@ -108,7 +113,8 @@ void PrintTable(const std::vector<ComparisonRow>& rows) {
          Cell("%.2f", row.build_ms), Cell("%.2f", row.linearize_ms), Cell("%.2f", row.solve_ms),
          Cell("%.2f", row.total_ms), Cell("%.4g", row.iterations), Cell("%.5g", row.final_cost),
          Cell("%.2g", row.rotation_error_deg), Cell("%.2g", row.translation_error_m, 1000),
-         Cell("%.0f %%", row.converged_share, 100)});
+         Cell("%.0f %%", row.converged_share, 100),
+         row.termination.empty() ? "-" : row.termination});
   }
   std::fputs(TextTable(table, 3).c_str(), stdout);
 }

@@ -33,6 +33,9 @@ DEFINE_string(motion_model, kRun.slam.motion_model,
               "where tracking starts: constant_velocity or constant_pose");
 DEFINE_int32(threads, kRun.threads, "threads that compute at the same time, reading included");
 DEFINE_bool(pictures, kRun.pictures, "write the pictures");
+DEFINE_string(dump_failures, kRun.dump_failures,
+              "folder that keeps what tracking lost a frame with, for surfit_compare_solvers "
+              "--replay; empty = none");
 DEFINE_double(min_inlier_share, kRun.slam.min_inlier_share,
               "a frame with a smaller share of paired points is lost");
 DEFINE_double(max_rmse_m, kRun.slam.max_rmse_m, "a frame with larger residuals is lost");
@@ -67,6 +70,7 @@ SlamRunOptions OptionsFromFlags() {
   options.poses = FLAGS_poses;
   options.threads = FLAGS_threads;
   options.pictures = FLAGS_pictures;
+  options.dump_failures = FLAGS_dump_failures;
   SlamOptions& slam = options.slam;
   slam.preprocess = PreprocessOptionsFromFlags();
   slam.icp = FrameIcpOptionsFromFlags();

@@ -13,9 +13,10 @@ void Require(bool holds, const char* option, double value, const char* constrain
 void RequireSource(const CompareOptions& options) {
   const bool clouds = !options.source.empty() || !options.target.empty();
   const int sources = (options.synthetic_points != 0 ? 1 : 0) +
-                      (options.sequence.path.empty() ? 0 : 1) + (clouds ? 1 : 0);
+                      (options.sequence.path.empty() ? 0 : 1) + (clouds ? 1 : 0) +
+                      (options.replay.empty() ? 0 : 1);
   if (sources != 1) {
-    throw InputError(Concat("synthetic_points, sequence, and source with target: ", sources,
+    throw InputError(Concat("synthetic_points, sequence, source with target, and replay: ", sources,
                             " of them are set, must be one"));
   }
   if (clouds && (options.source.empty() || options.target.empty())) {

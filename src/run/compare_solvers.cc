@@ -9,6 +9,8 @@
 #include "run/comparison_rows.h"
 #include "run/output_folder.h"
 #include "run/solver_combinations.h"
+#include "run/tracking_dump.h"
+#include "surfit/core/error.h"
 #include "surfit/core/parallel.h"
 
 namespace surfit {
@@ -16,6 +18,7 @@ namespace {
 
 PoseProblems ProblemsOf(const CompareOptions& options) {
   if (options.synthetic_points > 0) return KnownPairsProblems(options);
+  if (!options.replay.empty()) return ReplayProblems(options);
   return FramePairProblems(options);
 }
 
@@ -69,9 +72,9 @@ class ComparisonRun {
     const ThreadLimit limit(runs->threads);
     const auto seed = options_.seed + static_cast<std::uint64_t>(i) * cells_.size() +
                       cell.rotation * options_.translations_m.size() + cell.translation;
-    const Rigid3d start = Perturbed(problem.truth.value_or(Rigid3d()),
-                                    options_.rotations_deg[cell.rotation] * M_PI / 180,
-                                    options_.translations_m[cell.translation], seed);
+    const Rigid3d start =
+        Perturbed(problem.center, options_.rotations_deg[cell.rotation] * M_PI / 180,
+                  options_.translations_m[cell.translation], seed);
     ComparedRun run = Compare(problem.solve(runs->combination, start), problem.truth, options_);
     run.problem = i;
     run.cell = cell;
@@ -101,6 +104,13 @@ std::vector<std::string> NotesOf(const CompareOptions& options,
         "ceres_per_point is left out: --solvers=ceres_per_point,... takes it, on "
         "the first pair and the starts on the grid's diagonal");
   }
+  if (!options.replay.empty()) {
+    const TrackingDump dump = ReadTrackingDump(options.replay);
+    notes.push_back(Concat("frame ", dump.frame, " was lost with ", dump.icp.solver, ", ",
+                           dump.icp.residual, ", ", dump.icp.association, " ending in ",
+                           dump.termination));
+    return notes;
+  }
   for (const ComparedRuns& runs : all) {
     if (runs.runs.empty() || runs.runs.front().converged) continue;
     notes.emplace_back("the truth is unknown: starts are about the identity, and no errors shown");
@@ -111,9 +121,11 @@ std::vector<std::string> NotesOf(const CompareOptions& options,
 
 }  // namespace
 
-Comparison CompareSolvers(const CompareOptions& options, const std::atomic<bool>& interrupted,
+Comparison CompareSolvers(const CompareOptions& given, const std::atomic<bool>& interrupted,
                           const std::function<void(const CompareProgress&)>& progress) {
-  options.Validate();
+  given.Validate();
+  CompareOptions options = given;
+  if (!options.replay.empty()) options.rotations_deg = options.translations_m = {0};
   ComparisonRun run(options, interrupted, progress);
   PrepareOutputFolder(options.output, {"comparison.csv", "comparison.json", "convergence.png",
                                        "basin.png", "time.png"});

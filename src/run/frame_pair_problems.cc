@@ -1,10 +1,11 @@
-// Pairs of frames of a sequence.
+// Pairs of frames: of a sequence, and one that tracking lost.
 #include <algorithm>
 #include <memory>
 
 #include "registration/pair_solver.h"
 #include "run/pose_problem.h"
 #include "run/posed_view.h"
+#include "run/tracking_dump.h"
 #include "surfit/core/error.h"
 
 namespace surfit {
@@ -39,9 +40,11 @@ void SetCombination(const SolverCombination& combination, IcpOptions* icp) {
 }
 
 PoseProblem FramePairProblem(FramePyramid source, FramePyramid target,
-                             const std::optional<Rigid3d>& truth, const IcpOptions& icp) {
+                             const std::optional<Rigid3d>& truth, const Rigid3d& center,
+                             const IcpOptions& icp) {
   PoseProblem problem;
   problem.truth = truth;
+  problem.center = center;
   const auto shared_source = std::make_shared<const FramePyramid>(std::move(source));
   const auto shared_target = std::make_shared<const FramePyramid>(std::move(target));
   problem.solve = [=](const SolverCombination& combination, const Rigid3d& start) {
@@ -69,7 +72,15 @@ PoseProblems FramePairProblems(const CompareOptions& options) {
               truth = target.world_from_camera->Inverse() * *source.world_from_camera;
             }
             return FramePairProblem(std::move(source.pyramid), std::move(target.pyramid), truth,
-                                    options.icp);
+                                    truth.value_or(Rigid3d()), options.icp);
+          }};
+}
+
+PoseProblems ReplayProblems(const CompareOptions& options) {
+  return {1, [&options](int) {
+            TrackingDump dump = ReadTrackingDump(options.replay);
+            return FramePairProblem(std::move(dump.source), std::move(dump.target), std::nullopt,
+                                    dump.target_from_source_initial, dump.icp);
           }};
 }
 

@@ -113,7 +113,7 @@ PoseProblems KnownPairsProblems(const CompareOptions& options) {
                 Perturbed(Rigid3d(), kTruthRotation_rad, kTruthTranslation_m, options.seed);
             const auto pairs = std::make_shared<const PairBuffer>(MakePairs(options, truth));
             PoseProblem problem;
-            problem.truth = truth;
+            problem.truth = problem.center = truth;
             problem.solve = [&options, pairs](const SolverCombination& combination,
                                               const Rigid3d& start) {
               return Solve(*pairs, SolverOptionsOf(combination, options.icp), start);

@@ -25,6 +25,7 @@ struct SolveOutcome {
 // Two surfaces, and how to solve for the motion between them.
 struct PoseProblem {
   std::optional<Rigid3d> truth;  // target_from_source
+  Rigid3d center;                // what starts are perturbations of
   std::function<SolveOutcome(const SolverCombination&, const Rigid3d& start)> solve;
 };
 
@@ -34,14 +35,15 @@ struct PoseProblems {
   std::function<PoseProblem(int)> make;
 };
 
-// Of the options' synthetic_points, or sequence, or clouds.
+// Of the options' synthetic_points, sequence, clouds, or replay.
 PoseProblems KnownPairsProblems(const CompareOptions& options);
 PoseProblems FramePairProblems(const CompareOptions& options);
-PoseProblems CloudProblems(const CompareOptions& options);
+PoseProblems ReplayProblems(const CompareOptions& options);
 
 // Two frames.
 PoseProblem FramePairProblem(FramePyramid source, FramePyramid target,
-                             const std::optional<Rigid3d>& truth, const IcpOptions& icp);
+                             const std::optional<Rigid3d>& truth, const Rigid3d& center,
+                             const IcpOptions& icp);
 
 // Makes the options those of a combination.
 void SetCombination(const SolverCombination& combination, IcpOptions* icp);

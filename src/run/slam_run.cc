@@ -4,8 +4,10 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -16,6 +18,7 @@
 #include "run/quantile.h"
 #include "run/run_files.h"
 #include "run/summary_json.h"
+#include "run/tracking_dump.h"
 #include "surfit/core/error.h"
 #include "surfit/core/parallel.h"
 #include "surfit/io/read_ahead.h"
@@ -104,6 +107,9 @@ class SlamRun {
     if (!slam_) {
       slam_ = std::make_unique<Slam>(info_.pinhole, options_.slam,
                                      InitialPose(options_.initial_pose, info_, frame.stamp_s));
+      if (!options_.dump_failures.empty()) {
+        slam_->OnLostFrame([this](const LostFrame& lost) { Dump(lost); });
+      }
     }
     const FrameReport report = ProcessFrame(frame);
     const std::int64_t valid = CountValid(frame.depth_m);
@@ -116,6 +122,12 @@ class SlamRun {
     stage_ms_["predict"].push_back(report.times.predict_ms);
     stage_ms_["track"].push_back(report.times.track_ms);
     stage_ms_["fuse"].push_back(report.times.fuse_ms);
+  }
+
+  void Dump(const LostFrame& lost) const {
+    std::array<char, 30> name;
+    std::snprintf(name.data(), name.size(), "/frame-%06d", lost.index);
+    WriteTrackingDump(lost, options_.slam, options_.dump_failures + name.data());
   }
 
   FrameReport ProcessFrame(const RgbdFrame& frame) {

@@ -35,7 +35,7 @@ std::vector<std::string> ChosenAssociations(const CompareOptions& options) {
     throw InputError(Concat("associations is ", Listed(options.associations),
                             ", must be empty with synthetic_points, whose pairs are known"));
   }
-  const bool clouds = options.sequence.path.empty();
+  const bool clouds = !options.source.empty();
   return Chosen("associations", options.associations,
                 clouds ? std::vector<std::string>{"kd_tree"} : AssociationNames());
 }

@@ -150,11 +150,16 @@ void Slam::Track(const FramePyramid& pyramid, FrameReport* report) {
     StageTimer timer(&report->times.predict_ms);
     target = MakeTarget(world_from_predicted);
   }
-  StageTimer timer(&report->times.track_ms);
-  report->icp = Register(pyramid, target.pyramid,
-                         target.world_from_target.Inverse() * world_from_predicted, options_.icp);
+  const Rigid3d initial = target.world_from_target.Inverse() * world_from_predicted;
+  {
+    StageTimer timer(&report->times.track_ms);
+    report->icp = Register(pyramid, target.pyramid, initial, options_.icp);
+  }
   report->world_from_camera = target.world_from_target * report->icp.target_from_source;
   report->state = IsBelievable(report->icp) ? FrameState::kTracked : FrameState::kLost;
+  if (report->state == FrameState::kLost && on_lost_) {
+    on_lost_({report->index, pyramid, target.pyramid, initial, report->icp});
+  }
 }
 
 Rigid3d Slam::PredictedPose() const {

@@ -102,6 +102,37 @@ TEST_F(CompareTool, ComparesOverPairsOfFrames) {
   }
 }
 
+// Pairs at most 0.1 mm apart are too few; frames of too large residuals are lost after all.
+TEST_F(CompareTool, ReplaysWhatTrackingLost) {
+  const std::string room = own_ / "room";
+  ASSERT_EQ(
+      RunProgram("surfit_simulate", {"--output=" + room, "--frames=3", "--downsample=4"}).exit_code,
+      0);
+  const std::pair<const char*, const char*> cases[] = {
+      {"--max_distance_m=0.0001", "too_few_inliers"}, {"--max_rmse_m=1e-6", "converged"}};
+  for (const auto& [flag, termination] : cases) {
+    SCOPED_TRACE(flag);
+    const std::string lost = own_ / "lost";
+    ASSERT_EQ(RunProgram("surfit_slam", {"--sequence=" + room, "--output=" + (own_ / "slam"), flag,
+                                         "--nopictures", "--dump_failures=" + lost})
+                  .exit_code,
+              2);
+    const ProgramResult result = Compare({"--replay=" + lost + "/frame-000001"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_THAT(result.out, HasSubstr(std::string("ending in ") + termination));
+    const nlohmann::json rows = Rows();
+    ASSERT_EQ(rows.size(), 42u);
+    for (const auto& row : rows) {
+      EXPECT_EQ(row["runs"], 1);
+      EXPECT_TRUE(row["converged_share"].is_null());
+      if (row["solver"] == "closed_form_ldlt" && row["residual"] == "point_to_plane" &&
+          row["association"] == "projective") {
+        EXPECT_EQ(row["termination"], termination);
+      }
+    }
+  }
+}
+
 TEST_F(CompareTool, RefusesBadInputInOneSentence) {
   const std::pair<std::vector<std::string>, const char*> cases[] = {
       {{}, "0 of them are set, must be one"},
@@ -114,6 +145,7 @@ TEST_F(CompareTool, RefusesBadInputInOneSentence) {
       {{"--synthetic_points=10", "--rotations_deg=1,x"}, "rotations_deg is '1,x'"},
       {{"--synthetic_points=10", "--translations_m=-1"}, "translations_m has -1"},
       {{"--sequence=nowhere"}, "nowhere"},
+      {{"--replay=nowhere"}, "nowhere/frame.json: cannot be opened"},
   };
   for (const auto& [flags, message] : cases) {
     const ProgramResult result = Compare(flags);

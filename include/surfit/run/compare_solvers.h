@@ -13,7 +13,8 @@
 
 namespace surfit {
 
-// What to compare, and on what: exactly one of synthetic_points, sequence and the two clouds.
+// What to compare, and on what: exactly one of synthetic_points, sequence, the two clouds and
+// replay.
 struct CompareOptions {
   int synthetic_points = 0;  // so many known pairs; 0 = none
   double noise_m = 0;        // standard deviation of each coordinate of their targets
@@ -24,6 +25,10 @@ struct CompareOptions {
 
   std::string source, target;    // clouds: PLY or PCD
   std::optional<Rigid3d> truth;  // target_from_source of the clouds, where known
+
+  // A frame's folder that surfit_slam kept (SlamRunOptions::dump_failures). It starts at the pose
+  // that tracking started at, with tracking's options in place of preprocess and icp.
+  std::string replay;
 
   std::string output;  // folder for tables and pictures; made if missing
 

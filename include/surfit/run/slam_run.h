@@ -23,6 +23,9 @@ struct SlamRunOptions {
   int threads = 2;                        // that compute at the same time
   int queue_capacity = 4;                 // frames that are read ahead
   bool pictures = true;
+  // Folder in which each frame that tracking loses is kept as frame-XXXXXX, to be registered again
+  // (CompareOptions::replay); empty = none.
+  std::string dump_failures;
   // All options by name, to be kept with the results.
   std::map<std::string, std::string> record;
 

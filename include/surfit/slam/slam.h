@@ -1,7 +1,9 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "surfit/frame/model_view.h"
 #include "surfit/frame/preprocess.h"
@@ -59,6 +61,16 @@ struct FrameReport {
   StageTimes times;
 };
 
+// A frame that tracking lost, and the registration that it was lost in. What it refers to is gone
+// after the call that is given it.
+struct LostFrame {
+  int index = 0;
+  const FramePyramid& source;
+  const FramePyramid& target;
+  Rigid3d target_from_source_initial;
+  const IcpResult& icp;
+};
+
 // Dense SLAM by point-based fusion: each frame is registered to what the map predicts, and fused
 // into the map at the pose found. No loop closure.
 class Slam {
@@ -72,6 +84,9 @@ class Slam {
 
   // Fuses the next frame at a known pose.
   FrameReport ProcessAt(const RgbdFrame& frame, const Rigid3d& world_from_camera);
+
+  // To be called with each frame that tracking loses.
+  void OnLostFrame(std::function<void(const LostFrame&)> call) { on_lost_ = std::move(call); }
 
   const SurfelMap& map() const { return map_; }
 
@@ -100,6 +115,7 @@ class Slam {
   Rigid3d last_from_next_;     // motion that the motion model expects
   Image<float> last_depth_m_;  // of the last frame, for frozen frames
   FramePyramid last_pyramid_;  // of the last good frame, for frame-to-frame tracking
+  std::function<void(const LostFrame&)> on_lost_;
 };
 
 }  // namespace surfit

@@ -1,0 +1,125 @@
+#include "run/tracking_dump.h"
+
+#include <fstream>
+#include <vector>
+
+#include "run/options_json.h"
+#include "run/output_folder.h"
+#include "surfit/core/atomic_file.h"
+#include "surfit/core/error.h"
+#include "surfit/io/point_cloud.h"
+
+namespace surfit {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json ToJson(const PinholeCamera& camera) {
+  return {{"width", camera.width}, {"height", camera.height}, {"fx", camera.fx},
+          {"fy", camera.fy},       {"cx", camera.cx},         {"cy", camera.cy}};
+}
+
+PinholeCamera CameraFromJson(const Json& json) {
+  PinholeCamera camera;
+  camera.width = json.at("width");
+  camera.height = json.at("height");
+  camera.fx = json.at("fx");
+  camera.fy = json.at("fy");
+  camera.cx = json.at("cx");
+  camera.cy = json.at("cy");
+  camera.Validate("camera");
+  return camera;
+}
+
+Json ToJson(const Rigid3d& pose) {
+  const Eigen::Vector3d& t = pose.translation;
+  const Eigen::Vector4d& q = pose.rotation.coeffs();
+  return {{"translation_m", {t.x(), t.y(), t.z()}}, {"rotation_xyzw", {q[0], q[1], q[2], q[3]}}};
+}
+
+Rigid3d PoseFromJson(const Json& json) {
+  const Json &t = json.at("translation_m"), &q = json.at("rotation_xyzw");
+  return {Eigen::Quaterniond(q.at(3), q.at(0), q.at(1), q.at(2)),
+          Eigen::Vector3d(t.at(0), t.at(1), t.at(2))};
+}
+
+std::vector<Eigen::Vector3f> AllPixels(const VectorImage& image) {
+  std::vector<Eigen::Vector3f> values;
+  for (int v = 0; v < image.height(); ++v) {
+    for (int u = 0; u < image.width(); ++u) values.push_back(image(u, v));
+  }
+  return values;
+}
+
+VectorImage AsImage(const std::vector<Eigen::Vector3f>& values, const PinholeCamera& camera) {
+  VectorImage image(camera.width, camera.height);
+  std::size_t i = 0;
+  for (int v = 0; v < camera.height; ++v) {
+    for (int u = 0; u < camera.width; ++u) image.Set(u, v, values[i++]);
+  }
+  return image;
+}
+
+void WriteLevel(const FrameLevel& level, const std::string& path) {
+  WritePly({AllPixels(level.vertex), AllPixels(level.normal), {}}, path);
+}
+
+FrameLevel ReadLevel(const PinholeCamera& camera, const std::string& path) {
+  const PointCloud cloud = ReadPly(path);
+  const auto pixels = static_cast<std::size_t>(camera.width) * camera.height;
+  if (cloud.points.size() != pixels || cloud.normals.size() != pixels) {
+    throw InputError(Concat(path, ": has ", cloud.points.size(), " points and ",
+                            cloud.normals.size(), " normals, must have ", pixels, " of each"));
+  }
+  return {camera, AsImage(cloud.points, camera), AsImage(cloud.normals, camera)};
+}
+
+Json ReadJson(const std::string& path) {
+  std::ifstream file(path);
+  if (!file) throw InputError(path + ": cannot be opened");
+  return Json::parse(file);
+}
+
+}  // namespace
+
+void WriteTrackingDump(const LostFrame& lost, const SlamOptions& options,
+                       const std::string& folder) {
+  PrepareOutputFolder(folder, {"frame.json", "source.ply", "target.ply"});
+  const FrameLevel &source = lost.source.levels.front(), &target = lost.target.levels.front();
+  WriteLevel(source, folder + "/source.ply");
+  WriteLevel(target, folder + "/target.ply");
+  Json json;
+  json["frame"] = lost.index;
+  json["termination"] = ToString(lost.icp.termination);
+  json["source_camera"] = ToJson(source.camera);
+  json["target_camera"] = ToJson(target.camera);
+  json["target_from_source_initial"] = ToJson(lost.target_from_source_initial);
+  json["preprocess"] = ToJson(options.preprocess);
+  json["icp"] = ToJson(options.icp);
+  WriteFileAtomically(folder + "/frame.json",
+                      [&](std::ostream& file) { file << json.dump(2) << '\n'; });
+}
+
+TrackingDump ReadTrackingDump(const std::string& folder) {
+  const std::string path = folder + "/frame.json";
+  try {
+    const Json json = ReadJson(path);
+    const PreprocessOptions preprocess = PreprocessOptionsFromJson(json.at("preprocess"));
+    preprocess.Validate();
+    TrackingDump dump;
+    dump.frame = json.at("frame");
+    dump.termination = json.at("termination");
+    dump.target_from_source_initial = PoseFromJson(json.at("target_from_source_initial"));
+    dump.icp = IcpOptionsFromJson(json.at("icp"));
+    dump.icp.Validate();
+    dump.source = BuildPyramid(
+        ReadLevel(CameraFromJson(json.at("source_camera")), folder + "/source.ply"), preprocess);
+    dump.target = BuildPyramid(
+        ReadLevel(CameraFromJson(json.at("target_camera")), folder + "/target.ply"), preprocess);
+    return dump;
+  } catch (const Json::exception& error) {
+    throw InputError(path + ": " + error.what());
+  }
+}
+
+}  // namespace surfit

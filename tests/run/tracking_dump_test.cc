@@ -1,0 +1,118 @@
+#include "run/tracking_dump.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "registration/three_planes.h"
+#include "testing/expect_input_error.h"
+#include "testing/temp_folder.h"
+
+namespace surfit {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+// No field as it is by default.
+SlamOptions OtherOptions() {
+  SlamOptions options;
+  options.preprocess.noise.inverse_depth_sigma = 0.0031;
+  options.preprocess.pyramid_levels = 2;
+  options.preprocess.max_slant_rad = 1.3;
+  IcpOptions& icp = options.icp;
+  icp.solver = "tiny";
+  icp.linear_solver = "dense_normal_cholesky";
+  icp.residual = "symmetric_point_to_plane";
+  icp.association = "kd_tree";
+  icp.middle_levels = false;
+  icp.max_iterations = 3;
+  icp.gates = {0.3, 0.6};
+  icp.gate_growth = 1.7;
+  icp.kernel_growth = 1.1;
+  icp.error_model = {{0.0011}, 0.003, {RobustKernelType::kTukey, 4.7}, true};
+  icp.min_coarse_step_px = 0.1;
+  icp.min_relative_rmse_change = 1.0 / 3000;
+  icp.min_increment = 1e-7;
+  icp.stop_at_rmse_increase = false;
+  icp.min_inliers = 100;
+  icp.min_inlier_share = 0.01;
+  icp.min_eigenvalue = 1e-9;
+  icp.max_free_space_share = 0.9;
+  return options;
+}
+
+Rigid3d Motion() { return {QuaternionExp<double>({0.02, -0.03, 0.01}), {0.01, 0.02, -0.03}}; }
+
+class TrackingDumps : public ::testing::Test {
+ protected:
+  // A frame before a corner, lost with the options.
+  void Write(const SlamOptions& options) {
+    const Rigid3d pose = testing::PoseBeforeTheCorner();
+    target_ = BuildPyramid(testing::RenderCorner(pose), options.preprocess);
+    source_ = BuildPyramid(testing::RenderCorner(pose * Motion()), options.preprocess);
+    result_ = Register(source_, target_, initial_, options.icp);
+    WriteTrackingDump({17, source_, target_, initial_, result_}, options, path());
+  }
+  std::string path() const { return folder_ / "frame-000017"; }
+
+  testing::TempFolder folder_;
+  FramePyramid source_, target_;
+  Rigid3d initial_ = {QuaternionExp<double>({0.01, 0, 0.1 / 3}), {0.01, 1.0 / 3000, 0}};
+  IcpResult result_;
+};
+
+TEST_F(TrackingDumps, RepeatTheRegistrationBitForBit) {
+  for (const SlamOptions& options : {SlamOptions(), OtherOptions()}) {
+    Write(options);
+    const TrackingDump dump = ReadTrackingDump(path());
+    EXPECT_EQ(dump.frame, 17);
+    EXPECT_EQ(dump.termination, ToString(result_.termination));
+    const IcpResult again =
+        Register(dump.source, dump.target, dump.target_from_source_initial, dump.icp);
+    EXPECT_EQ(again.termination, result_.termination);
+    EXPECT_EQ(again.target_from_source.Matrix(), result_.target_from_source.Matrix());
+    EXPECT_EQ(again.information, result_.information);
+    ASSERT_EQ(again.iterations.size(), result_.iterations.size());
+    ASSERT_GT(again.iterations.size(), 2u);
+    for (std::size_t i = 0; i < again.iterations.size(); ++i) {
+      EXPECT_EQ(again.iterations[i].average_loss, result_.iterations[i].average_loss);
+    }
+  }
+}
+
+TEST_F(TrackingDumps, KeepEveryOption) {
+  const SlamOptions options = OtherOptions();
+  Write(options);
+  const IcpOptions read = ReadTrackingDump(path()).icp;
+  const IcpOptions &icp = options.icp, defaults;
+  EXPECT_EQ(read.solver, icp.solver);
+  EXPECT_EQ(read.linear_solver, icp.linear_solver);
+  EXPECT_EQ(read.residual, icp.residual);
+  EXPECT_EQ(read.association, icp.association);
+  EXPECT_EQ(read.error_model.kernel.type, icp.error_model.kernel.type);
+  EXPECT_EQ(read.error_model.kernel.width, icp.error_model.kernel.width);
+  EXPECT_EQ(read.error_model.noise.inverse_depth_sigma, 0.0011);
+  EXPECT_EQ(read.error_model.estimate_scale, true);
+  EXPECT_EQ(read.gates.max_normal_angle_rad, 0.6);
+  EXPECT_EQ(read.min_relative_rmse_change, icp.min_relative_rmse_change);
+  EXPECT_EQ(read.max_free_space_share, icp.max_free_space_share);
+  EXPECT_NE(read.max_free_space_share, defaults.max_free_space_share);
+}
+
+TEST_F(TrackingDumps, SayWhatIsWrongWithTheirFiles) {
+  testing::ExpectInputError([] { ReadTrackingDump("nowhere"); },
+                            HasSubstr("nowhere/frame.json: cannot be opened"));
+  Write(SlamOptions());
+  folder_.Write("frame-000017/frame.json", "{\"frame\": 1}");
+  testing::ExpectInputError([&] { ReadTrackingDump(path()); },
+                            AllOf(HasSubstr("frame.json: "), HasSubstr("preprocess")));
+  folder_.Write("frame-000017/frame.json", "nonsense");
+  testing::ExpectInputError([&] { ReadTrackingDump(path()); }, HasSubstr("frame.json: "));
+  Write(SlamOptions());
+  folder_.Write("frame-000017/target.ply",
+                testing::ReadBytes(path() + "/source.ply").substr(0, 1000));
+  testing::ExpectInputError([&] { ReadTrackingDump(path()); }, HasSubstr("target.ply"));
+}
+
+}  // namespace
+}  // namespace surfit
