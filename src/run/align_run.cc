@@ -17,12 +17,12 @@ constexpr Rgb8 kSourceColor = {240, 130, 20};
 constexpr Rgb8 kTargetColor = {30, 110, 220};
 
 // One frame, ready to be registered.
-struct View {
-  FramePyramid pyramid;
+struct PosedView {
+  ColoredView view;
   std::optional<Rigid3d> world_from_camera;  // true pose
 };
 
-View ReadView(const AlignRunOptions& options, int index) {
+PosedView ReadView(const AlignRunOptions& options, int index) {
   SequenceOptions sequence = options.sequence;
   sequence.first = sequence.last = index;
   sequence.stride = 1;
@@ -30,11 +30,12 @@ View ReadView(const AlignRunOptions& options, int index) {
   const std::optional<ReadResult> result = source->Next();
   if (!result) throw InputError(Concat(sequence.path, ": there is no frame ", index));
   if (!result->frame) throw InputError(result->error);
-  View view;
-  view.pyramid =
+  PosedView posed;
+  posed.view.pyramid =
       PreprocessDepth(result->frame->depth_m, source->info().pinhole, options.preprocess);
-  view.world_from_camera = InterpolatePose(source->info().ground_truth, result->stamp_s);
-  return view;
+  posed.view.color = result->frame->color;
+  posed.world_from_camera = InterpolatePose(source->info().ground_truth, result->stamp_s);
+  return posed;
 }
 
 std::vector<Eigen::Vector3f> PointsOf(const FrameLevel& level, const Rigid3d& frame_from_camera) {
@@ -50,10 +51,10 @@ std::vector<Eigen::Vector3f> PointsOf(const FrameLevel& level, const Rigid3d& fr
   return points;
 }
 
-void WriteClouds(const View& source, const View& target, const Rigid3d& target_from_source,
-                 const std::string& stem) {
-  const auto source_points = PointsOf(source.pyramid.levels.front(), target_from_source);
-  const auto target_points = PointsOf(target.pyramid.levels.front(), Rigid3d());
+void WriteClouds(const PosedView& source, const PosedView& target,
+                 const Rigid3d& target_from_source, const std::string& stem) {
+  const auto source_points = PointsOf(source.view.pyramid.levels.front(), target_from_source);
+  const auto target_points = PointsOf(target.view.pyramid.levels.front(), Rigid3d());
   WriteTwoCloudPicture(source_points, target_points, stem + ".png");
   PointCloud both;
   both.points = source_points;
@@ -70,21 +71,10 @@ PoseError ErrorOf(const Rigid3d& estimated, const Rigid3d& truth) {
 
 }  // namespace
 
-IcpOptions AlignRunOptions::DefaultIcp() {
-  IcpOptions icp;
-  icp.middle_levels = false;
-  icp.min_coarse_step_px = 20;
-  icp.gates.max_distance_m = 0.05;
-  icp.gates.max_normal_angle_rad = 0.35;
-  icp.gate_growth = 2.5;
-  icp.kernel_growth = 4;
-  icp.max_free_space_share = 0.02;
-  return icp;
-}
-
 void AlignRunOptions::Validate() const {
   sequence.Validate();
   preprocess.Validate();
+  initialize.Validate();
   icp.Validate();
   if (output.empty()) throw InputError("output is empty, must name a folder");
   if (source < 0) throw InputError(Concat("source is ", source, ", must be zero or positive"));
@@ -94,8 +84,8 @@ void AlignRunOptions::Validate() const {
 AlignRunResult RunAlign(const AlignRunOptions& options) {
   options.Validate();
   const ThreadLimit limit(options.threads);
-  const View source = ReadView(options, options.source);
-  const View target = ReadView(options, options.target);
+  const PosedView source = ReadView(options, options.source);
+  const PosedView target = ReadView(options, options.target);
   std::error_code error;
   std::filesystem::create_directories(options.output, error);
   if (error) {
@@ -103,14 +93,16 @@ AlignRunResult RunAlign(const AlignRunOptions& options) {
   }
 
   AlignRunResult result;
-  result.icp = Register(source.pyramid, target.pyramid, Rigid3d(), options.icp);
+  result.registration =
+      InitializeAndRegister(source.view, target.view, options.initialize, options.icp);
+  const Rigid3d& estimated = result.registration.icp.target_from_source;
   if (source.world_from_camera && target.world_from_camera) {
     const Rigid3d truth = target.world_from_camera->Inverse() * *source.world_from_camera;
     result.initial_error = ErrorOf(Rigid3d(), truth);
-    result.final_error = ErrorOf(result.icp.target_from_source, truth);
+    result.final_error = ErrorOf(estimated, truth);
   }
   WriteClouds(source, target, Rigid3d(), options.output + "/before");
-  WriteClouds(source, target, result.icp.target_from_source, options.output + "/after");
+  WriteClouds(source, target, estimated, options.output + "/after");
   return result;
 }
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "surfit/frame/preprocess.h"
+#include "surfit/registration/initialize.h"
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
 #include "surfit/simulation/scenes.h"
@@ -33,13 +34,10 @@ inline const RoomWithPath& MakeRoomWithPath(int frames, std::uint64_t seed) {
   return room;
 }
 
+inline PinholeCamera ViewCamera() { return {160, 120, 131, 131, 79.5, 59.5, {}}; }
+
 inline SimulatedViews MakeViews(int first, int gap, std::uint64_t seed = 1) {
-  PinholeCamera camera;
-  camera.width = 160;
-  camera.height = 120;
-  camera.fx = camera.fy = 131;
-  camera.cx = 79.5;
-  camera.cy = 59.5;
+  const PinholeCamera camera = ViewCamera();
   const auto& [scene, path] = MakeRoomWithPath(first + gap + 1, seed);
   const Rigid3d& source = path[first].world_from_camera;
   const Rigid3d& target = path[first + gap].world_from_camera;
@@ -47,6 +45,34 @@ inline SimulatedViews MakeViews(int first, int gap, std::uint64_t seed = 1) {
     return PreprocessDepth(RenderFrame(scene, camera, pose).depth_m, camera, PreprocessOptions());
   };
   return {view(source), view(target), target.Inverse() * source};
+}
+
+// The same with colours.
+struct SimulatedColoredViews {
+  ColoredView source, target;
+  Rigid3d target_from_source;
+};
+
+inline ColoredView MakeColoredView(const Scene& scene, const Rigid3d& world_from_camera) {
+  RgbdFrame frame = RenderFrame(scene, ViewCamera(), world_from_camera);
+  return {PreprocessDepth(frame.depth_m, ViewCamera(), PreprocessOptions()),
+          std::move(frame.color)};
+}
+
+// The source is seen from a frame of the path, the target from elsewhere.
+inline SimulatedColoredViews MakeTurnedViews(int first, const Rigid3d& target_from_source,
+                                             std::uint64_t seed) {
+  const auto& [scene, path] = MakeRoomWithPath(first + 1, seed);
+  const Rigid3d& source = path[first].world_from_camera;
+  return {MakeColoredView(scene, source),
+          MakeColoredView(scene, source * target_from_source.Inverse()), target_from_source};
+}
+
+inline SimulatedColoredViews MakeColoredViews(int first, int gap, std::uint64_t seed) {
+  const Trajectory& path = MakeRoomWithPath(first + gap + 1, seed).path;
+  const Rigid3d target_from_source =
+      path[first + gap].world_from_camera.Inverse() * path[first].world_from_camera;
+  return MakeTurnedViews(first, target_from_source, seed);
 }
 
 }  // namespace surfit::testing

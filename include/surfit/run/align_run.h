@@ -5,7 +5,7 @@
 
 #include "surfit/frame/preprocess.h"
 #include "surfit/io/sequence.h"
-#include "surfit/registration/icp.h"
+#include "surfit/registration/initialize.h"
 
 namespace surfit {
 
@@ -16,17 +16,9 @@ struct AlignRunOptions {
   int target = 1;            // index in the sequence
   std::string output;        // folder for clouds and pictures; made if missing
   PreprocessOptions preprocess;
-  IcpOptions icp = DefaultIcp();
+  InitializeOptions initialize;
+  IcpOptions icp = FarIcpOptions();
   int threads = 2;
-
-  // Two frames may lie farther apart than the next frame from the map. Of four levels the coarsest
-  // (80 x 60 of 640 x 480) accepts pairs 0.8 m apart, almost without a robust kernel, and is left
-  // after a step of less than a quarter of its width: what remains then is within the reach of the
-  // finest level, which does the rest with gates close to the surface. Levels between the two, or
-  // more steps of the coarsest, would leave it hardly anything to gain. A right fit puts
-  // at most 1.7 % of the points into the other view's free space (a Kinect's kitchen; 0.02 % in the
-  // office of ICL-NUIM), one that is off by 2 cm or more at least 4.1 % there.
-  static IcpOptions DefaultIcp();
 
   // Throws InputError naming the option, its value and the constraint.
   void Validate() const;
@@ -39,12 +31,12 @@ struct PoseError {
 };
 
 struct AlignRunResult {
-  IcpResult icp;
+  InitializedIcpResult registration;
   std::optional<PoseError> initial_error;  // of the identity, where there is ground truth
   std::optional<PoseError> final_error;
 };
 
-// Registers two frames of a sequence from the identity and writes before.ply, after.ply,
+// Registers two frames of a sequence from where the options say and writes before.ply, after.ply,
 // before.png and after.png into the output folder: both frames' points in the target camera's
 // frame, source in orange and target in blue, before and after. Throws InputError for bad options
 // or frames that cannot be read.

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "surfit/core/image.h"
+#include "surfit/frame/frame_pyramid.h"
+#include "surfit/registration/error_model.h"
+
+namespace surfit {
+
+// Points that can be found again in another image, with what they look like.
+struct FeaturePoints {
+  std::vector<Eigen::Vector3d> points;  // in the camera's frame, metres
+  std::vector<double> sigmas_m;         // standard deviation of each, in any direction
+  Image<float> descriptors;             // a row for each, of unit length
+
+  int size() const { return static_cast<int>(points.size()); }
+};
+
+// SIFT features (Lowe 2004) with RootSIFT descriptors (Arandjelovic and Zisserman 2012) of the
+// image, lifted by the depth of the surface that it shares pixels with: the median of the valid
+// neighbours. Features without depth are left out. None where there is no colour.
+FeaturePoints FindFeatures(const Image<Rgb8>& color, const FrameLevel& surface,
+                           const ErrorModel& error_model);
+
+// Indices of a source and a target feature that look alike.
+struct FeatureMatch {
+  int source = 0;
+  int target = 0;
+};
+
+// Features that are each other's nearest, and nearer than 0.95 of the distance to the second
+// nearest. What wrong ones remain is for consensus to tell.
+std::vector<FeatureMatch> MatchFeatures(const FeaturePoints& source, const FeaturePoints& target);
+
+}  // namespace surfit

@@ -1,0 +1,174 @@
+#include "registration/joint_descent.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "registration/bilinear_sample.h"
+
+namespace surfit {
+namespace {
+
+constexpr float kMinNormalCosine = 0.8f;
+constexpr float kSurfaceSigmaM = 0.02f;       // of the coarse levels' shapes, near
+constexpr float kInverseDepthSigma = 0.002f;  // 1/m, far; as DepthNoise
+constexpr float kBrightnessSigma = 0.05f;     // views far apart see surfaces shine differently
+constexpr float kBrightnessKernelWidth = 3;   // in sigmas
+constexpr double kMaxGain = 1.5;              // of exposures
+constexpr int kMinPairs = 100;
+
+// The source's brightness as the target would see it: gain * J + bias.
+struct Exposure {
+  float gain = 1;
+  float bias = 0;
+};
+
+// A landing on a surface near enough and of the same orientation.
+struct Pair {
+  Eigen::Vector3f normal;
+  float height_m;  // n . (p' - q)
+};
+
+template <typename Visit>
+void ForEachPair(const ViewLevel& source, const ViewLevel& target, double max_distance_m,
+                 const Rigid3d& target_from_source, const Visit& visit) {
+  const Eigen::Matrix3f rotation = target_from_source.rotation.toRotationMatrix().cast<float>();
+  const auto max_square = static_cast<float>(max_distance_m * max_distance_m);
+  const auto on_landing = [&](const Landing& landing) {
+    const Eigen::Vector3f surface = At(target.surface.vertex, landing.target_pixel);
+    if (!(surface.z() > 0)) return;
+    const Eigen::Vector3f gap = landing.point - surface;
+    if (gap.squaredNorm() > max_square) return;
+    const Eigen::Vector3f normal = At(target.surface.normal, landing.target_pixel);
+    const Eigen::Vector3f turned = rotation * At(source.surface.normal, landing.source_pixel);
+    if (!(turned.dot(normal) > kMinNormalCosine)) return;
+    visit(landing, Pair{normal, normal.dot(gap)});
+  };
+  ForEachLanding(source.surface, target.surface, target_from_source, on_landing);
+}
+
+Exposure MatchExposure(const ViewLevel& source, const ViewLevel& target, double max_distance_m,
+                       const Rigid3d& target_from_source) {
+  constexpr double kFloorVariance = 1e-4;
+  double count = 0, a = 0, b = 0, aa = 0, bb = 0;
+  ForEachPair(source, target, max_distance_m, target_from_source,
+              [&](const Landing& landing, const Pair&) {
+                const double from = source.brightness.value[landing.source_pixel];
+                const double to = target.brightness.value[landing.target_pixel];
+                count += 1, a += from, b += to, aa += from * from, bb += to * to;
+              });
+  if (count == 0) return {};
+  a /= count, b /= count;
+  const double gain =
+      std::sqrt((bb / count - b * b + kFloorVariance) / (aa / count - a * a + kFloorVariance));
+  const double clamped = std::clamp(gain, 1 / kMaxGain, kMaxGain);
+  return {static_cast<float>(clamped), static_cast<float>(b - clamped * a)};
+}
+
+// Geman and McClure's weight of a residual in units of the kernel's width.
+float KernelWeight(float residual) {
+  const float s = 1 + residual * residual;
+  return 1 / (s * s);
+}
+
+class JointSums {
+ public:
+  explicit JointSums(const PinholeCamera& camera, double max_distance_m)
+      : fx_(static_cast<float>(camera.fx)),
+        fy_(static_cast<float>(camera.fy)),
+        kernel_width_m_(static_cast<float>(max_distance_m / 1.5)) {}
+
+  void AddShape(const Eigen::Vector3f& point, const Pair& pair) {
+    const float noise = kInverseDepthSigma * point.z() * point.z();
+    const float weight = KernelWeight(pair.height_m / kernel_width_m_) /
+                         (kSurfaceSigmaM * kSurfaceSigmaM + noise * noise);
+    AddRow(point, pair.normal, pair.height_m, weight);
+    system_.weight += weight;
+    system_.weighted_square_sum += weight * point.squaredNorm();
+    ++system_.pair_count;
+  }
+
+  void AddBrightness(const Eigen::Vector3f& point, const BilinearSample& sample, float expected) {
+    const float residual = sample.value - expected;
+    const float weight = KernelWeight(residual / (kBrightnessKernelWidth * kBrightnessSigma)) /
+                         (kBrightnessSigma * kBrightnessSigma);
+    const float x = sample.slope_u * fx_ / point.z(), y = sample.slope_v * fy_ / point.z();
+    const float z = -(x * point.x() + y * point.y()) / point.z();
+    AddRow(point, {x, y, z}, residual, weight);
+  }
+
+  const JointSystem& system() const { return system_; }
+
+ private:
+  // Row [p' x d, d] of a residual whose derivative by p' is d.
+  void AddRow(const Eigen::Vector3f& point, const Eigen::Vector3f& d, float residual,
+              float weight) {
+    Vector6d row;
+    row << point.cross(d).cast<double>(), d.cast<double>();
+    system_.hessian.noalias() += (weight * row) * row.transpose();
+    system_.right_side.noalias() -= (weight * residual) * row;
+  }
+
+  float fx_, fy_;
+  float kernel_width_m_;
+  JointSystem system_;
+};
+
+Vector6d DampedStep(const JointSystem& system, const DescentOptions& options) {
+  Matrix6d damped = system.hessian;
+  const double along = options.damping * system.weight;
+  damped.diagonal().head<3>().array() += along * std::pow(system.RmsDistance(), 2);
+  damped.diagonal().tail<3>().array() += along;
+  Vector6d step = Vector6d::Zero();
+  if (options.rotation_only) {
+    step.head<3>() = damped.topLeftCorner<3, 3>().ldlt().solve(system.right_side.head<3>());
+  } else {
+    step = damped.ldlt().solve(system.right_side);
+  }
+  return step;
+}
+
+}  // namespace
+
+double JointSystem::RmsDistance() const {
+  return weight > 0 ? std::sqrt(weighted_square_sum / weight) : 0;
+}
+
+JointSystem LinearizeJointly(const ViewLevel& source, const ViewLevel& target,
+                             double max_distance_m, bool use_brightness,
+                             const Rigid3d& target_from_source) {
+  const Exposure exposure = use_brightness
+                                ? MatchExposure(source, target, max_distance_m, target_from_source)
+                                : Exposure();
+  JointSums sums(target.surface.camera, max_distance_m);
+  ForEachPair(source, target, max_distance_m, target_from_source,
+              [&](const Landing& landing, const Pair& pair) {
+                sums.AddShape(landing.point, pair);
+                if (!use_brightness) return;
+                const float from = source.brightness.value[landing.source_pixel];
+                sums.AddBrightness(landing.point,
+                                   SampleAt(target.brightness.value, landing.u, landing.v),
+                                   exposure.gain * from + exposure.bias);
+              });
+  return sums.system();
+}
+
+Rigid3d Descend(const ViewLevel& source, const ViewLevel& target, const Rigid3d& start,
+                const DescentOptions& options) {
+  constexpr double kGateShrinkage = 0.85;
+  constexpr double kSmallestStep = 3e-4;  // rad and m
+  Rigid3d pose = start;
+  double max_distance_m = options.max_distance_m;
+  for (int i = 0; i < options.max_steps; ++i) {
+    const JointSystem system =
+        LinearizeJointly(source, target, max_distance_m, options.use_brightness, pose);
+    if (system.pair_count < kMinPairs) break;
+    const Vector6d step = DampedStep(system, options);
+    pose = LeftIncrement(step, pose);
+    if (step.norm() < kSmallestStep) break;
+    max_distance_m = std::max(options.max_distance_end_m, kGateShrinkage * max_distance_m);
+  }
+  return pose;
+}
+
+}  // namespace surfit

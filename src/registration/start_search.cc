@@ -1,0 +1,218 @@
+#include "registration/start_search.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "registration/consensus.h"
+#include "registration/feature_points.h"
+#include "registration/joint_descent.h"
+#include "registration/rotation_grid.h"
+#include "surfit/core/parallel.h"
+
+namespace surfit {
+namespace {
+
+constexpr double kDegree = M_PI / 180;
+constexpr int kFeaturePoses = 10;  // that are tried at most
+
+// Poses nearer to each other than this are one.
+struct Nearness {
+  double distance_m;
+  double angle_rad;
+};
+constexpr Nearness kCoarseNearness = {0.08, 4 * kDegree};
+constexpr Nearness kMiddleNearness = {0.03, 1 * kDegree};
+constexpr Nearness kFineNearness = {0.02, 1 * kDegree};
+
+// How many different poses are left at each stage.
+constexpr std::size_t kCoarsePoses = 40;
+constexpr std::size_t kMiddlePoses = 6;
+constexpr std::size_t kFinePoses = 8;
+
+bool AreNear(const Rigid3d& a, const Rigid3d& b, const Nearness& nearness) {
+  return (a.translation - b.translation).norm() < nearness.distance_m &&
+         RotationAngle(a.rotation.conjugate() * b.rotation) < nearness.angle_rad;
+}
+
+// The best of poses near to each other, in descending order.
+std::vector<StartPose> BestDifferent(std::vector<StartPose> poses, const Nearness& nearness,
+                                     std::size_t max_count) {
+  std::stable_sort(poses.begin(), poses.end(),
+                   [](const StartPose& a, const StartPose& b) { return a.score > b.score; });
+  std::vector<StartPose> different;
+  for (const StartPose& pose : poses) {
+    if (different.size() == max_count) break;
+    if (std::none_of(different.begin(), different.end(), [&](const StartPose& better) {
+          return AreNear(better.target_from_source, pose.target_from_source, nearness);
+        })) {
+      different.push_back(pose);
+    }
+  }
+  return different;
+}
+
+// change(pose) of each, in their order.
+std::vector<StartPose> ForAll(const std::vector<StartPose>& poses,
+                              const std::function<StartPose(const StartPose&)>& change) {
+  std::vector<StartPose> changed(poses.size());
+  ParallelFor(0, static_cast<int>(poses.size()), 1, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) changed[i] = change(poses[i]);
+  });
+  return changed;
+}
+
+// The increment that the shapes hold least, of unit length at the points' distance.
+Vector6d WeakestDirection(const JointSystem& system) {
+  const double distance_m = system.RmsDistance();
+  Matrix6d scaled = system.hessian;
+  scaled.topRows<3>() /= distance_m;
+  scaled.leftCols<3>() /= distance_m;
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(scaled);
+  Vector6d direction = eigen.eigenvectors().col(0);
+  direction.head<3>() /= distance_m;
+  return direction;
+}
+
+}  // namespace
+
+StartSearch::StartSearch(const ColoredView& source, const ColoredView& target,
+                         const ErrorModel& error_model)
+    : source_(source),
+      target_(target),
+      error_model_(error_model),
+      levels_(
+          static_cast<int>(std::min(source.pyramid.levels.size(), target.pyramid.levels.size()))) {
+  const auto brightness = [&](const ColoredView& view) {
+    const PinholeCamera& camera = view.pyramid.levels.front().camera;
+    return BrightnessPyramid(view.color, camera.width, camera.height, levels_);
+  };
+  source_brightness_ = brightness(source);
+  target_brightness_ = brightness(target);
+}
+
+int StartSearch::LevelOf(Stage stage) const { return std::max(0, levels_ - 1 - stage); }
+
+ViewLevel StartSearch::Source(Stage stage) const {
+  return {source_.pyramid.levels[LevelOf(stage)], source_brightness_[LevelOf(stage)]};
+}
+
+ViewLevel StartSearch::Target(Stage stage) const {
+  return {target_.pyramid.levels[LevelOf(stage)], target_brightness_[LevelOf(stage)]};
+}
+
+// A coarser level shows shapes less exactly.
+double StartSearch::Score(Stage stage, const Rigid3d& pose) const {
+  ErrorModel error_model = error_model_;
+  error_model.floor_sigma_m *= std::pow(2, LevelOf(stage));
+  return MeasureFit(Source(stage), Target(stage), error_model, pose).Score();
+}
+
+ViewFit StartSearch::Measure(const Rigid3d& target_from_source) const {
+  return MeasureFit(Source(kFine), Target(kFine), error_model_, target_from_source);
+}
+
+std::vector<StartPose> StartSearch::FromFeatures() const {
+  const FeaturePoints source =
+      FindFeatures(source_.color, source_.pyramid.levels.front(), error_model_);
+  const FeaturePoints target =
+      FindFeatures(target_.color, target_.pyramid.levels.front(), error_model_);
+  std::vector<StartPose> poses;
+  for (const Consensus& consensus :
+       FindConsensus(source, target, MatchFeatures(source, target), kFeaturePoses)) {
+    poses.push_back({consensus.target_from_source, 0});
+  }
+  return poses;
+}
+
+std::vector<StartPose> StartSearch::FromRotations() const {
+  std::vector<StartPose> poses;
+  for (const Eigen::Quaterniond& rotation : RotationGrid()) {
+    poses.push_back({Rigid3d(rotation, Eigen::Vector3d::Zero()), 0});
+  }
+  // Steps that let the room's walls find each other from far.
+  DescentOptions descent;
+  descent.max_steps = 15;
+  descent.max_distance_m = 1.5;
+  descent.max_distance_end_m = 0.25;
+  descent.use_brightness = false;
+  return ForAll(poses, [&](const StartPose& start) {
+    const Rigid3d pose =
+        Descend(Source(kCoarse), Target(kCoarse), start.target_from_source, descent);
+    return StartPose{pose, Score(kCoarse, pose)};
+  });
+}
+
+StartPose StartSearch::Improve(const StartPose& start) const {
+  DescentOptions descent;
+  Rigid3d pose = Descend(Source(kCoarse), Target(kCoarse), start.target_from_source, descent);
+  descent.max_steps = 8;
+  descent.max_distance_m = 0.2;
+  descent.max_distance_end_m = 0.1;
+  pose = Descend(Source(kMiddle), Target(kMiddle), pose, descent);
+  return {pose, Score(kMiddle, pose)};
+}
+
+// Where shapes hold a direction badly (two walls and nothing else), the descent ends anywhere
+// along it, and only the images tell where.
+std::vector<StartPose> StartSearch::AlongWeakestDirection(const Rigid3d& pose) const {
+  constexpr double kReachM = 1, kStepM = 0.05;
+  constexpr std::size_t kBest = 6;
+  const JointSystem system = LinearizeJointly(Source(kCoarse), Target(kCoarse),
+                                              kCoarseNearness.distance_m * 3, false, pose);
+  std::vector<StartPose> along;
+  if (system.pair_count == 0) return along;
+  const Vector6d direction = WeakestDirection(system);
+  for (int i = 1; i * kStepM <= kReachM; ++i) {
+    for (const double shift_m : {i * kStepM, -i * kStepM}) {
+      const Rigid3d shifted = LeftIncrement<double>(shift_m * direction, pose);
+      along.push_back({shifted, Score(kCoarse, shifted)});
+    }
+  }
+  return BestDifferent(along, kCoarseNearness, kBest);
+}
+
+std::vector<StartPose> StartSearch::FindPoses() const {
+  const auto improve = [&](const StartPose& start) { return Improve(start); };
+  std::vector<StartPose> poses =
+      ForAll(BestDifferent(FromRotations(), kCoarseNearness, kCoarsePoses), improve);
+  for (const StartPose& pose : ForAll(FromFeatures(), improve)) poses.push_back(pose);
+  std::vector<StartPose> best = BestDifferent(poses, kMiddleNearness, kMiddlePoses);
+  std::vector<StartPose> along;
+  for (const StartPose& pose : best) {
+    for (const StartPose& other : AlongWeakestDirection(pose.target_from_source)) {
+      along.push_back(other);
+    }
+  }
+  for (const StartPose& pose : ForAll(along, improve)) poses.push_back(pose);
+  best = BestDifferent(poses, kMiddleNearness, kFinePoses);
+
+  DescentOptions descent;
+  descent.max_steps = 6;
+  descent.max_distance_m = descent.max_distance_end_m = 0.1;
+  descent.damping = 1e-4;
+  const auto refine = [&](const StartPose& start) {
+    const Rigid3d pose = Descend(Source(kFine), Target(kFine), start.target_from_source, descent);
+    return StartPose{pose, Score(kFine, pose)};
+  };
+  return BestDifferent(ForAll(best, refine), kFineNearness, kFinePoses);
+}
+
+Rigid3d StartSearch::FindRotation() const {
+  std::vector<StartPose> poses;
+  for (const Eigen::Quaterniond& rotation : RotationGrid()) {
+    poses.push_back({Rigid3d(rotation, Eigen::Vector3d::Zero()), 0});
+  }
+  DescentOptions descent;
+  descent.max_distance_m = descent.max_distance_end_m = 1.5;
+  descent.rotation_only = true;
+  const auto turn = [&](const StartPose& start) {
+    const Rigid3d pose =
+        Descend(Source(kCoarse), Target(kCoarse), start.target_from_source, descent);
+    return StartPose{pose, Score(kCoarse, pose)};
+  };
+  return BestDifferent(ForAll(poses, turn), kCoarseNearness, 1).front().target_from_source;
+}
+
+}  // namespace surfit

@@ -1,0 +1,208 @@
+// Registers frames 90 apart from where image features and shapes say, and counts how that ends.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "surfit/frame/preprocess.h"
+#include "surfit/io/sequence.h"
+#include "surfit/registration/free_space.h"
+#include "surfit/registration/initialize.h"
+#include "surfit/simulation/camera_path.h"
+#include "surfit/simulation/render.h"
+#include "surfit/simulation/scenes.h"
+#include "surfit/simulation/sensor.h"
+#include "testing/shared_data.h"
+
+namespace surfit {
+namespace {
+
+constexpr int kGap = 90;
+constexpr double kEnoughOverlap = 0.3;
+
+struct PosedView {
+  ColoredView view;
+  Rigid3d world_from_camera;
+};
+
+// How many of the pairs ...
+struct Outcome {
+  int pairs = 0;
+  int enough = 0;   // overlap by more than kEnoughOverlap,
+  int right = 0;    // and of these converged near the truth
+  int wrong = 0;    // converged elsewhere, whatever the overlap
+  int refused = 0;  // did not converge
+
+  Outcome& operator+=(const Outcome& other) {
+    pairs += other.pairs;
+    enough += other.enough;
+    right += other.right;
+    wrong += other.wrong;
+    refused += other.refused;
+    return *this;
+  }
+};
+
+// The share of the source's points with depth that the target sees too: they land on its surface,
+// to within kFreeSpaceSigmas of the depth noise of both.
+double TrueOverlap(const FrameLevel& source, const FrameLevel& target,
+                   const Rigid3d& target_from_source) {
+  const ErrorModel error_model;
+  int valid = 0, seen = 0;
+  for (int v = 0; v < source.vertex.height(); ++v) {
+    for (int u = 0; u < source.vertex.width(); ++u) {
+      if (!(source.vertex.z(u, v) > 0)) continue;
+      ++valid;
+      const Eigen::Vector3d point = target_from_source * source.vertex(u, v).cast<double>();
+      if (!(point.z() > 0)) continue;
+      const Eigen::Vector2d pixel = target.camera.Project(point);
+      const auto x = std::lround(pixel.x()), y = std::lround(pixel.y());
+      if (x < 0 || y < 0 || x >= target.camera.width || y >= target.camera.height) continue;
+      const auto at_u = static_cast<int>(x), at_v = static_cast<int>(y);
+      const Eigen::Vector3d surface = target.vertex(at_u, at_v).cast<double>();
+      const Eigen::Vector3d normal = target.normal(at_u, at_v).cast<double>();
+      if (!(surface.z() > 0) || normal.isZero(0)) continue;
+      const double sigma_m =
+          std::hypot(error_model.Sigma(point.z()), error_model.noise.SigmaZ(surface.z()));
+      seen += std::abs(normal.dot(point - surface)) <= kFreeSpaceSigmas * sigma_m;
+    }
+  }
+  return valid > 0 ? static_cast<double>(seen) / valid : 0;
+}
+
+struct Bound {
+  double distance_m = 0.02;
+  double angle_deg = 1;
+  // The recorded poses are themselves off by more: the truth is where dense ICP goes from there.
+  bool refine_truth = false;
+};
+
+Outcome RegisterPair(const PosedView& source, const PosedView& target, const Bound& bound) {
+  const IcpOptions icp = FarIcpOptions();
+  InitializeOptions options;
+  options.method = "features";
+  Rigid3d truth = target.world_from_camera.Inverse() * source.world_from_camera;
+  if (bound.refine_truth) {
+    IcpOptions anywhere = icp;
+    anywhere.max_free_space_share = 1;
+    anywhere.max_iterations *= options.iteration_growth;
+    truth = Register(source.view.pyramid, target.view.pyramid, truth, anywhere).target_from_source;
+  }
+  const InitializedIcpResult result = InitializeAndRegister(source.view, target.view, options, icp);
+  const Rigid3d error = truth.Inverse() * result.icp.target_from_source;
+  const double off_m = error.translation.norm();
+  const double off_deg = RotationAngle(error.rotation) * 180 / M_PI;
+  const bool near = off_m <= bound.distance_m && off_deg <= bound.angle_deg;
+  const double overlap =
+      TrueOverlap(source.view.pyramid.levels.front(), target.view.pyramid.levels.front(), truth);
+  const bool is_enough = overlap > kEnoughOverlap, converged = result.icp.Succeeded();
+  return {1, is_enough, is_enough && converged && near, converged && !near, !converged};
+}
+
+// The views are stride frames apart.
+Outcome RegisterPairs(int stride, const Bound& bound,
+                      const std::function<std::optional<PosedView>()>& next_view) {
+  const std::size_t gap = kGap / stride;
+  std::deque<PosedView> last;
+  Outcome outcome;
+  while (std::optional<PosedView> view = next_view()) {
+    last.push_back(std::move(*view));
+    if (last.size() <= gap) continue;
+    outcome += RegisterPair(last.front(), last.back(), bound);
+    last.pop_front();
+  }
+  return outcome;
+}
+
+Outcome RegisterRecorded(const std::string& sequence, int stride, const Bound& bound) {
+  SequenceOptions options;
+  options.path = testing::SharedData(sequence);
+  options.stride = stride;
+  const std::unique_ptr<FrameSource> source = OpenSequence(options);
+  const SequenceInfo& info = source->info();
+  return RegisterPairs(stride, bound, [&]() -> std::optional<PosedView> {
+    std::optional<ReadResult> read = source->Next();
+    if (!read) return std::nullopt;
+    return PosedView{
+        {PreprocessDepth(read->frame->depth_m, info.pinhole, {}), std::move(read->frame->color)},
+        InterpolatePose(info.ground_truth, read->stamp_s).value()};
+  });
+}
+
+// A room as surfit_simulate makes it, seen by a Kinect.
+Outcome RegisterSimulated(std::uint64_t seed, int stride) {
+  constexpr int kFrames = 200;
+  const PinholeCamera camera = {640, 480, 525, 525, 319.5, 239.5, {}};
+  const Scene scene = MakeScene("room", seed);
+  const Trajectory path = MakePath(scene, kFrames, seed);
+  int index = -stride;
+  return RegisterPairs(stride, {}, [&]() -> std::optional<PosedView> {
+    index += stride;
+    if (index >= kFrames) return std::nullopt;
+    const Rigid3d& pose = path[index].world_from_camera;
+    Rendering image = Render(scene, camera, pose);
+    const Image<float> depth_m = KinectDepth(image.depth_m, camera, (seed << 32) + index);
+    return PosedView{{PreprocessDepth(depth_m, camera, {}), std::move(image.color)}, pose};
+  });
+}
+
+void Print(const std::string& name, const Outcome& outcome) {
+  std::printf("%-22s %6d %10d %6d %6d %8d\n", name.c_str(), outcome.pairs, outcome.enough,
+              outcome.right, outcome.wrong, outcome.refused);
+  std::fflush(stdout);
+}
+
+void PrintHeader() {
+  std::printf("%-22s  pairs above 30 %%  right  wrong  refused\n", "90 frames apart");
+}
+
+void ExpectGood(const Outcome& outcome) {
+  EXPECT_GE(outcome.right, 0.9 * outcome.enough);
+  EXPECT_LE(outcome.wrong, 0.02 * outcome.pairs);
+}
+
+class FarPairs : public ::testing::TestWithParam<std::string> {};
+
+// Every 5th pair.
+TEST_P(FarPairs, RegistersFramesFarApart) {
+  SURFIT_REQUIRE_SHARED_DATA(GetParam());
+  const Outcome outcome = RegisterRecorded(GetParam(), 5, {});
+  PrintHeader();
+  Print(GetParam(), outcome);
+  ExpectGood(outcome);
+}
+
+INSTANTIATE_TEST_SUITE_P(Sequences, FarPairs, ::testing::Values("icl_office", "icl_office_kinect"),
+                         [](const auto& instance) { return instance.param; });
+
+// Every 10th pair.
+TEST(FarPairsSweep, RegistersFramesFarApartInTheKitchen) {
+  SURFIT_REQUIRE_SHARED_DATA("seven_scenes_kitchen");
+  const Outcome outcome = RegisterRecorded("seven_scenes_kitchen", 10, {0.03, 1, true});
+  PrintHeader();
+  Print("seven_scenes_kitchen", outcome);
+  ExpectGood(outcome);
+}
+
+// Every 10th pair.
+TEST(FarPairsSweep, RegistersFramesFarApartInSimulatedRooms) {
+  Outcome all;
+  PrintHeader();
+  for (const std::uint64_t seed : {21, 22, 23, 24, 25, 26, 27, 28}) {
+    const Outcome outcome = RegisterSimulated(seed, 10);
+    Print("room " + std::to_string(seed), outcome);
+    all += outcome;
+  }
+  Print("all rooms", all);
+  ExpectGood(all);
+}
+
+}  // namespace
+}  // namespace surfit

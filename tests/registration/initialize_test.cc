@@ -1,0 +1,117 @@
+#include "surfit/registration/initialize.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "registration/simulated_views.h"
+#include "surfit/core/parallel.h"
+#include "testing/expect_input_error.h"
+#include "testing/matchers.h"
+
+namespace surfit {
+namespace {
+
+using testing::ExpectInputError;
+using ::testing::HasSubstr;
+using testing::MakeColoredViews;
+using testing::RigidNear;
+using testing::SimulatedColoredViews;
+
+constexpr double kDegree = M_PI / 180;
+// Exact depth holds the pose to a part of a pixel, which is 1 / 131 rad, 15 mm at 2 m.
+constexpr double kToleranceM = 0.01, kToleranceRad = 0.005;
+
+// 50 frames apart: 0.5 m and 20 degrees at least.
+const SimulatedColoredViews& FarViews() {
+  static const auto* const views = new SimulatedColoredViews(MakeColoredViews(70, 50, 12));
+  return *views;
+}
+
+InitializedIcpResult Registered(const SimulatedColoredViews& views, const std::string& method) {
+  InitializeOptions options;
+  options.method = method;
+  return InitializeAndRegister(views.source, views.target, options, FarIcpOptions());
+}
+
+TEST(InitializeAndRegister, FeaturesReachWhereTheIdentityDoesNot) {
+  EXPECT_FALSE(Registered(FarViews(), "identity").icp.Succeeded());
+  const InitializedIcpResult result = Registered(FarViews(), "features");
+  EXPECT_TRUE(result.icp.Succeeded()) << ToString(result.icp.termination);
+  EXPECT_THAT(result.icp.target_from_source,
+              RigidNear(FarViews().target_from_source, kToleranceM, kToleranceRad));
+}
+
+TEST(InitializeAndRegister, ShapesAloneReachFarToo) {
+  SimulatedColoredViews views = FarViews();
+  views.source.color = {};
+  const InitializedIcpResult result = Registered(views, "features");
+  EXPECT_TRUE(result.icp.Succeeded()) << ToString(result.icp.termination);
+  EXPECT_THAT(result.icp.target_from_source,
+              RigidNear(views.target_from_source, kToleranceM, kToleranceRad));
+}
+
+TEST(InitializeAndRegister, So3FindsARotation) {
+  const Rigid3d turn(QuaternionExp<double>({0.1, 0.4, -0.1}), {0.02, 0, 0.01});
+  const SimulatedColoredViews views = testing::MakeTurnedViews(70, turn, 12);
+  EXPECT_FALSE(Registered(views, "identity").icp.Succeeded());
+  const InitializedIcpResult result = Registered(views, "so3");
+  EXPECT_EQ(result.start.translation, Eigen::Vector3d::Zero());
+  EXPECT_LT(RotationAngle(result.start.rotation.conjugate() * turn.rotation), 3 * kDegree);
+  EXPECT_TRUE(result.icp.Succeeded()) << ToString(result.icp.termination);
+  EXPECT_THAT(result.icp.target_from_source, RigidNear(turn, kToleranceM, kToleranceRad));
+}
+
+// Rooms of other seeds share walls and a floor, and nothing else.
+TEST(InitializeAndRegister, DoesNotBelieveAFitOfOtherPlaces) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    SimulatedColoredViews views = MakeColoredViews(10, 1, seed);
+    views.target = FarViews().target;
+    for (const char* method : {"so3", "features"}) {
+      EXPECT_FALSE(Registered(views, method).icp.Succeeded()) << seed << method;
+    }
+  }
+}
+
+TEST(InitializeAndRegister, FailsWithoutDepth) {
+  SimulatedColoredViews views = FarViews();
+  for (FrameLevel& level : views.source.pyramid.levels) {
+    level.vertex = VectorImage(level.camera.width, level.camera.height);
+    level.normal = VectorImage(level.camera.width, level.camera.height);
+  }
+  for (const std::string& method : InitializeMethods()) {
+    EXPECT_EQ(Registered(views, method).icp.termination, Termination::kTooFewInliers) << method;
+  }
+}
+
+TEST(InitializeAndRegister, IsTheSameAtAnyNumberOfThreads) {
+  std::vector<InitializedIcpResult> results;
+  for (const int threads : {1, 2}) {
+    const ThreadLimit limit(threads);
+    results.push_back(Registered(FarViews(), "features"));
+  }
+  EXPECT_EQ(results[0].icp.target_from_source.Matrix(), results[1].icp.target_from_source.Matrix());
+  EXPECT_EQ(results[0].rival_score_share, results[1].rival_score_share);
+}
+
+TEST(InitializeOptions, RefuseWhatMakesNoSense) {
+  const auto expect_refused = [](auto change, const char* message) {
+    InitializeOptions options;
+    change(options);
+    ExpectInputError([&] { options.Validate(); }, HasSubstr(message));
+  };
+  InitializeOptions().Validate();
+  expect_refused([](auto& o) { o.method = "magic"; },
+                 "initialize is 'magic', must be one of: identity, so3, features");
+  expect_refused([](auto& o) { o.min_overlap_share = 1.1; },
+                 "min_overlap_share is 1.1, must be from 0 to 1");
+  expect_refused([](auto& o) { o.min_value_correlation = -1; }, "min_value_correlation is -1");
+  expect_refused([](auto& o) { o.min_detail_correlation = 2; }, "min_detail_correlation is 2");
+  expect_refused([](auto& o) { o.max_rival_score_share = 2; }, "max_rival_score_share is 2");
+  expect_refused([](auto& o) { o.free_space_growth = 0.5; },
+                 "free_space_growth is 0.5, must be at least 1");
+  expect_refused([](auto& o) { o.iteration_growth = 0; },
+                 "iteration_growth is 0, must be at least 1");
+}
+
+}  // namespace
+}  // namespace surfit
