@@ -13,6 +13,7 @@
 #include "common/slam_flags.h"
 #include "common/text_table.h"
 #include "common/tool_main.h"
+#include "surfit/registration/register_clouds.h"
 #include "surfit/run/compare_solvers.h"
 
 namespace {
@@ -24,8 +25,15 @@ const surfit::CompareOptions kRun;
 DEFINE_int32(synthetic_points, kRun.synthetic_points,
              "compare on so many random points whose pairs are known, without a robust kernel");
 DEFINE_double(noise_m, kRun.noise_m, "standard deviation of these points' coordinates");
-DEFINE_int32(pairs, kRun.pairs, "pairs of frames of the sequence, evenly spread");
+DEFINE_int32(pairs, kRun.pairs,
+             "pairs of frames of the sequence, evenly spread; 0 = none, with --slam");
 DEFINE_int32(gap, kRun.gap, "frames from the source to the target of a pair");
+DEFINE_bool(slam, kRun.slam,
+            "also run SLAM over all of these frames with each combination, and compare the maps");
+DEFINE_string(source, kRun.source, "compare on two clouds: the one to be moved, PLY or PCD");
+DEFINE_string(target, kRun.target, "and the one to be met");
+DEFINE_string(truth, kRun.truth,
+              "true target_from_source of the clouds as tx,ty,tz,qx,qy,qz,qw; empty = unknown");
 DEFINE_int32(first, kRun.sequence.first, "index of the first frame to use");
 DEFINE_int32(last, kRun.sequence.last,
              "index of the last frame to use, inclusive; -1 = to the end");
@@ -60,6 +68,9 @@ void OnSignal(int) { interrupted = true; }
 
 CompareOptions OptionsFromFlags() {
   CompareOptions options;
+  const bool clouds = !FLAGS_source.empty() || !FLAGS_target.empty();
+  const IcpOptions base = clouds ? RegisterCloudsOptions::DefaultIcp() : IcpOptions();
+  SetIcpFlagDefaults(base);
   options.synthetic_points = FLAGS_synthetic_points;
   options.noise_m = FLAGS_noise_m;
   options.sequence = SequenceOptionsFromFlags();
@@ -67,6 +78,10 @@ CompareOptions OptionsFromFlags() {
   options.sequence.last = FLAGS_last;
   options.pairs = FLAGS_pairs;
   options.gap = FLAGS_gap;
+  options.slam = FLAGS_slam;
+  options.source = FLAGS_source;
+  options.target = FLAGS_target;
+  options.truth = FLAGS_truth;
   options.replay = FLAGS_replay;
   options.output = FLAGS_output;
   options.solvers = Names(FLAGS_solvers);
@@ -80,16 +95,16 @@ CompareOptions OptionsFromFlags() {
   options.max_rotation_error_deg = FLAGS_max_rotation_error_deg;
   options.max_translation_error_m = FLAGS_max_translation_error_m;
   options.preprocess = PreprocessOptionsFromFlags();
-  options.icp = FrameIcpOptionsFromFlags();
+  options.icp = FrameIcpOptionsFromFlags(base);
   return options;
 }
 
 void ShowProgress(const CompareProgress& progress) {
   static ProgressLine line;
-  const int left = progress.runs_total - progress.runs_done;
+  const int left = progress.total - progress.done;
   char text[100];
-  std::snprintf(text, sizeof(text), "run %d/%d  %.0f s left", progress.runs_done,
-                progress.runs_total, progress.elapsed_s / progress.runs_done * left);
+  std::snprintf(text, sizeof(text), "%s %d/%d  %.0f s left", progress.unit.c_str(), progress.done,
+                progress.total, progress.elapsed_s / progress.done * left);
   line.Show(text, progress.elapsed_s, left == 0);
 }
 
@@ -119,13 +134,30 @@ void PrintTable(const std::vector<ComparisonRow>& rows) {
   std::fputs(TextTable(table, 3).c_str(), stdout);
 }
 
+void PrintSlamTable(const std::vector<SlamComparisonRow>& rows) {
+  std::vector<std::vector<std::string>> table = {
+      {"SLAM", "residual", "solver", "threads", "frames", "lost", "ATE mm", "frame ms", "track ms",
+       "surfels", "surface mean mm", "p90 mm", "shared"}};
+  for (const SlamComparisonRow& row : rows) {
+    table.push_back(
+        {row.combination.association, row.combination.residual, row.combination.SolverTitle(),
+         std::to_string(row.threads), std::to_string(row.frames), std::to_string(row.frames_lost),
+         Cell("%.2f", row.ate_m, 1000), Cell("%.1f", row.frame_ms), Cell("%.1f", row.track_ms),
+         std::to_string(row.map_points), Cell("%.3f", row.surface_distance_mean_m, 1000),
+         Cell("%.3f", row.surface_distance_p90_m, 1000), Cell("%.1f %%", row.shared_surface, 100)});
+  }
+  std::fputs(TextTable(table, 3).c_str(), stdout);
+  std::printf("Surfaces are compared with the first row's.\n");
+}
+
 int Run() {
   const CompareOptions options = OptionsFromFlags();
   std::signal(SIGINT, OnSignal);
   std::signal(SIGTERM, OnSignal);
   const Comparison comparison = CompareSolvers(options, interrupted, ShowProgress);
   if (interrupted) std::fputc('\n', stderr);  // ends the line of progress
-  PrintTable(comparison.rows);
+  if (!comparison.rows.empty()) PrintTable(comparison.rows);
+  if (!comparison.slam.empty()) PrintSlamTable(comparison.slam);
   for (const std::string& note : comparison.notes) std::printf("Note: %s.\n", note.c_str());
   return kDone;
 }

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "run/given_poses.h"
 #include "run/solver_combinations.h"
 #include "surfit/core/error.h"
 
@@ -42,8 +43,14 @@ void CompareOptions::Validate() const {
           "synthetic_points", synthetic_points, "from 10 to 100000000");
   Require(noise_m >= 0 && std::isfinite(noise_m), "noise_m", noise_m, "zero or positive");
   if (!sequence.path.empty()) sequence.Validate();
-  Require(pairs >= 1, "pairs", pairs, "positive");
+  Require(pairs >= (slam ? 0 : 1), "pairs", pairs, slam ? "zero or positive" : "positive");
+  if (slam && sequence.path.empty()) throw InputError("slam is set, must have a sequence");
   Require(gap >= 1, "gap", gap, "positive");
+  if (!truth.empty()) {
+    ParsePose("truth", truth);
+    if (source.empty())
+      throw InputError(Concat("truth is '", truth, "', must be empty without source and target"));
+  }
   RequireGrid("rotations_deg", rotations_deg, 180);
   RequireGrid("translations_m", translations_m, 100);
   Require(max_rotation_error_deg > 0, "max_rotation_error_deg", max_rotation_error_deg, "positive");

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "registration/pair_solver.h"
+#include "run/compare_slam.h"
 #include "run/comparison_files.h"
 #include "run/comparison_pictures.h"
 #include "run/comparison_rows.h"
@@ -18,6 +19,7 @@ namespace {
 
 PoseProblems ProblemsOf(const CompareOptions& options) {
   if (options.synthetic_points > 0) return KnownPairsProblems(options);
+  if (!options.source.empty()) return CloudProblems(options);
   if (!options.replay.empty()) return ReplayProblems(options);
   return FramePairProblems(options);
 }
@@ -48,7 +50,7 @@ class ComparisonRun {
         made = i;
       }
       RunOne(*problem, i, cell, runs);
-      progress_({++done_, total_, 1e-3 * time_.Milliseconds()});
+      progress_({"run", ++done_, total_, 1e-3 * time_.Milliseconds()});
     });
     return std::move(all_);
   }
@@ -128,12 +130,13 @@ Comparison CompareSolvers(const CompareOptions& given, const std::atomic<bool>& 
   if (!options.replay.empty()) options.rotations_deg = options.translations_m = {0};
   ComparisonRun run(options, interrupted, progress);
   PrepareOutputFolder(options.output, {"comparison.csv", "comparison.json", "convergence.png",
-                                       "basin.png", "time.png"});
+                                       "basin.png", "time.png", "slam.csv"});
   const std::vector<ComparedRuns> all = run.Run();
   Comparison comparison;
   for (const ComparedRuns& runs : all) {
     if (!runs.runs.empty()) comparison.rows.push_back(RowOf(runs));
   }
+  if (options.slam) comparison.slam = CompareSlam(options, interrupted, progress);
   comparison.notes = NotesOf(options, all);
   WriteComparisonFiles(comparison, options.output);
   WriteComparisonPictures(all, comparison.rows, options);

@@ -32,6 +32,30 @@ Json ToJson(const ComparisonRow& row) {
           {"termination", ToJson(row.termination)}};
 }
 
+Json ToJson(const SlamComparisonRow& row) {
+  return {{"solver", row.combination.solver},
+          {"linear_solver", ToJson(row.combination.linear_solver)},
+          {"residual", row.combination.residual},
+          {"association", row.combination.association},
+          {"threads", row.threads},
+          {"frames", row.frames},
+          {"frames_lost", row.frames_lost},
+          {"ate_m", ToJson(row.ate_m)},
+          {"frame_ms", row.frame_ms},
+          {"track_ms", row.track_ms},
+          {"map_points", row.map_points},
+          {"surface_distance_mean_m", ToJson(row.surface_distance_mean_m)},
+          {"surface_distance_p90_m", ToJson(row.surface_distance_p90_m)},
+          {"shared_surface", ToJson(row.shared_surface)}};
+}
+
+template <typename Row>
+Json AllToJson(const std::vector<Row>& rows) {
+  Json json = Json::array();
+  for (const Row& row : rows) json.push_back(ToJson(row));
+  return json;
+}
+
 // The keys of the first row, then each row's values.
 void WriteCsv(const Json& rows, const std::string& path) {
   WriteFileAtomically(path, [&](std::ostream& file) {
@@ -61,11 +85,13 @@ void WriteCsv(const Json& rows, const std::string& path) {
 }  // namespace
 
 void WriteComparisonFiles(const Comparison& comparison, const std::string& folder) {
-  Json rows = Json::array();
-  for (const ComparisonRow& row : comparison.rows) rows.push_back(ToJson(row));
-  WriteCsv(rows, folder + "/comparison.csv");
   Json json;
-  json["rows"] = std::move(rows);
+  json["rows"] = AllToJson(comparison.rows);
+  WriteCsv(json["rows"], folder + "/comparison.csv");
+  if (!comparison.slam.empty()) {
+    json["slam"] = AllToJson(comparison.slam);
+    WriteCsv(json["slam"], folder + "/slam.csv");
+  }
   json["notes"] = comparison.notes;
   WriteFileAtomically(folder + "/comparison.json",
                       [&](std::ostream& file) { file << json.dump(2) << '\n'; });

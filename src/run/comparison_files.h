@@ -7,8 +7,9 @@
 
 namespace surfit {
 
-// comparison.csv and comparison.json: a line, or an element of `rows`, for each row; what does not
-// apply is empty, or null. Throws InputError naming the file that cannot be written.
+// comparison.csv and comparison.json: a line, or an element of `rows`, for each row; slam.csv and
+// `slam` likewise, where SLAM ran. What does not apply is empty, or null. Throws InputError naming
+// the file that cannot be written.
 void WriteComparisonFiles(const Comparison& comparison, const std::string& folder);
 
 }  // namespace surfit

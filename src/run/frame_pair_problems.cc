@@ -54,6 +54,7 @@ PoseProblem FramePairProblem(FramePyramid source, FramePyramid target,
 }
 
 PoseProblems FramePairProblems(const CompareOptions& options) {
+  if (options.pairs == 0) return {};
   const int first = options.sequence.first;
   const int frames = OpenSequence(options.sequence)->info().frame_count;
   const int last = first + frames - 1 - options.gap;

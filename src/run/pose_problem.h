@@ -38,6 +38,7 @@ struct PoseProblems {
 // Of the options' synthetic_points, sequence, clouds, or replay.
 PoseProblems KnownPairsProblems(const CompareOptions& options);
 PoseProblems FramePairProblems(const CompareOptions& options);
+PoseProblems CloudProblems(const CompareOptions& options);
 PoseProblems ReplayProblems(const CompareOptions& options);
 
 // Two frames.

@@ -102,6 +102,66 @@ TEST_F(CompareTool, ComparesOverPairsOfFrames) {
   }
 }
 
+TEST_F(CompareTool, ComparesSlamOverASequence) {
+  const std::string room = own_ / "room";
+  ASSERT_EQ(
+      RunProgram("surfit_simulate", {"--output=" + room, "--frames=4", "--downsample=4"}).exit_code,
+      0);
+  const ProgramResult result =
+      Compare({"--sequence=" + room, "--pairs=0", "--slam", "--solvers=closed_form_ldlt,ceres",
+               "--residuals=point_to_plane", "--associations=projective"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto json = nlohmann::json::parse(ReadBytes(Output() + "/comparison.json"));
+  EXPECT_TRUE(json["rows"].empty());
+  const auto& rows = json["slam"];
+  ASSERT_EQ(rows.size(), 2u);
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.dump());
+    EXPECT_EQ(row["frames"], 4);
+    EXPECT_EQ(row["frames_lost"], 0);
+    EXPECT_LT(row["ate_m"], 0.005);
+    EXPECT_GT(row["shared_surface"], 0.95);
+  }
+  EXPECT_EQ(rows[0]["surface_distance_mean_m"], 0);  // from itself
+  EXPECT_EQ(rows[0]["shared_surface"], 1);
+  // Poses that differ by a fraction of a millimetre move surfaces by no more.
+  EXPECT_GT(rows[1]["surface_distance_mean_m"], 0);
+  EXPECT_LT(rows[1]["surface_distance_mean_m"], 0.001);
+  EXPECT_THAT(ReadBytes(Output() + "/slam.csv"), StartsWith("solver,linear_solver,residual,"));
+}
+
+TEST_F(CompareTool, ComparesOverTwoClouds) {
+  const std::string room = own_ / "room";
+  ASSERT_EQ(
+      RunProgram("surfit_simulate", {"--output=" + room, "--frames=1", "--downsample=4"}).exit_code,
+      0);
+  ASSERT_EQ(RunProgram("surfit_slam",
+                       {"--sequence=" + room, "--output=" + (own_ / "slam"), "--nopictures"})
+                .exit_code,
+            0);
+  const std::string cloud = own_ / "slam" + "/map.ply";
+  const std::vector<std::string> flags = {"--source=" + cloud, "--target=" + cloud,
+                                          "--solvers=closed_form_ldlt", "--rotations_deg=1",
+                                          "--translations_m=0.02"};
+  const ProgramResult unknown = Compare(flags);
+  ASSERT_EQ(unknown.exit_code, 0) << unknown.err;
+  for (const auto& row : Rows()) {
+    EXPECT_EQ(row["association"], "kd_tree");
+    EXPECT_TRUE(row["converged_share"].is_null());
+    EXPECT_TRUE(row["translation_error_m"].is_null());
+    EXPECT_FALSE(row["final_cost"].is_null());
+  }
+  std::vector<std::string> with_truth = flags;
+  with_truth.push_back("--truth=0,0,0,0,0,0,1");
+  ASSERT_EQ(Compare(with_truth).exit_code, 0);
+  for (const auto& row : Rows()) {
+    SCOPED_TRACE(row.dump());
+    if (row["residual"] == "point_to_point") continue;  // slides along surfaces slowly
+    EXPECT_EQ(row["converged_share"], 1);
+    EXPECT_LT(row["translation_error_m"], 0.005);
+  }
+}
+
 // Pairs at most 0.1 mm apart are too few; frames of too large residuals are lost after all.
 TEST_F(CompareTool, ReplaysWhatTrackingLost) {
   const std::string room = own_ / "room";
@@ -145,6 +205,10 @@ TEST_F(CompareTool, RefusesBadInputInOneSentence) {
       {{"--synthetic_points=10", "--rotations_deg=1,x"}, "rotations_deg is '1,x'"},
       {{"--synthetic_points=10", "--translations_m=-1"}, "translations_m has -1"},
       {{"--sequence=nowhere"}, "nowhere"},
+      {{"--source=a.ply"}, "source and target are two clouds: both must be set"},
+      {{"--source=a.ply", "--target=b.ply"}, "a.ply"},
+      {{"--synthetic_points=10", "--truth=0,0,0,0,0,0,1"}, "must be empty without source"},
+      {{"--synthetic_points=10", "--slam"}, "slam is set, must have a sequence"},
       {{"--replay=nowhere"}, "nowhere/frame.json: cannot be opened"},
   };
   for (const auto& [flags, message] : cases) {

@@ -73,7 +73,7 @@ TEST_F(EvaluateMapTest, TakesTheDistanceOfCompletenessFromTheFlag) {
 TEST_F(EvaluateMapTest, RefusesBadInput) {
   ExpectError(Evaluate({"--completeness_distance_m=0"}), "completeness_distance_m is 0, must be");
   ExpectError(Evaluate({"--map=" + folder_.Write("bad.ply", "solid cube")}),
-              "bad.ply: no PLY file");
+              "bad.ply: neither PLY nor PCD");
   ExpectError(Evaluate({"--map=" + (folder_ / "none.ply")}), "none.ply': No such file");
   ExpectError(RunProgram("surfit_evaluate_map", {}), "--map is missing, must be set");
   WriteSurfelPly(SurfelMap(), folder_ / "empty.ply");

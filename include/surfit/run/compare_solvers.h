@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -20,11 +21,12 @@ struct CompareOptions {
   double noise_m = 0;        // standard deviation of each coordinate of their targets
 
   SequenceOptions sequence;  // its path empty = none; stride is not used
-  int pairs = 4;             // of its frames, evenly spread
+  int pairs = 4;             // of its frames, evenly spread; 0 = none, with slam
   int gap = 10;              // frames from source to target
+  bool slam = false;         // also run SLAM over all frames with each combination
 
-  std::string source, target;    // clouds: PLY or PCD
-  std::optional<Rigid3d> truth;  // target_from_source of the clouds, where known
+  std::string source, target;  // clouds: PLY or PCD
+  std::string truth;           // their target_from_source, tx,ty,tz,qx,qy,qz,qw; empty = unknown
 
   // A frame's folder that surfit_slam kept (SlamRunOptions::dump_failures). It starts at the pose
   // that tracking started at, with tracking's options in place of preprocess and icp.
@@ -83,22 +85,39 @@ struct ComparisonRow {
   std::string termination;  // the most frequent one of all runs; empty over known pairs
 };
 
+// What SLAM made of the sequence with a combination. Empty is what needs ground truth, or a map
+// with a point.
+struct SlamComparisonRow {
+  SolverCombination combination;
+  int threads = 0;
+  int frames = 0, frames_lost = 0;
+  std::optional<double> ate_m;        // RMSE
+  double frame_ms = 0, track_ms = 0;  // medians
+  std::size_t map_points = 0;
+  // From the points of this map to the planes of their nearest ones in the first row's map, and the
+  // share of that map that has a point of this one within 1 cm.
+  std::optional<double> surface_distance_mean_m, surface_distance_p90_m, shared_surface;
+};
+
 struct CompareProgress {
-  int runs_done = 0;
-  int runs_total = 0;
-  double elapsed_s = 0;
+  std::string unit;  // "run", or "frame" of SLAM
+  int done = 0;
+  int total = 0;
+  double elapsed_s = 0;  // since the first of these
 };
 
 struct Comparison {
   std::vector<ComparisonRow> rows;
+  std::vector<SlamComparisonRow> slam;
   std::vector<std::string> notes;  // what the user should know of the rows
 };
 
 // Runs every combination from every start and writes comparison.csv, comparison.json,
-// convergence.png, basin.png and time.png into the output folder. Combinations take turns, so that
-// what else the machine does meets all of them alike. ceres_per_point is slow: over known pairs it
-// runs from a few of the starts only, elsewhere only if it is asked for by name, and then on the
-// first pair. When `interrupted` becomes true, what has been run so far is written.
+// convergence.png, basin.png and time.png into the output folder; of SLAM slam.csv, a part of
+// comparison.json, and what each run writes (slam_run.h) in a folder of slam/. Combinations take
+// turns, so that what else the machine does meets all of them alike. ceres_per_point is slow: over
+// known pairs it runs from a few of the starts only, elsewhere only if it is asked for by name, and
+// then on the first pair. When `interrupted` becomes true, what has been run so far is written.
 // Throws InputError for bad options or data that cannot be read.
 Comparison CompareSolvers(const CompareOptions& options, const std::atomic<bool>& interrupted,
                           const std::function<void(const CompareProgress&)>& progress);

@@ -1,0 +1,68 @@
+#include "run/cloud_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "surfit/core/error.h"
+
+namespace surfit {
+namespace {
+
+PointCloud ReadCloud(const std::string& path, RegisteredCloud* about) {
+  PointCloud cloud = ReadPointCloud(path);
+  about->not_finite = RemoveNonFinite(&cloud);
+  about->points = cloud.points.size();
+  if (cloud.points.empty()) throw InputError(Concat(path, ": there is no finite point"));
+  if (cloud.points.size() > std::size_t{1} << 30) {
+    throw InputError(
+        Concat(path, ": there are ", cloud.points.size(), " points, must be at most 2^30"));
+  }
+  return cloud;
+}
+
+// Normals of unit length; what has none, or none that is finite, gets (0, 0, 0).
+void Normalize(std::vector<Eigen::Vector3f>* normals) {
+  for (Eigen::Vector3f& normal : *normals) {
+    const float length = normal.norm();
+    if (std::isfinite(length) && length > 0) {
+      normal /= length;
+    } else {
+      normal.setZero();
+    }
+  }
+}
+
+// Gives the cloud the normals that it lacks.
+PointSet MakePointSet(const CloudNormalOptions& normals, double floor_sigma_m, PointCloud* cloud,
+                      RegisteredCloud* about) {
+  PointSet set;
+  set.points = cloud->points;
+  set.sigma_m.assign(set.size(), static_cast<float>(floor_sigma_m));
+  if (cloud->normals.empty()) {
+    CloudNormals estimated = EstimateCloudNormals(cloud->points, normals);
+    about->normal_radius_m = estimated.radius_m;
+    cloud->normals = std::move(estimated.normals);
+    for (std::size_t i = 0; i < set.size(); ++i) {
+      set.sigma_m[i] = std::hypot(set.sigma_m[i], estimated.deviation_m[i]);
+    }
+  } else {
+    Normalize(&cloud->normals);
+  }
+  set.normals = cloud->normals;
+  about->without_normal = std::count_if(set.normals.begin(), set.normals.end(),
+                                        [](const auto& normal) { return normal.isZero(0); });
+  return set;
+}
+
+}  // namespace
+
+CloudFile ReadCloudFile(const std::string& path, const CloudNormalOptions& normals,
+                        double floor_sigma_m) {
+  CloudFile file;
+  file.cloud = ReadCloud(path, &file.about);
+  file.points = MakePointSet(normals, floor_sigma_m, &file.cloud, &file.about);
+  return file;
+}
+
+}  // namespace surfit

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+
+#include "surfit/io/point_cloud.h"
+#include "surfit/run/register_run.h"
+
+namespace surfit {
+
+// A cloud, ready to be registered.
+struct CloudFile {
+  PointCloud cloud;  // its finite points, with the normals that it had or was given
+  PointSet points;
+  RegisteredCloud about;
+};
+
+// Normals and sigmas as in RunRegister(). Throws InputError naming the file.
+CloudFile ReadCloudFile(const std::string& path, const CloudNormalOptions& normals,
+                        double floor_sigma_m);
+
+}  // namespace surfit
