@@ -1,10 +1,9 @@
 #include "surfit/run/align_run.h"
 
-#include <filesystem>
-#include <memory>
-#include <utility>
 #include <vector>
 
+#include "run/output_folder.h"
+#include "run/posed_view.h"
 #include "surfit/core/error.h"
 #include "surfit/core/parallel.h"
 #include "surfit/io/point_cloud.h"
@@ -15,28 +14,6 @@ namespace {
 
 constexpr Rgb8 kSourceColor = {240, 130, 20};
 constexpr Rgb8 kTargetColor = {30, 110, 220};
-
-// One frame, ready to be registered.
-struct PosedView {
-  ColoredView view;
-  std::optional<Rigid3d> world_from_camera;  // true pose
-};
-
-PosedView ReadView(const AlignRunOptions& options, int index) {
-  SequenceOptions sequence = options.sequence;
-  sequence.first = sequence.last = index;
-  sequence.stride = 1;
-  const std::unique_ptr<FrameSource> source = OpenSequence(sequence);
-  const std::optional<ReadResult> result = source->Next();
-  if (!result) throw InputError(Concat(sequence.path, ": there is no frame ", index));
-  if (!result->frame) throw InputError(result->error);
-  PosedView posed;
-  posed.view.pyramid =
-      PreprocessDepth(result->frame->depth_m, source->info().pinhole, options.preprocess);
-  posed.view.color = result->frame->color;
-  posed.world_from_camera = InterpolatePose(source->info().ground_truth, result->stamp_s);
-  return posed;
-}
 
 std::vector<Eigen::Vector3f> PointsOf(const FrameLevel& level, const Rigid3d& frame_from_camera) {
   const Eigen::Matrix3f rotation = frame_from_camera.rotation.toRotationMatrix().cast<float>();
@@ -84,13 +61,9 @@ void AlignRunOptions::Validate() const {
 AlignRunResult RunAlign(const AlignRunOptions& options) {
   options.Validate();
   const ThreadLimit limit(options.threads);
-  const PosedView source = ReadView(options, options.source);
-  const PosedView target = ReadView(options, options.target);
-  std::error_code error;
-  std::filesystem::create_directories(options.output, error);
-  if (error) {
-    throw InputError(Concat(options.output, ": cannot make the folder: ", error.message()));
-  }
+  const PosedView source = ReadPosedView(options.sequence, options.source, options.preprocess);
+  const PosedView target = ReadPosedView(options.sequence, options.target, options.preprocess);
+  PrepareOutputFolder(options.output, {"before.ply", "after.ply", "before.png", "after.png"});
 
   AlignRunResult result;
   result.registration =

@@ -72,8 +72,8 @@ PoseProblems FramePairProblems(const CompareOptions& options) {
             if (source.world_from_camera && target.world_from_camera) {
               truth = target.world_from_camera->Inverse() * *source.world_from_camera;
             }
-            return FramePairProblem(std::move(source.pyramid), std::move(target.pyramid), truth,
-                                    truth.value_or(Rigid3d()), options.icp);
+            return FramePairProblem(std::move(source.view.pyramid), std::move(target.view.pyramid),
+                                    truth, truth.value_or(Rigid3d()), options.icp);
           }};
 }
 

@@ -16,11 +16,11 @@ PosedView ReadPosedView(const SequenceOptions& options, int index,
   std::optional<ReadResult> result = source->Next();
   if (!result) throw InputError(Concat(sequence.path, ": there is no frame ", index));
   if (!result->frame) throw InputError(result->error);
-  PosedView view;
-  view.pyramid = PreprocessDepth(result->frame->depth_m, source->info().pinhole, preprocess);
-  view.color = std::move(result->frame->color);
-  view.world_from_camera = InterpolatePose(source->info().ground_truth, result->stamp_s);
-  return view;
+  PosedView posed;
+  posed.view.pyramid = PreprocessDepth(result->frame->depth_m, source->info().pinhole, preprocess);
+  posed.view.color = std::move(result->frame->color);
+  posed.world_from_camera = InterpolatePose(source->info().ground_truth, result->stamp_s);
+  return posed;
 }
 
 }  // namespace surfit

@@ -4,13 +4,13 @@
 
 #include "surfit/frame/preprocess.h"
 #include "surfit/io/sequence.h"
+#include "surfit/registration/initialize.h"
 
 namespace surfit {
 
 // One frame of a sequence, ready to be registered.
 struct PosedView {
-  FramePyramid pyramid;
-  Image<Rgb8> color;                         // empty where the sequence has none
+  ColoredView view;
   std::optional<Rigid3d> world_from_camera;  // true pose
 };
 
