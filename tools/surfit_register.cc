@@ -47,9 +47,10 @@ int Run() {
   options.source = FLAGS_source;
   options.target = FLAGS_target;
   options.output = FLAGS_output;
-  options.normals.radius_m = FLAGS_normal_radius_m;
   options.registration.icp = IcpOptionsFromFlags(RegisterCloudsOptions::DefaultIcp());
   SetSolverFromFlags(&options.registration.icp);
+  options.normals.radius_m = FLAGS_normal_radius_m;
+  options.normals.noise = options.registration.icp.error_model.noise;
   options.registration.reciprocal = FLAGS_reciprocal;
   options.registration.levels = FLAGS_levels;
   options.threads = FLAGS_threads;

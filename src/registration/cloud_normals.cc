@@ -60,15 +60,15 @@ struct Plane {
   double deviation_m = 0;
 };
 
-Plane FitPlane(const KdTree& tree, std::uint32_t center, const std::vector<std::uint32_t>& found,
-               const CloudNormalOptions& options) {
+Plane FitPlane(const KdTree& tree, const Eigen::Vector3f& center,
+               const std::vector<std::uint32_t>& found, const CloudNormalOptions& options) {
   Plane plane;
   const double count = static_cast<double>(found.size());
   if (count < options.min_neighbors) return plane;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
   for (const std::uint32_t i : found) {
-    const Eigen::Vector3d offset = Offset(tree, center, i);
+    const Eigen::Vector3d offset = tree.Point(i).cast<double>() - center.cast<double>();
     sum += offset;
     squares += offset * offset.transpose();
   }
@@ -84,17 +84,57 @@ Plane FitPlane(const KdTree& tree, std::uint32_t center, const std::vector<std::
   return plane;
 }
 
-// From the smallest radius that gives a good plane.
-Plane FindPlane(const KdTree& tree, std::uint32_t center, double radius_m,
-                const CloudNormalOptions& options, std::vector<std::uint32_t>* found) {
-  Plane plane;
-  for (double growth = 1; !plane.good && growth <= options.max_growth * (1 + 1e-9);
-       growth *= kRadiusStep) {
-    tree.FindWithin(tree.Point(center), SquaredBound(radius_m * growth), found);
-    plane = FitPlane(tree, center, *found, options);
+// Searches for planes in a cloud.
+class PlaneFinder {
+ public:
+  PlaneFinder(const std::vector<Eigen::Vector3f>& points, const CloudNormalOptions& options)
+      : options_(options) {
+    thinned_.emplace_back(points);
+    radius_m_ =
+        options.radius_m > 0 ? options.radius_m : CloudNormalOptions::kSpacings * Spacing(all());
+    while (thinned_.size() < kTrees) thinned_.push_back(Thinned(thinned_.back()));
   }
-  return plane;
-}
+
+  const KdTree& all() const { return thinned_.front(); }
+  double radius_m() const { return radius_m_; }
+
+  // From the smallest radius that gives a good plane.
+  Plane Find(const Eigen::Vector3f& point, std::vector<std::uint32_t>* found) const {
+    const double distance_m = (point.cast<double>() - options_.viewpoint).norm();
+    const double noise_radius_m = 2 * options_.noise.SigmaZ(distance_m) / options_.max_thickness;
+    const double largest_m = options_.max_growth * radius_m_ * (1 + 1e-9);
+    Plane plane;
+    if (!(radius_m_ > 0)) return plane;  // too few points, or all in one place
+    for (double radius_m = std::clamp(noise_radius_m, radius_m_, options_.max_growth * radius_m_);
+         !plane.good && radius_m <= largest_m; radius_m *= kRadiusStep) {
+      const KdTree& tree = TreeFor(radius_m);
+      tree.FindWithin(point, SquaredBound(radius_m), found);
+      plane = FitPlane(tree, point, *found, options_);
+    }
+    return plane;
+  }
+
+ private:
+  static constexpr int kTrees = 6;
+
+  // Every fourth point, all over the cloud.
+  static KdTree Thinned(const KdTree& tree) {
+    std::vector<Eigen::Vector3f> points;
+    for (std::uint32_t i = 0; i < tree.size(); i += 4) points.push_back(tree.Point(i));
+    return KdTree(points);
+  }
+
+  // Some hundred neighbours will do: all points up to four times the radius to begin with, a
+  // quarter up to twice as far, and so on.
+  const KdTree& TreeFor(double radius_m) const {
+    const int doublings = static_cast<int>(std::log2(radius_m / radius_m_ + 1e-9));
+    return thinned_[std::clamp(doublings - 1, 0, kTrees - 1)];
+  }
+
+  const CloudNormalOptions& options_;
+  std::vector<KdTree> thinned_;
+  double radius_m_ = 0;
+};
 
 }  // namespace
 
@@ -113,18 +153,18 @@ void CloudNormalOptions::Validate() const {
 CloudNormals EstimateCloudNormals(const std::vector<Eigen::Vector3f>& points,
                                   const CloudNormalOptions& options) {
   options.Validate();
-  const KdTree tree(points);
+  const PlaneFinder finder(points, options);
+  const KdTree& tree = finder.all();
   CloudNormals result;
   result.normals.assign(points.size(), Eigen::Vector3f::Zero());
   result.deviation_m.assign(points.size(), 0.f);
-  result.radius_m =
-      options.radius_m > 0 ? options.radius_m : CloudNormalOptions::kSpacings * Spacing(tree);
+  result.radius_m = finder.radius_m();
   const int count = static_cast<int>(points.size());
   result.missing = ParallelSum(0, count, kGrain, 0, [&](int begin, int end) {
     int missing = 0;
     std::vector<std::uint32_t> found;
     for (int rank = begin; rank < end; ++rank) {
-      const Plane plane = FindPlane(tree, rank, result.radius_m, options, &found);
+      const Plane plane = finder.Find(tree.Point(rank), &found);
       if (!plane.good) {
         ++missing;
         continue;

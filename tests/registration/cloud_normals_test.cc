@@ -35,12 +35,19 @@ Points Rectangle(double side_x, double side_y, double density, double sigma_m,
   return points;
 }
 
+// For points whose noise does not depend on where they were seen from.
+CloudNormalOptions WithoutDepthNoise() {
+  CloudNormalOptions options;
+  options.noise.inverse_depth_sigma = 0;
+  return options;
+}
+
 TEST(CloudNormals, AreExactOnATiltedPlaneOfAnyScale) {
   for (const double scale : {0.01, 1., 100.}) {
     const Eigen::Quaterniond turn = QuaternionExp<double>({0.3, -0.4, 0.2});
     const Points points =
         Rectangle(scale, scale, 3000 / (scale * scale), 0, {turn, {scale, 2 * scale, 5 * scale}});
-    const CloudNormals result = EstimateCloudNormals(points, {});
+    const CloudNormals result = EstimateCloudNormals(points, WithoutDepthNoise());
     EXPECT_EQ(result.missing, 0);
     const Eigen::Vector3f expected = (turn * -Eigen::Vector3d::UnitZ()).cast<float>();
     for (const auto& normal : result.normals) {
@@ -59,7 +66,7 @@ TEST(CloudNormals, TakeAsManyNeighboursAsTheNoiseNeeds) {
   for (const double sigma_m : {0.0005, 0.004}) {
     const Points points =
         Rectangle(1, 1, 20000, sigma_m, {Eigen::Quaterniond::Identity(), {0, 0, 2}});
-    const CloudNormals result = EstimateCloudNormals(points, {});
+    const CloudNormals result = EstimateCloudNormals(points, WithoutDepthNoise());
     EXPECT_LT(result.missing, 0.01 * points.size());
     double square = 0, deviation_m = 0;
     const double found = static_cast<double>(points.size()) - result.missing;
@@ -79,7 +86,7 @@ TEST(CloudNormals, TakeAsManyNeighboursAsTheNoiseNeeds) {
 // A fixed ten neighbours of 4 mm noise, 7 mm apart, would give normals off by 0.3 rad.
 TEST(CloudNormals, NeedMoreThanTheFirstRadiusWhereThereIsNoise) {
   const Points points = Rectangle(1, 1, 20000, 0.004);
-  CloudNormalOptions options;
+  CloudNormalOptions options = WithoutDepthNoise();
   options.max_growth = 1;
   EXPECT_GT(EstimateCloudNormals(points, options).missing, 0.9 * points.size());
 }
@@ -91,7 +98,7 @@ TEST(CloudNormals, AreOfOneWallOrMissingNearAnEdge) {
   const Points other =
       Rectangle(1, 1, 20000, 0.001, {QuaternionExp<double>({0, half_pi, 0}), {0, 0, 1.5}});
   points.insert(points.end(), other.begin(), other.end());
-  CloudNormalOptions options;
+  CloudNormalOptions options = WithoutDepthNoise();
   options.viewpoint = {0.5, 0, 1.5};
   const CloudNormals result = EstimateCloudNormals(points, options);
   int slanted = 0;
@@ -103,6 +110,25 @@ TEST(CloudNormals, AreOfOneWallOrMissingNearAnEdge) {
   EXPECT_GT(result.missing, 0);
   EXPECT_LT(result.missing, 0.1 * points.size());
   EXPECT_LT(slanted, 0.005 * points.size());
+}
+
+// A wall at 3.5 m, seen at 45 degrees by a camera that rounds depth to layers of 36 mm, each 36 mm
+// wide on the wall: within 20 mm there is hardly more than one layer, and its plane faces the
+// camera.
+TEST(CloudNormals, SeeThroughTheLayersOfADepthCamera) {
+  const Rigid3d pose(QuaternionExp<double>({0, M_PI / 4, 0}), {0, 0, 3.5});
+  Points points = Rectangle(1, 1, 20000, 0, pose);
+  for (auto& point : points) point *= 0.036f * std::round(point.z() / 0.036f) / point.z();
+  const Eigen::Vector3f expected = (pose.rotation * -Eigen::Vector3d::UnitZ()).cast<float>();
+  const auto share_right = [&](const CloudNormalOptions& options) {
+    int right = 0;
+    for (const auto& n : EstimateCloudNormals(points, options).normals) {
+      right += n.dot(expected) > std::cos(0.15);
+    }
+    return right / static_cast<double>(points.size());
+  };
+  EXPECT_LT(share_right(WithoutDepthNoise()), 0.5);
+  EXPECT_GT(share_right({}), 0.9);
 }
 
 TEST(CloudNormals, FaceTheViewpoint) {
@@ -123,7 +149,7 @@ TEST(CloudNormals, AreMissingWhereThereIsNoPlane) {
   points.push_back({0, 0, 9});                                                           // a stray
   for (int i = 0; i < 50; ++i) points.push_back({3, 3, 0.01f * static_cast<float>(i)});  // a wire
   for (int i = 0; i < 50; ++i) points.push_back({5, 5, 5});  // one place
-  const CloudNormals result = EstimateCloudNormals(points, {});
+  const CloudNormals result = EstimateCloudNormals(points, WithoutDepthNoise());
   EXPECT_EQ(result.missing, 101);
   for (std::size_t i = 1000; i < points.size(); ++i) {
     EXPECT_TRUE(result.normals[i].isZero(0));
@@ -141,7 +167,7 @@ TEST(CloudNormals, IsTheSameAtAnyNumberOfThreads) {
   std::vector<CloudNormals> results;
   for (const int threads : {1, 4}) {
     const ThreadLimit limit(threads);
-    results.push_back(EstimateCloudNormals(points, {}));
+    results.push_back(EstimateCloudNormals(points, WithoutDepthNoise()));
   }
   EXPECT_EQ(results[0].normals, results[1].normals);
   EXPECT_EQ(results[0].deviation_m, results[1].deviation_m);

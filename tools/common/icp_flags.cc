@@ -32,6 +32,8 @@ DEFINE_double(kernel_growth, kIcp.kernel_growth,
               "kernel_width grows by this factor on each coarser level");
 DEFINE_double(floor_sigma_m, kIcp.error_model.floor_sigma_m,
               "standard deviation of a residual beyond the depth noise, m");
+DEFINE_double(inverse_depth_sigma, kIcp.error_model.noise.inverse_depth_sigma,
+              "depth noise: standard deviation of inverse depth, 1/m");
 DEFINE_double(min_relative_rmse_change, kIcp.min_relative_rmse_change,
               "a level ends where RMSE changes by a smaller share");
 DEFINE_bool(stop_at_rmse_increase, kIcp.stop_at_rmse_increase,
@@ -66,6 +68,7 @@ IcpOptions IcpOptionsFromFlags(const IcpOptions& base) {
   options.error_model.estimate_scale = FLAGS_estimate_scale;
   options.kernel_growth = FLAGS_kernel_growth;
   options.error_model.floor_sigma_m = FLAGS_floor_sigma_m;
+  options.error_model.noise.inverse_depth_sigma = FLAGS_inverse_depth_sigma;
   options.min_relative_rmse_change = FLAGS_min_relative_rmse_change;
   options.stop_at_rmse_increase = FLAGS_stop_at_rmse_increase;
   options.min_inliers = FLAGS_min_inliers;

@@ -9,8 +9,6 @@ const surfit::IcpOptions kIcp;
 
 }  // namespace
 
-DEFINE_double(inverse_depth_sigma, kPreprocess.noise.inverse_depth_sigma,
-              "depth noise: standard deviation of inverse depth, 1/m");
 DEFINE_double(min_coarse_step_px, kIcp.min_coarse_step_px,
               "a coarser level also ends where points move by less, px of the level");
 DEFINE_double(max_free_space_share, kIcp.max_free_space_share,
@@ -27,7 +25,7 @@ namespace surfit::tools {
 
 PreprocessOptions PreprocessOptionsFromFlags() {
   PreprocessOptions options;
-  options.noise.inverse_depth_sigma = FLAGS_inverse_depth_sigma;
+  options.noise = IcpOptionsFromFlags({}).error_model.noise;
   options.filter_radius_px = FLAGS_depth_filter_radius;
   options.normal_radius_px = FLAGS_normal_radius;
   options.pyramid_levels = FLAGS_pyramid_levels;
@@ -38,7 +36,6 @@ IcpOptions FrameIcpOptionsFromFlags(const IcpOptions& base) {
   IcpOptions options = IcpOptionsFromFlags(base);
   options.min_coarse_step_px = FLAGS_min_coarse_step_px;
   options.max_free_space_share = FLAGS_max_free_space_share;
-  options.error_model.noise.inverse_depth_sigma = FLAGS_inverse_depth_sigma;
   return options;
 }
 

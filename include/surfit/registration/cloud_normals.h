@@ -3,6 +3,8 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "surfit/frame/depth_noise.h"
+
 namespace surfit {
 
 // How normals come from the points around each point of a cloud.
@@ -13,9 +15,15 @@ namespace surfit {
 // sqrt(l0 / ((N - 3) l1)) rad. The radius grows until there are enough neighbours, the plane is
 // thin and the normal is certain (compare Mitra and Nguyen 2003): small where the data is exact,
 // larger as it is noisy. Where that never happens (edges, foliage, strays) there is no normal.
+//
+// Noise need not show among close neighbours: depth cameras round, so that far surfaces fall into
+// layers that look like exact planes across the viewing direction. The radius therefore begins no
+// smaller than 2 sigma / max_thickness, about where noise of a known sigma makes a thin plane (the
+// points' deviation along the plane is half the radius).
 struct CloudNormalOptions {
   double radius_m = 0;                 // to begin with; 0 = kSpacings of the cloud's own
-  double max_growth = 8;               // of the radius
+  double max_growth = 8;               // of the radius, for whatever reason
+  DepthNoise noise;                    // of distances from the viewpoint
   int min_neighbors = 10;              // the point itself included
   double max_thickness = 0.35;         // sqrt(l0 / l1)
   double max_normal_sigma_rad = 0.03;  // standard deviation of the normal
