@@ -145,6 +145,8 @@ void CloudNormalOptions::Validate() const {
   require(std::isfinite(radius_m) && radius_m >= 0, "radius_m", radius_m,
           "zero (from the cloud) or positive");
   require(max_growth >= 1 && max_growth <= 1000, "max_growth", max_growth, "from 1 to 1000");
+  require(noise.inverse_depth_sigma >= 0, "inverse_depth_sigma", noise.inverse_depth_sigma,
+          "zero or positive");
   require(min_neighbors >= 4, "min_neighbors", min_neighbors, "at least 4");
   require(max_thickness > 0, "max_thickness", max_thickness, "positive");
   require(max_normal_sigma_rad > 0, "max_normal_sigma_rad", max_normal_sigma_rad, "positive");
