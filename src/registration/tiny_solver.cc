@@ -1,6 +1,7 @@
 #include <ceres/jet.h>
 #include <ceres/tiny_solver.h>
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 
@@ -43,7 +44,7 @@ struct TinyFunction {
     if (!cost->Evaluate(&parameters, residuals, &jacobians)) return false;
     Eigen::Map<Eigen::Matrix<double, NUM_RESIDUALS, NUM_PARAMETERS>> by_x(jacobian);
     by_x = by_pose * pose_by_x;
-    report->linearize_ms = linearizing.Milliseconds();  // of the last one
+    *linearizing_ms += linearizing.Milliseconds();
     report->costs.push_back(
         0.5 * Eigen::Map<const Eigen::Matrix<double, NUM_RESIDUALS, 1>>(residuals).squaredNorm());
     return true;
@@ -51,6 +52,7 @@ struct TinyFunction {
 
   const ceres::CostFunction* cost;
   SolveReport* report;
+  double* linearizing_ms;  // all linearisations together
 };
 
 class TinyPoseSolver final : public PairSolver<TinyPoseSolver> {
@@ -75,8 +77,10 @@ class TinyPoseSolver final : public PairSolver<TinyPoseSolver> {
     report->costs.clear();
     Vector6d x = Vector6d::Zero();
     const Stopwatch solving;
-    solver.Solve({cost.get(), report}, &x);
+    double linearizing_ms = 0;
+    solver.Solve({cost.get(), report, &linearizing_ms}, &x);
     report->solve_ms = solving.Milliseconds();
+    report->linearize_ms = linearizing_ms / std::max<double>(1, report->costs.size());
     return x;  // (exp(w), v) is the increment itself
   }
 };

@@ -3,6 +3,7 @@
 #include "registration/linearize.h"
 #include "surfit/core/parallel.h"
 #include "surfit/frame/preprocess.h"
+#include "surfit/registration/kd_tree_association.h"
 #include "surfit/registration/projective_association.h"
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
@@ -44,24 +45,80 @@ BENCHMARK(Preprocess)
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 
-// One linearisation on the finest level.
-void LinearizeProjective(benchmark::State& state) {
-  const FramePyramid view = PreprocessDepth(RoomDepth(), FullCamera(), PreprocessOptions());
-  const ProjectiveAssociation association(view.levels[0], view.levels[0], AssociationGates(),
-                                          ErrorModel());
-  const Rigid3d motion(QuaternionExp<double>({0.005, -0.01, 0.002}), {0.01, 0.005, -0.01});
+Rigid3d Motion() { return {QuaternionExp<double>({0.005, -0.01, 0.002}), {0.01, 0.005, -0.01}}; }
+
+const FrameLevel& RoomLevel() {
+  static const FramePyramid view = PreprocessDepth(RoomDepth(), FullCamera(), PreprocessOptions());
+  return view.levels[0];
+}
+
+ProjectiveAssociation Projective() {
+  return {RoomLevel(), RoomLevel(), AssociationGates(), ErrorModel(), NeededNormals::kBoth};
+}
+
+// The finest level's pairs alone, nothing summed.
+void FindPairs(const Association& association, benchmark::State& state) {
   const ThreadLimit limit(static_cast<int>(state.range(0)));
   for (auto _ : state) {
-    benchmark::DoNotOptimize(
-        Linearize(association, motion, ResidualType::kPointToPlane, ErrorModel().kernel));
+    const auto finder = association.At(Motion());
+    ParallelFor(0, association.block_count(), 8, [&](int begin, int end) {
+      PairBuffer pairs;
+      pairs.SetCapacity(association.block_capacity());
+      for (int block = begin; block < end; ++block) finder->Find(block, &pairs);
+      benchmark::DoNotOptimize(pairs.size);
+    });
   }
 }
-BENCHMARK(LinearizeProjective)
-    ->ArgName("threads")
-    ->Arg(1)
-    ->Arg(2)
-    ->UseRealTime()
-    ->Unit(benchmark::kMillisecond);
+
+void FindProjectivePairs(benchmark::State& state) { FindPairs(Projective(), state); }
+
+// Nearest neighbours, the trees made before, and the last matches known but for the first time.
+void FindNearestPairs(benchmark::State& state) {
+  const SearchablePoints points(PointSetOf(RoomLevel(), ErrorModel()));
+  FindPairs(KdTreeAssociation(points, points, {}), state);
+}
+
+// All pairs as a list, which solvers other than closed_form_ldlt and closed_form_lu take.
+void CollectProjectivePairs(benchmark::State& state) {
+  const ProjectiveAssociation association = Projective();
+  const ThreadLimit limit(static_cast<int>(state.range(0)));
+  for (auto _ : state) benchmark::DoNotOptimize(association.Collect(Motion()));
+}
+
+// Hand-built rows of given pairs, summed, with the tracker's robust kernel.
+void LinearizeRows(benchmark::State& state, ResidualType residual) {
+  const PairBuffer pairs = Projective().Collect(Motion());
+  const ThreadLimit limit(static_cast<int>(state.range(0)));
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(Linearize(pairs, residual, ErrorModel().kernel));
+  }
+  state.counters["pairs"] = pairs.size;
+}
+
+// The same while the pairs are found.
+void LinearizeProjective(benchmark::State& state, ResidualType residual) {
+  const ProjectiveAssociation association = Projective();
+  const ThreadLimit limit(static_cast<int>(state.range(0)));
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(Linearize(association, Motion(), residual, ErrorModel().kernel));
+  }
+}
+
+void Threads(benchmark::internal::Benchmark* benchmark) {
+  benchmark->ArgName("threads")->Arg(1)->Arg(2)->UseRealTime()->Unit(benchmark::kMillisecond);
+}
+
+BENCHMARK(FindProjectivePairs)->Apply(Threads);
+BENCHMARK(FindNearestPairs)->Apply(Threads);
+BENCHMARK(CollectProjectivePairs)->Apply(Threads);
+#define SURFIT_BENCHMARK_RESIDUAL(name, type)                   \
+  BENCHMARK_CAPTURE(LinearizeRows, name, type)->Apply(Threads); \
+  BENCHMARK_CAPTURE(LinearizeProjective, name, type)->Apply(Threads)
+SURFIT_BENCHMARK_RESIDUAL(point_to_point, ResidualType::kPointToPoint);
+SURFIT_BENCHMARK_RESIDUAL(point_to_plane, ResidualType::kPointToPlane);
+SURFIT_BENCHMARK_RESIDUAL(symmetric_point_to_plane, ResidualType::kSymmetricPointToPlane);
+SURFIT_BENCHMARK_RESIDUAL(plane_to_plane, ResidualType::kPlaneToPlane);
+#undef SURFIT_BENCHMARK_RESIDUAL
 
 }  // namespace
 }  // namespace surfit
