@@ -31,6 +31,9 @@ DEFINE_string(poses, kRun.poses, "track, or groundtruth: fuse along the sequence
 DEFINE_string(tracking, kRun.slam.tracking, "frame_to_model or frame_to_frame");
 DEFINE_string(motion_model, kRun.slam.motion_model,
               "where tracking starts: constant_velocity or constant_pose");
+DEFINE_string(initialize, kRun.slam.initialize,
+              "how a frame that tracking would lose is found from the last good one: so3, features "
+              "(see surfit_align), or identity: not at all");
 DEFINE_int32(threads, kRun.threads, "threads that compute at the same time, reading included");
 DEFINE_bool(pictures, kRun.pictures, "write the pictures");
 DEFINE_string(dump_failures, kRun.dump_failures,
@@ -77,6 +80,7 @@ SlamRunOptions OptionsFromFlags() {
   SetSolverFromFlags(&slam.icp);
   slam.tracking = FLAGS_tracking;
   slam.motion_model = FLAGS_motion_model;
+  slam.initialize = FLAGS_initialize;
   slam.min_inlier_share = FLAGS_min_inlier_share;
   slam.max_rmse_m = FLAGS_max_rmse_m;
   slam.fusion.noise = slam.preprocess.noise;

@@ -12,6 +12,9 @@
 namespace surfit {
 namespace {
 
+// Of lost frames every fifth is looked for: that takes as long as tracking tens of frames.
+constexpr int kSearchStride = 5;
+
 // Adds the time of its life to a sum.
 class StageTimer {
  public:
@@ -68,6 +71,9 @@ void SlamOptions::Validate() const {
     throw InputError(Concat("motion_model is '", motion_model,
                             "', must be one of: constant_velocity, constant_pose"));
   }
+  InitializeOptions initialization;
+  initialization.method = initialize;
+  initialization.Validate();
   if (!(min_inlier_share >= 0 && min_inlier_share <= 1)) {
     throw InputError(Concat("min_inlier_share is ", min_inlier_share, ", must be from 0 to 1"));
   }
@@ -118,7 +124,7 @@ FrameReport Slam::Process(const RgbdFrame& frame, const std::optional<Rigid3d>& 
   const bool frozen = started_ && !given_pose && frame.depth_m == last_depth_m_;
   last_depth_m_ = frame.depth_m;
   if (frozen) {
-    report.state = last_was_lost_ ? FrameState::kLost : FrameState::kFrozen;
+    report.state = lost_count_ > 0 ? FrameState::kLost : FrameState::kFrozen;
     report.world_from_camera = world_from_last_;
     return report;
   }
@@ -135,15 +141,15 @@ FrameReport Slam::Process(const RgbdFrame& frame, const std::optional<Rigid3d>& 
     report.state = CanStart(pyramid) ? FrameState::kFirst : FrameState::kLost;
     report.world_from_camera = world_from_last_;
   } else {
-    Track(pyramid, &report);
+    Track(frame, pyramid, &report);
   }
   const bool lost = report.state == FrameState::kLost;
   if (!lost) Fuse(frame, std::move(pyramid), &report);
-  last_was_lost_ = lost;
+  lost_count_ = lost ? lost_count_ + 1 : 0;
   return report;
 }
 
-void Slam::Track(const FramePyramid& pyramid, FrameReport* report) {
+void Slam::Track(const RgbdFrame& frame, const FramePyramid& pyramid, FrameReport* report) {
   const Rigid3d world_from_predicted = PredictedPose();
   Target target;
   {
@@ -151,25 +157,44 @@ void Slam::Track(const FramePyramid& pyramid, FrameReport* report) {
     target = MakeTarget(world_from_predicted);
   }
   const Rigid3d initial = target.world_from_target.Inverse() * world_from_predicted;
-  {
-    StageTimer timer(&report->times.track_ms);
-    report->icp = Register(pyramid, target.pyramid, initial, options_.icp);
-  }
+  StageTimer timer(&report->times.track_ms);
+  report->icp = Register(pyramid, target.pyramid, initial, options_.icp);
   report->world_from_camera = target.world_from_target * report->icp.target_from_source;
-  report->state = IsBelievable(report->icp) ? FrameState::kTracked : FrameState::kLost;
-  if (report->state == FrameState::kLost && on_lost_) {
+  const bool tracked = IsBelievable(report->icp) || FindAgain(frame, pyramid, report);
+  report->state = tracked ? FrameState::kTracked : FrameState::kLost;
+  if (!tracked && on_lost_) {
     on_lost_({report->index, pyramid, target.pyramid, initial, report->icp});
   }
 }
 
+// From the last good frame as far as the views tell, and from there against the map.
+bool Slam::FindAgain(const RgbdFrame& frame, const FramePyramid& pyramid, FrameReport* report) {
+  if (options_.initialize == "identity" || lost_count_ % kSearchStride != 0) return false;
+  if (!CanStart(pyramid)) return false;
+  InitializeOptions initialization;
+  initialization.method = options_.initialize;
+  const InitializedIcpResult found =
+      InitializeAndRegister({pyramid, frame.color}, last_view_, initialization, FarIcpOptions());
+  if (!found.icp.Succeeded()) return false;
+  const Rigid3d world_from_found = world_from_last_ * found.icp.target_from_source;
+  const Target target = MakeTarget(world_from_found);
+  const IcpResult icp = Register(
+      pyramid, target.pyramid, target.world_from_target.Inverse() * world_from_found, options_.icp);
+  if (!IsBelievable(icp)) return false;
+  report->icp = icp;
+  report->world_from_camera = target.world_from_target * icp.target_from_source;
+  report->found_again = true;
+  return true;
+}
+
 Rigid3d Slam::PredictedPose() const {
   // After a loss the motion is unknown: start where the camera was last seen.
-  if (last_was_lost_ || options_.motion_model == "constant_pose") return world_from_last_;
+  if (lost_count_ > 0 || options_.motion_model == "constant_pose") return world_from_last_;
   return world_from_last_ * last_from_next_;
 }
 
 Slam::Target Slam::MakeTarget(const Rigid3d& world_from_predicted) {
-  if (options_.tracking == "frame_to_frame") return {last_pyramid_, world_from_last_};
+  if (options_.tracking == "frame_to_frame") return {last_view_.pyramid, world_from_last_};
   ModelView view = renderer_.Render(map_, camera_, world_from_predicted);
   DropNormalsAtEdges(options_.preprocess, &view.surface);
   return {BuildPyramid(std::move(view.surface), options_.preprocess), world_from_predicted};
@@ -190,11 +215,13 @@ bool Slam::CanStart(const FramePyramid& pyramid) const {
 void Slam::Fuse(const RgbdFrame& frame, FramePyramid pyramid, FrameReport* report) {
   StageTimer timer(&report->times.fuse_ms);
   report->fusion = fusion_.Fuse(frame, pyramid.levels.front(), report->world_from_camera, &map_);
-  // The way over lost frames is not one frame's motion.
-  const bool is_next = started_ && !last_was_lost_;
+  // The way over lost frames is not one frame's motion, nor is a jump.
+  const bool is_next = started_ && lost_count_ == 0 && !report->found_again;
   last_from_next_ = is_next ? world_from_last_.Inverse() * report->world_from_camera : Rigid3d();
   world_from_last_ = report->world_from_camera;
-  if (options_.tracking == "frame_to_frame") last_pyramid_ = std::move(pyramid);
+  if (options_.tracking == "frame_to_frame" || options_.initialize != "identity") {
+    last_view_ = {std::move(pyramid), frame.color};
+  }
   started_ = true;
 }
 

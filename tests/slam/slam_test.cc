@@ -174,6 +174,34 @@ TEST(Slam, APlaceThatDoesNotMatchIsLost) {
   EXPECT_EQ(slam.Process(room.frames[5]).state, FrameState::kTracked);
 }
 
+// 50 frames left out: 0.6 m and 22 degrees, beyond what tracking follows.
+TEST(Slam, FindsAFrameAgainAfterAJump) {
+  const SimulatedSequence room = SimulateRoom(12, 122, Sensor::kIdeal);
+  for (const char* tracking : {"frame_to_model", "frame_to_frame"}) {
+    for (const char* initialize : {"identity", "features"}) {
+      SlamOptions options;
+      options.tracking = tracking;
+      options.initialize = initialize;
+      Slam slam(room.camera, options, room.world_from_camera[68]);
+      for (int i = 68; i < 71; ++i) slam.Process(room.frames[i]);
+      const SurfelMap before = slam.map();
+      const FrameReport report = slam.Process(room.frames[120]);
+      if (options.initialize == "identity") {
+        EXPECT_EQ(report.state, FrameState::kLost) << tracking;
+        ExpectSameMap(slam.map(), before);
+      } else {
+        EXPECT_EQ(report.state, FrameState::kTracked) << tracking;
+        EXPECT_TRUE(report.found_again);
+        EXPECT_THAT(report.world_from_camera,
+                    RigidNear(room.world_from_camera[120], kPixelAt2m, kPixelRad));
+        const FrameReport next = slam.Process(room.frames[121]);
+        EXPECT_EQ(next.state, FrameState::kTracked) << tracking;
+        EXPECT_FALSE(next.found_again);
+      }
+    }
+  }
+}
+
 // The way from the last good frame over lost ones is many frames long: it must not be expected
 // again for the next. The second run expects no motion at all.
 TEST(Slam, AfterALossNoMotionIsExpected) {
@@ -311,6 +339,8 @@ TEST(SlamOptions, RefuseWhatMakesNoSense) {
                  "tracking is 'gps', must be one of: frame_to_model, frame_to_frame");
   expect_refused([](auto& o) { o.motion_model = "still"; },
                  "motion_model is 'still', must be one of: constant_velocity, constant_pose");
+  expect_refused([](auto& o) { o.initialize = "magic"; },
+                 "initialize is 'magic', must be one of: identity, so3, features");
   expect_refused([](auto& o) { o.min_inlier_share = 1.1; },
                  "min_inlier_share is 1.1, must be from 0 to 1");
   expect_refused([](auto& o) { o.min_inlier_share = kNan; }, "min_inlier_share is nan");

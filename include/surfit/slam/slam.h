@@ -12,6 +12,7 @@
 #include "surfit/mapping/model_renderer.h"
 #include "surfit/mapping/surfel_map.h"
 #include "surfit/registration/icp.h"
+#include "surfit/registration/initialize.h"
 
 namespace surfit {
 
@@ -26,6 +27,9 @@ struct SlamOptions {
   // A registration is believed if so many of the points find a partner with such a residual.
   double min_inlier_share = 0.3;
   double max_rmse_m = 0.03;
+  // How a frame that tracking would lose is found from the last good one, however far it is: see
+  // InitializeOptions::method; identity: not at all. It is believed only if the map agrees.
+  std::string initialize = "features";
 
   // Throws InputError naming field, value and constraint.
   void Validate() const;
@@ -33,7 +37,7 @@ struct SlamOptions {
 
 enum class FrameState {
   kFirst,    // the first frame with enough depth to start: it stands at the initial pose
-  kTracked,  // registered and fused
+  kTracked,  // registered, possibly found again from far, and fused
   kFrozen,   // its depth repeats the last frame's byte for byte: same pose, nothing fused
   kGiven,    // fused at a given pose, without tracking
   kLost,     // not registered: no pose, nothing fused
@@ -56,6 +60,7 @@ struct FrameReport {
   double stamp_s = 0;
   FrameState state = FrameState::kLost;
   Rigid3d world_from_camera;  // meaningless if lost
+  bool found_again = false;   // tracked after a jump, by SlamOptions::initialize
   IcpResult icp;              // of a tracked or lost frame
   FusionReport fusion;
   StageTimes times;
@@ -100,7 +105,8 @@ class Slam {
   Target MakeTarget(const Rigid3d& world_from_predicted);
   bool CanStart(const FramePyramid& pyramid) const;
   bool IsBelievable(const IcpResult& icp) const;
-  void Track(const FramePyramid& pyramid, FrameReport* report);
+  void Track(const RgbdFrame& frame, const FramePyramid& pyramid, FrameReport* report);
+  bool FindAgain(const RgbdFrame& frame, const FramePyramid& pyramid, FrameReport* report);
   void Fuse(const RgbdFrame& frame, FramePyramid pyramid, FrameReport* report);
   FrameReport Process(const RgbdFrame& frame, const std::optional<Rigid3d>& given_pose);
 
@@ -110,11 +116,11 @@ class Slam {
   Fusion fusion_;
   SurfelMap map_;
   bool started_ = false;
-  bool last_was_lost_ = false;
+  int lost_count_ = 0;         // frames lost since the last good one
   Rigid3d world_from_last_;    // the last good pose
   Rigid3d last_from_next_;     // motion that the motion model expects
   Image<float> last_depth_m_;  // of the last frame, for frozen frames
-  FramePyramid last_pyramid_;  // of the last good frame, for frame-to-frame tracking
+  ColoredView last_view_;      // the last good frame, if it is needed
   std::function<void(const LostFrame&)> on_lost_;
 };
 
