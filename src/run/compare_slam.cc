@@ -74,6 +74,7 @@ std::vector<SlamComparisonRow> CompareSlam(
         progress({"frame", before * p.frames_total + p.frames_done, runs * p.frames_total,
                   1e-3 * time.Milliseconds()});
       });
+      if (summary.interrupted) return rows;  // it has not seen what the others saw
       rows.push_back(RowOf(summary, combination, threads));
       PointCloud map = ReadPly(run.output + "/map.ply");
       if (reference.points.empty()) reference = map;

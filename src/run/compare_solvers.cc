@@ -1,5 +1,6 @@
 #include "surfit/run/compare_solvers.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -128,6 +129,7 @@ Comparison CompareSolvers(const CompareOptions& given, const std::atomic<bool>& 
   given.Validate();
   CompareOptions options = given;
   if (!options.replay.empty()) options.rotations_deg = options.translations_m = {0};
+  const ThreadLimit limit(*std::max_element(options.threads.begin(), options.threads.end()));
   ComparisonRun run(options, interrupted, progress);
   PrepareOutputFolder(options.output, {"comparison.csv", "comparison.json", "convergence.png",
                                        "basin.png", "time.png", "slam.csv"});
