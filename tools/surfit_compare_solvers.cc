@@ -147,7 +147,7 @@ void PrintSlamTable(const std::vector<SlamComparisonRow>& rows) {
          Cell("%.3f", row.surface_distance_p90_m, 1000), Cell("%.1f %%", row.shared_surface, 100)});
   }
   std::fputs(TextTable(table, 3).c_str(), stdout);
-  std::printf("Surfaces are compared with the first row's.\n");
+  std::printf("Surfaces are compared with those of the first solver with the same residual.\n");
 }
 
 int Run() {

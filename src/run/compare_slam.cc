@@ -76,8 +76,11 @@ std::vector<SlamComparisonRow> CompareSlam(
       });
       if (summary.interrupted) return rows;  // it has not seen what the others saw
       rows.push_back(RowOf(summary, combination, threads));
-      PointCloud map = ReadPly(run.output + "/map.ply");
-      if (reference.points.empty()) reference = map;
+      const PointCloud map = ReadPly(run.output + "/map.ply");
+      const bool comparable = before > 0 &&
+                              rows[before - 1].combination.residual == combination.residual &&
+                              rows[before - 1].combination.association == combination.association;
+      if (!comparable) reference = map;
       CompareMaps(map, reference, &rows.back());
     }
   }

@@ -94,8 +94,9 @@ struct SlamComparisonRow {
   std::optional<double> ate_m;        // RMSE
   double frame_ms = 0, track_ms = 0;  // medians
   std::size_t map_points = 0;
-  // From the points of this map to the planes of their nearest ones in the first row's map, and the
-  // share of that map that has a point of this one within 1 cm.
+  // From the points of this map to the planes of their nearest ones in the map of the first row
+  // with the same residual and association, and the share of that map that has a point of this one
+  // within 1 cm.
   std::optional<double> surface_distance_mean_m, surface_distance_p90_m, shared_surface;
 };
 
