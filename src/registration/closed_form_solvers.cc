@@ -44,7 +44,7 @@ class NormalSystemSolver final : public PoseSolver {
     StepResult result;
     result.system = Linearize(pairs, options().residual,
                               KernelFor(pairs, options().residual, options().error_model));
-    result.observability = Observe(result.system, options().min_eigenvalue);
+    result.observability = Observe(result.system, options().held);
     return Solved(linearizing.Milliseconds(), &result);
   }
 

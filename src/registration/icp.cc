@@ -39,15 +39,15 @@ std::unique_ptr<Association> MakeAssociation(const FrameLevel& source, const Fra
 }
 
 void RegisterLevel(const FrameLevel& source, const FrameLevel& target, int level,
-                   const IcpOptions& options, IcpResult* result) {
+                   const Rigid3d& start, const IcpOptions& options, IcpResult* result) {
   const ResidualType residual = ResidualTypeFromName(options.residual);
   const ErrorModel error_model = ErrorModelOfLevel(options, level);
-  const std::unique_ptr<PoseSolver> solver = MakePoseSolver(
-      {options.solver, options.linear_solver, residual, error_model, options.min_eigenvalue});
+  const std::unique_ptr<PoseSolver> solver =
+      MakePoseSolver({options.solver, options.linear_solver, residual, error_model, options.held});
   const std::unique_ptr<Association> association =
       MakeAssociation(source, target, options.association, GatesOfLevel(options, level),
                       error_model, NormalsNeededBy(residual));
-  RunLevel({*association, *solver, level, target.camera.fx}, options, result);
+  RunLevel({*association, *solver, level, start, target.camera.fx}, options, result);
 }
 
 // Rejects a fit after which one view's surfaces stand in what the other saw through.
@@ -95,7 +95,8 @@ IcpResult Register(const FramePyramid& source, const FramePyramid& target,
   const int levels = static_cast<int>(std::min(source.levels.size(), target.levels.size()));
   for (int level = levels - 1; level >= 0; --level) {
     if (!options.middle_levels && level > 0 && level < levels - 1) continue;
-    RegisterLevel(source.levels[level], target.levels[level], level, options, &result);
+    RegisterLevel(source.levels[level], target.levels[level], level, target_from_source_initial,
+                  options, &result);
     // What a coarse level leaves free, a finer one may hold.
     if (result.termination == Termination::kTooFewInliers) return result;
   }

@@ -23,14 +23,24 @@ class LevelRun {
         source_count_(level.association.source_count()) {}
 
   void Run() {
+    Iterate();
+    if (level_.level > 0 || !result_.Succeeded()) return;
+    const Observability held = Observe(last_system_, options_.held);
+    if (!held.Degenerate()) return;
+    TakeBackFreeMotion(held);
+    checks_normal_noise_ = true;
+    Iterate();
+  }
+
+ private:
+  void Iterate() {
     PoseState best;
     Rigid3d pose = result_.target_from_source;
     result_.termination = Termination::kMaxIterations;
     for (int i = 0;; ++i) {
       const bool is_last =
           result_.termination == Termination::kConverged || i == options_.max_iterations;
-      PoseState state{pose, is_last ? level_.solver.Describe(level_.association, pose)
-                                    : level_.solver.Step(level_.association, pose)};
+      PoseState state = StateAt(pose, is_last);
       Record(state);
       if (TooFew(state)) return Finish(state, Termination::kTooFewInliers);
       if (i > 0 && RmseRose(best, state)) return Finish(best, Termination::kRmseIncreased);
@@ -42,7 +52,23 @@ class LevelRun {
     }
   }
 
- private:
+  PoseState StateAt(const Rigid3d& pose, bool is_last) const {
+    PoseState state{pose, is_last ? level_.solver.Describe(level_.association, pose)
+                                  : level_.solver.Step(level_.association, pose)};
+    if (checks_normal_noise_) {
+      state.step.observability = Observe(state.step.system, options_.held);
+      state.step.increment = state.step.observability.Held(state.step.increment);
+    }
+    return state;
+  }
+
+  void TakeBackFreeMotion(const Observability& held) {
+    const Rigid3d moved = result_.target_from_source * level_.start.Inverse();
+    Vector6d motion;  // as one increment, to first order
+    motion << QuaternionLog<double>(moved.rotation), moved.translation;
+    result_.target_from_source = LeftIncrement(held.Held(motion), level_.start);
+  }
+
   bool TooFew(const PoseState& state) const {
     const double needed =
         std::max<double>(options_.min_inliers, options_.min_inlier_share * source_count_);
@@ -76,6 +102,7 @@ class LevelRun {
   void Finish(const PoseState& state, Termination termination) {
     const NormalSystem& system = state.step.system;
     const Observability& observability = state.step.observability;
+    last_system_ = system;
     result_.termination = termination;
     result_.target_from_source = state.pose;
     result_.inlier_count = system.inlier_count;
@@ -96,9 +123,19 @@ class LevelRun {
   const IcpOptions& options_;
   IcpResult& result_;
   int source_count_;
+  bool checks_normal_noise_ = false;  // for directions to be held
+  NormalSystem last_system_;          // at the pose where the iterations ended
 };
 
 }  // namespace
+
+PoseSolverOptions SolverOptions(const IcpOptions& options, const ErrorModel& error_model) {
+  return {options.solver,
+          options.linear_solver,
+          ResidualTypeFromName(options.residual),
+          error_model,
+          {std::min(options.held.min_eigenvalue, HeldOptions().min_eigenvalue), 0}};
+}
 
 void RunLevel(const IcpLevel& level, const IcpOptions& options, IcpResult* result) {
   LevelRun(level, options, result).Run();

@@ -41,7 +41,8 @@ V SquaredResidual(const V rows[][kRowColumns], const V& information) {
 template <typename V>
 struct LaneSums {
   RowProducts<V> products;
-  V rho, weight, point_square, inlier_count;
+  V rho, weight, inlier_count, normal_difference;
+  V point[3], point_product[6];
 };
 
 template <typename Rows, typename V, typename S>
@@ -57,7 +58,13 @@ void AddLanes(const Pairs<S>& pairs, int first, int count, const RobustKernel& k
   const V weight = pair.information * value.slope;
   for (int k = 0; k < Rows::kRows; ++k) sums->products.Add(rows[k], weight);
   sums->weight += weight;
-  sums->point_square += weight * Dot(pair.p, pair.p);
+  const V x = pair.m[0] - pair.n[0], y = pair.m[1] - pair.n[1], z = pair.m[2] - pair.n[2];
+  sums->normal_difference += weight * sqrt(x * x + y * y + z * z);
+  for (int i = 0, k = 0; i < 3; ++i) {
+    const V weighted = weight * pair.p[i];
+    sums->point[i] += weighted;
+    for (int j = i; j < 3; ++j, ++k) sums->point_product[k] += weighted * pair.p[j];
+  }
   sums->rho += value.rho;
   sums->inlier_count += Select(s <= V(kInlierBound), V(1.), V(0.)).UpTo(count);
 }
@@ -79,7 +86,15 @@ void Flush(const LaneSums<V>& sums, NormalSystem* system) {
   }
   system->cost += 0.5 * SumOfLanes(sums.rho);
   system->weight_sum += SumOfLanes(sums.weight);
-  system->weighted_point_square_sum += SumOfLanes(sums.point_square);
+  system->normal_difference_sum += SumOfLanes(sums.normal_difference);
+  for (int i = 0, k = 0; i < 3; ++i) {
+    system->point_sum[i] += SumOfLanes(sums.point[i]);
+    for (int j = i; j < 3; ++j, ++k) {
+      const double sum = SumOfLanes(sums.point_product[k]);
+      system->point_product_sum(i, j) += sum;
+      if (i != j) system->point_product_sum(j, i) += sum;
+    }
+  }
   system->inlier_count += static_cast<int>(SumOfLanes(sums.inlier_count));
 }
 
@@ -106,6 +121,7 @@ NormalSystem SumPairs(const Pairs<S>& pairs, int begin, int end, const RobustKer
   });
   system.pair_count = end - begin;
   system.row_count = system.pair_count * Rows::kRows;
+  system.normal_share = Rows::kNormalShare;
   return system;
 }
 

@@ -2,17 +2,22 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 
-namespace surfit {
+#include "surfit/geometry/rigid3.h"
 
+namespace surfit {
 NormalSystem& NormalSystem::operator+=(const NormalSystem& other) {
   hessian += other.hessian;
   right_side += other.right_side;
   cost += other.cost;
   weighted_square_sum += other.weighted_square_sum;
   weight_sum += other.weight_sum;
-  weighted_point_square_sum += other.weighted_point_square_sum;
+  normal_difference_sum += other.normal_difference_sum;
+  normal_share = std::max(normal_share, other.normal_share);
+  point_sum += other.point_sum;
+  point_product_sum += other.point_product_sum;
   row_count += other.row_count;
   pair_count += other.pair_count;
   inlier_count += other.inlier_count;
@@ -20,7 +25,19 @@ NormalSystem& NormalSystem::operator+=(const NormalSystem& other) {
 }
 
 double NormalSystem::RmsDistance() const {
-  return weight_sum > 0 ? std::sqrt(weighted_point_square_sum / weight_sum) : 0;
+  return weight_sum > 0 ? std::sqrt(point_product_sum.trace() / weight_sum) : 0;
+}
+
+Matrix6d NormalSystem::FeignedInformation() const {
+  if (!(weight_sum > 0)) return Matrix6d::Zero();
+  Matrix6d all;  // sum of w G^T G; [p]x^T [p]x = |p|^2 I - p p^T
+  all.topLeftCorner<3, 3>() =
+      point_product_sum.trace() * Eigen::Matrix3d::Identity() - point_product_sum;
+  all.topRightCorner<3, 3>() = CrossMatrix<double>(point_sum);
+  all.bottomLeftCorner<3, 3>() = -CrossMatrix<double>(point_sum);
+  all.bottomRightCorner<3, 3>() = weight_sum * Eigen::Matrix3d::Identity();
+  const double difference = normal_difference_sum / weight_sum;
+  return normal_share * difference * difference / M_PI * (all - hessian);
 }
 
 double NormalSystem::VarianceFactor() const {
@@ -39,32 +56,43 @@ std::vector<Vector6d> Observability::FreeDirections() const {
   return free;
 }
 
-Observability Observe(const NormalSystem& system, double min_eigenvalue) {
+Observability Observe(const NormalSystem& system, const HeldOptions& options) {
   Observability result;
   if (!(system.RmsDistance() > 0)) return result;
   Vector6d length = Vector6d::Ones();  // of a unit of each component, in metres
   length.head<3>().setConstant(system.RmsDistance());
   const Vector6d inverse = length.cwiseInverse();
-  const Matrix6d scaled =
-      inverse.asDiagonal() * system.hessian * inverse.asDiagonal() / system.weight_sum;
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(scaled);
-  result.eigenvalues = solver.eigenvalues();
-  result.directions = inverse.asDiagonal() * solver.eigenvectors();
-  result.coordinates = solver.eigenvectors().transpose() * length.asDiagonal();
+  const auto scaled = [&](const Matrix6d& information) -> Matrix6d {
+    return inverse.asDiagonal() * information * inverse.asDiagonal() / system.weight_sum;
+  };
+  const Matrix6d hessian = scaled(system.hessian);
+  result.eigenvalues =
+      Eigen::SelfAdjointEigenSolver<Matrix6d>(hessian, Eigen::EigenvaluesOnly).eigenvalues();
+  // Directions x with H x = mu B x: they diagonalise both, and x^T H x > x^T B x where mu > 1.
+  constexpr double kRounding = 1e-15;
+  const Matrix6d needed = std::max(options.min_eigenvalue, kRounding) * Matrix6d::Identity() +
+                          options.min_information_ratio * scaled(system.FeignedInformation());
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> solver(hessian, needed);
+  const Vector6d norms = solver.eigenvectors().colwise().norm();
+  result.directions =
+      inverse.asDiagonal() * solver.eigenvectors() * norms.cwiseInverse().asDiagonal();
+  result.coordinates =
+      norms.asDiagonal() * solver.eigenvectors().transpose() * needed * length.asDiagonal();
   result.free_count = 0;
-  while (result.free_count < 6 && !(result.eigenvalues[result.free_count] > min_eigenvalue)) {
+  while (result.free_count < 6 && !(solver.eigenvalues()[result.free_count] > 1)) {
     ++result.free_count;
   }
   return result;
 }
 
 Vector6d SolveHeld(const NormalSystem& system, const Observability& observability) {
-  Vector6d parts = observability.directions.transpose() * system.right_side;
-  for (int i = 0; i < 6; ++i) {
-    const bool is_free = i < observability.free_count;
-    parts[i] = is_free ? 0 : parts[i] / (observability.eigenvalues[i] * system.weight_sum);
+  Vector6d increment = Vector6d::Zero();
+  for (int i = observability.free_count; i < 6; ++i) {
+    const Vector6d direction = observability.directions.col(i);
+    increment +=
+        direction.dot(system.right_side) / direction.dot(system.hessian * direction) * direction;
   }
-  return observability.directions * parts;
+  return increment;
 }
 
 Matrix6d CovarianceOf(const NormalSystem& system) {

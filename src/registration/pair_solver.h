@@ -47,7 +47,7 @@ class PairSolver : public PoseSolver {
     result.system = Linearize(pairs, options().residual, kernel);
     result.report.linearize_ms = linearizing.Milliseconds();
     result.report.costs = {result.system.cost};
-    result.observability = Observe(result.system, options().min_eigenvalue);
+    result.observability = Observe(result.system, options().held);
     if (result.observability.free_count == 6) return result;
     pairs.SetCapacity(pairs.size);
     result.increment = result.observability.Held(

@@ -18,7 +18,7 @@ StepResult PoseSolver::Describe(const Association& association,
     result.system =
         Linearize(association, target_from_source, options_.residual, error_model.kernel);
   }
-  result.observability = Observe(result.system, options_.min_eigenvalue);
+  result.observability = Observe(result.system, options_.held);
   return result;
 }
 

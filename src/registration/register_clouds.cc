@@ -37,18 +37,18 @@ int CoarsestLevel(int source_count, int levels) {
 }
 
 void RegisterLevel(const SearchablePoints& source, const SearchablePoints& target, int level,
-                   const RegisterCloudsOptions& options, IcpResult* result) {
+                   const Rigid3d& start, const RegisterCloudsOptions& options, IcpResult* result) {
   IcpOptions icp = options.icp;
   icp.gates.max_distance_m *= std::pow(icp.gate_growth, level);
   icp.error_model.kernel.width *= std::pow(icp.kernel_growth, level);
   icp.min_coarse_step_px = 0;  // there are no pixels
   const ResidualType residual = ResidualTypeFromName(icp.residual);
-  const std::unique_ptr<PoseSolver> solver = MakePoseSolver(
-      {icp.solver, icp.linear_solver, residual, icp.error_model, icp.min_eigenvalue});
+  const std::unique_ptr<PoseSolver> solver =
+      MakePoseSolver({icp.solver, icp.linear_solver, residual, icp.error_model, icp.held});
   const KdTreeAssociation association(
       source, target,
       {icp.gates, NormalsNeededBy(residual), options.reciprocal && level == 0, 1 << 2 * level});
-  RunLevel({association, *solver, level}, icp, result);
+  RunLevel({association, *solver, level, start}, icp, result);
 }
 
 }  // namespace
@@ -63,7 +63,8 @@ IcpResult RegisterClouds(const PointSet& source, const PointSet& target,
   const int coarsest = CoarsestLevel(source_points.size(), options.levels);
   for (int level = coarsest; level >= 0; --level) {
     if (!options.icp.middle_levels && level > 0 && level < coarsest) continue;
-    RegisterLevel(source_points, target_points, level, options, &result);
+    RegisterLevel(source_points, target_points, level, target_from_source_initial, options,
+                  &result);
     // What a coarse level leaves free, a finer one may hold.
     if (result.termination == Termination::kTooFewInliers) return result;
   }

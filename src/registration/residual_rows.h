@@ -23,7 +23,8 @@ V Dot(const V* a, const V* b) {
 }
 
 // The rows [a r] of the hand-built systems. The left increment moves p to p + w x p + v, so that a
-// residual with the derivative g by p has a = [p x g, g]:  g . (w x p) = w . (p x g).
+// residual with the derivative g by p has a = [p x g, g]:  g . (w x p) = w . (p x g). kNormalShare
+// is the share of a normal's variance that their direction has: see FeignedInformation().
 template <typename V>
 void SetRow(const V* p, const V* g, const V& r, V* row) {
   Cross(p, g, row);
@@ -34,6 +35,7 @@ void SetRow(const V* p, const V* g, const V& r, V* row) {
 // r = p - q: a = [-[p]x | I], row by row.
 struct PointToPointRows {
   static constexpr int kRows = 3;
+  static constexpr double kNormalShare = 0;
   template <typename V>
   static void Evaluate(const PairValues<V>& pair, V rows[][kRowColumns]) {
     const V zero(0.), one(1.);
@@ -50,6 +52,7 @@ struct PointToPointRows {
 // r = n . (p - q): a = [p x n, n].
 struct PointToPlaneRows {
   static constexpr int kRows = 1;
+  static constexpr double kNormalShare = 1;
   template <typename V>
   static void Evaluate(const PairValues<V>& pair, V rows[][kRowColumns]) {
     const V x[3] = {pair.p[0] - pair.q[0], pair.p[1] - pair.q[1], pair.p[2] - pair.q[2]};
@@ -61,6 +64,7 @@ struct PointToPlaneRows {
 // (w x m) . (p - q) / 2 = w . (m x (p - q)) / 2: a = [p x g + m x (p - q) / 2, g].
 struct SymmetricPointToPlaneRows {
   static constexpr int kRows = 1;
+  static constexpr double kNormalShare = 0.5;  // the mean of two
   template <typename V>
   static void Evaluate(const PairValues<V>& pair, V rows[][kRowColumns]) {
     const V half(0.5);
@@ -82,6 +86,7 @@ struct SymmetricPointToPlaneRows {
 // is along the plane. e = 1e-3 as in Segal, Haehnel and Thrun 2009.
 struct PlaneToPlaneRows {
   static constexpr int kRows = 3;
+  static constexpr double kNormalShare = 0.5;  // nearly the mean of two
   static constexpr double kFlatness = 1e-3;
 
   // U as its entries 00, 01, 02, 11, 12, 22.

@@ -28,6 +28,13 @@ void ErrorModel::Validate() const {
   Require(kernel.width > 0, "kernel_width", kernel.width, "positive");
 }
 
+void HeldOptions::Validate() const {
+  Require(min_eigenvalue >= 0 && min_eigenvalue < 1, "min_eigenvalue", min_eigenvalue,
+          "zero or positive and below 1");
+  Require(std::isfinite(min_information_ratio) && min_information_ratio >= 0,
+          "min_information_ratio", min_information_ratio, "finite and zero (off) or positive");
+}
+
 void AssociationGates::Validate() const {
   Require(max_distance_m >= 0, "max_distance_m", max_distance_m, "zero (off) or positive");
   Require(max_normal_angle_rad >= 0 && max_normal_angle_rad < M_PI / 2, "max_normal_angle_rad",
@@ -38,7 +45,7 @@ void IcpOptions::Validate() const {
   RequireName("linear_solver", linear_solver, LinearSolverNames());
   RequireName("association", association, AssociationNames());
   MakePoseSolver({solver, linear_solver, ResidualTypeFromName(residual), error_model,
-                  min_eigenvalue});  // throws where it is impossible
+                  held});  // throws where it is impossible
   Require(max_iterations >= 1 && max_iterations <= 1000, "max_iterations", max_iterations,
           "from 1 to 1000");
   gates.Validate();
@@ -52,8 +59,7 @@ void IcpOptions::Validate() const {
   Require(min_inliers >= 6, "min_inliers", min_inliers, "at least 6");
   Require(min_inlier_share >= 0 && min_inlier_share <= 1, "min_inlier_share", min_inlier_share,
           "from 0 to 1");
-  Require(min_eigenvalue >= 0 && min_eigenvalue < 1, "min_eigenvalue", min_eigenvalue,
-          "zero or positive and below 1");
+  held.Validate();
   Require(max_free_space_share >= 0 && max_free_space_share <= 1, "max_free_space_share",
           max_free_space_share, "from 0 to 1");
 }

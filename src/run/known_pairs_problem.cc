@@ -69,7 +69,7 @@ PoseSolverOptions SolverOptionsOf(const SolverCombination& combination, const Ic
   options.residual = ResidualTypeFromName(combination.residual);
   options.error_model = icp.error_model;
   options.error_model.kernel.type = RobustKernelType::kNone;
-  options.min_eigenvalue = icp.min_eigenvalue;
+  options.held = icp.held;
   return options;
 }
 

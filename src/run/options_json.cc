@@ -41,10 +41,17 @@ void VisitFields(AssociationGates& gates, const F& f) {
 }
 
 template <typename F>
+void VisitFields(HeldOptions& options, const F& f) {
+  auto& [min_eigenvalue, min_information_ratio] = options;
+  f("min_eigenvalue", min_eigenvalue);
+  f("min_information_ratio", min_information_ratio);
+}
+
+template <typename F>
 void VisitFields(IcpOptions& options, const F& f) {
   auto& [solver, linear_solver, residual, association, middle_levels, max_iterations, gates,
          gate_growth, kernel_growth, error_model, min_coarse_step_px, min_relative_rmse_change,
-         min_increment, stop_at_rmse_increase, min_inliers, min_inlier_share, min_eigenvalue,
+         min_increment, stop_at_rmse_increase, min_inliers, min_inlier_share, held,
          max_free_space_share] = options;
   f("solver", solver);
   f("linear_solver", linear_solver);
@@ -62,7 +69,7 @@ void VisitFields(IcpOptions& options, const F& f) {
   f("stop_at_rmse_increase", stop_at_rmse_increase);
   f("min_inliers", min_inliers);
   f("min_inlier_share", min_inlier_share);
-  f("min_eigenvalue", min_eigenvalue);
+  f("held", held);
   f("max_free_space_share", max_free_space_share);
 }
 

@@ -88,6 +88,8 @@ std::string ToString(FrameState state) {
       return "first";
     case FrameState::kTracked:
       return "tracked";
+    case FrameState::kDegenerate:
+      return "degenerate";
     case FrameState::kFrozen:
       return "frozen";
     case FrameState::kGiven:
@@ -161,7 +163,10 @@ void Slam::Track(const RgbdFrame& frame, const FramePyramid& pyramid, FrameRepor
   report->icp = Register(pyramid, target.pyramid, initial, options_.icp);
   report->world_from_camera = target.world_from_target * report->icp.target_from_source;
   const bool tracked = IsBelievable(report->icp) || FindAgain(frame, pyramid, report);
-  report->state = tracked ? FrameState::kTracked : FrameState::kLost;
+  const bool degenerate = !report->icp.free_directions.empty();
+  report->state = !tracked     ? FrameState::kLost
+                  : degenerate ? FrameState::kDegenerate
+                               : FrameState::kTracked;
   if (!tracked && on_lost_) {
     on_lost_({report->index, pyramid, target.pyramid, initial, report->icp});
   }
@@ -201,7 +206,8 @@ Slam::Target Slam::MakeTarget(const Rigid3d& world_from_predicted) {
 }
 
 bool Slam::IsBelievable(const IcpResult& icp) const {
-  return icp.Succeeded() && icp.inlier_share >= options_.min_inlier_share &&
+  const bool is_degenerate = icp.termination == Termination::kSingularSystem;
+  return (icp.Succeeded() || is_degenerate) && icp.inlier_share >= options_.min_inlier_share &&
          icp.rmse_m <= options_.max_rmse_m;
 }
 

@@ -72,7 +72,9 @@ inline NormalSystem DualSystem(const Correspondences& c, ResidualType type,
     system.cost += 0.5 * value.rho;
     system.weighted_square_sum += weight * square;
     system.weight_sum += weight;
-    system.weighted_point_square_sum += weight * c.p(i).squaredNorm();
+    system.point_sum += weight * c.p(i);
+    system.point_product_sum += weight * c.p(i) * c.p(i).transpose();
+    system.normal_difference_sum += weight * (c.m(i) - c.n(i)).norm();
     system.inlier_count += s <= ErrorModel::kInlierSigmas * ErrorModel::kInlierSigmas;
     ++system.pair_count;
   }

@@ -49,8 +49,10 @@ TEST(IcpOptions, ValidateNamesFieldValueAndConstraint) {
   ExpectRefused([](auto* o) { o->min_inliers = 5; }, "min_inliers is 5, must be at least 6");
   ExpectRefused([](auto* o) { o->min_inlier_share = 1.5; },
                 "min_inlier_share is 1.5, must be from 0 to 1");
-  ExpectRefused([](auto* o) { o->min_eigenvalue = 1; },
+  ExpectRefused([](auto* o) { o->held.min_eigenvalue = 1; },
                 "min_eigenvalue is 1, must be zero or positive and below 1");
+  ExpectRefused([](auto* o) { o->held.min_information_ratio = -1; },
+                "min_information_ratio is -1, must be finite and zero (off) or positive");
   ExpectRefused([](auto* o) { o->max_free_space_share = 1.1; },
                 "max_free_space_share is 1.1, must be from 0 to 1");
   ExpectRefused([](auto* o) { o->gates.max_distance_m = -0.1; },

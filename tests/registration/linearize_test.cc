@@ -34,7 +34,13 @@ void ExpectNear(const NormalSystem& actual, const NormalSystem& expected, double
   expect(actual.cost, expected.cost);
   expect(actual.weighted_square_sum, expected.weighted_square_sum);
   expect(actual.weight_sum, expected.weight_sum);
-  expect(actual.weighted_point_square_sum, expected.weighted_point_square_sum);
+  expect(actual.normal_difference_sum, expected.normal_difference_sum);
+  const double square = expected.point_product_sum.trace();
+  EXPECT_THAT(
+      actual.point_sum,
+      testing::VectorNear(expected.point_sum, relative * std::sqrt(square * expected.weight_sum)));
+  EXPECT_THAT(actual.point_product_sum,
+              testing::VectorNear(expected.point_product_sum, relative * square));
   EXPECT_EQ(actual.row_count, expected.row_count);
   EXPECT_EQ(actual.pair_count, expected.pair_count);
 }

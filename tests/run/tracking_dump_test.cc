@@ -36,7 +36,7 @@ SlamOptions OtherOptions() {
   icp.stop_at_rmse_increase = false;
   icp.min_inliers = 100;
   icp.min_inlier_share = 0.01;
-  icp.min_eigenvalue = 1e-9;
+  icp.held.min_eigenvalue = 1e-9;
   icp.max_free_space_share = 0.9;
   return options;
 }

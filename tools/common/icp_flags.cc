@@ -38,6 +38,12 @@ DEFINE_double(min_relative_rmse_change, kIcp.min_relative_rmse_change,
               "a level ends where RMSE changes by a smaller share");
 DEFINE_bool(stop_at_rmse_increase, kIcp.stop_at_rmse_increase,
             "a level ends at the pose before where RMSE rises by more and inliers do not");
+DEFINE_double(min_eigenvalue, kIcp.held.min_eigenvalue,
+              "directions of motion that the data holds with no larger eigenvalue, from 0 to 1, are "
+              "left alone");
+DEFINE_double(min_information_ratio, kIcp.held.min_information_ratio,
+              "and those it holds with less than so many times what noise of the normals feigns; 0 = "
+              "off");
 DEFINE_int32(min_inliers, kIcp.min_inliers, "fewer pairs are a failure");
 
 namespace surfit::tools {
@@ -55,6 +61,8 @@ void SetIcpFlagDefaults(const IcpOptions& options) {
   set("kernel_growth", options.kernel_growth);
   set("min_coarse_step_px", options.min_coarse_step_px);
   set("max_free_space_share", options.max_free_space_share);
+  set("min_eigenvalue", options.held.min_eigenvalue);
+  set("min_information_ratio", options.held.min_information_ratio);
 }
 
 IcpOptions IcpOptionsFromFlags(const IcpOptions& base) {
@@ -71,6 +79,7 @@ IcpOptions IcpOptionsFromFlags(const IcpOptions& base) {
   options.error_model.noise.inverse_depth_sigma = FLAGS_inverse_depth_sigma;
   options.min_relative_rmse_change = FLAGS_min_relative_rmse_change;
   options.stop_at_rmse_increase = FLAGS_stop_at_rmse_increase;
+  options.held = {FLAGS_min_eigenvalue, FLAGS_min_information_ratio};
   options.min_inliers = FLAGS_min_inliers;
   return options;
 }

@@ -13,8 +13,11 @@ std::string Failure(const IcpResult& icp, const IcpOptions& options) {
       return Concat("inlier share is ", icp.inlier_share, ", pairs must be at least min_inliers (",
                     options.min_inliers, ") and a share of ", options.min_inlier_share);
     case Termination::kSingularSystem:
-      return Concat("smallest eigenvalue is ", icp.eigenvalues[0], ", must be above ",
-                    options.min_eigenvalue);
+      return Concat("the surfaces leave ", icp.free_directions.size(),
+                    " direction(s) of motion free: smallest eigenvalue is ", icp.eigenvalues[0],
+                    ", must be above min_eigenvalue (", options.held.min_eigenvalue,
+                    ") and min_information_ratio (", options.held.min_information_ratio,
+                    ") times what noise of the normals feigns");
     case Termination::kFreeSpaceFilled:
       return Concat("free-space share is ", icp.free_space_share,
                     ", must be at most max_free_space_share (", options.max_free_space_share, ")");

@@ -31,7 +31,7 @@ struct IcpOptions {
   bool stop_at_rmse_increase = true;       // or where it rises by more, and inliers do not
   int min_inliers = 200;                   // pairs, of whatever residual
   double min_inlier_share = 0.1;           // of the valid source points of the level
-  double min_eigenvalue = 1e-6;            // of Observability; up to it a direction is free
+  HeldOptions held;                        // what it takes for a direction to be held
   double max_free_space_share = 1;         // of IcpResult::free_space_share; 1 = off
 
   // Throws InputError naming field, value and constraint.

@@ -19,9 +19,12 @@ struct NormalSystem {
   double cost = 0;                         // 1/2 sum of rho(s): see ErrorModel
   double weighted_square_sum = 0;          // sum of w |r|^2
   double weight_sum = 0;                   // sum of w
-  double weighted_point_square_sum = 0;    // sum of w |p'|^2
-  int row_count = 0;                       // residuals: pairs times their components
-  int pair_count = 0;                      // pairs that were associated
+  double normal_difference_sum = 0;        // sum of w |m - n|
+  double normal_share = 0;                 // of a normal's variance in the rows' direction
+  Eigen::Vector3d point_sum = Eigen::Vector3d::Zero();          // sum of w p'
+  Eigen::Matrix3d point_product_sum = Eigen::Matrix3d::Zero();  // sum of w p' p'^T
+  int row_count = 0;     // residuals: pairs times their components
+  int pair_count = 0;    // pairs that were associated
   int inlier_count = 0;  // those whose residual is within ErrorModel::kInlierSigmas
 
   NormalSystem& operator+=(const NormalSystem& other);
@@ -31,6 +34,13 @@ struct NormalSystem {
 
   // Root of the weighted mean of |p'|^2, in metres; 0 without pairs.
   double RmsDistance() const;
+
+  // What noise of the normals adds to the Hessian. With G = [-[p']x | I], a row is a = n G. An
+  // error of n by variance s^2 in both directions across it adds s^2 (G^T G - a^T a) on average: it
+  // seems to hold what the surface itself leaves free. The two normals of a pair are estimates of
+  // one, so that with normal errors the mean of |m - n| is s sqrt(pi), where both are equally
+  // noisy; the mean of the squares would follow the few pairs whose surfaces differ.
+  Matrix6d FeignedInformation() const;
 
   // Variance of the residuals in units of their sigma^2: sum of w |r|^2 per degree of freedom; 1
   // where there are no more rows than unknowns.
@@ -53,8 +63,23 @@ struct Observability {
   std::vector<Vector6d> FreeDirections() const;
 };
 
-// Directions are free whose eigenvalue is not above the minimum.
-Observability Observe(const NormalSystem& system, double min_eigenvalue);
+// What the data must say of a direction of motion for it to be held.
+struct HeldOptions {
+  // The least eigenvalue, without unit. 1e-6 is what rounding leaves of zero. Errors of the normals
+  // that both surfaces share feign up to 3e-4 in exact views of walls, spheres and corridors, where
+  // views of rooms have 5e-3 and more; but what is small and far has small eigenvalues as well.
+  double min_eigenvalue = 1e-6;
+  // So many times what noise of the normals feigns; 0 = off. Along a plane the ratio is one, and
+  // ICP goes a share of 1 - 1 / ratio of its way.
+  double min_information_ratio = 0;
+
+  // Throws InputError naming field, value and constraint.
+  void Validate() const;
+};
+
+// Directions x are free where x^T H x is not above what the options ask for, in the metric of the
+// eigenvalues. The directions diagonalise both sides.
+Observability Observe(const NormalSystem& system, const HeldOptions& options);
 
 // The least-squares increment among those without part along free directions.
 Vector6d SolveHeld(const NormalSystem& system, const Observability& observability);

@@ -17,7 +17,7 @@ struct PoseSolverOptions {
   std::string linear_solver = "dense_qr";  // of ceres_per_point: one of LinearSolverNames()
   ResidualType residual = ResidualType::kPointToPlane;
   ErrorModel error_model;
-  double min_eigenvalue = 1e-6;  // of Observability; up to it a direction is free
+  HeldOptions held;
 };
 
 // What a solve took, and what it went through.

@@ -36,14 +36,15 @@ struct SlamOptions {
 };
 
 enum class FrameState {
-  kFirst,    // the first frame with enough depth to start: it stands at the initial pose
-  kTracked,  // registered, possibly found again from far, and fused
-  kFrozen,   // its depth repeats the last frame's byte for byte: same pose, nothing fused
-  kGiven,    // fused at a given pose, without tracking
-  kLost,     // not registered: no pose, nothing fused
+  kFirst,       // the first frame with enough depth to start: it stands at the initial pose
+  kTracked,     // registered, possibly found again from far, and fused
+  kDegenerate,  // the same, but for directions that the data leaves free: there, as predicted
+  kFrozen,      // its depth repeats the last frame's byte for byte: same pose, nothing fused
+  kGiven,       // fused at a given pose, without tracking
+  kLost,        // not registered: no pose, nothing fused
 };
 
-// "first", "tracked", "frozen", "given", "lost".
+// "first", "tracked", "degenerate", "frozen", "given", "lost".
 std::string ToString(FrameState state);
 
 // Wall time spent in each stage, milliseconds.
