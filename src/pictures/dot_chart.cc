@@ -78,7 +78,7 @@ class ChartDrawing {
     canvas_.SetTextHeight(15);
     canvas_.SetLineWidth(1);
     canvas_.SetColor(kGrid);
-    for (double power = range_.begin + 1; power < range_.end; ++power) {
+    for (int power = static_cast<int>(range_.begin) + 1; power < range_.end; ++power) {
       const double x = XOf(power);
       canvas_.Line({x, x}, {box.top, box.bottom});
     }

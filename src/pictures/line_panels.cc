@@ -77,7 +77,8 @@ class PanelSheet {
   void DrawLegend(double left, double top, double column_width) {
     for (std::size_t i = 0; i < names_.size(); ++i) {
       const double x = left + column_width * static_cast<double>(i % kLegendColumns);
-      const double y = top + kLegendRow * (static_cast<double>(i / kLegendColumns) + 0.5);
+      const std::size_t row = i / kLegendColumns;
+      const double y = top + kLegendRow * (static_cast<double>(row) + 0.5);
       SetStyle(names_[i]);
       canvas_.Line({x, x + 50}, {y, y});
       canvas_.SetColor(kChartInk);
@@ -111,8 +112,9 @@ Image<Rgb8> DrawLinePanels(const std::vector<LinePanel>& panels, const std::stri
   {
     PanelSheet sheet(panels, &image);
     for (int i = 0; i < count; ++i) {
-      const double left = i % kColumns * kPanelWidth, top = kTop + i / kColumns * kPanelHeight;
-      sheet.Draw(panels[i], {left + 90, top + 40, left + kPanelWidth - 15, top + kPanelHeight - 70},
+      const int left = i % kColumns * kPanelWidth, top = kTop + i / kColumns * kPanelHeight;
+      sheet.Draw(panels[i],
+                 {left + 90., top + 40., left + kPanelWidth - 15., top + kPanelHeight - 70.},
                  x_label, y_label);
     }
     sheet.DrawLegend(90, kTop + rows * kPanelHeight, (width - 100.) / kLegendColumns);

@@ -22,7 +22,7 @@ std::vector<Eigen::Vector3f> PointsOf(const FrameLevel& level, const Rigid3d& fr
   for (int v = 0; v < level.vertex.height(); ++v) {
     for (int u = 0; u < level.vertex.width(); ++u) {
       const Eigen::Vector3f point = level.vertex(u, v);
-      if (point.z() > 0) points.push_back(rotation * point + translation);
+      if (point.z() > 0) points.emplace_back(rotation * point + translation);
     }
   }
   return points;

@@ -73,6 +73,7 @@ ShareTable TableOf(const ComparedRuns& runs, const CompareOptions& options) {
 
 std::vector<std::string> Labels(const std::vector<double>& values) {
   std::vector<std::string> labels;
+  labels.reserve(values.size());
   for (const double value : values) labels.push_back(Concat(value));
   return labels;
 }

@@ -9,6 +9,7 @@ namespace {
 std::optional<double> MedianOf(const std::vector<SolveReport>& reports, double SolveReport::*time) {
   if (reports.empty()) return std::nullopt;
   std::vector<double> times;
+  times.reserve(reports.size());
   for (const SolveReport& report : reports) times.push_back(report.*time);
   return Quantile(times, 0.5);
 }
