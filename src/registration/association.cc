@@ -21,8 +21,10 @@ PairBuffer Association::Collect(const Rigid3d& target_from_source) const {
   for (const PairBuffer& block : blocks) first.push_back(first.back() + block.size);
   PairBuffer all;
   all.size = first.back();
-  all.SetCapacity(all.size);
   const auto to = all.Arrays();
+  ParallelFor(0, PairBuffer::kArrays, 1, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) to[i]->resize(all.size);
+  });
   ParallelFor(0, block_count(), kGrain, [&](int begin, int end) {
     for (int block = begin; block < end; ++block) {
       const auto from = blocks[block].Arrays();
