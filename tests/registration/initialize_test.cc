@@ -83,7 +83,7 @@ TEST(InitializeAndRegister, FailsWithoutDepth) {
   }
 }
 
-TEST(InitializeAndRegister, IsTheSameAtAnyNumberOfThreads) {
+TEST(InitializeAndRegister, GivesTheSameWithOneThreadAndWithTwo) {
   std::vector<InitializedIcpResult> results;
   for (const int threads : {1, 2}) {
     const ThreadLimit limit(threads);
