@@ -38,10 +38,10 @@ void PrintResult(const AlignRunResult& result) {
       icp.eigenvalues[0]);
   if (FLAGS_initialize != "identity") {
     std::printf(
-        "verified by: overlap share %.3f, correlation of brightness %.3f, of its detail %.3f, best "
-        "rival's score share %.3f\n",
+        "verified by: overlap share %.3f, correlation of brightness %.3f, of its detail %.3f, lead "
+        "over other poses %.3f\n",
         result.registration.overlap_share, result.registration.value_correlation,
-        result.registration.detail_correlation, result.registration.rival_score_share);
+        result.registration.detail_correlation, result.registration.lead);
   }
   PrintPose(icp);
   if (!result.final_error) {
@@ -59,9 +59,9 @@ std::string Doubt(const InitializedIcpResult& result, const InitializeOptions& o
     return Concat("overlap share is ", result.overlap_share, ", must be at least ",
                   options.min_overlap_share);
   }
-  if (result.rival_score_share > options.max_rival_score_share) {
-    return Concat("another pose has a share of ", result.rival_score_share,
-                  " of the score, must be at most ", options.max_rival_score_share);
+  if (result.lead < options.min_lead) {
+    return Concat("lead over other poses is ", result.lead, ", must be at least ",
+                  options.min_lead);
   }
   return Concat("correlations of brightness and its detail are ", result.value_correlation, " and ",
                 result.detail_correlation, ", must be at least ", options.min_value_correlation,

@@ -1,6 +1,7 @@
 #include "surfit/registration/initialize.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "registration/start_search.h"
@@ -44,19 +45,21 @@ Candidate RegisterFrom(const Rigid3d& start, const ColoredView& source, const Co
   return candidate;
 }
 
-// The candidate with the highest score, those that failed last, and what share of it another has.
+// The candidate with the highest score, those that failed last, and its lead over the others.
 InitializedIcpResult Best(std::vector<Candidate> candidates) {
   std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
     const bool a_succeeded = a.result.icp.Succeeded(), b_succeeded = b.result.icp.Succeeded();
     return a_succeeded != b_succeeded ? a_succeeded : a.score > b.score;
   });
   Candidate& best = candidates.front();
+  double rival_score = 0;
   for (const Candidate& other : candidates) {
     if (AreSame(best.result.icp.target_from_source, other.result.icp.target_from_source)) continue;
-    if (best.score > 0) {
-      best.result.rival_score_share =
-          std::max(best.result.rival_score_share, other.score / best.score);
-    }
+    rival_score = std::max(rival_score, other.score);
+  }
+  // The score is the root of the overlap times what a pixel tells.
+  if (best.result.overlap_share > 0) {
+    best.result.lead = (best.score - rival_score) / std::sqrt(best.result.overlap_share);
   }
   return std::move(best.result);
 }
@@ -64,7 +67,7 @@ InitializedIcpResult Best(std::vector<Candidate> candidates) {
 bool IsVerified(const InitializedIcpResult& result, const InitializeOptions& options,
                 bool has_color) {
   if (result.overlap_share < options.min_overlap_share) return false;
-  if (result.rival_score_share > options.max_rival_score_share) return false;
+  if (result.lead < options.min_lead) return false;
   return !has_color || (result.value_correlation >= options.min_value_correlation &&
                         result.detail_correlation >= options.min_detail_correlation);
 }
@@ -82,7 +85,9 @@ void InitializeOptions::Validate() const {
   RequireShare("min_overlap_share", min_overlap_share);
   RequireShare("min_value_correlation", min_value_correlation);
   RequireShare("min_detail_correlation", min_detail_correlation);
-  RequireShare("max_rival_score_share", max_rival_score_share);
+  if (!(min_lead >= 0)) {
+    throw InputError(Concat("min_lead is ", min_lead, ", must be zero or positive"));
+  }
   if (!(free_space_growth >= 1)) {
     throw InputError(Concat("free_space_growth is ", free_space_growth, ", must be at least 1"));
   }
@@ -107,6 +112,8 @@ IcpOptions IcpOptionsFromStart(const InitializeOptions& options, const IcpOption
   IcpOptions changed = icp_options;
   if (options.method == "identity") return changed;
   changed.max_iterations *= options.iteration_growth;
+  changed.min_relative_rmse_change /= options.iteration_growth;
+  changed.stop_at_rmse_increase = false;
   changed.max_free_space_share =
       std::min(1., options.free_space_growth * icp_options.max_free_space_share);
   return changed;

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -90,9 +91,8 @@ Outcome RegisterPair(const PosedView& source, const PosedView& target, const Bou
   options.method = "features";
   Rigid3d truth = target.world_from_camera.Inverse() * source.world_from_camera;
   if (bound.refine_truth) {
-    IcpOptions anywhere = icp;
+    IcpOptions anywhere = IcpOptionsFromStart(options, icp);
     anywhere.max_free_space_share = 1;
-    anywhere.max_iterations *= options.iteration_growth;
     truth = Register(source.view.pyramid, target.view.pyramid, truth, anywhere).target_from_source;
   }
   const InitializedIcpResult result = InitializeAndRegister(source.view, target.view, options, icp);
@@ -159,49 +159,35 @@ void Print(const std::string& name, const Outcome& outcome) {
   std::fflush(stdout);
 }
 
-void PrintHeader() {
+// 2 cm and 1 degree; in the kitchen, whose poses are themselves centimetres off at that distance,
+// 3 cm and 1 degree from where dense ICP goes from there. Every 5th pair, in the kitchen and in the
+// rooms every 10th. The rooms are none of those that the options were chosen with (11 to 20).
+TEST(FarPairsSweep, AreRegisteredOrRefused) {
   std::printf("%-22s  pairs above 30 %%  right  wrong  refused\n", "90 frames apart");
-}
-
-void ExpectGood(const Outcome& outcome) {
-  EXPECT_GE(outcome.right, 0.9 * outcome.enough);
-  EXPECT_LE(outcome.wrong, 0.02 * outcome.pairs);
-}
-
-class FarPairs : public ::testing::TestWithParam<std::string> {};
-
-// Every 5th pair.
-TEST_P(FarPairs, RegistersFramesFarApart) {
-  SURFIT_REQUIRE_SHARED_DATA(GetParam());
-  const Outcome outcome = RegisterRecorded(GetParam(), 5, {});
-  PrintHeader();
-  Print(GetParam(), outcome);
-  ExpectGood(outcome);
-}
-
-INSTANTIATE_TEST_SUITE_P(Sequences, FarPairs, ::testing::Values("icl_office", "icl_office_kinect"),
-                         [](const auto& instance) { return instance.param; });
-
-// Every 10th pair.
-TEST(FarPairsSweep, RegistersFramesFarApartInTheKitchen) {
-  SURFIT_REQUIRE_SHARED_DATA("seven_scenes_kitchen");
-  const Outcome outcome = RegisterRecorded("seven_scenes_kitchen", 10, {0.03, 1, true});
-  PrintHeader();
-  Print("seven_scenes_kitchen", outcome);
-  ExpectGood(outcome);
-}
-
-// Every 10th pair.
-TEST(FarPairsSweep, RegistersFramesFarApartInSimulatedRooms) {
   Outcome all;
-  PrintHeader();
+  const auto add = [&](const std::string& name, const Outcome& outcome) {
+    Print(name, outcome);
+    EXPECT_GE(outcome.right, 0.9 * outcome.enough) << name;
+    all += outcome;
+  };
+  for (const auto& [name, stride, bound] :
+       {std::tuple{"icl_office", 5, Bound()}, std::tuple{"icl_office_kinect", 5, Bound()},
+        std::tuple{"seven_scenes_kitchen", 10, Bound{0.03, 1, true}}}) {
+    if (testing::HasSharedData(name)) {
+      add(name, RegisterRecorded(name, stride, bound));
+    } else {
+      std::printf("%s is not there: see SURFIT_DATA_DIR\n", name);
+    }
+  }
+  Outcome rooms;
   for (const std::uint64_t seed : {21, 22, 23, 24, 25, 26, 27, 28}) {
     const Outcome outcome = RegisterSimulated(seed, 10);
     Print("room " + std::to_string(seed), outcome);
-    all += outcome;
+    rooms += outcome;
   }
-  Print("all rooms", all);
-  ExpectGood(all);
+  add("all rooms", rooms);
+  Print("all", all);
+  EXPECT_LE(all.wrong, 0.02 * all.pairs);
 }
 
 }  // namespace

@@ -90,7 +90,7 @@ TEST(InitializeAndRegister, GivesTheSameWithOneThreadAndWithTwo) {
     results.push_back(Registered(FarViews(), "features"));
   }
   EXPECT_EQ(results[0].icp.target_from_source.Matrix(), results[1].icp.target_from_source.Matrix());
-  EXPECT_EQ(results[0].rival_score_share, results[1].rival_score_share);
+  EXPECT_EQ(results[0].lead, results[1].lead);
 }
 
 TEST(InitializeOptions, RefuseWhatMakesNoSense) {
@@ -106,7 +106,7 @@ TEST(InitializeOptions, RefuseWhatMakesNoSense) {
                  "min_overlap_share is 1.1, must be from 0 to 1");
   expect_refused([](auto& o) { o.min_value_correlation = -1; }, "min_value_correlation is -1");
   expect_refused([](auto& o) { o.min_detail_correlation = 2; }, "min_detail_correlation is 2");
-  expect_refused([](auto& o) { o.max_rival_score_share = 2; }, "max_rival_score_share is 2");
+  expect_refused([](auto& o) { o.min_lead = -1; }, "min_lead is -1, must be zero or positive");
   expect_refused([](auto& o) { o.free_space_growth = 0.5; },
                  "free_space_growth is 0.5, must be at least 1");
   expect_refused([](auto& o) { o.iteration_growth = 0; },

@@ -22,14 +22,14 @@ struct InitializeOptions {
   // features: poses that matched image features agree on, and poses that shapes and brightness of
   //   the coarsest level descend to from rotations all over a grid; the best of them.
   std::string method = "identity";
-  // From so3 and features ICP may take so many times its max_iterations: from different starts it
-  // shall come to the same end.
-  int iteration_growth = 3;
+  // From so3 and features ICP goes on for so many times its max_iterations, until RMSE changes by
+  // so much less than its min_relative_rmse_change: from different starts it shall come to one end.
+  int iteration_growth = 10;
   // A fit from there is believed only if
   double min_overlap_share = 0.15;       // so many points lie on the other view's surface,
   double min_value_correlation = 0.8;    // the images are so much alike there,
   double min_detail_correlation = 0.05;  // and so are their edges and texture,
-  double max_rival_score_share = 0.9;    // no other pose fits nearly as well,
+  double min_lead = 0.14;        // it tells so much more than any other pose, nats per pixel,
   double free_space_growth = 2;  // and the free-space share is at most max_free_space_share times
                                  // this: views from far apart show errors of calibration
 
@@ -50,7 +50,7 @@ std::vector<std::string> InitializeMethods();
 IcpOptions FarIcpOptions();
 
 // The options of ICP from a start that the method finds: with iteration_growth and
-// free_space_growth; unchanged for the identity.
+// free_space_growth, and through a passing rise of RMSE; unchanged for the identity.
 IcpOptions IcpOptionsFromStart(const InitializeOptions& options, const IcpOptions& icp_options);
 
 // A registration and, unless it started from the identity, what speaks for it.
@@ -60,7 +60,9 @@ struct InitializedIcpResult {
   double overlap_share = 0;
   double value_correlation = 0;
   double detail_correlation = 0;
-  double rival_score_share = 0;  // the score of the best different pose over this one's
+  // How much more this pose explains than the best different one that was tried, in nats for each
+  // pixel that overlaps.
+  double lead = 0;
 };
 
 // Finds starts by the method of the options, registers from the best of them, and verifies the
