@@ -72,6 +72,24 @@ TEST(InitializeAndRegister, DoesNotBelieveAFitOfOtherPlaces) {
   }
 }
 
+// A corner, and the same with another picture on it: ICP fits them, and nothing but the images
+// tells.
+TEST(InitializeAndRegister, DoesNotBelieveAFitOfShapesThatLookDifferent) {
+  Eigen::Matrix3d down_to_the_corner;
+  down_to_the_corner.col(2) = Eigen::Vector3d(-1, -1, -0.8).normalized();
+  down_to_the_corner.col(0) =
+      down_to_the_corner.col(2).cross(Eigen::Vector3d::UnitZ()).normalized();
+  down_to_the_corner.col(1) = down_to_the_corner.col(2).cross(down_to_the_corner.col(0));
+  const Rigid3d pose(down_to_the_corner, {1.2, 1.1, 1});
+  const Rigid3d turn(QuaternionExp<double>({0.02, 0.05, 0}), {0.03, 0, 0.01});
+  SimulatedColoredViews views;
+  views.source = testing::MakeColoredView(MakeScene("three_planes", 1), pose);
+  views.target = testing::MakeColoredView(MakeScene("three_planes", 1), pose * turn.Inverse());
+  EXPECT_TRUE(Registered(views, "so3").icp.Succeeded());
+  views.target.color = FarViews().target.color;
+  EXPECT_EQ(Registered(views, "so3").icp.termination, Termination::kNotVerified);
+}
+
 TEST(InitializeAndRegister, FailsWithoutDepth) {
   SimulatedColoredViews views = FarViews();
   for (FrameLevel& level : views.source.pyramid.levels) {

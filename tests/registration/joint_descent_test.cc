@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "registration/simulated_views.h"
 #include "registration/view_fit.h"
 #include "testing/matchers.h"
@@ -42,6 +44,44 @@ DescentOptions Precise() {
   options.max_distance_m = options.max_distance_end_m = 0.1;
   options.damping = 1e-4;
   return options;
+}
+
+// A single point off the axis, over a target whose brightness is a slope: the brightness adds
+// j j^T / sigma^2 to the Hessian, j the derivative of the brightness by the left increment, which
+// central differences of the projection tell to 1e-6. Float images: 1e-4 of the largest.
+TEST(LinearizeJointly, HasTheRowsOfTheBrightness) {
+  constexpr float kSlopeU = 0.003f, kSlopeV = -0.002f;
+  WallViews views((Rigid3d()));
+  FrameLevel& source = views.source.pyramid.levels[0];
+  const int u = 130, v = 20;
+  const Eigen::Vector3f only = source.vertex(u, v);
+  ASSERT_GT(only.z(), 0);
+  source.vertex = VectorImage(160, 120);
+  source.vertex.Set(u, v, only);
+  Image<float>& brightness = views.target_brightness[0].value;
+  for (int y = 0; y < 120; ++y) {
+    for (int x = 0; x < 160; ++x) {
+      brightness(x, y) = kSlopeU * static_cast<float>(x) + kSlopeV * static_cast<float>(y);
+    }
+  }
+  const Matrix6d added =
+      LinearizeJointly(views.Source(), views.Target(), 0.1, true, Rigid3d()).hessian -
+      LinearizeJointly(views.Source(), views.Target(), 0.1, false, Rigid3d()).hessian;
+
+  Vector6d row;
+  for (int i = 0; i < 6; ++i) {
+    constexpr double kStep = 1e-4;
+    const auto seen = [&](double step) {
+      const Rigid3d moved = LeftIncrement<double>(step * Vector6d::Unit(i), Rigid3d());
+      const Eigen::Vector2d pixel = source.camera.Project(moved * only.cast<double>());
+      return kSlopeU * pixel.x() + kSlopeV * pixel.y();
+    };
+    row[i] = (seen(kStep) - seen(-kStep)) / (2 * kStep);
+  }
+  const Matrix6d expected = row * row.transpose();
+  const double inverse_variance = added.trace() / expected.trace();
+  EXPECT_NEAR(std::sqrt(1 / inverse_variance), 0.05, 1e-4);
+  EXPECT_LT((added / inverse_variance - expected).norm(), 1e-4 * expected.norm());
 }
 
 TEST(Descend, BrightnessHoldsWhatAWallLeavesOpen) {
