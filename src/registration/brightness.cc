@@ -23,9 +23,9 @@ Image<float> Brightness(const Image<Rgb8>& color) {
 Image<float> HalfResolution(const Image<float>& fine) {
   Image<float> coarse(fine.width() / 2, fine.height() / 2);
   for (int v = 0; v < coarse.height(); ++v) {
-    const float *const above = fine.row(2 * v), *const below = fine.row(2 * v + 1);
-    for (int u = 0; u < coarse.width(); ++u) {
-      coarse(u, v) = (above[2 * u] + above[2 * u + 1] + below[2 * u] + below[2 * u + 1]) / 4;
+    const float *above = fine.row(2 * v), *below = fine.row(2 * v + 1);
+    for (int u = 0; u < coarse.width(); ++u, above += 2, below += 2) {
+      coarse(u, v) = (above[0] + above[1] + below[0] + below[1]) / 4;
     }
   }
   return coarse;

@@ -89,7 +89,7 @@ FeaturePoints FindFeatures(const Image<Rgb8>& color, const FrameLevel& surface,
                                        static_cast<int>(std::lround(place.y)));
     if (!(depth_m > 0)) continue;
     kept.push_back(i);
-    features.points.push_back(surface.camera.Ray(place.x, place.y) * depth_m);
+    features.points.emplace_back(surface.camera.Ray(place.x, place.y) * depth_m);
     features.sigmas_m.push_back(
         std::hypot(error_model.Sigma(depth_m), kPlaceSigmaPx * depth_m / surface.camera.fx));
   }

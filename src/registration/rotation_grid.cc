@@ -32,6 +32,7 @@ std::vector<Eigen::Quaterniond> RotationGrid() {
   std::stable_sort(vectors.begin(), vectors.end(),
                    [](const auto& a, const auto& b) { return a.norm() < b.norm(); });
   std::vector<Eigen::Quaterniond> rotations;
+  rotations.reserve(vectors.size());
   for (const Eigen::Vector3d& vector : vectors) rotations.push_back(QuaternionExp<double>(vector));
   return rotations;
 }

@@ -47,8 +47,8 @@ void ForEachLanding(const FrameLevel& source, const FrameLevel& target,
       continue;
     }
     landing.source_pixel = i;
-    landing.target_pixel =
-        static_cast<int>(landing.v + 0.5f) * camera.width + static_cast<int>(landing.u + 0.5f);
+    const float from_left = landing.u + 0.5f, from_top = landing.v + 0.5f;  // not negative
+    landing.target_pixel = static_cast<int>(from_top) * camera.width + static_cast<int>(from_left);
     visit(landing);
   }
 }
