@@ -7,8 +7,9 @@
 namespace surfit {
 
 // oneTBB's prebuilt library is not instrumented, so ThreadSanitizer cannot see that its fork and
-// join order memory. This states that order; in other builds it is nothing. Make it static: a worker
-// that reads its address from what the caller wrote would do so before it has acquired anything.
+// join order memory. This states that order; in other builds it is nothing. Make it static: a
+// worker that reads its address from what the caller wrote would do so before it has acquired
+// anything.
 class SanitizerFence {
  public:
 #if defined(__SANITIZE_THREAD__)

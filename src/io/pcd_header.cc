@@ -92,7 +92,8 @@ Entries ParseLines(std::string_view file, std::size_t* size) {
   Entries entries;
   while (entries.count("DATA") == 0) {
     const std::size_t line_size = file.substr(*size).find('\n');
-    if (line_size == file.npos) throw InputError("neither PLY nor PCD: the header has no line DATA");
+    if (line_size == file.npos)
+      throw InputError("neither PLY nor PCD: the header has no line DATA");
     const Words words = SplitWords(file.substr(*size, line_size));
     *size += line_size + 1;
     if (words.empty() || words[0][0] == '#') continue;

@@ -39,11 +39,11 @@ DEFINE_double(min_relative_rmse_change, kIcp.min_relative_rmse_change,
 DEFINE_bool(stop_at_rmse_increase, kIcp.stop_at_rmse_increase,
             "a level ends at the pose before where RMSE rises by more and inliers do not");
 DEFINE_double(min_eigenvalue, kIcp.held.min_eigenvalue,
-              "directions of motion that the data holds with no larger eigenvalue, from 0 to 1, are "
-              "left alone");
+              "directions of motion that the data holds with no larger eigenvalue, from 0 to 1, "
+              "are left alone");
 DEFINE_double(min_information_ratio, kIcp.held.min_information_ratio,
-              "and those it holds with less than so many times what noise of the normals feigns; 0 = "
-              "off");
+              "and those it holds with less than so many times what noise of the normals feigns; "
+              "0 = off");
 DEFINE_int32(min_inliers, kIcp.min_inliers, "fewer pairs are a failure");
 
 namespace surfit::tools {

@@ -25,8 +25,8 @@ PointCloud ReadPly(const std::string& path);
 
 // Reads a PLY file or, where the first line is not `ply`, a PCD file (Point Cloud Data 0.7: ascii,
 // binary or binary_compressed): x y z of any type, normal_x normal_y normal_z where there are all
-// three, rgb or rgba where there is one of four bytes. VIEWPOINT is not applied. The rest is as with
-// ReadPly().
+// three, rgb or rgba where there is one of four bytes. VIEWPOINT is not applied. The rest is as
+// with ReadPly().
 PointCloud ReadPointCloud(const std::string& path);
 
 // Leaves out the points with a coordinate that is not finite; returns how many.

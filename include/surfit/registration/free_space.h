@@ -15,8 +15,9 @@ inline constexpr double kFreeSpaceSigmas = 5;
 // those with r >= -kFreeSpaceSigmas * sigma,
 //   r = n . (p' - q),  sigma^2 = floor_sigma_m^2 + sigma_z(p'_z)^2 + sigma_z(q_z)^2.
 // Points behind may be hidden and say nothing, nor do pixels without a normal (missing depth, depth
-// edges); 0 where no point says anything. Two views of a rigid scene hardly contradict each other at
-// the true pose, while a fit of some surfaces to others leaves the rest in each other's free space.
+// edges); 0 where no point says anything. Two views of a rigid scene hardly contradict each other
+// at the true pose, while a fit of some surfaces to others leaves the rest in each other's free
+// space.
 double FreeSpaceShare(const FrameLevel& source, const FrameLevel& target,
                       const ErrorModel& error_model, const Rigid3d& target_from_source);
 

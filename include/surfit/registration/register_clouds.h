@@ -9,7 +9,7 @@ namespace surfit {
 // How two clouds are registered.
 struct RegisterCloudsOptions {
   IcpOptions icp = DefaultIcp();  // what is about images is not used
-  bool reciprocal = false;  // on the finest level, pairs must be each other's nearest points
+  bool reciprocal = false;        // on the finest level, pairs must be each other's nearest points
   // Level l uses every 4^l-th source point. Levels that would leave fewer than kMinPoints are left
   // out, but never the finest.
   int levels = 4;
