@@ -1,6 +1,6 @@
 #pragma once
 
-#include "cost_functions/lanes.h"
+#include "surfit/core/lanes.h"
 
 namespace surfit {
 

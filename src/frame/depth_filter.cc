@@ -1,7 +1,8 @@
-#include <algorithm>
 #include <cstdlib>
 #include <vector>
 
+#include "frame/inverse_depth_band.h"
+#include "surfit/core/lanes.h"
 #include "surfit/core/parallel.h"
 #include "surfit/frame/preprocess.h"
 
@@ -10,28 +11,45 @@ namespace {
 
 constexpr int kRowsPerBlock = 16;
 
-// Inverse depth with a margin of missing pixels on all sides, so that no tap leaves the image.
-Image<float> PaddedInverseDepth(const Image<float>& depth_m, int margin) {
-  Image<float> inverse(depth_m.width() + 2 * margin, depth_m.height() + 2 * margin, 0.f);
-  ParallelFor(0, depth_m.height(), kRowsPerBlock, [&](int begin, int end) {
-    for (int v = begin; v < end; ++v) {
-      const float* in = depth_m.row(v);
-      float* out = inverse.row(v + margin) + margin;
-      for (int u = 0; u < depth_m.width(); ++u) out[u] = in[u] > 0 ? 1.f / in[u] : 0.f;
+// The weights by distance of the window's pixels, row by row.
+std::vector<float> TriangleWeights(int radius) {
+  std::vector<float> weights;
+  for (int dv = -radius; dv <= radius; ++dv) {
+    for (int du = -radius; du <= radius; ++du) {
+      weights.push_back(
+          static_cast<float>((radius + 1 - std::abs(dv)) * (radius + 1 - std::abs(du))));
     }
-  });
-  return inverse;
+  }
+  return weights;
 }
 
-// Adds one tap of the window to the weighted sums of differences from the row's own pixels.
-void AddTap(const float* center, const float* tap, float space_weight, float inverse_cutoff2,
-            int width, float* sum, float* weight_sum) {
-  for (int u = 0; u < width; ++u) {
-    const float difference = tap[u] - center[u];
-    float weight = std::max(0.f, 1.f - difference * difference * inverse_cutoff2);
-    weight = tap[u] > 0 ? weight * weight * space_weight : 0.f;
-    sum[u] += weight * difference;
-    weight_sum[u] += weight;
+// Filters the lanes at a pixel of a band of inverse depth in units of the cut-off: weighted sums of
+// differences from the lanes' own pixels, which keep all digits.
+template <typename V>
+V FilteredInverse(const float* at, std::ptrdiff_t stride, int radius, const float* weights) {
+  const V center = V::Load(at);
+  V sum, weight_sum;
+  for (int dv = -radius; dv <= radius; ++dv) {
+    const float* tap = at + dv * stride - radius;
+    for (int i = 0; i <= 2 * radius; ++i) {
+      const V difference = V::Load(tap + i) - center;
+      const V share = Max(1. - difference * difference, 0.);
+      const V weight = share * share * *weights++;
+      sum += weight * difference;
+      weight_sum += weight;
+    }
+  }
+  return center + sum / weight_sum;
+}
+
+// Filters one row of a band; inverse depth is `scale` times what it is in 1/m.
+template <typename V>
+void FilterRow(const InverseDepthBand& band, int v, int width, int radius, const float* weights,
+               float scale, float* depth_m) {
+  const float* const row = band.row(v);
+  for (int u = 0; u < width; u += V::kCount) {
+    const V filtered = FilteredInverse<V>(row + u, band.stride(), radius, weights);
+    Select(V::Load(row + u) > 0., V(scale) / filtered, 0.).StoreUpTo(depth_m + u, width - u);
   }
 }
 
@@ -40,30 +58,21 @@ void AddTap(const float* center, const float* tap, float space_weight, float inv
 Image<float> FilterDepth(const Image<float>& depth_m, const PreprocessOptions& options) {
   const int radius = options.filter_radius_px;
   if (radius == 0 || depth_m.empty()) return depth_m;
-  const int width = depth_m.width();
-  const Image<float> inverse = PaddedInverseDepth(depth_m, radius);
+  const int width = depth_m.width(), height = depth_m.height();
   const double cutoff = options.filter_cutoff * options.noise.inverse_depth_sigma;
-  const float inverse_cutoff2 = static_cast<float>(1 / (cutoff * cutoff));
-  Image<float> filtered(width, depth_m.height());
-  ParallelFor(0, depth_m.height(), kRowsPerBlock, [&](int begin, int end) {
-    std::vector<float> sum(width), weight_sum(width);
-    for (int v = begin; v < end; ++v) {
-      std::fill(sum.begin(), sum.end(), 0.f);
-      std::fill(weight_sum.begin(), weight_sum.end(), 0.f);
-      const float* center = inverse.row(v + radius) + radius;
-      for (int dv = -radius; dv <= radius; ++dv) {
-        for (int du = -radius; du <= radius; ++du) {
-          const float space_weight =
-              static_cast<float>((radius + 1 - std::abs(dv)) * (radius + 1 - std::abs(du)));
-          AddTap(center, inverse.row(v + radius + dv) + radius + du, space_weight, inverse_cutoff2,
-                 width, sum.data(), weight_sum.data());
-        }
+  const float scale = static_cast<float>(1 / cutoff);
+  const std::vector<float> weights = TriangleWeights(radius);
+  Image<float> filtered;
+  filtered.Resize(width, height);
+  ParallelFor(0, height, kRowsPerBlock, [&](int begin, int end) {
+    InverseDepthBand band(width, end - begin, radius);
+    WithInstructions([&](auto instructions) {
+      using V = Lanes<float, decltype(instructions)>;
+      band.Fill<V>(depth_m, begin, end, scale);
+      for (int v = begin; v < end; ++v) {
+        FilterRow<V>(band, v, width, radius, weights.data(), scale, filtered.row(v));
       }
-      float* out = filtered.row(v);
-      for (int u = 0; u < width; ++u) {
-        out[u] = center[u] > 0 ? 1.f / (center[u] + sum[u] / weight_sum[u]) : 0.f;
-      }
-    }
+    });
   });
   return filtered;
 }

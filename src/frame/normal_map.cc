@@ -1,60 +1,57 @@
-#include <cmath>
 #include <vector>
 
+#include "frame/inverse_depth_band.h"
+#include "frame/surface_slope.h"
+#include "surfit/core/lanes.h"
 #include "surfit/core/parallel.h"
 #include "surfit/frame/preprocess.h"
 
 namespace surfit {
 namespace {
 
-// Least-squares slopes of inverse depth along one direction for a row of pixels: sum over offsets
-// k of k (r(+k) - r(-k)) / sum 2 k^2, as far as both sides continue the surface from offset to
-// offset. `rows` points into padded inverse depth; offset k lies k * stride away.
-class RowSlopes {
- public:
-  RowSlopes(int width, int radius, float slant, float noise)
-      : width_(width),
-        radius_(radius),
-        slant_(slant),
-        noise_(noise),
-        alive_(width),
-        slope_(width),
-        norm_(width) {}
+constexpr int kRowsPerBlock = 16;
 
-  // Fills slopes; norm is 0 where not even the nearest offset continues the surface.
-  void Compute(const float* center, std::ptrdiff_t stride) {
-    for (int u = 0; u < width_; ++u) {
-      alive_[u] = center[u] > 0 ? 1.f : 0.f;
-      slope_[u] = 0;
-      norm_[u] = 0;
-    }
-    for (int k = 1; k <= radius_; ++k) AddOffset(center, stride, k);
+// Normals, row by row.
+class NormalRows {
+ public:
+  NormalRows(const PinholeCamera& camera, const PreprocessOptions& options)
+      : bounds_(camera, options),
+        radius_(options.normal_radius_px),
+        fx_(static_cast<float>(camera.fx)),
+        fy_(static_cast<float>(camera.fy)),
+        cy_(camera.cy),
+        du_(camera.width + Lanes<float>::kCount) {
+    for (int u = 0; u < camera.width; ++u) du_[u] = static_cast<float>(u - camera.cx);
   }
 
-  float slope(int u) const { return slope_[u] / norm_[u]; }
-  bool valid(int u) const { return norm_[u] > 0; }
+  // The normals of row v of the image that the band holds.
+  template <typename V>
+  void Compute(const InverseDepthBand& band, int v, VectorImage* normal) const {
+    const int width = normal->width();
+    const float* const row = band.row(v);
+    const V dv(static_cast<float>(v - cy_));
+    for (int u = 0; u < width; u += V::kCount) {
+      const V r = V::Load(row + u);
+      const auto along_u = SlopeAlong<V>(row + u, 1, radius_, bounds_.noise + bounds_.slant_u * r);
+      const auto along_v =
+          SlopeAlong<V>(row + u, band.stride(), radius_, bounds_.noise + bounds_.slant_v * r);
+      // n . X = d with d < 0 for a normal that faces the camera: the negative of the formula.
+      const V nx = -fx_ * along_u.value, ny = -fy_ * along_v.value;
+      const V nz = V::Load(du_.data() + u) * along_u.value + dv * along_v.value - r;
+      const V scale = 1. / sqrt(nx * nx + ny * ny + nz * nz);
+      const auto valid = along_u.valid & along_v.valid;
+      Select(valid, nx * scale, 0.).StoreUpTo(normal->x.row(v) + u, width - u);
+      Select(valid, ny * scale, 0.).StoreUpTo(normal->y.row(v) + u, width - u);
+      Select(valid, nz * scale, 0.).StoreUpTo(normal->z.row(v) + u, width - u);
+    }
+  }
 
  private:
-  void AddOffset(const float* center, std::ptrdiff_t stride, int k) {
-    const float step = static_cast<float>(k);
-    const float *ahead = center + k * stride, *behind = center - k * stride;
-    const float *before_ahead = ahead - stride, *before_behind = behind + stride;
-    for (int u = 0; u < width_; ++u) {
-      const float bound = noise_ + slant_ * center[u];
-      const bool continues = std::fabs(ahead[u] - before_ahead[u]) < bound &&
-                             std::fabs(behind[u] - before_behind[u]) < bound && ahead[u] > 0 &&
-                             behind[u] > 0;
-      alive_[u] = continues ? alive_[u] : 0.f;
-      slope_[u] += alive_[u] * step * (ahead[u] - behind[u]);
-      norm_[u] += alive_[u] * 2.f * step * step;
-    }
-  }
-
-  int width_;
+  EdgeBounds bounds_;
   int radius_;
-  float slant_;
-  float noise_;
-  std::vector<float> alive_, slope_, norm_;
+  float fx_, fy_;
+  double cy_;
+  std::vector<float> du_;  // u - cx of each column, and room for whole lanes
 };
 
 }  // namespace
@@ -62,46 +59,16 @@ class RowSlopes {
 VectorImage NormalMap(const VectorImage& vertex, const PinholeCamera& camera,
                       const PreprocessOptions& options) {
   const int width = vertex.width(), height = vertex.height();
-  const int radius = options.normal_radius_px;
-  Image<float> inverse(width + 2 * radius, height + 2 * radius, 0.f);
-  ParallelFor(0, height, 16, [&](int begin, int end) {
-    for (int v = begin; v < end; ++v) {
-      const float* z = vertex.z.row(v);
-      float* out = inverse.row(v + radius) + radius;
-      for (int u = 0; u < width; ++u) out[u] = z[u] > 0 ? 1.f / z[u] : 0.f;
-    }
-  });
-
+  const NormalRows rows(camera, options);
   VectorImage normal;
   normal.Resize(width, height);
-  const float tan_slant = static_cast<float>(std::tan(options.max_slant_rad));
-  const float noise = static_cast<float>(3 * options.noise.inverse_depth_sigma);
-  const float fx = static_cast<float>(camera.fx), fy = static_cast<float>(camera.fy);
-  ParallelFor(0, height, 16, [&](int begin, int end) {
-    RowSlopes along_u(width, radius, tan_slant / fx, noise);
-    RowSlopes along_v(width, radius, tan_slant / fy, noise);
-    for (int v = begin; v < end; ++v) {
-      const float* center = inverse.row(v + radius) + radius;
-      along_u.Compute(center, 1);
-      along_v.Compute(center, inverse.width());
-      const float dv = static_cast<float>(v - camera.cy);
-      for (int u = 0; u < width; ++u) {
-        float nx = 0, ny = 0, nz = 0;
-        if (along_u.valid(u) && along_v.valid(u)) {
-          const float du = static_cast<float>(u - camera.cx);
-          const float slope_u = along_u.slope(u), slope_v = along_v.slope(u);
-          // n . X = d with d < 0 for a normal that faces the camera: the negative of the formula.
-          nx = -fx * slope_u;
-          ny = -fy * slope_v;
-          nz = -(center[u] - du * slope_u - dv * slope_v);
-          const float scale = 1.f / std::sqrt(nx * nx + ny * ny + nz * nz);
-          nx *= scale, ny *= scale, nz *= scale;
-        }
-        normal.x(u, v) = nx;
-        normal.y(u, v) = ny;
-        normal.z(u, v) = nz;
-      }
-    }
+  ParallelFor(0, height, kRowsPerBlock, [&](int begin, int end) {
+    InverseDepthBand band(width, end - begin, options.normal_radius_px);
+    WithInstructions([&](auto instructions) {
+      using V = Lanes<float, decltype(instructions)>;
+      band.Fill<V>(vertex.z, begin, end, 1);
+      for (int v = begin; v < end; ++v) rows.Compute<V>(band, v, &normal);
+    });
   });
   return normal;
 }

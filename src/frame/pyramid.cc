@@ -1,7 +1,7 @@
-#include <algorithm>
-#include <cmath>
 #include <utility>
 
+#include "frame/surface_slope.h"
+#include "surfit/core/lanes.h"
 #include "surfit/core/parallel.h"
 #include "surfit/frame/preprocess.h"
 
@@ -10,35 +10,64 @@ namespace {
 
 constexpr int kMinWidth = 40;
 constexpr int kMinHeight = 30;
+constexpr int kRowsPerBlock = 16;
 
-struct BlockMean {
-  float depth_m = 0;
-  Eigen::Vector3f normal = Eigen::Vector3f::Zero();
+// The four pixels of each lane's 2 x 2 block.
+template <typename V>
+struct Block {
+  V pixel[4];
 };
 
-// The mean of a 2 x 2 block over the pixels that belong to its nearest surface.
-BlockMean MeanOfBlock(const FrameLevel& fine, int u, int v, float slant, float noise) {
-  float nearest = 0;  // as inverse depth
-  for (int i = 0; i < 4; ++i) {
-    const float z = fine.vertex.z(u + (i & 1), v + (i >> 1));
-    if (z > 0) nearest = std::max(nearest, 1.f / z);
+// The blocks from column 2 u on of two rows of an image, as far as `count` lanes.
+template <typename V>
+Block<V> LoadBlocks(const Image<float>& image, int u, int v, int count) {
+  Block<V> block;
+  for (int i = 0; i < 2; ++i) {
+    const float* const row = image.row(2 * v + i) + 2 * u;
+    const V low = V::LoadUpTo(row, 2 * count);
+    const V high =
+        2 * count > V::kCount ? V::LoadUpTo(row + V::kCount, 2 * count - V::kCount) : V(0.);
+    block.pixel[2 * i] = Evens(low, high);
+    block.pixel[2 * i + 1] = Odds(low, high);
   }
-  if (nearest == 0) return {};
-  const float bound = nearest - (noise + slant * nearest);
-  BlockMean mean;
-  float sum = 0, count = 0;
-  for (int i = 0; i < 4; ++i) {
-    const int ui = u + (i & 1), vi = v + (i >> 1);
-    const float z = fine.vertex.z(ui, vi);
-    if (!(z > 0) || 1.f / z < bound) continue;
-    sum += 1.f / z;
-    count += 1;
-    mean.normal += fine.normal(ui, vi);
+  return block;
+}
+
+// Means over those pixels of each block that belong to its nearest surface, for a row of blocks.
+template <typename V>
+void HalveRow(const FrameLevel& fine, const EdgeBounds& bounds, int v, Image<float>* depth_m,
+              VectorImage* normal) {
+  const int width = depth_m->width();
+  for (int u = 0; u < width; u += V::kCount) {
+    const int count = width - u;
+    Block<V> inverse = LoadBlocks<V>(fine.vertex.z, u, v, count);
+    V nearest;
+    for (V& r : inverse.pixel) {
+      r = Select(r > 0., 1. / r, 0.);
+      nearest = Max(nearest, r);
+    }
+    const V bound = nearest - (bounds.noise + bounds.slant_u * nearest);
+    const auto is_near = [&](const V& r) { return (r >= bound) & (r > 0.); };
+    V sum, near_count;
+    for (const V& r : inverse.pixel) {
+      sum += Select(is_near(r), r, 0.);
+      near_count += Select(is_near(r), V(1.), 0.);
+    }
+    Select(sum > 0., near_count / sum, 0.).StoreUpTo(depth_m->row(v) + u, count);
+
+    const auto near_sum = [&](const Image<float>& image) {
+      const Block<V> block = LoadBlocks<V>(image, u, v, count);
+      V total;
+      for (int i = 0; i < 4; ++i) total += Select(is_near(inverse.pixel[i]), block.pixel[i], 0.);
+      return total;
+    };
+    const V x = near_sum(fine.normal.x), y = near_sum(fine.normal.y), z = near_sum(fine.normal.z);
+    const V norm = sqrt(x * x + y * y + z * z);
+    const auto has_normal = norm > 0.;
+    Select(has_normal, x / norm, 0.).StoreUpTo(normal->x.row(v) + u, count);
+    Select(has_normal, y / norm, 0.).StoreUpTo(normal->y.row(v) + u, count);
+    Select(has_normal, z / norm, 0.).StoreUpTo(normal->z.row(v) + u, count);
   }
-  mean.depth_m = count / sum;
-  const float norm = mean.normal.norm();
-  if (norm > 0) mean.normal /= norm;
-  return mean;
 }
 
 }  // namespace
@@ -48,19 +77,16 @@ FrameLevel HalfResolution(const FrameLevel& fine, const PreprocessOptions& optio
   coarse.camera = fine.camera.Binned(2);
   const int width = coarse.camera.width, height = coarse.camera.height;
   coarse.normal.Resize(width, height);
-  Image<float> depth(width, height);
-  const float slant = static_cast<float>(std::tan(options.max_slant_rad) / fine.camera.fx);
-  const float noise = static_cast<float>(3 * options.noise.inverse_depth_sigma);
-  ParallelFor(0, height, 16, [&](int begin, int end) {
-    for (int v = begin; v < end; ++v) {
-      for (int u = 0; u < width; ++u) {
-        const BlockMean mean = MeanOfBlock(fine, 2 * u, 2 * v, slant, noise);
-        depth(u, v) = mean.depth_m;
-        coarse.normal.Set(u, v, mean.normal);
-      }
-    }
+  Image<float> depth_m;
+  depth_m.Resize(width, height);
+  const EdgeBounds bounds(fine.camera, options);
+  ParallelFor(0, height, kRowsPerBlock, [&](int begin, int end) {
+    WithInstructions([&](auto instructions) {
+      using V = Lanes<float, decltype(instructions)>;
+      for (int v = begin; v < end; ++v) HalveRow<V>(fine, bounds, v, &depth_m, &coarse.normal);
+    });
   });
-  coarse.vertex = VertexMap(depth, coarse.camera);
+  coarse.vertex = VertexMap(std::move(depth_m), coarse.camera);
   return coarse;
 }
 

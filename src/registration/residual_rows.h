@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "cost_functions/lanes.h"
 #include "cost_functions/pose.h"
 #include "cost_functions/row_products.h"
+#include "surfit/core/lanes.h"
 #include "surfit/registration/pairs.h"
 #include "surfit/registration/residual_type.h"
 

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "surfit/core/error.h"
-#include "surfit/core/parallel.h"
 
 namespace surfit {
 namespace {
@@ -28,18 +27,6 @@ class StageTimer {
   double* sum_ms_;
   Clock::time_point start_;
 };
-
-// The map is less exact at its depth edges, which a view shows as any depth image does.
-void DropNormalsAtEdges(const PreprocessOptions& options, FrameLevel* surface) {
-  const VectorImage inner = NormalMap(surface->vertex, surface->camera, options);
-  ParallelFor(0, inner.height(), 16, [&](int begin, int end) {
-    for (int v = begin; v < end; ++v) {
-      for (int u = 0; u < inner.width(); ++u) {
-        if (inner(u, v).isZero(0.f)) surface->normal.Set(u, v, Eigen::Vector3f::Zero());
-      }
-    }
-  });
-}
 
 // Two parts may have options of one name: errors say whose it is.
 template <typename Options>

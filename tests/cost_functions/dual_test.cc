@@ -37,26 +37,6 @@ TEST(Dual, HasTheDerivativesOfJets) {
   }
 }
 
-TEST(Lanes, AreEightFloatsOrFourDoubles) {
-  EXPECT_EQ(Lanes<float>::kCount, 8);
-  EXPECT_EQ(Lanes<double>::kCount, 4);
-  const float x[8] = {1, 2, 3, 4, 5, 6, 7, 8};
-  const Lanes<float> y = Lanes<float>::Load(x) * 2. + 1.;
-  for (int k = 0; k < 8; ++k) EXPECT_EQ(y[k], 2 * x[k] + 1);
-}
-
-TEST(Lanes, LoadAndKeepUpToACount) {
-  const double x[4] = {1, 2, 3, 4};
-  const Lanes<double> loaded = Lanes<double>::LoadUpTo(x, 2);
-  const double expected[4] = {1, 2, 2, 2};
-  for (int k = 0; k < 4; ++k) {
-    EXPECT_EQ(loaded[k], expected[k]);
-    EXPECT_EQ(loaded.UpTo(3)[k], k < 3 ? expected[k] : 0);
-    EXPECT_EQ(Lanes<double>::LoadUpTo(x, 9)[k], x[k]);
-    EXPECT_EQ(loaded.UpTo(9)[k], expected[k]);
-  }
-}
-
 // Whatever the processor has: the numbers are the same bit for bit.
 TEST(Instructions, GiveTheSameNumbers) {
   const auto compute = [](auto instructions, float* results) {

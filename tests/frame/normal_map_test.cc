@@ -182,6 +182,34 @@ TEST(NormalMap, DoesNotReachAcrossADepthEdge) {
   }
 }
 
+TEST(DropNormalsAtEdges, LeavesThoseThatTheSurfaceItselfShows) {
+  PinholeCamera camera = testing::SmallCamera();
+  for (const int width : {5, camera.width}) {
+    camera.width = width;
+    FrameLevel surface;
+    surface.camera = camera;
+    surface.vertex = VertexMap(RoughDepth(camera), camera);
+    surface.normal = VectorImage(camera.width, camera.height);
+    for (int v = 0; v < camera.height; ++v) {
+      for (int u = 0; u < camera.width; ++u) surface.normal.Set(u, v, {0.6f, 0, -0.8f});
+    }
+    const VectorImage own = NormalMap(surface.vertex, camera, {});
+    DropNormalsAtEdges({}, &surface);
+    std::array<int, 2> seen = {0, 0};
+    for (int v = 0; v < camera.height; ++v) {
+      for (int u = 0; u < camera.width; ++u) {
+        const bool dropped = own(u, v).isZero(0.f);
+        ++seen[dropped];
+        const Eigen::Vector3f expected =
+            dropped ? Eigen::Vector3f(0, 0, 0) : Eigen::Vector3f(0.6f, 0, -0.8f);
+        ASSERT_EQ(surface.normal(u, v), expected) << u << ", " << v;
+      }
+    }
+    EXPECT_GT(seen[0], 50);
+    EXPECT_GT(seen[1], 50);
+  }
+}
+
 // The slope of 2 K + 1 equally noisy values has the variance sigma^2 / sum k^2 = sigma^2 / 28 for
 // K = 3. On a plane that faces the camera at depth z, n_x = f z r_u to first order.
 TEST(NormalMap, NoiseIsThatOfALeastSquaresSlope) {

@@ -1,5 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <utility>
+#include <vector>
+
 #include "frame/plane_images.h"
 #include "surfit/frame/preprocess.h"
 #include "testing/matchers.h"
@@ -69,6 +75,81 @@ TEST(HalfResolution, KeepsTheNearSideOfADepthEdge) {
   EXPECT_NEAR(coarse.vertex.z(1, 0), mean, kMeanTolerance * mean);
   const Eigen::Vector3f normal = Eigen::Vector3f(0.6f, 0, -1.8f).normalized();
   EXPECT_THAT(coarse.normal(1, 0), VectorNear(normal, 1e-6f));
+}
+
+// A rough surface with steps and holes, and unit normals of all directions, some missing.
+FrameLevel RoughLevel(int width, int height) {
+  FrameLevel level;
+  level.camera = testing::SmallCamera();
+  level.camera.width = width;
+  level.camera.height = height;
+  std::mt19937_64 rng(7);
+  std::normal_distribution<float> noise(0, 1);
+  std::uniform_int_distribution<int> dice(0, 5);
+  Image<float> depth_m(width, height);
+  level.normal = VectorImage(width, height);
+  for (int v = 0; v < height; ++v) {
+    for (int u = 0; u < width; ++u) {
+      const float inverse = 0.6f + 0.002f * noise(rng) + (dice(rng) == 0 ? 0.3f : 0.f);
+      depth_m(u, v) = dice(rng) < 2 ? 0.f : 1.f / inverse;
+      const Eigen::Vector3f n(noise(rng), noise(rng), noise(rng));
+      if (dice(rng) > 0) level.normal.Set(u, v, n.normalized());
+    }
+  }
+  level.vertex = VertexMap(depth_m, level.camera);
+  return level;
+}
+
+struct BlockMean {
+  double depth_m = 0;
+  Eigen::Vector3d normal_sum = Eigen::Vector3d::Zero();
+};
+
+// The mean of a block from the definition, in double precision.
+BlockMean MeanOfBlock(const FrameLevel& fine, int u, int v, const PreprocessOptions& options) {
+  double nearest = 0;
+  std::vector<std::pair<double, Eigen::Vector3d>> pixels;
+  for (int i = 0; i < 4; ++i) {
+    const int x = 2 * u + i % 2, y = 2 * v + i / 2;
+    if (fine.vertex.z(x, y) == 0) continue;
+    pixels.emplace_back(1.0 / fine.vertex.z(x, y), fine.normal(x, y).cast<double>());
+    nearest = std::max(nearest, pixels.back().first);
+  }
+  const double edge = 3 * options.noise.inverse_depth_sigma +
+                      nearest * std::tan(options.max_slant_rad) / fine.camera.fx;
+  double sum = 0;
+  int count = 0;
+  BlockMean mean;
+  for (const auto& [inverse, normal] : pixels) {
+    EXPECT_GT(std::abs(nearest - inverse - edge), 1e-5) << "too close to tell in single precision";
+    if (inverse < nearest - edge) continue;
+    sum += inverse;
+    mean.normal_sum += normal;
+    ++count;
+  }
+  if (count > 0) mean.depth_m = count / sum;
+  return mean;
+}
+
+TEST(HalfResolution, AgreesWithItsDefinitionInDoublePrecisionAtAnyWidth) {
+  const PreprocessOptions options;
+  for (const int width : {2, 3, 15, 16, 17, 18, 31, 35, 80}) {
+    const FrameLevel fine = RoughLevel(width, 23);
+    const FrameLevel coarse = HalfResolution(fine, options);
+    ASSERT_EQ(coarse.vertex.width(), width / 2);
+    ASSERT_EQ(coarse.vertex.height(), 11);
+    for (int v = 0; v < 11; ++v) {
+      for (int u = 0; u < width / 2; ++u) {
+        const BlockMean mean = MeanOfBlock(fine, u, v, options);
+        ASSERT_NEAR(coarse.vertex.z(u, v), mean.depth_m, kMeanTolerance * mean.depth_m);
+        const double norm = mean.normal_sum.norm();
+        const Eigen::Vector3d normal = norm > 0 ? mean.normal_sum / norm : mean.normal_sum;
+        // Three roundings of sums of up to four unit vectors, more where these all but cancel.
+        ASSERT_THAT(coarse.normal(u, v).cast<double>(),
+                    VectorNear(normal, 4 * kMeanTolerance * (1 + 1 / std::max(norm, 1e-3))));
+      }
+    }
+  }
 }
 
 // A plane is linear in inverse depth, and the block's mean is the value at its centre, where the

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -127,6 +128,16 @@ TEST_F(SlamTool, GivesTheSameDigestAgainAndAtAnyNumberOfThreads) {
     digests.push_back(Summary(Output())["digest"]);
   }
   EXPECT_THAT(digests, ::testing::Each(digests[0]));
+}
+
+TEST_F(SlamTool, GivesTheSameDigestWithBaseInstructionsAlone) {
+  ASSERT_EQ(Slam(Room(), Output()).exit_code, 0);
+  const nlohmann::json best = Summary(Output());
+  setenv("SURFIT_INSTRUCTIONS", "base", 1);
+  const int exit_code = Slam(Room(), Output()).exit_code;
+  unsetenv("SURFIT_INSTRUCTIONS");
+  ASSERT_EQ(exit_code, 0);
+  EXPECT_EQ(Summary(Output())["digest"], best["digest"]);
 }
 
 TEST_F(SlamTool, UsesGroundTruthForNothingButTheEvaluation) {

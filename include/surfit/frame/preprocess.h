@@ -28,7 +28,7 @@ struct PreprocessOptions {
 Image<float> FilterDepth(const Image<float>& depth_m, const PreprocessOptions& options);
 
 // Vertices z * ray(u, v) in the camera frame, 0 where depth is missing.
-VectorImage VertexMap(const Image<float>& depth_m, const PinholeCamera& camera);
+VectorImage VertexMap(Image<float> depth_m, const PinholeCamera& camera);
 
 // Normals of the vertex map's surface, facing the camera. With inverse depth r(u, v), a plane
 // n . X = d is seen as r = (n_x (u - cx)/fx + n_y (v - cy)/fy + n_z) / d, so that
@@ -37,6 +37,10 @@ VectorImage VertexMap(const Image<float>& depth_m, const PinholeCamera& camera);
 // as both sides continue the surface; (0, 0, 0) where that fails at one pixel (depth edges).
 VectorImage NormalMap(const VectorImage& vertex, const PinholeCamera& camera,
                       const PreprocessOptions& options);
+
+// Zeroes the surface's normals where NormalMap would give none: a map is less exact at its depth
+// edges, and a view of it shows these as any depth image does.
+void DropNormalsAtEdges(const PreprocessOptions& options, FrameLevel* surface);
 
 // Half the resolution: each pixel is the mean inverse depth of its 2 x 2 block, seen along the
 // block's central ray, without pixels that lie behind a depth edge; normals are averaged likewise.

@@ -1,0 +1,187 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <type_traits>
+
+// Vectors wider than what the compiler may assume are passed in memory; all of these are inlined.
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wpsabi"
+#endif
+
+namespace surfit {
+
+// The instructions that code over lanes is compiled to: those that the compiler may assume, or AVX2
+// as well (never contracted to fused operations), for processors found to have them at run time.
+// Both give the same results bit for bit.
+struct BaseInstructions {};
+struct Avx2Instructions {};
+
+// Code over Lanes<S, Avx2Instructions> must all be inlined into one function that is compiled for
+// AVX2: see WithInstructions(). That takes an optimising compiler.
+#if defined(__x86_64__) && defined(__GNUC__) && defined(__OPTIMIZE__)
+#define SURFIT_HAS_AVX2 1
+#define SURFIT_AVX2 __attribute__((target("avx2")))
+#define SURFIT_INLINE_ALL __attribute__((flatten))
+#else
+#define SURFIT_HAS_AVX2 0
+#define SURFIT_INLINE_ALL
+#endif
+
+// Several numbers of type float or double to compute with at once, in the vector types of GCC and
+// Clang. Mixes with plain numbers; comparisons give a LaneMask for Select().
+template <typename S, typename Instructions = BaseInstructions>
+struct Lanes;
+
+template <typename>
+inline constexpr bool kNever = false;
+
+// The outcome of a comparison, one per lane. It is no bool: lanes may differ.
+template <typename S, typename Instructions>
+struct LaneMask {
+  using Vector __attribute__((vector_size(32))) = S;
+  decltype(Vector{} < Vector{}) v;
+
+  LaneMask operator&(const LaneMask& other) const { return {v & other.v}; }
+
+  template <typename B, typename = std::enable_if_t<std::is_same_v<B, bool>>>
+  operator B() const {
+    static_assert(
+        kNever<B>,
+        "surfit: a functor for batches must be free of branches on its numbers, as it runs "
+        "for several points at once: use Select(condition, a, b) instead of if or ?:");
+    return false;
+  }
+};
+
+// The definition for each kind of instructions: a function's attribute can't depend on a template's
+// argument.
+//   LoadUpTo(from, count): the first `count` >= 1 values, the last of them repeated.
+//   StoreUpTo(to, count): writes the first `count` values only.
+//   UpTo(count): zeros beyond the first `count` values.
+//   Select(condition, a, b): condition ? a : b, lane by lane.
+//   Evens(a, b), Odds(a, b): every other one of the values of a and then b.
+#define SURFIT_DEFINE_LANES(INSTRUCTIONS, TARGET)                                             \
+  template <typename S>                                                                       \
+  struct Lanes<S, INSTRUCTIONS> {                                                             \
+    static constexpr int kCount = 32 / sizeof(S);                                             \
+    using Vector __attribute__((vector_size(32))) = S;                                        \
+    using Mask = LaneMask<S, INSTRUCTIONS>;                                                   \
+                                                                                              \
+    TARGET Lanes() : v{} {}                                                                   \
+    TARGET Lanes(const Vector& vector) : v(vector) {}           /* NOLINT: implicit */        \
+    TARGET Lanes(double x) : v(Vector{} + static_cast<S>(x)) {} /* NOLINT: implicit */        \
+                                                                                              \
+    TARGET static Lanes Load(const S* from) {                                                 \
+      Lanes result;                                                                           \
+      std::memcpy(&result.v, from, sizeof(result.v));                                         \
+      return result;                                                                          \
+    }                                                                                         \
+    TARGET static Lanes LoadUpTo(const S* from, int count) {                                  \
+      if (count >= kCount) return Load(from);                                                 \
+      S values[kCount];                                                                       \
+      for (int k = 0; k < kCount; ++k) values[k] = from[k < count ? k : count - 1];           \
+      return Load(values);                                                                    \
+    }                                                                                         \
+    TARGET void Store(S* to) const { std::memcpy(to, &v, sizeof(v)); }                        \
+    TARGET void StoreUpTo(S* to, int count) const {                                           \
+      if (count >= kCount) return Store(to);                                                  \
+      for (int k = 0; k < count; ++k) to[k] = v[k];                                           \
+    }                                                                                         \
+    TARGET Lanes UpTo(int count) const {                                                      \
+      if (count >= kCount) return *this;                                                      \
+      S values[kCount];                                                                       \
+      for (int k = 0; k < kCount; ++k) values[k] = k < count ? v[k] : S(0);                   \
+      return Load(values);                                                                    \
+    }                                                                                         \
+    TARGET S operator[](int k) const { return v[k]; }                                         \
+    TARGET Lanes operator-() const { return -v; }                                             \
+    TARGET Lanes& operator+=(const Lanes& other) {                                            \
+      v += other.v;                                                                           \
+      return *this;                                                                           \
+    }                                                                                         \
+    TARGET friend Lanes operator+(const Lanes& a, const Lanes& b) { return a.v + b.v; }       \
+    TARGET friend Lanes operator-(const Lanes& a, const Lanes& b) { return a.v - b.v; }       \
+    TARGET friend Lanes operator*(const Lanes& a, const Lanes& b) { return a.v * b.v; }       \
+    TARGET friend Lanes operator/(const Lanes& a, const Lanes& b) { return a.v / b.v; }       \
+    TARGET friend Mask operator<(const Lanes& a, const Lanes& b) { return {a.v < b.v}; }      \
+    TARGET friend Mask operator>(const Lanes& a, const Lanes& b) { return {a.v > b.v}; }      \
+    TARGET friend Mask operator<=(const Lanes& a, const Lanes& b) { return {a.v <= b.v}; }    \
+    TARGET friend Mask operator>=(const Lanes& a, const Lanes& b) { return {a.v >= b.v}; }    \
+    TARGET friend Lanes Select(const Mask& condition, const Lanes& a, const Lanes& b) {       \
+      return condition.v ? a.v : b.v;                                                         \
+    }                                                                                         \
+    TARGET friend Lanes Max(const Lanes& a, const Lanes& b) { return a.v < b.v ? b.v : a.v; } \
+    TARGET friend Lanes abs(const Lanes& x) {                                                 \
+      using Bits = decltype(x.v < x.v);                                                       \
+      const Bits sign = reinterpret_cast<Bits>(-Vector{});                                    \
+      return reinterpret_cast<Vector>(reinterpret_cast<Bits>(x.v) & ~sign);                   \
+    }                                                                                         \
+    TARGET friend Lanes Evens(const Lanes& a, const Lanes& b) {                               \
+      if constexpr (kCount == 8) {                                                            \
+        return __builtin_shufflevector(a.v, b.v, 0, 2, 4, 6, 8, 10, 12, 14);                  \
+      } else {                                                                                \
+        return __builtin_shufflevector(a.v, b.v, 0, 2, 4, 6);                                 \
+      }                                                                                       \
+    }                                                                                         \
+    TARGET friend Lanes Odds(const Lanes& a, const Lanes& b) {                                \
+      if constexpr (kCount == 8) {                                                            \
+        return __builtin_shufflevector(a.v, b.v, 1, 3, 5, 7, 9, 11, 13, 15);                  \
+      } else {                                                                                \
+        return __builtin_shufflevector(a.v, b.v, 1, 3, 5, 7);                                 \
+      }                                                                                       \
+    }                                                                                         \
+    TARGET friend Lanes sqrt(const Lanes& x) {                                                \
+      Lanes result;                                                                           \
+      for (int k = 0; k < kCount; ++k) result.v[k] = std::sqrt(x.v[k]);                       \
+      return result;                                                                          \
+    }                                                                                         \
+    TARGET friend Lanes log(const Lanes& x) {                                                 \
+      Lanes result;                                                                           \
+      for (int k = 0; k < kCount; ++k) result.v[k] = std::log(x.v[k]);                        \
+      return result;                                                                          \
+    }                                                                                         \
+                                                                                              \
+    Vector v;                                                                                 \
+  };
+
+SURFIT_DEFINE_LANES(BaseInstructions, )
+#if SURFIT_HAS_AVX2
+SURFIT_DEFINE_LANES(Avx2Instructions, SURFIT_AVX2)
+#endif
+#undef SURFIT_DEFINE_LANES
+
+inline double Select(bool condition, double a, double b) { return condition ? a : b; }
+
+template <typename F>
+SURFIT_INLINE_ALL auto WithBaseInstructions(const F& f) {
+  return f(BaseInstructions());
+}
+#if SURFIT_HAS_AVX2
+template <typename F>
+SURFIT_AVX2 SURFIT_INLINE_ALL auto WithAvx2Instructions(const F& f) {
+  return f(Avx2Instructions());
+}
+#endif
+
+// Whether WithInstructions() uses AVX2: where the processor has it, unless the environment has
+// SURFIT_INSTRUCTIONS=base when first asked, which shows that the results do not depend on it.
+bool UsesAvx2();
+
+// Calls f(instructions) with the best that there is. All that f calls is inlined; neither
+// its argument nor its result may contain lanes.
+template <typename F>
+auto WithInstructions(const F& f) {
+#if SURFIT_HAS_AVX2
+  if (UsesAvx2()) return WithAvx2Instructions(f);
+#endif
+  return WithBaseInstructions(f);
+}
+
+}  // namespace surfit
+
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic pop
+#endif
