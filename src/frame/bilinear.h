@@ -14,29 +14,40 @@ struct BilinearTap {
   std::uint16_t weight_v = 0;  // of the lower pixels, in 1/256
 };
 
-// The tap at a pixel position of an image at least 2 x 2 in size; positions beyond the outermost
-// pixel centres take these.
-inline BilinearTap TapAt(float pixel_u, float pixel_v, int width, int height) {
-  const float u = std::clamp(pixel_u, 0.f, width - 1.f);
-  const float v = std::clamp(pixel_v, 0.f, height - 1.f);
-  const int left = std::min(static_cast<int>(u), width - 2);
-  const int top = std::min(static_cast<int>(v), height - 2);
-  return {top * width + left, static_cast<std::uint16_t>((u - left) * 256 + 0.5f),
-          static_cast<std::uint16_t>((v - top) * 256 + 0.5f)};
+// A pixel coordinate of an image `size` pixels wide or high in 1/256 px, to be truncated: positions
+// beyond the outermost pixel centres take these.
+template <typename V>
+V TapSteps(const V& pixel, int size) {
+  return Min(Max(pixel, 0.), size - 1.) * 256. + 0.5;
 }
 
-// The colour at a tap; (0, 0, 0) outside.
+// The tap at such coordinates of an image at least 2 x 2 in size.
+inline BilinearTap TapAt(std::int32_t steps_u, std::int32_t steps_v, int width, int height) {
+  const int left = std::min(steps_u >> 8, width - 2), top = std::min(steps_v >> 8, height - 2);
+  return {top * width + left, static_cast<std::uint16_t>(steps_u - 256 * left),
+          static_cast<std::uint16_t>(steps_v - 256 * top)};
+}
+
+// The colour at a tap; (0, 0, 0) outside. Red and blue are summed in the halves of one number: the
+// four weights sum to 2^16, so that no sum exceeds 24 bits.
 inline Rgb8 SampleBilinear(const Image<Rgb8>& image, const BilinearTap& tap) {
   if (tap.index < 0) return {};
   const Rgb8* const upper = image.data() + tap.index;
   const Rgb8* const lower = upper + image.width();
-  const auto mix = [&](std::uint8_t Rgb8::*channel) {
-    const unsigned wu = tap.weight_u, wv = tap.weight_v;
-    const unsigned above = upper[0].*channel * (256 - wu) + upper[1].*channel * wu;
-    const unsigned below = lower[0].*channel * (256 - wu) + lower[1].*channel * wu;
-    return static_cast<std::uint8_t>((above * (256 - wv) + below * wv + (1u << 15)) >> 16);
+  const std::uint32_t right = tap.weight_u * 256u, low = tap.weight_v * 256u;
+  const std::uint32_t lower_right = std::uint32_t{tap.weight_u} * tap.weight_v;
+  std::uint32_t green = 1u << 15;
+  std::uint64_t red_blue = (std::uint64_t{1} << 15) | (std::uint64_t{1} << 47);
+  const auto add = [&](const Rgb8& color, std::uint32_t weight) {
+    green += color.g * weight;
+    red_blue += (color.r | std::uint64_t{color.b} << 32) * weight;
   };
-  return {mix(&Rgb8::r), mix(&Rgb8::g), mix(&Rgb8::b)};
+  add(upper[0], (1u << 16) - right - low + lower_right);
+  add(upper[1], right - lower_right);
+  add(lower[0], low - lower_right);
+  add(lower[1], lower_right);
+  return {static_cast<std::uint8_t>(red_blue >> 16), static_cast<std::uint8_t>(green >> 16),
+          static_cast<std::uint8_t>(red_blue >> 48)};
 }
 
 }  // namespace surfit

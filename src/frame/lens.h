@@ -6,10 +6,12 @@
 
 namespace surfit {
 
+// Scalar: float, double, or Lanes of them.
 template <typename Scalar>
 struct LensPixel {
-  Scalar u = 0, v = 0;   // px
-  bool is_seen = false;  // else u and v mean nothing
+  using Truth = decltype(Scalar() > Scalar());
+  Scalar u = 0, v = 0;  // px
+  Truth is_seen{};      // else u and v mean nothing
 };
 
 // A camera with its lens distortion. With x = X/Z, y = Y/Z, r2 = x^2 + y^2 and k = 1 + k1 r2
@@ -32,13 +34,17 @@ class Lens {
         p2_(Scalar(c.distortion[3])),
         k3_(Scalar(c.distortion[4])) {}
 
-  LensPixel<Scalar> Project(Scalar point_x, Scalar point_y, Scalar point_z) const {
+  LensPixel<Scalar> Project(const Scalar& point_x, const Scalar& point_y,
+                            const Scalar& point_z) const {
     const Scalar x = point_x / point_z, y = point_y / point_z;
     const Scalar r2 = x * x + y * y, xy = x * y;
     const Scalar k = 1 + r2 * (k1_ + r2 * (k2_ + r2 * k3_));
     const Scalar slope = 1 + r2 * (3 * k1_ + r2 * (5 * k2_ + r2 * 7 * k3_));  // d(r k) / dr
-    return {fx_ * (x * k + 2 * p1_ * xy + p2_ * (r2 + 2 * x * x)) + cx_,
-            fy_ * (y * k + p1_ * (r2 + 2 * y * y) + 2 * p2_ * xy) + cy_, point_z > 0 && slope > 0};
+    LensPixel<Scalar> pixel;
+    pixel.u = fx_ * (x * k + 2 * p1_ * xy + p2_ * (r2 + 2 * x * x)) + cx_;
+    pixel.v = fy_ * (y * k + p1_ * (r2 + 2 * y * y) + 2 * p2_ * xy) + cy_;
+    pixel.is_seen = (point_z > 0) & (slope > 0);
+    return pixel;
   }
   LensPixel<Scalar> Project(const Eigen::Matrix<Scalar, 3, 1>& point_in_camera) const {
     return Project(point_in_camera.x(), point_in_camera.y(), point_in_camera.z());
@@ -50,10 +56,11 @@ class Lens {
 
 // Whether a pixel is seen and lies on the camera's image.
 template <typename Scalar>
-bool IsInImage(const PinholeCamera& camera, const LensPixel<Scalar>& pixel) {
-  constexpr Scalar kHalf = Scalar(0.5);
-  return pixel.is_seen && pixel.u >= -kHalf && pixel.v >= -kHalf &&
-         pixel.u < Scalar(camera.width) - kHalf && pixel.v < Scalar(camera.height) - kHalf;
+typename LensPixel<Scalar>::Truth IsInImage(const PinholeCamera& camera,
+                                            const LensPixel<Scalar>& pixel) {
+  const Scalar first(-0.5), last_u(camera.width - 0.5), last_v(camera.height - 0.5);
+  return pixel.is_seen & (pixel.u >= first) & (pixel.v >= first) & (pixel.u < last_u) &
+         (pixel.v < last_v);
 }
 
 }  // namespace surfit

@@ -1,9 +1,6 @@
 #pragma once
 
-#include <vector>
-
 #include "frame/bilinear.h"
-#include "frame/lens.h"
 #include "surfit/core/image.h"
 #include "surfit/geometry/pinhole_camera.h"
 
@@ -22,15 +19,11 @@ class ColorRegistration {
   Image<Rgb8> Apply(Image<Rgb8> color, const Image<float>& depth_m) const;
 
  private:
-  using PixelRow = std::vector<LensPixel<float>>;
-
-  // The colour camera's pixels of the points at these depths (m) on the rays of output row v.
-  void ProjectRow(int v, const float* depth_m, PixelRow* pixels) const;
-  BilinearTap TapAtPixel(const LensPixel<float>& pixel) const;
+  // The taps of the points at these depths (m; 0 = none) on the rays of output row v.
+  void FindTaps(int v, const float* depth_m, BilinearTap* taps) const;
 
   PinholeCamera pinhole_;  // of the output
   PinholeCamera color_;
-  Lens<float> color_lens_;
   Eigen::Matrix3d rotation_;     // of color_from_depth
   Eigen::Vector3d translation_;  // m
   bool is_copy_;                 // each output pixel is the colour pixel at the same place

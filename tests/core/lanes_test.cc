@@ -38,7 +38,17 @@ TEST(Lanes, StoreUpToACount) {
   }
 }
 
-TEST(Lanes, HaveMagnitudesAndTheGreaterOfTwo) {
+TEST(Lanes, StoreIntegersRoundedTowardsZero) {
+  const float x[8] = {0.9f, -0.9f, 1, -1, 2.5f, -2.5f, 8388607.5f, -100};
+  const double y[4] = {1.9, -1.9, 0, 7};
+  std::int32_t integers[8];
+  Lanes<float>::Load(x).StoreTruncated(integers);
+  for (int k = 0; k < 8; ++k) EXPECT_EQ(integers[k], static_cast<std::int32_t>(x[k]));
+  Lanes<double>::Load(y).StoreTruncated(integers);
+  for (int k = 0; k < 4; ++k) EXPECT_EQ(integers[k], static_cast<std::int32_t>(y[k]));
+}
+
+TEST(Lanes, HaveMagnitudesAndTheGreaterAndLesserOfTwo) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   const float xs[8] = {-1.5f, 2, -0.f, 0, -kInfinity, kInfinity, 1e-40f, -1e-40f};
   const auto x = Lanes<float>::Load(xs);
@@ -47,6 +57,8 @@ TEST(Lanes, HaveMagnitudesAndTheGreaterOfTwo) {
     EXPECT_FALSE(std::signbit(abs(x)[k]));
     EXPECT_EQ(Max(x, 1.)[k], std::max(xs[k], 1.f));
     EXPECT_EQ(Max(1., x)[k], std::max(xs[k], 1.f));
+    EXPECT_EQ(Min(x, 1.)[k], std::min(xs[k], 1.f));
+    EXPECT_EQ(Min(1., x)[k], std::min(xs[k], 1.f));
   }
 }
 

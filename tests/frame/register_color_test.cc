@@ -2,10 +2,22 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <random>
+
+#include "surfit/core/lanes.h"
 
 namespace surfit {
 namespace {
+
+BilinearTap TapAtPixel(float u, float v, int width, int height) {
+  using V = Lanes<float>;
+  std::int32_t steps_u[V::kCount], steps_v[V::kCount];
+  TapSteps(V(u), width).StoreTruncated(steps_u);
+  TapSteps(V(v), height).StoreTruncated(steps_v);
+  return TapAt(steps_u[0], steps_v[0], width, height);
+}
 
 TEST(SampleBilinear, IsExactAtPixelCentresAndOnTheBorder) {
   Image<Rgb8> image(4, 3);
@@ -15,13 +27,37 @@ TEST(SampleBilinear, IsExactAtPixelCentresAndOnTheBorder) {
   for (int v = 0; v < 3; ++v) {
     for (int u = 0; u < 4; ++u) {
       const float centre_u = static_cast<float>(u), centre_v = static_cast<float>(v);
-      EXPECT_EQ(SampleBilinear(image, TapAt(centre_u, centre_v, 4, 3)), image(u, v))
+      EXPECT_EQ(SampleBilinear(image, TapAtPixel(centre_u, centre_v, 4, 3)), image(u, v))
           << u << " " << v;
     }
   }
-  EXPECT_EQ(SampleBilinear(image, TapAt(-0.4f, 2.4f, 4, 3)), image(0, 2));
-  EXPECT_EQ(SampleBilinear(image, TapAt(1.5f, 0.5f, 4, 3)).r, 77);  // 76.5 rounded
+  EXPECT_EQ(SampleBilinear(image, TapAtPixel(-0.4f, 2.4f, 4, 3)), image(0, 2));
+  EXPECT_EQ(SampleBilinear(image, TapAtPixel(1.5f, 0.5f, 4, 3)).r, 77);  // 76.5 rounded
   EXPECT_EQ(SampleBilinear(image, BilinearTap()), Rgb8());
+}
+
+// From the definition, in real numbers: they are exact here, as is the rounding.
+TEST(SampleBilinear, IsTheRoundedMeanOfFourPixels) {
+  Image<Rgb8> image(3, 3);
+  std::mt19937_64 rng(8);
+  std::uniform_int_distribution<int> byte(0, 3);
+  const auto extreme = [&] { return static_cast<std::uint8_t>(85 * byte(rng)); };
+  for (Rgb8& color : image) color = {extreme(), extreme(), extreme()};
+  for (int steps_v = 0; steps_v <= 512; steps_v += 2) {
+    for (int steps_u = 0; steps_u <= 512; ++steps_u) {
+      const Rgb8 sample = SampleBilinear(image, TapAt(steps_u, steps_v, 3, 3));
+      const int u = std::min(steps_u / 256, 1), v = std::min(steps_v / 256, 1);
+      const double right = steps_u / 256. - u, low = steps_v / 256. - v;
+      const auto mean = [&](std::uint8_t Rgb8::*channel) {
+        return (1 - low) * ((1 - right) * image(u, v).*channel + right * image(u + 1, v).*channel) +
+               low *
+                   ((1 - right) * image(u, v + 1).*channel + right * image(u + 1, v + 1).*channel);
+      };
+      ASSERT_EQ(sample.r, std::floor(mean(&Rgb8::r) + 0.5)) << steps_u << " " << steps_v;
+      ASSERT_EQ(sample.g, std::floor(mean(&Rgb8::g) + 0.5));
+      ASSERT_EQ(sample.b, std::floor(mean(&Rgb8::b) + 0.5));
+    }
+  }
 }
 
 // A colour camera with its own lens and size, beside, above and turned against the depth camera.

@@ -60,6 +60,7 @@ struct LaneMask {
 // argument.
 //   LoadUpTo(from, count): the first `count` >= 1 values, the last of them repeated.
 //   StoreUpTo(to, count): writes the first `count` values only.
+//   StoreTruncated(to): as integers, rounded towards zero.
 //   UpTo(count): zeros beyond the first `count` values.
 //   Select(condition, a, b): condition ? a : b, lane by lane.
 //   Evens(a, b), Odds(a, b): every other one of the values of a and then b.
@@ -90,6 +91,11 @@ struct LaneMask {
       if (count >= kCount) return Store(to);                                                  \
       for (int k = 0; k < count; ++k) to[k] = v[k];                                           \
     }                                                                                         \
+    TARGET void StoreTruncated(std::int32_t* to) const {                                      \
+      using Integers __attribute__((vector_size(4 * kCount))) = std::int32_t;                 \
+      const Integers integers = __builtin_convertvector(v, Integers);                         \
+      std::memcpy(to, &integers, sizeof(integers));                                           \
+    }                                                                                         \
     TARGET Lanes UpTo(int count) const {                                                      \
       if (count >= kCount) return *this;                                                      \
       S values[kCount];                                                                       \
@@ -113,6 +119,7 @@ struct LaneMask {
     TARGET friend Lanes Select(const Mask& condition, const Lanes& a, const Lanes& b) {       \
       return condition.v ? a.v : b.v;                                                         \
     }                                                                                         \
+    TARGET friend Lanes Min(const Lanes& a, const Lanes& b) { return a.v < b.v ? a.v : b.v; } \
     TARGET friend Lanes Max(const Lanes& a, const Lanes& b) { return a.v < b.v ? b.v : a.v; } \
     TARGET friend Lanes abs(const Lanes& x) {                                                 \
       using Bits = decltype(x.v < x.v);                                                       \
