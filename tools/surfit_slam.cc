@@ -36,6 +36,9 @@ DEFINE_string(initialize, kRun.slam.initialize,
               "(see surfit_align), or identity: not at all");
 DEFINE_int32(threads, kRun.threads, "threads that compute at the same time, reading included");
 DEFINE_bool(pictures, kRun.pictures, "write the pictures");
+DEFINE_string(trace, kRun.trace,
+              "file for the times of all stages and threads, as ui.perfetto.dev and "
+              "chrome://tracing show them; empty = none");
 DEFINE_string(dump_failures, kRun.dump_failures,
               "folder that keeps what tracking lost a frame with, for surfit_compare_solvers "
               "--replay; empty = none");
@@ -73,6 +76,7 @@ SlamRunOptions OptionsFromFlags() {
   options.poses = FLAGS_poses;
   options.threads = FLAGS_threads;
   options.pictures = FLAGS_pictures;
+  options.trace = FLAGS_trace;
   options.dump_failures = FLAGS_dump_failures;
   SlamOptions& slam = options.slam;
   slam.preprocess = PreprocessOptionsFromFlags();
@@ -121,8 +125,19 @@ void PrintSummary(const SlamRunSummary& s, const std::string& output) {
   } else {
     std::printf("ATE unknown: no ground truth\n");
   }
-  std::printf("frame %.1f ms median, %.1f ms p95; %.1f s in all\n", s.frame.median_ms,
-              s.frame.p95_ms, s.total_s);
+  std::printf("%.1f s in all\n", s.total_s);
+}
+
+void PrintTimes(const char* name, const TimeStatistics& times, double share) {
+  std::printf("%-10s %9.1f %9.1f %7.1f %%\n", name, times.median_ms, times.p95_ms, 100 * share);
+}
+
+void PrintStages(const SlamRunSummary& s) {
+  std::printf("%-10s %9s %9s %9s\n", "stage", "median ms", "p95 ms", "of time");
+  for (const StageStatistics& stage : s.stages) {
+    PrintTimes(stage.name.c_str(), stage.times, stage.share);
+  }
+  PrintTimes("frame", s.frame, 1);  // less than their sum where decode runs beside the others
 }
 
 int Run() {
@@ -132,6 +147,7 @@ int Run() {
   const SlamRunSummary summary = RunSlam(options, interrupted, ShowProgress);
   if (summary.interrupted) std::fputc('\n', stderr);  // ends the line of progress
   PrintSummary(summary, options.output);
+  PrintStages(summary);
   const bool nothing_tracked = summary.frames_tracked <= 1 && summary.frames_lost > 0;
   return nothing_tracked && !summary.interrupted ? kAlgorithmFailed : kDone;
 }

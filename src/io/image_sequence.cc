@@ -1,10 +1,10 @@
 #include "io/image_sequence.h"
 
-#include <chrono>
 #include <utility>
 
 #include "io/read_image.h"
 #include "surfit/core/error.h"
+#include "surfit/core/trace.h"
 
 namespace surfit {
 namespace {
@@ -57,17 +57,15 @@ RgbdFrame ImageSequence::Read(const IndexedFrame& indexed) const {
 std::optional<ReadResult> ImageSequence::Next() {
   if (next_ == frames_.size()) return std::nullopt;
   const IndexedFrame& indexed = frames_[next_++];
-  const auto start = std::chrono::steady_clock::now();
   ReadResult result;
   result.index = indexed.index;
   result.stamp_s = indexed.files.stamp_s;
   try {
+    const StageTimer timer("decode", indexed.index, &result.decode_ms);
     result.frame = Read(indexed);
   } catch (const InputError& error) {
     result.error = error.what();
   }
-  result.decode_ms =
-      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   return result;
 }
 

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -21,6 +22,7 @@
 #include "run/tracking_dump.h"
 #include "surfit/core/error.h"
 #include "surfit/core/parallel.h"
+#include "surfit/core/trace.h"
 #include "surfit/io/read_ahead.h"
 #include "surfit/io/surfel_ply.h"
 #include "surfit/pictures/map_pictures.h"
@@ -31,12 +33,19 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr std::array<const char*, 6> kStages = {"decode", "preprocess", "predict",
+                                                "track",  "fuse",       "write"};
+
 double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
 TimeStatistics Statistics(const std::vector<double>& times_ms) {
   return {Quantile(times_ms, 0.5), Quantile(times_ms, 0.95)};
+}
+
+double Sum(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.);
 }
 
 std::int64_t PeakRssBytes() {
@@ -56,6 +65,7 @@ class SlamRun {
       : options_(options),
         start_(Clock::now()),
         last_completion_(start_),
+        trace_(options.trace.empty() ? nullptr : std::make_unique<TraceRecorder>(options.trace)),
         source_(ReadAhead(OpenSequence(options.sequence), options.queue_capacity)),
         info_(source_->info()) {
     if (options.poses == "groundtruth" && info_.ground_truth.empty()) {
@@ -104,6 +114,7 @@ class SlamRun {
 
   void Process(const ReadResult& result) {
     const RgbdFrame& frame = *result.frame;
+    const TraceSlice slice("frame", frame.index);
     if (!slam_) {
       slam_ = std::make_unique<Slam>(info_.pinhole, options_.slam,
                                      InitialPose(options_.initial_pose, info_, frame.stamp_s));
@@ -116,12 +127,16 @@ class SlamRun {
     summary_.input_points += static_cast<std::int64_t>(frame.depth_m.size());
     summary_.input_points_valid += valid;
     Count(report, valid);
-    files_->Write(report, result.decode_ms, CompleteFrame());
-    stage_ms_["decode"].push_back(result.decode_ms);
-    stage_ms_["preprocess"].push_back(report.times.preprocess_ms);
-    stage_ms_["predict"].push_back(report.times.predict_ms);
-    stage_ms_["track"].push_back(report.times.track_ms);
-    stage_ms_["fuse"].push_back(report.times.fuse_ms);
+    double write_ms = 0;
+    {
+      const StageTimer timer("write", frame.index, &write_ms);
+      files_->Write(report, result.decode_ms, CompleteFrame());
+    }
+    const StageTimes& times = report.times;
+    const std::array<double, kStages.size()> stages_ms = {result.decode_ms, times.preprocess_ms,
+                                                          times.predict_ms, times.track_ms,
+                                                          times.fuse_ms,    write_ms};
+    for (std::size_t i = 0; i < kStages.size(); ++i) stages_ms_[i].push_back(stages_ms[i]);
   }
 
   void Dump(const LostFrame& lost) const {
@@ -166,13 +181,20 @@ class SlamRun {
     summary_.match_share_last = match_shares_.empty() ? 0 : match_shares_.back();
     summary_.match_share_median = Quantile(match_shares_, 0.5);
     summary_.frame = Statistics(frame_ms_);
-    for (const auto& [stage, times] : stage_ms_) summary_.stages[stage] = Statistics(times);
+    for (std::size_t i = 0; i < kStages.size(); ++i) {
+      summary_.stages.push_back(
+          {kStages[i], Statistics(stages_ms_[i]), Sum(stages_ms_[i]) / Sum(frame_ms_)});
+    }
     summary_.digest = Digest(trajectory_, map);
     if (!info_.ground_truth.empty()) {
       summary_.evaluation = EvaluateTrajectory(info_.ground_truth, trajectory_, stamps_s_, {});
     }
-    WriteSurfelPly(map, options_.output + "/map.ply");
+    {
+      const TraceSlice slice("write_map");
+      WriteSurfelPly(map, options_.output + "/map.ply");
+    }
     if (options_.pictures) WritePictures();
+    if (trace_) trace_->Close();
     summary_.peak_rss_bytes = PeakRssBytes();
     summary_.total_s = SecondsSince(start_);
     WriteSummaryJson(summary_, options_, options_.output + "/summary.json");
@@ -180,6 +202,7 @@ class SlamRun {
   }
 
   void WritePictures() const {
+    const TraceSlice slice("write_pictures");
     WriteMapPictures(slam_->map(), trajectory_, options_.output);
     Trajectory aligned = trajectory_;
     if (summary_.evaluation && summary_.evaluation->ate) {
@@ -207,6 +230,7 @@ class SlamRun {
   const SlamRunOptions& options_;
   const Clock::time_point start_;
   Clock::time_point last_completion_;
+  std::unique_ptr<TraceRecorder> trace_;  // outlives the source's thread
   std::unique_ptr<FrameSource> source_;
   const SequenceInfo& info_;
   std::unique_ptr<RunFiles> files_;
@@ -216,7 +240,7 @@ class SlamRun {
   std::vector<double> stamps_s_;
   std::vector<double> frame_ms_;
   std::vector<double> match_shares_;
-  std::map<std::string, std::vector<double>> stage_ms_;
+  std::array<std::vector<double>, kStages.size()> stages_ms_;
 };
 
 }  // namespace

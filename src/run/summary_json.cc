@@ -50,7 +50,10 @@ void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
   j["total_s"] = s.total_s;
   j["frame_ms"] = ToJson(s.frame);
   j["stage_ms"] = Json::object();
-  for (const auto& [stage, times] : s.stages) j["stage_ms"][stage] = ToJson(times);
+  for (const StageStatistics& stage : s.stages) {
+    j["stage_ms"][stage.name] = ToJson(stage.times);
+    j["stage_ms"][stage.name]["share"] = stage.share;
+  }
   j["peak_rss_bytes"] = s.peak_rss_bytes;
   j["residual"] = options.slam.icp.residual;
   j["association"] = options.slam.icp.association;

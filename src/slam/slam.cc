@@ -3,30 +3,16 @@
 #include <glog/logging.h>
 
 #include <algorithm>
-#include <chrono>
 #include <utility>
 
 #include "surfit/core/error.h"
+#include "surfit/core/trace.h"
 
 namespace surfit {
 namespace {
 
 // Of lost frames every fifth is looked for: that takes as long as tracking tens of frames.
 constexpr int kSearchStride = 5;
-
-// Adds the time of its life to a sum.
-class StageTimer {
- public:
-  explicit StageTimer(double* sum_ms) : sum_ms_(sum_ms), start_(Clock::now()) {}
-  ~StageTimer() {
-    *sum_ms_ += std::chrono::duration<double, std::milli>(Clock::now() - start_).count();
-  }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  double* sum_ms_;
-  Clock::time_point start_;
-};
 
 // Two parts may have options of one name: errors say whose it is.
 template <typename Options>
@@ -120,7 +106,7 @@ FrameReport Slam::Process(const RgbdFrame& frame, const std::optional<Rigid3d>& 
 
   FramePyramid pyramid;
   {
-    StageTimer timer(&report.times.preprocess_ms);
+    StageTimer timer("preprocess", report.index, &report.times.preprocess_ms);
     pyramid = PreprocessDepth(frame.depth_m, camera_, options_.preprocess);
   }
   if (given_pose) {
@@ -142,11 +128,11 @@ void Slam::Track(const RgbdFrame& frame, const FramePyramid& pyramid, FrameRepor
   const Rigid3d world_from_predicted = PredictedPose();
   Target target;
   {
-    StageTimer timer(&report->times.predict_ms);
+    StageTimer timer("predict", report->index, &report->times.predict_ms);
     target = MakeTarget(world_from_predicted);
   }
   const Rigid3d initial = target.world_from_target.Inverse() * world_from_predicted;
-  StageTimer timer(&report->times.track_ms);
+  StageTimer timer("track", report->index, &report->times.track_ms);
   report->icp = Register(pyramid, target.pyramid, initial, options_.icp);
   report->world_from_camera = target.world_from_target * report->icp.target_from_source;
   const bool tracked = IsBelievable(report->icp) || FindAgain(frame, pyramid, report);
@@ -163,6 +149,7 @@ void Slam::Track(const RgbdFrame& frame, const FramePyramid& pyramid, FrameRepor
 bool Slam::FindAgain(const RgbdFrame& frame, const FramePyramid& pyramid, FrameReport* report) {
   if (options_.initialize == "identity" || lost_count_ % kSearchStride != 0) return false;
   if (!CanStart(pyramid)) return false;
+  const TraceSlice slice("find_again", report->index);
   InitializeOptions initialization;
   initialization.method = options_.initialize;
   const InitializedIcpResult found =
@@ -206,7 +193,7 @@ bool Slam::CanStart(const FramePyramid& pyramid) const {
 }
 
 void Slam::Fuse(const RgbdFrame& frame, FramePyramid pyramid, FrameReport* report) {
-  StageTimer timer(&report->times.fuse_ms);
+  StageTimer timer("fuse", report->index, &report->times.fuse_ms);
   report->fusion = fusion_.Fuse(frame, pyramid.levels.front(), report->world_from_camera, &map_);
   // The way over lost frames is not one frame's motion, nor is a jump.
   const bool is_next = started_ && lost_count_ == 0 && !report->found_again;

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <random>
@@ -16,6 +17,7 @@
 #include "surfit/io/point_cloud.h"
 #include "testing/run_program.h"
 #include "testing/temp_folder.h"
+#include "testing/trace_slices.h"
 
 namespace surfit::testing {
 namespace {
@@ -138,6 +140,30 @@ TEST_F(SlamTool, GivesTheSameDigestWithBaseInstructionsAlone) {
   unsetenv("SURFIT_INSTRUCTIONS");
   ASSERT_EQ(exit_code, 0);
   EXPECT_EQ(Summary(Output())["digest"], best["digest"]);
+}
+
+TEST_F(SlamTool, TracesEveryStageOfEveryFrame) {
+  const std::string trace = own_.path() + "/trace.json";
+  const ProgramResult result = Slam(Room(), Output(), {"--trace=" + trace, "--threads=2"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const std::vector<Slice> slices = ReadSlices(trace);
+  ExpectNesting(slices);
+  std::map<std::pair<std::string, int>, int> counts;
+  for (const Slice& slice : slices) ++counts[{slice.name, slice.frame}];
+  for (int frame = 0; frame < kFrames; ++frame) {
+    for (const char* stage : {"frame", "decode", "preprocess", "fuse", "write"}) {
+      EXPECT_EQ((counts[{stage, frame}]), 1) << stage << " " << frame;
+    }
+    for (const char* stage : {"predict", "track"}) {
+      EXPECT_EQ((counts[{stage, frame}]), frame > 0 ? 1 : 0) << stage << " " << frame;
+    }
+  }
+  for (const char* stage : {"decode", "preprocess", "predict", "track", "fuse", "write"}) {
+    EXPECT_THAT(result.out, HasSubstr("\n" + std::string(stage) + " ")) << result.out;
+    const nlohmann::json times = Summary(Output())["stage_ms"][stage];
+    EXPECT_GT(times["share"], 0) << stage;
+    EXPECT_LE(times["median"], times["p95"]) << stage;
+  }
 }
 
 TEST_F(SlamTool, UsesGroundTruthForNothingButTheEvaluation) {
@@ -296,6 +322,7 @@ TEST_F(SlamTool, RefusesBadInputInOneSentence) {
       {{"--first=9999"}, "9999"},
       {{"--max_iterations=0"}, "max_iterations is 0"},
       {{"--output=/dev/null/x"}, "/dev/null/x"},
+      {{"--trace=/dev/null/t"}, "/dev/null/t"},
       {{"--sequence=/nonexistent"}, "/nonexistent"},
       {{"--sequence="}, "sequence"},
       {{"surplus"}, "surplus"},

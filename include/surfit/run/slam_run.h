@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "surfit/evaluation/trajectory_evaluation.h"
 #include "surfit/io/sequence.h"
@@ -23,6 +24,7 @@ struct SlamRunOptions {
   int threads = 2;                        // that compute at the same time
   int queue_capacity = 4;                 // frames that are read ahead
   bool pictures = true;
+  std::string trace;  // file for the times of all stages and threads (TraceRecorder); empty = none
   // Folder in which each frame that tracking loses is kept as frame-XXXXXX, to be registered again
   // (CompareOptions::replay); empty = none.
   std::string dump_failures;
@@ -47,6 +49,12 @@ struct TimeStatistics {
   double p95_ms = 0;
 };
 
+struct StageStatistics {
+  std::string name;
+  TimeStatistics times;
+  double share = 0;  // of the time of all frames
+};
+
 // The outcome of a run: what summary.json says.
 struct SlamRunSummary {
   int frames_total = 0;    // read or attempted
@@ -64,7 +72,8 @@ struct SlamRunSummary {
   std::optional<TrajectoryEvaluation> evaluation;  // where there is ground truth
   double total_s = 0;
   TimeStatistics frame;  // between the completions of consecutive frames
-  std::map<std::string, TimeStatistics> stages;
+  // decode (which reads ahead, beside the others), preprocess, predict, track, fuse, write.
+  std::vector<StageStatistics> stages;
   std::int64_t peak_rss_bytes = 0;
   std::string digest;  // of trajectory and map: equal digests, equal results bit for bit
 };

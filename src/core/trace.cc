@@ -1,0 +1,111 @@
+#include "surfit/core/trace.h"
+
+#include <glog/logging.h>
+
+#include <atomic>
+#include <cstdio>
+#include <fstream>
+#include <map>
+#include <mutex>
+#include <thread>
+
+#include "surfit/core/error.h"
+
+namespace surfit {
+
+class TraceFile {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  explicit TraceFile(const std::string& path) : path_(path), file_(path), start_(Clock::now()) {
+    file_ << '[';
+    ThreadNumber();  // the recorder's own thread is the first
+    RequireWritten();
+  }
+
+  void Add(const char* name, int frame, Clock::time_point begin, Clock::time_point end) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (closed_) return;
+    const int thread = ThreadNumber();
+    file_ << ",\n"
+          << R"({"name":")" << name << R"(","ph":"X","pid":1,"tid":)" << thread << R"(,"ts":)"
+          << Microseconds(begin - start_) << R"(,"dur":)" << Microseconds(end - begin);
+    if (frame != TraceSlice::kNoFrame) file_ << R"(,"args":{"frame":)" << frame << '}';
+    file_ << '}';
+  }
+
+  void Close() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (closed_) return;
+    closed_ = true;
+    file_ << "\n]\n";
+    RequireWritten();
+  }
+
+ private:
+  void RequireWritten() {
+    file_.flush();
+    if (!file_) throw InputError(path_ + ": cannot be written");
+  }
+
+  // To the nanosecond, so that slices nest in the file as they did in time.
+  static std::string Microseconds(Clock::duration duration) {
+    const long long ns = std::chrono::nanoseconds(duration).count();
+    char text[40];
+    std::snprintf(text, sizeof(text), "%lld.%03lld", ns / 1000, ns % 1000);
+    return text;
+  }
+
+  // Of the calling thread, counted from 1 in the order in which they are first heard of; its name
+  // is written then.
+  int ThreadNumber() {
+    const auto [thread, is_new] =
+        threads_.emplace(std::this_thread::get_id(), static_cast<int>(threads_.size()) + 1);
+    const int number = thread->second;
+    if (is_new) {
+      file_ << (number == 1 ? "\n" : ",\n") << R"({"name":"thread_name","ph":"M","pid":1,"tid":)"
+            << number << R"(,"args":{"name":")"
+            << (number == 1 ? std::string("main") : Concat("worker ", number - 1)) << R"("}})";
+    }
+    return number;
+  }
+
+  const std::string path_;
+  std::mutex mutex_;  // guards all that changes
+  std::ofstream file_;
+  const Clock::time_point start_;
+  std::map<std::thread::id, int> threads_;
+  bool closed_ = false;
+};
+
+namespace {
+
+std::atomic<TraceFile*> active{nullptr};
+
+}  // namespace
+
+TraceRecorder::TraceRecorder(const std::string& path) : file_(std::make_unique<TraceFile>(path)) {
+  CHECK(active.exchange(file_.get()) == nullptr) << "slices are being recorded already";
+}
+
+TraceRecorder::~TraceRecorder() {
+  active = nullptr;
+  try {
+    file_->Close();
+  } catch (const InputError& error) {
+    LOG(WARNING) << error.what();
+  }
+}
+
+void TraceRecorder::Close() { file_->Close(); }
+
+TraceSlice::TraceSlice(const char* name, int frame)
+    : file_(active.load(std::memory_order_acquire)), name_(name), frame_(frame) {
+  if (file_ != nullptr) begin_ = std::chrono::steady_clock::now();
+}
+
+TraceSlice::~TraceSlice() {
+  if (file_ != nullptr) file_->Add(name_, frame_, begin_, std::chrono::steady_clock::now());
+}
+
+}  // namespace surfit
