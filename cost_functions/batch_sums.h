@@ -62,7 +62,15 @@ class BatchRows {
     }
   }
 
-  void Residuals(const V* data, V* residuals) const { functor_.AtPose(pose_, data, residuals); }
+  void Residuals(const V* data, V* residuals) const {
+    if constexpr (UsesMovedPointOnly<Functor, V>::value) {
+      Dual<V, 3> moving[kRows];
+      AtMovedPoint(MovedPoint(pose_, data), data, moving);
+      for (int k = 0; k < kRows; ++k) residuals[k] = moving[k].value;
+    } else {
+      functor_.AtPose(pose_, data, residuals);
+    }
+  }
 
   void Linearize(const V* data, Rows& rows) const {
     if constexpr (UsesMovedPointOnly<Functor, V>::value) {
@@ -80,15 +88,41 @@ class BatchRows {
  private:
   using Moving = Dual<V, kPoseTangentSize>;
 
-  // y moves to y + w x y + v, so that with g = dr/dy the row is [y x g, g].
-  void LinearizeAtMovedPoint(const V* data, Rows& rows) const {
-    V y[3];
-    MovePoint(pose_, data, y);
-    Dual<V, 3> moving_y[3], residuals[kRows];
-    for (int i = 0; i < 3; ++i) moving_y[i] = Dual<V, 3>::Variable(y[i], i);
+  // y = R p + t = p + d as its rounded value and what that lost: the moves d of a pose near the
+  // identity are small, and so is their rounding beside that of y.
+  struct MovedPoint {
+    MovedPoint(const V* pose, const V* p) {
+      TurnByPose(pose, p, lost);
+      for (int i = 0; i < 3; ++i) {
+        const V d = lost[i] + pose[4 + i];
+        y[i] = p[i] + d;
+        const V d_in_y = y[i] - p[i];
+        lost[i] = (p[i] - (y[i] - d_in_y)) + (d - d_in_y);  // Knuth's exact sum of two
+      }
+    }
+    V y[3], lost[3];
+  };
+
+  // Residuals and their derivatives g by y. To first order what y lost counts as well: residuals
+  // are often differences a thousand times smaller than the points.
+  void AtMovedPoint(const MovedPoint& point, const V* data, Dual<V, 3>* residuals) const {
+    Dual<V, 3> moving_y[3];
+    for (int i = 0; i < 3; ++i) moving_y[i] = Dual<V, 3>::Variable(point.y[i], i);
     functor_.AtMovedPoint(moving_y, data, residuals);
     for (int k = 0; k < kRows; ++k) {
-      Cross(y, residuals[k].derivative, rows[k]);
+      for (int i = 0; i < 3; ++i) {
+        residuals[k].value += residuals[k].derivative[i] * point.lost[i];
+      }
+    }
+  }
+
+  // y moves to y + w x y + v, so that with g = dr/dy the row is [y x g, g].
+  void LinearizeAtMovedPoint(const V* data, Rows& rows) const {
+    const MovedPoint point(pose_, data);
+    Dual<V, 3> residuals[kRows];
+    AtMovedPoint(point, data, residuals);
+    for (int k = 0; k < kRows; ++k) {
+      Cross(point.y, residuals[k].derivative, rows[k]);
       for (int i = 0; i < 3; ++i) rows[k][3 + i] = residuals[k].derivative[i];
       rows[k][kPoseTangentSize] = residuals[k].value;
     }

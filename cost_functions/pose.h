@@ -32,14 +32,21 @@ void Cross(const A* a, const B* b, T* result) {
   result[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-// result = R x, R the rotation of the unit quaternion (u, w): x + w 2 (u x x) + u x 2 (u x x).
+// result = R x - x, R the rotation of the unit quaternion (u, w): w 2 (u x x) + u x 2 (u x x).
 template <typename T, typename D>
-void RotateByPose(const T* pose, const D* x, T* result) {
+void TurnByPose(const T* pose, const D* x, T* result) {
   T twice[3], across[3];
   Cross(pose, x, twice);
   for (T& value : twice) value = value + value;
   Cross(pose, twice, across);
-  for (int i = 0; i < 3; ++i) result[i] = pose[3] * twice[i] + across[i] + x[i];
+  for (int i = 0; i < 3; ++i) result[i] = pose[3] * twice[i] + across[i];
+}
+
+// result = R x.
+template <typename T, typename D>
+void RotateByPose(const T* pose, const D* x, T* result) {
+  TurnByPose(pose, x, result);
+  for (int i = 0; i < 3; ++i) result[i] = result[i] + x[i];
 }
 
 // y = R p + t.

@@ -20,8 +20,9 @@ namespace surfit {
 // decomposition of the sums of products, evaluated by automatic differentiation over lanes.
 //
 // S is the precision of residuals and products; sums are in double. Float: cost and gradient to
-// 1e-5 of the sum of their absolute terms; double: 1e-9. Evaluation runs in parallel, and gives the
-// same bit for bit at any number of threads.
+// 1e-5 of the sum of their absolute terms; double: 1e-9. Functors of the moved point (see
+// point_functor.h) have residuals as exact as their data where the pose is near the identity.
+// Evaluation runs in parallel, and gives the same bit for bit at any number of threads.
 //
 // The parameter block is a pose (pose.h) on LeftPoseManifold or ProductPoseManifold. Do not add a
 // loss function to the block: the kernel is one per point, a loss would see the sum.

@@ -42,9 +42,9 @@ struct Corner {
   }
 };
 
-// With single precision sums the minimum is where the gradient's rounding allows: 1e-6 (see
-// ReducedBatch).
-constexpr double kTolerance = 1e-6;
+// A term of a single precision gradient rounds by 1e-7 of itself, the sum over 1e4 points by 1e-9
+// of their magnitudes; what the pairs hold weakly magnifies that.
+constexpr double kTolerance = 1e-7;
 
 class CeresSolvers : public ::testing::TestWithParam<std::string> {
  protected:
@@ -55,11 +55,7 @@ class CeresSolvers : public ::testing::TestWithParam<std::string> {
 TEST_P(CeresSolvers, AllReachTheSameMinimum) {
   const Vector6d reduced = corner_.Step("ceres", residual_).increment;
   EXPECT_GT(reduced.norm(), 0.002);
-  // TinySolver drops a step whose cost seems to rise. Matched points are half a pixel apart, which
-  // leaves a cost whose rounding (1e-8 of it) hides the last 1e-5 of the way.
-  const bool points = residual_ == ResidualType::kPointToPoint;
-  EXPECT_THAT(corner_.Step("tiny", residual_).increment,
-              VectorNear(reduced, points ? 10 * kTolerance : kTolerance));
+  EXPECT_THAT(corner_.Step("tiny", residual_).increment, VectorNear(reduced, kTolerance));
   for (const std::string& linear_solver : LinearSolverNames()) {
     EXPECT_THAT(corner_.Step("ceres_per_point", residual_, linear_solver).increment,
                 VectorNear(reduced, kTolerance))
