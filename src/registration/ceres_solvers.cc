@@ -1,5 +1,6 @@
 #include <ceres/ceres.h>
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 
@@ -20,9 +21,10 @@ constexpr NamedValue<ceres::LinearSolverType> kLinearSolvers[] = {
     {"sparse_normal_cholesky", ceres::SPARSE_NORMAL_CHOLESKY}};
 
 template <typename S>
-void SolveProblem(ceres::LinearSolverType type, ceres::Problem* problem, SolveReport* report) {
+void SolveProblem(ceres::LinearSolverType type, double min_relative_cost_change,
+                  ceres::Problem* problem, SolveReport* report) {
   ceres::Solver::Options options;
-  options.function_tolerance = LmTolerances<S>::kFunction;
+  options.function_tolerance = std::max(LmTolerances<S>::kFunction, min_relative_cost_change);
   options.gradient_tolerance = LmTolerances<S>::kGradient;
   options.parameter_tolerance = LmTolerances<S>::kParameter;
   options.max_num_iterations = LmTolerances<S>::kMaxIterations;
@@ -60,7 +62,7 @@ class ReducedCeresSolver final : public PairSolver<ReducedCeresSolver> {
         MakeReducedCost(std::move(pairs), options().residual, kernel).release(), nullptr,
         pose.data());
     report->build_ms = building.Milliseconds();
-    SolveProblem<S>(ceres::DENSE_QR, &problem, report);
+    SolveProblem<S>(ceres::DENSE_QR, options().min_relative_cost_change, &problem, report);
     return AsIncrement(pose);
   }
 };
@@ -102,7 +104,7 @@ class PerPointCeresSolver final : public PairSolver<PerPointCeresSolver> {
       AddBlocks(MakeBatch(std::move(pairs), functor), functor,
                 kernel.type == RobustKernelType::kNone ? nullptr : &loss, &problem, &pose);
       report->build_ms = building.Milliseconds();
-      SolveProblem<S>(linear_solver_, &problem, report);
+      SolveProblem<S>(linear_solver_, options().min_relative_cost_change, &problem, report);
       return AsIncrement(pose);
     });
   }

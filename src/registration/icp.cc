@@ -42,8 +42,7 @@ void RegisterLevel(const FrameLevel& source, const FrameLevel& target, int level
                    const Rigid3d& start, const IcpOptions& options, IcpResult* result) {
   const ResidualType residual = ResidualTypeFromName(options.residual);
   const ErrorModel error_model = ErrorModelOfLevel(options, level);
-  const std::unique_ptr<PoseSolver> solver =
-      MakePoseSolver({options.solver, options.linear_solver, residual, error_model, options.held});
+  const std::unique_ptr<PoseSolver> solver = MakePoseSolver(SolverOptions(options, error_model));
   const std::unique_ptr<Association> association =
       MakeAssociation(source, target, options.association, GatesOfLevel(options, level),
                       error_model, NormalsNeededBy(residual));

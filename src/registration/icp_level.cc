@@ -130,11 +130,13 @@ class LevelRun {
 }  // namespace
 
 PoseSolverOptions SolverOptions(const IcpOptions& options, const ErrorModel& error_model) {
+  constexpr double kShareOfRmseChange = 0.01;
   return {options.solver,
           options.linear_solver,
           ResidualTypeFromName(options.residual),
           error_model,
-          {std::min(options.held.min_eigenvalue, HeldOptions().min_eigenvalue), 0}};
+          {std::min(options.held.min_eigenvalue, HeldOptions().min_eigenvalue), 0},
+          kShareOfRmseChange * options.min_relative_rmse_change};
 }
 
 void RunLevel(const IcpLevel& level, const IcpOptions& options, IcpResult* result) {

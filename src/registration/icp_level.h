@@ -15,7 +15,8 @@ struct IcpLevel {
 };
 
 // The options of a level's solver. Directions are free for it only where the eigenvalue is nothing
-// but rounding: before convergence pairs are few, and normals differ by more than noise.
+// but rounding: before convergence pairs are few, and normals differ by more than noise. With the
+// pairs of a pose that is not yet the last, solves need not be finer than what ends a level.
 PoseSolverOptions SolverOptions(const IcpOptions& options, const ErrorModel& error_model);
 
 // Iterates from result->target_from_source until one of the terminations holds. On the finest level

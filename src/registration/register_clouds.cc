@@ -43,8 +43,7 @@ void RegisterLevel(const SearchablePoints& source, const SearchablePoints& targe
   icp.error_model.kernel.width *= std::pow(icp.kernel_growth, level);
   icp.min_coarse_step_px = 0;  // there are no pixels
   const ResidualType residual = ResidualTypeFromName(icp.residual);
-  const std::unique_ptr<PoseSolver> solver =
-      MakePoseSolver({icp.solver, icp.linear_solver, residual, icp.error_model, icp.held});
+  const std::unique_ptr<PoseSolver> solver = MakePoseSolver(SolverOptions(icp, icp.error_model));
   const KdTreeAssociation association(
       source, target,
       {icp.gates, NormalsNeededBy(residual), options.reciprocal && level == 0, 1 << 2 * level});

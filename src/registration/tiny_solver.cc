@@ -72,7 +72,9 @@ class TinyPoseSolver final : public PairSolver<TinyPoseSolver> {
     solver.options.gradient_tolerance = LmTolerances<S>::kGradient;
     solver.options.parameter_tolerance = LmTolerances<S>::kParameter;
     // Absolute tolerances, unlike those of ceres::Solver.
-    solver.options.function_tolerance = LmTolerances<S>::kFunction * before.system.cost;
+    solver.options.function_tolerance =
+        std::max(LmTolerances<S>::kFunction, options().min_relative_cost_change) *
+        before.system.cost;
     solver.options.cost_threshold = 0;
     report->costs.clear();
     Vector6d x = Vector6d::Zero();

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "core/named_values.h"
+#include "registration/icp_level.h"
 #include "surfit/registration/icp.h"
 #include "surfit/registration/pose_solver.h"
 
@@ -44,8 +45,7 @@ void AssociationGates::Validate() const {
 void IcpOptions::Validate() const {
   RequireName("linear_solver", linear_solver, LinearSolverNames());
   RequireName("association", association, AssociationNames());
-  MakePoseSolver({solver, linear_solver, ResidualTypeFromName(residual), error_model,
-                  held});  // throws where it is impossible
+  MakePoseSolver(SolverOptions(*this, error_model));  // throws where it is impossible
   Require(max_iterations >= 1 && max_iterations <= 1000, "max_iterations", max_iterations,
           "from 1 to 1000");
   gates.Validate();

@@ -18,6 +18,9 @@ struct PoseSolverOptions {
   ResidualType residual = ResidualType::kPointToPlane;
   ErrorModel error_model;
   HeldOptions held;
+  // Iterative solvers end where a step changes the cost by less than this share of it; 0 = by less
+  // than the pairs' precision can tell.
+  double min_relative_cost_change = 0;
 };
 
 // What a solve took, and what it went through.
