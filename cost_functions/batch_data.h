@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "surfit/core/parallel.h"
+#include "surfit/core/raw_vector.h"
 
 namespace surfit {
 
@@ -13,7 +14,7 @@ namespace surfit {
 template <typename Functor, typename S>
 class BatchData {
  public:
-  using Arrays = std::array<std::vector<S>, Functor::kDataSize>;
+  using Arrays = std::array<RawVector<S>, Functor::kDataSize>;
 
   BatchData() = default;
   // All arrays must have the same size.

@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 #include <utility>
-#include <vector>
 
 #include "cost_functions/batch_data.h"
 #include "cost_functions/plane_to_plane.h"
@@ -19,7 +18,7 @@ namespace surfit {
 // already: the pose to solve for starts at the identity, and what it becomes is the left increment.
 
 template <typename S>
-std::vector<S> InverseSigmas(std::vector<S> information) {
+RawVector<S> InverseSigmas(RawVector<S> information) {
   ParallelFor(0, static_cast<int>(information.size()), 4096, [&](int begin, int end) {
     for (int i = begin; i < end; ++i) information[i] = std::sqrt(information[i]);
   });
@@ -54,9 +53,9 @@ BatchData<SymmetricPointToPlane, S> MakeBatch(Pairs<S> pairs, const SymmetricPoi
 template <typename S>
 BatchData<PlaneToPlane, S> MakeBatch(Pairs<S> pairs, const PlaneToPlane&) {
   constexpr int kEntries = 6;
-  std::array<std::vector<S>, kEntries> whitening;
+  std::array<RawVector<S>, kEntries> whitening;
   for (auto& array : whitening) array.resize(pairs.size);
-  const std::vector<S> inverse_sigma = InverseSigmas(std::move(pairs.information));
+  const RawVector<S> inverse_sigma = InverseSigmas(std::move(pairs.information));
   ParallelFor(0, pairs.size, 4096, [&](int begin, int end) {
     for (int i = begin; i < end; ++i) {
       S u[kEntries];

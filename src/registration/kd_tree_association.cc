@@ -69,8 +69,8 @@ class KdTreeAssociation::Finder final : public PairFinder {
     source_normal_ = gated || options_.needed_normals == NeededNormals::kBoth;
   }
 
-  void Find(int block, PairBuffer* pairs) const override {
-    pairs->size = 0;
+  int Find(int block, int first, PairBuffer* pairs) const override {
+    int next = first;
     const int begin = block * kPointsPerBlock;
     const int end = std::min(begin + kPointsPerBlock, static_cast<int>(last_matches_.size()));
     std::uint32_t neighbor = KdTree::kNone;  // the match of the source point before
@@ -88,8 +88,9 @@ class KdTreeAssociation::Finder final : public PairFinder {
       const Eigen::Vector3f m = rotation_ * source_.normals[rank];
       if ((target_normal_ && n.isZero(0.f)) || m.dot(n) < min_cosine_) continue;
       if (options_.reciprocal && !IsReciprocal(rank, match)) continue;
-      pairs->Append(p, target_.tree.Point(match), n, m, source_.information[rank]);
+      pairs->Set(next++, p, target_.tree.Point(match), n, m, source_.information[rank]);
     }
+    return next - first;
   }
 
  private:

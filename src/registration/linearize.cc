@@ -16,7 +16,7 @@ namespace {
 // Lanes beyond the first `count` repeat the last pair, without information.
 template <typename V, typename S>
 void LoadPairs(const Pairs<S>& pairs, int first, int count, PairValues<V>* values) {
-  const auto load = [&](const std::vector<S>& x, const std::vector<S>& y, const std::vector<S>& z,
+  const auto load = [&](const RawVector<S>& x, const RawVector<S>& y, const RawVector<S>& z,
                         V* to) {
     to[0] = V::LoadUpTo(x.data() + first, count);
     to[1] = V::LoadUpTo(y.data() + first, count);
@@ -176,7 +176,7 @@ NormalSystem Linearize(const Association& association, const Rigid3d& target_fro
     pairs.SetCapacity(association.block_capacity());
     NormalSystem system;
     for (int block = begin; block < end; ++block) {
-      finder->Find(block, &pairs);
+      pairs.size = finder->Find(block, 0, &pairs);
       system += sum(pairs, 0, pairs.size, kernel);
     }
     return system;

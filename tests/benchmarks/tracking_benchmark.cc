@@ -64,8 +64,9 @@ void FindPairs(const Association& association, benchmark::State& state) {
     ParallelFor(0, association.block_count(), 8, [&](int begin, int end) {
       PairBuffer pairs;
       pairs.SetCapacity(association.block_capacity());
-      for (int block = begin; block < end; ++block) finder->Find(block, &pairs);
-      benchmark::DoNotOptimize(pairs.size);
+      for (int block = begin; block < end; ++block) {
+        benchmark::DoNotOptimize(finder->Find(block, 0, &pairs));
+      }
     });
   }
 }

@@ -20,9 +20,10 @@ struct AssociationGates {
 class PairFinder {
  public:
   virtual ~PairFinder() = default;
-  // Replaces `pairs`, which must have room for them, by those of a block of source points. Blocks
-  // may be asked for at the same time.
-  virtual void Find(int block, PairBuffer* pairs) const = 0;
+  // Writes the pairs of a block of source points from an index on, and returns how many there are;
+  // for the association's block_capacity() pairs there must be room, whose rest is unspecified
+  // afterwards. The size of `pairs` stays. Blocks may be asked for at the same time.
+  virtual int Find(int block, int first, PairBuffer* pairs) const = 0;
 };
 
 // Decides which source point belongs to which target point. Source points come in blocks of a
@@ -32,7 +33,7 @@ class Association {
   virtual ~Association() = default;
   virtual int source_count() const = 0;    // valid source points
   virtual int block_count() const = 0;     // of source points
-  virtual int block_capacity() const = 0;  // the most pairs of a block
+  virtual int block_capacity() const = 0;  // room for the pairs of a block
   virtual std::unique_ptr<const PairFinder> At(const Rigid3d& target_from_source) const = 0;
 
   // The pairs of all blocks, in their order.

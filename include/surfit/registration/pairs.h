@@ -2,8 +2,8 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <vector>
 
+#include "surfit/core/raw_vector.h"
 #include "surfit/geometry/rigid3.h"
 
 namespace surfit {
@@ -14,15 +14,15 @@ template <typename S>
 struct Pairs {
   using Vector3 = Eigen::Matrix<S, 3, 1>;
 
-  std::vector<S> px, py, pz;   // source point, moved: p' = R p + t
-  std::vector<S> qx, qy, qz;   // target point
-  std::vector<S> nx, ny, nz;   // unit normal of the target; (0, 0, 0) if unknown
-  std::vector<S> mx, my, mz;   // unit normal of the source, rotated; (0, 0, 0) if unknown
-  std::vector<S> information;  // 1 / sigma^2 of the residual, 1/m^2 (ErrorModel)
+  RawVector<S> px, py, pz;   // source point, moved: p' = R p + t
+  RawVector<S> qx, qy, qz;   // target point
+  RawVector<S> nx, ny, nz;   // unit normal of the target; (0, 0, 0) if unknown
+  RawVector<S> mx, my, mz;   // unit normal of the source, rotated; (0, 0, 0) if unknown
+  RawVector<S> information;  // 1 / sigma^2 of the residual, 1/m^2 (ErrorModel)
   int size = 0;
 
   static constexpr int kArrays = 13;
-  std::array<std::vector<S>*, kArrays> Arrays() {
+  std::array<RawVector<S>*, kArrays> Arrays() {
     return {&px, &py, &pz, &qx, &qy, &qz, &nx, &ny, &nz, &mx, &my, &mz, &information};
   }
 
@@ -30,21 +30,20 @@ struct Pairs {
   void SetCapacity(int capacity) {
     for (auto* array : Arrays()) array->resize(capacity);
   }
-  // Writes a pair at index size and counts it; there must be room.
-  void Append(const Vector3& p, const Vector3& q, const Vector3& n, const Vector3& m,
-              S pair_information) {
-    const int i = size++;
+  // Writes a pair at an index for which there is room; size stays.
+  void Set(int i, const Vector3& p, const Vector3& q, const Vector3& n, const Vector3& m,
+           S pair_information) {
     px[i] = p.x(), py[i] = p.y(), pz[i] = p.z();
     qx[i] = q.x(), qy[i] = q.y(), qz[i] = q.z();
     nx[i] = n.x(), ny[i] = n.y(), nz[i] = n.z();
     mx[i] = m.x(), my[i] = m.y(), mz[i] = m.z();
     information[i] = pair_information;
   }
-  // The same, making room where needed.
+  // Appends a pair, making room where needed.
   void Add(const Vector3& p, const Vector3& q, const Vector3& n, const Vector3& m,
            S pair_information) {
     if (size == static_cast<int>(px.size())) SetCapacity(2 * size + 16);
-    Append(p, q, n, m, pair_information);
+    Set(size++, p, q, n, m, pair_information);
   }
 
   Vector3 p(int i) const { return {px[i], py[i], pz[i]}; }

@@ -21,7 +21,7 @@ class ProjectiveAssociation final : public Association {
 
   int source_count() const override { return source_count_; }
   int block_count() const override { return source_.vertex.height(); }
-  int block_capacity() const override { return source_.vertex.width(); }
+  int block_capacity() const override;
   std::unique_ptr<const PairFinder> At(const Rigid3d& target_from_source) const override;
 
  private:
