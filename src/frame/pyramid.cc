@@ -18,12 +18,12 @@ struct Block {
   V pixel[4];
 };
 
-// The blocks from column 2 u on of two rows of an image, as far as `count` lanes.
+// The blocks of row v of blocks from block u on, `count` of them or as many as there are lanes.
 template <typename V>
 Block<V> LoadBlocks(const Image<float>& image, int u, int v, int count) {
   Block<V> block;
   for (int i = 0; i < 2; ++i) {
-    const float* const row = image.row(2 * v + i) + 2 * u;
+    const float* const row = &image(2 * u, 2 * v + i);
     const V low = V::LoadUpTo(row, 2 * count);
     const V high =
         2 * count > V::kCount ? V::LoadUpTo(row + V::kCount, 2 * count - V::kCount) : V(0.);

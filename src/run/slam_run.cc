@@ -65,7 +65,6 @@ class SlamRun {
       : options_(options),
         start_(Clock::now()),
         last_completion_(start_),
-        trace_(options.trace.empty() ? nullptr : std::make_unique<TraceRecorder>(options.trace)),
         source_(ReadAhead(OpenSequence(options.sequence), options.queue_capacity)),
         info_(source_->info()) {
     if (options.poses == "groundtruth" && info_.ground_truth.empty()) {
@@ -73,6 +72,7 @@ class SlamRun {
           Concat("poses is 'groundtruth', but ", options.sequence.path, " has no ground truth"));
     }
     PrepareOutputFolder(options.output, RunFileNames());
+    if (!options.trace.empty()) trace_ = std::make_unique<TraceRecorder>(options.trace);
     files_ = std::make_unique<RunFiles>(options.output, info_.mirrored);
   }
 
@@ -230,7 +230,7 @@ class SlamRun {
   const SlamRunOptions& options_;
   const Clock::time_point start_;
   Clock::time_point last_completion_;
-  std::unique_ptr<TraceRecorder> trace_;  // outlives the source's thread
+  std::unique_ptr<TraceRecorder> trace_;  // outlives the source, which decodes on another thread
   std::unique_ptr<FrameSource> source_;
   const SequenceInfo& info_;
   std::unique_ptr<RunFiles> files_;

@@ -57,6 +57,7 @@ TEST(Trace, SlicesOfManyThreadsAreWhole) {
   {
     const TraceRecorder recorder(path);
     std::vector<std::thread> threads;
+    threads.reserve(4);
     for (int i = 0; i < 4; ++i) {
       threads.emplace_back([] {
         for (int frame = 0; frame < 100; ++frame) const TraceSlice slice("slice", frame);

@@ -143,7 +143,7 @@ TEST_F(SlamTool, GivesTheSameDigestWithBaseInstructionsAlone) {
 }
 
 TEST_F(SlamTool, TracesEveryStageOfEveryFrame) {
-  const std::string trace = own_.path() + "/trace.json";
+  const std::string trace = Output() + "/trace.json";
   const ProgramResult result = Slam(Room(), Output(), {"--trace=" + trace, "--threads=2"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const std::vector<Slice> slices = ReadSlices(trace);

@@ -47,7 +47,7 @@ struct LaneMask {
   LaneMask operator&(const LaneMask& other) const { return {v & other.v}; }
 
   template <typename B, typename = std::enable_if_t<std::is_same_v<B, bool>>>
-  operator B() const {
+  operator B() const {  // NOLINT(google-explicit-constructor): if () asks for it
     static_assert(
         kNever<B>,
         "surfit: a functor for batches must be free of branches on its numbers, as it runs "
@@ -64,6 +64,7 @@ struct LaneMask {
 //   UpTo(count): zeros beyond the first `count` values.
 //   Select(condition, a, b): condition ? a : b, lane by lane.
 //   Evens(a, b), Odds(a, b): every other one of the values of a and then b.
+// NOLINTBEGIN(bugprone-macro-parentheses): TARGET is an attribute, or nothing
 #define SURFIT_DEFINE_LANES(INSTRUCTIONS, TARGET)                                             \
   template <typename S>                                                                       \
   struct Lanes<S, INSTRUCTIONS> {                                                             \
@@ -153,6 +154,7 @@ struct LaneMask {
                                                                                               \
     Vector v;                                                                                 \
   };
+// NOLINTEND(bugprone-macro-parentheses)
 
 SURFIT_DEFINE_LANES(BaseInstructions, )
 #if SURFIT_HAS_AVX2
