@@ -1,0 +1,169 @@
+#include "surfit/run/revisits.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "run/posed_view.h"
+#include "surfit/core/error.h"
+#include "surfit/geometry/mirror.h"
+#include "surfit/io/tum_trajectory.h"
+#include "surfit/registration/projective_association.h"
+
+namespace surfit {
+namespace {
+
+struct PosedFrame {
+  int index;
+  Rigid3d true_pose, estimated_pose;  // world_from_camera
+};
+
+struct RelativePoses {
+  int source, target;        // frame indices
+  Rigid3d truth, estimated;  // target_from_source
+};
+
+double Degrees(const Rigid3d& motion) { return RotationAngle(motion.rotation) * 180 / M_PI; }
+
+Trajectory ReadEstimate(const std::string& path, bool mirrored) {
+  Trajectory trajectory = ReadTumTrajectory(path);
+  if (mirrored) {
+    for (StampedPose& pose : trajectory) pose.world_from_camera = Mirrored(pose.world_from_camera);
+  }
+  return trajectory;
+}
+
+std::vector<PosedFrame> ReadPosedFrames(const RevisitOptions& options, int* without_pose) {
+  const std::unique_ptr<FrameSource> source = OpenSequence(options.sequence);
+  const SequenceInfo& info = source->info();
+  if (info.ground_truth.empty()) {
+    throw InputError(Concat(options.sequence.path, ": there is no ground truth to compare with"));
+  }
+  const Trajectory estimate = ReadEstimate(options.estimate, info.mirrored);
+  std::vector<PosedFrame> frames;
+  while (const std::optional<ReadResult> result = source->Next()) {
+    const auto truth = InterpolatePose(info.ground_truth, result->stamp_s);
+    const auto estimated = InterpolatePose(estimate, result->stamp_s);
+    if (result->frame && truth && estimated) {
+      frames.push_back({result->index, *truth, *estimated});
+    } else {
+      ++*without_pose;
+    }
+  }
+  return frames;
+}
+
+std::vector<RelativePoses> FindRevisits(const std::vector<PosedFrame>& frames,
+                                        const RevisitOptions& options) {
+  std::vector<RelativePoses> revisits;
+  for (const PosedFrame& target : frames) {
+    for (const PosedFrame& source : frames) {
+      if (source.index - target.index < options.min_gap) continue;
+      const Rigid3d truth = target.true_pose.Inverse() * source.true_pose;
+      if (truth.translation.norm() > options.max_distance_m) continue;
+      if (RotationAngle(truth.rotation) > options.max_angle_rad) continue;
+      revisits.push_back({source.index, target.index, truth,
+                          target.estimated_pose.Inverse() * source.estimated_pose});
+    }
+  }
+  return revisits;
+}
+
+// What one trajectory says of a pair.
+struct PairErrors {
+  double surface_m, icp_translation_m, icp_rotation_deg;
+};
+
+// The errors of one trajectory so far.
+struct Errors {
+  std::vector<double> surface_m, icp_translation_m, icp_rotation_deg;
+
+  void Add(const PairErrors& errors) {
+    surface_m.push_back(errors.surface_m);
+    icp_translation_m.push_back(errors.icp_translation_m);
+    icp_rotation_deg.push_back(errors.icp_rotation_deg);
+  }
+  RevisitAgreement Summary() const {
+    return {Summarize(surface_m), Summarize(icp_translation_m), Summarize(icp_rotation_deg)};
+  }
+};
+
+IcpOptions ThoroughIcp() {
+  IcpOptions options;
+  options.max_iterations = 50;
+  options.min_relative_rmse_change = 1e-5;
+  return options;
+}
+
+// Nothing if there is no pair of points within the default gates.
+std::optional<double> MedianSurfaceDistance(const FrameLevel& source, const FrameLevel& target,
+                                            const Rigid3d& target_from_source) {
+  const ProjectiveAssociation association(source, target, AssociationGates(), ErrorModel());
+  const PairBuffer pairs = association.Collect(target_from_source);
+  std::vector<double> distances;
+  for (int i = 0; i < pairs.size; ++i) {
+    distances.push_back(std::abs(pairs.n(i).dot(pairs.p(i) - pairs.q(i))));
+  }
+  if (distances.empty()) return std::nullopt;
+  return Summarize(std::move(distances)).median;
+}
+
+// Nothing if the views cannot be registered from the pose.
+std::optional<PairErrors> Measure(const FramePyramid& source, const FramePyramid& target,
+                                  const Rigid3d& target_from_source) {
+  const auto surface_m =
+      MedianSurfaceDistance(source.levels.front(), target.levels.front(), target_from_source);
+  const IcpResult icp = Register(source, target, target_from_source, ThoroughIcp());
+  if (!surface_m || !icp.Succeeded()) return std::nullopt;
+  const Rigid3d off = target_from_source.Inverse() * icp.target_from_source;
+  return PairErrors{*surface_m, off.translation.norm(), Degrees(off)};
+}
+
+}  // namespace
+
+void RevisitOptions::Validate() const {
+  sequence.Validate();
+  if (min_gap < 1) throw InputError(Concat("min_gap is ", min_gap, ", must be at least 1"));
+  if (!(max_distance_m > 0)) {
+    throw InputError(Concat("max_distance_m is ", max_distance_m, ", must be positive"));
+  }
+  if (!(max_angle_rad > 0)) {
+    throw InputError(Concat("max_angle_rad is ", max_angle_rad, ", must be positive"));
+  }
+  preprocess.Validate();
+}
+
+RevisitReport CompareAtRevisits(const RevisitOptions& options,
+                                const std::function<void(int, int)>& progress) {
+  options.Validate();
+  RevisitReport report;
+  const std::vector<RelativePoses> revisits =
+      FindRevisits(ReadPosedFrames(options, &report.without_pose), options);
+  report.pairs = static_cast<int>(revisits.size());
+  Errors of_truth, of_estimate;
+  int done = 0;
+  for (const RelativePoses& pair : revisits) {
+    const auto view = [&](int index) {
+      return ReadPosedView(options.sequence, index, options.preprocess).view.pyramid;
+    };
+    const FramePyramid source = view(pair.source), target = view(pair.target);
+    const std::optional<PairErrors> truth = Measure(source, target, pair.truth);
+    const std::optional<PairErrors> estimated = Measure(source, target, pair.estimated);
+    if (truth && estimated) {
+      of_truth.Add(*truth);
+      of_estimate.Add(*estimated);
+    } else {
+      ++report.unregistered;
+    }
+    progress(++done, report.pairs);
+  }
+  if (report.unregistered == report.pairs) return report;
+  report.ground_truth = of_truth.Summary();
+  report.estimate = of_estimate.Summary();
+  return report;
+}
+
+}  // namespace surfit
