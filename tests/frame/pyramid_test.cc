@@ -77,7 +77,8 @@ TEST(HalfResolution, KeepsTheNearSideOfADepthEdge) {
   EXPECT_THAT(coarse.normal(1, 0), VectorNear(normal, 1e-6f));
 }
 
-// A rough surface with steps and holes, and unit normals of all directions, some missing.
+// A rough surface with steps about as high as a depth edge and holes, and unit normals of all
+// directions, some missing.
 FrameLevel RoughLevel(int width, int height) {
   FrameLevel level;
   level.camera = testing::SmallCamera();
@@ -86,11 +87,12 @@ FrameLevel RoughLevel(int width, int height) {
   std::mt19937_64 rng(7);
   std::normal_distribution<float> noise(0, 1);
   std::uniform_int_distribution<int> dice(0, 5);
+  std::uniform_real_distribution<float> step(0, 0.2f);
   Image<float> depth_m(width, height);
   level.normal = VectorImage(width, height);
   for (int v = 0; v < height; ++v) {
     for (int u = 0; u < width; ++u) {
-      const float inverse = 0.6f + 0.002f * noise(rng) + (dice(rng) == 0 ? 0.3f : 0.f);
+      const float inverse = 0.6f + 0.002f * noise(rng) + (dice(rng) < 3 ? step(rng) : 0.f);
       depth_m(u, v) = dice(rng) < 2 ? 0.f : 1.f / inverse;
       const Eigen::Vector3f n(noise(rng), noise(rng), noise(rng));
       if (dice(rng) > 0) level.normal.Set(u, v, n.normalized());
@@ -103,6 +105,7 @@ FrameLevel RoughLevel(int width, int height) {
 struct BlockMean {
   double depth_m = 0;
   Eigen::Vector3d normal_sum = Eigen::Vector3d::Zero();
+  bool close = false;  // to a depth edge: too close to tell in single precision
 };
 
 // The mean of a block from the definition, in double precision.
@@ -121,7 +124,7 @@ BlockMean MeanOfBlock(const FrameLevel& fine, int u, int v, const PreprocessOpti
   int count = 0;
   BlockMean mean;
   for (const auto& [inverse, normal] : pixels) {
-    EXPECT_GT(std::abs(nearest - inverse - edge), 1e-5) << "too close to tell in single precision";
+    mean.close |= std::abs(nearest - inverse - edge) < 1e-5;
     if (inverse < nearest - edge) continue;
     sum += inverse;
     mean.normal_sum += normal;
@@ -141,6 +144,7 @@ TEST(HalfResolution, AgreesWithItsDefinitionInDoublePrecisionAtAnyWidth) {
     for (int v = 0; v < 11; ++v) {
       for (int u = 0; u < width / 2; ++u) {
         const BlockMean mean = MeanOfBlock(fine, u, v, options);
+        if (mean.close) continue;
         ASSERT_NEAR(coarse.vertex.z(u, v), mean.depth_m, kMeanTolerance * mean.depth_m);
         const double norm = mean.normal_sum.norm();
         const Eigen::Vector3d normal = norm > 0 ? mean.normal_sum / norm : mean.normal_sum;
