@@ -3,10 +3,10 @@
 #include <gflags/gflags.h>
 
 #include <atomic>
-#include <csignal>
 #include <cstdio>
 #include <optional>
 
+#include "common/interruption.h"
 #include "common/lists.h"
 #include "common/progress_line.h"
 #include "common/sequence_flags.h"
@@ -61,10 +61,6 @@ DEFINE_double(max_translation_error_m, kRun.max_translation_error_m,
 
 namespace surfit::tools {
 namespace {
-
-std::atomic<bool> interrupted{false};
-
-void OnSignal(int) { interrupted = true; }
 
 CompareOptions OptionsFromFlags() {
   CompareOptions options;
@@ -152,8 +148,7 @@ void PrintSlamTable(const std::vector<SlamComparisonRow>& rows) {
 
 int Run() {
   const CompareOptions options = OptionsFromFlags();
-  std::signal(SIGINT, OnSignal);
-  std::signal(SIGTERM, OnSignal);
+  const std::atomic<bool>& interrupted = CatchInterruptions();
   const Comparison comparison = CompareSolvers(options, interrupted, ShowProgress);
   if (interrupted) std::fputc('\n', stderr);  // ends the line of progress
   if (!comparison.rows.empty()) PrintTable(comparison.rows);

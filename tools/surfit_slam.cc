@@ -2,10 +2,9 @@
 
 #include <gflags/gflags.h>
 
-#include <atomic>
-#include <csignal>
 #include <cstdio>
 
+#include "common/interruption.h"
 #include "common/progress_line.h"
 #include "common/sequence_flags.h"
 #include "common/slam_flags.h"
@@ -60,10 +59,6 @@ DEFINE_int32(max_dormant_frames, kRun.slam.fusion.max_dormant_frames,
 
 namespace surfit::tools {
 namespace {
-
-std::atomic<bool> interrupted{false};
-
-void OnSignal(int) { interrupted = true; }
 
 SlamRunOptions OptionsFromFlags() {
   SlamRunOptions options;
@@ -142,9 +137,7 @@ void PrintStages(const SlamRunSummary& s) {
 
 int Run() {
   const SlamRunOptions options = OptionsFromFlags();
-  std::signal(SIGINT, OnSignal);
-  std::signal(SIGTERM, OnSignal);
-  const SlamRunSummary summary = RunSlam(options, interrupted, ShowProgress);
+  const SlamRunSummary summary = RunSlam(options, CatchInterruptions(), ShowProgress);
   if (summary.interrupted) std::fputc('\n', stderr);  // ends the line of progress
   PrintSummary(summary, options.output);
   PrintStages(summary);
