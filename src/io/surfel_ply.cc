@@ -11,8 +11,9 @@ void WriteSurfelPly(const SurfelMap& map, const std::string& path) {
       {"ny", kFloat},     {"nz", kFloat},     {"red", kByte},         {"green", kByte},
       {"blue", kByte},    {"radius", kFloat}, {"confidence", kFloat}, {"first_seen", kInt},
       {"last_seen", kInt}};
-  WritePlyVertices(path, map.size(), properties, [&](std::size_t i, PlyRow* row) {
-    const Surfel s = map[i];
+  const std::vector<std::int32_t> ids = map.Ids();
+  WritePlyVertices(path, ids.size(), properties, [&](std::size_t i, PlyRow* row) {
+    const Surfel s = map[ids[i]];
     for (const float value : s.position_in_world) row->Put(value);
     for (const float value : s.normal_in_world) row->Put(value);
     for (const std::uint8_t value : {s.color.r, s.color.g, s.color.b}) row->Put(value);

@@ -1,14 +1,22 @@
 #include "mapping/band_canvas.h"
 
+#include <glog/logging.h>
+
 #include <algorithm>
+#include <cmath>
 #include <limits>
+
+#include "mapping/bands.h"
+#include "surfit/core/lanes.h"
 
 namespace surfit {
 namespace {
 
-constexpr std::int32_t kNone = -1;
+constexpr float kNone = -1;
 constexpr float kClosed = std::numeric_limits<float>::infinity();
-constexpr float kOutside = 2;  // more than the offset2 of any pixel on a disc
+constexpr float kOutside = 2;               // more than the offset2 of any pixel on a disc
+constexpr std::size_t kDiscsAhead = 8;      // asked for so long before, to be in the cache by then
+constexpr std::size_t kMaxDiscs = 1 << 24;  // whose ids a float holds
 
 // Inverse depth of the back of a surface that starts at an inverse depth rho: behind it by the
 // thickness of surfaces and 4 sigma of the depth 1 / rho, sigma = inverse_depth_sigma / rho^2.
@@ -24,8 +32,8 @@ BandCanvas::BandCanvas(int band, const PosedCamera& camera, const RenderOptions&
       v_end_(std::min(camera.height, v_begin_ + kBandRows)),
       camera_(camera),
       options_(options) {
-  // Four pixels are read and written back at once, also where a row ends.
-  const std::size_t size = static_cast<std::size_t>(v_end_ - v_begin_) * camera.width + 3;
+  // Where a row ends, up to three more pixels are read and written back.
+  const std::size_t size = static_cast<std::size_t>(v_end_ - v_begin_ + 1) * camera.width + 3;
   first_.assign(size, 0.f);
   back_.assign(size, 0.f);
   offset2_.assign(size, kOutside);
@@ -33,45 +41,58 @@ BandCanvas::BandCanvas(int band, const PosedCamera& camera, const RenderOptions&
 }
 
 void BandCanvas::Draw(const std::vector<DiscList>& lists, Layer layer) {
+  std::size_t most = discs_.size();
+  for (const DiscList& list : lists) most += list[layer].bands.In(band_).size();
+  CHECK_LT(most, kMaxDiscs);
+  discs_.reserve(most);
+  WithInstructions([&](auto instructions) { DrawWith<decltype(instructions)>(lists, layer); });
+}
+
+template <typename Instructions>
+void BandCanvas::DrawWith(const std::vector<DiscList>& lists, Layer layer) {
   const std::size_t begin = discs_.size();
   for (const DiscList& list : lists) {
-    for (const Disc& disc : list.In(layer, band_)) {
-      if (FindFirst(disc)) discs_.push_back(&disc);
+    const DiscLayer& in = list[layer];
+    const std::vector<int>& numbers = in.bands.In(band_);
+    for (std::size_t k = 0, end = numbers.size(); k < end; ++k) {
+      __builtin_prefetch(&in.discs[numbers[std::min(k + kDiscsAhead, end - 1)]]);
+      const Disc& disc = in.discs[numbers[k]];
+      if (FindFirst<Instructions>(disc)) discs_.push_back(&disc);
     }
   }
   FindBacks();
   for (std::size_t id = begin; id < discs_.size(); ++id) {
-    Pick(*discs_[id], static_cast<std::int32_t>(id));
+    Pick<Instructions>(*discs_[id], static_cast<float>(id));
   }
   CloseDrawnPixels();
 }
 
-// Calls f(first of the four in the arrays, DiscRow::Hits) for all pixels of a disc.
-template <typename F>
-void BandCanvas::ForEachFourPixels(const Disc& stored_disc, const F& f) const {
-  const Disc disc = stored_disc;  // in registers: what f writes cannot change it
-  const int v_begin = std::max<int>(v_begin_, disc.v_begin);
-  const int v_end = std::min<int>(v_end_, disc.v_end);
-  const int u_begin = disc.u_begin, u_end = disc.u_end;
-  for (int v = v_begin; v < v_end; ++v) {
-    const DiscRow row(disc, v);
-    const int pixel = (v - v_begin_) * camera_.width;
-    for (int u = u_begin; u < u_end; u += 4) f(pixel + u, row.At(u));
-  }
-}
-
 // Whether the disc is met by a pixel that can still be drawn.
+template <typename Instructions>
 bool BandCanvas::FindFirst(const Disc& disc) {
+  using Numbers = Lanes<float, Instructions>;
+  using Mask = typename Numbers::Mask;
   const float* back = back_.data();
   float* first = first_.data();
-  Int4 met = {};
-  ForEachFourPixels(disc, [&](int pixel, const DiscRow::Hits& hits) {
-    const Int4 open = hits.met & (hits.rho >= Load4(back + pixel));
-    const Float4 before = Load4(first + pixel);
-    Store4((open & (hits.rho > before)) ? hits.rho : before, first + pixel);
-    met |= open;
-  });
-  return Any(met);
+  const int width = camera_.width, band_begin = v_begin_;
+  const Numbers closed = kClosed;
+  bool met_any = false;
+  ForEachEightPixels<Instructions>(
+      disc, std::max<int>(v_begin_, disc.v_begin), std::min(v_end_, disc.v_end()),
+      [&](int u, int v) {
+        const float* at = back + (v - band_begin) * width + u;
+        return Numbers::Any(Numbers::LoadHalves(at, at + width) < closed);
+      },
+      [&](int u, int v, const Mask& met, const Numbers& rho, const Numbers&) {
+        const int pixel = (v - band_begin) * width + u, below = pixel + width;
+        const Mask open =
+            Numbers::Both(met, rho >= Numbers::LoadHalves(back + pixel, back + below));
+        const Numbers before = Numbers::LoadHalves(first + pixel, first + below);
+        Select(Numbers::Both(open, rho > before), rho, before)
+            .StoreHalves(first + pixel, first + below);
+        met_any |= Numbers::Any(open);
+      });
+  return met_any;
 }
 
 void BandCanvas::FindBacks() {
@@ -87,21 +108,32 @@ void BandCanvas::FindBacks() {
 }
 
 // Draws the disc where it is on the first surface, and closer to the ray than those before.
-void BandCanvas::Pick(const Disc& disc, std::int32_t id) {
+template <typename Instructions>
+void BandCanvas::Pick(const Disc& disc, float id) {
+  using Numbers = Lanes<float, Instructions>;
+  using Mask = typename Numbers::Mask;
   const float* back = back_.data();
-  float* best = offset2_.data();
-  std::int32_t* drawn = drawn_.data();
-  ForEachFourPixels(disc, [&](int pixel, const DiscRow::Hits& hits) {
-    const Float4 offset2 = hits.across2 / (hits.rho * hits.rho);
-    const Float4 before = Load4(best + pixel);
-    const Int4 better = hits.met & (hits.rho >= Load4(back + pixel)) & (offset2 < before);
-    Store4(better ? offset2 : before, best + pixel);
-    Store4(better ? AllLanes(id) : Load4(drawn + pixel), drawn + pixel);
-  });
+  float *best = offset2_.data(), *drawn = drawn_.data();
+  const int width = camera_.width, band_begin = v_begin_;
+  const Numbers own_id = id;
+  ForEachEightPixels<Instructions>(
+      disc, std::max<int>(v_begin_, disc.v_begin), std::min(v_end_, disc.v_end()),
+      [](int, int) { return true; },
+      [&](int u, int v, const Mask& met, const Numbers& rho, const Numbers& across2) {
+        const int pixel = (v - band_begin) * width + u, below = pixel + width;
+        const Mask open =
+            Numbers::Both(met, rho >= Numbers::LoadHalves(back + pixel, back + below));
+        const Numbers offset2 = across2 / (rho * rho);
+        const Numbers before = Numbers::LoadHalves(best + pixel, best + below);
+        const Mask better = Numbers::Both(open, offset2 < before);
+        Select(better, offset2, before).StoreHalves(best + pixel, best + below);
+        Select(better, own_id, Numbers::LoadHalves(drawn + pixel, drawn + below))
+            .StoreHalves(drawn + pixel, drawn + below);
+      });
 }
 
 void BandCanvas::CloseDrawnPixels() {
-  const std::int32_t* drawn = drawn_.data();
+  const float* drawn = drawn_.data();
   float* back = back_.data();
   for (std::size_t i = 0, size = back_.size(); i < size; ++i) {
     back[i] = drawn[i] == kNone ? back[i] : kClosed;
@@ -109,16 +141,43 @@ void BandCanvas::CloseDrawnPixels() {
 }
 
 void BandCanvas::WriteTo(ModelView* view) const {
-  for (int v = v_begin_; v < v_end_; ++v) {
-    const std::int32_t* drawn = &drawn_[(v - v_begin_) * camera_.width];
-    for (int u = 0; u < camera_.width; ++u) {
-      if (drawn[u] == kNone) continue;
-      const Disc& disc = *discs_[drawn[u]];
-      view->surface.vertex.Set(u, v, camera_.PointAt(u, v, 1.f / disc.Rho(u, v)));
-      view->surface.normal.Set(u, v, {disc.nx, disc.ny, disc.nz});
-      view->color(u, v) = {disc.red, disc.green, disc.blue};
-      view->surfel_index(u, v) = disc.surfel;
-    }
+  for (int v = v_begin_; v < v_end_; ++v) WriteRow(v, view);
+}
+
+// Vertices from the inverse depth rho, and normals from the discs' planes: as rho = n . r / (n . p)
+// for all rays r, n / -(n . p) is minus the inverse depths along the axes, (a, b, c).
+void BandCanvas::WriteRow(int v, ModelView* view) const {
+  const int width = camera_.width;
+  const float* drawn = &drawn_[static_cast<std::size_t>(v - v_begin_) * width];
+  const float fx = camera_.fx, fy = camera_.fy, cx = camera_.cx, cy = camera_.cy;
+  std::vector<float> rho(width), a(width), b(width), c(width);
+  for (int u = 0; u < width; ++u) {
+    view->surfel_index(u, v) = ModelView::kNoSurfel;
+    if (drawn[u] == kNone) continue;
+    const Disc& disc = *discs_[static_cast<std::size_t>(drawn[u])];
+    rho[u] = disc.Rho(static_cast<float>(u), static_cast<float>(v));
+    a[u] = fx * disc.rho_u;
+    b[u] = fy * disc.rho_v;
+    c[u] = disc.Rho(cx, cy);
+    view->surfel_index(u, v) = disc.surfel;
+  }
+  float *x = view->surface.vertex.x.row(v), *y = view->surface.vertex.y.row(v),
+        *z = view->surface.vertex.z.row(v);
+  float *nx = view->surface.normal.x.row(v), *ny = view->surface.normal.y.row(v),
+        *nz = view->surface.normal.z.row(v);
+  const float ray_y = (static_cast<float>(v) - cy) / fy;
+  for (int u = 0; u < width; ++u) {
+    const float depth = rho[u] > 0.f ? 1.f / rho[u] : 0.f;
+    x[u] = depth * ((static_cast<float>(u) - cx) / fx);
+    y[u] = depth * ray_y;
+    z[u] = depth;
+  }
+  for (int u = 0; u < width; ++u) {
+    const float length2 = a[u] * a[u] + b[u] * b[u] + c[u] * c[u];
+    const float scale = length2 > 0.f ? -1.f / std::sqrt(length2) : 0.f;
+    nx[u] = scale * a[u];
+    ny[u] = scale * b[u];
+    nz[u] = scale * c[u];
   }
 }
 

@@ -21,23 +21,27 @@ class BandCanvas {
   void WriteTo(ModelView* view) const;
 
  private:
-  template <typename F>
-  void ForEachFourPixels(const Disc& disc, const F& f) const;
+  template <typename Instructions>
+  void DrawWith(const std::vector<DiscList>& lists, Layer layer);
+  template <typename Instructions>
   bool FindFirst(const Disc& disc);
   void FindBacks();
-  void Pick(const Disc& disc, std::int32_t id);
+  template <typename Instructions>
+  void Pick(const Disc& disc, float id);
   void CloseDrawnPixels();
+  void WriteRow(int v, ModelView* view) const;
 
   const int band_, v_begin_, v_end_;
   const PosedCamera& camera_;
   const RenderOptions& options_;
   std::vector<const Disc*> discs_;  // by id: those that pixels were open for
-  // Per pixel. Depths are inverse, so that nearer ones are larger.
+  // Per pixel, and one more row, as two are read and written back at once. Depths are inverse, so
+  // that nearer ones are larger.
   std::vector<float> first_;  // where the ray meets the first disc; 0 if none
   // What may still be drawn is no farther: all at first, then the first surface, then nothing.
   std::vector<float> back_;
-  std::vector<float> offset2_;       // of the disc drawn: squared, as a share of its radius
-  std::vector<std::int32_t> drawn_;  // its id
+  std::vector<float> offset2_;  // of the disc drawn: squared, as a share of its radius
+  std::vector<float> drawn_;    // its id, a whole number
 };
 
 }  // namespace surfit

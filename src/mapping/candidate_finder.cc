@@ -1,89 +1,124 @@
 #include "mapping/candidate_finder.h"
 
-#include <glog/logging.h>
-
-#include <algorithm>
-
-#include "mapping/bands.h"
+#include "mapping/block_centres.h"
+#include "mapping/fetch_block.h"
+#include "surfit/core/lanes.h"
 
 namespace surfit {
 
-// Four surfels in the image.
-struct CandidateFinder::Seen {
-  int begin, end;    // in the map
-  Int4 inside;       // mask: those in the image
-  Int4 pixels;       // 0 for the others
-  Vector4 position;  // in the camera frame
+// A block's surfels and the pixels they project to, with what was measured there.
+struct CandidateFinder::BlockPixels {
+  BlockCentres centre;
+  BlockNormals normal;
+  alignas(32) PerSurfel<std::int32_t> pixel;
+  alignas(32) PerSurfel<float> free_depth_m;
+  alignas(32) PerSurfel<float> x, y, z, nx, ny, nz, radius_m;  // the point's
+  alignas(32) PerSurfel<float> distance2;
 };
 
-struct CandidateFinder::Found {
-  int size = 0;
-  Candidate candidates[kCapacity];
-  Offer offers[kCapacity];
-};
+namespace {
 
-// Surfels that follow each other in the map meet points all over the image. Some time passes
-// between asking for these points and looking at them, so that they are in the cache by then.
-void CandidateFinder::Find(int begin, int end, std::vector<std::uint8_t>* remove,
-                           CandidateList* list) const {
-  CHECK_LE(end - begin, kCapacity);
-  constexpr int kAhead = 32;
-  Seen seen[kAhead];
-  Found found;
-  for (int i = begin; i < end;) {
-    int count = 0;
-    for (const int stop = std::min(end, i + 4 * kAhead); i < stop; i += 4) {
-      count += Project(i, std::min(end, i + 4), &seen[count]);
-    }
-    for (int k = 0; k < count; ++k) Judge(seen[k], remove, &found);
+using BlockPixels = CandidateFinder::BlockPixels;
+
+// Returns a mask of the surfels that are in the image; only these have a pixel.
+std::uint64_t FindPixels(const SurfelBlock& block, const PosedCamera& camera, BlockPixels* found) {
+  FindCentres(block, camera, &found->centre);
+  const BlockCentres& c = found->centre;
+  const int width = camera.width;
+  const float u_limit = static_cast<float>(camera.width);
+  const float v_limit = static_cast<float>(camera.height);
+  PerSurfel<std::uint8_t> inside;
+  for (int k = 0; k < SurfelBlock::kCapacity; ++k) {
+    const float u = c.u[k] + 0.5f, v = c.v[k] + 0.5f;
+    const bool in = (c.z[k] > kMinDepth) & (u >= 0.f) & (v >= 0.f) & (u < u_limit) & (v < v_limit);
+    const int column = static_cast<int>(in ? u : 0.f), row = static_cast<int>(in ? v : 0.f);
+    found->pixel[k] = row * width + column;
+    inside[k] = in;
   }
-  list->candidates = {found.candidates, found.candidates + found.size};
-  list->offers.Assign(
-      found.offers, found.size, BandCount(camera_.height),
-      [&](int k, const auto& f) { f(found.offers[k].pixel / (camera_.width * kBandRows)); });
+  return MaskOf(inside) & MaskOfAll(block);
 }
 
-// False if none of the surfels is in the image.
-bool CandidateFinder::Project(int begin, int end, Seen* seen) const {
-  const FourCentres centres = projector_.Centres(begin, end);
-  const Float4 u = centres.u + 0.5f, v = centres.v + 0.5f;
-  const Int4 inside = centres.in_front & (u >= 0.f) & (v >= 0.f) &
-                      (u < static_cast<float>(camera_.width)) &
-                      (v < static_cast<float>(camera_.height));
-  if (!Any(inside)) return false;
-  const Int4 column = ToInt(inside ? u : Float4{}), row = ToInt(inside ? v : Float4{});
-  *seen = {begin, end, inside, row * camera_.width + column, centres.position};
-  for (int k = 0; k < 4; ++k) {
-    __builtin_prefetch(&points_[seen->pixels[k]]);
-    __builtin_prefetch(&free_depth_m_[seen->pixels[k]]);
-  }
-  return true;
+void Gather(std::uint64_t mask, const std::vector<MeasuredPoint>& points,
+            const Image<float>& free_depth_m, BlockPixels* found) {
+  ForEachBit(mask, [&](int k) {
+    const MeasuredPoint& point = points[found->pixel[k]];
+    found->x[k] = point.patch.x;
+    found->y[k] = point.patch.y;
+    found->z[k] = point.patch.z;
+    found->nx[k] = point.patch.nx;
+    found->ny[k] = point.patch.ny;
+    found->nz[k] = point.patch.nz;
+    found->radius_m[k] = point.radius_m;
+    found->free_depth_m[k] = free_depth_m[found->pixel[k]];
+  });
 }
 
-void CandidateFinder::Judge(const Seen& seen, std::vector<std::uint8_t>* remove,
-                            Found* found) const {
-  const Int4 at = seen.pixels;
-  const MeasuredPoint &a = points_[at[0]], &b = points_[at[1]], &c = points_[at[2]],
-                      &d = points_[at[3]];
-  const Float4 radius_m = {a.radius_m, b.radius_m, c.radius_m, d.radius_m};
-  const Float4 free_depth_m = {free_depth_m_[at[0]], free_depth_m_[at[1]], free_depth_m_[at[2]],
-                               free_depth_m_[at[3]]};
-  const FourPatches surfels(seen.position, projector_.Normals(seen.begin, seen.end));
-  const MergeGate::Verdict verdict = gate_.Judge({a, b, c, d}, radius_m, surfels);
-  const Int4 through = seen.inside & (seen.position.z < free_depth_m);
-  const Int4 same = seen.inside & verdict.same;
-  if (!Any(through | same)) return;
-  for (int k = 0; k < 4; ++k) {
-    const int i = seen.begin + k;
-    if (through[k]) (*remove)[i] = 1;
-    if (!same[k] || (*remove)[i]) continue;
-    found->offers[found->size] = {verdict.distance2[k], at[k], found->size};
-    Candidate& candidate = found->candidates[found->size++];
-    candidate.position = {surfels.position.x[k], surfels.position.y[k], surfels.position.z[k]};
-    candidate.normal = {surfels.normal.x[k], surfels.normal.y[k], surfels.normal.z[k]};
-    candidate.surfel = i;
-    candidate.pixel = at[k];
-    candidate.chosen_by.fill(0);
+// Returns a mask of the surfels that are seen through.
+std::uint64_t FindSeenThrough(BlockPixels* p) {
+  PerSurfel<std::uint8_t> through;
+  for (int k = 0; k < SurfelBlock::kCapacity; ++k) {
+    through[k] = p->centre.z[k] < p->free_depth_m[k];
+  }
+  return MaskOf(through);
+}
+
+// Returns a mask of the surfels that belong to the points of their pixels.
+std::uint64_t FindSame(const MergeGate& gate, BlockPixels* p) {
+  const MergeGate own_gate = gate;  // that nothing written below can change
+  PerSurfel<std::uint8_t> same;
+  const BlockCentres& c = p->centre;
+  const BlockNormals& n = p->normal;
+  for (int k = 0; k < SurfelBlock::kCapacity; ++k) {
+    const Patch point = {p->x[k], p->y[k], p->z[k], p->nx[k], p->ny[k], p->nz[k]};
+    const Patch surfel = {c.x[k], c.y[k], c.z[k], n.x[k], n.y[k], n.z[k]};
+    const float distance2 = own_gate.SquaredDistance(point, p->radius_m[k], surfel);
+    p->distance2[k] = distance2;
+    same[k] = distance2 < MergeGate::kNever;
+  }
+  return MaskOf(same);
+}
+
+}  // namespace
+
+// Asks for what was measured at the pixels of a block. Some time must pass until it is looked at.
+std::uint64_t CandidateFinder::Project(const SurfelBlock& block, BlockPixels* p) const {
+  const std::uint64_t inside =
+      WithInstructions([&](auto) { return FindPixels(block, camera_, p); });
+  ForEachBit(inside, [&](int k) {
+    __builtin_prefetch(&points_[p->pixel[k]]);
+    __builtin_prefetch(&free_depth_m_[p->pixel[k]]);
+  });
+  return inside;
+}
+
+void CandidateFinder::Judge(std::uint64_t inside, std::int32_t first_id, SurfelBlock* block,
+                            BlockPixels* p, std::vector<Candidate>* candidates) const {
+  if (inside == 0) return;
+  const std::uint64_t same = WithInstructions([&](auto) {
+    FindNormals(*block, camera_, &p->normal);
+    Gather(inside, points_, free_depth_m_, p);
+    block->to_remove |= inside & FindSeenThrough(p);
+    return inside & ~block->to_remove & FindSame(gate_, p);
+  });
+  ForEachBit(same, [&](int k) {
+    const Patch patch = {p->centre.x[k], p->centre.y[k], p->centre.z[k],
+                         p->normal.x[k], p->normal.y[k], p->normal.z[k]};
+    candidates->push_back({patch, first_id + k, p->pixel[k], p->distance2[k], {}});
+  });
+}
+
+void CandidateFinder::Find(const std::vector<std::int32_t>& blocks, SurfelMap* map,
+                           std::vector<Candidate>* candidates) const {
+  BlockPixels two[2];
+  std::uint64_t inside[2];
+  const std::size_t count = blocks.size();
+  for (std::size_t i = 0; i <= count; ++i) {
+    if (i + 1 < count) FetchShapes(map->block(blocks[i + 1]));
+    if (i < count) inside[i % 2] = Project(map->block(blocks[i]), &two[i % 2]);
+    if (i == 0) continue;
+    const std::size_t before = (i - 1) % 2;
+    Judge(inside[before], blocks[i - 1] * SurfelBlock::kCapacity, &map->block(blocks[i - 1]),
+          &two[before], candidates);
   }
 }
 

@@ -5,38 +5,41 @@
 
 #include "mapping/candidate_list.h"
 #include "mapping/measured_points.h"
-#include "mapping/merge_gate.h"
-#include "mapping/surfel_projector.h"
+#include "mapping/posed_camera.h"
+#include "mapping/view_frustum.h"
 
 namespace surfit {
 
 // Finds the surfels of a map that the points of a frame may be merged with.
 class CandidateFinder {
  public:
-  static constexpr int kCapacity = 2048;  // surfels to search at once
-
-  CandidateFinder(const SurfelMap& map, const PosedCamera& camera,
-                  const std::vector<MeasuredPoint>& points, const Image<float>& free_depth_m,
-                  const MergeGate& gate)
-      : projector_(map, camera),
-        camera_(camera),
+  CandidateFinder(const PosedCamera& camera, const std::vector<MeasuredPoint>& points,
+                  const Image<float>& free_depth_m, const MergeGate& gate)
+      : camera_(camera),
+        frustum_(camera, 0.5f),  // to the borders of the outermost pixels
         points_(points),
         free_depth_m_(free_depth_m),
         gate_(gate) {}
 
-  // Lists the candidates among the surfels [begin, end), at most kCapacity of them. None of them is
-  // to be removed; those that are seen through are marked so as well.
-  void Find(int begin, int end, std::vector<std::uint8_t>* remove, CandidateList* list) const;
+  // Surfels of these may be candidates, or seen through.
+  bool MaySee(const SurfelBounds& bounds) const {
+    return !bounds.empty() && frustum_.MaySee(bounds);
+  }
+
+  // Adds the candidates of some blocks to a list. None of them is marked for removal; those that
+  // are seen through are marked so as well.
+  void Find(const std::vector<std::int32_t>& blocks, SurfelMap* map,
+            std::vector<Candidate>* candidates) const;
+
+  struct BlockPixels;
 
  private:
-  struct Seen;
-  struct Found;
+  std::uint64_t Project(const SurfelBlock& block, BlockPixels* pixels) const;
+  void Judge(std::uint64_t inside, std::int32_t first_id, SurfelBlock* block, BlockPixels* pixels,
+             std::vector<Candidate>* candidates) const;
 
-  bool Project(int begin, int end, Seen* seen) const;
-  void Judge(const Seen& seen, std::vector<std::uint8_t>* remove, Found* found) const;
-
-  const SurfelProjector projector_;
   const PosedCamera& camera_;
+  const ViewFrustum frustum_;
   const std::vector<MeasuredPoint>& points_;
   const Image<float>& free_depth_m_;
   const MergeGate& gate_;

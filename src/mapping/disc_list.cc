@@ -1,49 +1,50 @@
 #include "mapping/disc_list.h"
 
-#include <glog/logging.h>
+#include <algorithm>
 
-#include "mapping/disc_projector.h"
+#include "mapping/bands.h"
+#include "mapping/block_discs.h"
+#include "mapping/clear_closely.h"
+#include "mapping/fetch_block.h"
+#include "surfit/core/lanes.h"
 
 namespace surfit {
-
 namespace {
 
-// Calls f(band) for the bands that a disc lies in.
-template <typename F>
-void ForEachBand(const Disc& disc, const F& f) {
-  const int last = (disc.v_end - 1) / kBandRows;
-  for (int band = disc.v_begin / kBandRows; band <= last; ++band) f(band);
+// Returns a mask of the discs that may be seen.
+std::uint64_t FindDiscs(const SurfelBlock& block, const PosedCamera& camera,
+                        const RenderOptions& options, BlockDiscs* discs) {
+  return WithInstructions([&](auto) {
+    const std::uint64_t in_image = FindPixels(block, camera, options, discs) & ~block.at_edge;
+    return in_image == 0 ? in_image : in_image & FindShapes(block, camera, options, discs);
+  });
 }
 
 }  // namespace
 
-void DiscList::Assign(const SurfelMap& map, int begin, int end, const PosedCamera& camera,
-                      const RenderOptions& options) {
-  CHECK_LE(end - begin, kCapacity);
-  band_count_ = BandCount(camera.height);
-  Disc discs[kCapacity];
-  Layer layers[kCapacity];
-  int count = 0;
-  const DiscProjector projector(map, camera, options);
-  FourDiscs four;
-  for (int i = begin; i < end; i += 4) {
-    if (!projector.Project(i, end, &four)) continue;
-    for (int k = 0; k < 4; ++k) {
-      if (!four.seen[k] || map.at_edge[i + k]) continue;
-      Disc& disc = discs[count];
-      disc = four[k];
-      disc.surfel = i + k;
-      const Rgb8 color = map.Color(i + k);
-      disc.red = color.r;
-      disc.green = color.g;
-      disc.blue = color.b;
-      const bool stable = map.confidence[i + k] >= options.stable_confidence;
-      layers[count++] = stable ? kStable : kUnstable;
-    }
+void DiscLayer::Add(const Disc& disc) {
+  const int number = static_cast<int>(discs.size()), last = (disc.v_end() - 1) / kBandRows;
+  discs.push_back(disc);
+  for (int band = disc.v_begin / kBandRows; band <= last; ++band) bands.Add(number, band);
+}
+
+void DiscList::Assign(const SurfelMap& map, const SurfelCell& cell, const PosedCamera& camera,
+                      const ViewFrustum& frustum, const RenderOptions& options) {
+  for (DiscLayer& layer : layers_) {
+    ClearClosely(cell.blocks.size() * SurfelBlock::kCapacity, &layer.discs);
+    layer.bands.Clear(BandCount(camera.height));
   }
-  discs_.Assign(discs, count, kLayerCount * band_count_, [&](int k, const auto& f) {
-    ForEachBand(discs[k], [&](int band) { f(layers[k] * band_count_ + band); });
-  });
+  BlockDiscs discs;
+  for (std::size_t i = 0; i < cell.blocks.size(); ++i) {
+    const std::int32_t b = cell.blocks[i];
+    const SurfelBlock& block = map.block(b);
+    FetchShapes(map.block(cell.blocks[std::min(i + 1, cell.blocks.size() - 1)]));
+    if (!frustum.MaySee(block.bounds)) continue;
+    ForEachBit(FindDiscs(block, camera, options, &discs), [&](int k) {
+      const Layer layer = block.confidence[k] >= options.stable_confidence ? kStable : kUnstable;
+      layers_[layer].Add(discs.Get(k, b * SurfelBlock::kCapacity + k));
+    });
+  }
 }
 
 }  // namespace surfit

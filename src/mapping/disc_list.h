@@ -1,9 +1,12 @@
 #pragma once
 
-#include "mapping/bands.h"
+#include <array>
+#include <vector>
+
 #include "mapping/bucket_list.h"
 #include "mapping/disc.h"
 #include "mapping/posed_camera.h"
+#include "mapping/view_frustum.h"
 #include "surfit/mapping/model_renderer.h"
 
 namespace surfit {
@@ -11,23 +14,25 @@ namespace surfit {
 // Unstable discs are drawn only where no stable ones are.
 enum Layer { kStable, kUnstable, kLayerCount };
 
-// The discs that a camera may see of a part of a map, sorted by layer and band, and there by
-// surfel. A disc on the border of two bands is there in both.
+// The discs of one layer, by band and there by surfel. A disc on the border of two bands is in
+// both.
+struct DiscLayer {
+  std::vector<Disc> discs;
+  BucketList bands;  // of their numbers
+
+  void Add(const Disc& disc);
+};
+
+// The discs that a camera may see of a cell of a map.
 class DiscList {
  public:
-  static constexpr int kCapacity = 2048;  // surfels
+  void Assign(const SurfelMap& map, const SurfelCell& cell, const PosedCamera& camera,
+              const ViewFrustum& frustum, const RenderOptions& options);
 
-  // Takes the discs of the surfels [begin, end), at most kCapacity of them.
-  void Assign(const SurfelMap& map, int begin, int end, const PosedCamera& camera,
-              const RenderOptions& options);
-
-  BucketList<Disc>::Span In(Layer layer, int band) const {
-    return discs_.In(layer * band_count_ + band);
-  }
+  const DiscLayer& operator[](Layer layer) const { return layers_[layer]; }
 
  private:
-  int band_count_ = 0;
-  BucketList<Disc> discs_;
+  std::array<DiscLayer, kLayerCount> layers_;
 };
 
 }  // namespace surfit

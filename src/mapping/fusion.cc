@@ -7,25 +7,25 @@
 #include <limits>
 
 #include "mapping/bands.h"
+#include "mapping/bound_positions.h"
 #include "mapping/candidate_finder.h"
+#include "mapping/clear_closely.h"
+#include "mapping/fetch_block.h"
 #include "mapping/measured_points.h"
+#include "mapping/meetings.h"
 #include "mapping/merge_gate.h"
+#include "mapping/per_surfel.h"
 #include "mapping/posed_camera.h"
 #include "mapping/surfel_choice.h"
 #include "surfit/core/error.h"
+#include "surfit/core/lanes.h"
 #include "surfit/core/parallel.h"
 
 namespace surfit {
 namespace {
 
-// So many meetings before its own the point is asked for, to be in the cache by then.
+// So many meetings before its own point and surfel are asked for, to be in the cache by then.
 constexpr int kMeetingsAhead = 16;
-
-// A surfel and the pixel of a point that chose it.
-struct Meeting {
-  std::int32_t surfel;
-  int pixel;
-};
 
 struct MergeCounts {
   int points = 0;
@@ -37,20 +37,6 @@ struct MergeCounts {
   }
 };
 
-// By surfel, and there in raster order.
-std::vector<Meeting> Meetings(const CandidateList& list, int width, int* surfels) {
-  std::vector<Meeting> meetings;
-  for (const Candidate& candidate : list.candidates) {
-    if (!candidate.chosen_by[4]) continue;  // nor did others: its own point chose another one
-    ++*surfels;
-    for (int k = 0; k < 9; ++k) {
-      const int pixel = candidate.pixel + (k / 3 - 1) * width + k % 3 - 1;
-      if (candidate.chosen_by[k]) meetings.push_back({candidate.surfel, pixel});
-    }
-  }
-  return meetings;
-}
-
 }  // namespace
 
 // The fusion of one frame; owns the buffers that are kept between frames.
@@ -59,12 +45,13 @@ struct Fusion::Workspace {
       : options(fusion_options), gate(fusion_options), choice(gate) {}
 
   void Begin(const RgbdFrame& new_frame, const FrameLevel& surface);
-  void FindCandidates(const PosedCamera& camera, const SurfelMap& map);
-  void MarkDormant(const SurfelMap& map, int begin, int end);
+  void FindCandidates(const PosedCamera& camera, SurfelMap* map);
+  bool MayBeDormant(const SurfelBounds& bounds) const;
+  void MarkDormant(SurfelBlock* block) const;
   int ChooseSurfels(const PosedCamera& camera);
   Surfel NewSurfel(const PosedCamera& camera, int pixel) const;
   MergeCounts MergePoints(const PosedCamera& camera, SurfelMap* map) const;
-  void Fetch(int pixel) const;
+  void FetchPoint(int pixel) const;
   void Merge(const PosedCamera& camera, const Meeting& meeting, SurfelMap* map) const;
 
   const FusionOptions& options;
@@ -77,9 +64,9 @@ struct Fusion::Workspace {
   double weights_cx = 0, weights_cy = 0;           // the principal point they belong to
   std::vector<MeasuredPoint> points;               // per pixel
   Image<float> free_depth_m;                       // per pixel
-  std::vector<CandidateList> candidates;           // per part of the map
+  std::vector<std::int32_t> cells;                 // of the map: those to look at
+  std::vector<CandidateList> candidates;           // per cell of these
   std::vector<std::vector<Surfel>> added_of_band;  // in raster order
-  std::vector<std::uint8_t> remove;                // per surfel
 };
 
 void FusionOptions::Validate() const {
@@ -117,7 +104,7 @@ FusionReport Fusion::Fuse(const RgbdFrame& frame, const FrameLevel& surface,
   const PosedCamera camera(surface.camera, world_from_camera);
   Workspace& work = *workspace_;
   work.Begin(frame, surface);
-  work.FindCandidates(camera, *map);
+  work.FindCandidates(camera, map);
   FusionReport report;
   report.input_points = work.ChooseSurfels(camera);
   const MergeCounts merged = work.MergePoints(camera, map);
@@ -128,7 +115,8 @@ FusionReport Fusion::Fuse(const RgbdFrame& frame, const FrameLevel& surface,
   report.merged_points = merged.points;
   report.merged = merged.surfels;
   report.added = static_cast<int>(added.size());
-  report.removed = static_cast<int>(map->Replace(work.remove, added));
+  report.removed = static_cast<int>(map->RemoveMarked());
+  map->Append(added);
   return report;
 }
 
@@ -150,24 +138,63 @@ void Fusion::Workspace::Begin(const RgbdFrame& new_frame, const FrameLevel& surf
   free_depth_m = FreeDepths(frame->depth_m, options);
 }
 
-void Fusion::Workspace::MarkDormant(const SurfelMap& map, int begin, int end) {
-  for (int i = begin; i < end; ++i) {
-    const bool dormant = map.last_seen[i] < awake_since;
-    const bool lasting = map.confidence[i] >= options.lasting_confidence;
-    remove[i] = dormant & !lasting;
-  }
+// Whether there may be dormant surfels to remove.
+bool Fusion::Workspace::MayBeDormant(const SurfelBounds& bounds) const {
+  return bounds.least_last_seen < awake_since &&
+         bounds.least_confidence < options.lasting_confidence;
+}
+
+// Marks those for removal, and looks again at what bounds the others.
+void Fusion::Workspace::MarkDormant(SurfelBlock* block) const {
+  constexpr int kCapacity = SurfelBlock::kCapacity;
+  const float lasting = options.lasting_confidence;
+  const int since = awake_since, count = block->count;
+  block->to_remove |= WithInstructions([&](auto) {
+    PerSurfel<std::uint8_t> dormant;
+    PerSurfel<float> confidence;
+    std::int32_t least_last_seen = std::numeric_limits<std::int32_t>::max();
+    for (int k = 0; k < kCapacity; ++k) {
+      confidence[k] = k < count ? block->confidence[k] : lasting;
+      const std::int32_t last_seen = k < count ? block->last_seen[k] : since;
+      dormant[k] = (last_seen < since) & (confidence[k] < lasting);
+      least_last_seen = last_seen < least_last_seen ? last_seen : least_last_seen;
+    }
+    block->bounds.least_confidence = LeastOf(confidence);
+    block->bounds.least_last_seen = least_last_seen;
+    return MaskOf(dormant);
+  });
 }
 
 // Filter passes 1 and 2: the surfels that project into the image (pass 1) and belong to the point
 // found there (pass 2). Marks what is to be removed.
-void Fusion::Workspace::FindCandidates(const PosedCamera& camera, const SurfelMap& map) {
-  constexpr int kCapacity = CandidateFinder::kCapacity;
-  const CandidateFinder finder(map, camera, points, free_depth_m, gate);
-  remove.resize(map.size());
-  candidates.resize((map.size() + kCapacity - 1) / kCapacity);
-  ParallelFor(0, static_cast<int>(map.size()), kCapacity, [&](int begin, int end) {
-    MarkDormant(map, begin, end);
-    finder.Find(begin, end, &remove, &candidates[begin / kCapacity]);
+void Fusion::Workspace::FindCandidates(const PosedCamera& camera, SurfelMap* map) {
+  const CandidateFinder finder(camera, points, free_depth_m, gate);
+  cells.clear();
+  for (std::int32_t i = 0; i < map->cell_count(); ++i) {
+    const SurfelBounds& bounds = map->cell(i).bounds;
+    if (finder.MaySee(bounds) || MayBeDormant(bounds)) cells.push_back(i);
+  }
+  candidates.resize(cells.size());
+  ParallelFor(0, static_cast<int>(cells.size()), 1, [&](int i, int) {
+    SurfelCell& cell = map->cell(cells[i]);
+    CandidateList& list = candidates[i];
+    ClearClosely(cell.blocks.size() * SurfelBlock::kCapacity, &list.candidates);
+    std::vector<std::int32_t> seen;
+    seen.reserve(cell.blocks.size());
+    for (std::size_t k = 0; k < cell.blocks.size(); ++k) {
+      const std::int32_t b = cell.blocks[k];
+      SurfelBlock& block = map->block(b);
+      FetchAges(map->block(cell.blocks[std::min(k + 2, cell.blocks.size() - 1)]));
+      if (MayBeDormant(block.bounds)) MarkDormant(&block);
+      if (finder.MaySee(block.bounds)) seen.push_back(b);
+    }
+    finder.Find(seen, map, &list.candidates);
+    cell.is_marked = std::any_of(cell.blocks.begin(), cell.blocks.end(),
+                                 [&](std::int32_t b) { return map->block(b).to_remove != 0; });
+    list.bands.Clear(BandCount(camera.height));
+    for (std::size_t k = 0; k < list.candidates.size(); ++k) {
+      list.bands.Add(static_cast<int>(k), list.candidates[k].pixel / (camera.width * kBandRows));
+    }
   });
 }
 
@@ -195,8 +222,8 @@ int Fusion::Workspace::ChooseSurfels(const PosedCamera& camera) {
 Surfel Fusion::Workspace::NewSurfel(const PosedCamera& camera, int pixel) const {
   const MeasuredPoint& point = points[pixel];
   Surfel surfel;
-  surfel.position_in_world = camera.PointInWorld(point.position);
-  surfel.normal_in_world = camera.world_rotation * point.normal;
+  surfel.position_in_world = camera.PointInWorld(point.position());
+  surfel.normal_in_world = camera.world_rotation * point.normal();
   surfel.color = frame->color.empty() ? Rgb8{128, 128, 128} : frame->color[pixel];
   surfel.radius_m = point.radius_m;
   surfel.confidence = weights[pixel];
@@ -213,15 +240,24 @@ MergeCounts Fusion::Workspace::MergePoints(const PosedCamera& camera, SurfelMap*
     const std::vector<Meeting> meetings = Meetings(candidates[list], camera.width, &counts.surfels);
     counts.points = static_cast<int>(meetings.size());
     for (int k = 0; k < counts.points; ++k) {
-      Fetch(meetings[std::min(k + kMeetingsAhead, counts.points - 1)].pixel);
+      const int soon = std::min(k + kMeetingsAhead, counts.points - 1);
+      FetchPoint(meetings[soon].pixel);
+      if (soon == 0 || meetings[soon].block() != meetings[soon - 1].block()) {
+        FetchAll(map->block(meetings[soon].block()));
+      }
       Merge(camera, meetings[k], map);
+      const bool last = k + 1 == counts.points || meetings[k + 1].block() != meetings[k].block();
+      if (last) BoundPositions(&map->block(meetings[k].block()));
     }
+    SurfelCell& cell = map->cell(cells[list]);
+    cell.bounds = {};
+    for (const std::int32_t b : cell.blocks) cell.bounds.Add(map->block(b).bounds);
     return counts;
   });
 }
 
-// Asks for what Merge() will look at.
-void Fusion::Workspace::Fetch(int pixel) const {
+// Asks for what Merge() will look at of a pixel.
+void Fusion::Workspace::FetchPoint(int pixel) const {
   __builtin_prefetch(&points[pixel]);
   __builtin_prefetch(&weights[pixel]);
   if (!frame->color.empty()) __builtin_prefetch(&frame->color[pixel]);
@@ -229,18 +265,19 @@ void Fusion::Workspace::Fetch(int pixel) const {
 
 void Fusion::Workspace::Merge(const PosedCamera& camera, const Meeting& meeting,
                               SurfelMap* map) const {
-  const std::int32_t i = meeting.surfel;
+  SurfelBlock& block = map->block(meeting.block());
+  const int k = meeting.place();
   const MeasuredPoint& point = points[meeting.pixel];
   SurfelObservation observation;
-  observation.position_in_world = camera.PointInWorld(point.position);
-  observation.normal_in_world = camera.world_rotation * point.normal;
-  observation.color = frame->color.empty() ? map->Color(i) : frame->color[meeting.pixel];
+  observation.position_in_world = camera.PointInWorld(point.position());
+  observation.normal_in_world = camera.world_rotation * point.normal();
+  observation.color = frame->color.empty() ? block.Color(k) : frame->color[meeting.pixel];
   observation.radius_m = point.radius_m;
   observation.weight = weights[meeting.pixel];
   observation.at_edge = point.at_edge;
-  const bool fine = !point.at_edge && point.radius_m < options.max_radius_ratio * map->radius_m[i];
-  map->Merge(i, observation, fine, options.max_confidence);
-  map->last_seen[i] = frame->index;
+  const bool fine = !point.at_edge && point.radius_m < options.max_radius_ratio * block.radius_m[k];
+  block.Merge(k, observation, fine, options.max_confidence);
+  block.last_seen[k] = frame->index;
 }
 
 }  // namespace surfit

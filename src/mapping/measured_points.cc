@@ -30,13 +30,13 @@ class Points {
 
   void Measure(int u, int v, MeasuredPoint* point) const {
     const float depth = depth_m_(u, v);
-    point->position = Position(u, v);
-    point->normal = surface_.normal(u, v);
-    point->at_edge = depth > 0 && point->normal.isZero(0.f);
-    if (point->at_edge) point->normal = NormalOfNeighbour(u, v, point->position);
-    const float slant =
-        std::min(1.f / std::max(std::fabs(point->normal.z()), 1e-6f), max_slant_scale_);
-    point->radius_m = point->normal.isZero(0.f) ? 0.f : pixel_size_ * depth * slant;
+    const Eigen::Vector3f position = Position(u, v);
+    Eigen::Vector3f normal = surface_.normal(u, v);
+    point->at_edge = depth > 0 && normal.isZero(0.f);
+    if (point->at_edge) normal = NormalOfNeighbour(u, v, position);
+    const float slant = std::min(1.f / std::max(std::fabs(normal.z()), 1e-6f), max_slant_scale_);
+    point->radius_m = normal.isZero(0.f) ? 0.f : pixel_size_ * depth * slant;
+    point->patch = {position.x(), position.y(), position.z(), normal.x(), normal.y(), normal.z()};
   }
 
  private:

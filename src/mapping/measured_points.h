@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "mapping/merge_gate.h"
 #include "surfit/frame/frame_pyramid.h"
 #include "surfit/frame/rgbd_frame.h"
 #include "surfit/mapping/fusion.h"
@@ -10,12 +11,14 @@ namespace surfit {
 
 // The point of a pixel, within one line of cache.
 struct alignas(32) MeasuredPoint {
-  Eigen::Vector3f position = Eigen::Vector3f::Zero();  // in the camera frame; valid if radius_m > 0
-  Eigen::Vector3f normal = Eigen::Vector3f::Zero();
+  Patch patch = {};  // in the camera frame; valid if radius_m > 0
   // sqrt(2) z / f / |n_z|, clamped at grazing angles: the disc that covers the pixel's footprint.
   // 0 where there is no point.
   float radius_m = 0;
   bool at_edge = false;  // the normal is a neighbour's
+
+  Eigen::Vector3f position() const { return {patch.x, patch.y, patch.z}; }
+  Eigen::Vector3f normal() const { return {patch.nx, patch.ny, patch.nz}; }
 };
 
 // The points of a frame, row by row. Reuses the memory of `points`.

@@ -1,47 +1,41 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 
-#include "mapping/vector4.h"
 #include "surfit/mapping/fusion.h"
 
 namespace surfit {
 
-// Positions and normals of four points or surfels.
-struct FourPatches {
-  Vector4 position, normal;
-
-  FourPatches(const Vector4& positions, const Vector4& normals)
-      : position(positions), normal(normals) {}
-  template <typename T>
-  FourPatches(const T& a, const T& b, const T& c, const T& d)
-      : position(Transposed(a.position, b.position, c.position, d.position)),
-        normal(Transposed(a.normal, b.normal, c.normal, d.normal)) {}
+// Position and normal of a point or surfel.
+struct Patch {
+  float x, y, z;
+  float nx, ny, nz;
 };
 
-// Decides whether a point and a surfel are the same piece of surface, for four pairs at once.
+// Decides whether a point and a surfel are the same piece of surface. Free of branches, so that
+// loops over pairs can do several at once.
 class MergeGate {
  public:
-  struct Verdict {
-    Int4 same;         // mask
-    Float4 distance2;  // between point and surfel, squared
-  };
+  static constexpr float kNever = std::numeric_limits<float>::infinity();
 
   explicit MergeGate(const FusionOptions& options)
       : max_distance_m_(options.max_distance_m),
         max_spacing_m_(options.max_spacing_m),
         min_cosine_(std::cos(options.max_normal_angle_rad)) {}
 
-  // Points and surfels in the same frame. A point of radius 0 is none, and never the same.
-  Verdict Judge(const FourPatches& point, Float4 point_radius_m, const FourPatches& surfel) const {
-    const Vector4 gap = point.position - surfel.position;
-    const Float4 along = Dot(surfel.normal, gap), distance2 = Dot(gap, gap);
-    const Float4 across2 = distance2 - along * along;
-    const Float4 reach = Min(point_radius_m, AllLanes(max_spacing_m_));
-    const Int4 near = (along <= max_distance_m_) & (along >= -max_distance_m_);
-    const Int4 parallel = Dot(surfel.normal, point.normal) >= min_cosine_;
-    const Int4 is_point = point_radius_m > 0.f;
-    return {is_point & near & (across2 <= reach * reach) & parallel, distance2};
+  // The squared distance between a point and a surfel, both in the same frame, if they are the
+  // same; else kNever. A point of radius 0 is none.
+  float SquaredDistance(const Patch& point, float point_radius_m, const Patch& surfel) const {
+    const float dx = point.x - surfel.x, dy = point.y - surfel.y, dz = point.z - surfel.z;
+    const float along = surfel.nx * dx + surfel.ny * dy + surfel.nz * dz;
+    const float distance2 = dx * dx + dy * dy + dz * dz;
+    const float across2 = distance2 - along * along;
+    const float reach = point_radius_m < max_spacing_m_ ? point_radius_m : max_spacing_m_;
+    const float cosine = surfel.nx * point.nx + surfel.ny * point.ny + surfel.nz * point.nz;
+    const bool near = (along <= max_distance_m_) & (along >= -max_distance_m_);
+    const bool above = (point_radius_m > 0.f) & (across2 <= reach * reach);
+    return near & above & (cosine >= min_cosine_) ? distance2 : kNever;
   }
 
  private:

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "mapping/band_canvas.h"
+#include "mapping/bands.h"
 #include "mapping/disc_list.h"
 #include "surfit/core/error.h"
 #include "surfit/core/parallel.h"
@@ -13,14 +14,14 @@
 namespace surfit {
 namespace {
 
-ModelView EmptyView(const PinholeCamera& camera, const Rigid3d& world_from_view) {
+// Whose pixels are all still to be written.
+ModelView BlankView(const PinholeCamera& camera, const Rigid3d& world_from_view) {
   ModelView view;
   view.world_from_view = world_from_view;
   view.surface.camera = camera;
-  view.surface.vertex = VectorImage(camera.width, camera.height);
-  view.surface.normal = VectorImage(camera.width, camera.height);
-  view.color = Image<Rgb8>(camera.width, camera.height);
-  view.surfel_index = Image<std::int32_t>(camera.width, camera.height, ModelView::kNoSurfel);
+  view.surface.vertex.Resize(camera.width, camera.height);
+  view.surface.normal.Resize(camera.width, camera.height);
+  view.surfel_index.Resize(camera.width, camera.height);
   return view;
 }
 
@@ -49,13 +50,14 @@ ModelView ModelRenderer::Render(const SurfelMap& map, const PinholeCamera& camer
                                 const Rigid3d& world_from_view) {
   CHECK_LE(std::max(camera.width, camera.height), std::numeric_limits<std::int16_t>::max());
   const PosedCamera posed(camera, world_from_view);
-  const int size = static_cast<int>(map.size());
-  lists_.resize((map.size() + DiscList::kCapacity - 1) / DiscList::kCapacity);
-  ParallelFor(0, size, DiscList::kCapacity, [&](int begin, int end) {
-    lists_[begin / DiscList::kCapacity].Assign(map, begin, end, posed, options_);
+  const ViewFrustum frustum(posed, static_cast<float>(options_.max_half_window_px));
+  const std::vector<std::int32_t> cells = VisibleCells(map, frustum);
+  lists_.resize(cells.size());
+  ParallelFor(0, static_cast<int>(cells.size()), 1, [&](int i, int) {
+    lists_[i].Assign(map, map.cell(cells[i]), posed, frustum, options_);
   });
 
-  ModelView view = EmptyView(camera, world_from_view);
+  ModelView view = BlankView(camera, world_from_view);
   ParallelFor(0, BandCount(camera.height), 1, [&](int band, int) {
     BandCanvas canvas(band, posed, options_);
     canvas.Draw(lists_, kStable);
@@ -63,6 +65,14 @@ ModelView ModelRenderer::Render(const SurfelMap& map, const PinholeCamera& camer
     canvas.WriteTo(&view);
   });
   return view;
+}
+
+Image<Rgb8> ColorsOf(const ModelView& view, const SurfelMap& map) {
+  Image<Rgb8> colors(view.surfel_index.width(), view.surfel_index.height());
+  std::transform(
+      view.surfel_index.begin(), view.surfel_index.end(), colors.begin(),
+      [&](std::int32_t id) { return id == ModelView::kNoSurfel ? Rgb8() : map.Color(id); });
+  return colors;
 }
 
 }  // namespace surfit

@@ -1,7 +1,6 @@
 #include "mapping/surfel_choice.h"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 
 #include "mapping/bands.h"
@@ -23,11 +22,12 @@ void SurfelChoice::SetCandidates(int width, int height, std::vector<CandidateLis
     const int first_pixel = begin * width;
     std::vector<float> least(static_cast<std::size_t>(end - begin) * width, kFar);
     for (CandidateList& list : *lists) {
-      for (const Offer& offer : list.offers.In(begin / kBandRows)) {
-        float& distance2 = least[offer.pixel - first_pixel];
-        if (offer.distance2 >= distance2) continue;
-        distance2 = offer.distance2;
-        own_[offer.pixel] = &list.candidates[offer.candidate];
+      for (const int k : list.bands.In(begin / kBandRows)) {
+        Candidate& candidate = list.candidates[k];
+        float& distance2 = least[candidate.pixel - first_pixel];
+        if (candidate.distance2 >= distance2) continue;
+        distance2 = candidate.distance2;
+        own_[candidate.pixel] = &candidate;
       }
     }
   });
@@ -46,29 +46,18 @@ bool SurfelChoice::Choose(const MeasuredPoint& point, int u, int v) const {
 }
 
 Candidate* SurfelChoice::SurfelOfNeighbours(const MeasuredPoint& point, int u, int v) const {
-  std::array<Candidate*, 9> around;
-  int count = 0;
-  for (int qv = std::max(0, v - 1); qv <= std::min(own_.height() - 1, v + 1); ++qv) {
-    for (int qu = std::max(0, u - 1); qu <= std::min(own_.width() - 1, u + 1); ++qu) {
-      around[count] = own_(qu, qv);
-      count += around[count] != nullptr;
-    }
-  }
   Candidate* nearest = nullptr;
   float least = kFar;
-  for (int begin = 0; begin < count; begin += 4) {
-    // Four of them, the last again where they end: it cannot be nearer than itself.
-    const auto surfel = [&](int k) { return around[std::min(begin + k, count - 1)]; };
-    const MergeGate::Verdict verdict =
-        gate_.Judge({point, point, point, point}, AllLanes(point.radius_m),
-                    {*surfel(0), *surfel(1), *surfel(2), *surfel(3)});
-    const Float4 distance2 = verdict.same ? verdict.distance2 : AllLanes(kFar);
-    for (int k = 0; k < 4; ++k) {
-      const bool before = nearest && surfel(k)->surfel < nearest->surfel;
-      if (distance2[k] < least || (distance2[k] == least && before)) {
-        nearest = surfel(k);
-        least = distance2[k];
-      }
+  for (int qv = std::max(0, v - 1); qv <= std::min(own_.height() - 1, v + 1); ++qv) {
+    for (int qu = std::max(0, u - 1); qu <= std::min(own_.width() - 1, u + 1); ++qu) {
+      Candidate* const candidate = own_(qu, qv);
+      if (!candidate) continue;
+      const float distance2 = gate_.SquaredDistance(point.patch, point.radius_m, candidate->patch);
+      if (distance2 > least || distance2 == MergeGate::kNever) continue;
+      // Of two that are as near the one with the smaller id.
+      if (distance2 == least && candidate->surfel > nearest->surfel) continue;
+      nearest = candidate;
+      least = distance2;
     }
   }
   return nearest;

@@ -3,124 +3,136 @@
 #include <glog/logging.h>
 
 #include <algorithm>
+#include <cmath>
+
+#include "surfit/core/parallel.h"
 
 namespace surfit {
 namespace {
 
-std::uint8_t ToByte(std::uint16_t value) {
-  return static_cast<std::uint8_t>(std::min(255, (value + 128) >> 8));
-}
-
-std::uint16_t FromByte(std::uint8_t value) { return static_cast<std::uint16_t>(value << 8); }
-
-// Calls f on each array of the map.
-template <typename Map, typename F>
-void ForEachArray(Map& m, const F& f) {
-  f(m.x), f(m.y), f(m.z), f(m.nx), f(m.ny), f(m.nz);
-  f(m.red), f(m.green), f(m.blue);
-  f(m.radius_m), f(m.confidence), f(m.first_seen), f(m.last_seen), f(m.at_edge);
+// Of the cell that is centred at a multiple of the cell size: far from the origin all are one.
+std::uint64_t CellKey(const Eigen::Vector3f& position_in_world) {
+  constexpr float kFarthest = 1 << 20;
+  std::uint64_t key = 0;
+  for (const float x : position_in_world) {
+    const float index = std::floor(x / SurfelMap::kCellSize + 0.5f);
+    const float bounded = std::max(-kFarthest, std::min(index, kFarthest - 1));
+    key = key << 21 | static_cast<std::uint64_t>(static_cast<std::int64_t>(bounded) + (1 << 20));
+  }
+  return key;
 }
 
 }  // namespace
 
-void SurfelMap::Reserve(std::size_t count) {
-  ForEachArray(*this, [&](auto& array) { array.reserve(count); });
-}
-
-void SurfelMap::Append(const Surfel& surfel) {
-  ForEachArray(*this, [&](auto& array) { array.emplace_back(); });
-  Set(size() - 1, surfel);
-}
-
-Surfel SurfelMap::operator[](std::size_t i) const {
-  Surfel s;
-  s.position_in_world = {x[i], y[i], z[i]};
-  s.normal_in_world = {nx[i], ny[i], nz[i]};
-  s.color = Color(i);
-  s.radius_m = radius_m[i];
-  s.confidence = confidence[i];
-  s.first_seen = first_seen[i];
-  s.last_seen = last_seen[i];
-  s.at_edge = at_edge[i] != 0;
-  return s;
-}
-
-Rgb8 SurfelMap::Color(std::size_t i) const {
-  return {ToByte(red[i]), ToByte(green[i]), ToByte(blue[i])};
-}
-
-void SurfelMap::Set(std::size_t i, const Surfel& s) {
-  x[i] = s.position_in_world.x();
-  y[i] = s.position_in_world.y();
-  z[i] = s.position_in_world.z();
-  nx[i] = s.normal_in_world.x();
-  ny[i] = s.normal_in_world.y();
-  nz[i] = s.normal_in_world.z();
-  red[i] = FromByte(s.color.r);
-  green[i] = FromByte(s.color.g);
-  blue[i] = FromByte(s.color.b);
-  radius_m[i] = s.radius_m;
-  confidence[i] = s.confidence;
-  first_seen[i] = s.first_seen;
-  last_seen[i] = s.last_seen;
-  at_edge[i] = s.at_edge;
-}
-
-void SurfelMap::Merge(std::size_t i, const SurfelObservation& seen, bool refine,
-                      float max_confidence) {
-  // (w q + a p) / (w + a) = q + share (p - q)
-  const float share = seen.weight / (confidence[i] + seen.weight);
-  if (refine) {
-    x[i] += share * (seen.position_in_world.x() - x[i]);
-    y[i] += share * (seen.position_in_world.y() - y[i]);
-    z[i] += share * (seen.position_in_world.z() - z[i]);
-    Eigen::Vector3f n(nx[i], ny[i], nz[i]);
-    n = (n + share * (seen.normal_in_world - n)).normalized();
-    nx[i] = n.x();
-    ny[i] = n.y();
-    nz[i] = n.z();
-    radius_m[i] = std::min(radius_m[i], seen.radius_m);
-  }
-  const auto mix = [share](std::uint16_t* old, std::uint8_t byte) {
-    const float value = static_cast<float>(*old);
-    *old = static_cast<std::uint16_t>(value + share * (static_cast<float>(FromByte(byte)) - value) +
-                                      0.5f);
-  };
-  mix(&red[i], seen.color.r);
-  mix(&green[i], seen.color.g);
-  mix(&blue[i], seen.color.b);
-  if (!seen.at_edge) at_edge[i] = 0;
-  confidence[i] = std::min(confidence[i] + seen.weight, max_confidence);
-}
-
-std::size_t SurfelMap::Replace(const std::vector<std::uint8_t>& remove,
-                               const std::vector<Surfel>& added) {
-  CHECK_EQ(remove.size(), size());
-  std::vector<std::size_t> holes;
-  for (std::size_t i = 0; i < remove.size(); ++i) {
-    if (remove[i]) holes.push_back(i);
-  }
-  const std::size_t reused = std::min(holes.size(), added.size());
-  for (std::size_t k = 0; k < reused; ++k) Set(holes[k], added[k]);
-  for (std::size_t k = reused; k < added.size(); ++k) Append(added[k]);
-  FillFromTheEnd({holes.begin() + reused, holes.end()});
-  return holes.size();
-}
-
-void SurfelMap::FillFromTheEnd(const std::vector<std::size_t>& holes) {
-  std::size_t last_hole = holes.size();
-  std::size_t end = size();
-  for (std::size_t k = 0; k < last_hole; ++k) {
-    // Holes at the very end go without being filled.
-    while (last_hole > k && holes[last_hole - 1] == end - 1) {
-      --last_hole;
-      --end;
+std::vector<std::int32_t> SurfelMap::Ids() const {
+  std::vector<std::int32_t> ids;
+  ids.reserve(size_);
+  for (const SurfelCell& cell : cells_) {
+    for (const std::int32_t b : cell.blocks) {
+      for (int k = 0; k < block(b).count; ++k) ids.push_back(b * SurfelBlock::kCapacity + k);
     }
-    if (k >= last_hole) break;
-    --end;
-    ForEachArray(*this, [&](auto& array) { array[holes[k]] = array[end]; });
   }
-  ForEachArray(*this, [&](auto& array) { array.resize(end); });
+  return ids;
+}
+
+std::int32_t SurfelMap::CellAt(const Eigen::Vector3f& position_in_world) {
+  const auto [at, is_new] = cell_of_key_.try_emplace(CellKey(position_in_world), cell_count());
+  if (is_new) cells_.emplace_back();
+  return at->second;
+}
+
+void SurfelMap::AddBlock(std::int32_t cell) {
+  if (free_blocks_.empty()) {
+    free_blocks_.push_back(static_cast<std::int32_t>(blocks_.size()));
+    blocks_.emplace_back();
+  }
+  const std::int32_t added = free_blocks_.back();
+  free_blocks_.pop_back();
+  block(added) = SurfelBlock();
+  block(added).cell = cell;
+  cells_[cell].blocks.push_back(added);
+}
+
+// Makes place for a surfel: all but what SurfelBlock::Write does. Returns its id.
+std::int32_t SurfelMap::Place(const Surfel& surfel) {
+  const std::int32_t i = CellAt(surfel.position_in_world);
+  SurfelCell& cell = cells_[i];
+  if (cell.blocks.empty() || block(cell.blocks.back()).count == SurfelBlock::kCapacity) {
+    AddBlock(i);
+  }
+  SurfelBlock& last = block(cell.blocks.back());
+  const int k = last.count++;
+  last.Announce(k, surfel);
+  cell.bounds.Add(last.bounds);
+  ++size_;
+  return cell.blocks.back() * SurfelBlock::kCapacity + k;
+}
+
+std::int32_t SurfelMap::Append(const Surfel& surfel) {
+  const std::int32_t id = Place(surfel);
+  block(BlockOf(id)).Write(PlaceOf(id), surfel);
+  return id;
+}
+
+void SurfelMap::Append(const std::vector<Surfel>& surfels) {
+  std::vector<std::int32_t> ids(surfels.size());
+  std::transform(surfels.begin(), surfels.end(), ids.begin(),
+                 [this](const Surfel& surfel) { return Place(surfel); });
+  constexpr int kGrain = 512;
+  ParallelFor(0, static_cast<int>(ids.size()), kGrain, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) block(BlockOf(ids[i])).Write(PlaceOf(ids[i]), surfels[i]);
+  });
+}
+
+void SurfelMap::Merge(std::int32_t id, const SurfelObservation& observation, bool refine,
+                      float max_confidence) {
+  SurfelBlock& changed = block(BlockOf(id));
+  changed.Merge(PlaceOf(id), observation, refine, max_confidence);
+  changed.bounds.Add((*this)[id].position_in_world);
+  cells_[changed.cell].bounds.Add(changed.bounds);
+}
+
+void SurfelMap::Mark(std::int32_t id) {
+  CHECK(Has(id));
+  SurfelBlock& marked = block(BlockOf(id));
+  marked.to_remove |= std::uint64_t{1} << PlaceOf(id);
+  cells_[marked.cell].is_marked = true;
+}
+
+std::size_t SurfelMap::RemoveMarked() {
+  const std::size_t before = size_;
+  for (SurfelCell& cell : cells_) {
+    if (!cell.is_marked) continue;
+    RemoveMarked(&cell);
+    cell.is_marked = false;
+    if (cell.blocks.empty()) cell.bounds = {};
+  }
+  return before - size_;
+}
+
+// The last surfel takes the place of the first that is marked, unless it is marked itself.
+void SurfelMap::RemoveMarked(SurfelCell* cell) {
+  for (std::size_t b = 0; b < cell->blocks.size(); ++b) {
+    SurfelBlock& hole = block(cell->blocks[b]);
+    while (hole.to_remove != 0) {
+      const SurfelBlock& last = block(cell->blocks.back());
+      if ((last.to_remove >> (last.count - 1) & 1) == 0) {
+        hole.Take(__builtin_ctzll(hole.to_remove), last, last.count - 1);
+        hole.to_remove &= hole.to_remove - 1;
+      }
+      RemoveLast(cell);
+    }
+  }
+}
+
+void SurfelMap::RemoveLast(SurfelCell* cell) {
+  SurfelBlock& last = block(cell->blocks.back());
+  --last.count;
+  last.to_remove &= ~(std::uint64_t{1} << last.count);
+  --size_;
+  if (last.count > 0) return;
+  free_blocks_.push_back(cell->blocks.back());
+  cell->blocks.pop_back();
 }
 
 }  // namespace surfit

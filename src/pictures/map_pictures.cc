@@ -43,7 +43,7 @@ Image<Rgb8> Color(const SurfelMap& map, const SurfelColoring& coloring, const Pi
     const Rgb8 color = coloring.color_of(i);
     if (coloring.headlight == 0) return color;
     const Eigen::Vector3d ray = world_from_camera * view.camera.Ray(u, v).normalized();
-    const double facing = std::abs(ray.dot(Eigen::Vector3d(map.nx[i], map.ny[i], map.nz[i])));
+    const double facing = std::abs(ray.dot(map[i].normal_in_world.cast<double>()));
     return Dimmed(color, static_cast<float>(1 - coloring.headlight * (1 - std::min(facing, 1.))));
   });
 }
@@ -93,7 +93,10 @@ void WriteEmptySheet(const std::string& path) {
 
 float DustConfidence(const SurfelMap& map) {
   constexpr float kMost = 3, kShare = 0.1f;
-  return std::min(kMost, kShare * Quantile(map.confidence, 0.9, 0));
+  std::vector<float> confidences;
+  confidences.reserve(map.size());
+  for (const std::int32_t id : map.Ids()) confidences.push_back(map[id].confidence);
+  return std::min(kMost, kShare * Quantile(confidences, 0.9, 0));
 }
 
 void WriteMapPictures(const SurfelMap& map, const Trajectory& camera_path,
@@ -106,8 +109,9 @@ void WriteMapPictures(const SurfelMap& map, const Trajectory& camera_path,
     return;
   }
   const float least = DustConfidence(map);
-  std::vector<std::uint8_t> shown(map.size());
-  for (std::size_t i = 0; i < map.size(); ++i) shown[i] = map.confidence[i] >= least;
+  const std::vector<std::int32_t> ids = map.Ids();
+  std::vector<std::uint8_t> shown(map.id_end());
+  for (const std::int32_t id : ids) shown[id] = map[id].confidence >= least;
   const auto views = ChooseMapViews(map, shown, camera_path,
                                     PictureSheet::kCellWidth * PictureSheet::kSupersampling,
                                     PictureSheet::kCellHeight * PictureSheet::kSupersampling);
@@ -119,7 +123,7 @@ void WriteMapPictures(const SurfelMap& map, const Trajectory& camera_path,
   WriteSheet(map, ColorByNormal(map), some, trusted, prefix + "normals.png");
   WriteSheet(map, ColorByLastSeen(map), some, trusted, prefix + "last_seen.png");
 
-  std::fill(shown.begin(), shown.end(), 1);
+  for (const std::int32_t id : ids) shown[id] = 1;
   const RenderedViews all = Render(map, shown, views);
   WriteSheet(map, ColorByConfidence(map), Concat("all ", map.size(), " surfels"), all,
              prefix + "confidence.png");

@@ -19,13 +19,15 @@ struct Sample {
 
 Sample DrawSample(const SurfelMap& map, const std::vector<std::uint8_t>& shown) {
   constexpr std::size_t kSize = 50000;
-  const std::size_t stride = std::max<std::size_t>(1, map.size() / kSize);
+  const std::vector<std::int32_t> ids = map.Ids();
+  const std::size_t stride = std::max<std::size_t>(1, ids.size() / kSize);
   Sample sample;
-  for (std::size_t i = 0; i < map.size(); i += stride) {
-    if (!shown[i]) continue;
-    sample.points.emplace_back(map.x[i], map.y[i], map.z[i]);
-    sample.normals.emplace_back(map.nx[i], map.ny[i], map.nz[i]);
-    sample.areas.push_back(map.radius_m[i] * map.radius_m[i]);
+  for (std::size_t i = 0; i < ids.size(); i += stride) {
+    if (!shown[ids[i]]) continue;
+    const Surfel surfel = map[ids[i]];
+    sample.points.push_back(surfel.position_in_world);
+    sample.normals.push_back(surfel.normal_in_world);
+    sample.areas.push_back(surfel.radius_m * surfel.radius_m);
   }
   return sample;
 }

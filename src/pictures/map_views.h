@@ -9,7 +9,7 @@
 
 namespace surfit {
 
-// Four views of the surfels with shown[i] != 0, each width x height pixels: from above, from a
+// Four views of the surfels with shown[id] != 0, each width x height pixels: from above, from a
 // bird's place, from the first camera pulled back, and from the camera that looks most elsewhere.
 std::array<PictureView, 4> ChooseMapViews(const SurfelMap& map,
                                           const std::vector<std::uint8_t>& shown,

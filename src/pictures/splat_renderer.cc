@@ -91,16 +91,16 @@ Image<std::int32_t> RenderSurfels(const SurfelMap& map, const std::vector<std::u
                                   const PictureView& view) {
   NearestIndexImage nearest(view.camera.width, view.camera.height);
   const Canvas canvas(view, &nearest);
-  ParallelFor(0, static_cast<int>(map.size()), kGrain, [&](int begin, int end) {
-    for (int i = begin; i < end; ++i) {
-      if (!shown[i]) continue;
+  ParallelFor(0, map.id_end(), kGrain, [&](int begin, int end) {
+    for (int id = begin; id < end; ++id) {
+      if (!shown[id]) continue;
+      const Surfel surfel = map[id];
       const Eigen::Vector3f center =
-          canvas.rotation * Eigen::Vector3f(map.x[i], map.y[i], map.z[i]) + canvas.translation;
-      const Eigen::Vector3f normal =
-          canvas.rotation * Eigen::Vector3f(map.nx[i], map.ny[i], map.nz[i]);
-      if (!(center.z() > 2 * map.radius_m[i]) || normal.dot(center) >= 0) continue;
-      DrawDisc(canvas, center, normal, map.radius_m[i], i);
-      DrawSquare(canvas, center, 1, i);
+          canvas.rotation * surfel.position_in_world + canvas.translation;
+      const Eigen::Vector3f normal = canvas.rotation * surfel.normal_in_world;
+      if (!(center.z() > 2 * surfel.radius_m) || normal.dot(center) >= 0) continue;
+      DrawDisc(canvas, center, normal, surfel.radius_m, id);
+      DrawSquare(canvas, center, 1, id);
     }
   });
   return nearest.Indices();

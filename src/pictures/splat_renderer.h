@@ -10,10 +10,10 @@
 
 namespace surfit {
 
-// The index of the surfel that each pixel of the view sees, NearestIndexImage::kNothing where none.
+// The id of the surfel that each pixel of the view sees, NearestIndexImage::kNothing where none.
 // Surfels are opaque discs: a pixel is covered where its ray meets the disc, and so is the pixel
-// that holds the projected centre, so that none is lost between pixels. Surfels with shown[i] == 0,
-// those that face away from the camera and those nearer than two radii are not drawn.
+// that holds the projected centre, so that none is lost between pixels. Surfels with shown[id] ==
+// 0, those that face away from the camera and those nearer than two radii are not drawn.
 Image<std::int32_t> RenderSurfels(const SurfelMap& map, const std::vector<std::uint8_t>& shown,
                                   const PictureView& view);
 

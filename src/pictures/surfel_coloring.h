@@ -13,7 +13,7 @@ namespace surfit {
 // Refers to the map: it must outlive the colouring.
 struct SurfelColoring {
   std::string title;
-  std::function<Rgb8(std::size_t)> color_of;  // of the surfel with this index
+  std::function<Rgb8(std::int32_t)> color_of;  // of the surfel with this id
   // The share of the colour that is lit from the camera: 0 = the same brightness everywhere.
   float headlight = 0;
   std::string legend;               // in words

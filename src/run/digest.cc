@@ -12,10 +12,6 @@ class Fnv1a {
     const auto* bytes = static_cast<const unsigned char*>(data);
     for (std::size_t i = 0; i < size; ++i) hash_ = (hash_ ^ bytes[i]) * 1099511628211u;
   }
-  template <typename T>
-  void AddArray(const std::vector<T>& array) {
-    Add(array.data(), array.size() * sizeof(T));
-  }
   std::uint64_t hash() const { return hash_; }
 
  private:
@@ -31,12 +27,17 @@ std::string Digest(const Trajectory& trajectory, const SurfelMap& map) {
     hash.Add(pose.world_from_camera.translation.data(), 3 * sizeof(double));
     hash.Add(pose.world_from_camera.rotation.coeffs().data(), 4 * sizeof(double));
   }
-  for (const auto* array :
-       {&map.x, &map.y, &map.z, &map.nx, &map.ny, &map.nz, &map.radius_m, &map.confidence}) {
-    hash.AddArray(*array);
+  for (const std::int32_t id : map.Ids()) {
+    const SurfelBlock& block = map.block(id / SurfelBlock::kCapacity);
+    const int k = id % SurfelBlock::kCapacity;
+    const float numbers[] = {block.x[k],  block.y[k],  block.z[k],        block.nx[k],
+                             block.ny[k], block.nz[k], block.radius_m[k], block.confidence[k]};
+    const std::uint16_t color[] = {block.red[k], block.green[k], block.blue[k]};
+    const std::int32_t frames[] = {block.first_seen[k], block.last_seen[k]};
+    hash.Add(numbers, sizeof(numbers));
+    hash.Add(color, sizeof(color));
+    hash.Add(frames, sizeof(frames));
   }
-  for (const auto* array : {&map.red, &map.green, &map.blue}) hash.AddArray(*array);
-  for (const auto* array : {&map.first_seen, &map.last_seen}) hash.AddArray(*array);
   std::ostringstream text;
   text << std::hex << std::setw(16) << std::setfill('0') << hash.hash();
   return text.str();

@@ -78,5 +78,36 @@ BENCHMARK(FusionFuse)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 
+// The same view and frame where the map goes on elsewhere, to so many millions of surfels: the time
+// must not follow these.
+void FrameInALargeMap(benchmark::State& state) {
+  const MappedRoom& room = Room();
+  SurfelMap map = room.map;
+  Surfel far = map[map.Ids().front()];
+  far.confidence = FusionOptions().lasting_confidence;
+  const auto count = static_cast<std::size_t>(state.range(0)) * 1000000;
+  const Eigen::Vector3f from = room.world_from_next.translation.cast<float>();
+  const Eigen::Vector3f backwards = -room.world_from_next.rotation.matrix().col(2).cast<float>();
+  for (int i = 0; map.size() < count; ++i) {
+    const Eigen::Vector3f wall(static_cast<float>(i / 4000 % 4000), static_cast<float>(i % 4000),
+                               0);
+    far.position_in_world = from + 20 * backwards + 0.005f * wall;
+    map.Append(far);
+  }
+  ModelRenderer renderer({});
+  Fusion fusion({});
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(renderer.Render(map, room.camera, room.world_from_next));
+    benchmark::DoNotOptimize(fusion.Fuse(room.next, room.next_surface, room.world_from_next, &map));
+  }
+  state.counters["surfels"] = static_cast<double>(map.size());
+}
+BENCHMARK(FrameInALargeMap)
+    ->ArgName("millions")
+    ->Arg(1)
+    ->Arg(10)
+    ->Iterations(20)
+    ->Unit(benchmark::kMillisecond);
+
 }  // namespace
 }  // namespace surfit

@@ -30,10 +30,10 @@ class BruteForceFusion {
   }
 
   FusionReport Fuse(SurfelMap* map) {
-    const int pixels = width_ * height_, count = static_cast<int>(map->size());
+    const int pixels = width_ * height_, count = map->id_end();
     std::vector<std::uint8_t> remove(count, 0);
     std::vector<int> pixel_of(count, -1), own(pixels, -1), chosen(pixels, -1);
-    for (int i = 0; i < count; ++i) {
+    for (const int i : map->Ids()) {
       pixel_of[i] = PixelOf(CameraPosition((*map)[i]));
       remove[i] = pixel_of[i] >= 0 && SeenThrough(CameraPosition((*map)[i]).z(), pixel_of[i]);
     }
@@ -143,7 +143,7 @@ class BruteForceFusion {
     if (!IsPoint(pixel)) return -1;
     int nearest = -1;
     double least = std::numeric_limits<double>::infinity();
-    for (int i = 0; i < static_cast<int>(map.size()); ++i) {
+    for (const int i : map.Ids()) {
       if (!may_take(i)) continue;
       const auto distance2 = SquaredDistance(map[i], pixel);
       if (!distance2) continue;
@@ -163,7 +163,7 @@ class BruteForceFusion {
                      SurfelMap* map) {
     FusionReport report;
     std::vector<Surfel> added;
-    std::vector<int> meetings(map->size(), 0);
+    std::vector<int> meetings(map->id_end(), 0);
     for (int pixel = 0; pixel < width_ * height_; ++pixel) {
       if (!IsPoint(pixel)) continue;
       ++report.input_points;
@@ -179,15 +179,19 @@ class BruteForceFusion {
       }
       ++report.merged_points;
       if (meetings[i]++ == 0) ++report.merged;
-      const bool fine = Positive(options_.max_radius_ratio * map->radius_m[i] - Radius(pixel));
+      const bool fine = Positive(options_.max_radius_ratio * (*map)[i].radius_m - Radius(pixel));
       map->Merge(i,
                  {x.cast<float>(), n.cast<float>(), f_.frame.color(u, v),
                   static_cast<float>(Radius(pixel)), 1, AtEdge(pixel)},
                  fine && !AtEdge(pixel), options_.max_confidence);
-      map->last_seen[i] = f_.frame.index;
+      map->block(i / SurfelBlock::kCapacity).last_seen[i % SurfelBlock::kCapacity] = f_.frame.index;
     }
     report.added = static_cast<int>(added.size());
-    report.removed = static_cast<int>(map->Replace(remove, added));
+    for (const int i : map->Ids()) {
+      if (remove[i]) map->Mark(i);
+    }
+    report.removed = static_cast<int>(map->RemoveMarked());
+    for (const Surfel& surfel : added) map->Append(surfel);
     return report;
   }
 

@@ -100,7 +100,8 @@ TEST(Fusion, DoesWhatBruteForceDoes) {
     EXPECT_EQ(report.added, expected_report.added);
     EXPECT_EQ(report.removed, expected_report.removed);
     ASSERT_EQ(actual.size(), expected.size());
-    for (std::size_t i = 0; i < actual.size(); ++i) ExpectNear(actual[i], expected[i]);
+    ASSERT_EQ(actual.Ids(), expected.Ids());
+    for (const std::int32_t id : actual.Ids()) ExpectNear(actual[id], expected[id]);
     sum.merged_points += report.merged_points - report.merged;
     sum.added += report.added;
     sum.removed += report.removed;

@@ -16,7 +16,7 @@ namespace {
 
 using Eigen::Vector3f;
 using testing::BlankFrame;
-using testing::ExpectDense;
+using testing::ExpectConsistent;
 using testing::ExpectInputError;
 using testing::FrameWithSurface;
 using ::testing::HasSubstr;
@@ -28,11 +28,17 @@ PinholeCamera TestCamera() { return {64, 48, 80, 80, 31.5, 23.5, {}}; }
 FusionReport Fuse(const FrameWithSurface& f, const Rigid3d& pose, Fusion* fusion, SurfelMap* map) {
   const int before = static_cast<int>(map->size());
   const FusionReport report = fusion->Fuse(f.frame, f.surface, pose, map);
-  ExpectDense(*map);
+  ExpectConsistent(*map);
   EXPECT_EQ(static_cast<int>(map->size()), before + report.added - report.removed);
   EXPECT_EQ(report.merged_points + report.added, report.input_points);
   EXPECT_LE(report.merged, report.merged_points);
   return report;
+}
+
+std::vector<float> Confidences(const SurfelMap& map) {
+  std::vector<float> confidences;
+  for (const std::int32_t id : map.Ids()) confidences.push_back(map[id].confidence);
+  return confidences;
 }
 
 TEST(Fusion, TheFirstFrameBecomesTheMap) {
@@ -48,7 +54,7 @@ TEST(Fusion, TheFirstFrameBecomesTheMap) {
   EXPECT_EQ(report.added, 64 * 48 - 2);
   EXPECT_EQ(report.merged, 0);
   EXPECT_EQ(report.removed, 0);
-  const Surfel corner = map[0];  // raster order
+  const Surfel corner = map[0];  // the first one
   EXPECT_EQ(corner.position_in_world, f.surface.vertex(0, 0));
   EXPECT_EQ(corner.normal_in_world, Vector3f(0, 0, -1));
   EXPECT_EQ(corner.color, (Rgb8{1, 2, 3}));
@@ -71,14 +77,16 @@ TEST(Fusion, TheSameFrameAgainMergesAllAndMovesNothing) {
   EXPECT_EQ(report.merged, 64 * 48);
   EXPECT_EQ(report.added, 0);
   EXPECT_EQ(report.removed, 0);
-  EXPECT_EQ(map.x, once.x);
-  EXPECT_EQ(map.z, once.z);
-  EXPECT_EQ(map.red, once.red);
-  EXPECT_EQ(map.radius_m, once.radius_m);
-  EXPECT_EQ(map.first_seen, once.first_seen);
-  for (std::size_t i = 0; i < map.size(); ++i) {
-    EXPECT_FLOAT_EQ(map.confidence[i], 2 * once.confidence[i]);
-    EXPECT_EQ(map.last_seen[i], 1);
+  ASSERT_EQ(map.Ids(), once.Ids());
+  for (const std::int32_t id : map.Ids()) {
+    const Surfel after = map[id], before = once[id];
+    EXPECT_EQ(after.position_in_world.x(), before.position_in_world.x());
+    EXPECT_EQ(after.position_in_world.z(), before.position_in_world.z());
+    EXPECT_EQ(after.color, before.color);
+    EXPECT_EQ(after.radius_m, before.radius_m);
+    EXPECT_EQ(after.first_seen, before.first_seen);
+    EXPECT_FLOAT_EQ(after.confidence, 2 * before.confidence);
+    EXPECT_EQ(after.last_seen, 1);
   }
 }
 
@@ -110,11 +118,11 @@ TEST(Fusion, AnExactWallStaysExactUnderAMovingCamera) {
     EXPECT_EQ(report.input_points, 64 * 48);
     EXPECT_EQ(report.merged_points > 0, i > 0);
   }
-  for (std::size_t i = 0; i < map.size(); ++i) {
-    EXPECT_NEAR(map.z[i], 2, 2e-5);
-    EXPECT_NEAR(map.nx[i], 0, 1e-5);
-    EXPECT_NEAR(map.ny[i], 0, 1e-5);
-    EXPECT_NEAR(map.nz[i], -1, 1e-5);
+  for (const std::int32_t id : map.Ids()) {
+    EXPECT_NEAR(map[id].position_in_world.z(), 2, 2e-5);
+    EXPECT_NEAR(map[id].normal_in_world.x(), 0, 1e-5);
+    EXPECT_NEAR(map[id].normal_in_world.y(), 0, 1e-5);
+    EXPECT_NEAR(map[id].normal_in_world.z(), -1, 1e-5);
   }
 }
 
@@ -142,7 +150,10 @@ TEST(Fusion, NoiseFallsWithTheSquareRootOfTheFrames) {
       if (n != 1 && n != 4 && n != 16 && n != kFrames) continue;
       ASSERT_EQ(map.size(), 64u * 48);
       double square_sum = 0;
-      for (const float z : map.z) square_sum += (z - 2.) * (z - 2.);
+      for (const std::int32_t id : map.Ids()) {
+        const double error = map[id].position_in_world.z() - 2.;
+        square_sum += error * error;
+      }
       const double rms = std::sqrt(square_sum / (64 * 48)), expected = kSigma / std::sqrt(n);
       EXPECT_NEAR(rms, expected, 5 * expected / std::sqrt(2. * 64 * 48)) << weighting << " " << n;
     }
@@ -234,15 +245,15 @@ TEST(FusionGates, CoarsePointsDoNotMoveAFineSurfel) {
   pair.surfel.radius_m = 0.0142f / 1.49f;
   SurfelMap fine_enough, too_coarse;
   EXPECT_EQ(pair.Run(&fine_enough).merged, 1);
-  EXPECT_NEAR(fine_enough.z[0], 1.01 - 0.01 / 5, 1e-6);
-  EXPECT_EQ(fine_enough.radius_m[0], pair.surfel.radius_m);
+  EXPECT_NEAR(fine_enough[0].position_in_world.z(), 1.01 - 0.01 / 5, 1e-6);
+  EXPECT_EQ(fine_enough[0].radius_m, pair.surfel.radius_m);
 
   pair.surfel.radius_m = 0.0141f / 1.51f;
   EXPECT_EQ(pair.Run(&too_coarse).merged, 1);
-  EXPECT_EQ(too_coarse.z[0], 1.01f);
-  EXPECT_EQ(too_coarse.confidence[0], 5);
-  EXPECT_EQ(too_coarse.last_seen[0], 3);
-  EXPECT_EQ(too_coarse.first_seen[0], 2);
+  EXPECT_EQ(too_coarse[0].position_in_world.z(), 1.01f);
+  EXPECT_EQ(too_coarse[0].confidence, 5);
+  EXPECT_EQ(too_coarse[0].last_seen, 3);
+  EXPECT_EQ(too_coarse[0].first_seen, 2);
 }
 
 TEST(FusionGates, AFinerPointShrinksTheSurfel) {
@@ -250,7 +261,7 @@ TEST(FusionGates, AFinerPointShrinksTheSurfel) {
   pair.surfel.radius_m = 0.05f;
   SurfelMap map;
   pair.Run(&map);
-  EXPECT_FLOAT_EQ(map.radius_m[0], std::sqrt(2.f) / 100);
+  EXPECT_FLOAT_EQ(map[0].radius_m, std::sqrt(2.f) / 100);
 }
 
 TEST(FusionGates, TheNearestOfTwoSurfelsIsTaken) {
@@ -263,7 +274,7 @@ TEST(FusionGates, TheNearestOfTwoSurfelsIsTaken) {
   map.Append(other);
   pair.surfel.position_in_world.z() = 1.005f;
   pair.Run(&map);
-  EXPECT_EQ(map.confidence, (std::vector<float>{4, 4, 5}));
+  EXPECT_EQ(Confidences(map), (std::vector<float>{4, 4, 5}));
 }
 
 // Two pixels, one surfel in the first one: the second point has none of its own and takes it.
@@ -279,8 +290,8 @@ TEST(FusionGates, APointTakesTheSurfelOfItsNeighbourWithinReach) {
   EXPECT_EQ(report.merged_points, 2);
   EXPECT_EQ(report.merged, 1);
   EXPECT_EQ(report.added, 0);
-  EXPECT_EQ(map.confidence[0], 6);
-  EXPECT_NEAR(map.x[0], 0.01 / 6, 1e-7);
+  EXPECT_EQ(map[0].confidence, 6);
+  EXPECT_NEAR(map[0].position_in_world.x(), 0.01 / 6, 1e-7);
 
   pair.options.max_spacing_m = 0.0075f;
   Fusion tighter(pair.options);
@@ -306,7 +317,7 @@ TEST(FusionDormancy, SurfelsOfLowConfidenceGoWhenNotSeenForLongerThanAllowed) {
     EXPECT_EQ(Fuse(BlankFrame(TestCamera(), i), {}, &fusion, &map).removed, 0) << i;
   }
   EXPECT_EQ(Fuse(BlankFrame(TestCamera(), 6), {}, &fusion, &map).removed, 1);
-  EXPECT_EQ(map.confidence, std::vector<float>{options.lasting_confidence});
+  EXPECT_EQ(Confidences(map), std::vector<float>{options.lasting_confidence});
   for (int i = 7; i < 100; ++i) Fuse(BlankFrame(TestCamera(), i), {}, &fusion, &map);
   EXPECT_EQ(map.size(), 1u);
 }
@@ -349,7 +360,9 @@ struct FloatingPatch {
 TEST(FusionFreeSpace, WhatIsSeenThroughIsRemovedEvenIfStable) {
   FloatingPatch patch(1);
   EXPECT_EQ(patch.Removed(), 25);
-  for (const float z : patch.map.z) EXPECT_NEAR(z, 2, 1e-6);
+  for (const std::int32_t id : patch.map.Ids()) {
+    EXPECT_NEAR(patch.map[id].position_in_world.z(), 2, 1e-6);
+  }
 }
 
 // All 25 pixels see the missing one but those more than a pixel off.
@@ -378,7 +391,7 @@ TEST(Fusion, WeightsFollowTheCamera) {
   camera.cx = 0;
   camera.cy = 0;
   Fuse(WallFrame(camera, {}, 2, 0), {}, &fusion, &other);
-  EXPECT_EQ(other.confidence[0], 1);
+  EXPECT_EQ(other[0].confidence, 1);
 }
 
 TEST(FusionOptions, RefuseWhatMakesNoSense) {

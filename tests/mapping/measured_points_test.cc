@@ -73,8 +73,8 @@ TEST(MeasurePoints, WithoutDepthOrNormalThereIsNoPoint) {
   EXPECT_EQ(PointAt(1, 1, frame, surface).radius_m, 0);
   EXPECT_EQ(PointAt(5, 1, frame, surface).radius_m, 0);  // nor has any neighbour a normal
   EXPECT_GT(PointAt(3, 1, frame, surface).radius_m, 0);
-  EXPECT_EQ(PointAt(3, 1, frame, surface).position, surface.vertex(3, 1));
-  EXPECT_EQ(PointAt(3, 1, frame, surface).normal, surface.normal(3, 1));
+  EXPECT_EQ(PointAt(3, 1, frame, surface).position(), surface.vertex(3, 1));
+  EXPECT_EQ(PointAt(3, 1, frame, surface).normal(), surface.normal(3, 1));
   EXPECT_FALSE(PointAt(3, 1, frame, surface).at_edge);
 }
 
@@ -90,7 +90,7 @@ TEST(MeasurePoints, AtADepthEdgeThePlaneOfANeighbourServesIfThePointLiesInIt) {
     const MeasuredPoint point = PointAt(2, 1, frame, surface);
     const bool in_plane = std::fabs(off_m) < 0.004f;
     EXPECT_EQ(point.radius_m > 0, in_plane) << off_m;
-    EXPECT_EQ(point.normal, in_plane ? plane.normal(2, 1) : Eigen::Vector3f(0, 0, 0)) << off_m;
+    EXPECT_EQ(point.normal(), in_plane ? plane.normal(2, 1) : Eigen::Vector3f(0, 0, 0)) << off_m;
     EXPECT_TRUE(point.at_edge) << off_m;
   }
 }
@@ -110,8 +110,8 @@ TEST(MeasurePoints, OfTwoNeighboursTheOneWhosePlaneIsNearerGivesTheNormal) {
     }
     for (const int u : {2, 3}) surface.normal.Set(u, v, {0, 0, 0});
   }
-  EXPECT_EQ(PointAt(2, 2, frame, surface).normal, near_normal);
-  EXPECT_EQ(PointAt(3, 2, frame, surface).normal, far_normal);
+  EXPECT_EQ(PointAt(2, 2, frame, surface).normal(), near_normal);
+  EXPECT_EQ(PointAt(3, 2, frame, surface).normal(), far_normal);
 }
 
 // sigma_z = 0.002 z^2: what is measured at 2 m leaves free what is nearer than 2 - 0.05 - 4 *

@@ -119,8 +119,9 @@ Coverage CheckView(const SurfelMap& map, const ModelView& view, const RenderOpti
   for (int v = 0; v < camera.height; ++v) {
     for (int u = 0; u < camera.width; ++u) {
       std::vector<DiscAtPixel> discs;
-      for (std::size_t i = 0; i < map.size(); ++i) {
-        discs.emplace_back(map[i], camera, view.world_from_view, u, v, options);
+      for (std::int32_t id = 0; id < map.id_end(); ++id) {
+        const Surfel s = map.Has(id) ? map[id] : Surfel();  // which covers nothing
+        discs.emplace_back(s, camera, view.world_from_view, u, v, options);
       }
       const std::int32_t drawn = view.surfel_index(u, v);
       if (drawn == ModelView::kNoSurfel) {
@@ -185,6 +186,7 @@ TEST(ModelRenderer, WritesTheDiscThatTheIndexNames) {
   const SurfelMap map = RandomDiscs(500, 0.15f, world_from_view, &rng);
   const PinholeCamera camera = SmallCamera();
   const ModelView view = ModelRenderer({}).Render(map, camera, world_from_view);
+  const Image<Rgb8> colors = ColorsOf(view, map);
   EXPECT_EQ(view.surface.camera.width, camera.width);
   EXPECT_EQ(view.world_from_view.Matrix(), world_from_view.Matrix());
   for (int v = 0; v < camera.height; ++v) {
@@ -194,10 +196,10 @@ TEST(ModelRenderer, WritesTheDiscThatTheIndexNames) {
       const Eigen::Vector3f normal = view.surface.normal(u, v);
       if (i == ModelView::kNoSurfel) {
         EXPECT_TRUE(vertex.isZero(0) && normal.isZero(0));
-        EXPECT_EQ(view.color(u, v), Rgb8());
+        EXPECT_EQ(colors(u, v), Rgb8());
         continue;
       }
-      EXPECT_EQ(view.color(u, v), map.Color(i));
+      EXPECT_EQ(colors(u, v), map.Color(i));
       EXPECT_NEAR(normal.norm(), 1, 1e-6);
       EXPECT_LT(normal.dot(view.surface.vertex(u, v)), 0) << "seen from behind";
       // The vertex is on its pixel's ray, which is linear in it, so this holds to rounding. Against
@@ -206,7 +208,7 @@ TEST(ModelRenderer, WritesTheDiscThatTheIndexNames) {
       const Eigen::Vector3d in_world = world_from_view * vertex;
       const Eigen::Vector3d gap = in_world - map[i].position_in_world.cast<double>();
       EXPECT_NEAR(map[i].normal_in_world.cast<double>().dot(gap), 0, 1e-5);
-      EXPECT_LE(gap.norm(), 0.6 * map.radius_m[i] + 1e-5);
+      EXPECT_LE(gap.norm(), 0.6 * map[i].radius_m + 1e-5);
     }
   }
 }
@@ -216,7 +218,7 @@ TEST(ModelRenderer, OfAnEmptyMapSeesNothing) {
   EXPECT_EQ(view.surfel_index, Image<std::int32_t>(64, 48, ModelView::kNoSurfel));
   EXPECT_THAT(view.surface.vertex.z, Each(0.f));
   EXPECT_THAT(view.surface.normal.z, Each(0.f));
-  EXPECT_EQ(view.color, Image<Rgb8>(64, 48));
+  EXPECT_EQ(ColorsOf(view, {}), Image<Rgb8>(64, 48));
 }
 
 TEST(ModelRenderer, ForgetsTheViewBefore) {
@@ -229,13 +231,21 @@ TEST(ModelRenderer, ForgetsTheViewBefore) {
 }
 
 // A wall of surfels, one for each pixel that a camera at the origin sees at this depth.
-void AppendWall(float depth_m, float confidence, const PinholeCamera& camera, SurfelMap* map) {
+template <typename Change>
+void AppendWall(float depth_m, float confidence, const PinholeCamera& camera, SurfelMap* map,
+                const Change& change) {
   for (int v = 0; v < camera.height; ++v) {
     for (int u = 0; u < camera.width; ++u) {
-      map->Append(Disc((depth_m * camera.Ray(u, v)).cast<float>(), {0, 0, -1},
-                       std::sqrt(2.f) * depth_m / 60, confidence));
+      Surfel surfel = Disc((depth_m * camera.Ray(u, v)).cast<float>(), {0, 0, -1},
+                           std::sqrt(2.f) * depth_m / 60, confidence);
+      change(&surfel);
+      map->Append(surfel);
     }
   }
+}
+
+void AppendWall(float depth_m, float confidence, const PinholeCamera& camera, SurfelMap* map) {
+  AppendWall(depth_m, confidence, camera, map, [](Surfel*) {});
 }
 
 TEST(ModelRenderer, TheNearerOfTwoWallsHidesTheOther) {
@@ -254,9 +264,9 @@ double MeanErrorOfNoisyWall(float sigma, const RenderOptions& options) {
   std::mt19937_64 rng(5);
   std::normal_distribution<float> noise(0, sigma);
   SurfelMap map;
-  AppendWall(2, 20, camera, &map);
-  AppendWall(2, 20, camera, &map);
-  for (float& z : map.z) z += noise(rng);
+  const auto add_noise = [&](Surfel* s) { s->position_in_world.z() += noise(rng); };
+  AppendWall(2, 20, camera, &map, add_noise);
+  AppendWall(2, 20, camera, &map, add_noise);
   const ModelView view = ModelRenderer(options).Render(map, camera, {});
   double sum = 0;
   for (const float z : view.surface.vertex.z) sum += z - 2;
@@ -289,8 +299,8 @@ TEST(ModelRenderer, AStableWallIsSeenThroughAnUnstableOne) {
 TEST(ModelRenderer, WhatWasSeenAtDepthEdgesAloneIsNotDrawn) {
   const PinholeCamera camera = SmallCamera();
   SurfelMap map;
-  AppendWall(1.5f, RenderOptions().stable_confidence, camera, &map);
-  map.at_edge.assign(map.size(), 1);
+  AppendWall(1.5f, RenderOptions().stable_confidence, camera, &map,
+             [](Surfel* s) { s->at_edge = true; });
   AppendWall(2, RenderOptions().stable_confidence, camera, &map);
   const ModelView view = ModelRenderer({}).Render(map, camera, {});
   for (const float z : view.surface.vertex.z) EXPECT_NEAR(z, 2, 1e-6);
@@ -335,7 +345,6 @@ TEST(ModelRendererThreads, ViewsAreTheSameBitForBitAtAnyNumberOfThreads) {
   }
   for (const ModelView& view : views) {
     EXPECT_TRUE(view.surfel_index == views[0].surfel_index);
-    EXPECT_TRUE(view.color == views[0].color);
     EXPECT_TRUE(view.surface.vertex.x == views[0].surface.vertex.x &&
                 view.surface.vertex.y == views[0].surface.vertex.y &&
                 view.surface.vertex.z == views[0].surface.vertex.z);

@@ -2,32 +2,58 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
 #include "surfit/mapping/surfel_map.h"
 
 namespace surfit::testing {
 
-// Expects that all arrays have the same length.
-inline void ExpectDense(const SurfelMap& map) {
-  const std::size_t n = map.size();
-  for (const auto* array :
-       {&map.x, &map.y, &map.z, &map.nx, &map.ny, &map.nz, &map.radius_m, &map.confidence}) {
-    EXPECT_EQ(array->size(), n);
+// Expects what the map promises about its cells, blocks and bounds.
+inline void ExpectConsistent(const SurfelMap& map) {
+  std::size_t count = 0;
+  for (std::int32_t c = 0; c < map.cell_count(); ++c) {
+    const SurfelCell& cell = map.cell(c);
+    EXPECT_FALSE(cell.is_marked);
+    for (const std::int32_t b : cell.blocks) {
+      const SurfelBlock& block = map.block(b);
+      EXPECT_EQ(block.cell, c);
+      EXPECT_EQ(block.to_remove, 0u);
+      EXPECT_GT(block.count, 0);
+      EXPECT_TRUE(b == cell.blocks.back() || block.count == SurfelBlock::kCapacity);
+      count += block.count;
+      for (const SurfelBounds& bounds : {block.bounds, cell.bounds}) {
+        for (int k = 0; k < block.count; ++k) {
+          EXPECT_GE(block.confidence[k], bounds.least_confidence);
+          EXPECT_GE(block.last_seen[k], bounds.least_last_seen);
+          const float position[] = {block.x[k], block.y[k], block.z[k]};
+          for (int axis = 0; axis < 3; ++axis) {
+            EXPECT_GE(position[axis], bounds.low[axis]);
+            EXPECT_LE(position[axis], bounds.high[axis]);
+          }
+        }
+      }
+    }
   }
-  for (const auto* array : {&map.red, &map.green, &map.blue}) EXPECT_EQ(array->size(), n);
-  EXPECT_EQ(map.at_edge.size(), n);
-  for (const auto* array : {&map.first_seen, &map.last_seen}) EXPECT_EQ(array->size(), n);
+  EXPECT_EQ(count, map.size());
 }
 
-// Expects all arrays of two maps to be the same, value for value. No message of a whole array.
+// Expects all surfels of two maps to be the same in the same order, value for value.
 inline void ExpectSameMap(const SurfelMap& a, const SurfelMap& b) {
-  EXPECT_EQ(a.size(), b.size());
-  EXPECT_TRUE(a.x == b.x && a.y == b.y && a.z == b.z) << "positions differ";
-  EXPECT_TRUE(a.nx == b.nx && a.ny == b.ny && a.nz == b.nz) << "normals differ";
-  EXPECT_TRUE(a.red == b.red && a.green == b.green && a.blue == b.blue) << "colours differ";
-  EXPECT_TRUE(a.radius_m == b.radius_m) << "radii differ";
-  EXPECT_TRUE(a.confidence == b.confidence) << "confidences differ";
-  EXPECT_TRUE(a.first_seen == b.first_seen && a.last_seen == b.last_seen) << "times differ";
-  EXPECT_TRUE(a.at_edge == b.at_edge) << "edges differ";
+  const std::vector<std::int32_t> ids = a.Ids();
+  ASSERT_EQ(ids, b.Ids());
+  std::size_t different = 0;
+  for (const std::int32_t id : ids) {
+    const SurfelBlock& p = a.block(id / SurfelBlock::kCapacity);
+    const SurfelBlock& q = b.block(id / SurfelBlock::kCapacity);
+    const int k = id % SurfelBlock::kCapacity;
+    const auto same = [k](const auto& x, const auto& y) { return x[k] == y[k]; };
+    different += !(same(p.x, q.x) && same(p.y, q.y) && same(p.z, q.z) && same(p.nx, q.nx) &&
+                   same(p.ny, q.ny) && same(p.nz, q.nz) && same(p.red, q.red) &&
+                   same(p.green, q.green) && same(p.blue, q.blue) && same(p.radius_m, q.radius_m) &&
+                   same(p.confidence, q.confidence) && same(p.first_seen, q.first_seen) &&
+                   same(p.last_seen, q.last_seen) && p[k].at_edge == q[k].at_edge);
+  }
+  EXPECT_EQ(different, 0u) << "of " << ids.size() << " surfels";
 }
 
 }  // namespace surfit::testing

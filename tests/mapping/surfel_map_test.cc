@@ -16,7 +16,8 @@
 namespace surfit {
 namespace {
 
-using testing::ExpectDense;
+using testing::ExpectConsistent;
+using testing::ExpectSameMap;
 using testing::RandomColor;
 using testing::RandomNormal;
 using testing::RandomSurfel;
@@ -46,25 +47,69 @@ SurfelObservation RandomObservation(std::mt19937_64* rng) {
 Eigen::Vector3d ColorAsVector(Rgb8 color) { return {1. * color.r, 1. * color.g, 1. * color.b}; }
 
 // The stored colour in steps of a byte.
-Eigen::Vector3d StoredColor(const SurfelMap& map, std::size_t i) {
-  return Eigen::Vector3d(map.red[i], map.green[i], map.blue[i]) / 256;
+Eigen::Vector3d StoredColor(const SurfelMap& map, std::int32_t id) {
+  const SurfelBlock& block = map.block(id / SurfelBlock::kCapacity);
+  const int k = id % SurfelBlock::kCapacity;
+  return Eigen::Vector3d(block.red[k], block.green[k], block.blue[k]) / 256;
 }
 
-TEST(SurfelMap, GivesBackWhatWasAppendedAndSet) {
+TEST(SurfelMap, GivesBackWhatWasAppended) {
   std::mt19937_64 rng(1);
   SurfelMap map;
-  map.Reserve(100);
   EXPECT_EQ(map.size(), 0u);
   std::vector<Surfel> surfels;
+  std::vector<std::int32_t> ids;
   for (int i = 0; i < 100; ++i) {
     surfels.push_back(RandomSurfel(&rng));
-    map.Append(surfels.back());
+    ids.push_back(map.Append(surfels.back()));
   }
-  surfels[37] = RandomSurfel(&rng);
-  map.Set(37, surfels[37]);
-  ExpectDense(map);
+  ExpectConsistent(map);
   ASSERT_EQ(map.size(), 100u);
-  for (int i = 0; i < 100; ++i) EXPECT_EQ(AsTuple(map[i]), AsTuple(surfels[i])) << i;
+  for (int i = 0; i < 100; ++i) EXPECT_EQ(AsTuple(map[ids[i]]), AsTuple(surfels[i])) << i;
+  EXPECT_THAT(map.Ids(), ::testing::UnorderedElementsAreArray(ids));
+  SurfelMap at_once;
+  at_once.Append(surfels);
+  ExpectSameMap(at_once, map);
+}
+
+TEST(SurfelMap, KeepsSurfelsOfOneCellTogether) {
+  std::mt19937_64 rng(9);
+  SurfelMap map;
+  for (int i = 0; i < 5000; ++i) map.Append(RandomSurfel(&rng));
+  EXPECT_LE(map.cell_count(), 13 * 13 * 13);  // half a cell at each end of the 6 m
+  ExpectConsistent(map);
+  for (std::int32_t c = 0; c < map.cell_count(); ++c) {
+    const SurfelBounds& bounds = map.cell(c).bounds;
+    for (int axis = 0; axis < 3; ++axis) {
+      EXPECT_LE(bounds.high[axis] - bounds.low[axis], SurfelMap::kCellSize);
+    }
+  }
+}
+
+// One that fusion has made of noise, far outside of the world, costs nothing but its cell.
+TEST(SurfelMap, TakesPositionsFarOutside) {
+  SurfelMap map;
+  Surfel s;
+  for (const float x : {-1e30f, 1e30f, 1e6f}) {
+    s.position_in_world = {x, 0, -x};
+    EXPECT_EQ(map[map.Append(s)].position_in_world, s.position_in_world);
+  }
+  ExpectConsistent(map);
+}
+
+// Blocks are full but for the last of each cell, so that a map of a thousand surfels to the cell,
+// which is few, needs little more than their 47 bytes each.
+TEST(SurfelMap, HoldsASurfelIn48Bytes) {
+  std::mt19937_64 rng(10);
+  SurfelMap map;
+  for (int i = 0; i < 400000; ++i) {
+    Surfel s = RandomSurfel(&rng);
+    s.position_in_world.z() = 0;
+    map.Append(s);
+  }
+  const double bytes = 1. * map.id_end() / SurfelBlock::kCapacity * sizeof(SurfelBlock) +
+                       1. * map.cell_count() * sizeof(SurfelCell);
+  EXPECT_LE(bytes / static_cast<double>(map.size()), 48);
 }
 
 TEST(SurfelMap, EveryByteOfColorSurvives) {
@@ -72,8 +117,7 @@ TEST(SurfelMap, EveryByteOfColorSurvives) {
   for (int byte = 0; byte < 256; ++byte) {
     Surfel s;
     s.color = {static_cast<std::uint8_t>(byte), static_cast<std::uint8_t>(255 - byte), 7};
-    map.Append(s);
-    EXPECT_EQ(map.Color(byte), s.color);
+    EXPECT_EQ(map.Color(map.Append(s)), s.color);
   }
 }
 
@@ -127,8 +171,9 @@ TEST(Merge, OneObservationWithinASurfaceIsEnough) {
   std::mt19937_64 rng(6);
   for (const bool at_edge : {false, true}) {
     SurfelMap map;
-    map.Append(RandomSurfel(&rng));
-    map.at_edge[0] = at_edge;
+    Surfel surfel = RandomSurfel(&rng);
+    surfel.at_edge = at_edge;
+    map.Append(surfel);
     SurfelObservation seen = RandomObservation(&rng);
     seen.at_edge = true;
     map.Merge(0, seen, false, kNoCap);
@@ -142,11 +187,16 @@ TEST(Merge, OneObservationWithinASurfaceIsEnough) {
 TEST(Merge, TouchesNoOtherSurfel) {
   std::mt19937_64 rng(4);
   SurfelMap map;
-  for (int i = 0; i < 3; ++i) map.Append(RandomSurfel(&rng));
+  for (int i = 0; i < 3; ++i) {
+    Surfel surfel = RandomSurfel(&rng);
+    surfel.position_in_world *= 0.01f;  // in one cell
+    map.Append(surfel);
+  }
   const Surfel first = map[0], last = map[2];
   map.Merge(1, RandomObservation(&rng), true, kNoCap);
   EXPECT_EQ(AsTuple(map[0]), AsTuple(first));
   EXPECT_EQ(AsTuple(map[2]), AsTuple(last));
+  ExpectConsistent(map);
 }
 
 TEST(Merge, ConfidenceStopsAtTheCapAndTheMapStillMoves) {
@@ -161,11 +211,11 @@ TEST(Merge, ConfidenceStopsAtTheCapAndTheMapStillMoves) {
   seen.normal_in_world = {0, 0, -1};
   seen.radius_m = 0.01f;
   map.Merge(0, seen, true, 200);
-  EXPECT_EQ(map.confidence[0], 200);
-  EXPECT_FLOAT_EQ(map.z[0], 1 / 200.5f);
+  EXPECT_EQ(map[0].confidence, 200);
+  EXPECT_FLOAT_EQ(map[0].position_in_world.z(), 1 / 200.5f);
   map.Merge(0, seen, true, 200);
-  EXPECT_EQ(map.confidence[0], 200);
-  EXPECT_FLOAT_EQ(map.z[0], 1 / 200.5f + (1 - 1 / 200.5f) / 201);
+  EXPECT_EQ(map[0].confidence, 200);
+  EXPECT_FLOAT_EQ(map[0].position_in_world.z(), 1 / 200.5f + (1 - 1 / 200.5f) / 201);
 }
 
 // With w = 1 for the first and a = 1 for each further observation, the average is the mean.
@@ -187,8 +237,8 @@ TEST(Merge, EqualWeightsGiveTheArithmeticMean) {
     smallest = std::min(smallest, seen.radius_m);
     map.Merge(0, seen, true, kNoCap);
   }
-  EXPECT_EQ(map.confidence[0], kCount);
-  EXPECT_EQ(map.radius_m[0], smallest);
+  EXPECT_EQ(map[0].confidence, kCount);
+  EXPECT_EQ(map[0].radius_m, smallest);
   // Merge n rounds by e and damps older errors by (n - 1) / n, so that n E_n = (n - 1) E_(n-1) +
   // n e and E_N <= e (N + 1) / 2. For positions of up to 3 m, e is about 3 roundings of 3 m on each
   // axis; for colours 1/512 of a byte's step.
@@ -217,73 +267,71 @@ TEST(Merge, AColorAtTheCapStillComesToTheObservedByte) {
   }
 }
 
-// Replace() against sets: the kept and the added surfels, each once.
-void CheckReplace(int size, const std::vector<std::uint8_t>& remove, int added_count,
-                  std::mt19937_64* rng) {
+// RemoveMarked() against sets: the kept surfels, each once.
+void CheckRemoval(int size, float share, float spread, std::mt19937_64* rng) {
   SurfelMap map;
-  std::vector<Surfel> added;
-  for (int i = 0; i < size; ++i) map.Append(RandomSurfel(rng));
-  for (int i = 0; i < added_count; ++i) added.push_back(RandomSurfel(rng));
-  const SurfelMap old = map;
-  const std::size_t removed = map.Replace(remove, added);
-
   std::vector<decltype(AsTuple(Surfel()))> expected, actual;
   for (int i = 0; i < size; ++i) {
-    if (!remove[i]) expected.push_back(AsTuple(old[i]));
+    Surfel surfel = RandomSurfel(rng);
+    surfel.position_in_world *= spread;
+    const std::int32_t id = map.Append(surfel);
+    const bool removed = Uniform(0, 1, rng) < share;
+    if (removed) map.Mark(id);
+    if (!removed) expected.push_back(AsTuple(surfel));
   }
-  EXPECT_EQ(removed, size - expected.size());
-  for (const Surfel& s : added) expected.push_back(AsTuple(s));
-  ExpectDense(map);
+  EXPECT_EQ(map.RemoveMarked(), size - expected.size());
+  ExpectConsistent(map);
   ASSERT_EQ(map.size(), expected.size());
-  for (std::size_t i = 0; i < map.size(); ++i) actual.push_back(AsTuple(map[i]));
-
-  // The added ones stand in their order.
-  std::vector<decltype(AsTuple(Surfel()))> found;
-  for (const auto& surfel : actual) {
-    const auto is_it = [&](const Surfel& s) { return AsTuple(s) == surfel; };
-    if (std::any_of(added.begin(), added.end(), is_it)) found.push_back(surfel);
-  }
-  ASSERT_EQ(found.size(), added.size());
-  for (int i = 0; i < added_count; ++i) EXPECT_EQ(found[i], AsTuple(added[i]));
-
+  for (const std::int32_t id : map.Ids()) actual.push_back(AsTuple(map[id]));
   std::sort(expected.begin(), expected.end());
   std::sort(actual.begin(), actual.end());
   EXPECT_EQ(actual, expected);
 }
 
-TEST(Replace, KeepsAndAddsExactlyWhatItShould) {
+TEST(RemoveMarked, KeepsExactlyWhatItShould) {
   std::mt19937_64 rng(6);
   for (int trial = 0; trial < 300; ++trial) {
-    const int size = static_cast<int>(rng() % 40);
-    const float share = Uniform(0, 1, &rng);
-    std::vector<std::uint8_t> remove(size);
-    for (auto& r : remove) r = Uniform(0, 1, &rng) < share;
-    CheckReplace(size, remove, static_cast<int>(rng() % 25), &rng);
+    const float spread = trial % 2 == 0 ? 0.01f : 0.2f;  // one cell, or a few
+    CheckRemoval(static_cast<int>(rng() % 300), Uniform(0, 1, &rng), spread, &rng);
+  }
+  for (const int size : {0, 1, 63, 64, 65, 128, 129}) {
+    CheckRemoval(size, 0, 0.01f, &rng);
+    CheckRemoval(size, 1, 0.01f, &rng);
   }
 }
 
-TEST(Replace, HandlesTheExtremes) {
+TEST(RemoveMarked, KeepsColorsFinerThanBytes) {
   std::mt19937_64 rng(7);
-  for (const int added : {0, 1, 4, 5, 6}) {
-    CheckReplace(0, {}, added, &rng);
-    CheckReplace(5, {0, 0, 0, 0, 0}, added, &rng);
-    CheckReplace(5, {1, 1, 1, 1, 1}, added, &rng);
-    CheckReplace(5, {0, 0, 0, 1, 1}, added, &rng);
-    CheckReplace(5, {1, 1, 0, 0, 0}, added, &rng);
-    CheckReplace(5, {0, 1, 0, 0, 1}, added, &rng);
+  SurfelMap map;
+  for (int i = 0; i < 3; ++i) {
+    Surfel surfel = RandomSurfel(&rng);
+    surfel.position_in_world *= 0.01f;
+    map.Append(surfel);
+    map.Merge(i, RandomObservation(&rng), true, kNoCap);
   }
+  const Eigen::Vector3d last = StoredColor(map, 2);
+  map.Mark(0);
+  map.RemoveMarked();
+  EXPECT_EQ(StoredColor(map, 0), last);
 }
 
-TEST(Replace, LeavesSurfelsInPlaceWhereHolesAreReused) {
+// What is removed makes room for what comes.
+TEST(RemoveMarked, MemoryIsUsedAgain) {
   std::mt19937_64 rng(8);
   SurfelMap map;
-  for (int i = 0; i < 4; ++i) map.Append(RandomSurfel(&rng));
-  const SurfelMap old = map;
-  const Surfel added = RandomSurfel(&rng);
-  EXPECT_EQ(map.Replace({0, 1, 0, 0}, {added}), 1u);
-  EXPECT_EQ(AsTuple(map[0]), AsTuple(old[0]));
-  EXPECT_EQ(AsTuple(map[1]), AsTuple(added));
-  EXPECT_EQ(AsTuple(map[3]), AsTuple(old[3]));
+  std::int32_t id_end = 0;
+  for (int round = 0; round < 5; ++round) {
+    for (int i = 0; i < 1000; ++i) {
+      Surfel surfel = RandomSurfel(&rng);
+      surfel.position_in_world *= 0.01f;
+      map.Append(surfel);
+    }
+    if (round == 0) id_end = map.id_end();
+    EXPECT_EQ(map.id_end(), id_end);
+    for (const std::int32_t id : map.Ids()) map.Mark(id);
+    EXPECT_EQ(map.RemoveMarked(), 1000u);
+    EXPECT_FALSE(map.Has(0));
+  }
 }
 
 }  // namespace

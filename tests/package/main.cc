@@ -18,8 +18,8 @@ int main() try {
   surfel.position_in_world = (world_from_camera * (2 * camera.Ray(319.5, 239.5))).cast<float>();
   surfit::SurfelMap map;
   map.Append(surfel);
-  std::cout << map.size() << " surfel, " << map.z[0] << " m ahead\n";
-  return map.size() == 1 && map.z[0] == 3.f ? 0 : 1;
+  std::cout << map.size() << " surfel, " << map[0].position_in_world.z() << " m ahead\n";
+  return map.size() == 1 && map[0].position_in_world.z() == 3.f ? 0 : 1;
 } catch (const surfit::InputError& error) {
   std::cerr << "error: " << error.what() << "\n";
   return 1;

@@ -78,13 +78,19 @@ TEST(WriteMapPictures, HidesDustButInTheConfidence) {
   EXPECT_NEAR(middle.b, 84, 1);
 }
 
+void SetConfidence(float confidence, SurfelMap* map) {
+  for (const std::int32_t id : map->Ids()) {
+    map->block(id / SurfelBlock::kCapacity).confidence[id % SurfelBlock::kCapacity] = confidence;
+  }
+}
+
 TEST(DustConfidence, IsThreeOrATenthOfWhatTheMapHas) {
   SurfelMap map;
   EXPECT_EQ(DustConfidence(map), 0);
   map = Wall();
-  std::fill(map.confidence.begin(), map.confidence.end(), 2.f);
+  SetConfidence(2, &map);
   EXPECT_FLOAT_EQ(DustConfidence(map), 0.2f);
-  std::fill(map.confidence.begin(), map.confidence.end(), 100.f);
+  SetConfidence(100, &map);
   EXPECT_FLOAT_EQ(DustConfidence(map), 3);
 }
 

@@ -60,7 +60,7 @@ class MapViewsTest : public ::testing::Test {
       Eigen::Quaterniond(Eigen::AngleAxisd(2, Eigen::Vector3d(1, -2, 0.5).normalized())),
       Eigen::Vector3d(3, -1, 7)};
   const SurfelMap map_ = Room(world_from_room_);
-  const std::vector<std::uint8_t> all_ = std::vector<std::uint8_t>(map_.size(), 1);
+  const std::vector<std::uint8_t> all_ = std::vector<std::uint8_t>(map_.id_end(), 1);
   const std::array<PictureView, 4> views_ =
       ChooseMapViews(map_, all_, LookAround(world_from_room_), kWidth, kHeight);
 
@@ -73,7 +73,7 @@ class MapViewsTest : public ::testing::Test {
     const Image<std::int32_t> seen = RenderSurfels(map_, all_, views_[view]);
     return std::count_if(seen.begin(), seen.end(),
                          [&](int i) {
-                           return i != NearestIndexImage::kNothing && map_.first_seen[i] == part;
+                           return i != NearestIndexImage::kNothing && map_[i].first_seen == part;
                          }) /
            static_cast<double>(seen.size());
   }

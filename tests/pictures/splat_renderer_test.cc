@@ -31,7 +31,9 @@ Surfel MakeSurfel(const Eigen::Vector3f& position, const Eigen::Vector3f& normal
 }
 
 Image<std::int32_t> Render(const SurfelMap& map, const PictureView& view = TestView()) {
-  return RenderSurfels(map, std::vector<std::uint8_t>(map.size(), 1), view);
+  std::vector<std::uint8_t> shown(map.id_end(), 0);
+  for (const std::int32_t id : map.Ids()) shown[id] = 1;
+  return RenderSurfels(map, shown, view);
 }
 
 const Eigen::Vector3f kTowardsCamera(0, 0, -1);
@@ -85,12 +87,12 @@ TEST(RenderSurfels, NearerOneHidesTheFartherInWhateverOrder) {
   const Surfel near = MakeSurfel({0, 0, 1}, kTowardsCamera, 0.1f);
   const Surfel far = MakeSurfel({0, 0, 2}, kTowardsCamera, 0.6f);
   SurfelMap near_first, far_first;
-  near_first.Append(near), near_first.Append(far);
-  far_first.Append(far), far_first.Append(near);
-  EXPECT_EQ(Render(near_first)(50, 50), 0);
-  EXPECT_EQ(Render(near_first)(70, 50), 1);
-  EXPECT_EQ(Render(far_first)(50, 50), 1);
-  EXPECT_EQ(Render(far_first)(70, 50), 0);
+  const std::int32_t near_0 = near_first.Append(near), far_1 = near_first.Append(far);
+  const std::int32_t far_0 = far_first.Append(far), near_1 = far_first.Append(near);
+  EXPECT_EQ(Render(near_first)(50, 50), near_0);
+  EXPECT_EQ(Render(near_first)(70, 50), far_1);
+  EXPECT_EQ(Render(far_first)(50, 50), near_1);
+  EXPECT_EQ(Render(far_first)(70, 50), far_0);
 }
 
 TEST(RenderSurfels, CrossingDiscsPartWhereTheyCross) {
@@ -119,9 +121,10 @@ TEST(RenderSurfels, OneBehindTheCameraOrNotShownIsNotDrawn) {
   map.Append(MakeSurfel({0, 0, -2}, -kTowardsCamera, 0.4f));
   map.Append(MakeSurfel({0, 0, 0.1f}, kTowardsCamera, 0.4f));
   EXPECT_THAT(Render(map), testing::Each(kNothing));
-  map.Append(MakeSurfel({0, 0, 2}, kTowardsCamera, 0.4f));
-  EXPECT_EQ(Render(map)(50, 50), 2);
-  EXPECT_THAT(RenderSurfels(map, {1, 1, 0}, TestView()), testing::Each(kNothing));
+  const std::int32_t id = map.Append(MakeSurfel({0, 0, 2}, kTowardsCamera, 0.4f));
+  EXPECT_EQ(Render(map)(50, 50), id);
+  const std::vector<std::uint8_t> none(map.id_end(), 0);
+  EXPECT_THAT(RenderSurfels(map, none, TestView()), testing::Each(kNothing));
 }
 
 TEST(RenderSurfels, NoneIsLostBetweenPixels) {

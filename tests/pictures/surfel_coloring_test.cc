@@ -49,10 +49,12 @@ TEST(SurfelColoring, ConfidenceSpansTheMapsRangeLogarithmically) {
 
 TEST(SurfelColoring, ConfidenceOfZeroHasAScaleToo) {
   SurfelMap map = TwoSurfels();
-  map.confidence = {0, 1e6f};
+  float* const confidence = map.block(0).confidence;
+  confidence[0] = 0;
+  confidence[1] = 1e6f;
   const SurfelColoring coloring = ColorByConfidence(map);
   EXPECT_FLOAT_EQ(coloring.scale->low(), 100);  // four decades
-  map.confidence = {0, 0};
+  confidence[1] = 0;
   EXPECT_FLOAT_EQ(ColorByConfidence(map).scale->low(), 0.01);
   EXPECT_FLOAT_EQ(ColorByConfidence(map).scale->high(), 1);
 }

@@ -30,21 +30,22 @@ TEST(Digest, NoticesTheLastBitOfEveryPart) {
   later[0].stamp_s = std::nextafter(1.0, 2.0);
   EXPECT_NE(Digest(later, OneSurfel()), digest);
 
-  for (const auto array :
-       {&SurfelMap::x, &SurfelMap::y, &SurfelMap::z, &SurfelMap::nx, &SurfelMap::ny, &SurfelMap::nz,
-        &SurfelMap::radius_m, &SurfelMap::confidence}) {
+  using Block = SurfelBlock;
+  for (const auto array : {&Block::x, &Block::y, &Block::z, &Block::nx, &Block::ny, &Block::nz,
+                           &Block::radius_m, &Block::confidence}) {
     SurfelMap map = OneSurfel();
-    (map.*array)[0] = std::nextafter((map.*array)[0], 100.f);
+    float& number = (map.block(0).*array)[0];
+    number = std::nextafter(number, 100.f);
     EXPECT_NE(Digest(trajectory, map), digest);
   }
-  for (const auto array : {&SurfelMap::red, &SurfelMap::green, &SurfelMap::blue}) {
+  for (const auto array : {&Block::red, &Block::green, &Block::blue}) {
     SurfelMap map = OneSurfel();
-    ++(map.*array)[0];
+    ++(map.block(0).*array)[0];
     EXPECT_NE(Digest(trajectory, map), digest);
   }
-  for (const auto array : {&SurfelMap::first_seen, &SurfelMap::last_seen}) {
+  for (const auto array : {&Block::first_seen, &Block::last_seen}) {
     SurfelMap map = OneSurfel();
-    ++(map.*array)[0];
+    ++(map.block(0).*array)[0];
     EXPECT_NE(Digest(trajectory, map), digest);
   }
 }

@@ -61,8 +61,11 @@ struct LaneMask {
 //   LoadUpTo(from, count): the first `count` >= 1 values, the last of them repeated.
 //   StoreUpTo(to, count): writes the first `count` values only.
 //   StoreTruncated(to): as integers, rounded towards zero.
+//   LoadHalves(low, high), StoreHalves(low, high): the first and the second half of the lanes in
+//   two places; the second half is stored last.
 //   UpTo(count): zeros beyond the first `count` values.
 //   Select(condition, a, b): condition ? a : b, lane by lane.
+//   Both(a, b), Any(mask): whether both masks are set in a lane, whether one is in any.
 //   Evens(a, b), Odds(a, b): every other one of the values of a and then b.
 // NOLINTBEGIN(bugprone-macro-parentheses): TARGET is an attribute, or nothing
 #define SURFIT_DEFINE_LANES(INSTRUCTIONS, TARGET)                                             \
@@ -70,6 +73,7 @@ struct LaneMask {
   struct Lanes<S, INSTRUCTIONS> {                                                             \
     static constexpr int kCount = 32 / sizeof(S);                                             \
     using Vector __attribute__((vector_size(32))) = S;                                        \
+    using Half __attribute__((vector_size(16))) = S;                                          \
     using Mask = LaneMask<S, INSTRUCTIONS>;                                                   \
                                                                                               \
     TARGET Lanes() : v{} {}                                                                   \
@@ -86,6 +90,28 @@ struct LaneMask {
       S values[kCount];                                                                       \
       for (int k = 0; k < kCount; ++k) values[k] = from[k < count ? k : count - 1];           \
       return Load(values);                                                                    \
+    }                                                                                         \
+    TARGET static Lanes LoadHalves(const S* low, const S* high) {                             \
+      Half a, b;                                                                              \
+      std::memcpy(&a, low, sizeof(a));                                                        \
+      std::memcpy(&b, high, sizeof(b));                                                       \
+      if constexpr (kCount == 8) {                                                            \
+        return __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7);                         \
+      } else {                                                                                \
+        return __builtin_shufflevector(a, b, 0, 1, 2, 3);                                     \
+      }                                                                                       \
+    }                                                                                         \
+    TARGET void StoreHalves(S* low, S* high) const {                                          \
+      Half a, b;                                                                              \
+      if constexpr (kCount == 8) {                                                            \
+        a = __builtin_shufflevector(v, v, 0, 1, 2, 3);                                        \
+        b = __builtin_shufflevector(v, v, 4, 5, 6, 7);                                        \
+      } else {                                                                                \
+        a = __builtin_shufflevector(v, v, 0, 1);                                              \
+        b = __builtin_shufflevector(v, v, 2, 3);                                              \
+      }                                                                                       \
+      std::memcpy(low, &a, sizeof(a));                                                        \
+      std::memcpy(high, &b, sizeof(b));                                                       \
     }                                                                                         \
     TARGET void Store(S* to) const { std::memcpy(to, &v, sizeof(v)); }                        \
     TARGET void StoreUpTo(S* to, int count) const {                                           \
@@ -121,6 +147,12 @@ struct LaneMask {
       return condition.v ? a.v : b.v;                                                         \
     }                                                                                         \
     TARGET friend Lanes Min(const Lanes& a, const Lanes& b) { return a.v < b.v ? a.v : b.v; } \
+    TARGET static bool Any(const Mask& mask) {                                                \
+      using Words __attribute__((vector_size(32))) = std::uint64_t;                           \
+      const Words words = reinterpret_cast<Words>(mask.v);                                    \
+      return (words[0] | words[1] | words[2] | words[3]) != 0;                                \
+    }                                                                                         \
+    TARGET static Mask Both(const Mask& a, const Mask& b) { return {a.v & b.v}; }             \
     TARGET friend Lanes Max(const Lanes& a, const Lanes& b) { return a.v < b.v ? b.v : a.v; } \
     TARGET friend Lanes abs(const Lanes& x) {                                                 \
       using Bits = decltype(x.v < x.v);                                                       \

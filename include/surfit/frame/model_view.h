@@ -14,8 +14,7 @@ struct ModelView {
 
   Rigid3d world_from_view;
   FrameLevel surface;                // in the view's camera frame
-  Image<Rgb8> color;                 // (0, 0, 0) where nothing is seen
-  Image<std::int32_t> surfel_index;  // kNoSurfel where nothing is seen
+  Image<std::int32_t> surfel_index;  // ids in the map; kNoSurfel where nothing is seen
 };
 
 }  // namespace surfit

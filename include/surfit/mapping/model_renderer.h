@@ -48,7 +48,11 @@ class ModelRenderer {
 
  private:
   RenderOptions options_;
-  std::vector<DiscList> lists_;  // the map's discs, part by part
+  std::vector<DiscList> lists_;  // the discs of the cells in view
 };
+
+// The colours of the surfels that a view of the map shows, (0, 0, 0) where there is none. The map
+// must not have changed since.
+Image<Rgb8> ColorsOf(const ModelView& view, const SurfelMap& map);
 
 }  // namespace surfit

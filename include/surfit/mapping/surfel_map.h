@@ -1,67 +1,80 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
+#include <unordered_map>
 #include <vector>
 
-#include "surfit/core/image.h"
+#include "surfit/mapping/surfel_block.h"
 
 namespace surfit {
 
-// One surfel: an oriented disc, in the world frame.
-struct Surfel {
-  Eigen::Vector3f position_in_world = Eigen::Vector3f::Zero();  // metres
-  Eigen::Vector3f normal_in_world = Eigen::Vector3f::Zero();    // unit length, towards the observer
-  Rgb8 color;
-  float radius_m = 0;
-  float confidence = 0;         // sum of the weights of its observations
-  std::int32_t first_seen = 0;  // frame index
-  std::int32_t last_seen = 0;   // frame index
-  bool at_edge = false;         // no observation yet but at depth edges
+// The surfels of one cube of space, but for the little way that merging has moved some since: all
+// blocks but the last are full.
+struct SurfelCell {
+  std::vector<std::int32_t> blocks;
+  SurfelBounds bounds;     // of all of them
+  bool is_marked = false;  // some of the surfels are: see SurfelMap::RemoveMarked()
 };
 
-// A measured point that is to be merged with a surfel.
-struct SurfelObservation {
-  Eigen::Vector3f position_in_world = Eigen::Vector3f::Zero();  // metres
-  Eigen::Vector3f normal_in_world = Eigen::Vector3f::Zero();    // unit length
-  Rgb8 color;
-  float radius_m = 0;
-  float weight = 1;      // a
-  bool at_edge = false;  // at a depth edge, with the normal of a neighbour
-};
-
-// The fused map as structure of arrays, all of size().
+// The fused map: surfels in blocks, blocks in the cells of a grid, so that work on what a camera
+// sees touches little else, and growing moves nothing.
+//
+// An id names a surfel until one is removed from its cell: block * SurfelBlock::kCapacity + place.
+// Ids are below id_end(), but not all of these are in use.
 class SurfelMap {
  public:
-  std::size_t size() const { return x.size(); }
-  void Reserve(std::size_t count);
-  void Append(const Surfel& surfel);
-  Surfel operator[](std::size_t i) const;
-  Rgb8 Color(std::size_t i) const;
-  void Set(std::size_t i, const Surfel& surfel);
+  static constexpr float kCellSize = 0.5f;  // metres
 
-  // The weighted average of surfel i with an observation of weight a: position, normal and colour
-  // become (w q + a p) / (w + a), w the confidence; the normal is unit again, the radius the
-  // smaller of both, and w becomes w + a, but at most max_confidence. Without `refine` position,
-  // normal and radius stay: the observation cannot improve them.
-  void Merge(std::size_t i, const SurfelObservation& observation, bool refine,
+  std::size_t size() const { return size_; }
+  std::int32_t id_end() const {
+    return static_cast<std::int32_t>(blocks_.size()) * SurfelBlock::kCapacity;
+  }
+  bool Has(std::int32_t id) const { return PlaceOf(id) < block(BlockOf(id)).count; }
+  // All ids, cell by cell. The same changes to a map give the same order.
+  std::vector<std::int32_t> Ids() const;
+
+  Surfel operator[](std::int32_t id) const { return block(BlockOf(id))[PlaceOf(id)]; }
+  Rgb8 Color(std::int32_t id) const { return block(BlockOf(id)).Color(PlaceOf(id)); }
+
+  // Returns its id.
+  std::int32_t Append(const Surfel& surfel);
+  // Appends them in their order, written in parallel.
+  void Append(const std::vector<Surfel>& surfels);
+
+  // SurfelBlock::Merge, and keeps the bounds.
+  void Merge(std::int32_t id, const SurfelObservation& observation, bool refine,
              float max_confidence);
 
-  // Removes the surfels with remove[i] != 0 and adds others. The added ones take the places of the
-  // removed, in order; what stays empty is filled from the end. Returns how many were removed.
-  std::size_t Replace(const std::vector<std::uint8_t>& remove, const std::vector<Surfel>& added);
+  // Marks a surfel for RemoveMarked().
+  void Mark(std::int32_t id);
+  // Removes all marked surfels; the last ones of a cell take their places. Returns how many there
+  // were.
+  std::size_t RemoveMarked();
 
-  std::vector<float> x, y, z;                   // position in the world, metres
-  std::vector<float> nx, ny, nz;                // unit normal in the world
-  std::vector<std::uint16_t> red, green, blue;  // sRGB in 1/256 of an 8-bit step
-  std::vector<float> radius_m;
-  std::vector<float> confidence;
-  std::vector<std::int32_t> first_seen, last_seen;  // frame index
-  std::vector<std::uint8_t> at_edge;                // 1 = no observation yet but at depth edges
+  // For those who work on many surfels at once. Who changes them keeps true what blocks and cells
+  // tell about them.
+  std::int32_t cell_count() const { return static_cast<std::int32_t>(cells_.size()); }
+  SurfelCell& cell(std::int32_t i) { return cells_[i]; }
+  const SurfelCell& cell(std::int32_t i) const { return cells_[i]; }
+  SurfelBlock& block(std::int32_t i) { return blocks_[i]; }
+  const SurfelBlock& block(std::int32_t i) const { return blocks_[i]; }
 
  private:
-  void FillFromTheEnd(const std::vector<std::size_t>& holes);
+  static std::int32_t BlockOf(std::int32_t id) { return id / SurfelBlock::kCapacity; }
+  static int PlaceOf(std::int32_t id) { return id % SurfelBlock::kCapacity; }
+  std::int32_t CellAt(const Eigen::Vector3f& position_in_world);
+  std::int32_t Place(const Surfel& surfel);
+  void AddBlock(std::int32_t cell);
+  void RemoveMarked(SurfelCell* cell);
+  void RemoveLast(SurfelCell* cell);
+
+  std::size_t size_ = 0;
+  std::deque<SurfelBlock> blocks_;  // never moved
+  std::vector<std::int32_t> free_blocks_;
+  std::vector<SurfelCell> cells_;
+  std::unordered_map<std::uint64_t, std::int32_t> cell_of_key_;
 };
 
 }  // namespace surfit

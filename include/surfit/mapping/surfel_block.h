@@ -1,0 +1,92 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+
+#include "surfit/mapping/surfel.h"
+
+namespace surfit {
+
+// What is known of all surfels of a set without looking at them: bounds, which hold but need not be
+// tight.
+struct SurfelBounds {
+  float low[3] = {kMost, kMost, kMost};  // of positions in the world, metres
+  float high[3] = {-kMost, -kMost, -kMost};
+  float least_confidence = kMost;
+  std::int32_t least_last_seen = std::numeric_limits<std::int32_t>::max();
+
+  bool empty() const { return low[0] > high[0]; }
+  void Add(const Eigen::Vector3f& position_in_world);
+  void Add(const SurfelBounds& other);
+
+ private:
+  static constexpr float kMost = std::numeric_limits<float>::infinity();
+};
+
+// Up to kCapacity surfels that are close together, as structure of arrays: 47 bytes each. The first
+// `count` are in use; the others hold finite numbers.
+struct SurfelBlock {
+  static constexpr int kCapacity = 64;  // one bit each in a mask
+
+  std::uint64_t at_edge = 0;    // mask: no observation yet but at depth edges
+  std::uint64_t to_remove = 0;  // mask: see SurfelMap::RemoveMarked()
+  std::int32_t count = 0;
+  std::int32_t cell = 0;  // of the map, that it belongs to
+  SurfelBounds bounds;
+
+  float x[kCapacity] = {}, y[kCapacity] = {}, z[kCapacity] = {};  // position in the world, metres
+  float nx[kCapacity] = {}, ny[kCapacity] = {}, nz[kCapacity] = {};  // unit normal in the world
+  float radius_m[kCapacity] = {};
+  float confidence[kCapacity] = {};
+  std::int32_t first_seen[kCapacity] = {}, last_seen[kCapacity] = {};  // frame index
+  // sRGB in 1/256 of an 8-bit step.
+  std::uint16_t red[kCapacity] = {}, green[kCapacity] = {}, blue[kCapacity] = {};
+
+  Surfel operator[](int k) const;
+  Rgb8 Color(int k) const;
+
+  // Writes surfel k. Different ones may be written at the same time.
+  void Write(int k, const Surfel& surfel);
+  // Does the rest for a surfel that is, or will be, written: the mask and the bounds.
+  void Announce(int k, const Surfel& surfel);
+  // Takes surfel j of another block as surfel k.
+  void Take(int k, const SurfelBlock& other, int j);
+
+  // The weighted average of surfel k with an observation of weight a: position, normal and colour
+  // become (w q + a p) / (w + a), w the confidence; the normal is unit again, the radius the
+  // smaller of both, and w becomes w + a, but at most max_confidence. Without `refine` position,
+  // normal and radius stay: the observation cannot improve them. The bounds stay as they are.
+  void Merge(int k, const SurfelObservation& observation, bool refine, float max_confidence);
+};
+
+// Here, as fusion does it hundreds of thousands of times a frame.
+inline void SurfelBlock::Merge(int k, const SurfelObservation& seen, bool refine,
+                               float max_confidence) {
+  // (w q + a p) / (w + a) = q + share (p - q)
+  const float share = seen.weight / (confidence[k] + seen.weight);
+  if (refine) {
+    Eigen::Vector3f p(x[k], y[k], z[k]), n(nx[k], ny[k], nz[k]);
+    p += share * (seen.position_in_world - p);
+    n = (n + share * (seen.normal_in_world - n)).normalized();
+    x[k] = p.x();
+    y[k] = p.y();
+    z[k] = p.z();
+    nx[k] = n.x();
+    ny[k] = n.y();
+    nz[k] = n.z();
+    radius_m[k] = std::min(radius_m[k], seen.radius_m);
+  }
+  const auto mix = [share](std::uint16_t* old, std::uint8_t byte) {
+    const float value = *old;
+    *old = static_cast<std::uint16_t>(value + share * (256.f * byte - value) + 0.5f);
+  };
+  mix(&red[k], seen.color.r);
+  mix(&green[k], seen.color.g);
+  mix(&blue[k], seen.color.b);
+  if (!seen.at_edge) at_edge &= ~(std::uint64_t{1} << k);
+  confidence[k] = std::min(confidence[k] + seen.weight, max_confidence);
+}
+
+}  // namespace surfit

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+
+#include "surfit/mapping/surfel_block.h"
+
+namespace surfit {
+
+// Numbers of each surfel of a block. Loops over all of them are free of branches, for the compiler
+// to do several surfels at once; see WithInstructions().
+template <typename T>
+using PerSurfel = T[SurfelBlock::kCapacity];
+
+// A mask of those for which the flag is 1 and not 0.
+inline std::uint64_t MaskOf(const PerSurfel<std::uint8_t>& flags) {
+  std::uint64_t mask = 0;
+  for (int byte = 0; byte < 8; ++byte) {
+    std::uint64_t eight;
+    std::memcpy(&eight, &flags[8 * byte], 8);
+    // Bit k of the highest byte is bit 0 of byte k.
+    mask |= (eight * 0x0102040810204080u) >> 56 << (8 * byte);
+  }
+  return mask;
+}
+
+// Of those in use.
+inline std::uint64_t MaskOfAll(const SurfelBlock& block) {
+  return ~std::uint64_t{0} >> (SurfelBlock::kCapacity - block.count);
+}
+
+// Calls f(k) for the bits that are set, in order.
+template <typename F>
+void ForEachBit(std::uint64_t mask, const F& f) {
+  for (; mask != 0; mask &= mask - 1) f(__builtin_ctzll(mask));
+}
+
+// The least of the numbers. In eight parts, as the order of comparisons must not be left to the
+// compiler for it to do several at once.
+inline float LeastOf(const PerSurfel<float>& numbers) {
+  float least[8];
+  for (int j = 0; j < 8; ++j) least[j] = numbers[j];
+  for (int k = 8; k < SurfelBlock::kCapacity; k += 8) {
+    for (int j = 0; j < 8; ++j) least[j] = numbers[k + j] < least[j] ? numbers[k + j] : least[j];
+  }
+  for (int j = 1; j < 8; ++j) least[0] = least[j] < least[0] ? least[j] : least[0];
+  return least[0];
+}
+
+}  // namespace surfit

@@ -1,0 +1,81 @@
+#include "surfit/mapping/surfel_block.h"
+
+#include <algorithm>
+
+namespace surfit {
+namespace {
+
+std::uint8_t ToByte(std::uint16_t value) {
+  return static_cast<std::uint8_t>(std::min(255, (value + 128) >> 8));
+}
+
+std::uint16_t FromByte(std::uint8_t value) { return static_cast<std::uint16_t>(value << 8); }
+
+std::uint64_t Bit(int k) { return std::uint64_t{1} << k; }
+
+}  // namespace
+
+void SurfelBounds::Add(const Eigen::Vector3f& position) {
+  for (int axis = 0; axis < 3; ++axis) {
+    low[axis] = std::min(low[axis], position[axis]);
+    high[axis] = std::max(high[axis], position[axis]);
+  }
+}
+
+void SurfelBounds::Add(const SurfelBounds& other) {
+  for (int axis = 0; axis < 3; ++axis) {
+    low[axis] = std::min(low[axis], other.low[axis]);
+    high[axis] = std::max(high[axis], other.high[axis]);
+  }
+  least_confidence = std::min(least_confidence, other.least_confidence);
+  least_last_seen = std::min(least_last_seen, other.least_last_seen);
+}
+
+Surfel SurfelBlock::operator[](int k) const {
+  Surfel s;
+  s.position_in_world = {x[k], y[k], z[k]};
+  s.normal_in_world = {nx[k], ny[k], nz[k]};
+  s.color = Color(k);
+  s.radius_m = radius_m[k];
+  s.confidence = confidence[k];
+  s.first_seen = first_seen[k];
+  s.last_seen = last_seen[k];
+  s.at_edge = (at_edge & Bit(k)) != 0;
+  return s;
+}
+
+Rgb8 SurfelBlock::Color(int k) const { return {ToByte(red[k]), ToByte(green[k]), ToByte(blue[k])}; }
+
+void SurfelBlock::Write(int k, const Surfel& s) {
+  x[k] = s.position_in_world.x();
+  y[k] = s.position_in_world.y();
+  z[k] = s.position_in_world.z();
+  nx[k] = s.normal_in_world.x();
+  ny[k] = s.normal_in_world.y();
+  nz[k] = s.normal_in_world.z();
+  red[k] = FromByte(s.color.r);
+  green[k] = FromByte(s.color.g);
+  blue[k] = FromByte(s.color.b);
+  radius_m[k] = s.radius_m;
+  confidence[k] = s.confidence;
+  first_seen[k] = s.first_seen;
+  last_seen[k] = s.last_seen;
+}
+
+void SurfelBlock::Announce(int k, const Surfel& s) {
+  at_edge = s.at_edge ? at_edge | Bit(k) : at_edge & ~Bit(k);
+  bounds.Add(s.position_in_world);
+  bounds.least_confidence = std::min(bounds.least_confidence, s.confidence);
+  bounds.least_last_seen = std::min(bounds.least_last_seen, s.last_seen);
+}
+
+void SurfelBlock::Take(int k, const SurfelBlock& other, int j) {
+  const Surfel surfel = other[j];
+  Write(k, surfel);
+  Announce(k, surfel);
+  red[k] = other.red[j];  // finer than bytes
+  green[k] = other.green[j];
+  blue[k] = other.blue[j];
+}
+
+}  // namespace surfit
