@@ -1,0 +1,104 @@
+// Measures the time of a frame, and how many times that is what the frame takes in any case.
+//
+//   frame_time sequence output [frames [max_multiple [solver]]]
+//
+// In any case a frame is decoded, and the bytes it must touch go through memory once:
+// - depth and colour as decoded, 7 bytes a pixel;
+// - vertices and normals of all levels of the frame, and of the model view: 24 bytes each;
+// - the surfels that met a point or were added: 48 bytes each, read and written.
+// The first figure is the run's own, the second a copy of as many bytes by as many threads before
+// and after the run, so that the multiple says the same on a slower or busier machine. Exits with 1
+// if it is above max_multiple.
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <exception>
+#include <string>
+#include <vector>
+
+#include "surfit/core/parallel.h"
+#include "surfit/run/slam_run.h"
+
+namespace surfit {
+namespace {
+
+std::size_t BytesOfFrame(const SlamRunSummary& summary) {
+  const double frames = std::max(1, summary.frames_total);
+  const double pixels = static_cast<double>(summary.input_points) / frames;
+  constexpr double kAllLevels = 4. / 3;
+  const double surfels = static_cast<double>(summary.updated + summary.added) / frames;
+  return static_cast<std::size_t>(pixels * (7 + 2 * 24 * kAllLevels) + 2 * 48 * surfels);
+}
+
+// The fastest of some copies: half of the bytes are read, half are written.
+double CopyMilliseconds(std::size_t bytes) {
+  constexpr int kRepetitions = 20, kChunk = 1 << 18;
+  std::vector<char> from(bytes / 2, 1), to(bytes / 2);
+  double fastest_ms = 1e9;
+  for (int i = 0; i < kRepetitions; ++i) {
+    const auto start = std::chrono::steady_clock::now();
+    ParallelFor(0, static_cast<int>(from.size()), kChunk, [&](int begin, int end) {
+      std::memcpy(to.data() + begin, from.data() + begin, end - begin);
+    });
+    const std::chrono::duration<double, std::milli> elapsed =
+        std::chrono::steady_clock::now() - start;
+    fastest_ms = std::min(fastest_ms, elapsed.count());
+  }
+  return fastest_ms;
+}
+
+double MedianOf(const SlamRunSummary& summary, const std::string& stage) {
+  for (const StageStatistics& s : summary.stages) {
+    if (s.name == stage) return s.times.median_ms;
+  }
+  return 0;
+}
+
+int Measure(const SlamRunOptions& options, double max_multiple) {
+  const SlamRunSummary summary = RunSlam(options, std::atomic<bool>(false), [](const auto&) {});
+  const ThreadLimit threads(options.threads);
+  const std::size_t bytes = BytesOfFrame(summary);
+  const double decode_ms = MedianOf(summary, "decode"), copy_ms = CopyMilliseconds(bytes);
+  const double multiple = summary.frame.median_ms / (decode_ms + copy_ms);
+  std::printf("%d frames, %zu surfels, %d lost\n", summary.frames_total, summary.map_points,
+              summary.frames_lost);
+  for (const StageStatistics& s : summary.stages) {
+    std::printf("  %-10s %7.2f ms, p95 %7.2f\n", s.name.c_str(), s.times.median_ms, s.times.p95_ms);
+  }
+  std::printf("frame %.2f ms, p95 %.2f\n", summary.frame.median_ms, summary.frame.p95_ms);
+  std::printf("decoding %.2f ms + %.1f MB through memory %.2f ms; frame / these: %.2f\n", decode_ms,
+              1e-6 * static_cast<double>(bytes), copy_ms, multiple);
+  if (multiple <= max_multiple) return 0;
+  std::printf("more than %.2f\n", max_multiple);
+  return 1;
+}
+
+int Run(int argc, char** argv) {
+  if (argc < 3) {
+    std::fprintf(stderr, "usage: frame_time sequence output [frames [max_multiple [solver]]]\n");
+    return 1;
+  }
+  SlamRunOptions options;
+  options.sequence.path = argv[1];
+  options.output = argv[2];
+  options.pictures = false;
+  if (argc > 3) options.sequence.last = std::atoi(argv[3]) - 1;
+  if (argc > 5) options.slam.icp.solver = argv[5];
+  return Measure(options, argc > 4 ? std::atof(argv[4]) : 1e9);
+}
+
+}  // namespace
+}  // namespace surfit
+
+int main(int argc, char** argv) {
+  try {
+    return surfit::Run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "error: %s\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,58 @@
+#!/usr/bin/env bash
+# Makes docs/performance.md: times of frames, of hot functions, and beside other systems where these
+# are installed. On an otherwise idle machine it takes about ten minutes.
+#
+#   tools/scripts/performance.sh [DATA]      DATA: folder of recorded sequences
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/../.."
+data=${1:-${SURFIT_DATA_DIR:-../shared/data}}
+benchmarks=build/release/tests/benchmarks
+out=docs/performance.md
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+
+tools/scripts/build.sh release all
+
+# A heading, and what a command prints.
+table() {
+  local title=$1
+  shift
+  echo "$title" >&2
+  {
+    echo "## $title"
+    echo
+    echo "    $ ${*//$scratch/out}"
+    "$@" 2>>"$scratch/errors" | sed 's/^/    /'
+    echo
+  } >>"$scratch/tables"
+}
+
+for sequence in seven_scenes_kitchen icl_office icl_office_kinect; do
+  if [[ -d $data/$sequence ]]; then
+    table "Frames of $sequence" "$benchmarks/frame_time" "$data/$sequence" "$scratch/run"
+  fi
+done
+if [[ -d $data/seven_scenes_kitchen ]]; then
+  table "Frames of seven_scenes_kitchen, 200, solver ceres" \
+    "$benchmarks/frame_time" "$data/seven_scenes_kitchen" "$scratch/run" 200 1e9 ceres
+  if [[ -x $benchmarks/peers/slam_peers ]]; then
+    table "Beside other systems" "$benchmarks/peers/slam_peers" "$data/seven_scenes_kitchen" 200
+  fi
+  if [[ -x $benchmarks/peers/registration_peers ]]; then
+    table "Registration of clouds beside other libraries" \
+      "$benchmarks/peers/registration_peers" "$data" 5
+  fi
+fi
+for benchmark in tracking mapping cost_functions; do
+  table "Functions: $benchmark" "$benchmarks/benchmark_$benchmark"
+done
+
+{
+  echo "# Performance"
+  echo
+  echo "Made by \`tools/scripts/performance.sh\` on $(date +%F), commit $(git rev-parse --short HEAD):"
+  echo "$(nproc) processors, $(sed -n 's/^model name\s*: //p' /proc/cpuinfo | head -1)."
+  echo
+  cat "$scratch/tables"
+} >"$out"
+echo "$out"
