@@ -108,6 +108,10 @@ void PrintSummary(const SlamRunSummary& s, const std::string& output) {
   std::printf("%s: %d frames, %d tracked, %d lost, %d skipped%s\n", output.c_str(), s.frames_total,
               s.frames_tracked, s.frames_lost, s.frames_skipped,
               s.interrupted ? ", interrupted" : "");
+  if (s.frames_without_intensities > 0) {
+    std::printf("%d frames without intensities, tracked by their shapes alone\n",
+                s.frames_without_intensities);
+  }
   std::printf("updated %lld, added %lld, removed %lld, total points %zu, compression %.1f : 1\n",
               static_cast<long long>(s.updated), static_cast<long long>(s.added),
               static_cast<long long>(s.removed), s.map_points, s.compression_ratio);

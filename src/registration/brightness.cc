@@ -6,29 +6,17 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "surfit/frame/intensity.h"
+
 namespace surfit {
 namespace {
 
 constexpr double kDetailSigmaPx = 3;
 
-// ITU-R BT.601.
 Image<float> Brightness(const Image<Rgb8>& color) {
   Image<float> brightness(color.width(), color.height());
-  for (std::size_t i = 0; i < color.size(); ++i) {
-    brightness[i] = (0.299f * color[i].r + 0.587f * color[i].g + 0.114f * color[i].b) / 255.f;
-  }
+  for (std::size_t i = 0; i < color.size(); ++i) brightness[i] = GreyOf(color[i]);
   return brightness;
-}
-
-Image<float> HalfResolution(const Image<float>& fine) {
-  Image<float> coarse(fine.width() / 2, fine.height() / 2);
-  for (int v = 0; v < coarse.height(); ++v) {
-    const float *above = fine.row(2 * v), *below = fine.row(2 * v + 1);
-    for (int u = 0; u < coarse.width(); ++u, above += 2, below += 2) {
-      coarse(u, v) = (above[0] + above[1] + below[0] + below[1]) / 4;
-    }
-  }
-  return coarse;
 }
 
 Image<float> Detail(Image<float>& value) {

@@ -52,8 +52,8 @@ class ReducedCeresSolver final : public PairSolver<ReducedCeresSolver> {
   bool ReachesMinimum() const override { return true; }
 
   template <typename S>
-  Vector6d Solve(Pairs<S> pairs, const RobustKernel& kernel, const StepResult&,
-                 SolveReport* report) const {
+  Vector6d Solve(Pairs<S> pairs, const RobustKernel& kernel, const IntensityPairs& intensities,
+                 const StepResult&, SolveReport* report) const {
     const Stopwatch building;
     PoseBlock pose = IdentityBlock();
     ceres::Problem problem;
@@ -61,6 +61,10 @@ class ReducedCeresSolver final : public PairSolver<ReducedCeresSolver> {
     problem.AddResidualBlock(
         MakeReducedCost(std::move(pairs), options().residual, kernel).release(), nullptr,
         pose.data());
+    if (intensities.size > 0) {
+      problem.AddResidualBlock(MakeReducedCost(intensities, *photometric()).release(), nullptr,
+                               pose.data());
+    }
     report->build_ms = building.Milliseconds();
     SolveProblem<S>(ceres::DENSE_QR, options().min_relative_cost_change, &problem, report);
     return AsIncrement(pose);
@@ -91,18 +95,23 @@ class PerPointCeresSolver final : public PairSolver<PerPointCeresSolver> {
   bool ReachesMinimum() const override { return true; }
 
   template <typename S>
-  Vector6d Solve(Pairs<S> pairs, const RobustKernel& kernel, const StepResult&,
-                 SolveReport* report) const {
+  Vector6d Solve(Pairs<S> pairs, const RobustKernel& kernel, const IntensityPairs& intensities,
+                 const StepResult&, SolveReport* report) const {
     return WithFunctorOf(options().residual, [&](const auto& functor) {
       const Stopwatch building;
       PoseBlock pose = IdentityBlock();
-      KernelLoss loss(kernel);
+      KernelLoss loss(kernel),
+          intensity_loss(photometric() != nullptr ? photometric()->kernel() : kernel);
       ceres::Problem::Options ownership;
       ownership.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
       ceres::Problem problem(ownership);
       problem.AddParameterBlock(pose.data(), kPoseSize, new LeftPoseManifold);
       AddBlocks(MakeBatch(std::move(pairs), functor), functor,
                 kernel.type == RobustKernelType::kNone ? nullptr : &loss, &problem, &pose);
+      if (intensities.size > 0) {
+        AddBlocks(MakeBatch(intensities, *photometric()), FunctorOf(photometric()->camera()),
+                  &intensity_loss, &problem, &pose);
+      }
       report->build_ms = building.Milliseconds();
       SolveProblem<S>(linear_solver_, options().min_relative_cost_change, &problem, report);
       return AsIncrement(pose);
@@ -111,10 +120,10 @@ class PerPointCeresSolver final : public PairSolver<PerPointCeresSolver> {
 
  private:
   template <typename Functor, typename S>
-  static void AddBlocks(const BatchData<Functor, S>& batch, const Functor&,
+  static void AddBlocks(const BatchData<Functor, S>& batch, const Functor& prototype,
                         ceres::LossFunction* loss, ceres::Problem* problem, PoseBlock* pose) {
     for (std::size_t i = 0; i < batch.size(); ++i) {
-      auto* functor = new Functor;
+      auto* functor = new Functor(prototype);
       for (int k = 0; k < Functor::kDataSize; ++k) functor->data[k] = batch.array(k)[i];
       problem->AddResidualBlock(
           new ceres::AutoDiffCostFunction<Functor, Functor::kResidualSize, kPoseSize>(functor),

@@ -6,6 +6,7 @@
 #include "cost_functions/robust_kernel.h"
 #include "registration/linearize.h"
 #include "registration/pair_solver.h"
+#include "registration/photometric_rows.h"
 #include "registration/residual_rows.h"
 #include "registration/solver_factories.h"
 
@@ -53,7 +54,7 @@ class NormalSystemSolver final : public PoseSolver {
     result->increment = result->observability.Degenerate()
                             ? SolveHeld(result->system, result->observability)
                             : solve_(result->system);
-    result->report.costs = {result->system.cost};
+    result->report.costs = {result->system.JointCost()};
     result->report.linearize_ms = linearize_ms;
     result->report.solve_ms = linearize_ms + solving.Milliseconds();
     return *result;
@@ -69,14 +70,17 @@ class QrSolver final : public PairSolver<QrSolver> {
   using PairSolver::PairSolver;
 
   template <typename S>
-  Vector6d Solve(const Pairs<S>& pairs, const RobustKernel& kernel, const StepResult& before,
+  Vector6d Solve(const Pairs<S>& pairs, const RobustKernel& kernel,
+                 const IntensityPairs& intensities, const StepResult& before,
                  SolveReport* report) const {
     const Stopwatch solving;
     if (before.observability.Degenerate()) {
       return SolveHeld(before.system, before.observability);
     }
-    const Eigen::Matrix<double, Eigen::Dynamic, 7> rows = WithRowsOf(
-        options().residual, [&](auto type) { return WeightedRows<decltype(type)>(pairs, kernel); });
+    AllRows rows = WithRowsOf(options().residual, [&](auto type) {
+      return WeightedRows<decltype(type)>(pairs, kernel, intensities.size);
+    });
+    if (intensities.size > 0) SetIntensityRows(intensities, &rows);
     report->linearize_ms = solving.Milliseconds();
     const Vector6d increment = rows.template leftCols<6>().householderQr().solve(-rows.col(6));
     report->solve_ms = solving.Milliseconds();
@@ -84,11 +88,13 @@ class QrSolver final : public PairSolver<QrSolver> {
   }
 
  private:
+  using AllRows = Eigen::Matrix<double, Eigen::Dynamic, kRowColumns>;
+
+  // Those of the pairs, and room for more at the end.
   template <typename Rows, typename S>
-  static Eigen::Matrix<double, Eigen::Dynamic, 7> WeightedRows(const Pairs<S>& pairs,
-                                                               const RobustKernel& kernel) {
+  static AllRows WeightedRows(const Pairs<S>& pairs, const RobustKernel& kernel, int more) {
     constexpr int kRows = Rows::kRows;
-    Eigen::Matrix<double, Eigen::Dynamic, 7> all(pairs.size * kRows, 7);
+    AllRows all(pairs.size * kRows + more, kRowColumns);
     for (int i = 0; i < pairs.size; ++i) {
       double rows[kRows][kRowColumns];
       const PairValues<double> pair{{pairs.px[i], pairs.py[i], pairs.pz[i]},
@@ -103,6 +109,23 @@ class QrSolver final : public PairSolver<QrSolver> {
       all.template middleRows<kRows>(i * kRows) = std::sqrt(pair.information * slope) * block;
     }
     return all;
+  }
+
+  void SetIntensityRows(const IntensityPairs& pairs, AllRows* all) const {
+    const PhotometricTerm& term = *photometric();
+    for (int i = 0; i < pairs.size; ++i) {
+      const IntensityValues<double> values = {{pairs.px[i], pairs.py[i], pairs.pz[i]},
+                                              term.exposure().Residual(pairs, i),
+                                              pairs.slope_u[i],
+                                              pairs.slope_v[i]};
+      double row[kRowColumns];
+      SetPhotometricRow(values, term.camera().fx, term.camera().fy, row);
+      const double s = term.information() * values.residual * values.residual;
+      const double slope = EvaluateKernel(term.kernel(), s).slope;
+      all->row(all->rows() - pairs.size + i) =
+          std::sqrt(term.information() * slope) *
+          Eigen::Map<const Eigen::Matrix<double, 1, kRowColumns>>(row);
+    }
   }
 };
 

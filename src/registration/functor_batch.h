@@ -5,10 +5,12 @@
 #include <utility>
 
 #include "cost_functions/batch_data.h"
+#include "cost_functions/photometric.h"
 #include "cost_functions/plane_to_plane.h"
 #include "cost_functions/point_to_plane.h"
 #include "cost_functions/point_to_point.h"
 #include "cost_functions/symmetric_point_to_plane.h"
+#include "registration/photometric_term.h"
 #include "registration/residual_rows.h"
 #include "surfit/core/parallel.h"
 
@@ -68,6 +70,30 @@ BatchData<PlaneToPlane, S> MakeBatch(Pairs<S> pairs, const PlaneToPlane&) {
                                      std::move(whitening[0]), std::move(whitening[1]),
                                      std::move(whitening[2]), std::move(whitening[3]),
                                      std::move(whitening[4]), std::move(whitening[5])});
+}
+
+inline Photometric FunctorOf(const PinholeCamera& camera) {
+  return {camera.fx, camera.fy, camera.cx, camera.cy};
+}
+
+// Intensities as data of Photometric: I0 - i is the residual at the present pose, looked up where
+// the point projects to.
+inline BatchData<Photometric, float> MakeBatch(const IntensityPairs& pairs,
+                                               const PhotometricTerm& term) {
+  const PinholeCamera& camera = term.camera();
+  RawVector<float> residual(pairs.size), u(pairs.size), v(pairs.size);
+  ParallelFor(0, pairs.size, 4096, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) {
+      residual[i] = term.exposure().Residual(pairs, i);
+      const double x = pairs.px[i], y = pairs.py[i], z = pairs.pz[i];
+      u[i] = static_cast<float>(camera.fx * x / z + camera.cx);
+      v[i] = static_cast<float>(camera.fy * y / z + camera.cy);
+    }
+  });
+  const auto inverse_sigma = static_cast<float>(std::sqrt(term.information()));
+  return BatchData<Photometric, float>({pairs.px, pairs.py, pairs.pz, std::move(residual),
+                                        pairs.slope_u, pairs.slope_v, std::move(u), std::move(v),
+                                        RawVector<float>(pairs.size, inverse_sigma)});
 }
 
 // Calls f with the functor of a residual, so that its type is known to the compiler.

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include "registration/icp_level.h"
+#include "registration/photometric_term.h"
 #include "surfit/registration/free_space.h"
 #include "surfit/registration/kd_tree_association.h"
 #include "surfit/registration/pose_solver.h"
@@ -43,9 +45,15 @@ void RegisterLevel(const FrameLevel& source, const FrameLevel& target, int level
   const ResidualType residual = ResidualTypeFromName(options.residual);
   const ErrorModel error_model = ErrorModelOfLevel(options, level);
   const std::unique_ptr<PoseSolver> solver = MakePoseSolver(SolverOptions(options, error_model));
-  const std::unique_ptr<Association> association =
-      MakeAssociation(source, target, options.association, GatesOfLevel(options, level),
-                      error_model, NormalsNeededBy(residual));
+  const AssociationGates gates = GatesOfLevel(options, level);
+  std::optional<PhotometricTerm> photometric;
+  if (error_model.UsesIntensities() && !source.intensity.empty() && !target.intensity.empty()) {
+    photometric.emplace(source, target, gates.max_distance_m, error_model,
+                        result->target_from_source);
+    solver->Use(*photometric);
+  }
+  const std::unique_ptr<Association> association = MakeAssociation(
+      source, target, options.association, gates, error_model, NormalsNeededBy(residual));
   RunLevel({*association, *solver, level, start, target.camera.fx}, options, result);
 }
 

@@ -11,7 +11,8 @@ struct PoseState {
   Rigid3d pose;
   StepResult step;
 
-  double Rmse() const { return std::sqrt(step.system.AverageLoss()); }
+  // What the rules of termination look at: without intensities the RMSE.
+  double JointRmse() const { return std::sqrt(step.system.JointLoss()); }
 };
 
 class LevelRun {
@@ -45,7 +46,8 @@ class LevelRun {
       if (TooFew(state)) return Finish(state, Termination::kTooFewInliers);
       if (i > 0 && RmseRose(best, state)) return Finish(best, Termination::kRmseIncreased);
       if (is_last) return Finish(state, result_.termination);
-      if (Converged(state, i > 0 ? best.Rmse() : 0)) result_.termination = Termination::kConverged;
+      if (Converged(state, i > 0 ? best.JointRmse() : 0))
+        result_.termination = Termination::kConverged;
       pose = LeftIncrement(state.step.increment, pose);
       ++result_.step_count;
       best = std::move(state);
@@ -79,7 +81,7 @@ class LevelRun {
   // pairs come to fit: then inliers rise with it.
   bool RmseRose(const PoseState& best, const PoseState& state) const {
     return options_.stop_at_rmse_increase &&
-           state.Rmse() > (1 + options_.min_relative_rmse_change) * best.Rmse() &&
+           state.JointRmse() > (1 + options_.min_relative_rmse_change) * best.JointRmse() &&
            state.step.system.inlier_count <= best.step.system.inlier_count;
   }
 
@@ -90,7 +92,7 @@ class LevelRun {
     const double step_px = level_.focal_px * (turn_rad + shift_m / state.step.system.RmsDistance());
     if (level_.level > 0 && step_px < options_.min_coarse_step_px) return true;
     return last_rmse > 0 &&
-           std::abs(state.Rmse() - last_rmse) < options_.min_relative_rmse_change * last_rmse;
+           std::abs(state.JointRmse() - last_rmse) < options_.min_relative_rmse_change * last_rmse;
   }
 
   void Record(const PoseState& state) {
@@ -108,7 +110,8 @@ class LevelRun {
     result_.inlier_count = system.inlier_count;
     result_.inlier_share =
         source_count_ > 0 ? static_cast<double>(system.inlier_count) / source_count_ : 0;
-    result_.rmse_m = state.Rmse();
+    result_.rmse_m = std::sqrt(system.AverageLoss());
+    result_.intensity_count = system.photometric.row_count;
     result_.information = system.hessian;
     result_.eigenvalues = observability.eigenvalues;
     result_.free_directions = observability.FreeDirections();

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cost_functions/robust_kernel.h"
+#include "registration/add_products.h"
 #include "registration/residual_rows.h"
 #include "surfit/core/parallel.h"
 
@@ -71,19 +72,7 @@ void AddLanes(const Pairs<S>& pairs, int first, int count, const RobustKernel& k
 
 template <typename V>
 void Flush(const LaneSums<V>& sums, NormalSystem* system) {
-  for (int i = 0, k = 0; i < kRowColumns; ++i) {
-    for (int j = i; j < kRowColumns; ++j, ++k) {
-      const double sum = SumOfLanes(sums.products.product[k]);
-      if (i == 6) {
-        system->weighted_square_sum += sum;
-      } else if (j == 6) {
-        system->right_side[i] -= sum;
-      } else {
-        system->hessian(i, j) += sum;
-        if (i != j) system->hessian(j, i) += sum;
-      }
-    }
-  }
+  AddProducts(sums.products, &system->hessian, &system->right_side, &system->weighted_square_sum);
   system->cost += 0.5 * SumOfLanes(sums.rho);
   system->weight_sum += SumOfLanes(sums.weight);
   system->normal_difference_sum += SumOfLanes(sums.normal_difference);

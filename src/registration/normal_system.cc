@@ -8,6 +8,16 @@
 #include "surfit/geometry/rigid3.h"
 
 namespace surfit {
+
+PhotometricSystem& PhotometricSystem::operator+=(const PhotometricSystem& other) {
+  hessian += other.hessian;
+  right_side += other.right_side;
+  cost += other.cost;
+  square_sum += other.square_sum;
+  row_count += other.row_count;
+  return *this;
+}
+
 NormalSystem& NormalSystem::operator+=(const NormalSystem& other) {
   hessian += other.hessian;
   right_side += other.right_side;
@@ -21,7 +31,14 @@ NormalSystem& NormalSystem::operator+=(const NormalSystem& other) {
   row_count += other.row_count;
   pair_count += other.pair_count;
   inlier_count += other.inlier_count;
+  photometric += other.photometric;
   return *this;
+}
+
+void NormalSystem::Add(const PhotometricSystem& intensities) {
+  hessian += intensities.hessian;
+  right_side += intensities.right_side;
+  photometric += intensities;
 }
 
 double NormalSystem::RmsDistance() const {
@@ -37,7 +54,7 @@ Matrix6d NormalSystem::FeignedInformation() const {
   all.bottomLeftCorner<3, 3>() = -CrossMatrix<double>(point_sum);
   all.bottomRightCorner<3, 3>() = weight_sum * Eigen::Matrix3d::Identity();
   const double difference = normal_difference_sum / weight_sum;
-  return normal_share * difference * difference / M_PI * (all - hessian);
+  return normal_share * difference * difference / M_PI * (all - (hessian - photometric.hessian));
 }
 
 double NormalSystem::VarianceFactor() const {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "registration/linearize.h"
+#include "registration/linearize_intensity.h"
 #include "surfit/registration/pose_solver.h"
 
 namespace surfit {
@@ -22,10 +23,10 @@ class Stopwatch {
 
 // A solver that is written once for pairs of either precision: Derived has
 //   template <typename S>
-//   Vector6d Solve(Pairs<S> pairs, const RobustKernel& kernel, const StepResult& before,
-//                  SolveReport* report) const
-// which gives the increment from pairs whose arrays are of their size. `before` is the result so
-// far: system and observability.
+//   Vector6d Solve(Pairs<S> pairs, const RobustKernel& kernel, const IntensityPairs& intensities,
+//                  const StepResult& before, SolveReport* report) const
+// which gives the increment from pairs whose arrays are of their size, and intensities if there are
+// any: then photometric() is not null. `before` is the result so far: system and observability.
 template <typename Derived>
 class PairSolver : public PoseSolver {
  public:
@@ -33,25 +34,28 @@ class PairSolver : public PoseSolver {
 
   StepResult Step(const Association& association,
                   const Rigid3d& target_from_source) const override {
-    return StepOver(association.Collect(target_from_source));
+    IntensityPairs intensities;
+    if (photometric() != nullptr) intensities = photometric()->Collect(target_from_source);
+    return StepOver(association.Collect(target_from_source), intensities);
   }
-  StepResult Step(const PairBuffer& pairs) const override { return StepOver(pairs); }
-  StepResult Step(const Correspondences& pairs) const override { return StepOver(pairs); }
+  StepResult Step(const PairBuffer& pairs) const override { return StepOver(pairs, {}); }
+  StepResult Step(const Correspondences& pairs) const override { return StepOver(pairs, {}); }
 
  private:
   template <typename S>
-  StepResult StepOver(Pairs<S> pairs) const {
+  StepResult StepOver(Pairs<S> pairs, const IntensityPairs& intensities) const {
     const RobustKernel kernel = KernelFor(pairs, options().residual, options().error_model);
     StepResult result;
     const Stopwatch linearizing;
     result.system = Linearize(pairs, options().residual, kernel);
+    if (intensities.size > 0) result.system.Add(Linearize(intensities, *photometric()));
     result.report.linearize_ms = linearizing.Milliseconds();
-    result.report.costs = {result.system.cost};
+    result.report.costs = {result.system.JointCost()};
     result.observability = Observe(result.system, options().held);
     if (result.observability.free_count == 6) return result;
     pairs.SetCapacity(pairs.size);
-    result.increment = result.observability.Held(
-        static_cast<const Derived*>(this)->Solve(std::move(pairs), kernel, result, &result.report));
+    result.increment = result.observability.Held(static_cast<const Derived*>(this)->Solve(
+        std::move(pairs), kernel, intensities, result, &result.report));
     return result;
   }
 };

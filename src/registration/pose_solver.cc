@@ -2,6 +2,7 @@
 
 #include "core/named_values.h"
 #include "registration/linearize.h"
+#include "registration/linearize_intensity.h"
 #include "registration/solver_factories.h"
 
 namespace surfit {
@@ -18,6 +19,7 @@ StepResult PoseSolver::Describe(const Association& association,
     result.system =
         Linearize(association, target_from_source, options_.residual, error_model.kernel);
   }
+  if (photometric_ != nullptr) result.system.Add(Linearize(*photometric_, target_from_source));
   result.observability = Observe(result.system, options_.held);
   return result;
 }

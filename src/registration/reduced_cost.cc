@@ -16,6 +16,12 @@ std::unique_ptr<ceres::CostFunction> MakeReducedCost(Pairs<S> pairs, ResidualTyp
   });
 }
 
+std::unique_ptr<ceres::CostFunction> MakeReducedCost(const IntensityPairs& pairs,
+                                                     const PhotometricTerm& term) {
+  return std::make_unique<ReducedBatch<Photometric>>(FunctorOf(term.camera()),
+                                                     MakeBatch(pairs, term), term.kernel());
+}
+
 template std::unique_ptr<ceres::CostFunction> MakeReducedCost(Pairs<float>, ResidualType,
                                                               const RobustKernel&);
 template std::unique_ptr<ceres::CostFunction> MakeReducedCost(Pairs<double>, ResidualType,

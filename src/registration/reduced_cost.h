@@ -4,6 +4,7 @@
 
 #include <memory>
 
+#include "registration/photometric_term.h"
 #include "surfit/core/robust_kernel.h"
 #include "surfit/registration/pairs.h"
 #include "surfit/registration/residual_type.h"
@@ -15,5 +16,9 @@ namespace surfit {
 template <typename S>
 std::unique_ptr<ceres::CostFunction> MakeReducedCost(Pairs<S> pairs, ResidualType residual,
                                                      const RobustKernel& kernel);
+
+// The same of intensities.
+std::unique_ptr<ceres::CostFunction> MakeReducedCost(const IntensityPairs& pairs,
+                                                     const PhotometricTerm& term);
 
 }  // namespace surfit

@@ -46,8 +46,8 @@ class SvdSolver final : public PairSolver<SvdSolver> {
   }
 
   template <typename S>
-  Vector6d Solve(const Pairs<S>& pairs, const RobustKernel& kernel, const StepResult&,
-                 SolveReport* report) const {
+  Vector6d Solve(const Pairs<S>& pairs, const RobustKernel& kernel, const IntensityPairs&,
+                 const StepResult&, SolveReport* report) const {
     constexpr int kGrain = 4096;
     const Stopwatch solving;
     // Products about the first pair: far from the origin, centring afterwards would lose digits.
@@ -83,6 +83,10 @@ std::unique_ptr<PoseSolver> MakeSvdSolver(const PoseSolverOptions& options) {
     throw InputError(Concat("residual is '", ToString(options.residual),
                             "', must be point_to_point with solver svd; all other solvers take ",
                             "every residual"));
+  }
+  if (options.error_model.UsesIntensities()) {
+    throw InputError(Concat("photometric_weight is ", options.error_model.photometric_weight,
+                            ", must be 0 with solver svd, which knows points only"));
   }
   return std::make_unique<SvdSolver>(options);
 }

@@ -2,6 +2,7 @@
 #include <ceres/tiny_solver.h>
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <utility>
 
@@ -15,10 +16,11 @@
 namespace surfit {
 namespace {
 
-// A reduced block for ceres::TinySolver, whose six parameters are (w, v) of the pose (exp(w), v).
+// Reduced blocks for ceres::TinySolver, whose six parameters are (w, v) of the pose (exp(w), v).
+template <int kBlocks>
 struct TinyFunction {
   using Scalar = double;
-  enum { NUM_RESIDUALS = kRowColumns, NUM_PARAMETERS = kPoseTangentSize };
+  enum { NUM_RESIDUALS = kBlocks * kRowColumns, NUM_PARAMETERS = kPoseTangentSize };
 
   // `jacobian` is stored by columns.
   bool operator()(const double* x, double* residuals, double* jacobian) const {
@@ -37,11 +39,16 @@ struct TinyFunction {
       pose_by_x.row(i) = moving[i].v.transpose();
     }
     const double* parameters = pose;
-    if (jacobian == nullptr) return cost->Evaluate(&parameters, residuals, nullptr);
     const Stopwatch linearizing;
     Eigen::Matrix<double, NUM_RESIDUALS, kPoseSize, Eigen::RowMajor> by_pose;
-    double* jacobians = by_pose.data();
-    if (!cost->Evaluate(&parameters, residuals, &jacobians)) return false;
+    for (int i = 0; i < kBlocks; ++i) {
+      double* rows = by_pose.row(i * kRowColumns).data();
+      if (!costs[i]->Evaluate(&parameters, residuals + i * kRowColumns,
+                              jacobian == nullptr ? nullptr : &rows)) {
+        return false;
+      }
+    }
+    if (jacobian == nullptr) return true;
     Eigen::Map<Eigen::Matrix<double, NUM_RESIDUALS, NUM_PARAMETERS>> by_x(jacobian);
     by_x = by_pose * pose_by_x;
     *linearizing_ms += linearizing.Milliseconds();
@@ -50,7 +57,7 @@ struct TinyFunction {
     return true;
   }
 
-  const ceres::CostFunction* cost;
+  std::array<const ceres::CostFunction*, kBlocks> costs;
   SolveReport* report;
   double* linearizing_ms;  // all linearisations together
 };
@@ -62,25 +69,38 @@ class TinyPoseSolver final : public PairSolver<TinyPoseSolver> {
   bool ReachesMinimum() const override { return true; }
 
   template <typename S>
-  Vector6d Solve(Pairs<S> pairs, const RobustKernel& kernel, const StepResult& before,
-                 SolveReport* report) const {
+  Vector6d Solve(Pairs<S> pairs, const RobustKernel& kernel, const IntensityPairs& intensities,
+                 const StepResult& before, SolveReport* report) const {
     const Stopwatch building;
     const auto cost = MakeReducedCost(std::move(pairs), options().residual, kernel);
+    if (intensities.size == 0) {
+      report->build_ms = building.Milliseconds();
+      return Minimum<S, 1>({cost.get()}, before, report);
+    }
+    const auto intensity_cost = MakeReducedCost(intensities, *photometric());
     report->build_ms = building.Milliseconds();
-    ceres::TinySolver<TinyFunction> solver;
+    return Minimum<S, 2>({cost.get(), intensity_cost.get()}, before, report);
+  }
+
+ private:
+  template <typename S, int kBlocks>
+  Vector6d Minimum(const std::array<const ceres::CostFunction*, kBlocks>& costs,
+                   const StepResult& before, SolveReport* report) const {
+    using Function = TinyFunction<kBlocks>;
+    ceres::TinySolver<Function> solver;
     solver.options.max_num_iterations = LmTolerances<S>::kMaxIterations;
     solver.options.gradient_tolerance = LmTolerances<S>::kGradient;
     solver.options.parameter_tolerance = LmTolerances<S>::kParameter;
     // Absolute tolerances, unlike those of ceres::Solver.
     solver.options.function_tolerance =
         std::max(LmTolerances<S>::kFunction, options().min_relative_cost_change) *
-        before.system.cost;
+        before.system.JointCost();
     solver.options.cost_threshold = 0;
     report->costs.clear();
     Vector6d x = Vector6d::Zero();
     const Stopwatch solving;
     double linearizing_ms = 0;
-    solver.Solve({cost.get(), report, &linearizing_ms}, &x);
+    solver.Solve(Function{costs, report, &linearizing_ms}, &x);
     report->solve_ms = solving.Milliseconds();
     report->linearize_ms = linearizing_ms / std::max<double>(1, report->costs.size());
     return x;  // (exp(w), v) is the increment itself

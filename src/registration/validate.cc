@@ -27,6 +27,11 @@ void ErrorModel::Validate() const {
   Require(std::isfinite(floor_sigma_m) && floor_sigma_m > 0, "floor_sigma_m", floor_sigma_m,
           "finite and positive");
   Require(kernel.width > 0, "kernel_width", kernel.width, "positive");
+  Require(std::isfinite(photometric_weight) && photometric_weight >= 0, "photometric_weight",
+          photometric_weight, "finite and zero (off) or positive");
+  Require(std::isfinite(intensity_sigma) && intensity_sigma > 0, "intensity_sigma", intensity_sigma,
+          "finite and positive");
+  Require(intensity_kernel.width > 0, "intensity_kernel_width", intensity_kernel.width, "positive");
 }
 
 void HeldOptions::Validate() const {

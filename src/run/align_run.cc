@@ -6,6 +6,7 @@
 #include "run/posed_view.h"
 #include "surfit/core/error.h"
 #include "surfit/core/parallel.h"
+#include "surfit/frame/intensity.h"
 #include "surfit/io/point_cloud.h"
 #include "surfit/pictures/cloud_picture.h"
 
@@ -61,8 +62,13 @@ void AlignRunOptions::Validate() const {
 AlignRunResult RunAlign(const AlignRunOptions& options) {
   options.Validate();
   const ThreadLimit limit(options.threads);
-  const PosedView source = ReadPosedView(options.sequence, options.source, options.preprocess);
-  const PosedView target = ReadPosedView(options.sequence, options.target, options.preprocess);
+  PosedView source = ReadPosedView(options.sequence, options.source, options.preprocess);
+  PosedView target = ReadPosedView(options.sequence, options.target, options.preprocess);
+  if (options.icp.error_model.UsesIntensities()) {
+    for (PosedView* posed : {&source, &target}) {
+      AddIntensity(posed->view.color, &posed->view.pyramid);
+    }
+  }
   PrepareOutputFolder(options.output, {"before.ply", "after.ply", "before.png", "after.png"});
 
   AlignRunResult result;

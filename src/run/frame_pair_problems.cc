@@ -7,6 +7,7 @@
 #include "run/posed_view.h"
 #include "run/tracking_dump.h"
 #include "surfit/core/error.h"
+#include "surfit/frame/intensity.h"
 
 namespace surfit {
 namespace {
@@ -68,6 +69,11 @@ PoseProblems FramePairProblems(const CompareOptions& options) {
             PosedView source = ReadPosedView(options.sequence, index, options.preprocess);
             PosedView target =
                 ReadPosedView(options.sequence, index + options.gap, options.preprocess);
+            if (options.icp.error_model.UsesIntensities()) {
+              for (PosedView* posed : {&source, &target}) {
+                AddIntensity(posed->view.color, &posed->view.pyramid);
+              }
+            }
             std::optional<Rigid3d> truth;
             if (source.world_from_camera && target.world_from_camera) {
               truth = target.world_from_camera->Inverse() * *source.world_from_camera;

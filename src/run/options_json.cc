@@ -26,11 +26,15 @@ void VisitFields(RobustKernel& kernel, const F& f) {
 
 template <typename F>
 void VisitFields(ErrorModel& model, const F& f) {
-  auto& [noise, floor_sigma_m, kernel, estimate_scale] = model;
+  auto& [noise, floor_sigma_m, kernel, estimate_scale, photometric_weight, intensity_sigma,
+         intensity_kernel] = model;
   f("noise", noise);
   f("floor_sigma_m", floor_sigma_m);
   f("kernel", kernel);
   f("estimate_scale", estimate_scale);
+  f("photometric_weight", photometric_weight);
+  f("intensity_sigma", intensity_sigma);
+  f("intensity_kernel", intensity_kernel);
 }
 
 template <typename F>

@@ -162,6 +162,12 @@ class SlamRun {
       return;
     }
     ++summary_.frames_tracked;
+    const bool registered =
+        report.state == FrameState::kTracked || report.state == FrameState::kDegenerate;
+    if (registered && options_.slam.icp.error_model.UsesIntensities() &&
+        report.icp.intensity_count == 0) {
+      ++summary_.frames_without_intensities;
+    }
     trajectory_.push_back({report.stamp_s, report.world_from_camera});
     summary_.updated += report.fusion.merged;
     summary_.added += report.fusion.added;

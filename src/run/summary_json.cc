@@ -37,6 +37,7 @@ void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
   j["frames_tracked"] = s.frames_tracked;
   j["frames_lost"] = s.frames_lost;
   j["frames_skipped"] = s.frames_skipped;
+  j["frames_without_intensities"] = s.frames_without_intensities;
   j["interrupted"] = s.interrupted;
   j["input_points"] = s.input_points;
   j["input_points_valid"] = s.input_points_valid;

@@ -1,5 +1,6 @@
 #include "run/tracking_dump.h"
 
+#include <algorithm>
 #include <fstream>
 #include <vector>
 
@@ -7,6 +8,7 @@
 #include "run/output_folder.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
+#include "surfit/frame/intensity.h"
 #include "surfit/io/point_cloud.h"
 
 namespace surfit {
@@ -60,18 +62,27 @@ VectorImage AsImage(const std::vector<Eigen::Vector3f>& values, const PinholeCam
   return image;
 }
 
-void WriteLevel(const FrameLevel& level, const std::string& path) {
-  WritePly({AllPixels(level.vertex), AllPixels(level.normal), {}}, path);
+void WriteView(const FrameLevel& level, const Image<Rgb8>& color, const std::string& path) {
+  WritePly({AllPixels(level.vertex), AllPixels(level.normal), {color.begin(), color.end()}}, path);
 }
 
-FrameLevel ReadLevel(const PinholeCamera& camera, const std::string& path) {
+// With intensities where it was written with colours.
+FramePyramid ReadView(const PinholeCamera& camera, const PreprocessOptions& options,
+                      const std::string& path) {
   const PointCloud cloud = ReadPly(path);
   const auto pixels = static_cast<std::size_t>(camera.width) * camera.height;
   if (cloud.points.size() != pixels || cloud.normals.size() != pixels) {
     throw InputError(Concat(path, ": has ", cloud.points.size(), " points and ",
                             cloud.normals.size(), " normals, must have ", pixels, " of each"));
   }
-  return {camera, AsImage(cloud.points, camera), AsImage(cloud.normals, camera)};
+  FramePyramid pyramid = BuildPyramid(
+      {camera, AsImage(cloud.points, camera), AsImage(cloud.normals, camera), {}}, options);
+  if (!cloud.colors.empty()) {
+    Image<Rgb8> color(camera.width, camera.height);
+    std::copy(cloud.colors.begin(), cloud.colors.end(), color.begin());
+    AddIntensity(color, &pyramid);
+  }
+  return pyramid;
 }
 
 Json ReadJson(const std::string& path) {
@@ -86,8 +97,8 @@ void WriteTrackingDump(const LostFrame& lost, const SlamOptions& options,
                        const std::string& folder) {
   PrepareOutputFolder(folder, {"frame.json", "source.ply", "target.ply"});
   const FrameLevel &source = lost.source.levels.front(), &target = lost.target.levels.front();
-  WriteLevel(source, folder + "/source.ply");
-  WriteLevel(target, folder + "/target.ply");
+  WriteView(source, lost.source_color, folder + "/source.ply");
+  WriteView(target, lost.target_color, folder + "/target.ply");
   Json json;
   json["frame"] = lost.index;
   json["termination"] = ToString(lost.icp.termination);
@@ -112,10 +123,10 @@ TrackingDump ReadTrackingDump(const std::string& folder) {
     dump.target_from_source_initial = PoseFromJson(json.at("target_from_source_initial"));
     dump.icp = IcpOptionsFromJson(json.at("icp"));
     dump.icp.Validate();
-    dump.source = BuildPyramid(
-        ReadLevel(CameraFromJson(json.at("source_camera")), folder + "/source.ply"), preprocess);
-    dump.target = BuildPyramid(
-        ReadLevel(CameraFromJson(json.at("target_camera")), folder + "/target.ply"), preprocess);
+    dump.source =
+        ReadView(CameraFromJson(json.at("source_camera")), preprocess, folder + "/source.ply");
+    dump.target =
+        ReadView(CameraFromJson(json.at("target_camera")), preprocess, folder + "/target.ply");
     return dump;
   } catch (const Json::exception& error) {
     throw InputError(path + ": " + error.what());

@@ -7,6 +7,7 @@
 
 #include "surfit/core/error.h"
 #include "surfit/core/trace.h"
+#include "surfit/frame/intensity.h"
 
 namespace surfit {
 namespace {
@@ -108,6 +109,7 @@ FrameReport Slam::Process(const RgbdFrame& frame, const std::optional<Rigid3d>& 
   {
     StageTimer timer("preprocess", report.index, &report.times.preprocess_ms);
     pyramid = PreprocessDepth(frame.depth_m, camera_, options_.preprocess);
+    if (options_.icp.error_model.UsesIntensities()) AddIntensity(frame.color, &pyramid);
   }
   if (given_pose) {
     report.state = FrameState::kGiven;
@@ -141,7 +143,8 @@ void Slam::Track(const RgbdFrame& frame, const FramePyramid& pyramid, FrameRepor
                   : degenerate ? FrameState::kDegenerate
                                : FrameState::kTracked;
   if (!tracked && on_lost_) {
-    on_lost_({report->index, pyramid, target.pyramid, initial, report->icp});
+    on_lost_(
+        {report->index, pyramid, target.pyramid, frame.color, target.color, initial, report->icp});
   }
 }
 
@@ -173,10 +176,20 @@ Rigid3d Slam::PredictedPose() const {
 }
 
 Slam::Target Slam::MakeTarget(const Rigid3d& world_from_predicted) {
-  if (options_.tracking == "frame_to_frame") return {last_view_.pyramid, world_from_last_};
+  if (options_.tracking == "frame_to_frame") {
+    return {last_view_.pyramid, world_from_last_, last_view_.color};
+  }
   ModelView view = renderer_.Render(map_, camera_, world_from_predicted);
   DropNormalsAtEdges(options_.preprocess, &view.surface);
-  return {BuildPyramid(std::move(view.surface), options_.preprocess), world_from_predicted};
+  Target target = {
+      BuildPyramid(std::move(view.surface), options_.preprocess), world_from_predicted, {}};
+  if (options_.icp.error_model.UsesIntensities()) {
+    // The map's colours keep the pose from drifting as it would against the last frame's, by which
+    // ATE was larger: by a seventh in simulated rooms, 5 and 8 times before a ball and a wall.
+    target.color = ColorsOf(view, map_);
+    AddIntensity(target.color, &target.pyramid);
+  }
+  return target;
 }
 
 bool Slam::IsBelievable(const IcpResult& icp) const {

@@ -9,8 +9,10 @@ namespace surfit {
 namespace {
 
 FrameLevel Surface(const PinholeCamera& camera, const Eigen::Vector3f& normal, float depth_m) {
-  FrameLevel surface{camera, VectorImage(camera.width, camera.height),
-                     VectorImage(camera.width, camera.height)};
+  FrameLevel surface{camera,
+                     VectorImage(camera.width, camera.height),
+                     VectorImage(camera.width, camera.height),
+                     {}};
   for (int v = 0; v < camera.height; ++v) {
     for (int u = 0; u < camera.width; ++u) {
       surface.vertex.Set(u, v, (depth_m * camera.Ray(u, v)).cast<float>());

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "registration/three_planes.h"
+#include "surfit/frame/intensity.h"
 #include "testing/expect_input_error.h"
 #include "testing/temp_folder.h"
 
@@ -29,7 +30,8 @@ SlamOptions OtherOptions() {
   icp.gates = {0.3, 0.6};
   icp.gate_growth = 1.7;
   icp.kernel_growth = 1.1;
-  icp.error_model = {{0.0011}, 0.003, {RobustKernelType::kTukey, 4.7}, true};
+  icp.error_model = {{0.0011}, 0.003, {RobustKernelType::kTukey, 4.7}, true,
+                     0.3,      0.03,  {RobustKernelType::kTukey, 2.9}};
   icp.min_coarse_step_px = 0.1;
   icp.min_relative_rmse_change = 1.0 / 3000;
   icp.min_increment = 1e-7;
@@ -43,6 +45,18 @@ SlamOptions OtherOptions() {
 
 Rigid3d Motion() { return {QuaternionExp<double>({0.02, -0.03, 0.01}), {0.01, 0.02, -0.03}}; }
 
+Image<Rgb8> Stripes(int shift_px) {
+  const PinholeCamera camera = testing::CornerCamera();
+  Image<Rgb8> color(camera.width, camera.height);
+  for (int v = 0; v < camera.height; ++v) {
+    for (int u = 0; u < camera.width; ++u) {
+      const auto value = static_cast<std::uint8_t>(100 + 12 * ((u + v / 2 + shift_px) % 13));
+      color(u, v) = {value, static_cast<std::uint8_t>(value / 2), value};
+    }
+  }
+  return color;
+}
+
 class TrackingDumps : public ::testing::Test {
  protected:
   // A frame before a corner, lost with the options.
@@ -50,8 +64,12 @@ class TrackingDumps : public ::testing::Test {
     const Rigid3d pose = testing::PoseBeforeTheCorner();
     target_ = BuildPyramid(testing::RenderCorner(pose), options.preprocess);
     source_ = BuildPyramid(testing::RenderCorner(pose * Motion()), options.preprocess);
+    const Image<Rgb8> source_color = Stripes(1), target_color = Stripes(4);
+    AddIntensity(source_color, &source_);
+    AddIntensity(target_color, &target_);
     result_ = Register(source_, target_, initial_, options.icp);
-    WriteTrackingDump({17, source_, target_, initial_, result_}, options, path());
+    WriteTrackingDump({17, source_, target_, source_color, target_color, initial_, result_},
+                      options, path());
   }
   std::string path() const { return folder_ / "frame-000017"; }
 
@@ -72,6 +90,8 @@ TEST_F(TrackingDumps, RepeatTheRegistrationBitForBit) {
     EXPECT_EQ(again.termination, result_.termination);
     EXPECT_EQ(again.target_from_source.Matrix(), result_.target_from_source.Matrix());
     EXPECT_EQ(again.information, result_.information);
+    EXPECT_EQ(again.intensity_count, result_.intensity_count);
+    EXPECT_EQ(again.intensity_count > 0, options.icp.error_model.UsesIntensities());
     ASSERT_EQ(again.iterations.size(), result_.iterations.size());
     ASSERT_GT(again.iterations.size(), 2u);
     for (std::size_t i = 0; i < again.iterations.size(); ++i) {
@@ -93,6 +113,9 @@ TEST_F(TrackingDumps, KeepEveryOption) {
   EXPECT_EQ(read.error_model.kernel.width, icp.error_model.kernel.width);
   EXPECT_EQ(read.error_model.noise.inverse_depth_sigma, 0.0011);
   EXPECT_EQ(read.error_model.estimate_scale, true);
+  EXPECT_EQ(read.error_model.photometric_weight, 0.3);
+  EXPECT_EQ(read.error_model.intensity_sigma, 0.03);
+  EXPECT_EQ(read.error_model.intensity_kernel.width, 2.9);
   EXPECT_EQ(read.gates.max_normal_angle_rad, 0.6);
   EXPECT_EQ(read.min_relative_rmse_change, icp.min_relative_rmse_change);
   EXPECT_EQ(read.max_free_space_share, icp.max_free_space_share);

@@ -15,7 +15,7 @@ namespace surfit::testing {
 
 inline PinholeCamera SimulatedCamera() { return {160, 120, 131.25, 131.25, 79.5, 59.5, {}}; }
 
-// Frames of a simulated room with the exact poses.
+// Frames of a simulated scene with the exact poses.
 struct SimulatedSequence {
   PinholeCamera camera = SimulatedCamera();
   std::vector<RgbdFrame> frames;
@@ -24,8 +24,9 @@ struct SimulatedSequence {
 
 enum class Sensor { kIdeal, kKinect };
 
-inline SimulatedSequence SimulateRoom(std::uint64_t seed, int frames, Sensor sensor) {
-  const Scene scene = MakeScene("room", seed);
+inline SimulatedSequence Simulate(const std::string& name, std::uint64_t seed, int frames,
+                                  Sensor sensor) {
+  const Scene scene = MakeScene(name, seed);
   SimulatedSequence sequence;
   for (const StampedPose& pose : MakePath(scene, frames, seed)) {
     const int index = static_cast<int>(sequence.frames.size());
@@ -41,6 +42,10 @@ inline SimulatedSequence SimulateRoom(std::uint64_t seed, int frames, Sensor sen
     sequence.world_from_camera.push_back(pose.world_from_camera);
   }
   return sequence;
+}
+
+inline SimulatedSequence SimulateRoom(std::uint64_t seed, int frames, Sensor sensor) {
+  return Simulate("room", seed, frames, sensor);
 }
 
 // Slam over all frames, from a pose of the first camera.

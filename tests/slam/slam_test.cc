@@ -97,6 +97,35 @@ TEST(Slam, TracksAKinectWithinAPixelAndBetterAgainstTheMap) {
   }
 }
 
+SlamOptions WithIntensities() {
+  SlamOptions options;
+  options.icp.error_model.photometric_weight = 0.01;
+  return options;
+}
+
+// A wall's shape leaves open where along it the camera is; the colours that the map has of it do
+// not.
+TEST(Slam, TracksAlongATexturedWallByItsIntensities) {
+  const SimulatedSequence wall = testing::Simulate("wall", 1, 40, Sensor::kKinect);
+  const Rigid3d& start = wall.world_from_camera[0];
+  const SlamRun run = RunSlam(wall, WithIntensities(), start);
+  ExpectAllTracked(run);
+  EXPECT_LT(ErrorsOf(run, wall.world_from_camera).max_m, kPixelAt2m);
+  EXPECT_GT(ErrorsOf(RunSlam(wall, {}, start), wall.world_from_camera).max_m, 5 * kPixelAt2m);
+}
+
+TEST(Slam, TracksByShapesWhatHasNoColor) {
+  SimulatedSequence room = IdealRoom();
+  for (RgbdFrame& frame : room.frames) frame.color = {};
+  const SlamRun run = RunSlam(room, WithIntensities(), room.world_from_camera[0]);
+  ExpectAllTracked(run);
+  for (std::size_t i = 0; i < run.reports.size(); ++i) {
+    EXPECT_EQ(run.reports[i].icp.intensity_count, 0);
+    EXPECT_EQ(run.reports[i].world_from_camera.Matrix(),
+              IdealRun().reports[i].world_from_camera.Matrix());
+  }
+}
+
 TEST(Slam, TheFirstFrameStandsAtTheInitialPoseAndBecomesTheMap) {
   const FrameReport& first = IdealRun().reports[0];
   EXPECT_EQ(first.state, FrameState::kFirst);

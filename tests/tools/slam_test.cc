@@ -98,6 +98,7 @@ TEST_F(SlamTool, WritesTrajectoryMapTablesAndPictures) {
   EXPECT_EQ(summary["frames_total"], kFrames);
   EXPECT_EQ(summary["frames_tracked"], kFrames);
   EXPECT_EQ(summary["frames_skipped"], 0);
+  EXPECT_EQ(summary["frames_without_intensities"], 0);
   EXPECT_EQ(summary["interrupted"], false);
   EXPECT_EQ(summary["input_points"], kFrames * 160 * 120);
   EXPECT_LE(summary["input_points_valid"], summary["input_points"]);

@@ -7,11 +7,13 @@
 
 namespace surfit {
 
-// Vertex and normal map of one resolution, both in the frame of the camera that sees them.
+// Vertex and normal map of one resolution, both in the frame of the camera that sees them, and how
+// bright these pixels are where anybody asks (AddIntensity).
 struct FrameLevel {
   PinholeCamera camera;
-  VectorImage vertex;  // metres; z = 0 where missing
-  VectorImage normal;  // unit length, facing the camera; (0, 0, 0) where missing
+  VectorImage vertex;      // metres; z = 0 where missing
+  VectorImage normal;      // unit length, facing the camera; (0, 0, 0) where missing
+  Image<float> intensity;  // grey, 0 = black, 1 = white; NaN where unknown; empty = none
 };
 
 // Level 0 is the finest; each further one has half the width and height.

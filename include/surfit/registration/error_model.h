@@ -14,6 +14,10 @@ namespace surfit {
 //   1/2 sum rho(s):
 // the closed form by rows weighted with rho'(s) / sigma^2 and computed anew in each step
 // (iteratively reweighted least squares), Levenberg-Marquardt within its solve.
+//
+// With a photometric weight W > 0, and where both views have intensities, it minimises
+//   1/2 sum rho(s) + W/2 sum rho_I(s_I),  s_I = r_I^2 / intensity_sigma^2,
+// r_I the difference of the intensities that a point has in both views (PhotometricTerm).
 struct ErrorModel {
   // A pair is an inlier if its residual is within so many sigmas.
   static constexpr double kInlierSigmas = 3;
@@ -25,6 +29,15 @@ struct ErrorModel {
   // each solve from the residuals: the median of |r| / sigma over that of its distribution for
   // normal errors (0.6745 for one component, 1.5382 for three).
   bool estimate_scale = false;
+
+  // W; 0 = off. Neighbouring pixels share most of their errors, those of a map's colours above all,
+  // so that 1, as if they did not, is far too much. 0.01 tracks along textured walls, and hardly
+  // moves what shapes hold.
+  double photometric_weight = 0;
+  double intensity_sigma = 0.02;  // of r_I, of intensities from 0 to 1
+  RobustKernel intensity_kernel = {RobustKernelType::kHuber, 1.5};
+
+  bool UsesIntensities() const { return photometric_weight > 0; }
 
   // Throws InputError naming field, value and constraint.
   void Validate() const;

@@ -73,6 +73,7 @@ struct IcpResult {
   int inlier_count = 0;     // pairs whose residual is within ErrorModel::kInlierSigmas
   double inlier_share = 0;  // of the valid source points
   double rmse_m = 0;        // square root of the weighted mean of |r|^2
+  int intensity_count = 0;  // points whose intensities have a say: ErrorModel::photometric_weight
   Matrix6d information = Matrix6d::Zero();  // of the left increment (1/rad^2, 1/m^2), robust
   // Its inverse, scaled by the residuals' variance in sigma^2, as if they were independent; none
   // where directions are free.
@@ -93,8 +94,9 @@ struct IcpResult {
 
 // Registers source to target, coarse to fine over the levels that both have, from an initial pose.
 // ICP: find pairs, check, solve, move, repeat; each level starts at the best pose of the one
-// before. Throws InputError for impossible options; failure to register is a termination, not an
-// error.
+// before. Where ErrorModel::UsesIntensities() and both pyramids have intensities, these count as
+// well, and what ends a level by its RMSE goes by NormalSystem::JointLoss() instead. Throws
+// InputError for impossible options; failure to register is a termination, not an error.
 IcpResult Register(const FramePyramid& source, const FramePyramid& target,
                    const Rigid3d& target_from_source_initial, const IcpOptions& options);
 

@@ -8,6 +8,17 @@ namespace surfit {
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
+// What intensities add to a NormalSystem, weighted by ErrorModel::photometric_weight.
+struct PhotometricSystem {
+  Matrix6d hessian = Matrix6d::Zero();
+  Vector6d right_side = Vector6d::Zero();
+  double cost = 0;        // 1/2 sum of W rho_I(s_I)
+  double square_sum = 0;  // sum of w r_I^2, in units of sigma^2
+  int row_count = 0;
+
+  PhotometricSystem& operator+=(const PhotometricSystem& other);
+};
+
 // The problem linearised about the present pose, in the target's frame, for the left increment
 // (w, v) [rad, m] by which p' moves to exp(w) p' + v = p' + w x p' + v + O(w^2). Each residual has
 // rows a with r(w, v) = a . (w, v) + r: see the ResidualType's derivation in residual_rows.h. The
@@ -27,10 +38,21 @@ struct NormalSystem {
   int pair_count = 0;    // pairs that were associated
   int inlier_count = 0;  // those whose residual is within ErrorModel::kInlierSigmas
 
+  // What hessian and right_side hold besides; all else is of the pairs of points alone.
+  PhotometricSystem photometric;
+
   NormalSystem& operator+=(const NormalSystem& other);
+  void Add(const PhotometricSystem& intensities);
 
   // Weighted mean of |r|^2 in m^2; 0 without pairs.
   double AverageLoss() const { return weight_sum > 0 ? weighted_square_sum / weight_sum : 0; }
+
+  // The same of all that is minimised, intensities as multiples of their sigma. A pose that these
+  // improve may fit the points less well: this tells whether registration comes nearer to its end.
+  double JointLoss() const {
+    return weight_sum > 0 ? (weighted_square_sum + photometric.square_sum) / weight_sum : 0;
+  }
+  double JointCost() const { return cost + photometric.cost; }
 
   // Root of the weighted mean of |p'|^2, in metres; 0 without pairs.
   double RmsDistance() const;

@@ -11,6 +11,8 @@
 
 namespace surfit {
 
+class PhotometricTerm;
+
 // How the increment of a pose is computed.
 struct PoseSolverOptions {
   std::string name = "closed_form_ldlt";   // one of PoseSolverNames()
@@ -28,7 +30,7 @@ struct SolveReport {
   double build_ms = 0;        // what Ceres is given
   double linearize_ms = 0;    // one linearisation; association included where both are done at once
   double solve_ms = 0;        // all but building
-  std::vector<double> costs;  // 1/2 sum of rho(s) at each linearisation, the first at the start
+  std::vector<double> costs;  // what is minimised, at each linearisation, the first at the start
 };
 
 // One solve over given pairs.
@@ -47,6 +49,9 @@ class PoseSolver {
   explicit PoseSolver(const PoseSolverOptions& options) : options_(options) {}
   virtual ~PoseSolver() = default;
 
+  // Makes steps from associations see the term's intensities as well. Keeps a reference.
+  void Use(const PhotometricTerm& photometric) { photometric_ = &photometric; }
+
   // From what an association finds at a pose, in single precision.
   virtual StepResult Step(const Association& association,
                           const Rigid3d& target_from_source) const = 0;
@@ -63,9 +68,11 @@ class PoseSolver {
 
  protected:
   const PoseSolverOptions& options() const { return options_; }
+  const PhotometricTerm* photometric() const { return photometric_; }  // may be null
 
  private:
   PoseSolverOptions options_;
+  const PhotometricTerm* photometric_ = nullptr;
 };
 
 // closed_form_ldlt, closed_form_lu, closed_form_qr: one Gauss-Newton step, the last from the matrix

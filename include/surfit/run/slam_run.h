@@ -61,6 +61,8 @@ struct SlamRunSummary {
   int frames_tracked = 0;  // with a pose: all but lost and skipped ones
   int frames_lost = 0;
   int frames_skipped = 0;  // could not be read
+  // Tracked by their shapes alone though intensities were asked for, for want of colour or texture.
+  int frames_without_intensities = 0;
   bool interrupted = false;
   std::int64_t input_points = 0;        // pixels after downsampling, of all frames read
   std::int64_t input_points_valid = 0;  // of those, with depth

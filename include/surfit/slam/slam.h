@@ -73,6 +73,8 @@ struct LostFrame {
   int index = 0;
   const FramePyramid& source;
   const FramePyramid& target;
+  const Image<Rgb8>& source_color;  // of the finest level's pixels; empty where there is none,
+  const Image<Rgb8>& target_color;  // or where nobody asks for the map's
   Rigid3d target_from_source_initial;
   const IcpResult& icp;
 };
@@ -101,6 +103,7 @@ class Slam {
   struct Target {
     FramePyramid pyramid;
     Rigid3d world_from_target;
+    Image<Rgb8> color;  // the pixels' colours, if they are needed
   };
   Rigid3d PredictedPose() const;
   Target MakeTarget(const Rigid3d& world_from_predicted);

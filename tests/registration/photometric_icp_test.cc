@@ -1,0 +1,124 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "registration/photometric_term.h"
+#include "registration/wall_frames.h"
+#include "surfit/registration/icp.h"
+#include "surfit/registration/pose_solver.h"
+#include "surfit/registration/projective_association.h"
+#include "testing/expect_input_error.h"
+#include "testing/matchers.h"
+
+namespace surfit {
+namespace {
+
+using testing::RigidNear;
+using testing::VectorNear;
+using testing::WallFrames;
+
+// A tenth of a pixel, which is 11 mm at 1.5 m.
+constexpr double kToleranceM = 0.0011, kToleranceRad = 0.0008;
+
+IcpOptions Options(double photometric_weight, const std::string& solver = "closed_form_ldlt") {
+  IcpOptions options;
+  options.solver = solver;
+  options.error_model.photometric_weight = photometric_weight;
+  return options;
+}
+
+class PhotometricSolvers : public ::testing::TestWithParam<std::string> {
+ protected:
+  WallFrames frames_{testing::AlongTheWall()};
+};
+
+TEST_P(PhotometricSolvers, TrackAlongATexturedWall) {
+  const IcpResult result =
+      Register(frames_.source, frames_.target, Rigid3d(), Options(0.1, GetParam()));
+  EXPECT_TRUE(result.Succeeded()) << ToString(result.termination);
+  EXPECT_GT(result.intensity_count, 1000);
+  EXPECT_THAT(result.target_from_source,
+              RigidNear(frames_.target_from_source, kToleranceM, kToleranceRad));
+}
+
+TEST_P(PhotometricSolvers, ByItsShapeTheWallIsDegenerate) {
+  const IcpResult result =
+      Register(frames_.source, frames_.target, Rigid3d(), Options(0, GetParam()));
+  EXPECT_EQ(result.termination, Termination::kSingularSystem);
+  EXPECT_EQ(result.free_directions.size(), 3u);
+  EXPECT_EQ(result.intensity_count, 0);
+  EXPECT_THAT(result.target_from_source, RigidNear(Rigid3d(), kToleranceM, kToleranceRad));
+}
+
+TEST_P(PhotometricSolvers, BearAnotherExposure) {
+  frames_.ChangeExposure(0.8f, 0.1f);
+  const IcpResult result =
+      Register(frames_.source, frames_.target, Rigid3d(), Options(0.1, GetParam()));
+  EXPECT_THAT(result.target_from_source,
+              RigidNear(frames_.target_from_source, kToleranceM, kToleranceRad));
+}
+
+INSTANTIATE_TEST_SUITE_P(All, PhotometricSolvers,
+                         ::testing::Values("closed_form_ldlt", "closed_form_lu", "closed_form_qr",
+                                           "ceres", "ceres_per_point", "tiny"),
+                         [](const auto& instance) { return instance.param; });
+
+// The step of a solver over both kinds of residuals.
+Vector6d StepOf(const std::string& solver, const WallFrames& frames) {
+  PoseSolverOptions options;
+  options.name = solver;
+  options.error_model.photometric_weight = 0.1;
+  const FrameLevel &source = frames.source.levels[0], &target = frames.target.levels[0];
+  const ProjectiveAssociation association(source, target, {}, options.error_model);
+  const PhotometricTerm term(source, target, 0.1, options.error_model, Rigid3d());
+  const auto pose_solver = MakePoseSolver(options);
+  pose_solver->Use(term);
+  return pose_solver->Step(association, Rigid3d()).increment;
+}
+
+// As ceres_solvers_test.cc, where a direction is held ten times less firmly.
+TEST(PhotometricStep, IsTheSameByBlocksOfPointsAndReduced) {
+  const WallFrames frames(testing::AlongTheWall());
+  const Vector6d reduced = StepOf("ceres", frames);
+  EXPECT_GT(reduced.norm(), 0.002);
+  EXPECT_THAT(StepOf("ceres_per_point", frames), VectorNear(reduced, 1e-6));
+  EXPECT_THAT(StepOf("tiny", frames), VectorNear(reduced, 1e-6));
+}
+
+// Rounded sums of single precision against rows of double precision.
+TEST(PhotometricStep, IsTheSameByQrAndByTheNormalSystem) {
+  const WallFrames frames(testing::AlongTheWall());
+  const Vector6d system = StepOf("closed_form_ldlt", frames);
+  EXPECT_THAT(StepOf("closed_form_lu", frames), VectorNear(system, 1e-9));
+  EXPECT_THAT(StepOf("closed_form_qr", frames), VectorNear(system, 1e-4 * system.norm()));
+}
+
+TEST(PhotometricIcp, NeedsNoProjectiveAssociation) {
+  const WallFrames frames(testing::AlongTheWall());
+  IcpOptions options = Options(0.1);
+  options.association = "kd_tree";
+  options.max_iterations = 30;
+  EXPECT_THAT(Register(frames.source, frames.target, Rigid3d(), options).target_from_source,
+              RigidNear(frames.target_from_source, kToleranceM, kToleranceRad));
+}
+
+TEST(PhotometricIcp, WithoutColorIsIcpByShapes) {
+  WallFrames frames(testing::AlongTheWall());
+  for (FrameLevel& level : frames.source.levels) level.intensity = {};
+  const IcpResult result = Register(frames.source, frames.target, Rigid3d(), Options(0.1));
+  const IcpResult expected = Register(frames.source, frames.target, Rigid3d(), Options(0));
+  EXPECT_EQ(result.intensity_count, 0);
+  EXPECT_EQ(result.termination, expected.termination);
+  EXPECT_EQ(result.target_from_source.Matrix(), expected.target_from_source.Matrix());
+  EXPECT_EQ(result.information, expected.information);
+}
+
+TEST(PhotometricIcp, IsNotForTheSvd) {
+  IcpOptions options = Options(0.1, "svd");
+  options.residual = "point_to_point";
+  testing::ExpectInputError([&] { options.Validate(); }, ::testing::HasSubstr("solver svd"));
+}
+
+}  // namespace
+}  // namespace surfit
