@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Makes docs/performance.md: times of frames, of hot functions, and beside other systems where these
-# are installed. On an otherwise idle machine it takes about ten minutes.
+# are installed. On an otherwise idle machine it takes about a quarter of an hour.
 #
 #   tools/scripts/performance.sh [DATA]      DATA: folder of recorded sequences
 set -euo pipefail
@@ -40,7 +40,7 @@ if [[ -d $data/seven_scenes_kitchen ]]; then
   fi
   if [[ -x $benchmarks/peers/registration_peers ]]; then
     table "Registration of clouds beside other libraries" \
-      "$benchmarks/peers/registration_peers" "$data" 5
+      "$benchmarks/peers/registration_peers" "$data" 1
   fi
 fi
 for benchmark in tracking mapping cost_functions; do
