@@ -34,8 +34,6 @@ struct WallFrames {
 };
 
 // A small motion along the wall: two pixels at the most.
-inline Rigid3d AlongTheWall() {
-  return {QuaternionExp<double>({0, 0, 0.02}), {0.015, -0.01, 0}};
-}
+inline Rigid3d AlongTheWall() { return {QuaternionExp<double>({0, 0, 0.02}), {0.015, -0.01, 0}}; }
 
 }  // namespace surfit::testing
