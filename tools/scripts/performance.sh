@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Makes docs/performance.md: times of frames, of hot functions, and beside other systems where these
-# are installed. On an otherwise idle machine it takes about a quarter of an hour.
+# are installed. On an otherwise idle machine it takes about ten minutes.
 #
 #   tools/scripts/performance.sh [DATA]      DATA: folder of recorded sequences
 set -euo pipefail

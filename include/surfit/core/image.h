@@ -2,10 +2,8 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
-#include <new>
-#include <utility>
-#include <vector>
+
+#include "surfit/core/raw_vector.h"
 
 namespace surfit {
 
@@ -16,23 +14,6 @@ struct Rgb8 {
   std::uint8_t b = 0;
   friend bool operator==(Rgb8 x, Rgb8 y) { return x.r == y.r && x.g == y.g && x.b == y.b; }
   friend bool operator!=(Rgb8 x, Rgb8 y) { return !(x == y); }
-};
-
-// Leaves new elements as they are where no value is given, instead of zeroing them.
-template <typename T>
-struct UninitializedAllocator : std::allocator<T> {
-  template <typename U>
-  struct rebind {
-    using other = UninitializedAllocator<U>;
-  };
-  template <typename U>
-  void construct(U* element) {
-    ::new (static_cast<void*>(element)) U;
-  }
-  template <typename U, typename Value>
-  void construct(U* element, Value&& value) {
-    ::new (static_cast<void*>(element)) U(std::forward<Value>(value));
-  }
 };
 
 // A contiguous row-major array of pixels. u is the column in [0, width), v the row in [0, height).
@@ -79,7 +60,7 @@ class Image {
  private:
   int width_ = 0;
   int height_ = 0;
-  std::vector<T, UninitializedAllocator<T>> pixels_;
+  RawVector<T> pixels_;
 };
 
 }  // namespace surfit
