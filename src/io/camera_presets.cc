@@ -45,6 +45,8 @@ const std::vector<Preset>& Presets() {
       {"icl_nuim", Registered(Vga(481.2, -480, 319.5, 239.5), 5000)},
       {"seven_scenes", SevenScenes()},
       {"redwood", Registered(Vga(525, 525, 319.5, 239.5), 1000)},
+      {"replica", Registered({1200, 680, 600, 600, 599.5, 339.5, {}}, 6553.5)},
+      {"klg", Registered(Vga(528, 528, 320, 240), 1000)},
   };
   return *presets;
 }

@@ -5,11 +5,15 @@
 
 namespace surfit {
 
-// The names that a sequence's format may have: tum, icl_nuim, seven_scenes, redwood.
+// The names that a sequence's format may have: tum, icl_nuim, seven_scenes, redwood,
+// replica (folders), klg and sens (files).
 const std::vector<std::string>& SequenceFormats();
 
-// The format of a folder by what it holds. Throws InputError naming the folder and what was looked
-// for if it is none of them.
-std::string DetectFormat(const std::string& folder);
+// Whether the format is one of those that are a single file.
+bool IsFileFormat(const std::string& format);
+
+// The format of a folder by what it holds, or of a file by its name's ending. Throws
+// InputError naming the path and what was looked for if it is none of them.
+std::string DetectFormat(const std::string& path);
 
 }  // namespace surfit

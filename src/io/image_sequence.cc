@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "io/read_image.h"
 #include "surfit/core/error.h"
 #include "surfit/core/trace.h"
 
@@ -11,58 +10,54 @@ namespace {
 
 template <typename T>
 void RequireSize(const Image<T>& image, const PinholeCamera& camera, const char* whose,
-                 const std::string& path) {
+                 const std::string& name) {
   if (image.width() == camera.width && image.height() == camera.height) return;
-  throw InputError(Concat(path, " is ", image.width(), " x ", image.height(), " pixels, must be ",
+  throw InputError(Concat(name, " is ", image.width(), " x ", image.height(), " pixels, must be ",
                           camera.width, " x ", camera.height, " as ", whose));
 }
 
 }  // namespace
 
-FrameImages ReadFrameImages(const FrameFiles& files) {
-  FrameImages images;
-  images.depth = ReadDepthImage(files.depth_path);
-  if (!files.color_path.empty()) images.color = ReadColorImage(files.color_path);
-  return images;
-}
-
-void RequireSizeOf(const RgbdCamera& camera, const FrameImages& images, const FrameFiles& files) {
+void RequireSizeOf(const RgbdCamera& camera, const FrameImages& images) {
   std::visit(
       [&](const auto& depth) {
-        RequireSize(depth, camera.depth, "the depth camera", files.depth_path);
+        RequireSize(depth, camera.depth, "the depth camera", images.depth_name);
       },
       images.depth);
   if (images.color.empty()) return;
   if (camera.color_is_registered) {
     RequireSize(images.color, camera.depth, "depth, to which colour is registered",
-                files.color_path);
+                images.color_name);
   } else {
-    RequireSize(images.color, camera.color, "the colour camera", files.color_path);
+    RequireSize(images.color, camera.color, "the colour camera", images.color_name);
   }
 }
 
-ImageSequence::ImageSequence(SequenceInfo info, std::vector<IndexedFrame> frames,
-                             FramePreparer preparer)
-    : info_(std::move(info)), frames_(std::move(frames)), preparer_(std::move(preparer)) {}
-
-RgbdFrame ImageSequence::Read(const IndexedFrame& indexed) const {
-  FrameImages images = ReadFrameImages(indexed.files);
-  RequireSizeOf(info_.camera, images, indexed.files);
-  RgbdFrame frame = preparer_.Prepare(images.depth, std::move(images.color));
-  frame.index = indexed.index;
-  frame.stamp_s = indexed.files.stamp_s;
+RgbdFrame MakeFrame(const RgbdCamera& camera, const FramePreparer& preparer, FrameImages images,
+                    int index, double stamp_s) {
+  RequireSizeOf(camera, images);
+  RgbdFrame frame = preparer.Prepare(images.depth, std::move(images.color));
+  frame.index = index;
+  frame.stamp_s = stamp_s;
   return frame;
 }
 
+ImageSequence::ImageSequence(SequenceInfo info, std::unique_ptr<Recording> recording,
+                             std::vector<int> indices, FramePreparer preparer)
+    : info_(std::move(info)),
+      recording_(std::move(recording)),
+      indices_(std::move(indices)),
+      preparer_(std::move(preparer)) {}
+
 std::optional<ReadResult> ImageSequence::Next() {
-  if (next_ == frames_.size()) return std::nullopt;
-  const IndexedFrame& indexed = frames_[next_++];
+  if (next_ == indices_.size()) return std::nullopt;
   ReadResult result;
-  result.index = indexed.index;
-  result.stamp_s = indexed.files.stamp_s;
+  result.index = indices_[next_++];
+  result.stamp_s = recording_->stamp_s(result.index);
   try {
-    const StageTimer timer("decode", indexed.index, &result.decode_ms);
-    result.frame = Read(indexed);
+    const StageTimer timer("decode", result.index, &result.decode_ms);
+    result.frame = MakeFrame(info_.camera, preparer_, recording_->Read(result.index), result.index,
+                             result.stamp_s);
   } catch (const InputError& error) {
     result.error = error.what();
   }

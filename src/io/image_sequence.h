@@ -1,45 +1,35 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
-#include "io/sequence_files.h"
-#include "surfit/core/image.h"
+#include "io/recording.h"
 #include "surfit/frame/prepare_frame.h"
 #include "surfit/io/frame_source.h"
 
 namespace surfit {
 
-// The images of one frame as the files have them.
-struct FrameImages {
-  RawDepth depth;
-  Image<Rgb8> color;  // empty where the sequence has no colour
-};
+// Throws InputError naming the image, its size and the camera's if they differ.
+void RequireSizeOf(const RgbdCamera& camera, const FrameImages& images);
 
-// Throws InputError naming the file that cannot be read.
-FrameImages ReadFrameImages(const FrameFiles& files);
+// Checks the sizes and prepares the frame. Throws InputError as RequireSizeOf().
+RgbdFrame MakeFrame(const RgbdCamera& camera, const FramePreparer& preparer, FrameImages images,
+                    int index, double stamp_s);
 
-// Throws InputError naming the file, its size and the camera's if they differ.
-void RequireSizeOf(const RgbdCamera& camera, const FrameImages& images, const FrameFiles& files);
-
-struct IndexedFrame {
-  int index = 0;  // position in the whole sequence
-  FrameFiles files;
-};
-
-// Reads and prepares the listed frames one after the other.
+// Reads and prepares chosen frames of a recording one after the other.
 class ImageSequence : public FrameSource {
  public:
   // The preparer may have the mirrored camera; info.camera is the files'.
-  ImageSequence(SequenceInfo info, std::vector<IndexedFrame> frames, FramePreparer preparer);
+  ImageSequence(SequenceInfo info, std::unique_ptr<Recording> recording, std::vector<int> indices,
+                FramePreparer preparer);
 
   const SequenceInfo& info() const override { return info_; }
   std::optional<ReadResult> Next() override;
 
  private:
-  RgbdFrame Read(const IndexedFrame& frame) const;
-
   SequenceInfo info_;
-  std::vector<IndexedFrame> frames_;
+  std::unique_ptr<Recording> recording_;
+  std::vector<int> indices_;
   FramePreparer preparer_;
   std::size_t next_ = 0;
 };

@@ -6,7 +6,10 @@
 #include "io/depth_scale_check.h"
 #include "io/detect_format.h"
 #include "io/folder.h"
+#include "io/folder_recording.h"
 #include "io/image_sequence.h"
+#include "io/klg_recording.h"
+#include "io/sens_recording.h"
 #include "io/sequence_camera.h"
 #include "io/sequence_files.h"
 #include "surfit/core/error.h"
@@ -20,34 +23,36 @@ SequenceFiles ListSequence(const std::string& format, const std::string& folder,
                            double frames_per_second) {
   if (format == "seven_scenes") return ListSevenScenesSequence(folder, frames_per_second);
   if (format == "redwood") return ListRedwoodSequence(folder, frames_per_second);
+  if (format == "replica") return ListReplicaSequence(folder, frames_per_second);
   if (format == "icl_nuim") return ListIclNuimSequence(folder);
   return ListTumSequence(folder);
 }
 
-std::vector<IndexedFrame> SelectFrames(const std::vector<FrameFiles>& all,
-                                       const SequenceOptions& options) {
-  const int count = static_cast<int>(all.size());
+OpenedRecording OpenRecording(const std::string& format, const std::string& path,
+                              const RgbdCamera& camera) {
+  if (format == "klg") return OpenKlg(path, {camera.depth.width, camera.depth.height});
+  if (format == "sens") return OpenSens(path, camera.frames_per_second);
+  SequenceFiles files = ListSequence(format, path, camera.frames_per_second);
+  return {MakeFolderRecording(std::move(files.frames)), std::move(files.ground_truth), {}};
+}
+
+std::vector<int> SelectFrames(int count, const SequenceOptions& options) {
   if (count == 0) throw InputError(options.path + " lists no frames");
   if (options.first >= count)
     throw InputError(Concat("first is ", options.first, ", must be below ", count,
                             ", the number of frames of ", options.path));
   const int last = options.last == -1 ? count - 1 : std::min(options.last, count - 1);
-  std::vector<IndexedFrame> frames;
-  for (int i = options.first; i <= last; i += options.stride) frames.push_back({i, all[i]});
-  return frames;
+  std::vector<int> indices;
+  for (int i = options.first; i <= last; i += options.stride) indices.push_back(i);
+  return indices;
 }
 
-struct FirstImages {
-  FrameFiles files;
-  FrameImages images;
-};
-
-// The first frame whose files can be read; throws the first one's error if none can.
-FirstImages ReadFirstImages(const std::vector<IndexedFrame>& frames) {
+// The first frame that can be read; throws the first one's error if none can.
+FrameImages ReadFirstImages(const Recording& recording, const std::vector<int>& indices) {
   std::string first_error;
-  for (const IndexedFrame& frame : frames) {
+  for (const int index : indices) {
     try {
-      return {frame.files, ReadFrameImages(frame.files)};
+      return recording.Read(index);
     } catch (const InputError& error) {
       if (first_error.empty()) first_error = error.what();
     }
@@ -62,44 +67,56 @@ void TakeSizeIfUnknown(const Image<T>& image, PinholeCamera* camera) {
   camera->height = image.height();
 }
 
-void CompleteCamera(const FirstImages& first, RgbdCamera* camera) {
-  std::visit([&](const auto& depth) { TakeSizeIfUnknown(depth, &camera->depth); },
-             first.images.depth);
+void CompleteCamera(const FrameImages& first, RgbdCamera* camera) {
+  std::visit([&](const auto& depth) { TakeSizeIfUnknown(depth, &camera->depth); }, first.depth);
   if (!camera->color_is_registered) {
-    if (first.images.color.empty()) camera->color_is_registered = true;
-    TakeSizeIfUnknown(first.images.color, &camera->color);
+    if (first.color.empty()) camera->color_is_registered = true;
+    TakeSizeIfUnknown(first.color, &camera->color);
   }
-  RequireSizeOf(*camera, first.images, first.files);
+  RequireSizeOf(*camera, first);
 }
 
 void Mirror(Trajectory* trajectory) {
   for (StampedPose& pose : *trajectory) pose.world_from_camera = Mirrored(pose.world_from_camera);
 }
 
+// What only an image tells: sizes, doubts about the depth scale, and with it the frames' camera.
+FramePreparer CompleteInfo(const FrameImages& first, const PrepareOptions& options,
+                           SequenceInfo* info) {
+  CompleteCamera(first, &info->camera);
+  if (auto warning =
+          DepthScaleWarning(first.depth, info->camera.depth_units_per_metre, first.depth_name))
+    info->warnings.push_back(*warning);
+  info->mirrored = info->camera.depth.fy < 0;
+  if (info->mirrored) Mirror(&info->ground_truth);
+  FramePreparer preparer(info->mirrored ? Mirrored(info->camera) : info->camera, options);
+  info->pinhole = preparer.pinhole();
+  for (const std::string& warning : info->warnings) LOG(WARNING) << warning;
+  return preparer;
+}
+
 }  // namespace
 
 std::unique_ptr<FrameSource> OpenSequence(const SequenceOptions& options) {
   options.Validate();
-  if (!IsFolder(options.path)) throw InputError(options.path + " is no folder");
+  if (!IsFolder(options.path) && !IsFile(options.path))
+    throw InputError(options.path + " is no folder and no file");
   SequenceInfo info;
   info.format = options.format == "auto" ? DetectFormat(options.path) : options.format;
+  if (IsFileFormat(info.format) != IsFile(options.path))
+    throw InputError(Concat(options.path, " is a ", IsFile(options.path) ? "file" : "folder",
+                            ", which ", info.format, " is not"));
   info.camera = ResolveCamera(options, info.format, &info.warnings);
-  SequenceFiles files = ListSequence(info.format, options.path, info.camera.frames_per_second);
-  std::vector<IndexedFrame> frames = SelectFrames(files.frames, options);
-  const FirstImages first = ReadFirstImages(frames);
-  CompleteCamera(first, &info.camera);
-  if (auto warning = DepthScaleWarning(first.images.depth, info.camera.depth_units_per_metre,
-                                       first.files.depth_path))
-    info.warnings.push_back(*warning);
 
-  info.mirrored = info.camera.depth.fy < 0;
-  info.ground_truth = std::move(files.ground_truth);
-  if (info.mirrored) Mirror(&info.ground_truth);
-  FramePreparer preparer(info.mirrored ? Mirrored(info.camera) : info.camera, options.prepare);
-  info.pinhole = preparer.pinhole();
-  info.frame_count = static_cast<int>(frames.size());
-  for (const std::string& warning : info.warnings) LOG(WARNING) << warning;
-  return std::make_unique<ImageSequence>(std::move(info), std::move(frames), std::move(preparer));
+  OpenedRecording opened = OpenRecording(info.format, options.path, info.camera);
+  info.warnings.insert(info.warnings.end(), opened.warnings.begin(), opened.warnings.end());
+  info.ground_truth = std::move(opened.ground_truth);
+  std::vector<int> indices = SelectFrames(opened.frames->frame_count(), options);
+  info.frame_count = static_cast<int>(indices.size());
+  FramePreparer preparer =
+      CompleteInfo(ReadFirstImages(*opened.frames, indices), options.prepare, &info);
+  return std::make_unique<ImageSequence>(std::move(info), std::move(opened.frames),
+                                         std::move(indices), std::move(preparer));
 }
 
 }  // namespace surfit

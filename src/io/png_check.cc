@@ -38,4 +38,15 @@ void RequireWholePng(const std::string& bytes, const std::string& path) {
   }
 }
 
+ImageSize PngSize(const std::string& bytes, const std::string& path) {
+  // After the signature comes IHDR: length, type, width, height.
+  constexpr std::size_t kSizeAt = 16;
+  if (!IsPng(bytes) || bytes.size() < kSizeAt + 8) throw InputError(path + " is truncated");
+  const auto* const data = reinterpret_cast<const std::uint8_t*>(bytes.data());
+  const ImageSize size{static_cast<int>(BigEndian(data + kSizeAt)),
+                       static_cast<int>(BigEndian(data + kSizeAt + 4))};
+  RequireUsualSize(size, path);
+  return size;
+}
+
 }  // namespace surfit

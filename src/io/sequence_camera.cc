@@ -1,7 +1,11 @@
 #include "io/sequence_camera.h"
 
+#include "io/binary_file.h"
+#include "io/detect_format.h"
 #include "io/folder.h"
 #include "io/open3d_camera.h"
+#include "io/replica_sequence.h"
+#include "io/sens_header.h"
 #include "surfit/core/error.h"
 #include "surfit/io/camera_presets.h"
 #include "surfit/io/camera_yaml.h"
@@ -26,20 +30,26 @@ RgbdCamera RedwoodCamera(const std::string& folder) {
   return camera;
 }
 
+std::string DefaultWarning(const std::string& path, const PinholeCamera& camera) {
+  return Concat(path, " does not say its camera: taking a usual one, ", camera.fx, " ", camera.fy,
+                " ", camera.cx, " ", camera.cy, " without distortion; name a preset (TUM's: ",
+                "tum_fr1, tum_fr2, tum_fr3) or give intrinsics");
+}
+
 // The camera before any figure of the options.
 RgbdCamera BaseCamera(const SequenceOptions& options, const std::string& format,
                       std::vector<std::string>* warnings) {
   if (!options.camera.empty()) return CameraPreset(options.camera);
-  const std::string yaml = options.path + "/camera.yaml";
+  // A folder's camera.yaml; of a file F.klg it is F.klg.yaml.
+  const std::string yaml = options.path + (IsFileFormat(format) ? ".yaml" : "/camera.yaml");
   if (IsFile(yaml)) return ReadCameraYaml(yaml);
-  if (format == "redwood") return RedwoodCamera(options.path);
-  if (format != "tum") return CameraPreset(format);
-  if (!options.intrinsics) {
-    warnings->push_back(Concat(options.path, " does not say its camera: taking the default of the ",
-                               "Kinect's drivers, 525 525 319.5 239.5 without distortion; name a ",
-                               "preset (TUM's: tum_fr1, tum_fr2, tum_fr3) or give intrinsics"));
-  }
-  return RosDefault();
+  if (format == "sens") return ReadSensHeader(BinaryFile(options.path)).camera;
+  if (format == "redwood" || format == "watch") return RedwoodCamera(options.path);
+  if (format == "replica") return ReplicaCamera(options.path);
+  if (format != "tum" && format != "klg") return CameraPreset(format);
+  const RgbdCamera camera = format == "klg" ? CameraPreset("klg") : RosDefault();
+  if (!options.intrinsics) warnings->push_back(DefaultWarning(options.path, camera.depth));
+  return camera;
 }
 
 void SetIntrinsics(const std::array<double, 4>& values, PinholeCamera* camera) {

@@ -37,4 +37,8 @@ SequenceFiles ListSevenScenesSequence(const std::string& folder, double frames_p
 // stamps are position / frames_per_second, and the log's first number is that position.
 SequenceFiles ListRedwoodSequence(const std::string& folder, double frames_per_second);
 
+// results/frameN.jpg and results/depthN.png with poses in traj.txt, as rendered for NICE-SLAM;
+// stamps are N / frames_per_second, a pose's N is its line.
+SequenceFiles ListReplicaSequence(const std::string& folder, double frames_per_second);
+
 }  // namespace surfit

@@ -20,7 +20,7 @@ void RequireKnownFormat(const std::string& format) {
 }  // namespace
 
 void SequenceOptions::Validate() const {
-  if (path.empty()) throw InputError("sequence is empty, must name a folder");
+  if (path.empty()) throw InputError("sequence is empty, must name a folder or file");
   RequireKnownFormat(format);
   if (first < 0) throw InputError(Concat("first is ", first, ", must be at least 0"));
   if (last < -1) throw InputError(Concat("last is ", last, ", must be at least -1"));

@@ -11,7 +11,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 TEST(CameraPreset, EveryNameGivesAValidCamera) {
-  EXPECT_EQ(CameraPresetNames().size(), 6u);
+  EXPECT_EQ(CameraPresetNames().size(), 8u);
   for (const std::string& name : CameraPresetNames()) {
     EXPECT_NO_THROW(CameraPreset(name).Validate(name));
   }

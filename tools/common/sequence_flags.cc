@@ -15,11 +15,14 @@ const surfit::SequenceOptions kSequence;
 
 }  // namespace
 
-DEFINE_string(sequence, kSequence.path, "folder of the sequence");
-DEFINE_string(format, kSequence.format, "auto, tum, icl_nuim, seven_scenes or redwood");
-DEFINE_string(camera, kSequence.camera,
-              "camera preset: tum_fr1, tum_fr2, tum_fr3, icl_nuim, seven_scenes or redwood; empty: "
-              "the folder's camera.yaml, else the format's usual camera");
+DEFINE_string(sequence, kSequence.path, "the sequence: a folder, or a .klg or .sens file");
+DEFINE_string(format, kSequence.format,
+              "auto, tum, icl_nuim, seven_scenes, redwood, replica, klg or sens");
+DEFINE_string(
+    camera, kSequence.camera,
+    "camera preset: tum_fr1, tum_fr2, tum_fr3, icl_nuim, seven_scenes, redwood, "
+    "replica or klg; empty: the folder's camera.yaml (F.klg.yaml of a file), else what the "
+    "recording tells, else the format's usual camera");
 DEFINE_string(intrinsics, "", "depth camera's fx,fy,cx,cy in px");
 DEFINE_string(distortion, "", "depth camera's k1,k2,p1,p2,k3");
 DEFINE_string(depth_scale, "", "counts of the depth images per metre");

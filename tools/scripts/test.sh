@@ -17,4 +17,4 @@ then
 fi
 bash "$scripts/build.sh" release
 echo "Running the tests under release, without the sweeps over whole sequences, which take minutes"
-ctest --preset release --parallel "$(nproc)" --label-exclude sweep </dev/null
+ctest --preset release --parallel "$(nproc)" --label-exclude "sweep|fuzz" </dev/null

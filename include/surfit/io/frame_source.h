@@ -12,7 +12,7 @@ namespace surfit {
 
 // What is known of a sequence before its first frame is read.
 struct SequenceInfo {
-  std::string format;     // tum, icl_nuim, seven_scenes, redwood
+  std::string format;     // tum, icl_nuim, seven_scenes, redwood, replica, klg, sens
   RgbdCamera camera;      // as the files have it, fy < 0 included
   PinholeCamera pinhole;  // of the frames that Next() returns: undistorted, downsampled, fy > 0
   int frame_count = 0;    // how many frames Next() will attempt

@@ -36,4 +36,9 @@ std::size_t RemoveNonFinite(PointCloud* cloud);
 // written.
 void WritePly(const PointCloud& cloud, const std::string& path);
 
+// Writes binary PCD 0.7, atomically: x y z, normal_x normal_y normal_z and rgb (the bits 0x00rrggbb
+// as a float, as PCL has it) where the cloud has them. Throws InputError naming the file if it
+// cannot be written.
+void WritePcd(const PointCloud& cloud, const std::string& path);
+
 }  // namespace surfit

@@ -10,13 +10,14 @@
 
 namespace surfit {
 
-// Which frames of which folder to read, and with what camera.
+// Which frames of which sequence to read, and with what camera.
 struct SequenceOptions {
-  std::string path;             // the sequence's folder
-  std::string format = "auto";  // auto, tum, icl_nuim, seven_scenes, redwood
+  std::string path;             // the sequence's folder, or file
+  std::string format = "auto";  // auto, tum, icl_nuim, seven_scenes, redwood, replica, klg, sens
 
-  // A preset's name (see camera_presets.h). If empty: the folder's camera.yaml, else (redwood) its
-  // camera_intrinsic.json or intrinsic.json, else the format's usual camera.
+  // A preset's name (see camera_presets.h). If empty: the folder's camera.yaml (of a file
+  // F.klg: F.klg.yaml), else what the recording tells (redwood: camera_intrinsic.json or
+  // intrinsic.json; replica: cam_params.json; sens: its header), else the format's usual camera.
   std::string camera;
 
   // What takes the place of that camera's figures. After intrinsics from here, the image size is
@@ -40,12 +41,12 @@ struct SequenceOptions {
   void Validate() const;
 };
 
-// Opens a folder of images as a sequence. Stamps are the source's own: seconds in TUM folders,
-// frame numbers in ICL-NUIM's (as in *.gt.freiburg), index / frames_per_second where files have
-// none. Frames are mirrored where fy < 0, see SequenceInfo.
-// Throws InputError naming the folder, file or option at fault; also if not one frame can be read,
-// or the first readable one has another size than the camera. Frames that cannot be read later are
-// ReadResults with an error.
+// Opens a folder of images, or a recording in one file, as a sequence. Stamps are the source's own:
+// seconds in TUM folders, and in .klg and .sens files, frame numbers in ICL-NUIM's (as in
+// *.gt.freiburg), index / frames_per_second where files have none. Frames are mirrored where fy <
+// 0, see SequenceInfo. Throws InputError naming the folder, file or option at fault; also if not
+// one frame can be read, or the first readable one has another size than the camera. Frames that
+// cannot be read later are ReadResults with an error.
 std::unique_ptr<FrameSource> OpenSequence(const SequenceOptions& options);
 
 }  // namespace surfit

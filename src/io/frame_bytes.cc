@@ -1,0 +1,62 @@
+#include "io/frame_bytes.h"
+
+#include <zlib.h>
+
+#include <cstring>
+
+#include "io/jpeg.h"
+#include "io/png_check.h"
+#include "io/read_image.h"
+#include "surfit/core/error.h"
+
+namespace surfit {
+namespace {
+
+template <typename T>
+Image<T> CopyPixels(const std::string& bytes, ImageSize size, const std::string& name) {
+  if (bytes.size() != sizeof(T) * size.pixels())
+    throw InputError(Concat(name, " has ", bytes.size(), " bytes, must have ",
+                            sizeof(T) * size.pixels(), " for ", size.width, " x ", size.height,
+                            " pixels"));
+  Image<T> image(size.width, size.height);
+  std::memcpy(image.data(), bytes.data(), bytes.size());
+  return image;
+}
+
+}  // namespace
+
+Image<std::uint16_t> CopyDepth(const std::string& bytes, ImageSize size, const std::string& name) {
+  return CopyPixels<std::uint16_t>(bytes, size, name);
+}
+
+Image<std::uint16_t> InflateDepth(const std::string& bytes, ImageSize size,
+                                  const std::string& name) {
+  constexpr std::size_t kMaxRatio = 1032;  // of deflate: 258 bytes from two bits
+  uLongf count = 2 * size.pixels();
+  const auto damaged = [&] {
+    return InputError(Concat(name, " is damaged: its ", bytes.size(), " bytes do not expand to ",
+                             size.width, " x ", size.height, " counts of 16 bits"));
+  };
+  if (count / kMaxRatio > bytes.size()) throw damaged();
+  Image<std::uint16_t> image(size.width, size.height);
+  const int result = uncompress(reinterpret_cast<Bytef*>(image.data()), &count,
+                                reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
+  if (result != Z_OK || count != 2 * size.pixels()) throw damaged();
+  return image;
+}
+
+Image<Rgb8> CopyColor(const std::string& bytes, ImageSize size, const std::string& name) {
+  return CopyPixels<Rgb8>(bytes, size, name);
+}
+
+Image<Rgb8> DecodeColor(const std::string& bytes, ImageSize size, const std::string& name) {
+  if (!IsJpeg(bytes) && !IsPng(bytes)) throw InputError(name + " is damaged: neither JPEG nor PNG");
+  const ImageSize claimed = IsPng(bytes) ? PngSize(bytes, name) : JpegSize(bytes, name);
+  if (claimed != size) {
+    throw InputError(Concat(name, " is ", claimed.width, " x ", claimed.height, " pixels, must be ",
+                            size.width, " x ", size.height));
+  }
+  return DecodeColorImage(bytes, name);
+}
+
+}  // namespace surfit

@@ -1,0 +1,114 @@
+#include "surfit/io/klg_writer.h"
+
+#include <glog/logging.h>
+#include <zlib.h>
+
+#include <cmath>
+#include <cstdint>
+
+#include "io/jpeg.h"
+#include "surfit/core/atomic_file.h"
+#include "surfit/core/error.h"
+#include "surfit/io/camera_yaml.h"
+
+namespace surfit {
+namespace {
+
+static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "values are copied from memory");
+
+template <typename T>
+void Put(T value, std::ostream& out) {
+  out.write(reinterpret_cast<const char*>(&value), sizeof(T));
+}
+
+Image<std::uint16_t> Millimetres(const Image<float>& depth_m, std::int64_t* beyond) {
+  constexpr long kMost = 65534;  // 65535 means missing elsewhere
+  Image<std::uint16_t> depth(depth_m.width(), depth_m.height());
+  for (std::size_t i = 0; i < depth.size(); ++i) {
+    const long value = std::lround(1000. * depth_m[i]);
+    if (value > kMost) ++*beyond;
+    depth[i] = value > kMost ? 0 : static_cast<std::uint16_t>(value);
+  }
+  return depth;
+}
+
+template <typename T>
+std::string RawBytes(const Image<T>& image) {
+  return {reinterpret_cast<const char*>(image.data()), image.size() * sizeof(T)};
+}
+
+// Empty if that takes as many bytes as raw, or more: the reader tells by the size.
+std::string Deflated(const std::string& raw) {
+  uLongf size = compressBound(raw.size());
+  std::string bytes(size, '\0');
+  const int result = compress(reinterpret_cast<Bytef*>(bytes.data()), &size,
+                              reinterpret_cast<const Bytef*>(raw.data()), raw.size());
+  CHECK_EQ(result, Z_OK);
+  bytes.resize(size < raw.size() ? size : 0);
+  return bytes;
+}
+
+std::string DepthBytes(const Image<std::uint16_t>& depth, bool compress) {
+  const std::string raw = RawBytes(depth);
+  const std::string deflated = compress ? Deflated(raw) : "";
+  return deflated.empty() ? raw : deflated;
+}
+
+std::string ColorBytes(const Image<Rgb8>& color, int jpeg_quality) {
+  const std::string raw = RawBytes(color);
+  if (color.empty() || jpeg_quality == 0) return raw;
+  const std::string jpeg = EncodeJpeg(color, jpeg_quality);
+  return jpeg.size() == raw.size() ? raw : jpeg;  // the reader tells by the size
+}
+
+void WriteFrame(const RgbdFrame& frame, const KlgOptions& options, std::ostream& out,
+                KlgSummary* summary) {
+  const std::string depth =
+      DepthBytes(Millimetres(frame.depth_m, &summary->depths_beyond), options.compress_depth);
+  const std::string color = ColorBytes(frame.color, options.jpeg_quality);
+  Put(static_cast<std::int64_t>(std::llround(1e6 * frame.stamp_s)), out);
+  Put(static_cast<std::int32_t>(depth.size()), out);
+  Put(static_cast<std::int32_t>(color.size()), out);
+  out << depth << color;
+}
+
+// The frames' camera, in the source's convention if that is mirrored.
+RgbdCamera FrameCamera(const SequenceInfo& info) {
+  RgbdCamera camera;
+  camera.depth = info.pinhole;
+  if (info.mirrored) camera.depth.fy = -camera.depth.fy;
+  camera.depth_units_per_metre = 1000;
+  camera.frames_per_second = info.camera.frames_per_second;
+  return camera;
+}
+
+}  // namespace
+
+void KlgOptions::Validate() const {
+  if (jpeg_quality < 0 || jpeg_quality > 100)
+    throw InputError(Concat("jpeg_quality is ", jpeg_quality, ", must be from 0 to 100"));
+}
+
+KlgSummary WriteKlg(FrameSource* source, const std::string& path, const KlgOptions& options) {
+  options.Validate();
+  KlgSummary summary;
+  WriteFileAtomically(path, [&](std::ostream& out) {
+    Put(std::int32_t{0}, out);  // their number, once it is known
+    while (const auto result = source->Next()) {
+      if (result->frame) {
+        WriteFrame(*result->frame, options, out, &summary);
+        ++summary.frames_written;
+      } else {
+        LOG(WARNING) << "frame " << result->index << " skipped: " << result->error;
+        ++summary.frames_skipped;
+      }
+    }
+    if (summary.frames_written == 0) throw InputError("no frame could be read for " + path);
+    out.seekp(0);
+    Put(static_cast<std::int32_t>(summary.frames_written), out);
+  });
+  WriteCameraYaml(FrameCamera(source->info()), path + ".yaml");
+  return summary;
+}
+
+}  // namespace surfit

@@ -1,0 +1,135 @@
+#include <glog/logging.h>
+#include <gtest/gtest.h>
+
+#include <random>
+#include <utility>
+
+#include "surfit/core/error.h"
+#include "surfit/io/sequence.h"
+#include "testing/klg_encoder.h"
+#include "testing/largest_allocation.h"
+#include "testing/read_all.h"
+#include "testing/sens_encoder.h"
+
+namespace surfit {
+namespace {
+
+using testing::KlgFile;
+using testing::ReadBytes;
+using testing::TempFolder;
+using Random = std::mt19937_64;
+
+struct SeedFile {
+  std::string name;
+  std::string bytes;
+};
+
+// Every coding once: what stands in tests/io/corpus.
+std::vector<SeedFile> SeedFiles() {
+  testing::SensEncoder zlib_jpeg, raw_png;
+  zlib_jpeg.color_coding = ".jpg";
+  raw_png.color_coding = ".png";
+  raw_png.depth_coding = 0;
+  testing::SensEncoder raw_color;
+  return {{"zlib_jpeg.klg", KlgFile(3, true, ".jpg")}, {"raw_raw.klg", KlgFile(2, false, "")},
+          {"zlib_none.klg", KlgFile(2, true, "none")}, {"zlib_jpeg.sens", zlib_jpeg.File(3)},
+          {"raw_png.sens", raw_png.File(2)},           {"zlib_raw.sens", raw_color.File(2)}};
+}
+
+std::size_t Below(std::size_t end, Random* random) {
+  return std::uniform_int_distribution<std::size_t>(0, end - 1)(*random);
+}
+
+// One to four changes: a bit, a byte, a count of 2, 4 or 8 bytes to an extreme, a cut, a piece
+// twice.
+std::string Mutated(std::string bytes, Random* random) {
+  constexpr std::int64_t kExtremes[] = {-1, 0, 1, INT32_MAX, INT64_MAX, 1LL << 40, 65536, 16384};
+  for (std::size_t changes = 1 + Below(4, random); changes > 0 && !bytes.empty(); --changes) {
+    const std::size_t at = Below(bytes.size(), random);
+    const std::size_t count = std::min<std::size_t>(bytes.size() - at, 2u << Below(3, random));
+    switch (Below(5, random)) {
+      case 0:
+        bytes[at] = static_cast<char>(bytes[at] ^ (1 << Below(8, random)));
+        break;
+      case 1:
+        bytes[at] = static_cast<char>(Below(256, random));
+        break;
+      case 2:
+        bytes.replace(at, count,
+                      testing::LittleEndian(kExtremes[Below(8, random)]).substr(0, count));
+        break;
+      case 3:
+        bytes.resize(at);
+        break;
+      default:
+        bytes.insert(at, bytes.substr(at, Below(200, random)));
+    }
+  }
+  // Half of all changes to where the sizes stand.
+  if (Below(2, random) == 0 && bytes.size() > 400) {
+    const std::size_t at = Below(400, random);
+    bytes.replace(at, 4, testing::LittleEndian(static_cast<std::int32_t>((*random)())));
+  }
+  return bytes;
+}
+
+// Reads all that can be read; refusing is fine. Returns whether any frame could.
+bool ReadAsFarAsPossible(const std::string& path) {
+  SequenceOptions options;
+  options.path = path;
+  bool any = false;
+  try {
+    for (const ReadResult& result : testing::ReadAll(OpenSequence(options).get()))
+      any = any || result.frame.has_value();
+  } catch (const InputError& error) {
+    EXPECT_STRNE(error.what(), "");
+  }
+  return any;
+}
+
+// What deflate can make of a file of that size at most, as floats, and what reading takes besides.
+std::size_t Promise(std::size_t file_size) { return 2 * 1032 * file_size + (1 << 20); }
+
+void ReadMutations(const std::string& ending, int count) {
+  const TempFolder folder;
+  folder.Write("mutated.klg.yaml", testing::SmallCameraYaml());  // which .klg files need
+  const int level = std::exchange(FLAGS_minloglevel, google::GLOG_ERROR);
+  Random random(7);
+  int read = 0, tried = 0;
+  for (const SeedFile& seed : SeedFiles()) {
+    if (seed.name.find(ending) == std::string::npos) continue;
+    for (int i = 0; i < count / 3 + 1; ++i, ++tried) {
+      const std::string bytes = Mutated(seed.bytes, &random);
+      std::filesystem::remove(folder / ("mutated" + ending));  // quicker than to write over it
+      const std::string path = folder.Write("mutated" + ending, bytes);
+      testing::ResetLargestAllocation();
+      read += ReadAsFarAsPossible(path) ? 1 : 0;
+      ASSERT_LE(testing::LargestAllocation(), Promise(bytes.size()))
+          << seed.name << ", mutation " << i;
+    }
+  }
+  FLAGS_minloglevel = level;
+  ASSERT_GE(tried, count);
+  // Or else the mutations would be so coarse that hardly any gets beyond the header.
+  EXPECT_GT(read, tried / 10);
+  EXPECT_LT(read, tried);
+}
+
+// A camera stands beside each .klg file. SURFIT_WRITE_CORPUS in the environment writes it anew.
+TEST(Corpus, HoldsWhatTheEncodersWrite) {
+  for (const SeedFile& seed : SeedFiles()) {
+    const std::string path = std::string(SURFIT_CORPUS_DIR) + "/" + seed.name;
+    if (std::getenv("SURFIT_WRITE_CORPUS") != nullptr) testing::WriteBytes(path, seed.bytes);
+    EXPECT_TRUE(ReadAsFarAsPossible(path)) << path;
+  }
+  // Without a codec, whose versions may differ, to the byte.
+  EXPECT_EQ(ReadBytes(std::string(SURFIT_CORPUS_DIR) + "/raw_raw.klg"), KlgFile(2, false, ""));
+}
+
+TEST(Mutated, KlgFilesAreReadOrRefused) { ReadMutations(".klg", 400); }
+TEST(Mutated, SensFilesAreReadOrRefused) { ReadMutations(".sens", 400); }
+TEST(TenThousandMutated, KlgFilesAreReadOrRefused) { ReadMutations(".klg", 10000); }
+TEST(TenThousandMutated, SensFilesAreReadOrRefused) { ReadMutations(".sens", 10000); }
+
+}  // namespace
+}  // namespace surfit

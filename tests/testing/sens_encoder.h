@@ -1,0 +1,59 @@
+#pragma once
+
+#include <array>
+
+#include "testing/frame_codings.h"
+#include "testing/sequence_writer.h"
+
+namespace surfit::testing {
+
+using Matrix16 = std::array<float, 16>;  // 4 x 4, row by row
+
+inline Matrix16 TranslationMatrix(float x, float y, float z) {
+  return {1, 0, 0, x, 0, 1, 0, y, 0, 0, 1, z, 0, 0, 0, 1};
+}
+
+// A .sens file of the small numbered frames; its colour camera has twice their size.
+struct SensEncoder {
+  int depth_coding = 1;      // 0 raw, 1 zlib, 2 occi
+  std::string color_coding;  // "": raw, ".png", ".jpg", or "none": no colour
+  bool has_stamps = true;    // 10 Hz from time 5
+  bool registered = false;   // colour has the pixels of depth
+  Matrix16 color_extrinsics = TranslationMatrix(0, 0, 0);
+  std::vector<Matrix16> poses;  // one a frame; of frames beyond, (number, 2, 3)
+
+  std::string Header(std::uint64_t count) const {
+    const Matrix16 depth_intrinsics = {31, 0, 15.5f, 0, 0, 30, 11.5f, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    const Matrix16 color_intrinsics = {62, 0, 31, 0, 0, 60, 23, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    const int scale = registered ? 1 : 2;
+    const int color = color_coding == ".png" ? 1 : (color_coding == ".jpg" ? 2 : 0);
+    return LittleEndian(std::uint32_t{4}, std::uint64_t{6}) + "sensor" +
+           LittleEndian(registered ? depth_intrinsics : color_intrinsics, color_extrinsics,
+                        depth_intrinsics, TranslationMatrix(0, 0, 0), color, depth_coding,
+                        32 * scale, 24 * scale, 32, 24, 1000.f, count);
+  }
+  std::string Frame(int i) const {
+    const int scale = registered ? 1 : 2;
+    const auto rgb = NumberedColor(i, 32 * scale, 24 * scale);
+    const std::string color =
+        color_coding == "none"
+            ? ""
+            : (color_coding.empty() ? RawBytes(rgb) : EncodedBytes(rgb, color_coding));
+    const auto raw = NumberedDepth(i);
+    const std::string depth = depth_coding == 0 ? RawBytes(raw) : ZlibBytes(raw);
+    const std::uint64_t stamp_us = has_stamps ? 5000000 + 100000 * i : 0;
+    const Matrix16 pose = i < static_cast<int>(poses.size())
+                              ? poses[i]
+                              : TranslationMatrix(static_cast<float>(i), 2, 3);
+    return LittleEndian(pose, stamp_us, stamp_us, std::uint64_t{color.size()},
+                        std::uint64_t{depth.size()}) +
+           color + depth;
+  }
+  std::string File(int count) const {
+    std::string file = Header(count);
+    for (int i = 0; i < count; ++i) file += Frame(i);
+    return file + LittleEndian(std::uint64_t{0});  // no inertial data
+  }
+};
+
+}  // namespace surfit::testing

@@ -1,0 +1,77 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "surfit/io/point_cloud.h"
+#include "surfit/io/sequence.h"
+#include "testing/read_all.h"
+#include "testing/run_program.h"
+#include "testing/sequence_writer.h"
+
+namespace surfit {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::ProgramResult;
+using testing::RunProgram;
+using testing::TempFolder;
+
+TEST(ConvertTool, WritesASequenceAsKlg) {
+  const TempFolder folder;
+  testing::WriteTumSequence(folder, 5);
+  const ProgramResult result =
+      RunProgram("surfit_convert", {"--sequence=" + folder.path(), "--stride=2", "--jpeg_quality=0",
+                                    "--output=" + (folder / "a.klg")});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("a.klg: 3 frames, 0 skipped, 0 depths"));
+  SequenceOptions options;
+  options.path = folder / "a.klg";
+  const auto frames = testing::ReadAll(OpenSequence(options).get());
+  ASSERT_EQ(frames.size(), 3u);
+  EXPECT_EQ(frames[2].frame->color, testing::NumberedColor(4));
+  EXPECT_DOUBLE_EQ(frames[2].stamp_s, 5.4);
+}
+
+TEST(ConvertTool, WritesCloudsAsPcdAndPly) {
+  const TempFolder folder;
+  const PointCloud cloud = {{{1, 2, 3}}, {{0, 0, 1}}, {{4, 5, 6}}};
+  WritePly(cloud, folder / "map.ply");
+  std::string from = folder / "map.ply";
+  for (const char* name : {"a.pcd", "b.ply"}) {
+    const ProgramResult result =
+        RunProgram("surfit_convert", {"--cloud=" + from, "--output=" + (folder / name)});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_THAT(result.out, HasSubstr(": 1 points"));
+    from = folder / name;
+    const PointCloud read = ReadPointCloud(from);
+    EXPECT_EQ(read.points, cloud.points);
+    EXPECT_EQ(read.normals, cloud.normals);
+    EXPECT_EQ(read.colors, cloud.colors);
+  }
+  EXPECT_EQ(testing::ReadBytes(folder / "a.pcd").substr(0, 6), "# .PCD");
+}
+
+TEST(ConvertTool, WritesTrajectoriesAsKittiPoses) {
+  const TempFolder folder;
+  const std::string path = folder.Write("t.txt", "1.5 7 8 9 0 0 0 1\n");
+  const ProgramResult result =
+      RunProgram("surfit_convert", {"--trajectory=" + path, "--output=" + (folder / "poses.txt")});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(testing::ReadBytes(folder / "poses.txt"),
+              HasSubstr("0.000000000 1.000000000 9.000000000\n"));
+}
+
+TEST(ConvertTool, RefusesBadInput) {
+  const auto expect = [](std::vector<std::string> flags, const char* message) {
+    const ProgramResult result = RunProgram("surfit_convert", std::move(flags));
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_THAT(result.err, HasSubstr(message));
+  };
+  expect({}, "--output is missing, must be set");
+  expect({"--output=a"}, "0 of --sequence, --cloud and --trajectory are set, must be 1");
+  expect({"--output=a", "--cloud=b", "--trajectory=c"}, "2 of --sequence, --cloud");
+  expect({"--output=a.ply", "--sequence=b"}, "--output is a.ply, must end in .klg");
+  expect({"--output=a.klg", "--cloud=b"}, "--output is a.klg, must end in .pcd or .ply");
+}
+
+}  // namespace
+}  // namespace surfit
