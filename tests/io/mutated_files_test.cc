@@ -126,6 +126,25 @@ TEST(Corpus, HoldsWhatTheEncodersWrite) {
   EXPECT_EQ(ReadBytes(std::string(SURFIT_CORPUS_DIR) + "/raw_raw.klg"), KlgFile(2, false, ""));
 }
 
+// Small files that claim 16384 x 16384 pixels, where depth alone would take 512 MB.
+TEST(Mutated, HugeImagesAreRefusedBeforeTheyTakeMemory) {
+  const TempFolder folder;
+  std::string sens = testing::SensEncoder().File(1);
+  const std::size_t sizes_at = 4 + 8 + 6 + 4 * 64 + 2 * 4;
+  for (int i = 0; i < 4; ++i) sens.replace(sizes_at + 4 * i, 4, testing::LittleEndian(16384));
+  folder.Write("huge.sens", sens);
+  std::string klg = KlgFile(1, true, ".jpg");
+  const std::size_t frame_at = klg.find("\xFF\xC0");  // of JPEG: length, bits, height, width
+  ASSERT_NE(frame_at, klg.npos);
+  klg.replace(frame_at + 5, 4, std::string("\x40\x00\x40\x00", 4));
+  folder.Write("huge.klg", klg);
+  for (const char* name : {"huge.sens", "huge.klg"}) {
+    testing::ResetLargestAllocation();
+    EXPECT_FALSE(ReadAsFarAsPossible(folder / name));
+    EXPECT_LT(testing::LargestAllocation(), 1u << 20) << name;
+  }
+}
+
 TEST(Mutated, KlgFilesAreReadOrRefused) { ReadMutations(".klg", 400); }
 TEST(Mutated, SensFilesAreReadOrRefused) { ReadMutations(".sens", 400); }
 TEST(TenThousandMutated, KlgFilesAreReadOrRefused) { ReadMutations(".klg", 10000); }
