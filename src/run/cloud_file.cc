@@ -9,16 +9,14 @@
 namespace surfit {
 namespace {
 
-PointCloud ReadCloud(const std::string& path, RegisteredCloud* about) {
-  PointCloud cloud = ReadPointCloud(path);
-  about->not_finite = RemoveNonFinite(&cloud);
-  about->points = cloud.points.size();
-  if (cloud.points.empty()) throw InputError(Concat(path, ": there is no finite point"));
-  if (cloud.points.size() > std::size_t{1} << 30) {
+void KeepFinitePoints(const std::string& what, PointCloud* cloud, RegisteredCloud* about) {
+  about->not_finite = RemoveNonFinite(cloud);
+  about->points = cloud->points.size();
+  if (cloud->points.empty()) throw InputError(Concat(what, ": there is no finite point"));
+  if (cloud->points.size() > std::size_t{1} << 30) {
     throw InputError(
-        Concat(path, ": there are ", cloud.points.size(), " points, must be at most 2^30"));
+        Concat(what, ": there are ", cloud->points.size(), " points, must be at most 2^30"));
   }
-  return cloud;
 }
 
 // Normals of unit length; what has none, or none that is finite, gets (0, 0, 0).
@@ -57,12 +55,18 @@ PointSet MakePointSet(const CloudNormalOptions& normals, double floor_sigma_m, P
 
 }  // namespace
 
-CloudFile ReadCloudFile(const std::string& path, const CloudNormalOptions& normals,
-                        double floor_sigma_m) {
-  CloudFile file;
-  file.cloud = ReadCloud(path, &file.about);
-  file.points = MakePointSet(normals, floor_sigma_m, &file.cloud, &file.about);
-  return file;
+PreparedCloud PrepareCloud(PointCloud cloud, const std::string& what,
+                           const CloudNormalOptions& normals, double floor_sigma_m) {
+  PreparedCloud prepared;
+  prepared.cloud = std::move(cloud);
+  KeepFinitePoints(what, &prepared.cloud, &prepared.about);
+  prepared.points = MakePointSet(normals, floor_sigma_m, &prepared.cloud, &prepared.about);
+  return prepared;
+}
+
+PreparedCloud ReadCloudFile(const std::string& path, const CloudNormalOptions& normals,
+                            double floor_sigma_m) {
+  return PrepareCloud(ReadPointCloud(path), path, normals, floor_sigma_m);
 }
 
 }  // namespace surfit

@@ -8,14 +8,18 @@
 namespace surfit {
 
 // A cloud, ready to be registered.
-struct CloudFile {
+struct PreparedCloud {
   PointCloud cloud;  // its finite points, with the normals that it had or was given
   PointSet points;
   RegisteredCloud about;
 };
 
-// Normals and sigmas as in RunRegister(). Throws InputError naming the file.
-CloudFile ReadCloudFile(const std::string& path, const CloudNormalOptions& normals,
-                        double floor_sigma_m);
+// Normals and sigmas as in RunRegister(). Throws InputError naming `what`.
+PreparedCloud PrepareCloud(PointCloud cloud, const std::string& what,
+                           const CloudNormalOptions& normals, double floor_sigma_m);
+
+// The same of a file. Throws InputError naming the file.
+PreparedCloud ReadCloudFile(const std::string& path, const CloudNormalOptions& normals,
+                            double floor_sigma_m);
 
 }  // namespace surfit

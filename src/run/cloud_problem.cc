@@ -10,7 +10,7 @@ namespace surfit {
 
 PoseProblems CloudProblems(const CompareOptions& options) {
   const auto read = [](const CompareOptions& given, const std::string& path) {
-    return std::make_shared<const CloudFile>(
+    return std::make_shared<const PreparedCloud>(
         ReadCloudFile(path, CloudNormalOptions(), given.icp.error_model.floor_sigma_m));
   };
   const auto source = read(options, options.source), target = read(options, options.target);
