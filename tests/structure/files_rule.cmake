@@ -4,10 +4,10 @@
 cmake_minimum_required(VERSION 3.25)
 
 file(GLOB_RECURSE sources RELATIVE "${ROOT}" "${ROOT}/src/*.cc" "${ROOT}/tools/*.cc"
-  "${ROOT}/tests/*.cc")
+  "${ROOT}/tests/*.cc" "${ROOT}/python/*.cc")
 file(GLOB_RECURSE public_headers RELATIVE "${ROOT}" "${ROOT}/include/*.h")
 file(GLOB_RECURSE internal_headers RELATIVE "${ROOT}" "${ROOT}/src/*.h" "${ROOT}/tools/*.h"
-  "${ROOT}/tests/*.h" "${ROOT}/cost_functions/*.h")
+  "${ROOT}/tests/*.h" "${ROOT}/python/*.h" "${ROOT}/cost_functions/*.h")
 if(NOT sources OR NOT public_headers)
   message(SEND_ERROR "no files under ${ROOT}")
 endif()
@@ -23,7 +23,7 @@ endfunction()
 
 set(all_lists)
 file(GLOB_RECURSE list_files "${ROOT}/src/CMakeLists.txt" "${ROOT}/tools/CMakeLists.txt"
-  "${ROOT}/tests/CMakeLists.txt")
+  "${ROOT}/tests/CMakeLists.txt" "${ROOT}/python/CMakeLists.txt")
 foreach(file ${list_files})
   file(READ "${file}" list)
   string(APPEND all_lists "${list}")
@@ -56,7 +56,7 @@ foreach(file ${sources} ${public_headers} ${internal_headers})
   list(APPEND includes ${lines})
 endforeach()
 foreach(file ${internal_headers})
-  string(REGEX REPLACE "^(src|tools|tests)/" "" name "${file}")
+  string(REGEX REPLACE "^(src|tools|tests|python)/" "" name "${file}")
   if(NOT "#include \"${name}\"" IN_LIST includes)
     message(SEND_ERROR "nobody includes ${file} (as \"${name}\")")
   endif()

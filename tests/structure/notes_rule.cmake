@@ -12,8 +12,8 @@ endfunction()
 
 set(count 0)
 file(GLOB_RECURSE cmake_files RELATIVE "${ROOT}" "${ROOT}/src/CMakeLists.txt"
-  "${ROOT}/tools/CMakeLists.txt" "${ROOT}/tests/CMakeLists.txt" "${ROOT}/cmake/*.cmake"
-  "${ROOT}/cmake/*.cmake.in")
+  "${ROOT}/tools/CMakeLists.txt" "${ROOT}/tests/CMakeLists.txt" "${ROOT}/python/CMakeLists.txt"
+  "${ROOT}/cmake/*.cmake" "${ROOT}/cmake/*.cmake.in")
 list(REMOVE_ITEM cmake_files tests/package/CMakeLists.txt)
 foreach(file CMakeLists.txt ${cmake_files})
   file(STRINGS "${ROOT}/${file}" lines REGEX "^ *find_(package|dependency) *\\(")

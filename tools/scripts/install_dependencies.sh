@@ -10,8 +10,10 @@ packages=(
   libeigen3-dev libceres-dev libgoogle-glog-dev libgflags-dev libopencv-dev libtbb-dev
   nlohmann-json3-dev libplplot-dev plplot-driver-cairo
   libturbojpeg0-dev zlib1g-dev
+  # the Python module
+  python3-dev pybind11-dev python3-numpy python3-matplotlib
   # the tests
-  libgtest-dev libgmock-dev libbenchmark-dev
+  libgtest-dev libgmock-dev libbenchmark-dev python3-pytest
 )
 
 if ! command -v dpkg-query apt-get >/dev/null; then

@@ -1,0 +1,107 @@
+// Point clouds: files, and registration.
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+#include "bindings/arrays.h"
+#include "bindings/bind.h"
+#include "bindings/options_class.h"
+#include "run/cloud_file.h"
+#include "surfit/core/error.h"
+#include "surfit/io/point_cloud.h"
+#include "surfit/registration/register_clouds.h"
+
+namespace py = pybind11;
+
+namespace surfit::python {
+namespace {
+
+PointCloud CloudOf(const py::object& points, const py::object& normals, const std::string& what) {
+  PointCloud cloud;
+  cloud.points = VectorsOf(points, what.c_str());
+  cloud.normals = VectorsOf(normals, (what + "_normals").c_str());
+  if (!cloud.normals.empty() && cloud.normals.size() != cloud.points.size()) {
+    throw InputError(Concat(what, "_normals has ", cloud.normals.size(), " rows, must have ",
+                            cloud.points.size(), " as ", what));
+  }
+  return cloud;
+}
+
+// An N x 3 view, or nothing where there are none.
+template <typename T, typename Vector>
+std::optional<py::array_t<T>> RowsView(const std::vector<Vector>& rows, const py::object& owner) {
+  static_assert(sizeof(Vector) == 3 * sizeof(T));
+  if (rows.empty()) return std::nullopt;
+  return ViewOf(reinterpret_cast<const T*>(rows.data()), {static_cast<py::ssize_t>(rows.size()), 3},
+                owner);
+}
+
+void BindPointCloud(py::module_& module) {
+  py::class_<PointCloud>(module, "PointCloud",
+                         "Points of a file. The arrays are views of its memory.")
+      .def_property_readonly(
+          "points",
+          [](const py::object& self) {
+            const auto& points = self.cast<const PointCloud&>().points;
+            return ViewOf(reinterpret_cast<const float*>(points.data()),
+                          {static_cast<py::ssize_t>(points.size()), 3}, self);
+          },
+          "N x 3, float32, metres")
+      .def_property_readonly(
+          "normals",
+          [](const py::object& self) {
+            return RowsView<float>(self.cast<const PointCloud&>().normals, self);
+          },
+          "N x 3, float32; None without")
+      .def_property_readonly(
+          "colors",
+          [](const py::object& self) {
+            return RowsView<std::uint8_t>(self.cast<const PointCloud&>().colors, self);
+          },
+          "N x 3, uint8, red first; None without");
+  module.def(
+      "read_point_cloud",
+      [](const std::filesystem::path& path) {
+        const py::gil_scoped_release release;
+        return ReadPointCloud(path.string());
+      },
+      py::arg("path"), "Reads a PLY or PCD file. Coordinates come as they are, NaN included.");
+}
+
+IcpResult RegisterPoints(PointCloud source, PointCloud target, const Rigid3d& start,
+                         const RegisterCloudsOptions& options, const CloudNormalOptions& normals) {
+  options.Validate();
+  normals.Validate();
+  const double floor_sigma_m = options.icp.error_model.floor_sigma_m;
+  return RegisterClouds(PrepareCloud(std::move(source), "source", normals, floor_sigma_m).points,
+                        PrepareCloud(std::move(target), "target", normals, floor_sigma_m).points,
+                        start, options);
+}
+
+}  // namespace
+
+void BindClouds(py::module_& module) {
+  BindPointCloud(module);
+  module.def(
+      "register",
+      [](const py::object& source, const py::object& target, const py::object& source_normals,
+         const py::object& target_normals, std::optional<Rigid3d> target_from_source,
+         RegisterCloudsOptions options, CloudNormalOptions normals) {
+        PointCloud source_cloud = CloudOf(source, source_normals, "source");
+        PointCloud target_cloud = CloudOf(target, target_normals, "target");
+        const py::gil_scoped_release release;
+        return RegisterPoints(std::move(source_cloud), std::move(target_cloud),
+                              target_from_source.value_or(Rigid3d()), options, normals);
+      },
+      py::arg("source"), py::arg("target"), py::arg("source_normals") = py::none(),
+      py::arg("target_normals") = py::none(), py::arg("target_from_source") = py::none(),
+      py::arg("options") = RegisterCloudsOptions(), py::arg("normals") = CloudNormalOptions(),
+      "Registers two clouds, N x 3 arrays in metres, by ICP with nearest neighbours, coarse to "
+      "fine, from a 4 x 4 pose (the identity if None). Points that are not finite are left out. "
+      "Normals are estimated where none are given.");
+}
+
+}  // namespace surfit::python

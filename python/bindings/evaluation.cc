@@ -1,0 +1,127 @@
+// Trajectories against ground truth.
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "bindings/arrays.h"
+#include "bindings/bind.h"
+#include "bindings/options_class.h"
+#include "surfit/core/error.h"
+#include "surfit/evaluation/trajectory_evaluation.h"
+#include "surfit/io/tum_trajectory.h"
+
+namespace py = pybind11;
+
+namespace surfit::python {
+namespace {
+
+using Unit = RelativePoseErrorOptions::Unit;
+
+Unit UnitOf(const std::string& name) {
+  if (name == "frames") return Unit::kFrames;
+  if (name == "seconds") return Unit::kSeconds;
+  throw InputError(Concat("delta_unit is '", name, "', must be 'frames' or 'seconds'"));
+}
+
+void BindEvaluationOptions(py::module_& module) {
+  OptionsClass<MatchOptions>(module, "MatchOptions", "Which poses belong to the same moment.")
+      .Add("max_difference_s", &MatchOptions::max_difference_s, "stamps further apart never match")
+      .Complete();
+
+  OptionsClass<RelativePoseErrorOptions>(module, "RelativePoseErrorOptions",
+                                         "Over what interval drift is measured.")
+      .Add("delta", &RelativePoseErrorOptions::delta, "the interval")
+      .AddProperty(
+          "delta_unit",
+          [](const RelativePoseErrorOptions& options) {
+            return options.delta_unit == Unit::kFrames ? "frames" : "seconds";
+          },
+          [](RelativePoseErrorOptions& options, const std::string& name) {
+            options.delta_unit = UnitOf(name);
+          },
+          "frames or seconds")
+      .Complete();
+
+  OptionsClass<TrajectoryEvaluationOptions>(module, "TrajectoryEvaluationOptions",
+                                            "How a trajectory is evaluated.")
+      .Add("match", &TrajectoryEvaluationOptions::match, "which poses belong together")
+      .Add("rpe", &TrajectoryEvaluationOptions::rpe, "of the relative pose error")
+      .Complete();
+}
+
+void BindErrors(py::module_& module) {
+  py::class_<ErrorStatistics>(module, "ErrorStatistics", "What is said of a set of errors.")
+      .def_readonly("count", &ErrorStatistics::count, "how many")
+      .def_readonly("rmse", &ErrorStatistics::rmse, "root mean square")
+      .def_readonly("mean", &ErrorStatistics::mean, "mean")
+      .def_readonly("median", &ErrorStatistics::median, "median")
+      .def_readonly("p90", &ErrorStatistics::p90, "90 % of the errors are at most this")
+      .def_readonly("max", &ErrorStatistics::max, "largest");
+
+  py::class_<AbsoluteTrajectoryError>(
+      module, "AbsoluteTrajectoryError",
+      "How far camera centres are off, once the estimate is placed as well as a rigid motion can.")
+      .def_readonly("translation_m", &AbsoluteTrajectoryError::translation_m, "metres")
+      .def_property_readonly(
+          "ground_truth_from_estimate",
+          [](const AbsoluteTrajectoryError& error) { return error.alignment.target_from_source; },
+          "4 x 4, metres")
+      .def_property_readonly(
+          "rotation_is_unique",
+          [](const AbsoluteTrajectoryError& error) {
+            return error.alignment.status == AlignmentStatus::kAligned;
+          },
+          "False on a straight path: other rotations fit as well, with the same error");
+
+  py::class_<RelativePoseError>(module, "RelativePoseError", "Drift over a fixed interval.")
+      .def_readonly("translation_m", &RelativePoseError::translation_m, "metres")
+      .def_readonly("rotation_deg", &RelativePoseError::rotation_deg, "degrees");
+}
+
+std::vector<double> StampsOf(const std::optional<std::vector<double>>& stamps_s,
+                             const Trajectory& ground_truth) {
+  if (!stamps_s) return Stamps(ground_truth);
+  std::vector<double> sorted = *stamps_s;
+  std::sort(sorted.begin(), sorted.end());
+  return sorted;
+}
+
+}  // namespace
+
+void BindEvaluation(py::module_& module) {
+  BindEvaluationOptions(module);
+  BindErrors(module);
+  py::class_<TrajectoryEvaluation>(module, "TrajectoryEvaluation",
+                                   "All that is said of an estimated trajectory.")
+      .def_readonly("expected", &TrajectoryEvaluation::expected,
+                    "frames that should have a pose: those that the ground truth knows")
+      .def_readonly("matched", &TrajectoryEvaluation::matched,
+                    "poses of the estimate that the ground truth knows")
+      .def_readonly("coverage", &TrajectoryEvaluation::coverage, "matched / expected")
+      .def_readonly("ate", &TrajectoryEvaluation::ate, "None if fewer than 3 poses match")
+      .def_readonly("rpe", &TrajectoryEvaluation::rpe, "None if no two poses are delta apart");
+
+  module.def(
+      "evaluate",
+      [](const py::object& ground_truth, const py::object& estimate,
+         const std::optional<std::vector<double>>& frame_stamps_s,
+         TrajectoryEvaluationOptions options) {
+        const Trajectory truth = TrajectoryOf(ground_truth, "ground_truth");
+        const Trajectory estimated = TrajectoryOf(estimate, "estimate");
+        const py::gil_scoped_release release;
+        return EvaluateTrajectory(truth, estimated, StampsOf(frame_stamps_s, truth), options);
+      },
+      py::arg("ground_truth"), py::arg("estimate"), py::arg("frame_stamps_s") = py::none(),
+      py::arg("options") = TrajectoryEvaluationOptions(),
+      "ATE and RPE of a trajectory. Both are N x 8 arrays, stamp tx ty tz qx qy qz qw, or paths of "
+      "TUM files. frame_stamps_s are those of all frames that should have a pose; if None, the "
+      "ground truth's.");
+  module.def(
+      "read_trajectory",
+      [](const std::filesystem::path& path) { return RowsOf(ReadTumTrajectory(path.string())); },
+      py::arg("path"), "Reads a TUM file: N x 8, stamp tx ty tz qx qy qz qw.");
+}
+
+}  // namespace surfit::python

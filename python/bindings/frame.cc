@@ -1,0 +1,93 @@
+#include "bindings/frame.h"
+
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "bindings/arrays.h"
+#include "bindings/bind.h"
+#include "bindings/options_class.h"
+#include "io/image_sequence.h"
+#include "surfit/core/error.h"
+#include "surfit/geometry/mirror.h"
+#include "surfit/io/camera_presets.h"
+
+namespace py = pybind11;
+
+namespace surfit::python {
+namespace {
+
+std::optional<py::array_t<std::uint8_t>> ColorView(const py::object& self) {
+  const Image<Rgb8>& color = self.cast<const Frame&>().images.color;
+  if (color.empty()) return std::nullopt;
+  return ViewOf(&color.data()->r, {color.height(), color.width(), 3}, self);
+}
+
+py::array_t<float> DepthView(const py::object& self) {
+  const Image<float>& depth_m = self.cast<const Frame&>().images.depth_m;
+  return ViewOf(depth_m.data(), {depth_m.height(), depth_m.width()}, self);
+}
+
+}  // namespace
+
+RgbdCamera CameraOf(const CameraChoice& camera) {
+  if (const auto* name = std::get_if<std::string>(&camera)) return CameraPreset(*name);
+  if (const auto* both = std::get_if<RgbdCamera>(&camera)) return *both;
+  RgbdCamera registered;
+  registered.depth = std::get<PinholeCamera>(camera);
+  return registered;
+}
+
+FrameMaker::FrameMaker(const RgbdCamera& camera, const PrepareOptions& options)
+    : camera_(camera),
+      mirrored_(camera.depth.fy < 0),
+      preparer_(mirrored_ ? Mirrored(camera) : camera, options) {}
+
+Frame FrameMaker::Make(const py::object& color, const py::array& depth, double stamp_s,
+                       int index) const {
+  if (!std::isfinite(stamp_s)) {
+    throw InputError(Concat("stamp_s is ", stamp_s, ", must be finite"));
+  }
+  FrameImages images{DepthOf(depth), ColorOf(color), "depth", "color"};
+  const py::gil_scoped_release release;
+  return {MakeFrame(camera_, preparer_, std::move(images), index, stamp_s), pinhole(), mirrored_};
+}
+
+void BindFrame(py::module_& module) {
+  OptionsClass<PrepareOptions>(module, "PrepareOptions", "How images become frames.")
+      .Add("downsample", &PrepareOptions::downsample,
+           "keep every downsample-th column and row, 1 to 16")
+      .Add("max_depth_m", &PrepareOptions::max_depth_m, "depth beyond is missing")
+      .Complete();
+
+  py::class_<Frame>(
+      module, "Frame",
+      "A depth image with its colours, undistorted, in the pixels of one pinhole camera. The "
+      "arrays are views of its memory.")
+      .def(py::init([](const py::object& color, const py::array& depth, const CameraChoice& camera,
+                       double stamp_s, int index, const PrepareOptions& prepare) {
+             return FrameMaker(CameraOf(camera), prepare).Make(color, depth, stamp_s, index);
+           }),
+           py::arg("color"), py::arg("depth"), py::arg("camera"), py::arg("stamp_s") = 0.,
+           py::arg("index") = 0, py::arg("prepare") = PrepareOptions(),
+           "From a height x width x 3 array of uint8 (red first) or None, and a height x width "
+           "array of uint16 (counts of 1 / depth_units_per_metre; 0 and 65535 are missing) or "
+           "floating-point numbers (metres). The camera is a PinholeCamera, an RgbdCamera or a "
+           "preset's name; where fy < 0 the frame is mirrored: see Sequence.mirrored.")
+      .def_property_readonly("depth_m", &DepthView,
+                             "height x width, float32, metres along the optical axis; 0 = missing")
+      .def_property_readonly(
+          "color", &ColorView,
+          "height x width x 3, uint8, red first; None without colour; (0, 0, 0) where the colour "
+          "camera does not see the depth pixel")
+      .def_readonly("camera", &Frame::camera, "of these pixels")
+      .def_readonly("mirrored", &Frame::mirrored, "see Sequence.mirrored")
+      .def_property_readonly(
+          "stamp_s", [](const Frame& frame) { return frame.images.stamp_s; },
+          "the colour image's time where it has one, seconds")
+      .def_property_readonly(
+          "index", [](const Frame& frame) { return frame.images.index; },
+          "position in the sequence");
+}
+
+}  // namespace surfit::python

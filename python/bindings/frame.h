@@ -1,0 +1,46 @@
+#pragma once
+
+#include <pybind11/numpy.h>
+
+#include <string>
+#include <variant>
+
+#include "surfit/frame/prepare_frame.h"
+#include "surfit/frame/rgbd_frame.h"
+#include "surfit/geometry/pinhole_camera.h"
+
+namespace surfit::python {
+
+// A frame with the camera that its pixels belong to.
+struct Frame {
+  RgbdFrame images;
+  PinholeCamera camera;
+  bool mirrored = false;  // see SequenceInfo::mirrored
+};
+
+// A preset's name, an RgbdCamera, or a PinholeCamera that depth and colour share.
+using CameraChoice = std::variant<std::string, RgbdCamera, PinholeCamera>;
+RgbdCamera CameraOf(const CameraChoice& camera);
+
+// Makes frames from arrays as a sequence does from files: undistorted, colour registered to depth,
+// and mirrored where fy < 0.
+class FrameMaker {
+ public:
+  // Throws InputError for a bad camera or bad options.
+  FrameMaker(const RgbdCamera& camera, const PrepareOptions& options);
+
+  const PinholeCamera& pinhole() const { return preparer_.pinhole(); }
+  bool mirrored() const { return mirrored_; }
+
+  // Arrays as for DepthOf() and ColorOf(). Holds the GIL only while it reads them. Throws
+  // InputError for arrays that are not of the camera's size.
+  Frame Make(const pybind11::object& color, const pybind11::array& depth, double stamp_s,
+             int index) const;
+
+ private:
+  RgbdCamera camera_;
+  bool mirrored_;
+  FramePreparer preparer_;
+};
+
+}  // namespace surfit::python

@@ -1,0 +1,54 @@
+// What became of one frame.
+#include <pybind11/stl.h>
+
+#include "bindings/bind.h"
+#include "bindings/pose_caster.h"
+#include "surfit/slam/slam.h"
+
+namespace py = pybind11;
+
+namespace surfit::python {
+namespace {
+
+void BindFusionReport(py::module_& module) {
+  py::class_<FusionReport>(module, "FusionReport", "What the fusion of one frame did.")
+      .def_readonly("input_points", &FusionReport::input_points, "pixels with depth and normal")
+      .def_readonly("merged_points", &FusionReport::merged_points, "of those, that met a surfel")
+      .def_readonly("merged", &FusionReport::merged, "surfels updated")
+      .def_readonly("added", &FusionReport::added, "surfels")
+      .def_readonly("removed", &FusionReport::removed, "surfels");
+}
+
+void BindStageTimes(py::module_& module) {
+  py::class_<StageTimes>(module, "StageTimes", "Wall time spent in each stage, milliseconds.")
+      .def_readonly("preprocess_ms", &StageTimes::preprocess_ms, "depth filter, normals, pyramid")
+      .def_readonly("predict_ms", &StageTimes::predict_ms, "drawing the map")
+      .def_readonly("track_ms", &StageTimes::track_ms, "registration")
+      .def_readonly("fuse_ms", &StageTimes::fuse_ms, "fusion");
+}
+
+std::optional<Rigid3d> PoseOfReport(const FrameReport& report) {
+  if (report.state == FrameState::kLost) return std::nullopt;
+  return report.world_from_camera;
+}
+
+}  // namespace
+
+void BindFrameReport(py::module_& module) {
+  BindFusionReport(module);
+  BindStageTimes(module);
+  py::class_<FrameReport>(module, "FrameReport", "What became of one frame.")
+      .def_readonly("index", &FrameReport::index, "the frame's")
+      .def_readonly("stamp_s", &FrameReport::stamp_s, "the frame's")
+      .def_property_readonly(
+          "state", [](const FrameReport& report) { return ToString(report.state); },
+          "first, tracked, degenerate (some directions as predicted), frozen (depth repeats the "
+          "last frame's), given (fused at a given pose), or lost: no pose, nothing fused")
+      .def_property_readonly("world_from_camera", &PoseOfReport, "4 x 4, metres; None if lost")
+      .def_readonly("found_again", &FrameReport::found_again, "tracked after a jump")
+      .def_readonly("icp", &FrameReport::icp, "of a tracked or lost frame")
+      .def_readonly("fusion", &FrameReport::fusion, "what it did to the map")
+      .def_readonly("times", &FrameReport::times, "of the stages");
+}
+
+}  // namespace surfit::python

@@ -1,0 +1,68 @@
+// The outcome of a registration.
+#include <pybind11/eigen.h>
+#include <pybind11/stl.h>
+
+#include "bindings/bind.h"
+#include "bindings/pose_caster.h"
+#include "surfit/registration/icp.h"
+#include "surfit/registration/initialize.h"
+
+namespace py = pybind11;
+
+namespace surfit::python {
+namespace {
+
+void BindIteration(py::module_& module) {
+  py::class_<IcpIteration>(module, "IcpIteration",
+                           "The state of a level before a step or, its last one, after all.")
+      .def_readonly("level", &IcpIteration::level, "0 is the finest")
+      .def_readonly("average_loss", &IcpIteration::average_loss, "m^2, weighted mean of |r|^2")
+      .def_readonly("cost", &IcpIteration::cost, "1/2 sum of rho(s)")
+      .def_readonly("inlier_count", &IcpIteration::inlier_count, "pairs within 3 sigmas");
+}
+
+}  // namespace
+
+void BindIcpResult(py::module_& module) {
+  BindIteration(module);
+  py::class_<IcpResult>(module, "IcpResult",
+                        "The outcome of a registration. Unless it succeeded, the pose must not be "
+                        "used.")
+      .def_property_readonly("succeeded", &IcpResult::Succeeded, "whether the pose may be used")
+      .def_property_readonly(
+          "termination", [](const IcpResult& result) { return ToString(result.termination); },
+          "converged, rmse_increased, max_iterations; or the failure: too_few_inliers, "
+          "singular_system, free_space_filled, not_verified")
+      .def_readonly("target_from_source", &IcpResult::target_from_source, "4 x 4, metres")
+      .def_readonly("iterations", &IcpResult::iterations, "in their order, coarse to fine")
+      .def_readonly("step_count", &IcpResult::step_count, "over all levels")
+      .def_readonly("inlier_count", &IcpResult::inlier_count, "pairs within 3 sigmas")
+      .def_readonly("inlier_share", &IcpResult::inlier_share, "of the valid source points")
+      .def_readonly("rmse_m", &IcpResult::rmse_m, "root of the weighted mean of |r|^2")
+      .def_readonly("intensity_count", &IcpResult::intensity_count,
+                    "points whose intensities have a say")
+      .def_readonly("information", &IcpResult::information,
+                    "6 x 6, of the left increment (rotation, translation), 1/rad^2, 1/m^2")
+      .def_readonly("covariance", &IcpResult::covariance,
+                    "6 x 6, rad^2, m^2; None where directions are free")
+      .def_readonly("eigenvalues", &IcpResult::eigenvalues,
+                    "ascending, from 0 (a direction that the data does not hold) to 1")
+      .def_readonly("free_directions", &IcpResult::free_directions,
+                    "left increments (rad, m) that the data does not hold")
+      .def_readonly("free_space_share", &IcpResult::free_space_share,
+                    "of points in space that the other view saw through; 0 unless limited");
+
+  py::class_<InitializedIcpResult>(module, "AlignResult",
+                                   "A registration of frames and what speaks for it.")
+      .def_readonly("icp", &InitializedIcpResult::icp, "the registration")
+      .def_readonly("start", &InitializedIcpResult::start, "4 x 4: where ICP started")
+      .def_readonly("overlap_share", &InitializedIcpResult::overlap_share,
+                    "of points on the other view's surface; as all below, 0 from the identity")
+      .def_readonly("value_correlation", &InitializedIcpResult::value_correlation,
+                    "of brightness there")
+      .def_readonly("detail_correlation", &InitializedIcpResult::detail_correlation,
+                    "of its edges and texture")
+      .def_readonly("lead", &InitializedIcpResult::lead, "over any other pose, nats per pixel");
+}
+
+}  // namespace surfit::python

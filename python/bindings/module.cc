@@ -1,0 +1,30 @@
+// The extension module surfit._surfit; surfit/__init__.py makes it the package.
+#include "bindings/bind.h"
+#include "bindings/options_class.h"
+
+namespace py = pybind11;
+
+PYBIND11_MODULE(_surfit, module) {
+  using namespace surfit::python;
+  // Classes and functions are known by the package's name, not by this module's.
+  const py::object name = module.attr("__name__");
+  module.attr("__name__") = "surfit";
+  BindErrors();
+  BindThreads(module);
+  BindCamera(module);
+  BindFrame(module);
+  BindSequence(module);
+  BindRegistrationOptions(module);
+  BindIcpResult(module);
+  BindAlign(module);
+  BindClouds(module);
+  BindEvaluation(module);
+  BindSlamOptions(module);
+  BindFrameReport(module);
+  BindSurfels(module);
+  BindSlam(module);
+  BindRun(module);
+  module.attr("__version__") = SURFIT_VERSION;
+  module.attr("_incomplete_options") = py::cast(IncompleteOptions());
+  module.attr("__name__") = name;
+}

@@ -1,0 +1,147 @@
+// Sequences of files, read ahead.
+#include "surfit/io/sequence.h"
+
+#include <pybind11/stl/filesystem.h>
+
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include "bindings/arrays.h"
+#include "bindings/bind.h"
+#include "bindings/frame.h"
+#include "bindings/options_class.h"
+#include "surfit/io/read_ahead.h"
+#include "surfit/run/slam_run.h"
+
+namespace py = pybind11;
+
+namespace surfit::python {
+namespace {
+
+// Iterates over the frames that can be read; what cannot is warned of and kept in skipped().
+class Sequence {
+ public:
+  Sequence(const SequenceOptions& options, int queue_capacity)
+      : source_(ReadAhead(OpenSequence(options), queue_capacity)) {}
+
+  const SequenceInfo& info() const { return source_->info(); }
+  const std::vector<std::pair<int, std::string>>& skipped() const { return skipped_; }
+
+  Frame Next() {
+    while (true) {
+      std::optional<ReadResult> result = Read();
+      if (!result) throw py::stop_iteration();
+      if (result->frame) return {std::move(*result->frame), info().pinhole, info().mirrored};
+      Skip(*result);
+    }
+  }
+
+ private:
+  std::optional<ReadResult> Read() {
+    const py::gil_scoped_release release;
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return source_->Next();
+  }
+  void Skip(const ReadResult& result) {
+    skipped_.emplace_back(result.index, result.error);
+    const std::string text = "frame " + std::to_string(result.index) + " skipped: " + result.error;
+    if (PyErr_WarnEx(PyExc_RuntimeWarning, text.c_str(), 1) != 0) throw py::error_already_set();
+  }
+
+  std::mutex mutex_;
+  std::unique_ptr<FrameSource> source_;
+  std::vector<std::pair<int, std::string>> skipped_;
+};
+
+SequenceOptions OptionsOf(const py::object& path, const py::kwargs& values) {
+  SequenceOptions options;
+  if (py::isinstance<SequenceOptions>(path)) {
+    options = path.cast<SequenceOptions>();
+  } else {
+    options.path = path.cast<std::filesystem::path>().string();
+  }
+  SetOptions(values, py::cast(&options, py::return_value_policy::reference));
+  return options;
+}
+
+void BindSequenceOptions(py::module_& module) {
+  OptionsClass<SequenceOptions>(module, "SequenceOptions",
+                                "Which frames of which sequence to read, and with what camera.")
+      .AddProperty(
+          "path", [](const SequenceOptions& options) { return options.path; },
+          [](SequenceOptions& options, const std::filesystem::path& path) {
+            options.path = path.string();
+          },
+          "the sequence's folder, or file")
+      .Add("format", &SequenceOptions::format,
+           "auto, tum, icl_nuim, seven_scenes, redwood, replica, klg or sens")
+      .Add("camera", &SequenceOptions::camera,
+           "a preset's name; if empty the sequence's camera file, else what the recording tells, "
+           "else "
+           "the format's usual camera")
+      .Add("intrinsics", &SequenceOptions::intrinsics, "of depth, for the camera's: fx fy cx cy")
+      .Add("distortion", &SequenceOptions::distortion, "of depth, for the camera's: k1 k2 p1 p2 k3")
+      .Add("depth_units_per_metre", &SequenceOptions::depth_units_per_metre, "for the camera's")
+      .Add("color_intrinsics", &SequenceOptions::color_intrinsics,
+           "for the colour camera's: fx fy cx cy")
+      .Add("color_distortion", &SequenceOptions::color_distortion,
+           "for the colour camera's: k1 k2 p1 p2 k3")
+      .Add("color_from_depth", &SequenceOptions::color_from_depth, "for the camera's: 4 x 4, m")
+      .Add("frames_per_second", &SequenceOptions::frames_per_second,
+           "of files that have no stamps, for the camera's")
+      .Add("first", &SequenceOptions::first, "index of the first frame")
+      .Add("last", &SequenceOptions::last, "index of the last frame, inclusive; -1 = to the end")
+      .Add("stride", &SequenceOptions::stride, "read every stride-th frame")
+      .Add("prepare", &SequenceOptions::prepare, "how images become frames");
+}
+
+}  // namespace
+
+void BindSequence(py::module_& module) {
+  BindSequenceOptions(module);
+  const int default_capacity = SlamRunOptions().queue_capacity;
+  py::class_<Sequence>(
+      module, "Sequence",
+      "The frames of a folder or recording in their order, read ahead on another thread:\n"
+      "    for frame in surfit.Sequence('living_room', last=99): ...\n"
+      "Frames that cannot be read are left out with a RuntimeWarning, and listed in skipped.")
+      .def(py::init([](const py::object& path, int queue_capacity, const py::kwargs& options) {
+             const SequenceOptions all = OptionsOf(path, options);
+             const py::gil_scoped_release release;
+             return std::make_unique<Sequence>(all, queue_capacity);
+           }),
+           py::arg("path"), py::kw_only(), py::arg("queue_capacity") = default_capacity,
+           "Of the path of a folder or recording, or of SequenceOptions; keywords are options of "
+           "SequenceOptions. "
+           "At most queue_capacity frames are read ahead.")
+      .def("__iter__", [](Sequence& sequence) -> Sequence& { return sequence; })
+      .def("__next__", &Sequence::Next)
+      .def("__len__", [](const Sequence& sequence) { return sequence.info().frame_count; })
+      .def_property_readonly(
+          "format", [](const Sequence& sequence) { return sequence.info().format; },
+          "as SequenceOptions.format names it")
+      .def_property_readonly(
+          "camera", [](const Sequence& sequence) { return sequence.info().camera; },
+          "as the files have it, fy < 0 included")
+      .def_property_readonly(
+          "pinhole", [](const Sequence& sequence) { return sequence.info().pinhole; },
+          "of the frames: undistorted, downsampled, fy > 0")
+      .def_property_readonly(
+          "mirrored", [](const Sequence& sequence) { return sequence.info().mirrored; },
+          "The files' image y axis points up (fy < 0, left-handed): camera and world are mirrored "
+          "by S = diag(1, -1, 1) when read, and poses become S pose S.")
+      .def_property_readonly(
+          "ground_truth",
+          [](const Sequence& sequence) { return RowsOf(sequence.info().ground_truth); },
+          "N x 8: stamp tx ty tz qx qy qz qw, world from camera, mirrored if so; for evaluation")
+      .def_property_readonly(
+          "warnings", [](const Sequence& sequence) { return sequence.info().warnings; },
+          "what the user should know: doubtful camera, depth scale")
+      .def_property_readonly("skipped", &Sequence::skipped,
+                             "(index, reason) of the frames so far that could not be read");
+}
+
+}  // namespace surfit::python

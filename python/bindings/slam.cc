@@ -1,0 +1,86 @@
+// Slam, frame by frame.
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <filesystem>
+
+#include "bindings/bind.h"
+#include "bindings/options_class.h"
+#include "bindings/slam_session.h"
+
+namespace py = pybind11;
+
+namespace surfit::python {
+namespace {
+
+void BindProcess(py::class_<SlamSession>* slam) {
+  slam->def(
+      "process",
+      [](SlamSession& session, const Frame& frame, std::optional<Rigid3d> world_from_camera) {
+        return session.Process(frame, world_from_camera);
+      },
+      py::arg("frame"), py::kw_only(), py::arg("world_from_camera") = py::none(),
+      "Tracks and fuses the next frame, or fuses it at a given pose.");
+  slam->def(
+      "process",
+      [](SlamSession& session, const py::object& color, const py::array& depth, double stamp_s,
+         std::optional<int> index, std::optional<Rigid3d> world_from_camera) {
+        return session.Process(color, depth, stamp_s, index, world_from_camera);
+      },
+      py::arg("color"), py::arg("depth"), py::arg("stamp_s"), py::kw_only(),
+      py::arg("index") = py::none(), py::arg("world_from_camera") = py::none(),
+      "The same of arrays, as Frame takes them, in the camera that Slam was made with. The index "
+      "is that after the last frame's if None.");
+}
+
+void BindResults(py::class_<SlamSession>* slam) {
+  slam->def_property_readonly("trajectory", &SlamSession::TrajectoryRows,
+                              "N x 8, a row for each frame with a pose: stamp tx ty tz qx qy qz "
+                              "qw, world from camera, metres");
+  slam->def_property_readonly("poses", &SlamSession::Poses,
+                              "N x 4 x 4, world from camera, metres, of the same frames");
+  slam->def_property_readonly("mirrored", &SlamSession::mirrored,
+                              "whether camera and world are mirrored: see Sequence.mirrored");
+  slam->def_property_readonly("surfel_count", &SlamSession::SurfelCount, "of the map");
+  slam->def_property_readonly(
+      "digest", &SlamSession::DigestOfResult,
+      "of trajectory and map: equal digests, equal results bit for bit, with surfit_slam as well");
+  slam->def("surfels", &SlamSession::Surfels, "The map as it is now, copied once.");
+  slam->def(
+      "write_trajectory",
+      [](SlamSession& session, const std::filesystem::path& path) {
+        session.WriteTrajectory(path.string());
+      },
+      py::arg("path"), "Writes a TUM file, in the source's own convention where it is mirrored.");
+  slam->def(
+      "write_map",
+      [](SlamSession& session, const std::filesystem::path& path) {
+        session.WriteMap(path.string());
+      },
+      py::arg("path"), "Writes the map as PLY, as surfit_slam does.");
+}
+
+}  // namespace
+
+void BindSlam(py::module_& module) {
+  py::class_<SlamSession> slam(
+      module, "Slam",
+      "Dense SLAM by point-based fusion: each frame is registered to what the map predicts, and "
+      "fused into the map at the pose found. No loop closure.");
+  slam.def(py::init([](const SlamOptions& options, const std::optional<CameraChoice>& camera,
+                       const PrepareOptions& prepare, std::optional<Rigid3d> initial_pose) {
+             std::optional<RgbdCamera> rgbd_camera;
+             if (camera) rgbd_camera = CameraOf(*camera);
+             return std::make_unique<SlamSession>(options, rgbd_camera, prepare,
+                                                  initial_pose.value_or(Rigid3d()));
+           }),
+           py::arg("options") = SlamOptions(), py::arg("camera") = py::none(),
+           py::arg("prepare") = PrepareOptions(), py::arg("initial_pose") = py::none(),
+           "The options are copied. The camera, a PinholeCamera, an RgbdCamera or a preset's name, "
+           "and how to prepare images are for frames that are arrays: a Frame has its own. "
+           "initial_pose is the first camera's, 4 x 4; the identity if None.");
+  BindProcess(&slam);
+  BindResults(&slam);
+}
+
+}  // namespace surfit::python

@@ -1,0 +1,120 @@
+#include "bindings/slam_session.h"
+
+#include "bindings/arrays.h"
+#include "bindings/pose_caster.h"
+#include "run/digest.h"
+#include "surfit/core/error.h"
+#include "surfit/geometry/mirror.h"
+#include "surfit/io/surfel_ply.h"
+#include "surfit/io/tum_trajectory.h"
+
+namespace py = pybind11;
+
+namespace surfit::python {
+namespace {
+
+bool SameCamera(const PinholeCamera& a, const PinholeCamera& b) {
+  return a.width == b.width && a.height == b.height && a.fx == b.fx && a.fy == b.fy &&
+         a.cx == b.cx && a.cy == b.cy;
+}
+
+std::string Describe(const PinholeCamera& camera) {
+  return Concat(camera.width, " x ", camera.height, " px, fx ", camera.fx, ", fy ", camera.fy,
+                ", cx ", camera.cx, ", cy ", camera.cy);
+}
+
+}  // namespace
+
+SlamSession::SlamSession(const SlamOptions& options, const std::optional<RgbdCamera>& camera,
+                         const PrepareOptions& prepare, const Rigid3d& world_from_first_camera)
+    : options_(options), world_from_first_camera_(world_from_first_camera) {
+  options_.Validate();
+  prepare.Validate();
+  if (!camera) return;
+  maker_.emplace(*camera, prepare);
+  Start(maker_->pinhole(), maker_->mirrored());
+}
+
+void SlamSession::Start(const PinholeCamera& camera, bool mirrored) {
+  camera_ = camera;
+  mirrored_ = mirrored;
+  slam_ = std::make_unique<Slam>(camera, options_, world_from_first_camera_);
+}
+
+template <typename Work>
+auto SlamSession::Locked(const Work& work) {
+  const py::gil_scoped_release release;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return work();
+}
+
+FrameReport SlamSession::Process(const Frame& frame,
+                                 const std::optional<Rigid3d>& world_from_camera) {
+  return Locked([&] {
+    if (!slam_) Start(frame.camera, frame.mirrored);
+    if (!SameCamera(frame.camera, camera_)) {
+      throw InputError(Concat("the frame's camera is ", Describe(frame.camera), ", must be ",
+                              Describe(camera_), " as before"));
+    }
+    const FrameReport report = world_from_camera
+                                   ? slam_->ProcessAt(frame.images, *world_from_camera)
+                                   : slam_->Process(frame.images);
+    next_index_ = frame.images.index + 1;
+    if (report.state != FrameState::kLost) {
+      trajectory_.push_back({report.stamp_s, report.world_from_camera});
+    }
+    return report;
+  });
+}
+
+FrameReport SlamSession::Process(const py::object& color, const py::array& depth, double stamp_s,
+                                 std::optional<int> index,
+                                 const std::optional<Rigid3d>& world_from_camera) {
+  if (!maker_) throw InputError("camera is not set, must be for frames that are arrays");
+  const int frame_index = index ? *index : Locked([&] { return next_index_; });
+  return Process(maker_->Make(color, depth, stamp_s, frame_index), world_from_camera);
+}
+
+py::array_t<double> SlamSession::TrajectoryRows() {
+  return RowsOf(Locked([&] { return trajectory_; }));
+}
+
+py::array_t<double> SlamSession::Poses() {
+  const Trajectory trajectory = Locked([&] { return trajectory_; });
+  py::array_t<double> poses(
+      {static_cast<py::ssize_t>(trajectory.size()), py::ssize_t{4}, py::ssize_t{4}});
+  double* data = poses.mutable_data();
+  for (const StampedPose& pose : trajectory) {
+    WriteMatrix(pose.world_from_camera, data);
+    data += 16;
+  }
+  return poses;
+}
+
+SurfelColumns SlamSession::Surfels() {
+  return Locked([&] { return slam_ ? ColumnsOf(slam_->map()) : SurfelColumns(); });
+}
+
+std::size_t SlamSession::SurfelCount() {
+  return Locked([&] { return slam_ ? slam_->map().size() : 0; });
+}
+
+std::string SlamSession::DigestOfResult() {
+  return Locked([&] { return Digest(trajectory_, slam_ ? slam_->map() : SurfelMap()); });
+}
+
+void SlamSession::WriteTrajectory(const std::string& path) {
+  Locked([&] {
+    TumTrajectoryWriter writer(path);
+    for (const StampedPose& pose : trajectory_) {
+      writer.Append(
+          {pose.stamp_s, mirrored_ ? Mirrored(pose.world_from_camera) : pose.world_from_camera});
+    }
+  });
+}
+
+void SlamSession::WriteMap(const std::string& path) {
+  Locked([&] { WriteSurfelPly(slam_ ? slam_->map() : SurfelMap(), path); });
+}
+
+}  // namespace surfit::python

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <pybind11/numpy.h>
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "bindings/frame.h"
+#include "bindings/surfels.h"
+#include "surfit/geometry/trajectory.h"
+#include "surfit/slam/slam.h"
+
+namespace surfit::python {
+
+// A Slam with what Python wants beside it: arrays made frames, and the trajectory so far. Safe for
+// several threads, one at a time; none of its methods holds the GIL while it works or waits.
+class SlamSession {
+ public:
+  // Without a camera, the first frame's is taken. Throws InputError for bad options.
+  SlamSession(const SlamOptions& options, const std::optional<RgbdCamera>& camera,
+              const PrepareOptions& prepare, const Rigid3d& world_from_first_camera);
+
+  // Throws InputError unless the frame has the session's camera.
+  FrameReport Process(const Frame& frame, const std::optional<Rigid3d>& world_from_camera);
+
+  // Without an index, that after the last frame's. Throws InputError without a camera.
+  FrameReport Process(const pybind11::object& color, const pybind11::array& depth, double stamp_s,
+                      std::optional<int> index, const std::optional<Rigid3d>& world_from_camera);
+
+  pybind11::array_t<double> TrajectoryRows();
+  pybind11::array_t<double> Poses();
+  SurfelColumns Surfels();
+  std::size_t SurfelCount();
+  std::string DigestOfResult();
+  bool mirrored() const { return mirrored_; }
+
+  // Throw InputError naming the file if it cannot be written.
+  void WriteTrajectory(const std::string& path);
+  void WriteMap(const std::string& path);
+
+ private:
+  // What `work` returns of the state, which nobody else has meanwhile.
+  template <typename Work>
+  auto Locked(const Work& work);
+  void Start(const PinholeCamera& camera, bool mirrored);
+
+  SlamOptions options_;
+  Rigid3d world_from_first_camera_;
+  std::optional<FrameMaker> maker_;
+
+  std::mutex mutex_;  // of all below
+  std::unique_ptr<Slam> slam_;
+  PinholeCamera camera_;
+  bool mirrored_ = false;
+  int next_index_ = 0;
+  Trajectory trajectory_;
+};
+
+}  // namespace surfit::python

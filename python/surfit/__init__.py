@@ -1,0 +1,21 @@
+"""Surfit: dense RGB-D SLAM with surfels, on an ordinary CPU.
+
+    import surfit
+    slam = surfit.Slam()
+    for frame in surfit.Sequence("living_room"):
+        slam.process(frame)
+    slam.write_map("map.ply")
+
+Lengths are in metres, stamps in seconds, angles in radians unless a name ends in _deg. Poses are
+4 x 4 arrays, a_from_b: point_in_a = a_from_b @ point_in_b. Trajectories are N x 8 arrays, stamp tx
+ty tz qx qy qz qw, as in TUM files. Cameras look along +z, x right, y down. Colours are red first.
+
+Bad input raises ValueError with a sentence that names it. Other Python threads run while Surfit
+works. Ctrl-C takes effect after the call at work, run_slam() after the frame at work.
+"""
+
+from surfit import _surfit
+from surfit._surfit import *  # noqa: F401,F403
+from surfit._surfit import __version__  # noqa: F401
+
+__all__ = [name for name in dir(_surfit) if not name.startswith("_")]
