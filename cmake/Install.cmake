@@ -1,13 +1,25 @@
-# Install and export, so that find_package(surfit) works from another project.
+# Install and export, so that find_package(surfit) and pkg-config work from another project. Each
+# component becomes a Debian package: see DebianPackages.cmake.
 include(CMakePackageConfigHelpers)
 set(SURFIT_CMAKE_DIR "${CMAKE_INSTALL_LIBDIR}/cmake/surfit")
-install(TARGETS surfit EXPORT surfit-targets FILE_SET HEADERS)
+install(TARGETS surfit EXPORT surfit-targets
+  LIBRARY COMPONENT library NAMELINK_COMPONENT dev
+  ARCHIVE COMPONENT dev
+  FILE_SET HEADERS COMPONENT dev)
 install(TARGETS surfit_cost_functions EXPORT surfit-targets
-  FILE_SET HEADERS DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/surfit")
-install(EXPORT surfit-targets NAMESPACE surfit:: DESTINATION "${SURFIT_CMAKE_DIR}")
+  FILE_SET HEADERS DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/surfit" COMPONENT dev)
+install(EXPORT surfit-targets NAMESPACE surfit:: DESTINATION "${SURFIT_CMAKE_DIR}" COMPONENT dev)
 configure_package_config_file(cmake/surfit-config.cmake.in "${PROJECT_BINARY_DIR}/surfit-config.cmake"
   INSTALL_DESTINATION "${SURFIT_CMAKE_DIR}")
 write_basic_package_version_file("${PROJECT_BINARY_DIR}/surfit-config-version.cmake"
   COMPATIBILITY SameMinorVersion)
 install(FILES "${PROJECT_BINARY_DIR}/surfit-config.cmake" "${PROJECT_BINARY_DIR}/surfit-config-version.cmake"
-  DESTINATION "${SURFIT_CMAKE_DIR}")
+  DESTINATION "${SURFIT_CMAKE_DIR}" COMPONENT dev)
+
+# A static library needs what only CMake's package tells; a shared one brings it along.
+if(BUILD_SHARED_LIBS)
+  file(RELATIVE_PATH SURFIT_PREFIX_FROM_PC "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/")
+  configure_file(cmake/surfit.pc.in "${PROJECT_BINARY_DIR}/surfit.pc" @ONLY)
+  install(FILES "${PROJECT_BINARY_DIR}/surfit.pc"
+    DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig" COMPONENT dev)
+endif()

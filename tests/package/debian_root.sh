@@ -1,0 +1,63 @@
+#!/usr/bin/env bash
+# Installs the Debian packages of a build on a clean Debian 12 and uses them there:
+#   debian_root.sh BUILD [ROOT]
+# BUILD is a build of the preset `package` after `cpack`. ROOT is made by debootstrap with this
+# machine's apt sources, or used as it is if it is a Debian root already; it is a temporary folder,
+# removed at the end, if not given. Needs root, and some minutes for downloads.
+set -euo pipefail
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+build=$1
+debs=("$build"/*.deb)
+[[ -e ${debs[0]} ]] || { echo "error: no packages in $build: run cpack there" >&2; exit 1; }
+[[ $(id -u) == 0 ]] || { echo "error: chroot needs root" >&2; exit 1; }
+
+if [[ $# -ge 2 ]]; then
+  root=$2
+else
+  root=$(mktemp -d)
+  trap 'rm -rf --one-file-system "$root"' EXIT
+fi
+
+if [[ ! -e $root/etc/debian_version ]]; then
+  mirror=$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Codename: bookworm' \
+           | head -n 1)
+  debootstrap --variant=minbase bookworm "$root" "$mirror"
+fi
+rm -rf "$root/etc/apt/sources.list"
+cp -a /etc/apt/. "$root/etc/apt/"
+[[ ! -e /etc/resolv.conf ]] || cp -L /etc/resolv.conf "$root/etc/resolv.conf"
+
+inside() { chroot "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 \
+  DEBIAN_FRONTEND=noninteractive "$@"; }
+
+mkdir -p "$root/packages" "$root/consumer"
+rm -rf "$root"/packages/* "$root"/consumer/* "$root/room" "$root/out"
+cp "${debs[@]}" "$root/packages/"
+cp "$here"/{CMakeLists.txt,main.cc,registration.cc} "$root/consumer/"
+
+inside apt-get update -q
+inside bash -c 'apt-get install -q -y --no-install-recommends --reinstall /packages/*.deb'
+
+echo "Programs"
+inside surfit_simulate --output=/room --frames=12 --downsample=4
+report=()
+if inside surfit_slam --help | grep -q -e '^  --report '; then report=(--report); fi
+inside surfit_slam --sequence=/room --output=/out "${report[@]}"
+[[ -s $root/out/map_color.png ]]
+
+echo "Python"
+inside python3 - <<'END'
+import json, surfit
+slam = surfit.Slam()
+for frame in surfit.Sequence("/room"):
+    slam.process(frame)
+assert slam.digest == json.load(open("/out/summary.json"))["digest"]
+END
+
+echo "Development files"
+inside apt-get install -q -y --no-install-recommends g++ make cmake pkg-config
+inside bash -c 'cmake -S /consumer -B /consumer/build && cmake --build /consumer/build &&
+  /consumer/build/consumer && /consumer/build/registration &&
+  g++ -std=c++17 /consumer/main.cc -o /consumer/by_pkg_config $(pkg-config --cflags --libs surfit) &&
+  /consumer/by_pkg_config'
+echo "All packages work on a clean Debian"
