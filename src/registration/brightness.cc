@@ -44,4 +44,11 @@ std::vector<BrightnessLevel> BrightnessPyramid(const Image<Rgb8>& color, int wid
   return pyramid;
 }
 
+BrightnessLevel CoarseBrightness(const Image<Rgb8>& color, int halvings) {
+  if (color.empty()) return {};
+  Image<float> value = Brightness(color);
+  for (int i = 0; i < halvings; ++i) value = HalfResolution(value);
+  return {std::move(value), {}};
+}
+
 }  // namespace surfit

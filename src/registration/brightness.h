@@ -17,4 +17,8 @@ struct BrightnessLevel {
 std::vector<BrightnessLevel> BrightnessPyramid(const Image<Rgb8>& color, int width, int height,
                                                int levels);
 
+// The brightness `halvings` levels below that of the colours, without detail; empty without
+// colours.
+BrightnessLevel CoarseBrightness(const Image<Rgb8>& color, int halvings);
+
 }  // namespace surfit

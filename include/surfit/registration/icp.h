@@ -25,6 +25,9 @@ struct IcpOptions {
   double gate_growth = 2;                   // the distance gate grows by this on each coarser level
   double kernel_growth = 1;                 // and so does the robust kernel's width by this
   ErrorModel error_model;                   // of the finest level
+  // Levels whose source has more points use a sample of so many, chosen so that all directions of
+  // motion stay held; 0 = all points. Intensities are compared everywhere all the same.
+  int max_source_points = 0;
   double min_coarse_step_px = 0;  // a coarser level also ends where points move by less of its px
   double min_relative_rmse_change = 1e-3;  // a level ends where RMSE changes by less ...
   double min_increment = 1e-5;             // ... or where rad and metres of the step are below
