@@ -28,8 +28,10 @@ DEFINE_string(initial_pose, kRun.initial_pose,
               "pose of the first frame: identity, groundtruth or tx,ty,tz,qx,qy,qz,qw");
 DEFINE_string(poses, kRun.poses, "track, or groundtruth: fuse along the sequence's own poses");
 DEFINE_string(tracking, kRun.slam.tracking, "frame_to_model or frame_to_frame");
-DEFINE_string(motion_model, kRun.slam.motion_model,
-              "where tracking starts: constant_velocity or constant_pose");
+DEFINE_string(
+    motion_model, kRun.slam.motion_model,
+    "where tracking starts: constant_velocity, constant_pose, or so3 (the last pose, turned so "
+    "that small images are most alike)");
 DEFINE_string(initialize, kRun.slam.initialize,
               "how a frame that tracking would lose is found from the last good one: so3, features "
               "(see surfit_align), or identity: not at all");
@@ -54,6 +56,8 @@ DEFINE_double(max_spacing_m, kRun.slam.fusion.max_spacing_m,
               "points merge with surfels at most this far across the surface");
 DEFINE_double(lasting_confidence, kRun.slam.fusion.lasting_confidence,
               "surfels of less confidence are removed when not seen for a while");
+DEFINE_double(free_space_margin_m, kRun.slam.fusion.free_space_margin_m,
+              "surfels are removed where depth is measured farther than this behind them");
 DEFINE_int32(max_dormant_frames, kRun.slam.fusion.max_dormant_frames,
              "these surfels are removed when not seen for longer");
 
@@ -75,7 +79,7 @@ SlamRunOptions OptionsFromFlags() {
   options.dump_failures = FLAGS_dump_failures;
   SlamOptions& slam = options.slam;
   slam.preprocess = PreprocessOptionsFromFlags();
-  slam.icp = FrameIcpOptionsFromFlags();
+  slam.icp = FrameIcpOptionsFromFlags(kRun.slam.icp);
   SetSolverFromFlags(&slam.icp);
   slam.tracking = FLAGS_tracking;
   slam.motion_model = FLAGS_motion_model;
@@ -88,6 +92,7 @@ SlamRunOptions OptionsFromFlags() {
   slam.fusion.max_normal_angle_rad = static_cast<float>(FLAGS_merge_angle_deg * kDegree);
   slam.fusion.max_spacing_m = static_cast<float>(FLAGS_max_spacing_m);
   slam.fusion.lasting_confidence = static_cast<float>(FLAGS_lasting_confidence);
+  slam.fusion.free_space_margin_m = static_cast<float>(FLAGS_free_space_margin_m);
   slam.fusion.max_dormant_frames = FLAGS_max_dormant_frames;
   options.record = RecordedFlags();
   return options;
@@ -153,6 +158,7 @@ int Run() {
 }  // namespace surfit::tools
 
 int main(int argc, char** argv) {
+  surfit::tools::SetIcpFlagDefaults(kRun.slam.icp);
   return surfit::tools::ToolMain(argc, argv, "dense SLAM over an RGB-D sequence on the CPU",
                                  surfit::tools::Run);
 }

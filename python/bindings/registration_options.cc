@@ -77,6 +77,8 @@ void BindIcpOptions(py::module_& module) {
       .Add("kernel_growth", &IcpOptions::kernel_growth,
            "of the robust kernel's width, on each coarser level")
       .Add("error_model", &IcpOptions::error_model, "of the finest level")
+      .Add("max_source_points", &IcpOptions::max_source_points,
+           "of a level, chosen so that all directions stay held; 0 = all")
       .Add("min_coarse_step_px", &IcpOptions::min_coarse_step_px,
            "a coarser level also ends where points move by less of its px")
       .Add("min_relative_rmse_change", &IcpOptions::min_relative_rmse_change,

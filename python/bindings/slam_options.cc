@@ -54,8 +54,9 @@ void BindSlamOptions(py::module_& module) {
       .Add("fusion", &SlamOptions::fusion, "of frames into the map")
       .Add("render", &SlamOptions::render, "of the map")
       .Add("tracking", &SlamOptions::tracking, "frame_to_model or frame_to_frame")
-      .Add("motion_model", &SlamOptions::motion_model,
-           "where tracking starts: constant_velocity or constant_pose")
+      .Add(
+          "motion_model", &SlamOptions::motion_model,
+          "where tracking starts: constant_velocity, constant_pose, or so3 (the last pose, turned)")
       .Add("min_inlier_share", &SlamOptions::min_inlier_share,
            "a frame with a smaller share of paired points is lost")
       .Add("max_rmse_m", &SlamOptions::max_rmse_m, "a frame with larger residuals is lost")

@@ -8,6 +8,7 @@
 #include "surfit/core/error.h"
 #include "surfit/core/trace.h"
 #include "surfit/frame/intensity.h"
+#include "surfit/registration/align_rotation.h"
 
 namespace surfit {
 namespace {
@@ -41,9 +42,10 @@ void SlamOptions::Validate() const {
     throw InputError(
         Concat("tracking is '", tracking, "', must be one of: frame_to_model, frame_to_frame"));
   }
-  if (motion_model != "constant_velocity" && motion_model != "constant_pose") {
+  if (motion_model != "constant_velocity" && motion_model != "constant_pose" &&
+      motion_model != "so3") {
     throw InputError(Concat("motion_model is '", motion_model,
-                            "', must be one of: constant_velocity, constant_pose"));
+                            "', must be one of: constant_velocity, constant_pose, so3"));
   }
   InitializeOptions initialization;
   initialization.method = initialize;
@@ -127,10 +129,11 @@ FrameReport Slam::Process(const RgbdFrame& frame, const std::optional<Rigid3d>& 
 }
 
 void Slam::Track(const RgbdFrame& frame, const FramePyramid& pyramid, FrameReport* report) {
-  const Rigid3d world_from_predicted = PredictedPose();
+  Rigid3d world_from_predicted;
   Target target;
   {
     StageTimer timer("predict", report->index, &report->times.predict_ms);
+    world_from_predicted = PredictedPose(frame, pyramid);
     target = MakeTarget(world_from_predicted);
   }
   const Rigid3d initial = target.world_from_target.Inverse() * world_from_predicted;
@@ -169,7 +172,11 @@ bool Slam::FindAgain(const RgbdFrame& frame, const FramePyramid& pyramid, FrameR
   return true;
 }
 
-Rigid3d Slam::PredictedPose() const {
+Rigid3d Slam::PredictedPose(const RgbdFrame& frame, const FramePyramid& pyramid) const {
+  if (options_.motion_model == "so3") {
+    const ViewPair views = {pyramid, frame.color, last_view_.pyramid, last_view_.color};
+    return world_from_last_ * AlignRotation(views, Rigid3d());
+  }
   // After a loss the motion is unknown: start where the camera was last seen.
   if (lost_count_ > 0 || options_.motion_model == "constant_pose") return world_from_last_;
   return world_from_last_ * last_from_next_;
@@ -212,7 +219,8 @@ void Slam::Fuse(const RgbdFrame& frame, FramePyramid pyramid, FrameReport* repor
   const bool is_next = started_ && lost_count_ == 0 && !report->found_again;
   last_from_next_ = is_next ? world_from_last_.Inverse() * report->world_from_camera : Rigid3d();
   world_from_last_ = report->world_from_camera;
-  if (options_.tracking == "frame_to_frame" || options_.initialize != "identity") {
+  if (options_.tracking == "frame_to_frame" || options_.initialize != "identity" ||
+      options_.motion_model == "so3") {
     last_view_ = {std::move(pyramid), frame.color};
   }
   started_ = true;

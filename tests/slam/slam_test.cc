@@ -44,7 +44,7 @@ const SimulatedSequence& KinectRoom(int seed) {
 
 const SlamRun& IdealRun() {
   static const auto* const run =
-      new SlamRun(RunSlam(IdealRoom(), {}, IdealRoom().world_from_camera[0]));
+      new SlamRun(RunSlam(IdealRoom(), SlamOptions(), IdealRoom().world_from_camera[0]));
   return *run;
 }
 
@@ -85,7 +85,7 @@ TEST(Slam, TracksAnIdealSensorWithinHalfAPixel) {
 TEST(Slam, TracksAKinectWithinAPixelAndBetterAgainstTheMap) {
   for (const int seed : {1, 2}) {
     const SimulatedSequence& room = KinectRoom(seed);
-    const SlamRun to_model = RunSlam(room, {}, room.world_from_camera[0]);
+    const SlamRun to_model = RunSlam(room, SlamOptions(), room.world_from_camera[0]);
     const SlamRun to_frame = RunSlam(room, FrameToFrame(), room.world_from_camera[0]);
     ExpectAllTracked(to_model);
     ExpectAllTracked(to_frame);
@@ -111,7 +111,8 @@ TEST(Slam, TracksAlongATexturedWallByItsIntensities) {
   const SlamRun run = RunSlam(wall, WithIntensities(), start);
   ExpectAllTracked(run);
   EXPECT_LT(ErrorsOf(run, wall.world_from_camera).max_m, kPixelAt2m);
-  EXPECT_GT(ErrorsOf(RunSlam(wall, {}, start), wall.world_from_camera).max_m, 5 * kPixelAt2m);
+  EXPECT_GT(ErrorsOf(RunSlam(wall, SlamOptions(), start), wall.world_from_camera).max_m,
+            5 * kPixelAt2m);
 }
 
 TEST(Slam, TracksByShapesWhatHasNoColor) {
@@ -149,7 +150,7 @@ TEST(Slam, ReportsAddUpToTheMap) {
 // A camera delivers some frames twice.
 TEST(Slam, AFrozenFrameKeepsThePoseAndFusesNothing) {
   const SimulatedSequence& room = IdealRoom();
-  Slam slam(room.camera, {}, {});
+  Slam slam(room.camera, SlamOptions(), {});
   slam.Process(room.frames[0]);
   const FrameReport tracked = slam.Process(room.frames[1]);
   const SurfelMap before = slam.map();
@@ -191,7 +192,7 @@ TEST(Slam, ALostFrameIsNotFusedAndTrackingGoesOnFromTheLastGoodPose) {
 TEST(Slam, APlaceThatDoesNotMatchIsLost) {
   const SimulatedSequence& room = IdealRoom();
   const Scene elsewhere = MakeScene("sphere");
-  Slam slam(room.camera, {}, {});
+  Slam slam(room.camera, SlamOptions(), {});
   for (int i = 0; i < 4; ++i) slam.Process(room.frames[i]);
   const SurfelMap before = slam.map();
   Eigen::Matrix3d along_y;
@@ -252,7 +253,7 @@ TEST(Slam, AfterALossNoMotionIsExpected) {
 // ever be tracked against.
 TEST(Slam, StartsWithTheFirstFrameThatHasDepth) {
   const SimulatedSequence& room = IdealRoom();
-  Slam slam(room.camera, {}, room.world_from_camera[2]);
+  Slam slam(room.camera, SlamOptions(), room.world_from_camera[2]);
   EXPECT_EQ(slam.Process(Blank(0)).state, FrameState::kLost);
   EXPECT_EQ(slam.Process(Blank(1)).state, FrameState::kLost);
   EXPECT_EQ(slam.map().size(), 0u);
@@ -264,7 +265,7 @@ TEST(Slam, StartsWithTheFirstFrameThatHasDepth) {
 
 TEST(Slam, FusesAtGivenPosesWithoutTracking) {
   const SimulatedSequence& room = IdealRoom();
-  Slam slam(room.camera, {}, {});
+  Slam slam(room.camera, SlamOptions(), {});
   for (int i = 0; i < 5; ++i) {
     const FrameReport report = slam.ProcessAt(room.frames[i], room.world_from_camera[i]);
     EXPECT_EQ(report.state, FrameState::kGiven);
@@ -313,6 +314,27 @@ double StoppingDistance(const SlamRun& run) {
   return largest;
 }
 
+// The camera stands and turns by 14 degrees within one frame.
+TEST(Slam, AlignedRotationsFollowAJerk) {
+  const SimulatedSequence& room = IdealRoom();
+  const Scene scene = MakeScene("room", 1);
+  const Rigid3d jerk(QuaternionExp<double>({0.05, 0.24, 0}), Eigen::Vector3d::Zero());
+  const Rigid3d turned = room.world_from_camera[0] * jerk;
+  std::vector<double> errors_rad;
+  for (const char* motion_model : {"so3", "constant_velocity"}) {
+    SlamOptions options;
+    options.motion_model = motion_model;
+    options.initialize = "identity";
+    Slam slam(room.camera, options, room.world_from_camera[0]);
+    slam.Process(room.frames[0]);
+    const FrameReport report = slam.Process(RenderFrame(scene, room.camera, turned, 1));
+    const Rigid3d error = turned.Inverse() * report.world_from_camera;
+    errors_rad.push_back(RotationAngle(error.rotation));
+  }
+  EXPECT_LT(errors_rad[0], kPixelRad / 2);
+  EXPECT_GT(errors_rad[1], 2 * kPixelRad);
+}
+
 // Rounding differs where the world's origin is elsewhere, so that now and then another pixel makes
 // a pair or another surfel is drawn, and ICP takes one step more or less: both runs stay within
 // their stopping distances of the minimum. Beyond that, positions in single precision at d metres
@@ -321,7 +343,7 @@ TEST(Slam, TheMotionDoesNotDependOnTheInitialPose) {
   for (const double distance_m : {0., 3., 100., 1000.}) {
     const Rigid3d initial(QuaternionExp<double>({0.3, -0.5, 1}),
                           distance_m * Eigen::Vector3d(0.8, -0.6, 0));
-    const SlamRun moved = RunSlam(IdealRoom(), {}, initial);
+    const SlamRun moved = RunSlam(IdealRoom(), SlamOptions(), initial);
     ExpectAllTracked(moved);
     EXPECT_EQ(moved.reports[0].world_from_camera.Matrix(), initial.Matrix());
     const double tolerance_m =
@@ -336,7 +358,7 @@ TEST(SlamThreads, RunsAreTheSameBitForBitAtAnyNumberOfThreads) {
   std::vector<SlamRun> runs;
   for (const int threads : {1, 1, 2, 4}) {
     const ThreadLimit limit(threads);
-    runs.push_back(RunSlam(room, {}, {}));
+    runs.push_back(RunSlam(room, SlamOptions(), {}));
   }
   for (const SlamRun& run : runs) {
     ExpectSameMap(run.map, runs[0].map);
@@ -367,7 +389,7 @@ TEST(SlamOptions, RefuseWhatMakesNoSense) {
   expect_refused([](auto& o) { o.tracking = "gps"; },
                  "tracking is 'gps', must be one of: frame_to_model, frame_to_frame");
   expect_refused([](auto& o) { o.motion_model = "still"; },
-                 "motion_model is 'still', must be one of: constant_velocity, constant_pose");
+                 "motion_model is 'still', must be one of: constant_velocity, constant_pose, so3");
   expect_refused([](auto& o) { o.initialize = "magic"; },
                  "initialize is 'magic', must be one of: identity, so3, features");
   expect_refused([](auto& o) { o.min_inlier_share = 1.1; },
@@ -382,7 +404,7 @@ TEST(SlamOptions, RefuseWhatMakesNoSense) {
   expect_refused([](auto& o) { o.render.radius_share = 0; }, "render: radius_share is 0");
   PinholeCamera camera = testing::SimulatedCamera();
   camera.fx = 0;
-  ExpectInputError([&] { Slam(camera, {}, {}); }, HasSubstr("camera: fx is 0"));
+  ExpectInputError([&] { Slam(camera, SlamOptions(), {}); }, HasSubstr("camera: fx is 0"));
 }
 
 }  // namespace

@@ -52,6 +52,7 @@ void SetIcpFlagDefaults(const IcpOptions& options) {
   const auto set = [](const char* flag, const auto& value) {
     gflags::SetCommandLineOptionWithMode(flag, Concat(value).c_str(), gflags::SET_FLAGS_DEFAULT);
   };
+  set("residual", options.residual);
   set("association", options.association);
   set("max_iterations", options.max_iterations);
   set("max_distance_m", options.gates.max_distance_m);

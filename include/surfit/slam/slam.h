@@ -16,21 +16,31 @@
 
 namespace surfit {
 
+// The options of ICP from a frame to the next or to the map: the symmetric residual. A normal
+// estimated near a crease mixes both sides; point-to-plane against it is biased, always to the same
+// side as the camera moves on, and the sum of both views' normals much less.
+inline IcpOptions TrackingIcpOptions() {
+  IcpOptions icp;
+  icp.residual = "symmetric_point_to_plane";
+  return icp;
+}
+
 // How the camera is tracked and the map is made.
 struct SlamOptions {
   PreprocessOptions preprocess;
-  IcpOptions icp;
+  IcpOptions icp = TrackingIcpOptions();
   FusionOptions fusion;
   RenderOptions render;
-  std::string tracking = "frame_to_model";         // or "frame_to_frame"
-  std::string motion_model = "constant_velocity";  // or "constant_pose": where tracking starts
+  std::string tracking = "frame_to_model";  // or "frame_to_frame"
+  // Where tracking starts: constant_velocity, constant_pose, or so3: the last pose, turned so that
+  // small images of both frames are most alike (AlignRotation).
+  std::string motion_model = "constant_velocity";
   // A registration is believed if so many of the points find a partner with such a residual.
   double min_inlier_share = 0.3;
   double max_rmse_m = 0.03;
   // How a frame that tracking would lose is found from the last good one, however far it is: see
   // InitializeOptions::method; identity: not at all. It is believed only if the map agrees.
   std::string initialize = "features";
-
   // Throws InputError naming field, value and constraint.
   void Validate() const;
 };
@@ -105,7 +115,7 @@ class Slam {
     Rigid3d world_from_target;
     Image<Rgb8> color;  // the pixels' colours, if they are needed
   };
-  Rigid3d PredictedPose() const;
+  Rigid3d PredictedPose(const RgbdFrame& frame, const FramePyramid& pyramid) const;
   Target MakeTarget(const Rigid3d& world_from_predicted);
   bool CanStart(const FramePyramid& pyramid) const;
   bool IsBelievable(const IcpResult& icp) const;
