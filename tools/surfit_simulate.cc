@@ -20,7 +20,10 @@
 #include "surfit/simulation/sensor.h"
 
 DEFINE_string(output, "", "folder of the sequence; must be empty, new or of a former simulation");
-DEFINE_string(scene, "room", "room, three_planes, wall, sphere or corridor");
+DEFINE_string(
+    scene, "room",
+    "room, three_rooms (1500 frames lead through them and back), three_planes, wall, sphere "
+    "or corridor");
 DEFINE_int32(frames, 200, "number of frames");
 DEFINE_int32(seed, 4, "another seed gives another room, another path and other noise");
 DEFINE_string(sensor, "kinect", "ideal (exact depth) or kinect (noise model of a Kinect v1)");

@@ -37,10 +37,10 @@ double LeastDistance(const Scene& scene, Walk walk, int frames, double step_m) {
 Walk ChooseWalk(const Scene& scene, int frames, double step_m, Random* random) {
   constexpr int kCandidates = 24;
   constexpr double kFarEnough_m = 0.5;
-  Walk best(scene.camera_space, random);
+  Walk best(scene, random);
   double best_distance = LeastDistance(scene, best, frames, step_m);
   for (int i = 1; i < kCandidates && best_distance < kFarEnough_m; ++i) {
-    const Walk walk(scene.camera_space, random);
+    const Walk walk(scene, random);
     const double distance = LeastDistance(scene, walk, frames, step_m);
     if (distance <= best_distance) continue;
     best = walk;

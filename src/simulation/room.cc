@@ -8,29 +8,15 @@
 
 #include "simulation/item.h"
 #include "simulation/random.h"
+#include "simulation/room_plan.h"
 #include "simulation/textures.h"
 
 namespace surfit {
 namespace {
 
-using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr double kHeight_m = 2.5;
-
-struct Room {
-  Scene* scene;
-  Random* random;
-  double width_m, depth_m;  // x from 0 to width_m, y from 0 to depth_m, the floor at z = 0
-
-  Item World() const { return Item(scene, Rigid3d()); }
-  // Wall i's frame: x from 0 to WallLength(i) along its foot, y into the room, z up.
-  Item WallFrame(int i) const {
-    const Vector3d corners[] = {{0, 0, 0}, {width_m, 0, 0}, {width_m, depth_m, 0}, {0, depth_m, 0}};
-    return World().At(corners[i], i * M_PI / 2);
-  }
-  double WallLength(int i) const { return i % 2 == 0 ? width_m : depth_m; }
-};
+constexpr double kHeight_m = RoomPlan::kHeight_m;
 
 template <typename Container>
 void Shuffle(Container* items, Random* random) {
@@ -39,36 +25,13 @@ void Shuffle(Container* items, Random* random) {
   }
 }
 
-void AddShell(const Room& room) {
-  Random& random = *room.random;
-  const Item world = room.World();
-  const auto shade = static_cast<float>(random.Uniform(0.6, 1.1));
-  const std::uint64_t seed = random.Index(1 << 30);
-  constexpr double kThick_m = 0.2;
-  world.Box(
-      {-kThick_m, -kThick_m, -kThick_m}, {room.width_m + kThick_m, room.depth_m + kThick_m, 0},
-      Boards(shade * Color(0.45f, 0.3f, 0.18f), shade * Color(0.3f, 0.18f, 0.1f), 0.14, 1.2, seed));
-  world.Box({-kThick_m, -kThick_m, kHeight_m},
-            {room.width_m + kThick_m, room.depth_m + kThick_m, kHeight_m + kThick_m},
-            Plain(Color::Constant(0.78f)));
-  const Color base(0.68f, 0.65f, 0.6f);
-  for (int i = 0; i < 4; ++i) {
-    const Color paint = 0.8f * base + 0.2f * RandomPaint(&random);
-    const double length = room.WallLength(i);
-    const Item wall = room.WallFrame(i);
-    wall.Box({-kThick_m, -kThick_m, 0}, {length + kThick_m, 0, kHeight_m},
-             Mottled(paint, 0.5, 0.08f, seed + i));
-    wall.Box({0, 0, 0}, {length, 0.015, 0.08}, Plain(Color::Constant(0.55f)));
-  }
-}
-
-void AddCeilingLamp(const Room& room) {
+void AddCeilingLamp(const RoomPlan& room) {
   const Vector3d above(room.width_m / 2 + room.random->Uniform(-0.4, 0.4),
                        room.depth_m / 2 + room.random->Uniform(-0.4, 0.4), kHeight_m);
-  const Item lamp = room.World().At(above);
+  const Item lamp = room.Frame().At(above);
   lamp.Rod({0, 0, -0.22}, {0, 0, 0}, 0.008, Plain(Color::Constant(0.2f)));
   lamp.Add(MakeSphere(0.12), {0, 0, -0.3}, Plain(Color::Constant(0.8f)), 1.f);
-  room.scene->lights.push_back({above - Vector3d(0, 0, 0.45), 1.15f, true});
+  room.scene->lights.push_back({room.Frame().InWorld(above - Vector3d(0, 0, 0.45)), 1.15f, true});
 }
 
 // Something that takes up a stretch of wall.
@@ -79,7 +42,7 @@ struct Stretch {
 
 // Puts the stretches side by side in random order, with random gaps, which are worth a look where
 // they are wide; the corners stay free.
-void Line(const Room& room, int wall, std::vector<Stretch> stretches) {
+void Line(const RoomPlan& room, int wall, std::vector<Stretch> stretches) {
   constexpr double kCorner_m = 0.8;
   Shuffle(&stretches, room.random);
   double free = room.WallLength(wall) - 2 * kCorner_m;
@@ -106,7 +69,7 @@ Stretch PosterStretch(Random* random) {
           }};
 }
 
-void AddReadingWall(const Room& room, int wall) {
+void AddReadingWall(const RoomPlan& room, int wall) {
   Random* random = room.random;
   const double width = random->Uniform(1.2, 1.8);
   Line(room, wall,
@@ -118,7 +81,7 @@ void AddReadingWall(const Room& room, int wall) {
         PosterStretch(random)});
 }
 
-void AddSofaWall(const Room& room, int wall) {
+void AddSofaWall(const RoomPlan& room, int wall) {
   Random* random = room.random;
   const double width = random->Uniform(1.5, 2.1);
   const auto sofa_and_poster = [=](const Item& at) {
@@ -128,7 +91,7 @@ void AddSofaWall(const Room& room, int wall) {
   Line(room, wall, {{width, sofa_and_poster}, PosterStretch(random)});
 }
 
-void AddCabinetWall(const Room& room, int wall) {
+void AddCabinetWall(const RoomPlan& room, int wall) {
   Random* random = room.random;
   const double width = random->Uniform(1.2, 1.7), curtain = random->Uniform(0.6, 0.9);
   Line(room, wall,
@@ -140,7 +103,7 @@ void AddCabinetWall(const Room& room, int wall) {
 }
 
 // Hardly anything but plain wall.
-void AddBareWall(const Room& room, int wall) {
+void AddBareWall(const RoomPlan& room, int wall) {
   Random* random = room.random;
   const auto shelf = [=](const Item& at) { AddWallShelf(at.At({0, 0, 1.45}), 0.8, random); };
   const auto crate = [=](const Item& at) { AddCrates(at, random); };
@@ -152,11 +115,25 @@ void AddBareWall(const Room& room, int wall) {
   }
 }
 
-void AddWalls(const Room& room) {
-  std::array<void (*)(const Room&, int), 4> walls = {&AddReadingWall, &AddSofaWall, &AddCabinetWall,
-                                                     &AddBareWall};
+void AddPostersBesideDoorway(const RoomPlan& room, int wall, const Doorway& doorway) {
+  for (const double side : {-1, 1}) {
+    const double edge = doorway.at_m + side * Doorway::kWidth_m / 2;
+    const double corner = side < 0 ? 0 : room.WallLength(wall);
+    const double width = std::min(0.6, 0.5 * std::abs(corner - edge));
+    const Item at = room.WallFrame(wall).At({(edge + corner) / 2, 0, 0});
+    AddPoster(at.At({0, 0, 1.1}), width, room.random->Uniform(0.5, 0.9), room.random);
+    at.Target({0, 0, 0.9});
+  }
+}
+
+void AddWalls(const RoomPlan& room) {
+  std::array<void (*)(const RoomPlan&, int), 4> walls = {&AddReadingWall, &AddSofaWall,
+                                                         &AddCabinetWall, &AddBareWall};
   Shuffle(&walls, room.random);
-  for (int i = 0; i < 4; ++i) walls[i](room, i);
+  for (int i = 0; i < 4; ++i) {
+    const std::optional<Doorway> doorway = room.DoorwayIn(i);
+    doorway ? AddPostersBesideDoorway(room, i, *doorway) : walls[i](room, i);
+  }
 }
 
 void AddBall(const Item& item, Random* random) {
@@ -171,18 +148,18 @@ void AddBin(const Item& item, Random* random) {
   item.Target({0, 0, 0.2});
 }
 
-void AddCorners(const Room& room) {
+void AddCorners(const RoomPlan& room) {
   std::array<void (*)(const Item&, Random*), 4> things = {&AddPlant, &AddFloorLamp, &AddBall,
                                                           &AddBin};
   Shuffle(&things, room.random);
   for (int i = 0; i < 4; ++i) things[i](room.WallFrame(i).At({0.38, 0.38, 0}), room.random);
 }
 
-void AddMiddle(const Room& room) {
+void AddMiddle(const RoomPlan& room) {
   Random* random = room.random;
   const Vector3d middle(room.width_m / 2 + random->Uniform(-0.5, 0.5),
                         room.depth_m / 2 + random->Uniform(-0.3, 0.3), 0);
-  const Item place = room.World().At(middle, random->Uniform(0, M_PI));
+  const Item place = room.Frame().At(middle, random->Uniform(0, M_PI));
   place.Box({-1.1, -0.8, 0}, {1.1, 0.8, 0.01}, Rug(2.2, 1.6, random->Index(1 << 30)));
   const double width = random->Uniform(1.1, 1.5), depth = random->Uniform(0.7, 0.9);
   AddTable(place, width, depth, random);
@@ -199,15 +176,19 @@ void AddMiddle(const Room& room) {
 
 }  // namespace
 
-Scene MakeRoom(std::uint64_t seed) {
-  Scene scene;
-  Random random(seed);
-  const Room room{&scene, &random, random.Uniform(5, 6.5), random.Uniform(4.6, 5.6)};
+void AddFurnishedRoom(const RoomPlan& room) {
   AddShell(room);
   AddCeilingLamp(room);
   AddWalls(room);
   AddCorners(room);
   AddMiddle(room);
+}
+
+Scene MakeRoom(std::uint64_t seed) {
+  Scene scene;
+  Random random(seed);
+  const RoomPlan room{&scene, &random, random.Uniform(5, 6.5), random.Uniform(4.6, 5.6)};
+  AddFurnishedRoom(room);
   constexpr double kFromWall_m = 1.0, kLow_m = 1.2, kHigh_m = 1.6;
   scene.camera_space = Eigen::AlignedBox3d(
       Vector3d(kFromWall_m, kFromWall_m, kLow_m),

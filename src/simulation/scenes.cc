@@ -71,6 +71,7 @@ Scene Corridor(std::uint64_t seed) {
 const std::map<std::string, Scene (*)(std::uint64_t)>& Makers() {
   static const std::map<std::string, Scene (*)(std::uint64_t)> makers = {
       {"room", &MakeRoom},
+      {"three_rooms", &MakeThreeRooms},
       {"three_planes", &ThreePlanes},
       {"wall", &Wall},
       {"sphere", &Ball},

@@ -2,17 +2,27 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <optional>
 
+#include "simulation/loop.h"
 #include "simulation/random.h"
 #include "simulation/wander.h"
+#include "surfit/simulation/scene.h"
 
 namespace surfit {
 
-// Points at equal or slowly varying distances along a curve through a box.
+// Points at equal or slowly varying distances along a curve: anywhere in the scene's camera space,
+// or along its route with little swerves.
 class Walk {
  public:
-  Walk(const Eigen::AlignedBox3d& space, Random* random)
-      : center_(space.center()), half_(space.sizes() / 2), curve_(0.05, 0.16, random) {}
+  Walk(const Scene& scene, Random* random)
+      : center_(scene.camera_space.center()),
+        half_(scene.camera_space.sizes() / 2),
+        curve_(0.05, 0.16, random) {
+    if (scene.route.empty()) return;
+    loop_.emplace(scene.route);
+    half_ = {0.1, 0.1, 0.15};
+  }
 
   Eigen::Vector3d Position() const { return At(place_); }
 
@@ -30,9 +40,12 @@ class Walk {
   }
 
  private:
-  Eigen::Vector3d At(double place) const { return center_ + half_.cwiseProduct(curve_.At(place)); }
+  Eigen::Vector3d At(double place) const {
+    return (loop_ ? loop_->At(place) : center_) + half_.cwiseProduct(curve_.At(place));
+  }
 
-  Eigen::Vector3d center_, half_;
+  std::optional<Loop> loop_;
+  Eigen::Vector3d center_, half_;  // of the box, or of the swerves
   Wander3 curve_;
   double place_ = 0;
 };

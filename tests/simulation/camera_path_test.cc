@@ -95,6 +95,30 @@ TEST(CameraPath, StaysClearOfObjectsInRooms) {
   }
 }
 
+// The doorways are 1.2 m wide, and the camera swerves by up to 0.1 m.
+TEST(CameraPath, LeadsThroughThreeRoomsAndBack) {
+  const Scene scene = MakeScene("three_rooms", 1);
+  const Trajectory path = MakePath(scene, 1500, 1);
+  double least_distance = 1, farthest_x = 0;
+  int doorways = 0;
+  bool was_in_doorway = false;
+  for (std::size_t i = 0; i < path.size(); i += 5) {
+    const Vector3d eye = path[i].world_from_camera.translation;
+    least_distance = std::min(least_distance, scene.Distance(eye));
+    farthest_x = std::max(farthest_x, eye.x());
+    // Lintels are the only things above the camera that are lower than the lamps.
+    const bool in_doorway = eye.z() + scene.Intersect(eye, Vector3d::UnitZ())->t < 2.11;
+    if (in_doorway && !was_in_doorway) ++doorways;
+    was_in_doorway = in_doorway;
+  }
+  EXPECT_GT(least_distance, 0.3);
+  EXPECT_EQ(doorways, 4);
+  EXPECT_GT(farthest_x, 2 * 5.4);  // rooms are 5 m long at least, and 0.4 m apart
+  const Vector3d gap =
+      path.back().world_from_camera.translation - path.front().world_from_camera.translation;
+  EXPECT_LT(gap.norm(), 2);
+}
+
 // The share of frames in which at least 80 % of the pixels between 0.4 and 4.5 m lie on one or two
 // flat faces.
 double PlanarShare(const Scene& scene, const Trajectory& path) {

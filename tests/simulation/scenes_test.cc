@@ -113,8 +113,8 @@ TEST(Scene, DistanceIsTheLeastOfAllObjects) {
 TEST(Scenes, AnUnknownNameListsTheKnown) {
   testing::ExpectInputError(
       [] { MakeScene("kitchen"); },
-      ::testing::StrEq(
-          "scene is 'kitchen', must be one of corridor, room, sphere, three_planes, wall"));
+      ::testing::StrEq("scene is 'kitchen', must be one of corridor, room, sphere, three_planes, "
+                       "three_rooms, wall"));
 }
 
 }  // namespace

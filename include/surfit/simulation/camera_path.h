@@ -20,11 +20,12 @@ struct PathOptions {
   void Validate() const;
 };
 
-// A smooth hand-held camera path of world_from_camera poses through scene.camera_space, the gaze
-// wandering over scene.targets, x right, y down, z forward, the horizon level but for a tremble.
-// It keeps half a metre away from objects where the camera space allows; and as far as the targets
-// allow, one or two planes hold at least 80 % of what is seen in a quarter to a half of the frames,
-// and more than 95 % in none. Throws InputError if frames < 1.
+// A smooth hand-held camera path of world_from_camera poses through scene.camera_space, or round
+// and round along scene.route, the gaze wandering over scene.targets, x right, y down, z forward,
+// the horizon level but for a tremble. It keeps half a metre away from objects where the camera
+// space allows; and as far as the targets allow, one or two planes hold at least 80 % of what is
+// seen in a quarter to a half of the frames, and more than 95 % in none. Throws InputError if
+// frames < 1.
 Trajectory MakePath(const Scene& scene, int frames, std::uint64_t seed,
                     const PathOptions& options = {});
 

@@ -60,7 +60,8 @@ class Scene {
   Eigen::Vector3f Reflectance(const SceneHit& hit, const Eigen::Vector3d& point_in_world) const;
 
   std::vector<PointLight> lights;
-  Eigen::AlignedBox3d camera_space;      // where a camera path may lead
+  Eigen::AlignedBox3d camera_space;    // where a camera path may lead ...
+  std::vector<Eigen::Vector3d> route;  // ... and, unless empty, the corners of the loop it follows
   std::vector<Eigen::Vector3d> targets;  // what a camera path looks at
 
  private:
