@@ -1,0 +1,154 @@
+#!/usr/bin/env bash
+# Makes docs/accuracy.md: what each part of the tracking and mapping buys, as the error of the
+# trajectory without it, or with it where it is off by default. On two idle cores it takes about
+# twenty minutes.
+#
+#   tools/scripts/accuracy.sh [--quick] [--tools=DIR] [--output=FILE] [DATA]
+#
+#   --quick    two rows over two tiny simulated rooms: shows that the script works
+#   --tools    folder of the programs; otherwise they are built
+#   DATA       folder of recorded sequences; what it lacks is left out
+set -euo pipefail
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
+data=${SURFIT_DATA_DIR:-$root/../shared/data}
+out=$root/docs/accuracy.md
+tools= quick=
+for argument in "$@"; do
+  case $argument in
+    --quick) quick=1 ;;
+    --tools=*) tools=${argument#*=} ;;
+    --output=*) out=${argument#*=} ;;
+    -*) echo "error: unknown flag $argument" >&2 && exit 1 ;;
+    *) data=$argument ;;
+  esac
+done
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+
+if [[ -z $tools ]]; then
+  "$root/tools/scripts/build.sh" release surfit_slam surfit_simulate
+  tools=$root/build/release/tools
+fi
+
+# The rows: a name, and flags of surfit_slam.
+rows=(
+  "default|"
+  "point-to-plane residual|--residual=point_to_plane"
+  "plane-to-plane residual (GICP)|--residual=plane_to_plane"
+  "point-to-point residual|--residual=point_to_point"
+  "intensities too|--photometric_weight=0.01"
+  "no robust kernel|--kernel=none"
+  "kernel's scale estimated|--estimate_scale"
+  "no depth noise in weights, filter and gates|--inverse_depth_sigma=0"
+  "no gate on normals|--max_normal_angle_deg=0"
+  "no depth filter|--depth_filter_radius=0"
+  "one resolution|--pyramid_levels=1"
+  "a sample of 40,000 points a level|--max_source_points=40000"
+  "moves along directions that nothing holds|--min_eigenvalue=0"
+  "uniform weights in the map|--weighting=uniform"
+  "keeps surfels seen once|--lasting_confidence=0"
+  "keeps surfels in free space|--free_space_margin_m=100"
+  "start: the last pose|--motion_model=constant_pose"
+  "start: the last pose, turned|--motion_model=so3"
+  "every third frame|--stride=3"
+  "every third frame, start: the last pose|--stride=3 --motion_model=constant_pose"
+  "every third frame, start: the last pose, turned|--stride=3 --motion_model=so3"
+  "every third frame, point-to-plane residual|--stride=3 --residual=point_to_plane"
+  "frame to frame|--tracking=frame_to_frame"
+  "frame to frame, point-to-plane residual|--tracking=frame_to_frame --residual=point_to_plane"
+)
+recorded=("seven_scenes_kitchen --last=199" icl_office icl_office_kinect)
+seeds=(1 2 3 4 5) frames=100 downsample=2
+if [[ $quick ]]; then
+  rows=("${rows[0]}" "frame to frame|--tracking=frame_to_frame")
+  recorded=()
+  seeds=(1 2) frames=12 downsample=8
+fi
+
+for seed in "${seeds[@]}"; do
+  echo "simulating room $seed" >&2
+  "$tools/surfit_simulate" --output="$scratch/room$seed" --seed="$seed" --frames="$frames" \
+    --downsample="$downsample" --sensor=kinect >>"$scratch/log" 2>&1
+done
+
+# The figures of a run: ATE in mm or none, frames that were lost, and the median ms of a frame.
+run() {
+  local code=0
+  "$tools/surfit_slam" --output="$scratch/run" --nopictures "$@" >>"$scratch/log" 2>&1 || code=$?
+  if ((code != 0 && code != 2)); then  # 2: tracked nothing
+    tail -3 "$scratch/log" >&2
+    exit 1
+  fi
+  awk -F '[:,]' '
+    /"ate_rmse_m"/ { ate = $2 ~ /null/ ? "none" : sprintf("%.2f", 1e3 * $2) }
+    /"frames_lost"/ { lost = $2 + 0 }
+    /"frame_ms"/ { in_frame = 1 }
+    in_frame && /"median"/ { ms = $2 + 0; in_frame = 0 }
+    END { print ate, lost, ms }' "$scratch/run/summary.json"
+}
+
+with_losses() { # ATE, lost frames
+  if (($2 > 0)); then echo "$1 ($2 lost)"; else echo "$1"; fi
+}
+
+header="| part |" rule="|---|" default_ms=
+for sequence in "${recorded[@]}"; do
+  [[ -d $data/${sequence%% *} ]] || continue
+  header+=" $sequence |" rule+="---|"
+done
+header+=" simulated rooms, mean | worst | time |" rule+="---|---|---|"
+
+table=$header$'\n'$rule
+for row in "${rows[@]}"; do
+  name=${row%%|*} flags=${row#*|}
+  echo "$name" >&2
+  line="| $name${flags:+ \`$flags\`} |" sum_ms=0
+  for sequence in "${recorded[@]}"; do
+    [[ -d $data/${sequence%% *} ]] || continue
+    # shellcheck disable=SC2086  # several flags
+    figures=$(run --sequence="$data/"$sequence $flags)
+    read -r ate lost ms <<<"$figures"
+    line+=" $(with_losses "$ate" "$lost") |"
+    sum_ms=$(awk "BEGIN { print $sum_ms + $ms }")
+  done
+  ates= all_lost=0
+  for seed in "${seeds[@]}"; do
+    # shellcheck disable=SC2086
+    figures=$(run --sequence="$scratch/room$seed" $flags)
+    read -r ate lost ms <<<"$figures"
+    ates+="$ate " all_lost=$((all_lost + lost))
+    sum_ms=$(awk "BEGIN { print $sum_ms + $ms }")
+  done
+  rooms=$(awk '/none/ { print "none none"; exit }
+               { for (i = 1; i <= NF; ++i) { sum += $i; if ($i > worst) worst = $i }
+                 printf "%.2f %.2f", sum / NF, worst }' <<<"$ates")
+  default_ms=${default_ms:-$sum_ms}
+  line+=" $(with_losses "${rooms% *}" "$all_lost") | ${rooms#* } |"
+  table+=$'\n'"$line $(awk "BEGIN { printf \"%.2f\", $sum_ms / $default_ms }") |"
+done
+
+kitchen=
+if [[ ! $quick && -d $data/seven_scenes_kitchen ]]; then
+  echo "all of seven_scenes_kitchen" >&2
+  figures=$(run --sequence="$data/seven_scenes_kitchen")
+  read -r ate lost ms <<<"$figures"
+  kitchen="All frames of seven_scenes_kitchen, by default: $(with_losses "$ate" "$lost") mm."
+fi
+
+{
+  echo "# Accuracy"
+  echo
+  echo "Made by \`tools/scripts/accuracy.sh${quick:+ --quick}\` on $(date +%F), commit" \
+    "$(git -C "$root" rev-parse --short HEAD):"
+  echo "$(nproc) processors, $(sed -n 's/^model name\s*: //p' /proc/cpuinfo | head -1)."
+  echo
+  echo "What each part buys: ATE RMSE in mm with the flags given, all else by default. Simulated"
+  echo "rooms are \`surfit_simulate --sensor=kinect --downsample=$downsample --frames=$frames\`," \
+    "seeds ${seeds[*]}. Time is the sum of"
+  echo "the sequences' median times of a frame, as a multiple of the default's."
+  echo
+  echo "$table"
+  echo
+  echo "${kitchen:-}"
+} >"$out"
+cat "$out"
