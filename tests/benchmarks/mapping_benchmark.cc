@@ -1,41 +1,12 @@
 #include <benchmark/benchmark.h>
 
+#include "benchmarks/mapped_room.h"
 #include "surfit/core/parallel.h"
-#include "surfit/frame/preprocess.h"
 #include "surfit/mapping/fusion.h"
 #include "surfit/mapping/model_renderer.h"
-#include "surfit/simulation/camera_path.h"
-#include "surfit/simulation/render.h"
-#include "surfit/simulation/scenes.h"
-#include "surfit/simulation/sensor.h"
 
 namespace surfit {
 namespace {
-
-// A map of about 500,000 surfels, made from frames of a simulated room, and the next frame.
-struct MappedRoom {
-  static constexpr int kFrames = 20;
-  PinholeCamera camera{640, 480, 525, 525, 319.5, 239.5, {}};
-  SurfelMap map;
-  RgbdFrame next;
-  FrameLevel next_surface;
-  Rigid3d world_from_next;
-
-  MappedRoom() {
-    const Scene scene = MakeScene("room", 1);
-    const Trajectory path = MakePath(scene, kFrames + 1, 1);
-    Fusion fusion({});
-    for (next.index = 0;; ++next.index) {
-      world_from_next = path[next.index].world_from_camera;
-      Rendering image = Render(scene, camera, world_from_next);
-      next.depth_m = KinectDepth(image.depth_m, camera, next.index);
-      next.color = std::move(image.color);
-      next_surface = PreprocessDepth(next.depth_m, camera, {}).levels[0];
-      if (next.index == kFrames) return;
-      fusion.Fuse(next, next_surface, world_from_next, &map);
-    }
-  }
-};
 
 const MappedRoom& Room() {
   static const auto* const room = new MappedRoom;
@@ -83,17 +54,7 @@ BENCHMARK(FusionFuse)
 void FrameInALargeMap(benchmark::State& state) {
   const MappedRoom& room = Room();
   SurfelMap map = room.map;
-  Surfel far = map[map.Ids().front()];
-  far.confidence = FusionOptions().lasting_confidence;
-  const auto count = static_cast<std::size_t>(state.range(0)) * 1000000;
-  const Eigen::Vector3f from = room.world_from_next.translation.cast<float>();
-  const Eigen::Vector3f backwards = -room.world_from_next.rotation.matrix().col(2).cast<float>();
-  for (int i = 0; map.size() < count; ++i) {
-    const Eigen::Vector3f wall(static_cast<float>(i / 4000 % 4000), static_cast<float>(i % 4000),
-                               0);
-    far.position_in_world = from + 20 * backwards + 0.005f * wall;
-    map.Append(far);
-  }
+  room.GrowElsewhere(static_cast<std::size_t>(state.range(0)) * 1000000, &map);
   ModelRenderer renderer({});
   Fusion fusion({});
   for (auto _ : state) {
