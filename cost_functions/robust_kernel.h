@@ -5,6 +5,7 @@
 
 namespace surfit {
 
+// A robust kernel at one s.
 template <typename V>
 struct KernelValue {
   V rho, slope;  // rho(s), rho'(s)

@@ -10,8 +10,8 @@ packages=(
   libeigen3-dev libceres-dev libgoogle-glog-dev libgflags-dev libopencv-dev libtbb-dev
   nlohmann-json3-dev libplplot-dev plplot-driver-cairo
   libturbojpeg0-dev zlib1g-dev
-  # manual pages and Debian packages
-  help2man dpkg-dev
+  # documentation, manual pages and Debian packages
+  doxygen help2man dpkg-dev
   # the Python module
   python3-dev pybind11-dev python3-numpy python3-matplotlib
   # the tests

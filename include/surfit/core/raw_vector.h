@@ -11,6 +11,7 @@ namespace surfit {
 template <typename T>
 struct RawAllocator : std::allocator<T> {
   using std::allocator<T>::allocator;
+  // Of the standard: the same allocator of another type.
   template <typename U>
   struct rebind {
     using other = RawAllocator<U>;

@@ -15,6 +15,7 @@ enum class RobustKernelType {
   kStudentT,      // k^2 log(1 + s/k^2), of a Student t distribution of scale k
 };
 
+// A kernel of that type and width.
 struct RobustKernel {
   RobustKernelType type = RobustKernelType::kNone;
   double width = 3;  // k

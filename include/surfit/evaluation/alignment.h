@@ -15,6 +15,7 @@ enum class AlignmentStatus {
   kTooFewPoints,
 };
 
+// A rigid transform between two sets of points.
 struct Alignment {
   AlignmentStatus status = AlignmentStatus::kTooFewPoints;
   Rigid3d target_from_source;

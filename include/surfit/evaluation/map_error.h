@@ -8,6 +8,7 @@
 
 namespace surfit {
 
+// How a map is compared with its reference.
 struct MapErrorOptions {
   // A reference point counts as mapped if a map point is at most this far.
   double completeness_distance_m = 0.01;

@@ -6,6 +6,7 @@
 
 namespace surfit {
 
+// Which poses belong to the same moment.
 struct MatchOptions {
   // Stamps further apart never match. evo's default; the TUM scripts use 0.02.
   double max_difference_s = 0.01;

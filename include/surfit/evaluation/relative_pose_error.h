@@ -8,6 +8,7 @@
 
 namespace surfit {
 
+// The interval over which drift is measured.
 struct RelativePoseErrorOptions {
   enum class Unit {
     kFrames,  // delta counts matched poses, as in evo and the TUM scripts: lost frames are no steps

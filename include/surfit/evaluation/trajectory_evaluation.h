@@ -10,11 +10,13 @@
 
 namespace surfit {
 
+// How a trajectory is compared with the ground truth.
 struct TrajectoryEvaluationOptions {
   MatchOptions match;
   RelativePoseErrorOptions rpe;
 };
 
+// What is said of an estimated trajectory.
 struct TrajectoryEvaluation {
   int expected = 0;  // frames that should have a pose: those that the ground truth knows
   int matched = 0;   // poses of the estimate that the ground truth knows

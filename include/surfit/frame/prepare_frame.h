@@ -14,6 +14,7 @@ namespace surfit {
 // and 65535 meaning missing, or metres, where what is not finite or not positive is missing.
 using RawDepth = std::variant<Image<std::uint16_t>, Image<float>>;
 
+// Which pixels and depths of a camera's images are used.
 struct PrepareOptions {
   int downsample = 1;      // keep every downsample-th column and row
   double max_depth_m = 8;  // depth beyond is missing: noise there outgrows what it could tell

@@ -16,6 +16,7 @@ struct KlgOptions {
   void Validate() const;
 };
 
+// What became of a recording's frames.
 struct KlgSummary {
   int frames_written = 0;
   int frames_skipped = 0;  // could not be read

@@ -35,6 +35,7 @@ struct CloudNormalOptions {
   void Validate() const;
 };
 
+// The normals of a cloud's points, in their order.
 struct CloudNormals {
   std::vector<Eigen::Vector3f> normals;  // unit length; (0, 0, 0) where there is none
   std::vector<float> deviation_m;        // s: the points' noise; 0 where there is no normal

@@ -20,6 +20,7 @@ class SearchablePoints {
   std::shared_ptr<const Data> data_;
 };
 
+// Which points are paired with their nearest neighbours.
 struct KdTreeAssociationOptions {
   AssociationGates gates;
   NeededNormals needed_normals = NeededNormals::kTarget;

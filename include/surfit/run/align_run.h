@@ -30,6 +30,7 @@ struct PoseError {
   double rotation_deg = 0;
 };
 
+// The outcome of a run.
 struct AlignRunResult {
   InitializedIcpResult registration;
   std::optional<PoseError> initial_error;  // of the identity, where there is ground truth

@@ -100,6 +100,7 @@ struct SlamComparisonRow {
   std::optional<double> surface_distance_mean_m, surface_distance_p90_m, shared_surface;
 };
 
+// How far a comparison has come.
 struct CompareProgress {
   std::string unit;  // "run", or "frame" of SLAM
   int done = 0;
@@ -107,6 +108,7 @@ struct CompareProgress {
   double elapsed_s = 0;  // since the first of these
 };
 
+// The outcome of a comparison.
 struct Comparison {
   std::vector<ComparisonRow> rows;
   std::vector<SlamComparisonRow> slam;

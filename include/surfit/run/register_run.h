@@ -31,6 +31,7 @@ struct RegisteredCloud {
   double normal_radius_m = 0;      // at least; 0 where the normals are the file's
 };
 
+// The outcome of a run.
 struct RegisterRunResult {
   IcpResult icp;
   RegisteredCloud source, target;

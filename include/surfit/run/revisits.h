@@ -31,6 +31,7 @@ struct RevisitAgreement {
   ErrorStatistics icp_translation_m, icp_rotation_deg;
 };
 
+// What the pairs of frames say of both trajectories.
 struct RevisitReport {
   int pairs = 0;         // of frames
   int unregistered = 0;  // of these, pairs left out: ICP failed from either trajectory

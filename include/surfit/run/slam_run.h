@@ -49,6 +49,7 @@ struct TimeStatistics {
   double p95_ms = 0;
 };
 
+// The times of one stage of all frames.
 struct StageStatistics {
   std::string name;
   TimeStatistics times;

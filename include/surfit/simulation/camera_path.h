@@ -7,6 +7,7 @@
 
 namespace surfit {
 
+// How a hand-held camera moves.
 struct PathOptions {
   double frames_per_second = 30;
   // Distance and angle between consecutive frames vary slowly inside these bounds, the trembling

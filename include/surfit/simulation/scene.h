@@ -16,6 +16,7 @@ namespace surfit {
 // Linear reflectance in [0, 1] of a surface at a point of the object's own frame.
 using Texture = std::function<Eigen::Vector3f(const Eigen::Vector3d& point_in_object)>;
 
+// A shape at its place, with its looks.
 struct SceneObject {
   ShapePtr shape;
   Rigid3d world_from_object;
@@ -23,12 +24,14 @@ struct SceneObject {
   float glow = 0;  // light that the surface gives by itself, as a multiple of its reflectance
 };
 
+// A lamp.
 struct PointLight {
   Eigen::Vector3d position_in_world = Eigen::Vector3d::Zero();
   float intensity = 1;
   bool casts_shadows = true;
 };
 
+// Where a ray meets the scene first.
 struct SceneHit {
   double t = 0;  // at origin + t * direction
   Eigen::Vector3d normal_in_world = Eigen::Vector3d::Zero();
