@@ -101,11 +101,16 @@ SlamRunOptions OptionsFromFlags() {
 void ShowProgress(const SlamRunProgress& progress) {
   static ProgressLine line;
   const double fps = progress.frames_done / progress.elapsed_s;
+  const double million_surfels = static_cast<double>(progress.map_points) * 1e-6;
   char text[200];
-  std::snprintf(text, sizeof(text), "frame %d/%d  %.1f fps  map %.2f M surfels  %.0f s left",
-                progress.frames_done, progress.frames_total, fps,
-                static_cast<double>(progress.map_points) * 1e-6,
-                (progress.frames_total - progress.frames_done) / fps);
+  if (progress.frames_total < 0) {
+    std::snprintf(text, sizeof(text), "frame %d  %.1f fps  map %.2f M surfels",
+                  progress.frames_done, fps, million_surfels);
+  } else {
+    std::snprintf(text, sizeof(text), "frame %d/%d  %.1f fps  map %.2f M surfels  %.0f s left",
+                  progress.frames_done, progress.frames_total, fps, million_surfels,
+                  (progress.frames_total - progress.frames_done) / fps);
+  }
   line.Show(text, progress.elapsed_s, progress.frames_done == progress.frames_total);
 }
 
@@ -147,7 +152,8 @@ void PrintStages(const SlamRunSummary& s) {
 int Run() {
   const SlamRunOptions options = OptionsFromFlags();
   const SlamRunSummary summary = RunSlam(options, CatchInterruptions(), ShowProgress);
-  if (summary.interrupted) std::fputc('\n', stderr);  // ends the line of progress
+  const bool live = options.sequence.format == "watch";
+  if (summary.interrupted || live) std::fputc('\n', stderr);  // ends the line of progress
   PrintSummary(summary, options.output);
   PrintStages(summary);
   const bool nothing_tracked = summary.frames_tracked <= 1 && summary.frames_lost > 0;

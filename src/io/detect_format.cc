@@ -38,7 +38,7 @@ std::string DetectFolderFormat(const std::string& folder) {
 
 const std::vector<std::string>& SequenceFormats() {
   static const auto* const formats = new std::vector<std::string>{
-      "tum", "icl_nuim", "seven_scenes", "redwood", "replica", "klg", "sens"};
+      "tum", "icl_nuim", "seven_scenes", "redwood", "replica", "klg", "sens", "watch"};
   return *formats;
 }
 
@@ -46,7 +46,7 @@ bool IsFileFormat(const std::string& format) { return format == "klg" || format 
 
 std::string DetectFormat(const std::string& path) {
   if (!IsFile(path)) return DetectFolderFormat(path);
-  for (const char* format : {"klg", "sens"}) {
+  for (const char* format : {"klg", "sens", "watch"}) {
     if (EndsWith(path, std::string(".") + format)) return format;
   }
   throw InputError(path + " is no folder, and neither .klg nor .sens");

@@ -36,6 +36,13 @@ std::string NameOf(long number, const std::map<long, std::string>& images,
 
 }  // namespace
 
+std::string FindColorFolder(const std::string& folder) {
+  for (const char* name : {"/color", "/rgb", "/image"}) {
+    if (IsFolder(folder + name)) return folder + name;
+  }
+  return "";
+}
+
 std::vector<FrameFiles> ListNumberedFrames(const std::string& depth_folder,
                                            const std::string& color_folder) {
   const auto depth = NumberedImages(depth_folder);

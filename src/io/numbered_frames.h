@@ -13,4 +13,7 @@ namespace surfit {
 std::vector<FrameFiles> ListNumberedFrames(const std::string& depth_folder,
                                            const std::string& color_folder);
 
+// The folder of colour beside depth/: color/, rgb/ or image/ of `folder`, or "" without one.
+std::string FindColorFolder(const std::string& folder);
+
 }  // namespace surfit

@@ -1,9 +1,6 @@
-#include <glog/logging.h>
-
 #include <algorithm>
 #include <utility>
 
-#include "io/depth_scale_check.h"
 #include "io/detect_format.h"
 #include "io/folder.h"
 #include "io/folder_recording.h"
@@ -12,8 +9,8 @@
 #include "io/sens_recording.h"
 #include "io/sequence_camera.h"
 #include "io/sequence_files.h"
+#include "io/sequence_info.h"
 #include "surfit/core/error.h"
-#include "surfit/geometry/mirror.h"
 #include "surfit/io/sequence.h"
 
 namespace surfit {
@@ -60,45 +57,12 @@ FrameImages ReadFirstImages(const Recording& recording, const std::vector<int>& 
   throw InputError("no frame can be read: " + first_error);
 }
 
-template <typename T>
-void TakeSizeIfUnknown(const Image<T>& image, PinholeCamera* camera) {
-  if (camera->width != 0) return;
-  camera->width = image.width();
-  camera->height = image.height();
-}
-
-void CompleteCamera(const FrameImages& first, RgbdCamera* camera) {
-  std::visit([&](const auto& depth) { TakeSizeIfUnknown(depth, &camera->depth); }, first.depth);
-  if (!camera->color_is_registered) {
-    if (first.color.empty()) camera->color_is_registered = true;
-    TakeSizeIfUnknown(first.color, &camera->color);
-  }
-  RequireSizeOf(*camera, first);
-}
-
-void Mirror(Trajectory* trajectory) {
-  for (StampedPose& pose : *trajectory) pose.world_from_camera = Mirrored(pose.world_from_camera);
-}
-
-// What only an image tells: sizes, doubts about the depth scale, and with it the frames' camera.
-FramePreparer CompleteInfo(const FrameImages& first, const PrepareOptions& options,
-                           SequenceInfo* info) {
-  CompleteCamera(first, &info->camera);
-  if (auto warning =
-          DepthScaleWarning(first.depth, info->camera.depth_units_per_metre, first.depth_name))
-    info->warnings.push_back(*warning);
-  info->mirrored = info->camera.depth.fy < 0;
-  if (info->mirrored) Mirror(&info->ground_truth);
-  FramePreparer preparer(info->mirrored ? Mirrored(info->camera) : info->camera, options);
-  info->pinhole = preparer.pinhole();
-  for (const std::string& warning : info->warnings) LOG(WARNING) << warning;
-  return preparer;
-}
-
 }  // namespace
 
 std::unique_ptr<FrameSource> OpenSequence(const SequenceOptions& options) {
   options.Validate();
+  if (options.format == "watch")
+    throw InputError("format is 'watch': only a live run (surfit_slam) waits for frames to come");
   if (!IsFolder(options.path) && !IsFile(options.path))
     throw InputError(options.path + " is no folder and no file");
   SequenceInfo info;

@@ -6,13 +6,6 @@
 namespace surfit {
 namespace {
 
-std::string FindColorFolder(const std::string& folder) {
-  for (const char* name : {"/color", "/rgb", "/image"}) {
-    if (IsFolder(folder + name)) return folder + name;
-  }
-  return "";
-}
-
 // Blocks of one line of numbers, the first of which is the frame's, and a 4 x 4 pose.
 Trajectory ReadLog(const std::string& path, double frames_per_second) {
   const auto rows = ReadTextRows(path);

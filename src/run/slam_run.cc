@@ -25,6 +25,7 @@
 #include "surfit/core/trace.h"
 #include "surfit/io/read_ahead.h"
 #include "surfit/io/surfel_ply.h"
+#include "surfit/io/watch_folder.h"
 #include "surfit/pictures/map_pictures.h"
 #include "surfit/pictures/trajectory_picture.h"
 
@@ -58,14 +59,21 @@ std::int64_t CountValid(const Image<float>& depth_m) {
   return std::count_if(depth_m.begin(), depth_m.end(), [](float depth) { return depth > 0; });
 }
 
+// Frames that are still to come are read when asked for: waiting for them would hold a thread.
+std::unique_ptr<FrameSource> OpenSource(const SlamRunOptions& options,
+                                        const std::atomic<bool>& interrupted) {
+  if (options.sequence.format == "watch") return WatchFolder(options.sequence, interrupted);
+  return ReadAhead(OpenSequence(options.sequence), options.queue_capacity);
+}
+
 // A run in progress.
 class SlamRun {
  public:
-  explicit SlamRun(const SlamRunOptions& options)
+  SlamRun(const SlamRunOptions& options, const std::atomic<bool>& interrupted)
       : options_(options),
         start_(Clock::now()),
         last_completion_(start_),
-        source_(ReadAhead(OpenSequence(options.sequence), options.queue_capacity)),
+        source_(OpenSource(options, interrupted)),
         info_(source_->info()) {
     if (options.poses == "groundtruth" && info_.ground_truth.empty()) {
       throw InputError(
@@ -270,7 +278,7 @@ SlamRunSummary RunSlam(const SlamRunOptions& options, const std::atomic<bool>& i
                        const std::function<void(const SlamRunProgress&)>& progress) {
   options.Validate();
   const ThreadLimit limit(options.threads);
-  return SlamRun(options).Run(interrupted, progress);
+  return SlamRun(options, interrupted).Run(interrupted, progress);
 }
 
 }  // namespace surfit

@@ -251,6 +251,40 @@ TEST_F(SlamTool, EndsEarlyButWholeOnSigint) {
   EXPECT_EQ(ReadPly(Output() + "/map.ply").points.size(), summary["map_points"]);
 }
 
+// The room's frames as another format, whose last come only once the first is tracked.
+TEST_F(SlamTool, FollowsAFolderThatIsBeingFilled) {
+  const TempFolder live;
+  const auto copy = [&](int begin, int end) {
+    for (const char* folder : {"depth", "rgb"}) {
+      fs::create_directory(live.path() + "/" + folder);
+      std::vector<fs::path> files;
+      for (const auto& entry : fs::directory_iterator(Room() + "/" + folder))
+        files.push_back(entry.path());
+      std::sort(files.begin(), files.end());
+      for (int i = begin; i < end; ++i)
+        fs::copy(files[i], live.path() + "/" + folder + "/" + std::to_string(i) + ".png");
+    }
+  };
+  fs::copy(Room() + "/camera.yaml", live / "camera.yaml");
+  copy(0, 3);
+  RunningProgram program("surfit_slam", {"--sequence=" + live.path(), "--format=watch",
+                                         "--output=" + Output(), "--nopictures"});
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  while (!fs::exists(Output() + "/trajectory.txt") ||
+         CountPoses(Output() + "/trajectory.txt") < 3) {
+    ASSERT_LT(std::chrono::steady_clock::now(), deadline);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  copy(3, 6);
+  live.Write("done", "");
+  const ProgramResult result = program.Wait();
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const nlohmann::json summary = Summary(Output());
+  EXPECT_EQ(summary["frames_total"], 6);
+  EXPECT_EQ(summary["frames_tracked"], 6);
+  EXPECT_EQ(summary["interrupted"], false);
+}
+
 TEST_F(SlamTool, FusesAlongGivenPoses) {
   ASSERT_EQ(Slam(Room(), Output(), {"--poses=groundtruth"}).exit_code, 0);
   // The files of truth and estimate have 9 decimals at least.

@@ -17,7 +17,8 @@ const surfit::SequenceOptions kSequence;
 
 DEFINE_string(sequence, kSequence.path, "the sequence: a folder, or a .klg or .sens file");
 DEFINE_string(format, kSequence.format,
-              "auto, tum, icl_nuim, seven_scenes, redwood, replica, klg or sens");
+              "auto, tum, icl_nuim, seven_scenes, redwood, replica, klg, sens, or watch: "
+              "wait for frames to come (surfit_slam)");
 DEFINE_string(
     camera, kSequence.camera,
     "camera preset: tum_fr1, tum_fr2, tum_fr3, icl_nuim, seven_scenes, redwood, "

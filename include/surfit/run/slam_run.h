@@ -38,7 +38,7 @@ struct SlamRunOptions {
 // How far a run has come.
 struct SlamRunProgress {
   int frames_done = 0;
-  int frames_total = 0;
+  int frames_total = 0;  // -1: as many as will come
   std::size_t map_points = 0;
   double elapsed_s = 0;
 };
@@ -83,6 +83,7 @@ struct SlamRunSummary {
 
 // Runs SLAM over a sequence and writes into the output folder: trajectory.txt (TUM format, a line
 // at a time, in the source's convention), frames.csv, map.ply, summary.json and the pictures.
+// A sequence of format watch is followed until its end (WatchFolder()).
 // Frames that cannot be read are skipped and counted. When `interrupted` becomes true the frame at
 // work, or else the first one, is finished and everything is written. `progress` is called after
 // every frame.

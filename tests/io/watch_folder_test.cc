@@ -1,0 +1,136 @@
+#include "surfit/io/watch_folder.h"
+
+#include <thread>
+
+#include "testing/expect_input_error.h"
+#include "testing/read_all.h"
+#include "testing/sequence_writer.h"
+
+namespace surfit {
+namespace {
+
+using testing::ExpectInputError;
+using ::testing::HasSubstr;
+using testing::TempFolder;
+
+class WatchTest : public ::testing::Test {
+ protected:
+  WatchTest() {
+    folder_.Write("camera.yaml", testing::SmallCameraYaml());
+    std::filesystem::create_directory(folder_ / "depth");
+    std::filesystem::create_directory(folder_ / "color");
+    options_.path = folder_.path();
+    options_.format = "watch";
+  }
+  std::string DepthPath(int i) { return folder_ / testing::Format("depth/%06d.png", i); }
+  std::string ColorPath(int i) { return folder_ / testing::Format("color/%06d.png", i); }
+  void WriteFrame(int i) {
+    testing::WriteColor(ColorPath(i), testing::NumberedColor(i));
+    testing::WriteDepth(DepthPath(i), testing::NumberedDepth(i));
+  }
+  std::vector<ReadResult> ReadToTheEnd() {
+    return testing::ReadAll(WatchFolder(options_, stop_).get());
+  }
+  TempFolder folder_;
+  SequenceOptions options_;
+  std::atomic<bool> stop_{false};
+};
+
+// Each frame is written only once the one before has been read.
+TEST_F(WatchTest, GivesFramesAsTheyCome) {
+  WriteFrame(0);
+  const auto source = WatchFolder(options_, stop_);
+  EXPECT_EQ(source->info().frame_count, -1);
+  EXPECT_EQ(source->info().pinhole.width, 32);
+  for (const int i : {0, 1, 3}) {
+    if (i > 0) WriteFrame(i);
+    const auto result = source->Next();
+    ASSERT_TRUE(result && result->frame) << result->error;
+    EXPECT_EQ(result->frame->color, testing::NumberedColor(i));
+    EXPECT_FLOAT_EQ(result->frame->depth_m(1, 0), 1.001f + 0.01f * i);
+    EXPECT_DOUBLE_EQ(result->stamp_s, i / 30.);
+    EXPECT_EQ(result->index, i == 3 ? 2 : i);
+  }
+  folder_.Write("done", "");
+  EXPECT_FALSE(source->Next());
+}
+
+// Colour comes in two pieces, after depth; then frame 1 as a whole.
+TEST_F(WatchTest, WaitsForTheRestOfAFile) {
+  WriteFrame(0);
+  const std::string bytes = testing::ReadBytes(ColorPath(0));
+  testing::WriteBytes(ColorPath(0), bytes.substr(0, 40));
+  std::thread writer([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    WriteFrame(1);
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    testing::WriteBytes(ColorPath(0), bytes);
+    folder_.Write("done", "");
+  });
+  const auto results = ReadToTheEnd();
+  writer.join();
+  ASSERT_EQ(results.size(), 2u);
+  for (int i = 0; i < 2; ++i) {
+    ASSERT_TRUE(results[i].frame) << results[i].error;
+    EXPECT_EQ(results[i].frame->color, testing::NumberedColor(i));
+  }
+}
+
+TEST_F(WatchTest, GivesUpFramesThatStayBroken) {
+  for (const int i : {0, 2, 4}) WriteFrame(i);
+  std::filesystem::remove(ColorPath(2));
+  const auto source = WatchFolder(options_, stop_);
+  EXPECT_TRUE(source->Next()->frame);
+  const auto broken = source->Next();  // after two seconds
+  EXPECT_THAT(broken->error, HasSubstr("color/000002.png"));
+  EXPECT_TRUE(source->Next()->frame);
+  WriteFrame(3);
+  EXPECT_THAT(source->Next()->error, HasSubstr("depth/000003.png came after frame 4 was taken"));
+}
+
+TEST_F(WatchTest, ChoosesFramesByTheirOrder) {
+  for (int i = 0; i < 6; ++i) WriteFrame(10 * i);
+  folder_.Write("done", "");
+  options_.first = 1;
+  options_.stride = 2;
+  options_.last = 4;
+  const auto results = ReadToTheEnd();
+  ASSERT_EQ(results.size(), 2u);
+  EXPECT_EQ(results[0].index, 1);
+  EXPECT_EQ(results[1].frame->color, testing::NumberedColor(30));
+}
+
+TEST_F(WatchTest, WithoutAColourFolderFramesHaveNone) {
+  std::filesystem::remove(folder_ / "color");
+  testing::WriteDepth(DepthPath(0), testing::NumberedDepth(0));
+  folder_.Write("done", "");
+  const auto results = ReadToTheEnd();
+  ASSERT_EQ(results.size(), 1u);
+  EXPECT_TRUE(results[0].frame->color.empty());
+}
+
+TEST_F(WatchTest, StopsWhenTold) {
+  WriteFrame(0);
+  const auto source = WatchFolder(options_, stop_);
+  EXPECT_TRUE(source->Next());
+  std::thread stopper([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    stop_ = true;
+  });
+  EXPECT_FALSE(source->Next());
+  stopper.join();
+}
+
+TEST_F(WatchTest, RefusesFoldersWithoutAFrame) {
+  folder_.Write("done", "");
+  ExpectInputError([&] { ReadToTheEnd(); }, HasSubstr("can be read: none came"));
+  testing::WriteBytes(DepthPath(0), "broken");
+  testing::WriteColor(ColorPath(0), testing::NumberedColor(0));
+  ExpectInputError([&] { ReadToTheEnd(); }, HasSubstr("depth/000000.png is truncated, damaged"));
+  ExpectInputError([&] { OpenSequence(options_); }, HasSubstr("only a live run"));
+  options_.path = "/nowhere";
+  ExpectInputError([&] { ReadToTheEnd(); }, HasSubstr("/nowhere is no folder"));
+}
+
+}  // namespace
+}  // namespace surfit
