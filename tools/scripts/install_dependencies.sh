@@ -14,6 +14,8 @@ packages=(
   doxygen help2man dpkg-dev
   # the Python module
   python3-dev pybind11-dev python3-numpy python3-matplotlib
+  # surfit_mesh, which is left out where this is missing
+  libopen3d-dev
   # the tests
   libgtest-dev libgmock-dev libbenchmark-dev python3-pytest
 )

@@ -1,0 +1,99 @@
+#include "mesh/poisson_mesh.h"
+
+#include <open3d/geometry/PointCloud.h>
+#include <open3d/geometry/TriangleMesh.h>
+#include <open3d/io/TriangleMeshIO.h>
+#include <open3d/utility/Logging.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "surfit/core/error.h"
+
+namespace surfit::tools {
+namespace {
+
+namespace o3d = open3d::geometry;
+
+constexpr float kCubeScale = 1.1f;  // of the octree to the cloud's bounding cube
+
+o3d::PointCloud ToOpen3d(const PointCloud& cloud) {
+  o3d::PointCloud points;
+  for (const auto& p : cloud.points) points.points_.push_back(p.cast<double>());
+  for (const auto& n : cloud.normals) points.normals_.push_back(n.cast<double>());
+  for (const Rgb8 c : cloud.colors) points.colors_.push_back(Eigen::Vector3d(c.r, c.g, c.b) / 255.);
+  return points;
+}
+
+// The octree's depth at which its cells are at most cell_m wide.
+int OctreeDepth(const o3d::PointCloud& points, double cell_m) {
+  constexpr double kDeepest = 12;  // 4096 cells a side
+  const double side_m = kCubeScale * (points.GetMaxBound() - points.GetMinBound()).maxCoeff();
+  if (!(side_m > cell_m)) throw InputError("the map is smaller than one cell");
+  const double depth = std::ceil(std::log2(side_m / cell_m));
+  if (depth > kDeepest)
+    throw InputError(Concat("cell_m is ", cell_m, ", must be at least ",
+                            side_m / std::exp2(kDeepest), " for a map of this size"));
+  return static_cast<int>(depth);
+}
+
+// The triangles' corners, middles of sides and centres, seven each: sides are hardly longer than a
+// few cells, so that whatever reaches far beyond the points shows at one of these.
+std::vector<Eigen::Vector3d> SamplesOf(const o3d::TriangleMesh& mesh) {
+  std::vector<Eigen::Vector3d> samples;
+  samples.reserve(7 * mesh.triangles_.size());
+  for (const Eigen::Vector3i& triangle : mesh.triangles_) {
+    const Eigen::Vector3d& a = mesh.vertices_[triangle[0]];
+    const Eigen::Vector3d& b = mesh.vertices_[triangle[1]];
+    const Eigen::Vector3d& c = mesh.vertices_[triangle[2]];
+    for (const Eigen::Vector3d& sample : std::initializer_list<Eigen::Vector3d>{
+             a, b, c, (a + b) / 2, (b + c) / 2, (c + a) / 2, (a + b + c) / 3}) {
+      samples.push_back(sample);
+    }
+  }
+  return samples;
+}
+
+// Removes the triangles with a sample too far from all points; returns how many.
+std::size_t Trim(const o3d::PointCloud& points, double distance_m, o3d::TriangleMesh* mesh) {
+  const auto distances_m = o3d::PointCloud(SamplesOf(*mesh)).ComputePointCloudDistance(points);
+  std::vector<bool> is_far(mesh->triangles_.size());
+  for (std::size_t i = 0; i < is_far.size(); ++i) {
+    is_far[i] = std::any_of(&distances_m[7 * i], &distances_m[7 * i] + 7,
+                            [&](double distance) { return distance > distance_m; });
+  }
+  mesh->RemoveTrianglesByMask(is_far);
+  mesh->RemoveUnreferencedVertices();
+  return static_cast<std::size_t>(std::count(is_far.begin(), is_far.end(), true));
+}
+
+}  // namespace
+
+void MeshOptions::Validate() const {
+  if (!(cell_m > 0)) throw InputError(Concat("cell_m is ", cell_m, ", must be positive"));
+  if (!(trim_distance_m > 0))
+    throw InputError(Concat("trim_distance_m is ", trim_distance_m, ", must be positive"));
+}
+
+MeshSummary WritePoissonMesh(const PointCloud& cloud, const MeshOptions& options,
+                             const std::string& path) {
+  constexpr int kThreads = 1;  // with more, sums depend on who is first
+  options.Validate();
+  if (cloud.normals.empty()) throw InputError("the map has no points with normals");
+  open3d::utility::SetVerbosityLevel(open3d::utility::VerbosityLevel::Error);
+  const o3d::PointCloud points = ToOpen3d(cloud);
+  const int depth = OctreeDepth(points, options.cell_m);
+  const auto [mesh, densities] = o3d::TriangleMesh::CreateFromPointCloudPoisson(
+      points, static_cast<std::size_t>(depth), 0, kCubeScale, false, kThreads);
+  MeshSummary summary;
+  summary.triangles_trimmed = Trim(points, options.trim_distance_m, mesh.get());
+  summary.vertices = mesh->vertices_.size();
+  summary.triangles = mesh->triangles_.size();
+  if (mesh->triangles_.empty())
+    throw InputError("no triangle lies within trim_distance_m of the map");
+  if (!open3d::io::WriteTriangleMesh(path, *mesh)) throw InputError("cannot write '" + path + "'");
+  return summary;
+}
+
+}  // namespace surfit::tools

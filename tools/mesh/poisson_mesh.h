@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+
+#include "surfit/io/point_cloud.h"
+
+namespace surfit::tools {
+
+struct MeshOptions {
+  double cell_m = 0.01;           // size of the finest cells; triangles are about as large
+  double trim_distance_m = 0.02;  // nothing farther than this from all points is kept
+
+  // Throws InputError naming the option, its value and the constraint.
+  void Validate() const;
+};
+
+struct MeshSummary {
+  std::size_t vertices = 0;
+  std::size_t triangles = 0;
+  std::size_t triangles_trimmed = 0;
+};
+
+// Writes a triangle mesh of the cloud's surface as .ply (binary) or .obj, with the cloud's colours:
+// screened Poisson reconstruction (Kazhdan and Hoppe, 2013) by Open3D, trimmed to where points are.
+// All points must be finite. The same cloud gives the same mesh.
+// Throws InputError if the options are not valid, the cloud has no normals or no extent, no
+// triangle is left, or the file cannot be written.
+MeshSummary WritePoissonMesh(const PointCloud& cloud, const MeshOptions& options,
+                             const std::string& path);
+
+}  // namespace surfit::tools
