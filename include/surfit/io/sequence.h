@@ -13,8 +13,8 @@ namespace surfit {
 // Which frames of which sequence to read, and with what camera.
 struct SequenceOptions {
   std::string path;  // the sequence's folder, or file
-  std::string format =
-      "auto";  // auto, tum, icl_nuim, seven_scenes, redwood, replica, klg, sens, watch
+  // auto, tum, icl_nuim, seven_scenes, redwood, replica, klg, sens, or watch (RunSlam() only).
+  std::string format = "auto";
 
   // A preset's name (see camera_presets.h). If empty: the folder's camera.yaml (of a file
   // F.klg: F.klg.yaml), else what the recording tells (redwood: camera_intrinsic.json or
