@@ -6,6 +6,7 @@
 
 namespace surfit::tools {
 
+// How fine a mesh is, and how far it reaches.
 struct MeshOptions {
   double cell_m = 0.01;           // size of the finest cells; triangles are about as large
   double trim_distance_m = 0.02;  // nothing farther than this from all points is kept
@@ -14,6 +15,7 @@ struct MeshOptions {
   void Validate() const;
 };
 
+// What a mesh has.
 struct MeshSummary {
   std::size_t vertices = 0;
   std::size_t triangles = 0;

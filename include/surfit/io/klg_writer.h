@@ -17,6 +17,7 @@ struct KlgOptions {
 };
 
 // What became of a recording's frames.
+// What was written.
 struct KlgSummary {
   int frames_written = 0;
   int frames_skipped = 0;  // could not be read
