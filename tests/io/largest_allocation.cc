@@ -22,6 +22,9 @@ void Note(std::size_t size) {
 
 }  // namespace surfit::testing
 
+// The sanitizers bring an operator new of their own, which must keep its company; they limit what
+// can be asked for themselves.
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 void* operator new(std::size_t size) {
   surfit::testing::Note(size);
   if (void* memory = std::malloc(size > 0 ? size : 1)) return memory;
@@ -29,3 +32,4 @@ void* operator new(std::size_t size) {
 }
 void operator delete(void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+#endif
