@@ -58,6 +58,9 @@ DEFINE_double(lasting_confidence, kRun.slam.fusion.lasting_confidence,
               "surfels of less confidence are removed when not seen for a while");
 DEFINE_double(free_space_margin_m, kRun.slam.fusion.free_space_margin_m,
               "surfels are removed where depth is measured farther than this behind them");
+DEFINE_int32(max_map_points, kRun.slam.fusion.max_map_points,
+             "a map of so many surfels takes no further ones, which is said and counted; 0 = no "
+             "limit");
 DEFINE_int32(max_dormant_frames, kRun.slam.fusion.max_dormant_frames,
              "these surfels are removed when not seen for longer");
 
@@ -93,6 +96,7 @@ SlamRunOptions OptionsFromFlags() {
   slam.fusion.max_spacing_m = static_cast<float>(FLAGS_max_spacing_m);
   slam.fusion.lasting_confidence = static_cast<float>(FLAGS_lasting_confidence);
   slam.fusion.free_space_margin_m = static_cast<float>(FLAGS_free_space_margin_m);
+  slam.fusion.max_map_points = FLAGS_max_map_points;
   slam.fusion.max_dormant_frames = FLAGS_max_dormant_frames;
   options.record = RecordedFlags();
   return options;
@@ -125,6 +129,10 @@ void PrintSummary(const SlamRunSummary& s, const std::string& output) {
   std::printf("updated %lld, added %lld, removed %lld, total points %zu, compression %.1f : 1\n",
               static_cast<long long>(s.updated), static_cast<long long>(s.added),
               static_cast<long long>(s.removed), s.map_points, s.compression_ratio);
+  if (s.refused > 0) {
+    std::printf("the map is full: %lld surfels found no place (--max_map_points)\n",
+                static_cast<long long>(s.refused));
+  }
   if (s.evaluation && s.evaluation->ate) {
     std::printf("ATE RMSE %.4f m over %.1f %% of the frames\n",
                 s.evaluation->ate->translation_m.rmse, 100 * s.evaluation->coverage);

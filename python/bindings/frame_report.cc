@@ -16,6 +16,8 @@ void BindFusionReport(py::module_& module) {
       .def_readonly("merged_points", &FusionReport::merged_points, "of those, that met a surfel")
       .def_readonly("merged", &FusionReport::merged, "surfels updated")
       .def_readonly("added", &FusionReport::added, "surfels")
+      .def_readonly("refused", &FusionReport::refused,
+                    "surfels that max_map_points left no place for")
       .def_readonly("removed", &FusionReport::removed, "surfels");
 }
 

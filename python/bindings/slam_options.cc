@@ -23,6 +23,8 @@ void BindFusionOptions(py::module_& module) {
            "surfels with less are removed when not seen for max_dormant_frames")
       .Add("max_dormant_frames", &FusionOptions::max_dormant_frames, "fused frames")
       .Add("max_confidence", &FusionOptions::max_confidence, "so that the map can still change")
+      .Add("max_map_points", &FusionOptions::max_map_points,
+           "a map of so many surfels takes no further ones; 0 = no limit")
       .Add("free_space_margin_m", &FusionOptions::free_space_margin_m,
            "what is measured farther behind a surfel, plus 4 sigma, removes it")
       .Add("noise", &FusionOptions::noise, "of the depth")

@@ -37,6 +37,17 @@ struct MergeCounts {
   }
 };
 
+// Drops the last of the new surfels that a full map has no place for; returns how many.
+int DropBeyond(int max_map_points, std::size_t map_points, std::vector<Surfel>* added) {
+  if (max_map_points == 0) return 0;
+  const auto most = static_cast<std::size_t>(max_map_points);
+  const std::size_t places = most > map_points ? most - map_points : 0;
+  if (added->size() <= places) return 0;
+  const auto refused = static_cast<int>(added->size() - places);
+  added->resize(places);
+  return refused;
+}
+
 }  // namespace
 
 // The fusion of one frame; owns the buffers that are kept between frames.
@@ -85,6 +96,7 @@ void FusionOptions::Validate() const {
   require(lasting_confidence >= 0, "lasting_confidence", lasting_confidence, "zero or positive");
   require(max_dormant_frames >= 0, "max_dormant_frames", max_dormant_frames, "zero or positive");
   require(max_confidence > 0, "max_confidence", max_confidence, "positive");
+  require(max_map_points >= 0, "max_map_points", max_map_points, "zero (no limit) or positive");
   require(free_space_margin_m > 0, "free_space_margin_m", free_space_margin_m, "positive");
   require(noise.inverse_depth_sigma >= 0, "inverse_depth_sigma", noise.inverse_depth_sigma,
           "zero or positive");
@@ -114,8 +126,9 @@ FusionReport Fusion::Fuse(const RgbdFrame& frame, const FrameLevel& surface,
   }
   report.merged_points = merged.points;
   report.merged = merged.surfels;
-  report.added = static_cast<int>(added.size());
   report.removed = static_cast<int>(map->RemoveMarked());
+  report.refused = DropBeyond(options_.max_map_points, map->size(), &added);
+  report.added = static_cast<int>(added.size());
   map->Append(added);
   return report;
 }

@@ -180,6 +180,11 @@ class SlamRun {
     summary_.updated += report.fusion.merged;
     summary_.added += report.fusion.added;
     summary_.removed += report.fusion.removed;
+    if (summary_.refused == 0 && report.fusion.refused > 0) {
+      LOG(WARNING) << "from frame " << report.index << " on the map is full: max_map_points is "
+                   << options_.slam.fusion.max_map_points;
+    }
+    summary_.refused += report.fusion.refused;
     if (report.state == FrameState::kFrozen || valid_points == 0) return;
     match_shares_.push_back(static_cast<double>(report.fusion.merged_points) /
                             static_cast<double>(valid_points));

@@ -44,6 +44,7 @@ void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
   j["surfels_updated"] = s.updated;
   j["surfels_added"] = s.added;
   j["surfels_removed"] = s.removed;
+  j["surfels_refused"] = s.refused;
   j["map_points"] = s.map_points;
   j["compression_ratio"] = s.compression_ratio;
   j["match_share"] = {{"last", s.match_share_last}, {"median", s.match_share_median}};

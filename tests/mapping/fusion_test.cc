@@ -30,7 +30,7 @@ FusionReport Fuse(const FrameWithSurface& f, const Rigid3d& pose, Fusion* fusion
   const FusionReport report = fusion->Fuse(f.frame, f.surface, pose, map);
   ExpectConsistent(*map);
   EXPECT_EQ(static_cast<int>(map->size()), before + report.added - report.removed);
-  EXPECT_EQ(report.merged_points + report.added, report.input_points);
+  EXPECT_EQ(report.merged_points + report.added + report.refused, report.input_points);
   EXPECT_LE(report.merged, report.merged_points);
   return report;
 }
@@ -394,6 +394,23 @@ TEST(Fusion, WeightsFollowTheCamera) {
   EXPECT_EQ(other[0].confidence, 1);
 }
 
+TEST(Fusion, AFullMapRefusesSurfelsAndCountsThem) {
+  const PinholeCamera camera = TestCamera();
+  constexpr int kPixels = 64 * 48, kMost = 1000;
+  FusionOptions options;
+  options.max_map_points = kMost;
+  Fusion fusion(options);
+  SurfelMap map;
+  const FusionReport first = Fuse(WallFrame(camera, {}, 2, 0), {}, &fusion, &map);
+  EXPECT_EQ(first.added, kMost);
+  EXPECT_EQ(first.refused, kPixels - kMost);
+  const FusionReport second = Fuse(WallFrame(camera, {}, 2, 1), {}, &fusion, &map);
+  EXPECT_EQ(second.merged, kMost);
+  EXPECT_EQ(second.added, 0);
+  EXPECT_EQ(second.merged_points + second.refused, kPixels);
+  EXPECT_EQ(map.size(), std::size_t{kMost});
+}
+
 TEST(FusionOptions, RefuseWhatMakesNoSense) {
   const auto expect_refused = [](auto change, const char* message) {
     FusionOptions options;
@@ -417,6 +434,8 @@ TEST(FusionOptions, RefuseWhatMakesNoSense) {
   expect_refused([](auto& o) { o.max_dormant_frames = -1; },
                  "max_dormant_frames is -1, must be zero or positive");
   expect_refused([](auto& o) { o.max_confidence = 0; }, "max_confidence is 0, must be positive");
+  expect_refused([](auto& o) { o.max_map_points = -1; },
+                 "max_map_points is -1, must be zero (no limit) or positive");
   expect_refused([](auto& o) { o.free_space_margin_m = 0; }, "free_space_margin_m is 0");
   expect_refused([](auto& o) { o.noise.inverse_depth_sigma = -1; },
                  "inverse_depth_sigma is -1, must be zero or positive");

@@ -22,11 +22,12 @@ struct FusionOptions {
   // A point merges with a surfel within its own radius, but never farther than this across the
   // surface: so much stays between the surfels of a far or coarsely sampled surface.
   float max_spacing_m = 0.01f;
-  float max_slant_scale = 2;          // radius = sqrt(2) z / f times at most this for 1 / |n_z|
-  float max_radius_ratio = 1.5f;      // points that are coarser than this do not move a surfel
-  float lasting_confidence = 2;       // a surfel with less, seen about once, is noise ...
-  int max_dormant_frames = 20;        // ... and removed after so many fused frames without it
-  float max_confidence = 200;         // so that the map can still change
+  float max_slant_scale = 2;      // radius = sqrt(2) z / f times at most this for 1 / |n_z|
+  float max_radius_ratio = 1.5f;  // points that are coarser than this do not move a surfel
+  float lasting_confidence = 2;   // a surfel with less, seen about once, is noise ...
+  int max_dormant_frames = 20;    // ... and removed after so many fused frames without it
+  float max_confidence = 200;     // so that the map can still change
+  int max_map_points = 0;         // a map of so many surfels takes no further ones; 0 = no limit
   float free_space_margin_m = 0.05f;  // measured farther than this behind a surfel, plus 4 sigma
   DepthNoise noise;                   // of the depth: the surfel is not there
 
@@ -40,6 +41,7 @@ struct FusionReport {
   int merged_points = 0;  // of those, the ones that met a surfel
   int merged = 0;         // surfels updated
   int added = 0;          // surfels
+  int refused = 0;        // surfels that max_map_points left no place for
   int removed = 0;        // surfels: dormant noise and free-space violations
 };
 

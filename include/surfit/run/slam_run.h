@@ -68,6 +68,7 @@ struct SlamRunSummary {
   std::int64_t input_points = 0;        // pixels after downsampling, of all frames read
   std::int64_t input_points_valid = 0;  // of those, with depth
   std::int64_t updated = 0, added = 0, removed = 0;  // surfels, summed over all frames
+  std::int64_t refused = 0;                          // and these for want of place in the map
   std::size_t map_points = 0;
   double compression_ratio = 0;   // input_points / map_points
   double match_share_last = 0;    // merged over valid points, of the last fused frame
