@@ -59,9 +59,12 @@ TEST(RecordedRuns, OfficeWithKinectNoiseWithin15Millimetres) {
   ExpectLessDriftAgainstTheMap(Options("icl_office_kinect", -1), 200, 0.015);
 }
 
-TEST(RecordedRuns, OfficeWithoutNoiseWithin3Millimetres) {
+TEST(RecordedRuns, OfficeWithoutNoiseWithin1MillimetreAndAThirdFromFrameToFrame) {
   SURFIT_REQUIRE_SHARED_DATA("icl_office");
-  EXPECT_LE(AteOf(Options("icl_office", -1), 200), 0.003);
+  SlamRunOptions options = Options("icl_office", -1);
+  EXPECT_LE(AteOf(options, 200), 0.001);
+  options.slam.tracking = "frame_to_frame";
+  EXPECT_LE(AteOf(options, 200), 0.0003);
 }
 
 TEST(RecordedRuns, KitchenOf1000FramesWithin6Centimetres) {
