@@ -54,6 +54,9 @@ DEFINE_double(merge_angle_deg, kRun.slam.fusion.max_normal_angle_rad / kDegree,
               "points merge with surfels whose normal differs by at most this");
 DEFINE_double(max_spacing_m, kRun.slam.fusion.max_spacing_m,
               "points merge with surfels at most this far across the surface");
+DEFINE_double(double_share, kRun.slam.fusion.double_share,
+              "of two surfels closer across the surface than this share of their radii, and of "
+              "max_spacing_m, the one of less confidence is removed; 0 = none");
 DEFINE_double(lasting_confidence, kRun.slam.fusion.lasting_confidence,
               "surfels of less confidence are removed when not seen for a while");
 DEFINE_double(free_space_margin_m, kRun.slam.fusion.free_space_margin_m,
@@ -94,6 +97,7 @@ SlamRunOptions OptionsFromFlags() {
   slam.fusion.max_distance_m = static_cast<float>(FLAGS_merge_distance_m);
   slam.fusion.max_normal_angle_rad = static_cast<float>(FLAGS_merge_angle_deg * kDegree);
   slam.fusion.max_spacing_m = static_cast<float>(FLAGS_max_spacing_m);
+  slam.fusion.double_share = static_cast<float>(FLAGS_double_share);
   slam.fusion.lasting_confidence = static_cast<float>(FLAGS_lasting_confidence);
   slam.fusion.free_space_margin_m = static_cast<float>(FLAGS_free_space_margin_m);
   slam.fusion.max_map_points = FLAGS_max_map_points;

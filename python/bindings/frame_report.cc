@@ -14,6 +14,8 @@ void BindFusionReport(py::module_& module) {
   py::class_<FusionReport>(module, "FusionReport", "What the fusion of one frame did.")
       .def_readonly("input_points", &FusionReport::input_points, "pixels with depth and normal")
       .def_readonly("merged_points", &FusionReport::merged_points, "of those, that met a surfel")
+      .def_readonly("covered_points", &FusionReport::covered_points,
+                    "points without one that a new surfel of a pixel beside stands for")
       .def_readonly("merged", &FusionReport::merged, "surfels updated")
       .def_readonly("added", &FusionReport::added, "surfels")
       .def_readonly("refused", &FusionReport::refused,

@@ -16,6 +16,8 @@ void BindFusionOptions(py::module_& module) {
            "along the surfel's normal, between a point and the surfel it merges with")
       .Add("max_normal_angle_rad", &FusionOptions::max_normal_angle_rad, "between their normals")
       .Add("max_spacing_m", &FusionOptions::max_spacing_m, "between them across the surface")
+      .Add("double_share", &FusionOptions::double_share,
+           "of two surfels closer than this share of their radii one is removed; 0 = none")
       .Add("max_slant_scale", &FusionOptions::max_slant_scale, "of a radius, on slanted surfaces")
       .Add("max_radius_ratio", &FusionOptions::max_radius_ratio,
            "points that are coarser do not move a surfel")

@@ -63,18 +63,19 @@ std::uint64_t FindSeenThrough(BlockPixels* p) {
 }
 
 // Returns a mask of the surfels that belong to the points of their pixels.
+template <typename Instructions>
 std::uint64_t FindSame(const MergeGate& gate, BlockPixels* p) {
-  const MergeGate own_gate = gate;  // that nothing written below can change
+  using Numbers = Lanes<float, Instructions>;
   PerSurfel<std::uint8_t> same;
   const BlockCentres& c = p->centre;
   const BlockNormals& n = p->normal;
-  for (int k = 0; k < SurfelBlock::kCapacity; ++k) {
-    const Patch point = {p->x[k], p->y[k], p->z[k], p->nx[k], p->ny[k], p->nz[k]};
-    const Patch surfel = {c.x[k], c.y[k], c.z[k], n.x[k], n.y[k], n.z[k]};
-    const float distance2 = own_gate.SquaredDistance(point, p->radius_m[k], surfel);
-    p->distance2[k] = distance2;
-    same[k] = distance2 < MergeGate::kNever;
+  for (int k = 0; k < SurfelBlock::kCapacity; k += Numbers::kCount) {
+    const auto at = [k](const PerSurfel<float>& of) { return Numbers::Load(of + k); };
+    const PatchOf<Numbers> point = {at(p->x), at(p->y), at(p->z), at(p->nx), at(p->ny), at(p->nz)};
+    const PatchOf<Numbers> surfel = {at(c.x), at(c.y), at(c.z), at(n.x), at(n.y), at(n.z)};
+    gate.SquaredDistance(point, at(p->radius_m), surfel).Store(p->distance2 + k);
   }
+  for (int k = 0; k < SurfelBlock::kCapacity; ++k) same[k] = p->distance2[k] < MergeGate::kNever;
   return MaskOf(same);
 }
 
@@ -94,16 +95,17 @@ std::uint64_t CandidateFinder::Project(const SurfelBlock& block, BlockPixels* p)
 void CandidateFinder::Judge(std::uint64_t inside, std::int32_t first_id, SurfelBlock* block,
                             BlockPixels* p, std::vector<Candidate>* candidates) const {
   if (inside == 0) return;
-  const std::uint64_t same = WithInstructions([&](auto) {
+  const std::uint64_t same = WithInstructions([&](auto instructions) {
     FindNormals(*block, camera_, &p->normal);
     Gather(inside, points_, free_depth_m_, p);
     block->to_remove |= inside & FindSeenThrough(p);
-    return inside & ~block->to_remove & FindSame(gate_, p);
+    return inside & ~block->to_remove & FindSame<decltype(instructions)>(gate_, p);
   });
   ForEachBit(same, [&](int k) {
     const Patch patch = {p->centre.x[k], p->centre.y[k], p->centre.z[k],
                          p->normal.x[k], p->normal.y[k], p->normal.z[k]};
-    candidates->push_back({patch, first_id + k, p->pixel[k], p->distance2[k], {}});
+    candidates->push_back({patch, block->radius_m[k], block->confidence[k], first_id + k,
+                           p->pixel[k], p->distance2[k]});
   });
 }
 

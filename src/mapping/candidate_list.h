@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -12,12 +11,11 @@ namespace surfit {
 // A surfel that belongs to the point of the pixel it projects to.
 struct Candidate {
   Patch patch;  // in the camera frame
+  float radius_m, confidence;
   std::int32_t surfel;
   int pixel;
-  float distance2;  // between point and surfel, squared
-  // 1 for each of the 3 x 3 pixels around, row by row, whose point has chosen this surfel. A byte
-  // each, so that points can choose at the same time.
-  std::array<std::uint8_t, 9> chosen_by;
+  float distance2;              // between point and surfel, squared
+  bool is_superfluous = false;  // another one of its pixel or of one beside does as well
 };
 
 // The candidates of a cell of a map.

@@ -12,9 +12,9 @@
 #include "mapping/clear_closely.h"
 #include "mapping/fetch_block.h"
 #include "mapping/measured_points.h"
-#include "mapping/meetings.h"
 #include "mapping/merge_gate.h"
 #include "mapping/per_surfel.h"
+#include "mapping/point_average.h"
 #include "mapping/posed_camera.h"
 #include "mapping/surfel_choice.h"
 #include "surfit/core/error.h"
@@ -24,8 +24,8 @@
 namespace surfit {
 namespace {
 
-// So many meetings before its own point and surfel are asked for, to be in the cache by then.
-constexpr int kMeetingsAhead = 16;
+// So many candidates before its own its points and block are asked for, to be in the cache by then.
+constexpr int kCandidatesAhead = 16;
 
 struct MergeCounts {
   int points = 0;
@@ -59,11 +59,13 @@ struct Fusion::Workspace {
   void FindCandidates(const PosedCamera& camera, SurfelMap* map);
   bool MayBeDormant(const SurfelBounds& bounds) const;
   void MarkDormant(SurfelBlock* block) const;
-  int ChooseSurfels(const PosedCamera& camera);
+  std::vector<Surfel> NewSurfels(const PosedCamera& camera);
   Surfel NewSurfel(const PosedCamera& camera, int pixel) const;
   MergeCounts MergePoints(const PosedCamera& camera, SurfelMap* map) const;
-  void FetchPoint(int pixel) const;
-  void Merge(const PosedCamera& camera, const Meeting& meeting, SurfelMap* map) const;
+  MergeCounts MergePoints(const PosedCamera& camera, const std::vector<Candidate>& of_cell,
+                          SurfelMap* map) const;
+  void FetchPoints(int pixel, int width) const;
+  int Merge(const PosedCamera& camera, const Candidate& candidate, SurfelMap* map) const;
 
   const FusionOptions& options;
   const MergeGate gate;
@@ -72,12 +74,11 @@ struct Fusion::Workspace {
   std::deque<int> last_frames;  // indices of the last max_dormant_frames + 1, this one included
   int awake_since = 0;          // surfels that were last seen before this frame are dormant
   Image<float> weights;
-  double weights_cx = 0, weights_cy = 0;           // the principal point they belong to
-  std::vector<MeasuredPoint> points;               // per pixel
-  Image<float> free_depth_m;                       // per pixel
-  std::vector<std::int32_t> cells;                 // of the map: those to look at
-  std::vector<CandidateList> candidates;           // per cell of these
-  std::vector<std::vector<Surfel>> added_of_band;  // in raster order
+  double weights_cx = 0, weights_cy = 0;  // the principal point they belong to
+  std::vector<MeasuredPoint> points;      // per pixel
+  Image<float> free_depth_m;              // per pixel
+  std::vector<std::int32_t> cells;        // of the map: those to look at
+  std::vector<CandidateList> candidates;  // per cell of these
 };
 
 void FusionOptions::Validate() const {
@@ -91,6 +92,7 @@ void FusionOptions::Validate() const {
   require(max_normal_angle_rad > 0 && max_normal_angle_rad < 1.57f, "max_normal_angle_rad",
           max_normal_angle_rad, "positive and below pi/2");
   require(max_spacing_m > 0, "max_spacing_m", max_spacing_m, "positive");
+  require(double_share >= 0, "double_share", double_share, "zero or positive");
   require(max_slant_scale >= 1, "max_slant_scale", max_slant_scale, "at least 1");
   require(max_radius_ratio > 0, "max_radius_ratio", max_radius_ratio, "positive");
   require(lasting_confidence >= 0, "lasting_confidence", lasting_confidence, "zero or positive");
@@ -118,14 +120,14 @@ FusionReport Fusion::Fuse(const RgbdFrame& frame, const FrameLevel& surface,
   work.Begin(frame, surface);
   work.FindCandidates(camera, map);
   FusionReport report;
-  report.input_points = work.ChooseSurfels(camera);
+  work.choice.SetCandidates(camera.width, camera.height, &work.candidates);
+  report.input_points = work.choice.ChooseAll(work.points);
   const MergeCounts merged = work.MergePoints(camera, map);
-  std::vector<Surfel> added;
-  for (const auto& of_band : work.added_of_band) {
-    added.insert(added.end(), of_band.begin(), of_band.end());
-  }
+  std::vector<Surfel> added = work.NewSurfels(camera);
   report.merged_points = merged.points;
   report.merged = merged.surfels;
+  report.covered_points =
+      report.input_points - report.merged_points - static_cast<int>(added.size());
   report.removed = static_cast<int>(map->RemoveMarked());
   report.refused = DropBeyond(options_.max_map_points, map->size(), &added);
   report.added = static_cast<int>(added.size());
@@ -211,25 +213,12 @@ void Fusion::Workspace::FindCandidates(const PosedCamera& camera, SurfelMap* map
   });
 }
 
-// Each point chooses its surfel; those that no surfel stands for become new ones. Returns how many
-// points there are.
-int Fusion::Workspace::ChooseSurfels(const PosedCamera& camera) {
-  choice.SetCandidates(camera.width, camera.height, &candidates);
-  added_of_band.resize(BandCount(camera.height));
-  return ParallelSum(0, camera.height, kBandRows, 0, [&](int begin, int end) {
-    std::vector<Surfel>& added = added_of_band[begin / kBandRows];
-    added.clear();
-    int count = 0;
-    for (int v = begin; v < end; ++v) {
-      for (int u = 0; u < camera.width; ++u) {
-        const MeasuredPoint& point = points[v * camera.width + u];
-        if (!(point.radius_m > 0)) continue;
-        ++count;
-        if (!choice.Choose(point, u, v)) added.push_back(NewSurfel(camera, v * camera.width + u));
-      }
-    }
-    return count;
-  });
+std::vector<Surfel> Fusion::Workspace::NewSurfels(const PosedCamera& camera) {
+  std::vector<Surfel> added;
+  for (const std::vector<int>& of_band : choice.ChooseNew(points)) {
+    for (const int pixel : of_band) added.push_back(NewSurfel(camera, pixel));
+  }
+  return added;
 }
 
 Surfel Fusion::Workspace::NewSurfel(const PosedCamera& camera, int pixel) const {
@@ -249,48 +238,63 @@ Surfel Fusion::Workspace::NewSurfel(const PosedCamera& camera, int pixel) const 
 MergeCounts Fusion::Workspace::MergePoints(const PosedCamera& camera, SurfelMap* map) const {
   const int lists = static_cast<int>(candidates.size());
   return ParallelSum(0, lists, 1, MergeCounts(), [&](int list, int) {
-    MergeCounts counts;
-    const std::vector<Meeting> meetings = Meetings(candidates[list], camera.width, &counts.surfels);
-    counts.points = static_cast<int>(meetings.size());
-    for (int k = 0; k < counts.points; ++k) {
-      const int soon = std::min(k + kMeetingsAhead, counts.points - 1);
-      FetchPoint(meetings[soon].pixel);
-      if (soon == 0 || meetings[soon].block() != meetings[soon - 1].block()) {
-        FetchAll(map->block(meetings[soon].block()));
-      }
-      Merge(camera, meetings[k], map);
-      const bool last = k + 1 == counts.points || meetings[k + 1].block() != meetings[k].block();
-      if (last) BoundPositions(&map->block(meetings[k].block()));
-    }
+    const MergeCounts counts = MergePoints(camera, candidates[list].candidates, map);
     SurfelCell& cell = map->cell(cells[list]);
     cell.bounds = {};
-    for (const std::int32_t b : cell.blocks) cell.bounds.Add(map->block(b).bounds);
+    for (const std::int32_t b : cell.blocks) {
+      cell.bounds.Add(map->block(b).bounds);
+      cell.is_marked |= map->block(b).to_remove != 0;
+    }
     return counts;
   });
 }
 
-// Asks for what Merge() will look at of a pixel.
-void Fusion::Workspace::FetchPoint(int pixel) const {
-  __builtin_prefetch(&points[pixel]);
+MergeCounts Fusion::Workspace::MergePoints(const PosedCamera& camera,
+                                           const std::vector<Candidate>& of_cell,
+                                           SurfelMap* map) const {
+  MergeCounts counts;
+  const int count = static_cast<int>(of_cell.size());
+  const auto block_of = [&](int k) { return of_cell[k].surfel / SurfelBlock::kCapacity; };
+  for (int k = 0; k < count; ++k) {
+    const int soon = std::min(k + kCandidatesAhead, count - 1);
+    FetchPoints(of_cell[soon].pixel, camera.width);
+    if (soon == 0 || block_of(soon) != block_of(soon - 1)) FetchAll(map->block(block_of(soon)));
+    const int met = Merge(camera, of_cell[k], map);
+    counts.points += met;
+    counts.surfels += met > 0;
+    if (k + 1 == count || block_of(k + 1) != block_of(k)) {
+      BoundPositions(&map->block(block_of(k)));
+    }
+  }
+  return counts;
+}
+
+// Asks for what Merge() will look at of a pixel and those beside it.
+void Fusion::Workspace::FetchPoints(int pixel, int width) const {
+  for (const int q : {pixel - width, pixel, pixel + width}) {
+    __builtin_prefetch(points.data() + q);  // of pixels outside nothing is read
+  }
   __builtin_prefetch(&weights[pixel]);
   if (!frame->color.empty()) __builtin_prefetch(&frame->color[pixel]);
 }
 
-void Fusion::Workspace::Merge(const PosedCamera& camera, const Meeting& meeting,
-                              SurfelMap* map) const {
-  SurfelBlock& block = map->block(meeting.block());
-  const int k = meeting.place();
-  const MeasuredPoint& point = points[meeting.pixel];
-  SurfelObservation observation;
-  observation.position_in_world = camera.PointInWorld(point.position());
-  observation.normal_in_world = camera.world_rotation * point.normal();
-  observation.color = frame->color.empty() ? block.Color(k) : frame->color[meeting.pixel];
-  observation.radius_m = point.radius_m;
-  observation.weight = weights[meeting.pixel];
-  observation.at_edge = point.at_edge;
-  const bool fine = !point.at_edge && point.radius_m < options.max_radius_ratio * block.radius_m[k];
-  block.Merge(k, observation, fine, options.max_confidence);
+// Merges a candidate with the points that chose it, and returns how many there are. One that
+// another surfel of its pixel makes superfluous is marked for removal.
+int Fusion::Workspace::Merge(const PosedCamera& camera, const Candidate& candidate,
+                             SurfelMap* map) const {
+  SurfelBlock& block = map->block(candidate.surfel / SurfelBlock::kCapacity);
+  const int k = candidate.surfel % SurfelBlock::kCapacity;
+  if (candidate.is_superfluous) block.to_remove |= std::uint64_t{1} << k;
+  if (!choice.IsOfItsPixel(candidate)) return 0;
+  const Rgb8 color = block.Color(k);
+  PointAverage average(options.max_radius_ratio * candidate.radius_m);
+  choice.ForEachChoosing(candidate.pixel, [&](int pixel) {
+    average.Add(points[pixel], weights[pixel], frame->color.empty() ? color : frame->color[pixel]);
+  });
+  if (average.count() == 0) return 0;  // its own point is nearer to a neighbour's surfel
+  block.Merge(k, average.Observation(camera), options.max_confidence);
   block.last_seen[k] = frame->index;
+  return average.count();
 }
 
 }  // namespace surfit

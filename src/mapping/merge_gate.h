@@ -3,18 +3,20 @@
 #include <cmath>
 #include <limits>
 
+#include "surfit/core/lanes.h"
 #include "surfit/mapping/fusion.h"
 
 namespace surfit {
 
-// Position and normal of a point or surfel.
-struct Patch {
-  float x, y, z;
-  float nx, ny, nz;
+// Position and normal of a point or surfel, or of several of them (Lanes).
+template <typename Number>
+struct PatchOf {
+  Number x, y, z;
+  Number nx, ny, nz;
 };
+using Patch = PatchOf<float>;
 
-// Decides whether a point and a surfel are the same piece of surface. Free of branches, so that
-// loops over pairs can do several at once.
+// Decides whether a point and a surfel are the same piece of surface; Number is float or Lanes.
 class MergeGate {
  public:
   static constexpr float kNever = std::numeric_limits<float>::infinity();
@@ -22,24 +24,47 @@ class MergeGate {
   explicit MergeGate(const FusionOptions& options)
       : max_distance_m_(options.max_distance_m),
         max_spacing_m_(options.max_spacing_m),
-        min_cosine_(std::cos(options.max_normal_angle_rad)) {}
+        min_cosine_(std::cos(options.max_normal_angle_rad)),
+        double_share_(options.double_share) {}
 
   // The squared distance between a point and a surfel, both in the same frame, if they are the
-  // same; else kNever. A point of radius 0 is none.
-  float SquaredDistance(const Patch& point, float point_radius_m, const Patch& surfel) const {
-    const float dx = point.x - surfel.x, dy = point.y - surfel.y, dz = point.z - surfel.z;
-    const float along = surfel.nx * dx + surfel.ny * dy + surfel.nz * dz;
-    const float distance2 = dx * dx + dy * dy + dz * dz;
-    const float across2 = distance2 - along * along;
-    const float reach = point_radius_m < max_spacing_m_ ? point_radius_m : max_spacing_m_;
-    const float cosine = surfel.nx * point.nx + surfel.ny * point.ny + surfel.nz * point.nz;
-    const bool near = (along <= max_distance_m_) & (along >= -max_distance_m_);
-    const bool above = (point_radius_m > 0.f) & (across2 <= reach * reach);
-    return near & above & (cosine >= min_cosine_) ? distance2 : kNever;
+  // same; else kNever. A point of radius 0 is none, nor is a surfel without a normal.
+  template <typename Number>
+  Number SquaredDistance(const PatchOf<Number>& point, const Number& point_radius_m,
+                         const PatchOf<Number>& surfel) const {
+    const Number reach = Least(point_radius_m, Number(max_spacing_m_));
+    return SquaredDistanceWithin(reach, point, surfel);
+  }
+
+  // Less than kNever if two surfels are so close together across the surface that one of them will
+  // do.
+  template <typename Number>
+  Number SquaredDistanceOfDoubles(const PatchOf<Number>& a, const Number& radius_a_m,
+                                  const PatchOf<Number>& b, const Number& radius_b_m) const {
+    const Number least = Least(Least(radius_a_m, radius_b_m), Number(max_spacing_m_));
+    return SquaredDistanceWithin(Number(double_share_) * least, a, b);
   }
 
  private:
-  const float max_distance_m_, max_spacing_m_, min_cosine_;
+  template <typename Number>
+  static Number Least(const Number& a, const Number& b) {
+    return Select(a < b, a, b);
+  }
+
+  template <typename Number>
+  Number SquaredDistanceWithin(const Number& reach, const PatchOf<Number>& point,
+                               const PatchOf<Number>& surfel) const {
+    const Number dx = point.x - surfel.x, dy = point.y - surfel.y, dz = point.z - surfel.z;
+    const Number along = surfel.nx * dx + surfel.ny * dy + surfel.nz * dz;
+    const Number distance2 = dx * dx + dy * dy + dz * dz;
+    const Number along2 = along * along;
+    const Number cosine = surfel.nx * point.nx + surfel.ny * point.ny + surfel.nz * point.nz;
+    const auto near = along2 <= Number(max_distance_m_ * max_distance_m_);
+    const auto above = (reach > Number(0.f)) & (distance2 - along2 <= reach * reach);
+    return Select(near & above & (cosine >= Number(min_cosine_)), distance2, Number(kNever));
+  }
+
+  const float max_distance_m_, max_spacing_m_, min_cosine_, double_share_;
 };
 
 }  // namespace surfit

@@ -4,63 +4,186 @@
 #include <limits>
 
 #include "mapping/bands.h"
+#include "mapping/patch_row.h"
+#include "surfit/core/lanes.h"
 #include "surfit/core/parallel.h"
 
 namespace surfit {
+
+// What becomes of the points and surfels of a row's pixels.
+struct RowOutcome {
+  // With room for as many as are done at once.
+  explicit RowOutcome(int width) : state(width + 7), superfluous(width + 7) {}
+
+  std::vector<std::int32_t> state;        // SurfelChoice::State
+  std::vector<std::int32_t> superfluous;  // 1 where another surfel does as well
+};
+
 namespace {
 
 constexpr float kFar = std::numeric_limits<float>::infinity();
 
-constexpr int kPixelsAhead = 8;
+constexpr int kPixelsAhead = 16;
+
+void LoadPoints(const MeasuredPoint* points, int width, PatchRow* row) {
+  for (int u = 0; u < width; ++u) row->Set(u, points[u].patch, points[u].radius_m, 0.f);
+}
+
+void LoadSurfels(Candidate* const* own, int width, PatchRow* row) {
+  for (int u = 0; u < width; ++u) {
+    if (u + kPixelsAhead < width) __builtin_prefetch(own[u + kPixelsAhead]);
+    if (own[u]) {
+      row->Set(u, own[u]->patch, own[u]->radius_m, own[u]->confidence);
+    } else {
+      row->Set(u, {}, 0.f, 0.f);
+    }
+  }
+}
+
+// Lets points choose among the surfels of three rows, and finds those of the middle row that others
+// make superfluous: of two that are equally good the later one.
+template <typename Instructions>
+void Meet(const MergeGate& gate, const PatchRow& points, const PatchRow* const rows[3], int width,
+          RowOutcome* outcome) {
+  using Numbers = Lanes<float, Instructions>;
+  const Numbers never = MergeGate::kNever, zero = 0.f, one = 1.f;
+  for (int u = 0; u < width; u += Numbers::kCount) {
+    const PatchOf<Numbers> point = points.Patches<Numbers>(u);
+    const PatchOf<Numbers> own = rows[1]->Patches<Numbers>(u);
+    const Numbers point_radius = points.Radii<Numbers>(u), radius = rows[1]->Radii<Numbers>(u);
+    const Numbers confidence = rows[1]->Confidences<Numbers>(u);
+    Numbers least = never, superfluous = zero;
+    Numbers state =
+        Select(point_radius > zero, Numbers(SurfelChoice::kOpen), Numbers(SurfelChoice::kNoPoint));
+    for (int k = 0; k < 9; ++k) {
+      const PatchRow& row = *rows[k / 3];
+      const int beside = u + k % 3 - 1;
+      const PatchOf<Numbers> other = row.Patches<Numbers>(beside);
+      const Numbers distance2 = gate.SquaredDistance(point, point_radius, other);
+      const auto nearer = distance2 < least;
+      least = Select(nearer, distance2, least);
+      state = Select(nearer, Numbers(k), state);
+      if (k == SurfelChoice::kOwn) continue;
+      const Numbers gain = row.Confidences<Numbers>(beside) - confidence;
+      const auto better = k < SurfelChoice::kOwn ? gain >= zero : gain > zero;
+      const Numbers apart2 =
+          gate.SquaredDistanceOfDoubles(own, radius, other, row.Radii<Numbers>(beside));
+      superfluous = Select(Numbers::Both(better, apart2 < never), one, superfluous);
+    }
+    state.StoreTruncated(&outcome->state[u]);
+    superfluous.StoreTruncated(&outcome->superfluous[u]);
+  }
+}
 
 }  // namespace
 
 void SurfelChoice::SetCandidates(int width, int height, std::vector<CandidateList>* lists) {
+  width_ = width;
+  height_ = height;
   own_.Resize(width, height);
-  ParallelFor(0, height, kBandRows, [&](int begin, int end) {
-    std::fill(own_.row(begin), own_.row(end), nullptr);
-    const int first_pixel = begin * width;
-    std::vector<float> least(static_cast<std::size_t>(end - begin) * width, kFar);
+  ParallelFor(0, BandCount(height), 1, [&](int band, int) { SetCandidates(band, lists); });
+}
+
+void SurfelChoice::SetCandidates(int band, std::vector<CandidateList>* lists) {
+  const int begin = band * kBandRows, end = std::min(begin + kBandRows, height_);
+  std::fill(own_.row(begin), own_.row(end), nullptr);
+  const auto for_each = [&](const auto& f) {
     for (CandidateList& list : *lists) {
-      for (const int k : list.bands.In(begin / kBandRows)) {
-        Candidate& candidate = list.candidates[k];
-        float& distance2 = least[candidate.pixel - first_pixel];
-        if (candidate.distance2 >= distance2) continue;
-        distance2 = candidate.distance2;
-        own_[candidate.pixel] = &candidate;
-      }
+      for (const int k : list.bands.In(band)) f(&list.candidates[k]);
     }
+  };
+  for_each([&](Candidate* candidate) {
+    Candidate*& own = own_[candidate->pixel];
+    if (!own || candidate->distance2 < own->distance2) own = candidate;
+  });
+  for_each([&](Candidate* candidate) {
+    Candidate* const own = own_[candidate->pixel];
+    if (own == candidate) return;
+    const float apart2 = gate_.SquaredDistanceOfDoubles(candidate->patch, candidate->radius_m,
+                                                        own->patch, own->radius_m);
+    if (apart2 == MergeGate::kNever) return;
+    Candidate* const worse = candidate->confidence > own->confidence ? own : candidate;
+    worse->is_superfluous = true;
   });
 }
 
-bool SurfelChoice::Choose(const MeasuredPoint& point, int u, int v) const {
-  // Asks for what points soon to choose will look at.
-  const std::size_t soon = static_cast<std::size_t>(v + 1) * own_.width() + u + kPixelsAhead;
-  if (soon < own_.size()) __builtin_prefetch(own_[soon]);
-  Candidate* const own = own_(u, v);
-  Candidate* const chosen = own ? own : SurfelOfNeighbours(point, u, v);
-  if (!chosen) return false;
-  const int du = u - chosen->pixel % own_.width(), dv = v - chosen->pixel / own_.width();
-  chosen->chosen_by[3 * (dv + 1) + du + 1] = 1;
-  return true;
+int SurfelChoice::ChooseAll(const std::vector<MeasuredPoint>& points) {
+  if (states_.width() != width_ + 2 || states_.height() != height_ + 2) {
+    states_ = Image<State>(width_ + 2, height_ + 2, kNoPoint);
+  }
+  open_.resize(BandCount(height_));
+  return ParallelSum(0, height_, kBandRows, 0,
+                     [&](int begin, int end) { return ChooseBand(points, begin, end); });
 }
 
-Candidate* SurfelChoice::SurfelOfNeighbours(const MeasuredPoint& point, int u, int v) const {
-  Candidate* nearest = nullptr;
-  float least = kFar;
-  for (int qv = std::max(0, v - 1); qv <= std::min(own_.height() - 1, v + 1); ++qv) {
-    for (int qu = std::max(0, u - 1); qu <= std::min(own_.width() - 1, u + 1); ++qu) {
-      Candidate* const candidate = own_(qu, qv);
-      if (!candidate) continue;
-      const float distance2 = gate_.SquaredDistance(point.patch, point.radius_m, candidate->patch);
-      if (distance2 > least || distance2 == MergeGate::kNever) continue;
-      // Of two that are as near the one with the smaller id.
-      if (distance2 == least && candidate->surfel > nearest->surfel) continue;
-      nearest = candidate;
-      least = distance2;
-    }
+int SurfelChoice::ChooseBand(const std::vector<MeasuredPoint>& points, int begin, int end) {
+  for (std::vector<int>& phase : open_[begin / kBandRows]) phase.clear();
+  PatchRow of_points(width_);
+  std::vector<PatchRow> surfels(3, PatchRow(width_));  // of rows v, the third of v + 3, ...
+  const PatchRow none(width_);
+  RowOutcome outcome(width_);
+  if (begin > 0) LoadSurfels(own_.row(begin - 1), width_, &surfels[(begin - 1) % 3]);
+  LoadSurfels(own_.row(begin), width_, &surfels[begin % 3]);
+  int count = 0;
+  for (int v = begin; v < end; ++v) {
+    if (v + 1 < height_) LoadSurfels(own_.row(v + 1), width_, &surfels[(v + 1) % 3]);
+    LoadPoints(&points[static_cast<std::size_t>(v) * width_], width_, &of_points);
+    const PatchRow* const rows[] = {v > 0 ? &surfels[(v - 1) % 3] : &none, &surfels[v % 3],
+                                    v + 1 < height_ ? &surfels[(v + 1) % 3] : &none};
+    WithInstructions([&](auto instructions) {
+      Meet<decltype(instructions)>(gate_, of_points, rows, width_, &outcome);
+    });
+    count += Keep(v, outcome);
   }
-  return nearest;
+  return count;
+}
+
+// Returns how many points the row has.
+int SurfelChoice::Keep(int v, const RowOutcome& outcome) {
+  auto& open = open_[v / kBandRows];
+  State* states = states_.row(v + 1) + 1;
+  int count = 0;
+  for (int u = 0; u < width_; ++u) {
+    states[u] = static_cast<State>(outcome.state[u]);
+    count += states[u] != kNoPoint;
+    if (states[u] == kOpen) open[2 * (v % 2) + u % 2].push_back(v * width_ + u);
+    if (outcome.superfluous[u]) own_(u, v)->is_superfluous = true;
+  }
+  return count;
+}
+
+const std::vector<std::vector<int>>& SurfelChoice::ChooseNew(
+    const std::vector<MeasuredPoint>& points) {
+  const int bands = BandCount(height_);
+  new_.resize(bands);
+  for (std::vector<int>& of_band : new_) of_band.clear();
+  // Pixels of one phase are no neighbours: none has a say in what becomes of another.
+  for (const int phase : {0, 3, 1, 2}) {
+    ParallelFor(0, bands, 1, [&](int band, int) { ChooseNewOfPhase(points, band, phase); });
+  }
+  for (std::vector<int>& of_band : new_) std::sort(of_band.begin(), of_band.end());
+  return new_;
+}
+
+void SurfelChoice::ChooseNewOfPhase(const std::vector<MeasuredPoint>& points, int band, int phase) {
+  for (const int pixel : open_[band][phase]) {
+    if (IsCovered(points, pixel)) continue;
+    states_[PaddedIndex(pixel)] = kNew;
+    new_[band].push_back(pixel);
+  }
+}
+
+// Whether the point belongs to a new surfel of a pixel around it.
+bool SurfelChoice::IsCovered(const std::vector<MeasuredPoint>& points, int pixel) const {
+  const State* middle = &states_[PaddedIndex(pixel)];
+  for (int k = 0; k < 9; ++k) {
+    const int du = k % 3 - 1, dv = k / 3 - 1;
+    if (middle[dv * (width_ + 2) + du] != kNew) continue;
+    const float distance2 = gate_.SquaredDistance(points[pixel].patch, points[pixel].radius_m,
+                                                  points[pixel + dv * width_ + du].patch);
+    if (distance2 != MergeGate::kNever) return true;
+  }
+  return false;
 }
 
 }  // namespace surfit

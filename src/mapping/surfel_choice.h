@@ -1,33 +1,80 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <vector>
 
 #include "mapping/candidate_list.h"
 #include "mapping/measured_points.h"
 #include "mapping/merge_gate.h"
 #include "surfit/core/image.h"
+#include "surfit/mapping/surfel_map.h"
 
 namespace surfit {
 
-// Chooses the surfel that each point is merged with.
+struct RowOutcome;
+
+// Chooses the surfel that each point is merged with: of those its own and the eight pixels around
+// it have, the nearest.
 class SurfelChoice {
  public:
+  // What became of a pixel's point. Below kOpen: it chose the surfel of the pixel
+  // (u + state % 3 - 1, v + state / 3 - 1).
+  enum State : std::uint8_t { kOwn = 4, kOpen = 9, kNew = 10, kNoPoint = 11 };
+
   explicit SurfelChoice(const MergeGate& gate) : gate_(gate) {}
 
-  // Begins a frame: gives each pixel the nearest of its candidates, and of those the first. The
-  // lists must stay as they are while points choose.
+  // Begins a frame: gives each pixel the nearest of its candidates, and of those the first, and
+  // finds out which others are superfluous. The lists must stay where they are from then on.
   void SetCandidates(int width, int height, std::vector<CandidateList>* lists);
 
-  // The point of a pixel chooses its pixel's surfel or, without one, the nearest of its neighbours'
-  // surfels that it belongs to; marks it there. False if there is none. Points may choose at the
-  // same time.
-  bool Choose(const MeasuredPoint& point, int u, int v) const;
+  // All points choose, and each pixel's candidate finds out whether those around make it
+  // superfluous. Returns how many points there are.
+  int ChooseAll(const std::vector<MeasuredPoint>& points);
+
+  // Those points that nothing in the map stands for become surfels, but for those that others of
+  // these stand for. Returns the pixels of the new ones in raster order, a list for each band.
+  const std::vector<std::vector<int>>& ChooseNew(const std::vector<MeasuredPoint>& points);
+
+  // Whether that candidate is its pixel's.
+  bool IsOfItsPixel(const Candidate& candidate) const {
+    return own_[candidate.pixel] == &candidate;
+  }
+
+  // Calls f(pixel) for the pixels whose points have chosen this pixel's surfel, in raster order.
+  template <typename F>
+  void ForEachChoosing(int pixel, const F& f) const;
 
  private:
-  Candidate* SurfelOfNeighbours(const MeasuredPoint& point, int u, int v) const;
+  void SetCandidates(int band, std::vector<CandidateList>* lists);
+  int ChooseBand(const std::vector<MeasuredPoint>& points, int begin, int end);
+  int Keep(int v, const RowOutcome& outcome);
+
+  void ChooseNewOfPhase(const std::vector<MeasuredPoint>& points, int band, int phase);
+  bool IsCovered(const std::vector<MeasuredPoint>& points, int pixel) const;
+  // In the image of states, which has a border of one pixel.
+  std::size_t PaddedIndex(int pixel) const {
+    return static_cast<std::size_t>(pixel / width_ + 1) * (width_ + 2) + pixel % width_ + 1;
+  }
 
   const MergeGate& gate_;
-  Image<Candidate*> own_;  // null where there is none
+  int width_ = 0, height_ = 0;
+  Image<Candidate*> own_;            // null where there is none
+  Image<std::uint8_t> superfluous_;  // 1 where another surfel makes the pixel's so
+  Image<State> states_;
+  // Pixels, by band and phase: whether rows and columns are even or odd.
+  std::vector<std::array<std::vector<int>, 4>> open_;
+  std::vector<std::vector<int>> new_;  // pixels, by band
 };
+
+template <typename F>
+void SurfelChoice::ForEachChoosing(int pixel, const F& f) const {
+  const int stride = width_ + 2;
+  const State* middle = &states_[PaddedIndex(pixel)];
+  for (int k = 0; k < 9; ++k) {
+    const int du = k % 3 - 1, dv = k / 3 - 1;
+    if (middle[dv * stride + du] == 8 - k) f(pixel + dv * width_ + du);
+  }
+}
 
 }  // namespace surfit

@@ -84,10 +84,9 @@ void SurfelMap::Append(const std::vector<Surfel>& surfels) {
   });
 }
 
-void SurfelMap::Merge(std::int32_t id, const SurfelObservation& observation, bool refine,
-                      float max_confidence) {
+void SurfelMap::Merge(std::int32_t id, const SurfelObservation& observation, float max_confidence) {
   SurfelBlock& changed = block(BlockOf(id));
-  changed.Merge(PlaceOf(id), observation, refine, max_confidence);
+  changed.Merge(PlaceOf(id), observation, max_confidence);
   changed.bounds.Add((*this)[id].position_in_world);
   cells_[changed.cell].bounds.Add(changed.bounds);
 }

@@ -43,9 +43,22 @@ class BruteForceFusion {
           Nearest(before, pixel, [&](int i) { return pixel_of[i] == pixel && !remove[i]; });
     }
     for (int pixel = 0; pixel < pixels; ++pixel) {
-      chosen[pixel] = own[pixel] >= 0 ? own[pixel] : Nearest(before, pixel, [&](int i) {
+      chosen[pixel] = Nearest(before, pixel, [&](int i) {
         return pixel_of[i] >= 0 && own[pixel_of[i]] == i && AreNeighbours(pixel, pixel_of[i]);
       });
+    }
+    const std::vector<std::uint8_t> seen_through = remove;
+    for (const int i : map->Ids()) {
+      if (pixel_of[i] < 0 || seen_through[i] || !SquaredDistance(before[i], pixel_of[i])) continue;
+      for (int q = 0; q < pixels; ++q) {
+        if (own[q] < 0 || own[q] == i || !AreNeighbours(pixel_of[i], q)) continue;
+        // Of its own pixel, or of a neighbour if it is the nearest of its own.
+        if (q != pixel_of[i] && own[pixel_of[i]] != i) continue;
+        if (!AreDoubles(before[i], before[own[q]])) continue;
+        const bool worse = before[i].confidence < before[own[q]].confidence;
+        if (worse) remove[i] = true;
+        if (!worse && q == pixel_of[i]) remove[own[q]] = true;
+      }
     }
     return Apply(remove, chosen, map);
   }
@@ -130,12 +143,25 @@ class BruteForceFusion {
     const Eigen::Vector3d gap = Vertex(pixel) - CameraPosition(s);
     const double along = n.dot(gap), across = (gap - along * n).norm();
     const double reach = std::min(Radius(pixel), 1. * options_.max_spacing_m);
-    const double angle = std::acos(n.dot(Normal(pixel)));
+    const double angle = std::acos(std::min(1., n.dot(Normal(pixel))));
     const bool near = Positive(options_.max_distance_m - std::fabs(along));
     const bool above = Positive(reach - across);
     const bool parallel = Positive(options_.max_normal_angle_rad - angle);
     if (!near || !above || !parallel) return std::nullopt;
     return gap.squaredNorm();
+  }
+
+  // Whether they are close together across the surface, by the normal of b.
+  bool AreDoubles(const Surfel& a, const Surfel& b) {
+    const Eigen::Vector3d gap = (a.position_in_world - b.position_in_world).cast<double>();
+    const Eigen::Vector3d n = b.normal_in_world.cast<double>();
+    const double along = n.dot(gap), across = (gap - along * n).norm();
+    const double reach =
+        options_.double_share * std::min({a.radius_m, b.radius_m, options_.max_spacing_m});
+    const double angle = std::acos(std::min(1., n.dot(a.normal_in_world.cast<double>())));
+    const bool near = Positive(options_.max_distance_m - std::fabs(along));
+    const bool above = Positive(reach - across);
+    return Positive(options_.max_normal_angle_rad - angle) && near && above;
   }
 
   template <typename MayTake>
@@ -159,39 +185,85 @@ class BruteForceFusion {
     return std::abs(a % width_ - b % width_) <= 1 && std::abs(a / width_ - b / width_) <= 1;
   }
 
+  // Pixels with even rows and columns come first, then those with odd ones.
+  std::vector<int> NewPixels(const std::vector<int>& chosen) {
+    std::vector<int> taken;
+    for (const auto& [odd_v, odd_u] :
+         {std::pair(0, 0), std::pair(1, 1), std::pair(0, 1), std::pair(1, 0)}) {
+      for (int pixel = 0; pixel < width_ * height_; ++pixel) {
+        if (pixel % width_ % 2 != odd_u || pixel / width_ % 2 != odd_v) continue;
+        if (!IsPoint(pixel) || chosen[pixel] >= 0) continue;
+        bool covered = false;
+        for (const int q : taken) {
+          if (AreNeighbours(pixel, q) && SquaredDistance(NewSurfel(q), pixel)) covered = true;
+        }
+        if (!covered) taken.push_back(pixel);
+      }
+    }
+    std::sort(taken.begin(), taken.end());
+    return taken;
+  }
+
+  Surfel NewSurfel(int pixel) const {
+    return {(world_from_camera_ * Vertex(pixel)).cast<float>(),
+            (world_from_camera_.rotation * Normal(pixel)).cast<float>(),
+            f_.frame.color(pixel % width_, pixel / width_),
+            static_cast<float>(Radius(pixel)),
+            1,
+            f_.frame.index,
+            f_.frame.index,
+            AtEdge(pixel)};
+  }
+
+  SurfelObservation Average(const std::vector<int>& pixels, float surfel_radius_m) {
+    Eigen::Vector3d position = Eigen::Vector3d::Zero(), normal = position, color = position;
+    SurfelObservation seen;
+    seen.weight = static_cast<float>(pixels.size());
+    seen.shape_weight = 0;
+    seen.radius_m = surfel_radius_m * options_.max_radius_ratio;
+    seen.at_edge = true;
+    for (const int pixel : pixels) {
+      const Rgb8 c = f_.frame.color(pixel % width_, pixel / width_);
+      color += Eigen::Vector3d(c.r, c.g, c.b) / pixels.size();
+      seen.at_edge &= AtEdge(pixel);
+      const bool fine = Positive(options_.max_radius_ratio * surfel_radius_m - Radius(pixel));
+      if (!fine || AtEdge(pixel)) continue;
+      ++seen.shape_weight;
+      position += world_from_camera_ * Vertex(pixel);
+      normal += world_from_camera_.rotation * Normal(pixel);
+      seen.radius_m = std::min(seen.radius_m, static_cast<float>(Radius(pixel)));
+    }
+    seen.color = color.cast<float>();
+    seen.position_in_world = (position / seen.shape_weight).cast<float>();
+    seen.normal_in_world = (normal / seen.shape_weight).cast<float>();
+    return seen;
+  }
+
   FusionReport Apply(const std::vector<std::uint8_t>& remove, const std::vector<int>& chosen,
                      SurfelMap* map) {
     FusionReport report;
-    std::vector<Surfel> added;
-    std::vector<int> meetings(map->id_end(), 0);
+    std::vector<std::vector<int>> pixels_of(map->id_end());
     for (int pixel = 0; pixel < width_ * height_; ++pixel) {
-      if (!IsPoint(pixel)) continue;
-      ++report.input_points;
-      const int u = pixel % width_, v = pixel / width_;
-      const Eigen::Vector3d x = world_from_camera_ * Vertex(pixel);
-      const Eigen::Vector3d n = world_from_camera_.rotation * Normal(pixel);
-      const int i = chosen[pixel];
-      if (i < 0) {
-        added.push_back({x.cast<float>(), n.cast<float>(), f_.frame.color(u, v),
-                         static_cast<float>(Radius(pixel)), 1, f_.frame.index, f_.frame.index,
-                         AtEdge(pixel)});
-        continue;
-      }
+      report.input_points += IsPoint(pixel);
+      if (chosen[pixel] < 0) continue;
       ++report.merged_points;
-      if (meetings[i]++ == 0) ++report.merged;
-      const bool fine = Positive(options_.max_radius_ratio * (*map)[i].radius_m - Radius(pixel));
-      map->Merge(i,
-                 {x.cast<float>(), n.cast<float>(), f_.frame.color(u, v),
-                  static_cast<float>(Radius(pixel)), 1, AtEdge(pixel)},
-                 fine && !AtEdge(pixel), options_.max_confidence);
+      pixels_of[chosen[pixel]].push_back(pixel);
+    }
+    for (const int i : map->Ids()) {
+      if (pixels_of[i].empty()) continue;
+      ++report.merged;
+      map->Merge(i, Average(pixels_of[i], (*map)[i].radius_m), options_.max_confidence);
       map->block(i / SurfelBlock::kCapacity).last_seen[i % SurfelBlock::kCapacity] = f_.frame.index;
     }
-    report.added = static_cast<int>(added.size());
     for (const int i : map->Ids()) {
       if (remove[i]) map->Mark(i);
     }
     report.removed = static_cast<int>(map->RemoveMarked());
-    for (const Surfel& surfel : added) map->Append(surfel);
+    for (const int pixel : NewPixels(chosen)) {
+      map->Append(NewSurfel(pixel));
+      ++report.added;
+    }
+    report.covered_points = report.input_points - report.merged_points - report.added;
     return report;
   }
 

@@ -80,7 +80,7 @@ FusionOptions OptionsOfTrial(int trial) {
 TEST(Fusion, DoesWhatBruteForceDoes) {
   FusionReport sum;
   int compared = 0;
-  for (int trial = 0; trial < 30; ++trial) {
+  for (int trial = 0; trial < 60; ++trial) {
     std::mt19937_64 rng(trial);
     const Rigid3d pose = RandomPose(2, 2, &rng);
     const FusionOptions options = OptionsOfTrial(trial);
@@ -99,18 +99,21 @@ TEST(Fusion, DoesWhatBruteForceDoes) {
     EXPECT_EQ(report.merged, expected_report.merged);
     EXPECT_EQ(report.added, expected_report.added);
     EXPECT_EQ(report.removed, expected_report.removed);
+    EXPECT_EQ(report.covered_points, expected_report.covered_points);
     ASSERT_EQ(actual.size(), expected.size());
     ASSERT_EQ(actual.Ids(), expected.Ids());
     for (const std::int32_t id : actual.Ids()) ExpectNear(actual[id], expected[id]);
     sum.merged_points += report.merged_points - report.merged;
     sum.added += report.added;
     sum.removed += report.removed;
+    sum.covered_points += report.covered_points;
   }
   // The trials are of use: each thing happens often.
   EXPECT_GT(compared, 15);
   EXPECT_GT(sum.merged_points, 100);
   EXPECT_GT(sum.added, 100);
   EXPECT_GT(sum.removed, 100);
+  EXPECT_GT(sum.covered_points, 100);
 }
 
 }  // namespace

@@ -30,7 +30,9 @@ FusionReport Fuse(const FrameWithSurface& f, const Rigid3d& pose, Fusion* fusion
   const FusionReport report = fusion->Fuse(f.frame, f.surface, pose, map);
   ExpectConsistent(*map);
   EXPECT_EQ(static_cast<int>(map->size()), before + report.added - report.removed);
-  EXPECT_EQ(report.merged_points + report.added + report.refused, report.input_points);
+  EXPECT_GE(report.covered_points, 0);
+  EXPECT_EQ(report.merged_points + report.covered_points + report.added + report.refused,
+            report.input_points);
   EXPECT_LE(report.merged, report.merged_points);
   return report;
 }
@@ -80,8 +82,8 @@ TEST(Fusion, TheSameFrameAgainMergesAllAndMovesNothing) {
   ASSERT_EQ(map.Ids(), once.Ids());
   for (const std::int32_t id : map.Ids()) {
     const Surfel after = map[id], before = once[id];
-    EXPECT_EQ(after.position_in_world.x(), before.position_in_world.x());
-    EXPECT_EQ(after.position_in_world.z(), before.position_in_world.z());
+    EXPECT_FLOAT_EQ(after.position_in_world.x(), before.position_in_world.x());
+    EXPECT_FLOAT_EQ(after.position_in_world.z(), before.position_in_world.z());
     EXPECT_EQ(after.color, before.color);
     EXPECT_EQ(after.radius_m, before.radius_m);
     EXPECT_EQ(after.first_seen, before.first_seen);
@@ -266,6 +268,7 @@ TEST(FusionGates, AFinerPointShrinksTheSurfel) {
 
 TEST(FusionGates, TheNearestOfTwoSurfelsIsTaken) {
   OnePair pair;
+  pair.options.double_share = 0;
   SurfelMap map;
   Surfel other = pair.surfel;
   other.position_in_world.z() = 0.99f;
@@ -275,6 +278,76 @@ TEST(FusionGates, TheNearestOfTwoSurfelsIsTaken) {
   pair.surfel.position_in_world.z() = 1.005f;
   pair.Run(&map);
   EXPECT_EQ(Confidences(map), (std::vector<float>{4, 4, 5}));
+}
+
+// A view of a wall with pixels of 2 mm: the first surfel, of an even row and column, stands for the
+// eight points around, all within sqrt(2) pixels but for rounding, and so do the others.
+TEST(Fusion, NewSurfelsStandForThePointsBesideThem) {
+  const PinholeCamera camera = {40, 30, 1000, 1000, 19.5, 14.5, {}};
+  FusionOptions options;
+  Fusion fusion(options);
+  SurfelMap map;
+  const FusionReport report = Fuse(WallFrame(camera, {}, 2, 0), {}, &fusion, &map);
+  EXPECT_EQ(report.added + report.covered_points, 40 * 30);
+  EXPECT_GE(report.added, 20 * 15);      // even rows and columns
+  EXPECT_LE(report.added, 2 * 20 * 15);  // and odd ones, where rounding says so
+  for (int v = 0; v < camera.height; ++v) {
+    for (int u = 0; u < camera.width; ++u) {
+      const Eigen::Vector3f point = (2 * camera.Ray(u, v)).cast<float>();
+      float nearest = 1;
+      for (const std::int32_t id : map.Ids()) {
+        nearest = std::min(nearest, (map[id].position_in_world - point).norm());
+      }
+      EXPECT_LE(nearest, 1.0001f * std::sqrt(2.f) * 0.002f);
+    }
+  }
+}
+
+// Two surfels of one pixel or of two that are side by side, 4 mm apart with radii of sqrt(2) cm.
+TEST(FusionDoubles, TheOneOfLessConfidenceGoes) {
+  for (const float x : {0.f, 0.004f}) {  // a pixel's border is at 5 mm
+    OnePair pair;
+    SetPixel(3, 2, 1, {0, 0, -1}, &pair.f);
+    Surfel other = pair.surfel;
+    pair.surfel.position_in_world.x() = x;
+    other.position_in_world.x() = x + 0.004f;
+    other.confidence = 7;
+    SurfelMap map;
+    map.Append(pair.surfel);
+    map.Append(other);
+    Fusion fusion(pair.options);
+    EXPECT_EQ(Fuse(pair.f, {}, &fusion, &map).removed, 1);
+    ASSERT_EQ(map.size(), 1u);
+    EXPECT_GE(map[0].confidence, 7);
+  }
+}
+
+TEST(FusionDoubles, OnesThatAreFartherApartOrTurnedAwayStay) {
+  const auto removed = [](const Surfel& other, float double_share) {
+    OnePair pair;
+    pair.options.double_share = double_share;
+    SurfelMap map;
+    map.Append(pair.surfel);
+    map.Append(other);
+    Fusion fusion(pair.options);
+    return Fuse(pair.f, {}, &fusion, &map).removed;
+  };
+  Surfel other = OnePair().surfel;
+  other.confidence = 7;
+  other.position_in_world.x() = 0.0049f;  // the spacing, 1 cm, is less than the radii
+  EXPECT_EQ(removed(other, 0.5f), 1);
+  EXPECT_EQ(removed(other, 0.48f), 0);
+  EXPECT_EQ(removed(other, 0), 0);
+  other.radius_m = 0.009f;
+  EXPECT_EQ(removed(other, 0.5f), 0);
+  other.radius_m = 0.02f;
+  other.position_in_world.z() = 1.049f;
+  EXPECT_EQ(removed(other, 0.5f), 1);
+  other.position_in_world.z() = 1.051f;
+  EXPECT_EQ(removed(other, 0.5f), 0);
+  other.position_in_world.z() = 1;
+  other.normal_in_world = {0, std::sin(0.61f), -std::cos(0.61f)};
+  EXPECT_EQ(removed(other, 0.5f), 0);
 }
 
 // Two pixels, one surfel in the first one: the second point has none of its own and takes it.
@@ -426,6 +499,8 @@ TEST(FusionOptions, RefuseWhatMakesNoSense) {
   expect_refused([](auto& o) { o.max_distance_m = kNan; }, "max_distance_m is nan");
   expect_refused([](auto& o) { o.max_normal_angle_rad = 1.6f; },
                  "max_normal_angle_rad is 1.6, must be positive and below pi/2");
+  expect_refused([](auto& o) { o.double_share = -1; },
+                 "double_share is -1, must be zero or positive");
   expect_refused([](auto& o) { o.max_spacing_m = -1; }, "max_spacing_m is -1, must be positive");
   expect_refused([](auto& o) { o.max_slant_scale = 0.5f; },
                  "max_slant_scale is 0.5, must be at least 1");

@@ -208,7 +208,7 @@ TEST(ModelRenderer, WritesTheDiscThatTheIndexNames) {
       const Eigen::Vector3d in_world = world_from_view * vertex;
       const Eigen::Vector3d gap = in_world - map[i].position_in_world.cast<double>();
       EXPECT_NEAR(map[i].normal_in_world.cast<double>().dot(gap), 0, 1e-5);
-      EXPECT_LE(gap.norm(), 0.6 * map[i].radius_m + 1e-5);
+      EXPECT_LE(gap.norm(), RenderOptions().radius_share * map[i].radius_m + 1e-5);
     }
   }
 }

@@ -34,17 +34,17 @@ auto AsTuple(const Surfel& s) {
                          s.radius_m, s.confidence, s.first_seen, s.last_seen, s.at_edge);
 }
 
+Eigen::Vector3d ColorAsVector(Rgb8 color) { return {1. * color.r, 1. * color.g, 1. * color.b}; }
+
 SurfelObservation RandomObservation(std::mt19937_64* rng) {
   SurfelObservation seen;
   for (float& x : seen.position_in_world) x = Uniform(-3, 3, rng);
   seen.normal_in_world = RandomNormal(0.5f, rng);
-  seen.color = RandomColor(rng);
+  seen.color = ColorAsVector(RandomColor(rng)).cast<float>();
   seen.radius_m = Uniform(0.001f, 0.02f, rng);
-  seen.weight = Uniform(0.2f, 1, rng);
+  seen.weight = seen.shape_weight = Uniform(0.2f, 1, rng);
   return seen;
 }
-
-Eigen::Vector3d ColorAsVector(Rgb8 color) { return {1. * color.r, 1. * color.g, 1. * color.b}; }
 
 // The stored colour in steps of a byte.
 Eigen::Vector3d StoredColor(const SurfelMap& map, std::int32_t id) {
@@ -128,14 +128,14 @@ TEST(Merge, IsTheWeightedAverage) {
     map.Append(RandomSurfel(&rng));
     const Surfel q = map[0];
     const SurfelObservation p = RandomObservation(&rng);
-    map.Merge(0, p, true, kNoCap);
+    map.Merge(0, p, kNoCap);
     const double w = q.confidence, a = p.weight;
     const Eigen::Vector3d position =
         (w * q.position_in_world.cast<double>() + a * p.position_in_world.cast<double>()) / (w + a);
     const Eigen::Vector3d normal =
         (w * q.normal_in_world.cast<double>() + a * p.normal_in_world.cast<double>()).normalized();
     const Eigen::Vector3d color =
-        (w * ColorAsVector(q.color) + a * ColorAsVector(p.color)) / (w + a);
+        (w * ColorAsVector(q.color) + a * p.color.cast<double>()) / (w + a);
     // A difference of up to 6, its product with the share (itself rounded twice) and a sum: not
     // more than five roundings of 6 on each axis.
     EXPECT_THAT(map[0].position_in_world.cast<double>(), VectorNear(position, 30 * kUlp * 2));
@@ -150,20 +150,21 @@ TEST(Merge, IsTheWeightedAverage) {
   }
 }
 
-TEST(Merge, WithoutRefinementKeepsTheShapeAndTakesColorAndWeight) {
+TEST(Merge, WithoutShapeWeightKeepsTheShapeAndTakesColorAndWeight) {
   std::mt19937_64 rng(3);
   SurfelMap map;
   map.Append(RandomSurfel(&rng));
   const Surfel q = map[0];
-  const SurfelObservation p = RandomObservation(&rng);
-  map.Merge(0, p, false, kNoCap);
+  SurfelObservation p = RandomObservation(&rng);
+  p.shape_weight = 0;
+  map.Merge(0, p, kNoCap);
   EXPECT_EQ(map[0].position_in_world, q.position_in_world);
   EXPECT_EQ(map[0].normal_in_world, q.normal_in_world);
   EXPECT_EQ(map[0].radius_m, q.radius_m);
   EXPECT_FLOAT_EQ(map[0].confidence, q.confidence + p.weight);
   const double share = p.weight / (1. * q.confidence + p.weight);
   const Eigen::Vector3d color =
-      ColorAsVector(q.color) + share * (ColorAsVector(p.color) - ColorAsVector(q.color));
+      ColorAsVector(q.color) + share * (p.color.cast<double>() - ColorAsVector(q.color));
   EXPECT_THAT(StoredColor(map, 0), VectorNear(color, std::sqrt(3) * 0.501 / 256));
 }
 
@@ -176,10 +177,10 @@ TEST(Merge, OneObservationWithinASurfaceIsEnough) {
     map.Append(surfel);
     SurfelObservation seen = RandomObservation(&rng);
     seen.at_edge = true;
-    map.Merge(0, seen, false, kNoCap);
+    map.Merge(0, seen, kNoCap);
     EXPECT_EQ(map[0].at_edge, at_edge);
     seen.at_edge = false;
-    map.Merge(0, seen, true, kNoCap);
+    map.Merge(0, seen, kNoCap);
     EXPECT_FALSE(map[0].at_edge);
   }
 }
@@ -193,7 +194,7 @@ TEST(Merge, TouchesNoOtherSurfel) {
     map.Append(surfel);
   }
   const Surfel first = map[0], last = map[2];
-  map.Merge(1, RandomObservation(&rng), true, kNoCap);
+  map.Merge(1, RandomObservation(&rng), kNoCap);
   EXPECT_EQ(AsTuple(map[0]), AsTuple(first));
   EXPECT_EQ(AsTuple(map[2]), AsTuple(last));
   ExpectConsistent(map);
@@ -210,10 +211,10 @@ TEST(Merge, ConfidenceStopsAtTheCapAndTheMapStillMoves) {
   seen.position_in_world = {0, 0, 1};
   seen.normal_in_world = {0, 0, -1};
   seen.radius_m = 0.01f;
-  map.Merge(0, seen, true, 200);
+  map.Merge(0, seen, 200);
   EXPECT_EQ(map[0].confidence, 200);
   EXPECT_FLOAT_EQ(map[0].position_in_world.z(), 1 / 200.5f);
-  map.Merge(0, seen, true, 200);
+  map.Merge(0, seen, 200);
   EXPECT_EQ(map[0].confidence, 200);
   EXPECT_FLOAT_EQ(map[0].position_in_world.z(), 1 / 200.5f + (1 - 1 / 200.5f) / 201);
 }
@@ -231,11 +232,11 @@ TEST(Merge, EqualWeightsGiveTheArithmeticMean) {
   float smallest = first.radius_m;
   for (int n = 2; n <= kCount; ++n) {
     SurfelObservation seen = RandomObservation(&rng);
-    seen.weight = 1;
+    seen.weight = seen.shape_weight = 1;
     position_sum += seen.position_in_world.cast<double>();
-    color_sum += ColorAsVector(seen.color);
+    color_sum += seen.color.cast<double>();
     smallest = std::min(smallest, seen.radius_m);
-    map.Merge(0, seen, true, kNoCap);
+    map.Merge(0, seen, kNoCap);
   }
   EXPECT_EQ(map[0].confidence, kCount);
   EXPECT_EQ(map[0].radius_m, smallest);
@@ -261,9 +262,10 @@ TEST(Merge, AColorAtTheCapStillComesToTheObservedByte) {
     map.Append(s);
     SurfelObservation seen;
     seen.normal_in_world = {0, 0, -1};
-    seen.color = {static_cast<std::uint8_t>(goal), 101, 127};
-    for (int i = 0; i < 3000; ++i) map.Merge(0, seen, true, 200);
-    EXPECT_EQ(map.Color(0), seen.color);
+    const Rgb8 color = {static_cast<std::uint8_t>(goal), 101, 127};
+    seen.color = ColorAsVector(color).cast<float>();
+    for (int i = 0; i < 3000; ++i) map.Merge(0, seen, 200);
+    EXPECT_EQ(map.Color(0), color);
   }
 }
 
@@ -307,7 +309,7 @@ TEST(RemoveMarked, KeepsColorsFinerThanBytes) {
     Surfel surfel = RandomSurfel(&rng);
     surfel.position_in_world *= 0.01f;
     map.Append(surfel);
-    map.Merge(i, RandomObservation(&rng), true, kNoCap);
+    map.Merge(i, RandomObservation(&rng), kNoCap);
   }
   const Eigen::Vector3d last = StoredColor(map, 2);
   map.Mark(0);

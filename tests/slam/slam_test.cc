@@ -132,7 +132,8 @@ TEST(Slam, TheFirstFrameStandsAtTheInitialPoseAndBecomesTheMap) {
   EXPECT_EQ(first.state, FrameState::kFirst);
   EXPECT_EQ(first.index, 0);
   EXPECT_EQ(first.world_from_camera.Matrix(), IdealRoom().world_from_camera[0].Matrix());
-  EXPECT_EQ(first.fusion.added, first.fusion.input_points);
+  EXPECT_EQ(first.fusion.added + first.fusion.covered_points, first.fusion.input_points);
+  EXPECT_GT(first.fusion.added, first.fusion.input_points / 5);
   EXPECT_EQ(first.fusion.merged, 0);
   EXPECT_TRUE(first.icp.iterations.empty());
 }
@@ -141,7 +142,8 @@ TEST(Slam, ReportsAddUpToTheMap) {
   int size = 0;
   for (const FrameReport& report : IdealRun().reports) {
     size += report.fusion.added - report.fusion.removed;
-    EXPECT_EQ(report.fusion.merged_points + report.fusion.added, report.fusion.input_points);
+    EXPECT_EQ(report.fusion.merged_points + report.fusion.covered_points + report.fusion.added,
+              report.fusion.input_points);
     EXPECT_EQ(report.stamp_s, IdealRoom().frames[report.index].stamp_s);
   }
   EXPECT_EQ(static_cast<int>(IdealRun().map.size()), size);
@@ -336,9 +338,11 @@ TEST(Slam, AlignedRotationsFollowAJerk) {
 }
 
 // Rounding differs where the world's origin is elsewhere, so that now and then another pixel makes
-// a pair or another surfel is drawn, and ICP takes one step more or less: both runs stay within
-// their stopping distances of the minimum. Beyond that, positions in single precision at d metres
-// are off together by up to four roundings of d * 2^-24 in each frame, and drift adds them up.
+// a pair or another surfel is drawn, and ICP takes one step more or less. Each run stops within its
+// stopping distance of a minimum. Where a surface comes into view (frame 22) there are two of
+// these, 1.6 mm apart however far ICP goes on, and rounding chooses. Beyond that, positions in
+// single precision at d metres are off together by up to four roundings of d * 2^-24 in each frame,
+// and drift adds them up.
 TEST(Slam, TheMotionDoesNotDependOnTheInitialPose) {
   for (const double distance_m : {0., 3., 100., 1000.}) {
     const Rigid3d initial(QuaternionExp<double>({0.3, -0.5, 1}),
@@ -346,8 +350,8 @@ TEST(Slam, TheMotionDoesNotDependOnTheInitialPose) {
     const SlamRun moved = RunSlam(IdealRoom(), SlamOptions(), initial);
     ExpectAllTracked(moved);
     EXPECT_EQ(moved.reports[0].world_from_camera.Matrix(), initial.Matrix());
-    const double tolerance_m =
-        StoppingDistance(IdealRun()) + StoppingDistance(moved) + kFrames * 4 * distance_m * 6e-8;
+    const double tolerance_m = 0.0016 + StoppingDistance(IdealRun()) + StoppingDistance(moved) +
+                               kFrames * 4 * distance_m * 6e-8;
     EXPECT_LT(StoppingDistance(moved), kPixelAt2m / 10) << distance_m;
     EXPECT_LT(LargestDifference(IdealRun(), moved), tolerance_m) << distance_m;
   }

@@ -195,6 +195,7 @@ SURFIT_DEFINE_LANES(Avx2Instructions, SURFIT_AVX2)
 #undef SURFIT_DEFINE_LANES
 
 inline double Select(bool condition, double a, double b) { return condition ? a : b; }
+inline float Select(bool condition, float a, float b) { return condition ? a : b; }
 
 template <typename F>
 SURFIT_INLINE_ALL auto WithBaseInstructions(const F& f) {

@@ -22,6 +22,9 @@ struct FusionOptions {
   // A point merges with a surfel within its own radius, but never farther than this across the
   // surface: so much stays between the surfels of a far or coarsely sampled surface.
   float max_spacing_m = 0.01f;
+  // Of two surfels that are closer across the surface than this share of their radii, and of the
+  // spacing, the one of less confidence is removed. 0 = none.
+  float double_share = 0.5f;
   float max_slant_scale = 2;      // radius = sqrt(2) z / f times at most this for 1 / |n_z|
   float max_radius_ratio = 1.5f;  // points that are coarser than this do not move a surfel
   float lasting_confidence = 2;   // a surfel with less, seen about once, is noise ...
@@ -37,18 +40,21 @@ struct FusionOptions {
 
 // What the fusion of one frame did.
 struct FusionReport {
-  int input_points = 0;   // pixels with depth and a normal, their own or a neighbour's
-  int merged_points = 0;  // of those, the ones that met a surfel
-  int merged = 0;         // surfels updated
-  int added = 0;          // surfels
-  int refused = 0;        // surfels that max_map_points left no place for
-  int removed = 0;        // surfels: dormant noise and free-space violations
+  int input_points = 0;    // pixels with depth and a normal, their own or a neighbour's
+  int merged_points = 0;   // of those, the ones that met a surfel
+  int covered_points = 0;  // points without one that a new surfel of a pixel beside stands for
+  int merged = 0;          // surfels updated
+  int added = 0;           // surfels, each from one of the other points
+  int refused = 0;         // surfels that max_map_points left no place for
+  int removed = 0;         // surfels: dormant noise, free-space violations and doubles
 };
 
 // Fuses posed frames into a map: point-based fusion (Keller et al., 3DV 2013). The map is projected
 // into the frame at its tracked pose, so that each point meets the surfel nearest to itself rather
-// than the one that happens to hide the others. Keeps its buffers between frames, and remembers
-// which frames it has fused: surfels go dormant by these, not by those that were skipped or lost.
+// than the one that happens to hide the others. A surfel stands for all points within their radius:
+// with sqrt(2) pixels, discs of every second pixel of rows and columns just cover a surface. Keeps
+// its buffers between frames, and remembers which frames it has fused: surfels go dormant by these,
+// not by those that were skipped or lost.
 class Fusion {
  public:
   explicit Fusion(const FusionOptions& options);

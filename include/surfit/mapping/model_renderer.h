@@ -18,7 +18,7 @@ struct RenderOptions {
   // A disc covers the pixels within this share of its radius. A surfel made from one pixel has a
   // radius of sqrt(2) pixels, so that half of it just closes the gaps of the pixel grid. Pixels
   // farther than f / z times that from the disc's centre, in u or v, are not looked at.
-  float radius_share = 0.6f;
+  float radius_share = 1;
   int max_half_window_px = 4;  // of the pixels that one disc may cover
   // Discs this far behind the first one that a ray meets, plus 4 sigma of the depth, belong to the
   // same surface. Of these the ray takes the one whose centre it passes closest. Taking the first

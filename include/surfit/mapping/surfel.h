@@ -19,14 +19,17 @@ struct Surfel {
   bool at_edge = false;         // no observation yet but at depth edges
 };
 
-// A measured point that is to be merged with a surfel.
+// What a frame has measured of a surfel: the average of its points there.
 struct SurfelObservation {
+  // Of those points that its shape can gain from.
   Eigen::Vector3f position_in_world = Eigen::Vector3f::Zero();  // metres
-  Eigen::Vector3f normal_in_world = Eigen::Vector3f::Zero();    // unit length
-  Rgb8 color;
-  float radius_m = 0;
-  float weight = 1;      // a
-  bool at_edge = false;  // at a depth edge, with the normal of a neighbour
+  Eigen::Vector3f normal_in_world = Eigen::Vector3f::Zero();    // not longer than one
+  float radius_m = 0;                                           // the least
+  float shape_weight = 1;                                       // the sum of their weights, or 0
+  // Of all points.
+  Eigen::Vector3f color = Eigen::Vector3f::Zero();  // sRGB, in 8-bit steps
+  float weight = 1;                                 // a, the sum
+  bool at_edge = false;                             // at depth edges, with normals of neighbours
 };
 
 }  // namespace surfit

@@ -56,17 +56,18 @@ struct SurfelBlock {
 
   // The weighted average of surfel k with an observation of weight a: position, normal and colour
   // become (w q + a p) / (w + a), w the confidence; the normal is unit again, the radius the
-  // smaller of both, and w becomes w + a, but at most max_confidence. Without `refine` position,
-  // normal and radius stay: the observation cannot improve them. The bounds stay as they are.
-  void Merge(int k, const SurfelObservation& observation, bool refine, float max_confidence);
+  // smaller of both, and w becomes w + a, but at most max_confidence. Position and normal follow
+  // the observation's only by its shape_weight; without any they and the radius stay. The bounds
+  // stay as they are.
+  void Merge(int k, const SurfelObservation& observation, float max_confidence);
 };
 
 // Here, as fusion does it hundreds of thousands of times a frame.
-inline void SurfelBlock::Merge(int k, const SurfelObservation& seen, bool refine,
-                               float max_confidence) {
-  // (w q + a p) / (w + a) = q + share (p - q)
-  const float share = seen.weight / (confidence[k] + seen.weight);
-  if (refine) {
+inline void SurfelBlock::Merge(int k, const SurfelObservation& seen, float max_confidence) {
+  // (w q + a p) / (w + a) = q + a / (w + a) (p - q)
+  const float inverse_sum = 1.f / (confidence[k] + seen.weight);
+  if (seen.shape_weight > 0.f) {
+    const float share = seen.shape_weight * inverse_sum;
     Eigen::Vector3f p(x[k], y[k], z[k]), n(nx[k], ny[k], nz[k]);
     p += share * (seen.position_in_world - p);
     n = (n + share * (seen.normal_in_world - n)).normalized();
@@ -78,13 +79,14 @@ inline void SurfelBlock::Merge(int k, const SurfelObservation& seen, bool refine
     nz[k] = n.z();
     radius_m[k] = std::min(radius_m[k], seen.radius_m);
   }
-  const auto mix = [share](std::uint16_t* old, std::uint8_t byte) {
+  const float share = seen.weight * inverse_sum;
+  const auto mix = [share](std::uint16_t* old, float byte) {
     const float value = *old;
     *old = static_cast<std::uint16_t>(value + share * (256.f * byte - value) + 0.5f);
   };
-  mix(&red[k], seen.color.r);
-  mix(&green[k], seen.color.g);
-  mix(&blue[k], seen.color.b);
+  mix(&red[k], seen.color.x());
+  mix(&green[k], seen.color.y());
+  mix(&blue[k], seen.color.z());
   if (!seen.at_edge) at_edge &= ~(std::uint64_t{1} << k);
   confidence[k] = std::min(confidence[k] + seen.weight, max_confidence);
 }

@@ -44,8 +44,7 @@ class SurfelMap {
   void Append(const std::vector<Surfel>& surfels);
 
   // SurfelBlock::Merge, and keeps the bounds.
-  void Merge(std::int32_t id, const SurfelObservation& observation, bool refine,
-             float max_confidence);
+  void Merge(std::int32_t id, const SurfelObservation& observation, float max_confidence);
 
   // Marks a surfel for RemoveMarked().
   void Mark(std::int32_t id);
