@@ -2,7 +2,9 @@
 
 #include <gflags/gflags.h>
 
+#include <atomic>
 #include <cstdio>
+#include <memory>
 
 #include "common/interruption.h"
 #include "common/progress_line.h"
@@ -11,6 +13,7 @@
 #include "common/solver_flags.h"
 #include "common/tool_main.h"
 #include "surfit/run/slam_run.h"
+#include "view/live_view.h"
 
 namespace {
 
@@ -37,6 +40,9 @@ DEFINE_string(initialize, kRun.slam.initialize,
               "(see surfit_align), or identity: not at all");
 DEFINE_int32(threads, kRun.threads, "threads that compute at the same time, reading included");
 DEFINE_bool(pictures, kRun.pictures, "write the pictures");
+DEFINE_bool(view, false,
+            "show the run in a window: frame, model, map and camera path; without a display the "
+            "run says so and goes on");
 DEFINE_string(trace, kRun.trace,
               "file for the times of all stages and threads, as ui.perfetto.dev and "
               "chrome://tracing show them; empty = none");
@@ -163,7 +169,13 @@ void PrintStages(const SlamRunSummary& s) {
 
 int Run() {
   const SlamRunOptions options = OptionsFromFlags();
-  const SlamRunSummary summary = RunSlam(options, CatchInterruptions(), ShowProgress);
+  const std::atomic<bool>& interrupted = CatchInterruptions();
+  const std::unique_ptr<LiveView> view = FLAGS_view ? LiveView::Open(interrupted) : nullptr;
+  const auto progress = [&](const SlamRunProgress& now) {
+    ShowProgress(now);
+    if (view) view->Update(now);
+  };
+  const SlamRunSummary summary = RunSlam(options, interrupted, progress);
   const bool live = options.sequence.format == "watch";
   if (summary.interrupted || live) std::fputc('\n', stderr);  // ends the line of progress
   PrintSummary(summary, options.output);

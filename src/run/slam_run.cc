@@ -92,12 +92,13 @@ class SlamRun {
       ++summary_.frames_total;
       stamps_s_.push_back(result->stamp_s);
       if (result->frame) {
-        Process(*result);
+        const FrameReport report = Process(*result);
+        const SlamRunFrame frame = {*result->frame, report, slam_->map(), info_.pinhole};
+        Tell(&frame, progress);
       } else {
         Skip(*result);
+        Tell(nullptr, progress);
       }
-      progress({summary_.frames_total, info_.frame_count, slam_ ? slam_->map().size() : 0,
-                SecondsSince(start_)});
     }
     summary_.interrupted = interrupted;
     if (!slam_) throw InputError(options_.sequence.path + ": no frame could be read");
@@ -105,6 +106,15 @@ class SlamRun {
   }
 
  private:
+  // Whoever is told may take their time, and pause: it must not count as the next frame's.
+  void Tell(const SlamRunFrame* frame,
+            const std::function<void(const SlamRunProgress&)>& progress) {
+    const Clock::time_point before = Clock::now();
+    progress({summary_.frames_total, info_.frame_count, slam_ ? slam_->map().size() : 0,
+              SecondsSince(start_), frame});
+    last_completion_ += Clock::now() - before;
+  }
+
   // Wall time since the last frame was completed.
   double CompleteFrame() {
     const Clock::time_point now = Clock::now();
@@ -120,7 +130,7 @@ class SlamRun {
     files_->WriteSkipped(result, CompleteFrame());
   }
 
-  void Process(const ReadResult& result) {
+  FrameReport Process(const ReadResult& result) {
     const RgbdFrame& frame = *result.frame;
     const TraceSlice slice("frame", frame.index);
     if (!slam_) {
@@ -145,6 +155,7 @@ class SlamRun {
                                                           times.predict_ms, times.track_ms,
                                                           times.fuse_ms,    write_ms};
     for (std::size_t i = 0; i < kStages.size(); ++i) stages_ms_[i].push_back(stages_ms[i]);
+    return report;
   }
 
   void Dump(const LostFrame& lost) const {

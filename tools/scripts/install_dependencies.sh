@@ -18,6 +18,7 @@ packages=(
   libopen3d-dev
   # the tests
   libgtest-dev libgmock-dev libbenchmark-dev python3-pytest
+  xvfb xdotool imagemagick
 )
 
 if ! command -v dpkg-query apt-get >/dev/null; then

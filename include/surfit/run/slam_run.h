@@ -35,12 +35,22 @@ struct SlamRunOptions {
   void Validate() const;
 };
 
+// A frame that has just been processed, and what it made of the map, for those who watch. What it
+// refers to is gone after the call that is given it.
+struct SlamRunFrame {
+  const RgbdFrame& frame;
+  const FrameReport& report;
+  const SurfelMap& map;
+  const PinholeCamera& camera;  // of the frame
+};
+
 // How far a run has come.
 struct SlamRunProgress {
   int frames_done = 0;
   int frames_total = 0;  // -1: as many as will come
   std::size_t map_points = 0;
   double elapsed_s = 0;
+  const SlamRunFrame* frame = nullptr;  // of the last frame, unless that could not be read
 };
 
 // The median and the 95 % quantile of some times.
@@ -87,7 +97,7 @@ struct SlamRunSummary {
 // A sequence of format watch is followed until its end (WatchFolder()).
 // Frames that cannot be read are skipped and counted. When `interrupted` becomes true the frame at
 // work, or else the first one, is finished and everything is written. `progress` is called after
-// every frame.
+// every frame; its time is none of the frames'.
 // Throws InputError for bad options, or a sequence that cannot be read at all.
 SlamRunSummary RunSlam(const SlamRunOptions& options, const std::atomic<bool>& interrupted,
                        const std::function<void(const SlamRunProgress&)>& progress);

@@ -1,0 +1,185 @@
+#include "surfit/pictures/live_picture.h"
+
+#include <algorithm>
+#include <opencv2/imgproc.hpp>
+#include <vector>
+
+#include "pictures/index_coloring.h"
+#include "pictures/live_map_view.h"
+#include "pictures/splat_renderer.h"
+#include "pictures/surfel_coloring.h"
+#include "surfit/mapping/model_renderer.h"
+
+namespace surfit {
+namespace {
+
+constexpr Rgb8 kBackground = {24, 24, 28};
+const cv::Scalar kInk(230, 230, 230), kPath(255, 150, 30), kCamera(255, 40, 40);
+
+cv::Mat AsMat(Image<Rgb8>* image) {
+  return {image->height(), image->width(), CV_8UC3, image->data()};
+}
+
+// Fills the tile with the image at its own proportions, centred.
+void Place(Image<Rgb8>* picture, const cv::Rect& tile, const Image<Rgb8>& image) {
+  cv::Mat target = AsMat(picture)(tile);
+  target.setTo(cv::Scalar(kBackground.r, kBackground.g, kBackground.b));
+  if (image.empty()) return;
+  const double scale = std::min(static_cast<double>(tile.width) / image.width(),
+                                static_cast<double>(tile.height) / image.height());
+  const int width = std::max(1, std::min(tile.width, cvRound(scale * image.width())));
+  const int height = std::max(1, std::min(tile.height, cvRound(scale * image.height())));
+  const cv::Rect inside((tile.width - width) / 2, (tile.height - height) / 2, width, height);
+  const cv::Mat source(image.height(), image.width(), CV_8UC3, const_cast<Rgb8*>(image.data()));
+  cv::resize(source, target(inside), inside.size(), 0, 0, cv::INTER_AREA);
+}
+
+// Light with a dark edge: readable on any picture.
+void Caption(Image<Rgb8>* picture, const cv::Rect& tile, const std::string& text) {
+  const cv::Point place(tile.x + 8, tile.y + 20);
+  for (const auto& [ink, width] : {std::pair(cv::Scalar(0, 0, 0), 3), std::pair(kInk, 1)}) {
+    cv::putText(AsMat(picture), text, place, cv::FONT_HERSHEY_SIMPLEX, 0.5, ink, width,
+                cv::LINE_AA);
+  }
+}
+
+Image<Rgb8> DepthPicture(const Image<float>& depth_m) {
+  constexpr float kWhite = 0.5f;  // metres and nearer
+  Image<Rgb8> picture(depth_m.width(), depth_m.height());
+  for (std::size_t i = 0; i < picture.size(); ++i) {
+    const float share = depth_m[i] > 0 ? std::min(1.f, kWhite / depth_m[i]) : 0;
+    const auto grey = static_cast<std::uint8_t>(255 * share);
+    picture[i] = {grey, grey, grey};
+  }
+  return picture;
+}
+
+// The surfels that stand for the map in a small picture.
+struct ThinnedMap {
+  std::vector<std::int32_t> ids;
+  std::vector<Eigen::Vector3f> points;
+};
+
+ThinnedMap Thin(const SurfelMap& map) {
+  constexpr std::size_t kMost = 150000;  // about a third of the tile's pixels
+  const std::vector<std::int32_t> ids = map.Ids();
+  const std::size_t stride = (ids.size() + kMost - 1) / kMost;
+  ThinnedMap thinned;
+  for (std::size_t i = 0; i < ids.size(); i += stride) {
+    thinned.ids.push_back(ids[i]);
+    thinned.points.push_back(map[ids[i]].position_in_world);
+  }
+  return thinned;
+}
+
+ThinnedMap FacingOnly(const SurfelMap& map, const ThinnedMap& all, const PictureView& view) {
+  const Eigen::Vector3f eye = view.camera_from_world.Inverse().translation.cast<float>();
+  ThinnedMap facing;
+  for (std::size_t i = 0; i < all.ids.size(); ++i) {
+    if (map[all.ids[i]].normal_in_world.dot(all.points[i] - eye) >= 0) continue;
+    facing.ids.push_back(all.ids[i]);
+    facing.points.push_back(all.points[i]);
+  }
+  return facing;
+}
+
+Image<Rgb8> DrawSurfels(const SurfelMap& map, const ThinnedMap& all, const PictureView& view) {
+  constexpr int kPointSize = 3;  // px
+  const ThinnedMap facing = FacingOnly(map, all, view);
+  const Image<std::int32_t> indices = RenderPoints(facing.points, kPointSize, view);
+  return ColorIndices(indices, [&](int, int, std::int32_t i) {
+    return i == NearestIndexImage::kNothing ? kBackground : map.Color(facing.ids[i]);
+  });
+}
+
+cv::Point Pixel(const PictureView& view, const Eigen::Vector3d& point_in_world) {
+  constexpr double kFar = 1e4;  // keeps what is far outside from overflowing
+  const Eigen::Vector3d p = view.camera_from_world * point_in_world;
+  const Eigen::Vector2d uv = p.z() > 0 ? view.camera.Project(p) : Eigen::Vector2d(-kFar, -kFar);
+  return {cvRound(std::clamp(uv.x(), -kFar, kFar)), cvRound(std::clamp(uv.y(), -kFar, kFar))};
+}
+
+void DrawPath(const PictureView& view, const Trajectory& path, cv::Mat picture) {
+  std::vector<cv::Point> line;
+  for (const StampedPose& pose : path) {
+    line.push_back(Pixel(view, pose.world_from_camera.translation));
+  }
+  cv::polylines(picture, line, false, kPath, 2, cv::LINE_AA);
+}
+
+// A pyramid of the camera's view, 0.3 m long.
+void DrawCamera(const PictureView& view, const PinholeCamera& camera, const Rigid3d& pose,
+                cv::Mat picture) {
+  constexpr double kLength = 0.3;
+  const cv::Point eye = Pixel(view, pose.translation);
+  std::vector<cv::Point> corners;
+  for (const auto& [u, v] : {std::pair(0, 0), std::pair(camera.width, 0),
+                             std::pair(camera.width, camera.height), std::pair(0, camera.height)}) {
+    corners.push_back(Pixel(view, pose * (kLength * camera.Ray(u, v))));
+    cv::line(picture, eye, corners.back(), kCamera, 1, cv::LINE_AA);
+  }
+  cv::polylines(picture, corners, true, kCamera, 1, cv::LINE_AA);
+}
+
+const cv::Rect kFrameTile(0, 0, LivePicture::kTileWidth, LivePicture::kTileHeight);
+const cv::Rect kModelTile(LivePicture::kTileWidth, 0, LivePicture::kTileWidth,
+                          LivePicture::kTileHeight);
+const cv::Rect kTextTile(0, LivePicture::kTileHeight, LivePicture::kWidth,
+                         LivePicture::kTextHeight);
+const cv::Rect kMapTile(0, LivePicture::kTileHeight + LivePicture::kTextHeight, LivePicture::kWidth,
+                        LivePicture::kMapHeight);
+
+}  // namespace
+
+// What draws the model: no finer than the tile.
+struct LivePicture::Tools {
+  PinholeCamera camera;
+  ModelRenderer renderer{RenderOptions()};
+};
+
+LivePicture::LivePicture(const PinholeCamera& camera)
+    : tools_(std::make_unique<Tools>()), image_(kWidth, kHeight, kBackground) {
+  tools_->camera = camera.Subsampled(std::max(1, camera.width / kTileWidth));
+}
+
+LivePicture::~LivePicture() = default;
+
+void LivePicture::ShowFrame(const RgbdFrame& frame) {
+  const bool has_color = !frame.color.empty();
+  Place(&image_, kFrameTile, has_color ? frame.color : DepthPicture(frame.depth_m));
+  Caption(&image_, kFrameTile, has_color ? "frame" : "frame (depth)");
+}
+
+void LivePicture::ShowModel(const SurfelMap& map, const Rigid3d& world_from_camera,
+                            ModelColors colors) {
+  const ModelView view = tools_->renderer.Render(map, tools_->camera, world_from_camera);
+  const bool normals = colors == ModelColors::kNormals;
+  const SurfelColoring coloring = normals ? ColorByNormal(map) : ColorByColor(map);
+  const Image<Rgb8> picture = ColorIndices(view.surfel_index, [&](int, int, std::int32_t id) {
+    return id == ModelView::kNoSurfel ? kBackground : coloring.color_of(id);
+  });
+  Place(&image_, kModelTile, picture);
+  Caption(&image_, kModelTile, normals ? "model, normals" : "model, colour");
+}
+
+void LivePicture::ShowMap(const SurfelMap& map, const Trajectory& camera_path) {
+  if (map.size() == 0) return;
+  const ThinnedMap thinned = Thin(map);
+  const PictureView view =
+      LiveMapView(thinned.points, camera_path, kMapTile.width, kMapTile.height);
+  Place(&image_, kMapTile, DrawSurfels(map, thinned, view));
+  cv::Mat tile = AsMat(&image_)(kMapTile);
+  if (!camera_path.empty()) {
+    DrawPath(view, camera_path, tile);
+    DrawCamera(view, tools_->camera, camera_path.back().world_from_camera, tile);
+  }
+  Caption(&image_, kMapTile, "map");
+}
+
+void LivePicture::ShowText(const std::string& first, const std::string& second) {
+  Place(&image_, kTextTile, {});
+  Caption(&image_, kTextTile, first);
+  Caption(&image_, kTextTile + cv::Point(0, kTextHeight / 2 - 4), second);
+}
+
+}  // namespace surfit

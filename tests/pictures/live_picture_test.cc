@@ -1,0 +1,110 @@
+#include "surfit/pictures/live_picture.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "pictures/live_map_view.h"
+
+namespace surfit {
+namespace {
+
+constexpr Rgb8 kGreen = {10, 200, 30};
+const PinholeCamera kCamera{320, 240, 260, 260, 159.5, 119.5};
+
+// A wall of one colour, 2 m before the origin and facing it.
+SurfelMap Wall() {
+  SurfelMap map;
+  Surfel surfel;
+  surfel.normal_in_world = {0, 0, -1};
+  surfel.color = kGreen;
+  surfel.radius_m = 0.05f;
+  surfel.confidence = 20;
+  for (int i = -30; i <= 30; ++i) {
+    for (int j = -30; j <= 30; ++j) {
+      surfel.position_in_world = {0.04f * i, 0.04f * j, 2};
+      map.Append(surfel);
+    }
+  }
+  return map;
+}
+
+// How many pixels of the rows [begin, end) have the colour.
+int Count(const Image<Rgb8>& image, Rgb8 color, int begin, int end) {
+  int count = 0;
+  for (int v = begin; v < end; ++v) {
+    count += static_cast<int>(std::count(image.row(v), image.row(v) + image.width(), color));
+  }
+  return count;
+}
+
+constexpr int kTile = LivePicture::kTileWidth * LivePicture::kTileHeight;
+
+TEST(LivePicture, ShowsTheFrameInItsTile) {
+  LivePicture picture(kCamera);
+  RgbdFrame frame;
+  frame.color = Image<Rgb8>(320, 240, kGreen);
+  picture.ShowFrame(frame);
+  EXPECT_GT(Count(picture.image(), kGreen, 0, LivePicture::kTileHeight), 0.95 * kTile);
+  EXPECT_EQ(Count(picture.image(), kGreen, LivePicture::kTileHeight, LivePicture::kHeight), 0);
+}
+
+TEST(LivePicture, ShowsDepthWhereThereIsNoColour) {
+  LivePicture picture(kCamera);
+  RgbdFrame frame;
+  frame.depth_m = Image<float>(320, 240, 1.f);
+  picture.ShowFrame(frame);
+  EXPECT_GT(Count(picture.image(), {127, 127, 127}, 0, LivePicture::kTileHeight), 0.9 * kTile);
+}
+
+TEST(LivePicture, ShowsTheModelByColourAndByNormal) {
+  LivePicture picture(kCamera);
+  // 2.4 m of wall at 2 m fill 312 of 320 columns and all rows.
+  picture.ShowModel(Wall(), {}, ModelColors::kColor);
+  EXPECT_GT(Count(picture.image(), kGreen, 0, LivePicture::kTileHeight), 0.8 * kTile);
+  picture.ShowModel(Wall(), {}, ModelColors::kNormals);
+  EXPECT_EQ(Count(picture.image(), kGreen, 0, LivePicture::kTileHeight), 0);
+  EXPECT_GT(Count(picture.image(), {128, 128, 0}, 0, LivePicture::kTileHeight), 0.8 * kTile);
+}
+
+TEST(LivePicture, ShowsTheMapAndThePathBeforeIt) {
+  constexpr int kTop = LivePicture::kTileHeight + LivePicture::kTextHeight;
+  LivePicture picture(kCamera);
+  picture.ShowMap(Wall(), {});
+  const int without_path = Count(picture.image(), kGreen, kTop, LivePicture::kHeight);
+  EXPECT_GT(without_path, 10000);
+  constexpr Rgb8 kPath = {255, 150, 30};
+  EXPECT_EQ(Count(picture.image(), kPath, kTop, LivePicture::kHeight), 0);
+  Trajectory path(2);
+  path[1].world_from_camera.translation = {0.5, 0, 1};
+  picture.ShowMap(Wall(), path);
+  EXPECT_GT(Count(picture.image(), kPath, kTop, LivePicture::kHeight), 50);
+}
+
+TEST(LivePicture, LeavesAnEmptyMapOut) {
+  LivePicture picture(kCamera);
+  const Image<Rgb8> before = picture.image();
+  picture.ShowMap(SurfelMap(), {});
+  EXPECT_EQ(picture.image(), before);
+}
+
+TEST(LiveMapView, HoldsThePointsAndThePath) {
+  std::vector<Eigen::Vector3f> points;
+  for (int i = 0; i < 100; ++i) points.emplace_back(0.1f * (i % 10), 0.1f * (i / 10), 3.f);
+  Trajectory path(2);
+  path[1].world_from_camera.translation = {-4, 0, 1};
+  const PictureView view = LiveMapView(points, path, 300, 200);
+  for (const StampedPose& pose : path) {
+    points.push_back(pose.world_from_camera.translation.cast<float>());
+  }
+  for (const Eigen::Vector3f& point : points) {
+    const Eigen::Vector3d p = view.camera_from_world * point.cast<double>();
+    ASSERT_GT(p.z(), 0);
+    const Eigen::Vector2d pixel = view.camera.Project(p);
+    EXPECT_TRUE(pixel.x() > 0 && pixel.x() < 300 && pixel.y() > 0 && pixel.y() < 200) << pixel;
+  }
+}
+
+}  // namespace
+}  // namespace surfit
