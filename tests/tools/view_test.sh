@@ -56,6 +56,7 @@ frames=150
 (unset DISPLAY WAYLAND_DISPLAY; slam) || fail "the run without a display failed"
 grep -q "no live view: there is no display" "$folder/err" || fail "no word of the missing display"
 [[ $(frames_done) == "$frames" ]] || fail "the run without a display is not whole"
+digest=$(grep '"digest"' "$folder/out/summary.json")
 
 # Without -noreset it starts anew when its last client leaves, and refuses who comes then.
 Xvfb -noreset -displayfd 3 -screen 0 1280x1000x24 3>"$folder/display" 2>/dev/null &
@@ -90,3 +91,4 @@ python3 "$(dirname "$0")/close_window.py" "$window"
 wait "$slam_pid" || fail "closing the window made the run fail"
 grep -q "the live view is closed" "$folder/err" || fail "no word of the closed window"
 [[ $(frames_done) == "$frames" ]] || fail "the run ended with its window, after $(frames_done)"
+[[ $(grep '"digest"' "$folder/out/summary.json") == "$digest" ]] || fail "looking on changed the result"
