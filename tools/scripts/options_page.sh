@@ -1,0 +1,36 @@
+#!/usr/bin/env bash
+# Prints docs/options.md: every flag of every program, as its --help has it.
+#   options_page.sh PROGRAMS_FOLDER > docs/options.md
+#   options_page.sh PROGRAMS_FOLDER --compare=docs/options.md    exits with 1 if that is out of date
+set -euo pipefail
+programs=$1
+page=${2-}
+
+print_page() {
+  cat <<'END'
+# Options
+
+Here are the flags of all programs but `surfit_mesh`, which is built only where Open3D is. Made
+of each program's `--help` by `tools/scripts/options_page.sh build/release/tools > docs/options.md`; a
+test holds the page to what the programs say. `--flagfile=F` reads flags from a file, one a line, `#`
+begins a comment.
+END
+  local program
+  # Not surfit_mesh: whether it is there depends on Open3D.
+  for program in slam align register compare_solvers evaluate evaluate_map evaluate_revisits convert \
+    simulate; do
+    printf '\n## surfit_%s\n\n' "$program"
+    "$programs/surfit_$program" --help | sed -n '/^  /p' | sed 's/^  /    /'
+  done
+}
+
+case $page in
+  '') print_page ;;
+  --compare=*)
+    if ! diff "${page#*=}" <(print_page); then
+      echo "${page#*=} is out of date: see the head of $0" >&2
+      exit 1
+    fi
+    ;;
+  *) echo "error: unexpected argument '$page'" >&2; exit 1 ;;
+esac
