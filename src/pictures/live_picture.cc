@@ -131,7 +131,7 @@ const cv::Rect kMapTile(0, LivePicture::kTileHeight + LivePicture::kTextHeight, 
 
 }  // namespace
 
-// What draws the model: no finer than the tile.
+// What draws the model: as coarsely as still fills the tile.
 struct LivePicture::Tools {
   PinholeCamera camera;
   ModelRenderer renderer{RenderOptions()};
