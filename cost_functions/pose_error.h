@@ -25,6 +25,9 @@ class WhitenedPoseError {
     r = upper_.cast<T>() * e;
   }
 
+  // U.
+  const PoseInformation& upper() const { return upper_; }
+
  private:
   PoseInformation upper_;
 };

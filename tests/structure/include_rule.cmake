@@ -10,13 +10,14 @@ set(cost_functions_uses geometry)
 set(registration_uses frame cost_functions)
 set(mapping_uses frame)
 set(slam_uses registration mapping)
-set(io_uses geometry frame mapping)
+set(optimization_uses geometry cost_functions)
+set(io_uses geometry frame mapping optimization)
 set(evaluation_uses geometry)
 set(simulation_uses geometry frame)
 set(pictures_uses mapping)
 set(run_uses slam io evaluation pictures)
-set(rooms core geometry frame cost_functions registration mapping slam io evaluation simulation
-  pictures run)
+set(rooms core geometry frame cost_functions registration mapping slam optimization io evaluation
+  simulation pictures run)
 
 # Sets <result> to the room itself and all it may include, directly or through others.
 function(rooms_within_reach room result)
@@ -53,8 +54,8 @@ function(check_foreign_header file room path)
     complain("${file}" "<${path}>" "a public header carries only Eigen and the standard library")
   elseif(path MATCHES "^gflags/")
     complain("${file}" "<${path}>" "flags belong to the programs in tools/")
-  elseif(path MATCHES "^ceres/" AND NOT room MATCHES "^(registration|cost_functions)$")
-    complain("${file}" "<${path}>" "Ceres belongs to registration and cost_functions")
+  elseif(path MATCHES "^ceres/" AND NOT room MATCHES "^(registration|optimization|cost_functions)$")
+    complain("${file}" "<${path}>" "Ceres belongs to registration, optimization and cost_functions")
   endif()
 endfunction()
 

@@ -1,0 +1,74 @@
+#include "surfit/optimization/pose_graph.h"
+
+#include <Eigen/Cholesky>
+#include <unordered_set>
+
+#include "surfit/core/error.h"
+
+namespace surfit {
+namespace {
+
+constexpr double kNormTolerance = 1e-6;
+constexpr double kSymmetryTolerance = 1e-9;  // of the largest element
+
+bool IsRigid(const Rigid3d& pose) {
+  return pose.translation.allFinite() && pose.rotation.coeffs().allFinite() &&
+         std::abs(pose.rotation.norm() - 1) < kNormTolerance;
+}
+
+void Require(bool holds, const std::string& what, const char* constraint) {
+  if (!holds) throw InputError(Concat(what, " must be ", constraint));
+}
+
+std::string Name(const PoseGraph& graph, const PoseGraphEdge& edge) {
+  return Concat("the edge between poses ", graph.poses[edge.a].id, " and ", graph.poses[edge.b].id);
+}
+
+void ValidateEdge(const PoseGraph& graph, std::size_t index) {
+  const PoseGraphEdge& edge = graph.edges[index];
+  if (edge.a >= graph.poses.size() || edge.b >= graph.poses.size() || edge.a == edge.b) {
+    throw InputError(Concat("edge ", index, " joins poses ", edge.a, " and ", edge.b,
+                            ", must be two of ", graph.poses.size()));
+  }
+  const auto& m = edge.information;
+  if (!IsRigid(edge.a_from_b)) {
+    throw InputError(Concat(Name(graph, edge), " must have a finite pose with a unit quaternion"));
+  }
+  const bool good =
+      m.allFinite() &&
+      (m - m.transpose()).cwiseAbs().maxCoeff() <= kSymmetryTolerance * m.cwiseAbs().maxCoeff() &&
+      m.llt().info() == Eigen::Success;
+  if (!good) {
+    throw InputError(Concat("the information of ", Name(graph, edge),
+                            " must be finite, symmetric and positive definite"));
+  }
+}
+
+}  // namespace
+
+void PoseGraph::Validate() const {
+  std::unordered_set<std::int64_t> ids;
+  for (const PoseGraphPose& pose : poses) {
+    Require(ids.insert(pose.id).second, Concat("the id ", pose.id, " of a pose"), "unique");
+    Require(IsRigid(pose.world_from_pose), Concat("pose ", pose.id),
+            "finite with a unit quaternion");
+  }
+  for (std::size_t i = 0; i < edges.size(); ++i) ValidateEdge(*this, i);
+}
+
+double SquaredError(const PoseGraph& graph, const PoseGraphEdge& edge) {
+  const Rigid3d& world_from_a = graph.poses[edge.a].world_from_pose;
+  const Rigid3d& world_from_b = graph.poses[edge.b].world_from_pose;
+  const Rigid3d error = world_from_a.Inverse() * world_from_b * edge.a_from_b.Inverse();
+  Eigen::Matrix<double, 6, 1> e;
+  e << QuaternionLog<double>(error.rotation), error.translation;
+  return e.dot(edge.information * e);
+}
+
+double Cost(const PoseGraph& graph) {
+  double sum = 0;
+  for (const PoseGraphEdge& edge : graph.edges) sum += SquaredError(graph, edge);
+  return sum / 2;
+}
+
+}  // namespace surfit

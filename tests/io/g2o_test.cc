@@ -1,0 +1,108 @@
+#include "surfit/io/g2o.h"
+
+#include <gmock/gmock.h>
+
+#include "testing/expect_input_error.h"
+#include "testing/matchers.h"
+#include "testing/pose_graphs.h"
+#include "testing/temp_folder.h"
+
+namespace surfit {
+namespace {
+
+using testing::ExpectInputError;
+using ::testing::HasSubstr;
+using testing::TempFolder;
+
+// Row by row, the upper triangle of the identity.
+const std::string kIdentity = " 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1";
+const std::string kVertices =
+    "VERTEX_SE3:QUAT 7 0 0 0 0 0 0 1\nVERTEX_SE3:QUAT 8 1 2 3 0 0 0.6 0.8\n";
+
+TEST(G2o, ReadsPosesEdgesAndWhatIsFixed) {
+  const TempFolder folder;
+  // Of (translation, rotation): translations 1..3, rotations 4..6, one product of x and the last.
+  const std::string edge =
+      "EDGE_SE3:QUAT 7 8 1 2 3 0 0 0.6 0.8 1 0 0 0 0 0.5 2 0 0 0 0 3 0 0 0 4 0 0 5 0 6\n";
+  const G2oFile file = ReadG2o(
+      folder.Write("a.g2o", "# comment\n\n" + edge + kVertices + "FIX 8\nPARAMS 0\nPARAMS 1\r\n"));
+  ASSERT_EQ(file.graph.poses.size(), 2u);
+  EXPECT_EQ(file.graph.poses[1].id, 8);
+  EXPECT_FALSE(file.graph.poses[0].fixed);
+  EXPECT_TRUE(file.graph.poses[1].fixed);
+  const Rigid3d pose(Eigen::Quaterniond(0.8, 0, 0, 0.6), {1, 2, 3});
+  EXPECT_THAT(file.graph.poses[1].world_from_pose, testing::RigidNear(pose, 1e-15, 1e-15));
+  ASSERT_EQ(file.graph.edges.size(), 1u);
+  const PoseGraphEdge& e = file.graph.edges[0];
+  EXPECT_EQ(e.a, 1u);
+  EXPECT_EQ(e.b, 0u);
+  EXPECT_FALSE(e.loop);
+  EXPECT_THAT(e.a_from_b, testing::RigidNear(pose.Inverse(), 1e-15, 1e-15));
+  Eigen::Matrix<double, 6, 6> information = Eigen::Matrix<double, 6, 6>::Zero();
+  information.diagonal() << 4, 5, 6, 1, 2, 3;
+  information(2, 3) = information(3, 2) = 0.5;
+  EXPECT_EQ(e.information, information);
+  EXPECT_EQ(file.ignored_lines, (std::map<std::string, std::size_t>{{"PARAMS", 2}}));
+  file.graph.Validate();
+}
+
+// The cost of a file is that of g2o's error i_from_j^-1 (estimate), rotation in rad.
+TEST(G2o, CostIsThatOfTheErrorInTheSecondPosesFrame) {
+  const TempFolder folder;
+  const std::string edge =
+      "EDGE_SE3:QUAT 7 8 1.5 2 3 0 0 0.6 0.8 2 0 0 0 0 0 2 0 0 0 0 2 0 0 0 1 0 0 1 0 1\n";
+  EXPECT_NEAR(Cost(ReadG2o(folder.Write("a.g2o", kVertices + edge)).graph), 0.5 * 2 * 0.25, 1e-14);
+  const std::string turned = "EDGE_SE3:QUAT 7 8 1 2 3 0 0 0 1" + kIdentity + "\n";
+  const double angle = 2 * std::asin(0.6);
+  EXPECT_NEAR(Cost(ReadG2o(folder.Write("b.g2o", kVertices + turned)).graph), 0.5 * angle * angle,
+              1e-14);
+}
+
+TEST(G2o, ReadsWhatItWrote) {
+  const TempFolder folder;
+  PoseGraph graph = testing::MakeTorus(5, 6).graph;
+  graph.poses[3].fixed = true;
+  graph.edges[0].information(1, 4) = graph.edges[0].information(4, 1) = 3;
+  WriteG2o(graph, folder / "a.g2o");
+  const PoseGraph read = ReadG2o(folder / "a.g2o").graph;
+  ASSERT_EQ(read.poses.size(), graph.poses.size());
+  for (std::size_t i = 0; i < graph.poses.size(); ++i) {
+    EXPECT_EQ(read.poses[i].id, graph.poses[i].id);
+    EXPECT_EQ(read.poses[i].fixed, graph.poses[i].fixed);
+    EXPECT_THAT(read.poses[i].world_from_pose,
+                testing::RigidNear(graph.poses[i].world_from_pose, 1e-14, 1e-14));
+  }
+  ASSERT_EQ(read.edges.size(), graph.edges.size());
+  for (std::size_t i = 0; i < graph.edges.size(); ++i) {
+    EXPECT_EQ(read.edges[i].a, graph.edges[i].a);
+    EXPECT_EQ(read.edges[i].b, graph.edges[i].b);
+    EXPECT_EQ(read.edges[i].loop, graph.edges[i].loop);
+    EXPECT_EQ(read.edges[i].information, graph.edges[i].information);
+    EXPECT_THAT(read.edges[i].a_from_b, testing::RigidNear(graph.edges[i].a_from_b, 1e-13, 1e-13));
+  }
+}
+
+TEST(G2o, RefusesBadFilesByLineAndConstraint) {
+  const TempFolder folder;
+  const auto refuse = [&](const std::string& line, const std::string& message) {
+    const std::string path = folder.Write("bad.g2o", kVertices + line + "\n");
+    ExpectInputError([&] { ReadG2o(path); }, HasSubstr(path + ":3: " + message));
+  };
+  refuse("VERTEX_SE3:QUAT 7 0 0 0 0 0 0 1", "the id 7 of a vertex must be unique");
+  refuse("VERTEX_SE3:QUAT 9 0 0 0 0 0 1", "VERTEX_SE3:QUAT has 8 words, must have 9");
+  refuse("VERTEX_SE3:QUAT 9 0 0 nan 0 0 0 1", "'nan' is not a finite number");
+  refuse("VERTEX_SE3:QUAT -9 0 0 0 0 0 0 1", "the count is '-9'");
+  refuse("VERTEX_SE3:QUAT 9 0 0 0 0 0 0 2", "the norm of the quaternion is 2, must be 1");
+  refuse("EDGE_SE3:QUAT 7 9 0 0 0 0 0 0 1" + kIdentity, "there is no vertex of the id 9");
+  refuse("EDGE_SE3:QUAT 7 7 0 0 0 0 0 0 1" + kIdentity, "an edge must join two poses");
+  refuse("EDGE_SE3:QUAT 7 8 0 0 0 0 0 0 1 1", "EDGE_SE3:QUAT has 11 words, must have 31");
+  refuse("EDGE_SE3:QUAT 7 8 0 0 0 0 0 0 1 -1" + kIdentity.substr(2),
+         "the information matrix must be positive definite");
+  refuse("FIX 9", "there is no vertex of the id 9");
+  const std::string flat = folder.Write("flat.g2o", "VERTEX_SE2 0 0 0 0\n");
+  ExpectInputError([&] { ReadG2o(flat); }, HasSubstr("flat.g2o has no lines VERTEX_SE3:QUAT"));
+  ExpectInputError([&] { ReadG2o(folder / "none.g2o"); }, HasSubstr("none.g2o"));
+}
+
+}  // namespace
+}  // namespace surfit

@@ -1,0 +1,64 @@
+#include <gmock/gmock.h>
+
+#include "surfit/evaluation/absolute_trajectory_error.h"
+#include "surfit/optimization/optimize_pose_graph.h"
+#include "testing/pose_graphs.h"
+
+namespace surfit {
+namespace {
+
+using testing::TrueGraph;
+
+double Ate(const PoseGraph& graph, const std::vector<Rigid3d>& truth) {
+  std::vector<MatchedPose> poses;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    poses.push_back({1. * i, truth[i], graph.poses[i].world_from_pose});
+  }
+  return ComputeAbsoluteTrajectoryError(poses)->translation_m.rmse;
+}
+
+double OptimizedAte(TrueGraph graph, const PoseGraphOptions& options, PoseGraphSummary* summary) {
+  *summary = OptimizePoseGraph(options, &graph.graph);
+  return Ate(graph.graph, graph.truth);
+}
+
+// One loop in ten is wrong.
+void ExpectWrongLoopsAreFound(const TrueGraph& clean) {
+  PoseGraphOptions options;
+  options.max_iterations = 50;  // that with wrong loops counted might take hundreds
+  PoseGraphSummary summary;
+  const double clean_ate = OptimizedAte(clean, options, &summary);
+
+  TrueGraph wrong = clean;
+  const std::vector<std::size_t> planted = testing::PlantWrongLoops(0.1, &wrong);
+  ASSERT_GT(planted.size(), 10u);
+  EXPECT_GT(OptimizedAte(wrong, options, &summary), 2 * clean_ate);  // they do harm
+  EXPECT_TRUE(summary.outlier_edges.empty());
+
+  options.loop_robustness = "gnc";
+  EXPECT_LT(OptimizedAte(wrong, options, &summary), 1.1 * clean_ate);
+  EXPECT_EQ(summary.termination, PoseGraphTermination::kConverged);
+  EXPECT_THAT(summary.outlier_edges, ::testing::IsSupersetOf(planted));
+  // The threshold costs one right loop of 1000; 1 % is far from that for so few.
+  EXPECT_LE(summary.outlier_edges.size(), planted.size() + 0.01 * summary.loop_count);
+}
+
+TEST(WrongLoops, AreLeftOutOnASphere) { ExpectWrongLoopsAreFound(testing::MakeSphere(20, 25)); }
+
+TEST(WrongLoops, AreLeftOutOnATorus) { ExpectWrongLoopsAreFound(testing::MakeTorus(20, 25)); }
+
+TEST(WrongLoops, AreLeftOutInAGrid) { ExpectWrongLoopsAreFound(testing::MakeGrid(7)); }
+
+TEST(WrongLoops, CostNothingWhereThereAreNone) {
+  PoseGraphOptions options;
+  options.loop_robustness = "gnc";
+  options.max_loop_squared_error = 1e3;  // above any of noise
+  const TrueGraph clean = testing::MakeTorus(12, 12);
+  PoseGraphSummary robust, plain;
+  const double robust_ate = OptimizedAte(clean, options, &robust);
+  EXPECT_NEAR(robust_ate, OptimizedAte(clean, {}, &plain), 1e-6 * robust_ate);
+  EXPECT_TRUE(robust.outlier_edges.empty());
+}
+
+}  // namespace
+}  // namespace surfit

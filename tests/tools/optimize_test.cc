@@ -1,0 +1,81 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "surfit/io/g2o.h"
+#include "surfit/optimization/optimize_pose_graph.h"
+#include "testing/pose_graphs.h"
+#include "testing/run_program.h"
+
+namespace surfit {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::ProgramResult;
+using testing::ReadBytes;
+using testing::RunProgram;
+using testing::TempFolder;
+
+TEST(OptimizeTool, LeavesWrongLoopsOutAndWritesGraphAndSummary) {
+  const TempFolder folder;
+  testing::TrueGraph torus = testing::MakeTorus(10, 15);
+  const auto planted = testing::PlantWrongLoops(0.1, &torus);
+  WriteG2o(torus.graph, folder / "in.g2o");
+  testing::WriteBytes(folder / "in.g2o", "SOMETHING 1\n" + ReadBytes(folder / "in.g2o"));
+  const ProgramResult result =
+      RunProgram("surfit_optimize",
+                 {"--graph=" + folder / "in.g2o", "--loop_robustness=gnc",
+                  "--output=" + folder / "out.g2o", "--summary=" + folder / "summary.json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("converged: 150 poses (1 held)"));
+  EXPECT_THAT(result.err, HasSubstr("1 lines SOMETHING ignored"));
+  const auto json = nlohmann::json::parse(ReadBytes(folder / "summary.json"));
+  EXPECT_GE(json["wrong_loops"].size(), planted.size());
+  EXPECT_EQ(json["options"]["loop_robustness"], "gnc");
+  const PoseGraph written = ReadG2o(folder / "out.g2o").graph;
+  double cost = 0;
+  for (const PoseGraphEdge& edge : written.edges) {
+    const double error = SquaredError(written, edge);
+    if (!edge.loop || error <= PoseGraphOptions().max_loop_squared_error) cost += error / 2;
+  }
+  EXPECT_NEAR(json["final_cost"].get<double>(), cost, 1e-6 * cost);
+}
+
+TEST(OptimizeTool, GivesTheSameBytesAtAnyNumberOfThreadsAndTheSameCostWithEveryBackend) {
+  const TempFolder folder;
+  WriteG2o(testing::MakeSphere(20, 20).graph, folder / "in.g2o");
+  std::vector<double> costs;
+  for (const std::string& backend : SparseBackendNames()) {
+    std::string first;
+    for (const char* threads : {"1", "2", "7"}) {
+      setenv("OMP_NUM_THREADS", threads, 1);
+      setenv("OPENBLAS_NUM_THREADS", threads, 1);
+      const ProgramResult result =
+          RunProgram("surfit_optimize",
+                     {"--graph=" + folder / "in.g2o", "--sparse_backend=" + backend,
+                      "--output=" + folder / "out.g2o", "--summary=" + folder / "summary.json"});
+      ASSERT_EQ(result.exit_code, 0) << result.err;
+      const std::string bytes = ReadBytes(folder / "out.g2o");
+      if (first.empty()) first = bytes;
+      EXPECT_EQ(bytes, first) << backend << " " << threads;
+    }
+    const auto json = nlohmann::json::parse(ReadBytes(folder / "summary.json"));
+    EXPECT_EQ(json["options"]["sparse_backend"], backend);
+    costs.push_back(json["final_cost"]);
+    EXPECT_NEAR(costs.back(), costs.front(), 1e-9 * costs.front());
+  }
+  unsetenv("OMP_NUM_THREADS");
+  unsetenv("OPENBLAS_NUM_THREADS");
+}
+
+TEST(OptimizeTool, RefusesBadInput) {
+  EXPECT_EQ(RunProgram("surfit_optimize", {}).exit_code, 1);
+  const ProgramResult bad = RunProgram("surfit_optimize", {"--graph=a", "--sparse_backend=b"});
+  EXPECT_EQ(bad.exit_code, 1);
+  EXPECT_THAT(bad.err, HasSubstr("error: sparse_backend is 'b', must be one of"));
+}
+
+}  // namespace
+}  // namespace surfit

@@ -1,0 +1,152 @@
+// Optimises a pose graph of a .g2o file.
+
+#include <gflags/gflags.h>
+
+#include <iomanip>
+#include <iostream>
+
+#include "common/json.h"
+#include "common/text_table.h"
+#include "common/tool_main.h"
+#include "surfit/core/atomic_file.h"
+#include "surfit/core/error.h"
+#include "surfit/io/g2o.h"
+#include "surfit/optimization/optimize_pose_graph.h"
+
+namespace {
+
+const surfit::PoseGraphOptions kDefaults;
+
+}  // namespace
+
+DEFINE_string(graph, "", "the pose graph: .g2o with VERTEX_SE3:QUAT and EDGE_SE3:QUAT");
+DEFINE_string(output, "", "if given, the optimised graph goes to this .g2o file");
+DEFINE_string(summary, "", "if given, costs, times and options go to this JSON file");
+DEFINE_string(sparse_backend, kDefaults.sparse_backend,
+              "suite_sparse (where Ceres has it) or eigen_sparse");
+DEFINE_string(initialization, kDefaults.initialization,
+              "given: the file's poses; odometry: chained along edges of ids that follow one "
+              "another; chordal: from all edges, by two linear systems");
+DEFINE_string(
+    loop_robustness, kDefaults.loop_robustness,
+    "none: all edges count; gnc: loops (edges of other ids) that do not fit are left out");
+DEFINE_double(max_loop_squared_error, kDefaults.max_loop_squared_error,
+              "a loop of a larger error (e^T information e) is wrong, for gnc");
+DEFINE_int32(max_iterations, kDefaults.max_iterations, "of Levenberg-Marquardt");
+DEFINE_double(min_relative_cost_change, kDefaults.min_relative_cost_change, "ends the iterations");
+
+namespace surfit::tools {
+namespace {
+
+PoseGraphOptions OptionsFromFlags() {
+  PoseGraphOptions options;
+  options.sparse_backend = FLAGS_sparse_backend;
+  options.initialization = FLAGS_initialization;
+  options.loop_robustness = FLAGS_loop_robustness;
+  options.max_loop_squared_error = FLAGS_max_loop_squared_error;
+  options.max_iterations = FLAGS_max_iterations;
+  options.min_relative_cost_change = FLAGS_min_relative_cost_change;
+  options.Validate();
+  return options;
+}
+
+std::string Number(double value, int digits = 6) {
+  return Concat(std::setprecision(digits), value);
+}
+
+void PrintIterations(const PoseGraphSummary& summary) {
+  std::vector<std::vector<std::string>> rows = {{"round", "iteration", "cost", "step", "ms"}};
+  int iteration = 0, round = 0;
+  for (const PoseGraphIteration& i : summary.iterations) {
+    if (i.round != round) iteration = 0;
+    round = i.round;
+    rows.push_back({std::to_string(round), std::to_string(iteration++), Number(i.cost, 10),
+                    i.accepted ? Number(i.step_norm) : "refused", Number(i.time_ms, 4)});
+  }
+  std::cout << TextTable(rows, 0);
+}
+
+void PrintOutcome(const PoseGraph& graph, const PoseGraphSummary& s) {
+  std::cout << ToString(s.termination) << ": " << graph.poses.size() << " poses (" << s.held_count
+            << " held), " << graph.edges.size() << " edges (" << s.loop_count << " loops, "
+            << s.outlier_edges.size() << " left out as wrong)\n"
+            << "cost " << Number(s.given_cost, 10) << " as given, " << Number(s.initial_cost, 10)
+            << " initialised in " << Number(s.initialize_ms, 4) << " ms, "
+            << Number(s.final_cost, 10) << " optimised in " << Number(s.solve_ms, 4) << " ms with "
+            << s.sparse_backend << std::endl;
+}
+
+void PrintIgnored(const G2oFile& file) {
+  for (const auto& [tag, count] : file.ignored_lines) {
+    std::cerr << "warning: " << count << " lines " << tag << " ignored" << std::endl;
+  }
+}
+
+// Wrong loops as pairs of ids, in the file's order.
+Json OutlierIds(const PoseGraph& graph, const PoseGraphSummary& summary) {
+  Json ids = Json::array();
+  for (const std::size_t i : summary.outlier_edges) {
+    ids.push_back({graph.poses[graph.edges[i].b].id, graph.poses[graph.edges[i].a].id});
+  }
+  return ids;
+}
+
+Json ToJson(const G2oFile& file, const PoseGraphSummary& s, const PoseGraphOptions& options) {
+  Json json = {{"termination", ToString(s.termination)},
+               {"poses", file.graph.poses.size()},
+               {"held_poses", s.held_count},
+               {"edges", file.graph.edges.size()},
+               {"loops", s.loop_count},
+               {"ignored_lines", file.ignored_lines},
+               {"given_cost", s.given_cost},
+               {"initial_cost", s.initial_cost},
+               {"final_cost", s.final_cost},
+               {"rounds", s.round_count},
+               {"initialize_ms", s.initialize_ms},
+               {"solve_ms", s.solve_ms}};
+  for (const PoseGraphIteration& i : s.iterations) {
+    json["iterations"].push_back({{"round", i.round},
+                                  {"cost", i.cost},
+                                  {"step_norm", i.step_norm},
+                                  {"accepted", i.accepted},
+                                  {"ms", i.time_ms}});
+  }
+  json["wrong_loops"] = OutlierIds(file.graph, s);
+  json["options"] = {{"graph", FLAGS_graph},
+                     {"sparse_backend", options.sparse_backend},
+                     {"initialization", options.initialization},
+                     {"loop_robustness", options.loop_robustness},
+                     {"max_loop_squared_error", options.max_loop_squared_error},
+                     {"max_iterations", options.max_iterations},
+                     {"min_relative_cost_change", options.min_relative_cost_change}};
+  return json;
+}
+
+int Run() {
+  const PoseGraphOptions options = OptionsFromFlags();
+  RequireFlag("graph", FLAGS_graph);
+  G2oFile file = ReadG2o(FLAGS_graph);
+  PrintIgnored(file);
+  const PoseGraphSummary summary = OptimizePoseGraph(options, &file.graph);
+  PrintIterations(summary);
+  PrintOutcome(file.graph, summary);
+  if (!FLAGS_summary.empty()) {
+    WriteFileAtomically(FLAGS_summary,
+                        [&](std::ostream& out) { out << ToText(ToJson(file, summary, options)); });
+  }
+  if (!summary.Succeeded()) {
+    std::cerr << "failed: the solver gave up" << std::endl;
+    return kAlgorithmFailed;
+  }
+  if (!FLAGS_output.empty()) WriteG2o(file.graph, FLAGS_output);
+  return kDone;
+}
+
+}  // namespace
+}  // namespace surfit::tools
+
+int main(int argc, char** argv) {
+  return surfit::tools::ToolMain(
+      argc, argv, "optimises the pose graph of a .g2o file, and prints the cost at each iteration.",
+      surfit::tools::Run);
+}
