@@ -20,6 +20,8 @@
 namespace surfit {
 namespace {
 
+constexpr int kRepeats = 3;  // of which the fastest counts
+
 struct Outcome {
   double cost = 0;
   int iterations = 0;
@@ -107,7 +109,11 @@ int Run(const PoseGraph& given, double max_ratio) {
             << Cost(given) << " as given" << std::endl;
   std::cout.precision(12);
   options.initialization = "given";
-  const Outcome plain = SolvePlainly(graph, options), ours = SolveByUs(graph, options);
+  Outcome plain = SolvePlainly(graph, options), ours = SolveByUs(graph, options);
+  for (int repeat = 1; repeat < kRepeats; ++repeat) {  // in turns: others may use the machine
+    plain.cpu_s = std::min(plain.cpu_s, SolvePlainly(graph, options).cpu_s);
+    ours.cpu_s = std::min(ours.cpu_s, SolveByUs(graph, options).cpu_s);
+  }
   Print("plain Ceres", plain);
   Print("Surfit", ours);
   const double ratio = ours.PerIteration() / plain.PerIteration();
