@@ -8,6 +8,7 @@
 
 #include "common/interruption.h"
 #include "common/progress_line.h"
+#include "common/report.h"
 #include "common/sequence_flags.h"
 #include "common/slam_flags.h"
 #include "common/solver_flags.h"
@@ -43,6 +44,9 @@ DEFINE_bool(pictures, kRun.pictures, "write the pictures");
 DEFINE_bool(view, false,
             "show the run in a window: frame, model, map and camera path; without a display the "
             "run says so and goes on");
+DEFINE_bool(report, kRun.keep_views,
+            "write report.html, to be opened in a browser: map and trajectory in 3D, plots, views, "
+            "options");
 DEFINE_string(trace, kRun.trace,
               "file for the times of all stages and threads, as ui.perfetto.dev and "
               "chrome://tracing show them; empty = none");
@@ -87,6 +91,7 @@ SlamRunOptions OptionsFromFlags() {
   options.poses = FLAGS_poses;
   options.threads = FLAGS_threads;
   options.pictures = FLAGS_pictures;
+  options.keep_views = FLAGS_report;
   options.trace = FLAGS_trace;
   options.dump_failures = FLAGS_dump_failures;
   SlamOptions& slam = options.slam;
@@ -180,6 +185,7 @@ int Run() {
   if (summary.interrupted || live) std::fputc('\n', stderr);  // ends the line of progress
   PrintSummary(summary, options.output);
   PrintStages(summary);
+  if (FLAGS_report) WriteAndPrintReport({{options.output}, options.output + "/report.html"});
   const bool nothing_tracked = summary.frames_tracked <= 1 && summary.frames_lost > 0;
   return nothing_tracked && !summary.interrupted ? kAlgorithmFailed : kDone;
 }

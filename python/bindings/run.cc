@@ -25,6 +25,8 @@ void BindRunOptions(py::module_& module) {
       .Add("threads", &SlamRunOptions::threads, "that compute at the same time")
       .Add("queue_capacity", &SlamRunOptions::queue_capacity, "frames that are read ahead")
       .Add("pictures", &SlamRunOptions::pictures, "whether to draw them")
+      .Add("keep_views", &SlamRunOptions::keep_views,
+           "whether to keep pictures of a few frames beside the model's views, for surfit_report")
       .Add("trace", &SlamRunOptions::trace, "file for the times of all stages; empty = none")
       .Add("dump_failures", &SlamRunOptions::dump_failures,
            "folder that keeps what tracking lost a frame with; empty = none")

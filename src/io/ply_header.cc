@@ -101,6 +101,14 @@ PlyHeader ParsePlyHeader(std::string_view file, const std::string& path) {
   return header;
 }
 
+const PlyElement& FindPlyElement(const PlyHeader& header, std::string_view name,
+                                 const std::string& path) {
+  for (const PlyElement& element : header.elements) {
+    if (element.name == name) return element;
+  }
+  throw InputError(Concat(path, ": the header has no element '", name, "'"));
+}
+
 std::optional<PlyColumns> FindPlyColumns(const PlyElement& element, const PlyNames& names) {
   PlyColumns columns;
   const auto& properties = element.properties;

@@ -41,6 +41,10 @@ struct PlyHeader {
 // Throws InputError naming `path`, the line and what is wrong with it.
 PlyHeader ParsePlyHeader(std::string_view file, const std::string& path);
 
+// Throws InputError naming `path` and the element if there is none of that name.
+const PlyElement& FindPlyElement(const PlyHeader& header, std::string_view name,
+                                 const std::string& path);
+
 // Where three scalar properties stand in a row, if all of them do.
 using PlyNames = std::array<const char*, 3>;
 using PlyColumns = std::array<std::size_t, 3>;

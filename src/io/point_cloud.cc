@@ -36,16 +36,9 @@ Rgb8 Color(const double* row, const PlyColumns& c) {
   return {byte(0), byte(1), byte(2)};
 }
 
-const PlyElement& FindVertices(const PlyHeader& header, const std::string& path) {
-  for (const PlyElement& element : header.elements) {
-    if (element.name == "vertex") return element;
-  }
-  throw InputError(Concat(path, ": the header has no element 'vertex'"));
-}
-
 PointCloud ParsePly(std::string_view file, const std::string& path) {
   const PlyHeader header = ParsePlyHeader(file, path);
-  const PlyElement& vertices = FindVertices(header, path);
+  const PlyElement& vertices = FindPlyElement(header, "vertex", path);
   const auto points = FindPlyColumns(vertices, {"x", "y", "z"});
   if (!points) throw InputError(Concat(path, ": element 'vertex' must have x, y and z"));
   const auto normals = FindPlyColumns(vertices, {"nx", "ny", "nz"});

@@ -2,15 +2,19 @@
 
 #include <iomanip>
 
+#include "run/kept_views.h"
 #include "surfit/core/error.h"
 #include "surfit/geometry/mirror.h"
 
 namespace surfit {
 
 std::vector<std::string> RunFileNames() {
-  return {"trajectory.txt",  "frames.csv",         "map.ply",
-          "summary.json",    "trajectory.png",     "map_color.png",
-          "map_normals.png", "map_confidence.png", "map_last_seen.png"};
+  std::vector<std::string> names = {"trajectory.txt",    "frames.csv",      "map.ply",
+                                    "summary.json",      "poses.json",      "trajectory.png",
+                                    "map_color.png",     "map_normals.png", "map_confidence.png",
+                                    "map_last_seen.png", "report.html"};
+  for (const std::string& name : KeptViews::FileNames()) names.push_back(name);
+  return names;
 }
 
 RunFiles::RunFiles(const std::string& folder, bool mirrored)

@@ -15,7 +15,9 @@
 
 #include "run/digest.h"
 #include "run/given_poses.h"
+#include "run/kept_views.h"
 #include "run/output_folder.h"
+#include "run/poses_json.h"
 #include "run/quantile.h"
 #include "run/run_files.h"
 #include "run/summary_json.h"
@@ -145,6 +147,9 @@ class SlamRun {
     summary_.input_points += static_cast<std::int64_t>(frame.depth_m.size());
     summary_.input_points_valid += valid;
     Count(report, valid);
+    if (options_.keep_views && report.state != FrameState::kLost) {
+      views_.Offer(frame, slam_->map(), info_.pinhole, report.world_from_camera);
+    }
     double write_ms = 0;
     {
       const StageTimer timer("write", frame.index, &write_ms);
@@ -188,6 +193,7 @@ class SlamRun {
       ++summary_.frames_without_intensities;
     }
     trajectory_.push_back({report.stamp_s, report.world_from_camera});
+    pose_frames_.push_back(report.index);
     summary_.updated += report.fusion.merged;
     summary_.added += report.fusion.added;
     summary_.removed += report.fusion.removed;
@@ -223,6 +229,10 @@ class SlamRun {
       const TraceSlice slice("write_map");
       WriteSurfelPly(map, options_.output + "/map.ply");
     }
+    views_.Write(options_.output);
+    WritePosesJson({info_.pinhole, trajectory_, pose_frames_, TruthOfTheRun(), summary_.evaluation,
+                    views_.views()},
+                   options_.output + "/poses.json");
     if (options_.pictures) WritePictures();
     if (trace_) trace_->Close();
     summary_.peak_rss_bytes = PeakRssBytes();
@@ -267,6 +277,8 @@ class SlamRun {
   std::unique_ptr<Slam> slam_;
   SlamRunSummary summary_;
   Trajectory trajectory_;
+  std::vector<int> pose_frames_;  // the trajectory's poses' frames
+  KeptViews views_;
   std::vector<double> stamps_s_;
   std::vector<double> frame_ms_;
   std::vector<double> match_shares_;

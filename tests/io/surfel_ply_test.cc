@@ -6,11 +6,13 @@
 #include <cstring>
 
 #include "surfit/io/point_cloud.h"
+#include "testing/expect_input_error.h"
 #include "testing/temp_folder.h"
 
 namespace surfit {
 namespace {
 
+using testing::ExpectInputError;
 using testing::ReadBytes;
 using testing::TempFolder;
 
@@ -74,6 +76,30 @@ TEST(WriteSurfelPly, WritesAnEmptyMap) {
   const TempFolder dir;
   WriteSurfelPly(SurfelMap(), dir / "map.ply");
   EXPECT_TRUE(ReadPly(dir / "map.ply").points.empty());
+}
+
+TEST(ReadSurfelPly, ReadsWhatWasWritten) {
+  const TempFolder dir;
+  SurfelMap map;
+  map.Append(TestSurfel());
+  WriteSurfelPly(map, dir / "map.ply");
+  const std::vector<Surfel> surfels = ReadSurfelPly(dir / "map.ply");
+  ASSERT_EQ(surfels.size(), 1u);
+  const Surfel expected = map[map.Ids()[0]];
+  EXPECT_EQ(surfels[0].position_in_world, expected.position_in_world);
+  EXPECT_EQ(surfels[0].normal_in_world, expected.normal_in_world);
+  EXPECT_EQ(surfels[0].color, expected.color);
+  EXPECT_EQ(surfels[0].radius_m, expected.radius_m);
+  EXPECT_EQ(surfels[0].confidence, expected.confidence);
+  EXPECT_EQ(surfels[0].first_seen, 7);
+  EXPECT_EQ(surfels[0].last_seen, 900);
+}
+
+TEST(ReadSurfelPly, RefusesACloudThatIsNoMap) {
+  const TempFolder dir;
+  WritePly({{Eigen::Vector3f(1, 2, 3)}, {}, {}}, dir / "cloud.ply");
+  ExpectInputError([&] { ReadSurfelPly(dir / "cloud.ply"); },
+                   ::testing::HasSubstr("'vertex' has no property nx"));
 }
 
 }  // namespace

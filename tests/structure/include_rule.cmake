@@ -16,8 +16,9 @@ set(evaluation_uses geometry)
 set(simulation_uses geometry frame)
 set(pictures_uses mapping)
 set(run_uses slam io evaluation pictures)
+set(report_uses io)
 set(rooms core geometry frame cost_functions registration mapping slam optimization io evaluation
-  simulation pictures run)
+  simulation pictures run report)
 
 # Sets <result> to the room itself and all it may include, directly or through others.
 function(rooms_within_reach room result)

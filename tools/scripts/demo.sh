@@ -27,5 +27,8 @@ if [[ $sequence == "$root/out/room" && ! -d $sequence ]]; then
   mv "$sequence.partial" "$sequence"
 fi
 
-"$tools/surfit_slam" --sequence="$sequence" --output="$output" "$@"
+"$tools/surfit_slam" --sequence="$sequence" --output="$output" --report "$@"
 echo "The pictures of the map and the trajectory: $output/*.png"
+if [[ -e $output/report.html ]]; then
+  echo "All of it in a browser, map in 3D: $output/report.html"
+fi

@@ -10,6 +10,8 @@ packages=(
   libeigen3-dev libceres-dev libgoogle-glog-dev libgflags-dev libopencv-dev libtbb-dev
   nlohmann-json3-dev libplplot-dev plplot-driver-cairo
   libturbojpeg0-dev zlib1g-dev
+  # what reports hold
+  libjs-three libjs-chart.js
   # documentation, manual pages and Debian packages
   doxygen help2man dpkg-dev
   # the Python module
@@ -19,6 +21,7 @@ packages=(
   # the tests
   libgtest-dev libgmock-dev libbenchmark-dev python3-pytest
   xvfb xdotool imagemagick
+  chromium chromium-driver python3-selenium python3-pil
 )
 
 if ! command -v dpkg-query apt-get >/dev/null; then

@@ -24,6 +24,7 @@ struct SlamRunOptions {
   int threads = 2;                        // that compute at the same time
   int queue_capacity = 4;                 // frames that are read ahead
   bool pictures = true;
+  bool keep_views = false;  // pictures of a few frames beside the model's views, for WriteReport()
   std::string trace;  // file for the times of all stages and threads (TraceRecorder); empty = none
   // Folder in which each frame that tracking loses is kept as frame-XXXXXX, to be registered again
   // (CompareOptions::replay); empty = none.
@@ -93,7 +94,8 @@ struct SlamRunSummary {
 };
 
 // Runs SLAM over a sequence and writes into the output folder: trajectory.txt (TUM format, a line
-// at a time, in the source's convention), frames.csv, map.ply, summary.json and the pictures.
+// at a time, in the source's convention), frames.csv, map.ply, summary.json, poses.json, views/ and
+// the pictures.
 // A sequence of format watch is followed until its end (WatchFolder()).
 // Frames that cannot be read are skipped and counted. When `interrupted` becomes true the frame at
 // work, or else the first one, is finished and everything is written. `progress` is called after

@@ -1,0 +1,82 @@
+#include "report/packed_map.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+
+#include "report/base64.h"
+
+namespace surfit {
+namespace {
+
+std::vector<Surfel> EvenlySpread(const std::vector<Surfel>& surfels, std::size_t max_points) {
+  const std::size_t count = std::min(surfels.size(), max_points);
+  std::vector<Surfel> some;
+  some.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Surfel& surfel = surfels[i * surfels.size() / count];
+    if (surfel.position_in_world.allFinite()) some.push_back(surfel);
+  }
+  return some;
+}
+
+// A column of the table: `size` values of type T of each surfel.
+template <typename T, typename F>
+std::string Column(const std::vector<Surfel>& surfels, int size, const F& values_of) {
+  std::vector<T> column;
+  column.reserve(surfels.size() * size);
+  for (const Surfel& surfel : surfels) {
+    const auto values = values_of(surfel);
+    for (int k = 0; k < size; ++k) column.push_back(static_cast<T>(values[k]));
+  }
+  return EncodeBase64(column);
+}
+
+float MedianRadius(const std::vector<Surfel>& surfels) {
+  if (surfels.empty()) return 0;
+  std::vector<float> radii;
+  for (const Surfel& surfel : surfels) radii.push_back(surfel.radius_m);
+  const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
+  std::nth_element(radii.begin(), middle, radii.end());
+  return *middle;
+}
+
+}  // namespace
+
+nlohmann::ordered_json PackMap(const std::vector<Surfel>& surfels, std::size_t max_points) {
+  using Array3 = Eigen::Array3f;
+  const std::vector<Surfel> shown = EvenlySpread(surfels, max_points);
+  Array3 low = Array3::Zero(), high = Array3::Zero();
+  for (std::size_t i = 0; i < shown.size(); ++i) {
+    const Array3 position = shown[i].position_in_world.array();
+    low = i == 0 ? position : low.min(position).eval();
+    high = i == 0 ? position : high.max(position).eval();
+  }
+  const Array3 extent = (high - low).max(1e-6f);
+  return {
+      {"points", surfels.size()},
+      {"shown", shown.size()},
+      {"origin", {low[0], low[1], low[2]}},
+      {"extent", {extent[0], extent[1], extent[2]}},
+      {"radius", MedianRadius(shown)},
+      {"position",
+       Column<std::uint16_t>(shown, 3,
+                             [&](const Surfel& s) -> Array3 {
+                               return (s.position_in_world.array() - low) / extent * 65535.f + 0.5f;
+                             })},
+      {"normal",
+       Column<std::int8_t>(shown, 3,
+                           [](const Surfel& s) -> Array3 {
+                             return (s.normal_in_world.array() * 127).round().min(127).max(-127);
+                           })},
+      {"color",
+       Column<std::uint8_t>(shown, 3,
+                            [](const Surfel& s) {
+                              return std::array<std::uint8_t, 3>{s.color.r, s.color.g, s.color.b};
+                            })},
+      {"confidence", Column<float>(shown, 1, [](const Surfel& s) { return &s.confidence; })},
+      {"first_seen", Column<std::int32_t>(shown, 1, [](const Surfel& s) { return &s.first_seen; })},
+      {"last_seen", Column<std::int32_t>(shown, 1, [](const Surfel& s) { return &s.last_seen; })}};
+}
+
+}  // namespace surfit

@@ -1,0 +1,11 @@
+#pragma once
+
+namespace surfit {
+
+// The page around the data, with its style, our scripts, three.js and Chart.js, put together from
+// src/report/page at build time. The runs come in between, each in an element
+// <script type="application/json" class="run">.
+extern const char kPageBeforeRuns[];
+extern const char kPageAfterRuns[];
+
+}  // namespace surfit

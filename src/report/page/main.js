@@ -1,0 +1,34 @@
+'use strict';
+surfit.headline = (run) => {
+  const s = run.summary;
+  const ate = s.ate_rmse_m === null ? 'ATE unknown' : `ATE ${(1000 * s.ate_rmse_m).toFixed(2)} mm`;
+  return `${s.frames_total} frames, ${s.frames_tracked} tracked, ${ate}, ${s.map_points} surfels, ${
+    s.frame_ms.median.toFixed(1)} ms a frame`;
+};
+
+// The rest of the page works without WebGL.
+surfit.showMap = (runs) => {
+  surfit.showMapLabels(runs);
+  try {
+    return new surfit.MapView(runs);
+  } catch (error) {
+    surfit.element('p', surfit.byId('map-view'), { className: 'failed',
+      textContent: `No 3D view: this browser gives no WebGL (${error.message}).` });
+    return null;
+  }
+};
+
+(() => {
+  surfit.connectTheme();
+  const runs = surfit.readRuns();
+  document.title = `Surfit: ${runs.map((run) => run.label).join(', ')}`;
+  document.documentElement.style.setProperty('--columns', runs.length);
+  surfit.byId('headline').textContent = runs.length === 1 ? surfit.headline(runs[0])
+    : `${runs.length} runs side by side`;
+  surfit.showMap(runs);
+  surfit.showTrajectories(runs);
+  surfit.showFrames(runs);
+  surfit.showViews(runs);
+  surfit.showTables(runs);
+  document.documentElement.dataset.readyMs = performance.now().toFixed(0);
+})();

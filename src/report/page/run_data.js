@@ -1,0 +1,48 @@
+'use strict';
+// What WriteReport() put into the page: an array of runs, as src/report/run_json.h tells, with the
+// text of frames.csv as columns, and the map's base64 as typed arrays.
+const surfit = {};
+
+surfit.decode = (base64, Type) => {
+  const text = atob(base64);
+  const bytes = new Uint8Array(text.length);
+  for (let i = 0; i < text.length; ++i) bytes[i] = text.charCodeAt(i);
+  return new Type(bytes.buffer);
+};
+
+// Columns by name; numbers but for the two that hold words.
+surfit.parseFrames = (csv) => {
+  const [names, ...rows] = csv.trim().split('\n').map((line) => line.split(','));
+  const columns = {};
+  names.forEach((name, k) => {
+    const isText = name === 'state' || name === 'termination';
+    columns[name] = rows.map((row) => (isText ? row[k] : Number(row[k])));
+  });
+  return columns;
+};
+
+surfit.decodeMap = (map) => Object.assign(map, {
+  position: surfit.decode(map.position, Uint16Array),
+  normal: surfit.decode(map.normal, Int8Array),
+  color: surfit.decode(map.color, Uint8Array),
+  confidence: surfit.decode(map.confidence, Float32Array),
+  first_seen: surfit.decode(map.first_seen, Int32Array),
+  last_seen: surfit.decode(map.last_seen, Int32Array),
+});
+
+surfit.readRuns = () => [...document.querySelectorAll('script.run')].map((element) => {
+  const run = JSON.parse(element.textContent);
+  element.remove();
+  run.frames = surfit.parseFrames(run.frames);
+  run.errors = new Map(run.poses.errors_m || []);  // frame's index to metres
+  surfit.decodeMap(run.map);
+  return run;
+});
+
+surfit.element = (tag, parent, properties = {}) => {
+  const element = Object.assign(document.createElement(tag), properties);
+  parent.append(element);
+  return element;
+};
+
+surfit.byId = (id) => document.getElementById(id);

@@ -1,0 +1,57 @@
+#include "surfit/report/write_report.h"
+
+#include <nlohmann/json.hpp>
+
+#include "report/page.h"
+#include "report/run_json.h"
+#include "surfit/core/atomic_file.h"
+#include "surfit/core/error.h"
+
+namespace surfit {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// JSON that HTML cannot mistake for a tag; '<' stands in strings only. What is no UTF-8 (a folder's
+// name may be anything) is replaced.
+std::string ToScriptText(const Json& json) {
+  const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string safe;
+  safe.reserve(text.size());
+  for (const char c : text) {
+    if (c == '<') {
+      safe += "\\u003c";
+    } else {
+      safe += c;
+    }
+  }
+  return safe;
+}
+
+}  // namespace
+
+void ReportOptions::Validate() const {
+  if (runs.empty()) throw InputError("runs is empty, must name at least one run's folder");
+  if (output.empty()) throw InputError("output is empty, must name a file");
+  if (max_points < 1000) {
+    throw InputError(Concat("max_points is ", max_points, ", must be at least 1000"));
+  }
+}
+
+std::vector<ReportedMap> WriteReport(const ReportOptions& options) {
+  options.Validate();
+  std::vector<ReportedMap> maps;
+  WriteFileAtomically(options.output, [&](std::ostream& file) {
+    file << kPageBeforeRuns;
+    for (const std::string& folder : options.runs) {
+      const Json run = ReadRun(folder, options.max_points / options.runs.size());
+      maps.push_back({folder, run["map"]["points"], run["map"]["shown"]});
+      file << "<script type=\"application/json\" class=\"run\">" << ToScriptText(run)
+           << "</script>\n";
+    }
+    file << kPageAfterRuns;
+  });
+  return maps;
+}
+
+}  // namespace surfit

@@ -1,0 +1,65 @@
+#include "report/packed_map.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "report/base64.h"
+
+namespace surfit {
+namespace {
+
+// Surfels at x = 0, 1, ..., count - 1 metres.
+std::vector<Surfel> Row(int count) {
+  std::vector<Surfel> surfels(count);
+  for (int i = 0; i < count; ++i) {
+    surfels[i].position_in_world = {static_cast<float>(i), 2.f, -3.f};
+    surfels[i].normal_in_world = {0.f, -1.f, 0.f};
+    surfels[i].color = {10, 20, static_cast<std::uint8_t>(i)};
+    surfels[i].radius_m = 0.01f;
+    surfels[i].confidence = 5.5f;
+    surfels[i].first_seen = i;
+    surfels[i].last_seen = 2 * i;
+  }
+  return surfels;
+}
+
+TEST(PackMap, HoldsEverySurfelOfASmallMap) {
+  const auto packed = PackMap(Row(2), 10);
+  EXPECT_EQ(packed["points"], 2);
+  EXPECT_EQ(packed["shown"], 2);
+  EXPECT_EQ(packed["origin"], (std::vector<float>{0, 2, -3}));
+  EXPECT_EQ(packed["extent"][0], 1);
+  EXPECT_FLOAT_EQ(packed["radius"].get<float>(), 0.01f);
+  // The share of an extent of nothing is 0, rounded: 0.5 is cut off.
+  EXPECT_EQ(packed["position"], EncodeBase64(std::vector<std::uint16_t>{0, 0, 0, 65535, 0, 0}));
+  EXPECT_EQ(packed["normal"], EncodeBase64(std::vector<std::int8_t>{0, -127, 0, 0, -127, 0}));
+  EXPECT_EQ(packed["color"], EncodeBase64(std::vector<std::uint8_t>{10, 20, 0, 10, 20, 1}));
+  EXPECT_EQ(packed["confidence"], EncodeBase64(std::vector<float>{5.5f, 5.5f}));
+  EXPECT_EQ(packed["first_seen"], EncodeBase64(std::vector<std::int32_t>{0, 1}));
+  EXPECT_EQ(packed["last_seen"], EncodeBase64(std::vector<std::int32_t>{0, 2}));
+}
+
+TEST(PackMap, ThinsOutEvenly) {
+  const auto packed = PackMap(Row(100), 4);
+  EXPECT_EQ(packed["points"], 100);
+  EXPECT_EQ(packed["shown"], 4);
+  EXPECT_EQ(packed["first_seen"], EncodeBase64(std::vector<std::int32_t>{0, 25, 50, 75}));
+}
+
+TEST(PackMap, LeavesOutWhatIsNotFinite) {
+  auto surfels = Row(3);
+  surfels[1].position_in_world.y() = std::numeric_limits<float>::quiet_NaN();
+  const auto packed = PackMap(surfels, 10);
+  EXPECT_EQ(packed["points"], 3);
+  EXPECT_EQ(packed["shown"], 2);
+}
+
+TEST(PackMap, TakesAnEmptyMap) {
+  const auto packed = PackMap({}, 10);
+  EXPECT_EQ(packed["shown"], 0);
+  EXPECT_EQ(packed["position"], "");
+}
+
+}  // namespace
+}  // namespace surfit

@@ -1,0 +1,98 @@
+"""Reports in a headless Chromium that draws WebGL on the CPU."""
+
+import io
+import os
+import pathlib
+import subprocess
+import time
+
+import pytest
+
+webdriver = pytest.importorskip("selenium.webdriver", reason="Selenium (python3-selenium) is missing")
+pil_image = pytest.importorskip("PIL.Image", reason="Pillow (python3-pil) is missing")
+
+from selenium.webdriver.chrome.service import Service  # noqa: E402
+from selenium.webdriver.common.by import By  # noqa: E402
+from selenium.webdriver.support.ui import Select  # noqa: E402
+
+DRIVER = pathlib.Path("/usr/bin/chromedriver")
+MODES = ["color", "normal", "confidence", "last_seen", "first_seen"]
+
+
+def run_tool(name, *flags):
+    return subprocess.run([os.path.join(os.environ["SURFIT_TOOLS_DIR"], name), *flags],
+                          capture_output=True, text=True, check=False)
+
+
+def open_browser():
+    if not DRIVER.exists():
+        pytest.skip("Chromium's driver (chromium-driver) is missing")
+    options = webdriver.ChromeOptions()
+    for flag in ["--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--use-angle=swiftshader",
+                 "--enable-unsafe-swiftshader", "--window-size=1400,1000"]:
+        options.add_argument(flag)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    return webdriver.Chrome(options=options, service=Service(str(DRIVER)))
+
+
+def frame_drawn(browser):
+    """Waits until the page has drawn what it was asked for."""
+    browser.execute_async_script("const done = arguments[0];"
+                                 "requestAnimationFrame(() => requestAnimationFrame(() => done()))")
+
+
+class Page:
+    """A report opened from disk; seconds_to_open includes the first picture."""
+
+    def __init__(self, browser, path):
+        self.browser = browser
+        begin = time.monotonic()
+        browser.get(pathlib.Path(path).resolve().as_uri())
+        frame_drawn(browser)
+        self.seconds_to_open = time.monotonic() - begin
+
+    def console(self):
+        return self.browser.get_log("browser")
+
+    def script(self, text):
+        return self.browser.execute_script(text)
+
+    def map_picture(self):
+        """What the 3D view shows: a picture of Pillow's, RGB."""
+        frame_drawn(self.browser)
+        png = self.browser.find_element(By.ID, "map-canvas").screenshot_as_png
+        return pil_image.open(io.BytesIO(png)).convert("RGB")
+
+    def choose_mode(self, mode):
+        Select(self.browser.find_element(By.ID, "color-mode")).select_by_value(mode)
+
+    def click(self, name):
+        element = self.browser.find_element(By.ID, name)
+        self.script(f"document.getElementById('{element.get_attribute('id')}').click()")
+
+
+def drawn_share(picture):
+    """The share of the pixels that are not the background, which is that of the first corner."""
+    background = picture.getpixel((0, 0))
+    pixels = list(picture.getdata())
+    return sum(pixel != background for pixel in pixels) / len(pixels)
+
+
+def differing_share(a, b):
+    pairs = list(zip(a.getdata(), b.getdata()))
+    return sum(p != q for p, q in pairs) / len(pairs)
+
+
+def expect_every_mode_drawn(page):
+    """Each mode shows the map, and no two of them the same."""
+    page.click("show-estimate")  # the map alone
+    page.click("show-truth")
+    page.click("show-cameras")
+    pictures = {}
+    for mode in MODES:
+        page.choose_mode(mode)
+        pictures[mode] = page.map_picture()
+        assert drawn_share(pictures[mode]) > 0.1, mode
+    for i, mode in enumerate(MODES):
+        for other in MODES[i + 1:]:
+            assert differing_share(pictures[mode], pictures[other]) > 0.05, (mode, other)

@@ -1,0 +1,101 @@
+#include "run/kept_views.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "io/jpeg.h"
+#include "testing/temp_folder.h"
+
+namespace surfit {
+namespace {
+
+using ::testing::ElementsAre;
+
+constexpr int kWidth = 32, kHeight = 24;
+
+PinholeCamera Camera() {
+  PinholeCamera camera;
+  camera.width = kWidth;
+  camera.height = kHeight;
+  camera.fx = camera.fy = 30;
+  camera.cx = 15.5;
+  camera.cy = 11.5;
+  return camera;
+}
+
+RgbdFrame Frame(int index, bool with_color) {
+  RgbdFrame frame;
+  frame.index = index;
+  frame.depth_m = Image<float>(kWidth, kHeight, 1.f);
+  if (with_color) frame.color = Image<Rgb8>(kWidth, kHeight, {200, 100, 50});
+  return frame;
+}
+
+// A map of one surfel, 1 m before the camera, that covers the middle of the image.
+SurfelMap Map() {
+  SurfelMap map;
+  Surfel surfel;
+  surfel.position_in_world = {0, 0, 1};
+  surfel.normal_in_world = {0, 0, -1};
+  surfel.color = {20, 40, 200};
+  surfel.radius_m = 0.2f;
+  surfel.confidence = 20;
+  map.Append(surfel);
+  return map;
+}
+
+std::vector<int> KeptOf(int frames) {
+  KeptViews views;
+  const SurfelMap map = Map();
+  for (int i = 0; i < frames; ++i) views.Offer(Frame(i, false), map, Camera(), Rigid3d());
+  std::vector<int> kept;
+  for (const KeptView& view : views.views()) kept.push_back(view.index);
+  return kept;
+}
+
+TEST(KeptViews, AreEvenlySpreadHoweverLongTheRun) {
+  EXPECT_THAT(KeptOf(0), ElementsAre());
+  EXPECT_THAT(KeptOf(3), ElementsAre(0, 1, 2));
+  EXPECT_THAT(KeptOf(10), ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8, 9));
+  EXPECT_THAT(KeptOf(11), ElementsAre(0, 2, 4, 6, 8, 10));
+  EXPECT_THAT(KeptOf(100), ElementsAre(0, 16, 32, 48, 64, 80, 96));
+}
+
+TEST(KeptViews, ShowTheInputAndTheMapFromItsPose) {
+  KeptViews views;
+  views.Offer(Frame(7, true), Map(), Camera(), Rigid3d());
+  ASSERT_EQ(views.views().size(), 1u);
+  const KeptView& view = views.views()[0];
+  EXPECT_EQ(view.index, 7);
+  ASSERT_EQ(view.pictures.size(), 4u);
+  const auto middle = [&](int picture) {
+    const Image<Rgb8> image = DecodeJpeg(view.pictures[picture].jpeg, "view");
+    EXPECT_EQ(image.width(), kWidth);
+    return image(kWidth / 2, kHeight / 2);
+  };
+  // Far more than JPEG changes of so small a picture: orange is the frame's, blue the surfel's.
+  EXPECT_GT(middle(0).r, middle(0).b + 100);
+  EXPECT_GT(middle(1).b, middle(1).r + 100);
+  EXPECT_NEAR(middle(2).g, middle(3).g, 30);  // the same depth in the same colours
+  // Where the map has nothing, its view is grey and the input is not.
+  EXPECT_NE(DecodeJpeg(view.pictures[2].jpeg, "view")(0, 0),
+            DecodeJpeg(view.pictures[3].jpeg, "view")(0, 0));
+}
+
+TEST(KeptViews, WriteOnlyFilesThatALaterRunRemoves) {
+  const testing::TempFolder folder;
+  KeptViews views;
+  for (int i = 0; i < KeptViews::kMost; ++i) {
+    views.Offer(Frame(i, true), Map(), Camera(), Rigid3d());
+  }
+  views.Write(folder.path());
+  for (const std::string& name : KeptViews::FileNames()) {
+    EXPECT_TRUE(std::filesystem::remove(folder.path() + "/" + name)) << name;
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path() + "/views"));
+}
+
+}  // namespace
+}  // namespace surfit
