@@ -5,6 +5,7 @@
 
 #include "mapping/bucket_list.h"
 #include "mapping/merge_gate.h"
+#include "surfit/mapping/surfel.h"
 
 namespace surfit {
 
@@ -16,6 +17,7 @@ struct Candidate {
   int pixel;
   float distance2;              // between point and surfel, squared
   bool is_superfluous = false;  // another one of its pixel or of one beside does as well
+  const SurfelObservation* seen = nullptr;  // by the points that chose it; null if none did
 };
 
 // The candidates of a cell of a map.

@@ -24,8 +24,9 @@
 namespace surfit {
 namespace {
 
-// So many candidates before its own its points and block are asked for, to be in the cache by then.
+// So much before its turn a candidate and what it needs is asked for, to be in the cache by then.
 constexpr int kCandidatesAhead = 16;
+constexpr int kPixelsAhead = 24;
 
 struct MergeCounts {
   int points = 0;
@@ -61,11 +62,11 @@ struct Fusion::Workspace {
   void MarkDormant(SurfelBlock* block) const;
   std::vector<Surfel> NewSurfels(const PosedCamera& camera);
   Surfel NewSurfel(const PosedCamera& camera, int pixel) const;
-  MergeCounts MergePoints(const PosedCamera& camera, SurfelMap* map) const;
-  MergeCounts MergePoints(const PosedCamera& camera, const std::vector<Candidate>& of_cell,
-                          SurfelMap* map) const;
-  void FetchPoints(int pixel, int width) const;
-  int Merge(const PosedCamera& camera, const Candidate& candidate, SurfelMap* map) const;
+  MergeCounts AveragePoints(const PosedCamera& camera);
+  MergeCounts AveragePoints(const PosedCamera& camera, int band);
+  PointAverage AverageOf(const Candidate& candidate, std::uint32_t choosing, int width) const;
+  void MergePoints(SurfelMap* map) const;
+  void MergePoints(const std::vector<Candidate>& of_cell, SurfelMap* map) const;
 
   const FusionOptions& options;
   const MergeGate gate;
@@ -79,6 +80,7 @@ struct Fusion::Workspace {
   Image<float> free_depth_m;              // per pixel
   std::vector<std::int32_t> cells;        // of the map: those to look at
   std::vector<CandidateList> candidates;  // per cell of these
+  std::vector<std::vector<SurfelObservation>> seen_in_band;
 };
 
 void FusionOptions::Validate() const {
@@ -122,7 +124,8 @@ FusionReport Fusion::Fuse(const RgbdFrame& frame, const FrameLevel& surface,
   FusionReport report;
   work.choice.SetCandidates(camera.width, camera.height, &work.candidates);
   report.input_points = work.choice.ChooseAll(work.points);
-  const MergeCounts merged = work.MergePoints(camera, map);
+  const MergeCounts merged = work.AveragePoints(camera);
+  work.MergePoints(map);
   std::vector<Surfel> added = work.NewSurfels(camera);
   report.merged_points = merged.points;
   report.merged = merged.surfels;
@@ -234,67 +237,74 @@ Surfel Fusion::Workspace::NewSurfel(const PosedCamera& camera, int pixel) const 
   return surfel;
 }
 
-// A surfel meets the points that chose it in raster order; no two tasks touch the same surfel.
-MergeCounts Fusion::Workspace::MergePoints(const PosedCamera& camera, SurfelMap* map) const {
-  const int lists = static_cast<int>(candidates.size());
-  return ParallelSum(0, lists, 1, MergeCounts(), [&](int list, int) {
-    const MergeCounts counts = MergePoints(camera, candidates[list].candidates, map);
+// Tells each candidate what the points that chose it have seen of it.
+MergeCounts Fusion::Workspace::AveragePoints(const PosedCamera& camera) {
+  seen_in_band.resize(BandCount(camera.height));
+  return ParallelSum(0, BandCount(camera.height), 1, MergeCounts(),
+                     [&](int band, int) { return AveragePoints(camera, band); });
+}
+
+MergeCounts Fusion::Workspace::AveragePoints(const PosedCamera& camera, int band) {
+  MergeCounts counts;
+  std::vector<SurfelObservation>& seen = seen_in_band[band];
+  seen.clear();
+  seen.reserve(static_cast<std::size_t>(kBandRows) * camera.width);  // so that none is moved
+  const int end = std::min((band + 1) * kBandRows, camera.height) * camera.width;
+  for (int pixel = band * kBandRows * camera.width; pixel < end; ++pixel) {
+    __builtin_prefetch(choice.OfPixel(std::min(pixel + kPixelsAhead, end - 1)));
+    Candidate* const candidate = choice.OfPixel(pixel);
+    if (!candidate) continue;
+    const std::uint32_t choosing = choice.Choosing(pixel);
+    if (choosing == 0) continue;  // its own point is nearer to a neighbour's surfel
+    seen.push_back(AverageOf(*candidate, choosing, camera.width).Observation(camera));
+    candidate->seen = &seen.back();
+    counts.points += __builtin_popcount(choosing);
+    ++counts.surfels;
+  }
+  return counts;
+}
+
+PointAverage Fusion::Workspace::AverageOf(const Candidate& candidate, std::uint32_t choosing,
+                                          int width) const {
+  PointAverage average(options.max_radius_ratio * candidate.radius_m);
+  ForEachBit(choosing, [&](int k) {
+    const int pixel = candidate.pixel + (k / 3 - 1) * width + k % 3 - 1;
+    average.Add(points[pixel], weights[pixel]);
+    if (!frame->color.empty()) average.AddColor(frame->color[pixel], weights[pixel]);
+  });
+  return average;
+}
+
+// Merges the candidates with what was seen of them, and marks the superfluous ones for removal.
+void Fusion::Workspace::MergePoints(SurfelMap* map) const {
+  ParallelFor(0, static_cast<int>(candidates.size()), 1, [&](int list, int) {
+    MergePoints(candidates[list].candidates, map);
     SurfelCell& cell = map->cell(cells[list]);
     cell.bounds = {};
     for (const std::int32_t b : cell.blocks) {
       cell.bounds.Add(map->block(b).bounds);
       cell.is_marked |= map->block(b).to_remove != 0;
     }
-    return counts;
   });
 }
 
-MergeCounts Fusion::Workspace::MergePoints(const PosedCamera& camera,
-                                           const std::vector<Candidate>& of_cell,
-                                           SurfelMap* map) const {
-  MergeCounts counts;
+void Fusion::Workspace::MergePoints(const std::vector<Candidate>& of_cell, SurfelMap* map) const {
   const int count = static_cast<int>(of_cell.size());
   const auto block_of = [&](int k) { return of_cell[k].surfel / SurfelBlock::kCapacity; };
   for (int k = 0; k < count; ++k) {
     const int soon = std::min(k + kCandidatesAhead, count - 1);
-    FetchPoints(of_cell[soon].pixel, camera.width);
+    if (of_cell[soon].seen) Fetch(of_cell[soon].seen, of_cell[soon].seen + 1);
     if (soon == 0 || block_of(soon) != block_of(soon - 1)) FetchAll(map->block(block_of(soon)));
-    const int met = Merge(camera, of_cell[k], map);
-    counts.points += met;
-    counts.surfels += met > 0;
-    if (k + 1 == count || block_of(k + 1) != block_of(k)) {
-      BoundPositions(&map->block(block_of(k)));
+    const Candidate& candidate = of_cell[k];
+    SurfelBlock& block = map->block(block_of(k));
+    const int place = candidate.surfel % SurfelBlock::kCapacity;
+    block.to_remove |= static_cast<std::uint64_t>(candidate.is_superfluous) << place;
+    if (candidate.seen) {
+      block.Merge(place, *candidate.seen, options.max_confidence);
+      block.last_seen[place] = frame->index;
     }
+    if (k + 1 == count || block_of(k + 1) != block_of(k)) BoundPositions(&block);
   }
-  return counts;
-}
-
-// Asks for what Merge() will look at of a pixel and those beside it.
-void Fusion::Workspace::FetchPoints(int pixel, int width) const {
-  for (const int q : {pixel - width, pixel, pixel + width}) {
-    __builtin_prefetch(points.data() + q);  // of pixels outside nothing is read
-  }
-  __builtin_prefetch(&weights[pixel]);
-  if (!frame->color.empty()) __builtin_prefetch(&frame->color[pixel]);
-}
-
-// Merges a candidate with the points that chose it, and returns how many there are. One that
-// another surfel of its pixel makes superfluous is marked for removal.
-int Fusion::Workspace::Merge(const PosedCamera& camera, const Candidate& candidate,
-                             SurfelMap* map) const {
-  SurfelBlock& block = map->block(candidate.surfel / SurfelBlock::kCapacity);
-  const int k = candidate.surfel % SurfelBlock::kCapacity;
-  if (candidate.is_superfluous) block.to_remove |= std::uint64_t{1} << k;
-  if (!choice.IsOfItsPixel(candidate)) return 0;
-  const Rgb8 color = block.Color(k);
-  PointAverage average(options.max_radius_ratio * candidate.radius_m);
-  choice.ForEachChoosing(candidate.pixel, [&](int pixel) {
-    average.Add(points[pixel], weights[pixel], frame->color.empty() ? color : frame->color[pixel]);
-  });
-  if (average.count() == 0) return 0;  // its own point is nearer to a neighbour's surfel
-  block.Merge(k, average.Observation(camera), options.max_confidence);
-  block.last_seen[k] = frame->index;
-  return average.count();
 }
 
 }  // namespace surfit

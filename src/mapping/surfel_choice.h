@@ -36,14 +36,12 @@ class SurfelChoice {
   // these stand for. Returns the pixels of the new ones in raster order, a list for each band.
   const std::vector<std::vector<int>>& ChooseNew(const std::vector<MeasuredPoint>& points);
 
-  // Whether that candidate is its pixel's.
-  bool IsOfItsPixel(const Candidate& candidate) const {
-    return own_[candidate.pixel] == &candidate;
-  }
+  // The candidate of a pixel, null if it has none.
+  Candidate* OfPixel(int pixel) const { return own_[pixel]; }
 
-  // Calls f(pixel) for the pixels whose points have chosen this pixel's surfel, in raster order.
-  template <typename F>
-  void ForEachChoosing(int pixel, const F& f) const;
+  // Which of the nine pixels around this one, row by row, have points that chose its surfel: a
+  // mask.
+  std::uint32_t Choosing(int pixel) const;
 
  private:
   void SetCandidates(int band, std::vector<CandidateList>* lists);
@@ -67,14 +65,14 @@ class SurfelChoice {
   std::vector<std::vector<int>> new_;  // pixels, by band
 };
 
-template <typename F>
-void SurfelChoice::ForEachChoosing(int pixel, const F& f) const {
+inline std::uint32_t SurfelChoice::Choosing(int pixel) const {
   const int stride = width_ + 2;
-  const State* middle = &states_[PaddedIndex(pixel)];
+  const State* row = &states_[PaddedIndex(pixel) - stride - 1];
+  std::uint32_t mask = 0;
   for (int k = 0; k < 9; ++k) {
-    const int du = k % 3 - 1, dv = k / 3 - 1;
-    if (middle[dv * stride + du] == 8 - k) f(pixel + dv * width_ + du);
+    mask |= static_cast<std::uint32_t>(row[k / 3 * stride + k % 3] == 8 - k) << k;
   }
+  return mask;
 }
 
 }  // namespace surfit

@@ -55,8 +55,9 @@ void RegisterLevel(const FrameLevel& source, const FrameLevel& target, int level
   }
   std::optional<FrameLevel> sample;
   if (options.max_source_points > 0) sample = CovarianceSample(source, options.max_source_points);
-  const std::unique_ptr<Association> association = MakeAssociation(
-      sample ? *sample : source, target, options.association, gates, error_model, NormalsNeededBy(residual));
+  const std::unique_ptr<Association> association =
+      MakeAssociation(sample ? *sample : source, target, options.association, gates, error_model,
+                      NormalsNeededBy(residual));
   RunLevel({*association, *solver, level, start, target.camera.fx}, options, result);
 }
 

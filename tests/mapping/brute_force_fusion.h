@@ -218,7 +218,7 @@ class BruteForceFusion {
   SurfelObservation Average(const std::vector<int>& pixels, float surfel_radius_m) {
     Eigen::Vector3d position = Eigen::Vector3d::Zero(), normal = position, color = position;
     SurfelObservation seen;
-    seen.weight = static_cast<float>(pixels.size());
+    seen.weight = seen.color_weight = static_cast<float>(pixels.size());
     seen.shape_weight = 0;
     seen.radius_m = surfel_radius_m * options_.max_radius_ratio;
     seen.at_edge = true;

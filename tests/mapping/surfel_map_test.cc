@@ -42,7 +42,7 @@ SurfelObservation RandomObservation(std::mt19937_64* rng) {
   seen.normal_in_world = RandomNormal(0.5f, rng);
   seen.color = ColorAsVector(RandomColor(rng)).cast<float>();
   seen.radius_m = Uniform(0.001f, 0.02f, rng);
-  seen.weight = seen.shape_weight = Uniform(0.2f, 1, rng);
+  seen.weight = seen.shape_weight = seen.color_weight = Uniform(0.2f, 1, rng);
   return seen;
 }
 
@@ -232,7 +232,7 @@ TEST(Merge, EqualWeightsGiveTheArithmeticMean) {
   float smallest = first.radius_m;
   for (int n = 2; n <= kCount; ++n) {
     SurfelObservation seen = RandomObservation(&rng);
-    seen.weight = seen.shape_weight = 1;
+    seen.weight = seen.shape_weight = seen.color_weight = 1;
     position_sum += seen.position_in_world.cast<double>();
     color_sum += seen.color.cast<double>();
     smallest = std::min(smallest, seen.radius_m);

@@ -28,6 +28,7 @@ struct SurfelObservation {
   float shape_weight = 1;                                       // the sum of their weights, or 0
   // Of all points.
   Eigen::Vector3f color = Eigen::Vector3f::Zero();  // sRGB, in 8-bit steps
+  float color_weight = 1;                           // 0 without colours, else the weight
   float weight = 1;                                 // a, the sum
   bool at_edge = false;                             // at depth edges, with normals of neighbours
 };

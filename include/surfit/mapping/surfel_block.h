@@ -57,8 +57,8 @@ struct SurfelBlock {
   // The weighted average of surfel k with an observation of weight a: position, normal and colour
   // become (w q + a p) / (w + a), w the confidence; the normal is unit again, the radius the
   // smaller of both, and w becomes w + a, but at most max_confidence. Position and normal follow
-  // the observation's only by its shape_weight; without any they and the radius stay. The bounds
-  // stay as they are.
+  // the observation's only by its shape_weight, and the colour by its color_weight; without any
+  // they stay, and so does the radius. The bounds stay as they are.
   void Merge(int k, const SurfelObservation& observation, float max_confidence);
 };
 
@@ -79,7 +79,7 @@ inline void SurfelBlock::Merge(int k, const SurfelObservation& seen, float max_c
     nz[k] = n.z();
     radius_m[k] = std::min(radius_m[k], seen.radius_m);
   }
-  const float share = seen.weight * inverse_sum;
+  const float share = seen.color_weight * inverse_sum;
   const auto mix = [share](std::uint16_t* old, float byte) {
     const float value = *old;
     *old = static_cast<std::uint16_t>(value + share * (256.f * byte - value) + 0.5f);

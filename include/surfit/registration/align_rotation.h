@@ -6,8 +6,8 @@
 
 namespace surfit {
 
-// Two views of one camera: pyramids of as many levels, and the colours of their finest pixels; empty
-// where there are none.
+// Two views of one camera: pyramids of as many levels, and the colours of their finest pixels;
+// empty where there are none.
 struct ViewPair {
   const FramePyramid& source;
   const Image<Rgb8>& source_color;
