@@ -71,6 +71,9 @@ DEFINE_double(lasting_confidence, kRun.slam.fusion.lasting_confidence,
               "surfels of less confidence are removed when not seen for a while");
 DEFINE_double(free_space_margin_m, kRun.slam.fusion.free_space_margin_m,
               "surfels are removed where depth is measured farther than this behind them");
+DEFINE_int32(active_frames, kRun.slam.fusion.active_frames,
+             "surfels not seen in so many fused frames are neither tracked against nor merged "
+             "with; 0 = no limit");
 DEFINE_int32(max_map_points, kRun.slam.fusion.max_map_points,
              "a map of so many surfels takes no further ones, which is said and counted; 0 = no "
              "limit");
@@ -111,6 +114,7 @@ SlamRunOptions OptionsFromFlags() {
   slam.fusion.double_share = static_cast<float>(FLAGS_double_share);
   slam.fusion.lasting_confidence = static_cast<float>(FLAGS_lasting_confidence);
   slam.fusion.free_space_margin_m = static_cast<float>(FLAGS_free_space_margin_m);
+  slam.fusion.active_frames = FLAGS_active_frames;
   slam.fusion.max_map_points = FLAGS_max_map_points;
   slam.fusion.max_dormant_frames = FLAGS_max_dormant_frames;
   options.record = RecordedFlags();

@@ -25,6 +25,8 @@ void BindFusionOptions(py::module_& module) {
            "surfels with less are removed when not seen for max_dormant_frames")
       .Add("max_dormant_frames", &FusionOptions::max_dormant_frames, "fused frames")
       .Add("max_confidence", &FusionOptions::max_confidence, "so that the map can still change")
+      .Add("active_frames", &FusionOptions::active_frames,
+           "surfels not seen in so many fused frames meet no points; 0 = no limit")
       .Add("max_map_points", &FusionOptions::max_map_points,
            "a map of so many surfels takes no further ones; 0 = no limit")
       .Add("free_space_margin_m", &FusionOptions::free_space_margin_m,

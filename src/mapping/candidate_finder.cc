@@ -84,7 +84,8 @@ std::uint64_t FindSame(const MergeGate& gate, BlockPixels* p) {
 // Asks for what was measured at the pixels of a block. Some time must pass until it is looked at.
 std::uint64_t CandidateFinder::Project(const SurfelBlock& block, BlockPixels* p) const {
   const std::uint64_t inside =
-      WithInstructions([&](auto) { return FindPixels(block, camera_, p); });
+      WithInstructions([&](auto) { return FindPixels(block, camera_, p); }) &
+      MaskOfSeenSince(block, active_since_);
   ForEachBit(inside, [&](int k) {
     __builtin_prefetch(&points_[p->pixel[k]]);
     __builtin_prefetch(&free_depth_m_[p->pixel[k]]);

@@ -14,12 +14,13 @@ namespace surfit {
 class CandidateFinder {
  public:
   CandidateFinder(const PosedCamera& camera, const std::vector<MeasuredPoint>& points,
-                  const Image<float>& free_depth_m, const MergeGate& gate)
+                  const Image<float>& free_depth_m, const MergeGate& gate, int active_since)
       : camera_(camera),
         frustum_(camera, 0.5f),  // to the borders of the outermost pixels
         points_(points),
         free_depth_m_(free_depth_m),
-        gate_(gate) {}
+        gate_(gate),
+        active_since_(active_since) {}
 
   // Surfels of these may be candidates, or seen through.
   bool MaySee(const SurfelBounds& bounds) const {
@@ -43,6 +44,7 @@ class CandidateFinder {
   const std::vector<MeasuredPoint>& points_;
   const Image<float>& free_depth_m_;
   const MergeGate& gate_;
+  const int active_since_;  // surfels that were last seen before this frame are left alone
 };
 
 }  // namespace surfit

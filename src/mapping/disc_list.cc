@@ -29,7 +29,7 @@ void DiscLayer::Add(const Disc& disc) {
 }
 
 void DiscList::Assign(const SurfelMap& map, const SurfelCell& cell, const PosedCamera& camera,
-                      const ViewFrustum& frustum, const RenderOptions& options) {
+                      const ViewFrustum& frustum, const RenderOptions& options, int active_since) {
   for (DiscLayer& layer : layers_) {
     ClearClosely(cell.blocks.size() * SurfelBlock::kCapacity, &layer.discs);
     layer.bands.Clear(BandCount(camera.height));
@@ -40,7 +40,9 @@ void DiscList::Assign(const SurfelMap& map, const SurfelCell& cell, const PosedC
     const SurfelBlock& block = map.block(b);
     FetchShapes(map.block(cell.blocks[std::min(i + 1, cell.blocks.size() - 1)]));
     if (!frustum.MaySee(block.bounds)) continue;
-    ForEachBit(FindDiscs(block, camera, options, &discs), [&](int k) {
+    const std::uint64_t seen =
+        FindDiscs(block, camera, options, &discs) & MaskOfSeenSince(block, active_since);
+    ForEachBit(seen, [&](int k) {
       const Layer layer = block.confidence[k] >= options.stable_confidence ? kStable : kUnstable;
       layers_[layer].Add(discs.Get(k, b * SurfelBlock::kCapacity + k));
     });

@@ -27,7 +27,7 @@ struct DiscLayer {
 class DiscList {
  public:
   void Assign(const SurfelMap& map, const SurfelCell& cell, const PosedCamera& camera,
-              const ViewFrustum& frustum, const RenderOptions& options);
+              const ViewFrustum& frustum, const RenderOptions& options, int active_since);
 
   const DiscLayer& operator[](Layer layer) const { return layers_[layer]; }
 

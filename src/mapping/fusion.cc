@@ -3,7 +3,6 @@
 #include <glog/logging.h>
 
 #include <algorithm>
-#include <deque>
 #include <limits>
 
 #include "mapping/bands.h"
@@ -11,6 +10,7 @@
 #include "mapping/candidate_finder.h"
 #include "mapping/clear_closely.h"
 #include "mapping/fetch_block.h"
+#include "mapping/frame_window.h"
 #include "mapping/measured_points.h"
 #include "mapping/merge_gate.h"
 #include "mapping/per_surfel.h"
@@ -54,10 +54,15 @@ int DropBeyond(int max_map_points, std::size_t map_points, std::vector<Surfel>* 
 // The fusion of one frame; owns the buffers that are kept between frames.
 struct Fusion::Workspace {
   explicit Workspace(const FusionOptions& fusion_options)
-      : options(fusion_options), gate(fusion_options), choice(gate) {}
+      : options(fusion_options),
+        gate(fusion_options),
+        choice(gate),
+        awake(fusion_options.max_dormant_frames),
+        active(fusion_options.active_frames) {}
 
   void Begin(const RgbdFrame& new_frame, const FrameLevel& surface);
   void FindCandidates(const PosedCamera& camera, SurfelMap* map);
+  int ActiveSince() const;
   bool MayBeDormant(const SurfelBounds& bounds) const;
   void MarkDormant(SurfelBlock* block) const;
   std::vector<Surfel> NewSurfels(const PosedCamera& camera);
@@ -72,8 +77,8 @@ struct Fusion::Workspace {
   const MergeGate gate;
   SurfelChoice choice;
   const RgbdFrame* frame = nullptr;
-  std::deque<int> last_frames;  // indices of the last max_dormant_frames + 1, this one included
-  int awake_since = 0;          // surfels that were last seen before this frame are dormant
+  FrameWindow awake;   // surfels last seen before this are dormant
+  FrameWindow active;  // and before this inactive
   Image<float> weights;
   double weights_cx = 0, weights_cy = 0;  // the principal point they belong to
   std::vector<MeasuredPoint> points;      // per pixel
@@ -99,6 +104,7 @@ void FusionOptions::Validate() const {
   require(max_radius_ratio > 0, "max_radius_ratio", max_radius_ratio, "positive");
   require(lasting_confidence >= 0, "lasting_confidence", lasting_confidence, "zero or positive");
   require(max_dormant_frames >= 0, "max_dormant_frames", max_dormant_frames, "zero or positive");
+  require(active_frames >= 0, "active_frames", active_frames, "zero or positive");
   require(max_confidence > 0, "max_confidence", max_confidence, "positive");
   require(max_map_points >= 0, "max_map_points", max_map_points, "zero (no limit) or positive");
   require(free_space_margin_m > 0, "free_space_margin_m", free_space_margin_m, "positive");
@@ -112,6 +118,8 @@ Fusion::Fusion(const FusionOptions& options)
 }
 
 Fusion::~Fusion() = default;
+
+int Fusion::ActiveSince() const { return workspace_->ActiveSince(); }
 
 FusionReport Fusion::Fuse(const RgbdFrame& frame, const FrameLevel& surface,
                           const Rigid3d& world_from_camera, SurfelMap* map) {
@@ -140,10 +148,8 @@ FusionReport Fusion::Fuse(const RgbdFrame& frame, const FrameLevel& surface,
 
 void Fusion::Workspace::Begin(const RgbdFrame& new_frame, const FrameLevel& surface) {
   frame = &new_frame;
-  const std::size_t most = static_cast<std::size_t>(options.max_dormant_frames) + 1;
-  last_frames.push_back(frame->index);
-  if (last_frames.size() > most) last_frames.pop_front();
-  awake_since = last_frames.size() == most ? last_frames.front() : std::numeric_limits<int>::min();
+  awake.Push(frame->index);
+  active.Push(frame->index);
   const int width = surface.camera.width, height = surface.camera.height;
   const PinholeCamera& camera = surface.camera;
   if (weights.width() != width || weights.height() != height || weights_cx != camera.cx ||
@@ -156,9 +162,13 @@ void Fusion::Workspace::Begin(const RgbdFrame& new_frame, const FrameLevel& surf
   free_depth_m = FreeDepths(frame->depth_m, options);
 }
 
+int Fusion::Workspace::ActiveSince() const {
+  return options.active_frames == 0 ? std::numeric_limits<int>::min() : active.Begin();
+}
+
 // Whether there may be dormant surfels to remove.
 bool Fusion::Workspace::MayBeDormant(const SurfelBounds& bounds) const {
-  return bounds.least_last_seen < awake_since &&
+  return bounds.least_last_seen < awake.Begin() &&
          bounds.least_confidence < options.lasting_confidence;
 }
 
@@ -166,7 +176,7 @@ bool Fusion::Workspace::MayBeDormant(const SurfelBounds& bounds) const {
 void Fusion::Workspace::MarkDormant(SurfelBlock* block) const {
   constexpr int kCapacity = SurfelBlock::kCapacity;
   const float lasting = options.lasting_confidence;
-  const int since = awake_since, count = block->count;
+  const int since = awake.Begin(), count = block->count;
   block->to_remove |= WithInstructions([&](auto) {
     PerSurfel<std::uint8_t> dormant;
     PerSurfel<float> confidence;
@@ -186,7 +196,7 @@ void Fusion::Workspace::MarkDormant(SurfelBlock* block) const {
 // Filter passes 1 and 2: the surfels that project into the image (pass 1) and belong to the point
 // found there (pass 2). Marks what is to be removed.
 void Fusion::Workspace::FindCandidates(const PosedCamera& camera, SurfelMap* map) {
-  const CandidateFinder finder(camera, points, free_depth_m, gate);
+  const CandidateFinder finder(camera, points, free_depth_m, gate, ActiveSince());
   cells.clear();
   for (std::int32_t i = 0; i < map->cell_count(); ++i) {
     const SurfelBounds& bounds = map->cell(i).bounds;

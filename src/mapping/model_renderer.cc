@@ -47,14 +47,14 @@ ModelRenderer::ModelRenderer(const RenderOptions& options) : options_(options) {
 ModelRenderer::~ModelRenderer() = default;
 
 ModelView ModelRenderer::Render(const SurfelMap& map, const PinholeCamera& camera,
-                                const Rigid3d& world_from_view) {
+                                const Rigid3d& world_from_view, int active_since) {
   CHECK_LE(std::max(camera.width, camera.height), std::numeric_limits<std::int16_t>::max());
   const PosedCamera posed(camera, world_from_view);
   const ViewFrustum frustum(posed, static_cast<float>(options_.max_half_window_px));
   const std::vector<std::int32_t> cells = VisibleCells(map, frustum);
   lists_.resize(cells.size());
   ParallelFor(0, static_cast<int>(cells.size()), 1, [&](int i, int) {
-    lists_[i].Assign(map, map.cell(cells[i]), posed, frustum, options_);
+    lists_[i].Assign(map, map.cell(cells[i]), posed, frustum, options_, active_since);
   });
 
   ModelView view = BlankView(camera, world_from_view);

@@ -29,6 +29,14 @@ inline std::uint64_t MaskOfAll(const SurfelBlock& block) {
   return ~std::uint64_t{0} >> (SurfelBlock::kCapacity - block.count);
 }
 
+// Of those that were last seen in this frame or later.
+inline std::uint64_t MaskOfSeenSince(const SurfelBlock& block, int frame) {
+  if (block.bounds.least_last_seen >= frame) return ~std::uint64_t{0};
+  PerSurfel<std::uint8_t> seen;
+  for (int k = 0; k < SurfelBlock::kCapacity; ++k) seen[k] = block.last_seen[k] >= frame;
+  return MaskOf(seen);
+}
+
 // Calls f(k) for the bits that are set, in order.
 template <typename F>
 void ForEachBit(std::uint64_t mask, const F& f) {

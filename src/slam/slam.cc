@@ -186,7 +186,7 @@ Slam::Target Slam::MakeTarget(const Rigid3d& world_from_predicted) {
   if (options_.tracking == "frame_to_frame") {
     return {last_view_.pyramid, world_from_last_, last_view_.color};
   }
-  ModelView view = renderer_.Render(map_, camera_, world_from_predicted);
+  ModelView view = renderer_.Render(map_, camera_, world_from_predicted, fusion_.ActiveSince());
   DropNormalsAtEdges(options_.preprocess, &view.surface);
   Target target = {
       BuildPyramid(std::move(view.surface), options_.preprocess), world_from_predicted, {}};

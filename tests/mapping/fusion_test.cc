@@ -407,6 +407,23 @@ TEST(FusionDormancy, CountsTheFramesThatWereFused) {
   }
 }
 
+// A wall, then nothing for some frames, then the wall again.
+TEST(FusionActiveFrames, WhatWasNotSeenInTheWindowIsMappedOnceMore) {
+  for (const int active_frames : {0, 3, 4}) {
+    FusionOptions options;
+    options.active_frames = active_frames;
+    Fusion fusion(options);
+    SurfelMap map;
+    Fuse(WallFrame(TestCamera(), {}, 2, 0), {}, &fusion, &map);
+    for (int i = 1; i <= 3; ++i) Fuse(BlankFrame(TestCamera(), i), {}, &fusion, &map);
+    EXPECT_EQ(fusion.ActiveSince() > 0, false) << active_frames;
+    const FusionReport again = Fuse(WallFrame(TestCamera(), {}, 2, 4), {}, &fusion, &map);
+    EXPECT_EQ(fusion.ActiveSince() > 0, active_frames == 3);
+    EXPECT_EQ(again.added, active_frames == 3 ? 64 * 48 : 0) << active_frames;
+    EXPECT_EQ(again.merged_points, active_frames == 3 ? 0 : 64 * 48) << active_frames;
+  }
+}
+
 // A patch of 5 x 5 surfels about the ray of pixel (32, 24), in front of a wall at 2 m.
 struct FloatingPatch {
   SurfelMap map;
@@ -499,6 +516,8 @@ TEST(FusionOptions, RefuseWhatMakesNoSense) {
   expect_refused([](auto& o) { o.max_distance_m = kNan; }, "max_distance_m is nan");
   expect_refused([](auto& o) { o.max_normal_angle_rad = 1.6f; },
                  "max_normal_angle_rad is 1.6, must be positive and below pi/2");
+  expect_refused([](auto& o) { o.active_frames = -1; },
+                 "active_frames is -1, must be zero or positive");
   expect_refused([](auto& o) { o.double_share = -1; },
                  "double_share is -1, must be zero or positive");
   expect_refused([](auto& o) { o.max_spacing_m = -1; }, "max_spacing_m is -1, must be positive");

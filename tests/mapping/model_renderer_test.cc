@@ -221,6 +221,22 @@ TEST(ModelRenderer, OfAnEmptyMapSeesNothing) {
   EXPECT_EQ(ColorsOf(view, {}), Image<Rgb8>(64, 48));
 }
 
+TEST(ModelRenderer, DrawsActiveSurfelsOnly) {
+  SurfelMap map;
+  Surfel surfel;
+  surfel.position_in_world = {0, 0, 1};
+  surfel.normal_in_world = {0, 0, -1};
+  surfel.radius_m = 0.1f;
+  surfel.confidence = 100;
+  surfel.last_seen = 7;
+  map.Append(surfel);
+  const auto seen = [&](int active_since) {
+    return ModelRenderer({}).Render(map, SmallCamera(), {}, active_since).surfel_index;
+  };
+  EXPECT_THAT(seen(7), ::testing::Contains(0));
+  EXPECT_THAT(seen(8), Each(ModelView::kNoSurfel));
+}
+
 TEST(ModelRenderer, ForgetsTheViewBefore) {
   SurfelMap map;
   map.Append(Disc({0, 0, 1}, {0, 0, -1}, 0.1f, 20));

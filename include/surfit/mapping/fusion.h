@@ -30,7 +30,10 @@ struct FusionOptions {
   float lasting_confidence = 2;   // a surfel with less, seen about once, is noise ...
   int max_dormant_frames = 20;    // ... and removed after so many fused frames without it
   float max_confidence = 200;     // so that the map can still change
-  int max_map_points = 0;         // a map of so many surfels takes no further ones; 0 = no limit
+  // Surfels not seen in so many fused frames do not meet points: where the camera has drifted, what
+  // it sees again is not fused with what it saw long ago, but mapped once more. 0 = no limit.
+  int active_frames = 0;
+  int max_map_points = 0;  // a map of so many surfels takes no further ones; 0 = no limit
   float free_space_margin_m = 0.05f;  // measured farther than this behind a surfel, plus 4 sigma
   DepthNoise noise;                   // of the depth: the surfel is not there
 
@@ -66,6 +69,9 @@ class Fusion {
   // result does not depend on the number of threads.
   FusionReport Fuse(const RgbdFrame& frame, const FrameLevel& surface,
                     const Rigid3d& world_from_camera, SurfelMap* map);
+
+  // The surfels that were last seen in this frame or later are active after the last one.
+  int ActiveSince() const;
 
  private:
   struct Workspace;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "surfit/frame/depth_noise.h"
@@ -41,10 +42,11 @@ class ModelRenderer {
   ModelRenderer(const ModelRenderer&) = delete;
   ModelRenderer& operator=(const ModelRenderer&) = delete;
 
-  // The view of an undistorted camera. The same map and pose give the same view bit for bit at any
-  // number of threads.
+  // The view of an undistorted camera, of the surfels that were last seen in frame `active_since`
+  // or later. The same map and pose give the same view bit for bit at any number of threads.
   ModelView Render(const SurfelMap& map, const PinholeCamera& camera,
-                   const Rigid3d& world_from_view);
+                   const Rigid3d& world_from_view,
+                   int active_since = std::numeric_limits<int>::min());
 
  private:
   RenderOptions options_;
