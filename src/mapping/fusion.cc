@@ -14,8 +14,8 @@
 #include "mapping/measured_points.h"
 #include "mapping/merge_gate.h"
 #include "mapping/per_surfel.h"
-#include "mapping/point_average.h"
 #include "mapping/posed_camera.h"
+#include "mapping/sightings.h"
 #include "mapping/surfel_choice.h"
 #include "surfit/core/error.h"
 #include "surfit/core/lanes.h"
@@ -26,17 +26,6 @@ namespace {
 
 // So much before its turn a candidate and what it needs is asked for, to be in the cache by then.
 constexpr int kCandidatesAhead = 16;
-constexpr int kPixelsAhead = 24;
-
-struct MergeCounts {
-  int points = 0;
-  int surfels = 0;
-  MergeCounts& operator+=(const MergeCounts& other) {
-    points += other.points;
-    surfels += other.surfels;
-    return *this;
-  }
-};
 
 // Drops the last of the new surfels that a full map has no place for; returns how many.
 int DropBeyond(int max_map_points, std::size_t map_points, std::vector<Surfel>* added) {
@@ -57,6 +46,7 @@ struct Fusion::Workspace {
       : options(fusion_options),
         gate(fusion_options),
         choice(gate),
+        sightings(fusion_options.max_radius_ratio),
         awake(fusion_options.max_dormant_frames),
         active(fusion_options.active_frames) {}
 
@@ -67,15 +57,13 @@ struct Fusion::Workspace {
   void MarkDormant(SurfelBlock* block) const;
   std::vector<Surfel> NewSurfels(const PosedCamera& camera);
   Surfel NewSurfel(const PosedCamera& camera, int pixel) const;
-  MergeCounts AveragePoints(const PosedCamera& camera);
-  MergeCounts AveragePoints(const PosedCamera& camera, int band);
-  PointAverage AverageOf(const Candidate& candidate, std::uint32_t choosing, int width) const;
   void MergePoints(SurfelMap* map) const;
   void MergePoints(const std::vector<Candidate>& of_cell, SurfelMap* map) const;
 
   const FusionOptions& options;
   const MergeGate gate;
   SurfelChoice choice;
+  Sightings sightings;
   const RgbdFrame* frame = nullptr;
   FrameWindow awake;   // surfels last seen before this are dormant
   FrameWindow active;  // and before this inactive
@@ -85,7 +73,6 @@ struct Fusion::Workspace {
   Image<float> free_depth_m;              // per pixel
   std::vector<std::int32_t> cells;        // of the map: those to look at
   std::vector<CandidateList> candidates;  // per cell of these
-  std::vector<std::vector<SurfelObservation>> seen_in_band;
 };
 
 void FusionOptions::Validate() const {
@@ -132,7 +119,8 @@ FusionReport Fusion::Fuse(const RgbdFrame& frame, const FrameLevel& surface,
   FusionReport report;
   work.choice.SetCandidates(camera.width, camera.height, &work.candidates);
   report.input_points = work.choice.ChooseAll(work.points);
-  const MergeCounts merged = work.AveragePoints(camera);
+  const Sightings::Counts merged =
+      work.sightings.Gather(frame, work.points, work.weights, camera, work.choice);
   work.MergePoints(map);
   std::vector<Surfel> added = work.NewSurfels(camera);
   report.merged_points = merged.points;
@@ -245,44 +233,6 @@ Surfel Fusion::Workspace::NewSurfel(const PosedCamera& camera, int pixel) const 
   surfel.at_edge = point.at_edge;
   surfel.first_seen = surfel.last_seen = frame->index;
   return surfel;
-}
-
-// Tells each candidate what the points that chose it have seen of it.
-MergeCounts Fusion::Workspace::AveragePoints(const PosedCamera& camera) {
-  seen_in_band.resize(BandCount(camera.height));
-  return ParallelSum(0, BandCount(camera.height), 1, MergeCounts(),
-                     [&](int band, int) { return AveragePoints(camera, band); });
-}
-
-MergeCounts Fusion::Workspace::AveragePoints(const PosedCamera& camera, int band) {
-  MergeCounts counts;
-  std::vector<SurfelObservation>& seen = seen_in_band[band];
-  seen.clear();
-  seen.reserve(static_cast<std::size_t>(kBandRows) * camera.width);  // so that none is moved
-  const int end = std::min((band + 1) * kBandRows, camera.height) * camera.width;
-  for (int pixel = band * kBandRows * camera.width; pixel < end; ++pixel) {
-    __builtin_prefetch(choice.OfPixel(std::min(pixel + kPixelsAhead, end - 1)));
-    Candidate* const candidate = choice.OfPixel(pixel);
-    if (!candidate) continue;
-    const std::uint32_t choosing = choice.Choosing(pixel);
-    if (choosing == 0) continue;  // its own point is nearer to a neighbour's surfel
-    seen.push_back(AverageOf(*candidate, choosing, camera.width).Observation(camera));
-    candidate->seen = &seen.back();
-    counts.points += __builtin_popcount(choosing);
-    ++counts.surfels;
-  }
-  return counts;
-}
-
-PointAverage Fusion::Workspace::AverageOf(const Candidate& candidate, std::uint32_t choosing,
-                                          int width) const {
-  PointAverage average(options.max_radius_ratio * candidate.radius_m);
-  ForEachBit(choosing, [&](int k) {
-    const int pixel = candidate.pixel + (k / 3 - 1) * width + k % 3 - 1;
-    average.Add(points[pixel], weights[pixel]);
-    if (!frame->color.empty()) average.AddColor(frame->color[pixel], weights[pixel]);
-  });
-  return average;
 }
 
 // Merges the candidates with what was seen of them, and marks the superfluous ones for removal.
