@@ -1,7 +1,6 @@
 #include "mapping/surfel_choice.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "mapping/bands.h"
 #include "mapping/patch_row.h"
@@ -10,9 +9,9 @@
 
 namespace surfit {
 
-// What becomes of the points and surfels of a row's pixels.
+// What becomes of the points and surfels of a row's pixels, with room for as many as are done at
+// once beyond its end.
 struct RowOutcome {
-  // With room for as many as are done at once.
   explicit RowOutcome(int width) : state(width + 7), superfluous(width + 7) {}
 
   std::vector<std::int32_t> state;        // SurfelChoice::State
@@ -21,8 +20,7 @@ struct RowOutcome {
 
 namespace {
 
-constexpr float kFar = std::numeric_limits<float>::infinity();
-
+// So many pixels ahead a candidate is asked for, to be in the cache by then.
 constexpr int kPixelsAhead = 16;
 
 void LoadPoints(const MeasuredPoint* points, int width, PatchRow* row) {

@@ -8,7 +8,6 @@
 #include "mapping/measured_points.h"
 #include "mapping/merge_gate.h"
 #include "surfit/core/image.h"
-#include "surfit/mapping/surfel_map.h"
 
 namespace surfit {
 
@@ -39,7 +38,7 @@ class SurfelChoice {
   // The candidate of a pixel, null if it has none.
   Candidate* OfPixel(int pixel) const { return own_[pixel]; }
 
-  // Which of the nine pixels around this one, row by row, have points that chose its surfel: a
+  // Which of the nine pixels around this one, row by row, have points that chose its surfel, as a
   // mask.
   std::uint32_t Choosing(int pixel) const;
 
@@ -47,7 +46,6 @@ class SurfelChoice {
   void SetCandidates(int band, std::vector<CandidateList>* lists);
   int ChooseBand(const std::vector<MeasuredPoint>& points, int begin, int end);
   int Keep(int v, const RowOutcome& outcome);
-
   void ChooseNewOfPhase(const std::vector<MeasuredPoint>& points, int band, int phase);
   bool IsCovered(const std::vector<MeasuredPoint>& points, int pixel) const;
   // In the image of states, which has a border of one pixel.
@@ -57,8 +55,7 @@ class SurfelChoice {
 
   const MergeGate& gate_;
   int width_ = 0, height_ = 0;
-  Image<Candidate*> own_;            // null where there is none
-  Image<std::uint8_t> superfluous_;  // 1 where another surfel makes the pixel's so
+  Image<Candidate*> own_;  // null where there is none
   Image<State> states_;
   // Pixels, by band and phase: whether rows and columns are even or odd.
   std::vector<std::array<std::vector<int>, 4>> open_;
