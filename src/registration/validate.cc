@@ -13,12 +13,6 @@ void Require(bool holds, const char* field, double value, const char* constraint
   if (!holds) throw InputError(Concat(field, " is ", value, ", must be ", constraint));
 }
 
-void RequireName(const char* field, const std::string& value,
-                 const std::vector<std::string>& known) {
-  if (std::find(known.begin(), known.end(), value) != known.end()) return;
-  throw InputError(Concat(field, " is '", value, "', must be one of: ", Listed(known)));
-}
-
 }  // namespace
 
 void ErrorModel::Validate() const {

@@ -7,8 +7,7 @@
 #include <limits>
 #include <random>
 
-#include "mapping/plane_frame.h"
-#include "mapping/same_map.h"
+#include "mapping/checked_fusion.h"
 #include "testing/expect_input_error.h"
 
 namespace surfit {
@@ -16,32 +15,13 @@ namespace {
 
 using Eigen::Vector3f;
 using testing::BlankFrame;
-using testing::ExpectConsistent;
 using testing::ExpectInputError;
 using testing::FrameWithSurface;
+using testing::Fuse;
 using ::testing::HasSubstr;
 using testing::SetPixel;
+using testing::TestCamera;
 using testing::WallFrame;
-
-PinholeCamera TestCamera() { return {64, 48, 80, 80, 31.5, 23.5, {}}; }
-
-FusionReport Fuse(const FrameWithSurface& f, const Rigid3d& pose, Fusion* fusion, SurfelMap* map) {
-  const int before = static_cast<int>(map->size());
-  const FusionReport report = fusion->Fuse(f.frame, f.surface, pose, map);
-  ExpectConsistent(*map);
-  EXPECT_EQ(static_cast<int>(map->size()), before + report.added - report.removed);
-  EXPECT_GE(report.covered_points, 0);
-  EXPECT_EQ(report.merged_points + report.covered_points + report.added + report.refused,
-            report.input_points);
-  EXPECT_LE(report.merged, report.merged_points);
-  return report;
-}
-
-std::vector<float> Confidences(const SurfelMap& map) {
-  std::vector<float> confidences;
-  for (const std::int32_t id : map.Ids()) confidences.push_back(map[id].confidence);
-  return confidences;
-}
 
 TEST(Fusion, TheFirstFrameBecomesTheMap) {
   const PinholeCamera camera = TestCamera();
@@ -162,124 +142,6 @@ TEST(Fusion, NoiseFallsWithTheSquareRootOfTheFrames) {
   }
 }
 
-// One surfel and one measured pixel, the middle one of 5 x 5: whether they meet, at 1 m, where a
-// pixel is 1 cm wide.
-struct OnePair {
-  Surfel surfel;
-  FrameWithSurface f = BlankFrame({5, 5, 100, 100, 2, 2, {}}, 3);
-  FusionOptions options;
-
-  OnePair() {
-    surfel.position_in_world = {0, 0, 1};
-    surfel.normal_in_world = {0, 0, -1};
-    surfel.radius_m = std::sqrt(2.f) / 100;
-    surfel.confidence = 4;
-    surfel.first_seen = surfel.last_seen = 2;
-    SetPixel(2, 2, 1, {0, 0, -1}, &f);
-  }
-
-  FusionReport Run(SurfelMap* map) const {
-    map->Append(surfel);
-    Fusion fusion(options);
-    const FusionReport report = Fuse(f, {}, &fusion, map);
-    EXPECT_EQ(report.input_points, 1);
-    EXPECT_EQ(report.removed, 0);
-    return report;
-  }
-  bool Merges() const {
-    SurfelMap map;
-    const bool merged = Run(&map).merged_points == 1;
-    EXPECT_EQ(map.size(), merged ? 1u : 2u);
-    return merged;
-  }
-};
-
-TEST(FusionGates, DistanceAlongTheNormal) {
-  for (const float sign : {-1.f, 1.f}) {
-    OnePair pair;
-    pair.surfel.position_in_world.z() = 1 + sign * 0.0499f;
-    EXPECT_TRUE(pair.Merges());
-    pair.surfel.position_in_world.z() = 1 + sign * 0.0501f;
-    EXPECT_FALSE(pair.Merges());
-    pair.options.max_distance_m = 0.06f;
-    EXPECT_TRUE(pair.Merges());
-  }
-}
-
-TEST(FusionGates, AngleBetweenTheNormals) {
-  OnePair pair;
-  const auto tilt = [&](float angle) {
-    pair.surfel.normal_in_world = {0, std::sin(angle), -std::cos(angle)};
-  };
-  tilt(0.599f);
-  EXPECT_TRUE(pair.Merges());
-  tilt(0.601f);
-  EXPECT_FALSE(pair.Merges());
-  pair.options.max_normal_angle_rad = 0.7f;
-  EXPECT_TRUE(pair.Merges());
-}
-
-TEST(FusionGates, DistanceAcrossIsTheSpacingOrTheRadius) {
-  OnePair pair;
-  pair.options.max_spacing_m = 0.003f;  // below half a pixel, so that the pixel stays the same
-  pair.surfel.position_in_world.x() = 0.00299f;
-  EXPECT_TRUE(pair.Merges());
-  pair.surfel.position_in_world.x() = 0.00301f;
-  EXPECT_FALSE(pair.Merges());
-
-  // Finer pixels: the point's radius of sqrt(2) / 1000 rules where it is below the spacing. Beyond
-  // the pixel itself another measured one must have taken the surfel.
-  OnePair fine;
-  fine.f = BlankFrame({5, 5, 1000, 1000, 2, 2, {}}, 3);
-  SetPixel(2, 2, 1, {0, 0, -1}, &fine.f);
-  fine.options.max_spacing_m = 1;
-  fine.surfel.normal_in_world = Vector3f(0, 0.5f, -1).normalized();
-  // A surfel behind the pixel's centre by h is (n_y h, n_z h) = 0.447 h across.
-  fine.surfel.position_in_world = {0, 0, 1 + 0.0014f / 0.4472f};
-  EXPECT_TRUE(fine.Merges());
-  fine.surfel.position_in_world = {0, 0, 1 + 0.0015f / 0.4472f};
-  EXPECT_FALSE(fine.Merges());
-}
-
-TEST(FusionGates, CoarsePointsDoNotMoveAFineSurfel) {
-  OnePair pair;
-  pair.surfel.position_in_world.z() = 1.01f;
-  pair.surfel.radius_m = 0.0142f / 1.49f;
-  SurfelMap fine_enough, too_coarse;
-  EXPECT_EQ(pair.Run(&fine_enough).merged, 1);
-  EXPECT_NEAR(fine_enough[0].position_in_world.z(), 1.01 - 0.01 / 5, 1e-6);
-  EXPECT_EQ(fine_enough[0].radius_m, pair.surfel.radius_m);
-
-  pair.surfel.radius_m = 0.0141f / 1.51f;
-  EXPECT_EQ(pair.Run(&too_coarse).merged, 1);
-  EXPECT_EQ(too_coarse[0].position_in_world.z(), 1.01f);
-  EXPECT_EQ(too_coarse[0].confidence, 5);
-  EXPECT_EQ(too_coarse[0].last_seen, 3);
-  EXPECT_EQ(too_coarse[0].first_seen, 2);
-}
-
-TEST(FusionGates, AFinerPointShrinksTheSurfel) {
-  OnePair pair;
-  pair.surfel.radius_m = 0.05f;
-  SurfelMap map;
-  pair.Run(&map);
-  EXPECT_FLOAT_EQ(map[0].radius_m, std::sqrt(2.f) / 100);
-}
-
-TEST(FusionGates, TheNearestOfTwoSurfelsIsTaken) {
-  OnePair pair;
-  pair.options.double_share = 0;
-  SurfelMap map;
-  Surfel other = pair.surfel;
-  other.position_in_world.z() = 0.99f;
-  map.Append(other);
-  other.position_in_world.z() = 1.02f;
-  map.Append(other);
-  pair.surfel.position_in_world.z() = 1.005f;
-  pair.Run(&map);
-  EXPECT_EQ(Confidences(map), (std::vector<float>{4, 4, 5}));
-}
-
 // A view of a wall with pixels of 2 mm: the first surfel, of an even row and column, stands for the
 // eight points around, all within sqrt(2) pixels but for rounding, and so do the others.
 TEST(Fusion, NewSurfelsStandForThePointsBesideThem) {
@@ -302,176 +164,6 @@ TEST(Fusion, NewSurfelsStandForThePointsBesideThem) {
     }
   }
 }
-
-// Two surfels of one pixel or of two that are side by side, 4 mm apart with radii of sqrt(2) cm.
-TEST(FusionDoubles, TheOneOfLessConfidenceGoes) {
-  for (const float x : {0.f, 0.004f}) {  // a pixel's border is at 5 mm
-    OnePair pair;
-    SetPixel(3, 2, 1, {0, 0, -1}, &pair.f);
-    Surfel other = pair.surfel;
-    pair.surfel.position_in_world.x() = x;
-    other.position_in_world.x() = x + 0.004f;
-    other.confidence = 7;
-    SurfelMap map;
-    map.Append(pair.surfel);
-    map.Append(other);
-    Fusion fusion(pair.options);
-    EXPECT_EQ(Fuse(pair.f, {}, &fusion, &map).removed, 1);
-    ASSERT_EQ(map.size(), 1u);
-    EXPECT_GE(map[0].confidence, 7);
-  }
-}
-
-TEST(FusionDoubles, OnesThatAreFartherApartOrTurnedAwayStay) {
-  const auto removed = [](const Surfel& other, float double_share) {
-    OnePair pair;
-    pair.options.double_share = double_share;
-    SurfelMap map;
-    map.Append(pair.surfel);
-    map.Append(other);
-    Fusion fusion(pair.options);
-    return Fuse(pair.f, {}, &fusion, &map).removed;
-  };
-  Surfel other = OnePair().surfel;
-  other.confidence = 7;
-  other.position_in_world.x() = 0.0049f;  // the spacing, 1 cm, is less than the radii
-  EXPECT_EQ(removed(other, 0.5f), 1);
-  EXPECT_EQ(removed(other, 0.48f), 0);
-  EXPECT_EQ(removed(other, 0), 0);
-  other.radius_m = 0.009f;
-  EXPECT_EQ(removed(other, 0.5f), 0);
-  other.radius_m = 0.02f;
-  other.position_in_world.z() = 1.049f;
-  EXPECT_EQ(removed(other, 0.5f), 1);
-  other.position_in_world.z() = 1.051f;
-  EXPECT_EQ(removed(other, 0.5f), 0);
-  other.position_in_world.z() = 1;
-  other.normal_in_world = {0, std::sin(0.61f), -std::cos(0.61f)};
-  EXPECT_EQ(removed(other, 0.5f), 0);
-}
-
-// Two pixels, one surfel in the first one: the second point has none of its own and takes it.
-TEST(FusionGates, APointTakesTheSurfelOfItsNeighbourWithinReach) {
-  OnePair pair;
-  pair.options.weighting = "uniform";
-  pair.options.max_spacing_m = 0.0125f;
-  SetPixel(3, 2, 1, {0, 0, -1}, &pair.f);
-  SurfelMap map;
-  map.Append(pair.surfel);
-  Fusion fusion(pair.options);
-  const FusionReport report = Fuse(pair.f, {}, &fusion, &map);
-  EXPECT_EQ(report.merged_points, 2);
-  EXPECT_EQ(report.merged, 1);
-  EXPECT_EQ(report.added, 0);
-  EXPECT_EQ(map[0].confidence, 6);
-  EXPECT_NEAR(map[0].position_in_world.x(), 0.01 / 6, 1e-7);
-
-  pair.options.max_spacing_m = 0.0075f;
-  Fusion tighter(pair.options);
-  SurfelMap two;
-  two.Append(pair.surfel);
-  EXPECT_EQ(Fuse(pair.f, {}, &tighter, &two).added, 1);
-}
-
-TEST(FusionDormancy, SurfelsOfLowConfidenceGoWhenNotSeenForLongerThanAllowed) {
-  FusionOptions options;
-  options.max_dormant_frames = 5;
-  Fusion fusion(options);
-  SurfelMap map;
-  Surfel s;  // behind the camera
-  s.position_in_world = {0, 0, -1};
-  s.normal_in_world = {0, 0, -1};
-  s.radius_m = 0.01f;
-  s.confidence = 0.999f * options.lasting_confidence;
-  map.Append(s);
-  s.confidence = options.lasting_confidence;
-  map.Append(s);
-  for (int i = 1; i <= 5; ++i) {
-    EXPECT_EQ(Fuse(BlankFrame(TestCamera(), i), {}, &fusion, &map).removed, 0) << i;
-  }
-  EXPECT_EQ(Fuse(BlankFrame(TestCamera(), 6), {}, &fusion, &map).removed, 1);
-  EXPECT_EQ(Confidences(map), std::vector<float>{options.lasting_confidence});
-  for (int i = 7; i < 100; ++i) Fuse(BlankFrame(TestCamera(), i), {}, &fusion, &map);
-  EXPECT_EQ(map.size(), 1u);
-}
-
-// A sequence of which every 30th frame is used, or a long one that was lost, must not empty the
-// map: what counts is how often fusion had the chance to see a surfel again.
-TEST(FusionDormancy, CountsTheFramesThatWereFused) {
-  Fusion fusion({});
-  SurfelMap map;
-  for (int i = 0; i < 5; ++i) {
-    const FusionReport report = Fuse(WallFrame(TestCamera(), {}, 2, 30 * i), {}, &fusion, &map);
-    EXPECT_EQ(report.removed, 0);
-    EXPECT_EQ(report.merged_points, i == 0 ? 0 : 64 * 48);
-  }
-}
-
-// A wall, then nothing for some frames, then the wall again.
-TEST(FusionActiveFrames, WhatWasNotSeenInTheWindowIsMappedOnceMore) {
-  for (const int active_frames : {0, 3, 4}) {
-    FusionOptions options;
-    options.active_frames = active_frames;
-    Fusion fusion(options);
-    SurfelMap map;
-    Fuse(WallFrame(TestCamera(), {}, 2, 0), {}, &fusion, &map);
-    for (int i = 1; i <= 3; ++i) Fuse(BlankFrame(TestCamera(), i), {}, &fusion, &map);
-    EXPECT_EQ(fusion.ActiveSince() > 0, false) << active_frames;
-    const FusionReport again = Fuse(WallFrame(TestCamera(), {}, 2, 4), {}, &fusion, &map);
-    EXPECT_EQ(fusion.ActiveSince() > 0, active_frames == 3);
-    EXPECT_EQ(again.added, active_frames == 3 ? 64 * 48 : 0) << active_frames;
-    EXPECT_EQ(again.merged_points, active_frames == 3 ? 0 : 64 * 48) << active_frames;
-  }
-}
-
-// A patch of 5 x 5 surfels about the ray of pixel (32, 24), in front of a wall at 2 m.
-struct FloatingPatch {
-  SurfelMap map;
-  FrameWithSurface f = WallFrame(TestCamera(), {}, 2, 1);
-
-  explicit FloatingPatch(float depth_m) {
-    Surfel s;
-    s.normal_in_world = {0, 0, -1};
-    s.radius_m = 0.02f;
-    s.confidence = 50;
-    for (int v = -2; v <= 2; ++v) {
-      for (int u = -2; u <= 2; ++u) {
-        s.position_in_world = (depth_m * TestCamera().Ray(32 + u, 24 + v)).cast<float>();
-        map.Append(s);
-      }
-    }
-  }
-  int Removed(const FusionOptions& options = {}) {
-    Fusion fusion(options);
-    return Fuse(f, {}, &fusion, &map).removed;
-  }
-};
-
-TEST(FusionFreeSpace, WhatIsSeenThroughIsRemovedEvenIfStable) {
-  FloatingPatch patch(1);
-  EXPECT_EQ(patch.Removed(), 25);
-  for (const std::int32_t id : patch.map.Ids()) {
-    EXPECT_NEAR(patch.map[id].position_in_world.z(), 2, 1e-6);
-  }
-}
-
-// All 25 pixels see the missing one but those more than a pixel off.
-TEST(FusionFreeSpace, WhereSomeDepthAroundIsMissingNothingIsRemoved) {
-  FloatingPatch patch(1);
-  patch.f.frame.depth_m(32, 24) = 0;
-  EXPECT_EQ(patch.Removed(), 25 - 9);
-}
-
-TEST(FusionFreeSpace, TheMarginIsFiveCentimetresAndFourSigmas) {
-  const float border = 2 - 0.05f - 4 * 0.002f * 4;
-  EXPECT_EQ(FloatingPatch(border - 0.001f).Removed(), 25);
-  EXPECT_EQ(FloatingPatch(border + 0.001f).Removed(), 0);
-  FusionOptions wider;
-  wider.free_space_margin_m = 0.2f;
-  EXPECT_EQ(FloatingPatch(border - 0.001f).Removed(wider), 0);
-}
-
-TEST(FusionFreeSpace, WhatIsHiddenStays) { EXPECT_EQ(FloatingPatch(3).Removed(), 0); }
 
 TEST(Fusion, WeightsFollowTheCamera) {
   PinholeCamera camera = TestCamera();

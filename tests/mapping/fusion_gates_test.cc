@@ -1,0 +1,207 @@
+// Which points merge with which surfels, and which surfels make others superfluous.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "mapping/checked_fusion.h"
+
+namespace surfit {
+namespace {
+
+using Eigen::Vector3f;
+using testing::BlankFrame;
+using testing::Confidences;
+using testing::FrameWithSurface;
+using testing::Fuse;
+using testing::SetPixel;
+
+// One surfel and one measured pixel, the middle one of 5 x 5: whether they meet, at 1 m, where a
+// pixel is 1 cm wide.
+struct OnePair {
+  Surfel surfel;
+  FrameWithSurface f = BlankFrame({5, 5, 100, 100, 2, 2, {}}, 3);
+  FusionOptions options;
+
+  OnePair() {
+    surfel.position_in_world = {0, 0, 1};
+    surfel.normal_in_world = {0, 0, -1};
+    surfel.radius_m = std::sqrt(2.f) / 100;
+    surfel.confidence = 4;
+    surfel.first_seen = surfel.last_seen = 2;
+    SetPixel(2, 2, 1, {0, 0, -1}, &f);
+  }
+
+  FusionReport Run(SurfelMap* map) const {
+    map->Append(surfel);
+    Fusion fusion(options);
+    const FusionReport report = Fuse(f, {}, &fusion, map);
+    EXPECT_EQ(report.input_points, 1);
+    EXPECT_EQ(report.removed, 0);
+    return report;
+  }
+  bool Merges() const {
+    SurfelMap map;
+    const bool merged = Run(&map).merged_points == 1;
+    EXPECT_EQ(map.size(), merged ? 1u : 2u);
+    return merged;
+  }
+};
+
+TEST(FusionGates, DistanceAlongTheNormal) {
+  for (const float sign : {-1.f, 1.f}) {
+    OnePair pair;
+    pair.surfel.position_in_world.z() = 1 + sign * 0.0499f;
+    EXPECT_TRUE(pair.Merges());
+    pair.surfel.position_in_world.z() = 1 + sign * 0.0501f;
+    EXPECT_FALSE(pair.Merges());
+    pair.options.max_distance_m = 0.06f;
+    EXPECT_TRUE(pair.Merges());
+  }
+}
+
+TEST(FusionGates, AngleBetweenTheNormals) {
+  OnePair pair;
+  const auto tilt = [&](float angle) {
+    pair.surfel.normal_in_world = {0, std::sin(angle), -std::cos(angle)};
+  };
+  tilt(0.599f);
+  EXPECT_TRUE(pair.Merges());
+  tilt(0.601f);
+  EXPECT_FALSE(pair.Merges());
+  pair.options.max_normal_angle_rad = 0.7f;
+  EXPECT_TRUE(pair.Merges());
+}
+
+TEST(FusionGates, DistanceAcrossIsTheSpacingOrTheRadius) {
+  OnePair pair;
+  pair.options.max_spacing_m = 0.003f;  // below half a pixel, so that the pixel stays the same
+  pair.surfel.position_in_world.x() = 0.00299f;
+  EXPECT_TRUE(pair.Merges());
+  pair.surfel.position_in_world.x() = 0.00301f;
+  EXPECT_FALSE(pair.Merges());
+
+  // Finer pixels: the point's radius of sqrt(2) / 1000 rules where it is below the spacing. Beyond
+  // the pixel itself another measured one must have taken the surfel.
+  OnePair fine;
+  fine.f = BlankFrame({5, 5, 1000, 1000, 2, 2, {}}, 3);
+  SetPixel(2, 2, 1, {0, 0, -1}, &fine.f);
+  fine.options.max_spacing_m = 1;
+  fine.surfel.normal_in_world = Vector3f(0, 0.5f, -1).normalized();
+  // A surfel behind the pixel's centre by h is (n_y h, n_z h) = 0.447 h across.
+  fine.surfel.position_in_world = {0, 0, 1 + 0.0014f / 0.4472f};
+  EXPECT_TRUE(fine.Merges());
+  fine.surfel.position_in_world = {0, 0, 1 + 0.0015f / 0.4472f};
+  EXPECT_FALSE(fine.Merges());
+}
+
+TEST(FusionGates, CoarsePointsDoNotMoveAFineSurfel) {
+  OnePair pair;
+  pair.surfel.position_in_world.z() = 1.01f;
+  pair.surfel.radius_m = 0.0142f / 1.49f;
+  SurfelMap fine_enough, too_coarse;
+  EXPECT_EQ(pair.Run(&fine_enough).merged, 1);
+  EXPECT_NEAR(fine_enough[0].position_in_world.z(), 1.01 - 0.01 / 5, 1e-6);
+  EXPECT_EQ(fine_enough[0].radius_m, pair.surfel.radius_m);
+
+  pair.surfel.radius_m = 0.0141f / 1.51f;
+  EXPECT_EQ(pair.Run(&too_coarse).merged, 1);
+  EXPECT_EQ(too_coarse[0].position_in_world.z(), 1.01f);
+  EXPECT_EQ(too_coarse[0].confidence, 5);
+  EXPECT_EQ(too_coarse[0].last_seen, 3);
+  EXPECT_EQ(too_coarse[0].first_seen, 2);
+}
+
+TEST(FusionGates, AFinerPointShrinksTheSurfel) {
+  OnePair pair;
+  pair.surfel.radius_m = 0.05f;
+  SurfelMap map;
+  pair.Run(&map);
+  EXPECT_FLOAT_EQ(map[0].radius_m, std::sqrt(2.f) / 100);
+}
+
+TEST(FusionGates, TheNearestOfTwoSurfelsIsTaken) {
+  OnePair pair;
+  pair.options.double_share = 0;
+  SurfelMap map;
+  Surfel other = pair.surfel;
+  other.position_in_world.z() = 0.99f;
+  map.Append(other);
+  other.position_in_world.z() = 1.02f;
+  map.Append(other);
+  pair.surfel.position_in_world.z() = 1.005f;
+  pair.Run(&map);
+  EXPECT_EQ(Confidences(map), (std::vector<float>{4, 4, 5}));
+}
+
+// Two surfels of one pixel or of two that are side by side, 4 mm apart with radii of sqrt(2) cm.
+TEST(FusionDoubles, TheOneOfLessConfidenceGoes) {
+  for (const float x : {0.f, 0.004f}) {  // a pixel's border is at 5 mm
+    OnePair pair;
+    SetPixel(3, 2, 1, {0, 0, -1}, &pair.f);
+    Surfel other = pair.surfel;
+    pair.surfel.position_in_world.x() = x;
+    other.position_in_world.x() = x + 0.004f;
+    other.confidence = 7;
+    SurfelMap map;
+    map.Append(pair.surfel);
+    map.Append(other);
+    Fusion fusion(pair.options);
+    EXPECT_EQ(Fuse(pair.f, {}, &fusion, &map).removed, 1);
+    ASSERT_EQ(map.size(), 1u);
+    EXPECT_GE(map[0].confidence, 7);
+  }
+}
+
+TEST(FusionDoubles, OnesThatAreFartherApartOrTurnedAwayStay) {
+  const auto removed = [](const Surfel& other, float double_share) {
+    OnePair pair;
+    pair.options.double_share = double_share;
+    SurfelMap map;
+    map.Append(pair.surfel);
+    map.Append(other);
+    Fusion fusion(pair.options);
+    return Fuse(pair.f, {}, &fusion, &map).removed;
+  };
+  Surfel other = OnePair().surfel;
+  other.confidence = 7;
+  other.position_in_world.x() = 0.0049f;  // the spacing, 1 cm, is less than the radii
+  EXPECT_EQ(removed(other, 0.5f), 1);
+  EXPECT_EQ(removed(other, 0.48f), 0);
+  EXPECT_EQ(removed(other, 0), 0);
+  other.radius_m = 0.009f;
+  EXPECT_EQ(removed(other, 0.5f), 0);
+  other.radius_m = 0.02f;
+  other.position_in_world.z() = 1.049f;
+  EXPECT_EQ(removed(other, 0.5f), 1);
+  other.position_in_world.z() = 1.051f;
+  EXPECT_EQ(removed(other, 0.5f), 0);
+  other.position_in_world.z() = 1;
+  other.normal_in_world = {0, std::sin(0.61f), -std::cos(0.61f)};
+  EXPECT_EQ(removed(other, 0.5f), 0);
+}
+
+// Two pixels, one surfel in the first one: the second point has none of its own and takes it.
+TEST(FusionGates, APointTakesTheSurfelOfItsNeighbourWithinReach) {
+  OnePair pair;
+  pair.options.weighting = "uniform";
+  pair.options.max_spacing_m = 0.0125f;
+  SetPixel(3, 2, 1, {0, 0, -1}, &pair.f);
+  SurfelMap map;
+  map.Append(pair.surfel);
+  Fusion fusion(pair.options);
+  const FusionReport report = Fuse(pair.f, {}, &fusion, &map);
+  EXPECT_EQ(report.merged_points, 2);
+  EXPECT_EQ(report.merged, 1);
+  EXPECT_EQ(report.added, 0);
+  EXPECT_EQ(map[0].confidence, 6);
+  EXPECT_NEAR(map[0].position_in_world.x(), 0.01 / 6, 1e-7);
+
+  pair.options.max_spacing_m = 0.0075f;
+  Fusion tighter(pair.options);
+  SurfelMap two;
+  two.Append(pair.surfel);
+  EXPECT_EQ(Fuse(pair.f, {}, &tighter, &two).added, 1);
+}
+
+}  // namespace
+}  // namespace surfit

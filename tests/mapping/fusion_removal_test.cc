@@ -1,0 +1,117 @@
+// Which surfels go, or are left alone: dormant, inactive, seen through.
+#include <gtest/gtest.h>
+
+#include "mapping/checked_fusion.h"
+
+namespace surfit {
+namespace {
+
+using testing::BlankFrame;
+using testing::Confidences;
+using testing::FrameWithSurface;
+using testing::Fuse;
+using testing::TestCamera;
+using testing::WallFrame;
+
+TEST(FusionDormancy, SurfelsOfLowConfidenceGoWhenNotSeenForLongerThanAllowed) {
+  FusionOptions options;
+  options.max_dormant_frames = 5;
+  Fusion fusion(options);
+  SurfelMap map;
+  Surfel s;  // behind the camera
+  s.position_in_world = {0, 0, -1};
+  s.normal_in_world = {0, 0, -1};
+  s.radius_m = 0.01f;
+  s.confidence = 0.999f * options.lasting_confidence;
+  map.Append(s);
+  s.confidence = options.lasting_confidence;
+  map.Append(s);
+  for (int i = 1; i <= 5; ++i) {
+    EXPECT_EQ(Fuse(BlankFrame(TestCamera(), i), {}, &fusion, &map).removed, 0) << i;
+  }
+  EXPECT_EQ(Fuse(BlankFrame(TestCamera(), 6), {}, &fusion, &map).removed, 1);
+  EXPECT_EQ(Confidences(map), std::vector<float>{options.lasting_confidence});
+  for (int i = 7; i < 100; ++i) Fuse(BlankFrame(TestCamera(), i), {}, &fusion, &map);
+  EXPECT_EQ(map.size(), 1u);
+}
+
+// A sequence of which every 30th frame is used, or a long one that was lost, must not empty the
+// map: what counts is how often fusion had the chance to see a surfel again.
+TEST(FusionDormancy, CountsTheFramesThatWereFused) {
+  Fusion fusion({});
+  SurfelMap map;
+  for (int i = 0; i < 5; ++i) {
+    const FusionReport report = Fuse(WallFrame(TestCamera(), {}, 2, 30 * i), {}, &fusion, &map);
+    EXPECT_EQ(report.removed, 0);
+    EXPECT_EQ(report.merged_points, i == 0 ? 0 : 64 * 48);
+  }
+}
+
+// A wall, then nothing for some frames, then the wall again.
+TEST(FusionActiveFrames, WhatWasNotSeenInTheWindowIsMappedOnceMore) {
+  for (const int active_frames : {0, 3, 4}) {
+    FusionOptions options;
+    options.active_frames = active_frames;
+    Fusion fusion(options);
+    SurfelMap map;
+    Fuse(WallFrame(TestCamera(), {}, 2, 0), {}, &fusion, &map);
+    for (int i = 1; i <= 3; ++i) Fuse(BlankFrame(TestCamera(), i), {}, &fusion, &map);
+    EXPECT_EQ(fusion.ActiveSince() > 0, false) << active_frames;
+    const FusionReport again = Fuse(WallFrame(TestCamera(), {}, 2, 4), {}, &fusion, &map);
+    EXPECT_EQ(fusion.ActiveSince() > 0, active_frames == 3);
+    EXPECT_EQ(again.added, active_frames == 3 ? 64 * 48 : 0) << active_frames;
+    EXPECT_EQ(again.merged_points, active_frames == 3 ? 0 : 64 * 48) << active_frames;
+  }
+}
+
+// A patch of 5 x 5 surfels about the ray of pixel (32, 24), in front of a wall at 2 m.
+struct FloatingPatch {
+  SurfelMap map;
+  FrameWithSurface f = WallFrame(TestCamera(), {}, 2, 1);
+
+  explicit FloatingPatch(float depth_m) {
+    Surfel s;
+    s.normal_in_world = {0, 0, -1};
+    s.radius_m = 0.02f;
+    s.confidence = 50;
+    for (int v = -2; v <= 2; ++v) {
+      for (int u = -2; u <= 2; ++u) {
+        s.position_in_world = (depth_m * TestCamera().Ray(32 + u, 24 + v)).cast<float>();
+        map.Append(s);
+      }
+    }
+  }
+  int Removed(const FusionOptions& options = {}) {
+    Fusion fusion(options);
+    return Fuse(f, {}, &fusion, &map).removed;
+  }
+};
+
+TEST(FusionFreeSpace, WhatIsSeenThroughIsRemovedEvenIfStable) {
+  FloatingPatch patch(1);
+  EXPECT_EQ(patch.Removed(), 25);
+  for (const std::int32_t id : patch.map.Ids()) {
+    EXPECT_NEAR(patch.map[id].position_in_world.z(), 2, 1e-6);
+  }
+}
+
+// All 25 pixels see the missing one but those more than a pixel off.
+TEST(FusionFreeSpace, WhereSomeDepthAroundIsMissingNothingIsRemoved) {
+  FloatingPatch patch(1);
+  patch.f.frame.depth_m(32, 24) = 0;
+  EXPECT_EQ(patch.Removed(), 25 - 9);
+}
+
+TEST(FusionFreeSpace, TheMarginIsFiveCentimetresAndFourSigmas) {
+  const float border = 2 - 0.05f - 4 * 0.002f * 4;
+  EXPECT_EQ(FloatingPatch(border - 0.001f).Removed(), 25);
+  EXPECT_EQ(FloatingPatch(border + 0.001f).Removed(), 0);
+  FusionOptions wider;
+  wider.free_space_margin_m = 0.2f;
+  EXPECT_EQ(FloatingPatch(border - 0.001f).Removed(wider), 0);
+}
+
+TEST(FusionFreeSpace, WhatIsHiddenStays) { EXPECT_EQ(FloatingPatch(3).Removed(), 0); }
+
+}  // namespace
+}  // namespace surfit
