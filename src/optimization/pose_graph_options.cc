@@ -1,6 +1,5 @@
 #include <ceres/types.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "core/named_values.h"
