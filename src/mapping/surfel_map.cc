@@ -36,8 +36,9 @@ std::vector<std::int32_t> SurfelMap::Ids() const {
 }
 
 std::int32_t SurfelMap::CellAt(const Eigen::Vector3f& position_in_world) {
-  const auto [at, is_new] = cell_of_key_.try_emplace(CellKey(position_in_world), cell_count());
-  if (is_new) cells_.emplace_back();
+  const std::uint64_t key = CellKey(position_in_world);
+  const auto [at, is_new] = cell_of_key_.try_emplace(key, cell_count());
+  if (is_new) cells_.emplace_back().key = key;
   return at->second;
 }
 
@@ -107,6 +108,34 @@ std::size_t SurfelMap::RemoveMarked() {
     if (cell.blocks.empty()) cell.bounds = {};
   }
   return before - size_;
+}
+
+std::size_t SurfelMap::Rehome() {
+  const std::vector<std::int32_t> strays = Strays();
+  for (const std::int32_t id : strays) {
+    const std::int32_t place = Place((*this)[id]);
+    block(BlockOf(place)).Take(PlaceOf(place), block(BlockOf(id)), PlaceOf(id));
+    Mark(id);
+  }
+  RemoveMarked();
+  return strays.size();
+}
+
+// Those that lie in the cubes of other cells.
+std::vector<std::int32_t> SurfelMap::Strays() const {
+  std::vector<std::vector<std::int32_t>> of_cell(cells_.size());
+  ParallelFor(0, cell_count(), 1, [&](int i, int) {
+    for (const std::int32_t b : cells_[i].blocks) {
+      for (int k = 0; k < block(b).count; ++k) {
+        const Eigen::Vector3f position(block(b).x[k], block(b).y[k], block(b).z[k]);
+        if (CellKey(position) != cells_[i].key)
+          of_cell[i].push_back(b * SurfelBlock::kCapacity + k);
+      }
+    }
+  });
+  std::vector<std::int32_t> strays;
+  for (const auto& ids : of_cell) strays.insert(strays.end(), ids.begin(), ids.end());
+  return strays;
 }
 
 // The last surfel takes the place of the first that is marked, unless it is marked itself.

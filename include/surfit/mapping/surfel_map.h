@@ -16,6 +16,7 @@ struct SurfelCell {
   std::vector<std::int32_t> blocks;
   SurfelBounds bounds;     // of all of them
   bool is_marked = false;  // some of the surfels are: see SurfelMap::RemoveMarked()
+  std::uint64_t key = 0;   // of its cube, among the map's cells
 };
 
 // The fused map: surfels in blocks, blocks in the cells of a grid, so that work on what a camera
@@ -52,6 +53,10 @@ class SurfelMap {
   // were.
   std::size_t RemoveMarked();
 
+  // Takes surfels that lie in the cubes of other cells to these, after their positions have been
+  // changed. Returns how many there were.
+  std::size_t Rehome();
+
   // For those who work on many surfels at once. Who changes them keeps true what blocks and cells
   // tell about them.
   std::int32_t cell_count() const { return static_cast<std::int32_t>(cells_.size()); }
@@ -66,6 +71,7 @@ class SurfelMap {
   std::int32_t CellAt(const Eigen::Vector3f& position_in_world);
   std::int32_t Place(const Surfel& surfel);
   void AddBlock(std::int32_t cell);
+  std::vector<std::int32_t> Strays() const;
   void RemoveMarked(SurfelCell* cell);
   void RemoveLast(SurfelCell* cell);
 

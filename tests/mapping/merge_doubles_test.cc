@@ -1,0 +1,144 @@
+#include "surfit/mapping/merge_doubles.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "mapping/random_surfel.h"
+#include "mapping/same_map.h"
+#include "surfit/core/parallel.h"
+
+namespace surfit {
+namespace {
+
+using testing::ExpectConsistent;
+using testing::ExpectSameMap;
+
+constexpr int kApart = 100;        // frames
+constexpr float kSpacing = 0.01f;  // between the surfels of a wall
+constexpr float kRadius = 0.01f;
+constexpr int kSide = 40;
+
+// A wall at a depth, shifted along itself, seen from `first` for ten frames.
+void AddWall(float depth_m, float shift_m, int first, float confidence, SurfelMap* map) {
+  for (int i = 0; i < kSide * kSide; ++i) {
+    Surfel surfel;
+    surfel.position_in_world = {kSpacing * (i % kSide) + shift_m, kSpacing * (i / kSide), depth_m};
+    surfel.normal_in_world = {0, 0, -1};
+    surfel.radius_m = kRadius;
+    surfel.confidence = confidence;
+    surfel.first_seen = first;
+    surfel.last_seen = first + 10;
+    map->Append(surfel);
+  }
+}
+
+constexpr std::size_t kWall = kSide * kSide;
+
+TEST(MergeDoubles, MakesOneWallOfTwo) {
+  SurfelMap map;
+  AddWall(2, 0, 0, 3, &map);
+  AddWall(2.02f, 0.3f * kSpacing, 500, 1, &map);
+  EXPECT_EQ(MergeDoubles({}, kApart, &map), kWall);
+  ASSERT_EQ(map.size(), kWall);
+  ExpectConsistent(map);
+  for (const std::int32_t id : map.Ids()) {
+    EXPECT_NEAR(map[id].position_in_world.z(), (3 * 2 + 1 * 2.02) / 4, 1e-6);
+    EXPECT_EQ(map[id].confidence, 4);
+    EXPECT_EQ(map[id].first_seen, 0);
+    EXPECT_EQ(map[id].last_seen, 510);
+  }
+}
+
+TEST(MergeDoubles, MakesOneWallOfThree) {
+  SurfelMap map;
+  AddWall(2, 0, 0, 1, &map);
+  AddWall(2.01f, 0, 500, 1, &map);
+  AddWall(2.03f, 0, 1000, 1, &map);
+  EXPECT_EQ(MergeDoubles({}, kApart, &map), 2 * kWall);
+  for (const std::int32_t id : map.Ids()) {
+    EXPECT_NEAR(map[id].position_in_world.z(), (2 + 2.01 + 2.03) / 3, 1e-6);
+  }
+}
+
+TEST(MergeDoubles, KeepsWhatIsNoDouble) {
+  struct Case {
+    const char* name;
+    float depth_m, shift_m;
+    int first;
+  };
+  const float gate = FusionOptions().max_distance_m;
+  for (const Case& c : {Case{"another wall", 2 + 1.1f * gate, 0, 500},
+                        Case{"its continuation", 2, kSpacing * kSide + kRadius, 500},
+                        Case{"fused at the time", 2.02f, 0, 10 + kApart}}) {
+    SurfelMap map;
+    AddWall(2, 0, 0, 1, &map);
+    AddWall(c.depth_m, c.shift_m, c.first, 1, &map);
+    EXPECT_EQ(MergeDoubles({}, kApart, &map), 0u) << c.name;
+    EXPECT_EQ(map.size(), 2 * kWall) << c.name;
+  }
+}
+
+TEST(MergeDoubles, KeepsTheOtherSideOfABoard) {
+  SurfelMap map;
+  AddWall(2, 0, 0, 1, &map);
+  Surfel behind;
+  behind.position_in_world = {0.1f, 0.1f, 2.01f};
+  behind.normal_in_world = {0, 0, 1};
+  behind.radius_m = kRadius;
+  behind.confidence = 1;
+  behind.first_seen = behind.last_seen = 500;
+  map.Append(behind);
+  EXPECT_EQ(MergeDoubles({}, kApart, &map), 0u);
+}
+
+// Every newer surfel has gone into the nearest older one that the gate allows: pair by pair.
+TEST(MergeDoubles, FindsWhatBruteForceFinds) {
+  std::mt19937_64 rng(3);
+  SurfelMap map;
+  for (int i = 0; i < 2000; ++i) {
+    Surfel surfel = testing::RandomSurfel(&rng);
+    surfel.position_in_world *= 0.1f;
+    surfel.first_seen = 1000 * (i % 2);
+    surfel.last_seen = surfel.first_seen + 5;
+    map.Append(surfel);
+  }
+  std::size_t expected = 0;
+  const FusionOptions options;
+  for (const std::int32_t b : map.Ids()) {
+    bool has_older = false;
+    for (const std::int32_t a : map.Ids()) {
+      const Surfel old = map[a], seen = map[b];
+      if (seen.first_seen - old.last_seen <= kApart) continue;
+      const Eigen::Vector3f gap = seen.position_in_world - old.position_in_world;
+      const float along = gap.dot(old.normal_in_world);
+      const float across = std::sqrt(std::max(0.f, gap.squaredNorm() - along * along));
+      has_older |=
+          std::abs(along) <= options.max_distance_m &&
+          across <= std::min(seen.radius_m, options.max_spacing_m) &&
+          old.normal_in_world.dot(seen.normal_in_world) >= std::cos(options.max_normal_angle_rad);
+    }
+    expected += has_older;
+  }
+  EXPECT_GT(expected, 20u);
+  EXPECT_EQ(MergeDoubles(options, kApart, &map), expected);
+}
+
+TEST(MergeDoublesThreads, GiveTheSameMap) {
+  const auto merged = [](int threads) {
+    const ThreadLimit limit(threads);
+    SurfelMap map;
+    AddWall(2, 0, 0, 3, &map);
+    AddWall(2.02f, 0.3f * kSpacing, 500, 1, &map);
+    AddWall(2.01f, 0.1f * kSpacing, 900, 1, &map);
+    MergeDoubles({}, kApart, &map);
+    return map;
+  };
+  const SurfelMap one = merged(1);
+  ExpectSameMap(merged(2), one);
+  ExpectSameMap(merged(4), one);
+}
+
+}  // namespace
+}  // namespace surfit

@@ -1,0 +1,147 @@
+#include "surfit/mapping/move_map.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "mapping/random_surfel.h"
+#include "mapping/same_map.h"
+#include "surfit/core/parallel.h"
+
+namespace surfit {
+namespace {
+
+using testing::ExpectConsistent;
+using testing::ExpectSameMap;
+
+constexpr int kFrames = 50;  // that RandomSurfel() is first seen in
+
+Rigid3d Turn(double angle_rad, const Eigen::Vector3d& shift) {
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(angle_rad, Eigen::Vector3d(1, 2, 3).normalized())),
+          shift};
+}
+
+// Of frame i: turns and shifts that grow with i.
+FrameCorrections GrowingCorrections() {
+  std::vector<Rigid3d> corrections;
+  for (int i = 0; i < kFrames; ++i) {
+    corrections.push_back(Turn(0.02 * i, {0.03 * i, -0.01 * i, 0.002 * i}));
+  }
+  return {0, corrections};
+}
+
+SurfelMap RandomMap(int count) {
+  std::mt19937_64 rng(7);
+  SurfelMap map;
+  for (int i = 0; i < count; ++i) map.Append(testing::RandomSurfel(&rng));
+  return map;
+}
+
+// A surfel 1 m before the camera of its frame, which stands at (0.1 frame, 0, 0).
+Surfel SurfelOfFrame(int frame) {
+  Surfel surfel;
+  surfel.position_in_world = {0.1f * frame, 0, 1};
+  surfel.normal_in_world = {0, 0, -1};
+  surfel.radius_m = 0.01f;
+  surfel.confidence = 5;
+  surfel.first_seen = frame;
+  surfel.last_seen = frame + 3;
+  return surfel;
+}
+
+TEST(FrameCorrections, GivesFramesBeyondItsEndsTheNearest) {
+  const FrameCorrections corrections(10, {Turn(0, {1, 0, 0}), Turn(0, {2, 0, 0})});
+  EXPECT_EQ(corrections.At(3).translation.x(), 1);
+  EXPECT_EQ(corrections.At(10).translation.x(), 1);
+  EXPECT_EQ(corrections.At(11).translation.x(), 2);
+  EXPECT_EQ(corrections.At(99).translation.x(), 2);
+}
+
+// Drift has bent a straight wall into an arc; the poses' correction straightens it.
+TEST(MoveMap, StraightensABentWall) {
+  constexpr double kBend = 0.01;  // rad a frame
+  std::vector<Rigid3d> straight_from_bent;
+  SurfelMap map;
+  for (int frame = 0; frame < kFrames; ++frame) {
+    const Rigid3d bent_from_straight(
+        Eigen::Quaterniond(Eigen::AngleAxisd(kBend * frame, Eigen::Vector3d::UnitY())), {0, 0, 0});
+    straight_from_bent.push_back(bent_from_straight.Inverse());
+    Surfel surfel = SurfelOfFrame(frame);
+    surfel.position_in_world =
+        (bent_from_straight * surfel.position_in_world.cast<double>()).cast<float>();
+    surfel.normal_in_world =
+        (bent_from_straight.rotation * surfel.normal_in_world.cast<double>()).cast<float>();
+    map.Append(surfel);
+  }
+  const MoveReport report = MoveMap({0, straight_from_bent}, &map);
+  EXPECT_EQ(report.moved, kFrames - 1u);  // all but frame 0's
+  EXPECT_GT(report.changed_cell, 0u);
+  EXPECT_EQ(map.size(), static_cast<std::size_t>(kFrames));
+  ExpectConsistent(map);
+  for (const std::int32_t id : map.Ids()) {
+    const Surfel expected = SurfelOfFrame(map[id].first_seen);
+    // Single precision, at a distance of 5 m.
+    EXPECT_LT((map[id].position_in_world - expected.position_in_world).norm(), 3e-6);
+    EXPECT_LT((map[id].normal_in_world - expected.normal_in_world).norm(), 1e-6);
+    EXPECT_EQ(map[id].last_seen, expected.last_seen);
+  }
+}
+
+TEST(MoveMap, PutsEachSurfelIntoTheCellWhereItLies) {
+  SurfelMap map = RandomMap(3000);
+  MoveMap(GrowingCorrections(), &map);
+  ExpectConsistent(map);
+  EXPECT_EQ(map.Rehome(), 0u);
+  SurfelMap appended_anew;
+  for (const std::int32_t id : map.Ids()) appended_anew.Append(map[id]);
+  std::size_t cells_in_use = 0, cells_anew = appended_anew.cell_count();
+  for (std::int32_t i = 0; i < map.cell_count(); ++i) cells_in_use += !map.cell(i).blocks.empty();
+  EXPECT_EQ(cells_in_use, cells_anew);
+}
+
+TEST(MoveMap, KeepsAllElseOfASurfel) {
+  SurfelMap map = RandomMap(500);
+  const SurfelMap before = map;
+  MoveMap({0, {Turn(0, {0.001, 0, 0})}}, &map);
+  double sum = 0, sum_before = 0;
+  for (const std::int32_t id : map.Ids()) sum += map[id].confidence * map[id].color.g;
+  for (const std::int32_t id : before.Ids())
+    sum_before += before[id].confidence * before[id].color.g;
+  EXPECT_NEAR(sum, sum_before, 1e-9 * sum_before);
+}
+
+TEST(MoveMap, LeavesAMapAloneThatNothingMoves) {
+  SurfelMap map = RandomMap(500);
+  const SurfelMap before = map;
+  EXPECT_EQ(MoveMap({0, std::vector<Rigid3d>(kFrames)}, &map).moved, 0u);
+  ExpectSameMap(map, before);
+}
+
+TEST(MoveMapThreads, GiveTheSameMap) {
+  SurfelMap expected = RandomMap(5000);
+  {
+    const ThreadLimit one(1);
+    MoveMap(GrowingCorrections(), &expected);
+  }
+  for (const int threads : {2, 4}) {
+    const ThreadLimit limit(threads);
+    SurfelMap map = RandomMap(5000);
+    MoveMap(GrowingCorrections(), &map);
+    ExpectSameMap(map, expected);
+  }
+}
+
+TEST(WakeSurfels, RaisesTheLastSightOfThoseFramesAlone) {
+  SurfelMap map;
+  for (int frame = 0; frame < kFrames; ++frame) map.Append(SurfelOfFrame(frame));
+  EXPECT_EQ(WakeSurfels(10, 12, 90, &map), 3u);
+  for (const std::int32_t id : map.Ids()) {
+    const int seen = map[id].first_seen + 3;
+    EXPECT_EQ(map[id].last_seen, seen >= 10 && seen <= 12 ? 90 : seen);
+  }
+  ExpectConsistent(map);
+}
+
+}  // namespace
+}  // namespace surfit
