@@ -40,10 +40,27 @@ inside bash -c 'apt-get install -q -y --no-install-recommends --reinstall /packa
 
 echo "Programs"
 inside surfit_simulate --output=/room --frames=12 --downsample=4
-report=()
-if inside surfit_slam --help | grep -q -e '^  --report '; then report=(--report); fi
-inside surfit_slam --sequence=/room --output=/out "${report[@]}"
+inside surfit_slam --sequence=/room --output=/out --report
 [[ -s $root/out/map_color.png ]]
+
+echo "Report"
+report=$root/out/report.html
+[[ $(stat --format=%s "$report") -lt 30000000 ]]
+grep --quiet 'class="run"' "$report"
+# The page forbids the browser to fetch anything, and refers to nothing.
+grep --quiet "Content-Security-Policy\" content=\"default-src 'none'" "$report"
+if grep -E --only-matching '(src|href)=["'\''](https?:)?//[^"'\'']*|url\(["'\'']?https?:|@import' "$report"; then
+  echo "error: $report refers to the network" >&2
+  exit 1
+fi
+
+echo "Manual pages"
+inside apt-get install -q -y --no-install-recommends man-db
+for program in "$root"/usr/bin/surfit_*; do
+  name=$(basename "$program")
+  [[ -z $(inside man --warnings --local-file "/usr/share/man/man1/$name.1.gz" 2>&1 >/dev/null) ]]
+  inside man "$name" | grep "EXIT STATUS" >/dev/null
+done
 
 echo "Python"
 inside python3 - <<'END'
