@@ -9,11 +9,31 @@
 namespace surfit {
 namespace {
 
+std::size_t ReverseBits(std::size_t value, int bits) {
+  std::size_t reversed = 0;
+  for (int bit = 0; bit < bits; ++bit) reversed = reversed << 1 | (value >> bit & 1);
+  return reversed;
+}
+
+// 0, ..., count - 1, so that the first few are evenly spread however many they are: numbers with
+// their bits reversed (J. G. van der Corput's sequence).
+std::vector<std::size_t> SpreadOrder(std::size_t count) {
+  int bits = 0;
+  while (std::size_t{1} << bits < count) ++bits;
+  std::vector<std::size_t> order;
+  order.reserve(count);
+  for (std::size_t i = 0; i < std::size_t{1} << bits; ++i) {
+    const std::size_t reversed = ReverseBits(i, bits);
+    if (reversed < count) order.push_back(reversed);
+  }
+  return order;
+}
+
 std::vector<Surfel> EvenlySpread(const std::vector<Surfel>& surfels, std::size_t max_points) {
   const std::size_t count = std::min(surfels.size(), max_points);
   std::vector<Surfel> some;
   some.reserve(count);
-  for (std::size_t i = 0; i < count; ++i) {
+  for (const std::size_t i : SpreadOrder(count)) {
     const Surfel& surfel = surfels[i * surfels.size() / count];
     if (surfel.position_in_world.allFinite()) some.push_back(surfel);
   }

@@ -8,7 +8,8 @@
 namespace surfit {
 
 // At most max_points of the surfels as JSON for the page, evenly spread over their order (files of
-// maps are in order of space), with base64 of little endian arrays:
+// maps are in order of space), and so that any first part of them is evenly spread too, with base64
+// of little endian arrays:
 //   points, shown        how many there are, and how many of them follow
 //   origin, extent       metres: position = origin + extent * position / 65535
 //   position             3 x uint16 a surfel

@@ -39,10 +39,10 @@ std::string DepthJpeg(const Image<float>& depth_m, const ColorScale& scale) {
 }
 
 KeptView MakeView(const RgbdFrame& frame, const SurfelMap& map, const PinholeCamera& camera,
-                  const Rigid3d& world_from_camera) {
+                  const Rigid3d& world_from_camera, const char* why) {
   const ModelView model = ModelRenderer(RenderOptions()).Render(map, camera, world_from_camera);
   const ColorScale scale = ScaleOf(frame.depth_m);
-  KeptView view = {frame.index, frame.stamp_s, {}};
+  KeptView view = {frame.index, frame.stamp_s, why, {}};
   if (!frame.color.empty()) {
     view.pictures.push_back({"input_color", EncodeJpeg(frame.color, kQuality)});
     view.pictures.push_back({"model_color", EncodeJpeg(ColorsOf(model, map), kQuality)});
@@ -52,18 +52,66 @@ KeptView MakeView(const RgbdFrame& frame, const SurfelMap& map, const PinholeCam
   return view;
 }
 
+// In order of their frames; of a frame that was kept twice the first, for both reasons.
+std::vector<KeptView> Merge(std::vector<KeptView> views) {
+  std::stable_sort(views.begin(), views.end(),
+                   [](const KeptView& a, const KeptView& b) { return a.index < b.index; });
+  std::vector<KeptView> merged;
+  for (KeptView& view : views) {
+    if (!merged.empty() && merged.back().index == view.index) {
+      merged.back().why += ", " + view.why;
+    } else {
+      merged.push_back(std::move(view));
+    }
+  }
+  return merged;
+}
+
 }  // namespace
 
-void KeptViews::Offer(const RgbdFrame& frame, const SurfelMap& map, const PinholeCamera& camera,
-                      const Rigid3d& world_from_camera) {
-  if (offered_++ % stride_ != 0) return;
-  if (views_.size() == kMost) {
-    for (int i = 1; 2 * i < kMost; ++i) views_[i] = std::move(views_[2 * i]);
-    views_.resize((kMost + 1) / 2);
+bool KeptViews::IsNextOfStride() {
+  if (offered_++ % stride_ != 0) return false;
+  if (evenly_spread_.size() == kMostEven) {
+    for (int i = 1; 2 * i < kMostEven; ++i) {
+      evenly_spread_[i] = std::move(evenly_spread_[2 * i]);
+    }
+    evenly_spread_.resize((kMostEven + 1) / 2);
     stride_ *= 2;
-    // kMost is even: this frame is a multiple of the new stride as well.
+    // kMostEven is even: this frame is a multiple of the new stride as well.
   }
-  views_.push_back(MakeView(frame, map, camera, world_from_camera));
+  return true;
+}
+
+void KeptViews::Offer(const RgbdFrame& frame, const FrameReport& report, const SurfelMap& map,
+                      const PinholeCamera& camera) {
+  const bool is_lost = report.state == FrameState::kLost;
+  if (is_lost && (first_lost_ || !last_)) return;
+  const Rigid3d& pose = is_lost ? last_->world_from_camera : report.world_from_camera;
+  const auto make = [&](const char* why) { return MakeView(frame, map, camera, pose, why); };
+  if (is_lost) {
+    first_lost_ = make("first that was lost, the model from the pose before");
+    return;
+  }
+  if (IsNextOfStride()) evenly_spread_.push_back(make("evenly spread"));
+  const bool is_degenerate = report.state == FrameState::kDegenerate;
+  if (is_degenerate && !first_degenerate_) {
+    first_degenerate_ = make("first with directions that the data leaves free");
+  }
+  const bool is_registered = is_degenerate || report.state == FrameState::kTracked;
+  if (is_registered && report.icp.rmse_m > worst_rmse_m_) {
+    worst_rmse_m_ = report.icp.rmse_m;
+    worst_ = make("largest RMSE of registration");
+  }
+  last_ = {frame, pose};
+}
+
+std::vector<KeptView> KeptViews::Finish(const SurfelMap& map, const PinholeCamera& camera) const {
+  std::vector<KeptView> views = evenly_spread_;
+  for (const auto* view : {&first_lost_, &first_degenerate_, &worst_}) {
+    if (*view) views.push_back(**view);
+  }
+  if (last_) views.push_back(MakeView(last_->frame, map, camera, last_->world_from_camera, "last"));
+  return Merge(std::move(views));
 }
 
 std::string KeptViews::FileName(int view, const std::string& picture) {
@@ -78,13 +126,13 @@ std::vector<std::string> KeptViews::FileNames() {
   return names;
 }
 
-void KeptViews::Write(const std::string& folder) const {
-  if (views_.empty()) return;
+void KeptViews::Write(const std::vector<KeptView>& views, const std::string& folder) {
+  if (views.empty()) return;
   std::error_code error;
   std::filesystem::create_directories(folder + "/views", error);
   if (error) throw InputError(Concat(folder, "/views: cannot be made: ", error.message()));
-  for (std::size_t i = 0; i < views_.size(); ++i) {
-    for (const KeptView::Picture& picture : views_[i].pictures) {
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    for (const KeptView::Picture& picture : views[i].pictures) {
       WriteFileAtomically(folder + "/" + FileName(static_cast<int>(i), picture.name),
                           [&](std::ostream& file) { file << picture.jpeg; });
     }

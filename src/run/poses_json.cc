@@ -56,7 +56,8 @@ Json ViewsOf(const RunPoses& run) {
     for (const KeptView::Picture& picture : view.pictures) {
       files[picture.name] = KeptViews::FileName(static_cast<int>(i), picture.name);
     }
-    views.push_back({{"index", view.index}, {"stamp_s", view.stamp_s}, {"files", files}});
+    views.push_back(
+        {{"index", view.index}, {"stamp_s", view.stamp_s}, {"why", view.why}, {"files", files}});
   }
   return views;
 }

@@ -147,9 +147,7 @@ class SlamRun {
     summary_.input_points += static_cast<std::int64_t>(frame.depth_m.size());
     summary_.input_points_valid += valid;
     Count(report, valid);
-    if (options_.keep_views && report.state != FrameState::kLost) {
-      views_.Offer(frame, slam_->map(), info_.pinhole, report.world_from_camera);
-    }
+    if (options_.keep_views) views_.Offer(frame, report, slam_->map(), info_.pinhole);
     double write_ms = 0;
     {
       const StageTimer timer("write", frame.index, &write_ms);
@@ -229,10 +227,11 @@ class SlamRun {
       const TraceSlice slice("write_map");
       WriteSurfelPly(map, options_.output + "/map.ply");
     }
-    views_.Write(options_.output);
-    WritePosesJson({info_.pinhole, trajectory_, pose_frames_, TruthOfTheRun(), summary_.evaluation,
-                    views_.views()},
-                   options_.output + "/poses.json");
+    const std::vector<KeptView> views = views_.Finish(map, info_.pinhole);
+    KeptViews::Write(views, options_.output);
+    WritePosesJson(
+        {info_.pinhole, trajectory_, pose_frames_, TruthOfTheRun(), summary_.evaluation, views},
+        options_.output + "/poses.json");
     if (options_.pictures) WritePictures();
     if (trace_) trace_->Close();
     summary_.peak_rss_bytes = PeakRssBytes();

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstring>
 #include <limits>
 
 #include "report/base64.h"
@@ -44,7 +46,42 @@ TEST(PackMap, ThinsOutEvenly) {
   const auto packed = PackMap(Row(100), 4);
   EXPECT_EQ(packed["points"], 100);
   EXPECT_EQ(packed["shown"], 4);
-  EXPECT_EQ(packed["first_seen"], EncodeBase64(std::vector<std::int32_t>{0, 25, 50, 75}));
+  EXPECT_EQ(packed["first_seen"], EncodeBase64(std::vector<std::int32_t>{0, 50, 25, 75}));
+}
+
+// Base64's digits of whole 32-bit numbers.
+std::vector<std::int32_t> DecodeNumbers(const std::string& text) {
+  const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string bytes;
+  int bits = 0, filled = 0;
+  for (const char c : text.substr(0, text.find('='))) {
+    bits = (bits << 6 | static_cast<int>(digits.find(c))) & 0xffff;
+    filled += 6;
+    if (filled >= 8) bytes += static_cast<char>(bits >> (filled -= 8));
+  }
+  std::vector<std::int32_t> numbers(bytes.size() / 4);
+  std::memcpy(numbers.data(), bytes.data(), 4 * numbers.size());
+  return numbers;
+}
+
+// While the widest gap is g (a power of two), multiples of g / 2 were taken only: at most
+// 1 + count / (g / 2) of them.
+TEST(PackMap, BeginsWithAnEvenShare) {
+  const int count = 1000;
+  const std::string first_seen = PackMap(Row(count), count)["first_seen"];
+  const std::vector<std::int32_t> order = DecodeNumbers(first_seen);
+  ASSERT_EQ(order.size(), static_cast<std::size_t>(count));
+  for (const int taken : {10, 77, 400, 1000}) {
+    std::vector<std::int32_t> first(order.begin(), order.begin() + taken);
+    first.push_back(count);
+    std::sort(first.begin(), first.end());
+    EXPECT_EQ(first[0], 0);
+    for (int i = 0; i < taken; ++i) {
+      const int gap = first[i + 1] - first[i];
+      EXPECT_GE(gap, 1) << "each is taken once";
+      EXPECT_LE(gap, 2 * count / (taken - 1)) << taken;
+    }
+  }
 }
 
 TEST(PackMap, LeavesOutWhatIsNotFinite) {

@@ -13,7 +13,7 @@ pil_image = pytest.importorskip("PIL.Image", reason="Pillow (python3-pil) is mis
 
 from selenium.webdriver.chrome.service import Service  # noqa: E402
 from selenium.webdriver.common.by import By  # noqa: E402
-from selenium.webdriver.support.ui import Select  # noqa: E402
+from selenium.webdriver.support.ui import Select, WebDriverWait  # noqa: E402
 
 DRIVER = pathlib.Path("/usr/bin/chromedriver")
 MODES = ["color", "normal", "confidence", "last_seen", "first_seen"]
@@ -42,7 +42,8 @@ def frame_drawn(browser):
 
 
 class Page:
-    """A report opened from disk; seconds_to_open includes the first picture."""
+    """A report opened from disk; seconds_to_open includes the first picture, of a part of the points,
+    and seconds_to_complete the one of all of them."""
 
     def __init__(self, browser, path):
         self.browser = browser
@@ -50,6 +51,18 @@ class Page:
         browser.get(pathlib.Path(path).resolve().as_uri())
         frame_drawn(browser)
         self.seconds_to_open = time.monotonic() - begin
+        self.wait_for_all_points()
+        self.seconds_to_complete = time.monotonic() - begin
+
+    def wait_for_all_points(self):
+        WebDriverWait(self.browser, 60, poll_frequency=0.02).until(
+            lambda _: self.script("return surfit.mapView.isComplete"))
+        frame_drawn(self.browser)
+
+    def scroll_to(self, element_id):
+        """Shows an element; what is made when seen is made then."""
+        self.script(f"document.getElementById('{element_id}').scrollIntoView()")
+        frame_drawn(self.browser)
 
     def console(self):
         return self.browser.get_log("browser")
@@ -60,6 +73,7 @@ class Page:
     def map_picture(self):
         """What the 3D view shows: a picture of Pillow's, RGB."""
         frame_drawn(self.browser)
+        self.wait_for_all_points()
         png = self.browser.find_element(By.ID, "map-canvas").screenshot_as_png
         return pil_image.open(io.BytesIO(png)).convert("RGB")
 
@@ -69,6 +83,19 @@ class Page:
     def click(self, name):
         element = self.browser.find_element(By.ID, name)
         self.script(f"document.getElementById('{element.get_attribute('id')}').click()")
+
+
+def simulate_room(folder, frames):
+    """A sequence of the simulated room; returns its path."""
+    room = str(folder / "room")
+    made = run_tool("surfit_simulate", f"--output={room}", f"--frames={frames}", "--downsample=4")
+    assert made.returncode == 0, made.stderr
+    return room
+
+
+def run_slam(room, output, *flags):
+    done = run_tool("surfit_slam", f"--sequence={room}", f"--output={output}", "--nopictures", *flags)
+    assert done.returncode == 0, done.stderr
 
 
 def drawn_share(picture):

@@ -4,7 +4,7 @@ import json
 
 import pytest
 from report_page import (Page, differing_share, drawn_share, expect_every_mode_drawn, open_browser,
-                         run_tool)
+                         run_slam, run_tool, simulate_room)
 
 FRAMES = 30
 
@@ -13,13 +13,9 @@ FRAMES = 30
 def runs(tmp_path_factory):
     """Folders of two runs over one room, the first with a report of its own."""
     folder = tmp_path_factory.mktemp("report")
-    room = str(folder / "room")
-    made = run_tool("surfit_simulate", f"--output={room}", f"--frames={FRAMES}", "--downsample=4")
-    assert made.returncode == 0, made.stderr
-    for name, flags in [("plane", ["--residual=point_to_plane", "--report"]), ("symmetric", [])]:
-        done = run_tool("surfit_slam", f"--sequence={room}", f"--output={folder / name}",
-                        "--nopictures", *flags)
-        assert done.returncode == 0, done.stderr
+    room = simulate_room(folder, FRAMES)
+    run_slam(room, folder / "plane", "--residual=point_to_plane", "--report")
+    run_slam(room, folder / "symmetric")
     return folder
 
 
@@ -71,7 +67,17 @@ def test_draws_paths_and_cameras(page):
         assert differing_share(before, page.map_picture()) > 0, part
 
 
-def test_plots_every_frame(page):
+def count_charts(page):
+    return page.script("return [surfit.charts.length, document.querySelectorAll('.chart').length]")
+
+
+def test_plots_every_frame_when_seen(page):
+    made, all_charts = count_charts(page)
+    assert made < all_charts
+    for section in ["trajectory", "shared-charts", "run-charts"]:
+        page.scroll_to(section)
+    assert count_charts(page) == [all_charts, all_charts]
+    assert page.console() == []
     lengths = page.script("return surfit.charts.flatMap((c) => c.data.datasets.map("
                           "(d) => [c.options.plugins.title.text, d.data.length]))")
     assert len(lengths) >= 10
@@ -79,9 +85,16 @@ def test_plots_every_frame(page):
 
 
 def test_shows_views_summary_and_options(page, runs):
+    page.scroll_to("views")
+    page.script("return Promise.all([...document.querySelectorAll('#view-columns img')].map((i) => i.decode()))")
     widths = page.script("return [...document.querySelectorAll('#view-columns img')]"
                          ".map((i) => i.naturalWidth)")
     assert widths == [160] * 4
+    poses = json.loads((runs / "plane" / "poses.json").read_text())
+    page.script("const e = document.querySelector('#view-columns input'); e.value = e.max;"
+                "e.dispatchEvent(new Event('input'))")
+    shown = page.script("return document.querySelector('#view-columns span').textContent")
+    assert f"frame {FRAMES - 1}," in shown and poses["views"][-1]["why"] in shown
     summary = json.loads((runs / "plane" / "summary.json").read_text())
     rows = page.script("return [...document.querySelectorAll('#options-table tbody tr')]"
                        ".map((r) => r.cells[0].textContent)")

@@ -46,12 +46,21 @@ SurfelMap Map() {
   return map;
 }
 
+FrameReport Report(FrameState state, double rmse_m = 0) {
+  FrameReport report;
+  report.state = state;
+  report.icp.rmse_m = rmse_m;
+  return report;
+}
+
 std::vector<int> KeptOf(int frames) {
   KeptViews views;
   const SurfelMap map = Map();
-  for (int i = 0; i < frames; ++i) views.Offer(Frame(i, false), map, Camera(), Rigid3d());
+  for (int i = 0; i < frames; ++i) {
+    views.Offer(Frame(i, false), Report(FrameState::kGiven), map, Camera());
+  }
   std::vector<int> kept;
-  for (const KeptView& view : views.views()) kept.push_back(view.index);
+  for (const KeptView& view : views.Finish(map, Camera())) kept.push_back(view.index);
   return kept;
 }
 
@@ -60,14 +69,16 @@ TEST(KeptViews, AreEvenlySpreadHoweverLongTheRun) {
   EXPECT_THAT(KeptOf(3), ElementsAre(0, 1, 2));
   EXPECT_THAT(KeptOf(10), ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8, 9));
   EXPECT_THAT(KeptOf(11), ElementsAre(0, 2, 4, 6, 8, 10));
-  EXPECT_THAT(KeptOf(100), ElementsAre(0, 16, 32, 48, 64, 80, 96));
+  EXPECT_THAT(KeptOf(100), ElementsAre(0, 16, 32, 48, 64, 80, 96, 99));  // and the last
 }
 
 TEST(KeptViews, ShowTheInputAndTheMapFromItsPose) {
   KeptViews views;
-  views.Offer(Frame(7, true), Map(), Camera(), Rigid3d());
-  ASSERT_EQ(views.views().size(), 1u);
-  const KeptView& view = views.views()[0];
+  views.Offer(Frame(7, true), Report(FrameState::kFirst), Map(), Camera());
+  const std::vector<KeptView> kept = views.Finish(Map(), Camera());
+  ASSERT_EQ(kept.size(), 1u);
+  const KeptView& view = kept[0];
+  EXPECT_EQ(view.why, "evenly spread, last");
   EXPECT_EQ(view.index, 7);
   ASSERT_EQ(view.pictures.size(), 4u);
   const auto middle = [&](int picture) {
@@ -84,13 +95,45 @@ TEST(KeptViews, ShowTheInputAndTheMapFromItsPose) {
             DecodeJpeg(view.pictures[3].jpeg, "view")(0, 0));
 }
 
+TEST(KeptViews, AreKeptWhereSomethingHappens) {
+  KeptViews views;
+  const SurfelMap map = Map();
+  const auto offer = [&](int index, FrameState state, double rmse_m) {
+    views.Offer(Frame(index, false), Report(state, rmse_m), map, Camera());
+  };
+  for (int i = 0; i < 200; ++i) {  // of which every 32nd is kept in any case
+    const FrameState state = i == 0               ? FrameState::kFirst
+                             : i == 3 || i == 90  ? FrameState::kDegenerate
+                             : i == 51 || i == 53 ? FrameState::kLost
+                                                  : FrameState::kTracked;
+    offer(i, state, i == 71 ? 0.02 : 0.01);
+  }
+  std::vector<std::string> kept;
+  for (const KeptView& view : views.Finish(map, Camera())) {
+    if (view.why != "evenly spread") kept.push_back(std::to_string(view.index) + " " + view.why);
+  }
+  EXPECT_THAT(kept, ElementsAre("3 first with directions that the data leaves free",
+                                "51 first that was lost, the model from the pose before",
+                                "71 largest RMSE of registration", "199 last"));
+}
+
+// Each reason's own frame: as many as there can be.
 TEST(KeptViews, WriteOnlyFilesThatALaterRunRemoves) {
   const testing::TempFolder folder;
   KeptViews views;
-  for (int i = 0; i < KeptViews::kMost; ++i) {
-    views.Offer(Frame(i, true), Map(), Camera(), Rigid3d());
+  const SurfelMap map = Map();
+  const auto offer = [&](int index, const FrameReport& report) {
+    views.Offer(Frame(index, true), report, map, Camera());
+  };
+  for (int i = 0; i < 19; ++i) {  // the even ones are kept in any case
+    const FrameState state = i == 3 ? FrameState::kDegenerate : FrameState::kTracked;
+    offer(i, Report(state, i == 1 ? 0.02 : 0.01));
   }
-  views.Write(folder.path());
+  offer(19, Report(FrameState::kLost));
+  offer(20, Report(FrameState::kGiven));
+  const std::vector<KeptView> kept = views.Finish(map, Camera());
+  EXPECT_EQ(kept.size(), KeptViews::kMost);
+  KeptViews::Write(kept, folder.path());
   for (const std::string& name : KeptViews::FileNames()) {
     EXPECT_TRUE(std::filesystem::remove(folder.path() + "/" + name)) << name;
   }

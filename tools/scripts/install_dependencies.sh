@@ -1,7 +1,15 @@
 #!/usr/bin/env bash
-# Installs with apt what building, running and testing Surfit needs and this Debian 12 lacks.
+# Installs with apt what building, running and testing Surfit needs and this Debian 12 lacks, and with
+# npm, where there is one, what reports do without otherwise.
 # Needs no root, and does nothing, when nothing is missing.
 set -euo pipefail
+
+npm_packages=$(cd "$(dirname "${BASH_SOURCE[0]}")/../../src/report/npm" && pwd)
+if [[ ! -e $npm_packages/node_modules/chartjs-plugin-zoom ]] && command -v npm >/dev/null; then
+  # Without the peer that it names: Chart.js is Debian's.
+  npm ci --prefix "$npm_packages" --legacy-peer-deps --ignore-scripts --no-audit --no-fund </dev/null ||
+    echo "warning: npm failed, so the plots of reports will not zoom" >&2
+fi
 
 packages=(
   # compiler and build tools

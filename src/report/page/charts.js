@@ -1,5 +1,6 @@
 'use strict';
-// Charts of Chart.js with the page's colours.
+// Charts of Chart.js with the page's colours, made when they come into sight: a dozen at once would
+// take longer than the map. Drag across a chart to zoom, double click to see all of it again.
 surfit.charts = [];
 surfit.runColors = ['#2f81d6', '#e4572e', '#3a9d5d', '#9b5de5', '#c98b00', '#00a5a5'];
 surfit.runColor = (i) => surfit.runColors[i % surfit.runColors.length];
@@ -14,9 +15,12 @@ surfit.line = (label, color, data, more = {}) => ({
 // Points { x, y } of two columns; what is not finite leaves a gap.
 surfit.pairs = (xs, ys) => xs.map((x, i) => ({ x, y: Number.isFinite(ys[i]) ? ys[i] : NaN }));
 
-surfit.addChart = (parent, title, datasets, { x, y, plugins = {}, className = 'chart' }) => {
-  const box = surfit.element('div', parent, { className });
-  const chart = new Chart(surfit.element('canvas', box), {
+// Zooming is a plugin's, which a page may lack (src/report/CMakeLists.txt).
+surfit.zoomOptions = (mode) => ({ zoom: { mode, drag: { enabled: true, threshold: 5 } } });
+
+surfit.makeChart = (box, title, datasets, { x, y, plugins = {}, zoomMode = 'x' }) => {
+  const canvas = surfit.element('canvas', box);
+  const chart = new Chart(canvas, {
     type: 'line',
     data: { datasets },
     options: {
@@ -24,11 +28,18 @@ surfit.addChart = (parent, title, datasets, { x, y, plugins = {}, className = 'c
       interaction: { mode: 'nearest', axis: 'x', intersect: false },
       scales: { x: { type: 'linear', ...x }, y },
       plugins: { title: { display: true, text: title },
-        legend: { labels: { boxWidth: 14, boxHeight: 2 } }, ...plugins },
+        legend: { labels: { boxWidth: 14, boxHeight: 2 } }, zoom: surfit.zoomOptions(zoomMode), ...plugins },
     },
   });
+  if (chart.resetZoom) canvas.addEventListener('dblclick', () => chart.resetZoom('none'));
   surfit.charts.push(chart);
   return chart;
+};
+
+// `made` is called with the chart.
+surfit.addChart = (parent, title, datasets, options, made = () => {}) => {
+  const box = surfit.element('div', parent, { className: options.className || 'chart' });
+  surfit.whenInSight(box, () => made(surfit.makeChart(box, title, datasets, options)));
 };
 
 surfit.applyTheme = (theme) => {

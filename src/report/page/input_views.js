@@ -4,7 +4,7 @@ surfit.pictureNames = { input_color: 'input', model_color: 'model', input_depth:
   model_depth: 'model depth, same colours' };
 
 surfit.showView = (run, view, title, pictures) => {
-  title.textContent = ` frame ${view.index}, ${view.stamp_s.toFixed(3)} s`;
+  title.textContent = ` frame ${view.index}, ${view.stamp_s.toFixed(3)} s: ${view.why}`;
   pictures.textContent = '';
   for (const [name, url] of Object.entries(view.pictures)) {
     const figure = surfit.element('figure', pictures);
@@ -29,6 +29,6 @@ surfit.showViews = (runs) => {
     const pictures = surfit.element('div', column, { className: 'pictures' });
     const show = () => surfit.showView(run, views[slider.value], title, pictures);
     slider.addEventListener('input', show);
-    show();
+    surfit.whenInSight(column, show);
   }
 };

@@ -25,9 +25,10 @@ surfit.showMap = (runs) => {
   document.documentElement.style.setProperty('--columns', runs.length);
   surfit.byId('headline').textContent = runs.length === 1 ? surfit.headline(runs[0])
     : `${runs.length} runs side by side`;
-  surfit.showMap(runs);
+  surfit.mapView = surfit.showMap(runs);
   surfit.showTrajectories(runs);
   surfit.showFrames(runs);
+  surfit.byId('zoom-hint').hidden = !window.ChartZoom;
   surfit.showViews(runs);
   surfit.showTables(runs);
   document.documentElement.dataset.readyMs = performance.now().toFixed(0);

@@ -1,5 +1,10 @@
 'use strict';
-// The maps side by side on one canvas, seen by one camera. Drawn when something changes only.
+// The maps side by side on one canvas, seen by one camera. Drawn when something changes only: at once
+// with a part of the points, so that turning stays smooth without a graphics card, and with all as
+// soon as nothing has changed for a moment.
+surfit.pointsWhileChanging = 100000;  // of all maps
+surfit.restMs = 200;
+
 surfit.MapView = class {
   constructor(runs) {
     this.runs = runs;
@@ -7,6 +12,8 @@ surfit.MapView = class {
     this.renderer = new THREE.WebGLRenderer({ canvas: this.canvas, alpha: true });
     this.renderer.setPixelRatio(window.devicePixelRatio);
     this.renderer.setScissorTest(true);
+    this.pointSize = 1;
+    this.isComplete = false;  // whether all points are drawn
     this.camera = new THREE.PerspectiveCamera(50, 1, 0.02, 500);
     this.frameMap();
     this.cells = runs.map((run) => this.makeCell(run));
@@ -47,9 +54,7 @@ surfit.MapView = class {
       this.draw();
     });
     on('color-mode', 'change', (select) => this.setMode(select.value));
-    on('point-size', 'input', (range) => this.cells.forEach(({ points }) => {
-      points.material.uniforms.radius.value = range.value * points.userData.baseRadius;
-    }));
+    on('point-size', 'input', (range) => { this.pointSize = Number(range.value); });
     on('least-confidence', 'input', (range) => this.setLeastConfidence(Number(range.value)));
     on('cull', 'change', (box) => this.setUniform('cull', box.checked));
     for (const name of ['estimate', 'truth', 'cameras']) {
@@ -98,24 +103,37 @@ surfit.MapView = class {
   }
 
   draw() {
+    this.isComplete = false;
+    clearTimeout(this.rest);
     if (this.waiting) return;
     this.waiting = true;
     requestAnimationFrame(() => {
       this.waiting = false;
-      this.drawNow();
+      this.drawNow(surfit.pointsWhileChanging / this.cells.length);
+      this.rest = setTimeout(() => {
+        this.drawNow(Infinity);
+        this.isComplete = true;
+      }, surfit.restMs);
     });
   }
 
-  drawNow() {
+  // Only where it differs: the canvas is made anew.
+  fitCanvas(width, height) {
+    const size = this.renderer.getSize(new THREE.Vector2());
+    if (size.x !== width || size.y !== height) this.renderer.setSize(width, height, false);
+  }
+
+  drawNow(most) {
     const { clientWidth, clientHeight } = this.canvas.parentElement;
-    this.renderer.setSize(clientWidth, clientHeight, false);
+    this.fitCanvas(clientWidth, clientHeight);
     const width = clientWidth / this.cells.length;
     this.camera.aspect = width / clientHeight;
     this.camera.updateProjectionMatrix();
     const pixels = clientHeight * window.devicePixelRatio;
     const tangent = Math.tan(this.camera.fov * Math.PI / 360);
     this.setUniform('pixelsAtOneMetre', pixels / (2 * tangent));
-    this.cells.forEach(({ scene }, i) => {
+    this.cells.forEach(({ scene, points }, i) => {
+      surfit.chooseFirst(points, this.runs[i].map, most, this.pointSize);
       this.renderer.setViewport(i * width, 0, width, clientHeight);
       this.renderer.setScissor(i * width, 0, width, clientHeight);
       this.renderer.render(scene, this.camera);

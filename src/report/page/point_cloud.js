@@ -21,26 +21,31 @@ void main() { gl_FragColor = vec4(color, 1.); }`;
 
 surfit.makePointCloud = (map) => {
   const geometry = new THREE.BufferGeometry();
-  geometry.setAttribute('position', new THREE.BufferAttribute(map.position, 3, true));
-  geometry.setAttribute('normal', new THREE.BufferAttribute(map.normal, 3, true));
+  geometry.setAttribute('position', new THREE.BufferAttribute(surfit.padTriples(map.position), 4, true));
+  geometry.setAttribute('normal', new THREE.BufferAttribute(surfit.padTriples(map.normal), 4, true));
   geometry.setAttribute('confidence', new THREE.BufferAttribute(map.confidence, 1));
-  geometry.setAttribute('shade', new THREE.BufferAttribute(new Uint8Array(3 * map.shown), 3, true));
-  // Where surfels are left out, the others grow to close the surface.
-  const growth = map.shown > 0 ? Math.sqrt(map.points / map.shown) : 1;
+  geometry.setAttribute('shade', new THREE.BufferAttribute(new Uint8Array(4 * map.shown), 4, true));
   const material = new THREE.ShaderMaterial({
     vertexShader: surfit.pointVertexShader,
     fragmentShader: surfit.pointFragmentShader,
     uniforms: {
       origin: { value: new THREE.Vector3(...map.origin) },
       extent: { value: new THREE.Vector3(...map.extent) },
-      radius: { value: 0.7 * growth * map.radius },
+      radius: { value: 0 },  // as chooseFirst() has it
       pixelsAtOneMetre: { value: 1 }, leastConfidence: { value: 0 }, cull: { value: true },
     },
   });
   const points = new THREE.Points(geometry, material);
   points.frustumCulled = false;  // the geometry's own bounds are those of shares
-  points.userData.baseRadius = material.uniforms.radius.value;
   return points;
+};
+
+// Draws the first `count` surfels, an even share of the map, or all that there are. Where surfels
+// are left out the others grow to close the surface.
+surfit.chooseFirst = (points, map, count, size) => {
+  const drawn = Math.min(count, map.shown);
+  points.geometry.setDrawRange(0, drawn);
+  points.material.uniforms.radius.value = 0.7 * size * map.radius * Math.sqrt(map.points / Math.max(drawn, 1));
 };
 
 // How each mode tells a number, and how it is named. Confidence is logarithmic.
@@ -69,14 +74,14 @@ surfit.colorPoints = (points, map, mode, [low, high]) => {
   const shade = points.geometry.getAttribute('shade');
   const out = shade.array;
   if (mode === 'color') {
-    out.set(map.color);
+    out.set(surfit.padTriples(map.color));
   } else if (mode === 'normal') {
-    for (let k = 0; k < out.length; ++k) out[k] = 127.5 + map.normal[k];
+    out.set(surfit.padTriples(Uint8Array.from(map.normal, (n) => 127.5 + n)));
   } else {
     const of = surfit.scalarModes[mode].of;
     for (let i = 0; i < map.shown; ++i) {
       const from = 3 * surfit.scaleIndex(of(map, i), low, high);
-      for (let c = 0; c < 3; ++c) out[3 * i + c] = surfit.viridis[from + c];
+      for (let c = 0; c < 3; ++c) out[4 * i + c] = surfit.viridis[from + c];
     }
   }
   shade.needsUpdate = true;

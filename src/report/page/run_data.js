@@ -10,6 +10,17 @@ surfit.decode = (base64, Type) => {
   return new Type(bytes.buffer);
 };
 
+// Triples with a fourth, unused: vertex data that begin at multiples of four bytes need no copies.
+surfit.padTriples = (triples) => {
+  const padded = new triples.constructor(triples.length / 3 * 4);
+  for (let from = 0, to = 0; from < triples.length; from += 3, to += 4) {
+    padded[to] = triples[from];
+    padded[to + 1] = triples[from + 1];
+    padded[to + 2] = triples[from + 2];
+  }
+  return padded;
+};
+
 // Columns by name; numbers but for the two that hold words.
 surfit.parseFrames = (csv) => {
   const [names, ...rows] = csv.trim().split('\n').map((line) => line.split(','));
@@ -46,3 +57,18 @@ surfit.element = (tag, parent, properties = {}) => {
 };
 
 surfit.byId = (id) => document.getElementById(id);
+
+// Calls `build` once, when the element is about to be seen, or printed.
+surfit.whenInSight = (element, build) => {
+  let observer = null;
+  const once = () => {
+    observer.disconnect();
+    window.removeEventListener('beforeprint', once);
+    build();
+  };
+  observer = new IntersectionObserver((entries) => {
+    if (entries.some((entry) => entry.isIntersecting)) once();
+  }, { rootMargin: '100px' });
+  observer.observe(element);
+  window.addEventListener('beforeprint', once);
+};

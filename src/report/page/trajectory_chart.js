@@ -54,11 +54,12 @@ surfit.showTrajectories = (runs) => {
     : `Points are coloured by their distance from the ground truth, dark 0 to bright ${
       (1000 * errorRange[1]).toFixed(1)} mm; each ground truth is moved onto its run as for ATE.`;
   surfit.element('p', parent, { className: 'note', textContent: note });
-  const chart = surfit.addChart(parent, 'from above', datasets, {
-    x: surfit.axis('right, m'), y: surfit.axis('ahead, m'), className: 'chart tall',
-    plugins: { tooltip: { enabled: false } } });
-  surfit.equalAspect(chart);
-  new ResizeObserver(() => surfit.equalAspect(chart)).observe(chart.canvas.parentElement);
+  surfit.addChart(parent, 'from above', datasets, {
+    x: surfit.axis('right, m'), y: surfit.axis('ahead, m'), className: 'chart tall', zoomMode: 'xy',
+    plugins: { tooltip: { enabled: false } } }, (chart) => {
+    // Observers call once at the beginning, too.
+    new ResizeObserver(() => surfit.equalAspect(chart)).observe(chart.canvas.parentElement);
+  });
   if (errors.length === 0) return;
   surfit.addChart(parent, 'position error', runs.map((run, i) => surfit.line(run.label, surfit.runColor(i),
     [...run.errors].map(([x, error]) => ({ x, y: 1000 * error })))), {
