@@ -30,6 +30,11 @@ Image<float> Detail(Image<float>& value) {
 
 }  // namespace
 
+BrightnessLevel BrightnessOf(Image<float> value) {
+  Image<float> detail = Detail(value);
+  return {std::move(value), std::move(detail)};
+}
+
 std::vector<BrightnessLevel> BrightnessPyramid(const Image<Rgb8>& color, int width, int height,
                                                int levels) {
   CHECK(color.empty() || (color.width() == width && color.height() == height));
@@ -37,8 +42,7 @@ std::vector<BrightnessLevel> BrightnessPyramid(const Image<Rgb8>& color, int wid
   std::vector<BrightnessLevel> pyramid;
   for (int level = 0; level < levels; ++level) {
     Image<float> next = level + 1 < levels ? HalfResolution(value) : Image<float>();
-    Image<float> detail = Detail(value);
-    pyramid.push_back({std::move(value), std::move(detail)});
+    pyramid.push_back(BrightnessOf(std::move(value)));
     value = std::move(next);
   }
   return pyramid;

@@ -12,6 +12,9 @@ struct BrightnessLevel {
   Image<float> detail;  // value less its mean over some pixels: edges and texture without shading
 };
 
+// With the detail of these values.
+BrightnessLevel BrightnessOf(Image<float> value);
+
 // As many levels as asked for, each further one the mean of 2 x 2 pixels like HalfResolution();
 // all zero where there is no colour.
 std::vector<BrightnessLevel> BrightnessPyramid(const Image<Rgb8>& color, int width, int height,

@@ -12,7 +12,6 @@
 namespace surfit {
 namespace {
 
-constexpr int kSamples = 20000;
 constexpr double kInlierSigmas = 3;
 constexpr std::size_t kMinInliers = 4;
 constexpr int kRefinements = 5;
@@ -25,13 +24,15 @@ class ConsensusSearch {
       : source_(source), target_(target), matches_(matches) {}
 
   // In descending order of their inliers, first drawn first.
-  std::vector<Consensus> Draw() const {
+  std::vector<Consensus> Draw(int max_tries) const {
     std::mt19937_64 generator(1);
     std::vector<Consensus> found;
-    for (int i = 0; i < kSamples; ++i) {
+    int tries = 0;
+    for (int i = 0; i < kConsensusSamples && tries < max_tries; ++i) {
       std::vector<int> sample(3);
       for (int& match : sample) match = static_cast<int>(generator() % matches_.size());
       if (!IsRigid(sample)) continue;
+      ++tries;
       Consensus consensus = At(FitPose(source_, target_, matches_, sample));
       if (consensus.inliers.size() >= kMinInliers) found.push_back(std::move(consensus));
     }
@@ -124,7 +125,8 @@ Rigid3d FitPose(const FeaturePoints& source, const FeaturePoints& target,
 }
 
 std::vector<Consensus> FindConsensus(const FeaturePoints& source, const FeaturePoints& target,
-                                     const std::vector<FeatureMatch>& matches, int max_count) {
+                                     const std::vector<FeatureMatch>& matches, int max_count,
+                                     int max_tries) {
   std::vector<Consensus> distinct;
   if (matches.size() < kMinInliers) return distinct;
   const ConsensusSearch search(source, target, matches);
@@ -132,7 +134,7 @@ std::vector<Consensus> FindConsensus(const FeaturePoints& source, const FeatureP
     return std::any_of(distinct.begin(), distinct.end(),
                        [&](const Consensus& known) { return ShareHalf(known, consensus); });
   };
-  for (const Consensus& candidate : search.Draw()) {
+  for (const Consensus& candidate : search.Draw(max_tries)) {
     if (static_cast<int>(distinct.size()) == max_count) break;
     if (is_known(candidate)) continue;
     Consensus refined = search.Refine(candidate);

@@ -19,22 +19,6 @@ constexpr int kDepthRadiusPx = 2;
 constexpr double kPlaceSigmaPx = 1.5;  // of a feature in an image from elsewhere
 constexpr float kMaxDistanceRatio = 0.95f;
 
-// Median over the valid neighbours; 0 without any.
-double MedianDepth(const Image<float>& depth_m, int u, int v) {
-  std::vector<float> valid;
-  for (int y = std::max(0, v - kDepthRadiusPx);
-       y <= std::min(depth_m.height() - 1, v + kDepthRadiusPx); ++y) {
-    for (int x = std::max(0, u - kDepthRadiusPx);
-         x <= std::min(depth_m.width() - 1, u + kDepthRadiusPx); ++x) {
-      if (depth_m(x, y) > 0) valid.push_back(depth_m(x, y));
-    }
-  }
-  if (valid.empty()) return 0;
-  const auto middle = valid.begin() + static_cast<std::ptrdiff_t>(valid.size() / 2);
-  std::nth_element(valid.begin(), middle, valid.end());
-  return *middle;
-}
-
 // The square root of a histogram with sum 1, so that its Euclidean length is 1.
 void WriteRootDescriptor(const cv::Mat& descriptor, float* out) {
   const auto* const in = descriptor.ptr<float>();
@@ -71,6 +55,26 @@ cv::Mat Descriptors(const FeaturePoints& features) {
 
 }  // namespace
 
+double DepthOfFeature(const Image<float>& depth_m, double u, double v) {
+  const int column = static_cast<int>(std::lround(u)), row = static_cast<int>(std::lround(v));
+  std::vector<float> valid;
+  for (int y = std::max(0, row - kDepthRadiusPx);
+       y <= std::min(depth_m.height() - 1, row + kDepthRadiusPx); ++y) {
+    for (int x = std::max(0, column - kDepthRadiusPx);
+         x <= std::min(depth_m.width() - 1, column + kDepthRadiusPx); ++x) {
+      if (depth_m(x, y) > 0) valid.push_back(depth_m(x, y));
+    }
+  }
+  if (valid.empty()) return 0;
+  const auto middle = valid.begin() + static_cast<std::ptrdiff_t>(valid.size() / 2);
+  std::nth_element(valid.begin(), middle, valid.end());
+  return *middle;
+}
+
+double SigmaOfFeature(double depth_m, const PinholeCamera& camera, const ErrorModel& error_model) {
+  return std::hypot(error_model.Sigma(depth_m), kPlaceSigmaPx * depth_m / camera.fx);
+}
+
 FeaturePoints FindFeatures(const Image<Rgb8>& color, const FrameLevel& surface,
                            const ErrorModel& error_model) {
   FeaturePoints features;
@@ -85,13 +89,11 @@ FeaturePoints FindFeatures(const Image<Rgb8>& color, const FrameLevel& surface,
   std::vector<int> kept;
   for (int i = 0; i < static_cast<int>(keys.size()); ++i) {
     const cv::Point2f place = keys[i].pt;
-    const double depth_m = MedianDepth(surface.vertex.z, static_cast<int>(std::lround(place.x)),
-                                       static_cast<int>(std::lround(place.y)));
+    const double depth_m = DepthOfFeature(surface.vertex.z, place.x, place.y);
     if (!(depth_m > 0)) continue;
     kept.push_back(i);
     features.points.emplace_back(surface.camera.Ray(place.x, place.y) * depth_m);
-    features.sigmas_m.push_back(
-        std::hypot(error_model.Sigma(depth_m), kPlaceSigmaPx * depth_m / surface.camera.fx));
+    features.sigmas_m.push_back(SigmaOfFeature(depth_m, surface.camera, error_model));
   }
   features.descriptors = Image<float>(descriptors.cols, static_cast<int>(kept.size()));
   for (int row = 0; row < features.size(); ++row) {

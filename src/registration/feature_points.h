@@ -18,9 +18,15 @@ struct FeaturePoints {
   int size() const { return static_cast<int>(points.size()); }
 };
 
+// The depth of the surface at a pixel: the median of the valid neighbours; 0 without any.
+double DepthOfFeature(const Image<float>& depth_m, double u, double v);
+
+// Standard deviation in metres, in any direction, of a feature's point at this depth.
+double SigmaOfFeature(double depth_m, const PinholeCamera& camera, const ErrorModel& error_model);
+
 // SIFT features (Lowe 2004) with RootSIFT descriptors (Arandjelovic and Zisserman 2012) of the
-// image, lifted by the depth of the surface that it shares pixels with: the median of the valid
-// neighbours. Features without depth are left out. None where there is no colour.
+// image, lifted by the depth of the surface that it shares pixels with. Features without depth are
+// left out. None where there is no colour.
 FeaturePoints FindFeatures(const Image<Rgb8>& color, const FrameLevel& surface,
                            const ErrorModel& error_model);
 

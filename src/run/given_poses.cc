@@ -4,6 +4,7 @@
 
 #include "surfit/core/error.h"
 #include "surfit/geometry/mirror.h"
+#include "surfit/io/tum_trajectory.h"
 
 namespace surfit {
 
@@ -33,6 +34,14 @@ Rigid3d InitialPose(const std::string& initial_pose, const SequenceInfo& info,
   }
   const Rigid3d pose = ParsePose("initial_pose", initial_pose);
   return info.mirrored ? Mirrored(pose) : pose;
+}
+
+Trajectory ReadEstimate(const std::string& path, const SequenceInfo& info) {
+  Trajectory trajectory = ReadTumTrajectory(path);
+  if (info.mirrored) {
+    for (StampedPose& pose : trajectory) pose.world_from_camera = Mirrored(pose.world_from_camera);
+  }
+  return trajectory;
 }
 
 }  // namespace surfit

@@ -17,4 +17,8 @@ Rigid3d ParsePose(const std::string& option, const std::string& text);
 Rigid3d InitialPose(const std::string& initial_pose, const SequenceInfo& info,
                     double first_stamp_s);
 
+// An estimated trajectory of the sequence, from a file (TUM format) in the source's convention.
+// Throws InputError naming the file.
+Trajectory ReadEstimate(const std::string& path, const SequenceInfo& info);
+
 }  // namespace surfit

@@ -7,10 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "run/given_poses.h"
 #include "run/posed_view.h"
 #include "surfit/core/error.h"
-#include "surfit/geometry/mirror.h"
-#include "surfit/io/tum_trajectory.h"
 #include "surfit/registration/projective_association.h"
 
 namespace surfit {
@@ -28,21 +27,13 @@ struct RelativePoses {
 
 double Degrees(const Rigid3d& motion) { return RotationAngle(motion.rotation) * 180 / M_PI; }
 
-Trajectory ReadEstimate(const std::string& path, bool mirrored) {
-  Trajectory trajectory = ReadTumTrajectory(path);
-  if (mirrored) {
-    for (StampedPose& pose : trajectory) pose.world_from_camera = Mirrored(pose.world_from_camera);
-  }
-  return trajectory;
-}
-
 std::vector<PosedFrame> ReadPosedFrames(const RevisitOptions& options, int* without_pose) {
   const std::unique_ptr<FrameSource> source = OpenSequence(options.sequence);
   const SequenceInfo& info = source->info();
   if (info.ground_truth.empty()) {
     throw InputError(Concat(options.sequence.path, ": there is no ground truth to compare with"));
   }
-  const Trajectory estimate = ReadEstimate(options.estimate, info.mirrored);
+  const Trajectory estimate = ReadEstimate(options.estimate, info);
   std::vector<PosedFrame> frames;
   while (const std::optional<ReadResult> result = source->Next()) {
     const auto truth = InterpolatePose(info.ground_truth, result->stamp_s);

@@ -9,15 +9,16 @@ set(frame_uses geometry)
 set(cost_functions_uses geometry)
 set(registration_uses frame cost_functions)
 set(mapping_uses frame)
+set(places_uses registration)
 set(slam_uses registration mapping)
 set(optimization_uses geometry cost_functions)
 set(io_uses geometry frame mapping optimization)
 set(evaluation_uses geometry)
 set(simulation_uses geometry frame)
 set(pictures_uses mapping)
-set(run_uses slam io evaluation pictures)
+set(run_uses slam places io evaluation pictures)
 set(report_uses io)
-set(rooms core geometry frame cost_functions registration mapping slam optimization io evaluation
+set(rooms core geometry frame cost_functions registration mapping places slam optimization io evaluation
   simulation pictures run report)
 
 # Sets <result> to the room itself and all it may include, directly or through others.

@@ -1,0 +1,86 @@
+#include "surfit/places/find_loops.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "surfit/core/error.h"
+
+namespace surfit {
+namespace {
+
+void RequireNotNegative(const char* field, double value) {
+  if (!(value >= 0)) throw InputError(Concat(field, " is ", value, ", must not be negative"));
+}
+
+// An earlier keyframe whose pose is near.
+struct Neighbour {
+  int keyframe;
+  double farness;  // 1 at the bound
+  Rigid3d target_from_source;
+};
+
+std::vector<Neighbour> Neighbours(int source, const std::vector<Keyframe>& keyframes,
+                                  const FindLoopsOptions& options) {
+  std::vector<Neighbour> neighbours;
+  for (int target = 0; target < source; ++target) {
+    const Rigid3d motion =
+        keyframes[target].world_from_camera.Inverse() * keyframes[source].world_from_camera;
+    const double farness = std::max(motion.translation.norm() / options.max_near_m,
+                                    RotationAngle(motion.rotation) / options.max_near_rad);
+    if (farness <= 1) neighbours.push_back({target, farness, motion});
+  }
+  std::stable_sort(neighbours.begin(), neighbours.end(),
+                   [](const auto& a, const auto& b) { return a.farness < b.farness; });
+  return neighbours;
+}
+
+}  // namespace
+
+void FindLoopsOptions::Validate() const {
+  if (min_gap < 1) throw InputError(Concat("min_gap is ", min_gap, ", must be at least 1"));
+  RequireNotNegative("max_alike", max_alike);
+  RequireNotNegative("max_near", max_near);
+  RequireNotNegative("max_near_m", max_near_m);
+  RequireNotNegative("max_near_rad", max_near_rad);
+  verify.Validate();
+}
+
+std::vector<LoopProposal> ProposeLoops(int source, const std::vector<Keyframe>& keyframes,
+                                       const PlaceIndex& index, const FindLoopsOptions& options) {
+  const auto is_wanted = [&](int keyframe) {
+    return !keyframes[keyframe].view.empty() &&
+           keyframes[source].frame_index - keyframes[keyframe].frame_index >= options.min_gap;
+  };
+  std::vector<LoopProposal> proposals;
+  for (const PlaceCandidate& candidate :
+       index.Query(keyframes[source].view, options.max_alike, is_wanted)) {
+    proposals.push_back({source, candidate.keyframe, candidate.similarity, std::nullopt});
+  }
+  int near_count = 0;
+  for (const Neighbour& neighbour : Neighbours(source, keyframes, options)) {
+    const auto known = std::find_if(proposals.begin(), proposals.end(), [&](const LoopProposal& p) {
+      return p.target == neighbour.keyframe;
+    });
+    if (known != proposals.end()) {
+      known->target_from_source_prior = neighbour.target_from_source;
+    } else if (near_count < options.max_near && is_wanted(neighbour.keyframe)) {
+      proposals.push_back({source, neighbour.keyframe, 0, neighbour.target_from_source});
+      ++near_count;
+    }
+  }
+  return proposals;
+}
+
+std::vector<LoopAttempt> FindLoops(int source, const std::vector<Keyframe>& keyframes,
+                                   const PlaceIndex& index, const FindLoopsOptions& options) {
+  options.Validate();
+  std::vector<LoopAttempt> attempts;
+  for (const LoopProposal& proposal : ProposeLoops(source, keyframes, index, options)) {
+    const LoopVerdict verdict = VerifyLoop(keyframes[source].view, keyframes[proposal.target].view,
+                                           options.verify, proposal.target_from_source_prior);
+    attempts.push_back({proposal, verdict});
+  }
+  return attempts;
+}
+
+}  // namespace surfit

@@ -1,0 +1,135 @@
+#include "surfit/places/place_index.h"
+
+#include <glog/logging.h>
+
+#include <algorithm>
+#include <bitset>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <random>
+#include <utility>
+
+#include "surfit/core/error.h"
+
+namespace surfit {
+namespace {
+
+constexpr int kDescriptorBits = 256;
+
+void RequireRange(const char* field, int value, int least, int most) {
+  if (value < least || value > most) {
+    throw InputError(Concat(field, " is ", value, ", must be from ", least, " to ", most));
+  }
+}
+
+// The first `count` of all bits in a random order.
+std::vector<int> ChooseBits(int count, std::mt19937_64* generator) {
+  std::vector<int> bits(kDescriptorBits);
+  std::iota(bits.begin(), bits.end(), 0);
+  for (int i = 0; i < count; ++i) {
+    std::swap(bits[i], bits[i + static_cast<int>((*generator)() % (kDescriptorBits - i))]);
+  }
+  bits.resize(count);
+  return bits;
+}
+
+int Hamming(const BinaryDescriptor& a, const BinaryDescriptor& b) {
+  int distance = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    distance += static_cast<int>(std::bitset<64>(a[i] ^ b[i]).count());
+  }
+  return distance;
+}
+
+}  // namespace
+
+void PlaceIndexOptions::Validate() const {
+  RequireRange("tables", tables, 1, 64);
+  RequireRange("bits", bits, 1, 20);
+  RequireRange("max_hamming", max_hamming, 0, kDescriptorBits);
+  if (!(min_similarity >= 0 && min_similarity <= 1)) {
+    throw InputError(Concat("min_similarity is ", min_similarity, ", must be from 0 to 1"));
+  }
+}
+
+PlaceIndex::PlaceIndex(const PlaceIndexOptions& options) : options_(options) {
+  options.Validate();
+  std::mt19937_64 generator(1);
+  for (int table = 0; table < options.tables; ++table) {
+    chosen_bits_.push_back(ChooseBits(options.bits, &generator));
+  }
+  buckets_.resize(static_cast<std::size_t>(options.tables) << options.bits);
+}
+
+std::uint32_t PlaceIndex::HashOf(const BinaryDescriptor& descriptor, int table) const {
+  std::uint32_t hash = table;
+  for (const int bit : chosen_bits_[table]) {
+    hash = 2 * hash + ((descriptor[bit / 64] >> (bit % 64)) & 1);
+  }
+  return hash;
+}
+
+void PlaceIndex::Insert(const Entry& entry) {
+  const auto index = static_cast<std::uint32_t>(entries_.size());
+  for (int table = 0; table < options_.tables; ++table) {
+    buckets_[HashOf(entry.descriptor, table)].push_back(index);
+  }
+  entries_.push_back(entry);
+}
+
+void PlaceIndex::Add(int keyframe, const PlaceView& view) {
+  CHECK(std::find(keyframes_.begin(), keyframes_.end(), keyframe) == keyframes_.end());
+  keyframes_.push_back(keyframe);
+  for (const PlaceFeature& feature : view.features) Insert({feature.descriptor, keyframe});
+}
+
+void PlaceIndex::Remove(int keyframe) {
+  keyframes_.erase(std::remove(keyframes_.begin(), keyframes_.end(), keyframe), keyframes_.end());
+  const std::vector<Entry> all = std::exchange(entries_, {});
+  for (std::vector<std::uint32_t>& bucket : buckets_) bucket.clear();
+  for (const Entry& entry : all) {
+    if (entry.keyframe != keyframe) Insert(entry);
+  }
+}
+
+std::vector<PlaceCandidate> PlaceIndex::Query(
+    const PlaceView& view, int max_count,
+    const std::function<bool(int keyframe)>& is_wanted) const {
+  std::map<int, double> votes;
+  double all_votes = 0;
+  std::vector<int> found;  // keyframes that have the feature
+  for (const PlaceFeature& feature : view.features) {
+    found.clear();
+    for (int table = 0; table < options_.tables; ++table) {
+      for (const std::uint32_t index : buckets_[HashOf(feature.descriptor, table)]) {
+        const Entry& entry = entries_[index];
+        if (Hamming(entry.descriptor, feature.descriptor) <= options_.max_hamming) {
+          found.push_back(entry.keyframe);
+        }
+      }
+    }
+    std::sort(found.begin(), found.end());
+    found.erase(std::unique(found.begin(), found.end()), found.end());
+    const double weight = std::log((1. + keyframe_count()) / std::max<double>(1, found.size()));
+    all_votes += weight;
+    for (const int keyframe : found) votes[keyframe] += weight;
+  }
+  std::vector<PlaceCandidate> candidates;
+  for (const auto& [keyframe, vote] : votes) {
+    const double similarity = all_votes > 0 ? vote / all_votes : 0;
+    if (similarity >= options_.min_similarity && is_wanted(keyframe)) {
+      candidates.push_back({keyframe, similarity});
+    }
+  }
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const auto& a, const auto& b) { return a.similarity > b.similarity; });
+  if (static_cast<int>(candidates.size()) > max_count) candidates.resize(max_count);
+  return candidates;
+}
+
+std::size_t PlaceIndex::Bytes() const {
+  return entries_.size() * (sizeof(Entry) + options_.tables * sizeof(std::uint32_t));
+}
+
+}  // namespace surfit

@@ -1,0 +1,32 @@
+#include "surfit/places/relocalize.h"
+
+#include "surfit/core/error.h"
+
+namespace surfit {
+
+void RelocalizeOptions::Validate() const {
+  if (max_candidates < 1) {
+    throw InputError(Concat("max_candidates is ", max_candidates, ", must be positive"));
+  }
+  verify.Validate();
+}
+
+Relocalization Relocalize(const PlaceView& view, const std::vector<Keyframe>& keyframes,
+                          const PlaceIndex& index, const RelocalizeOptions& options) {
+  options.Validate();
+  Relocalization result;
+  const auto has_view = [&](int keyframe) { return !keyframes[keyframe].view.empty(); };
+  for (const PlaceCandidate& candidate : index.Query(view, options.max_candidates, has_view)) {
+    const Keyframe& keyframe = keyframes[candidate.keyframe];
+    const LoopVerdict verdict = VerifyLoop(view, keyframe.view, options.verify);
+    result.attempts.push_back(
+        {{Relocalization::kNone, candidate.keyframe, candidate.similarity, std::nullopt}, verdict});
+    if (!verdict.accepted()) continue;
+    result.keyframe = candidate.keyframe;
+    result.world_from_camera = keyframe.world_from_camera * verdict.target_from_source;
+    break;
+  }
+  return result;
+}
+
+}  // namespace surfit

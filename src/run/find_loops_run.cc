@@ -1,0 +1,201 @@
+#include "surfit/run/find_loops_run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <memory>
+#include <utility>
+
+#include "run/given_poses.h"
+#include "run/loop_files.h"
+#include "run/output_folder.h"
+#include "surfit/core/error.h"
+#include "surfit/core/parallel.h"
+#include "surfit/places/limit_keyframes.h"
+
+namespace surfit {
+namespace {
+
+// Adds the CPU time of its life, of all threads, to a sum.
+class CpuTimer {
+ public:
+  explicit CpuTimer(double* sum_ms) : sum_ms_(*sum_ms), begin_(std::clock()) {}
+  ~CpuTimer() { sum_ms_ += 1e3 * static_cast<double>(std::clock() - begin_) / CLOCKS_PER_SEC; }
+  CpuTimer(const CpuTimer&) = delete;
+  CpuTimer& operator=(const CpuTimer&) = delete;
+
+ private:
+  double& sum_ms_;
+  std::clock_t begin_;
+};
+
+// What is kept of each frame to evaluate the loops.
+struct PosedFrame {
+  int index;
+  int keyframe;  // its position
+  std::optional<Rigid3d> truth;
+};
+
+class LoopRun {
+ public:
+  LoopRun(const FindLoopsRunOptions& options, const SequenceInfo& info)
+      : options_(options),
+        info_(info),
+        estimate_(ReadEstimate(options.trajectory, info)),
+        index_(options.index) {}
+
+  void Process(const ReadResult& read) {
+    const std::optional<Rigid3d> pose = InterpolatePose(estimate_, read.stamp_s);
+    if (!read.frame || !pose) {
+      ++result_.left_out;
+      return;
+    }
+    const FramePyramid pyramid =
+        PreprocessDepth(read.frame->depth_m, info_.pinhole, options_.preprocess);
+    std::vector<Keyframe>& keyframes = result_.keyframes;
+    if (keyframes.empty() || IsKeyframe(keyframes.back(), read.index, pyramid.levels.back(), *pose,
+                                        options_.keyframes)) {
+      AddKeyframe(*read.frame, pyramid, *pose);
+    }
+    ++result_.frames;
+    frames_.push_back({read.index, static_cast<int>(keyframes.size()) - 1,
+                       InterpolatePose(info_.ground_truth, read.stamp_s)});
+    if (keyframes.size() > truth_of_keyframes_.size()) {
+      truth_of_keyframes_.push_back(frames_.back().truth);
+    }
+  }
+
+  FindLoopsRunResult Finish() {
+    const double count = std::max<double>(1, static_cast<double>(result_.keyframes.size()));
+    result_.view_ms /= count;
+    result_.query_ms /= count;
+    result_.verify_ms /= std::max<double>(1, static_cast<double>(result_.loops.size()));
+    for (const Keyframe& keyframe : result_.keyframes) {
+      result_.view_bytes += keyframe.view.Bytes();
+    }
+    if (!info_.ground_truth.empty()) Evaluate();
+    return std::move(result_);
+  }
+
+ private:
+  void AddKeyframe(const RgbdFrame& frame, const FramePyramid& pyramid, const Rigid3d& pose) {
+    Keyframe keyframe = {frame.index, frame.stamp_s, pose, {}};
+    {
+      const CpuTimer timer(&result_.view_ms);
+      keyframe.view = MakePlaceView(pyramid, frame.color, options_.view);
+    }
+    std::vector<Keyframe>& keyframes = result_.keyframes;
+    keyframes.push_back(std::move(keyframe));
+    const int position = static_cast<int>(keyframes.size()) - 1;
+    TryLoops(position);
+    index_.Add(position, keyframes.back().view);
+    result_.given_up +=
+        static_cast<int>(LimitKeyframes(options_.max_view_bytes, &keyframes, &index_).size());
+  }
+
+  void TryLoops(int source) {
+    std::vector<LoopProposal> proposals;
+    {
+      const CpuTimer timer(&result_.query_ms);
+      proposals = ProposeLoops(source, result_.keyframes, index_, options_.loops);
+    }
+    const CpuTimer timer(&result_.verify_ms);
+    for (const LoopProposal& proposal : proposals) {
+      const Keyframe& from = result_.keyframes[source];
+      const Keyframe& to = result_.keyframes[proposal.target];
+      const LoopVerdict verdict =
+          VerifyLoop(from.view, to.view, options_.loops.verify, proposal.target_from_source_prior);
+      result_.loops.push_back({from.frame_index, to.frame_index, {proposal, verdict}, {}, {}, {}});
+    }
+  }
+
+  void Evaluate() {
+    result_.evaluation.emplace();
+    for (FoundLoop& loop : result_.loops) EvaluateLoop(&loop);
+    for (const PosedFrame& frame : frames_) {
+      if (!Returns(frame)) continue;
+      ++result_.evaluation->revisiting;
+      result_.evaluation->linked += IsLinked(frame);
+    }
+  }
+
+  void EvaluateLoop(FoundLoop* loop) {
+    const LoopProposal& proposal = loop->attempt.proposal;
+    const auto& source = truth_of_keyframes_[proposal.source];
+    const auto& target = truth_of_keyframes_[proposal.target];
+    if (!source || !target) return;
+    const LoopVerdict& verdict = loop->attempt.verdict;
+    const Rigid3d truth = target->Inverse() * *source;
+    const Rigid3d off = truth * verdict.target_from_source.Inverse();
+    loop->error_rad = RotationAngle(off.rotation);
+    loop->error_m = (verdict.target_from_source.translation - truth.translation).norm();
+    if (!verdict.accepted()) return;
+    Vector6d error;
+    error << QuaternionLog<double>(off.rotation), off.translation;
+    loop->squared_error = error.dot(verdict.information * error);
+    LoopEvaluation& evaluation = *result_.evaluation;
+    evaluation.wrong += *loop->error_m > options_.wrong_m || *loop->error_rad > options_.wrong_rad;
+    evaluation.worst_m = std::max(evaluation.worst_m, *loop->error_m);
+    evaluation.worst_rad = std::max(evaluation.worst_rad, *loop->error_rad);
+  }
+
+  bool Returns(const PosedFrame& frame) const {
+    return frame.truth && std::any_of(frames_.begin(), frames_.end(), [&](const PosedFrame& other) {
+             if (!other.truth || frame.index - other.index <= options_.revisit_gap) return false;
+             const Rigid3d motion = other.truth->Inverse() * *frame.truth;
+             return motion.translation.norm() < options_.revisit_m &&
+                    RotationAngle(motion.rotation) < options_.revisit_rad;
+           });
+  }
+
+  bool IsLinked(const PosedFrame& frame) const {
+    return std::any_of(result_.loops.begin(), result_.loops.end(), [&](const FoundLoop& loop) {
+      return loop.attempt.verdict.accepted() && loop.attempt.proposal.source == frame.keyframe &&
+             frame.index - loop.target_frame > options_.revisit_gap;
+    });
+  }
+
+  const FindLoopsRunOptions& options_;
+  const SequenceInfo& info_;
+  Trajectory estimate_;
+  PlaceIndex index_;
+  std::vector<PosedFrame> frames_;
+  std::vector<std::optional<Rigid3d>> truth_of_keyframes_;
+  FindLoopsRunResult result_;
+};
+
+}  // namespace
+
+void FindLoopsRunOptions::Validate() const {
+  sequence.Validate();
+  if (trajectory.empty()) throw InputError("trajectory is empty, must name a file");
+  if (output.empty()) throw InputError("output is empty, must name a folder");
+  preprocess.Validate();
+  keyframes.Validate();
+  view.Validate();
+  index.Validate();
+  loops.Validate();
+  if (revisit_gap < 1) {
+    throw InputError(Concat("revisit_gap is ", revisit_gap, ", must be at least 1"));
+  }
+}
+
+FindLoopsRunResult RunFindLoops(const FindLoopsRunOptions& options,
+                                const std::function<void(int)>& progress) {
+  options.Validate();
+  const ThreadLimit limit(options.threads);
+  const std::unique_ptr<FrameSource> source = OpenSequence(options.sequence);
+  LoopRun run(options, source->info());
+  PrepareOutputFolder(options.output, {"loops.csv", "loops.g2o"});
+  int done = 0;
+  while (const std::optional<ReadResult> read = source->Next()) {
+    run.Process(*read);
+    progress(++done);
+  }
+  FindLoopsRunResult result = run.Finish();
+  WriteLoopsCsv(result.loops, options.output + "/loops.csv");
+  WriteLoopsG2o(result.keyframes, result.loops, options.output + "/loops.g2o");
+  return result;
+}
+
+}  // namespace surfit

@@ -1,0 +1,62 @@
+#include "run/loop_files.h"
+
+#include <ostream>
+
+#include "surfit/core/atomic_file.h"
+#include "surfit/io/g2o.h"
+
+namespace surfit {
+namespace {
+
+void WriteOptional(const std::optional<double>& value, std::ostream& file) {
+  file << ',';
+  if (value) file << *value;
+}
+
+void WriteRow(const FoundLoop& loop, std::ostream& file) {
+  const LoopVerdict& v = loop.attempt.verdict;
+  const Eigen::Vector3d& t = v.target_from_source.translation;
+  const Eigen::Quaterniond& q = v.target_from_source.rotation;
+  file << loop.source_frame << ',' << loop.target_frame << ',' << loop.attempt.proposal.similarity
+       << ',' << loop.attempt.proposal.target_from_source_prior.has_value() << ','
+       << ToString(v.reason) << ',' << v.matches << ',' << v.agreeing_features << ','
+       << v.inlier_share << ',' << v.rmse_m << ',' << v.overlap_share << ',' << v.free_space_share
+       << ',' << v.value_correlation << ',' << v.detail_correlation << ',' << v.lead << ','
+       << v.sigma_m << ',' << v.sigma_rad << ',' << v.disagreement_m << ',' << v.disagreement_rad
+       << ',' << t.x() << ',' << t.y() << ',' << t.z() << ',' << q.x() << ',' << q.y() << ','
+       << q.z() << ',' << q.w();
+  WriteOptional(loop.error_m, file);
+  WriteOptional(loop.error_rad, file);
+  WriteOptional(loop.squared_error, file);
+  file << '\n';
+}
+
+}  // namespace
+
+void WriteLoopsCsv(const std::vector<FoundLoop>& loops, const std::string& path) {
+  WriteFileAtomically(path, [&](std::ostream& file) {
+    file << "source,target,similarity,prior,reason,matches,agreeing_features,inlier_share,rmse_m,"
+            "overlap_share,free_space_share,value_correlation,detail_correlation,lead,sigma_m,"
+            "sigma_rad,disagreement_m,disagreement_rad,tx,ty,tz,qx,qy,qz,qw,error_m,error_rad,"
+            "squared_error\n";
+    for (const FoundLoop& loop : loops) WriteRow(loop, file);
+  });
+}
+
+void WriteLoopsG2o(const std::vector<Keyframe>& keyframes, const std::vector<FoundLoop>& loops,
+                   const std::string& path) {
+  PoseGraph graph;
+  for (const Keyframe& keyframe : keyframes) {
+    graph.poses.push_back({keyframe.frame_index, keyframe.world_from_camera, false});
+  }
+  for (const FoundLoop& loop : loops) {
+    const LoopVerdict& verdict = loop.attempt.verdict;
+    if (!verdict.accepted()) continue;
+    graph.edges.push_back({static_cast<std::size_t>(loop.attempt.proposal.target),
+                           static_cast<std::size_t>(loop.attempt.proposal.source),
+                           verdict.target_from_source, verdict.information, true});
+  }
+  WriteG2o(graph, path);
+}
+
+}  // namespace surfit

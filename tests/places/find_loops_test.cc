@@ -1,0 +1,149 @@
+#include "surfit/places/find_loops.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "places/simulated_places.h"
+#include "surfit/places/relocalize.h"
+#include "testing/expect_input_error.h"
+#include "testing/matchers.h"
+
+namespace surfit {
+namespace {
+
+using testing::ExpectInputError;
+using ::testing::HasSubstr;
+using testing::MakeRoomOfKeyframes;
+using testing::RigidNear;
+using testing::RoomOfKeyframes;
+using testing::SeeNearby;
+
+constexpr double kDegree = M_PI / 180;
+
+Rigid3d Off() { return Rigid3d(QuaternionExp<double>({0.03, 0.1, -0.05}), {0.1, 0.04, 0.1}); }
+
+// A room's keyframes, and one more that is back near the fifth, its estimated pose off by drift.
+struct Return {
+  std::vector<Keyframe> keyframes;
+  PlaceIndex index;
+  int source;
+  Rigid3d target_from_source;
+  static constexpr int kTarget = 5;
+
+  explicit Return(double drift_m) {
+    const RoomOfKeyframes& room = MakeRoomOfKeyframes(1);
+    keyframes = room.keyframes;
+    source = static_cast<int>(keyframes.size());
+    for (int i = 0; i < source; ++i) index.Add(i, keyframes[i].view);
+    target_from_source = Off();
+    Keyframe back;
+    back.frame_index = 1000;
+    back.view = SeeNearby(room, kTarget, Off()).view;
+    back.world_from_camera = Rigid3d(Eigen::Quaterniond::Identity(), {drift_m, 0, 0}) *
+                             keyframes[kTarget].world_from_camera * Off();
+    keyframes.push_back(back);
+  }
+};
+
+const LoopAttempt* AttemptAt(const std::vector<LoopAttempt>& attempts, int target) {
+  for (const LoopAttempt& attempt : attempts) {
+    if (attempt.proposal.target == target) return &attempt;
+  }
+  return nullptr;
+}
+
+TEST(FindLoops, JoinsAReturnByItsLooksHoweverFarItDrifted) {
+  for (const double drift_m : {0.05, 10.}) {
+    const Return back(drift_m);
+    const auto attempts = FindLoops(back.source, back.keyframes, back.index, FindLoopsOptions());
+    const LoopAttempt* const attempt = AttemptAt(attempts, Return::kTarget);
+    ASSERT_NE(attempt, nullptr);
+    EXPECT_GT(attempt->proposal.similarity, 0);
+    EXPECT_EQ(attempt->proposal.target_from_source_prior.has_value(), drift_m < 1);
+    EXPECT_EQ(ToString(attempt->verdict.reason), "accepted");
+    EXPECT_THAT(attempt->verdict.target_from_source,
+                RigidNear(back.target_from_source, 0.02, 0.5 * kDegree));
+  }
+}
+
+TEST(ProposeLoops, ProposesTheNearestWhereNothingLooksAlike) {
+  Return back(0.05);
+  back.keyframes[back.source].view.features.clear();
+  FindLoopsOptions options;
+  options.max_near = 1;
+  const auto proposals = ProposeLoops(back.source, back.keyframes, back.index, options);
+  ASSERT_EQ(proposals.size(), 1);
+  EXPECT_EQ(proposals[0].similarity, 0);
+  ASSERT_TRUE(proposals[0].target_from_source_prior.has_value());
+  for (int i = 0; i < back.source; ++i) {
+    const Rigid3d motion = back.keyframes[i].world_from_camera.Inverse() *
+                           back.keyframes[back.source].world_from_camera;
+    const Rigid3d& nearest = *proposals[0].target_from_source_prior;
+    EXPECT_GE(std::max(motion.translation.norm() / options.max_near_m,
+                       RotationAngle(motion.rotation) / options.max_near_rad) +
+                  1e-9,
+              std::max(nearest.translation.norm() / options.max_near_m,
+                       RotationAngle(nearest.rotation) / options.max_near_rad));
+  }
+}
+
+TEST(ProposeLoops, LeavesOutKeyframesOfJustBeforeAndWithoutViews) {
+  Return back(0.05);
+  FindLoopsOptions options;
+  options.min_gap = 1000;
+  for (const LoopProposal& p : ProposeLoops(back.source, back.keyframes, back.index, options)) {
+    EXPECT_EQ(back.keyframes[p.target].frame_index, 0);
+  }
+  options.min_gap = 100;
+  for (int i = 0; i < back.source; ++i) back.keyframes[i].view = PlaceView();
+  EXPECT_TRUE(ProposeLoops(back.source, back.keyframes, back.index, options).empty());
+}
+
+TEST(Relocalize, FindsAKidnappedCamera) {
+  for (const std::uint64_t seed : {1, 2}) {
+    const RoomOfKeyframes& room = MakeRoomOfKeyframes(seed);
+    PlaceIndex index;
+    for (int i = 0; i < static_cast<int>(room.keyframes.size()); ++i) {
+      index.Add(i, room.keyframes[i].view);
+    }
+    int found = 0, asked = 0;
+    for (int i = 1; i < index.keyframe_count(); i += 4) {
+      const Relocalization result =
+          Relocalize(SeeNearby(room, i, Off()).view, room.keyframes, index, RelocalizeOptions());
+      ++asked;
+      if (!result.found()) continue;
+      ++found;
+      EXPECT_TRUE(result.attempts.back().verdict.accepted());
+      EXPECT_THAT(result.world_from_camera,
+                  RigidNear(room.keyframes[i].world_from_camera * Off(), 0.03, 0.8 * kDegree));
+    }
+    EXPECT_GE(found, 0.7 * asked) << seed;
+  }
+}
+
+TEST(Relocalize, FindsNothingInAnotherRoom) {
+  const RoomOfKeyframes &room = MakeRoomOfKeyframes(1), &other = MakeRoomOfKeyframes(2);
+  PlaceIndex index;
+  for (int i = 0; i < static_cast<int>(room.keyframes.size()); ++i) {
+    index.Add(i, room.keyframes[i].view);
+  }
+  for (int i = 0; i < 30; i += 3) {
+    EXPECT_FALSE(
+        Relocalize(other.keyframes[i].view, room.keyframes, index, RelocalizeOptions()).found());
+  }
+}
+
+TEST(FindLoopsOptions, RefuseWhatMakesNoSense) {
+  FindLoopsOptions options;
+  options.min_gap = 0;
+  ExpectInputError([&] { options.Validate(); }, HasSubstr("min_gap is 0, must be at least 1"));
+  options = {};
+  options.max_near_m = -1;
+  ExpectInputError([&] { options.Validate(); }, HasSubstr("max_near_m is -1"));
+  RelocalizeOptions relocalize;
+  relocalize.max_candidates = 0;
+  ExpectInputError([&] { relocalize.Validate(); }, HasSubstr("max_candidates is 0"));
+}
+
+}  // namespace
+}  // namespace surfit

@@ -1,0 +1,112 @@
+#include "surfit/places/keyframe.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "places/simulated_places.h"
+#include "surfit/frame/intensity.h"
+#include "testing/expect_input_error.h"
+
+namespace surfit {
+namespace {
+
+using testing::ExpectInputError;
+using ::testing::HasSubstr;
+using testing::PlaceCamera;
+
+// A wall 2 m away, of one colour but for its upper left quarter, whose colour is unknown.
+struct Wall {
+  FramePyramid pyramid =
+      PreprocessDepth(Image<float>(320, 240, 2.f), PlaceCamera(), PreprocessOptions());
+  Image<Rgb8> color = Image<Rgb8>(320, 240, Rgb8{100, 100, 100});
+
+  Wall() {
+    for (int v = 0; v < 120; ++v) {
+      for (int u = 0; u < 160; ++u) color(u, v) = Rgb8();
+    }
+  }
+};
+
+TEST(MakePlaceView, KeepsDepthAndIntensityToTheirRounding) {
+  const Wall wall;
+  const PlaceView view = MakePlaceView(wall.pyramid, wall.color, PlaceViewOptions());
+  const FramePyramid again = PyramidOf(view, PreprocessOptions());
+  ASSERT_EQ(again.levels.size(), wall.pyramid.levels.size());
+  const FrameLevel& level = again.levels.front();
+  for (int v = 7; v < 233; v += 7) {  // the border has no normals
+    for (int u = 7; u < 313; u += 7) {
+      EXPECT_NEAR(level.vertex.z(u, v), 2, 0.5 / PlaceView::kDepthUnitsPerMetre + 1e-6);
+      EXPECT_LT((level.normal(u, v) - Eigen::Vector3f(0, 0, -1)).norm(), 1e-3);
+      if (u < 160 && v < 120) {
+        EXPECT_TRUE(std::isnan(level.intensity(u, v)));
+      } else {
+        EXPECT_NEAR(level.intensity(u, v), 100 / 255., 0.5 / 254 + 1e-6);
+      }
+    }
+  }
+}
+
+TEST(MakePlaceView, HalvesImagesThatAreTooWide) {
+  const Wall wall;
+  PlaceViewOptions options;
+  options.max_width = 160;
+  const PlaceView view = MakePlaceView(wall.pyramid, wall.color, options);
+  EXPECT_EQ(view.camera.width, 160);
+  EXPECT_EQ(view.camera.fx, PlaceCamera().Binned(2).fx);
+  EXPECT_EQ(view.depth.width(), 160);
+  EXPECT_EQ(view.intensity.height(), 120);
+}
+
+TEST(MakePlaceView, LeavesOutDepthBeyondItsRange) {
+  const FramePyramid far =
+      PreprocessDepth(Image<float>(320, 240, 14.f), PlaceCamera(), PreprocessOptions());
+  for (const std::uint16_t units : MakePlaceView(far, {}, PlaceViewOptions()).depth) {
+    EXPECT_EQ(units, 0);
+  }
+}
+
+TEST(MakePlaceView, FindsNoFeaturesOnAnEvenWallNorWithoutColor) {
+  const Wall wall;
+  const Image<Rgb8> even(320, 240, Rgb8{90, 90, 90});
+  EXPECT_TRUE(MakePlaceView(wall.pyramid, even, PlaceViewOptions()).features.empty());
+  const PlaceView colorless = MakePlaceView(wall.pyramid, {}, PlaceViewOptions());
+  EXPECT_TRUE(colorless.features.empty());
+  EXPECT_TRUE(colorless.intensity.empty());
+  EXPECT_TRUE(PyramidOf(colorless, PreprocessOptions()).levels.front().intensity.empty());
+}
+
+// 320 x 240 pixels of three bytes, and at most 500 features of 48.
+TEST(MakePlaceView, IsAsSmallAsItSays) {
+  const PlaceView& view = testing::MakeRoomOfKeyframes(1).keyframes.front().view;
+  EXPECT_GT(view.features.size(), 100);
+  EXPECT_LE(view.features.size(), 500);
+  EXPECT_EQ(view.Bytes(), 320 * 240 * 3 + view.features.size() * sizeof(PlaceFeature));
+  EXPECT_LT(view.Bytes(), 260'000);
+}
+
+TEST(MakePlaceView, LiftsFeaturesOntoTheSurface) {
+  const PlaceView& view = testing::MakeRoomOfKeyframes(1).keyframes.front().view;
+  int near = 0;
+  for (const PlaceFeature& feature : view.features) {
+    const Eigen::Vector2d pixel = view.camera.Project(feature.point.cast<double>());
+    const int u = static_cast<int>(std::lround(pixel.x()));
+    const int v = static_cast<int>(std::lround(pixel.y()));
+    ASSERT_TRUE(u >= 0 && v >= 0 && u < 320 && v < 240);
+    const double depth_m = view.depth(u, v) / PlaceView::kDepthUnitsPerMetre;
+    near += std::abs(depth_m - feature.point.z()) < 0.05;
+  }
+  // At edges the median of the neighbours may be the other surface's.
+  EXPECT_GT(near, 0.8 * static_cast<double>(view.features.size()));
+}
+
+TEST(PlaceViewOptions, RefuseWhatMakesNoSense) {
+  PlaceViewOptions options;
+  options.max_width = 79;
+  ExpectInputError([&] { options.Validate(); }, HasSubstr("max_width is 79"));
+  options = {};
+  options.max_features = 47;
+  ExpectInputError([&] { options.Validate(); }, HasSubstr("max_features is 47"));
+}
+
+}  // namespace
+}  // namespace surfit

@@ -1,0 +1,130 @@
+#include "surfit/places/place_index.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "places/simulated_places.h"
+#include "testing/expect_input_error.h"
+
+namespace surfit {
+namespace {
+
+using testing::ExpectInputError;
+using ::testing::HasSubstr;
+
+bool Any(int /*keyframe*/) { return true; }
+
+PlaceView RandomView(std::uint64_t seed, int features = 100) {
+  std::mt19937_64 generator(seed);
+  PlaceView view;
+  view.features.resize(features);
+  for (PlaceFeature& feature : view.features) {
+    for (std::uint64_t& word : feature.descriptor) word = generator();
+  }
+  return view;
+}
+
+// Some of the view's features, each with some of its bits changed.
+PlaceView Changed(const PlaceView& view, int features, int bits) {
+  std::mt19937_64 generator(1);
+  PlaceView changed;
+  changed.features.assign(view.features.begin(), view.features.begin() + features);
+  for (PlaceFeature& feature : changed.features) {
+    for (int i = 0; i < bits; ++i) {
+      const std::uint64_t bit = generator() % 256;
+      feature.descriptor[bit / 64] ^= std::uint64_t{1} << (bit % 64);
+    }
+  }
+  return changed;
+}
+
+PlaceIndex IndexOfTen() {
+  PlaceIndex index;
+  for (int i = 0; i < 10; ++i) index.Add(i, RandomView(i));
+  return index;
+}
+
+TEST(PlaceIndex, FindsTheSameViewAndNoOther) {
+  const auto candidates = IndexOfTen().Query(RandomView(3), 5, Any);
+  ASSERT_EQ(candidates.size(), 1);
+  EXPECT_EQ(candidates[0].keyframe, 3);
+  EXPECT_NEAR(candidates[0].similarity, 1, 1e-12);
+}
+
+// With 14 bits of 256 and 8 tables, one with 10 of its bits changed is found with a chance of
+// 1 - (1 - (1 - 14/256)^10)^8 = 0.999.
+TEST(PlaceIndex, FindsFeaturesThatAreAlike) {
+  const auto candidates = IndexOfTen().Query(Changed(RandomView(3), 50, 10), 5, Any);
+  ASSERT_EQ(candidates.size(), 1);
+  EXPECT_EQ(candidates[0].keyframe, 3);
+  EXPECT_GT(candidates[0].similarity, 0.95);
+}
+
+TEST(PlaceIndex, OrdersBySimilarityAndGivesNoMoreThanAskedFor) {
+  PlaceIndex index;
+  const PlaceView view = RandomView(1);
+  index.Add(7, Changed(view, 30, 0));
+  index.Add(2, Changed(view, 80, 0));
+  index.Add(9, Changed(view, 80, 0));
+  const auto candidates = index.Query(view, 2, Any);
+  ASSERT_EQ(candidates.size(), 2);
+  EXPECT_EQ(candidates[0].keyframe, 2);
+  EXPECT_EQ(candidates[1].keyframe, 9);
+  EXPECT_EQ(index.Query(view, 1, [](int keyframe) { return keyframe == 7; })[0].keyframe, 7);
+}
+
+TEST(PlaceIndex, ForgetsWhatIsRemoved) {
+  PlaceIndex index = IndexOfTen();
+  const std::size_t bytes = index.Bytes();
+  index.Remove(3);
+  EXPECT_EQ(index.keyframe_count(), 9);
+  EXPECT_LT(index.Bytes(), bytes);
+  EXPECT_TRUE(index.Query(RandomView(3), 5, Any).empty());
+  EXPECT_EQ(index.Query(RandomView(8), 5, Any).size(), 1);
+  index.Add(3, RandomView(3));
+  EXPECT_EQ(index.Query(RandomView(3), 5, Any).size(), 1);
+}
+
+TEST(PlaceIndex, HasNoCandidatesWithoutFeatures) {
+  EXPECT_TRUE(IndexOfTen().Query(PlaceView(), 5, Any).empty());
+  EXPECT_TRUE(PlaceIndex().Query(RandomView(1), 5, Any).empty());
+}
+
+// Views 15 cm and 8 degrees from every third keyframe; consecutive keyframes show almost the same.
+TEST(PlaceIndex, FindsPlacesOfARoom) {
+  for (const std::uint64_t seed : {1, 2}) {
+    const testing::RoomOfKeyframes& room = testing::MakeRoomOfKeyframes(seed);
+    PlaceIndex index;
+    for (int i = 0; i < static_cast<int>(room.keyframes.size()); ++i) {
+      index.Add(i, room.keyframes[i].view);
+    }
+    int asked = 0, found = 0;
+    for (int i = 0; i < index.keyframe_count(); i += 3) {
+      const Rigid3d off(QuaternionExp<double>({0, 0.14, 0}), {0.12, 0, 0.09});
+      const auto candidates = index.Query(testing::SeeNearby(room, i, off).view, 3, Any);
+      ++asked;
+      found += std::any_of(candidates.begin(), candidates.end(), [&](const auto& candidate) {
+        return std::abs(candidate.keyframe - i) <= 2;
+      });
+    }
+    EXPECT_GE(found, 0.9 * asked) << seed;
+  }
+}
+
+TEST(PlaceIndexOptions, RefuseWhatMakesNoSense) {
+  const auto expect_refused = [](auto change, const char* message) {
+    PlaceIndexOptions options;
+    change(options);
+    ExpectInputError([&] { options.Validate(); }, HasSubstr(message));
+  };
+  PlaceIndexOptions().Validate();
+  expect_refused([](auto& o) { o.tables = 0; }, "tables is 0, must be from 1 to 64");
+  expect_refused([](auto& o) { o.bits = 21; }, "bits is 21, must be from 1 to 20");
+  expect_refused([](auto& o) { o.max_hamming = 257; }, "max_hamming is 257");
+  expect_refused([](auto& o) { o.min_similarity = -1; }, "min_similarity is -1");
+}
+
+}  // namespace
+}  // namespace surfit

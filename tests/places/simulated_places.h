@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "surfit/frame/preprocess.h"
+#include "surfit/places/keyframe.h"
+#include "surfit/simulation/camera_path.h"
+#include "surfit/simulation/render.h"
+#include "surfit/simulation/scenes.h"
+#include "surfit/simulation/sensor.h"
+
+namespace surfit::testing {
+
+inline PinholeCamera PlaceCamera() { return {320, 240, 262, 262, 159.5, 119.5, {}}; }
+
+// What a Kinect-like camera sees from a pose.
+inline RgbdFrame SeenFrom(const Scene& scene, const Rigid3d& world_from_camera, int index = 0) {
+  RgbdFrame frame = RenderFrame(scene, PlaceCamera(), world_from_camera, index, index / 30.);
+  frame.depth_m = KinectDepth(frame.depth_m, PlaceCamera(), 100 + index);
+  return frame;
+}
+
+inline Keyframe KeyframeOf(const RgbdFrame& frame, const Rigid3d& world_from_camera) {
+  const FramePyramid pyramid = PreprocessDepth(frame.depth_m, PlaceCamera(), PreprocessOptions());
+  return {frame.index, frame.stamp_s, world_from_camera,
+          MakePlaceView(pyramid, frame.color, PlaceViewOptions())};
+}
+
+// A furnished room with keyframes at every tenth of the first 300 frames of a hand-held path, made
+// once for all tests.
+struct RoomOfKeyframes {
+  Scene scene;
+  Trajectory path;
+  std::vector<Keyframe> keyframes;
+};
+
+inline const RoomOfKeyframes& MakeRoomOfKeyframes(std::uint64_t seed) {
+  constexpr int kFrames = 300, kStride = 10;
+  static std::map<std::uint64_t, RoomOfKeyframes> rooms;
+  RoomOfKeyframes& room = rooms[seed];
+  if (room.path.empty()) {
+    room.scene = MakeScene("room", seed);
+    room.path = MakePath(room.scene, kFrames, seed);
+    for (int i = 0; i < kFrames; i += kStride) {
+      const Rigid3d& pose = room.path[i].world_from_camera;
+      room.keyframes.push_back(KeyframeOf(SeenFrom(room.scene, pose, i), pose));
+    }
+  }
+  return room;
+}
+
+// The view of the room from near one of its keyframes, and what is true of it.
+struct ViewNearby {
+  PlaceView view;
+  Rigid3d keyframe_from_view;
+};
+
+inline ViewNearby SeeNearby(const RoomOfKeyframes& room, int keyframe,
+                            const Rigid3d& keyframe_from_view) {
+  const Rigid3d pose = room.keyframes[keyframe].world_from_camera * keyframe_from_view;
+  return {KeyframeOf(SeenFrom(room.scene, pose, 1000 + keyframe), pose).view, keyframe_from_view};
+}
+
+}  // namespace surfit::testing

@@ -1,0 +1,187 @@
+#include "surfit/places/verify_loop.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "places/simulated_places.h"
+#include "surfit/core/parallel.h"
+#include "testing/expect_input_error.h"
+#include "testing/matchers.h"
+
+namespace surfit {
+namespace {
+
+using testing::ExpectInputError;
+using ::testing::HasSubstr;
+using testing::MakeRoomOfKeyframes;
+using testing::PlaceCamera;
+using testing::RigidNear;
+using testing::RoomOfKeyframes;
+using testing::SeeNearby;
+
+constexpr double kDegree = M_PI / 180;
+const VerifyLoopOptions kOptions;
+
+Rigid3d Off() { return Rigid3d(QuaternionExp<double>({0.03, 0.15, -0.05}), {0.15, 0.04, 0.1}); }
+
+// (w, v)^T information (w, v) of the verdict's error.
+double SquaredError(const LoopVerdict& verdict, const Rigid3d& truth) {
+  const Rigid3d off = truth * verdict.target_from_source.Inverse();
+  Vector6d error;
+  error << QuaternionLog<double>(off.rotation), off.translation;
+  return error.dot(verdict.information * error);
+}
+
+// Of 20 views of two rooms near to keyframes. Three sigmas in six dimensions, by the chance that a
+// single normal variable leaves them: chi-square 20.
+TEST(VerifyLoop, AcceptsRightLoopsWithinTheirCovariance) {
+  int tried = 0, accepted = 0;
+  for (const std::uint64_t seed : {1, 2}) {
+    const RoomOfKeyframes& room = MakeRoomOfKeyframes(seed);
+    for (int i = 0; i < 30; i += 3) {
+      const auto [view, truth] = SeeNearby(room, i, Off());
+      const LoopVerdict verdict = VerifyLoop(view, room.keyframes[i].view, kOptions);
+      ++tried;
+      if (!verdict.accepted()) continue;
+      ++accepted;
+      EXPECT_THAT(verdict.target_from_source, RigidNear(truth, 0.02, 0.5 * kDegree));
+      EXPECT_LT(SquaredError(verdict, truth), 20) << seed << ' ' << i;
+    }
+  }
+  EXPECT_GE(accepted, 0.7 * tried);
+}
+
+TEST(VerifyLoop, APriorReplacesFeatures) {
+  const RoomOfKeyframes& room = MakeRoomOfKeyframes(2);
+  auto [view, truth] = SeeNearby(room, 3, Off());
+  view.features.clear();
+  const PlaceView& target = room.keyframes[3].view;
+  EXPECT_EQ(VerifyLoop(view, target, kOptions).reason, LoopReason::kNoStart);
+  const Rigid3d prior =
+      LeftIncrement<double>((Vector6d() << 0.02, -0.03, 0.01, 0.04, -0.03, 0.04).finished(), truth);
+  const LoopVerdict verdict = VerifyLoop(view, target, kOptions, prior);
+  EXPECT_EQ(ToString(verdict.reason), "accepted");
+  EXPECT_THAT(verdict.target_from_source, RigidNear(truth, 0.01, 0.5 * kDegree));
+}
+
+TEST(VerifyLoop, RefusesWithoutDepth) {
+  const PlaceView& view = MakeRoomOfKeyframes(1).keyframes[0].view;
+  EXPECT_EQ(VerifyLoop(PlaceView(), view, kOptions).reason, LoopReason::kNoView);
+  EXPECT_EQ(VerifyLoop(view, PlaceView(), kOptions).reason, LoopReason::kNoView);
+  PlaceView missing = view;
+  for (std::uint16_t& units : missing.depth) units = 0;
+  EXPECT_EQ(VerifyLoop(missing, view, kOptions, Rigid3d()).reason, LoopReason::kNotRegistered);
+}
+
+TEST(VerifyLoop, RefusesAnEvenWall) {
+  const FramePyramid pyramid =
+      PreprocessDepth(Image<float>(320, 240, 2.f), PlaceCamera(), PreprocessOptions());
+  const PlaceView wall =
+      MakePlaceView(pyramid, Image<Rgb8>(320, 240, {120, 120, 120}), PlaceViewOptions());
+  EXPECT_EQ(VerifyLoop(wall, wall, kOptions).reason, LoopReason::kNoStart);
+  EXPECT_FALSE(VerifyLoop(wall, wall, kOptions, Rigid3d()).accepted());
+}
+
+TEST(VerifyLoop, RefusesTheSameShapesOfAnotherLook) {
+  const RoomOfKeyframes& room = MakeRoomOfKeyframes(1);
+  PlaceView other = room.keyframes[0].view;
+  other.intensity = room.keyframes[15].view.intensity;
+  EXPECT_EQ(VerifyLoop(other, room.keyframes[0].view, kOptions, Rigid3d()).reason,
+            LoopReason::kLooksDifferent);
+  other.intensity = {};
+  EXPECT_EQ(VerifyLoop(other, room.keyframes[0].view, kOptions, Rigid3d()).reason,
+            LoopReason::kLooksDifferent);
+}
+
+// Rooms of two seeds share walls and a floor; with poses as if they were the same place.
+TEST(VerifyLoop, RefusesOtherPlaces) {
+  const RoomOfKeyframes &room = MakeRoomOfKeyframes(1), &other = MakeRoomOfKeyframes(2);
+  for (int i = 0; i < 30; i += 3) {
+    for (int j = 0; j < 30; j += 6) {
+      const LoopVerdict verdict =
+          VerifyLoop(room.keyframes[i].view, other.keyframes[j].view, kOptions, Rigid3d());
+      EXPECT_FALSE(verdict.accepted()) << i << ' ' << j;
+    }
+  }
+}
+
+// From priors that are off by up to 30 cm and 15 degrees only right fits may be accepted.
+TEST(VerifyLoop, APriorMayBeWrong) {
+  const RoomOfKeyframes& room = MakeRoomOfKeyframes(2);
+  int refused = 0;
+  for (int i = 0; i < 30; i += 5) {
+    auto [view, truth] = SeeNearby(room, i, Off());
+    view.features.clear();
+    for (const double side : {-1., 1.}) {
+      Vector6d off;
+      off << 0, 0.25 * side, 0, 0.2, 0.1 * side, -0.2 * side;
+      const LoopVerdict verdict =
+          VerifyLoop(view, room.keyframes[i].view, kOptions, LeftIncrement<double>(off, truth));
+      if (verdict.accepted()) {
+        EXPECT_THAT(verdict.target_from_source, RigidNear(truth, 0.02, 0.5 * kDegree)) << i;
+      }
+      refused += !verdict.accepted();
+    }
+  }
+  EXPECT_GT(refused, 0);
+}
+
+// A corridor is alike all along: what its shapes leave free only its pictures may tell. With
+// stripes that repeat every 10 cm they tell several places alike.
+PlaceView StripedWall(double shift_m) {
+  constexpr double kDepthM = 2, kPeriodM = 0.1;
+  Image<float> depth_m(320, 240, static_cast<float>(kDepthM));
+  Image<Rgb8> color(320, 240);
+  for (int v = 0; v < 240; ++v) {
+    for (int u = 0; u < 320; ++u) {
+      // A step in depth across the stripes' direction holds all but the way along.
+      if (v > 160) depth_m(u, v) = 1.6f;
+      const double x_m = PlaceCamera().Ray(u, v).x() * depth_m(u, v) + shift_m;
+      const double wave = std::sin(2 * M_PI * x_m / kPeriodM);
+      const auto grey = static_cast<std::uint8_t>(128 + std::lround(80 * wave));
+      color(u, v) = {grey, grey, grey};
+    }
+  }
+  return MakePlaceView(PreprocessDepth(depth_m, PlaceCamera(), PreprocessOptions()), color,
+                       PlaceViewOptions());
+}
+
+TEST(VerifyLoop, RefusesWhatRepeats) {
+  const LoopVerdict verdict = VerifyLoop(StripedWall(0), StripedWall(0.5), kOptions, Rigid3d());
+  EXPECT_FALSE(verdict.accepted()) << ToString(verdict.reason);
+  EXPECT_THAT(ToString(verdict.reason), ::testing::AnyOf("ambiguous", "degenerate"));
+}
+
+TEST(VerifyLoop, IsTheSameAtAnyNumberOfThreads) {
+  const RoomOfKeyframes& room = MakeRoomOfKeyframes(2);
+  const PlaceView view = SeeNearby(room, 3, Off()).view;
+  std::vector<LoopVerdict> verdicts;
+  for (const int threads : {1, 2, 4}) {
+    const ThreadLimit limit(threads);
+    verdicts.push_back(VerifyLoop(view, room.keyframes[3].view, kOptions));
+  }
+  ASSERT_TRUE(verdicts[0].accepted());
+  for (const LoopVerdict& verdict : verdicts) {
+    EXPECT_EQ(verdict.target_from_source.Matrix(), verdicts[0].target_from_source.Matrix());
+    EXPECT_EQ(verdict.information, verdicts[0].information);
+    EXPECT_EQ(verdict.agreeing_features, verdicts[0].agreeing_features);
+  }
+}
+
+TEST(VerifyLoopOptions, RefuseWhatMakesNoSense) {
+  const auto expect_refused = [](auto change, const char* message) {
+    VerifyLoopOptions options;
+    change(options);
+    ExpectInputError([&] { options.Validate(); }, HasSubstr(message));
+  };
+  VerifyLoopOptions().Validate();
+  expect_refused([](auto& o) { o.min_agreeing_features = 3; }, "min_agreeing_features is 3");
+  expect_refused([](auto& o) { o.min_inlier_share = 2; }, "min_inlier_share is 2");
+  expect_refused([](auto& o) { o.max_rmse_m = 0; }, "max_rmse_m is 0, must be positive");
+  expect_refused([](auto& o) { o.min_overlap_share = -1; }, "min_overlap_share is -1");
+  expect_refused([](auto& o) { o.max_sigma_m = 0; }, "max_sigma_m is 0");
+  expect_refused([](auto& o) { o.max_disagreement_rad = 0; }, "max_disagreement_rad is 0");
+}
+
+}  // namespace
+}  // namespace surfit
