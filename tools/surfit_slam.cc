@@ -39,6 +39,14 @@ DEFINE_string(
 DEFINE_string(initialize, kRun.slam.initialize,
               "how a frame that tracking would lose is found from the last good one: so3, features "
               "(see surfit_align), or identity: not at all");
+DEFINE_int32(map_period, kRun.slam.map_period,
+             "of so many frames one is fused, and for one the map is drawn to register it and the "
+             "next to; 1 = every frame");
+DEFINE_double(max_view_shift, kRun.slam.max_view_shift,
+              "the map is drawn anew where the image is expected to have moved by more, as a share "
+              "of its width");
+DEFINE_int32(row_stride, kRun.slam.icp.row_stride,
+             "of the finest level, every so-manyth row of the frame is registered");
 DEFINE_int32(threads, kRun.threads, "threads that compute at the same time, reading included");
 DEFINE_bool(pictures, kRun.pictures, "write the pictures");
 DEFINE_bool(view, false,
@@ -101,6 +109,9 @@ SlamRunOptions OptionsFromFlags() {
   slam.preprocess = PreprocessOptionsFromFlags();
   slam.icp = FrameIcpOptionsFromFlags(kRun.slam.icp);
   SetSolverFromFlags(&slam.icp);
+  slam.icp.row_stride = FLAGS_row_stride;
+  slam.map_period = FLAGS_map_period;
+  slam.max_view_shift = FLAGS_max_view_shift;
   slam.tracking = FLAGS_tracking;
   slam.motion_model = FLAGS_motion_model;
   slam.initialize = FLAGS_initialize;
@@ -165,11 +176,12 @@ void PrintSummary(const SlamRunSummary& s, const std::string& output) {
 }
 
 void PrintTimes(const char* name, const TimeStatistics& times, double share) {
-  std::printf("%-10s %9.1f %9.1f %7.1f %%\n", name, times.median_ms, times.p95_ms, 100 * share);
+  std::printf("%-10s %9.1f %9.1f %9.1f %7.1f %%\n", name, times.mean_ms, times.median_ms,
+              times.p95_ms, 100 * share);
 }
 
 void PrintStages(const SlamRunSummary& s) {
-  std::printf("%-10s %9s %9s %9s\n", "stage", "median ms", "p95 ms", "of time");
+  std::printf("%-10s %9s %9s %9s %9s\n", "stage", "mean ms", "median ms", "p95 ms", "of time");
   for (const StageStatistics& stage : s.stages) {
     PrintTimes(stage.name.c_str(), stage.times, stage.share);
   }

@@ -49,6 +49,8 @@ void BindFrameReport(py::module_& module) {
           "first, tracked, degenerate (some directions as predicted), frozen (depth repeats the "
           "last frame's), given (fused at a given pose), or lost: no pose, nothing fused")
       .def_property_readonly("world_from_camera", &PoseOfReport, "4 x 4, metres; None if lost")
+      .def_readonly("has_own_view", &FrameReport::has_own_view, "the map was drawn for it")
+      .def_readonly("is_fused", &FrameReport::is_fused, "into the map")
       .def_readonly("found_again", &FrameReport::found_again, "tracked after a jump")
       .def_readonly("icp", &FrameReport::icp, "of a tracked or lost frame")
       .def_readonly("fusion", &FrameReport::fusion, "what it did to the map")

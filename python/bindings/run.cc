@@ -48,6 +48,7 @@ void BindRunSummary(py::module_& module) {
       .def_readonly("frames_total", &Summary::frames_total, "read or attempted")
       .def_readonly("frames_tracked", &Summary::frames_tracked, "all but lost and skipped ones")
       .def_readonly("frames_lost", &Summary::frames_lost, "not registered")
+      .def_readonly("frames_fused", &Summary::frames_fused, "into the map")
       .def_readonly("frames_skipped", &Summary::frames_skipped, "that could not be read")
       .def_readonly("frames_without_intensities", &Summary::frames_without_intensities,
                     "tracked by their shapes alone though intensities were asked for")

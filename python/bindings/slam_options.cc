@@ -60,6 +60,10 @@ void BindSlamOptions(py::module_& module) {
       .Add("fusion", &SlamOptions::fusion, "of frames into the map")
       .Add("render", &SlamOptions::render, "of the map")
       .Add("tracking", &SlamOptions::tracking, "frame_to_model or frame_to_frame")
+      .Add("map_period", &SlamOptions::map_period,
+           "of so many frames one is fused, and one gets a view of the map of its own; 1 = all")
+      .Add("max_view_shift", &SlamOptions::max_view_shift,
+           "of the image, as a share of its width: then a frame gets its own view in any case")
       .Add(
           "motion_model", &SlamOptions::motion_model,
           "where tracking starts: constant_velocity, constant_pose, or so3 (the last pose, turned)")

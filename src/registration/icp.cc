@@ -22,8 +22,15 @@ AssociationGates GatesOfLevel(const IcpOptions& options, int level) {
   return gates;
 }
 
+int RowStrideOfLevel(const IcpOptions& options, int level) {
+  return level == 0 ? options.row_stride : 1;
+}
+
+// Points of all rows say what intensities do: few have any texture. Against fewer points' shapes
+// they must weigh less, each.
 ErrorModel ErrorModelOfLevel(const IcpOptions& options, int level) {
   ErrorModel error_model = options.error_model;
+  error_model.photometric_weight /= RowStrideOfLevel(options, level);
   error_model.kernel.width *= std::pow(options.kernel_growth, level);
   return error_model;
 }
@@ -31,10 +38,10 @@ ErrorModel ErrorModelOfLevel(const IcpOptions& options, int level) {
 std::unique_ptr<Association> MakeAssociation(const FrameLevel& source, const FrameLevel& target,
                                              const std::string& name, const AssociationGates& gates,
                                              const ErrorModel& error_model,
-                                             NeededNormals needed_normals) {
+                                             NeededNormals needed_normals, int row_stride) {
   if (name == "projective") {
     return std::make_unique<ProjectiveAssociation>(source, target, gates, error_model,
-                                                   needed_normals);
+                                                   needed_normals, row_stride);
   }
   return std::make_unique<KdTreeAssociation>(SearchablePoints(PointSetOf(source, error_model)),
                                              SearchablePoints(PointSetOf(target, error_model)),
@@ -57,7 +64,7 @@ void RegisterLevel(const FrameLevel& source, const FrameLevel& target, int level
   if (options.max_source_points > 0) sample = CovarianceSample(source, options.max_source_points);
   const std::unique_ptr<Association> association =
       MakeAssociation(sample ? *sample : source, target, options.association, gates, error_model,
-                      NormalsNeededBy(residual));
+                      NormalsNeededBy(residual), RowStrideOfLevel(options, level));
   RunLevel({*association, *solver, level, start, target.camera.fx}, options, result);
 }
 

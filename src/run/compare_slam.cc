@@ -41,9 +41,9 @@ SlamComparisonRow RowOf(const SlamRunSummary& summary, const SolverCombination& 
   if (summary.evaluation && summary.evaluation->ate) {
     row.ate_m = summary.evaluation->ate->translation_m.rmse;
   }
-  row.frame_ms = summary.frame.median_ms;
+  row.frame_ms = summary.frame.mean_ms;
   for (const StageStatistics& stage : summary.stages) {
-    if (stage.name == "track") row.track_ms = stage.times.median_ms;
+    if (stage.name == "track") row.track_ms = stage.times.mean_ms;
   }
   row.map_points = summary.map_points;
   return row;

@@ -54,7 +54,7 @@ void VisitFields(HeldOptions& options, const F& f) {
 template <typename F>
 void VisitFields(IcpOptions& options, const F& f) {
   auto& [solver, linear_solver, residual, association, middle_levels, max_iterations, gates,
-         gate_growth, kernel_growth, error_model, max_source_points, min_coarse_step_px,
+         gate_growth, kernel_growth, error_model, max_source_points, row_stride, min_coarse_step_px,
          min_relative_rmse_change, min_increment, stop_at_rmse_increase, min_inliers,
          min_inlier_share, held, max_free_space_share] = options;
   f("solver", solver);
@@ -68,6 +68,7 @@ void VisitFields(IcpOptions& options, const F& f) {
   f("kernel_growth", kernel_growth);
   f("error_model", error_model);
   f("max_source_points", max_source_points);
+  f("row_stride", row_stride);
   f("min_coarse_step_px", min_coarse_step_px);
   f("min_relative_rmse_change", min_relative_rmse_change);
   f("min_increment", min_increment);

@@ -22,7 +22,7 @@ RunFiles::RunFiles(const std::string& folder, bool mirrored)
       trajectory_(folder + "/trajectory.txt"),
       csv_path_(folder + "/frames.csv"),
       csv_(csv_path_) {
-  csv_ << "index,stamp_s,state,termination,iterations,inliers,inlier_share,rmse_m,"
+  csv_ << "index,stamp_s,state,fused,termination,iterations,inliers,inlier_share,rmse_m,"
           "smallest_eigenvalue,points,merged_points,merged,added,removed,"
           "decode_ms,preprocess_ms,predict_ms,track_ms,fuse_ms,frame_ms\n";
   Flush();
@@ -35,20 +35,21 @@ void RunFiles::Write(const FrameReport& report, double decode_ms, double frame_m
   }
   const bool registered = !report.icp.iterations.empty();
   csv_ << report.index << ',' << std::fixed << std::setprecision(6) << report.stamp_s << ','
-       << ToString(report.state) << ',' << (registered ? ToString(report.icp.termination) : "")
-       << ',' << report.icp.step_count << ',' << report.icp.inlier_count << ','
-       << report.icp.inlier_share << ',' << report.icp.rmse_m << ',' << std::scientific
-       << report.icp.eigenvalues[0] << ',' << std::fixed << report.fusion.input_points << ','
-       << report.fusion.merged_points << ',' << report.fusion.merged << ',' << report.fusion.added
-       << ',' << report.fusion.removed << ',' << std::setprecision(3) << decode_ms << ','
-       << report.times.preprocess_ms << ',' << report.times.predict_ms << ','
-       << report.times.track_ms << ',' << report.times.fuse_ms << ',' << frame_ms << '\n';
+       << ToString(report.state) << ',' << report.is_fused << ','
+       << (registered ? ToString(report.icp.termination) : "") << ',' << report.icp.step_count
+       << ',' << report.icp.inlier_count << ',' << report.icp.inlier_share << ','
+       << report.icp.rmse_m << ',' << std::scientific << report.icp.eigenvalues[0] << ','
+       << std::fixed << report.fusion.input_points << ',' << report.fusion.merged_points << ','
+       << report.fusion.merged << ',' << report.fusion.added << ',' << report.fusion.removed << ','
+       << std::setprecision(3) << decode_ms << ',' << report.times.preprocess_ms << ','
+       << report.times.predict_ms << ',' << report.times.track_ms << ',' << report.times.fuse_ms
+       << ',' << frame_ms << '\n';
   Flush();
 }
 
 void RunFiles::WriteSkipped(const ReadResult& result, double frame_ms) {
   csv_ << result.index << ',' << std::fixed << std::setprecision(6) << result.stamp_s
-       << ",skipped,,0,0,0,0,0,0,0,0,0,0," << std::setprecision(3) << result.decode_ms
+       << ",skipped,0,,0,0,0,0,0,0,0,0,0,0," << std::setprecision(3) << result.decode_ms
        << ",0,0,0,0," << frame_ms << '\n';
   Flush();
 }

@@ -43,12 +43,13 @@ double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-TimeStatistics Statistics(const std::vector<double>& times_ms) {
-  return {Quantile(times_ms, 0.5), Quantile(times_ms, 0.95)};
-}
-
 double Sum(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.);
+}
+
+TimeStatistics Statistics(const std::vector<double>& times_ms) {
+  const double count = std::max<double>(1, static_cast<double>(times_ms.size()));
+  return {Sum(times_ms) / count, Quantile(times_ms, 0.5), Quantile(times_ms, 0.95)};
 }
 
 std::int64_t PeakRssBytes() {
@@ -200,7 +201,9 @@ class SlamRun {
                    << options_.slam.fusion.max_map_points;
     }
     summary_.refused += report.fusion.refused;
-    if (report.state == FrameState::kFrozen || valid_points == 0) return;
+    if (!report.is_fused) return;
+    ++summary_.frames_fused;
+    if (valid_points == 0) return;
     match_shares_.push_back(static_cast<double>(report.fusion.merged_points) /
                             static_cast<double>(valid_points));
   }

@@ -10,7 +10,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json ToJson(const TimeStatistics& times) {
-  return {{"median", times.median_ms}, {"p95", times.p95_ms}};
+  return {{"mean", times.mean_ms}, {"median", times.median_ms}, {"p95", times.p95_ms}};
 }
 
 void SetErrors(const std::optional<TrajectoryEvaluation>& evaluation, Json* json) {
@@ -36,6 +36,7 @@ void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
   j["frames_total"] = s.frames_total;
   j["frames_tracked"] = s.frames_tracked;
   j["frames_lost"] = s.frames_lost;
+  j["frames_fused"] = s.frames_fused;
   j["frames_skipped"] = s.frames_skipped;
   j["frames_without_intensities"] = s.frames_without_intensities;
   j["interrupted"] = s.interrupted;

@@ -3,6 +3,8 @@
 #include <glog/logging.h>
 
 #include <algorithm>
+#include <limits>
+#include <numeric>
 #include <utility>
 
 #include "surfit/core/error.h"
@@ -26,6 +28,21 @@ void ValidatePart(const char* part, const Options& options) {
   }
 }
 
+double MeanDepth(const Image<float>& depth_m) {
+  const auto count = std::count_if(depth_m.begin(), depth_m.end(), [](float z) { return z > 0; });
+  const double sum = std::accumulate(depth_m.begin(), depth_m.end(), 0.);
+  return count > 0 ? sum / static_cast<double>(count) : 0;
+}
+
+// How far a motion moves the middle of an image of what the level shows, as a share of its width.
+double ImageShift(const Rigid3d& motion, const FrameLevel& level) {
+  const double depth_m = MeanDepth(level.vertex.z);
+  if (depth_m == 0) return std::numeric_limits<double>::infinity();
+  const double turn_rad = RotationAngle(motion.rotation);
+  const PinholeCamera& camera = level.camera;
+  return camera.fx / camera.width * (turn_rad + motion.translation.norm() / depth_m);
+}
+
 const SlamOptions& Validated(const SlamOptions& options) {
   options.Validate();
   return options;
@@ -46,6 +63,11 @@ void SlamOptions::Validate() const {
       motion_model != "so3") {
     throw InputError(Concat("motion_model is '", motion_model,
                             "', must be one of: constant_velocity, constant_pose, so3"));
+  }
+  if (map_period < 1)
+    throw InputError(Concat("map_period is ", map_period, ", must be at least 1"));
+  if (!(max_view_shift >= 0)) {
+    throw InputError(Concat("max_view_shift is ", max_view_shift, ", must be zero or positive"));
   }
   InitializeOptions initialization;
   initialization.method = initialize;
@@ -123,31 +145,35 @@ FrameReport Slam::Process(const RgbdFrame& frame, const std::optional<Rigid3d>& 
     Track(frame, pyramid, &report);
   }
   const bool lost = report.state == FrameState::kLost;
-  if (!lost) Fuse(frame, std::move(pyramid), &report);
+  if (!lost) {
+    if (IsToBeFused(report)) Fuse(frame, pyramid, &report);
+    unfused_count_ = report.is_fused ? 0 : unfused_count_ + 1;
+    KeepAsLast(frame, std::move(pyramid), report);
+  }
   lost_count_ = lost ? lost_count_ + 1 : 0;
   return report;
 }
 
 void Slam::Track(const RgbdFrame& frame, const FramePyramid& pyramid, FrameReport* report) {
   Rigid3d world_from_predicted;
-  Target target;
   {
     StageTimer timer("predict", report->index, &report->times.predict_ms);
     world_from_predicted = PredictedPose(frame, pyramid);
-    target = MakeTarget(world_from_predicted);
+    report->has_own_view = NeedsNewTarget(world_from_predicted);
+    if (report->has_own_view) target_ = MakeTarget(world_from_predicted);
   }
-  const Rigid3d initial = target.world_from_target.Inverse() * world_from_predicted;
+  const Rigid3d initial = target_.world_from_target.Inverse() * world_from_predicted;
   StageTimer timer("track", report->index, &report->times.track_ms);
-  report->icp = Register(pyramid, target.pyramid, initial, options_.icp);
-  report->world_from_camera = target.world_from_target * report->icp.target_from_source;
+  report->icp = Register(pyramid, target_.pyramid, initial, options_.icp);
+  report->world_from_camera = target_.world_from_target * report->icp.target_from_source;
   const bool tracked = IsBelievable(report->icp) || FindAgain(frame, pyramid, report);
   const bool degenerate = !report->icp.free_directions.empty();
   report->state = !tracked     ? FrameState::kLost
                   : degenerate ? FrameState::kDegenerate
                                : FrameState::kTracked;
   if (!tracked && on_lost_) {
-    on_lost_(
-        {report->index, pyramid, target.pyramid, frame.color, target.color, initial, report->icp});
+    on_lost_({report->index, pyramid, target_.pyramid, frame.color, target_.color, initial,
+              report->icp});
   }
 }
 
@@ -162,7 +188,7 @@ bool Slam::FindAgain(const RgbdFrame& frame, const FramePyramid& pyramid, FrameR
       InitializeAndRegister({pyramid, frame.color}, last_view_, initialization, FarIcpOptions());
   if (!found.icp.Succeeded()) return false;
   const Rigid3d world_from_found = world_from_last_ * found.icp.target_from_source;
-  const Target target = MakeTarget(world_from_found);
+  Target target = MakeTarget(world_from_found);
   const IcpResult icp = Register(
       pyramid, target.pyramid, target.world_from_target.Inverse() * world_from_found, options_.icp);
   if (!IsBelievable(icp)) return false;
@@ -180,6 +206,15 @@ Rigid3d Slam::PredictedPose(const RgbdFrame& frame, const FramePyramid& pyramid)
   // After a loss the motion is unknown: start where the camera was last seen.
   if (lost_count_ > 0 || options_.motion_model == "constant_pose") return world_from_last_;
   return world_from_last_ * last_from_next_;
+}
+
+// In turn with fusion, so that no frame takes the time of both; else where the last one shows
+// little of what this frame sees.
+bool Slam::NeedsNewTarget(const Rigid3d& world_from_predicted) const {
+  const bool is_its_turn = unfused_count_ == 0;
+  if (is_its_turn || lost_count_ > 0 || options_.tracking == "frame_to_frame") return true;
+  const Rigid3d target_from_predicted = target_.world_from_target.Inverse() * world_from_predicted;
+  return ImageShift(target_from_predicted, target_.pyramid.levels.back()) > options_.max_view_shift;
 }
 
 Slam::Target Slam::MakeTarget(const Rigid3d& world_from_predicted) {
@@ -212,13 +247,24 @@ bool Slam::CanStart(const FramePyramid& pyramid) const {
   return points >= options_.icp.min_inliers;
 }
 
-void Slam::Fuse(const RgbdFrame& frame, FramePyramid pyramid, FrameReport* report) {
+// In its turn, and at once where the map may not have been seen from.
+bool Slam::IsToBeFused(const FrameReport& report) const {
+  return report.state == FrameState::kFirst || report.state == FrameState::kGiven ||
+         lost_count_ > 0 || report.found_again || unfused_count_ + 1 >= options_.map_period;
+}
+
+void Slam::Fuse(const RgbdFrame& frame, const FramePyramid& pyramid, FrameReport* report) {
   StageTimer timer("fuse", report->index, &report->times.fuse_ms);
   report->fusion = fusion_.Fuse(frame, pyramid.levels.front(), report->world_from_camera, &map_);
+  report->is_fused = true;
+}
+
+// What the next frame needs to know of this one.
+void Slam::KeepAsLast(const RgbdFrame& frame, FramePyramid pyramid, const FrameReport& report) {
   // The way over lost frames is not one frame's motion, nor is a jump.
-  const bool is_next = started_ && lost_count_ == 0 && !report->found_again;
-  last_from_next_ = is_next ? world_from_last_.Inverse() * report->world_from_camera : Rigid3d();
-  world_from_last_ = report->world_from_camera;
+  const bool is_next = started_ && lost_count_ == 0 && !report.found_again;
+  last_from_next_ = is_next ? world_from_last_.Inverse() * report.world_from_camera : Rigid3d();
+  world_from_last_ = report.world_from_camera;
   if (options_.tracking == "frame_to_frame" || options_.initialize != "identity" ||
       options_.motion_model == "so3") {
     last_view_ = {std::move(pyramid), frame.color};

@@ -51,25 +51,30 @@ double CopyMilliseconds(std::size_t bytes) {
   return fastest_ms;
 }
 
-double MedianOf(const SlamRunSummary& summary, const std::string& stage) {
+double MeanOf(const SlamRunSummary& summary, const std::string& stage) {
   for (const StageStatistics& s : summary.stages) {
-    if (s.name == stage) return s.times.median_ms;
+    if (s.name == stage) return s.times.mean_ms;
   }
   return 0;
+}
+
+void Print(const std::string& name, const TimeStatistics& times) {
+  std::printf("%-10s mean %7.2f ms, median %7.2f, p95 %7.2f\n", name.c_str(), times.mean_ms,
+              times.median_ms, times.p95_ms);
 }
 
 int Measure(const SlamRunOptions& options, double max_multiple) {
   const SlamRunSummary summary = RunSlam(options, std::atomic<bool>(false), [](const auto&) {});
   const ThreadLimit threads(options.threads);
   const std::size_t bytes = BytesOfFrame(summary);
-  const double decode_ms = MedianOf(summary, "decode"), copy_ms = CopyMilliseconds(bytes);
-  const double multiple = summary.frame.median_ms / (decode_ms + copy_ms);
+  const double decode_ms = MeanOf(summary, "decode"), copy_ms = CopyMilliseconds(bytes);
+  const double multiple = summary.frame.mean_ms / (decode_ms + copy_ms);
   std::printf("%d frames, %zu surfels, %d lost\n", summary.frames_total, summary.map_points,
               summary.frames_lost);
   for (const StageStatistics& s : summary.stages) {
-    std::printf("  %-10s %7.2f ms, p95 %7.2f\n", s.name.c_str(), s.times.median_ms, s.times.p95_ms);
+    Print(s.name, s.times);
   }
-  std::printf("frame %.2f ms, p95 %.2f\n", summary.frame.median_ms, summary.frame.p95_ms);
+  Print("frame", summary.frame);
   std::printf("decoding %.2f ms + %.1f MB through memory %.2f ms; frame / these: %.2f\n", decode_ms,
               1e-6 * static_cast<double>(bytes), copy_ms, multiple);
   if (multiple <= max_multiple) return 0;

@@ -158,6 +158,20 @@ TEST_F(AssociationTest, CountsTheValidSourcePoints) {
   EXPECT_EQ(count(), 2);
 }
 
+TEST_F(AssociationTest, UsesEverySoManythRowOfTheSource) {
+  SetPoint(&source_, 0, 0, 1, kFacing);
+  SetPoint(&source_, 0, 1, 1, kFacing);
+  const auto count = [&](int row_stride) {
+    const ProjectiveAssociation association(source_, target_, kOff, ErrorModel(),
+                                            NeededNormals::kTarget, row_stride);
+    EXPECT_EQ(association.block_count(), (source_.vertex.height() + row_stride - 1) / row_stride);
+    return association.source_count();
+  };
+  EXPECT_EQ(count(1), 3);  // rows 0, 1 and 2
+  EXPECT_EQ(count(2), 2);
+  EXPECT_EQ(count(3), 1);
+}
+
 TEST(AssociationGates, ValidateNamesFieldValueAndConstraint) {
   AssociationGates().Validate();
   kOff.Validate();

@@ -149,6 +149,55 @@ TEST(Slam, ReportsAddUpToTheMap) {
   EXPECT_EQ(static_cast<int>(IdealRun().map.size()), size);
 }
 
+// The turns of some frames: f = fused, v = with a view of its own, b = both, - = neither.
+std::string TurnsOf(const SlamOptions& options, int frames) {
+  Slam slam(IdealRoom().camera, options, {});
+  std::string turns;
+  for (int i = 0; i < frames; ++i) {
+    const std::size_t before = slam.map().size();
+    const FrameReport report = slam.Process(IdealRoom().frames[i]);
+    turns += report.is_fused && report.has_own_view ? 'b'
+             : report.is_fused                      ? 'f'
+             : report.has_own_view                  ? 'v'
+                                                    : '-';
+    EXPECT_EQ(report.fusion.input_points > 0, report.is_fused) << i;
+    if (!report.is_fused) {
+      EXPECT_EQ(slam.map().size(), before) << i;
+    }
+  }
+  return turns;
+}
+
+TEST(Slam, FusionAndViewsOfTheMapTakeTurns) {
+  SlamOptions options;
+  options.max_view_shift = std::numeric_limits<double>::infinity();
+  options.map_period = 1;
+  EXPECT_EQ(TurnsOf(options, 5), "fbbbb");
+  options.map_period = 2;
+  EXPECT_EQ(TurnsOf(options, 6), "fvfvfv");
+  options.map_period = 4;
+  EXPECT_EQ(TurnsOf(options, 10), "fv--fv--fv");
+}
+
+TEST(Slam, AViewThatShowsLittleOfWhatTheCameraSeesIsDrawnAnew) {
+  SlamOptions options;
+  options.map_period = 4;
+  options.max_view_shift = 0;
+  EXPECT_EQ(TurnsOf(options, 6), "fvvvbv");
+}
+
+TEST(Slam, TheFrameAfterALossIsFusedAndHasItsOwnView) {
+  SlamOptions options;
+  options.map_period = 8;
+  Slam slam(IdealRoom().camera, options, {});
+  for (int i = 0; i < 4; ++i) slam.Process(IdealRoom().frames[i]);
+  EXPECT_EQ(slam.Process(Blank(4)).state, FrameState::kLost);
+  const FrameReport next = slam.Process(IdealRoom().frames[5]);
+  EXPECT_EQ(next.state, FrameState::kTracked);
+  EXPECT_TRUE(next.is_fused);
+  EXPECT_TRUE(next.has_own_view);
+}
+
 // A camera delivers some frames twice.
 TEST(Slam, AFrozenFrameKeepsThePoseAndFusesNothing) {
   const SimulatedSequence& room = IdealRoom();
@@ -394,6 +443,10 @@ TEST(SlamOptions, RefuseWhatMakesNoSense) {
                  "tracking is 'gps', must be one of: frame_to_model, frame_to_frame");
   expect_refused([](auto& o) { o.motion_model = "still"; },
                  "motion_model is 'still', must be one of: constant_velocity, constant_pose, so3");
+  expect_refused([](auto& o) { o.map_period = 0; }, "map_period is 0, must be at least 1");
+  expect_refused([](auto& o) { o.max_view_shift = -1; },
+                 "max_view_shift is -1, must be zero or positive");
+  expect_refused([](auto& o) { o.max_view_shift = kNan; }, "max_view_shift is nan");
   expect_refused([](auto& o) { o.initialize = "magic"; },
                  "initialize is 'magic', must be one of: identity, so3, features");
   expect_refused([](auto& o) { o.min_inlier_share = 1.1; },

@@ -24,10 +24,10 @@ struct FusionOptions {
   float max_spacing_m = 0.01f;
   // Of two surfels that are closer across the surface than this share of their radii, and of the
   // spacing, the one of less confidence is removed. 0 = none.
-  float double_share = 0.5f;
+  float double_share = 0.7f;
   float max_slant_scale = 2;      // radius = sqrt(2) z / f times at most this for 1 / |n_z|
   float max_radius_ratio = 1.5f;  // points that are coarser than this do not move a surfel
-  float lasting_confidence = 2;   // a surfel with less, seen about once, is noise ...
+  float lasting_confidence = 1;   // a surfel with less, seen about once, is noise ...
   int max_dormant_frames = 20;    // ... and removed after so many fused frames without it
   float max_confidence = 200;     // so that the map can still change
   // Surfels not seen in so many fused frames do not meet points: where the camera has drifted, what

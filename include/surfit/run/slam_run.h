@@ -54,8 +54,10 @@ struct SlamRunProgress {
   const SlamRunFrame* frame = nullptr;  // of the last frame, unless that could not be read
 };
 
-// The median and the 95 % quantile of some times.
+// The mean, the median and the 95 % quantile of some times. Frames take turns in what they do: the
+// mean tells what a stage costs a frame.
 struct TimeStatistics {
+  double mean_ms = 0;
   double median_ms = 0;
   double p95_ms = 0;
 };
@@ -72,6 +74,7 @@ struct SlamRunSummary {
   int frames_total = 0;    // read or attempted
   int frames_tracked = 0;  // with a pose: all but lost and skipped ones
   int frames_lost = 0;
+  int frames_fused = 0;    // into the map, of the tracked ones
   int frames_skipped = 0;  // could not be read
   // Tracked by their shapes alone though intensities were asked for, for want of colour or texture.
   int frames_without_intensities = 0;

@@ -18,10 +18,12 @@ namespace surfit {
 
 // The options of ICP from a frame to the next or to the map: the symmetric residual. A normal
 // estimated near a crease mixes both sides; point-to-plane against it is biased, always to the same
-// side as the camera moves on, and the sum of both views' normals much less.
+// side as the camera moves on, and the sum of both views' normals much less. A third of the rows is
+// enough: what is left of the error is not the noise of single points.
 inline IcpOptions TrackingIcpOptions() {
   IcpOptions icp;
   icp.residual = "symmetric_point_to_plane";
+  icp.row_stride = 3;
   return icp;
 }
 
@@ -32,6 +34,12 @@ struct SlamOptions {
   FusionOptions fusion;
   RenderOptions render;
   std::string tracking = "frame_to_model";  // or "frame_to_frame"
+  // Of so many frames that are tracked one is fused, and one gets a view of the map of its own,
+  // which the next are registered to as well. Views of one place hardly differ at 30 Hz. 1: all.
+  int map_period = 2;
+  // A frame that the camera is expected to have moved farther for since that view, as a share of
+  // the image's width at the scene's mean depth, gets its own in any case.
+  double max_view_shift = 0.1;
   // Where tracking starts: constant_velocity, constant_pose, or so3: the last pose, turned so that
   // small images of both frames are most alike (AlignRotation).
   std::string motion_model = "constant_velocity";
@@ -47,7 +55,7 @@ struct SlamOptions {
 
 enum class FrameState {
   kFirst,       // the first frame with enough depth to start: it stands at the initial pose
-  kTracked,     // registered, possibly found again from far, and fused
+  kTracked,     // registered, possibly found again from far
   kDegenerate,  // the same, but for directions that the data leaves free: there, as predicted
   kFrozen,      // its depth repeats the last frame's byte for byte: same pose, nothing fused
   kGiven,       // fused at a given pose, without tracking
@@ -72,8 +80,10 @@ struct FrameReport {
   FrameState state = FrameState::kLost;
   Rigid3d world_from_camera;  // meaningless if lost
   bool found_again = false;   // tracked after a jump, by SlamOptions::initialize
+  bool has_own_view = false;  // the map was drawn for it, unless it is not to be tracked against
+  bool is_fused = false;      // into the map
   IcpResult icp;              // of a tracked or lost frame
-  FusionReport fusion;
+  FusionReport fusion;        // of a fused frame
   StageTimes times;
 };
 
@@ -89,8 +99,8 @@ struct LostFrame {
   const IcpResult& icp;
 };
 
-// Dense SLAM by point-based fusion: each frame is registered to what the map predicts, and fused
-// into the map at the pose found. No loop closure.
+// Dense SLAM by point-based fusion: each frame is registered to what the map predicts, and one of
+// SlamOptions::map_period is fused into the map at the pose found. No loop closure.
 class Slam {
  public:
   // The camera is undistorted with fy > 0. Throws InputError for bad options.
@@ -116,12 +126,15 @@ class Slam {
     Image<Rgb8> color;  // the pixels' colours, if they are needed
   };
   Rigid3d PredictedPose(const RgbdFrame& frame, const FramePyramid& pyramid) const;
+  bool NeedsNewTarget(const Rigid3d& world_from_predicted) const;
   Target MakeTarget(const Rigid3d& world_from_predicted);
   bool CanStart(const FramePyramid& pyramid) const;
   bool IsBelievable(const IcpResult& icp) const;
   void Track(const RgbdFrame& frame, const FramePyramid& pyramid, FrameReport* report);
   bool FindAgain(const RgbdFrame& frame, const FramePyramid& pyramid, FrameReport* report);
-  void Fuse(const RgbdFrame& frame, FramePyramid pyramid, FrameReport* report);
+  bool IsToBeFused(const FrameReport& report) const;
+  void Fuse(const RgbdFrame& frame, const FramePyramid& pyramid, FrameReport* report);
+  void KeepAsLast(const RgbdFrame& frame, FramePyramid pyramid, const FrameReport& report);
   FrameReport Process(const RgbdFrame& frame, const std::optional<Rigid3d>& given_pose);
 
   PinholeCamera camera_;
@@ -131,6 +144,8 @@ class Slam {
   SurfelMap map_;
   bool started_ = false;
   int lost_count_ = 0;         // frames lost since the last good one
+  int unfused_count_ = 0;      // good frames since the last one that was fused
+  Target target_;              // of the last frame
   Rigid3d world_from_last_;    // the last good pose
   Rigid3d last_from_next_;     // motion that the motion model expects
   Image<float> last_depth_m_;  // of the last frame, for frozen frames
