@@ -20,6 +20,10 @@ DEFINE_string(output, "", "the mesh to write, .ply or .obj");
 DEFINE_double(cell_m, kMesh.cell_m, "size of the finest cells; triangles are about as large");
 DEFINE_double(trim_distance_m, kMesh.trim_distance_m,
               "nothing farther than this from all points of the map is kept");
+DEFINE_double(
+    support_radii, kMesh.support_radii,
+    "nothing beyond so many radii sideways of all surfels, or cell_m off their planes, is "
+    "kept; maps without radii are trimmed by distance alone");
 
 namespace surfit::tools {
 namespace {
@@ -32,8 +36,8 @@ int Run() {
     throw InputError(Concat("--output is ", FLAGS_output, ", must end in .ply or .obj"));
   PointCloud cloud = ReadPointCloud(FLAGS_map);
   const std::size_t removed = RemoveNonFinite(&cloud);
-  const MeshSummary summary =
-      WritePoissonMesh(cloud, {FLAGS_cell_m, FLAGS_trim_distance_m}, FLAGS_output);
+  const MeshSummary summary = WritePoissonMesh(
+      cloud, {FLAGS_cell_m, FLAGS_trim_distance_m, FLAGS_support_radii}, FLAGS_output);
   std::printf("%s: %zu points, %zu not finite; %zu vertices, %zu triangles, %zu trimmed\n",
               FLAGS_output.c_str(), cloud.points.size(), removed, summary.vertices,
               summary.triangles, summary.triangles_trimmed);

@@ -36,6 +36,14 @@ Rgb8 Color(const double* row, const PlyColumns& c) {
   return {byte(0), byte(1), byte(2)};
 }
 
+std::optional<std::size_t> FindRadiusColumn(const PlyElement& element) {
+  for (std::size_t c = 0; c < element.properties.size(); ++c) {
+    const PlyProperty& property = element.properties[c];
+    if (property.name == "radius" && !property.count_type) return c;
+  }
+  return std::nullopt;
+}
+
 PointCloud ParsePly(std::string_view file, const std::string& path) {
   const PlyHeader header = ParsePlyHeader(file, path);
   const PlyElement& vertices = FindPlyElement(header, "vertex", path);
@@ -43,16 +51,19 @@ PointCloud ParsePly(std::string_view file, const std::string& path) {
   if (!points) throw InputError(Concat(path, ": element 'vertex' must have x, y and z"));
   const auto normals = FindPlyColumns(vertices, {"nx", "ny", "nz"});
   const auto colors = FindColorColumns(vertices);
+  const auto radius = FindRadiusColumn(vertices);
   PointCloud cloud;
   const auto begin = [&] {
     cloud.points.reserve(vertices.count);
     if (normals) cloud.normals.reserve(vertices.count);
     if (colors) cloud.colors.reserve(vertices.count);
+    if (radius) cloud.radii_m.reserve(vertices.count);
   };
   ReadPlyElement(file, header, "vertex", path, begin, [&](const double* row) {
     cloud.points.push_back(Vector(row, *points));
     if (normals) cloud.normals.push_back(Vector(row, *normals));
     if (colors) cloud.colors.push_back(Color(row, *colors));
+    if (radius) cloud.radii_m.push_back(static_cast<float>(row[*radius]));
   });
   return cloud;
 }
@@ -70,6 +81,7 @@ PointCloud ReadPointCloud(const std::string& path) {
 std::size_t RemoveNonFinite(PointCloud* cloud) {
   CHECK(cloud->normals.empty() || cloud->normals.size() == cloud->points.size());
   CHECK(cloud->colors.empty() || cloud->colors.size() == cloud->points.size());
+  CHECK(cloud->radii_m.empty() || cloud->radii_m.size() == cloud->points.size());
   const std::size_t count = cloud->points.size();
   std::size_t kept = 0;
   for (std::size_t i = 0; i < count; ++i) {
@@ -77,17 +89,20 @@ std::size_t RemoveNonFinite(PointCloud* cloud) {
     cloud->points[kept] = cloud->points[i];
     if (!cloud->normals.empty()) cloud->normals[kept] = cloud->normals[i];
     if (!cloud->colors.empty()) cloud->colors[kept] = cloud->colors[i];
+    if (!cloud->radii_m.empty()) cloud->radii_m[kept] = cloud->radii_m[i];
     ++kept;
   }
   cloud->points.resize(kept);
   if (!cloud->normals.empty()) cloud->normals.resize(kept);
   if (!cloud->colors.empty()) cloud->colors.resize(kept);
+  if (!cloud->radii_m.empty()) cloud->radii_m.resize(kept);
   return count - kept;
 }
 
 void WritePly(const PointCloud& cloud, const std::string& path) {
   CHECK(cloud.normals.empty() || cloud.normals.size() == cloud.points.size());
   CHECK(cloud.colors.empty() || cloud.colors.size() == cloud.points.size());
+  CHECK(cloud.radii_m.empty() || cloud.radii_m.size() == cloud.points.size());
   std::vector<PlyProperty> properties;
   const auto add = [&](const PlyNames& names, PlyType type) {
     for (const char* name : names) properties.push_back({name, type});
@@ -95,6 +110,7 @@ void WritePly(const PointCloud& cloud, const std::string& path) {
   add({"x", "y", "z"}, PlyType::kFloat32);
   if (!cloud.normals.empty()) add({"nx", "ny", "nz"}, PlyType::kFloat32);
   if (!cloud.colors.empty()) add({"red", "green", "blue"}, PlyType::kUint8);
+  if (!cloud.radii_m.empty()) properties.push_back({"radius", PlyType::kFloat32});
   WritePlyVertices(path, cloud.points.size(), properties, [&](std::size_t i, PlyRow* row) {
     for (const float value : cloud.points[i]) row->Put(value);
     if (!cloud.normals.empty()) {
@@ -104,6 +120,7 @@ void WritePly(const PointCloud& cloud, const std::string& path) {
       const Rgb8 c = cloud.colors[i];
       for (const std::uint8_t value : {c.r, c.g, c.b}) row->Put(value);
     }
+    if (!cloud.radii_m.empty()) row->Put(cloud.radii_m[i]);
   });
 }
 

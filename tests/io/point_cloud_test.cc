@@ -41,12 +41,15 @@ TEST(Ply, ReadsBackWhatIsWritten) {
   EXPECT_EQ(ReadPly(path).points, cloud.points);
   EXPECT_THAT(ReadPly(path).normals, IsEmpty());
   EXPECT_THAT(ReadPly(path).colors, IsEmpty());
+  EXPECT_THAT(ReadPly(path).radii_m, IsEmpty());
   cloud.normals = {{0, 0, 1}, {0, -1, 0}};
   cloud.colors = {{1, 2, 255}, {0, 10, 13}};
+  cloud.radii_m = {0.5f, 0.25f};
   WritePly(cloud, path);
   EXPECT_EQ(ReadPly(path).points, cloud.points);
   EXPECT_EQ(ReadPly(path).normals, cloud.normals);
   EXPECT_EQ(ReadPly(path).colors, cloud.colors);
+  EXPECT_EQ(ReadPly(path).radii_m, cloud.radii_m);
 }
 
 TEST(Ply, WritesEachByteAsTheFormatDemands) {

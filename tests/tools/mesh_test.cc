@@ -1,10 +1,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 
+#include "geometry/kd_tree.h"
 #include "surfit/evaluation/map_error.h"
 #include "surfit/io/point_cloud.h"
 #include "testing/run_program.h"
@@ -37,6 +40,22 @@ std::vector<Eigen::Vector3f> SamplesOf(const std::string& path) {
   return samples;
 }
 
+// Of the mesh's area, the share of triangles whose centre is farther than this from all points.
+double ShareFartherThan(double distance_m, const std::string& path,
+                        const std::vector<Eigen::Vector3f>& points) {
+  const std::vector<Eigen::Vector3f> vertices = ReadPly(path).points;
+  const KdTree tree(points);
+  double area = 0, far_area = 0;
+  for (const auto& t : TrianglesOf(path)) {
+    const Eigen::Vector3f &a = vertices[t[0]], &b = vertices[t[1]], &c = vertices[t[2]];
+    const double twice_its_area = (b - a).cross(c - a).norm();
+    area += twice_its_area;
+    const float squared_m = static_cast<float>(distance_m * distance_m);
+    if (tree.Nearest((a + b + c) / 3, squared_m).rank == KdTree::kNone) far_area += twice_its_area;
+  }
+  return far_area / area;
+}
+
 // Half a sphere of radius 0.5 m about the origin, z > 0, seen from outside.
 PointCloud HalfSphere() {
   PointCloud cloud;
@@ -60,19 +79,71 @@ TEST(MeshTool, MeshesTheSimulatedRoom) {
   run("surfit_simulate", {"--output=" + (folder / "room"), "--frames=40", "--downsample=2"});
   run("surfit_slam", {"--sequence=" + (folder / "room"), "--output=" + (folder / "out"),
                       "--poses=groundtruth", "--initial_pose=groundtruth", "--nopictures"});
-  run("surfit_mesh", {"--map=" + (folder / "out/map.ply"), "--output=" + (folder / "mesh.ply")});
-  const PointCloud surface = ReadPly(folder / "room/surface.ply");
+  const auto mesh = [&](const char* map, const char* name, std::vector<std::string> flags) {
+    flags.insert(flags.end(), {"--map=" + (folder / map), "--output=" + (folder / name)});
+    run("surfit_mesh", flags);
+  };
+  mesh("out/map.ply", "mesh.ply", {});
+  PointCloud surface = ReadPly(folder / "room/surface.ply");  // that the sensor saw
   const MapError error =
       ComputeMapError(SamplesOf(folder / "mesh.ply"), surface.points, surface.normals, {0.02});
   std::printf("mesh to exact surface: mean %.4f m, max %.4f m; complete %.3f\n",
               error.accuracy_m.mean, error.accuracy_m.max, error.completeness);
   EXPECT_LE(error.accuracy_m.mean, 0.005);
-  // Nothing where nothing was seen: not beyond the trimming distance, the noise of the surfels
-  // themselves (a few centimetres at the room's far end) and the samples' grid.
-  const MapError surfels = ComputeMapError(ReadPly(folder / "out/map.ply").points, surface.points,
-                                           surface.normals, {0.02});
-  EXPECT_LE(error.accuracy_m.max, 0.02 + surfels.accuracy_m.max);
   EXPECT_GT(error.completeness, 0.9);
+
+  // Nothing where nothing was seen: of exact points with discs of 10 mm, whatever is kept is within
+  // a cell of 20 mm along the normal and two radii sideways of one.
+  const double reach_m = std::hypot(0.02, 2 * 0.01);
+  surface.radii_m.assign(surface.points.size(), 0.01f);
+  WritePly(surface, folder / "exact.ply");
+  mesh("exact.ply", "trimmed.ply", {"--cell_m=0.02", "--trim_distance_m=0.05"});
+  mesh("exact.ply", "loose.ply",
+       {"--cell_m=0.02", "--trim_distance_m=0.05", "--support_radii=1e6"});
+  EXPECT_EQ(ShareFartherThan(reach_m, folder / "trimmed.ply", surface.points), 0);
+  // So there is something to trim.
+  EXPECT_GT(ShareFartherThan(reach_m, folder / "loose.ply", surface.points), 0);
+}
+
+// Points 5 mm apart on z = 0, but for |x| < 15 mm.
+PointCloud TornPlane() {
+  PointCloud cloud;
+  for (int i = -40; i <= 40; ++i) {
+    for (int j = -40; j <= 40; ++j) {
+      if (std::abs(i) < 3) continue;
+      cloud.points.push_back({0.005f * static_cast<float>(i), 0.005f * static_cast<float>(j), 0});
+      cloud.normals.push_back({0, 0, 1});
+    }
+  }
+  return cloud;
+}
+
+// How many corners and centres of the mesh are farther than two radii from all points, sideways.
+std::size_t CountInTheMiddle(const std::string& path) {
+  const auto samples = SamplesOf(path);
+  return std::count_if(samples.begin(), samples.end(), [](const Eigen::Vector3f& p) {
+    return std::abs(p.x()) < 0.005f - 1e-6f && std::abs(p.y()) < 0.2f;
+  });
+}
+
+// All of the gap is within 15 mm of points, less than the trimming distance, but discs of 5 mm
+// leave a third of it empty at twice their radius.
+TEST(MeshTool, LeavesGapsThatNoSurfelReaches) {
+  const TempFolder folder;
+  PointCloud cloud = TornPlane();
+  const auto mesh = [&] {
+    WritePly(cloud, folder / "plane.ply");
+    const ProgramResult result = RunProgram(
+        "surfit_mesh",
+        {"--map=" + (folder / "plane.ply"), "--output=" + (folder / "mesh.ply"), "--cell_m=0.004"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+  };
+  mesh();
+  EXPECT_GT(CountInTheMiddle(folder / "mesh.ply"), 0u);
+  cloud.radii_m.assign(cloud.points.size(), 0.005f);
+  mesh();
+  EXPECT_EQ(CountInTheMiddle(folder / "mesh.ply"), 0u);
+  EXPECT_GT(SamplesOf(folder / "mesh.ply").size(), 1000u);
 }
 
 // A Poisson surface is closed: without trimming it would go on below z = 0.
@@ -134,6 +205,7 @@ TEST(MeshTool, RefusesBadInput) {
   expect("half.ply", {"--cell_m=0.0001"}, "cell_m is 0.0001, must be at least");
   expect("half.ply", {"--cell_m=5"}, "the map is smaller than one cell");
   expect("half.ply", {"--trim_distance_m=-1"}, "trim_distance_m is -1, must be positive");
+  expect("half.ply", {"--support_radii=0"}, "support_radii is 0, must be positive");
   expect("points.ply", {}, "the map has no points with normals");
 }
 

@@ -5,10 +5,10 @@
 #include <open3d/io/TriangleMeshIO.h>
 #include <open3d/utility/Logging.h>
 
-#include <algorithm>
 #include <cmath>
 #include <memory>
 
+#include "mesh/trim_mesh.h"
 #include "surfit/core/error.h"
 
 namespace surfit::tools {
@@ -38,42 +38,14 @@ int OctreeDepth(const o3d::PointCloud& points, double cell_m) {
   return static_cast<int>(depth);
 }
 
-// The triangles' corners, middles of sides and centres, seven each: sides are hardly longer than a
-// few cells, so that whatever reaches far beyond the points shows at one of these.
-std::vector<Eigen::Vector3d> SamplesOf(const o3d::TriangleMesh& mesh) {
-  std::vector<Eigen::Vector3d> samples;
-  samples.reserve(7 * mesh.triangles_.size());
-  for (const Eigen::Vector3i& triangle : mesh.triangles_) {
-    const Eigen::Vector3d& a = mesh.vertices_[triangle[0]];
-    const Eigen::Vector3d& b = mesh.vertices_[triangle[1]];
-    const Eigen::Vector3d& c = mesh.vertices_[triangle[2]];
-    for (const Eigen::Vector3d& sample : std::initializer_list<Eigen::Vector3d>{
-             a, b, c, (a + b) / 2, (b + c) / 2, (c + a) / 2, (a + b + c) / 3}) {
-      samples.push_back(sample);
-    }
-  }
-  return samples;
-}
-
-// Removes the triangles with a sample too far from all points; returns how many.
-std::size_t Trim(const o3d::PointCloud& points, double distance_m, o3d::TriangleMesh* mesh) {
-  const auto distances_m = o3d::PointCloud(SamplesOf(*mesh)).ComputePointCloudDistance(points);
-  std::vector<bool> is_far(mesh->triangles_.size());
-  for (std::size_t i = 0; i < is_far.size(); ++i) {
-    is_far[i] = std::any_of(&distances_m[7 * i], &distances_m[7 * i] + 7,
-                            [&](double distance) { return distance > distance_m; });
-  }
-  mesh->RemoveTrianglesByMask(is_far);
-  mesh->RemoveUnreferencedVertices();
-  return static_cast<std::size_t>(std::count(is_far.begin(), is_far.end(), true));
-}
-
 }  // namespace
 
 void MeshOptions::Validate() const {
   if (!(cell_m > 0)) throw InputError(Concat("cell_m is ", cell_m, ", must be positive"));
   if (!(trim_distance_m > 0))
     throw InputError(Concat("trim_distance_m is ", trim_distance_m, ", must be positive"));
+  if (!(support_radii > 0))
+    throw InputError(Concat("support_radii is ", support_radii, ", must be positive"));
 }
 
 MeshSummary WritePoissonMesh(const PointCloud& cloud, const MeshOptions& options,
@@ -87,11 +59,11 @@ MeshSummary WritePoissonMesh(const PointCloud& cloud, const MeshOptions& options
   const auto [mesh, densities] = o3d::TriangleMesh::CreateFromPointCloudPoisson(
       points, static_cast<std::size_t>(depth), 0, kCubeScale, false, kThreads);
   MeshSummary summary;
-  summary.triangles_trimmed = Trim(points, options.trim_distance_m, mesh.get());
+  summary.triangles_trimmed = TrimMesh(cloud, options, mesh.get());
   summary.vertices = mesh->vertices_.size();
   summary.triangles = mesh->triangles_.size();
   if (mesh->triangles_.empty())
-    throw InputError("no triangle lies within trim_distance_m of the map");
+    throw InputError("the map supports no triangle: see trim_distance_m and support_radii");
   if (!open3d::io::WriteTriangleMesh(path, *mesh)) throw InputError("cannot write '" + path + "'");
   return summary;
 }

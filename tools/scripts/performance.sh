@@ -2,9 +2,18 @@
 # Makes docs/performance.md: times of frames, of hot functions, and beside other systems where these
 # are installed. On an otherwise idle machine it takes about ten minutes.
 #
-#   tools/scripts/performance.sh [DATA]      DATA: folder of recorded sequences
+#   tools/scripts/performance.sh [--peer-frames=N] [DATA]
+#
+# DATA: folder of recorded sequences. N: how many frames the systems that it compares with follow,
+# 200 if not given; all 1000 of seven_scenes_kitchen take more than half an hour.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
+peer_frames=200
+if [[ ${1:-} == --peer-frames=* ]]; then
+  peer_frames=${1#*=}
+  [[ $peer_frames =~ ^[1-9][0-9]*$ ]] || { echo "error: --peer-frames=$peer_frames is no count" >&2; exit 1; }
+  shift
+fi
 data=${1:-${SURFIT_DATA_DIR:-../shared/data}}
 benchmarks=build/release/tests/benchmarks
 out=docs/performance.md
@@ -38,7 +47,7 @@ if [[ -d $data/seven_scenes_kitchen ]]; then
       "$benchmarks/frame_time" "$data/seven_scenes_kitchen" "$scratch/run" 200 1e9 "$solver"
   done
   if [[ -x $benchmarks/peers/slam_peers ]]; then
-    table "Beside other systems" "$benchmarks/peers/slam_peers" "$data/seven_scenes_kitchen" 200
+    table "Beside other systems" "$benchmarks/peers/slam_peers" "$data/seven_scenes_kitchen" "$peer_frames"
   fi
   if [[ -x $benchmarks/peers/registration_peers ]]; then
     table "Registration of clouds beside other libraries" \

@@ -25,5 +25,6 @@ using MakeSlamPeer = std::unique_ptr<SlamPeer> (*)(const PinholeCamera& camera, 
 std::unique_ptr<SlamPeer> MakeSurfitSlamPeer(const PinholeCamera& camera, int threads);
 std::unique_ptr<SlamPeer> MakeOpencvSlamPeer(const PinholeCamera& camera, int threads);
 std::unique_ptr<SlamPeer> MakeOpen3dSlamPeer(const PinholeCamera& camera, int threads);
+std::unique_ptr<SlamPeer> MakeOpen3dModelPeer(const PinholeCamera& camera, int threads);
 
 }  // namespace surfit

@@ -1,12 +1,12 @@
-// Compares SLAM by Surfit with RGB-D odometry of OpenCV (RgbdICPOdometry) and Open3D, of which
-// those are here that were found when this was built.
+// Compares SLAM by Surfit with RGB-D odometry of OpenCV (RgbdICPOdometry) and Open3D and with
+// Open3D's dense SLAM, of which those are here that were found when this was built.
 //
 //   slam_peers [sequence] [frames]
 //
 // Every system gets the same frames at full resolution, two threads and its own default options,
 // in a process of its own, so that peak memory is known of each. Timed is what it takes to follow
 // a frame, from the library's own images to the pose, on the clock and over all threads; reading
-// and conversion are not. Surfit also makes a map in this time: the others go from frame to frame.
+// and conversion are not. Surfit and Open3D's dense SLAM also make a map in this time: the others go from frame to frame.
 // Errors are Surfit's ATE.
 
 #include <sys/resource.h>
@@ -113,15 +113,16 @@ void Run(const SequenceOptions& options) {
 #endif
 #ifdef SURFIT_HAS_OPEN3D
       {"Open3D", MakeOpen3dSlamPeer},
+      {"Open3D, frame to model", MakeOpen3dModelPeer},
 #endif
   };
-  std::printf("%-8s %7s %6s %10s %10s %10s %9s %10s %9s %10s\n", "system", "frames", "lost",
+  std::printf("%-22s %7s %6s %10s %10s %10s %9s %10s %9s %10s\n", "system", "frames", "lost",
               "ATE [mm]", "median ms", "p95 ms", "/ Surfit", "CPU ms", "/ Surfit", "peak MiB");
   std::optional<Outcome> surfit;
   for (const System& system : systems) {
     const Outcome o = FollowApart(options, system);
     if (!surfit) surfit = o;
-    std::printf("%-8s %7d %6d %10.1f %10.1f %10.1f %9.2f %10.1f %9.2f %10ld\n", system.name,
+    std::printf("%-22s %7d %6d %10.1f %10.1f %10.1f %9.2f %10.1f %9.2f %10ld\n", system.name,
                 o.frames, o.lost, 1000 * o.ate_m, o.median_ms, o.p95_ms,
                 o.median_ms / surfit->median_ms, o.cpu_ms, o.cpu_ms / surfit->cpu_ms,
                 o.peak_kib / 1024);
