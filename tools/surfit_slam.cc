@@ -47,6 +47,14 @@ DEFINE_double(max_view_shift, kRun.slam.max_view_shift,
               "of its width");
 DEFINE_int32(row_stride, kRun.slam.icp.row_stride,
              "of the finest level, every so-manyth row of the frame is registered");
+DEFINE_bool(
+    loop_closure, kRun.slam.loops.enabled,
+    "close loops: find places again, correct the poses and let the map follow; a lost camera "
+    "is looked for everywhere");
+DEFINE_int32(
+    new_map_after, kRun.slam.loops.new_map_after,
+    "with loop_closure: after so many lost frames in a row a new map is begun, and joined to "
+    "the first by a loop; 0 = never");
 DEFINE_int32(threads, kRun.threads, "threads that compute at the same time, reading included");
 DEFINE_bool(pictures, kRun.pictures, "write the pictures");
 DEFINE_bool(view, false,
@@ -115,6 +123,8 @@ SlamRunOptions OptionsFromFlags() {
   slam.tracking = FLAGS_tracking;
   slam.motion_model = FLAGS_motion_model;
   slam.initialize = FLAGS_initialize;
+  slam.loops.enabled = FLAGS_loop_closure;
+  slam.loops.new_map_after = FLAGS_new_map_after;
   slam.min_inlier_share = FLAGS_min_inlier_share;
   slam.max_rmse_m = FLAGS_max_rmse_m;
   slam.fusion.noise = slam.preprocess.noise;
@@ -148,6 +158,16 @@ void ShowProgress(const SlamRunProgress& progress) {
   line.Show(text, progress.elapsed_s, progress.frames_done == progress.frames_total);
 }
 
+void PrintLoops(const BackendCounts& c) {
+  std::printf("%zu keyframes, %zu loops accepted of %zu tried, %zu corrections of the map\n",
+              c.keyframes, c.loops_accepted, c.loops_proposed, c.corrections);
+  if (c.relocalisations > 0) std::printf("lost and found again %zu times\n", c.relocalisations);
+  if (c.submaps_apart > 0) {
+    std::printf("%zu of %zu maps could not be joined to the first: they stand beside it\n",
+                c.submaps_apart, c.submaps);
+  }
+}
+
 void PrintSummary(const SlamRunSummary& s, const std::string& output) {
   std::printf("%s: %d frames, %d tracked, %d lost, %d skipped%s\n", output.c_str(), s.frames_total,
               s.frames_tracked, s.frames_lost, s.frames_skipped,
@@ -163,6 +183,7 @@ void PrintSummary(const SlamRunSummary& s, const std::string& output) {
     std::printf("the map is full: %lld surfels found no place (--max_map_points)\n",
                 static_cast<long long>(s.refused));
   }
+  if (s.loops.keyframes > 0) PrintLoops(s.loops);
   if (s.evaluation && s.evaluation->ate) {
     std::printf("ATE RMSE %.4f m over %.1f %% of the frames\n",
                 s.evaluation->ate->translation_m.rmse, 100 * s.evaluation->coverage);

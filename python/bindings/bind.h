@@ -18,6 +18,7 @@ void BindIcpResult(pybind11::module_& module);
 void BindAlign(pybind11::module_& module);
 void BindClouds(pybind11::module_& module);
 void BindEvaluation(pybind11::module_& module);
+void BindLoopOptions(pybind11::module_& module);
 void BindSlamOptions(pybind11::module_& module);
 void BindFrameReport(pybind11::module_& module);
 void BindSurfels(pybind11::module_& module);

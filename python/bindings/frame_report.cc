@@ -28,7 +28,8 @@ void BindStageTimes(py::module_& module) {
       .def_readonly("preprocess_ms", &StageTimes::preprocess_ms, "depth filter, normals, pyramid")
       .def_readonly("predict_ms", &StageTimes::predict_ms, "drawing the map")
       .def_readonly("track_ms", &StageTimes::track_ms, "registration")
-      .def_readonly("fuse_ms", &StageTimes::fuse_ms, "fusion");
+      .def_readonly("fuse_ms", &StageTimes::fuse_ms, "fusion")
+      .def_readonly("correct_ms", &StageTimes::correct_ms, "of the map, by loops");
 }
 
 std::optional<Rigid3d> PoseOfReport(const FrameReport& report) {
@@ -47,7 +48,9 @@ void BindFrameReport(py::module_& module) {
       .def_property_readonly(
           "state", [](const FrameReport& report) { return ToString(report.state); },
           "first, tracked, degenerate (some directions as predicted), frozen (depth repeats the "
-          "last frame's), given (fused at a given pose), or lost: no pose, nothing fused")
+          "last frame's), given (fused at a given pose), relocalised (found by a keyframe), "
+          "new_map "
+          "(the first of a map apart), or lost: no pose, nothing fused")
       .def_property_readonly("world_from_camera", &PoseOfReport, "4 x 4, metres; None if lost")
       .def_readonly("has_own_view", &FrameReport::has_own_view, "the map was drawn for it")
       .def_readonly("is_fused", &FrameReport::is_fused, "into the map")

@@ -19,6 +19,7 @@ PYBIND11_MODULE(_surfit, module) {
   BindAlign(module);
   BindClouds(module);
   BindEvaluation(module);
+  BindLoopOptions(module);
   BindSlamOptions(module);
   BindFrameReport(module);
   BindSurfels(module);

@@ -73,6 +73,7 @@ void BindSlamOptions(py::module_& module) {
       .Add("initialize", &SlamOptions::initialize,
            "how a lost frame is found from the last good one: features, so3, or identity: not at "
            "all")
+      .Add("loops", &SlamOptions::loops, "how they are closed, and a lost camera found")
       .Complete();
 }
 

@@ -75,12 +75,22 @@ FrameReport SlamSession::Process(const py::object& color, const py::array& depth
   return Process(maker_->Make(color, depth, stamp_s, frame_index), world_from_camera);
 }
 
+void SlamSession::Finish() {
+  Locked([&] {
+    if (slam_) slam_->Finish();
+  });
+}
+
+Trajectory SlamSession::CurrentTrajectory() const {
+  return slam_ && slam_->backend() ? slam_->backend()->trajectory() : trajectory_;
+}
+
 py::array_t<double> SlamSession::TrajectoryRows() {
-  return RowsOf(Locked([&] { return trajectory_; }));
+  return RowsOf(Locked([&] { return CurrentTrajectory(); }));
 }
 
 py::array_t<double> SlamSession::Poses() {
-  const Trajectory trajectory = Locked([&] { return trajectory_; });
+  const Trajectory trajectory = Locked([&] { return CurrentTrajectory(); });
   py::array_t<double> poses(
       {static_cast<py::ssize_t>(trajectory.size()), py::ssize_t{4}, py::ssize_t{4}});
   double* data = poses.mutable_data();
@@ -100,13 +110,13 @@ std::size_t SlamSession::SurfelCount() {
 }
 
 std::string SlamSession::DigestOfResult() {
-  return Locked([&] { return Digest(trajectory_, slam_ ? slam_->map() : SurfelMap()); });
+  return Locked([&] { return Digest(CurrentTrajectory(), slam_ ? slam_->map() : SurfelMap()); });
 }
 
 void SlamSession::WriteTrajectory(const std::string& path) {
   Locked([&] {
     TumTrajectoryWriter writer(path);
-    for (const StampedPose& pose : trajectory_) {
+    for (const StampedPose& pose : CurrentTrajectory()) {
       writer.Append(
           {pose.stamp_s, mirrored_ ? Mirrored(pose.world_from_camera) : pose.world_from_camera});
     }

@@ -29,6 +29,9 @@ class SlamSession {
   FrameReport Process(const pybind11::object& color, const pybind11::array& depth, double stamp_s,
                       std::optional<int> index, const std::optional<Rigid3d>& world_from_camera);
 
+  // See Slam::Finish().
+  void Finish();
+
   pybind11::array_t<double> TrajectoryRows();
   pybind11::array_t<double> Poses();
   SurfelColumns Surfels();
@@ -45,6 +48,7 @@ class SlamSession {
   template <typename Work>
   auto Locked(const Work& work);
   void Start(const PinholeCamera& camera, bool mirrored);
+  Trajectory CurrentTrajectory() const;  // to be called while locked
 
   SlamOptions options_;
   Rigid3d world_from_first_camera_;
@@ -55,7 +59,7 @@ class SlamSession {
   PinholeCamera camera_;
   bool mirrored_ = false;
   int next_index_ = 0;
-  Trajectory trajectory_;
+  Trajectory trajectory_;  // as it was at the time
 };
 
 }  // namespace surfit::python

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <utility>
 #include <vector>
 
 #include "mapping/merge_gate.h"
@@ -15,98 +14,120 @@ namespace {
 
 constexpr std::int32_t kNone = -1;
 
-// The frames within which surfels can be the older or the newer of a double at all.
-struct FrameRange {
-  std::int32_t least_last_seen = std::numeric_limits<std::int32_t>::max();
-  std::int32_t most_first_seen = std::numeric_limits<std::int32_t>::min();
-};
-
-template <typename F>
-void ForEachSurfel(const SurfelMap& map, const F& f) {
-  for (std::int32_t cell = 0; cell < map.cell_count(); ++cell) {
-    for (const std::int32_t b : map.cell(cell).blocks) {
-      for (int k = 0; k < map.block(b).count; ++k) f(b, k);
-    }
-  }
-}
-
-FrameRange RangeOf(const SurfelMap& map) {
-  FrameRange range;
-  ForEachSurfel(map, [&](std::int32_t b, int k) {
-    range.least_last_seen = std::min(range.least_last_seen, map.block(b).last_seen[k]);
-    range.most_first_seen = std::max(range.most_first_seen, map.block(b).first_seen[k]);
-  });
-  return range;
-}
-
 Patch PatchAt(const SurfelBlock& block, int k) {
   return {block.x[k], block.y[k], block.z[k], block.nx[k], block.ny[k], block.nz[k]};
 }
 
+Eigen::Vector3f PositionOf(const Patch& patch) { return {patch.x, patch.y, patch.z}; }
+
+// A surfel that may have been mapped before.
+struct NewerSurfel {
+  std::int32_t id;
+  std::int32_t first_seen;
+  Patch patch;
+  float radius_m;
+};
+
+// The newer ones of a cell, and the box that their older ones lie in.
+struct NewerOfCell {
+  std::vector<NewerSurfel> surfels;
+  Eigen::Vector3f low, high;
+  std::int32_t most_first_seen = std::numeric_limits<std::int32_t>::min();
+};
+
 // Finds the older surfels that newer ones belong to.
 class DoubleFinder {
  public:
-  DoubleFinder(const FusionOptions& options, int frames_apart, const SurfelMap& map)
+  DoubleFinder(const FusionOptions& options, const DoublesOptions& doubles, const SurfelMap& map)
       : gate_(options),
-        frames_apart_(frames_apart),
-        map_(map),
-        range_(RangeOf(map)),
-        grid_(options.max_distance_m + options.max_spacing_m) {
-    if (range_.most_first_seen - range_.least_last_seen <= frames_apart_) return;
-    ForEachSurfel(map, [&](std::int32_t b, int k) {
-      if (MayBeOlder(map.block(b).last_seen[k])) grid_.Add(PositionOf(map.block(b), k), IdOf(b, k));
-    });
-  }
+        reach_m_(options.max_distance_m + options.max_spacing_m),
+        doubles_(doubles),
+        map_(map) {}
 
   // By id: the older one of each surfel, or kNone. Chains of them lead from newer to older ones.
   std::vector<std::int32_t> FindAll() const {
     std::vector<std::int32_t> older(map_.id_end(), kNone);
-    if (grid_.empty()) return older;
     ParallelFor(0, map_.cell_count(), 1, [&](int cell, int) {
-      for (const std::int32_t b : map_.cell(cell).blocks) {
-        for (int k = 0; k < map_.block(b).count; ++k) {
-          if (MayBeNewer(map_.block(b).first_seen[k])) older[IdOf(b, k)] = OlderOf(b, k);
-        }
-      }
+      const NewerOfCell newer = NewerOf(map_.cell(cell));
+      if (newer.surfels.empty()) return;
+      const std::vector<GridSurfel> within = OlderWithin(newer);
+      if (within.empty()) return;
+      const SurfelGrid grid(newer.low, newer.high, reach_m_, within);
+      for (const NewerSurfel& surfel : newer.surfels) older[surfel.id] = NearestTo(surfel, grid);
     });
     return older;
   }
 
  private:
-  static std::int32_t IdOf(std::int32_t b, int k) { return b * SurfelBlock::kCapacity + k; }
-  static Eigen::Vector3f PositionOf(const SurfelBlock& block, int k) {
-    return {block.x[k], block.y[k], block.z[k]};
-  }
-  bool MayBeOlder(std::int32_t last_seen) const {
-    return range_.most_first_seen - last_seen > frames_apart_;
-  }
-  bool MayBeNewer(std::int32_t first_seen) const {
-    return first_seen - range_.least_last_seen > frames_apart_;
+  NewerOfCell NewerOf(const SurfelCell& cell) const {
+    NewerOfCell newer;
+    SurfelBounds bounds;
+    for (const std::int32_t b : cell.blocks) {
+      const SurfelBlock& block = map_.block(b);
+      for (int k = 0; k < block.count; ++k) {
+        if (block.first_seen[k] < doubles_.newer_since) continue;
+        const Patch patch = PatchAt(block, k);
+        newer.surfels.push_back(
+            {b * SurfelBlock::kCapacity + k, block.first_seen[k], patch, block.radius_m[k]});
+        newer.most_first_seen = std::max(newer.most_first_seen, block.first_seen[k]);
+        bounds.Add(PositionOf(patch));
+      }
+    }
+    newer.low = Eigen::Map<const Eigen::Vector3f>(bounds.low).array() - reach_m_;
+    newer.high = Eigen::Map<const Eigen::Vector3f>(bounds.high).array() + reach_m_;
+    return newer;
   }
 
-  std::int32_t OlderOf(std::int32_t b, int k) const {
+  // Whether some of a set may be older ones of these.
+  bool MayHaveOlder(const SurfelBounds& bounds, const NewerOfCell& newer) const {
+    if (newer.most_first_seen - bounds.least_last_seen <= doubles_.frames_apart) return false;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (bounds.high[axis] < newer.low[axis] || bounds.low[axis] > newer.high[axis]) return false;
+    }
+    return true;
+  }
+
+  std::vector<GridSurfel> OlderWithin(const NewerOfCell& newer) const {
+    std::vector<GridSurfel> older;
+    for (std::int32_t cell = 0; cell < map_.cell_count(); ++cell) {
+      if (!MayHaveOlder(map_.cell(cell).bounds, newer)) continue;
+      for (const std::int32_t b : map_.cell(cell).blocks) {
+        if (MayHaveOlder(map_.block(b).bounds, newer)) AddOlder(b, newer, &older);
+      }
+    }
+    return older;
+  }
+
+  void AddOlder(std::int32_t b, const NewerOfCell& newer, std::vector<GridSurfel>* older) const {
     const SurfelBlock& block = map_.block(b);
-    const Patch patch = PatchAt(block, k);
+    for (int k = 0; k < block.count; ++k) {
+      if (newer.most_first_seen - block.last_seen[k] <= doubles_.frames_apart) continue;
+      const Patch patch = PatchAt(block, k);
+      const Eigen::Array3f position = PositionOf(patch);
+      if ((position < newer.low.array()).any() || (position > newer.high.array()).any()) continue;
+      older->push_back({patch, b * SurfelBlock::kCapacity + k, block.last_seen[k]});
+    }
+  }
+
+  // Of two that are equally near, the one of the lower id.
+  std::int32_t NearestTo(const NewerSurfel& newer, const SurfelGrid& grid) const {
     float least = MergeGate::kNever;
     std::int32_t nearest = kNone;
-    grid_.ForEachAround(PositionOf(block, k), [&](std::int32_t id) {
-      const SurfelBlock& other = map_.block(id / SurfelBlock::kCapacity);
-      const int j = id % SurfelBlock::kCapacity;
-      if (block.first_seen[k] - other.last_seen[j] <= frames_apart_) return;
-      const float distance2 = gate_.SquaredDistance(patch, block.radius_m[k], PatchAt(other, j));
-      const bool nearer = distance2 < least || (distance2 == least && id < nearest);
+    grid.ForEachAround(PositionOf(newer.patch), [&](const GridSurfel& older) {
+      if (newer.first_seen - older.last_seen <= doubles_.frames_apart) return;
+      const float distance2 = gate_.SquaredDistance(newer.patch, newer.radius_m, older.patch);
+      const bool nearer = distance2 < least || (distance2 == least && older.id < nearest);
       if (distance2 == MergeGate::kNever || !nearer) return;
       least = distance2;
-      nearest = id;
+      nearest = older.id;
     });
     return nearest;
   }
 
   const MergeGate gate_;
-  const int frames_apart_;
+  const float reach_m_;
+  const DoublesOptions doubles_;
   const SurfelMap& map_;
-  const FrameRange range_;
-  SurfelGrid grid_;  // of those that may be older
 };
 
 SurfelObservation AsObservation(const Surfel& seen, float max_radius_m) {
@@ -135,10 +156,11 @@ void MergeInto(std::int32_t older, std::int32_t newer, const FusionOptions& opti
 
 }  // namespace
 
-std::size_t MergeDoubles(const FusionOptions& options, int frames_apart, SurfelMap* map) {
+std::size_t MergeDoubles(const FusionOptions& options, const DoublesOptions& doubles,
+                         SurfelMap* map) {
   options.Validate();
   const TraceSlice slice("merge_doubles");
-  const std::vector<std::int32_t> older = DoubleFinder(options, frames_apart, *map).FindAll();
+  const std::vector<std::int32_t> older = DoubleFinder(options, doubles, *map).FindAll();
   for (const std::int32_t id : map->Ids()) {
     if (older[id] == kNone) continue;
     std::int32_t oldest = older[id];

@@ -1,51 +1,75 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <unordered_map>
 #include <vector>
+
+#include "mapping/merge_gate.h"
 
 namespace surfit {
 
-// Surfels by the cube of space that they are in, for those who look for near ones.
+// A surfel where others look for it.
+struct GridSurfel {
+  Patch patch = {};
+  std::int32_t id = 0;
+  std::int32_t last_seen = 0;
+};
+
+// Surfels within a box, sorted into cubes of it, for those who look for near ones.
 class SurfelGrid {
  public:
-  // Nothing is looked for farther than this.
-  explicit SurfelGrid(float reach_m) : per_metre_(1 / reach_m) {}
-
-  bool empty() const { return ids_.empty(); }
-  void Add(const Eigen::Vector3f& position, std::int32_t id) {
-    ids_[Key(CubeOf(position))].push_back(id);
+  // Nothing is looked for farther than the reach. Surfels outside of the box must not be among
+  // them.
+  SurfelGrid(const Eigen::Vector3f& low, const Eigen::Vector3f& high, float reach_m,
+             const std::vector<GridSurfel>& surfels)
+      : low_(low), sorted_(surfels.size()) {
+    const float longest = (high - low).maxCoeff();
+    per_metre_ = 1 / std::max(reach_m, longest / kMostCubes);
+    size_ = CubeAt(high) + Cube::Ones();
+    std::vector<int> cube_of(surfels.size());
+    begin_.assign(size_.prod() + 1, 0);
+    for (std::size_t i = 0; i < surfels.size(); ++i) {
+      const Patch& p = surfels[i].patch;
+      cube_of[i] = IndexOf(CubeAt({p.x, p.y, p.z}));
+      ++begin_[cube_of[i] + 1];
+    }
+    for (std::size_t c = 1; c < begin_.size(); ++c) begin_[c] += begin_[c - 1];
+    std::vector<int> next(begin_.begin(), begin_.end() - 1);
+    for (std::size_t i = 0; i < surfels.size(); ++i) sorted_[next[cube_of[i]]++] = surfels[i];
   }
 
-  // Calls f(id) for all within reach of the position, and some beyond, cube by cube in the order in
-  // which they were added.
+  // Calls f(surfel) for all within reach of a position in the box, and for some beyond.
   template <typename F>
   void ForEachAround(const Eigen::Vector3f& position, const F& f) const {
-    const Cube middle = CubeOf(position);
-    for (int i = 0; i < 27; ++i) {
-      const Cube beside = {i / 9 - 1, i / 3 % 3 - 1, i % 3 - 1};
-      const auto at = ids_.find(Key(middle + beside));
-      if (at == ids_.end()) continue;
-      for (const std::int32_t id : at->second) f(id);
+    const Cube middle = CubeAt(position);
+    const Cube from = (middle - Cube::Ones()).cwiseMax(0);
+    const Cube to = (middle + Cube::Ones()).cwiseMin(size_ - Cube::Ones());
+    for (int z = from.z(); z <= to.z(); ++z) {
+      for (int y = from.y(); y <= to.y(); ++y) {
+        const int end = begin_[IndexOf({to.x(), y, z}) + 1];
+        for (int i = begin_[IndexOf({from.x(), y, z})]; i < end; ++i) f(sorted_[i]);
+      }
     }
   }
 
  private:
   using Cube = Eigen::Vector3i;
+  static constexpr int kMostCubes = 64;  // along each axis
 
-  Cube CubeOf(const Eigen::Vector3f& position) const {
-    return (per_metre_ * position).array().floor().cast<int>();
+  Cube CubeAt(const Eigen::Vector3f& position) const {
+    return (per_metre_ * (position - low_)).array().floor().cast<int>();
   }
-  // Cubes 2^21 apart share a key, which makes a search longer but not wrong.
-  static std::uint64_t Key(const Cube& cube) {
-    const auto bits = [](int i) { return static_cast<std::uint64_t>(i) & 0x1fffff; };
-    return bits(cube.x()) << 42 | bits(cube.y()) << 21 | bits(cube.z());
+  int IndexOf(const Cube& cube) const {
+    return (cube.z() * size_.y() + cube.y()) * size_.x() + cube.x();
   }
 
-  float per_metre_;
-  std::unordered_map<std::uint64_t, std::vector<std::int32_t>> ids_;
+  Eigen::Vector3f low_;
+  float per_metre_ = 0;
+  Cube size_ = Cube::Ones();
+  std::vector<GridSurfel> sorted_;
+  std::vector<int> begin_;  // of each cube in sorted_, and the end of the last
 };
 
 }  // namespace surfit

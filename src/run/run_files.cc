@@ -9,29 +9,34 @@
 namespace surfit {
 
 std::vector<std::string> RunFileNames() {
-  std::vector<std::string> names = {"trajectory.txt",    "frames.csv",      "map.ply",
-                                    "summary.json",      "poses.json",      "trajectory.png",
-                                    "map_color.png",     "map_normals.png", "map_confidence.png",
-                                    "map_last_seen.png", "report.html"};
+  std::vector<std::string> names = {
+      "trajectory.txt", "trajectory_online.txt", "loops.csv",          "frames.csv",
+      "map.ply",        "summary.json",          "poses.json",         "trajectory.png",
+      "map_color.png",  "map_normals.png",       "map_confidence.png", "map_last_seen.png",
+      "report.html"};
   for (const std::string& name : KeptViews::FileNames()) names.push_back(name);
   return names;
 }
 
 RunFiles::RunFiles(const std::string& folder, bool mirrored)
     : mirrored_(mirrored),
-      trajectory_(folder + "/trajectory.txt"),
+      trajectory_path_(folder + "/trajectory.txt"),
+      trajectory_(trajectory_path_),
+      online_(folder + "/trajectory_online.txt"),
       csv_path_(folder + "/frames.csv"),
       csv_(csv_path_) {
   csv_ << "index,stamp_s,state,fused,termination,iterations,inliers,inlier_share,rmse_m,"
           "smallest_eigenvalue,points,merged_points,merged,added,removed,"
-          "decode_ms,preprocess_ms,predict_ms,track_ms,fuse_ms,frame_ms\n";
+          "decode_ms,preprocess_ms,predict_ms,track_ms,fuse_ms,correct_ms,frame_ms\n";
   Flush();
 }
 
 void RunFiles::Write(const FrameReport& report, double decode_ms, double frame_ms) {
   if (report.state != FrameState::kLost) {
     const Rigid3d& pose = report.world_from_camera;
-    trajectory_.Append({report.stamp_s, mirrored_ ? Mirrored(pose) : pose});
+    const StampedPose stamped = {report.stamp_s, mirrored_ ? Mirrored(pose) : pose};
+    trajectory_.Append(stamped);
+    online_.Append(stamped);
   }
   const bool registered = !report.icp.iterations.empty();
   csv_ << report.index << ',' << std::fixed << std::setprecision(6) << report.stamp_s << ','
@@ -43,15 +48,23 @@ void RunFiles::Write(const FrameReport& report, double decode_ms, double frame_m
        << report.fusion.merged << ',' << report.fusion.added << ',' << report.fusion.removed << ','
        << std::setprecision(3) << decode_ms << ',' << report.times.preprocess_ms << ','
        << report.times.predict_ms << ',' << report.times.track_ms << ',' << report.times.fuse_ms
-       << ',' << frame_ms << '\n';
+       << ',' << report.times.correct_ms << ',' << frame_ms << '\n';
   Flush();
 }
 
 void RunFiles::WriteSkipped(const ReadResult& result, double frame_ms) {
   csv_ << result.index << ',' << std::fixed << std::setprecision(6) << result.stamp_s
        << ",skipped,0,,0,0,0,0,0,0,0,0,0,0," << std::setprecision(3) << result.decode_ms
-       << ",0,0,0,0," << frame_ms << '\n';
+       << ",0,0,0,0,0," << frame_ms << '\n';
   Flush();
+}
+
+void RunFiles::Rewrite(const Trajectory& corrected) {
+  trajectory_ = TumTrajectoryWriter(trajectory_path_);
+  for (const StampedPose& pose : corrected) {
+    trajectory_.Append(
+        {pose.stamp_s, mirrored_ ? Mirrored(pose.world_from_camera) : pose.world_from_camera});
+  }
 }
 
 void RunFiles::Flush() {

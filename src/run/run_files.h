@@ -13,7 +13,7 @@ namespace surfit {
 // All that a run may write into its output folder.
 std::vector<std::string> RunFileNames();
 
-// The files that grow with every frame: trajectory.txt and frames.csv.
+// The files that grow with every frame: trajectory.txt, trajectory_online.txt and frames.csv.
 class RunFiles {
  public:
   // Poses are written back in the source's convention. Throws InputError naming the file.
@@ -24,11 +24,15 @@ class RunFiles {
   // A frame that could not be read.
   void WriteSkipped(const ReadResult& result, double frame_ms);
 
+  // Writes trajectory.txt anew.
+  void Rewrite(const Trajectory& corrected);
+
  private:
   void Flush();
 
   bool mirrored_;
-  TumTrajectoryWriter trajectory_;
+  std::string trajectory_path_;
+  TumTrajectoryWriter trajectory_, online_;
   std::string csv_path_;
   std::ofstream csv_;
 };

@@ -16,6 +16,7 @@
 #include "run/digest.h"
 #include "run/given_poses.h"
 #include "run/kept_views.h"
+#include "run/loops_csv.h"
 #include "run/output_folder.h"
 #include "run/poses_json.h"
 #include "run/quantile.h"
@@ -36,8 +37,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::array<const char*, 6> kStages = {"decode", "preprocess", "predict",
-                                                "track",  "fuse",       "write"};
+constexpr std::array<const char*, 7> kStages = {"decode", "preprocess", "predict", "track",
+                                                "fuse",   "correct",    "write"};
 
 double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -155,9 +156,9 @@ class SlamRun {
       files_->Write(report, result.decode_ms, CompleteFrame());
     }
     const StageTimes& times = report.times;
-    const std::array<double, kStages.size()> stages_ms = {result.decode_ms, times.preprocess_ms,
-                                                          times.predict_ms, times.track_ms,
-                                                          times.fuse_ms,    write_ms};
+    const std::array<double, kStages.size()> stages_ms = {
+        result.decode_ms, times.preprocess_ms, times.predict_ms, times.track_ms,
+        times.fuse_ms,    times.correct_ms,    write_ms};
     for (std::size_t i = 0; i < kStages.size(); ++i) stages_ms_[i].push_back(stages_ms[i]);
     return report;
   }
@@ -185,8 +186,9 @@ class SlamRun {
       return;
     }
     ++summary_.frames_tracked;
-    const bool registered =
-        report.state == FrameState::kTracked || report.state == FrameState::kDegenerate;
+    const bool registered = report.state == FrameState::kTracked ||
+                            report.state == FrameState::kDegenerate ||
+                            report.state == FrameState::kRelocalized;
     if (registered && options_.slam.icp.error_model.UsesIntensities() &&
         report.icp.intensity_count == 0) {
       ++summary_.frames_without_intensities;
@@ -208,7 +210,19 @@ class SlamRun {
                             static_cast<double>(valid_points));
   }
 
+  // Takes in the last loops, and what all of them have corrected.
+  void FinishLoops() {
+    slam_->Finish();
+    if (!slam_->backend()) return;
+    trajectory_ = slam_->backend()->trajectory();
+    files_->Rewrite(trajectory_);
+    summary_.loops = slam_->backend()->counts();
+    summary_.merged_doubles = static_cast<std::int64_t>(slam_->merged_doubles());
+    WriteLoopsCsv(slam_->backend()->loops(), options_.output + "/loops.csv");
+  }
+
   SlamRunSummary Finish() {
+    FinishLoops();
     const SurfelMap& map = slam_->map();
     summary_.map_points = map.size();
     if (map.size() > 0) {
@@ -295,6 +309,9 @@ void SlamRunOptions::Validate() const {
   if (output.empty()) throw InputError("output is empty, must name a folder");
   if (poses != "track" && poses != "groundtruth") {
     throw InputError(Concat("poses is '", poses, "', must be one of: track, groundtruth"));
+  }
+  if (slam.loops.enabled && poses != "track") {
+    throw InputError(Concat("poses is '", poses, "', must be 'track' where loops are closed"));
   }
   if (initial_pose != "identity" && initial_pose != "groundtruth") {
     ParsePose("initial_pose", initial_pose);

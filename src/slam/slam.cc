@@ -10,6 +10,8 @@
 #include "surfit/core/error.h"
 #include "surfit/core/trace.h"
 #include "surfit/frame/intensity.h"
+#include "surfit/mapping/merge_doubles.h"
+#include "surfit/mapping/move_map.h"
 #include "surfit/registration/align_rotation.h"
 
 namespace surfit {
@@ -17,6 +19,7 @@ namespace {
 
 // Of lost frames every fifth is looked for: that takes as long as tracking tens of frames.
 constexpr int kSearchStride = 5;
+constexpr int kRelocalizeStride = 3;  // the same of the search among keyframes
 
 // Two parts may have options of one name: errors say whose it is.
 template <typename Options>
@@ -55,6 +58,7 @@ void SlamOptions::Validate() const {
   ValidatePart("icp", icp);
   ValidatePart("fusion", fusion);
   ValidatePart("render", render);
+  ValidatePart("loops", loops);
   if (tracking != "frame_to_model" && tracking != "frame_to_frame") {
     throw InputError(
         Concat("tracking is '", tracking, "', must be one of: frame_to_model, frame_to_frame"));
@@ -94,6 +98,10 @@ std::string ToString(FrameState state) {
       return "given";
     case FrameState::kLost:
       return "lost";
+    case FrameState::kRelocalized:
+      return "relocalised";
+    case FrameState::kNewMap:
+      return "new_map";
   }
   return "unknown";
 }
@@ -106,6 +114,12 @@ Slam::Slam(const PinholeCamera& camera, const SlamOptions& options,
       fusion_(options.fusion),
       world_from_last_(world_from_first_camera) {
   camera.Validate("camera");
+  if (options.loops.enabled) backend_ = std::make_unique<Backend>(options.loops);
+}
+
+void Slam::UseLoopFinder(LoopFinder finder) {
+  CHECK(backend_ && backend_->frames().empty());
+  backend_ = std::make_unique<Backend>(options_.loops, std::move(finder));
 }
 
 FrameReport Slam::Process(const RgbdFrame& frame) { return Process(frame, std::nullopt); }
@@ -121,11 +135,16 @@ FrameReport Slam::Process(const RgbdFrame& frame, const std::optional<Rigid3d>& 
   FrameReport report;
   report.index = frame.index;
   report.stamp_s = frame.stamp_s;
+  if (backend_) {
+    const StageTimer timer("correct", report.index, &report.times.correct_ms);
+    if (const auto correction = backend_->BeginFrame()) Correct(*correction, report.index);
+  }
   const bool frozen = started_ && !given_pose && frame.depth_m == last_depth_m_;
   last_depth_m_ = frame.depth_m;
   if (frozen) {
     report.state = lost_count_ > 0 ? FrameState::kLost : FrameState::kFrozen;
     report.world_from_camera = world_from_last_;
+    if (backend_ && lost_count_ == 0) backend_->AddFrozenFrame(report.index, report.stamp_s);
     return report;
   }
 
@@ -144,8 +163,13 @@ FrameReport Slam::Process(const RgbdFrame& frame, const std::optional<Rigid3d>& 
   } else {
     Track(frame, pyramid, &report);
   }
+  if (backend_) BeginSubmapIfLongLost(pyramid, &report);
   const bool lost = report.state == FrameState::kLost;
   if (!lost) {
+    if (backend_) {
+      backend_->AddFrame(report.index, report.stamp_s, report.world_from_camera, report.icp,
+                         pyramid, frame.color);
+    }
     if (IsToBeFused(report)) Fuse(frame, pyramid, &report);
     unfused_count_ = report.is_fused ? 0 : unfused_count_ + 1;
     KeepAsLast(frame, std::move(pyramid), report);
@@ -166,11 +190,14 @@ void Slam::Track(const RgbdFrame& frame, const FramePyramid& pyramid, FrameRepor
   StageTimer timer("track", report->index, &report->times.track_ms);
   report->icp = Register(pyramid, target_.pyramid, initial, options_.icp);
   report->world_from_camera = target_.world_from_target * report->icp.target_from_source;
-  const bool tracked = IsBelievable(report->icp) || FindAgain(frame, pyramid, report);
+  const bool found = IsBelievable(report->icp) || FindAgain(frame, pyramid, report);
+  const bool relocalized = !found && Relocalize(frame, pyramid, report);
+  const bool tracked = found || relocalized;
   const bool degenerate = !report->icp.free_directions.empty();
-  report->state = !tracked     ? FrameState::kLost
-                  : degenerate ? FrameState::kDegenerate
-                               : FrameState::kTracked;
+  report->state = !tracked      ? FrameState::kLost
+                  : relocalized ? FrameState::kRelocalized
+                  : degenerate  ? FrameState::kDegenerate
+                                : FrameState::kTracked;
   if (!tracked && on_lost_) {
     on_lost_({report->index, pyramid, target_.pyramid, frame.color, target_.color, initial,
               report->icp});
@@ -187,8 +214,24 @@ bool Slam::FindAgain(const RgbdFrame& frame, const FramePyramid& pyramid, FrameR
   const InitializedIcpResult found =
       InitializeAndRegister({pyramid, frame.color}, last_view_, initialization, FarIcpOptions());
   if (!found.icp.Succeeded()) return false;
-  const Rigid3d world_from_found = world_from_last_ * found.icp.target_from_source;
-  Target target = MakeTarget(world_from_found);
+  return AgreesWithMap(pyramid, world_from_last_ * found.icp.target_from_source, report);
+}
+
+// By a keyframe that shows the same place, and from there against the map.
+bool Slam::Relocalize(const RgbdFrame& frame, const FramePyramid& pyramid, FrameReport* report) {
+  if (!backend_ || lost_count_ % kRelocalizeStride != 0 || !CanStart(pyramid)) return false;
+  const Relocalization found = backend_->Find({pyramid, frame.color});
+  if (!found.found()) return false;
+  WakeAround(backend_->FrameOfKeyframe(found.keyframe), report->index);
+  if (!AgreesWithMap(pyramid, found.world_from_camera, report)) return false;
+  backend_->AfterRelocalization(found.keyframe);
+  return true;
+}
+
+// Takes the pose that registration to the map finds from there, if it is believable.
+bool Slam::AgreesWithMap(const FramePyramid& pyramid, const Rigid3d& world_from_found,
+                         FrameReport* report) {
+  const Target target = MakeTarget(world_from_found);
   const IcpResult icp = Register(
       pyramid, target.pyramid, target.world_from_target.Inverse() * world_from_found, options_.icp);
   if (!IsBelievable(icp)) return false;
@@ -245,6 +288,46 @@ bool Slam::CanStart(const FramePyramid& pyramid) const {
   const auto points =
       std::count_if(normal_z.begin(), normal_z.end(), [](float z) { return z < 0; });
   return points >= options_.icp.min_inliers;
+}
+
+void Slam::BeginSubmapIfLongLost(const FramePyramid& pyramid, FrameReport* report) {
+  const int after = options_.loops.new_map_after;
+  if (report->state != FrameState::kLost || !started_ || after == 0) return;
+  if (lost_count_ + 1 < after || !CanStart(pyramid)) return;
+  report->state = FrameState::kNewMap;
+  report->world_from_camera = backend_->BeginSubmap(world_from_last_);
+}
+
+void Slam::Finish() {
+  if (!backend_ || backend_->frames().empty()) return;
+  while (const auto correction = backend_->Finish()) {
+    Correct(*correction, backend_->frames().back().index);
+  }
+}
+
+// The map moves as the camera does, so that tracking goes on as if nothing had been.
+void Slam::Correct(const WorldCorrection& correction, int frame_index) {
+  const int active_frames = options_.fusion.active_frames;
+  if (correction.moves) {
+    MoveMap(correction.corrections, &map_);
+    world_from_last_ = correction.new_from_old_now * world_from_last_;
+    target_.world_from_target = correction.new_from_old_now * target_.world_from_target;
+  }
+  if (correction.moves || active_frames > 0) {
+    DoublesOptions doubles;
+    doubles.frames_apart = std::max(active_frames, options_.loops.frames_apart);
+    if (!correction.moves) doubles.newer_since = merged_until_;  // before that nothing has changed
+    merged_doubles_ += MergeDoubles(options_.fusion, doubles, &map_);
+    merged_until_ = frame_index;
+  }
+  for (const int joined : correction.joined) WakeAround(joined, frame_index);
+}
+
+// What was seen around the time of a frame is near again.
+void Slam::WakeAround(int frame_index, int now) {
+  const int active_frames = options_.fusion.active_frames;
+  if (active_frames == 0) return;
+  WakeSurfels(frame_index - active_frames, frame_index + active_frames, now, &map_);
 }
 
 // In its turn, and at once where the map may not have been seen from.

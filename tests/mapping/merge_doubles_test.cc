@@ -40,7 +40,7 @@ TEST(MergeDoubles, MakesOneWallOfTwo) {
   SurfelMap map;
   AddWall(2, 0, 0, 3, &map);
   AddWall(2.02f, 0.3f * kSpacing, 500, 1, &map);
-  EXPECT_EQ(MergeDoubles({}, kApart, &map), kWall);
+  EXPECT_EQ(MergeDoubles({}, {kApart}, &map), kWall);
   ASSERT_EQ(map.size(), kWall);
   ExpectConsistent(map);
   for (const std::int32_t id : map.Ids()) {
@@ -56,7 +56,7 @@ TEST(MergeDoubles, MakesOneWallOfThree) {
   AddWall(2, 0, 0, 1, &map);
   AddWall(2.01f, 0, 500, 1, &map);
   AddWall(2.03f, 0, 1000, 1, &map);
-  EXPECT_EQ(MergeDoubles({}, kApart, &map), 2 * kWall);
+  EXPECT_EQ(MergeDoubles({}, {kApart}, &map), 2 * kWall);
   for (const std::int32_t id : map.Ids()) {
     EXPECT_NEAR(map[id].position_in_world.z(), (2 + 2.01 + 2.03) / 3, 1e-6);
   }
@@ -75,9 +75,17 @@ TEST(MergeDoubles, KeepsWhatIsNoDouble) {
     SurfelMap map;
     AddWall(2, 0, 0, 1, &map);
     AddWall(c.depth_m, c.shift_m, c.first, 1, &map);
-    EXPECT_EQ(MergeDoubles({}, kApart, &map), 0u) << c.name;
+    EXPECT_EQ(MergeDoubles({}, {kApart}, &map), 0u) << c.name;
     EXPECT_EQ(map.size(), 2 * kWall) << c.name;
   }
+}
+
+TEST(MergeDoubles, LeavesAloneWhatIsNotAskedFor) {
+  SurfelMap map;
+  AddWall(2, 0, 0, 1, &map);
+  AddWall(2.02f, 0, 500, 1, &map);
+  EXPECT_EQ(MergeDoubles({}, {kApart, 501}, &map), 0u);
+  EXPECT_EQ(MergeDoubles({}, {kApart, 500}, &map), kWall);
 }
 
 TEST(MergeDoubles, KeepsTheOtherSideOfABoard) {
@@ -90,7 +98,7 @@ TEST(MergeDoubles, KeepsTheOtherSideOfABoard) {
   behind.confidence = 1;
   behind.first_seen = behind.last_seen = 500;
   map.Append(behind);
-  EXPECT_EQ(MergeDoubles({}, kApart, &map), 0u);
+  EXPECT_EQ(MergeDoubles({}, {kApart}, &map), 0u);
 }
 
 // Every newer surfel has gone into the nearest older one that the gate allows: pair by pair.
@@ -122,7 +130,7 @@ TEST(MergeDoubles, FindsWhatBruteForceFinds) {
     expected += has_older;
   }
   EXPECT_GT(expected, 20u);
-  EXPECT_EQ(MergeDoubles(options, kApart, &map), expected);
+  EXPECT_EQ(MergeDoubles(options, {kApart}, &map), expected);
 }
 
 TEST(MergeDoublesThreads, GiveTheSameMap) {
@@ -132,7 +140,7 @@ TEST(MergeDoublesThreads, GiveTheSameMap) {
     AddWall(2, 0, 0, 3, &map);
     AddWall(2.02f, 0.3f * kSpacing, 500, 1, &map);
     AddWall(2.01f, 0.1f * kSpacing, 900, 1, &map);
-    MergeDoubles({}, kApart, &map);
+    MergeDoubles({}, {kApart}, &map);
     return map;
   };
   const SurfelMap one = merged(1);

@@ -124,6 +124,27 @@ TEST_F(SlamTool, WritesTrajectoryMapTablesAndPictures) {
   }
 }
 
+TEST_F(SlamTool, SaysWhatItDidAboutLoops) {
+  ASSERT_EQ(Slam(Room(), Output(), {"--loop_closure"}).exit_code, 0);
+  const nlohmann::json summary = Summary(Output());
+  EXPECT_GE(summary["keyframes"], 1);
+  for (const char* key : {"loops_proposed", "loops_accepted", "loops_refused", "relocalisations",
+                          "map_corrections", "submaps_apart", "surfels_merged_by_loops"}) {
+    EXPECT_EQ(summary[key], 0) << key;  // so short a walk has none
+  }
+  EXPECT_EQ(summary["submaps"], 1);
+  EXPECT_EQ(Lines(Output() + "/loops.csv").size(), 1u);
+  EXPECT_EQ(ReadBytes(Output() + "/trajectory.txt"),
+            ReadBytes(Output() + "/trajectory_online.txt"));
+  EXPECT_EQ(CountPoses(Output() + "/trajectory.txt"), kFrames);
+}
+
+TEST_F(SlamTool, ClosesNoLoopsOfGivenPoses) {
+  const ProgramResult result = Slam(Room(), Output(), {"--loop_closure", "--poses=groundtruth"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("poses is 'groundtruth'"));
+}
+
 TEST_F(SlamTool, GivesTheSameDigestAgainAndAtAnyNumberOfThreads) {
   std::vector<std::string> digests;
   for (const char* threads : {"--threads=1", "--threads=2", "--threads=2", "--threads=4"}) {

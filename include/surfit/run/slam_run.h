@@ -76,6 +76,7 @@ struct SlamRunSummary {
   int frames_lost = 0;
   int frames_fused = 0;    // into the map, of the tracked ones
   int frames_skipped = 0;  // could not be read
+  BackendCounts loops;     // all zero without loops
   // Tracked by their shapes alone though intensities were asked for, for want of colour or texture.
   int frames_without_intensities = 0;
   bool interrupted = false;
@@ -83,6 +84,7 @@ struct SlamRunSummary {
   std::int64_t input_points_valid = 0;  // of those, with depth
   std::int64_t updated = 0, added = 0, removed = 0;  // surfels, summed over all frames
   std::int64_t refused = 0;                          // and these for want of place in the map
+  std::int64_t merged_doubles = 0;                   // and those that loops put on others
   std::size_t map_points = 0;
   double compression_ratio = 0;   // input_points / map_points
   double match_share_last = 0;    // merged over valid points, of the last fused frame
@@ -90,15 +92,16 @@ struct SlamRunSummary {
   std::optional<TrajectoryEvaluation> evaluation;  // where there is ground truth
   double total_s = 0;
   TimeStatistics frame;  // between the completions of consecutive frames
-  // decode (which reads ahead, beside the others), preprocess, predict, track, fuse, write.
+  // decode (which reads ahead, beside the others), preprocess, predict, track, fuse, correct,
+  // write.
   std::vector<StageStatistics> stages;
   std::int64_t peak_rss_bytes = 0;
   std::string digest;  // of trajectory and map: equal digests, equal results bit for bit
 };
 
-// Runs SLAM over a sequence and writes into the output folder: trajectory.txt (TUM format, a line
-// at a time, in the source's convention), frames.csv, map.ply, summary.json, poses.json, views/ and
-// the pictures.
+// Runs SLAM over a sequence and writes into the output folder: trajectory.txt (TUM format, in the
+// source's convention; as corrected by loops in the end), trajectory_online.txt (as each pose was
+// at its time), frames.csv, loops.csv, map.ply, summary.json, poses.json, views/ and the pictures.
 // A sequence of format watch is followed until its end (WatchFolder()).
 // Frames that cannot be read are skipped and counted. When `interrupted` becomes true the frame at
 // work, or else the first one, is finished and everything is written. `progress` is called after

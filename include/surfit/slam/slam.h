@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -13,6 +14,7 @@
 #include "surfit/mapping/surfel_map.h"
 #include "surfit/registration/icp.h"
 #include "surfit/registration/initialize.h"
+#include "surfit/slam/backend.h"
 
 namespace surfit {
 
@@ -49,20 +51,23 @@ struct SlamOptions {
   // How a frame that tracking would lose is found from the last good one, however far it is: see
   // InitializeOptions::method; identity: not at all. It is believed only if the map agrees.
   std::string initialize = "features";
+  LoopOptions loops;
   // Throws InputError naming field, value and constraint.
   void Validate() const;
 };
 
 enum class FrameState {
-  kFirst,       // the first frame with enough depth to start: it stands at the initial pose
-  kTracked,     // registered, possibly found again from far
-  kDegenerate,  // the same, but for directions that the data leaves free: there, as predicted
-  kFrozen,      // its depth repeats the last frame's byte for byte: same pose, nothing fused
-  kGiven,       // fused at a given pose, without tracking
-  kLost,        // not registered: no pose, nothing fused
+  kFirst,        // the first frame with enough depth to start: it stands at the initial pose
+  kTracked,      // registered, possibly found again from far
+  kDegenerate,   // the same, but for directions that the data leaves free: there, as predicted
+  kFrozen,       // its depth repeats the last frame's byte for byte: same pose, nothing fused
+  kGiven,        // fused at a given pose, without tracking
+  kLost,         // not registered: no pose, nothing fused
+  kRelocalized,  // found again by a keyframe, and fused
+  kNewMap,       // after long loss the first of a map apart: see LoopOptions::new_map_after
 };
 
-// "first", "tracked", "degenerate", "frozen", "given", "lost".
+// "first", "tracked", "degenerate", "frozen", "given", "lost", "relocalised", "new_map".
 std::string ToString(FrameState state);
 
 // Wall time spent in each stage, milliseconds.
@@ -71,6 +76,7 @@ struct StageTimes {
   double predict_ms = 0;
   double track_ms = 0;
   double fuse_ms = 0;
+  double correct_ms = 0;  // of the map, by loops
 };
 
 // What became of one frame.
@@ -100,7 +106,8 @@ struct LostFrame {
 };
 
 // Dense SLAM by point-based fusion: each frame is registered to what the map predicts, and one of
-// SlamOptions::map_period is fused into the map at the pose found. No loop closure.
+// SlamOptions::map_period is fused into the map at the pose found. Where SlamOptions::loops are
+// enabled, the map follows the poses that closed loops correct.
 class Slam {
  public:
   // The camera is undistorted with fy > 0. Throws InputError for bad options.
@@ -116,7 +123,18 @@ class Slam {
   // To be called with each frame that tracking loses.
   void OnLostFrame(std::function<void(const LostFrame&)> call) { on_lost_ = std::move(call); }
 
+  // How loops are found, instead of FindLoops(). To be called before the first frame, with loops
+  // enabled.
+  void UseLoopFinder(LoopFinder finder);
+
+  // Takes in what is still being found out about loops. To be called after the last frame.
+  void Finish();
+
   const SurfelMap& map() const { return map_; }
+  // Surfels that became part of others when the map was moved, in all.
+  std::size_t merged_doubles() const { return merged_doubles_; }
+  // Null unless loops are enabled.
+  const Backend* backend() const { return backend_.get(); }
 
  private:
   // What the frame is registered to, and the pose it is seen from.
@@ -132,6 +150,12 @@ class Slam {
   bool IsBelievable(const IcpResult& icp) const;
   void Track(const RgbdFrame& frame, const FramePyramid& pyramid, FrameReport* report);
   bool FindAgain(const RgbdFrame& frame, const FramePyramid& pyramid, FrameReport* report);
+  bool Relocalize(const RgbdFrame& frame, const FramePyramid& pyramid, FrameReport* report);
+  bool AgreesWithMap(const FramePyramid& pyramid, const Rigid3d& world_from_found,
+                     FrameReport* report);
+  void BeginSubmapIfLongLost(const FramePyramid& pyramid, FrameReport* report);
+  void Correct(const WorldCorrection& correction, int frame_index);
+  void WakeAround(int frame_index, int now);
   bool IsToBeFused(const FrameReport& report) const;
   void Fuse(const RgbdFrame& frame, const FramePyramid& pyramid, FrameReport* report);
   void KeepAsLast(const RgbdFrame& frame, FramePyramid pyramid, const FrameReport& report);
@@ -150,6 +174,9 @@ class Slam {
   Rigid3d last_from_next_;     // motion that the motion model expects
   Image<float> last_depth_m_;  // of the last frame, for frozen frames
   ColoredView last_view_;      // the last good frame, if it is needed
+  std::size_t merged_doubles_ = 0;
+  int merged_until_ = 0;              // frame before which all doubles of the map are merged
+  std::unique_ptr<Backend> backend_;  // null without loops
   std::function<void(const LostFrame&)> on_lost_;
 };
 

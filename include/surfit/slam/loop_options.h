@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstddef>
+
+#include "surfit/optimization/optimize_pose_graph.h"
+#include "surfit/places/find_loops.h"
+#include "surfit/places/keyframe.h"
+#include "surfit/places/keyframe_selector.h"
+#include "surfit/places/place_index.h"
+#include "surfit/places/relocalize.h"
+
+namespace surfit {
+
+// What registrations do not know of their errors: those of calibration and of surfaces that are not
+// what the model of noise says are common to all points, and do not average out. They are added to
+// the covariance of every edge of the pose graph, as standard deviations of each component.
+struct EdgeNoise {
+  double odometry_m = 0.001;      // between consecutive keyframes, and
+  double odometry_rad = 0.0005;   //
+  double odometry_share = 0.005;  // of the way and of the turn between them
+  double loop_m = 0.005;          // between keyframes that see the same place
+  double loop_rad = 0.003;
+
+  // Throws InputError naming field, value and constraint.
+  void Validate() const;
+};
+
+// Of loops: wrong ones are left out.
+inline PoseGraphOptions RobustPoseGraphOptions() {
+  PoseGraphOptions options;
+  options.loop_robustness = "gnc";
+  return options;
+}
+
+// How loops are closed, and how a lost camera is found again.
+struct LoopOptions {
+  bool enabled = false;
+  KeyframeOptions keyframes;
+  PlaceViewOptions views;
+  PlaceIndexOptions places;
+  FindLoopsOptions find;
+  RelocalizeOptions relocalize;
+  EdgeNoise noise;
+  PoseGraphOptions graph = RobustPoseGraphOptions();
+  // What is found out from a keyframe on takes effect before the so-many-th frame after it, however
+  // long it takes: the same on every machine.
+  int delay_frames = 10;
+  // Surfels last seen longer before others were first seen are merged with these where a loop puts
+  // them together; FusionOptions::active_frames where that is more.
+  int frames_apart = 100;
+  // A correction that moves no keyframe farther is not applied: the map is as good as it was.
+  double min_correction_m = 0.002;
+  std::size_t max_view_bytes = std::size_t{512} << 20;  // of keyframes: LimitKeyframes()
+  // After so many lost frames in a row a new map is begun, and joined to the first by a loop. 0 =
+  // never.
+  int new_map_after = 0;
+
+  // Throws InputError naming field, value and constraint.
+  void Validate() const;
+};
+
+}  // namespace surfit

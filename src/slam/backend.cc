@@ -1,0 +1,233 @@
+#include "surfit/slam/backend.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "slam/correct_frames.h"
+#include "slam/edge_information.h"
+#include "slam/loop_thread.h"
+
+namespace surfit {
+namespace {
+
+constexpr int kNoParent = -1;
+
+const LoopOptions& Validated(const LoopOptions& options) {
+  options.Validate();
+  return options;
+}
+
+// How far a correction moves a camera and what it sees, at about 2 m.
+double Displacement(const Rigid3d& new_from_old, const Eigen::Vector3d& camera) {
+  constexpr double kDistanceM = 2;
+  return (new_from_old * camera - camera).norm() +
+         kDistanceM * RotationAngle(new_from_old.rotation);
+}
+
+}  // namespace
+
+Backend::Backend(const LoopOptions& options, LoopFinder finder)
+    : options_(Validated(options)),
+      thread_(std::make_unique<LoopThread>(options, std::move(finder))) {}
+
+Backend::~Backend() = default;
+
+std::optional<WorldCorrection> Backend::BeginFrame() {
+  if (!thread_->HasTask() || ++frames_since_start_ < options_.delay_frames) return std::nullopt;
+  counts_.waits += thread_->IsLate();
+  const auto correction = Apply(thread_->Take());
+  if (!waiting_.empty()) StartTask();
+  return correction;
+}
+
+void Backend::AddFrame(int index, double stamp_s, const Rigid3d& world_from_camera,
+                       const IcpResult& icp, const FramePyramid& pyramid,
+                       const Image<Rgb8>& color) {
+  if (begins_submap_) ++submap_;
+  if (begins_submap_ || anchor_) ++stretch_;
+  PosedFrame frame = {index, stamp_s, world_from_camera, 0, stretch_};
+  const bool is_keyframe = begins_submap_ || anchor_ || BecomesKeyframe(frame, pyramid);
+  frame.keyframe = static_cast<int>(frame_of_keyframe_.size()) - (is_keyframe ? 0 : 1);
+  frames_.push_back(frame);
+  if (is_keyframe) AddKeyframe(icp, pyramid, color);
+}
+
+void Backend::AddFrozenFrame(int index, double stamp_s) {
+  PosedFrame frame = frames_.back();
+  frame.index = index;
+  frame.stamp_s = stamp_s;
+  frames_.push_back(frame);
+}
+
+bool Backend::BecomesKeyframe(const PosedFrame& frame, const FramePyramid& pyramid) const {
+  return IsKeyframe(*last_keyframe_, frame.index, pyramid.levels.front(), frame.world_from_camera,
+                    options_.keyframes);
+}
+
+// Of the frame added last.
+void Backend::AddKeyframe(const IcpResult& icp, const FramePyramid& pyramid,
+                          const Image<Rgb8>& color) {
+  const PosedFrame& frame = frames_.back();
+  NewKeyframe added = {
+      {frame.index, frame.stamp_s, frame.world_from_camera, {}}, {pyramid, color}, {}};
+  const int parent = begins_submap_ ? kNoParent
+                     : anchor_      ? *anchor_
+                                    : static_cast<int>(parent_of_keyframe_.size()) - 1;
+  if (parent != kNoParent) {
+    PoseGraphEdge edge;
+    edge.a = static_cast<std::size_t>(parent);
+    edge.b = static_cast<std::size_t>(frame.keyframe);
+    edge.a_from_b =
+        frames_[frame_of_keyframe_[parent]].world_from_camera.Inverse() * frame.world_from_camera;
+    edge.information = anchor_ ? LoopInformation(icp.information, options_.noise)
+                               : OdometryInformation(icp, edge.a_from_b, options_.noise);
+    added.edges.push_back(edge);
+  }
+  last_keyframe_ = added.keyframe;
+  last_keyframe_->view = MakePlaceView(pyramid, {}, options_.views);  // its depth alone
+  parent_of_keyframe_.push_back(parent);
+  submap_of_keyframe_.push_back(parent == kNoParent ? submap_ : submap_of_keyframe_[parent]);
+  frame_of_keyframe_.push_back(static_cast<int>(frames_.size()) - 1);
+  begins_submap_ = false;
+  anchor_.reset();
+  waiting_.push_back(std::move(added));
+  if (!thread_->HasTask()) StartTask();
+}
+
+void Backend::AfterRelocalization(int keyframe) {
+  anchor_ = keyframe;
+  ++counts_.relocalisations;
+}
+
+Rigid3d Backend::BeginSubmap(const Rigid3d& world_from_last) {
+  begins_submap_ = true;
+  const double beside = kSubmapDistance * (submap_ + 1);
+  return {world_from_last.rotation, Eigen::Vector3d(beside, 0, 0)};
+}
+
+std::vector<Rigid3d> Backend::KeyframePoses() const {
+  std::vector<Rigid3d> poses;
+  for (const int frame : frame_of_keyframe_) poses.push_back(frames_[frame].world_from_camera);
+  return poses;
+}
+
+void Backend::StartTask() {
+  frames_since_start_ = 0;
+  LoopTask task = {std::move(waiting_), KeyframePoses()};
+  waiting_.clear();
+  thread_->Start(std::move(task));
+}
+
+Relocalization Backend::Find(const ColoredView& view) {
+  return thread_->Find(view, KeyframePoses());
+}
+
+std::optional<WorldCorrection> Backend::Finish() {
+  while (thread_->HasTask() || !waiting_.empty()) {
+    if (!thread_->HasTask()) StartTask();
+    if (auto correction = Apply(thread_->Take())) return correction;
+  }
+  return std::nullopt;
+}
+
+std::optional<WorldCorrection> Backend::Apply(const LoopOutcome& outcome) {
+  UpdateLoops(outcome);
+  if (!outcome.optimised) return std::nullopt;
+  const std::vector<Rigid3d> of_keyframes = CorrectionsOfKeyframes(outcome);
+  double most = 0;
+  for (std::size_t k = 0; k < of_keyframes.size(); ++k) {
+    most =
+        std::max(most, Displacement(of_keyframes[k],
+                                    frames_[frame_of_keyframe_[k]].world_from_camera.translation));
+  }
+  WorldCorrection correction = {most > options_.min_correction_m,
+                                CorrectionsOfFrames(frames_, frame_of_keyframe_, of_keyframes),
+                                {},
+                                NewlyJoined(outcome)};
+  if (!correction.moves) {
+    correction.corrections = FrameCorrections(0, {Rigid3d()});
+    return correction.joined.empty() ? std::nullopt : std::optional(correction);
+  }
+  correction.new_from_old_now = correction.corrections.At(frames_.back().index);
+  for (PosedFrame& frame : frames_) {
+    frame.world_from_camera = correction.corrections.At(frame.index) * frame.world_from_camera;
+  }
+  last_keyframe_->world_from_camera = frames_[frame_of_keyframe_.back()].world_from_camera;
+  ++counts_.corrections;
+  return correction;
+}
+
+void Backend::UpdateLoops(const LoopOutcome& outcome) {
+  counts_.given_up_views += outcome.given_up_views;
+  loops_.insert(loops_.end(), outcome.attempts.begin(), outcome.attempts.end());
+  if (!outcome.optimised) return;
+  std::size_t loop = 0;
+  for (LoopRecord& record : loops_) {
+    if (record.attempt.verdict.accepted()) record.in_graph = outcome.loops_in_graph[loop++];
+  }
+}
+
+// Of the loops that came last.
+std::vector<int> Backend::NewlyJoined(const LoopOutcome& outcome) const {
+  std::vector<int> joined;
+  for (std::size_t i = loops_.size() - outcome.attempts.size(); i < loops_.size(); ++i) {
+    if (loops_[i].in_graph) joined.push_back(loops_[i].target_frame);
+  }
+  return joined;
+}
+
+// Keyframes that came after the task was begun move with the one that they hang on.
+std::vector<Rigid3d> Backend::CorrectionsOfKeyframes(const LoopOutcome& outcome) const {
+  std::vector<Rigid3d> corrections;
+  for (std::size_t k = 0; k < frame_of_keyframe_.size(); ++k) {
+    const int parent = parent_of_keyframe_[k];
+    const Rigid3d& old_pose = frames_[frame_of_keyframe_[k]].world_from_camera;
+    corrections.push_back(k < outcome.world_from_keyframe.size()
+                              ? outcome.world_from_keyframe[k] * old_pose.Inverse()
+                          : parent == kNoParent ? Rigid3d()
+                                                : corrections[parent]);
+  }
+  return corrections;
+}
+
+BackendCounts Backend::counts() const {
+  BackendCounts counts = counts_;
+  counts.keyframes = frame_of_keyframe_.size();
+  counts.loops_proposed = loops_.size();
+  counts.loops_accepted = std::count_if(loops_.begin(), loops_.end(),
+                                        [](const LoopRecord& loop) { return loop.in_graph; });
+  counts.loops_refused = counts.loops_proposed - counts.loops_accepted;
+  counts.submaps = static_cast<std::size_t>(submap_ + 1);
+  counts.submaps_apart = SubmapsApart();
+  return counts;
+}
+
+Trajectory Backend::trajectory() const {
+  Trajectory trajectory;
+  for (const PosedFrame& frame : frames_) {
+    trajectory.push_back({frame.stamp_s, frame.world_from_camera});
+  }
+  return trajectory;
+}
+
+// Joins the submaps of each loop, until no more come to the first.
+std::size_t Backend::SubmapsApart() const {
+  const auto submap_at = [&](int frame_index) {
+    const auto at =
+        std::lower_bound(frames_.begin(), frames_.end(), frame_index,
+                         [](const PosedFrame& frame, int index) { return frame.index < index; });
+    return submap_of_keyframe_[at->keyframe];
+  };
+  std::vector<bool> joined(static_cast<std::size_t>(submap_ + 1), false);
+  if (!joined.empty()) joined[0] = true;
+  for (std::size_t pass = 0; pass < joined.size(); ++pass) {
+    for (const LoopRecord& loop : loops_) {
+      if (!loop.in_graph) continue;
+      const int a = submap_at(loop.source_frame), b = submap_at(loop.target_frame);
+      if (joined[a] || joined[b]) joined[a] = joined[b] = true;
+    }
+  }
+  return static_cast<std::size_t>(std::count(joined.begin(), joined.end(), false));
+}
+
+}  // namespace surfit

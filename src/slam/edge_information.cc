@@ -1,0 +1,54 @@
+#include "slam/edge_information.h"
+
+#include <Eigen/Cholesky>
+
+namespace surfit {
+namespace {
+
+// As loosely as directions are held that data leaves free.
+constexpr double kLooseM = 0.1, kLooseRad = 0.1;
+
+Matrix6d Variances(double sigma_rad, double sigma_m) {
+  Vector6d sigmas;
+  sigmas << Eigen::Vector3d::Constant(sigma_rad), Eigen::Vector3d::Constant(sigma_m);
+  return sigmas.cwiseAbs2().asDiagonal();
+}
+
+Matrix6d InverseOf(const Matrix6d& symmetric) {
+  const Matrix6d inverse = symmetric.llt().solve(Matrix6d::Identity());
+  return 0.5 * (inverse + inverse.transpose());
+}
+
+// Takes left increments (w, v) of b_from_c to those of a_from_c: w' = R w, v' = R v + t x R w.
+Matrix6d IncrementTransform(const Rigid3d& a_from_b) {
+  const Eigen::Matrix3d rotation = a_from_b.rotation.toRotationMatrix();
+  Matrix6d transform = Matrix6d::Zero();
+  transform.topLeftCorner<3, 3>() = transform.bottomRightCorner<3, 3>() = rotation;
+  transform.bottomLeftCorner<3, 3>() = CrossMatrix<double>(a_from_b.translation) * rotation;
+  return transform;
+}
+
+Matrix6d CovarianceOf(const IcpResult& icp) {
+  if (icp.covariance) return *icp.covariance;
+  return InverseOf(icp.information + InverseOf(Variances(kLooseRad, kLooseM)));
+}
+
+}  // namespace
+
+// The map was drawn from about where b is: the increment of registration is in the frame of b.
+Matrix6d OdometryInformation(const IcpResult& icp, const Rigid3d& a_from_b,
+                             const EdgeNoise& noise) {
+  const Matrix6d transform = IncrementTransform(a_from_b);
+  const double turn_rad = RotationAngle(a_from_b.rotation), way_m = a_from_b.translation.norm();
+  return InverseOf(transform * CovarianceOf(icp) * transform.transpose() +
+                   Variances(noise.odometry_rad + noise.odometry_share * turn_rad,
+                             noise.odometry_m + noise.odometry_share * way_m));
+}
+
+Matrix6d LoopInformation(const Matrix6d& registration_information, const EdgeNoise& noise) {
+  const Matrix6d loose = InverseOf(Variances(kLooseRad, kLooseM));
+  return InverseOf(InverseOf(registration_information + loose) +
+                   Variances(noise.loop_rad, noise.loop_m));
+}
+
+}  // namespace surfit

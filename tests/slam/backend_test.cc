@@ -1,0 +1,212 @@
+#include "surfit/slam/backend.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "surfit/core/parallel.h"
+#include "surfit/slam/slam.h"
+#include "testing/matchers.h"
+
+namespace surfit {
+namespace {
+
+using testing::RigidNear;
+
+constexpr int kFrames = 200;
+constexpr double kTurnError = 0.002;  // rad a frame: odometry's
+
+// A camera that goes once around a circle and comes back to its first pose.
+Rigid3d TruePose(int frame) {
+  const double angle = 2 * M_PI * frame / (kFrames - 1);
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitY())),
+          {2 * std::sin(angle), 0, 2 * std::cos(angle) - 2}};
+}
+
+// The same path as odometry sees it, which errs by the same turn in every frame.
+std::vector<Rigid3d> DriftingPoses() {
+  std::vector<Rigid3d> poses = {TruePose(0)};
+  const Rigid3d error(Eigen::Quaterniond(Eigen::AngleAxisd(kTurnError, Eigen::Vector3d::UnitY())),
+                      {0, 0, 0});
+  for (int i = 1; i < kFrames; ++i) {
+    poses.push_back(poses.back() * (TruePose(i - 1).Inverse() * TruePose(i)) * error);
+  }
+  return poses;
+}
+
+FramePyramid FlatPyramid() {
+  const PinholeCamera camera = {32, 24, 30, 30, 15.5, 11.5, {}};
+  FrameLevel level = {camera, VectorImage(32, 24), VectorImage(32, 24), {}};
+  for (int v = 0; v < 24; ++v) {
+    for (int u = 0; u < 32; ++u) {
+      level.vertex.Set(u, v, (2 * camera.Ray(u, v)).cast<float>());
+      level.normal.Set(u, v, {0, 0, -1});
+    }
+  }
+  FramePyramid pyramid;
+  pyramid.levels.push_back(level);
+  return pyramid;
+}
+
+IcpResult GoodIcp() {
+  IcpResult icp;
+  icp.termination = Termination::kConverged;
+  icp.information = 1e8 * Matrix6d::Identity();
+  icp.covariance = 1e-8 * Matrix6d::Identity();
+  return icp;
+}
+
+LoopAttempt Loop(int source, int target, const Rigid3d& target_from_source) {
+  LoopAttempt attempt;
+  attempt.proposal.source = source;
+  attempt.proposal.target = target;
+  attempt.verdict.reason = LoopReason::kAccepted;
+  attempt.verdict.target_from_source = target_from_source;
+  attempt.verdict.information = 1e8 * Matrix6d::Identity();
+  return attempt;
+}
+
+// Joins keyframes to those of the first tenth of the path, by the truth.
+std::vector<LoopAttempt> TrueLoops(int source, const std::vector<Keyframe>& keyframes,
+                                   const PlaceIndex&) {
+  const int frame = keyframes[source].frame_index;
+  if (frame < kFrames - 20) return {};
+  return {Loop(source, 0, TruePose(0).Inverse() * TruePose(frame))};
+}
+
+LoopOptions Enabled() {
+  LoopOptions options;
+  options.enabled = true;
+  options.noise.odometry_rad = 0.01;  // as planted, of the few frames between two keyframes
+  options.noise.odometry_m = 0.01;
+  return options;
+}
+
+struct BackendRun {
+  std::vector<PosedFrame> frames;
+  BackendCounts counts;
+  std::vector<int> corrected_at;  // frames before which the world moved
+};
+
+// Drives the backend as Slam does: what enters moves all that comes after.
+BackendRun RunBackend(const LoopOptions& options, const LoopFinder& finder) {
+  const std::vector<Rigid3d> odometry = DriftingPoses();
+  Backend backend(options, finder);
+  BackendRun run;
+  Rigid3d new_from_old;
+  const FramePyramid pyramid = FlatPyramid();
+  const auto take = [&](const std::optional<WorldCorrection>& correction, int frame) {
+    if (!correction || !correction->moves) return;
+    new_from_old = correction->new_from_old_now * new_from_old;
+    run.corrected_at.push_back(frame);
+  };
+  for (int i = 0; i < kFrames; ++i) {
+    take(backend.BeginFrame(), i);
+    backend.AddFrame(i, 0.03 * i, new_from_old * odometry[i], GoodIcp(), pyramid, {});
+  }
+  while (const auto correction = backend.Finish()) take(correction, kFrames);
+  run.frames = backend.frames();
+  run.counts = backend.counts();
+  return run;
+}
+
+double RmsError(const std::vector<PosedFrame>& frames) {
+  double sum = 0;
+  for (const PosedFrame& frame : frames) {
+    sum += (frame.world_from_camera.translation - TruePose(frame.index).translation).squaredNorm();
+  }
+  return std::sqrt(sum / static_cast<double>(frames.size()));
+}
+
+TEST(Backend, ClosesALoop) {
+  const LoopFinder none = [](int, const auto&, const auto&) { return std::vector<LoopAttempt>(); };
+  const BackendRun open = RunBackend(Enabled(), none);
+  const BackendRun closed = RunBackend(Enabled(), TrueLoops);
+  ASSERT_EQ(open.frames.size(), static_cast<std::size_t>(kFrames));
+  ASSERT_EQ(closed.frames.size(), static_cast<std::size_t>(kFrames));
+  // Drift of a constant turn spreads evenly over the loop, as the graph does with its error.
+  EXPECT_LT(RmsError(closed.frames), 0.25 * RmsError(open.frames));
+  EXPECT_THAT(closed.frames.back().world_from_camera, RigidNear(TruePose(kFrames - 1), 0.01, 0.01));
+  EXPECT_EQ(open.counts.loops_proposed, 0u);
+  EXPECT_EQ(open.counts.corrections, 0u);
+  EXPECT_GT(closed.counts.loops_accepted, 0u);
+  EXPECT_EQ(closed.counts.loops_refused, 0u);
+  EXPECT_EQ(closed.counts.submaps, 1u);
+  EXPECT_EQ(closed.counts.submaps_apart, 0u);
+}
+
+// Two keyframes alone: the first frame, and one of the last 20, which comes in as max_frames says.
+TEST(Backend, TakesEffectSoManyFramesAfterItsTrigger) {
+  for (const int delay : {1, 3}) {
+    LoopOptions options = Enabled();
+    options.keyframes.max_distance_m = 5;   // more than the circle is wide
+    options.keyframes.max_angle_rad = 3.2;  // more than half a turn
+    options.keyframes.min_overlap_share = 0;
+    options.keyframes.max_frames = kFrames - 20;
+    options.delay_frames = delay;
+    options.noise.odometry_rad = options.noise.odometry_m = 1;  // of all the frames between
+    const BackendRun run = RunBackend(options, TrueLoops);
+    ASSERT_EQ(run.counts.keyframes, 2u);
+    const auto trigger = std::find_if(run.frames.begin(), run.frames.end(),
+                                      [](const PosedFrame& frame) { return frame.keyframe == 1; });
+    ASSERT_LT(trigger->index + delay, kFrames);
+    EXPECT_THAT(run.corrected_at, ::testing::ElementsAre(trigger->index + delay));
+  }
+}
+
+TEST(Backend, LeavesOutAWrongLoop) {
+  const LoopFinder misled = [](int source, const std::vector<Keyframe>& keyframes,
+                               const PlaceIndex& index) {
+    std::vector<LoopAttempt> attempts = TrueLoops(source, keyframes, index);
+    const bool in_the_middle = std::abs(keyframes[source].frame_index - kFrames / 2) < 5;
+    if (in_the_middle) attempts.push_back(Loop(source, 0, Rigid3d()));  // half a circle away
+    return attempts;
+  };
+  const BackendRun clean = RunBackend(Enabled(), TrueLoops);
+  const BackendRun run = RunBackend(Enabled(), misled);
+  EXPECT_GT(run.counts.loops_refused, 0u);
+  EXPECT_EQ(run.counts.loops_accepted, clean.counts.loops_accepted);
+  EXPECT_LT(RmsError(run.frames), 1.1 * RmsError(clean.frames));
+}
+
+TEST(Backend, JoinsAMapBegunApart) {
+  Backend backend(Enabled(), [](int source, const auto&, const auto&) {
+    if (source != 1) return std::vector<LoopAttempt>();
+    return std::vector<LoopAttempt>{Loop(1, 0, {Eigen::Quaterniond::Identity(), {0, 0, 0.5}})};
+  });
+  const FramePyramid pyramid = FlatPyramid();
+  backend.AddFrame(0, 0, TruePose(0), {}, pyramid, {});
+  const Rigid3d apart = backend.BeginSubmap(TruePose(0));
+  EXPECT_GT((apart.translation - TruePose(0).translation).norm(), 0.9 * Backend::kSubmapDistance);
+  backend.AddFrame(50, 1.5, apart, {}, pyramid, {});
+  EXPECT_EQ(backend.counts().submaps, 2u);
+  EXPECT_EQ(backend.counts().submaps_apart, 1u);
+  std::size_t corrections = 0;
+  while (const auto correction = backend.Finish()) corrections += correction->moves;
+  EXPECT_EQ(corrections, 1u);
+  EXPECT_EQ(backend.counts().submaps_apart, 0u);
+  EXPECT_THAT(backend.frames()[0].world_from_camera, RigidNear(TruePose(0), 1e-9, 1e-9));
+  EXPECT_THAT(
+      backend.frames()[1].world_from_camera,
+      RigidNear(TruePose(0) * Rigid3d(Eigen::Quaterniond::Identity(), {0, 0, 0.5}), 1e-6, 1e-6));
+}
+
+TEST(BackendThreads, GiveTheSamePoses) {
+  const auto poses = [](int threads) {
+    const ThreadLimit limit(threads);
+    return RunBackend(Enabled(), TrueLoops).frames;
+  };
+  const std::vector<PosedFrame> expected = poses(1);
+  for (const int threads : {2, 4}) {
+    const std::vector<PosedFrame> frames = poses(threads);
+    ASSERT_EQ(frames.size(), expected.size());
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      EXPECT_EQ(frames[i].world_from_camera.Matrix(), expected[i].world_from_camera.Matrix()) << i;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace surfit

@@ -1,0 +1,114 @@
+// Loops, loss and recovery of the whole pipeline, on simulated rooms.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "mapping/same_map.h"
+#include "slam/simulated_sequence.h"
+#include "surfit/core/parallel.h"
+
+namespace surfit {
+namespace {
+
+using testing::Sensor;
+using testing::SimulatedSequence;
+
+SlamOptions WithLoops() {
+  SlamOptions options;
+  options.loops.enabled = true;
+  return options;
+}
+
+// A room's path, another room, which the map does not know, and the beginning of the path again.
+SimulatedSequence KidnappedAndBack(int known, int unknown, int seen_again) {
+  const SimulatedSequence room = testing::SimulateRoom(1, known, Sensor::kKinect);
+  const SimulatedSequence other = testing::SimulateRoom(3, unknown, Sensor::kKinect);
+  SimulatedSequence sequence = room;
+  const auto add = [&](const SimulatedSequence& from, int begin, int end) {
+    for (int i = begin; i < end; ++i) {
+      sequence.frames.push_back(from.frames[i]);
+      sequence.frames.back().index = static_cast<int>(sequence.frames.size()) - 1;
+      sequence.frames.back().stamp_s = sequence.frames.back().index / 30.;
+      sequence.world_from_camera.push_back(from.world_from_camera[i]);
+    }
+  };
+  add(other, 0, unknown);
+  add(room, 0, seen_again);
+  return sequence;
+}
+
+struct LoopRun {
+  std::vector<FrameReport> reports;
+  std::vector<PosedFrame> frames;
+  BackendCounts counts;
+  SurfelMap map;
+};
+
+LoopRun RunLoops(const SimulatedSequence& sequence, const SlamOptions& options) {
+  Slam slam(sequence.camera, options, sequence.world_from_camera[0]);
+  LoopRun run;
+  for (const RgbdFrame& frame : sequence.frames) run.reports.push_back(slam.Process(frame));
+  slam.Finish();
+  run.frames = slam.backend()->frames();
+  run.counts = slam.backend()->counts();
+  run.map = slam.map();
+  return run;
+}
+
+TEST(SlamLoops, AKidnappedCameraIsRelocalised) {
+  constexpr int kKnown = 60, kUnknown = 12, kAgain = 15;
+  const SimulatedSequence sequence = KidnappedAndBack(kKnown, kUnknown, kAgain);
+  const LoopRun run = RunLoops(sequence, WithLoops());
+  for (int i = kKnown; i < kKnown + kUnknown; ++i) {
+    EXPECT_EQ(run.reports[i].state, FrameState::kLost) << i;
+    EXPECT_EQ(run.reports[i].fusion.merged_points, 0) << i;
+  }
+  const auto found =
+      std::find_if(run.reports.begin() + kKnown + kUnknown, run.reports.end(),
+                   [](const FrameReport& report) { return report.state != FrameState::kLost; });
+  ASSERT_NE(found, run.reports.end());
+  EXPECT_EQ(found->state, FrameState::kRelocalized);
+  EXPECT_LE(found - run.reports.begin(), kKnown + kUnknown + 10);
+  EXPECT_EQ(run.counts.relocalisations, 1u);
+  EXPECT_EQ(run.counts.submaps, 1u);
+  // As well as the map itself: two pixels at 2 m.
+  for (auto report = found; report != run.reports.end(); ++report) {
+    const Rigid3d& truth = sequence.world_from_camera[report->index];
+    EXPECT_LT((report->world_from_camera.translation - truth.translation).norm(), 0.03);
+  }
+}
+
+TEST(SlamLoops, ALongLossBeginsANewMapBesideTheFirst) {
+  SlamOptions options = WithLoops();
+  options.loops.new_map_after = 5;
+  const LoopRun run = RunLoops(KidnappedAndBack(30, 20, 0), options);
+  EXPECT_EQ(run.reports[30 + 3].state, FrameState::kLost);
+  EXPECT_EQ(run.reports[30 + 4].state, FrameState::kNewMap);
+  EXPECT_EQ(run.counts.submaps, 2u);
+  EXPECT_EQ(run.counts.submaps_apart, 1u);
+  const Eigen::Vector3d way = run.reports[30 + 4].world_from_camera.translation -
+                              run.reports[29].world_from_camera.translation;
+  EXPECT_GT(way.norm(), Backend::kSubmapDistance / 2);
+  EXPECT_EQ(run.reports.back().state, FrameState::kTracked);
+}
+
+TEST(SlamLoopsThreads, GiveTheSameResult) {
+  const SimulatedSequence sequence = KidnappedAndBack(40, 6, 10);
+  const auto run = [&](int threads) {
+    const ThreadLimit limit(threads);
+    return RunLoops(sequence, WithLoops());
+  };
+  const LoopRun expected = run(1);
+  const LoopRun other = run(2);
+  testing::ExpectSameMap(other.map, expected.map);
+  ASSERT_EQ(other.frames.size(), expected.frames.size());
+  for (std::size_t i = 0; i < other.frames.size(); ++i) {
+    EXPECT_EQ(other.frames[i].world_from_camera.Matrix(),
+              expected.frames[i].world_from_camera.Matrix());
+  }
+}
+
+}  // namespace
+}  // namespace surfit
