@@ -100,9 +100,11 @@ void PrintEvaluation(const LoopEvaluation& evaluation) {
   if (evaluation.revisiting > 0) {
     std::cout << " (" << 100. * evaluation.linked / evaluation.revisiting << " %)";
   }
-  std::cout << "\nwrong loops accepted: " << evaluation.wrong
-            << "; largest errors of accepted loops: " << 100 * evaluation.worst_m << " cm, "
-            << evaluation.worst_rad * kDegrees << " deg" << std::endl;
+  std::cout
+      << "\nwrong loops accepted: " << evaluation.wrong << " (of these, " << evaluation.disputed
+      << " that the surfaces speak for more than for the truth); largest errors of accepted loops: "
+      << 100 * evaluation.worst_m << " cm, " << evaluation.worst_rad * kDegrees << " deg"
+      << std::endl;
 }
 
 int Run() {

@@ -15,19 +15,9 @@ BrightnessLevel BrightnessOfLevel(const FrameLevel& level) {
   return BrightnessOf(std::move(value));
 }
 
-FeaturePoints FeaturesOf(const PlaceView& view, const ErrorModel& error_model) {
-  FeaturePoints features;
-  for (const PlaceFeature& feature : view.features) {
-    features.points.push_back(feature.point.cast<double>());
-    features.sigmas_m.push_back(SigmaOfFeature(feature.point.z(), view.camera, error_model));
-  }
-  return features;
-}
-
 }  // namespace
 
-ExpandedView Expand(const PlaceView& view, const PreprocessOptions& preprocess,
-                    const ErrorModel& error_model) {
+ExpandedView Expand(const PlaceView& view, const PreprocessOptions& preprocess) {
   ExpandedView expanded;
   std::vector<FrameLevel> levels = PyramidOf(view, preprocess).levels;
   if (levels.size() == 1) levels.push_back(levels.front());
@@ -35,7 +25,6 @@ ExpandedView Expand(const PlaceView& view, const PreprocessOptions& preprocess,
   expanded.finest.levels.push_back(std::move(levels.front()));
   std::move(levels.begin() + 1, levels.begin() + last, std::back_inserter(expanded.coarser.levels));
   expanded.brightness = BrightnessOfLevel(expanded.coarser.levels.front());
-  expanded.features = FeaturesOf(view, error_model);
   expanded.has_color = !view.intensity.empty();
   return expanded;
 }

@@ -1,9 +1,5 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <vector>
-
-#include "registration/feature_points.h"
 #include "registration/view_level.h"
 #include "surfit/places/keyframe.h"
 
@@ -14,7 +10,6 @@ struct ExpandedView {
   FramePyramid finest;         // of one level
   FramePyramid coarser;        // of the next kCoarserLevels, or the same as the finest
   BrightnessLevel brightness;  // of the coarser pyramid's first level; zeros where it is unknown
-  FeaturePoints features;      // without descriptors
   bool has_color = false;
 
   static constexpr int kCoarserLevels = 2;
@@ -23,7 +18,6 @@ struct ExpandedView {
 };
 
 // The view must not be empty.
-ExpandedView Expand(const PlaceView& view, const PreprocessOptions& preprocess,
-                    const ErrorModel& error_model);
+ExpandedView Expand(const PlaceView& view, const PreprocessOptions& preprocess);
 
 }  // namespace surfit

@@ -9,6 +9,7 @@
 #include "run/given_poses.h"
 #include "run/loop_files.h"
 #include "run/output_folder.h"
+#include "run/surface_distance.h"
 #include "surfit/core/error.h"
 #include "surfit/core/parallel.h"
 #include "surfit/places/limit_keyframes.h"
@@ -105,7 +106,8 @@ class LoopRun {
       const Keyframe& to = result_.keyframes[proposal.target];
       const LoopVerdict verdict =
           VerifyLoop(from.view, to.view, options_.loops.verify, proposal.target_from_source_prior);
-      result_.loops.push_back({from.frame_index, to.frame_index, {proposal, verdict}, {}, {}, {}});
+      result_.loops.push_back(
+          {from.frame_index, to.frame_index, {proposal, verdict}, {}, {}, {}, false, false});
     }
   }
 
@@ -133,10 +135,32 @@ class LoopRun {
     Vector6d error;
     error << QuaternionLog<double>(off.rotation), off.translation;
     loop->squared_error = error.dot(verdict.information * error);
+    loop->wrong = *loop->error_m > options_.wrong_m || *loop->error_rad > options_.wrong_rad;
+    loop->disputed = loop->wrong && SurfacesSpeakFor(*loop, truth);
     LoopEvaluation& evaluation = *result_.evaluation;
-    evaluation.wrong += *loop->error_m > options_.wrong_m || *loop->error_rad > options_.wrong_rad;
+    evaluation.wrong += loop->wrong;
+    evaluation.disputed += loop->disputed;
     evaluation.worst_m = std::max(evaluation.worst_m, *loop->error_m);
     evaluation.worst_rad = std::max(evaluation.worst_rad, *loop->error_rad);
+  }
+
+  bool SurfacesSpeakFor(const FoundLoop& loop, const Rigid3d& truth) const {
+    PlaceView source = result_.keyframes[loop.attempt.proposal.source].view;
+    const PlaceView& target = result_.keyframes[loop.attempt.proposal.target].view;
+    source.features.clear();
+    const VerifyLoopOptions& verify = options_.loops.verify;
+    const LoopVerdict from_truth = VerifyLoop(source, target, verify, truth);
+    const Rigid3d& pose = loop.attempt.verdict.target_from_source;
+    const Rigid3d off = pose.Inverse() * from_truth.target_from_source;
+    if (from_truth.accepted() && (off.translation.norm() > verify.max_disagreement_m ||
+                                  RotationAngle(off.rotation) > verify.max_disagreement_rad)) {
+      return false;
+    }
+    const FrameLevel from = PyramidOf(source, verify.preprocess).levels.front();
+    const FrameLevel to = PyramidOf(target, verify.preprocess).levels.front();
+    const auto at_loop = MedianSurfaceDistance(from, to, pose);
+    const auto at_truth = MedianSurfaceDistance(from, to, truth);
+    return at_loop && (!at_truth || *at_loop < *at_truth);
   }
 
   bool Returns(const PosedFrame& frame) const {

@@ -28,7 +28,7 @@ void WriteRow(const FoundLoop& loop, std::ostream& file) {
   WriteOptional(loop.error_m, file);
   WriteOptional(loop.error_rad, file);
   WriteOptional(loop.squared_error, file);
-  file << '\n';
+  file << ',' << loop.wrong << ',' << loop.disputed << '\n';
 }
 
 }  // namespace
@@ -38,7 +38,7 @@ void WriteLoopsCsv(const std::vector<FoundLoop>& loops, const std::string& path)
     file << "source,target,similarity,prior,reason,matches,agreeing_features,inlier_share,rmse_m,"
             "overlap_share,free_space_share,value_correlation,detail_correlation,lead,sigma_m,"
             "sigma_rad,disagreement_m,disagreement_rad,tx,ty,tz,qx,qy,qz,qw,error_m,error_rad,"
-            "squared_error\n";
+            "squared_error,wrong,disputed\n";
     for (const FoundLoop& loop : loops) WriteRow(loop, file);
   });
 }

@@ -9,8 +9,8 @@
 
 #include "run/given_poses.h"
 #include "run/posed_view.h"
+#include "run/surface_distance.h"
 #include "surfit/core/error.h"
-#include "surfit/registration/projective_association.h"
 
 namespace surfit {
 namespace {
@@ -87,19 +87,6 @@ IcpOptions ThoroughIcp() {
   options.max_iterations = 50;
   options.min_relative_rmse_change = 1e-5;
   return options;
-}
-
-// Nothing if there is no pair of points within the default gates.
-std::optional<double> MedianSurfaceDistance(const FrameLevel& source, const FrameLevel& target,
-                                            const Rigid3d& target_from_source) {
-  const ProjectiveAssociation association(source, target, AssociationGates(), ErrorModel());
-  const PairBuffer pairs = association.Collect(target_from_source);
-  std::vector<double> distances;
-  for (int i = 0; i < pairs.size; ++i) {
-    distances.push_back(std::abs(pairs.n(i).dot(pairs.p(i) - pairs.q(i))));
-  }
-  if (distances.empty()) return std::nullopt;
-  return Summarize(std::move(distances)).median;
 }
 
 // Nothing if the views cannot be registered from the pose.

@@ -4,6 +4,8 @@
 #include "surfit/evaluation/map_error.h"
 #include "surfit/geometry/trajectory.h"
 #include "surfit/io/point_cloud.h"
+#include "surfit/io/tum_trajectory.h"
+#include "surfit/run/find_loops_run.h"
 #include "surfit/run/slam_run.h"
 #include "testing/shared_data.h"
 #include "testing/temp_folder.h"
@@ -121,6 +123,28 @@ TEST(RecordedRuns, HaveTheSameDigestAtAnyNumberOfThreads) {
   options.threads = 2;
   EXPECT_EQ(RunOnce(options).digest, digest);
   EXPECT_EQ(RunOnce(options).digest, digest);
+}
+
+// By looks alone: the trajectory, that of the sequence itself, only chooses keyframes. The
+// sequence's poses are an estimate; where an accepted loop is off by more than 5 cm, the surfaces
+// must say that it is them.
+TEST(RecordedRuns, ReturnsToTheKitchenAreLinkedByTheirLooks) {
+  SURFIT_REQUIRE_SHARED_DATA("seven_scenes_kitchen");
+  const testing::TempFolder folder;
+  FindLoopsRunOptions options;
+  options.sequence.path = testing::SharedData("seven_scenes_kitchen");
+  options.trajectory = folder / "groundtruth.txt";
+  options.output = folder / "loops";
+  options.loops.max_near = 0;
+  TumTrajectoryWriter writer(options.trajectory);
+  for (const StampedPose& pose : OpenSequence(options.sequence)->info().ground_truth) {
+    writer.Append(pose);
+  }
+  const FindLoopsRunResult result = RunFindLoops(options, [](int) {});
+  ASSERT_TRUE(result.evaluation.has_value());
+  EXPECT_GT(result.evaluation->revisiting, 50);
+  EXPECT_GE(result.evaluation->linked, 0.8 * result.evaluation->revisiting);
+  EXPECT_EQ(result.evaluation->wrong, result.evaluation->disputed);
 }
 
 }  // namespace

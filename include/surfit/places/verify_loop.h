@@ -16,9 +16,9 @@ struct VerifyLoopOptions {
   PreprocessOptions preprocess;  // of the views' normals and coarser levels
   IcpOptions icp = DefaultIcp();
   int min_agreeing_features = 12;  // for a pose that features propose
-  double min_inlier_share = 0.4;   // of the points that have a partner's depth within the gates
+  double min_inlier_share = 0.4;   // of the points that overlap, within 3 sigmas of their partner
   double max_rmse_m = 0.02;
-  double min_overlap_share = 0.3;      // so many points lie on the other view's surface,
+  double min_overlap_share = 0.3;       // so many points lie on the other view's surface,
   double max_free_space_share = 0.03;   // so few in front of it,
   double min_value_correlation = 0.6;   // the images are so much alike there,
   double min_detail_correlation = 0.2;  // and so are their edges and texture

@@ -43,6 +43,8 @@ struct FoundLoop {
   LoopAttempt attempt;
   std::optional<double> error_m, error_rad;
   std::optional<double> squared_error;  // in sigmas, by the information of an accepted loop
+  bool wrong = false;                   // accepted, but too far from the truth
+  bool disputed = false;  // wrong, but the surfaces speak for the loop: LoopEvaluation
 };
 
 // What the ground truth says of the loops.
@@ -50,6 +52,10 @@ struct LoopEvaluation {
   int revisiting = 0;  // frames that return
   int linked = 0;      // of these, whose keyframe is joined to one at least revisit_gap earlier
   int wrong = 0;       // accepted loops that are wrong
+  // Of these, loops where the surfaces of both views lie nearer to each other than at the true
+  // pose, and registration from there comes to the loop as well or is refused: where the ground
+  // truth is another system's estimate, it may be what is wrong.
+  int disputed = 0;
   double worst_m = 0, worst_rad = 0;  // the largest errors of accepted loops
 };
 
