@@ -1,5 +1,6 @@
 #include "surfit/places/keyframe_selector.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "surfit/core/error.h"

@@ -9,8 +9,8 @@ namespace surfit {
 namespace {
 
 constexpr double kSharing = 25;  // points that share their noise: the depth filter's window
-// In simulated rooms 99 of 100 loops are within three sigmas of it; a real Kinect's loops differ
-// from each other by about as much.
+// In simulated rooms all loops are within three sigmas of it, most far within; a real Kinect's
+// loops differ from each other by about as much.
 constexpr double kFloorRad = 0.002, kFloorM = 0.004;
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "places/match_features.h"
 
+#include <algorithm>
 #include <opencv2/core.hpp>
 #include <opencv2/features2d.hpp>
 

@@ -36,6 +36,7 @@ double MeanDepth(const FrameLevel& level) {
   return count > 0 ? sum / count : 0;
 }
 
+// Registers two views from given starts and looks for reasons to refuse the best fit.
 class LoopVerifier {
  public:
   LoopVerifier(const PlaceView& source, const PlaceView& target, const VerifyLoopOptions& options)

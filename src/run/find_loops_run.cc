@@ -17,6 +17,10 @@
 namespace surfit {
 namespace {
 
+void RequirePositive(const char* field, double value) {
+  if (!(value > 0)) throw InputError(Concat(field, " is ", value, ", must be positive"));
+}
+
 // Adds the CPU time of its life, of all threads, to a sum.
 class CpuTimer {
  public:
@@ -202,6 +206,10 @@ void FindLoopsRunOptions::Validate() const {
   if (revisit_gap < 1) {
     throw InputError(Concat("revisit_gap is ", revisit_gap, ", must be at least 1"));
   }
+  RequirePositive("revisit_m", revisit_m);
+  RequirePositive("revisit_rad", revisit_rad);
+  RequirePositive("wrong_m", wrong_m);
+  RequirePositive("wrong_rad", wrong_rad);
 }
 
 FindLoopsRunResult RunFindLoops(const FindLoopsRunOptions& options,

@@ -35,7 +35,7 @@ struct VerifyLoopOptions {
   void Validate() const;
 };
 
-// Why a loop was accepted or refused: the first of these that holds.
+// That a loop was accepted, or what first spoke against it.
 enum class LoopReason {
   kNoView,           // one view has no depth, or was given up
   kNoStart,          // too few features agree on a pose, and no other is given
