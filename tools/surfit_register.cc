@@ -6,6 +6,7 @@
 
 #include "common/icp_flags.h"
 #include "common/icp_report.h"
+#include "common/recorded_flags.h"
 #include "common/solver_flags.h"
 #include "common/tool_main.h"
 #include "surfit/run/register_run.h"

@@ -8,11 +8,14 @@
 
 #include "common/interruption.h"
 #include "common/progress_line.h"
+#include "common/recorded_flags.h"
+#include "common/refinement.h"
 #include "common/report.h"
 #include "common/sequence_flags.h"
 #include "common/slam_flags.h"
 #include "common/solver_flags.h"
 #include "common/tool_main.h"
+#include "surfit/core/error.h"
 #include "surfit/run/slam_run.h"
 #include "view/live_view.h"
 
@@ -63,6 +66,9 @@ DEFINE_bool(view, false,
 DEFINE_bool(report, kRun.keep_views,
             "write report.html, to be opened in a browser: map and trajectory in 3D, plots, views, "
             "options");
+DEFINE_bool(refine, false,
+            "in the end refine the keyframes' poses, the map and the camera's calibration, to the "
+            "folder refined in the output's; surfit_refine has more options");
 DEFINE_string(trace, kRun.trace,
               "file for the times of all stages and threads, as ui.perfetto.dev and "
               "chrome://tracing show them; empty = none");
@@ -209,8 +215,24 @@ void PrintStages(const SlamRunSummary& s) {
   PrintTimes("frame", s.frame, 1);  // less than their sum where decode runs beside the others
 }
 
+// Of the run that has just been written.
+int Refine(const SlamRunOptions& run) {
+  RefineRunOptions options;
+  options.sequence = run.sequence;
+  options.trajectory = run.output + "/trajectory.txt";
+  options.output = run.output + "/refined";
+  options.preprocess = run.slam.preprocess;
+  options.refinement.error_model.noise = run.slam.preprocess.noise;
+  options.threads = run.threads;
+  options.record = run.record;
+  return RefineAndPrint(options);
+}
+
 int Run() {
   const SlamRunOptions options = OptionsFromFlags();
+  if (FLAGS_refine && options.sequence.format == "watch") {
+    throw InputError("refine reads the sequence once more, which format 'watch' cannot");
+  }
   const std::atomic<bool>& interrupted = CatchInterruptions();
   const std::unique_ptr<LiveView> view = FLAGS_view ? LiveView::Open(interrupted) : nullptr;
   const auto progress = [&](const SlamRunProgress& now) {
@@ -224,7 +246,8 @@ int Run() {
   PrintStages(summary);
   if (FLAGS_report) WriteAndPrintReport({{options.output}, options.output + "/report.html"});
   const bool nothing_tracked = summary.frames_tracked <= 1 && summary.frames_lost > 0;
-  return nothing_tracked && !summary.interrupted ? kAlgorithmFailed : kDone;
+  if (nothing_tracked && !summary.interrupted) return kAlgorithmFailed;
+  return FLAGS_refine ? Refine(options) : kDone;
 }
 
 }  // namespace

@@ -75,7 +75,7 @@ Rigid3d ReadTransform(const Node& node, const std::string& name) {
 
 RgbdCamera ReadCamera(const Node& root, const std::string& path) {
   root.RequireKeysAmong({"depth_camera", "color_camera", "color_from_depth",
-                         "depth_units_per_metre", "frames_per_second"});
+                         "depth_units_per_metre", "inverse_depth_field", "frames_per_second"});
   RgbdCamera camera;
   if (!root["depth_camera"].Exists()) throw InputError(path + ": depth_camera is missing");
   camera.depth = ReadPinhole(root["depth_camera"]);
@@ -117,21 +117,44 @@ void WriteTransform(cv::FileStorage& file, const char* key, const Rigid3d& trans
        << "}";
 }
 
-}  // namespace
+void WriteField(cv::FileStorage& file, const InverseDepthField& field) {
+  file << "inverse_depth_field"
+       << "[:";
+  for (const double c : field.coefficients) file << c;
+  file << "]";
+}
 
-RgbdCamera ReadCameraYaml(const std::string& path) {
+// What `read` makes of the file's root.
+template <typename Read>
+auto WithFile(const std::string& path, const Read& read) {
   if (!std::filesystem::is_regular_file(path)) throw InputError(path + " does not exist");
   cv::FileStorage file;
   try {
     file.open(path, cv::FileStorage::READ);
     if (!file.isOpened()) throw InputError(path + " cannot be read");
-    return ReadCamera(Node(file.root(), path), path);
+    return read(Node(file.root(), path));
   } catch (const cv::Exception& error) {
     throw InputError(path + " is not a YAML file as OpenCV reads it: " + error.err);
   }
 }
 
-void WriteCameraYaml(const RgbdCamera& camera, const std::string& path) {
+}  // namespace
+
+RgbdCamera ReadCameraYaml(const std::string& path) {
+  return WithFile(path, [&](const Node& root) { return ReadCamera(root, path); });
+}
+
+InverseDepthField ReadInverseDepthField(const std::string& path) {
+  return WithFile(path, [](const Node& root) {
+    InverseDepthField field;
+    const Node node = root["inverse_depth_field"];
+    if (node.Exists()) field.coefficients = node.Numbers<InverseDepthField::kSize>();
+    return field;
+  });
+}
+
+void WriteCameraYaml(const RgbdCamera& camera, const std::string& path,
+                     const InverseDepthField& field) {
   cv::FileStorage file;
   try {
     if (!file.open(path, cv::FileStorage::WRITE | cv::FileStorage::FORMAT_YAML))
@@ -142,6 +165,7 @@ void WriteCameraYaml(const RgbdCamera& camera, const std::string& path) {
       WriteTransform(file, "color_from_depth", camera.color_from_depth);
     }
     file << "depth_units_per_metre" << camera.depth_units_per_metre;
+    if (!field.IsZero()) WriteField(file, field);
     file << "frames_per_second" << camera.frames_per_second;
   } catch (const cv::Exception& error) {
     throw InputError(path + " cannot be written: " + error.err);

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "io/corrected_source.h"
 #include "io/detect_format.h"
 #include "io/folder.h"
 #include "io/folder_recording.h"
@@ -11,6 +12,7 @@
 #include "io/sequence_files.h"
 #include "io/sequence_info.h"
 #include "surfit/core/error.h"
+#include "surfit/io/depth_field.h"
 #include "surfit/io/sequence.h"
 
 namespace surfit {
@@ -79,8 +81,10 @@ std::unique_ptr<FrameSource> OpenSequence(const SequenceOptions& options) {
   info.frame_count = static_cast<int>(indices.size());
   FramePreparer preparer =
       CompleteInfo(ReadFirstImages(*opened.frames, indices), options.prepare, &info);
-  return std::make_unique<ImageSequence>(std::move(info), std::move(opened.frames),
-                                         std::move(indices), std::move(preparer));
+  const InverseDepthField field = ReadDepthField(options, info.format);
+  return CorrectedSource(std::make_unique<ImageSequence>(std::move(info), std::move(opened.frames),
+                                                         std::move(indices), std::move(preparer)),
+                         field);
 }
 
 }  // namespace surfit

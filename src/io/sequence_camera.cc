@@ -40,9 +40,8 @@ std::string DefaultWarning(const std::string& path, const PinholeCamera& camera)
 RgbdCamera BaseCamera(const SequenceOptions& options, const std::string& format,
                       std::vector<std::string>* warnings) {
   if (!options.camera.empty()) return CameraPreset(options.camera);
-  // A folder's camera.yaml; of a file F.klg it is F.klg.yaml.
-  const std::string yaml = options.path + (IsFileFormat(format) ? ".yaml" : "/camera.yaml");
-  if (IsFile(yaml)) return ReadCameraYaml(yaml);
+  const std::string yaml = CameraFile(options, format);
+  if (!yaml.empty()) return ReadCameraYaml(yaml);
   if (format == "sens") return ReadSensHeader(BinaryFile(options.path)).camera;
   if (format == "redwood" || format == "watch") return RedwoodCamera(options.path);
   if (format == "replica") return ReplicaCamera(options.path);
@@ -99,6 +98,13 @@ RgbdCamera ResolveCamera(const SequenceOptions& options, const std::string& form
   OverrideColor(options, &camera);
   ValidateFigures(camera);
   return camera;
+}
+
+std::string CameraFile(const SequenceOptions& options, const std::string& format) {
+  if (!options.camera.empty()) return "";
+  // A folder's camera.yaml; of a file F.klg it is F.klg.yaml.
+  const std::string yaml = options.path + (IsFileFormat(format) ? ".yaml" : "/camera.yaml");
+  return IsFile(yaml) ? yaml : "";
 }
 
 }  // namespace surfit

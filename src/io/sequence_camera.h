@@ -14,4 +14,7 @@ namespace surfit {
 RgbdCamera ResolveCamera(const SequenceOptions& options, const std::string& format,
                          std::vector<std::string>* warnings);
 
+// The camera.yaml that ResolveCamera() reads, or an empty name where it reads none.
+std::string CameraFile(const SequenceOptions& options, const std::string& format);
+
 }  // namespace surfit

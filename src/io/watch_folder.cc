@@ -3,6 +3,7 @@
 #include <deque>
 #include <utility>
 
+#include "io/corrected_source.h"
 #include "io/folder.h"
 #include "io/image_sequence.h"
 #include "io/sequence_camera.h"
@@ -10,6 +11,7 @@
 #include "io/watched_folder.h"
 #include "surfit/core/error.h"
 #include "surfit/core/trace.h"
+#include "surfit/io/depth_field.h"
 
 namespace surfit {
 namespace {
@@ -89,7 +91,8 @@ std::unique_ptr<FrameSource> WatchFolder(const SequenceOptions& options,
   info.frame_count = -1;
   info.camera = ResolveCamera(options, info.format, &info.warnings);
   WatchedFolder folder(options.path, info.camera.frames_per_second, stop);
-  return std::make_unique<WatchSource>(options, std::move(info), std::move(folder));
+  return CorrectedSource(std::make_unique<WatchSource>(options, std::move(info), std::move(folder)),
+                         ReadDepthField(options, "watch"));
 }
 
 }  // namespace surfit

@@ -43,6 +43,16 @@ TEST(CameraYaml, ReadsWhatItWrites) {
   EXPECT_LT((read.color_from_depth.Matrix() - camera.color_from_depth.Matrix()).norm(), 1e-15);
 }
 
+TEST(CameraYaml, KeepsADepthFieldBesideTheCamera) {
+  TempFolder folder;
+  const InverseDepthField field = {{-0.0067, 0.001, -0.002, 0.003, -0.004, 0.005}};
+  WriteCameraYaml(SomeCamera(), folder / "camera.yaml", field);
+  EXPECT_EQ(ReadInverseDepthField(folder / "camera.yaml").coefficients, field.coefficients);
+  EXPECT_EQ(ReadCameraYaml(folder / "camera.yaml").depth.fx, SomeCamera().depth.fx);
+  WriteCameraYaml(SomeCamera(), folder / "camera.yaml");
+  EXPECT_TRUE(ReadInverseDepthField(folder / "camera.yaml").IsZero());
+}
+
 TEST(CameraYaml, WritesNoColorCameraWhereColorIsRegistered) {
   TempFolder folder;
   RgbdCamera camera = SomeCamera();

@@ -85,14 +85,4 @@ IcpOptions IcpOptionsFromFlags(const IcpOptions& base) {
   return options;
 }
 
-std::map<std::string, std::string> RecordedFlags() {
-  std::vector<gflags::CommandLineFlagInfo> flags;
-  gflags::GetAllFlags(&flags);
-  std::map<std::string, std::string> record;
-  for (const auto& flag : flags) {
-    if (flag.filename.find("tools/") != std::string::npos) record[flag.name] = flag.current_value;
-  }
-  return record;
-}
-
 }  // namespace surfit::tools

@@ -1,8 +1,5 @@
 #pragma once
 
-#include <map>
-#include <string>
-
 #include "surfit/registration/icp.h"
 
 namespace surfit::tools {
@@ -14,8 +11,5 @@ IcpOptions IcpOptionsFromFlags(const IcpOptions& base);
 
 // Makes these the flags' defaults, for a program whose own differ. To be called before ToolMain().
 void SetIcpFlagDefaults(const IcpOptions& options);
-
-// All flags of our own programs with their present values.
-std::map<std::string, std::string> RecordedFlags();
 
 }  // namespace surfit::tools

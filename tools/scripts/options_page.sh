@@ -17,8 +17,8 @@ begins a comment.
 END
   local program
   # Not surfit_mesh: whether it is there depends on Open3D.
-  for program in slam report align register compare_solvers evaluate evaluate_map evaluate_revisits \
-    find_loops convert optimize simulate; do
+  for program in slam refine report align register compare_solvers evaluate evaluate_map \
+    evaluate_revisits find_loops convert optimize simulate; do
     printf '\n## surfit_%s\n\n' "$program"
     "$programs/surfit_$program" --help | sed -n '/^  /p' | sed 's/^  /    /'
   done

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "surfit/geometry/inverse_depth_field.h"
 #include "surfit/geometry/pinhole_camera.h"
 
 namespace surfit {
@@ -11,6 +12,7 @@ namespace surfit {
 //   color_camera: { the same keys }          only where colour is not registered to depth
 //   color_from_depth: { translation_m: [ x, y, z ], rotation_xyzw: [ x, y, z, w ] }
 //   depth_units_per_metre: 5000.
+//   inverse_depth_field: [ c0, c1, c2, c3, c4, c5 ]      1/m: ReadInverseDepthField()
 //   frames_per_second: 30.
 // depth_camera and depth_units_per_metre must stand; distortion is zero, color_from_depth the
 // identity and frames_per_second the RgbdCamera's default where they do not. A key that is none of
@@ -18,7 +20,13 @@ namespace surfit {
 // Throws InputError naming the file, the key, the value and the constraint.
 RgbdCamera ReadCameraYaml(const std::string& path);
 
-// Writes such a file. Throws InputError naming the file if it cannot be written.
-void WriteCameraYaml(const RgbdCamera& camera, const std::string& path);
+// Its inverse_depth_field, what its depth needs to be right; zero where there is none.
+// Throws InputError as ReadCameraYaml() does.
+InverseDepthField ReadInverseDepthField(const std::string& path);
+
+// Writes such a file, without a field that is zero. Throws InputError naming the file if it cannot
+// be written.
+void WriteCameraYaml(const RgbdCamera& camera, const std::string& path,
+                     const InverseDepthField& field = {});
 
 }  // namespace surfit

@@ -1,0 +1,36 @@
+#pragma once
+
+#include "surfit/core/image.h"
+#include "surfit/frame/preprocess.h"
+#include "surfit/frame/rgbd_frame.h"
+#include "surfit/geometry/rigid3.h"
+
+namespace surfit {
+
+// One frame's images as refinement needs them, all of one size: none depends on the calibration.
+struct KeyframeImages {
+  Image<float> inverse_depth;  // 1/m, as measured; 0 = missing
+  Image<float> slope_u,
+      slope_v;             // of inverse depth along rows and columns, 1/m per px; NaN = missing
+  Image<float> intensity;  // from 0 to 1, NaN where unknown; empty without colours
+};
+
+// A frame whose pose is refined.
+struct RefinementKeyframe {
+  Rigid3d world_from_camera;
+  KeyframeImages images;
+};
+
+// The images of a frame of that camera. The slopes are those of the surface that the normals of
+// preprocessing tell, over a window: with the plane n . X = d, 1/z = n . ray / d, so that 1/z
+// grows by n_x / (fx d) per column and n_y / (fy d) per row. Inverse depth itself is not filtered:
+// the errors of its pixels are independent, as the covariance takes them to be, and nothing is
+// smoothed where a surface bends.
+KeyframeImages MakeKeyframeImages(const RgbdFrame& frame, const PinholeCamera& camera,
+                                  const PreprocessOptions& options);
+
+// Whether the camera has moved from one pose to the other by more than these.
+bool HasMoved(const Rigid3d& a, const Rigid3d& b, double min_translation_m,
+              double min_rotation_rad);
+
+}  // namespace surfit

@@ -1,0 +1,101 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "surfit/refinement/depth_calibration.h"
+#include "surfit/refinement/keyframe.h"
+#include "surfit/registration/error_model.h"
+
+namespace surfit {
+
+// How keyframes are refined.
+struct RefinementOptions {
+  // What of the calibration is found as well. Depth as a whole keeps its scale: nothing in a
+  // sequence tells a small room from a large one.
+  bool free_intrinsics = true;    // fx fy cx cy
+  bool free_depth_offset = true;  // of inverse depth: c0 of InverseDepthField
+  bool free_depth_field = false;  // its other coefficients
+
+  // A keyframe's image has so many columns of square cells; it has at most one surfel in each.
+  int cells_across = 120;
+  int min_observations = 3;           // a surfel that fewer keyframes see does not count
+  double max_distance_m = 0.05;       // between a surfel's plane and what a keyframe measures
+  double max_normal_angle_rad = 0.6;  // between their normals
+  double max_slant_rad = 1.2;         // of a surface to the ray that sees it
+  ErrorModel error_model;             // sigma and robust kernel; its intensities are not used
+
+  int max_rounds = 15;      // of making surfels and moving all
+  int max_iterations = 10;  // of Levenberg-Marquardt, in each round
+  // Rounds end when one lowers the cost of its observations by less than this share.
+  double min_relative_cost_change = 1e-4;
+  // The robust kernel's width is this many times its own in the first round, and half as many in
+  // each further one, down to once: what is far apart at first may still be pulled together.
+  double kernel_growth = 4;
+
+  // Surfels nearer to each other than this share the errors of normals, which come from a window of
+  // pixels: they count, in the covariance of the calibration, as if there were fewer.
+  int correlation_px = 7;
+
+  // Throws InputError naming field, value and constraint.
+  void Validate() const;
+};
+
+enum class RefinementTermination {
+  kConverged,      // the cost no longer changes
+  kMaxRounds,      // the rounds were used up
+  kTooFewSurfels,  // failure: the keyframes do not share enough; nothing was moved
+  kFailed,         // failure: the solver gave up; nothing was moved
+};
+
+// "converged", "max_rounds", "too_few_surfels", "failed".
+std::string ToString(RefinementTermination termination);
+
+// How well what the keyframes measure agrees: root mean squares of what is left over, with the
+// weights of the robust kernel.
+struct RefinementFit {
+  double cost = 0;
+  double rms_sigmas = 0;  // in standard deviations of the error model
+  double rms_m = 0;       // from point to plane
+};
+
+// What one round did: it makes surfels and finds who sees them, and then moves all.
+struct RefinementRound {
+  std::size_t surfels = 0, observations = 0;
+  RefinementFit before, after;  // of these observations
+  int iterations = 0;
+  DepthCalibration calibration;  // after it
+};
+
+// The outcome of a refinement.
+struct RefinementSummary {
+  RefinementTermination termination = RefinementTermination::kFailed;
+  DepthCalibration calibration;  // as it was given where refinement failed
+  // Of fx fy cx cy [px] and c0 .. c5 [1/m], 10 x 10, zero of those that were held; empty where
+  // refinement failed. From the size of what is left over in the end, the errors of surfels that
+  // are correlation_px apart being independent.
+  Eigen::MatrixXd calibration_covariance;
+  std::vector<RefinementRound> rounds;
+
+  bool Succeeded() const {
+    return termination == RefinementTermination::kConverged ||
+           termination == RefinementTermination::kMaxRounds;
+  }
+};
+
+// Moves the poses of the keyframes and, as the options say, the calibration, to where what the
+// keyframes measure of the surfels that they share agrees best:
+//   minimise over poses, calibration and displacements d_s of the surfels
+//     1/2 sum_(s, k) rho(r_sk^2),  r_sk the PlaneInverseDepth residual.
+// Each displacement occurs in the residuals of its own surfel only, and is eliminated in closed
+// form (Schur complement): Ceres' Levenberg-Marquardt sees poses and calibration alone. The first
+// keyframe's pose is held. The same input gives the same output at any number of threads.
+// `progress` is called after each round.
+RefinementSummary Refine(const RefinementOptions& options, const DepthCalibration& initial,
+                         std::vector<RefinementKeyframe>* keyframes,
+                         const std::function<void(const RefinementRound&)>& progress);
+
+}  // namespace surfit

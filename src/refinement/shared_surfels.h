@@ -1,0 +1,52 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "surfit/refinement/refine.h"
+
+namespace surfit {
+
+// What one keyframe has measured of a surfel's plane.
+struct PlaneObservation {
+  int keyframe = 0;
+  float u = 0, v = 0;       // px
+  float inverse_depth = 0;  // 1/m, as measured
+  float inverse_sigma = 0;  // m: 1 / sigma of that
+};
+
+// A surfel that several keyframes see: a plane, free to move along its normal.
+struct SharedSurfel {
+  Eigen::Vector3d point_in_world, normal_in_world;  // metres, unit length
+  std::size_t begin = 0, end = 0;                   // of its observations
+};
+
+// All surfels of a set of keyframes, and what these have measured of them. The observations of a
+// surfel follow one another, in the keyframes' order.
+struct SharedSurfels {
+  std::vector<SharedSurfel> surfels;
+  std::vector<PlaneObservation> observations;
+};
+
+// The pixel of a keyframe that sees a surfel: within the image and the gates.
+std::optional<PlaneObservation> Observe(const Eigen::Vector3d& point_in_world,
+                                        const Eigen::Vector3d& normal_in_world,
+                                        const KeyframeImages& images,
+                                        const Rigid3d& world_from_camera,
+                                        const DepthCalibration& calibration,
+                                        const RefinementOptions& options);
+
+// The side of the cells of a keyframe's image, px.
+int CellSize(const DepthCalibration& calibration, const RefinementOptions& options);
+
+// Makes surfels from keyframes at their poses: where a cell of a keyframe's image shows none of
+// those from earlier ones, the pixel in its middle becomes one. Then finds for each the keyframes
+// that see it, and gives it the mean of the normals measured there. Surfels that fewer keyframes
+// see than the options ask for are left out. The same at any number of threads.
+SharedSurfels MakeSharedSurfels(const std::vector<RefinementKeyframe>& keyframes,
+                                const DepthCalibration& calibration,
+                                const RefinementOptions& options);
+
+}  // namespace surfit

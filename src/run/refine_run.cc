@@ -1,0 +1,209 @@
+#include "surfit/run/refine_run.h"
+
+#include <glog/logging.h>
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "run/output_folder.h"
+#include "run/refinement_json.h"
+#include "surfit/core/error.h"
+#include "surfit/core/parallel.h"
+#include "surfit/frame/correct_depth.h"
+#include "surfit/geometry/mirror.h"
+#include "surfit/io/camera_yaml.h"
+#include "surfit/io/depth_field.h"
+#include "surfit/io/read_ahead.h"
+#include "surfit/io/surfel_ply.h"
+#include "surfit/io/tum_trajectory.h"
+#include "surfit/refinement/correct_trajectory.h"
+#include "surfit/slam/slam.h"
+
+namespace surfit {
+namespace {
+
+constexpr int kReadAhead = 4;
+constexpr double kSameStamp = 1e-5;  // s; trajectories have 6 decimals
+
+Trajectory InSourceConvention(Trajectory trajectory, bool mirrored) {
+  if (!mirrored) return trajectory;
+  for (StampedPose& pose : trajectory) pose.world_from_camera = Mirrored(pose.world_from_camera);
+  return trajectory;
+}
+
+// The pose at a frame's stamp.
+std::optional<std::size_t> PoseAt(const Trajectory& trajectory, double stamp_s) {
+  const auto at =
+      std::lower_bound(trajectory.begin(), trajectory.end(), stamp_s - kSameStamp,
+                       [](const StampedPose& pose, double stamp) { return pose.stamp_s < stamp; });
+  if (at == trajectory.end() || at->stamp_s > stamp_s + kSameStamp) return std::nullopt;
+  return at - trajectory.begin();
+}
+
+// The field of both corrections, one after the other: the given one by the rays of its own camera,
+// the found one by those of the found camera.
+InverseDepthField Combined(const DepthCalibration& given, const DepthCalibration& found) {
+  const PinholeCamera &a = given.camera, &b = found.camera;
+  InverseDepthField sum =
+      given.field.Substituted(b.fx / a.fx, (b.cx - a.cx) / a.fx, b.fy / a.fy, (b.cy - a.cy) / a.fy);
+  for (std::size_t i = 0; i < InverseDepthField::kSize; ++i) {
+    sum.coefficients[i] += found.field.coefficients[i];
+  }
+  return sum;
+}
+
+// The file's camera with what was found of its undistorted and downsampled images.
+RgbdCamera Calibrated(RgbdCamera camera, const DepthCalibration& given,
+                      const DepthCalibration& found) {
+  const bool mirrored = camera.depth.fy < 0;
+  if (mirrored) camera = Mirrored(camera);
+  PinholeCamera& depth = camera.depth;
+  const double downsample = depth.fx / given.camera.fx;
+  depth.fx = found.camera.fx * downsample;
+  depth.fy = found.camera.fy * downsample;
+  depth.cx = found.camera.cx * downsample;
+  depth.cy = found.camera.cy * downsample;
+  return mirrored ? Mirrored(camera) : camera;
+}
+
+class RefineRun {
+ public:
+  RefineRun(const RefineRunOptions& options,
+            const std::function<void(const std::string&)>& progress)
+      : options_(options), progress_(progress) {}
+
+  RefineRunSummary Run() {
+    const auto start = std::chrono::steady_clock::now();
+    ReadKeyframes();
+    PrepareOutputFolder(options_.output,
+                        {"trajectory.txt", "map.ply", "camera.yaml", "refinement.json"});
+    // Frames come with the given field applied.
+    summary_.refinement = Refine(options_.refinement, {info_.pinhole, {}}, &keyframes_,
+                                 [&](const RefinementRound& round) { Tell(round); });
+    summary_.calibration = {summary_.refinement.calibration.camera,
+                            Combined(summary_.given, summary_.refinement.calibration)};
+    if (summary_.refinement.Succeeded()) Apply();
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+    summary_.total_s = elapsed.count();
+    WriteRefinementJson(summary_, options_, options_.output + "/refinement.json");
+    return summary_;
+  }
+
+ private:
+  void ReadKeyframes() {
+    const auto source = ReadAhead(OpenSequence(options_.sequence), kReadAhead);
+    info_ = source->info();
+    summary_.given.camera = info_.pinhole;
+    summary_.given.field = ReadDepthField(options_.sequence, info_.format);
+    given_ = InSourceConvention(ReadTumTrajectory(options_.trajectory), info_.mirrored);
+    summary_.poses = given_.size();
+    const std::vector<std::size_t> chosen =
+        ChooseKeyframes(given_, options_.keyframe_translation_m, options_.keyframe_rotation_rad,
+                        options_.max_keyframes);
+    while (const std::optional<ReadResult> read = source->Next()) {
+      stamps_s_.push_back(read->stamp_s);
+      const std::optional<std::size_t> pose = PoseAt(given_, read->stamp_s);
+      if (!pose) ++summary_.frames_without_pose;
+      if (!read->frame) ++summary_.frames_unreadable;
+      if (!pose || !read->frame || !std::binary_search(chosen.begin(), chosen.end(), *pose)) {
+        continue;
+      }
+      keyframe_poses_.push_back(*pose);
+      keyframes_.push_back({given_[*pose].world_from_camera,
+                            MakeKeyframeImages(*read->frame, info_.pinhole, options_.preprocess)});
+    }
+    summary_.keyframes = keyframes_.size();
+    if (keyframes_.empty()) {
+      throw InputError(Concat(options_.trajectory, " has no pose at a stamp of a frame of ",
+                              options_.sequence.path));
+    }
+    progress_(Concat(keyframes_.size(), " keyframes of ", given_.size(), " poses"));
+  }
+
+  void Tell(const RefinementRound& round) {
+    progress_(Concat("round: ", round.surfels, " surfels, ", round.observations,
+                     " observations, rms ", 1000 * round.before.rms_m, " -> ",
+                     1000 * round.after.rms_m, " mm in ", round.iterations, " steps"));
+  }
+
+  void Apply() {
+    std::vector<Rigid3d> poses;
+    for (const RefinementKeyframe& keyframe : keyframes_)
+      poses.push_back(keyframe.world_from_camera);
+    const Trajectory refined = CorrectTrajectory(given_, keyframe_poses_, poses);
+    TumTrajectoryWriter writer(options_.output + "/trajectory.txt");
+    for (const StampedPose& pose : InSourceConvention(refined, info_.mirrored)) writer.Append(pose);
+    WriteCameraYaml(
+        Calibrated(info_.camera, summary_.given, summary_.refinement.calibration),
+        options_.output + "/camera.yaml",
+        info_.mirrored ? Mirrored(summary_.calibration.field) : summary_.calibration.field);
+    if (!info_.ground_truth.empty()) {
+      summary_.before = EvaluateTrajectory(info_.ground_truth, given_, stamps_s_, {});
+      summary_.after = EvaluateTrajectory(info_.ground_truth, refined, stamps_s_, {});
+    }
+    keyframes_.clear();
+    FuseMap(refined);
+  }
+
+  void FuseMap(const Trajectory& refined) {
+    progress_("fusing the map");
+    const DepthCalibration& calibration = summary_.refinement.calibration;
+    SlamOptions options;
+    options.preprocess = options_.preprocess;
+    options.fusion.noise = options_.preprocess.noise;
+    Slam slam(calibration.camera, options, {});
+    const auto source = ReadAhead(OpenSequence(options_.sequence), kReadAhead);
+    while (std::optional<ReadResult> read = source->Next()) {
+      const std::optional<std::size_t> pose = PoseAt(refined, read->stamp_s);
+      if (!pose || !read->frame) continue;
+      RgbdFrame& frame = *read->frame;
+      CorrectDepth(calibration.camera, calibration.field, &frame.depth_m);
+      slam.ProcessAt(frame, refined[*pose].world_from_camera);
+    }
+    summary_.map_points = slam.map().size();
+    WriteSurfelPly(slam.map(), options_.output + "/map.ply");
+  }
+
+  const RefineRunOptions& options_;
+  const std::function<void(const std::string&)>& progress_;
+  SequenceInfo info_;
+  Trajectory given_;
+  std::vector<double> stamps_s_;             // of all frames
+  std::vector<std::size_t> keyframe_poses_;  // indices of given_
+  std::vector<RefinementKeyframe> keyframes_;
+  RefineRunSummary summary_;
+};
+
+}  // namespace
+
+void RefineRunOptions::Validate() const {
+  sequence.Validate();
+  if (trajectory.empty()) throw InputError("trajectory is empty, must name a file");
+  if (output.empty()) throw InputError("output is empty, must name a folder");
+  if (!(keyframe_translation_m > 0)) {
+    throw InputError(
+        Concat("keyframe_translation_m is ", keyframe_translation_m, ", must be positive"));
+  }
+  if (!(keyframe_rotation_rad > 0)) {
+    throw InputError(
+        Concat("keyframe_rotation_rad is ", keyframe_rotation_rad, ", must be positive"));
+  }
+  if (max_keyframes < 0 || max_keyframes == 1) {
+    throw InputError(
+        Concat("max_keyframes is ", max_keyframes, ", must be 0 (no limit) or at least 2"));
+  }
+  preprocess.Validate();
+  refinement.Validate();
+}
+
+RefineRunSummary RunRefinement(const RefineRunOptions& options,
+                               const std::function<void(const std::string&)>& progress) {
+  options.Validate();
+  const ThreadLimit limit(options.threads);
+  return RefineRun(options, progress).Run();
+}
+
+}  // namespace surfit

@@ -1,0 +1,99 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "surfit/io/camera_yaml.h"
+#include "surfit/io/surfel_ply.h"
+#include "surfit/io/tum_trajectory.h"
+#include "testing/run_program.h"
+
+namespace surfit {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::ProgramResult;
+using testing::ReadBytes;
+using testing::RunProgram;
+using testing::TempFolder;
+
+constexpr double kOffset = 0.02 / 3;  // 1/m: 2 % at 3 m
+
+void ExpectDone(const ProgramResult& result) { EXPECT_EQ(result.exit_code, 0) << result.err; }
+
+// Simulates a sequence whose depth is off, at every downsample-th pixel of 640 x 480.
+void Simulate(const std::string& folder, int frames, int downsample, int seed) {
+  ExpectDone(
+      RunProgram("surfit_simulate",
+                 {"--output=" + folder, "--frames=" + std::to_string(frames),
+                  "--downsample=" + std::to_string(downsample), "--seed=" + std::to_string(seed),
+                  "--surface_grid_m=0.05", "--inverse_depth_offset=" + std::to_string(kOffset)}));
+}
+
+TEST(RefineTool, RefinesASimulatedRunAndWritesWhatReadersTake) {
+  const TempFolder folder;
+  Simulate(folder / "in", 60, 4, 7);
+  ExpectDone(RunProgram("surfit_slam", {"--sequence=" + folder / "in", "--output=" + folder / "out",
+                                        "--pictures=false", "--last=55"}));
+  const ProgramResult result = RunProgram("surfit_refine", {"--run=" + folder / "out"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("ATE RMSE, mm"));
+  EXPECT_THAT(result.out, HasSubstr("scale is held"));
+
+  const std::string refined = folder / "out/refined";
+  const Trajectory before = ReadTumTrajectory(folder / "out/trajectory.txt");
+  const Trajectory after = ReadTumTrajectory(refined + "/trajectory.txt");
+  ASSERT_EQ(after.size(), 56u);  // --last is the run's
+  for (std::size_t i = 0; i < after.size(); ++i) EXPECT_EQ(after[i].stamp_s, before[i].stamp_s);
+  EXPECT_GT(ReadSurfelPly(refined + "/map.ply").size(), 1000u);
+  const auto json = nlohmann::json::parse(ReadBytes(refined + "/refinement.json"));
+  EXPECT_LT(json["ate_rmse_m"]["after"], json["ate_rmse_m"]["before"]);
+  EXPECT_EQ(json["options"]["last"], "55");
+  const RgbdCamera camera = ReadCameraYaml(refined + "/camera.yaml");
+  EXPECT_EQ(camera.depth.width, 160);
+  EXPECT_EQ(camera.depth.fx, json["calibration"]["after"]["fx"]);
+  EXPECT_EQ(ReadInverseDepthField(refined + "/camera.yaml").coefficients[0],
+            json["calibration"]["after"]["inverse_depth_field"][0]);
+}
+
+TEST(RefineTool, FindsAWrongCalibrationAndAThirdOfTheErrorIsLeft) {
+  for (const int seed : {4, 7, 11}) {
+    const TempFolder folder;
+    Simulate(folder / "in", 300, 2, seed);
+    const double focal = 262.5;
+    const std::string wrong = std::to_string(1.01 * focal);
+    ExpectDone(
+        RunProgram("surfit_slam",
+                   {"--sequence=" + folder / "in", "--output=" + folder / "out", "--refine",
+                    "--intrinsics=" + wrong + "," + wrong + ",159.75,119.75", "--pictures=false"}));
+    const auto json = nlohmann::json::parse(ReadBytes(folder / "out/refined/refinement.json"));
+    const auto& found = json["calibration"]["after"];
+    const double fx = found["fx"], fy = found["fy"], offset = found["inverse_depth_field"][0];
+    const double before = json["ate_rmse_m"]["before"], after = json["ate_rmse_m"]["after"];
+    std::printf(
+        "seed %d: focal length off by %.3f and %.3f %%, depth at 3 m by %.3f %%, ATE %.1f -> %.1f "
+        "mm\n",
+        seed, 100 * (fx / focal - 1), 100 * (fy / focal - 1), 300 * (offset + kOffset),
+        1000 * before, 1000 * after);
+    EXPECT_NEAR(fx, focal, 0.001 * focal);
+    EXPECT_NEAR(fy, focal, 0.001 * focal);
+    EXPECT_NEAR(offset, -kOffset, 0.002 / 3);
+    EXPECT_LT(after, before / 3);
+  }
+}
+
+TEST(RefineTool, RefusesBadInput) {
+  const TempFolder folder;
+  EXPECT_EQ(RunProgram("surfit_refine", {}).exit_code, 1);
+  const ProgramResult none = RunProgram("surfit_refine", {"--run=" + folder / "none"});
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_THAT(none.err, HasSubstr("none/summary.json cannot be read"));
+  testing::WriteBytes(folder / "summary.json", "{}");
+  const ProgramResult empty = RunProgram("surfit_refine", {"--run=" + folder.path()});
+  EXPECT_EQ(empty.exit_code, 1);
+  EXPECT_THAT(empty.err, HasSubstr("it has no options"));
+}
+
+}  // namespace
+}  // namespace surfit
