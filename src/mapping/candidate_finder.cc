@@ -73,7 +73,7 @@ std::uint64_t FindSame(const MergeGate& gate, BlockPixels* p) {
     const auto at = [k](const PerSurfel<float>& of) { return Numbers::Load(of + k); };
     const PatchOf<Numbers> point = {at(p->x), at(p->y), at(p->z), at(p->nx), at(p->ny), at(p->nz)};
     const PatchOf<Numbers> surfel = {at(c.x), at(c.y), at(c.z), at(n.x), at(n.y), at(n.z)};
-    gate.SquaredDistance(point, at(p->radius_m), surfel).Store(p->distance2 + k);
+    gate.SquaredDistanceOnRay(point, at(p->radius_m), surfel).Store(p->distance2 + k);
   }
   for (int k = 0; k < SurfelBlock::kCapacity; ++k) same[k] = p->distance2[k] < MergeGate::kNever;
   return MaskOf(same);

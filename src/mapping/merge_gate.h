@@ -17,6 +17,10 @@ struct PatchOf {
 using Patch = PatchOf<float>;
 
 // Decides whether a point and a surfel are the same piece of surface; Number is float or Lanes.
+//
+// The noise of a depth moves a point p along its ray, and on a slanted surface with normal n and
+// centre s thereby across it as well. What counts is therefore where the ray meets the plane:
+//   h = n . (p - s) along the normal,  a = p - s - h / (n . p) p across the surface.
 class MergeGate {
  public:
   static constexpr float kNever = std::numeric_limits<float>::infinity();
@@ -27,8 +31,21 @@ class MergeGate {
         min_cosine_(std::cos(options.max_normal_angle_rad)),
         double_share_(options.double_share) {}
 
-  // The squared distance between a point and a surfel, both in the same frame, if they are the
+  // h^2 + a^2 between a measured point and a surfel, both in the camera's frame, if they are the
   // same; else kNever. A point of radius 0 is none, nor is a surfel without a normal.
+  template <typename Number>
+  Number SquaredDistanceOnRay(const PatchOf<Number>& point, const Number& point_radius_m,
+                              const PatchOf<Number>& surfel) const {
+    const Number reach = Least(point_radius_m, Number(max_spacing_m_));
+    const Number dx = point.x - surfel.x, dy = point.y - surfel.y, dz = point.z - surfel.z;
+    const Number along = surfel.nx * dx + surfel.ny * dy + surfel.nz * dz;
+    const Number share = along / (surfel.nx * point.x + surfel.ny * point.y + surfel.nz * point.z);
+    const Number ax = dx - share * point.x, ay = dy - share * point.y, az = dz - share * point.z;
+    return IfSame(reach, along * along, ax * ax + ay * ay + az * az, point, surfel);
+  }
+
+  // The squared distance between two patches that nobody looks at, if they are the same; else
+  // kNever.
   template <typename Number>
   Number SquaredDistance(const PatchOf<Number>& point, const Number& point_radius_m,
                          const PatchOf<Number>& surfel) const {
@@ -56,12 +73,17 @@ class MergeGate {
                                const PatchOf<Number>& surfel) const {
     const Number dx = point.x - surfel.x, dy = point.y - surfel.y, dz = point.z - surfel.z;
     const Number along = surfel.nx * dx + surfel.ny * dy + surfel.nz * dz;
-    const Number distance2 = dx * dx + dy * dy + dz * dz;
     const Number along2 = along * along;
+    return IfSame(reach, along2, dx * dx + dy * dy + dz * dz - along2, point, surfel);
+  }
+
+  template <typename Number>
+  Number IfSame(const Number& reach, const Number& along2, const Number& across2,
+                const PatchOf<Number>& point, const PatchOf<Number>& surfel) const {
     const Number cosine = surfel.nx * point.nx + surfel.ny * point.ny + surfel.nz * point.nz;
     const auto near = along2 <= Number(max_distance_m_ * max_distance_m_);
-    const auto above = (reach > Number(0.f)) & (distance2 - along2 <= reach * reach);
-    return Select(near & above & (cosine >= Number(min_cosine_)), distance2, Number(kNever));
+    const auto above = (reach > Number(0.f)) & (across2 <= reach * reach);
+    return Select(near & above & (cosine >= Number(min_cosine_)), along2 + across2, Number(kNever));
   }
 
   const float max_distance_m_, max_spacing_m_, min_cosine_, double_share_;

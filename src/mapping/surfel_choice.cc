@@ -57,7 +57,7 @@ void Meet(const MergeGate& gate, const PatchRow& points, const PatchRow* const r
       const PatchRow& row = *rows[k / 3];
       const int beside = u + k % 3 - 1;
       const PatchOf<Numbers> other = row.Patches<Numbers>(beside);
-      const Numbers distance2 = gate.SquaredDistance(point, point_radius, other);
+      const Numbers distance2 = gate.SquaredDistanceOnRay(point, point_radius, other);
       const auto nearer = distance2 < least;
       least = Select(nearer, distance2, least);
       state = Select(nearer, Numbers(k), state);
@@ -177,8 +177,8 @@ bool SurfelChoice::IsCovered(const std::vector<MeasuredPoint>& points, int pixel
   for (int k = 0; k < 9; ++k) {
     const int du = k % 3 - 1, dv = k / 3 - 1;
     if (middle[dv * (width_ + 2) + du] != kNew) continue;
-    const float distance2 = gate_.SquaredDistance(points[pixel].patch, points[pixel].radius_m,
-                                                  points[pixel + dv * width_ + du].patch);
+    const float distance2 = gate_.SquaredDistanceOnRay(points[pixel].patch, points[pixel].radius_m,
+                                                       points[pixel + dv * width_ + du].patch);
     if (distance2 != MergeGate::kNever) return true;
   }
   return false;

@@ -183,7 +183,7 @@ void Slam::Track(const RgbdFrame& frame, const FramePyramid& pyramid, FrameRepor
   {
     StageTimer timer("predict", report->index, &report->times.predict_ms);
     world_from_predicted = PredictedPose(frame, pyramid);
-    report->has_own_view = NeedsNewTarget(world_from_predicted);
+    report->has_own_view = NeedsNewTarget(pyramid, world_from_predicted);
     if (report->has_own_view) target_ = MakeTarget(world_from_predicted);
   }
   const Rigid3d initial = target_.world_from_target.Inverse() * world_from_predicted;
@@ -252,10 +252,12 @@ Rigid3d Slam::PredictedPose(const RgbdFrame& frame, const FramePyramid& pyramid)
 }
 
 // In turn with fusion, so that no frame takes the time of both; else where the last one shows
-// little of what this frame sees.
-bool Slam::NeedsNewTarget(const Rigid3d& world_from_predicted) const {
+// little of what this frame sees. Intensities are compared more finely than surfaces: with views
+// that frames share the largest error before textured walls is twice as large.
+bool Slam::NeedsNewTarget(const FramePyramid& pyramid, const Rigid3d& world_from_predicted) const {
   const bool is_its_turn = unfused_count_ == 0;
   if (is_its_turn || lost_count_ > 0 || options_.tracking == "frame_to_frame") return true;
+  if (!pyramid.levels.front().intensity.empty()) return true;
   const Rigid3d target_from_predicted = target_.world_from_target.Inverse() * world_from_predicted;
   return ImageShift(target_from_predicted, target_.pyramid.levels.back()) > options_.max_view_shift;
 }

@@ -141,14 +141,15 @@ class BruteForceFusion {
     const Eigen::Vector3d n =
         world_from_camera_.rotation.conjugate() * s.normal_in_world.cast<double>();
     const Eigen::Vector3d gap = Vertex(pixel) - CameraPosition(s);
-    const double along = n.dot(gap), across = (gap - along * n).norm();
+    const double along = n.dot(gap);
+    const double across = (gap - along / n.dot(Vertex(pixel)) * Vertex(pixel)).norm();
     const double reach = std::min(Radius(pixel), 1. * options_.max_spacing_m);
     const double angle = std::acos(std::min(1., n.dot(Normal(pixel))));
     const bool near = Positive(options_.max_distance_m - std::fabs(along));
     const bool above = Positive(reach - across);
     const bool parallel = Positive(options_.max_normal_angle_rad - angle);
     if (!near || !above || !parallel) return std::nullopt;
-    return gap.squaredNorm();
+    return along * along + across * across;
   }
 
   // Whether they are close together across the surface, by the normal of b.

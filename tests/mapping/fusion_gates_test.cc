@@ -87,11 +87,27 @@ TEST(FusionGates, DistanceAcrossIsTheSpacingOrTheRadius) {
   SetPixel(2, 2, 1, {0, 0, -1}, &fine.f);
   fine.options.max_spacing_m = 1;
   fine.surfel.normal_in_world = Vector3f(0, 0.5f, -1).normalized();
-  // A surfel behind the pixel's centre by h is (n_y h, n_z h) = 0.447 h across.
-  fine.surfel.position_in_world = {0, 0, 1 + 0.0014f / 0.4472f};
+  // The ray meets the plane of a surfel that is below it by y, turned by t, y / cos t off its
+  // centre: a surfel of the same pixel must be turned far for that to be too much.
+  fine.options.max_normal_angle_rad = 1.4f;
+  constexpr float kCosine = 0.3f;
+  fine.surfel.normal_in_world = {0, std::sqrt(1 - kCosine * kCosine), -kCosine};
+  fine.surfel.position_in_world = {0, kCosine * 0.00141f, 1};
   EXPECT_TRUE(fine.Merges());
-  fine.surfel.position_in_world = {0, 0, 1 + 0.0015f / 0.4472f};
+  fine.surfel.position_in_world = {0, kCosine * 0.00142f, 1};
   EXPECT_FALSE(fine.Merges());
+}
+
+// Noise along the ray of a pixel leaves where it passes a slanted surface as it is.
+TEST(FusionGates, NoiseOfTheDepthDoesNotCountAcrossTheSurface) {
+  OnePair pair;
+  pair.options.max_distance_m = 0.02f;
+  pair.surfel.normal_in_world = Vector3f(0, 0.5f, -1).normalized();  // 0.46 rad from the point's
+  // A surfel behind the pixel's centre by h is n_z h = 0.894 h along its normal.
+  pair.surfel.position_in_world = {0, 0, 1 + 0.0199f / 0.8944f};
+  EXPECT_TRUE(pair.Merges());
+  pair.surfel.position_in_world = {0, 0, 1 + 0.0201f / 0.8944f};
+  EXPECT_FALSE(pair.Merges());
 }
 
 TEST(FusionGates, CoarsePointsDoNotMoveAFineSurfel) {

@@ -49,7 +49,7 @@ is_at_rest() {
   [[ $(frames_done) == "$before" ]]
 }
 
-frames=150
+frames=400
 "$programs/surfit_simulate" --output="$folder/room" --frames=$frames --downsample=4 >/dev/null 2>&1
 
 # Without a display the run says so and goes on.

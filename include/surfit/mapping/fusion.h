@@ -19,8 +19,9 @@ struct FusionOptions {
   std::string weighting = "confidence";  // or "uniform": a = 1 for every point
   float max_distance_m = 0.05f;          // along the surfel's normal, between point and surfel
   float max_normal_angle_rad = 0.6f;     // between their normals
-  // A point merges with a surfel within its own radius, but never farther than this across the
-  // surface: so much stays between the surfels of a far or coarsely sampled surface.
+  // A point merges with a surfel if its ray passes the surfel's centre within the point's radius,
+  // but never farther than this across the surface: so much stays between the surfels of a far or
+  // coarsely sampled surface.
   float max_spacing_m = 0.01f;
   // Of two surfels that are closer across the surface than this share of their radii, and of the
   // spacing, the one of less confidence is removed. 0 = none.

@@ -38,6 +38,7 @@ struct SlamOptions {
   std::string tracking = "frame_to_model";  // or "frame_to_frame"
   // Of so many frames that are tracked one is fused, and one gets a view of the map of its own,
   // which the next are registered to as well. Views of one place hardly differ at 30 Hz. 1: all.
+  // Where intensities count every frame gets its own.
   int map_period = 2;
   // A frame that the camera is expected to have moved farther for since that view, as a share of
   // the image's width at the scene's mean depth, gets its own in any case.
@@ -144,7 +145,7 @@ class Slam {
     Image<Rgb8> color;  // the pixels' colours, if they are needed
   };
   Rigid3d PredictedPose(const RgbdFrame& frame, const FramePyramid& pyramid) const;
-  bool NeedsNewTarget(const Rigid3d& world_from_predicted) const;
+  bool NeedsNewTarget(const FramePyramid& pyramid, const Rigid3d& world_from_predicted) const;
   Target MakeTarget(const Rigid3d& world_from_predicted);
   bool CanStart(const FramePyramid& pyramid) const;
   bool IsBelievable(const IcpResult& icp) const;
