@@ -63,10 +63,10 @@ TEST(RefineTool, FindsAWrongCalibrationAndAThirdOfTheErrorIsLeft) {
     Simulate(folder / "in", 300, 2, seed);
     const double focal = 262.5;
     const std::string wrong = std::to_string(1.01 * focal);
-    ExpectDone(
-        RunProgram("surfit_slam",
-                   {"--sequence=" + folder / "in", "--output=" + folder / "out", "--refine",
-                    "--intrinsics=" + wrong + "," + wrong + ",159.75,119.75", "--pictures=false"}));
+    ExpectDone(RunProgram(
+        "surfit_slam", {"--sequence=" + folder / "in", "--output=" + folder / "out", "--refine",
+                        "--intrinsics=" + wrong + "," + wrong + ",159.75,119.75", "--map_period=1",
+                        "--pictures=false"}));
     const auto json = nlohmann::json::parse(ReadBytes(folder / "out/refined/refinement.json"));
     const auto& found = json["calibration"]["after"];
     const double fx = found["fx"], fy = found["fy"], offset = found["inverse_depth_field"][0];
