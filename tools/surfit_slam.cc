@@ -48,8 +48,13 @@ DEFINE_int32(map_period, kRun.slam.map_period,
 DEFINE_double(max_view_shift, kRun.slam.max_view_shift,
               "the map is drawn anew where the image is expected to have moved by more, as a share "
               "of its width");
-DEFINE_int32(row_stride, kRun.slam.icp.row_stride,
-             "of the finest level, every so-manyth row of the frame is registered");
+DEFINE_int32(
+    min_source_rows, kRun.slam.icp.min_source_rows,
+    "on the finest level so few rows of the frame are registered as leave this many, evenly "
+    "spaced; 0 = all");
+DEFINE_double(min_turn_eigenvalue, kRun.slam.min_turn_eigenvalue,
+              "after a frame that holds a direction of motion less than this, nothing takes turns "
+              "and all rows are registered; 0 = never");
 DEFINE_bool(
     loop_closure, kRun.slam.loops.enabled,
     "close loops: find places again, correct the poses and let the map follow; a lost camera "
@@ -123,7 +128,8 @@ SlamRunOptions OptionsFromFlags() {
   slam.preprocess = PreprocessOptionsFromFlags();
   slam.icp = FrameIcpOptionsFromFlags(kRun.slam.icp);
   SetSolverFromFlags(&slam.icp);
-  slam.icp.row_stride = FLAGS_row_stride;
+  slam.icp.min_source_rows = FLAGS_min_source_rows;
+  slam.min_turn_eigenvalue = FLAGS_min_turn_eigenvalue;
   slam.map_period = FLAGS_map_period;
   slam.max_view_shift = FLAGS_max_view_shift;
   slam.tracking = FLAGS_tracking;

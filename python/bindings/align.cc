@@ -48,7 +48,8 @@ void BindAlign(py::module_& module) {
       py::arg("source"), py::arg("target"), py::arg("initialize") = InitializeOptions(),
       py::arg("icp") = py::none(), py::arg("preprocess") = PreprocessOptions(),
       "Registers two frames, by far_icp_options() unless icp says otherwise, from where "
-      "initialize.method says: from the identity, or from afar, and verified then. Other threads run "
+      "initialize.method says: from the identity, or from afar, and verified then. Other threads "
+      "run "
       "meanwhile; Ctrl-C is not heard before the call returns.");
 }
 

@@ -79,8 +79,8 @@ void BindIcpOptions(py::module_& module) {
       .Add("error_model", &IcpOptions::error_model, "of the finest level")
       .Add("max_source_points", &IcpOptions::max_source_points,
            "of a level, chosen so that all directions stay held; 0 = all")
-      .Add("row_stride", &IcpOptions::row_stride,
-           "of the finest level, every so-manyth row of the source is used")
+      .Add("min_source_rows", &IcpOptions::min_source_rows,
+           "of the finest level, as few rows of the source as this leaves are used; 0 = all")
       .Add("min_coarse_step_px", &IcpOptions::min_coarse_step_px,
            "a coarser level also ends where points move by less of its px")
       .Add("min_relative_rmse_change", &IcpOptions::min_relative_rmse_change,

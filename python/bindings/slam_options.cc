@@ -64,6 +64,8 @@ void BindSlamOptions(py::module_& module) {
            "of so many frames one is fused, and one gets a view of the map of its own; 1 = all")
       .Add("max_view_shift", &SlamOptions::max_view_shift,
            "of the image, as a share of its width: then a frame gets its own view in any case")
+      .Add("min_turn_eigenvalue", &SlamOptions::min_turn_eigenvalue,
+           "after a frame that holds a direction of motion less, nothing takes turns; 0 = never")
       .Add(
           "motion_model", &SlamOptions::motion_model,
           "where tracking starts: constant_velocity, constant_pose, or so3 (the last pose, turned)")

@@ -22,15 +22,16 @@ AssociationGates GatesOfLevel(const IcpOptions& options, int level) {
   return gates;
 }
 
-int RowStrideOfLevel(const IcpOptions& options, int level) {
-  return level == 0 ? options.row_stride : 1;
+int RowStride(const IcpOptions& options, const FrameLevel& source, int level) {
+  if (level > 0 || options.min_source_rows == 0) return 1;
+  return std::max(1, source.vertex.height() / options.min_source_rows);
 }
 
 // Points of all rows say what intensities do: few have any texture. Against fewer points' shapes
 // they must weigh less, each.
-ErrorModel ErrorModelOfLevel(const IcpOptions& options, int level) {
+ErrorModel ErrorModelOfLevel(const IcpOptions& options, int level, int row_stride) {
   ErrorModel error_model = options.error_model;
-  error_model.photometric_weight /= RowStrideOfLevel(options, level);
+  error_model.photometric_weight /= row_stride;
   error_model.kernel.width *= std::pow(options.kernel_growth, level);
   return error_model;
 }
@@ -51,7 +52,8 @@ std::unique_ptr<Association> MakeAssociation(const FrameLevel& source, const Fra
 void RegisterLevel(const FrameLevel& source, const FrameLevel& target, int level,
                    const Rigid3d& start, const IcpOptions& options, IcpResult* result) {
   const ResidualType residual = ResidualTypeFromName(options.residual);
-  const ErrorModel error_model = ErrorModelOfLevel(options, level);
+  const int row_stride = RowStride(options, source, level);
+  const ErrorModel error_model = ErrorModelOfLevel(options, level, row_stride);
   const std::unique_ptr<PoseSolver> solver = MakePoseSolver(SolverOptions(options, error_model));
   const AssociationGates gates = GatesOfLevel(options, level);
   std::optional<PhotometricTerm> photometric;
@@ -64,7 +66,7 @@ void RegisterLevel(const FrameLevel& source, const FrameLevel& target, int level
   if (options.max_source_points > 0) sample = CovarianceSample(source, options.max_source_points);
   const std::unique_ptr<Association> association =
       MakeAssociation(sample ? *sample : source, target, options.association, gates, error_model,
-                      NormalsNeededBy(residual), RowStrideOfLevel(options, level));
+                      NormalsNeededBy(residual), row_stride);
   RunLevel({*association, *solver, level, start, target.camera.fx}, options, result);
 }
 

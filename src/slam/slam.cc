@@ -68,6 +68,10 @@ void SlamOptions::Validate() const {
     throw InputError(Concat("motion_model is '", motion_model,
                             "', must be one of: constant_velocity, constant_pose, so3"));
   }
+  if (!(min_turn_eigenvalue >= 0)) {
+    throw InputError(
+        Concat("min_turn_eigenvalue is ", min_turn_eigenvalue, ", must be zero or positive"));
+  }
   if (map_period < 1)
     throw InputError(Concat("map_period is ", map_period, ", must be at least 1"));
   if (!(max_view_shift >= 0)) {
@@ -188,7 +192,9 @@ void Slam::Track(const RgbdFrame& frame, const FramePyramid& pyramid, FrameRepor
   }
   const Rigid3d initial = target_.world_from_target.Inverse() * world_from_predicted;
   StageTimer timer("track", report->index, &report->times.track_ms);
-  report->icp = Register(pyramid, target_.pyramid, initial, options_.icp);
+  IcpOptions icp_options = options_.icp;
+  if (is_poorly_held_) icp_options.min_source_rows = 0;
+  report->icp = Register(pyramid, target_.pyramid, initial, icp_options);
   report->world_from_camera = target_.world_from_target * report->icp.target_from_source;
   const bool found = IsBelievable(report->icp) || FindAgain(frame, pyramid, report);
   const bool relocalized = !found && Relocalize(frame, pyramid, report);
@@ -255,7 +261,7 @@ Rigid3d Slam::PredictedPose(const RgbdFrame& frame, const FramePyramid& pyramid)
 // little of what this frame sees. Intensities are compared more finely than surfaces: with views
 // that frames share the largest error before textured walls is twice as large.
 bool Slam::NeedsNewTarget(const FramePyramid& pyramid, const Rigid3d& world_from_predicted) const {
-  const bool is_its_turn = unfused_count_ == 0;
+  const bool is_its_turn = unfused_count_ == 0 || is_poorly_held_;
   if (is_its_turn || lost_count_ > 0 || options_.tracking == "frame_to_frame") return true;
   if (!pyramid.levels.front().intensity.empty()) return true;
   const Rigid3d target_from_predicted = target_.world_from_target.Inverse() * world_from_predicted;
@@ -335,7 +341,8 @@ void Slam::WakeAround(int frame_index, int now) {
 // In its turn, and at once where the map may not have been seen from.
 bool Slam::IsToBeFused(const FrameReport& report) const {
   return report.state == FrameState::kFirst || report.state == FrameState::kGiven ||
-         lost_count_ > 0 || report.found_again || unfused_count_ + 1 >= options_.map_period;
+         lost_count_ > 0 || report.found_again || is_poorly_held_ ||
+         unfused_count_ + 1 >= options_.map_period;
 }
 
 void Slam::Fuse(const RgbdFrame& frame, const FramePyramid& pyramid, FrameReport* report) {
@@ -348,6 +355,8 @@ void Slam::Fuse(const RgbdFrame& frame, const FramePyramid& pyramid, FrameReport
 void Slam::KeepAsLast(const RgbdFrame& frame, FramePyramid pyramid, const FrameReport& report) {
   // The way over lost frames is not one frame's motion, nor is a jump.
   const bool is_next = started_ && lost_count_ == 0 && !report.found_again;
+  is_poorly_held_ =
+      !report.icp.iterations.empty() && report.icp.eigenvalues[0] < options_.min_turn_eigenvalue;
   last_from_next_ = is_next ? world_from_last_.Inverse() * report.world_from_camera : Rigid3d();
   world_from_last_ = report.world_from_camera;
   if (options_.tracking == "frame_to_frame" || options_.initialize != "identity" ||

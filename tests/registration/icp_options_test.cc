@@ -40,7 +40,8 @@ TEST(IcpOptions, ValidateNamesFieldValueAndConstraint) {
                 "max_iterations is 0, must be from 1 to 1000");
   ExpectRefused([](auto* o) { o->gate_growth = 0.5; }, "gate_growth is 0.5, must be at least 1");
   ExpectRefused([](auto* o) { o->kernel_growth = 0; }, "kernel_growth is 0, must be at least 1");
-  ExpectRefused([](auto* o) { o->row_stride = 0; }, "row_stride is 0, must be at least 1");
+  ExpectRefused([](auto* o) { o->min_source_rows = -1; },
+                "min_source_rows is -1, must be zero (all) or positive");
   ExpectRefused([](auto* o) { o->max_source_points = -1; },
                 "max_source_points is -1, must be zero (all) or positive");
   ExpectRefused([](auto* o) { o->min_coarse_step_px = -1; },

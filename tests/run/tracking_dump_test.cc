@@ -33,7 +33,7 @@ SlamOptions OtherOptions() {
   icp.error_model = {{0.0011}, 0.003, {RobustKernelType::kTukey, 4.7}, true,
                      0.3,      0.03,  {RobustKernelType::kTukey, 2.9}};
   icp.max_source_points = 5000;
-  icp.row_stride = 2;
+  icp.min_source_rows = 20;
   icp.min_coarse_step_px = 0.1;
   icp.min_relative_rmse_change = 1.0 / 3000;
   icp.min_increment = 1e-7;

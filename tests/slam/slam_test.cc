@@ -171,6 +171,7 @@ std::string TurnsOf(const SlamOptions& options, int frames) {
 TEST(Slam, FusionAndViewsOfTheMapTakeTurns) {
   SlamOptions options;
   options.max_view_shift = std::numeric_limits<double>::infinity();
+  options.min_turn_eigenvalue = 0;
   options.map_period = 1;
   EXPECT_EQ(TurnsOf(options, 5), "fbbbb");
   options.map_period = 2;
@@ -183,7 +184,15 @@ TEST(Slam, AViewThatShowsLittleOfWhatTheCameraSeesIsDrawnAnew) {
   SlamOptions options;
   options.map_period = 4;
   options.max_view_shift = 0;
+  options.min_turn_eigenvalue = 0;
   EXPECT_EQ(TurnsOf(options, 6), "fvvvbv");
+}
+
+TEST(Slam, NothingIsSparedAfterAFrameThatHoldsADirectionPoorly) {
+  SlamOptions options;
+  options.map_period = 4;
+  options.min_turn_eigenvalue = 1;  // more than any frame's
+  EXPECT_EQ(TurnsOf(options, 5), "fvbbb");
 }
 
 TEST(Slam, TheFrameAfterALossIsFusedAndHasItsOwnView) {
@@ -443,6 +452,8 @@ TEST(SlamOptions, RefuseWhatMakesNoSense) {
                  "tracking is 'gps', must be one of: frame_to_model, frame_to_frame");
   expect_refused([](auto& o) { o.motion_model = "still"; },
                  "motion_model is 'still', must be one of: constant_velocity, constant_pose, so3");
+  expect_refused([](auto& o) { o.min_turn_eigenvalue = -1; },
+                 "min_turn_eigenvalue is -1, must be zero or positive");
   expect_refused([](auto& o) { o.map_period = 0; }, "map_period is 0, must be at least 1");
   expect_refused([](auto& o) { o.max_view_shift = -1; },
                  "max_view_shift is -1, must be zero or positive");

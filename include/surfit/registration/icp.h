@@ -28,8 +28,9 @@ struct IcpOptions {
   // Levels whose source has more points use a sample of so many, chosen so that all directions of
   // motion stay held; 0 = all points. Intensities are compared everywhere all the same.
   int max_source_points = 0;
-  // On the finest level every so-manyth row of the source is used, but for its intensities.
-  int row_stride = 1;
+  // On the finest level every n-th row of the source is used, but for its intensities, with the
+  // largest n that leaves so many; 0 = all rows.
+  int min_source_rows = 0;
   double min_coarse_step_px = 0;  // a coarser level also ends where points move by less of its px
   double min_relative_rmse_change = 1e-3;  // a level ends where RMSE changes by less ...
   double min_increment = 1e-5;             // ... or where rad and metres of the step are below

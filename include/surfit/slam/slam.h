@@ -20,12 +20,12 @@ namespace surfit {
 
 // The options of ICP from a frame to the next or to the map: the symmetric residual. A normal
 // estimated near a crease mixes both sides; point-to-plane against it is biased, always to the same
-// side as the camera moves on, and the sum of both views' normals much less. A third of the rows is
+// side as the camera moves on, and the sum of both views' normals much less. Of 480 rows a third is
 // enough: what is left of the error is not the noise of single points.
 inline IcpOptions TrackingIcpOptions() {
   IcpOptions icp;
   icp.residual = "symmetric_point_to_plane";
-  icp.row_stride = 3;
+  icp.min_source_rows = 160;
   return icp;
 }
 
@@ -43,6 +43,10 @@ struct SlamOptions {
   // A frame that the camera is expected to have moved farther for since that view, as a share of
   // the image's width at the scene's mean depth, gets its own in any case.
   double max_view_shift = 0.1;
+  // After a frame whose data hold a direction of motion less than this (the smallest of
+  // IcpResult::eigenvalues), every frame is fused, has its own view and is registered with all
+  // rows: before a wall all of it is needed.
+  double min_turn_eigenvalue = 2e-3;
   // Where tracking starts: constant_velocity, constant_pose, or so3: the last pose, turned so that
   // small images of both frames are most alike (AlignRotation).
   std::string motion_model = "constant_velocity";
@@ -168,13 +172,14 @@ class Slam {
   Fusion fusion_;
   SurfelMap map_;
   bool started_ = false;
-  int lost_count_ = 0;         // frames lost since the last good one
-  int unfused_count_ = 0;      // good frames since the last one that was fused
-  Target target_;              // of the last frame
-  Rigid3d world_from_last_;    // the last good pose
-  Rigid3d last_from_next_;     // motion that the motion model expects
-  Image<float> last_depth_m_;  // of the last frame, for frozen frames
-  ColoredView last_view_;      // the last good frame, if it is needed
+  int lost_count_ = 0;           // frames lost since the last good one
+  bool is_poorly_held_ = false;  // the last good frame, by SlamOptions::min_turn_eigenvalue
+  int unfused_count_ = 0;        // good frames since the last one that was fused
+  Target target_;                // of the last frame
+  Rigid3d world_from_last_;      // the last good pose
+  Rigid3d last_from_next_;       // motion that the motion model expects
+  Image<float> last_depth_m_;    // of the last frame, for frozen frames
+  ColoredView last_view_;        // the last good frame, if it is needed
   std::size_t merged_doubles_ = 0;
   int merged_until_ = 0;              // frame before which all doubles of the map are merged
   std::unique_ptr<Backend> backend_;  // null without loops

@@ -6,8 +6,8 @@
 // Every system gets the same frames at full resolution, two threads and its own default options,
 // in a process of its own, so that peak memory is known of each. Timed is what it takes to follow
 // a frame, from the library's own images to the pose, on the clock and over all threads; reading
-// and conversion are not. Surfit and Open3D's dense SLAM also make a map in this time: the others go from frame to frame.
-// Errors are Surfit's ATE.
+// and conversion are not. Surfit and Open3D's dense SLAM also make a map in this time: the others
+// go from frame to frame. Errors are Surfit's ATE.
 
 #include <sys/resource.h>
 #include <sys/wait.h>
