@@ -13,18 +13,34 @@ void WriteOptional(const std::optional<double>& value, std::ostream& file) {
   if (value) file << *value;
 }
 
-void WriteRow(const FoundLoop& loop, std::ostream& file) {
+constexpr char kColumns[] =
+    "source,target,similarity,prior,reason,matches,agreeing_features,inlier_share,rmse_m,"
+    "overlap_share,free_space_share,value_correlation,detail_correlation,lead,sigma_m,sigma_rad,"
+    "disagreement_m,disagreement_rad,tx,ty,tz,qx,qy,qz,qw";
+
+// These columns, of a LoopRecord or FoundLoop.
+template <typename Loop>
+void WriteColumns(const Loop& loop, const std::string& reason, std::ostream& file) {
   const LoopVerdict& v = loop.attempt.verdict;
   const Eigen::Vector3d& t = v.target_from_source.translation;
   const Eigen::Quaterniond& q = v.target_from_source.rotation;
   file << loop.source_frame << ',' << loop.target_frame << ',' << loop.attempt.proposal.similarity
-       << ',' << loop.attempt.proposal.target_from_source_prior.has_value() << ','
-       << ToString(v.reason) << ',' << v.matches << ',' << v.agreeing_features << ','
-       << v.inlier_share << ',' << v.rmse_m << ',' << v.overlap_share << ',' << v.free_space_share
-       << ',' << v.value_correlation << ',' << v.detail_correlation << ',' << v.lead << ','
-       << v.sigma_m << ',' << v.sigma_rad << ',' << v.disagreement_m << ',' << v.disagreement_rad
-       << ',' << t.x() << ',' << t.y() << ',' << t.z() << ',' << q.x() << ',' << q.y() << ','
-       << q.z() << ',' << q.w();
+       << ',' << loop.attempt.proposal.target_from_source_prior.has_value() << ',' << reason << ','
+       << v.matches << ',' << v.agreeing_features << ',' << v.inlier_share << ',' << v.rmse_m << ','
+       << v.overlap_share << ',' << v.free_space_share << ',' << v.value_correlation << ','
+       << v.detail_correlation << ',' << v.lead << ',' << v.sigma_m << ',' << v.sigma_rad << ','
+       << v.disagreement_m << ',' << v.disagreement_rad << ',' << t.x() << ',' << t.y() << ','
+       << t.z() << ',' << q.x() << ',' << q.y() << ',' << q.z() << ',' << q.w();
+}
+
+// Of the verdict, or that the pose graph has overruled it.
+std::string ReasonOf(const LoopRecord& loop) {
+  const LoopVerdict& verdict = loop.attempt.verdict;
+  return verdict.accepted() && !loop.in_graph ? "contradicts_others" : ToString(verdict.reason);
+}
+
+void WriteRow(const FoundLoop& loop, std::ostream& file) {
+  WriteColumns(loop, ToString(loop.attempt.verdict.reason), file);
   WriteOptional(loop.error_m, file);
   WriteOptional(loop.error_rad, file);
   WriteOptional(loop.squared_error, file);
@@ -33,12 +49,19 @@ void WriteRow(const FoundLoop& loop, std::ostream& file) {
 
 }  // namespace
 
+void WriteLoopsCsv(const std::vector<LoopRecord>& loops, const std::string& path) {
+  WriteFileAtomically(path, [&](std::ostream& file) {
+    file << kColumns << '\n';
+    for (const LoopRecord& loop : loops) {
+      WriteColumns(loop, ReasonOf(loop), file);
+      file << '\n';
+    }
+  });
+}
+
 void WriteLoopsCsv(const std::vector<FoundLoop>& loops, const std::string& path) {
   WriteFileAtomically(path, [&](std::ostream& file) {
-    file << "source,target,similarity,prior,reason,matches,agreeing_features,inlier_share,rmse_m,"
-            "overlap_share,free_space_share,value_correlation,detail_correlation,lead,sigma_m,"
-            "sigma_rad,disagreement_m,disagreement_rad,tx,ty,tz,qx,qy,qz,qw,error_m,error_rad,"
-            "squared_error,wrong,disputed\n";
+    file << kColumns << ",error_m,error_rad,squared_error,wrong,disputed\n";
     for (const FoundLoop& loop : loops) WriteRow(loop, file);
   });
 }

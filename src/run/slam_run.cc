@@ -16,7 +16,7 @@
 #include "run/digest.h"
 #include "run/given_poses.h"
 #include "run/kept_views.h"
-#include "run/loops_csv.h"
+#include "run/loop_files.h"
 #include "run/output_folder.h"
 #include "run/poses_json.h"
 #include "run/quantile.h"

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "mapping/same_map.h"
-#include "slam/simulated_sequence.h"
+#include "slam/ideal_room.h"
 #include "surfit/core/parallel.h"
 #include "testing/expect_input_error.h"
 #include "testing/matchers.h"
@@ -18,6 +18,9 @@ using testing::ErrorsOf;
 using testing::ExpectInputError;
 using testing::ExpectSameMap;
 using ::testing::HasSubstr;
+using testing::IdealRoom;
+using testing::kPixelAt2m;
+using testing::kPixelRad;
 using testing::PoseErrors;
 using testing::RigidNear;
 using testing::RunSlam;
@@ -25,13 +28,6 @@ using testing::Sensor;
 using testing::SimulatedSequence;
 using testing::SimulateRoom;
 using testing::SlamRun;
-
-constexpr int kFrames = 25;
-
-const SimulatedSequence& IdealRoom() {
-  static const auto* const room = new SimulatedSequence(SimulateRoom(1, kFrames, Sensor::kIdeal));
-  return *room;
-}
 
 // Long enough for drift to outgrow the noise of single poses.
 const SimulatedSequence& KinectRoom(int seed) {
@@ -54,22 +50,12 @@ SlamOptions FrameToFrame() {
   return options;
 }
 
-RgbdFrame Blank(int index) {
-  RgbdFrame frame = IdealRoom().frames[index];
-  frame.depth_m = Image<float>(frame.depth_m.width(), frame.depth_m.height(), 0.f);
-  return frame;
-}
-
 void ExpectAllTracked(const SlamRun& run) {
   EXPECT_EQ(run.reports[0].state, FrameState::kFirst);
   for (std::size_t i = 1; i < run.reports.size(); ++i) {
     EXPECT_EQ(run.reports[i].state, FrameState::kTracked) << i;
   }
 }
-
-// At 160 x 120 a pixel sees a spot of 1 / 131 rad, 15 mm wide at 2 m, the typical depth.
-constexpr double kPixelRad = 1 / 131.25;
-constexpr double kPixelAt2m = 2 * kPixelRad;
 
 // Exact depth holds the pose far better than half a pixel; the rest is edges and curved surfaces.
 TEST(Slam, TracksAnIdealSensorWithinHalfAPixel) {
@@ -149,64 +135,6 @@ TEST(Slam, ReportsAddUpToTheMap) {
   EXPECT_EQ(static_cast<int>(IdealRun().map.size()), size);
 }
 
-// The turns of some frames: f = fused, v = with a view of its own, b = both, - = neither.
-std::string TurnsOf(const SlamOptions& options, int frames) {
-  Slam slam(IdealRoom().camera, options, {});
-  std::string turns;
-  for (int i = 0; i < frames; ++i) {
-    const std::size_t before = slam.map().size();
-    const FrameReport report = slam.Process(IdealRoom().frames[i]);
-    turns += report.is_fused && report.has_own_view ? 'b'
-             : report.is_fused                      ? 'f'
-             : report.has_own_view                  ? 'v'
-                                                    : '-';
-    EXPECT_EQ(report.fusion.input_points > 0, report.is_fused) << i;
-    if (!report.is_fused) {
-      EXPECT_EQ(slam.map().size(), before) << i;
-    }
-  }
-  return turns;
-}
-
-TEST(Slam, FusionAndViewsOfTheMapTakeTurns) {
-  SlamOptions options;
-  options.max_view_shift = std::numeric_limits<double>::infinity();
-  options.min_turn_eigenvalue = 0;
-  options.map_period = 1;
-  EXPECT_EQ(TurnsOf(options, 5), "fbbbb");
-  options.map_period = 2;
-  EXPECT_EQ(TurnsOf(options, 6), "fvfvfv");
-  options.map_period = 4;
-  EXPECT_EQ(TurnsOf(options, 10), "fv--fv--fv");
-}
-
-TEST(Slam, AViewThatShowsLittleOfWhatTheCameraSeesIsDrawnAnew) {
-  SlamOptions options;
-  options.map_period = 4;
-  options.max_view_shift = 0;
-  options.min_turn_eigenvalue = 0;
-  EXPECT_EQ(TurnsOf(options, 6), "fvvvbv");
-}
-
-TEST(Slam, NothingIsSparedAfterAFrameThatHoldsADirectionPoorly) {
-  SlamOptions options;
-  options.map_period = 4;
-  options.min_turn_eigenvalue = 1;  // more than any frame's
-  EXPECT_EQ(TurnsOf(options, 5), "fvbbb");
-}
-
-TEST(Slam, TheFrameAfterALossIsFusedAndHasItsOwnView) {
-  SlamOptions options;
-  options.map_period = 8;
-  Slam slam(IdealRoom().camera, options, {});
-  for (int i = 0; i < 4; ++i) slam.Process(IdealRoom().frames[i]);
-  EXPECT_EQ(slam.Process(Blank(4)).state, FrameState::kLost);
-  const FrameReport next = slam.Process(IdealRoom().frames[5]);
-  EXPECT_EQ(next.state, FrameState::kTracked);
-  EXPECT_TRUE(next.is_fused);
-  EXPECT_TRUE(next.has_own_view);
-}
-
 // A camera delivers some frames twice.
 TEST(Slam, AFrozenFrameKeepsThePoseAndFusesNothing) {
   const SimulatedSequence& room = IdealRoom();
@@ -222,105 +150,6 @@ TEST(Slam, AFrozenFrameKeepsThePoseAndFusesNothing) {
   EXPECT_EQ(frozen.fusion.input_points, 0);
   ExpectSameMap(slam.map(), before);
   EXPECT_EQ(slam.Process(room.frames[2]).state, FrameState::kTracked);
-}
-
-TEST(Slam, ALostFrameIsNotFusedAndTrackingGoesOnFromTheLastGoodPose) {
-  const SimulatedSequence& room = IdealRoom();
-  for (const char* tracking : {"frame_to_model", "frame_to_frame"}) {
-    SlamOptions options;
-    options.tracking = tracking;
-    Slam slam(room.camera, options, room.world_from_camera[0]);
-    for (int i = 0; i < 8; ++i) slam.Process(room.frames[i]);
-    const SurfelMap before = slam.map();
-    for (int i = 8; i < 10; ++i) {  // the second of them repeats the first: it is no less lost
-      const FrameReport lost = slam.Process(Blank(i));
-      EXPECT_EQ(lost.state, FrameState::kLost);
-      EXPECT_EQ(lost.icp.termination, Termination::kTooFewInliers);
-      EXPECT_EQ(lost.fusion.input_points, 0);
-    }
-    ExpectSameMap(slam.map(), before);
-    for (int i = 10; i < 14; ++i) {
-      const FrameReport report = slam.Process(room.frames[i]);
-      EXPECT_EQ(report.state, FrameState::kTracked) << tracking << i;
-      EXPECT_THAT(report.world_from_camera,
-                  RigidNear(room.world_from_camera[i], kPixelAt2m, kPixelRad));
-    }
-  }
-}
-
-// A ball close by instead of the room.
-TEST(Slam, APlaceThatDoesNotMatchIsLost) {
-  const SimulatedSequence& room = IdealRoom();
-  const Scene elsewhere = MakeScene("sphere");
-  Slam slam(room.camera, SlamOptions(), {});
-  for (int i = 0; i < 4; ++i) slam.Process(room.frames[i]);
-  const SurfelMap before = slam.map();
-  Eigen::Matrix3d along_y;
-  along_y << 1, 0, 0, 0, 0, 1, 0, -1, 0;
-  const Rigid3d pose(along_y, Eigen::Vector3d(0, 1.1, 1));  // 0.4 m before the ball
-  const FrameReport report = slam.Process(RenderFrame(elsewhere, room.camera, pose, 4));
-  EXPECT_EQ(report.state, FrameState::kLost);
-  ExpectSameMap(slam.map(), before);
-  EXPECT_EQ(slam.Process(room.frames[5]).state, FrameState::kTracked);
-}
-
-// 50 frames left out: 0.6 m and 22 degrees, beyond what tracking follows.
-TEST(Slam, FindsAFrameAgainAfterAJump) {
-  const SimulatedSequence room = SimulateRoom(12, 122, Sensor::kIdeal);
-  for (const char* tracking : {"frame_to_model", "frame_to_frame"}) {
-    for (const char* initialize : {"identity", "features"}) {
-      SlamOptions options;
-      options.tracking = tracking;
-      options.initialize = initialize;
-      Slam slam(room.camera, options, room.world_from_camera[68]);
-      for (int i = 68; i < 71; ++i) slam.Process(room.frames[i]);
-      const SurfelMap before = slam.map();
-      const FrameReport report = slam.Process(room.frames[120]);
-      if (options.initialize == "identity") {
-        EXPECT_EQ(report.state, FrameState::kLost) << tracking;
-        ExpectSameMap(slam.map(), before);
-      } else {
-        EXPECT_EQ(report.state, FrameState::kTracked) << tracking;
-        EXPECT_TRUE(report.found_again);
-        EXPECT_THAT(report.world_from_camera,
-                    RigidNear(room.world_from_camera[120], kPixelAt2m, kPixelRad));
-        const FrameReport next = slam.Process(room.frames[121]);
-        EXPECT_EQ(next.state, FrameState::kTracked) << tracking;
-        EXPECT_FALSE(next.found_again);
-      }
-    }
-  }
-}
-
-// The way from the last good frame over lost ones is many frames long: it must not be expected
-// again for the next. The second run expects no motion at all.
-TEST(Slam, AfterALossNoMotionIsExpected) {
-  const SimulatedSequence& room = IdealRoom();
-  std::vector<double> first_losses;
-  for (const char* motion_model : {"constant_velocity", "constant_pose"}) {
-    SlamOptions options;
-    options.motion_model = motion_model;
-    Slam slam(room.camera, options, {});
-    for (int i = 0; i < 4; ++i) slam.ProcessAt(room.frames[i], room.world_from_camera[i]);
-    for (int i = 4; i < 8; ++i) slam.Process(Blank(i));
-    EXPECT_EQ(slam.Process(room.frames[8]).state, FrameState::kTracked);
-    first_losses.push_back(slam.Process(room.frames[9]).icp.iterations.at(0).average_loss);
-  }
-  EXPECT_EQ(first_losses[0], first_losses[1]);
-}
-
-// A Kinect needs some frames until it measures: they must not become an empty map that nothing can
-// ever be tracked against.
-TEST(Slam, StartsWithTheFirstFrameThatHasDepth) {
-  const SimulatedSequence& room = IdealRoom();
-  Slam slam(room.camera, SlamOptions(), room.world_from_camera[2]);
-  EXPECT_EQ(slam.Process(Blank(0)).state, FrameState::kLost);
-  EXPECT_EQ(slam.Process(Blank(1)).state, FrameState::kLost);
-  EXPECT_EQ(slam.map().size(), 0u);
-  const FrameReport first = slam.Process(room.frames[2]);
-  EXPECT_EQ(first.state, FrameState::kFirst);
-  EXPECT_EQ(first.world_from_camera.Matrix(), room.world_from_camera[2].Matrix());
-  EXPECT_EQ(slam.Process(room.frames[3]).state, FrameState::kTracked);
 }
 
 TEST(Slam, FusesAtGivenPosesWithoutTracking) {
@@ -409,7 +238,7 @@ TEST(Slam, TheMotionDoesNotDependOnTheInitialPose) {
     ExpectAllTracked(moved);
     EXPECT_EQ(moved.reports[0].world_from_camera.Matrix(), initial.Matrix());
     const double tolerance_m = 0.0016 + StoppingDistance(IdealRun()) + StoppingDistance(moved) +
-                               kFrames * 4 * distance_m * 6e-8;
+                               static_cast<double>(moved.reports.size()) * 4 * distance_m * 6e-8;
     EXPECT_LT(StoppingDistance(moved), kPixelAt2m / 10) << distance_m;
     EXPECT_LT(LargestDifference(IdealRun(), moved), tolerance_m) << distance_m;
   }
