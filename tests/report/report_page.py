@@ -54,21 +54,28 @@ class Page:
         self.wait_for_all_points()
         self.seconds_to_complete = time.monotonic() - begin
 
+    def wait_until(self, condition, *arguments):
+        """Waits for a condition in JavaScript, which sees its arguments as `arguments`; returns its value."""
+        return WebDriverWait(self.browser, 60, poll_frequency=0.02).until(
+            lambda _: self.script(f"return {condition}", *arguments), condition)
+
     def wait_for_all_points(self):
-        WebDriverWait(self.browser, 60, poll_frequency=0.02).until(
-            lambda _: self.script("return surfit.mapView.isComplete"))
+        self.wait_until("surfit.mapView.isComplete")
         frame_drawn(self.browser)
 
     def scroll_to(self, element_id):
-        """Shows an element; what is made when seen is made then."""
-        self.script(f"document.getElementById('{element_id}').scrollIntoView()")
+        """Shows an element, and waits for its plots and pictures: they are made once they are seen, in
+        an order that the browser chooses."""
+        self.script("document.getElementById(arguments[0]).scrollIntoView()", element_id)
+        self.wait_until("[...document.querySelectorAll(`#${arguments[0]} :is(.chart, .pictures)`)]"
+                        ".every((box) => box.firstChild)", element_id)
         frame_drawn(self.browser)
 
     def console(self):
         return self.browser.get_log("browser")
 
-    def script(self, text):
-        return self.browser.execute_script(text)
+    def script(self, text, *arguments):
+        return self.browser.execute_script(text, *arguments)
 
     def map_picture(self):
         """What the 3D view shows: a picture of Pillow's, RGB."""

@@ -6,8 +6,19 @@ from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 
 
-def shown_frames(page):
-    return page.script("const x = surfit.charts.at(-1).scales.x; return [x.min, x.max]")
+def shown_frames(page, canvas):
+    return page.script("const { x } = Chart.getChart(arguments[0]).scales; return [x.min, x.max]", canvas)
+
+
+def wait_for_frames(page, canvas, condition):
+    """Waits until the first and last frame that a chart shows, x.min and x.max, meet a condition."""
+    page.wait_until(f"((x) => {condition})(Chart.getChart(arguments[0]).scales.x)", canvas)
+
+
+def drag_across_half(browser, canvas):
+    quarter = canvas.size["width"] // 4
+    ActionChains(browser).move_to_element_with_offset(canvas, -quarter, 0).click_and_hold() \
+        .move_by_offset(2 * quarter, 0).release().perform()
 
 
 def test_dragging_zooms_and_a_double_click_ends_it(tmp_path):
@@ -18,15 +29,12 @@ def test_dragging_zooms_and_a_double_click_ends_it(tmp_path):
         if not page.script("return Boolean(window.ChartZoom)"):
             pytest.skip("the page was built without chartjs-plugin-zoom")
         page.scroll_to("run-charts")
-        chart = browser.find_elements(By.CSS_SELECTOR, "#run-charts canvas")[-1]
-        low, high = shown_frames(page)
-        quarter = chart.size["width"] // 4
-        ActionChains(browser).move_to_element_with_offset(chart, -quarter, 0).click_and_hold() \
-            .move_by_offset(2 * quarter, 0).release().perform()
-        zoomed = shown_frames(page)
-        assert low < zoomed[0] < zoomed[1] < high
-        ActionChains(browser).double_click(chart).perform()
-        assert shown_frames(page) == [low, high]
+        canvas = browser.find_elements(By.CSS_SELECTOR, "#run-charts canvas")[-1]
+        low, high = shown_frames(page, canvas)
+        drag_across_half(browser, canvas)
+        wait_for_frames(page, canvas, f"{low} < x.min && x.min < x.max && x.max < {high}")
+        ActionChains(browser).double_click(canvas).perform()
+        wait_for_frames(page, canvas, f"x.min === {low} && x.max === {high}")
         assert page.console() == []
     finally:
         browser.quit()

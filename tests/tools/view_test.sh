@@ -42,12 +42,12 @@ start() {
   window=$(xdotool search --onlyvisible --name '^Surfit$' 2>/dev/null | head -n 1)
 }
 press() { xdotool key --window "$window" "$1" 2>/dev/null; }
-is_at_rest() {
-  local before
-  before=$(frames_done)
-  sleep 0.5
-  [[ $(frames_done) == "$before" ]]
+# From then on no frame is done.
+press_pause() {
+  press space
+  wait_until "a pause" xdotool search --name '^Surfit \(paused\)$'
 }
+has_done() { [[ $(frames_done) == "$1" ]]; }
 
 frames=400
 "$programs/surfit_simulate" --output="$folder/room" --frames=$frames --downsample=4 >/dev/null 2>&1
@@ -67,13 +67,15 @@ export DISPLAY
 
 # A pause holds, a step is one frame, and the window shows a picture.
 start
-press space
-wait_until "a pause" is_at_rest
+press_pause
 paused_at=$(frames_done)
 [[ $paused_at -lt $frames ]] || fail "the pause came too late to be one"
-press s
 sleep 1
-[[ $(frames_done) == $((paused_at + 1)) ]] || fail "a step went from $paused_at to $(frames_done)"
+has_done "$paused_at" || fail "the pause at $paused_at did not hold: $(frames_done) frames are done"
+press s
+wait_until "a step" has_done $((paused_at + 1))
+sleep 1
+has_done $((paused_at + 1)) || fail "a step went from $paused_at to $(frames_done)"
 import -window root "$screenshot"
 colors=$(identify -format %k "$screenshot")
 [[ $colors -gt 1000 ]] || fail "the window shows $colors colours"
@@ -85,8 +87,7 @@ grep -q interrupted "$folder/out.txt" || fail "q did not end the run"
 
 # Closing the window does not stop the run.
 start
-press space
-wait_until "a pause" is_at_rest
+press_pause
 python3 "$(dirname "$0")/close_window.py" "$window"
 wait "$slam_pid" || fail "closing the window made the run fail"
 grep -q "the live view is closed" "$folder/err" || fail "no word of the closed window"

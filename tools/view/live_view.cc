@@ -18,6 +18,9 @@ std::string Status(const SlamRunProgress& progress, double fps) {
   return text.data();
 }
 
+const char* const kTitle = "Surfit";
+const char* const kPausedTitle = "Surfit (paused)";
+
 }  // namespace
 
 std::unique_ptr<LiveView> LiveView::Open(const std::atomic<bool>& interrupted) {
@@ -28,7 +31,7 @@ std::unique_ptr<LiveView> LiveView::Open(const std::atomic<bool>& interrupted) {
 }
 
 LiveView::LiveView(const std::atomic<bool>& interrupted)
-    : interrupted_(interrupted), window_(std::make_unique<Window>("Surfit")) {}
+    : interrupted_(interrupted), window_(std::make_unique<Window>(kTitle)) {}
 
 void LiveView::Update(const SlamRunProgress& progress) {
   if (!window_ || !progress.frame) return;
@@ -41,6 +44,7 @@ void LiveView::Update(const SlamRunProgress& progress) {
     if (!window_->IsOpen()) return Close();
     if (key == Window::kNoKey) continue;
     Press(key);
+    window_->SetTitle(paused_ ? kPausedTitle : kTitle);
     Draw(progress, /*must=*/true);
   } while (!MayGoOn());
   left_ = Clock::now();

@@ -5,10 +5,11 @@
 namespace surfit::tools {
 
 std::string Window::WhyNone() { return "this program was built without OpenCV's highgui"; }
-Window::Window(const std::string& title) : title_(title) {}
+Window::Window(const std::string& title) : name_(title) {}
 Window::~Window() = default;
 bool Window::IsOpen() const { return false; }
 void Window::Show(const Image<Rgb8>&) {}
+void Window::SetTitle(const std::string&) {}
 int Window::Key(int) { return kNoKey; }
 
 }  // namespace surfit::tools

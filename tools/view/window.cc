@@ -19,7 +19,8 @@ namespace {
   dup2(nowhere, STDOUT_FILENO);
   dup2(nowhere, STDERR_FILENO);  // the toolkit's own complaint, of many lines
   try {
-    cv::namedWindow("surfit", cv::WINDOW_AUTOSIZE | cv::WINDOW_GUI_NORMAL);
+    // Not to be taken for the window that is looked for by its name.
+    cv::namedWindow("is there a display?", cv::WINDOW_AUTOSIZE | cv::WINDOW_GUI_NORMAL);
   } catch (...) {
     _exit(1);
   }
@@ -39,22 +40,24 @@ std::string Window::WhyNone() {
   return std::string("no window can be opened on the display '") + display + "'";
 }
 
-Window::Window(const std::string& title) : title_(title) {
-  cv::namedWindow(title_, cv::WINDOW_AUTOSIZE | cv::WINDOW_GUI_NORMAL);
+Window::Window(const std::string& title) : name_(title) {
+  cv::namedWindow(name_, cv::WINDOW_AUTOSIZE | cv::WINDOW_GUI_NORMAL);
 }
 
 Window::~Window() {
-  if (IsOpen()) cv::destroyWindow(title_);
+  if (IsOpen()) cv::destroyWindow(name_);
 }
 
-bool Window::IsOpen() const { return cv::getWindowProperty(title_, cv::WND_PROP_VISIBLE) >= 1; }
+bool Window::IsOpen() const { return cv::getWindowProperty(name_, cv::WND_PROP_VISIBLE) >= 1; }
 
 void Window::Show(const Image<Rgb8>& image) {
   const cv::Mat rgb(image.height(), image.width(), CV_8UC3, const_cast<Rgb8*>(image.data()));
   cv::Mat bgr;
   cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
-  cv::imshow(title_, bgr);
+  cv::imshow(name_, bgr);
 }
+
+void Window::SetTitle(const std::string& title) { cv::setWindowTitle(name_, title); }
 
 int Window::Key(int wait_ms) { return cv::waitKey(wait_ms); }
 

@@ -15,6 +15,7 @@ class Window {
   // display, so a child process tries. To be called before there are threads.
   static std::string WhyNone();
 
+  // The title that it has at first is also its name here: no two at a time have the same.
   explicit Window(const std::string& title);
   ~Window();
   Window(const Window&) = delete;
@@ -23,11 +24,13 @@ class Window {
   // False once the user has closed it; it stays closed.
   bool IsOpen() const;
   void Show(const Image<Rgb8>& image);
+  // Changes what the screen calls the window.
+  void SetTitle(const std::string& title);
   // The key that was pressed, waiting for it at least 1 and about wait_ms at most; kNoKey if none.
   int Key(int wait_ms);
 
  private:
-  std::string title_;
+  std::string name_;
 };
 
 }  // namespace surfit::tools
