@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Makes docs/accuracy.md: what each part of the tracking and mapping buys, as the error of the
 # trajectory without it, or with it where it is off by default. On two idle cores it takes about
-# twenty minutes.
+# twenty minutes; on busy ones longer, with the same errors.
 #
 #   tools/scripts/accuracy.sh [--quick] [--tools=DIR] [--output=FILE] [DATA]
 #
@@ -39,17 +39,20 @@ rows=(
   "intensities too|--photometric_weight=0.01"
   "no robust kernel|--kernel=none"
   "kernel's scale estimated|--estimate_scale"
-  "no depth noise in weights, filter and gates|--inverse_depth_sigma=0"
+  "a tenth of the depth noise in weights, filter and gates|--inverse_depth_sigma=0.0002"
   "no gate on normals|--max_normal_angle_deg=0"
   "no depth filter|--depth_filter_radius=0"
   "one resolution|--pyramid_levels=1"
+  "all rows of points|--min_source_rows=0"
   "a sample of 40,000 points a level|--max_source_points=40000"
   "moves along directions that nothing holds|--min_eigenvalue=0"
+  "every frame fused, every frame a view of its own|--map_period=1"
   "uniform weights in the map|--weighting=uniform"
   "keeps surfels that others make superfluous|--double_share=0"
   "keeps surfels seen once|--lasting_confidence=0"
   "keeps surfels in free space|--free_space_margin_m=100"
   "leaves surfels alone that 50 frames have not seen|--active_frames=50"
+  "loops closed|--loop_closure"
   "start: the last pose|--motion_model=constant_pose"
   "start: the last pose, turned|--motion_model=so3"
   "every third frame|--stride=3"
@@ -73,67 +76,66 @@ for seed in "${seeds[@]}"; do
     --downsample="$downsample" --sensor=kinect >>"$scratch/log" 2>&1
 done
 
-# The figures of a run: ATE in mm or none, frames that were lost, and the median ms of a frame.
+# The figures of a run: ATE in mm or none, frames that were lost, and seconds of processor time.
 run() {
-  local code=0
-  "$tools/surfit_slam" --output="$scratch/run" --nopictures "$@" >>"$scratch/log" 2>&1 || code=$?
+  local code=0 TIMEFORMAT='%U %S'
+  { time "$tools/surfit_slam" --output="$scratch/run" --nopictures "$@" >>"$scratch/log" 2>&1; } \
+    2>"$scratch/time" || code=$?
   if ((code != 0 && code != 2)); then  # 2: tracked nothing
     tail -3 "$scratch/log" >&2
     exit 1
   fi
-  awk -F '[:,]' '
+  awk -F '[:,]' -v cpu_s="$(awk '{ print $1 + $2 }' "$scratch/time")" '
     /"ate_rmse_m"/ { ate = $2 ~ /null/ ? "none" : sprintf("%.2f", 1e3 * $2) }
     /"frames_lost"/ { lost = $2 + 0 }
-    /"frame_ms"/ { in_frame = 1 }
-    in_frame && /"median"/ { ms = $2 + 0; in_frame = 0 }
-    END { print ate, lost, ms }' "$scratch/run/summary.json"
+    END { print ate, lost, cpu_s }' "$scratch/run/summary.json"
 }
 
 with_losses() { # ATE, lost frames
   if (($2 > 0)); then echo "$1 ($2 lost)"; else echo "$1"; fi
 }
 
-header="| part |" rule="|---|" default_ms=
+header="| part |" rule="|---|" default_cpu_s=
 for sequence in "${recorded[@]}"; do
   [[ -d $data/${sequence%% *} ]] || continue
   header+=" $sequence |" rule+="---|"
 done
-header+=" simulated rooms, mean | worst | time |" rule+="---|---|---|"
+header+=" simulated rooms, mean | worst | CPU time |" rule+="---|---|---|"
 
 table=$header$'\n'$rule
 for row in "${rows[@]}"; do
   name=${row%%|*} flags=${row#*|}
   echo "$name" >&2
-  line="| $name${flags:+ \`$flags\`} |" sum_ms=0
+  line="| $name${flags:+ \`$flags\`} |" sum_cpu_s=0
   for sequence in "${recorded[@]}"; do
     [[ -d $data/${sequence%% *} ]] || continue
     # shellcheck disable=SC2086  # several flags
     figures=$(run --sequence="$data/"$sequence $flags)
-    read -r ate lost ms <<<"$figures"
+    read -r ate lost cpu_s <<<"$figures"
     line+=" $(with_losses "$ate" "$lost") |"
-    sum_ms=$(awk "BEGIN { print $sum_ms + $ms }")
+    sum_cpu_s=$(awk "BEGIN { print $sum_cpu_s + $cpu_s }")
   done
   ates= all_lost=0
   for seed in "${seeds[@]}"; do
     # shellcheck disable=SC2086
     figures=$(run --sequence="$scratch/room$seed" $flags)
-    read -r ate lost ms <<<"$figures"
+    read -r ate lost cpu_s <<<"$figures"
     ates+="$ate " all_lost=$((all_lost + lost))
-    sum_ms=$(awk "BEGIN { print $sum_ms + $ms }")
+    sum_cpu_s=$(awk "BEGIN { print $sum_cpu_s + $cpu_s }")
   done
   rooms=$(awk '/none/ { print "none none"; exit }
                { for (i = 1; i <= NF; ++i) { sum += $i; if ($i > worst) worst = $i }
                  printf "%.2f %.2f", sum / NF, worst }' <<<"$ates")
-  default_ms=${default_ms:-$sum_ms}
+  default_cpu_s=${default_cpu_s:-$sum_cpu_s}
   line+=" $(with_losses "${rooms% *}" "$all_lost") | ${rooms#* } |"
-  table+=$'\n'"$line $(awk "BEGIN { printf \"%.2f\", $sum_ms / $default_ms }") |"
+  table+=$'\n'"$line $(awk "BEGIN { printf \"%.2f\", $sum_cpu_s / $default_cpu_s }") |"
 done
 
 kitchen=
 if [[ ! $quick && -d $data/seven_scenes_kitchen ]]; then
   echo "all of seven_scenes_kitchen" >&2
   figures=$(run --sequence="$data/seven_scenes_kitchen")
-  read -r ate lost ms <<<"$figures"
+  read -r ate lost cpu_s <<<"$figures"
   kitchen="All frames of seven_scenes_kitchen, by default: $(with_losses "$ate" "$lost") mm."
 fi
 
@@ -146,8 +148,8 @@ fi
   echo
   echo "What each part buys: ATE RMSE in mm with the flags given, all else by default. Simulated"
   echo "rooms are \`surfit_simulate --sensor=kinect --downsample=$downsample --frames=$frames\`," \
-    "seeds ${seeds[*]}. Time is the sum of"
-  echo "the sequences' median times of a frame, as a multiple of the default's."
+    "seeds ${seeds[*]}. CPU time is"
+  echo "that of all processors, start to end, as a multiple of the default's."
   echo
   echo "$table"
   echo
