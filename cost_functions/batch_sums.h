@@ -4,8 +4,7 @@
 #include <type_traits>
 
 #include "cost_functions/batch_data.h"
-#include "cost_functions/dual.h"
-#include "cost_functions/pose_manifold.h"
+#include "cost_functions/batch_rows.h"
 #include "cost_functions/robust_kernel.h"
 #include "cost_functions/row_products.h"
 #include "surfit/core/parallel.h"
@@ -25,120 +24,12 @@ struct BatchSums {
   }
 };
 
-// Whether a functor's residuals depend on the pose through y = R p + t alone.
-template <typename Functor, typename V, typename = void>
-struct UsesMovedPointOnly : std::false_type {};
-template <typename Functor, typename V>
-struct UsesMovedPointOnly<
-    Functor, V,
-    std::void_t<decltype(std::declval<const Functor&>().AtMovedPoint(
-        std::declval<const V*>(), std::declval<const V*>(), std::declval<V*>()))>>
-    : std::true_type {};
-
-// A pose block and its derivatives by the left increment.
-struct MovingPose {
-  explicit MovingPose(const double* block) {
-    std::copy_n(block, kPoseSize, pose);
-    LeftPoseManifold().PlusJacobian(block, plus_jacobian);
-  }
-  double pose[kPoseSize];
-  double plus_jacobian[kPoseSize * kPoseTangentSize];
-};
-
-// Evaluates a functor and its Jacobian for as many points at once as the lanes V hold.
-template <typename Functor, typename V>
-class BatchRows {
- public:
-  static constexpr int kRows = Functor::kResidualSize;
-  using Rows = V[kRows][kRowColumns];
-
-  BatchRows(const Functor& functor, const MovingPose& pose) : functor_(functor) {
-    for (int i = 0; i < kPoseSize; ++i) {
-      pose_[i] = V(pose.pose[i]);
-      moving_pose_[i] = Moving(pose_[i]);
-      for (int j = 0; j < kPoseTangentSize; ++j) {
-        moving_pose_[i].derivative[j] = V(pose.plus_jacobian[i * kPoseTangentSize + j]);
-      }
-    }
-  }
-
-  void Residuals(const V* data, V* residuals) const {
-    if constexpr (UsesMovedPointOnly<Functor, V>::value) {
-      Dual<V, 3> moving[kRows];
-      AtMovedPoint(MovedPoint(pose_, data), data, moving);
-      for (int k = 0; k < kRows; ++k) residuals[k] = moving[k].value;
-    } else {
-      functor_.AtPose(pose_, data, residuals);
-    }
-  }
-
-  void Linearize(const V* data, Rows& rows) const {
-    if constexpr (UsesMovedPointOnly<Functor, V>::value) {
-      LinearizeAtMovedPoint(data, rows);
-    } else {
-      Moving residuals[kRows];
-      functor_.AtPose(moving_pose_, data, residuals);
-      for (int k = 0; k < kRows; ++k) {
-        for (int j = 0; j < kPoseTangentSize; ++j) rows[k][j] = residuals[k].derivative[j];
-        rows[k][kPoseTangentSize] = residuals[k].value;
-      }
-    }
-  }
-
- private:
-  using Moving = Dual<V, kPoseTangentSize>;
-
-  // y = R p + t = p + d as its rounded value and what that lost: the moves d of a pose near the
-  // identity are small, and so is their rounding beside that of y.
-  struct MovedPoint {
-    MovedPoint(const V* pose, const V* p) {
-      TurnByPose(pose, p, lost);
-      for (int i = 0; i < 3; ++i) {
-        const V d = lost[i] + pose[4 + i];
-        y[i] = p[i] + d;
-        const V d_in_y = y[i] - p[i];
-        lost[i] = (p[i] - (y[i] - d_in_y)) + (d - d_in_y);  // Knuth's exact sum of two
-      }
-    }
-    V y[3], lost[3];
-  };
-
-  // Residuals and their derivatives g by y. To first order what y lost counts as well: residuals
-  // are often differences a thousand times smaller than the points.
-  void AtMovedPoint(const MovedPoint& point, const V* data, Dual<V, 3>* residuals) const {
-    Dual<V, 3> moving_y[3];
-    for (int i = 0; i < 3; ++i) moving_y[i] = Dual<V, 3>::Variable(point.y[i], i);
-    functor_.AtMovedPoint(moving_y, data, residuals);
-    for (int k = 0; k < kRows; ++k) {
-      for (int i = 0; i < 3; ++i) {
-        residuals[k].value += residuals[k].derivative[i] * point.lost[i];
-      }
-    }
-  }
-
-  // y moves to y + w x y + v, so that with g = dr/dy the row is [y x g, g].
-  void LinearizeAtMovedPoint(const V* data, Rows& rows) const {
-    const MovedPoint point(pose_, data);
-    Dual<V, 3> residuals[kRows];
-    AtMovedPoint(point, data, residuals);
-    for (int k = 0; k < kRows; ++k) {
-      Cross(point.y, residuals[k].derivative, rows[k]);
-      for (int i = 0; i < 3; ++i) rows[k][3 + i] = residuals[k].derivative[i];
-      rows[k][kPoseTangentSize] = residuals[k].value;
-    }
-  }
-
-  const Functor& functor_;
-  V pose_[kPoseSize];
-  Moving moving_pose_[kPoseSize];
-};
-
 // Adds the points [begin, end) of a batch to sums: lanes of short sums in precision S, which are
 // then added in double.
 template <typename V, bool kWithJacobian, typename Functor, typename S>
 class BatchSummer {
  public:
-  BatchSummer(const Functor& functor, const BatchData<Functor, S>& data, const MovingPose& pose,
+  BatchSummer(const Functor& functor, const BatchData<Functor, S>& data, const double* pose,
               const RobustKernel& kernel)
       : rows_(functor, pose), data_(data), kernel_(kernel) {}
 
@@ -205,12 +96,11 @@ template <bool kWithJacobian, typename Functor, typename S>
 BatchSums SumBatch(const Functor& functor, const BatchData<Functor, S>& data, const double* pose,
                    const RobustKernel& kernel) {
   constexpr int kPointsPerBlock = 4096;
-  const MovingPose moving_pose(pose);
   return ParallelSum(
       0, static_cast<int>(data.size()), kPointsPerBlock, BatchSums(), [&](int begin, int end) {
         return WithInstructions([&](auto instructions) {
           using V = Lanes<S, decltype(instructions)>;
-          return BatchSummer<V, kWithJacobian, Functor, S>(functor, data, moving_pose, kernel)
+          return BatchSummer<V, kWithJacobian, Functor, S>(functor, data, pose, kernel)
               .Sum(begin, end);
         });
       });

@@ -7,31 +7,35 @@
 namespace surfit {
 
 // What functors on one source point p have in common. Their numbers, data[kDataSize], start with p.
-// A functor defines its residuals once, on numbers T (with derivatives) and data D, either of the
-// moved point y = R p + t,
+// A functor defines its residuals once, on numbers T (with derivatives) and data D, of the moved
+// point y = R p + t,
 //   template <typename T, typename D> void AtMovedPoint(const T* y, const D* data, T* residuals)
-// or, if they depend on the pose in other ways, of the pose block (see pose.h),
-//   template <typename T, typename D> void AtPose(const T* pose, const D* data, T* residuals)
-// without branches on T or D, and serves then both one residual block per point
+// or also of a vector that turns with the pose, m = R data[kTurned, kTurned + 3), of numbers M,
+//   template <typename T, typename M, typename D>
+//   void AtMovedPoint(const T* y, const M* m, const D* data, T* residuals)
+// without branches on T, M or D, and serves then both one residual block per point
 // (ceres::AutoDiffCostFunction, T = ceres::Jet, D = double) and ReducedBatch (lanes of points).
-template <typename Derived, int kData, int kResiduals>
+template <typename Derived, int kData, int kResiduals, int kTurnedData = -1>
 struct PointFunctor {
   static constexpr int kDataSize = kData;
   static constexpr int kResidualSize = kResiduals;
+  static constexpr int kTurned = kTurnedData;  // where the turned vector starts; negative: none
 
   std::array<double, kData> data = {};
 
   template <typename T>
   bool operator()(const T* pose, T* residuals) const {
-    static_cast<const Derived*>(this)->AtPose(pose, data.data(), residuals);
-    return true;
-  }
-
-  template <typename T, typename D>
-  void AtPose(const T* pose, const D* numbers, T* residuals) const {
+    const auto& self = static_cast<const Derived&>(*this);
     T y[3];
-    MovePoint(pose, numbers, y);
-    static_cast<const Derived*>(this)->AtMovedPoint(y, numbers, residuals);
+    MovePoint(pose, data.data(), y);
+    if constexpr (kTurned >= 0) {
+      T m[3];
+      RotateByPose(pose, data.data() + kTurned, m);
+      self.AtMovedPoint(y, m, data.data(), residuals);
+    } else {
+      self.AtMovedPoint(y, data.data(), residuals);
+    }
+    return true;
   }
 
  protected:

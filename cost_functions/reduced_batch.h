@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "cost_functions/batch_sums.h"
+#include "cost_functions/pose_manifold.h"
 
 namespace surfit {
 

@@ -8,7 +8,7 @@ namespace surfit {
 // source's and the target's normals m and n (Rusinkiewicz 2019, with the rotation on one side). It
 // is zero wherever p and q lie on one and the same sphere or cylinder, not only on a plane, and so
 // converges from farther. It depends on the pose through R m as well as through y = R p + t.
-struct SymmetricPointToPlane : PointFunctor<SymmetricPointToPlane, 13, 1> {
+struct SymmetricPointToPlane : PointFunctor<SymmetricPointToPlane, 13, 1, 9> {
   SymmetricPointToPlane() = default;  // no data: for batches
   // p and its unit normal m in the source frame, q and n in the target frame; metres.
   SymmetricPointToPlane(const Eigen::Vector3d& p, const Eigen::Vector3d& m,
@@ -20,11 +20,8 @@ struct SymmetricPointToPlane : PointFunctor<SymmetricPointToPlane, 13, 1> {
     data[12] = 1 / sigma_m;
   }
 
-  template <typename T, typename D>
-  void AtPose(const T* pose, const D* d, T* residuals) const {
-    T y[3], m[3];
-    MovePoint(pose, d, y);
-    RotateByPose(pose, d + 9, m);
+  template <typename T, typename M, typename D>
+  void AtMovedPoint(const T* y, const M* m, const D* d, T* residuals) const {
     residuals[0] = ((y[0] - d[3]) * (m[0] + d[6]) + (y[1] - d[4]) * (m[1] + d[7]) +
                     (y[2] - d[5]) * (m[2] + d[8])) *
                    (d[12] * 0.5);

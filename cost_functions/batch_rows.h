@@ -1,0 +1,92 @@
+#pragma once
+
+#include "cost_functions/dual.h"
+#include "cost_functions/pose.h"
+#include "cost_functions/row_products.h"
+
+namespace surfit {
+
+// Evaluates a functor (see point_functor.h) and its rows [J r], J by the left increment (w, v), for
+// as many points at once as the lanes V hold.
+template <typename Functor, typename V>
+class BatchRows {
+ public:
+  static constexpr int kRows = Functor::kResidualSize;
+  using Rows = V[kRows][kRowColumns];
+
+  // pose: a block (pose.h).
+  BatchRows(const Functor& functor, const double* pose) : functor_(functor) {
+    for (int i = 0; i < kPoseSize; ++i) pose_[i] = V(pose[i]);
+  }
+
+  void Residuals(const V* data, V* residuals) const {
+    Dual<V, 3> moving[kRows];
+    Evaluate(Moved(pose_, data), data, moving);
+    for (int k = 0; k < kRows; ++k) residuals[k] = moving[k].value;
+  }
+
+  // y = R p + t moves to y + w x y + v and a turned vector m to m + w x m, so that with g = dr/dy
+  // and h = dr/dm the row is [y x g + m x h, g].
+  void Linearize(const V* data, Rows& rows) const {
+    const Moved moved(pose_, data);
+    Dual<V, kVariables> residuals[kRows];
+    Evaluate(moved, data, residuals);
+    for (int k = 0; k < kRows; ++k) {
+      const V* gradient = residuals[k].derivative;
+      Cross(moved.y, gradient, rows[k]);
+      if constexpr (kTurns) {
+        V turned[3];
+        Cross(moved.m, gradient + 3, turned);
+        for (int i = 0; i < 3; ++i) rows[k][i] += turned[i];
+      }
+      for (int i = 0; i < 3; ++i) rows[k][3 + i] = gradient[i];
+      rows[k][kPoseTangentSize] = residuals[k].value;
+    }
+  }
+
+ private:
+  static constexpr bool kTurns = Functor::kTurned >= 0;
+  static constexpr int kVariables = kTurns ? 6 : 3;  // y, and m if there is one
+
+  // y = R p + t = p + d as its rounded value and what that lost: the moves d of a pose near the
+  // identity are small, and so is their rounding beside that of y.
+  struct Moved {
+    Moved(const V* pose, const V* data) {
+      TurnByPose(pose, data, lost);
+      for (int i = 0; i < 3; ++i) {
+        const V d = lost[i] + pose[4 + i];
+        y[i] = data[i] + d;
+        const V d_in_y = y[i] - data[i];
+        lost[i] = (data[i] - (y[i] - d_in_y)) + (d - d_in_y);  // Knuth's exact sum of two
+      }
+      if constexpr (kTurns) RotateByPose(pose, data + Functor::kTurned, m);
+    }
+    V y[3], lost[3];
+    V m[kTurns ? 3 : 1];
+  };
+
+  // Residuals and their derivatives by y, and where N is six by m. To first order what y lost
+  // counts as well: residuals are often differences a thousand times smaller than the points.
+  template <int N>
+  void Evaluate(const Moved& moved, const V* data, Dual<V, N>* residuals) const {
+    Dual<V, N> y[3];
+    for (int i = 0; i < 3; ++i) y[i] = Dual<V, N>::Variable(moved.y[i], i);
+    if constexpr (N == 6) {
+      Dual<V, N> m[3];
+      for (int i = 0; i < 3; ++i) m[i] = Dual<V, N>::Variable(moved.m[i], 3 + i);
+      functor_.AtMovedPoint(y, m, data, residuals);
+    } else if constexpr (kTurns) {
+      functor_.AtMovedPoint(y, moved.m, data, residuals);
+    } else {
+      functor_.AtMovedPoint(y, data, residuals);
+    }
+    for (int k = 0; k < kRows; ++k) {
+      for (int i = 0; i < 3; ++i) residuals[k].value += residuals[k].derivative[i] * moved.lost[i];
+    }
+  }
+
+  const Functor& functor_;
+  V pose_[kPoseSize];
+};
+
+}  // namespace surfit
