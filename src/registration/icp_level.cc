@@ -133,7 +133,7 @@ class LevelRun {
 }  // namespace
 
 PoseSolverOptions SolverOptions(const IcpOptions& options, const ErrorModel& error_model) {
-  constexpr double kShareOfRmseChange = 0.01;
+  constexpr double kShareOfRmseChange = 0.1;
   return {options.solver,
           options.linear_solver,
           ResidualTypeFromName(options.residual),
