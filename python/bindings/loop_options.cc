@@ -67,6 +67,7 @@ void BindSearchOptions(py::module_& module) {
 
 void BindGraphOptions(py::module_& module) {
   OptionsClass<EdgeNoise>(module, "EdgeNoiseOptions", "Errors that registrations do not know of.")
+      .Add("shared_points", &EdgeNoise::shared_points, "of odometry, that have one error")
       .Add("odometry_m", &EdgeNoise::odometry_m, "between consecutive keyframes")
       .Add("odometry_rad", &EdgeNoise::odometry_rad, "between consecutive keyframes")
       .Add("odometry_share", &EdgeNoise::odometry_share, "of the way and turn between them")

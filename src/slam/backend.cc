@@ -79,8 +79,9 @@ void Backend::AddKeyframe(const IcpResult& icp, const FramePyramid& pyramid,
     edge.b = static_cast<std::size_t>(frame.keyframe);
     edge.a_from_b =
         frames_[frame_of_keyframe_[parent]].world_from_camera.Inverse() * frame.world_from_camera;
+    const int frames = frame.index - frames_[frame_of_keyframe_[parent]].index;
     edge.information = anchor_ ? LoopInformation(icp.information, options_.noise)
-                               : OdometryInformation(icp, edge.a_from_b, options_.noise);
+                               : OdometryInformation(icp, frames, edge.a_from_b, options_.noise);
     added.edges.push_back(edge);
   }
   last_keyframe_ = added.keyframe;

@@ -28,26 +28,31 @@ Matrix6d IncrementTransform(const Rigid3d& a_from_b) {
   return transform;
 }
 
-Matrix6d CovarianceOf(const IcpResult& icp) {
-  if (icp.covariance) return *icp.covariance;
-  return InverseOf(icp.information + InverseOf(Variances(kLooseRad, kLooseM)));
+Matrix6d CovarianceOf(const Matrix6d& information) {
+  return InverseOf(information + InverseOf(Variances(kLooseRad, kLooseM)));
+}
+
+Matrix6d InformationOf(const IcpResult& icp) {
+  return icp.covariance ? InverseOf(*icp.covariance) : icp.information;
 }
 
 }  // namespace
 
 // The map was drawn from about where b is: the increment of registration is in the frame of b.
-Matrix6d OdometryInformation(const IcpResult& icp, const Rigid3d& a_from_b,
+// Of the registrations between only the last is known, which stands for all.
+Matrix6d OdometryInformation(const IcpResult& icp, int frames, const Rigid3d& a_from_b,
                              const EdgeNoise& noise) {
   const Matrix6d transform = IncrementTransform(a_from_b);
   const double turn_rad = RotationAngle(a_from_b.rotation), way_m = a_from_b.translation.norm();
-  return InverseOf(transform * CovarianceOf(icp) * transform.transpose() +
+  const Matrix6d of_registrations =
+      CovarianceOf(InformationOf(icp) / (noise.shared_points * frames));
+  return InverseOf(transform * of_registrations * transform.transpose() +
                    Variances(noise.odometry_rad + noise.odometry_share * turn_rad,
                              noise.odometry_m + noise.odometry_share * way_m));
 }
 
 Matrix6d LoopInformation(const Matrix6d& registration_information, const EdgeNoise& noise) {
-  const Matrix6d loose = InverseOf(Variances(kLooseRad, kLooseM));
-  return InverseOf(InverseOf(registration_information + loose) +
+  return InverseOf(CovarianceOf(registration_information) +
                    Variances(noise.loop_rad, noise.loop_m));
 }
 

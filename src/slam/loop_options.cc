@@ -12,6 +12,7 @@ void Require(bool holds, const char* field, double value, const char* constraint
 }  // namespace
 
 void EdgeNoise::Validate() const {
+  Require(shared_points >= 1, "shared_points", shared_points, "at least 1");
   Require(odometry_m > 0, "odometry_m", odometry_m, "positive");
   Require(odometry_rad > 0, "odometry_rad", odometry_rad, "positive");
   Require(odometry_share >= 0, "odometry_share", odometry_share, "zero or positive");

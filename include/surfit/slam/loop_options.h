@@ -11,15 +11,18 @@
 
 namespace surfit {
 
-// What registrations do not know of their errors: those of calibration and of surfaces that are not
-// what the model of noise says are common to all points, and do not average out. They are added to
+// What registrations do not know of their errors. The covariance of odometry is what they say,
+// times the points that share one error and the frames between the keyframes: drift is a walk at
+// random, and goes above all where a view holds the camera least. Errors of calibration and of
+// surfaces that are not what the model of noise says do not average out at all: they are added to
 // the covariance of every edge of the pose graph, as standard deviations of each component.
 struct EdgeNoise {
-  double odometry_m = 0.001;      // between consecutive keyframes, and
-  double odometry_rad = 0.0005;   //
-  double odometry_share = 0.005;  // of the way and of the turn between them
-  double loop_m = 0.005;          // between keyframes that see the same place
-  double loop_rad = 0.003;
+  double shared_points = 25;      // as many as the window of the depth filter has
+  double odometry_m = 0.0002;     // between consecutive keyframes, and
+  double odometry_rad = 0.0001;   //
+  double odometry_share = 0.001;  // of the way and of the turn between them
+  double loop_m = 0.003;          // of a loop, beyond LoopVerdict::information
+  double loop_rad = 0.0015;
 
   // Throws InputError naming field, value and constraint.
   void Validate() const;
