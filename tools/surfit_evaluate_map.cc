@@ -6,19 +6,42 @@
 
 #include "common/json.h"
 #include "common/tool_main.h"
+#include "surfit/core/error.h"
 #include "surfit/evaluation/map_error.h"
+#include "surfit/evaluation/trajectory_evaluation.h"
 #include "surfit/io/point_cloud.h"
+#include "surfit/io/tum_trajectory.h"
 
 DEFINE_string(map, "", "the map, a PLY or PCD file with points or surfels");
 DEFINE_string(reference, "",
               "the true surface as a dense point cloud (PLY or PCD), in the map's frame");
+DEFINE_string(estimate, "",
+              "the run's trajectory (TUM format), with --groundtruth: the map is taken to the "
+              "reference as its trajectory is for ATE, or else compared as it lies");
+DEFINE_string(groundtruth, "", "the true trajectory, in the reference's frame");
 DEFINE_double(completeness_distance_m, surfit::MapErrorOptions().completeness_distance_m,
               "a reference point counts as mapped if a map point is at most this far");
 
 namespace surfit::tools {
 namespace {
 
-Json ToJson(const MapError& error) {
+// By the rigid motion that takes the trajectory as near to the truth as one can.
+Rigid3d ReferenceFromMap() {
+  if (FLAGS_estimate.empty() && FLAGS_groundtruth.empty()) return Rigid3d();
+  RequireFlag("estimate", FLAGS_estimate);
+  RequireFlag("groundtruth", FLAGS_groundtruth);
+  const Trajectory truth = ReadTumTrajectory(FLAGS_groundtruth);
+  const auto evaluation =
+      EvaluateTrajectory(truth, ReadTumTrajectory(FLAGS_estimate), Stamps(truth), {});
+  if (!evaluation.ate || evaluation.ate->alignment.status != AlignmentStatus::kAligned) {
+    throw InputError(Concat("the ", evaluation.matched, " poses of ", FLAGS_estimate,
+                            " that match ", FLAGS_groundtruth,
+                            " place no map, must be at least 3 that are not in a line"));
+  }
+  return evaluation.ate->alignment.target_from_source;
+}
+
+Json ToJson(const MapError& error, const Rigid3d& reference_from_map) {
   Json json;
   SetStatistics("accuracy", "m", &error.accuracy_m, &json);
   json["completeness"] = error.completeness;
@@ -26,8 +49,12 @@ Json ToJson(const MapError& error) {
                 &json);
   json["map_points"] = error.map_points;
   json["reference_points"] = error.reference_points;
+  json["reference_from_map"] = {{"translation_m", reference_from_map.translation},
+                                {"quaternion_xyzw", reference_from_map.rotation.coeffs()}};
   json["options"] = {{"map", FLAGS_map},
                      {"reference", FLAGS_reference},
+                     {"estimate", FLAGS_estimate},
+                     {"groundtruth", FLAGS_groundtruth},
                      {"completeness_distance_m", FLAGS_completeness_distance_m}};
   return json;
 }
@@ -37,10 +64,14 @@ int Run() {
   RequireFlag("reference", FLAGS_reference);
   const MapErrorOptions options{FLAGS_completeness_distance_m};
   options.Validate();
-  const PointCloud map = ReadPointCloud(FLAGS_map);
+  const Rigid3d reference_from_map = ReferenceFromMap();
+  PointCloud map = ReadPointCloud(FLAGS_map);
+  for (Eigen::Vector3f& point : map.points) {
+    point = (reference_from_map * point.cast<double>()).cast<float>();
+  }
   const PointCloud reference = ReadPointCloud(FLAGS_reference);
   const MapError error = ComputeMapError(map.points, reference.points, reference.normals, options);
-  PrintJson(ToJson(error));
+  PrintJson(ToJson(error, reference_from_map));
   std::cerr << "accuracy " << error.accuracy_m.mean << " m mean, " << error.accuracy_m.p90
             << " m for 90 %; " << 100 * error.completeness << " % of the reference mapped within "
             << options.completeness_distance_m << " m" << std::endl;

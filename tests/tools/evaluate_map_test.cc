@@ -70,6 +70,37 @@ TEST_F(EvaluateMapTest, TakesTheDistanceOfCompletenessFromTheFlag) {
   EXPECT_EQ(nlohmann::json::parse(result.out).at("completeness"), 0.75);
 }
 
+// A map whose run began a quarter of a turn and a metre away from the reference's frame. A map that
+// is compared as it lies is 1 m and more off.
+TEST_F(EvaluateMapTest, TakesTheMapToTheReferenceAsTheTrajectoryIs) {
+  const std::string truth =
+      folder_.Write("truth.txt", "0 0 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n2 1 1 0 0 0 0 1\n");
+  const std::string estimate =
+      folder_.Write("estimate.txt", "0 0 0 1 0 0 0 1\n1 0 1 1 0 0 0 1\n2 -1 1 1 0 0 0 1\n");
+  SurfelMap map;
+  for (int i = 0; i < 3; ++i) {
+    Surfel surfel;
+    surfel.position_in_world = {0, 0.25f * i, 1.0078125f};
+    map.Append(surfel);
+  }
+  WriteSurfelPly(map, folder_ / "map.ply");
+  EXPECT_GT(nlohmann::json::parse(Evaluate({}).out).at("accuracy_median_m"), 1);
+  const ProgramResult result = Evaluate({"--estimate=" + estimate, "--groundtruth=" + truth});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_NEAR(json.at("accuracy_max_m"), 0.0078125, 1e-6);  // single precision at 1 m
+  EXPECT_EQ(json.at("completeness"), 0.75);
+  EXPECT_NEAR(json.at("reference_from_map").at("translation_m").at(2), -1, 1e-12);
+}
+
+TEST_F(EvaluateMapTest, RefusesTrajectoriesThatPlaceNoMap) {
+  const std::string straight =
+      folder_.Write("straight.txt", "0 0 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n2 2 0 0 0 0 0 1\n");
+  ExpectError(Evaluate({"--estimate=" + straight, "--groundtruth=" + straight}),
+              "straight.txt place no map, must be at least 3 that are not in a line");
+  ExpectError(Evaluate({"--estimate=" + straight}), "--groundtruth is missing, must be set");
+}
+
 TEST_F(EvaluateMapTest, RefusesBadInput) {
   ExpectError(Evaluate({"--completeness_distance_m=0"}), "completeness_distance_m is 0, must be");
   ExpectError(Evaluate({"--map=" + folder_.Write("bad.ply", "solid cube")}),
