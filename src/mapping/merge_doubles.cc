@@ -13,6 +13,7 @@ namespace surfit {
 namespace {
 
 constexpr std::int32_t kNone = -1;
+constexpr float kSpacingsPerCube = 2;  // of the grid: larger ones hold many surfels, smaller none
 
 Patch PatchAt(const SurfelBlock& block, int k) {
   return {block.x[k], block.y[k], block.z[k], block.nx[k], block.ny[k], block.nz[k]};
@@ -41,6 +42,7 @@ class DoubleFinder {
   DoubleFinder(const FusionOptions& options, const DoublesOptions& doubles, const SurfelMap& map)
       : gate_(options),
         reach_m_(options.max_distance_m + options.max_spacing_m),
+        cube_m_(kSpacingsPerCube * options.max_spacing_m),
         doubles_(doubles),
         map_(map) {}
 
@@ -52,7 +54,7 @@ class DoubleFinder {
       if (newer.surfels.empty()) return;
       const std::vector<GridSurfel> within = OlderWithin(newer);
       if (within.empty()) return;
-      const SurfelGrid grid(newer.low, newer.high, reach_m_, within);
+      const SurfelGrid grid(newer.low, newer.high, cube_m_, within);
       for (const NewerSurfel& surfel : newer.surfels) older[surfel.id] = NearestTo(surfel, grid);
     });
     return older;
@@ -113,9 +115,10 @@ class DoubleFinder {
   std::int32_t NearestTo(const NewerSurfel& newer, const SurfelGrid& grid) const {
     float least = MergeGate::kNever;
     std::int32_t nearest = kNone;
-    grid.ForEachAround(PositionOf(newer.patch), [&](const GridSurfel& older) {
+    const Eigen::Vector3f reach = gate_.Reach({newer.patch.nx, newer.patch.ny, newer.patch.nz});
+    grid.ForEachAround(PositionOf(newer.patch), reach, [&](const GridSurfel& older) {
       if (newer.first_seen - older.last_seen <= doubles_.frames_apart) return;
-      const float distance2 = gate_.SquaredDistance(newer.patch, newer.radius_m, older.patch);
+      const float distance2 = gate_.SquaredDistance(older.patch, newer.radius_m, newer.patch);
       const bool nearer = distance2 < least || (distance2 == least && older.id < nearest);
       if (distance2 == MergeGate::kNever || !nearer) return;
       least = distance2;
@@ -125,7 +128,7 @@ class DoubleFinder {
   }
 
   const MergeGate gate_;
-  const float reach_m_;
+  const float reach_m_, cube_m_;
   const DoublesOptions doubles_;
   const SurfelMap& map_;
 };

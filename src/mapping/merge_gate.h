@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cmath>
 #include <limits>
 
@@ -42,6 +43,13 @@ class MergeGate {
     const Number share = along / (surfel.nx * point.x + surfel.ny * point.y + surfel.nz * point.z);
     const Number ax = dx - share * point.x, ay = dy - share * point.y, az = dz - share * point.z;
     return IfSame(reach, along * along, ax * ax + ay * ay + az * az, point, surfel);
+  }
+
+  // No farther from a surfel with this normal, along each axis, is any patch that is the same by
+  // SquaredDistance().
+  Eigen::Vector3f Reach(const Eigen::Vector3f& normal) const {
+    const Eigen::Array3f across = (1 - normal.array().square()).max(0).sqrt();
+    return max_distance_m_ * normal.array().abs() + max_spacing_m_ * across;
   }
 
   // The squared distance between two patches that nobody looks at, if they are the same; else

@@ -20,13 +20,13 @@ struct GridSurfel {
 // Surfels within a box, sorted into cubes of it, for those who look for near ones.
 class SurfelGrid {
  public:
-  // Nothing is looked for farther than the reach. Surfels outside of the box must not be among
-  // them.
-  SurfelGrid(const Eigen::Vector3f& low, const Eigen::Vector3f& high, float reach_m,
+  // Cubes are as large as that, or larger where there would be too many. Surfels outside of the box
+  // must not be among them.
+  SurfelGrid(const Eigen::Vector3f& low, const Eigen::Vector3f& high, float cube_m,
              const std::vector<GridSurfel>& surfels)
       : low_(low), sorted_(surfels.size()) {
     const float longest = (high - low).maxCoeff();
-    per_metre_ = 1 / std::max(reach_m, longest / kMostCubes);
+    per_metre_ = 1 / std::max(cube_m, longest / kMostCubes);
     size_ = CubeAt(high) + Cube::Ones();
     std::vector<int> cube_of(surfels.size());
     begin_.assign(size_.prod() + 1, 0);
@@ -40,12 +40,13 @@ class SurfelGrid {
     for (std::size_t i = 0; i < surfels.size(); ++i) sorted_[next[cube_of[i]]++] = surfels[i];
   }
 
-  // Calls f(surfel) for all within reach of a position in the box, and for some beyond.
+  // Calls f(surfel) for all that are no farther from a position than a margin along each axis, and
+  // for some beyond.
   template <typename F>
-  void ForEachAround(const Eigen::Vector3f& position, const F& f) const {
-    const Cube middle = CubeAt(position);
-    const Cube from = (middle - Cube::Ones()).cwiseMax(0);
-    const Cube to = (middle + Cube::Ones()).cwiseMin(size_ - Cube::Ones());
+  void ForEachAround(const Eigen::Vector3f& position, const Eigen::Vector3f& margin,
+                     const F& f) const {
+    const Cube from = CubeAt(position - margin).cwiseMax(0);
+    const Cube to = CubeAt(position + margin).cwiseMin(size_ - Cube::Ones());
     for (int z = from.z(); z <= to.z(); ++z) {
       for (int y = from.y(); y <= to.y(); ++y) {
         const int end = begin_[IndexOf({to.x(), y, z}) + 1];

@@ -120,7 +120,7 @@ TEST(MergeDoubles, FindsWhatBruteForceFinds) {
       const Surfel old = map[a], seen = map[b];
       if (seen.first_seen - old.last_seen <= kApart) continue;
       const Eigen::Vector3f gap = seen.position_in_world - old.position_in_world;
-      const float along = gap.dot(old.normal_in_world);
+      const float along = gap.dot(seen.normal_in_world);
       const float across = std::sqrt(std::max(0.f, gap.squaredNorm() - along * along));
       has_older |=
           std::abs(along) <= options.max_distance_m &&

@@ -17,8 +17,9 @@ struct DoublesOptions {
 };
 
 // Merges surfaces that were mapped twice, once the map has been moved so that they coincide. A
-// surfel is merged with the nearest older one that it belongs to by the gates of fusion: a surfel
-// stands for what is within their radius. The older one stays, as the average of both by their
+// surfel is merged with the nearest older one that is the same by the gates of fusion, measured
+// along and across its own normal, as nobody looks at both: a surfel stands for what is within
+// their radius. The older one stays, as the average of both by their
 // confidences; the newer one is removed. Returns how many were. The result does not depend on the
 // number of threads. Ids change.
 std::size_t MergeDoubles(const FusionOptions& options, const DoublesOptions& doubles,
