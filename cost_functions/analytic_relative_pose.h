@@ -46,9 +46,9 @@ class AnalyticRelativePose final : public ceres::SizedCostFunction<6, kPoseSize,
     whiten_(error, residuals);
     if (jacobians == nullptr) return true;
 
-    const Eigen::Matrix<double, 6, 3> by_shift = whiten_.upper().rightCols<3>() * a_from_world;
+    const Eigen::Matrix<double, 6, 3> by_shift = whiten_.root().rightCols<3>() * a_from_world;
     const Eigen::Matrix<double, 6, 3> by_turn =
-        whiten_.upper().leftCols<3>() *
+        whiten_.root().leftCols<3>() *
         (InverseLeftJacobian(QuaternionLog<double>(error.rotation)) * a_from_world);
     if (jacobians[0] != nullptr) {
       Fill(by_shift * CrossMatrix<double>(y) - by_turn, -by_shift, world_from_a, jacobians[0]);

@@ -45,8 +45,8 @@ Eigen::Matrix<double, 6, 6> ParseInformation(const std::string_view* words) {
       information(row, column) = information(column, row) = ParseNumber(*words++);
     }
   }
-  if (information.llt().info() != Eigen::Success) {
-    throw InputError("the information matrix must be positive definite");
+  if (!IsInformation(information)) {
+    throw InputError("the information matrix must be positive semidefinite");
   }
   return information;
 }

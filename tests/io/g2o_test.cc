@@ -82,6 +82,16 @@ TEST(G2o, ReadsWhatItWrote) {
   }
 }
 
+TEST(G2o, ReadsWhatMeasuresSomeDirectionsOnly) {
+  const TempFolder folder;
+  const G2oFile file = ReadG2o(folder.Write(
+      "a.g2o", kVertices + "EDGE_SE3:QUAT 7 8 0 0 0 0 0 0 1 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0" +
+                   " 0 0 0 0 0 0\n"));
+  Eigen::Matrix<double, 6, 1> translations;
+  translations << 0, 0, 0, 1, 1, 1;
+  EXPECT_EQ(file.graph.edges[0].information.diagonal(), translations);
+}
+
 TEST(G2o, RefusesBadFilesByLineAndConstraint) {
   const TempFolder folder;
   const auto refuse = [&](const std::string& line, const std::string& message) {
@@ -97,7 +107,7 @@ TEST(G2o, RefusesBadFilesByLineAndConstraint) {
   refuse("EDGE_SE3:QUAT 7 7 0 0 0 0 0 0 1" + kIdentity, "an edge must join two poses");
   refuse("EDGE_SE3:QUAT 7 8 0 0 0 0 0 0 1 1", "EDGE_SE3:QUAT has 11 words, must have 31");
   refuse("EDGE_SE3:QUAT 7 8 0 0 0 0 0 0 1 -1" + kIdentity.substr(2),
-         "the information matrix must be positive definite");
+         "the information matrix must be positive semidefinite");
   refuse("FIX 9", "there is no vertex of the id 9");
   const std::string flat = folder.Write("flat.g2o", "VERTEX_SE2 0 0 0 0\n");
   ExpectInputError([&] { ReadG2o(flat); }, HasSubstr("flat.g2o has no lines VERTEX_SE3:QUAT"));

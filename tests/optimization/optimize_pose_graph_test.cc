@@ -46,6 +46,36 @@ TEST(OptimizePoseGraph, FindsTheTruthOfExactMeasurements) {
   }
 }
 
+// Each measurement as two of rank 3, whose informations add up to its own.
+PoseGraph SplitByDirection(const PoseGraph& graph) {
+  using Matrix6d = Eigen::Matrix<double, 6, 6>;
+  PoseGraph split = graph;
+  split.edges.clear();
+  for (const PoseGraphEdge& edge : graph.edges) {
+    const Matrix6d root = edge.information.llt().matrixU();
+    for (const int part : {0, 3}) {
+      const Matrix6d half = root.middleRows<3>(part).transpose() * root.middleRows<3>(part);
+      split.edges.push_back(edge);
+      split.edges.back().information = (half + half.transpose()) / 2;
+    }
+  }
+  return split;
+}
+
+TEST(OptimizePoseGraph, TakesMeasurementsOfSomeDirectionsOnly) {
+  const PoseGraph whole = MakeSphere(20, 20).graph;
+  for (const std::string& way : PoseGraphInitializationNames()) {
+    PoseGraphOptions options;
+    options.initialization = way;
+    PoseGraph graph = whole, split = SplitByDirection(whole);
+    const PoseGraphSummary expected = OptimizePoseGraph(options, &graph);
+    const PoseGraphSummary summary = OptimizePoseGraph(options, &split);
+    EXPECT_EQ(summary.termination, PoseGraphTermination::kConverged) << way;
+    EXPECT_NEAR(summary.final_cost, expected.final_cost, 1e-9 * expected.final_cost) << way;
+    EXPECT_NEAR(summary.final_cost, Cost(split), 1e-10 * summary.final_cost) << way;
+  }
+}
+
 // The cost at the truth is 1/2 chi-square of 6 a measurement; the minimum's has 6 a free pose less.
 TEST(OptimizePoseGraph, CostIsThatOfTheNoise) {
   TrueGraph sphere = MakeSphere(20, 20);

@@ -43,7 +43,7 @@ TEST(PoseGraph, RefusesImpossibleGraphs) {
   ExpectInputError([&] { graph.Validate(); },
                    HasSubstr("edge 1 joins poses 1 and 15, must be two of 15"));
   graph = Small();
-  graph.edges[1].information(0, 0) = -1;
+  graph.edges[1].information(0, 0) *= -1;
   ExpectInputError([&] { graph.Validate(); },
                    HasSubstr("information of the edge between poses 1 and 2 must be"));
   graph = Small();

@@ -22,10 +22,15 @@ struct PoseGraphPose {
 struct PoseGraphEdge {
   std::size_t a = 0, b = 0;  // indices of poses
   Rigid3d a_from_b;
-  // Of that increment (1/rad^2, 1/m^2), as IcpResult::information is for a = target, b = source.
+  // Of that increment (1/rad^2, 1/m^2), as IcpResult::information is for a = target, b = source;
+  // 0 along what was not measured.
   Eigen::Matrix<double, 6, 6> information = Eigen::Matrix<double, 6, 6>::Identity();
   bool loop = false;  // may be wrong; others, the odometry, are trusted
 };
+
+// Whether a matrix is finite, symmetric and positive semidefinite, but for rounding to 6 digits as
+// in files.
+bool IsInformation(const Eigen::Matrix<double, 6, 6>& matrix);
 
 // Poses and what was measured between them.
 struct PoseGraph {
@@ -33,8 +38,7 @@ struct PoseGraph {
   std::vector<PoseGraphEdge> edges;
 
   // Throws InputError naming the pose or edge if ids are not unique, an edge's poses do not exist
-  // or are the same one, numbers are not finite, or an information matrix is not symmetric and
-  // positive definite.
+  // or are the same one, numbers are not finite, or IsInformation() does not hold.
   void Validate() const;
 };
 
