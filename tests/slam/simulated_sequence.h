@@ -25,9 +25,10 @@ struct SimulatedSequence {
 enum class Sensor { kIdeal, kKinect };
 
 inline SimulatedSequence Simulate(const std::string& name, std::uint64_t seed, int frames,
-                                  Sensor sensor) {
+                                  Sensor sensor, const PinholeCamera& camera = SimulatedCamera()) {
   const Scene scene = MakeScene(name, seed);
   SimulatedSequence sequence;
+  sequence.camera = camera;
   for (const StampedPose& pose : MakePath(scene, frames, seed)) {
     const int index = static_cast<int>(sequence.frames.size());
     Rendering image = Render(scene, sequence.camera, pose.world_from_camera);
