@@ -51,9 +51,9 @@ void CalibrationFromBlock(const double* block, DepthCalibration* calibration) {
   std::copy(block + kFieldBegin, block + kCalibrationSize, calibration->field.coefficients.begin());
 }
 
-JointCost::JointCost(const SharedSurfels& shared, const JointState& initial,
-                     const RobustKernel& kernel)
-    : shared_(shared), initial_(initial), kernel_(kernel) {
+JointCost::JointCost(const SharedSurfels& shared, const MotionPrior& prior,
+                     const JointState& initial, const RobustKernel& kernel)
+    : shared_(shared), prior_(prior), initial_(initial), kernel_(kernel) {
   const auto poses = static_cast<int>(initial.world_from_camera.size());
   mutable_parameter_block_sizes()->assign(poses, kPoseSize);
   mutable_parameter_block_sizes()->push_back(kCalibrationSize);
@@ -74,10 +74,11 @@ bool JointCost::Evaluate(double const* const* parameters, double* residuals,
   const int rows = num_residuals();
   if (jacobians == nullptr) {
     std::fill(residuals, residuals + rows, 0.);
-    residuals[0] = std::sqrt(FitOf(shared_, state, kernel_).rho);
+    residuals[0] = std::sqrt(FitOf(shared_, state, kernel_).rho + prior_.Rho(state));
     return std::isfinite(residuals[0]);
   }
-  const ReducedSystem system = Reduce(shared_, state, kernel_);
+  ReducedSystem system = Reduce(shared_, state, kernel_);
+  prior_.AddTo(state, &system);
   if (!std::isfinite(system.rho)) return false;
   const TriangularFactor factor = Factorize(system);
   Eigen::Map<Eigen::VectorXd>(residuals, rows - 1) = factor.q;

@@ -4,12 +4,13 @@
 
 #include <vector>
 
+#include "refinement/motion_prior.h"
 #include "refinement/reduced_system.h"
 
 namespace surfit {
 
-// All observations of all surfels as one Ceres residual block over the poses (pose.h, on
-// ProductPoseManifold) and the calibration, the displacements eliminated.
+// All observations of all surfels, and the prior, as one Ceres residual block over the poses
+// (pose.h, on ProductPoseManifold) and the calibration, the displacements eliminated.
 //
 // The triangular factor R of the reduced hessian, with R^T q = gradient and |q|^2 + e^2 = sum of
 // rho, has the cost, the gradient and the Gauss-Newton matrix of all rows, so that
@@ -17,8 +18,9 @@ namespace surfit {
 // displacements the gradient is that of the cost which has them eliminated.
 class JointCost final : public ceres::CostFunction {
  public:
-  // Both must outlive it.
-  JointCost(const SharedSurfels& shared, const JointState& initial, const RobustKernel& kernel);
+  // All three must outlive it.
+  JointCost(const SharedSurfels& shared, const MotionPrior& prior, const JointState& initial,
+            const RobustKernel& kernel);
 
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override;
@@ -27,6 +29,7 @@ class JointCost final : public ceres::CostFunction {
   JointState StateOf(double const* const* parameters) const;
 
   const SharedSurfels& shared_;
+  const MotionPrior& prior_;
   const JointState& initial_;  // the image's size
   RobustKernel kernel_;
 };

@@ -47,10 +47,11 @@ std::vector<bool> HeldCalibration(const RefinementOptions& options) {
   return held;
 }
 
-int MinimizeJointly(const SharedSurfels& shared, const RobustKernel& kernel,
-                    const RefinementOptions& options, JointState* state) {
+int MinimizeJointly(const SharedSurfels& shared, const MotionPrior& prior,
+                    const RobustKernel& kernel, const RefinementOptions& options,
+                    JointState* state) {
   const JointState initial = *state;
-  JointCost cost(shared, initial, kernel);
+  JointCost cost(shared, prior, initial, kernel);
   ProductPoseManifold pose_manifold;
   ceres::SubsetManifold free_calibration(kCalibrationSize, IndicesOf(HeldCalibration(options)));
   std::vector<std::array<double, kPoseSize>> poses(initial.world_from_camera.size());

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "refinement/reduced_system.h"
+#include "refinement/motion_prior.h"
 
 namespace surfit {
 
@@ -14,7 +14,8 @@ std::vector<bool> HeldCalibration(const RefinementOptions& options);
 // Moves poses, but for the first, and the free calibration to the least cost, by Ceres'
 // Levenberg-Marquardt, with the same observations throughout. Returns the number of steps, or
 // kNoSolution, which leaves the state as it was.
-int MinimizeJointly(const SharedSurfels& shared, const RobustKernel& kernel,
-                    const RefinementOptions& options, JointState* state);
+int MinimizeJointly(const SharedSurfels& shared, const MotionPrior& prior,
+                    const RobustKernel& kernel, const RefinementOptions& options,
+                    JointState* state);
 
 }  // namespace surfit

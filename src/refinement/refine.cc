@@ -1,19 +1,17 @@
 #include "surfit/refinement/refine.h"
 
-#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/named_values.h"
-#include "cost_functions/plane_inverse_depth.h"
-#include "refinement/calibration_covariance.h"
+#include "refinement/agreement.h"
+#include "refinement/joint_covariance.h"
 #include "refinement/joint_solver.h"
+#include "refinement/rounds.h"
 #include "surfit/core/error.h"
-#include "surfit/core/trace.h"
 
 namespace surfit {
 namespace {
-
-constexpr std::size_t kLeastSurfels = 100;
 
 constexpr NamedValue<RefinementTermination> kTerminations[] = {
     {"converged", RefinementTermination::kConverged},
@@ -23,12 +21,6 @@ constexpr NamedValue<RefinementTermination> kTerminations[] = {
 
 void Require(bool holds, const char* field, double value, const char* constraint) {
   if (!holds) throw InputError(Concat(field, " is ", value, ", must be ", constraint));
-}
-
-RefinementFit Agreement(const JointFit& fit) {
-  if (!(fit.weight > 0)) return {};
-  return {fit.rho / 2, std::sqrt(fit.squared_sigmas / fit.weight),
-          std::sqrt(fit.squared_metres / fit.weight)};
 }
 
 JointState StateOf(const std::vector<RefinementKeyframe>& keyframes,
@@ -41,59 +33,68 @@ JointState StateOf(const std::vector<RefinementKeyframe>& keyframes,
   return state;
 }
 
-void TakePoses(const JointState& state, std::vector<RefinementKeyframe>* keyframes) {
-  for (std::size_t k = 0; k < keyframes->size(); ++k) {
-    (*keyframes)[k].world_from_camera = state.world_from_camera[k];
-  }
-}
-
-RobustKernel Widened(RobustKernel kernel, double growth) {
-  kernel.width *= growth;
-  return kernel;
-}
-
-// The factor of an observation's variance that the residuals show: their weighted mean square, for
-// as many as they are more than what they determine.
-double VarianceFactor(const JointFit& fit, const SharedSurfels& shared, std::size_t poses) {
-  const double all = static_cast<double>(shared.observations.size());
-  const double found = static_cast<double>(shared.surfels.size() + kPoseTangentSize * poses);
-  return all > found && fit.weight > 0 ? fit.squared_sigmas / fit.weight * all / (all - found) : 0;
-}
-
-// One round: false if it failed, with the termination that says how.
-bool RunRound(const RefinementOptions& options, const RobustKernel& kernel,
-              const std::vector<RefinementKeyframe>& keyframes, JointState* state,
-              RefinementRound* round, RefinementTermination* termination) {
-  const TraceSlice slice("refine_round");
-  const SharedSurfels shared = MakeSharedSurfels(keyframes, state->calibration, options);
-  round->surfels = shared.surfels.size();
-  round->observations = shared.observations.size();
-  if (shared.surfels.size() < kLeastSurfels) {
-    *termination = RefinementTermination::kTooFewSurfels;
-    return false;
-  }
-  round->before = Agreement(FitOf(shared, *state, kernel));
-  round->iterations = MinimizeJointly(shared, kernel, options, state);
-  if (round->iterations == kNoSolution) {
-    *termination = RefinementTermination::kFailed;
-    return false;
-  }
-  round->after = Agreement(FitOf(shared, *state, kernel));
-  round->calibration = state->calibration;
-  return true;
-}
-
-void SetCovariance(const RefinementOptions& options,
-                   const std::vector<RefinementKeyframe>& keyframes, const JointState& state,
-                   RefinementSummary* summary) {
+// Sets the fit and the covariances of where all is, but for the distance of the calibration.
+void SetAgreement(const RefinementOptions& options,
+                  const std::vector<RefinementKeyframe>& keyframes, MotionPrior* prior,
+                  const JointState& state, RefinementSummary* summary) {
   const RobustKernel& kernel = options.error_model.kernel;
   const SharedSurfels shared = MakeSharedSurfels(keyframes, state.calibration, options);
   const JointFit fit = FitOf(shared, state, kernel);
-  const double cells_per_window =
-      static_cast<double>(options.correlation_px) / CellSize(state.calibration, options);
-  summary->calibration_covariance =
-      VarianceFactor(fit, shared, keyframes.size()) * std::max(1., std::pow(cells_per_window, 2)) *
-      CalibrationCovariance(Reduce(shared, state, kernel), HeldCalibration(options));
+  summary->after = Agreement(fit);
+  const double variance = VarianceOf(fit, shared, state, options);
+  ReducedSystem system = Reduce(shared, state, kernel);
+  prior->SetWeight(variance);
+  prior->AddTo(state, &system);
+  const JointCovariance covariance = CovarianceOf(system, HeldCalibration(options));
+  summary->calibration_covariance = variance * covariance.calibration;
+  summary->pose_covariances.clear();
+  for (const Eigen::MatrixXd& pose : covariance.poses) {
+    summary->pose_covariances.push_back(variance * pose);
+  }
+}
+
+RefinementFit FitOf(const RefinementOptions& options,
+                    const std::vector<RefinementKeyframe>& keyframes, const JointState& state) {
+  const SharedSurfels shared = MakeSharedSurfels(keyframes, state.calibration, options);
+  return Agreement(FitOf(shared, state, options.error_model.kernel));
+}
+
+// Refines from the given poses; those and the calibration stay as given if it fails.
+void RefineFrom(const JointState& given, const RefinementOptions& options, MotionPrior prior,
+                std::vector<RefinementKeyframe>* keyframes, RefinementSummary* summary,
+                const std::function<void(const RefinementRound&)>& progress) {
+  TakePoses(given, keyframes);
+  JointState state = given;
+  summary->termination = RunRounds(options, keyframes, &prior, &state, &summary->rounds, progress);
+  summary->calibration = state.calibration;
+  if (summary->Succeeded()) SetAgreement(options, *keyframes, &prior, state, summary);
+}
+
+MotionPrior PriorOf(const JointState& given, const RefinementOptions& options) {
+  if (options.motion_sigma_m == 0 || options.motion_sigma_rad == 0) return {};
+  return {given.world_from_camera, options.motion_sigma_m, options.motion_sigma_rad};
+}
+
+bool FindsCalibration(const RefinementOptions& options) {
+  return options.free_intrinsics || options.free_depth_offset || options.free_depth_field;
+}
+
+// The options with which poses alone are refined.
+RefinementOptions OfPoses(RefinementOptions options) {
+  options.free_intrinsics = options.free_depth_offset = options.free_depth_field = false;
+  options.max_normal_angle_rad *= options.kept_angle_share;
+  options.error_model.kernel.width *= options.kept_kernel_share;
+  return options;
+}
+
+// Refines the poses with the given calibration.
+void RefinePoses(const JointState& given, const RefinementOptions& options,
+                 std::vector<RefinementKeyframe>* keyframes, RefinementSummary* summary,
+                 const std::function<void(const RefinementRound&)>& progress) {
+  const RefinementOptions of_poses = OfPoses(options);
+  TakePoses(given, keyframes);
+  summary->before = FitOf(of_poses, *keyframes, given);
+  RefineFrom(given, of_poses, PriorOf(given, options), keyframes, summary, progress);
 }
 
 }  // namespace
@@ -111,6 +112,13 @@ void RefinementOptions::Validate() const {
   Require(max_slant_rad > 0 && max_slant_rad < M_PI / 2, "max_slant_rad", max_slant_rad,
           "positive and below pi/2");
   error_model.Validate();
+  Require(motion_sigma_m >= 0, "motion_sigma_m", motion_sigma_m, "zero or positive");
+  Require(motion_sigma_rad >= 0, "motion_sigma_rad", motion_sigma_rad, "zero or positive");
+  Require(kept_angle_share > 0 && kept_angle_share <= 1, "kept_angle_share", kept_angle_share,
+          "positive and at most 1");
+  Require(kept_kernel_share > 0 && kept_kernel_share <= 1, "kept_kernel_share", kept_kernel_share,
+          "positive and at most 1");
+  Require(calibration_sigmas >= 0, "calibration_sigmas", calibration_sigmas, "zero or positive");
   Require(max_rounds >= 1 && max_rounds <= 1000, "max_rounds", max_rounds, "from 1 to 1000");
   Require(max_iterations >= 1 && max_iterations <= 1000, "max_iterations", max_iterations,
           "from 1 to 1000");
@@ -129,28 +137,23 @@ RefinementSummary Refine(const RefinementOptions& options, const DepthCalibratio
   summary.termination = RefinementTermination::kTooFewSurfels;
   if (keyframes->size() < 2) return summary;
   const JointState given = StateOf(*keyframes, initial);
-  JointState state = given;
-  double growth = options.kernel_growth;
-  summary.termination = RefinementTermination::kMaxRounds;
-  for (int i = 0; i < options.max_rounds; ++i) {
-    RefinementRound round;
-    const RobustKernel kernel = Widened(options.error_model.kernel, growth);
-    if (!RunRound(options, kernel, *keyframes, &state, &round, &summary.termination)) {
-      TakePoses(given, keyframes);
-      return summary;
-    }
-    TakePoses(state, keyframes);
-    summary.rounds.push_back(round);
-    progress(round);
-    const double change = 1 - round.after.cost / round.before.cost;
-    if (growth == 1 && change < options.min_relative_cost_change) {
-      summary.termination = RefinementTermination::kConverged;
-      break;
-    }
-    growth = std::max(1., growth / 2);
+  if (!FindsCalibration(options)) {
+    RefinePoses(given, options, keyframes, &summary, progress);
+    return summary;
   }
-  summary.calibration = state.calibration;
-  SetCovariance(options, *keyframes, state, &summary);
+  summary.before = FitOf(options, *keyframes, given);
+  RefineFrom(given, options, {}, keyframes, &summary, progress);
+  if (!summary.Succeeded()) return summary;
+  const CalibrationChange change =
+      ChangeOf(summary.calibration, initial, summary.calibration_covariance);
+  summary.calibration_distance = change.squared_distance;
+  summary.calibration_limit = change.Limit(options.calibration_sigmas);
+  summary.calibration_kept = change.squared_distance <= summary.calibration_limit;
+  if (summary.calibration_kept) {
+    const Eigen::MatrixXd covariance = summary.calibration_covariance;
+    RefinePoses(given, options, keyframes, &summary, progress);
+    summary.calibration_covariance = covariance;
+  }
   return summary;
 }
 

@@ -1,5 +1,6 @@
 #include "run/refinement_json.h"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <vector>
@@ -36,6 +37,16 @@ Json SigmasOf(const Eigen::MatrixXd& covariance) {
           {"inverse_depth_field", field}};
 }
 
+Json LargestSigmasOf(const std::vector<Eigen::MatrixXd>& pose_covariances) {
+  if (pose_covariances.empty()) return nullptr;
+  double turn = 0, shift = 0;
+  for (const Eigen::MatrixXd& covariance : pose_covariances) {
+    turn = std::max(turn, covariance.diagonal().head<3>().maxCoeff());
+    shift = std::max(shift, covariance.diagonal().tail<3>().maxCoeff());
+  }
+  return {{"rad", std::sqrt(turn)}, {"m", std::sqrt(shift)}};
+}
+
 Json ToJson(const RefinementFit& fit) {
   return {{"cost", fit.cost}, {"rms_sigmas", fit.rms_sigmas}, {"rms_m", fit.rms_m}};
 }
@@ -59,7 +70,12 @@ void WriteRefinementJson(const RefineRunSummary& s, const RefineRunOptions& opti
   j["ate_rmse_m"] = {{"before", AteOf(s.before)}, {"after", AteOf(s.after)}};
   j["calibration"] = {{"before", ToJson(s.given)},
                       {"after", ToJson(s.calibration)},
-                      {"standard_deviations", SigmasOf(s.refinement.calibration_covariance)}};
+                      {"standard_deviations", SigmasOf(s.refinement.calibration_covariance)},
+                      {"kept", s.refinement.calibration_kept},
+                      {"squared_distance", s.refinement.calibration_distance},
+                      {"limit", s.refinement.calibration_limit}};
+  j["fit"] = {{"before", ToJson(s.refinement.before)}, {"after", ToJson(s.refinement.after)}};
+  j["largest_standard_deviations_of_poses"] = LargestSigmasOf(s.refinement.pose_covariances);
   j["scale"] = "held: nothing in a sequence tells the size of the world";
   j["rounds"] = Json::array();
   for (const RefinementRound& round : s.refinement.rounds) j["rounds"].push_back(ToJson(round));

@@ -104,7 +104,8 @@ TEST_P(ReducedSystemOfKernel, IsTheSchurComplementOfTheFullOne) {
 
 TEST_P(ReducedSystemOfKernel, IsCarriedByTheCost) {
   const ReducedSystem reduced = Reduce(problem_.shared, problem_.state, kernel_);
-  const JointCost cost(problem_.shared, problem_.state, kernel_);
+  const MotionPrior none;
+  const JointCost cost(problem_.shared, none, problem_.state, kernel_);
   const std::size_t poses = problem_.state.world_from_camera.size();
   std::vector<std::array<double, kPoseSize>> pose_blocks(poses);
   double calibration[kCalibrationSize];

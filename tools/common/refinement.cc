@@ -42,10 +42,19 @@ void AddCalibrationRows(const RefineRunSummary& s, std::vector<Row>* rows) {
   }
 }
 
+// Whether the calibration is another one, and how it was told.
+std::string CalibrationLine(const RefinementSummary& s) {
+  if (s.calibration_limit == 0) return "";
+  return Concat("the calibration that was found differs ",
+                s.calibration_kept ? "by no more than noise would make it; the given one is kept"
+                                   : "from the given one by more than noise",
+                " (squared distance ", Number(s.calibration_distance, 3), ", limit ",
+                Number(s.calibration_limit, 3), ")\n");
+}
+
 void PrintOutcome(const RefineRunSummary& s, const std::string& output) {
   std::vector<Row> rows = {{"", "before", "after", "standard deviation"}, AteRow(s)};
-  const RefinementFit &first = s.refinement.rounds.front().before,
-                      &last = s.refinement.rounds.back().after;
+  const RefinementFit &first = s.refinement.before, &last = s.refinement.after;
   rows.push_back(
       {"point to plane RMS, mm", Number(1000 * first.rms_m, 4), Number(1000 * last.rms_m, 4), ""});
   AddCalibrationRows(s, &rows);
@@ -53,7 +62,7 @@ void PrintOutcome(const RefineRunSummary& s, const std::string& output) {
             << s.refinement.rounds.size() << " rounds, " << s.keyframes << " keyframes of "
             << s.poses << " poses, " << s.map_points << " surfels in the map, "
             << Number(s.total_s, 3) << " s\n"
-            << TextTable(rows, 1)
+            << TextTable(rows, 1) << CalibrationLine(s.refinement)
             << "scale is held: nothing in a sequence tells the size of the world" << std::endl;
 }
 

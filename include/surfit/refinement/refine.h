@@ -28,6 +28,20 @@ struct RefinementOptions {
   double max_slant_rad = 1.2;         // of a surface to the ray that sees it
   ErrorModel error_model;             // sigma and robust kernel; its intensities are not used
 
+  // With a calibration that is right as given, the motion from each keyframe to the next counts
+  // with these standard deviations: tracking has found it with all frames in between, and all their
+  // pixels. 0 = it does not count.
+  double motion_sigma_m = 0.0005;
+  double motion_sigma_rad = 0.0005;
+  // The given calibration is kept if the squared distance of the one that is found from it, by the
+  // covariance of that, is not above its mean by more than so many of its standard deviations.
+  double calibration_sigmas = 3;
+  // And with it, max_normal_angle_rad and the kernel's width are these shares of themselves: what
+  // is left over of single pixels is about half a sigma. What bends, or is next to a surface, would
+  // count as measured of it; a wrong calibration needs both wide, to be found.
+  double kept_angle_share = 1. / 3;
+  double kept_kernel_share = 0.5;
+
   int max_rounds = 15;      // of making surfels and moving all
   int max_iterations = 10;  // of Levenberg-Marquardt, in each round
   // Rounds end when one lowers the cost of its observations by less than this share.
@@ -62,7 +76,8 @@ struct RefinementFit {
   double rms_m = 0;       // from point to plane
 };
 
-// What one round did: it makes surfels and finds who sees them, and then moves all.
+// What one round did: it makes surfels and finds who sees them, and then moves all. The kernel is
+// the round's.
 struct RefinementRound {
   std::size_t surfels = 0, observations = 0;
   RefinementFit before, after;  // of these observations
@@ -73,12 +88,20 @@ struct RefinementRound {
 // The outcome of a refinement.
 struct RefinementSummary {
   RefinementTermination termination = RefinementTermination::kFailed;
-  DepthCalibration calibration;  // as it was given where refinement failed
+  DepthCalibration calibration;  // as it was given where refinement failed, or where it is kept
   // Of fx fy cx cy [px] and c0 .. c5 [1/m], 10 x 10, zero of those that were held; empty where
   // refinement failed. From the size of what is left over in the end, the errors of surfels that
   // are correlation_px apart being independent.
   Eigen::MatrixXd calibration_covariance;
-  std::vector<RefinementRound> rounds;
+  // The squared distance, by this covariance, of the calibration that was found from the given one,
+  // and beyond which the given one is not kept. Both 0 if nothing was free.
+  double calibration_distance = 0, calibration_limit = 0;
+  bool calibration_kept = false;  // then poses alone were refined anew, the motion counting
+  // So, of each keyframe's pose, 6 x 6: of exp(w) R and t + v, (w [rad], v [m]). Zero of the first,
+  // which is held; infinite on the diagonal where nothing ties a keyframe to others.
+  std::vector<Eigen::MatrixXd> pose_covariances;
+  RefinementFit before, after;          // of surfels made where all was, and where all is
+  std::vector<RefinementRound> rounds;  // of both if poses were refined anew
 
   bool Succeeded() const {
     return termination == RefinementTermination::kConverged ||
@@ -92,8 +115,15 @@ struct RefinementSummary {
 //     1/2 sum_(s, k) rho(r_sk^2),  r_sk the PlaneInverseDepth residual.
 // Each displacement occurs in the residuals of its own surfel only, and is eliminated in closed
 // form (Schur complement): Ceres' Levenberg-Marquardt sees poses and calibration alone. The first
-// keyframe's pose is held. The same input gives the same output at any number of threads.
-// `progress` is called after each round.
+// keyframe's pose is held.
+//
+// If the calibration that is found is no other than the given one, as far as its covariance tells,
+// the given one is kept, and the poses are refined with it from where they were. Then the given
+// motion between keyframes counts, too (MotionPrior): tracking with a wrong calibration would be
+// wrong.
+//
+// The same input gives the same output at any number of threads. `progress` is called after each
+// round.
 RefinementSummary Refine(const RefinementOptions& options, const DepthCalibration& initial,
                          std::vector<RefinementKeyframe>* keyframes,
                          const std::function<void(const RefinementRound&)>& progress);

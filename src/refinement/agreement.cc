@@ -1,0 +1,55 @@
+#include "refinement/agreement.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "cost_functions/plane_inverse_depth.h"
+#include "refinement/joint_cost.h"
+
+namespace surfit {
+
+RefinementFit Agreement(const JointFit& fit) {
+  if (!(fit.weight > 0)) return {};
+  return {fit.rho / 2, std::sqrt(fit.squared_sigmas / fit.weight),
+          std::sqrt(fit.squared_metres / fit.weight)};
+}
+
+double VarianceOf(const JointFit& fit, const SharedSurfels& shared, const JointState& state,
+                  const RefinementOptions& options) {
+  const double all = static_cast<double>(shared.observations.size());
+  const double found = static_cast<double>(shared.surfels.size() +
+                                           kPoseTangentSize * state.world_from_camera.size());
+  if (!(all > found && fit.weight > 0)) return 0;
+  const double cells_per_window =
+      static_cast<double>(options.correlation_px) / CellSize(state.calibration, options);
+  return fit.squared_sigmas / fit.weight * all / (all - found) *
+         std::max(1., cells_per_window * cells_per_window);
+}
+
+double CalibrationChange::Limit(double sigmas) const {
+  return free + sigmas * std::sqrt(2. * free);
+}
+
+CalibrationChange ChangeOf(const DepthCalibration& calibration, const DepthCalibration& given,
+                           const Eigen::MatrixXd& covariance) {
+  using Vector = Eigen::Matrix<double, kCalibrationSize, 1>;
+  Vector found, was;
+  CalibrationToBlock(calibration, found.data());
+  CalibrationToBlock(given, was.data());
+  std::vector<Eigen::Index> free;
+  for (Eigen::Index i = 0; i < kCalibrationSize; ++i) {
+    if (covariance(i, i) > 0) free.push_back(i);
+  }
+  const Eigen::VectorXd change = (found - was)(free);
+  // Scaled, as px and 1/m differ by orders of magnitude.
+  const Eigen::VectorXd sigma = covariance.diagonal()(free).cwiseSqrt();
+  const Eigen::MatrixXd correlation = sigma.cwiseInverse().asDiagonal() *
+                                      covariance(free, free).eval() *
+                                      sigma.cwiseInverse().asDiagonal();
+  const Eigen::VectorXd scaled = change.cwiseQuotient(sigma);
+  return {scaled.dot(correlation.ldlt().solve(scaled)), static_cast<int>(free.size())};
+}
+
+}  // namespace surfit

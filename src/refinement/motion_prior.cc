@@ -1,0 +1,83 @@
+#include "refinement/motion_prior.h"
+
+#include "cost_functions/pose_manifold.h"
+#include "cost_functions/robust_kernel.h"
+
+namespace surfit {
+namespace {
+
+// Six residuals of unit variance have a norm of 2.4. Beyond, as where tracking was lost in between,
+// an edge pulls no stronger.
+constexpr RobustKernel kKernel = {RobustKernelType::kHuber, 4};
+
+PoseInformation InformationOf(double sigma_m, double sigma_rad) {
+  PoseInformation information = PoseInformation::Identity();
+  information.diagonal().head<3>().setConstant(1 / (sigma_rad * sigma_rad));
+  information.diagonal().tail<3>().setConstant(1 / (sigma_m * sigma_m));
+  return information;
+}
+
+// One edge at the poses of a state.
+struct EdgeRows {
+  Eigen::Matrix<double, 6, 1> residual;
+  Eigen::Matrix<double, 6, 2 * kPoseTangentSize> jacobian;  // by the increments of both poses
+};
+
+EdgeRows RowsOf(const AnalyticRelativePose& edge, const Rigid3d& a, const Rigid3d& b) {
+  using ByBlock = Eigen::Matrix<double, 6, kPoseSize, Eigen::RowMajor>;
+  double blocks[2][kPoseSize];
+  PoseToBlock(a, blocks[0]);
+  PoseToBlock(b, blocks[1]);
+  const double* poses[] = {blocks[0], blocks[1]};
+  ByBlock by_block[2];
+  double* jacobians[] = {by_block[0].data(), by_block[1].data()};
+  EdgeRows rows;
+  edge.Evaluate(poses, rows.residual.data(), jacobians);
+  for (int i = 0; i < 2; ++i) {
+    Eigen::Matrix<double, kPoseSize, kPoseTangentSize, Eigen::RowMajor> plus;
+    ProductPoseManifold().PlusJacobian(blocks[i], plus.data());
+    rows.jacobian.middleCols<kPoseTangentSize>(kPoseTangentSize * i) = by_block[i] * plus;
+  }
+  return rows;
+}
+
+}  // namespace
+
+MotionPrior::MotionPrior(const std::vector<Rigid3d>& world_from_camera, double sigma_m,
+                         double sigma_rad) {
+  const PoseInformation information = InformationOf(sigma_m, sigma_rad);
+  for (std::size_t k = 1; k < world_from_camera.size(); ++k) {
+    edges_.emplace_back(world_from_camera[k - 1].Inverse() * world_from_camera[k], information);
+  }
+}
+
+double MotionPrior::Rho(const JointState& state) const {
+  double rho = 0;
+  for (std::size_t k = 0; k < edges_.size(); ++k) {
+    double a[kPoseSize], b[kPoseSize];
+    PoseToBlock(state.world_from_camera[k], a);
+    PoseToBlock(state.world_from_camera[k + 1], b);
+    const double* poses[] = {a, b};
+    Eigen::Matrix<double, 6, 1> residual;
+    edges_[k].Evaluate(poses, residual.data(), nullptr);
+    rho += weight_ * EvaluateKernel(kKernel, residual.squaredNorm()).rho;
+  }
+  return rho;
+}
+
+void MotionPrior::AddTo(const JointState& state, ReducedSystem* system) const {
+  for (std::size_t k = 0; k < edges_.size(); ++k) {
+    const EdgeRows rows =
+        RowsOf(edges_[k], state.world_from_camera[k], state.world_from_camera[k + 1]);
+    const KernelValue<double> kernel = EvaluateKernel(kKernel, rows.residual.squaredNorm());
+    const double weight = weight_ * kernel.slope;
+    const auto begin = static_cast<Eigen::Index>(kPoseTangentSize * k);
+    constexpr int kSize = 2 * kPoseTangentSize;
+    system->hessian.block<kSize, kSize>(begin, begin) +=
+        weight * rows.jacobian.transpose() * rows.jacobian;
+    system->gradient.segment<kSize>(begin) += weight * rows.jacobian.transpose() * rows.residual;
+    system->rho += weight_ * kernel.rho;
+  }
+}
+
+}  // namespace surfit
