@@ -20,30 +20,69 @@ constexpr NamedValue<ceres::LinearSolverType> kLinearSolvers[] = {
     {"dense_normal_cholesky", ceres::DENSE_NORMAL_CHOLESKY},
     {"sparse_normal_cholesky", ceres::SPARSE_NORMAL_CHOLESKY}};
 
-template <typename S>
-void SolveProblem(ceres::LinearSolverType type, double min_relative_cost_change,
-                  ceres::Problem* problem, SolveReport* report) {
-  ceres::Solver::Options options;
-  options.function_tolerance = std::max(LmTolerances<S>::kFunction, min_relative_cost_change);
-  options.gradient_tolerance = LmTolerances<S>::kGradient;
-  options.parameter_tolerance = LmTolerances<S>::kParameter;
-  options.max_num_iterations = LmTolerances<S>::kMaxIterations;
-  options.linear_solver_type = type;
-  options.num_threads = 1;  // the reduced block has its own; sums over points must keep their order
-  options.logging_type = ceres::SILENT;
-  ceres::Solver::Summary summary;
-  const Stopwatch solving;
-  ceres::Solve(options, problem, &summary);
-  report->solve_ms = solving.Milliseconds();
-  report->linearize_ms = 1000 * summary.jacobian_evaluation_time_in_seconds /
-                         std::max(1, summary.num_jacobian_evaluations);
-  report->costs.clear();
-  for (const ceres::IterationSummary& iteration : summary.iterations) {
-    if (iteration.iteration == 0 || iteration.step_is_successful) {
-      report->costs.push_back(iteration.cost);
+// A pose that starts at the identity, and what is to be minimised over it.
+//
+// Ceres drops the step that ends a solve, by changing the cost by less than the tolerance. Where
+// that is more than precision can tell, the step is most of the way that is left: the next would be
+// as much smaller again as this one was. So the last point that Ceres evaluated is kept.
+class PoseProblem final : private ceres::EvaluationCallback {
+ public:
+  PoseProblem() : problem_(ProblemOptions(this)) {
+    problem_.AddParameterBlock(pose_.data(), kPoseSize, new LeftPoseManifold);
+  }
+
+  // The loss function, if any, stays the caller's and must outlive the problem.
+  void Add(ceres::CostFunction* cost, ceres::LossFunction* loss = nullptr) {
+    problem_.AddResidualBlock(cost, loss, pose_.data());
+  }
+
+  // Gives the increment of the pose, from pairs of precision S.
+  template <typename S>
+  Vector6d Solve(ceres::LinearSolverType type, double min_relative_cost_change,
+                 SolveReport* report) {
+    ceres::Solver::Options options;
+    options.function_tolerance = std::max(LmTolerances<S>::kFunction, min_relative_cost_change);
+    options.gradient_tolerance = LmTolerances<S>::kGradient;
+    options.parameter_tolerance = LmTolerances<S>::kParameter;
+    options.max_num_iterations = LmTolerances<S>::kMaxIterations;
+    options.linear_solver_type = type;
+    options.num_threads = 1;  // a reduced block has its own; sums over points must keep their order
+    options.logging_type = ceres::SILENT;
+    ceres::Solver::Summary summary;
+    const Stopwatch solving;
+    ceres::Solve(options, &problem_, &summary);
+    report->solve_ms = solving.Milliseconds();
+    Describe(summary, report);
+    const bool last_is_better = summary.termination_type == ceres::CONVERGENCE &&
+                                options.function_tolerance > LmTolerances<S>::kFunction;
+    return AsIncrement(last_is_better ? last_ : pose_);
+  }
+
+ private:
+  static ceres::Problem::Options ProblemOptions(ceres::EvaluationCallback* callback) {
+    ceres::Problem::Options options;
+    options.evaluation_callback = callback;
+    options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    return options;
+  }
+
+  static void Describe(const ceres::Solver::Summary& summary, SolveReport* report) {
+    report->linearize_ms = 1000 * summary.jacobian_evaluation_time_in_seconds /
+                           std::max(1, summary.num_jacobian_evaluations);
+    report->costs.clear();
+    for (const ceres::IterationSummary& iteration : summary.iterations) {
+      if (iteration.iteration == 0 || iteration.step_is_successful) {
+        report->costs.push_back(iteration.cost);
+      }
     }
   }
-}
+
+  void PrepareForEvaluation(bool, bool) override { last_ = pose_; }
+
+  PoseBlock pose_ = IdentityBlock();
+  PoseBlock last_ = pose_;
+  ceres::Problem problem_;
+};
 
 class ReducedCeresSolver final : public PairSolver<ReducedCeresSolver> {
  public:
@@ -55,19 +94,13 @@ class ReducedCeresSolver final : public PairSolver<ReducedCeresSolver> {
   Vector6d Solve(Pairs<S> pairs, const RobustKernel& kernel, const IntensityPairs& intensities,
                  const StepResult&, SolveReport* report) const {
     const Stopwatch building;
-    PoseBlock pose = IdentityBlock();
-    ceres::Problem problem;
-    problem.AddParameterBlock(pose.data(), kPoseSize, new LeftPoseManifold);
-    problem.AddResidualBlock(
-        MakeReducedCost(std::move(pairs), options().residual, kernel).release(), nullptr,
-        pose.data());
+    PoseProblem problem;
+    problem.Add(MakeReducedCost(std::move(pairs), options().residual, kernel).release());
     if (intensities.size > 0) {
-      problem.AddResidualBlock(MakeReducedCost(intensities, *photometric()).release(), nullptr,
-                               pose.data());
+      problem.Add(MakeReducedCost(intensities, *photometric()).release());
     }
     report->build_ms = building.Milliseconds();
-    SolveProblem<S>(ceres::DENSE_QR, options().min_relative_cost_change, &problem, report);
-    return AsIncrement(pose);
+    return problem.Solve<S>(ceres::DENSE_QR, options().min_relative_cost_change, report);
   }
 };
 
@@ -99,35 +132,30 @@ class PerPointCeresSolver final : public PairSolver<PerPointCeresSolver> {
                  const StepResult&, SolveReport* report) const {
     return WithFunctorOf(options().residual, [&](const auto& functor) {
       const Stopwatch building;
-      PoseBlock pose = IdentityBlock();
       KernelLoss loss(kernel),
           intensity_loss(photometric() != nullptr ? photometric()->kernel() : kernel);
-      ceres::Problem::Options ownership;
-      ownership.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-      ceres::Problem problem(ownership);
-      problem.AddParameterBlock(pose.data(), kPoseSize, new LeftPoseManifold);
+      PoseProblem problem;
       AddBlocks(MakeBatch(std::move(pairs), functor), functor,
-                kernel.type == RobustKernelType::kNone ? nullptr : &loss, &problem, &pose);
+                kernel.type == RobustKernelType::kNone ? nullptr : &loss, &problem);
       if (intensities.size > 0) {
         AddBlocks(MakeBatch(intensities, *photometric()), FunctorOf(photometric()->camera()),
-                  &intensity_loss, &problem, &pose);
+                  &intensity_loss, &problem);
       }
       report->build_ms = building.Milliseconds();
-      SolveProblem<S>(linear_solver_, options().min_relative_cost_change, &problem, report);
-      return AsIncrement(pose);
+      return problem.Solve<S>(linear_solver_, options().min_relative_cost_change, report);
     });
   }
 
  private:
   template <typename Functor, typename S>
   static void AddBlocks(const BatchData<Functor, S>& batch, const Functor& prototype,
-                        ceres::LossFunction* loss, ceres::Problem* problem, PoseBlock* pose) {
+                        ceres::LossFunction* loss, PoseProblem* problem) {
     for (std::size_t i = 0; i < batch.size(); ++i) {
       auto* functor = new Functor(prototype);
       for (int k = 0; k < Functor::kDataSize; ++k) functor->data[k] = batch.array(k)[i];
-      problem->AddResidualBlock(
+      problem->Add(
           new ceres::AutoDiffCostFunction<Functor, Functor::kResidualSize, kPoseSize>(functor),
-          loss, pose->data());
+          loss);
     }
   }
 

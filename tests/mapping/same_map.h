@@ -2,11 +2,20 @@
 
 #include <gtest/gtest.h>
 
+#include <tuple>
 #include <vector>
 
 #include "surfit/mapping/surfel_map.h"
 
 namespace surfit::testing {
+
+// All that a surfel says, to compare and to sort.
+inline auto AsTuple(const Surfel& s) {
+  const auto& p = s.position_in_world;
+  const auto& n = s.normal_in_world;
+  return std::make_tuple(p.x(), p.y(), p.z(), n.x(), n.y(), n.z(), s.color.r, s.color.g, s.color.b,
+                         s.radius_m, s.confidence, s.first_seen, s.last_seen, s.at_edge);
+}
 
 // Expects what the map promises about its cells, blocks and bounds.
 inline void ExpectConsistent(const SurfelMap& map) {
