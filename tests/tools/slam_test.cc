@@ -1,3 +1,5 @@
+#include "surfit/slam/slam.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -126,6 +128,15 @@ TEST_F(SlamTool, TracksAlikeWithEverySolver) {
   // errors of millimetres a tenth.
   EXPECT_NEAR(errors_m[3], errors_m[0], 5e-4);
   EXPECT_NEAR(errors_m[4], errors_m[3], 1e-4);
+}
+
+// An angle is a flag in degrees; a gate that differs in its last digit lets other pairs through,
+// now and then.
+TEST_F(SlamTool, TheDefaultGateIsTheLibrarysToTheLastBit) {
+  ASSERT_EQ(Slam(Room(), Output(), {"--last=1"}).exit_code, 0);
+  const std::string degrees = Summary(Output())["options"]["max_normal_angle_deg"];
+  EXPECT_EQ(std::stod(degrees) * (3.14159265358979323846 / 180),
+            SlamOptions().icp.gates.max_normal_angle_rad);
 }
 
 TEST_F(SlamTool, HelpNamesEveryFlagWithItsDefault) {

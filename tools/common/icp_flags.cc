@@ -2,14 +2,24 @@
 
 #include <gflags/gflags.h>
 
-#include <vector>
-
-#include "surfit/core/error.h"
+#include <array>
+#include <charconv>
+#include <string>
 
 namespace {
 
 const surfit::IcpOptions kIcp;
 constexpr double kDegree = 3.14159265358979323846 / 180;
+
+std::string TextOf(const std::string& text) { return text; }
+std::string TextOf(bool value) { return value ? "true" : "false"; }
+
+// The shortest text that gives the same number again.
+template <typename Number>
+std::string TextOf(Number value) {
+  std::array<char, 32> text;
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
+}
 
 }  // namespace
 
@@ -50,7 +60,7 @@ namespace surfit::tools {
 
 void SetIcpFlagDefaults(const IcpOptions& options) {
   const auto set = [](const char* flag, const auto& value) {
-    gflags::SetCommandLineOptionWithMode(flag, Concat(value).c_str(), gflags::SET_FLAGS_DEFAULT);
+    gflags::SetCommandLineOptionWithMode(flag, TextOf(value).c_str(), gflags::SET_FLAGS_DEFAULT);
   };
   set("residual", options.residual);
   set("association", options.association);
