@@ -25,11 +25,11 @@ void ExpectDone(const ProgramResult& result) { EXPECT_EQ(result.exit_code, 0) <<
 // Simulates a sequence whose depth is off, at every downsample-th pixel of 640 x 480.
 void Simulate(const std::string& folder, int frames, int downsample, int seed,
               double offset_per_m = kOffset) {
-  ExpectDone(
-      RunProgram("surfit_simulate",
-                 {"--output=" + folder, "--frames=" + std::to_string(frames),
-                  "--downsample=" + std::to_string(downsample), "--seed=" + std::to_string(seed),
-                  "--surface_grid_m=0.05", "--inverse_depth_offset=" + std::to_string(offset_per_m)}));
+  ExpectDone(RunProgram(
+      "surfit_simulate",
+      {"--output=" + folder, "--frames=" + std::to_string(frames),
+       "--downsample=" + std::to_string(downsample), "--seed=" + std::to_string(seed),
+       "--surface_grid_m=0.05", "--inverse_depth_offset=" + std::to_string(offset_per_m)}));
 }
 
 TEST(RefineTool, RefinesASimulatedRunAndWritesWhatReadersTake) {
@@ -88,9 +88,9 @@ TEST(RefineTool, KeepsARightCalibrationAndTheErrorDoesNotGrow) {
   for (const int seed : {4, 7, 11}) {
     const TempFolder folder;
     Simulate(folder / "in", 300, 2, seed, 0);
-    ExpectDone(RunProgram("surfit_slam", {"--sequence=" + folder / "in", "--refine",
-                                          "--output=" + folder / "out", "--map_period=1",
-                                          "--pictures=false"}));
+    ExpectDone(RunProgram("surfit_slam",
+                          {"--sequence=" + folder / "in", "--refine", "--output=" + folder / "out",
+                           "--map_period=1", "--pictures=false"}));
     const auto json = nlohmann::json::parse(ReadBytes(folder / "out/refined/refinement.json"));
     const double before = json["ate_rmse_m"]["before"], after = json["ate_rmse_m"]["after"];
     std::printf("seed %d: squared distance %.1f of %.1f, ATE %.2f -> %.2f mm\n", seed,
