@@ -5,8 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "cost_functions/plane_inverse_depth.h"
-#include "refinement/joint_cost.h"
+#include "refinement/calibration_block.h"
 
 namespace surfit {
 

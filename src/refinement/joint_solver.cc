@@ -1,42 +1,77 @@
 #include "refinement/joint_solver.h"
 
-#include <ceres/problem.h>
-#include <ceres/solver.h>
-
 #include <algorithm>
-#include <array>
+#include <cmath>
 
-#include "cost_functions/plane_inverse_depth.h"
-#include "cost_functions/pose_manifold.h"
-#include "refinement/joint_cost.h"
+#include "refinement/calibration_block.h"
+#include "refinement/reduced_factor.h"
 
 namespace surfit {
 namespace {
 
-ceres::Solver::Options SolverOptions(const RefinementOptions& options) {
-  ceres::Solver::Options o;
-  o.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
-  o.max_num_iterations = options.max_iterations;
-  o.function_tolerance = 1e-6;  // far below the rounds': some directions hardly matter to the cost
-  o.num_threads = 1;            // the cost has its own
-  o.logging_type = ceres::SILENT;
-  return o;
-}
+// Far below the rounds': some directions hardly matter to the cost.
+constexpr double kLeastChange = 1e-6;
+// A step counts if the cost falls by more than this share of what the model promised.
+constexpr double kLeastGain = 1e-3;
 
-ceres::Problem::Options OwnedByUs() {
-  ceres::Problem::Options options;
-  options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  return options;
-}
-
-std::vector<int> IndicesOf(const std::vector<bool>& held) {
-  std::vector<int> indices;
-  for (std::size_t i = 0; i < held.size(); ++i) {
-    if (held[i]) indices.push_back(static_cast<int>(i));
+// The damping of Levenberg-Marquardt as Nielsen's rule changes it (Madsen, Nielsen and Tingleff:
+// Methods for non-linear least squares problems, 2004, 3.16); start and rule are Ceres'.
+class Damping {
+ public:
+  double value() const { return value_; }
+  // gain: how the cost fell, by what the model promised.
+  void Accept(double gain) {
+    const double excess = 2 * gain - 1;
+    value_ *= std::max(1. / 3, 1 - excess * excess * excess);
+    growth_ = 2;
   }
-  return indices;
+  void Reject() {
+    value_ *= growth_;
+    growth_ *= 2;
+  }
+
+ private:
+  double value_ = 1e-4, growth_ = 2;
+};
+
+JointState Moved(JointState state, const Eigen::VectorXd& increments) {
+  for (std::size_t k = 1; k < state.world_from_camera.size(); ++k) {
+    const auto begin = static_cast<Eigen::Index>(kPoseTangentSize * k);
+    Rigid3d& pose = state.world_from_camera[k];
+    const Eigen::Vector3d turn = increments.segment<3>(begin);
+    pose.rotation = (QuaternionExp<double>(turn) * pose.rotation).normalized();
+    pose.translation += increments.segment<3>(begin + 3);
+  }
+  Eigen::Matrix<double, kCalibrationSize, 1> calibration;
+  CalibrationToBlock(state.calibration, calibration.data());
+  calibration += increments.tail<kCalibrationSize>();
+  CalibrationFromBlock(calibration.data(), &state.calibration);
+  return state;
 }
+
+// The cost of a state, and its quadratic model there.
+class JointCost {
+ public:
+  JointCost(const SharedSurfels& shared, const MotionPrior& prior, const RobustKernel& kernel,
+            std::size_t pose_count)
+      : shared_(shared), prior_(prior), kernel_(kernel), pattern_(shared, pose_count) {}
+
+  const BlockPattern& pattern() const { return pattern_; }
+  double RhoAt(const JointState& state) const {
+    return FitOf(shared_, state, kernel_).rho + prior_.Rho(state);
+  }
+  ReducedSystem ModelAt(const JointState& state) const {
+    ReducedSystem system = Reduce(shared_, pattern_, state, kernel_);
+    prior_.AddTo(state, &system);
+    return system;
+  }
+
+ private:
+  const SharedSurfels& shared_;
+  const MotionPrior& prior_;
+  RobustKernel kernel_;
+  BlockPattern pattern_;
+};
 
 }  // namespace
 
@@ -50,34 +85,32 @@ std::vector<bool> HeldCalibration(const RefinementOptions& options) {
 int MinimizeJointly(const SharedSurfels& shared, const MotionPrior& prior,
                     const RobustKernel& kernel, const RefinementOptions& options,
                     JointState* state) {
-  const JointState initial = *state;
-  JointCost cost(shared, prior, initial, kernel);
-  ProductPoseManifold pose_manifold;
-  ceres::SubsetManifold free_calibration(kCalibrationSize, IndicesOf(HeldCalibration(options)));
-  std::vector<std::array<double, kPoseSize>> poses(initial.world_from_camera.size());
-  std::array<double, kCalibrationSize> calibration;
-  CalibrationToBlock(initial.calibration, calibration.data());
-
-  ceres::Problem problem(OwnedByUs());
-  std::vector<double*> blocks;
-  for (std::size_t k = 0; k < poses.size(); ++k) {
-    PoseToBlock(initial.world_from_camera[k], poses[k].data());
-    problem.AddParameterBlock(poses[k].data(), kPoseSize, &pose_manifold);
-    blocks.push_back(poses[k].data());
+  const JointCost cost(shared, prior, kernel, state->world_from_camera.size());
+  ReducedFactor factor(cost.pattern(), HeldCalibration(options));
+  ReducedSystem model = cost.ModelAt(*state);
+  if (!std::isfinite(model.rho)) return kNoSolution;
+  Damping damping;
+  int steps = 0;
+  while (steps < options.max_iterations) {
+    ++steps;
+    if (!factor.Factorize(model, damping.value())) {
+      damping.Reject();
+      continue;
+    }
+    const ReducedStep step = factor.Solve(model.gradient);
+    const JointState moved = Moved(*state, step.increments);
+    const double change = model.rho - cost.RhoAt(moved), gain = change / step.rho_decrease;
+    const bool accepted = gain > kLeastGain;  // not if one of them is no number
+    if (accepted) *state = moved;
+    if (std::abs(change) <= kLeastChange * model.rho || steps == options.max_iterations) break;
+    if (accepted) {
+      damping.Accept(gain);
+      model = cost.ModelAt(*state);
+    } else {
+      damping.Reject();
+    }
   }
-  problem.SetParameterBlockConstant(blocks.front());
-  problem.AddParameterBlock(calibration.data(), kCalibrationSize, &free_calibration);
-  blocks.push_back(calibration.data());
-  problem.AddResidualBlock(&cost, nullptr, blocks);
-
-  ceres::Solver::Summary summary;
-  ceres::Solve(SolverOptions(options), &problem, &summary);
-  if (!summary.IsSolutionUsable()) return kNoSolution;
-  for (std::size_t k = 1; k < poses.size(); ++k) {
-    state->world_from_camera[k] = PoseFromBlock(poses[k].data());
-  }
-  CalibrationFromBlock(calibration.data(), &state->calibration);
-  return static_cast<int>(summary.iterations.size()) - 1;
+  return steps;
 }
 
 }  // namespace surfit

@@ -71,11 +71,14 @@ void MotionPrior::AddTo(const JointState& state, ReducedSystem* system) const {
         RowsOf(edges_[k], state.world_from_camera[k], state.world_from_camera[k + 1]);
     const KernelValue<double> kernel = EvaluateKernel(kKernel, rows.residual.squaredNorm());
     const double weight = weight_ * kernel.slope;
-    const auto begin = static_cast<Eigen::Index>(kPoseTangentSize * k);
-    constexpr int kSize = 2 * kPoseTangentSize;
-    system->hessian.block<kSize, kSize>(begin, begin) +=
-        weight * rows.jacobian.transpose() * rows.jacobian;
-    system->gradient.segment<kSize>(begin) += weight * rows.jacobian.transpose() * rows.residual;
+    const auto a = rows.jacobian.leftCols<kPoseTangentSize>();
+    const auto b = rows.jacobian.rightCols<kPoseTangentSize>();
+    const int first = static_cast<int>(k), second = first + 1;
+    system->PoseBlock(first, first) += weight * a.transpose() * a;
+    system->PoseBlock(second, first) += weight * b.transpose() * a;
+    system->PoseBlock(second, second) += weight * b.transpose() * b;
+    system->gradient.segment<2 * kPoseTangentSize>(kPoseTangentSize * first) +=
+        weight * rows.jacobian.transpose() * rows.residual;
     system->rho += weight_ * kernel.rho;
   }
 }

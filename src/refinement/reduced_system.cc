@@ -65,12 +65,9 @@ struct Coupling {
 
 class Reducer {
  public:
-  Reducer(const SharedSurfels& shared, const Placed& placed, const RobustKernel& kernel)
-      : shared_(shared),
-        placed_(placed),
-        kernel_(kernel),
-        pose_count_(placed.rotations.size()),
-        system_(pose_count_) {}
+  Reducer(const SharedSurfels& shared, const BlockPattern& pattern, const Placed& placed,
+          const RobustKernel& kernel)
+      : shared_(shared), placed_(placed), kernel_(kernel), system_(pattern) {}
 
   void Add(const SharedSurfel& surfel) {
     const std::vector<PlaneSight> sights = SightsOf(shared_, surfel, placed_);
@@ -88,30 +85,15 @@ class Reducer {
   const ReducedSystem& system() const { return system_; }
 
  private:
-  auto PoseBlock(int row, int column) {
-    return system_.hessian.block<kPoseTangentSize, kPoseTangentSize>(kPoseTangentSize * row,
-                                                                     kPoseTangentSize * column);
-  }
-  auto MixedBlock(int keyframe) {
-    return system_.hessian.block<kCalibrationSize, kPoseTangentSize>(CalibrationBegin(),
-                                                                     kPoseTangentSize * keyframe);
-  }
-  auto CalibrationBlock() {
-    return system_.hessian.bottomRightCorner<kCalibrationSize, kCalibrationSize>();
-  }
-  Eigen::Index CalibrationBegin() const {
-    return kPoseTangentSize * static_cast<Eigen::Index>(pose_count_);
-  }
-
   void AddRow(const PlaneRow& row, int keyframe, Coupling* coupling) {
     const double squared = row.residual * row.residual;
     const KernelValue<double> kernel = EvaluateKernel(kernel_, squared);
     const PoseRow weighted = kernel.slope * row.by_pose;
     const CalibrationRow calibration = kernel.slope * row.by_calibration;
     system_.rho += kernel.rho;
-    PoseBlock(keyframe, keyframe) += weighted * row.by_pose.transpose();
-    MixedBlock(keyframe) += calibration * row.by_pose.transpose();
-    CalibrationBlock() += calibration * row.by_calibration.transpose();
+    system_.PoseBlock(keyframe, keyframe).noalias() += weighted * row.by_pose.transpose();
+    system_.mixed[keyframe].noalias() += calibration * row.by_pose.transpose();
+    system_.calibration.noalias() += calibration * row.by_calibration.transpose();
     system_.gradient.segment<kPoseTangentSize>(kPoseTangentSize * keyframe) +=
         row.residual * weighted;
     system_.gradient.tail<kCalibrationSize>() += row.residual * calibration;
@@ -128,34 +110,37 @@ class Reducer {
       const int row = seen[i].keyframe;
       const PoseRow scaled = coupling.poses[i] / coupling.information;
       for (std::size_t j = 0; j <= i; ++j) {
-        PoseBlock(row, seen[j].keyframe).noalias() -= scaled * coupling.poses[j].transpose();
+        system_.PoseBlock(row, seen[j].keyframe).noalias() -=
+            scaled * coupling.poses[j].transpose();
       }
-      MixedBlock(row).noalias() -= coupling.calibration * scaled.transpose();
+      system_.mixed[row].noalias() -= coupling.calibration * scaled.transpose();
       system_.gradient.segment<kPoseTangentSize>(kPoseTangentSize * row) -=
           share * coupling.poses[i];
     }
-    CalibrationBlock() -=
-        coupling.calibration * coupling.calibration.transpose() / coupling.information;
+    const CalibrationRow scaled = coupling.calibration / coupling.information;
+    system_.calibration.noalias() -= scaled * coupling.calibration.transpose();
     system_.gradient.tail<kCalibrationSize>() -= share * coupling.calibration;
   }
 
   const SharedSurfels& shared_;
   const Placed& placed_;
   const RobustKernel& kernel_;
-  std::size_t pose_count_;
   ReducedSystem system_;
 };
 
 }  // namespace
 
-ReducedSystem::ReducedSystem(std::size_t pose_count) {
-  const auto size = static_cast<Eigen::Index>(kPoseTangentSize * pose_count + kCalibrationSize);
-  hessian = Eigen::MatrixXd::Zero(size, size);
-  gradient = Eigen::VectorXd::Zero(size);
-}
+ReducedSystem::ReducedSystem(const BlockPattern& block_pattern)
+    : pattern(&block_pattern),
+      poses(block_pattern.block_count(), PoseMatrix::Zero()),
+      mixed(block_pattern.pose_count(), MixedMatrix::Zero()),
+      gradient(Eigen::VectorXd::Zero(kPoseTangentSize * block_pattern.pose_count() +
+                                     kCalibrationSize)) {}
 
 ReducedSystem& ReducedSystem::operator+=(const ReducedSystem& other) {
-  hessian += other.hessian;
+  for (std::size_t i = 0; i < poses.size(); ++i) poses[i] += other.poses[i];
+  for (std::size_t k = 0; k < mixed.size(); ++k) mixed[k] += other.mixed[k];
+  calibration += other.calibration;
   gradient += other.gradient;
   rho += other.rho;
   return *this;
@@ -193,14 +178,14 @@ JointFit FitOf(const SharedSurfels& shared, const JointState& state, const Robus
   return ParallelSum(0, static_cast<int>(shared.surfels.size()), kGrain, JointFit(), fit_block);
 }
 
-ReducedSystem Reduce(const SharedSurfels& shared, const JointState& state,
-                     const RobustKernel& kernel) {
-  constexpr int kBlocks = 4;  // each has a matrix of its own
+ReducedSystem Reduce(const SharedSurfels& shared, const BlockPattern& pattern,
+                     const JointState& state, const RobustKernel& kernel) {
+  constexpr int kBlocks = 4;  // each has a system of its own
   const Placed placed(state);
   const int count = static_cast<int>(shared.surfels.size());
-  return ParallelSum(0, count, std::max(1, (count + kBlocks - 1) / kBlocks),
-                     ReducedSystem(state.world_from_camera.size()), [&](int begin, int end) {
-                       Reducer reducer(shared, placed, kernel);
+  return ParallelSum(0, count, std::max(1, (count + kBlocks - 1) / kBlocks), ReducedSystem(pattern),
+                     [&](int begin, int end) {
+                       Reducer reducer(shared, pattern, placed, kernel);
                        for (int s = begin; s < end; ++s) reducer.Add(shared.surfels[s]);
                        return reducer.system();
                      });

@@ -3,7 +3,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "refinement/shared_surfels.h"
+#include "cost_functions/plane_inverse_depth.h"
+#include "refinement/block_pattern.h"
 #include "surfit/core/robust_kernel.h"
 
 namespace surfit {
@@ -19,12 +20,27 @@ struct JointState {
 // rows J = [A b], b of the surfels' displacements, and weights W = diag(rho'(r^2)),
 //   hessian = A^T W A - A^T W b (b^T W b)^-1 b^T W A,
 //   gradient = A^T W r - A^T W b (b^T W b)^-1 b^T W r.
-// b^T W b is diagonal: each observation has one surfel.
+// b^T W b is diagonal: each observation has one surfel. Poses that share no surfel have no block.
 struct ReducedSystem {
-  explicit ReducedSystem(std::size_t pose_count);
+  using PoseMatrix = Eigen::Matrix<double, kPoseTangentSize, kPoseTangentSize>;
+  using MixedMatrix = Eigen::Matrix<double, kCalibrationSize, kPoseTangentSize>;
+  using CalibrationMatrix = Eigen::Matrix<double, kCalibrationSize, kCalibrationSize>;
+
+  // Zero. The pattern must outlive it.
+  explicit ReducedSystem(const BlockPattern& block_pattern);
   ReducedSystem& operator+=(const ReducedSystem& other);
 
-  Eigen::MatrixXd hessian;  // the lower triangle
+  // Of a pair that has one, row >= column.
+  PoseMatrix& PoseBlock(int row, int column) { return poses[pattern->IndexOf(row, column)]; }
+  // Where the calibration begins in the gradient.
+  Eigen::Index CalibrationBegin() const { return gradient.size() - kCalibrationSize; }
+
+  const BlockPattern* pattern;
+  // The hessian: pairs of poses in the pattern's order, of whose diagonal blocks the lower triangle
+  // counts; the calibration's rows of each pose; and the calibration's own.
+  std::vector<PoseMatrix> poses;
+  std::vector<MixedMatrix> mixed;
+  CalibrationMatrix calibration = CalibrationMatrix::Zero();
   Eigen::VectorXd gradient;
   double rho = 0;  // the sum: twice the cost
 };
@@ -45,8 +61,9 @@ double BestDisplacement(const SharedSurfels& shared, const SharedSurfel& surfel,
 
 JointFit FitOf(const SharedSurfels& shared, const JointState& state, const RobustKernel& kernel);
 
-// At the best displacements. The same at any number of threads.
-ReducedSystem Reduce(const SharedSurfels& shared, const JointState& state,
-                     const RobustKernel& kernel);
+// At the best displacements; the pattern is that of these surfels. The same at any number of
+// threads.
+ReducedSystem Reduce(const SharedSurfels& shared, const BlockPattern& pattern,
+                     const JointState& state, const RobustKernel& kernel);
 
 }  // namespace surfit

@@ -42,7 +42,8 @@ void SetAgreement(const RefinementOptions& options,
   const JointFit fit = FitOf(shared, state, kernel);
   summary->after = Agreement(fit);
   const double variance = VarianceOf(fit, shared, state, options);
-  ReducedSystem system = Reduce(shared, state, kernel);
+  const BlockPattern pattern(shared, state.world_from_camera.size());
+  ReducedSystem system = Reduce(shared, pattern, state, kernel);
   prior->SetWeight(variance);
   prior->AddTo(state, &system);
   const JointCovariance covariance = CovarianceOf(system, HeldCalibration(options));

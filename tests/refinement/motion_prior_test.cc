@@ -6,12 +6,14 @@
 
 #include "cost_functions/pose_manifold.h"
 #include "cost_functions/relative_pose.h"
+#include "refinement/dense_hessian.h"
 #include "refinement/random_surfels.h"
 #include "testing/random_pose.h"
 
 namespace surfit {
 namespace {
 
+using testing::DenseHessian;
 using testing::MakeRandomProblem;
 using testing::RandomPose;
 
@@ -28,25 +30,25 @@ class ThreePoses : public ::testing::Test {
     }
   }
 
+  const BlockPattern pattern_ = {{}, 3};
   const JointState given_;
   JointState moved_;
 };
 
 TEST_F(ThreePoses, AreWhereTheyWereGiven) {
   const MotionPrior prior(given_.world_from_camera, kSigmaM, kSigmaRad);
-  ReducedSystem system(3);
+  ReducedSystem system(pattern_);
   prior.AddTo(given_, &system);
   EXPECT_NEAR(system.rho, 0, kPrecision);
   EXPECT_LT(system.gradient.norm(), kPrecision / kSigmaM);
   // What moves all alike is free: six of 18 directions.
-  const Eigen::MatrixXd poses = system.hessian.topLeftCorner(18, 18);
-  EXPECT_EQ(poses.selfadjointView<Eigen::Lower>().toDenseMatrix().fullPivLu().rank(), 12);
+  EXPECT_EQ(DenseHessian(system).topLeftCorner(18, 18).fullPivLu().rank(), 12);
 }
 
 TEST_F(ThreePoses, AgreeWithAutodiff) {
   MotionPrior prior(given_.world_from_camera, kSigmaM, kSigmaRad);
   prior.SetWeight(kWeight);
-  ReducedSystem system(3);
+  ReducedSystem system(pattern_);
   prior.AddTo(moved_, &system);
   EXPECT_NEAR(prior.Rho(moved_), system.rho, kPrecision * system.rho);
 
@@ -78,7 +80,7 @@ TEST_F(ThreePoses, AgreeWithAutodiff) {
     gradient += kWeight * jacobian.transpose() * residual;
     rho += kWeight * residual.squaredNorm();
   }
-  const Eigen::MatrixXd ours = system.hessian.topLeftCorner(18, 18).selfadjointView<Eigen::Lower>();
+  const Eigen::MatrixXd ours = DenseHessian(system).topLeftCorner(18, 18);
   EXPECT_NEAR(system.rho, rho, kPrecision * rho);
   EXPECT_LT((ours - hessian).norm(), kPrecision * hessian.norm());
   EXPECT_LT((system.gradient.head(18) - gradient).norm(), kPrecision * gradient.norm());
@@ -89,7 +91,7 @@ TEST_F(ThreePoses, PullNoStrongerWhereTheyAreFarOff) {
   const auto pull_at = [&](double metres) {
     JointState state = given_;
     state.world_from_camera[2].translation.x() += metres;
-    ReducedSystem system(3);
+    ReducedSystem system(pattern_);
     prior.AddTo(state, &system);
     return system.gradient.norm();
   };

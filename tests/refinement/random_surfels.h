@@ -1,20 +1,25 @@
 #pragma once
 
 #include <cmath>
+#include <cstdlib>
+#include <limits>
 #include <random>
 
 #include "refinement/reduced_system.h"
 
 namespace surfit::testing {
 
-// A few planes before a few cameras, seen with noise of one sigma: a problem of the kind that
-// refinement solves, without images.
+// A few planes before a few cameras, seen with noise: a problem of the kind that refinement solves,
+// without images.
 struct RandomProblem {
   SharedSurfels shared;
   JointState state;
 };
 
-inline RandomProblem MakeRandomProblem(int poses, int surfels, double noise_sigmas) {
+// Each surfel is seen by about 70 % of the poses that are at most so many from one of them; by
+// default from all.
+inline RandomProblem MakeRandomProblem(int poses, int surfels, double noise_sigmas,
+                                       int reach = std::numeric_limits<int>::max()) {
   constexpr float kInverseSigma = 400;  // m
   std::mt19937_64 random(5);
   std::normal_distribution<double> normal;
@@ -42,7 +47,7 @@ inline RandomProblem MakeRandomProblem(int poses, int surfels, double noise_sigm
         Eigen::Vector3d(0.6 * unit(random), 0.6 * unit(random), -1).normalized();
     surfel.begin = problem.shared.observations.size();
     for (int k = 0; k < poses; ++k) {
-      if (unit(random) > 0.4) continue;  // not all see it
+      if (unit(random) > 0.4 || std::abs(k - s % poses) > reach) continue;
       const Rigid3d& pose = problem.state.world_from_camera[k];
       const Eigen::Vector2d at = calibration.camera.Project(pose.Inverse() * surfel.point_in_world);
       PlaneObservation seen;

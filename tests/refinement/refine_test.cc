@@ -82,11 +82,17 @@ TEST(Refine, FindsFocalLengthAndDepthOffsetAndTheTruePoses) {
   const RefinementSummary summary = RefineAll({}, camera, &recording);
   ASSERT_TRUE(summary.Succeeded()) << ToString(summary.termination);
   const DepthCalibration& found = summary.calibration;
-  std::printf("fx %.3f fy %.3f c0 %.6f, ATE %.2f -> %.2f mm\n", found.camera.fx, found.camera.fy,
-              found.field.coefficients[0], 1e3 * ate_before, 1e3 * AteOf(recording));
-  EXPECT_NEAR(found.camera.fx, TrueCamera().fx, 0.002 * TrueCamera().fx);
-  EXPECT_NEAR(found.camera.fy, TrueCamera().fy, 0.002 * TrueCamera().fy);
-  EXPECT_NEAR(found.field.coefficients[0], -kOffset, 0.002 / 3);  // 0.2 % at 3 m
+  const Eigen::VectorXd sigma = summary.calibration_covariance.diagonal().cwiseSqrt();
+  std::printf("fx %.3f +- %.3f fy %.3f +- %.3f c0 %.6f +- %.6f, ATE %.2f -> %.2f mm\n",
+              found.camera.fx, sigma[0], found.camera.fy, sigma[1], found.field.coefficients[0],
+              sigma[4], 1e3 * ate_before, 1e3 * AteOf(recording));
+  EXPECT_NEAR(found.camera.fx, TrueCamera().fx, 2 * sigma[0]);
+  EXPECT_NEAR(found.camera.fy, TrueCamera().fy, 2 * sigma[1]);
+  EXPECT_NEAR(found.field.coefficients[0], -kOffset, 2 * sigma[4]);
+  // Far from where it began.
+  EXPECT_LT(sigma[0], 0.003 * TrueCamera().fx);
+  EXPECT_LT(sigma[1], 0.003 * TrueCamera().fy);
+  EXPECT_LT(sigma[4], kOffset / 8);
   EXPECT_LT(AteOf(recording), ate_before / 3);
 }
 

@@ -114,8 +114,8 @@ struct RefinementSummary {
 //   minimise over poses, calibration and displacements d_s of the surfels
 //     1/2 sum_(s, k) rho(r_sk^2),  r_sk the PlaneInverseDepth residual.
 // Each displacement occurs in the residuals of its own surfel only, and is eliminated in closed
-// form (Schur complement): Ceres' Levenberg-Marquardt sees poses and calibration alone. The first
-// keyframe's pose is held.
+// form (Schur complement): Levenberg-Marquardt sees poses and calibration alone, with a block for
+// each pair of keyframes that share a surfel. The first keyframe's pose is held.
 //
 // If the calibration that is found is no other than the given one, as far as its covariance tells,
 // the given one is kept, and the poses are refined with it from where they were. Then the given

@@ -1,0 +1,98 @@
+#include "refinement/reduced_factor.h"
+
+#include <cmath>
+#include <limits>
+
+#include "surfit/core/parallel.h"
+
+namespace surfit {
+namespace {
+
+double ScaleOf(double diagonal) { return diagonal > 0 ? 1 / std::sqrt(diagonal) : 0; }
+
+}  // namespace
+
+ReducedFactor::ReducedFactor(const BlockPattern& pattern, const std::vector<bool>& held_calibration)
+    : held_calibration_(held_calibration), poses_(pattern) {}
+
+void ReducedFactor::SetScale(const ReducedSystem& system) {
+  scale_ = Eigen::VectorXd::Zero(system.gradient.size());
+  for (int k = 1; k < system.pattern->pose_count(); ++k) {
+    scale_.segment<kPoseTangentSize>(kPoseTangentSize * k) =
+        system.poses[system.pattern->IndexOf(k, k)].diagonal().unaryExpr(&ScaleOf);
+  }
+  for (int i = 0; i < kCalibrationSize; ++i) {
+    if (held_calibration_[i]) continue;
+    scale_[system.CalibrationBegin() + i] = ScaleOf(system.calibration(i, i));
+  }
+}
+
+Eigen::MatrixXd ReducedFactor::ScaledBorder(const ReducedSystem& system) const {
+  const auto calibration = scale_.tail<kCalibrationSize>().asDiagonal();
+  Eigen::MatrixXd border(system.CalibrationBegin() - kPoseTangentSize, kCalibrationSize);
+  for (std::size_t k = 1; k < system.mixed.size(); ++k) {
+    const auto row = static_cast<Eigen::Index>(kPoseTangentSize * k);
+    border.middleRows<kPoseTangentSize>(row - kPoseTangentSize) =
+        scale_.segment<kPoseTangentSize>(row).asDiagonal() * system.mixed[k].transpose() *
+        calibration;
+  }
+  return border;
+}
+
+bool ReducedFactor::Factorize(const ReducedSystem& system, double damping) {
+  damping_ = damping;
+  SetScale(system);
+  if (!poses_.Factorize(system, scale_, damping)) return false;
+  border_ = ScaledBorder(system);
+  solved_border_ = poses_.Solve(border_);
+  const auto scale = scale_.tail<kCalibrationSize>().asDiagonal();
+  CalibrationMatrix calibration = scale * system.calibration * scale;
+  calibration.diagonal().setConstant(1 + damping);
+  calibration -= border_.transpose() * solved_border_;
+  calibration_.compute(calibration);
+  return calibration_.info() == Eigen::Success;
+}
+
+// With (S H S + damping I) y = S g the step is -S y, for which the model's rho = r^2 becomes
+//   rho - 2 g . S y + y . S H S y = rho - g . S y - damping y . y.
+ReducedStep ReducedFactor::Solve(const Eigen::VectorXd& gradient) const {
+  const Eigen::VectorXd scaled = scale_.cwiseProduct(gradient);
+  const Eigen::Index poses = scaled.size() - kPoseTangentSize - kCalibrationSize;
+  const Eigen::VectorXd of_poses = scaled.segment(kPoseTangentSize, poses);
+  Eigen::VectorXd y = Eigen::VectorXd::Zero(scaled.size());
+  y.tail<kCalibrationSize>() =
+      calibration_.solve(scaled.tail<kCalibrationSize>() - solved_border_.transpose() * of_poses);
+  y.segment(kPoseTangentSize, poses) =
+      poses_.Solve(of_poses) - solved_border_ * y.tail<kCalibrationSize>();
+  return {-scale_.cwiseProduct(y), scaled.dot(y) + damping_ * y.squaredNorm()};
+}
+
+// By the inverse of a bordered matrix: P^-1 + P^-1 B (C - B^T P^-1 B)^-1 B^T P^-1.
+Eigen::MatrixXd ReducedFactor::PoseCovariance(int pose) const {
+  using Rows = Eigen::Matrix<double, kPoseTangentSize, kCalibrationSize>;
+  const Eigen::Index begin = kPoseTangentSize * pose;
+  const Eigen::VectorXd scale = scale_.segment<kPoseTangentSize>(begin);
+  const Rows solved = solved_border_.middleRows<kPoseTangentSize>(begin - kPoseTangentSize);
+  Eigen::MatrixXd covariance =
+      poses_.InverseBlock(pose) + solved * calibration_.solve(solved.transpose());
+  covariance = scale.asDiagonal() * covariance * scale.asDiagonal();
+  for (int i = 0; i < kPoseTangentSize; ++i) {
+    if (scale[i] == 0) covariance(i, i) = std::numeric_limits<double>::infinity();
+  }
+  return covariance;
+}
+
+JointCovariance ReducedFactor::Covariance() const {
+  const auto scale = scale_.tail<kCalibrationSize>().asDiagonal();
+  const CalibrationMatrix calibration = calibration_.solve(CalibrationMatrix::Identity());
+  JointCovariance covariance;
+  covariance.calibration = scale * calibration * scale;
+  const auto count = static_cast<int>((scale_.size() - kCalibrationSize) / kPoseTangentSize);
+  covariance.poses.assign(count, Eigen::MatrixXd::Zero(kPoseTangentSize, kPoseTangentSize));
+  ParallelFor(1, count, 1, [&](int begin, int end) {
+    for (int k = begin; k < end; ++k) covariance.poses[k] = PoseCovariance(k);
+  });
+  return covariance;
+}
+
+}  // namespace surfit
