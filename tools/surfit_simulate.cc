@@ -10,11 +10,13 @@
 #include <thread>
 #include <vector>
 
+#include "common/lists.h"
 #include "common/tool_main.h"
 #include "simulate/sequence_writer.h"
 #include "simulate/surface_sampler.h"
 #include "surfit/core/error.h"
 #include "surfit/core/parallel.h"
+#include "surfit/frame/correct_depth.h"
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
 #include "surfit/simulation/scenes.h"
@@ -31,6 +33,9 @@ DEFINE_string(sensor, "kinect", "ideal (exact depth) or kinect (noise model of a
 DEFINE_double(inverse_depth_offset, 0,
               "1/m, what a sensor out of calibration adds to each 1 / z: 0.00667 makes 3 m too "
               "near by 2 %; camera.yaml does not tell");
+DEFINE_string(inverse_depth_distortion, "",
+              "c1,c2,c3,c4,c5 in 1/m: what it adds besides, c1 x + c2 y + c3 x^2 + c4 x y + c5 y^2 "
+              "at the ray (x, y, 1); camera.yaml does not tell");
 DEFINE_int32(downsample, 1, "1 to 16: keep every n-th pixel of 640 x 480 in each direction");
 DEFINE_bool(image_y_up, false,
             "write the convention of ICL-NUIM: numbered frames, fy < 0, the poses those of the "
@@ -53,12 +58,30 @@ void CheckFlags() {
   if (FLAGS_seed < 0) throw InputError(Concat("--seed is ", FLAGS_seed, ", must not be negative"));
   if (FLAGS_downsample < 1 || FLAGS_downsample > 16)
     throw InputError(Concat("--downsample is ", FLAGS_downsample, ", must be from 1 to 16"));
-  if (!(std::abs(FLAGS_inverse_depth_offset) <= 0.1))
-    throw InputError(Concat("--inverse_depth_offset is ", FLAGS_inverse_depth_offset,
-                            ", must be from -0.1 to 0.1"));
   if (!(FLAGS_surface_grid_m >= 0.001))
     throw InputError(
         Concat("--surface_grid_m is ", FLAGS_surface_grid_m, ", must be at least 0.001"));
+}
+
+// What the sensor adds to each inverse depth.
+InverseDepthField DepthError() {
+  constexpr double kLargest = 0.1;
+  InverseDepthField error;
+  if (!FLAGS_inverse_depth_distortion.empty()) {
+    const std::vector<double> varying =
+        NumberList("inverse_depth_distortion", FLAGS_inverse_depth_distortion);
+    if (varying.size() + 1 != InverseDepthField::kSize)
+      throw InputError(Concat("--inverse_depth_distortion is ", FLAGS_inverse_depth_distortion,
+                              ", must be five numbers"));
+    std::copy(varying.begin(), varying.end(), error.coefficients.begin() + 1);
+  }
+  error.coefficients[0] = FLAGS_inverse_depth_offset;
+  for (const double coefficient : error.coefficients) {
+    if (!(std::abs(coefficient) <= kLargest))
+      throw InputError(Concat("--inverse_depth_offset and --inverse_depth_distortion have ",
+                              coefficient, ", must be from ", -kLargest, " to ", kLargest));
+  }
+  return error;
 }
 
 RgbdCamera SimulatedCamera() {
@@ -77,16 +100,14 @@ struct SimulatedFrame {
   Image<float> depth_m;
 };
 
-SimulatedFrame Simulate(const Scene& scene, const PinholeCamera& camera, const Rigid3d& pose,
-                        int index) {
+SimulatedFrame Simulate(const Scene& scene, const PinholeCamera& camera,
+                        const InverseDepthField& error, const Rigid3d& pose, int index) {
   SimulatedFrame frame;
   frame.exact = Render(scene, camera, pose);
   const auto seed = (static_cast<std::uint64_t>(FLAGS_seed) << 32) + index;
   frame.depth_m = FLAGS_sensor == "ideal" ? frame.exact.depth_m
                                           : KinectDepth(frame.exact.depth_m, camera, seed);
-  if (FLAGS_inverse_depth_offset != 0) {
-    frame.depth_m = OffsetInverseDepth(frame.depth_m, FLAGS_inverse_depth_offset);
-  }
+  if (!error.IsZero()) CorrectDepth(camera, error, &frame.depth_m);
   return frame;
 }
 
@@ -108,7 +129,8 @@ class Progress {
 };
 
 // Frames are rendered and written side by side, the surface is collected in their order.
-SurfaceSampler WriteFrames(const Scene& scene, const PinholeCamera& camera, const Trajectory& path,
+SurfaceSampler WriteFrames(const Scene& scene, const PinholeCamera& camera,
+                           const InverseDepthField& error, const Trajectory& path,
                            const SequenceWriter& writer) {
   constexpr int kBatch = 10;
   SurfaceSampler surface(FLAGS_surface_grid_m);
@@ -118,7 +140,7 @@ SurfaceSampler WriteFrames(const Scene& scene, const PinholeCamera& camera, cons
     const int end = std::min(frames, begin + kBatch);
     std::vector<SimulatedFrame> batch(end - begin);
     ParallelFor(begin, end, 1, [&](int i, int) {
-      SimulatedFrame frame = Simulate(scene, camera, path[i].world_from_camera, i);
+      SimulatedFrame frame = Simulate(scene, camera, error, path[i].world_from_camera, i);
       writer.WriteFrame(i, path[i].stamp_s, frame.exact.color, frame.depth_m);
       if (i % kSurfaceStride == 0 || i + 1 == frames) batch[i - begin] = std::move(frame);
     });
@@ -134,6 +156,7 @@ SurfaceSampler WriteFrames(const Scene& scene, const PinholeCamera& camera, cons
 
 int Run() {
   CheckFlags();
+  const InverseDepthField error = DepthError();
   const ThreadLimit limit(FLAGS_threads == 0
                               ? static_cast<int>(std::max(1u, std::thread::hardware_concurrency()))
                               : FLAGS_threads);
@@ -145,7 +168,7 @@ int Run() {
   const SequenceWriter writer(
       FLAGS_output, FLAGS_image_y_up ? SequenceLayout::kIclNuim : SequenceLayout::kTum, camera);
   writer.WriteLists(path);
-  const SurfaceSampler surface = WriteFrames(scene, camera.depth, path, writer);
+  const SurfaceSampler surface = WriteFrames(scene, camera.depth, error, path, writer);
   WritePly(surface.cloud(), FLAGS_output + "/surface.ply");
   std::cout << path.size() << " frames and " << surface.cloud().points.size()
             << " points of the exact surface in " << FLAGS_output << std::endl;

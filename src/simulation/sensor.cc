@@ -96,14 +96,4 @@ Image<float> KinectDepth(const Image<float>& depth_m, const PinholeCamera& camer
   return measured;
 }
 
-Image<float> OffsetInverseDepth(const Image<float>& depth_m, double offset_per_m) {
-  Image<float> measured = depth_m;
-  for (float& z : measured) {
-    if (!(z > 0)) continue;
-    const double inverse = 1. / z + offset_per_m;
-    z = inverse > 0 ? static_cast<float>(1 / inverse) : 0;
-  }
-  return measured;
-}
-
 }  // namespace surfit

@@ -7,6 +7,7 @@
 
 #include "surfit/core/parallel.h"
 #include "surfit/evaluation/absolute_trajectory_error.h"
+#include "surfit/frame/correct_depth.h"
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
 #include "surfit/simulation/scenes.h"
@@ -50,7 +51,7 @@ Recording Record(int count, double offset_per_m, double pose_error_m, double pos
     const Rigid3d& pose = path[kStride * k].world_from_camera;
     RgbdFrame frame;
     frame.depth_m = KinectDepth(RenderGeometry(scene, TrueCamera(), pose).depth_m, TrueCamera(), k);
-    frame.depth_m = OffsetInverseDepth(frame.depth_m, offset_per_m);
+    CorrectDepth(TrueCamera(), {{offset_per_m}}, &frame.depth_m);
     const Rigid3d error = k == 0 ? Rigid3d() : RandomPose(pose_error_rad, pose_error_m, &random);
     recording.truth.push_back(pose);
     recording.keyframes.push_back(

@@ -44,16 +44,6 @@ struct Moments {
   int count = 0;
 };
 
-TEST(OffsetInverseDepth, AddsToInverseDepthAndLeavesMissingPixelsMissing) {
-  Image<float> depth(3, 1, 3.f);
-  depth(1, 0) = 0;
-  depth(2, 0) = 20;
-  const Image<float> nearer = OffsetInverseDepth(depth, 0.02 / 3);
-  EXPECT_FLOAT_EQ(nearer(0, 0), 3 / 1.02);
-  EXPECT_EQ(nearer(1, 0), 0);
-  EXPECT_EQ(OffsetInverseDepth(depth, -0.06)(2, 0), 0);  // would lie behind the camera
-}
-
 // Of the error in disparity steps, over pixels away from the border.
 Moments DisparityError(const Image<float>& exact, const Image<float>& measured) {
   std::vector<double> errors;

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -24,12 +25,15 @@ void ExpectDone(const ProgramResult& result) { EXPECT_EQ(result.exit_code, 0) <<
 
 // Simulates a sequence whose depth is off, at every downsample-th pixel of 640 x 480.
 void Simulate(const std::string& folder, int frames, int downsample, int seed,
-              double offset_per_m = kOffset) {
-  ExpectDone(RunProgram(
-      "surfit_simulate",
-      {"--output=" + folder, "--frames=" + std::to_string(frames),
-       "--downsample=" + std::to_string(downsample), "--seed=" + std::to_string(seed),
-       "--surface_grid_m=0.05", "--inverse_depth_offset=" + std::to_string(offset_per_m)}));
+              double offset_per_m = kOffset, const std::vector<std::string>& more = {}) {
+  std::vector<std::string> flags = {"--output=" + folder,
+                                    "--frames=" + std::to_string(frames),
+                                    "--downsample=" + std::to_string(downsample),
+                                    "--seed=" + std::to_string(seed),
+                                    "--surface_grid_m=0.05",
+                                    "--inverse_depth_offset=" + std::to_string(offset_per_m)};
+  flags.insert(flags.end(), more.begin(), more.end());
+  ExpectDone(RunProgram("surfit_simulate", flags));
 }
 
 TEST(RefineTool, RefinesASimulatedRunAndWritesWhatReadersTake) {
@@ -99,6 +103,35 @@ TEST(RefineTool, KeepsARightCalibrationAndTheErrorDoesNotGrow) {
     EXPECT_EQ(json["calibration"]["kept"], true);
     EXPECT_EQ(json["calibration"]["after"], json["calibration"]["before"]);
     EXPECT_LE(after, before);
+  }
+}
+
+TEST(RefineTool, FindsHowTheErrorOfDepthVariesOverTheImage) {
+  const InverseDepthField error = {{kOffset, 0.002, -0.002, 0.008, 0.002, 0.006}};
+  for (const int seed : {4, 7, 11}) {
+    const TempFolder folder;
+    Simulate(folder / "in", 300, 2, seed, kOffset,
+             {"--inverse_depth_distortion=0.002,-0.002,0.008,0.002,0.006"});
+    ExpectDone(RunProgram("surfit_slam", {"--sequence=" + folder / "in",
+                                          "--output=" + folder / "out", "--pictures=false"}));
+    ExpectDone(RunProgram("surfit_refine", {"--run=" + folder / "out", "--free_depth_field"}));
+    const std::string refined = folder / "out/refined";
+    const auto json = nlohmann::json::parse(ReadBytes(refined + "/refinement.json"));
+    const double before = json["ate_rmse_m"]["before"], after = json["ate_rmse_m"]["after"];
+    const PinholeCamera camera = ReadCameraYaml(refined + "/camera.yaml").depth;
+    const InverseDepthField found = ReadInverseDepthField(refined + "/camera.yaml");
+    double largest = 0;  // error of depth at 3 m, as a share, over the image
+    for (int v = 0; v < camera.height; ++v) {
+      for (int u = 0; u < camera.width; ++u) {
+        const Eigen::Vector3d ray = camera.Ray(u, v);
+        const double left = found.At(ray.x(), ray.y()) + error.At(ray.x(), ray.y());
+        largest = std::max(largest, 3 * std::abs(left));
+      }
+    }
+    std::printf("seed %d: depth at 3 m off by up to %.3f %%, ATE %.1f -> %.2f mm\n", seed,
+                100 * largest, 1000 * before, 1000 * after);
+    EXPECT_LT(largest, 0.002);
+    EXPECT_LT(after, before / 3);
   }
 }
 

@@ -206,6 +206,26 @@ TEST_F(SimulateTest, ReplacesAFormerSimulationAndNothingElse) {
   EXPECT_EQ(ReadBytes(folder_ / "mine/thesis.tex"), "irreplaceable");
 }
 
+TEST_F(SimulateTest, AddsAFieldToInverseDepth) {
+  const InverseDepthField error = {{0.006, 0.002, -0.003, 0.008, 0.004, 0.006}};
+  ASSERT_EQ(Simulate("exact", {"--sensor=ideal"}).exit_code, 0);
+  ASSERT_EQ(Simulate("off", {"--sensor=ideal", "--inverse_depth_offset=0.006",
+                             "--inverse_depth_distortion=0.002,-0.003,0.008,0.004,0.006"})
+                .exit_code,
+            0);
+  const auto source = Open("exact");
+  const PinholeCamera camera = source->info().pinhole;
+  const Image<float> exact = source->Next()->frame->depth_m;
+  const Image<float> off = Open("off")->Next()->frame->depth_m;
+  for (int v = 0; v < camera.height; ++v) {
+    for (int u = 0; u < camera.width; ++u) {
+      const Eigen::Vector3d ray = camera.Ray(u, v);
+      // Both files have steps of kUnit_m.
+      EXPECT_NEAR(off(u, v), error.Corrected(exact(u, v), ray.x(), ray.y()), 1.1 * kUnit_m);
+    }
+  }
+}
+
 TEST_F(SimulateTest, RefusesBadFlagsByName) {
   const std::map<std::string, std::string> errors = {
       {"--scene=kitchen", "scene is 'kitchen', must be one of corridor, room"},
@@ -213,6 +233,9 @@ TEST_F(SimulateTest, RefusesBadFlagsByName) {
       {"--seed=-1", "--seed is -1, must not be negative"},
       {"--surface_grid_m=0", "--surface_grid_m is 0, must be at least 0.001"},
       {"--threads=-2", "threads is -2, must be from 1"},
+      {"--inverse_depth_offset=0.2", "have 0.2, must be from -0.1 to 0.1"},
+      {"--inverse_depth_distortion=1,2", "--inverse_depth_distortion is 1,2, must be five numbers"},
+      {"--inverse_depth_distortion=0,0,nan,0,0", "inverse_depth_distortion is '0,0,nan,0,0'"},
       {"--colour=red", "colour"}};
   for (const auto& [flag, message] : errors) {
     const ProgramResult result = Simulate("room", {flag});

@@ -32,9 +32,4 @@ struct KinectOptions {
 Image<float> KinectDepth(const Image<float>& depth_m, const PinholeCamera& camera,
                          std::uint64_t seed, const KinectOptions& options = {});
 
-// What a sensor that is out of calibration measures: 1 / z + offset_per_m in place of 1 / z. An
-// offset e is worth the share e z of a depth z: e = 0.02 / 3 makes 3 m too near by 2 %. Missing
-// depth stays missing, and so becomes what would not be positive.
-Image<float> OffsetInverseDepth(const Image<float>& depth_m, double offset_per_m);
-
 }  // namespace surfit
