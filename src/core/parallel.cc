@@ -1,6 +1,7 @@
 #include "surfit/core/parallel.h"
 
 #include <glog/logging.h>
+#include <sys/resource.h>
 #include <tbb/concurrent_queue.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
@@ -58,6 +59,15 @@ void ParallelFor(int begin, int end, int grain, const std::function<void(int, in
   fork.Release();
   tbb::parallel_for(0, blocks, run_fenced_block);
   join.Acquire();
+}
+
+void RunInSpareTime(const std::function<void()>& task) {
+#ifdef __linux__
+  constexpr int kThisThread = 0, kLeastPriority = 19;
+  setpriority(PRIO_PROCESS, kThisThread, kLeastPriority);  // on Linux a thread has its own
+#endif
+  tbb::task_arena alone(1);
+  alone.execute(task);
 }
 
 namespace {

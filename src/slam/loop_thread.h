@@ -10,7 +10,7 @@
 
 namespace surfit {
 
-// Closes loops on a thread of its own, one task at a time; where only one thread may compute, when
+// Closes loops on a thread of its own, one task at a time, in time that tracking leaves; where only one thread may compute, when
 // the outcome is asked for.
 class LoopThread {
  public:
@@ -18,9 +18,13 @@ class LoopThread {
 
   // None may be under way.
   void Start(LoopTask task) {
-    const auto launch = ThreadCount() > 1 ? std::launch::async : std::launch::deferred;
-    task_ = std::async(launch, [this, started = std::move(task)]() mutable {
-      return closer_.Run(std::move(started));
+    const bool is_beside = ThreadCount() > 1;
+    const auto launch = is_beside ? std::launch::async : std::launch::deferred;
+    task_ = std::async(launch, [this, is_beside, started = std::move(task)]() mutable {
+      LoopOutcome outcome;
+      const auto run = [&] { outcome = closer_.Run(std::move(started)); };
+      is_beside ? RunInSpareTime(run) : run();
+      return outcome;
     });
   }
 

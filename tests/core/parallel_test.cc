@@ -2,12 +2,14 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <atomic>
 #include <chrono>
 #include <future>
 #include <numeric>
 #include <random>
+#include <set>
 #include <thread>
 
 #include "surfit/core/error.h"
@@ -71,6 +73,38 @@ TEST(ThreadLimit, RefusesNonsense) {
   EXPECT_THROW(ThreadLimit(0), InputError);
   EXPECT_THROW(ThreadLimit(-3), InputError);
   EXPECT_THROW(ThreadLimit(100000), InputError);
+}
+
+TEST(RunInSpareTime, KeepsItsLoopsOnItsOwnThread) {
+  ThreadLimit limit(4);
+  std::thread([] {
+    std::set<std::thread::id> ids;
+    RunInSpareTime([&] {
+      ParallelFor(0, 64, 1, [&](int, int) {
+        ids.insert(std::this_thread::get_id());  // unguarded, as there is no other thread
+        std::this_thread::sleep_for(std::chrono::microseconds(100));
+      });
+    });
+    EXPECT_THAT(ids, testing::ElementsAre(std::this_thread::get_id()));
+  }).join();
+}
+
+#ifdef __linux__
+TEST(RunInSpareTime, LowersThePriorityOfItsThreadAlone) {
+  const int before = getpriority(PRIO_PROCESS, 0);
+  int of_thread = 0;
+  std::thread([&] {
+    RunInSpareTime([&] { of_thread = getpriority(PRIO_PROCESS, 0); });
+  }).join();
+  EXPECT_EQ(of_thread, 19);
+  EXPECT_EQ(getpriority(PRIO_PROCESS, 0), before);
+}
+#endif
+
+TEST(RunInSpareTime, ThrowsOn) {
+  std::thread([] {
+    EXPECT_THROW(RunInSpareTime([] { throw InputError("bad"); }), InputError);
+  }).join();
 }
 
 TEST(RunInBackground, RunsOnAnotherThread) {

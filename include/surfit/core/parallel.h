@@ -44,6 +44,11 @@ T ParallelSum(int begin, int end, int grain, T zero, const Body& body) {
   return sum;
 }
 
+// For a thread of one's own beside the bounded set: runs the task on it with the parallel loops in
+// it on this thread alone, so that they keep no other thread from its work, and on Linux from then
+// on only in time that no other thread wants. What it throws is thrown on.
+void RunInSpareTime(const std::function<void()>& task);
+
 // Runs the task on another thread of the bounded set, soon. Must not be called when ThreadCount()
 // is 1: nothing would run it before the caller waits. The task must not throw.
 void RunInBackground(std::function<void()> task);
