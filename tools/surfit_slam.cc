@@ -64,6 +64,10 @@ DEFINE_int32(
     "with loop_closure: after so many lost frames in a row a new map is begun, and joined to "
     "the first by a loop; 0 = never");
 DEFINE_int32(threads, kRun.threads, "threads that compute at the same time, reading included");
+DEFINE_double(
+    offered_fps, kRun.offered_fps,
+    "frames are offered at this rate, as by a camera: those not taken in time are dropped "
+    "and counted; 0 = as fast as they are processed");
 DEFINE_bool(pictures, kRun.pictures, "write the pictures");
 DEFINE_bool(view, false,
             "show the run in a window: frame, model, map and camera path; without a display the "
@@ -120,6 +124,7 @@ SlamRunOptions OptionsFromFlags() {
   options.initial_pose = FLAGS_initial_pose;
   options.poses = FLAGS_poses;
   options.threads = FLAGS_threads;
+  options.offered_fps = FLAGS_offered_fps;
   options.pictures = FLAGS_pictures;
   options.keep_views = FLAGS_report;
   options.trace = FLAGS_trace;
@@ -184,6 +189,9 @@ void PrintSummary(const SlamRunSummary& s, const std::string& output) {
   std::printf("%s: %d frames, %d tracked, %d lost, %d skipped%s\n", output.c_str(), s.frames_total,
               s.frames_tracked, s.frames_lost, s.frames_skipped,
               s.interrupted ? ", interrupted" : "");
+  if (s.frames_dropped > 0) {
+    std::printf("%d frames were offered, but not taken in time\n", s.frames_dropped);
+  }
   if (s.frames_without_intensities > 0) {
     std::printf("%d frames without intensities, tracked by their shapes alone\n",
                 s.frames_without_intensities);
@@ -219,6 +227,9 @@ void PrintStages(const SlamRunSummary& s) {
     PrintTimes(stage.name.c_str(), stage.times, stage.share);
   }
   PrintTimes("frame", s.frame, 1);  // less than their sum where decode runs beside the others
+  if (FLAGS_offered_fps == 0) return;
+  std::printf("latency    %9.1f %9.1f %9.1f, from being offered on\n", s.latency.mean_ms,
+              s.latency.median_ms, s.latency.p95_ms);
 }
 
 // Of the run that has just been written.

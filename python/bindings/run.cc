@@ -23,7 +23,9 @@ void BindRunOptions(py::module_& module) {
            "identity, groundtruth or tx,ty,tz,qx,qy,qz,qw")
       .Add("poses", &SlamRunOptions::poses, "track, or groundtruth: fuse along the given poses")
       .Add("threads", &SlamRunOptions::threads, "that compute at the same time")
-      .Add("queue_capacity", &SlamRunOptions::queue_capacity, "frames that are read ahead")
+      .Add("queue_capacity", &SlamRunOptions::queue_capacity, "frames that are read ahead, or offered and kept")
+      .Add("offered_fps", &SlamRunOptions::offered_fps,
+           "rate at which frames are offered, as by a camera; 0 = as fast as they are processed")
       .Add("pictures", &SlamRunOptions::pictures, "whether to draw them")
       .Add("keep_views", &SlamRunOptions::keep_views,
            "whether to keep pictures of a few frames beside the model's views, for surfit_report")
@@ -50,6 +52,7 @@ void BindRunSummary(py::module_& module) {
       .def_readonly("frames_lost", &Summary::frames_lost, "not registered")
       .def_readonly("frames_fused", &Summary::frames_fused, "into the map")
       .def_readonly("frames_skipped", &Summary::frames_skipped, "that could not be read")
+      .def_readonly("frames_dropped", &Summary::frames_dropped, "offered, but not taken in time")
       .def_readonly("frames_without_intensities", &Summary::frames_without_intensities,
                     "tracked by their shapes alone though intensities were asked for")
       .def_readonly("input_points", &Summary::input_points, "pixels of all frames read")

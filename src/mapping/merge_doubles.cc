@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "mapping/merge_gate.h"
+#include "mapping/per_surfel.h"
 #include "mapping/surfel_grid.h"
 #include "surfit/core/parallel.h"
 #include "surfit/core/trace.h"
@@ -13,7 +14,7 @@ namespace surfit {
 namespace {
 
 constexpr std::int32_t kNone = -1;
-constexpr float kSpacingsPerCube = 2;  // of the grid: larger ones hold many surfels, smaller none
+constexpr float kSpacingsPerCube = 3;  // of the grid: larger ones hold many surfels, smaller none
 
 Patch PatchAt(const SurfelBlock& block, int k) {
   return {block.x[k], block.y[k], block.z[k], block.nx[k], block.ny[k], block.nz[k]};
@@ -54,8 +55,17 @@ class DoubleFinder {
       if (newer.surfels.empty()) return;
       const std::vector<GridSurfel> within = OlderWithin(newer);
       if (within.empty()) return;
+      const int oldest = std::min_element(within.begin(), within.end(), [](auto& a, auto& b) {
+                           return a.last_seen < b.last_seen;
+                         })->last_seen;
       const SurfelGrid grid(newer.low, newer.high, cube_m_, within);
-      for (const NewerSurfel& surfel : newer.surfels) older[surfel.id] = NearestTo(surfel, grid);
+      WithInstructions([&](auto instructions) {
+        using Number = Lanes<float, decltype(instructions)>;
+        for (const NewerSurfel& surfel : newer.surfels) {
+          if (surfel.first_seen - oldest <= doubles_.frames_apart) continue;
+          older[surfel.id] = NearestTo<Number>(surfel, grid);
+        }
+      });
     });
     return older;
   }
@@ -102,29 +112,57 @@ class DoubleFinder {
 
   void AddOlder(std::int32_t b, const NewerOfCell& newer, std::vector<GridSurfel>* older) const {
     const SurfelBlock& block = map_.block(b);
-    for (int k = 0; k < block.count; ++k) {
-      if (newer.most_first_seen - block.last_seen[k] <= doubles_.frames_apart) continue;
-      const Patch patch = PatchAt(block, k);
-      const Eigen::Array3f position = PositionOf(patch);
-      if ((position < newer.low.array()).any() || (position > newer.high.array()).any()) continue;
-      older->push_back({patch, b * SurfelBlock::kCapacity + k, block.last_seen[k]});
-    }
+    ForEachBit(MaskOfOlder(block, newer) & MaskOfAll(block), [&](int k) {
+      older->push_back({PatchAt(block, k), b * SurfelBlock::kCapacity + k, block.last_seen[k]});
+    });
   }
 
-  // Of two that are equally near, the one of the lower id.
-  std::int32_t NearestTo(const NewerSurfel& newer, const SurfelGrid& grid) const {
-    float least = MergeGate::kNever;
-    std::int32_t nearest = kNone;
-    const Eigen::Vector3f reach = gate_.Reach({newer.patch.nx, newer.patch.ny, newer.patch.nz});
-    grid.ForEachAround(PositionOf(newer.patch), reach, [&](const GridSurfel& older) {
-      if (newer.first_seen - older.last_seen <= doubles_.frames_apart) return;
-      const float distance2 = gate_.SquaredDistance(older.patch, newer.radius_m, newer.patch);
-      const bool nearer = distance2 < least || (distance2 == least && older.id < nearest);
-      if (distance2 == MergeGate::kNever || !nearer) return;
-      least = distance2;
-      nearest = older.id;
+  std::uint64_t MaskOfOlder(const SurfelBlock& block, const NewerOfCell& newer) const {
+    return WithInstructions([&](auto) {
+      const int seen_before = newer.most_first_seen - doubles_.frames_apart;
+      const float *low = newer.low.data(), *high = newer.high.data();
+      const PerSurfel<float>&x = block.x, &y = block.y, &z = block.z;
+      PerSurfel<std::uint8_t> older;
+      for (int k = 0; k < SurfelBlock::kCapacity; ++k) {
+        older[k] = (block.last_seen[k] < seen_before) & (x[k] >= low[0]) & (x[k] <= high[0]) &
+                   (y[k] >= low[1]) & (y[k] <= high[1]) & (z[k] >= low[2]) & (z[k] <= high[2]);
+      }
+      return MaskOf(older);
     });
-    return nearest;
+  }
+
+  // Of two that are equally near, the first in the grid.
+  template <typename Number>
+  std::int32_t NearestTo(const NewerSurfel& newer, const SurfelGrid& grid) const {
+    const Patch& p = newer.patch;
+    const PatchOf<Number> patch = {p.x, p.y, p.z, p.nx, p.ny, p.nz};
+    const Number radius_m = newer.radius_m, seen_before = newer.first_seen - doubles_.frames_apart;
+    Number least = MergeGate::kNever, from = 0.;  // and the place that was read from then
+    const Eigen::Vector3f reach = gate_.Reach({p.nx, p.ny, p.nz});
+    grid.ForEachRowAround(PositionOf(p), reach, [&](int begin, int end) {
+      for (int i = begin; i < end; i += Number::kCount) {
+        const Number distance2 = gate_.SquaredDistance(grid.Patches<Number>(i), radius_m, patch);
+        const auto nearer = (distance2 < least) & (grid.LastSeen<Number>(i) < seen_before);
+        least = Select(nearer, distance2, least);
+        from = Select(nearer, i, from);
+      }
+    });
+    return LeastOf(least, from, grid);
+  }
+
+  template <typename Number>
+  static std::int32_t LeastOf(const Number& distances2, const Number& from,
+                              const SurfelGrid& grid) {
+    float least = MergeGate::kNever;
+    int nearest = kNone;
+    for (int lane = 0; lane < Number::kCount; ++lane) {
+      const int place = static_cast<int>(from[lane]) + lane;
+      if (distances2[lane] < least || (distances2[lane] == least && place < nearest)) {
+        least = distances2[lane];
+        nearest = place;
+      }
+    }
+    return nearest == kNone ? kNone : grid.Id(nearest);
   }
 
   const MergeGate gate_;

@@ -26,6 +26,7 @@
 #include "surfit/core/error.h"
 #include "surfit/core/parallel.h"
 #include "surfit/core/trace.h"
+#include "surfit/io/offered_frames.h"
 #include "surfit/io/read_ahead.h"
 #include "surfit/io/surfel_ply.h"
 #include "surfit/io/watch_folder.h"
@@ -67,7 +68,9 @@ std::int64_t CountValid(const Image<float>& depth_m) {
 std::unique_ptr<FrameSource> OpenSource(const SlamRunOptions& options,
                                         const std::atomic<bool>& interrupted) {
   if (options.sequence.format == "watch") return WatchFolder(options.sequence, interrupted);
-  return ReadAhead(OpenSequence(options.sequence), options.queue_capacity);
+  auto source = OpenSequence(options.sequence);
+  if (options.offered_fps == 0) return ReadAhead(std::move(source), options.queue_capacity);
+  return OfferFrames(std::move(source), options.offered_fps, options.queue_capacity);
 }
 
 // A run in progress.
@@ -93,6 +96,9 @@ class SlamRun {
     while (!interrupted || !slam_) {  // an interrupted run has one frame at least
       const std::optional<ReadResult> result = source_->Next();
       if (!result) break;
+      last_completion_ += std::chrono::duration_cast<Clock::duration>(
+          std::chrono::duration<double, std::milli>(result->waited_ms));
+      summary_.frames_dropped += result->dropped_before;
       ++summary_.frames_total;
       stamps_s_.push_back(result->stamp_s);
       if (result->frame) {
@@ -114,8 +120,8 @@ class SlamRun {
   void Tell(const SlamRunFrame* frame,
             const std::function<void(const SlamRunProgress&)>& progress) {
     const Clock::time_point before = Clock::now();
-    progress({summary_.frames_total, info_.frame_count, slam_ ? slam_->map().size() : 0,
-              SecondsSince(start_), frame});
+    progress({summary_.frames_total + summary_.frames_dropped, info_.frame_count,
+              slam_ ? slam_->map().size() : 0, SecondsSince(start_), frame});
     last_completion_ += Clock::now() - before;
   }
 
@@ -135,6 +141,7 @@ class SlamRun {
   }
 
   FrameReport Process(const ReadResult& result) {
+    const Clock::time_point taken = Clock::now();
     const RgbdFrame& frame = *result.frame;
     const TraceSlice slice("frame", frame.index);
     if (!slam_) {
@@ -154,6 +161,9 @@ class SlamRun {
     {
       const StageTimer timer("write", frame.index, &write_ms);
       files_->Write(report, result.decode_ms, CompleteFrame());
+    }
+    if (options_.offered_fps > 0) {
+      latency_ms_.push_back(result.queued_ms + 1e3 * SecondsSince(taken));
     }
     const StageTimes& times = report.times;
     const std::array<double, kStages.size()> stages_ms = {
@@ -232,6 +242,7 @@ class SlamRun {
     summary_.match_share_last = match_shares_.empty() ? 0 : match_shares_.back();
     summary_.match_share_median = Quantile(match_shares_, 0.5);
     summary_.frame = Statistics(frame_ms_);
+    summary_.latency = Statistics(latency_ms_);
     for (std::size_t i = 0; i < kStages.size(); ++i) {
       summary_.stages.push_back(
           {kStages[i], Statistics(stages_ms_[i]), Sum(stages_ms_[i]) / Sum(frame_ms_)});
@@ -296,7 +307,7 @@ class SlamRun {
   std::vector<int> pose_frames_;  // the trajectory's poses' frames
   KeptViews views_;
   std::vector<double> stamps_s_;
-  std::vector<double> frame_ms_;
+  std::vector<double> frame_ms_, latency_ms_;
   std::vector<double> match_shares_;
   std::array<std::vector<double>, kStages.size()> stages_ms_;
 };
@@ -315,6 +326,12 @@ void SlamRunOptions::Validate() const {
   }
   if (initial_pose != "identity" && initial_pose != "groundtruth") {
     ParsePose("initial_pose", initial_pose);
+  }
+  if (!(offered_fps >= 0)) {
+    throw InputError(Concat("offered_fps is ", offered_fps, ", must be zero or positive"));
+  }
+  if (offered_fps > 0 && sequence.format == "watch") {
+    throw InputError(Concat("offered_fps is ", offered_fps, ", must be 0 with format 'watch'"));
   }
   if (queue_capacity < 1 || queue_capacity > 1000) {
     throw InputError(Concat("queue_capacity is ", queue_capacity, ", must be from 1 to 1000"));

@@ -38,6 +38,7 @@ void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
   j["frames_lost"] = s.frames_lost;
   j["frames_fused"] = s.frames_fused;
   j["frames_skipped"] = s.frames_skipped;
+  j["frames_dropped"] = s.frames_dropped;
   j["frames_without_intensities"] = s.frames_without_intensities;
   j["interrupted"] = s.interrupted;
   j["keyframes"] = s.loops.keyframes;
@@ -63,6 +64,7 @@ void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
   SetErrors(s.evaluation, &j);
   j["total_s"] = s.total_s;
   j["frame_ms"] = ToJson(s.frame);
+  j["latency_ms"] = options.offered_fps > 0 ? ToJson(s.latency) : Json();
   j["stage_ms"] = Json::object();
   for (const StageStatistics& stage : s.stages) {
     j["stage_ms"][stage.name] = ToJson(stage.times);

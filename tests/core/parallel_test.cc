@@ -93,9 +93,7 @@ TEST(RunInSpareTime, KeepsItsLoopsOnItsOwnThread) {
 TEST(RunInSpareTime, LowersThePriorityOfItsThreadAlone) {
   const int before = getpriority(PRIO_PROCESS, 0);
   int of_thread = 0;
-  std::thread([&] {
-    RunInSpareTime([&] { of_thread = getpriority(PRIO_PROCESS, 0); });
-  }).join();
+  std::thread([&] { RunInSpareTime([&] { of_thread = getpriority(PRIO_PROCESS, 0); }); }).join();
   EXPECT_EQ(of_thread, 19);
   EXPECT_EQ(getpriority(PRIO_PROCESS, 0), before);
 }

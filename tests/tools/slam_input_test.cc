@@ -186,6 +186,8 @@ TEST_F(SlamTool, RefusesBadInputInOneSentence) {
       {{"--nonsense"}, "nonsense"},
       {{"--threads=0"}, "threads is 0"},
       {{"--threads=abc"}, "abc"},
+      {{"--offered_fps=-30"}, "offered_fps is -30"},
+      {{"--offered_fps=30", "--format=watch"}, "offered_fps is 30"},
       {{"--solver=magic"},
        "closed_form_ldlt, closed_form_lu, closed_form_qr, svd, "
        "ceres, ceres_per_point, tiny"},

@@ -34,6 +34,10 @@ struct ReadResult {
   std::optional<RgbdFrame> frame;  // empty if the files could not be read
   std::string error;               // then why, naming the file
   double decode_ms = 0;            // time spent reading and preparing it
+  // Of frames that are offered at a rate (OfferFrames()):
+  double waited_ms = 0;    // time that the reader was early
+  double queued_ms = 0;    // or the frame waited to be taken
+  int dropped_before = 0;  // frames that were not taken in time
 };
 
 // A sequence of RGB-D frames. Not thread-safe.

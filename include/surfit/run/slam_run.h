@@ -22,7 +22,10 @@ struct SlamRunOptions {
   std::string initial_pose = "identity";  // identity, groundtruth or tx,ty,tz,qx,qy,qz,qw
   std::string poses = "track";            // track, or groundtruth: fuse along the given poses
   int threads = 2;                        // that compute at the same time
-  int queue_capacity = 4;                 // frames that are read ahead
+  int queue_capacity = 8;                 // frames that are read ahead, or offered and kept
+  // Frames are offered at this rate, as a camera does (OfferFrames()), which shows whether they can
+  // all be taken in time; 0 = as fast as they are processed.
+  double offered_fps = 0;
   bool pictures = true;
   bool keep_views = false;  // pictures of a few frames beside the model's views, for WriteReport()
   std::string trace;  // file for the times of all stages and threads (TraceRecorder); empty = none
@@ -76,6 +79,7 @@ struct SlamRunSummary {
   int frames_lost = 0;
   int frames_fused = 0;    // into the map, of the tracked ones
   int frames_skipped = 0;  // could not be read
+  int frames_dropped = 0;  // offered, but not taken in time: not in frames_total
   BackendCounts loops;     // all zero without loops
   // Tracked by their shapes alone though intensities were asked for, for want of colour or texture.
   int frames_without_intensities = 0;
@@ -91,7 +95,8 @@ struct SlamRunSummary {
   double match_share_median = 0;  // over all fused frames
   std::optional<TrajectoryEvaluation> evaluation;  // where there is ground truth
   double total_s = 0;
-  TimeStatistics frame;  // between the completions of consecutive frames
+  TimeStatistics frame;    // between the completions of consecutive frames, less the time waited
+  TimeStatistics latency;  // from a frame being offered to its completion; 0 where none is
   // decode (which reads ahead, beside the others), preprocess, predict, track, fuse, correct,
   // write.
   std::vector<StageStatistics> stages;

@@ -47,7 +47,7 @@ struct LoopOptions {
   PoseGraphOptions graph = RobustPoseGraphOptions();
   // What is found out from a keyframe on takes effect before the so-many-th frame after it, however
   // long it takes: the same on every machine.
-  int delay_frames = 10;
+  int delay_frames = 30;
   // Surfels last seen longer before others were first seen are merged with these where a loop puts
   // them together; FusionOptions::active_frames where that is more.
   int frames_apart = 100;
