@@ -1,10 +1,11 @@
 // Optimises a generated pose graph, or one of a file, by Surfit and by Ceres as its examples do it:
 // a residual block with automatic derivatives for each edge, position and quaternion as blocks of
 // their own. Prints costs and CPU time per iteration.
-//   pose_graph_time sphere|torus|grid SIZE [MAX_RATIO]
+//   pose_graph_time sphere|torus|grid SIZE [MAX_RATIO [ITERATIONS [REPEATS]]]
 //   pose_graph_time FILE.g2o
-// SIZE: poses of a turn and turns, or along each side of the grid. Fails if costs differ, or if
-// Surfit takes more than MAX_RATIO as long.
+// SIZE: poses of a turn and turns, or along each side of the grid. ITERATIONS: at most, of each; of
+// REPEATS, 3 if not given, the fastest counts. Fails if costs differ, or if Surfit takes more than
+// MAX_RATIO as long.
 
 #include <ceres/ceres.h>
 
@@ -20,7 +21,11 @@
 namespace surfit {
 namespace {
 
-constexpr int kRepeats = 3;  // of which the fastest counts
+struct Bounds {
+  double max_ratio = HUGE_VAL;
+  int iterations = PoseGraphOptions().max_iterations;
+  int repeats = 3;
+};
 
 struct Outcome {
   double cost = 0;
@@ -99,7 +104,7 @@ void Print(const char* name, const Outcome& o) {
 }
 
 // Both begin from the same poses, which chordal initialisation gives.
-int Run(const PoseGraph& given, double max_ratio) {
+int Run(const PoseGraph& given, const Bounds& bounds) {
   PoseGraphOptions options;
   PoseGraph graph = given;
   PoseGraphOptions initialize_only = options;
@@ -109,8 +114,9 @@ int Run(const PoseGraph& given, double max_ratio) {
             << Cost(given) << " as given" << std::endl;
   std::cout.precision(12);
   options.initialization = "given";
+  options.max_iterations = bounds.iterations;
   Outcome plain = SolvePlainly(graph, options), ours = SolveByUs(graph, options);
-  for (int repeat = 1; repeat < kRepeats; ++repeat) {  // in turns: others may use the machine
+  for (int repeat = 1; repeat < bounds.repeats; ++repeat) {  // in turns: others may use the machine
     plain.cpu_s = std::min(plain.cpu_s, SolvePlainly(graph, options).cpu_s);
     ours.cpu_s = std::min(ours.cpu_s, SolveByUs(graph, options).cpu_s);
   }
@@ -120,17 +126,20 @@ int Run(const PoseGraph& given, double max_ratio) {
   std::cout << "Surfit / plain Ceres per iteration: " << ratio << std::endl;
   const bool same = std::abs(ours.cost - plain.cost) <= 1e-6 * plain.cost;
   if (!same) std::cout << "the costs differ" << std::endl;
-  return same && ratio <= max_ratio ? 0 : 1;
+  return same && ratio <= bounds.max_ratio ? 0 : 1;
 }
 
 }  // namespace
 }  // namespace surfit
 
 int main(int argc, char** argv) try {
-  if (argc == 2) return surfit::Run(surfit::ReadG2o(argv[1]).graph, HUGE_VAL);
-  if (argc != 3 && argc != 4) throw surfit::InputError("two or three arguments are needed");
-  return surfit::Run(surfit::MakeGraph(argv[1], std::stoi(argv[2])),
-                     argc == 4 ? std::stod(argv[3]) : HUGE_VAL);
+  surfit::Bounds bounds;
+  if (argc == 2) return surfit::Run(surfit::ReadG2o(argv[1]).graph, bounds);
+  if (argc < 3 || argc > 6) throw surfit::InputError("one argument is needed, or two to five");
+  if (argc > 3) bounds.max_ratio = std::stod(argv[3]);
+  if (argc > 4) bounds.iterations = std::stoi(argv[4]);
+  if (argc > 5) bounds.repeats = std::stoi(argv[5]);
+  return surfit::Run(surfit::MakeGraph(argv[1], std::stoi(argv[2])), bounds);
 } catch (const std::exception& error) {
   std::cerr << "error: " << error.what() << std::endl;
   return 1;

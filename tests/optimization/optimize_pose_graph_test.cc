@@ -122,6 +122,20 @@ TEST(OptimizePoseGraph, LeavesAPoseWithoutEdgesWhereItIs) {
   EXPECT_EQ(graph.poses.back().world_from_pose.translation, Eigen::Vector3d(1, 2, 3));
 }
 
+TEST(OptimizePoseGraph, LeavesAGraphWhereAllIsHeld) {
+  const PoseGraph given = MakeSphere(3, 5).graph;
+  for (const std::string& backend : SparseBackendNames()) {
+    PoseGraphOptions options;
+    options.sparse_backend = backend;
+    PoseGraph graph = given;
+    for (PoseGraphPose& pose : graph.poses) pose.fixed = true;
+    const PoseGraphSummary summary = OptimizePoseGraph(options, &graph);
+    EXPECT_EQ(summary.termination, PoseGraphTermination::kConverged) << backend;
+    EXPECT_NEAR(summary.final_cost, summary.given_cost, 1e-12 * summary.given_cost) << backend;
+    EXPECT_EQ(Numbers(graph), Numbers(given)) << backend;
+  }
+}
+
 TEST(OptimizePoseGraph, SaysWhereIterationsAreUsedUp) {
   PoseGraph graph = MakeTorus(10, 10).graph;
   PoseGraphOptions options;

@@ -49,6 +49,22 @@ TEST(WrongLoops, AreLeftOutOnATorus) { ExpectWrongLoopsAreFound(testing::MakeTor
 
 TEST(WrongLoops, AreLeftOutInAGrid) { ExpectWrongLoopsAreFound(testing::MakeGrid(7)); }
 
+TEST(WrongLoops, AreTheSameWithEveryBackend) {
+  TrueGraph wrong = testing::MakeTorus(12, 12);
+  testing::PlantWrongLoops(0.1, &wrong);
+  PoseGraphOptions options;
+  options.loop_robustness = "gnc";
+  PoseGraphSummary expected;
+  const double ate = OptimizedAte(wrong, options, &expected);
+  for (const std::string& backend : SparseBackendNames()) {
+    options.sparse_backend = backend;
+    PoseGraphSummary summary;
+    EXPECT_NEAR(OptimizedAte(wrong, options, &summary), ate, 1e-4 * ate) << backend;
+    EXPECT_EQ(summary.outlier_edges, expected.outlier_edges) << backend;
+    EXPECT_NEAR(summary.final_cost, expected.final_cost, 1e-9 * expected.final_cost) << backend;
+  }
+}
+
 TEST(WrongLoops, CostNothingWhereThereAreNone) {
   PoseGraphOptions options;
   options.loop_robustness = "gnc";
