@@ -81,7 +81,8 @@ Outcome SolvePlainly(PoseGraph graph, const PoseGraphOptions& options) {
   ceres::Solver::Summary summary;
   const double start = CpuSeconds();
   ceres::Solve(o, &problem, &summary);
-  return {Cost(graph), static_cast<int>(summary.iterations.size()) - 1, CpuSeconds() - start};
+  // Its iterations leave out the last step, which ends it.
+  return {Cost(graph), summary.num_linear_solves, CpuSeconds() - start};
 }
 
 Outcome SolveByUs(PoseGraph graph, const PoseGraphOptions& options) {

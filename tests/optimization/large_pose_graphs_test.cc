@@ -49,11 +49,12 @@ TEST_P(LargePoseGraphs, ConvergeToOneCost) {
   EXPECT_NEAR(OptimizedCost(given.graph, GetParam().backend), expected, 1e-9 * expected);
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    , LargePoseGraphs,
-    ::testing::Values(Case{"sphere", "suite_sparse"}, Case{"torus", "suite_sparse"},
-                      Case{"grid", "suite_sparse"}, Case{"sphere", "eigen_sparse"},
-                      Case{"torus", "eigen_sparse"}, Case{"grid", "eigen_sparse"}));
+// eigen_sparse would take too long for the larger ones.
+INSTANTIATE_TEST_SUITE_P(, LargePoseGraphs,
+                         ::testing::Values(Case{"sphere", "suite_sparse"},
+                                           Case{"torus", "suite_sparse"},
+                                           Case{"grid", "suite_sparse"},
+                                           Case{"grid", "eigen_sparse"}));
 
 }  // namespace
 }  // namespace surfit
