@@ -104,7 +104,7 @@ DEFINE_double(free_space_margin_m, kRun.slam.fusion.free_space_margin_m,
               "surfels are removed where depth is measured farther than this behind them");
 DEFINE_int32(active_frames, kRun.slam.fusion.active_frames,
              "surfels not seen in so many fused frames are neither tracked against nor merged "
-             "with; 0 = no limit");
+             "with; 0 = no limit; with loop_closure what loops need");
 DEFINE_int32(max_map_points, kRun.slam.fusion.max_map_points,
              "a map of so many surfels takes no further ones, which is said and counted; 0 = no "
              "limit");

@@ -102,6 +102,8 @@ void BindLoopOptions(py::module_& module) {
       .Add("noise", &LoopOptions::noise, "of edges of the pose graph")
       .Add("graph", &LoopOptions::graph, "how it is optimised")
       .Add("delay_frames", &LoopOptions::delay_frames, "from a keyframe to its effect")
+      .Add("active_frames", &LoopOptions::active_frames,
+           "FusionOptions.active_frames where that sets no limit")
       .Add("frames_apart", &LoopOptions::frames_apart,
            "surfels so far apart in time are merged where a loop puts them together")
       .Add("min_correction_m", &LoopOptions::min_correction_m, "smaller ones are not applied")

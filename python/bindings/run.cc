@@ -23,7 +23,8 @@ void BindRunOptions(py::module_& module) {
            "identity, groundtruth or tx,ty,tz,qx,qy,qz,qw")
       .Add("poses", &SlamRunOptions::poses, "track, or groundtruth: fuse along the given poses")
       .Add("threads", &SlamRunOptions::threads, "that compute at the same time")
-      .Add("queue_capacity", &SlamRunOptions::queue_capacity, "frames that are read ahead, or offered and kept")
+      .Add("queue_capacity", &SlamRunOptions::queue_capacity,
+           "frames that are read ahead, or offered and kept")
       .Add("offered_fps", &SlamRunOptions::offered_fps,
            "rate at which frames are offered, as by a camera; 0 = as fast as they are processed")
       .Add("pictures", &SlamRunOptions::pictures, "whether to draw them")

@@ -29,6 +29,7 @@ void LoopOptions::Validate() const {
   noise.Validate();
   graph.Validate();
   Require(delay_frames >= 1, "delay_frames", delay_frames, "at least 1");
+  Require(active_frames >= 0, "active_frames", active_frames, "zero (no limit) or positive");
   Require(frames_apart >= 1, "frames_apart", frames_apart, "at least 1");
   Require(min_correction_m >= 0, "min_correction_m", min_correction_m, "zero or positive");
   Require(new_map_after >= 0, "new_map_after", new_map_after, "zero (never) or positive");

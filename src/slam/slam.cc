@@ -7,7 +7,6 @@
 #include <numeric>
 #include <utility>
 
-#include "surfit/core/error.h"
 #include "surfit/core/trace.h"
 #include "surfit/frame/intensity.h"
 #include "surfit/mapping/merge_doubles.h"
@@ -20,16 +19,6 @@ namespace {
 // Of lost frames every fifth is looked for: that takes as long as tracking tens of frames.
 constexpr int kSearchStride = 5;
 constexpr int kRelocalizeStride = 3;  // the same of the search among keyframes
-
-// Two parts may have options of one name: errors say whose it is.
-template <typename Options>
-void ValidatePart(const char* part, const Options& options) {
-  try {
-    options.Validate();
-  } catch (const InputError& error) {
-    throw InputError(Concat(part, ": ", error.what()));
-  }
-}
 
 double MeanDepth(const Image<float>& depth_m) {
   const auto count = std::count_if(depth_m.begin(), depth_m.end(), [](float z) { return z > 0; });
@@ -46,47 +35,15 @@ double ImageShift(const Rigid3d& motion, const FrameLevel& level) {
   return camera.fx / camera.width * (turn_rad + motion.translation.norm() / depth_m);
 }
 
-const SlamOptions& Validated(const SlamOptions& options) {
+// Made whole: the fusion knows nothing of loops.
+SlamOptions Validated(SlamOptions options) {
   options.Validate();
+  int& active_frames = options.fusion.active_frames;
+  if (options.loops.enabled && active_frames == 0) active_frames = options.loops.active_frames;
   return options;
 }
 
 }  // namespace
-
-void SlamOptions::Validate() const {
-  ValidatePart("preprocess", preprocess);
-  ValidatePart("icp", icp);
-  ValidatePart("fusion", fusion);
-  ValidatePart("render", render);
-  ValidatePart("loops", loops);
-  if (tracking != "frame_to_model" && tracking != "frame_to_frame") {
-    throw InputError(
-        Concat("tracking is '", tracking, "', must be one of: frame_to_model, frame_to_frame"));
-  }
-  if (motion_model != "constant_velocity" && motion_model != "constant_pose" &&
-      motion_model != "so3") {
-    throw InputError(Concat("motion_model is '", motion_model,
-                            "', must be one of: constant_velocity, constant_pose, so3"));
-  }
-  if (!(min_turn_eigenvalue >= 0)) {
-    throw InputError(
-        Concat("min_turn_eigenvalue is ", min_turn_eigenvalue, ", must be zero or positive"));
-  }
-  if (map_period < 1)
-    throw InputError(Concat("map_period is ", map_period, ", must be at least 1"));
-  if (!(max_view_shift >= 0)) {
-    throw InputError(Concat("max_view_shift is ", max_view_shift, ", must be zero or positive"));
-  }
-  InitializeOptions initialization;
-  initialization.method = initialize;
-  initialization.Validate();
-  if (!(min_inlier_share >= 0 && min_inlier_share <= 1)) {
-    throw InputError(Concat("min_inlier_share is ", min_inlier_share, ", must be from 0 to 1"));
-  }
-  if (!(max_rmse_m > 0)) {
-    throw InputError(Concat("max_rmse_m is ", max_rmse_m, ", must be positive"));
-  }
-}
 
 std::string ToString(FrameState state) {
   switch (state) {
@@ -114,8 +71,8 @@ Slam::Slam(const PinholeCamera& camera, const SlamOptions& options,
            const Rigid3d& world_from_first_camera)
     : camera_(camera),
       options_(Validated(options)),
-      renderer_(options.render),
-      fusion_(options.fusion),
+      renderer_(options_.render),
+      fusion_(options_.fusion),
       world_from_last_(world_from_first_camera) {
   camera.Validate("camera");
   if (options.loops.enabled) backend_ = std::make_unique<Backend>(options.loops);

@@ -71,7 +71,6 @@ struct Outcome {
 Outcome RunMisled(const testing::SimulatedSequence& sequence, Wrong wrong) {
   SlamOptions options;
   options.loops.enabled = true;
-  options.fusion.active_frames = 200;
   Slam slam(sequence.camera, options, sequence.world_from_camera[0]);
   Outcome outcome;
   slam.UseLoopFinder(Misled(wrong, options.loops.find, &outcome.planted));

@@ -48,6 +48,9 @@ struct LoopOptions {
   // What is found out from a keyframe on takes effect before the so-many-th frame after it, however
   // long it takes: the same on every machine.
   int delay_frames = 30;
+  // FusionOptions::active_frames where loops are closed and that sets no limit: what the camera has
+  // drifted from must not hold it until a loop has put both together. 0 = no limit either.
+  int active_frames = 200;
   // Surfels last seen longer before others were first seen are merged with these where a loop puts
   // them together; FusionOptions::active_frames where that is more.
   int frames_apart = 100;
