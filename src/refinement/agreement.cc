@@ -27,6 +27,20 @@ double VarianceOf(const JointFit& fit, const SharedSurfels& shared, const JointS
          std::max(1., cells_per_window * cells_per_window);
 }
 
+Eigen::MatrixXd ModelErrorOf(const DepthCalibration& calibration, const std::vector<bool>& held,
+                             const RefinementOptions& options) {
+  constexpr double kDepth_m = 3;
+  const PinholeCamera& camera = calibration.camera;
+  Eigen::Matrix<double, kCalibrationSize, 1> sigma;
+  sigma.setConstant(options.model_error_share / kDepth_m);  // of inverse depth
+  sigma.head<kFieldBegin>() =
+      options.model_error_share * Eigen::Vector4d(camera.fx, camera.fy, camera.fx, camera.fy);
+  for (int i = 0; i < kCalibrationSize; ++i) {
+    if (held[i]) sigma[i] = 0;
+  }
+  return sigma.cwiseAbs2().asDiagonal();
+}
+
 double CalibrationChange::Limit(double sigmas) const {
   return free + sigmas * std::sqrt(2. * free);
 }

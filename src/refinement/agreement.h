@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "refinement/reduced_system.h"
 
 namespace surfit {
@@ -11,6 +13,11 @@ RefinementFit Agreement(const JointFit& fit);
 // errors of their normals. 0 if they determine nothing.
 double VarianceOf(const JointFit& fit, const SharedSurfels& shared, const JointState& state,
                   const RefinementOptions& options);
+
+// The covariance that RefinementOptions::model_error_share stands for, 10 x 10 and diagonal: zero
+// of what is held.
+Eigen::MatrixXd ModelErrorOf(const DepthCalibration& calibration, const std::vector<bool>& held,
+                             const RefinementOptions& options);
 
 // The squared distance of a calibration from another by its covariance (10 x 10, zero of what was
 // held), and the number of those that were free.

@@ -46,8 +46,10 @@ void SetAgreement(const RefinementOptions& options,
   ReducedSystem system = Reduce(shared, pattern, state, kernel);
   prior->SetWeight(variance);
   prior->AddTo(state, &system);
-  const JointCovariance covariance = CovarianceOf(system, HeldCalibration(options));
-  summary->calibration_covariance = variance * covariance.calibration;
+  const std::vector<bool> held = HeldCalibration(options);
+  const JointCovariance covariance = CovarianceOf(system, held);
+  summary->calibration_covariance =
+      variance * covariance.calibration + ModelErrorOf(state.calibration, held, options);
   summary->pose_covariances.clear();
   for (const Eigen::MatrixXd& pose : covariance.poses) {
     summary->pose_covariances.push_back(variance * pose);
@@ -120,6 +122,7 @@ void RefinementOptions::Validate() const {
   Require(kept_kernel_share > 0 && kept_kernel_share <= 1, "kept_kernel_share", kept_kernel_share,
           "positive and at most 1");
   Require(calibration_sigmas >= 0, "calibration_sigmas", calibration_sigmas, "zero or positive");
+  Require(model_error_share >= 0, "model_error_share", model_error_share, "zero or positive");
   Require(max_rounds >= 1 && max_rounds <= 1000, "max_rounds", max_rounds, "from 1 to 1000");
   Require(max_iterations >= 1 && max_iterations <= 1000, "max_iterations", max_iterations,
           "from 1 to 1000");

@@ -140,6 +140,24 @@ TEST(Refine, HoldsWhatIsNotFree) {
   EXPECT_NE(recording.keyframes[1].world_from_camera.Matrix(), recording.truth[1].Matrix());
 }
 
+TEST(Refine, KeepsACalibrationThatIsWrongByNoMoreThanTheModel) {
+  const Recording given = Record(12, kOffset, 0, 0);
+  RefinementOptions options;
+  options.free_intrinsics = false;
+  options.max_rounds = 2;
+  const auto keeps = [&](double model_error_share) {
+    options.model_error_share = model_error_share;
+    Recording recording = given;
+    const RefinementSummary summary = RefineAll(options, TrueCamera(), &recording);
+    EXPECT_TRUE(summary.Succeeded()) << ToString(summary.termination);
+    EXPECT_GE(summary.calibration_covariance(4, 4), std::pow(model_error_share / 3, 2));
+    EXPECT_EQ(summary.calibration_covariance(0, 0), 0);
+    return summary.calibration_kept;
+  };
+  EXPECT_FALSE(keeps(0.0005));
+  EXPECT_TRUE(keeps(0.02));  // as much as the offset is worth at 3 m
+}
+
 TEST(Refine, MovesNothingWhereKeyframesShareTooLittle) {
   Recording recording = Record(2, 0, 0.01, 0.005);  // three must see a surfel
   const Rigid3d second = recording.keyframes[1].world_from_camera;

@@ -21,7 +21,9 @@ struct RefineRunOptions {
   // other.
   double keyframe_translation_m = 0.1;
   double keyframe_rotation_rad = 0.15;
-  int max_keyframes = 120;  // with more of them, both are enlarged; 0 = no limit
+  // With more of them, both are enlarged; 0 = no limit. A keyframe takes 16 bytes for each pixel,
+  // and as much again for what it has measured of surfels.
+  int max_keyframes = 600;
   PreprocessOptions preprocess;
   RefinementOptions refinement;
   int threads = 2;  // that compute at the same time
