@@ -34,14 +34,8 @@ class AnalyticRelativePose final : public ceres::SizedCostFunction<6, kPoseSize,
   AnalyticRelativePose(const Rigid3d& a_from_b, const PoseInformation& information)
       : b_from_a_(a_from_b.Inverse()), whiten_(information) {}
 
-  // By the increments (w, v).
-  struct Derivatives {
-    PoseInformation by_a, by_b;
-  };
-
-  // With derivatives by increments instead of parameter blocks; without any where null is given.
-  void EvaluateIncrements(const Rigid3d& world_from_a, const Rigid3d& world_from_b,
-                          double* residuals, Derivatives* derivatives) const {
+  bool Evaluate(double const* const* poses, double* residuals, double** jacobians) const override {
+    const Rigid3d world_from_a = PoseFromBlock(poses[0]), world_from_b = PoseFromBlock(poses[1]);
     const Eigen::Matrix3d a_from_world = world_from_a.rotation.conjugate().toRotationMatrix();
     const Eigen::Vector3d arm = world_from_b.rotation * b_from_a_.translation;
     const Eigen::Vector3d y = arm + world_from_b.translation - world_from_a.translation;
@@ -50,36 +44,33 @@ class AnalyticRelativePose final : public ceres::SizedCostFunction<6, kPoseSize,
             .normalized(),
         a_from_world * y);
     whiten_(error, residuals);
-    if (derivatives == nullptr) return;
+    if (jacobians == nullptr) return true;
 
     const Eigen::Matrix<double, 6, 3> by_shift = whiten_.root().rightCols<3>() * a_from_world;
     const Eigen::Matrix<double, 6, 3> by_turn =
         whiten_.root().leftCols<3>() *
         (InverseLeftJacobian(QuaternionLog<double>(error.rotation)) * a_from_world);
-    derivatives->by_a << by_shift * CrossMatrix<double>(y) - by_turn, -by_shift;
-    derivatives->by_b << by_turn - by_shift * CrossMatrix<double>(arm), by_shift;
-  }
-
-  bool Evaluate(double const* const* poses, double* residuals, double** jacobians) const override {
-    const Rigid3d world_from_a = PoseFromBlock(poses[0]), world_from_b = PoseFromBlock(poses[1]);
-    Derivatives d;
-    EvaluateIncrements(world_from_a, world_from_b, residuals, jacobians != nullptr ? &d : nullptr);
-    if (jacobians == nullptr) return true;
-    if (jacobians[0] != nullptr) Fill(d.by_a, world_from_a, jacobians[0]);
-    if (jacobians[1] != nullptr) Fill(d.by_b, world_from_b, jacobians[1]);
+    if (jacobians[0] != nullptr) {
+      Fill(by_shift * CrossMatrix<double>(y) - by_turn, -by_shift, world_from_a, jacobians[0]);
+    }
+    if (jacobians[1] != nullptr) {
+      Fill(by_turn - by_shift * CrossMatrix<double>(arm), by_shift, world_from_b, jacobians[1]);
+    }
     return true;
   }
 
  private:
-  // From derivatives by the increment to those by the parameter block.
-  static void Fill(const PoseInformation& by_increment, const Rigid3d& pose, double* jacobian) {
-    const auto by_w = by_increment.leftCols<3>();
+  using Columns = Eigen::Matrix<double, 6, 3>;
+
+  // From derivatives by w and translation to those by the parameter block.
+  static void Fill(const Columns& by_w, const Columns& by_t, const Rigid3d& pose,
+                   double* jacobian) {
     const Eigen::Vector3d u = pose.rotation.vec();
     Eigen::Map<Eigen::Matrix<double, 6, kPoseSize, Eigen::RowMajor>> j(jacobian);
     j.leftCols<3>() =
         2 * by_w * (pose.rotation.w() * Eigen::Matrix3d::Identity() + CrossMatrix<double>(u));
     j.col(3) = -2 * by_w * u;
-    j.rightCols<3>() = by_increment.rightCols<3>();
+    j.rightCols<3>() = by_t;
   }
 
   Rigid3d b_from_a_;

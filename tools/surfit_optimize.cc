@@ -23,7 +23,7 @@ DEFINE_string(graph, "", "the pose graph: .g2o with VERTEX_SE3:QUAT and EDGE_SE3
 DEFINE_string(output, "", "if given, the optimised graph goes to this .g2o file");
 DEFINE_string(summary, "", "if given, costs, times and options go to this JSON file");
 DEFINE_string(sparse_backend, kDefaults.sparse_backend,
-              "multifrontal, suite_sparse (where Ceres has it) or eigen_sparse");
+              "suite_sparse (where Ceres has it) or eigen_sparse");
 DEFINE_string(initialization, kDefaults.initialization,
               "given: the file's poses; odometry: chained along edges of ids that follow one "
               "another; chordal: from all edges, by two linear systems");

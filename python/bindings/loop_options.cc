@@ -76,7 +76,7 @@ void BindGraphOptions(py::module_& module) {
       .Complete();
   using Options = PoseGraphOptions;
   OptionsClass<Options>(module, "PoseGraphOptions", "How a pose graph is optimised.")
-      .Add("sparse_backend", &Options::sparse_backend, "multifrontal, suite_sparse or eigen_sparse")
+      .Add("sparse_backend", &Options::sparse_backend, "suite_sparse or eigen_sparse")
       .Add("initialization", &Options::initialization, "given, odometry or chordal")
       .Add("loop_robustness", &Options::loop_robustness, "none, or gnc: wrong loops are left out")
       .Add("max_loop_squared_error", &Options::max_loop_squared_error, "of a right loop")

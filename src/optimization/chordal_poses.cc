@@ -1,33 +1,45 @@
 #include "optimization/chordal_poses.h"
 
 #include <Eigen/SVD>
-
-#include "optimization/block_cholesky.h"
-#include "optimization/unknown_poses.h"
+#include <Eigen/SparseCholesky>
 
 namespace surfit {
 namespace {
 
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, 3>;
+constexpr int kHeld = -1;
+
+// The number of each pose among those that are not held.
+std::vector<int> NumberUnknowns(const std::vector<bool>& held, int* count) {
+  std::vector<int> numbers(held.size(), kHeld);
+  *count = 0;
+  for (std::size_t i = 0; i < held.size(); ++i) {
+    if (!held[i]) numbers[i] = (*count)++;
+  }
+  return numbers;
+}
 
 // Least squares over blocks X_i of kSize rows and 3 columns: terms k |X_b - F X_a - c|^2, F
-// orthogonal, one for each edge, in their order.
+// orthogonal.
 template <int kSize>
 class BlockSystem {
  public:
   using Factor = Eigen::Matrix<double, kSize, kSize>;
   using Block = Eigen::Matrix<double, kSize, 3>;
 
-  explicit BlockSystem(const UnknownPoses& unknowns)
-      : matrix_(kSize, unknowns.count, unknowns.pairs.size()),
-        right_side_(Rows::Zero(kSize * unknowns.count, 3)) {}
+  explicit BlockSystem(int count) : right_side_(Rows::Zero(kSize * count, 3)) {}
 
   // Blocks of held poses (number kHeld) have the values known_a, known_b.
   void Add(double k, int a, int b, const Factor& factor, const Block& constant,
            const Block& known_a, const Block& known_b) {
-    if (a != kHeld) Fixed(matrix_.Diagonal(a)) += k * Factor::Identity();
-    if (b != kHeld) Fixed(matrix_.Diagonal(b)) += k * Factor::Identity();
-    if (a != kHeld && b != kHeld) Fixed(matrix_.OffDiagonal(pair_count_++)) = -k * factor;
+    if (a != kHeld) AddDiagonal(k, a);
+    if (b != kHeld) AddDiagonal(k, b);
+    if (a != kHeld && b != kHeld) {
+      for (int i = 0; i < kSize; ++i) {
+        for (int j = 0; j < kSize; ++j)
+          AddSymmetric(kSize * b + i, kSize * a + j, -k * factor(i, j));
+      }
+    }
     const Block b_part = b == kHeld ? known_b : Block::Zero();
     const Block a_part = a == kHeld ? known_a : Block::Zero();
     if (b != kHeld) right_side_.middleRows(kSize * b, kSize) += k * (factor * a_part + constant);
@@ -36,22 +48,30 @@ class BlockSystem {
     }
   }
 
-  std::optional<Rows> Solve(BlockCholesky* cholesky) const {
-    if (!cholesky->Factorize(matrix_)) return std::nullopt;
-    const Rows solution = cholesky->Solve(right_side_);
+  std::optional<Rows> Solve() const {
+    const Eigen::Index size = right_side_.rows();
+    Eigen::SparseMatrix<double> matrix(size, size);
+    matrix.setFromTriplets(entries_.begin(), entries_.end());
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> ldlt(matrix);
+    if (ldlt.info() != Eigen::Success) return std::nullopt;
+    const Rows solution = ldlt.solve(right_side_);
     if (!solution.allFinite()) return std::nullopt;
     return solution;
   }
 
  private:
-  template <typename Dynamic>
-  static auto Fixed(Dynamic block) {
-    return block.template topLeftCorner<kSize, kSize>();
+  void AddDiagonal(double k, int block) {
+    for (int i = 0; i < kSize; ++i) {
+      entries_.emplace_back(kSize * block + i, kSize * block + i, k);
+    }
+  }
+  // The solver reads the lower triangle.
+  void AddSymmetric(int row, int column, double value) {
+    entries_.emplace_back(std::max(row, column), std::min(row, column), value);
   }
 
-  BlockMatrix matrix_;
+  std::vector<Eigen::Triplet<double>> entries_;
   Rows right_side_;
-  std::size_t pair_count_ = 0;
 };
 
 // The rotation nearest to a matrix in the least squares of its elements.
@@ -63,10 +83,9 @@ Eigen::Quaterniond NearestRotation(const Eigen::Matrix3d& matrix) {
 }
 
 // With X_i = R_i^T the terms are k |X_b - R_ab^T X_a|^2.
-bool SolveRotations(const PoseGraph& graph, const UnknownPoses& unknowns, BlockCholesky* cholesky,
+bool SolveRotations(const PoseGraph& graph, const std::vector<int>& numbers, int count,
                     std::vector<Rigid3d>* poses) {
-  const std::vector<int>& numbers = unknowns.numbers;
-  BlockSystem<3> system(unknowns);
+  BlockSystem<3> system(count);
   for (const PoseGraphEdge& edge : graph.edges) {
     const auto known = [&](std::size_t i) -> Eigen::Matrix3d {
       return (*poses)[i].rotation.toRotationMatrix().transpose();
@@ -75,7 +94,7 @@ bool SolveRotations(const PoseGraph& graph, const UnknownPoses& unknowns, BlockC
                edge.a_from_b.rotation.toRotationMatrix().transpose(), Eigen::Matrix3d::Zero(),
                known(edge.a), known(edge.b));
   }
-  const std::optional<Rows> solution = system.Solve(cholesky);
+  const std::optional<Rows> solution = system.Solve();
   if (!solution) return false;
   for (std::size_t i = 0; i < poses->size(); ++i) {
     if (numbers[i] == kHeld) continue;
@@ -84,10 +103,9 @@ bool SolveRotations(const PoseGraph& graph, const UnknownPoses& unknowns, BlockC
   return true;
 }
 
-bool SolveTranslations(const PoseGraph& graph, const UnknownPoses& unknowns,
-                       BlockCholesky* cholesky, std::vector<Rigid3d>* poses) {
-  const std::vector<int>& numbers = unknowns.numbers;
-  BlockSystem<1> system(unknowns);
+bool SolveTranslations(const PoseGraph& graph, const std::vector<int>& numbers, int count,
+                       std::vector<Rigid3d>* poses) {
+  BlockSystem<1> system(count);
   for (const PoseGraphEdge& edge : graph.edges) {
     const Rigid3d &a = (*poses)[edge.a], &b = (*poses)[edge.b];
     system.Add(edge.information.diagonal().tail<3>().mean(), numbers[edge.a], numbers[edge.b],
@@ -95,7 +113,7 @@ bool SolveTranslations(const PoseGraph& graph, const UnknownPoses& unknowns,
                (a.rotation * edge.a_from_b.translation).transpose(), a.translation.transpose(),
                b.translation.transpose());
   }
-  const std::optional<Rows> solution = system.Solve(cholesky);
+  const std::optional<Rows> solution = system.Solve();
   if (!solution) return false;
   for (std::size_t i = 0; i < poses->size(); ++i) {
     if (numbers[i] != kHeld) (*poses)[i].translation = solution->row(numbers[i]).transpose();
@@ -107,13 +125,13 @@ bool SolveTranslations(const PoseGraph& graph, const UnknownPoses& unknowns,
 
 std::optional<std::vector<Rigid3d>> ChordalPoses(const PoseGraph& graph,
                                                  const std::vector<bool>& held) {
-  const UnknownPoses unknowns = NumberUnknowns(graph, held);
+  int count = 0;
+  const std::vector<int> numbers = NumberUnknowns(held, &count);
   std::vector<Rigid3d> poses;
   for (const PoseGraphPose& pose : graph.poses) poses.push_back(pose.world_from_pose);
-  if (unknowns.count == 0) return poses;
-  BlockCholesky cholesky(unknowns.count, unknowns.pairs);
-  if (!SolveRotations(graph, unknowns, &cholesky, &poses)) return std::nullopt;
-  if (!SolveTranslations(graph, unknowns, &cholesky, &poses)) return std::nullopt;
+  if (count == 0) return poses;
+  if (!SolveRotations(graph, numbers, count, &poses)) return std::nullopt;
+  if (!SolveTranslations(graph, numbers, count, &poses)) return std::nullopt;
   return poses;
 }
 

@@ -4,8 +4,6 @@
 #include <numeric>
 #include <optional>
 
-#include "optimization/block_minimizer.h"
-#include "optimization/ceres_minimizer.h"
 #include "optimization/chained_poses.h"
 #include "optimization/chordal_poses.h"
 #include "optimization/loop_weights.h"
@@ -75,57 +73,26 @@ std::vector<double> EdgeWeights(const std::vector<double>& loop_weights,
   return weights;
 }
 
-std::unique_ptr<PoseGraphMinimizer> MakeMinimizer(const PoseGraphOptions& options,
-                                                  PoseGraphProblem* problem) {
-  switch (ValueOf("sparse_backend", options.sparse_backend, kSparseBackends)) {
-    case SparseBackend::kMultifrontal:
-      return std::make_unique<BlockMinimizer>(problem);
-    case SparseBackend::kSuiteSparse:
-      return std::make_unique<CeresMinimizer>(ceres::SUITE_SPARSE, problem);
-    case SparseBackend::kEigenSparse:
-      return std::make_unique<CeresMinimizer>(ceres::EIGEN_SPARSE, problem);
-  }
-  return nullptr;
-}
-
-MinimizerOptions MinimizerOptionsOf(const PoseGraphOptions& options) {
-  MinimizerOptions o;
-  if (InitializationOf(options) == PoseGraphInitialization::kChordal) {
-    o.initial_radius = MinimizerOptions::kNearMinimum;
-  }
-  o.max_iterations = options.max_iterations;
-  o.min_relative_cost_change = options.min_relative_cost_change;
-  return o;
-}
-
-PoseGraphTermination MinimizeOnce(const MinimizerOptions& options, PoseGraphMinimizer* minimizer,
-                                  PoseGraphSummary* summary) {
-  const PoseGraphTermination termination = minimizer->Minimize(options, summary);
-  ++summary->round_count;
-  return termination;
-}
-
 // Gives the problem weights of 0 and 1: see LoopWeights. False if a solve failed.
 bool FindWrongLoops(const PoseGraph& graph, const PoseGraphOptions& options,
-                    PoseGraphProblem* problem, PoseGraphMinimizer* minimizer,
-                    PoseGraphSummary* summary) {
-  MinimizerOptions round = MinimizerOptionsOf(options);
+                    PoseGraphProblem* problem, PoseGraphSummary* summary) {
+  PoseGraphOptions round = options;
   round.max_iterations = std::min(options.max_iterations, kRoundIterations);
   round.min_relative_cost_change = std::max(options.min_relative_cost_change, kRoundCostChange);
   const std::vector<std::size_t> loops = LoopsOf(graph);
   const auto solve = [&] {
-    return MinimizeOnce(round, minimizer, summary) != PoseGraphTermination::kFailed;
+    return problem->Minimize(round, kFarFromMinimum, summary) != PoseGraphTermination::kFailed;
   };
   LoopWeights gnc(options.max_loop_squared_error, Select(problem->SquaredErrors(), loops));
   std::vector<double> weights;
   for (int i = 0; i < kMaxRounds; ++i) {
     weights = gnc.Update(Select(problem->SquaredErrors(), loops));
-    problem->weights = EdgeWeights(weights, loops, graph.edges.size());
+    problem->SetWeights(EdgeWeights(weights, loops, graph.edges.size()));
     if (AreBinary(weights)) break;
     if (!solve()) return false;
   }
   for (double& weight : weights) weight = weight < 0.5 ? 0 : 1;
-  problem->weights = EdgeWeights(weights, loops, graph.edges.size());
+  problem->SetWeights(EdgeWeights(weights, loops, graph.edges.size()));
   for (std::size_t i = 0; i < loops.size(); ++i) {
     if (weights[i] == 0) summary->outlier_edges.push_back(loops[i]);
   }
@@ -142,17 +109,18 @@ double CountedCost(const std::vector<double>& squared_errors,
 PoseGraphTermination Solve(const PoseGraph& graph, const PoseGraphOptions& options,
                            PoseGraphProblem* problem, PoseGraphSummary* summary) {
   const StageTimer timer("solve", TraceSlice::kNoFrame, &summary->solve_ms);
-  const auto minimizer = MakeMinimizer(options, problem);
-  if (UsesGnc(options) && !FindWrongLoops(graph, options, problem, minimizer.get(), summary)) {
+  if (UsesGnc(options) && !FindWrongLoops(graph, options, problem, summary)) {
     return PoseGraphTermination::kFailed;
   }
-  return MinimizeOnce(MinimizerOptionsOf(options), minimizer.get(), summary);
+  const bool is_near = InitializationOf(options) == PoseGraphInitialization::kChordal;
+  return problem->Minimize(options, is_near ? kNearMinimum : kFarFromMinimum, summary);
 }
 
 // Fixed poses keep their very bits.
-void TakePoses(const PoseGraphProblem& problem, PoseGraph* graph) {
-  for (std::size_t i = 0; i < graph->poses.size(); ++i) {
-    if (!problem.held[i]) graph->poses[i].world_from_pose = problem.world_from_pose[i];
+void TakePoses(const PoseGraphProblem& problem, const std::vector<bool>& held, PoseGraph* graph) {
+  const std::vector<Rigid3d> poses = problem.Poses();
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (!held[i]) graph->poses[i].world_from_pose = poses[i];
   }
 }
 
@@ -178,7 +146,7 @@ PoseGraphSummary OptimizePoseGraph(const PoseGraphOptions& options, PoseGraph* g
   summary.initial_cost = CountedCost(problem.SquaredErrors(), {});
   summary.termination = Solve(*graph, options, &problem, &summary);
   summary.final_cost = CountedCost(problem.SquaredErrors(), summary.outlier_edges);
-  if (summary.Succeeded()) TakePoses(problem, graph);
+  if (summary.Succeeded()) TakePoses(problem, chained.held, graph);
   return summary;
 }
 

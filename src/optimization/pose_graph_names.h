@@ -1,19 +1,18 @@
 #pragma once
 
+#include <ceres/types.h>
+
 #include "core/named_values.h"
 #include "surfit/optimization/optimize_pose_graph.h"
 
 namespace surfit {
 
 // The choices of PoseGraphOptions and their names.
-enum class SparseBackend { kMultifrontal, kSuiteSparse, kEigenSparse };
 enum class PoseGraphInitialization { kGiven, kOdometry, kChordal };
 enum class LoopRobustness { kNone, kGnc };
 
-inline constexpr NamedValue<SparseBackend> kSparseBackends[] = {
-    {"multifrontal", SparseBackend::kMultifrontal},
-    {"suite_sparse", SparseBackend::kSuiteSparse},
-    {"eigen_sparse", SparseBackend::kEigenSparse}};
+inline constexpr NamedValue<ceres::SparseLinearAlgebraLibraryType> kSparseBackends[] = {
+    {"suite_sparse", ceres::SUITE_SPARSE}, {"eigen_sparse", ceres::EIGEN_SPARSE}};
 
 inline constexpr NamedValue<PoseGraphInitialization> kInitializations[] = {
     {"given", PoseGraphInitialization::kGiven},

@@ -13,26 +13,19 @@ void Require(bool holds, const char* field, double value, const char* constraint
   if (!holds) throw InputError(Concat(field, " is ", value, ", must be ", constraint));
 }
 
-bool IsAvailable(SparseBackend backend) {
-  switch (backend) {
-    case SparseBackend::kMultifrontal:
-      return true;
-    case SparseBackend::kSuiteSparse:
-      return SURFIT_SUITESPARSE &&
-             ceres::IsSparseLinearAlgebraLibraryTypeAvailable(ceres::SUITE_SPARSE);
-    case SparseBackend::kEigenSparse:
-      return ceres::IsSparseLinearAlgebraLibraryTypeAvailable(ceres::EIGEN_SPARSE);
-  }
-  return false;
+bool IsAvailable(ceres::SparseLinearAlgebraLibraryType type) {
+  if (type == ceres::SUITE_SPARSE && !SURFIT_SUITESPARSE) return false;
+  return ceres::IsSparseLinearAlgebraLibraryTypeAvailable(type);
 }
 
 }  // namespace
 
 std::vector<std::string> SparseBackendNames() {
   std::vector<std::string> names;
-  for (const auto& [name, backend] : kSparseBackends) {
-    if (IsAvailable(backend)) names.emplace_back(name);
+  for (const auto& [name, type] : kSparseBackends) {
+    if (IsAvailable(type)) names.emplace_back(name);
   }
+  if (names.empty()) throw InputError("Ceres must be built with SuiteSparse or Eigen's solvers");
   return names;
 }
 

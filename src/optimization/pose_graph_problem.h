@@ -1,49 +1,59 @@
 #pragma once
 
-#include <memory>
+#include <ceres/cost_function.h>
+#include <ceres/loss_function.h>
+#include <ceres/problem.h>
+
+#include <array>
 #include <vector>
 
-#include "cost_functions/analytic_relative_pose.h"
+#include "cost_functions/pose_manifold.h"
 #include "surfit/optimization/optimize_pose_graph.h"
 
 namespace surfit {
 
-// A pose graph while it is optimised. The graph must live longer.
-struct PoseGraphProblem {
-  PoseGraphProblem(const PoseGraph& graph_, const std::vector<Rigid3d>& world_from_pose_,
-                   const std::vector<bool>& held_);
+// How far Levenberg-Marquardt's first steps may go: Ceres' default, and nearly as far as those of
+// Gauss-Newton. Damped more, what long chains bend in most easily takes ten more iterations from
+// chordal poses, on a sphere of 10,000; from odometry's it takes some less.
+inline constexpr double kFarFromMinimum = 1e4, kNearMinimum = 1e10;
+
+// A pose graph as Ceres' problem.
+class PoseGraphProblem {
+ public:
+  // Poses that are held or on no edge do not move. The graph must live longer.
+  PoseGraphProblem(const PoseGraph& graph, const std::vector<Rigid3d>& world_from_pose,
+                   const std::vector<bool>& held);
+
+  // Minimises the weighted cost by Levenberg-Marquardt from the present poses, which move unless it
+  // fails. Adds its iterations to the summary.
+  PoseGraphTermination Minimize(const PoseGraphOptions& options, double initial_radius,
+                                PoseGraphSummary* summary);
+
+  // A weight for each of graph.edges.
+  void SetWeights(const std::vector<double>& weights);
 
   // Of each edge at the present poses, unweighted.
   std::vector<double> SquaredErrors() const;
 
-  const PoseGraph& graph;
-  std::vector<Rigid3d> world_from_pose;  // at present
-  std::vector<bool> held;                // poses that do not move, among them those on no edge
-  std::vector<std::unique_ptr<const AnalyticRelativePose>> costs;  // of each edge
-  std::vector<double> weights;                                     // of their squared errors
-};
+  std::vector<Rigid3d> Poses() const;
 
-// How Levenberg-Marquardt is to go on.
-struct MinimizerOptions {
-  // Ceres' default. Steps are damped by the diagonal of J^T J divided by this.
-  static constexpr double kFarFromMinimum = 1e4;
-  // Nearly those of Gauss-Newton. With more damping, the directions that long chains bend in most
-  // easily take ten more iterations on a sphere of 10,000 poses.
-  static constexpr double kNearMinimum = 1e10;
+ private:
+  // Scales the squared error of an edge by a weight that may change between solves.
+  struct WeightLoss final : ceres::LossFunction {
+    void Evaluate(double squared_error, double rho[3]) const override {
+      rho[0] = weight * squared_error;
+      rho[1] = weight;
+      rho[2] = 0;
+    }
+    double weight = 1;
+  };
 
-  double initial_radius = kFarFromMinimum;
-  int max_iterations = 0;
-  double min_relative_cost_change = 0;
-};
-
-// Minimises the weighted cost of a problem, as often as its weights change.
-class PoseGraphMinimizer {
- public:
-  virtual ~PoseGraphMinimizer() = default;
-
-  // From the present poses, which move unless it fails. Adds its iterations to the summary.
-  virtual PoseGraphTermination Minimize(const MinimizerOptions& options,
-                                        PoseGraphSummary* summary) = 0;
+  std::vector<std::array<double, kPoseSize>> poses_;
+  std::vector<WeightLoss> losses_;  // an edge each
+  std::vector<const ceres::CostFunction*> costs_;
+  const PoseGraph& graph_;
+  ProductPoseManifold manifold_;
+  ceres::Problem problem_;  // last: it points to the others
 };
 
 }  // namespace surfit

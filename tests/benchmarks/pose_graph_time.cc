@@ -81,8 +81,7 @@ Outcome SolvePlainly(PoseGraph graph, const PoseGraphOptions& options) {
   ceres::Solver::Summary summary;
   const double start = CpuSeconds();
   ceres::Solve(o, &problem, &summary);
-  // Its iterations leave out the last step, which ends it.
-  return {Cost(graph), summary.num_linear_solves, CpuSeconds() - start};
+  return {Cost(graph), static_cast<int>(summary.iterations.size()) - 1, CpuSeconds() - start};
 }
 
 Outcome SolveByUs(PoseGraph graph, const PoseGraphOptions& options) {

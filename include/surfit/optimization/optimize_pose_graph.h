@@ -8,10 +8,8 @@
 
 namespace surfit {
 
-// How the sparse systems of the steps are solved, by sparse Cholesky factorisation. "multifrontal":
-// by dense matrices of many columns; with Ceres as minimiser, those of its solvers that this build
-// may use: "suite_sparse" (where Ceres has it and SURFIT_SUITESPARSE is on), "eigen_sparse" (an
-// element at a time: eight times slower on 10,000 poses). The first is the default.
+// Of Ceres' solvers for sparse systems, those that this build may use: "suite_sparse" (where Ceres
+// has it and SURFIT_SUITESPARSE is on), "eigen_sparse". The first is the default.
 std::vector<std::string> SparseBackendNames();
 
 // "given": the graph's poses; "odometry": poses chained along edges that are no loops, from a held
