@@ -38,6 +38,10 @@ DEFINE_int32(max_keyframes, kRun.max_keyframes,
              "with more of them, both are enlarged; 0 = no limit");
 DEFINE_int32(cells_across, kRefinement.cells_across,
              "columns of square cells of a keyframe's image, with at most one surfel in each");
+DEFINE_double(photometric_weight, kRefinement.error_model.photometric_weight,
+              "weight of the difference of intensities beside that of surfaces; 0 = surfaces only");
+DEFINE_double(intensity_sigma, kRefinement.error_model.intensity_sigma,
+              "standard deviation of that difference, of intensities from 0 to 1");
 DEFINE_int32(max_rounds, kRefinement.max_rounds, "of making surfels and moving all");
 DEFINE_int32(threads, kRun.threads, "threads that compute at the same time, reading included");
 
@@ -61,6 +65,8 @@ RefineRunOptions OptionsFromFlags() {
   refinement.free_depth_offset = FLAGS_free_depth_offset;
   refinement.free_depth_field = FLAGS_free_depth_field;
   refinement.cells_across = FLAGS_cells_across;
+  refinement.error_model.photometric_weight = FLAGS_photometric_weight;
+  refinement.error_model.intensity_sigma = FLAGS_intensity_sigma;
   refinement.max_rounds = FLAGS_max_rounds;
   options.record = RecordedFlags();
   return options;

@@ -11,8 +11,10 @@ namespace surfit {
 
 RefinementFit Agreement(const JointFit& fit) {
   if (!(fit.weight > 0)) return {};
+  const double intensity =
+      fit.texture_weight > 0 ? std::sqrt(fit.squared_differences / fit.texture_weight) : 0;
   return {fit.rho / 2, std::sqrt(fit.squared_sigmas / fit.weight),
-          std::sqrt(fit.squared_metres / fit.weight)};
+          std::sqrt(fit.squared_metres / fit.weight), intensity};
 }
 
 double VarianceOf(const JointFit& fit, const SharedSurfels& shared, const JointState& state,

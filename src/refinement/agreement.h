@@ -8,9 +8,9 @@ namespace surfit {
 
 RefinementFit Agreement(const JointFit& fit);
 
-// What the residuals show an observation's variance to be, in the model's: their weighted mean
-// square, for as many as they are more than what they determine; and more by as many as share the
-// errors of their normals. 0 if they determine nothing.
+// What the residuals of planes show an observation's variance to be, in the model's: their weighted
+// mean square, for as many as they are more than what they determine; and more by as many as share
+// the errors of their normals. 0 if they determine nothing.
 double VarianceOf(const JointFit& fit, const SharedSurfels& shared, const JointState& state,
                   const RefinementOptions& options);
 

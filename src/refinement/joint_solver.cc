@@ -52,16 +52,16 @@ JointState Moved(JointState state, const Eigen::VectorXd& increments) {
 // The cost of a state, and its quadratic model there.
 class JointCost {
  public:
-  JointCost(const SharedSurfels& shared, const MotionPrior& prior, const RobustKernel& kernel,
+  JointCost(const SharedSurfels& shared, const MotionPrior& prior, const JointKernels& kernels,
             std::size_t pose_count)
-      : shared_(shared), prior_(prior), kernel_(kernel), pattern_(shared, pose_count) {}
+      : shared_(shared), prior_(prior), kernels_(kernels), pattern_(shared, pose_count) {}
 
   const BlockPattern& pattern() const { return pattern_; }
   double RhoAt(const JointState& state) const {
-    return FitOf(shared_, state, kernel_).rho + prior_.Rho(state);
+    return FitOf(shared_, state, kernels_).rho + prior_.Rho(state);
   }
   ReducedSystem ModelAt(const JointState& state) const {
-    ReducedSystem system = Reduce(shared_, pattern_, state, kernel_);
+    ReducedSystem system = Reduce(shared_, pattern_, state, kernels_);
     prior_.AddTo(state, &system);
     return system;
   }
@@ -69,7 +69,7 @@ class JointCost {
  private:
   const SharedSurfels& shared_;
   const MotionPrior& prior_;
-  RobustKernel kernel_;
+  JointKernels kernels_;
   BlockPattern pattern_;
 };
 
@@ -83,9 +83,9 @@ std::vector<bool> HeldCalibration(const RefinementOptions& options) {
 }
 
 int MinimizeJointly(const SharedSurfels& shared, const MotionPrior& prior,
-                    const RobustKernel& kernel, const RefinementOptions& options,
+                    const JointKernels& kernels, const RefinementOptions& options,
                     JointState* state) {
-  const JointCost cost(shared, prior, kernel, state->world_from_camera.size());
+  const JointCost cost(shared, prior, kernels, state->world_from_camera.size());
   ReducedFactor factor(cost.pattern(), HeldCalibration(options));
   ReducedSystem model = cost.ModelAt(*state);
   if (!std::isfinite(model.rho)) return kNoSolution;

@@ -19,7 +19,7 @@ std::vector<bool> HeldCalibration(const RefinementOptions& options);
 // have to be given a square root of the reduced hessian as Jacobian, a factorisation as costly as
 // the solution, to multiply it out again.
 int MinimizeJointly(const SharedSurfels& shared, const MotionPrior& prior,
-                    const RobustKernel& kernel, const RefinementOptions& options,
+                    const JointKernels& kernels, const RefinementOptions& options,
                     JointState* state);
 
 }  // namespace surfit

@@ -1,12 +1,23 @@
 #include "surfit/refinement/keyframe.h"
 
 #include <limits>
+#include <opencv2/imgproc.hpp>
 #include <utility>
 
 #include "surfit/frame/intensity.h"
 
 namespace surfit {
 namespace {
+
+constexpr double kSmoothingPx = 2;
+
+// Nearer pixels differ by noise and by how they fall on the texture.
+Image<float> Smoothed(Image<float> intensity) {
+  if (intensity.empty()) return intensity;
+  cv::Mat image(intensity.height(), intensity.width(), CV_32F, intensity.data());
+  cv::GaussianBlur(image, image, cv::Size(), kSmoothingPx);
+  return intensity;
+}
 
 void SetPixel(float measured_m, const FrameLevel& level, int u, int v, KeyframeImages* images) {
   if (!(measured_m > 0)) return;
@@ -35,7 +46,7 @@ KeyframeImages MakeKeyframeImages(const RgbdFrame& frame, const PinholeCamera& c
   for (int v = 0; v < height; ++v) {
     for (int u = 0; u < width; ++u) SetPixel(frame.depth_m(u, v), level, u, v, &images);
   }
-  images.intensity = std::move(level.intensity);
+  images.intensity = Smoothed(std::move(level.intensity));
   return images;
 }
 

@@ -2,25 +2,13 @@
 
 #include <Eigen/Core>
 
-#include "cost_functions/plane_inverse_depth.h"
+#include "refinement/joint_row.h"
 #include "refinement/shared_surfels.h"
 
 namespace surfit {
 
-using PoseRow = Eigen::Matrix<double, kPoseTangentSize, 1>;
-using CalibrationRow = Eigen::Matrix<double, kCalibrationSize, 1>;
-
-// PlaneInverseDepth of one observation, and its derivatives by the pose's increment (w, v) of
-// ProductPoseManifold, the calibration and the displacement.
-struct PlaneRow {
-  double residual = 0;
-  PoseRow by_pose;
-  CalibrationRow by_calibration;
-  double by_displacement = 0;
-};
-
-// An observation of a surfel from one pose with one calibration, all that does not depend on the
-// surfel's displacement worked out: with N = n . R e and D = n . (p - t),
+// PlaneInverseDepth of one observation of a surfel from one pose with one calibration, all that
+// does not depend on the surfel's displacement worked out: with N = n . R e and D = n . (p - t),
 //   r(d) = (1/z_measured + c - N / (D + d)) / sigma.
 class PlaneSight {
  public:
@@ -48,7 +36,7 @@ class PlaneSight {
   // With D standing for D + d:
   //   dr/dw = -(R e x n) / D,  dr/dv = -1/z_plane n / D,
   //   dr/dx = dc/dx - n_x / D, n in the camera's frame, dx/dfx = -x / fx, dx/dcx = -1 / fx.
-  PlaneRow Row(double displacement, const Eigen::Vector3d& normal_in_world,
+  JointRow Row(double displacement, const Eigen::Vector3d& normal_in_world,
                const Eigen::Matrix3d& rotation, const DepthCalibration& calibration) const {
     const double inverse_distance = 1 / (from_camera_ + displacement);
     const double x = ray_.x(), y = ray_.y();
@@ -56,7 +44,7 @@ class PlaneSight {
     const double by_x = c[1] + 2 * c[3] * x + c[4] * y - normal_in_camera_.x() * inverse_distance;
     const double by_y = c[2] + c[4] * x + 2 * c[5] * y - normal_in_camera_.y() * inverse_distance;
     const PinholeCamera& camera = calibration.camera;
-    PlaneRow row;
+    JointRow row;
     row.residual = Residual(displacement);
     row.by_pose << (rotation * ray_).cross(normal_in_world),
         PlaneInverse(displacement) * normal_in_world;

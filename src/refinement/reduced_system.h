@@ -5,22 +5,19 @@
 
 #include "cost_functions/plane_inverse_depth.h"
 #include "refinement/block_pattern.h"
-#include "surfit/core/robust_kernel.h"
+#include "refinement/joint_fit.h"
+#include "refinement/joint_kernels.h"
+#include "refinement/joint_state.h"
 
 namespace surfit {
 
-// What is to be found, but for the displacements.
-struct JointState {
-  std::vector<Rigid3d> world_from_camera;
-  DepthCalibration calibration;
-};
-
-// The normal equations of poses and calibration, the displacements eliminated: for the increments
-// (w, v) of each pose, by ProductPoseManifold, and then of the calibration's ten numbers. With the
-// rows J = [A b], b of the surfels' displacements, and weights W = diag(rho'(r^2)),
+// The normal equations of poses and calibration, the surfels' own numbers eliminated: for the
+// increments (w, v) of each pose, by ProductPoseManifold, and then of the calibration's ten
+// numbers. With the rows J = [A b], b of the surfels' numbers, and weights W = diag(rho'(r^2)),
 //   hessian = A^T W A - A^T W b (b^T W b)^-1 b^T W A,
 //   gradient = A^T W r - A^T W b (b^T W b)^-1 b^T W r.
-// b^T W b is diagonal: each observation has one surfel. Poses that share no surfel have no block.
+// b^T W b is block diagonal: each observation has one surfel. Poses that share no surfel have no
+// block.
 struct ReducedSystem {
   using PoseMatrix = Eigen::Matrix<double, kPoseTangentSize, kPoseTangentSize>;
   using MixedMatrix = Eigen::Matrix<double, kCalibrationSize, kPoseTangentSize>;
@@ -45,25 +42,11 @@ struct ReducedSystem {
   double rho = 0;  // the sum: twice the cost
 };
 
-// How far the observations are from the planes at their best displacements.
-struct JointFit {
-  double rho = 0;             // the sum: twice the cost
-  double weight = 0;          // the sum of rho'
-  double squared_sigmas = 0;  // the sums, so weighted, of r^2
-  double squared_metres = 0;  // and of the squared distances of points to planes
+JointFit FitOf(const SharedSurfels& shared, const JointState& state, const JointKernels& kernels);
 
-  JointFit& operator+=(const JointFit& other);
-};
-
-// The displacement of a surfel for which its observations agree best, from none on.
-double BestDisplacement(const SharedSurfels& shared, const SharedSurfel& surfel,
-                        const JointState& state, const RobustKernel& kernel);
-
-JointFit FitOf(const SharedSurfels& shared, const JointState& state, const RobustKernel& kernel);
-
-// At the best displacements; the pattern is that of these surfels. The same at any number of
+// At the surfels' best numbers; the pattern is that of these surfels. The same at any number of
 // threads.
 ReducedSystem Reduce(const SharedSurfels& shared, const BlockPattern& pattern,
-                     const JointState& state, const RobustKernel& kernel);
+                     const JointState& state, const JointKernels& kernels);
 
 }  // namespace surfit

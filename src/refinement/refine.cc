@@ -37,13 +37,13 @@ JointState StateOf(const std::vector<RefinementKeyframe>& keyframes,
 void SetAgreement(const RefinementOptions& options,
                   const std::vector<RefinementKeyframe>& keyframes, MotionPrior* prior,
                   const JointState& state, RefinementSummary* summary) {
-  const RobustKernel& kernel = options.error_model.kernel;
+  const JointKernels kernels = KernelsOf(options.error_model);
   const SharedSurfels shared = MakeSharedSurfels(keyframes, state.calibration, options);
-  const JointFit fit = FitOf(shared, state, kernel);
+  const JointFit fit = FitOf(shared, state, kernels);
   summary->after = Agreement(fit);
   const double variance = VarianceOf(fit, shared, state, options);
   const BlockPattern pattern(shared, state.world_from_camera.size());
-  ReducedSystem system = Reduce(shared, pattern, state, kernel);
+  ReducedSystem system = Reduce(shared, pattern, state, kernels);
   prior->SetWeight(variance);
   prior->AddTo(state, &system);
   const std::vector<bool> held = HeldCalibration(options);
@@ -59,7 +59,7 @@ void SetAgreement(const RefinementOptions& options,
 RefinementFit FitOf(const RefinementOptions& options,
                     const std::vector<RefinementKeyframe>& keyframes, const JointState& state) {
   const SharedSurfels shared = MakeSharedSurfels(keyframes, state.calibration, options);
-  return Agreement(FitOf(shared, state, options.error_model.kernel));
+  return Agreement(FitOf(shared, state, KernelsOf(options.error_model)));
 }
 
 // Refines from the given poses; those and the calibration stay as given if it fails.

@@ -12,14 +12,9 @@ namespace {
 
 constexpr std::size_t kLeastSurfels = 100;
 
-RobustKernel Widened(RobustKernel kernel, double growth) {
-  kernel.width *= growth;
-  return kernel;
-}
-
 // One round: how it failed, if it did.
 std::optional<RefinementTermination> RunRound(const RefinementOptions& options,
-                                              const RobustKernel& kernel,
+                                              const JointKernels& kernels,
                                               const std::vector<RefinementKeyframe>& keyframes,
                                               MotionPrior* prior, JointState* state,
                                               RefinementRound* round) {
@@ -27,13 +22,14 @@ std::optional<RefinementTermination> RunRound(const RefinementOptions& options,
   const SharedSurfels shared = MakeSharedSurfels(keyframes, state->calibration, options);
   round->surfels = shared.surfels.size();
   round->observations = shared.observations.size();
+  round->texture_observations = shared.textures.size();
   if (shared.surfels.size() < kLeastSurfels) return RefinementTermination::kTooFewSurfels;
-  const JointFit before = FitOf(shared, *state, kernel);
+  const JointFit before = FitOf(shared, *state, kernels);
   round->before = Agreement(before);
   prior->SetWeight(VarianceOf(before, shared, *state, options));
-  round->iterations = MinimizeJointly(shared, *prior, kernel, options, state);
+  round->iterations = MinimizeJointly(shared, *prior, kernels, options, state);
   if (round->iterations == kNoSolution) return RefinementTermination::kFailed;
-  round->after = Agreement(FitOf(shared, *state, kernel));
+  round->after = Agreement(FitOf(shared, *state, kernels));
   round->calibration = state->calibration;
   return std::nullopt;
 }
@@ -54,8 +50,8 @@ RefinementTermination RunRounds(const RefinementOptions& options,
   double growth = options.kernel_growth;
   for (int i = 0; i < options.max_rounds; ++i) {
     RefinementRound round;
-    const RobustKernel kernel = Widened(options.error_model.kernel, growth);
-    const auto failure = RunRound(options, kernel, *keyframes, prior, state, &round);
+    const JointKernels kernels = KernelsOf(options.error_model).Widened(growth);
+    const auto failure = RunRound(options, kernels, *keyframes, prior, state, &round);
     if (failure) {
       *state = given;
       TakePoses(given, keyframes);

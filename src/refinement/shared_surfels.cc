@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "refinement/joint_kernels.h"
+#include "refinement/texture_observation.h"
 #include "surfit/core/parallel.h"
 
 namespace surfit {
@@ -10,6 +12,7 @@ namespace {
 
 struct Plane {
   Eigen::Vector3d point, normal;
+  double texture_radius_m = 0;
 };
 
 // The calibrated plane in the camera's frame that a pixel measures; nothing if it has none or is
@@ -42,11 +45,6 @@ std::optional<Pixel> PixelOf(const Eigen::Vector3d& point_in_camera, const Pinho
   const double u = std::floor(at.x() + 0.5), v = std::floor(at.y() + 0.5);
   if (!(u >= 0 && v >= 0 && u < camera.width && v < camera.height)) return std::nullopt;
   return Pixel{static_cast<int>(u), static_cast<int>(v)};
-}
-
-double InverseSigma(const ErrorModel& model, double inverse_depth) {
-  const double z = 1 / inverse_depth;  // sigma_(1/z) = sigma_z / z^2
-  return z * z / model.Sigma(z);
 }
 
 // Which cells of a keyframe's image show a surfel already.
@@ -99,7 +97,9 @@ std::vector<Plane> MakePlanes(const std::vector<RefinementKeyframe>& keyframes,
     for (const Pixel& pixel : cells.FreeMiddles(calibration.camera)) {
       const auto plane =
           MeasuredPlane(keyframe.images, pixel.u, pixel.v, calibration, options.max_slant_rad);
-      if (plane) planes.push_back({pose * plane->point, pose.rotation * plane->normal});
+      if (!plane) continue;
+      const double radius_m = kTextureRadiusPx * plane->point.z() / calibration.camera.fx;
+      planes.push_back({pose * plane->point, pose.rotation * plane->normal, radius_m});
     }
   }
   return planes;
@@ -158,7 +158,7 @@ std::optional<PlaneObservation> Observe(const Eigen::Vector3d& point_in_world,
   observation.v = static_cast<float>(pixel->v);
   observation.inverse_depth = images.inverse_depth(pixel->u, pixel->v);
   observation.inverse_sigma =
-      static_cast<float>(InverseSigma(options.error_model, observation.inverse_depth));
+      static_cast<float>(InversePlaneSigma(options.error_model, observation.inverse_depth));
   return observation;
 }
 
@@ -182,9 +182,17 @@ SharedSurfels MakeSharedSurfels(const std::vector<RefinementKeyframe>& keyframes
   SharedSurfels shared;
   for (std::size_t i = 0; i < planes.size(); ++i) {
     if (static_cast<int>(seen[i].size()) < options.min_observations) continue;
-    const std::size_t begin = shared.observations.size();
+    SharedSurfel surfel;
+    surfel.point_in_world = planes[i].point;
+    surfel.normal_in_world = normals[i];
+    surfel.texture_radius_m = planes[i].texture_radius_m;
+    surfel.begin = shared.observations.size();
     shared.observations.insert(shared.observations.end(), seen[i].begin(), seen[i].end());
-    shared.surfels.push_back({planes[i].point, normals[i], begin, shared.observations.size()});
+    surfel.end = shared.observations.size();
+    shared.surfels.push_back(surfel);
+  }
+  if (options.error_model.UsesIntensities()) {
+    ObserveTextures(keyframes, calibration, options.error_model, &shared);
   }
   return shared;
 }

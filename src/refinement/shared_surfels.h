@@ -1,10 +1,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <vector>
 
+#include "cost_functions/surfel_texture.h"
 #include "surfit/refinement/refine.h"
 
 namespace surfit {
@@ -17,17 +19,32 @@ struct PlaneObservation {
   float inverse_sigma = 0;  // m: 1 / sigma of that
 };
 
+// What a keyframe that has measured a surfel's plane sees of its texture.
+struct TextureObservation {
+  int keyframe = 0;
+  int index = 0;            // of that keyframe among those that see the surfel
+  float inverse_sigma = 0;  // of differences of intensity, the photometric weight included
+  TextureTaps taps;
+};
+
 // A surfel that several keyframes see: a plane, free to move along its normal.
 struct SharedSurfel {
   Eigen::Vector3d point_in_world, normal_in_world;  // metres, unit length
+  double texture_radius_m = 0;                      // to the points beside it: TexturePoints()
   std::size_t begin = 0, end = 0;                   // of its observations
+  std::size_t textures_begin = 0, textures_end = 0;
 };
+
+// A surfel's centre and the two points beside it, in tangential directions that are at right angles
+// to each other; metres, in the world.
+std::array<Eigen::Vector3d, 3> TexturePoints(const SharedSurfel& surfel);
 
 // All surfels of a set of keyframes, and what these have measured of them. The observations of a
 // surfel follow one another, in the keyframes' order.
 struct SharedSurfels {
   std::vector<SharedSurfel> surfels;
   std::vector<PlaneObservation> observations;
+  std::vector<TextureObservation> textures;
 };
 
 // The pixel of a keyframe that sees a surfel: within the image and the gates.

@@ -124,9 +124,9 @@ class RefineRun {
   }
 
   void Tell(const RefinementRound& round) {
-    progress_(Concat("round: ", round.surfels, " surfels, ", round.observations,
-                     " observations, rms ", 1000 * round.before.rms_m, " -> ",
-                     1000 * round.after.rms_m, " mm in ", round.iterations, " steps"));
+    progress_(Concat("round: ", round.surfels, " surfels, ", round.observations, " observations, ",
+                     round.texture_observations, " of texture, rms ", 1000 * round.before.rms_m,
+                     " -> ", 1000 * round.after.rms_m, " mm in ", round.iterations, " steps"));
   }
 
   void Apply() {

@@ -48,13 +48,20 @@ Json LargestSigmasOf(const std::vector<Eigen::MatrixXd>& pose_covariances) {
 }
 
 Json ToJson(const RefinementFit& fit) {
-  return {{"cost", fit.cost}, {"rms_sigmas", fit.rms_sigmas}, {"rms_m", fit.rms_m}};
+  return {{"cost", fit.cost},
+          {"rms_sigmas", fit.rms_sigmas},
+          {"rms_m", fit.rms_m},
+          {"rms_intensity", fit.rms_intensity}};
 }
 
 Json ToJson(const RefinementRound& round) {
-  return {{"surfels", round.surfels},       {"observations", round.observations},
-          {"iterations", round.iterations}, {"before", ToJson(round.before)},
-          {"after", ToJson(round.after)},   {"calibration", ToJson(round.calibration)}};
+  return {{"surfels", round.surfels},
+          {"observations", round.observations},
+          {"texture_observations", round.texture_observations},
+          {"iterations", round.iterations},
+          {"before", ToJson(round.before)},
+          {"after", ToJson(round.after)},
+          {"calibration", ToJson(round.calibration)}};
 }
 
 }  // namespace

@@ -24,10 +24,12 @@ constexpr int kPoses = 12, kSurfels = 600;
 
 // The least cost, by Ceres.
 double CeresCost(const RandomProblem& problem) {
-  using Functor = ceres::AutoDiffCostFunction<PlaneInverseDepth, 1, kPoseSize, kCalibrationSize, 1>;
+  using Plane = ceres::AutoDiffCostFunction<PlaneInverseDepth, 1, kPoseSize, kCalibrationSize, 1>;
+  using Texture = ceres::AutoDiffCostFunction<SurfelTexture, 2, kPoseSize, kCalibrationSize, 1, 2>;
   std::vector<std::array<double, kPoseSize>> poses(kPoses);
   std::array<double, kCalibrationSize> calibration;
   std::vector<double> displacements(problem.shared.surfels.size(), 0.);
+  std::vector<std::array<double, 2>> textures(displacements.size(), {0, 0});
   CalibrationToBlock(problem.state.calibration, calibration.data());
   ceres::Problem ceres_problem;
   for (int k = 0; k < kPoses; ++k) {
@@ -40,9 +42,17 @@ double CeresCost(const RandomProblem& problem) {
     for (std::size_t i = surfel.begin; i < surfel.end; ++i) {
       const PlaneObservation& o = problem.shared.observations[i];
       ceres_problem.AddResidualBlock(
-          new Functor(new PlaneInverseDepth(o.u, o.v, o.inverse_depth, 1. / o.inverse_sigma,
-                                            surfel.point_in_world, surfel.normal_in_world)),
+          new Plane(new PlaneInverseDepth(o.u, o.v, o.inverse_depth, 1. / o.inverse_sigma,
+                                          surfel.point_in_world, surfel.normal_in_world)),
           nullptr, poses[o.keyframe].data(), calibration.data(), &displacements[s]);
+    }
+    for (std::size_t i = surfel.textures_begin; i < surfel.textures_end; ++i) {
+      const TextureObservation& o = problem.shared.textures[i];
+      ceres_problem.AddResidualBlock(
+          new Texture(new SurfelTexture(o.taps, 1. / o.inverse_sigma, TexturePoints(surfel),
+                                        surfel.normal_in_world)),
+          nullptr, poses[o.keyframe].data(), calibration.data(), &displacements[s],
+          textures[s].data());
     }
   }
   // Only the offset of inverse depth is free: the other nine are held.
@@ -68,7 +78,7 @@ TEST(MinimizeJointly, ReachesTheCostOfCeresOverAllRows) {
       pose = pose * RandomPose(0.01, 0.02, &random);
     }
     problem.state.calibration.field.coefficients[0] += 0.005;
-    const RobustKernel none = {RobustKernelType::kNone, 1};
+    const JointKernels none = {{RobustKernelType::kNone, 1}, {RobustKernelType::kNone, 1}};
     RefinementOptions options;
     options.free_intrinsics = false;
     options.max_iterations = 100;
@@ -88,8 +98,7 @@ TEST(MinimizeJointly, LeavesAStateWithoutFiniteCostAsItWas) {
   RandomProblem problem = MakeRandomProblem(kPoses, kSurfels, 1);
   problem.shared.observations[0].inverse_depth = std::nanf("");
   const Rigid3d last = problem.state.world_from_camera.back();
-  EXPECT_EQ(MinimizeJointly(problem.shared, {}, {RobustKernelType::kNone, 1}, {}, &problem.state),
-            kNoSolution);
+  EXPECT_EQ(MinimizeJointly(problem.shared, {}, {}, {}, &problem.state), kNoSolution);
   EXPECT_EQ(problem.state.world_from_camera.back().Matrix(), last.Matrix());
 }
 

@@ -5,6 +5,7 @@
 #include <limits>
 #include <random>
 
+#include "cost_functions/surfel_texture.h"
 #include "refinement/reduced_system.h"
 
 namespace surfit::testing {
@@ -15,6 +16,43 @@ struct RandomProblem {
   SharedSurfels shared;
   JointState state;
 };
+
+// All but the first keyframe that see the surfel's plane see its texture as well: images that
+// change by about a sigma per px, expanded some tenths of a pixel beside where the points are.
+inline void AddTexture(double noise_sigmas, std::mt19937_64* random, SharedSurfel* surfel,
+                       RandomProblem* problem) {
+  constexpr float kInverseSigma = 5;
+  std::normal_distribution<double> normal;
+  SharedSurfels& shared = problem->shared;
+  surfel->texture_radius_m = 0.03;
+  surfel->textures_begin = surfel->textures_end = shared.textures.size();
+  if (surfel->end - surfel->begin < 3) return;
+  for (std::size_t i = surfel->begin + 1; i < surfel->end; ++i) {
+    TextureObservation seen;
+    seen.keyframe = shared.observations[i].keyframe;
+    seen.index = static_cast<int>(i - surfel->begin);
+    seen.inverse_sigma = kInverseSigma;
+    const Rigid3d camera_from_world = problem->state.world_from_camera[seen.keyframe].Inverse();
+    const auto points = TexturePoints(*surfel);
+    for (std::size_t j = 0; j < points.size(); ++j) {
+      const Eigen::Vector2d at =
+          problem->state.calibration.camera.Project(camera_from_world * points[j]);
+      const Eigen::Vector2d beside = 0.3 * Eigen::Vector2d(normal(*random), normal(*random));
+      const Eigen::Vector2d slope =
+          Eigen::Vector2d(normal(*random), normal(*random)) / kInverseSigma;
+      const double there =
+          0.1 * static_cast<double>(j * j) + noise_sigmas * normal(*random) / kInverseSigma;
+      IntensityTap& tap = seen.taps[j];
+      tap.u = static_cast<float>(at.x() + beside.x());
+      tap.v = static_cast<float>(at.y() + beside.y());
+      tap.slope_u = static_cast<float>(slope.x());
+      tap.slope_v = static_cast<float>(slope.y());
+      tap.value = static_cast<float>(there + slope.dot(beside));
+    }
+    shared.textures.push_back(seen);
+  }
+  surfel->textures_end = shared.textures.size();
+}
 
 // Each surfel is seen by about 70 % of the poses that are at most so many from one of them; by
 // default from all.
@@ -65,6 +103,7 @@ inline RandomProblem MakeRandomProblem(int poses, int surfels, double noise_sigm
       problem.shared.observations.push_back(seen);
     }
     surfel.end = problem.shared.observations.size();
+    if (s % 2 == 0) AddTexture(noise_sigmas, &random, &surfel, &problem);
     problem.shared.surfels.push_back(surfel);
   }
   return problem;

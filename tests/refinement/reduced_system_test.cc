@@ -12,6 +12,7 @@
 #include "refinement/calibration_block.h"
 #include "refinement/dense_hessian.h"
 #include "refinement/random_surfels.h"
+#include "refinement/surfel_sight.h"
 #include "surfit/core/parallel.h"
 
 namespace surfit {
@@ -28,49 +29,100 @@ struct FullSystem {
   double rho = 0;
 };
 
-using Functor = ceres::AutoDiffCostFunction<PlaneInverseDepth, 1, kPoseSize, kCalibrationSize, 1>;
+using PlaneFunctor =
+    ceres::AutoDiffCostFunction<PlaneInverseDepth, 1, kPoseSize, kCalibrationSize, 1>;
+using TextureFunctor =
+    ceres::AutoDiffCostFunction<SurfelTexture, 2, kPoseSize, kCalibrationSize, 1, 2>;
 
-FullSystem MakeFull(const RandomProblem& problem, const RobustKernel& kernel) {
-  const SharedSurfels& shared = problem.shared;
-  const auto poses = static_cast<Eigen::Index>(problem.state.world_from_camera.size());
-  const Eigen::Index calibration_begin = kPoseTangentSize * poses;
-  const Eigen::Index surfels_begin = calibration_begin + kCalibrationSize;
-  const auto rows = static_cast<Eigen::Index>(shared.observations.size());
-  FullSystem full;
-  full.jacobian =
-      Eigen::MatrixXd::Zero(rows, surfels_begin + static_cast<Eigen::Index>(shared.surfels.size()));
-  full.residuals = Eigen::VectorXd::Zero(rows);
-  double calibration[kCalibrationSize];
-  CalibrationToBlock(problem.state.calibration, calibration);
-  for (std::size_t s = 0; s < shared.surfels.size(); ++s) {
-    const SharedSurfel& surfel = shared.surfels[s];
-    const double displacement = BestDisplacement(shared, surfel, problem.state, kernel);
-    for (std::size_t i = surfel.begin; i < surfel.end; ++i) {
-      const PlaneObservation& o = shared.observations[i];
-      const Functor functor(new PlaneInverseDepth(o.u, o.v, o.inverse_depth, 1. / o.inverse_sigma,
-                                                  surfel.point_in_world, surfel.normal_in_world));
-      double pose[kPoseSize], residual, by_displacement;
-      PoseToBlock(problem.state.world_from_camera[o.keyframe], pose);
-      Eigen::Matrix<double, 1, kPoseSize> by_pose;
-      Eigen::Matrix<double, 1, kCalibrationSize> by_calibration;
-      const double* blocks[] = {pose, calibration, &displacement};
-      double* jacobians[] = {by_pose.data(), by_calibration.data(), &by_displacement};
-      functor.Evaluate(blocks, &residual, jacobians);
-      Eigen::Matrix<double, kPoseSize, kPoseTangentSize, Eigen::RowMajor> plus;
-      ProductPoseManifold().PlusJacobian(pose, plus.data());
-      const KernelValue<double> value = EvaluateKernel(kernel, residual * residual);
-      const double root = std::sqrt(value.slope);
-      const auto row = static_cast<Eigen::Index>(i);
-      full.rho += value.rho;
-      full.residuals[row] = root * residual;
-      full.jacobian.block<1, kPoseTangentSize>(row, kPoseTangentSize * o.keyframe) =
-          root * by_pose * plus;
-      full.jacobian.block<1, kCalibrationSize>(row, calibration_begin) = root * by_calibration;
-      full.jacobian(row, surfels_begin + static_cast<Eigen::Index>(s)) = root * by_displacement;
-    }
+// Fills the full system observation by observation. Surfels have as many columns as with texture;
+// those of what a surfel does not have stay zero.
+class FullMaker {
+ public:
+  FullMaker(const RandomProblem& problem, const JointKernels& kernels)
+      : problem_(problem), kernels_(kernels), placed_(problem.state) {
+    const SharedSurfels& shared = problem.shared;
+    const auto rows =
+        static_cast<Eigen::Index>(shared.observations.size() + 2 * shared.textures.size());
+    full_.jacobian = Eigen::MatrixXd::Zero(
+        rows,
+        SurfelsBegin() + kTexturedUnknowns * static_cast<Eigen::Index>(shared.surfels.size()));
+    full_.residuals = Eigen::VectorXd::Zero(rows);
+    CalibrationToBlock(problem.state.calibration, calibration_);
   }
-  return full;
-}
+
+  FullSystem Make() {
+    const SharedSurfels& shared = problem_.shared;
+    for (std::size_t s = 0; s < shared.surfels.size(); ++s) {
+      const SharedSurfel& surfel = shared.surfels[s];
+      const SurfelNumbers best = SurfelSight(shared, surfel, placed_).Best(kernels_);
+      for (std::size_t i = surfel.begin; i < surfel.end; ++i) AddPlane(s, best, i);
+      for (std::size_t i = surfel.textures_begin; i < surfel.textures_end; ++i) {
+        AddTexture(s, best, i);
+      }
+    }
+    return full_;
+  }
+
+ private:
+  Eigen::Index CalibrationBegin() const {
+    return kPoseTangentSize * static_cast<Eigen::Index>(problem_.state.world_from_camera.size());
+  }
+  Eigen::Index SurfelsBegin() const { return CalibrationBegin() + kCalibrationSize; }
+
+  void AddPlane(std::size_t s, const SurfelNumbers& best, std::size_t i) {
+    const SharedSurfel& surfel = problem_.shared.surfels[s];
+    const PlaneObservation& o = problem_.shared.observations[i];
+    const PlaneFunctor functor(new PlaneInverseDepth(o.u, o.v, o.inverse_depth,
+                                                     1. / o.inverse_sigma, surfel.point_in_world,
+                                                     surfel.normal_in_world));
+    Add(functor, o.keyframe, s, best.displacement, nullptr, kernels_.plane);
+  }
+
+  void AddTexture(std::size_t s, const SurfelNumbers& best, std::size_t i) {
+    const SharedSurfel& surfel = problem_.shared.surfels[s];
+    const TextureObservation& o = problem_.shared.textures[i];
+    const TextureFunctor functor(new SurfelTexture(o.taps, 1. / o.inverse_sigma,
+                                                   TexturePoints(surfel), surfel.normal_in_world));
+    // The functor has it in the unit of sigma, the elimination in standard deviations.
+    const Eigen::Vector2d texture = best.texture / o.inverse_sigma;
+    Add(functor, o.keyframe, s, best.displacement, texture.data(), kernels_.texture);
+  }
+
+  // The rows of one functor; texture is null if it has none.
+  void Add(const ceres::CostFunction& functor, int keyframe, std::size_t s, double displacement,
+           const double* texture, const RobustKernel& kernel) {
+    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    const int rows = functor.num_residuals();
+    double pose[kPoseSize];
+    PoseToBlock(problem_.state.world_from_camera[keyframe], pose);
+    Eigen::VectorXd residuals(rows), by_displacement(rows);
+    RowMajor by_pose(rows, kPoseSize), by_calibration(rows, kCalibrationSize), by_texture(rows, 2);
+    const double* blocks[] = {pose, calibration_, &displacement, texture};
+    double* jacobians[] = {by_pose.data(), by_calibration.data(), by_displacement.data(),
+                           by_texture.data()};
+    ASSERT_TRUE(functor.Evaluate(blocks, residuals.data(), jacobians));
+    Eigen::Matrix<double, kPoseSize, kPoseTangentSize, Eigen::RowMajor> plus;
+    ProductPoseManifold().PlusJacobian(pose, plus.data());
+    const KernelValue<double> value = EvaluateKernel(kernel, residuals.squaredNorm());
+    const double root = std::sqrt(value.slope);
+    full_.rho += value.rho;
+    full_.residuals.segment(row_, rows) = root * residuals;
+    auto jacobian = full_.jacobian.middleRows(row_, rows);
+    const Eigen::Index surfel = SurfelsBegin() + kTexturedUnknowns * static_cast<Eigen::Index>(s);
+    jacobian.middleCols(kPoseTangentSize * keyframe, kPoseTangentSize) = root * by_pose * plus;
+    jacobian.middleCols(CalibrationBegin(), kCalibrationSize) = root * by_calibration;
+    jacobian.col(surfel) = root * by_displacement;
+    if (texture != nullptr) jacobian.middleCols(surfel + 1, 2) = root * by_texture;
+    row_ += rows;
+  }
+
+  const RandomProblem& problem_;
+  const JointKernels& kernels_;
+  PlacedPoses placed_;
+  FullSystem full_;
+  double calibration_[kCalibrationSize];
+  Eigen::Index row_ = 0;
+};
 
 // Sums of products of some hundreds of rows of double; the pivots that stand for zero are at least
 // 1e-12, each of some dozens.
@@ -79,18 +131,20 @@ constexpr double kPrecision = 1e-8;
 // Of all pairs of poses about half share a surfel.
 class ReducedSystemOfKernel : public ::testing::TestWithParam<RobustKernelType> {
  protected:
-  const RobustKernel kernel_ = {GetParam(), 1.5};
+  const JointKernels kernels_ = {{GetParam(), 1.5}, {GetParam(), 0.7}};
   const RandomProblem problem_ = MakeRandomProblem(8, 80, 1, 2);
   const BlockPattern pattern_ = {problem_.shared, 8};
 };
 
 TEST_P(ReducedSystemOfKernel, IsTheSchurComplementOfTheFullOne) {
-  const ReducedSystem reduced = Reduce(problem_.shared, pattern_, problem_.state, kernel_);
+  const ReducedSystem reduced = Reduce(problem_.shared, pattern_, problem_.state, kernels_);
   ASSERT_LT(pattern_.block_count(), 8 * 9 / 2);
-  const FullSystem full = MakeFull(problem_, kernel_);
+  const FullSystem full = FullMaker(problem_, kernels_).Make();
   const Eigen::Index kept = reduced.gradient.size();
   const Eigen::Index gone = full.jacobian.cols() - kept;
-  const Eigen::MatrixXd hessian = full.jacobian.transpose() * full.jacobian;
+  Eigen::MatrixXd hessian = full.jacobian.transpose() * full.jacobian;
+  // Of numbers that a surfel does not have.
+  hessian.diagonal() = hessian.diagonal().unaryExpr([](double d) { return d > 0 ? d : 1.; });
   const Eigen::VectorXd gradient = full.jacobian.transpose() * full.residuals;
   const Eigen::LDLT<Eigen::MatrixXd> surfels(hessian.bottomRightCorner(gone, gone));
   const Eigen::MatrixXd mixed = hessian.topRightCorner(kept, gone);
@@ -116,7 +170,8 @@ TEST(ReducedSystemThreads, IsTheSameBitForBit) {
   const BlockPattern pattern(problem.shared, 6);
   const auto reduce = [&](int threads) {
     const ThreadLimit limit(threads);
-    return Reduce(problem.shared, pattern, problem.state, {RobustKernelType::kGemanMcClure, 3});
+    return Reduce(problem.shared, pattern, problem.state,
+                  {{RobustKernelType::kGemanMcClure, 3}, {RobustKernelType::kHuber, 1.5}});
   };
   const ReducedSystem one = reduce(1), three = reduce(3);
   EXPECT_EQ(one.poses, three.poses);

@@ -12,7 +12,7 @@ struct KeyframeImages {
   Image<float> inverse_depth;  // 1/m, as measured; 0 = missing
   Image<float> slope_u,
       slope_v;             // of inverse depth along rows and columns, 1/m per px; NaN = missing
-  Image<float> intensity;  // from 0 to 1, NaN where unknown; empty without colours
+  Image<float> intensity;  // from 0 to 1, smoothed; NaN where unknown; empty without colours
 };
 
 // A frame whose pose is refined.

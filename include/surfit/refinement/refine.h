@@ -26,7 +26,8 @@ struct RefinementOptions {
   double max_distance_m = 0.05;       // between a surfel's plane and what a keyframe measures
   double max_normal_angle_rad = 0.6;  // between their normals
   double max_slant_rad = 1.2;         // of a surface to the ray that sees it
-  ErrorModel error_model;             // sigma and robust kernel; its intensities are not used
+  // Of planes and, with its photometric weight (0 = off, the default), of textures: see Refine().
+  ErrorModel error_model;
 
   // With a calibration that is right as given, the motion from each keyframe to the next counts
   // with these standard deviations: tracking has found it with all frames in between, and all their
@@ -76,15 +77,17 @@ std::string ToString(RefinementTermination termination);
 // weights of the robust kernel.
 struct RefinementFit {
   double cost = 0;
-  double rms_sigmas = 0;  // in standard deviations of the error model
-  double rms_m = 0;       // from point to plane
+  double rms_sigmas = 0;     // in standard deviations of the error model
+  double rms_m = 0;          // from point to plane
+  double rms_intensity = 0;  // of differences of intensity, from 0 to 1; 0 without any
 };
 
 // What one round did: it makes surfels and finds who sees them, and then moves all. The kernel is
 // the round's.
 struct RefinementRound {
   std::size_t surfels = 0, observations = 0;
-  RefinementFit before, after;  // of these observations
+  std::size_t texture_observations = 0;  // of two differences each; 0 without photometric weight
+  RefinementFit before, after;           // of these observations
   int iterations = 0;
   DepthCalibration calibration;  // after it
 };
@@ -117,8 +120,11 @@ struct RefinementSummary {
 // keyframes measure of the surfels that they share agrees best:
 //   minimise over poses, calibration and displacements d_s of the surfels
 //     1/2 sum_(s, k) rho(r_sk^2),  r_sk the PlaneInverseDepth residual.
-// Each displacement occurs in the residuals of its own surfel only, and is eliminated in closed
-// form (Schur complement): Levenberg-Marquardt sees poses and calibration alone, with a block for
+// With a photometric weight W > 0 in the error model, textured surfels also have two differences of
+// intensity as unknowns, and the sum has W/2 rho_I(|r_I|^2), r_I the SurfelTexture residuals, of
+// keyframes that see the texture; images are expanded anew in each round.
+// These numbers occur in the residuals of their own surfel only, and are eliminated in closed form
+// (Schur complement): Levenberg-Marquardt sees poses and calibration alone, with a block for
 // each pair of keyframes that share a surfel. The first keyframe's pose is held.
 //
 // If the calibration that is found is no other than the given one, as far as its covariance tells,

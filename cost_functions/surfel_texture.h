@@ -1,0 +1,73 @@
+#pragma once
+
+#include <array>
+
+#include "cost_functions/plane_inverse_depth.h"
+#include "cost_functions/pose.h"
+
+namespace surfit {
+
+// An image around the pixel (u, v) by its first-order expansion.
+struct IntensityTap {
+  float u = 0, v = 0;              // px
+  float value = 0;                 // there
+  float slope_u = 0, slope_v = 0;  // per px
+};
+
+// The intensities that a keyframe sees at a surfel's centre and at the two points beside it.
+using TextureTaps = std::array<IntensityTap, 3>;
+
+// r_j = ((I(q_j) - I(q_0)) - a_j) / sigma, j = 1, 2, two residuals: the differences of intensity
+// between two points beside a surfel's centre and the centre itself, as a keyframe sees them,
+// against those that are the surfel's own, a (after Schoeps, Sattler and Pollefeys, BAD SLAM, CVPR
+// 2019). What all of them share, such as a brighter exposure's offset, drops out.
+//
+// The points are p_j + d n in the world: the surfel's centre p_0 and p_j = p_0 + t_j, t_j tangents,
+// moved by the displacement d along its normal n. With the pose (R, t) world_from_camera,
+//   (x, y, z) = R^T (p_j + d n - t),  q_j = (fx x / z + cx, fy y / z + cy),
+// and I is the first-order expansion of the keyframe's image around where the point was looked up.
+class SurfelTexture {
+ public:
+  // Intensities and sigma in one unit, points in metres.
+  SurfelTexture(const TextureTaps& taps, double sigma,
+                const std::array<Eigen::Vector3d, 3>& points_in_world,
+                const Eigen::Vector3d& normal_in_world)
+      : taps_(taps),
+        inverse_sigma_(1 / sigma),
+        points_(points_in_world),
+        normal_(normal_in_world) {}
+
+  // Pose block (pose.h), calibration block, displacement in metres, texture [a_1 a_2].
+  template <typename T>
+  bool operator()(const T* pose, const T* calibration, const T* displacement, const T* texture,
+                  T* residuals) const {
+    const T center = Intensity(0, pose, calibration, displacement[0]);
+    for (int j = 0; j < 2; ++j) {
+      const T beside = Intensity(j + 1, pose, calibration, displacement[0]);
+      residuals[j] = (beside - center - texture[j]) * inverse_sigma_;
+    }
+    return true;
+  }
+
+ private:
+  template <typename T>
+  T Intensity(int j, const T* pose, const T* calibration, const T& displacement) const {
+    const T inverse[4] = {-pose[0], -pose[1], -pose[2], pose[3]};
+    T from_camera[3], p[3];
+    for (int i = 0; i < 3; ++i) {
+      from_camera[i] = displacement * normal_[i] + points_[j][i] - pose[4 + i];
+    }
+    RotateByPose(inverse, from_camera, p);
+    const IntensityTap& tap = taps_[j];
+    const T du = calibration[0] * p[0] / p[2] + calibration[2] - double{tap.u};
+    const T dv = calibration[1] * p[1] / p[2] + calibration[3] - double{tap.v};
+    return du * double{tap.slope_u} + dv * double{tap.slope_v} + double{tap.value};
+  }
+
+  TextureTaps taps_;
+  double inverse_sigma_;
+  std::array<Eigen::Vector3d, 3> points_;
+  Eigen::Vector3d normal_;
+};
+
+}  // namespace surfit
