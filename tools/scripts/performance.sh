@@ -31,7 +31,7 @@ table() {
     echo "## $title"
     echo
     echo "    $ ${*//$scratch/out}"
-    "$@" 2>>"$scratch/errors" | sed 's/^/    /'
+    "$@" 2>>"$scratch/errors" | sed "s|$scratch|out|g; s/^/    /"
     echo
   } >>"$scratch/tables"
 }
