@@ -10,8 +10,8 @@
 
 namespace surfit {
 
-// Closes loops on a thread of its own, one task at a time, in time that tracking leaves; where only one thread may compute, when
-// the outcome is asked for.
+// Closes loops on a thread of its own, one task at a time, in time that tracking leaves; where only
+// one thread may compute, when the outcome is asked for.
 class LoopThread {
  public:
   LoopThread(const LoopOptions& options, LoopFinder finder) : closer_(options, std::move(finder)) {}

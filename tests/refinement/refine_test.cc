@@ -24,15 +24,7 @@ using testing::RandomPose;
 
 constexpr double kOffset = 0.02 / 3;  // 1/m: 2 % at 3 m
 
-PinholeCamera TrueCamera() {
-  PinholeCamera camera;
-  camera.width = 160;
-  camera.height = 120;
-  camera.fx = camera.fy = 131.25;
-  camera.cx = 79.75;
-  camera.cy = 59.75;
-  return camera;
-}
+PinholeCamera TrueCamera() { return {160, 120, 131.25, 131.25, 79.75, 59.75, {}}; }
 
 // Every eighth frame of a path through a room, seen by a Kinect whose inverse depth is off.
 struct Recording {

@@ -11,15 +11,7 @@ namespace {
 
 constexpr double kDepth = 2;  // m, of a wall that all keyframes face
 
-PinholeCamera Camera() {
-  PinholeCamera camera;
-  camera.width = 160;
-  camera.height = 120;
-  camera.fx = camera.fy = 131.25;
-  camera.cx = 79.75;
-  camera.cy = 59.75;
-  return camera;
-}
+PinholeCamera Camera() { return {160, 120, 131.25, 131.25, 79.75, 59.75, {}}; }
 
 // Waves some dozens of pixels long.
 float TextureAt(double x, double y) {
