@@ -2,7 +2,8 @@
 # component becomes a Debian package: see DebianPackages.cmake.
 include(CMakePackageConfigHelpers)
 set(SURFIT_CMAKE_DIR "${CMAKE_INSTALL_LIBDIR}/cmake/surfit")
-install(TARGETS surfit EXPORT surfit-targets
+install(TARGETS surfit_core surfit_registration surfit_mapping surfit_io surfit_app surfit
+  EXPORT surfit-targets
   LIBRARY COMPONENT library NAMELINK_COMPONENT dev
   ARCHIVE COMPONENT dev
   FILE_SET HEADERS COMPONENT dev)

@@ -27,7 +27,15 @@ run("${CMAKE_COMMAND}" -S "${CMAKE_CURRENT_LIST_DIR}" -B "${WORK}/build" -G "${G
   "-DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}")
 run("${CMAKE_COMMAND}" --build "${WORK}/build")
 run("${WORK}/build/consumer")
+run("${WORK}/build/own_residual")
 run("${WORK}/build/registration")
+
+# Whoever registers links no image files and no plots.
+execute_process(COMMAND ldd "${WORK}/build/registration"
+  OUTPUT_VARIABLE libraries COMMAND_ERROR_IS_FATAL ANY)
+if(libraries MATCHES "plplot|turbojpeg|imgcodecs")
+  message(FATAL_ERROR "surfit::registration brings ${CMAKE_MATCH_0}:\n${libraries}")
+endif()
 
 file(GLOB programs "${prefix}/bin/*")
 foreach(program ${programs})

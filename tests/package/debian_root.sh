@@ -33,7 +33,7 @@ inside() { chroot "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOM
 mkdir -p "$root/packages" "$root/consumer"
 rm -rf "$root"/packages/* "$root"/consumer/* "$root/room" "$root/out"
 cp "${debs[@]}" "$root/packages/"
-cp "$here"/{CMakeLists.txt,main.cc,registration.cc} "$root/consumer/"
+cp "$here"/{CMakeLists.txt,main.cc,own_residual.cc,registration.cc} "$root/consumer/"
 
 inside apt-get update -q
 inside bash -c 'apt-get install -q -y --no-install-recommends --reinstall /packages/*.deb'
@@ -74,7 +74,7 @@ END
 echo "Development files"
 inside apt-get install -q -y --no-install-recommends g++ make cmake pkg-config
 inside bash -c 'cmake -S /consumer -B /consumer/build && cmake --build /consumer/build &&
-  /consumer/build/consumer && /consumer/build/registration &&
+  /consumer/build/consumer && /consumer/build/own_residual && /consumer/build/registration &&
   g++ -std=c++17 /consumer/main.cc -o /consumer/by_pkg_config $(pkg-config --cflags --libs surfit) &&
   /consumer/by_pkg_config'
 echo "All packages work on a clean Debian"

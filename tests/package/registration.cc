@@ -1,27 +1,38 @@
-// The example of docs/library.md: Surfit's residuals in a Ceres problem of one's own.
-#include <ceres/ceres.h>
-
+// Registers two views of a corner, by the registration library alone.
 #include <cmath>
 #include <cstdio>
 
-#include "cost_functions/point_to_plane.h"
-#include "cost_functions/pose_manifold.h"
+#include "surfit/frame/preprocess.h"
+#include "surfit/registration/icp.h"
+
+namespace {
+
+// What a camera sees of the planes z = 2 m, x = 0.5 m and y = 0.4 m from a place on the z axis.
+surfit::Image<float> CornerFrom(double z_m, const surfit::PinholeCamera& camera) {
+  surfit::Image<float> depth_m(camera.width, camera.height);
+  for (int v = 0; v < camera.height; ++v) {
+    for (int u = 0; u < camera.width; ++u) {
+      const Eigen::Vector3d ray = camera.Ray(u, v);
+      double depth = 2 - z_m;
+      if (ray.x() > 0) depth = std::fmin(depth, 0.5 / ray.x());
+      if (ray.y() > 0) depth = std::fmin(depth, 0.4 / ray.y());
+      depth_m(u, v) = static_cast<float>(depth);
+    }
+  }
+  return depth_m;
+}
+
+}  // namespace
 
 int main() {
-  double pose[] = {0, 0, 0, 1, 0, 0, 0};  // qx qy qz qw tx ty tz
-  ceres::Problem problem;
-  problem.AddParameterBlock(pose, surfit::kPoseSize, new surfit::LeftPoseManifold);
-  for (int i = 0; i < 300; ++i) {
-    const Eigen::Vector3d p(std::sin(7. * i), std::sin(11. * i), 2 + std::sin(13. * i));
-    const Eigen::Vector3d q = p + Eigen::Vector3d(0.01, 0.02, 0.03);
-    const Eigen::Vector3d n = Eigen::Vector3d::Unit(i % 3);
-    problem.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<surfit::PointToPlane, 1, surfit::kPoseSize>(
-            new surfit::PointToPlane(p, q, n, 0.005)),
-        new ceres::HuberLoss(1.5), pose);
-  }
-  ceres::Solver::Summary summary;
-  ceres::Solve(ceres::Solver::Options(), &problem, &summary);
-  std::printf("t = %.4f %.4f %.4f\n", pose[4], pose[5], pose[6]);
-  return std::fabs(pose[6] - 0.03) < 1e-6 ? 0 : 1;
+  const surfit::PinholeCamera camera{160, 120, 130, 130, 79.5, 59.5};
+  const surfit::PreprocessOptions options;
+  const surfit::FramePyramid target =
+      surfit::PreprocessDepth(CornerFrom(0, camera), camera, options);
+  const surfit::FramePyramid source =
+      surfit::PreprocessDepth(CornerFrom(0.02, camera), camera, options);
+  const surfit::IcpResult icp = surfit::Register(source, target, {}, surfit::IcpOptions());
+  const double z_m = icp.target_from_source.translation.z();
+  std::printf("%s: z = %.4f m\n", ToString(icp.termination).c_str(), z_m);
+  return icp.Succeeded() && std::fabs(z_m - 0.02) < 1e-3 ? 0 : 1;
 }
