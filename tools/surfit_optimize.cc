@@ -11,7 +11,7 @@
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
 #include "surfit/io/g2o.h"
-#include "surfit/optimization/optimize_pose_graph.h"
+#include "surfit/optimization/pose_graph.h"
 
 namespace {
 

@@ -19,8 +19,7 @@
 #include "surfit/frame/correct_depth.h"
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
-#include "surfit/simulation/scenes.h"
-#include "surfit/simulation/sensor.h"
+#include "surfit/simulation/scene.h"
 
 DEFINE_string(output, "", "folder of the sequence; must be empty, new or of a former simulation");
 DEFINE_string(

@@ -4,7 +4,7 @@
 #include "surfit/io/frame_source.h"
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
-#include "surfit/simulation/scenes.h"
+#include "surfit/simulation/scene.h"
 #include "surfit/slam/slam.h"
 
 class SimulatedCamera : public surfit::FrameSource {

@@ -8,14 +8,20 @@
 namespace surfit {
 namespace {
 
-double Quantile(const std::vector<double>& sorted, double share) {
+double QuantileOfSorted(const std::vector<double>& sorted, double share) {
   const double rank = share * static_cast<double>(sorted.size() - 1);
   const auto below = static_cast<std::size_t>(rank);
   const std::size_t above = std::min(below + 1, sorted.size() - 1);
-  return sorted[below] + (rank - std::floor(rank)) * (sorted[above] - sorted[below]);
+  return sorted[below] + (rank - static_cast<double>(below)) * (sorted[above] - sorted[below]);
 }
 
 }  // namespace
+
+double Quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  return QuantileOfSorted(values, share);
+}
 
 ErrorStatistics Summarize(std::vector<double> errors) {
   CHECK(!errors.empty());
@@ -30,8 +36,8 @@ ErrorStatistics Summarize(std::vector<double> errors) {
   s.count = errors.size();
   s.rmse = std::sqrt(sum_of_squares / count);
   s.mean = sum / count;
-  s.median = Quantile(errors, 0.5);
-  s.p90 = Quantile(errors, 0.9);
+  s.median = QuantileOfSorted(errors, 0.5);
+  s.p90 = QuantileOfSorted(errors, 0.9);
   s.max = errors.back();
   return s;
 }

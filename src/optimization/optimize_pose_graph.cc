@@ -1,15 +1,13 @@
-#include "surfit/optimization/optimize_pose_graph.h"
-
 #include <algorithm>
 #include <numeric>
 #include <optional>
 
-#include "optimization/chained_poses.h"
-#include "optimization/chordal_poses.h"
+#include "optimization/initial_poses.h"
 #include "optimization/loop_weights.h"
 #include "optimization/pose_graph_names.h"
 #include "optimization/pose_graph_problem.h"
 #include "surfit/core/trace.h"
+#include "surfit/optimization/pose_graph.h"
 
 namespace surfit {
 namespace {

@@ -3,7 +3,7 @@
 #include <ceres/types.h>
 
 #include "core/named_values.h"
-#include "surfit/optimization/optimize_pose_graph.h"
+#include "surfit/optimization/pose_graph.h"
 
 namespace surfit {
 

@@ -4,7 +4,7 @@
 
 #include "core/named_values.h"
 #include "optimization/pose_graph_names.h"
-#include "surfit/optimization/optimize_pose_graph.h"
+#include "surfit/optimization/pose_graph.h"
 
 namespace surfit {
 namespace {

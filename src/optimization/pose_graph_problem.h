@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "cost_functions/pose_manifold.h"
-#include "surfit/optimization/optimize_pose_graph.h"
+#include "surfit/optimization/pose_graph.h"
 
 namespace surfit {
 

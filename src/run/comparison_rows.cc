@@ -5,7 +5,7 @@
 #include <iterator>
 #include <map>
 
-#include "run/quantile.h"
+#include "surfit/evaluation/error_statistics.h"
 
 namespace surfit {
 namespace {

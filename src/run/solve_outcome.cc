@@ -1,7 +1,7 @@
 #include <cmath>
 
 #include "run/pose_problem.h"
-#include "run/quantile.h"
+#include "surfit/evaluation/error_statistics.h"
 
 namespace surfit {
 namespace {

@@ -8,10 +8,8 @@
 #include <utility>
 
 #include "simulation/gaze.h"
-#include "simulation/hand.h"
-#include "simulation/path_quality.h"
+#include "simulation/hand_held_motion.h"
 #include "simulation/random.h"
-#include "simulation/walk.h"
 #include "surfit/core/error.h"
 
 namespace surfit {

@@ -1,12 +1,18 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "simulation/random.h"
 #include "simulation/textures.h"
 #include "surfit/simulation/scene.h"
 
 namespace surfit {
+
+// The shortest turn that brings the z axis into a direction, of any length but zero.
+// (Eigen's FromTwoVectors brings a singular value decomposition along, which takes half a minute to
+// compile under sanitizers.)
+Eigen::Quaterniond TurnZInto(const Eigen::Vector3d& direction);
 
 // A piece of furniture while it is being put together: adds parts to the scene in its own frame,
 // z up, metres.

@@ -2,7 +2,6 @@
 #include <cmath>
 
 #include "simulation/item.h"
-#include "simulation/turn.h"
 
 namespace surfit {
 

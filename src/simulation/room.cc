@@ -8,7 +8,6 @@
 
 #include "simulation/item.h"
 #include "simulation/random.h"
-#include "simulation/room_plan.h"
 #include "simulation/textures.h"
 
 namespace surfit {

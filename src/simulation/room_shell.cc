@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "simulation/room_plan.h"
+#include "simulation/room.h"
 #include "simulation/textures.h"
 
 namespace surfit {

@@ -1,5 +1,3 @@
-#include "surfit/simulation/sensor.h"
-
 #include <glog/logging.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include "simulation/random.h"
 #include "surfit/core/error.h"
 #include "surfit/core/parallel.h"
+#include "surfit/simulation/render.h"
 
 namespace surfit {
 namespace {

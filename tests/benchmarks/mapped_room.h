@@ -8,8 +8,7 @@
 #include "surfit/mapping/surfel_map.h"
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
-#include "surfit/simulation/scenes.h"
-#include "surfit/simulation/sensor.h"
+#include "surfit/simulation/scene.h"
 
 namespace surfit {
 

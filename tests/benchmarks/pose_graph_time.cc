@@ -15,7 +15,7 @@
 
 #include "surfit/core/error.h"
 #include "surfit/io/g2o.h"
-#include "surfit/optimization/optimize_pose_graph.h"
+#include "surfit/optimization/pose_graph.h"
 #include "testing/pose_graphs.h"
 
 namespace surfit {

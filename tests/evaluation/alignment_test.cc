@@ -1,9 +1,8 @@
-#include "surfit/evaluation/alignment.h"
-
 #include <gtest/gtest.h>
 
 #include <limits>
 
+#include "surfit/evaluation/trajectory_evaluation.h"
 #include "testing/matchers.h"
 #include "testing/random_pose.h"
 

@@ -2,8 +2,223 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
+
+#include "surfit/core/error.h"
+#include "surfit/evaluation/error_statistics.h"
+#include "testing/matchers.h"
+#include "testing/random_pose.h"
+
 namespace surfit {
 namespace {
+
+using testing::RandomPose;
+using testing::RigidNear;
+
+// The corners of a square with side 2 m about the origin, in the plane z = 0, looking along z, with
+// stamps 0, 1, 2, 3; the estimate is the same but for one corner that is lifted by `lift_m`.
+//
+// ATE by hand: the errors are 0 but for lift h along z at corner (1, 1). The best rigid motion to
+// first order in h is the plane z = a + b x + c y fitted to (0, 0, h, 0) at the corners (x and y
+// coordinates change only in second order): a = h/4, b = c = h/4 (sum of h x_i over sum of x_i^2).
+// The fit has 3 parameters for 4 values, so what remains is the component along the one contrast
+// left, (1, -1, 1, -1)/2: every corner is off by h/4, so that rmse = mean = median = max = h/4.
+std::vector<MatchedPose> SquareWithALiftedCorner(double lift_m) {
+  const Eigen::Vector3d corners[] = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+  std::vector<MatchedPose> poses(4);
+  for (int i = 0; i < 4; ++i) {
+    poses[i].stamp_s = i;
+    poses[i].ground_truth.translation = poses[i].estimate.translation = corners[i];
+  }
+  poses[2].estimate.translation.z() += lift_m;
+  return poses;
+}
+
+TEST(Summarize, GivesTheFiguresOfAKnownSet) {
+  // Sorted 1 2 3 6: the median's rank is 1.5, that of 90 % is 0.9 * 3 = 2.7.
+  const ErrorStatistics s = Summarize({6, 1, 3, 2});
+  EXPECT_EQ(s.count, 4u);
+  EXPECT_DOUBLE_EQ(s.rmse, std::sqrt((36 + 1 + 9 + 4) / 4.));
+  EXPECT_DOUBLE_EQ(s.mean, 3);
+  EXPECT_DOUBLE_EQ(s.median, 2.5);
+  EXPECT_DOUBLE_EQ(s.p90, 3 + 0.7 * 3);
+  EXPECT_DOUBLE_EQ(s.max, 6);
+}
+
+TEST(Summarize, OfOneErrorIsThatError) {
+  const ErrorStatistics s = Summarize({0.25});
+  for (const double value : {s.rmse, s.mean, s.median, s.p90, s.max}) EXPECT_EQ(value, 0.25);
+}
+
+TEST(MatchOptions, ValidateRefusesNonsense) {
+  EXPECT_NO_THROW(MatchOptions{0}.Validate());
+  EXPECT_THROW(MatchOptions{-0.1}.Validate(), InputError);
+  EXPECT_THROW(MatchOptions{1.1}.Validate(), InputError);
+  EXPECT_THROW(MatchOptions{std::numeric_limits<double>::quiet_NaN()}.Validate(), InputError);
+}
+
+TEST(MatchPoses, CarriesEachSidesPoseAndTheEstimatesStamp) {
+  Trajectory ground_truth(2), estimate(1);
+  ground_truth[0] = {5.0, Rigid3d(Eigen::Quaterniond::Identity(), {1, 0, 0})};
+  ground_truth[1] = {6.0, Rigid3d(Eigen::Quaterniond::Identity(), {2, 0, 0})};
+  estimate[0] = {6.005, Rigid3d(Eigen::Quaterniond::Identity(), {3, 0, 0})};
+  const auto poses = MatchPoses(ground_truth, estimate, MatchOptions());
+  ASSERT_EQ(poses.size(), 1u);
+  EXPECT_EQ(poses[0].stamp_s, 6.005);
+  EXPECT_EQ(poses[0].ground_truth.translation.x(), 2);
+  EXPECT_EQ(poses[0].estimate.translation.x(), 3);
+}
+
+TEST(AbsoluteTrajectoryError, OfASquareWithALiftedCornerIsAQuarterOfTheLift) {
+  const double lift_m = 1e-3;
+  const auto ate = ComputeAbsoluteTrajectoryError(SquareWithALiftedCorner(lift_m));
+  ASSERT_TRUE(ate.has_value());
+  EXPECT_EQ(ate->translation_m.count, 4u);
+  // The tilt of h/4 shortens the sides by (h/4)^2/2 and the like: h^2 bounds the second order.
+  for (const double error : {ate->translation_m.rmse, ate->translation_m.mean,
+                             ate->translation_m.median, ate->translation_m.max}) {
+    EXPECT_NEAR(error, lift_m / 4, lift_m * lift_m);
+  }
+}
+
+// Both ends of a line of 3 poses at -1, 0, 1 m pulled apart to -1.5, 0, 1.5: nothing rigid helps,
+// so the errors are 0.5, 0, 0.5. The line leaves the rotation about itself open.
+TEST(AbsoluteTrajectoryError, OfAStretchedLineIsItsStretch) {
+  std::vector<MatchedPose> poses(3);
+  for (int i = 0; i < 3; ++i) {
+    poses[i].ground_truth.translation.y() = i - 1;
+    poses[i].estimate.translation.y() = 1.5 * (i - 1);
+  }
+  const auto ate = ComputeAbsoluteTrajectoryError(poses);
+  ASSERT_TRUE(ate.has_value());
+  EXPECT_EQ(ate->alignment.status, AlignmentStatus::kRotationNotUnique);
+  EXPECT_NEAR(ate->translation_m.rmse, std::sqrt(0.5 / 3), 1e-12);
+  EXPECT_NEAR(ate->translation_m.mean, 1. / 3, 1e-12);
+  EXPECT_NEAR(ate->translation_m.median, 0.5, 1e-12);
+  EXPECT_NEAR(ate->translation_m.max, 0.5, 1e-12);
+}
+
+// A square with sides 2 m scaled by 1.1: each corner, sqrt(2) m from the centre, is off by a tenth
+// of that. With scale the error would be 0.
+TEST(AbsoluteTrajectoryError, DoesNotAdjustScale) {
+  auto poses = SquareWithALiftedCorner(0);
+  for (MatchedPose& pose : poses) pose.estimate.translation *= 1.1;
+  EXPECT_NEAR(ComputeAbsoluteTrajectoryError(poses)->translation_m.rmse, 0.1 * std::sqrt(2.),
+              1e-12);
+}
+
+TEST(AbsoluteTrajectoryError, DoesNotDependOnEitherWorld) {
+  std::mt19937_64 rng(1);
+  auto poses = SquareWithALiftedCorner(0.3);
+  const auto before = ComputeAbsoluteTrajectoryError(poses);
+  const Rigid3d a = RandomPose(1.8, 5, &rng), b = RandomPose(1.8, 5, &rng);
+  for (MatchedPose& pose : poses) {
+    pose.ground_truth = a * pose.ground_truth;
+    pose.estimate = b * pose.estimate;
+  }
+  const auto after = ComputeAbsoluteTrajectoryError(poses);
+  EXPECT_NEAR(after->translation_m.rmse, before->translation_m.rmse, 1e-12);
+  EXPECT_NEAR(after->translation_m.max, before->translation_m.max, 1e-12);
+  EXPECT_THAT(after->alignment.target_from_source,
+              RigidNear(a * before->alignment.target_from_source * b.Inverse(), 1e-12, 1e-12));
+}
+
+TEST(AbsoluteTrajectoryError, NeedsThreePoses) {
+  auto poses = SquareWithALiftedCorner(0);
+  poses.resize(2);
+  EXPECT_FALSE(ComputeAbsoluteTrajectoryError(poses).has_value());
+}
+
+using Unit = RelativePoseErrorOptions::Unit;
+
+// The two steps that touch the lifted corner are off by the lift h, the other one by 0.
+TEST(RelativePoseError, OfASquareWithALiftedCorner) {
+  const auto rpe = ComputeRelativePoseError(SquareWithALiftedCorner(0.3), {});
+  ASSERT_TRUE(rpe.has_value());
+  EXPECT_EQ(rpe->translation_m.count, 3u);
+  EXPECT_NEAR(rpe->translation_m.rmse, 0.3 * std::sqrt(2. / 3), 1e-12);
+  EXPECT_NEAR(rpe->translation_m.mean, 0.2, 1e-12);
+  EXPECT_NEAR(rpe->translation_m.median, 0.3, 1e-12);
+  EXPECT_EQ(rpe->rotation_deg.max, 0);
+}
+
+// Over 2 poses: 0 -> 2 is off by h, 1 -> 3 by nothing.
+TEST(RelativePoseError, TakesItsStepInPoses) {
+  const auto rpe = ComputeRelativePoseError(SquareWithALiftedCorner(0.3), {2, Unit::kFrames});
+  EXPECT_EQ(rpe->translation_m.count, 2u);
+  EXPECT_NEAR(rpe->translation_m.rmse, 0.3 * std::sqrt(1. / 2), 1e-12);
+}
+
+// The truth stands still; the estimate turns by 2 degrees a frame about its own z axis and goes
+// 0.1 m along its own x axis: each step is wrong by exactly that, whatever the heading.
+TEST(RelativePoseError, OfASteadyDriftIsTheDrift) {
+  const double turn_rad = 2 * std::acos(-1) / 180;
+  const Rigid3d step(QuaternionExp<double>({0, 0, turn_rad}), {0.1, 0, 0});
+  std::vector<MatchedPose> poses(100);
+  for (std::size_t i = 1; i < poses.size(); ++i) poses[i].estimate = poses[i - 1].estimate * step;
+  const auto rpe = ComputeRelativePoseError(poses, {});
+  EXPECT_NEAR(rpe->translation_m.rmse, 0.1, 1e-12);
+  EXPECT_NEAR(rpe->rotation_deg.rmse, 2, 1e-10);
+  EXPECT_NEAR(rpe->rotation_deg.max, 2, 1e-10);
+}
+
+// Q_i^-1 Q_j = a turn of 90 degrees about z and 1 m along x; P_i^-1 P_j = 1 m along x, no turn.
+// E = (Rz90, (1,0,0))^-1 (I, (1,0,0)) = (Rz-90, 0): the translations cancel in the frame of i.
+TEST(RelativePoseError, ComparesMotionsFromTheFirstPoseToTheSecond) {
+  std::vector<MatchedPose> poses(2);
+  const double quarter_rad = std::acos(-1) / 2;
+  poses[1].ground_truth = Rigid3d(QuaternionExp<double>({0, 0, quarter_rad}), {1, 0, 0});
+  poses[1].estimate.translation = {1, 0, 0};
+  const auto rpe = ComputeRelativePoseError(poses, {});
+  EXPECT_NEAR(rpe->translation_m.max, 0, 1e-12);
+  EXPECT_NEAR(rpe->rotation_deg.max, 90, 1e-10);
+}
+
+TEST(RelativePoseError, DoesNotDependOnEitherWorld) {
+  std::mt19937_64 rng(1);
+  std::vector<MatchedPose> poses(20);
+  for (MatchedPose& pose : poses) {
+    pose.ground_truth = RandomPose(1, 2, &rng);
+    pose.estimate = pose.ground_truth * RandomPose(0.1, 0.1, &rng);
+  }
+  const auto before = ComputeRelativePoseError(poses, {});
+  const Rigid3d a = RandomPose(1.8, 5, &rng), b = RandomPose(1.8, 5, &rng);
+  for (MatchedPose& pose : poses) {
+    pose.ground_truth = a * pose.ground_truth;
+    pose.estimate = b * pose.estimate;
+  }
+  const auto after = ComputeRelativePoseError(poses, {});
+  EXPECT_NEAR(after->translation_m.rmse, before->translation_m.rmse, 1e-12);
+  EXPECT_NEAR(after->rotation_deg.rmse, before->rotation_deg.rmse, 1e-10);
+}
+
+// Stamps 0, 1, 2, 5 with h = 0.3 at the third: a second later than 0 and 1 there are poses, than
+// 2 and 5 there are none (3 would be nearest to 2, wrong by more than a tenth of a second).
+TEST(RelativePoseError, TakesItsStepInSeconds) {
+  auto poses = SquareWithALiftedCorner(0.3);
+  poses[3].stamp_s = 5;
+  const auto rpe = ComputeRelativePoseError(poses, {1, Unit::kSeconds});
+  EXPECT_EQ(rpe->translation_m.count, 2u);
+  EXPECT_NEAR(rpe->translation_m.rmse, 0.3 * std::sqrt(1. / 2), 1e-12);
+  // 2.05 s: 0 -> 2 alone, off by 0.05 s of 0.205 s.
+  EXPECT_EQ(ComputeRelativePoseError(poses, {2.05, Unit::kSeconds})->translation_m.count, 1u);
+}
+
+TEST(RelativePoseError, OfNoPairIsNothing) {
+  const auto poses = SquareWithALiftedCorner(0.3);
+  EXPECT_FALSE(ComputeRelativePoseError({}, {}).has_value());
+  EXPECT_FALSE(ComputeRelativePoseError(poses, {4, Unit::kFrames}).has_value());
+  EXPECT_FALSE(ComputeRelativePoseError(poses, {0.5, Unit::kSeconds}).has_value());
+}
+
+TEST(RelativePoseErrorOptions, ValidateRefusesNonsense) {
+  EXPECT_NO_THROW((RelativePoseErrorOptions{0.5, Unit::kSeconds}.Validate()));
+  EXPECT_THROW((RelativePoseErrorOptions{0.5, Unit::kFrames}.Validate()), InputError);
+  EXPECT_THROW((RelativePoseErrorOptions{0, Unit::kFrames}.Validate()), InputError);
+  EXPECT_THROW((RelativePoseErrorOptions{-1, Unit::kSeconds}.Validate()), InputError);
+  EXPECT_THROW((RelativePoseErrorOptions{std::nan(""), Unit::kSeconds}.Validate()), InputError);
+}
 
 // `count` poses along a curve, `rate` a second.
 Trajectory Curve(int count, double rate) {

@@ -6,7 +6,7 @@
 #include "surfit/mapping/fusion.h"
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
-#include "surfit/simulation/scenes.h"
+#include "surfit/simulation/scene.h"
 
 namespace surfit {
 namespace {

@@ -1,7 +1,10 @@
 #include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
-#include "surfit/evaluation/absolute_trajectory_error.h"
-#include "surfit/optimization/optimize_pose_graph.h"
+#include <iostream>
+
+#include "surfit/evaluation/trajectory_evaluation.h"
+#include "surfit/optimization/pose_graph.h"
 #include "testing/pose_graphs.h"
 
 namespace surfit {
@@ -75,6 +78,33 @@ TEST(WrongLoops, CostNothingWhereThereAreNone) {
   EXPECT_NEAR(robust_ate, OptimizedAte(clean, {}, &plain), 1e-6 * robust_ate);
   EXPECT_TRUE(robust.outlier_edges.empty());
 }
+
+class LargePoseGraphs : public ::testing::TestWithParam<const char*> {
+ protected:
+  static TrueGraph Make(const std::string& shape) {
+    if (shape == "sphere") return testing::MakeSphere(316, 317);  // 100,172 poses
+    return shape == "torus" ? testing::MakeTorus(316, 317) : testing::MakeGrid(20);  // 8,000 poses
+  }
+};
+
+TEST_P(LargePoseGraphs, ConvergeToOneCostWithEveryBackend) {
+  const TrueGraph given = Make(GetParam());
+  std::vector<double> costs;
+  for (const std::string& backend : SparseBackendNames()) {
+    PoseGraphOptions options;
+    options.sparse_backend = backend;
+    PoseGraph graph = given.graph;
+    const PoseGraphSummary summary = OptimizePoseGraph(options, &graph);
+    EXPECT_EQ(summary.termination, PoseGraphTermination::kConverged);
+    std::cout << GetParam() << " " << backend << ": " << summary.iterations.size() - 1
+              << " iterations, " << summary.initialize_ms / 1000 << " s initialised, "
+              << summary.solve_ms / 1000 << " s solved, cost " << summary.final_cost << std::endl;
+    costs.push_back(summary.final_cost);
+    EXPECT_NEAR(costs.back(), costs.front(), 1e-9 * costs.front()) << backend;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(, LargePoseGraphs, ::testing::Values("sphere", "torus", "grid"));
 
 }  // namespace
 }  // namespace surfit

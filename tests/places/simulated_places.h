@@ -9,8 +9,7 @@
 #include "surfit/places/keyframe.h"
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
-#include "surfit/simulation/scenes.h"
-#include "surfit/simulation/sensor.h"
+#include "surfit/simulation/scene.h"
 
 namespace surfit::testing {
 

@@ -6,12 +6,11 @@
 #include <cmath>
 
 #include "surfit/core/parallel.h"
-#include "surfit/evaluation/absolute_trajectory_error.h"
+#include "surfit/evaluation/trajectory_evaluation.h"
 #include "surfit/frame/correct_depth.h"
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
-#include "surfit/simulation/scenes.h"
-#include "surfit/simulation/sensor.h"
+#include "surfit/simulation/scene.h"
 #include "testing/expect_input_error.h"
 #include "testing/random_pose.h"
 

@@ -18,8 +18,7 @@
 #include "surfit/registration/initialize.h"
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
-#include "surfit/simulation/scenes.h"
-#include "surfit/simulation/sensor.h"
+#include "surfit/simulation/scene.h"
 #include "testing/shared_data.h"
 
 namespace surfit {

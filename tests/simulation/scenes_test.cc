@@ -1,20 +1,38 @@
-#include "surfit/simulation/scenes.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
+#include <utility>
 
+#include "simulation/item.h"
 #include "simulation/random.h"
+#include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
+#include "surfit/simulation/scene.h"
 #include "testing/expect_input_error.h"
+#include "testing/matchers.h"
 
 namespace surfit {
 namespace {
 
 using Eigen::Vector3d;
+using testing::VectorNear;
+
+TEST(TurnZInto, BringsZIntoTheDirectionTheShortWay) {
+  for (const Vector3d& direction :
+       {Vector3d(0, 0, 2), Vector3d(0.3, -0.4, 1.2), Vector3d(5, 0, 0), Vector3d(0, -1e-3, -1),
+        Vector3d(0.1, 0.2, -3), Vector3d(0, 0, -0.5)}) {
+    const Eigen::Quaterniond turn = TurnZInto(direction);
+    EXPECT_NEAR(turn.norm(), 1, 1e-15);
+    // 1 + cos loses up to 1e-16 of 5e-7, what is left near upside down.
+    EXPECT_THAT(turn * Vector3d::UnitZ(), VectorNear(direction.normalized(), 1e-9));
+    EXPECT_EQ(turn.z(), 0) << "turns about z as well";
+    EXPECT_GE(turn.w(), 0);
+  }
+}
 
 // How far a ray from the middle of the camera's space goes, above the furniture.
 double Free(const Scene& room, const Vector3d& direction) {
@@ -115,6 +133,174 @@ TEST(Scenes, AnUnknownNameListsTheKnown) {
       [] { MakeScene("kitchen"); },
       ::testing::StrEq("scene is 'kitchen', must be one of corridor, room, sphere, three_planes, "
                        "three_rooms, wall"));
+}
+
+constexpr double kRadPerDeg = M_PI / 180;
+
+struct Step {
+  double distance_m, angle_deg;
+};
+
+std::vector<Step> Steps(const Trajectory& path) {
+  std::vector<Step> steps;
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    const Rigid3d motion = path[i - 1].world_from_camera.Inverse() * path[i].world_from_camera;
+    steps.push_back({motion.translation.norm(), RotationAngle(motion.rotation) / kRadPerDeg});
+  }
+  return steps;
+}
+
+constexpr int kFrames = 250;
+
+// Paths of scenes made by the same seed, each made once.
+const Trajectory& Path(const std::string& scene, int seed) {
+  static std::map<std::pair<std::string, int>, Trajectory> paths;
+  Trajectory& path = paths[{scene, seed}];
+  if (path.empty()) path = MakePath(MakeScene(scene, seed), kFrames, seed);
+  return path;
+}
+
+class PathInScene : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(PathInScene, EachFrameMovesAndTurnsWithinTheBounds) {
+  for (const int seed : {1, 2}) {
+    const Trajectory& path = Path(GetParam(), seed);
+    ASSERT_EQ(path.size(), std::size_t{kFrames});
+    for (const Step& step : Steps(path)) {
+      ASSERT_GE(step.distance_m, 0.010);
+      ASSERT_LE(step.distance_m, 0.020);
+      ASSERT_GE(step.angle_deg, 0.5);
+      ASSERT_LE(step.angle_deg, 1.5);
+    }
+  }
+}
+
+TEST_P(PathInScene, IsSmooth) {
+  const Trajectory& path = Path(GetParam(), 1);
+  for (std::size_t i = 2; i < path.size(); ++i) {
+    const Rigid3d a = path[i - 2].world_from_camera, b = path[i - 1].world_from_camera,
+                  c = path[i].world_from_camera;
+    const Vector3d turn1 = QuaternionLog(Eigen::Quaterniond(b.rotation * a.rotation.conjugate()));
+    const Vector3d turn2 = QuaternionLog(Eigen::Quaterniond(c.rotation * b.rotation.conjugate()));
+    // The heading of the gaze changes by 7 deg a frame at most, and the turn with it by 7 deg times
+    // 1.5 deg; more where looking down amplifies it, the speed changes and the hand trembles.
+    ASSERT_LT((turn2 - turn1).norm(), 0.5 * kRadPerDeg) << i;
+  }
+}
+
+TEST_P(PathInScene, HasALevelHorizonAndUnitRotations) {
+  for (const StampedPose& pose : Path(GetParam(), 1)) {
+    const Eigen::Matrix3d rotation = pose.world_from_camera.rotation.toRotationMatrix();
+    EXPECT_NEAR(pose.world_from_camera.rotation.norm(), 1, 1e-12);
+    EXPECT_LT(std::abs(rotation(2, 0)), std::sin(0.5 * kRadPerDeg));  // the x axis: tremble only
+    EXPECT_LT(rotation(2, 1), 0);                                     // the y axis points down
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, PathInScene, ::testing::ValuesIn(SceneNames()),
+                         [](const auto& instance) { return instance.param; });
+
+TEST(CameraPath, StaysClearOfObjectsInRooms) {
+  for (const int seed : {1, 2, 3, 4}) {
+    const Scene room = MakeScene("room", seed);
+    int near = 0;
+    for (const StampedPose& pose : Path("room", seed)) {
+      const double distance = room.Distance(pose.world_from_camera.translation);
+      EXPECT_GT(distance, 0.3);
+      if (distance < 0.4) ++near;
+    }
+    EXPECT_LE(near, 10);
+  }
+}
+
+// The doorways are 1.2 m wide, and the camera swerves by up to 0.1 m.
+TEST(CameraPath, LeadsThroughThreeRoomsAndBack) {
+  const Scene scene = MakeScene("three_rooms", 1);
+  const Trajectory path = MakePath(scene, 1500, 1);
+  double least_distance = 1, farthest_x = 0;
+  int doorways = 0;
+  bool was_in_doorway = false;
+  for (std::size_t i = 0; i < path.size(); i += 5) {
+    const Vector3d eye = path[i].world_from_camera.translation;
+    least_distance = std::min(least_distance, scene.Distance(eye));
+    farthest_x = std::max(farthest_x, eye.x());
+    // Lintels are the only things above the camera that are lower than the lamps.
+    const bool in_doorway = eye.z() + scene.Intersect(eye, Vector3d::UnitZ())->t < 2.11;
+    if (in_doorway && !was_in_doorway) ++doorways;
+    was_in_doorway = in_doorway;
+  }
+  EXPECT_GT(least_distance, 0.3);
+  EXPECT_EQ(doorways, 4);
+  EXPECT_GT(farthest_x, 2 * 5.4);  // rooms are 5 m long at least, and 0.4 m apart
+  const Vector3d gap =
+      path.back().world_from_camera.translation - path.front().world_from_camera.translation;
+  EXPECT_LT(gap.norm(), 2);
+}
+
+// The share of frames in which at least 80 % of the pixels between 0.4 and 4.5 m lie on one or two
+// flat faces.
+double PlanarShare(const Scene& scene, const Trajectory& path) {
+  PinholeCamera camera;  // every eighth pixel of 640 x 480
+  camera.width = 80;
+  camera.height = 60;
+  camera.fx = camera.fy = 525.0 / 8;
+  camera.cx = 39.5;
+  camera.cy = 29.5;
+  int planar = 0, frames = 0;
+  for (std::size_t i = 0; i < path.size(); i += 4, ++frames) {
+    const Rendering image = RenderGeometry(scene, camera, path[i].world_from_camera);
+    std::map<std::int32_t, int> faces;
+    int seen = 0;
+    for (std::size_t k = 0; k < image.depth_m.size(); ++k) {
+      if (image.depth_m[k] < 0.4f || image.depth_m[k] > 4.5f) continue;
+      ++seen;
+      if (Rendering::IsFlat(image.surface[k])) ++faces[image.surface[k]];
+    }
+    std::vector<int> sizes = {0, 0};
+    for (const auto& [face, pixels] : faces) sizes.push_back(pixels);
+    std::sort(sizes.rbegin(), sizes.rend());
+    if (sizes[0] + sizes[1] >= 0.8 * seen) ++planar;
+  }
+  return static_cast<double>(planar) / frames;
+}
+
+TEST(CameraPath, PlanesDominateAFifthOfTheFramesInRooms) {
+  for (const int seed : {1, 2, 3, 4}) {
+    EXPECT_GE(PlanarShare(MakeScene("room", seed), Path("room", seed)), 0.2) << seed;
+  }
+}
+
+TEST(CameraPath, PlanesDominateAFifthOfTheFramesOfALongPath) {
+  const Scene room = MakeScene("room", 1);
+  EXPECT_GE(PlanarShare(room, MakePath(room, 800, 1)), 0.2);
+}
+
+TEST(CameraPath, DependsOnTheSeed) {
+  const Scene room = MakeScene("room", 1);
+  const Trajectory a = MakePath(room, 50, 1), again = MakePath(MakeScene("room", 1), 50, 1),
+                   b = MakePath(room, 50, 2);
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_EQ(a[i].world_from_camera.Matrix(), again[i].world_from_camera.Matrix());
+  }
+  EXPECT_GT((a[0].world_from_camera.translation - b[0].world_from_camera.translation).norm(), 0.01);
+}
+
+TEST(CameraPath, HasTheStampsOfTheFrameRate) {
+  PathOptions options;
+  options.frames_per_second = 20;
+  const Trajectory path = MakePath(MakeScene("wall"), 5, 1, options);
+  EXPECT_EQ(path[0].stamp_s, 0);
+  EXPECT_DOUBLE_EQ(path[4].stamp_s, 0.2);
+}
+
+TEST(CameraPath, RefusesBadInput) {
+  const Scene wall = MakeScene("wall");
+  testing::ExpectInputError([&] { MakePath(wall, 0, 1); },
+                            ::testing::StrEq("frames is 0, must be at least 1"));
+  PathOptions options;
+  options.max_turn_deg = 0.1;
+  testing::ExpectInputError([&] { MakePath(wall, 5, 1, options); },
+                            ::testing::HasSubstr("max_turn_deg is 0.1"));
 }
 
 }  // namespace

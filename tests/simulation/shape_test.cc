@@ -1,5 +1,3 @@
-#include "surfit/simulation/shape.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,6 +6,7 @@
 #include <vector>
 
 #include "simulation/random.h"
+#include "surfit/simulation/scene.h"
 
 namespace surfit {
 namespace {
@@ -24,7 +23,7 @@ const std::map<std::string, ShapePtr>& Shapes() {
   return shapes;
 }
 
-class ShapeTest : public testing::TestWithParam<std::string> {
+class ShapeTest : public ::testing::TestWithParam<std::string> {
  protected:
   const Shape& shape() const { return *Shapes().at(GetParam()); }
   Vector3d RandomPoint(double size) {
@@ -165,8 +164,8 @@ TEST_P(ShapeTest, IsNotMetFromInside) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, ShapeTest,
-                         testing::Values("half_space", "box", "sphere", "rounded_box", "capsule",
-                                         "cylinder", "cone", "wide_cone", "torus"),
+                         ::testing::Values("half_space", "box", "sphere", "rounded_box", "capsule",
+                                           "cylinder", "cone", "wide_cone", "torus"),
                          [](const auto& instance) { return instance.param; });
 
 TEST(Shape, FacesAreNumbered) {

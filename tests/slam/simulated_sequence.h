@@ -7,8 +7,7 @@
 
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
-#include "surfit/simulation/scenes.h"
-#include "surfit/simulation/sensor.h"
+#include "surfit/simulation/scene.h"
 #include "surfit/slam/slam.h"
 
 namespace surfit::testing {

@@ -6,7 +6,7 @@
 #include <random>
 
 #include "slam/simulated_sequence.h"
-#include "surfit/evaluation/absolute_trajectory_error.h"
+#include "surfit/evaluation/trajectory_evaluation.h"
 
 namespace surfit {
 namespace {

@@ -20,8 +20,9 @@ using testing::RunProgram;
 using ::testing::StartsWith;
 using testing::TempFolder;
 
-// The square of tests/evaluation/square_trajectory.h, where the figures are derived: one corner is
-// lifted by h = 0.001 m, so that the ATE is h / 4 for every pose, and the step errors are 0, h, h.
+// The square of tests/evaluation/trajectory_evaluation_test.cc, where the figures are derived: one
+// corner is lifted by h = 0.001 m, so that the ATE is h / 4 for every pose, and the step errors are
+// 0, h, h.
 constexpr char kSquare[] =
     "# timestamp tx ty tz qx qy qz qw\n"
     "1305031453.000000 -1 -1 0 0 0 0 1\n"

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "surfit/io/g2o.h"
-#include "surfit/optimization/optimize_pose_graph.h"
+#include "surfit/optimization/pose_graph.h"
 #include "testing/pose_graphs.h"
 #include "testing/run_program.h"
 

@@ -12,7 +12,7 @@
 #include "surfit/io/tum_trajectory.h"
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
-#include "surfit/simulation/scenes.h"
+#include "surfit/simulation/scene.h"
 #include "testing/matchers.h"
 #include "testing/run_program.h"
 

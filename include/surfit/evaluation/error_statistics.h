@@ -5,7 +5,11 @@
 
 namespace surfit {
 
-// What is said of a set of errors, in their unit.
+// The value at a share, from 0 to 1, of the ascending order; between two ranks linearly
+// interpolated, as numpy does. 0 of no values.
+double Quantile(std::vector<double> values, double share);
+
+// Statistics of a set of errors, in their unit.
 struct ErrorStatistics {
   std::size_t count = 0;
   double rmse = 0;
@@ -15,8 +19,7 @@ struct ErrorStatistics {
   double max = 0;
 };
 
-// Errors are finite, not negative and at least one. Between two ranks the quantiles interpolate
-// linearly, as numpy's do.
+// Errors are finite, not negative and at least one.
 ErrorStatistics Summarize(std::vector<double> errors);
 
 }  // namespace surfit

@@ -1,14 +1,94 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
 #include <vector>
 
-#include "surfit/evaluation/absolute_trajectory_error.h"
-#include "surfit/evaluation/matched_poses.h"
-#include "surfit/evaluation/relative_pose_error.h"
+#include "surfit/evaluation/error_statistics.h"
+#include "surfit/geometry/rigid3.h"
 #include "surfit/geometry/trajectory.h"
 
 namespace surfit {
+
+enum class AlignmentStatus {
+  kAligned,
+  // The points lie on a line or in one spot: other rotations fit as well, with the same residuals.
+  kRotationNotUnique,
+  // Fewer than 3 points; the transform is the identity.
+  kTooFewPoints,
+};
+
+// A rigid transform between two sets of points.
+struct Alignment {
+  AlignmentStatus status = AlignmentStatus::kTooFewPoints;
+  Rigid3d target_from_source;
+};
+
+// The rigid transform, without scale, that minimises sum |target_i - (R source_i + t)|^2 over
+// pairs of points in metres (Horn 1987; Umeyama, PAMI 1991, eq. 39-43 with c = 1). R is a proper
+// rotation also where a reflection would fit better.
+Alignment AlignPoints(const std::vector<Eigen::Vector3d>& source,
+                      const std::vector<Eigen::Vector3d>& target);
+
+// Which poses belong to the same moment.
+struct MatchOptions {
+  // Stamps further apart never match. evo's default; the TUM scripts use 0.02.
+  double max_difference_s = 0.01;
+
+  // Throws InputError naming the field, its value and the constraint.
+  void Validate() const;
+};
+
+// What the ground truth and the estimate say of the same moment, each in its own world.
+struct MatchedPose {
+  double stamp_s = 0;  // the estimate's
+  Rigid3d ground_truth;
+  Rigid3d estimate;
+};
+
+// In order of time. Ground truth is taken at its nearest stamp, without interpolation, as the TUM
+// scripts and evo do.
+std::vector<MatchedPose> MatchPoses(const Trajectory& ground_truth, const Trajectory& estimate,
+                                    const MatchOptions& options);
+
+std::vector<double> Stamps(const Trajectory& trajectory);
+
+// How far the estimated camera centres are from the true ones, once the estimate as a whole is
+// placed as well as a rigid motion can (Sturm et al., IROS 2012, eq. 3-4).
+struct AbsoluteTrajectoryError {
+  Alignment alignment;            // target: the ground truth's world, source: the estimate's
+  ErrorStatistics translation_m;  // of |true centre - aligned centre|
+};
+
+// Nothing if fewer than 3 poses match. On a straight path the rotation is not unique, the error is.
+std::optional<AbsoluteTrajectoryError> ComputeAbsoluteTrajectoryError(
+    const std::vector<MatchedPose>& poses);
+
+// The interval over which drift is measured.
+struct RelativePoseErrorOptions {
+  enum class Unit {
+    kFrames,  // delta counts matched poses, as in evo and the TUM scripts: lost frames are no steps
+    kSeconds,  // the pose whose stamp is nearest to delta later, if off by at most a tenth of delta
+  };
+  double delta = 1;
+  Unit delta_unit = Unit::kFrames;
+
+  // Throws InputError naming the field, its value and the constraint.
+  void Validate() const;
+};
+
+// Drift over a fixed interval. With P the estimate and Q the ground truth, for every pose i and
+// its partner j: E = (Q_i^-1 Q_j)^-1 (P_i^-1 P_j) (Sturm et al., IROS 2012, eq. 1; evo's
+// --all_pairs). The TUM script takes the relative poses the other way round, j to i: the same
+// rotation, and a translation that differs in second order.
+struct RelativePoseError {
+  ErrorStatistics translation_m;  // of the length of E's translation
+  ErrorStatistics rotation_deg;   // of the angle of E's rotation
+};
+
+// Nothing if no two poses are delta apart.
+std::optional<RelativePoseError> ComputeRelativePoseError(const std::vector<MatchedPose>& poses,
+                                                          const RelativePoseErrorOptions& options);
 
 // How a trajectory is compared with the ground truth.
 struct TrajectoryEvaluationOptions {

@@ -40,4 +40,29 @@ Rendering RenderGeometry(const Scene& scene, const PinholeCamera& camera,
 RgbdFrame RenderFrame(const Scene& scene, const PinholeCamera& camera,
                       const Rigid3d& world_from_camera, int index = 0, double stamp_s = 0);
 
+// A Kinect v1, after Handa, Whelan, McDonald and Davison, "A Benchmark for RGB-D Visual Odometry,
+// 3D Reconstruction and SLAM", ICRA 2014, and Barron and Malik, "Intrinsic Scene Properties from a
+// Single RGB-D Image", CVPR 2013.
+struct KinectOptions {
+  double shift_sd_px = 0.5;             // random shift of each pixel, in u and in v
+  double disparity_sd = 1.0 / 6.0;      // of the disparity, in quantisation steps
+  double disparity_times_z_cm = 35130;  // disparity step number = this / z_cm
+  double min_depth_m = 0.4;             // nearer is missing
+  double max_depth_m = 4.5;             // farther is missing
+  double max_incidence_deg = 80;        // seen more obliquely is missing
+  double max_edge_ratio =
+      0.02;  // shifts do not cross steps of depth beyond this share of the depth
+
+  // Throws InputError naming the field, its value and the constraint.
+  void Validate() const;
+};
+
+// What a Kinect measures where the exact depth is depth_m:
+//   z_cm = 35130 / round(35130 / z_cm(u + N(0, 1/2), v + N(0, 1/2)) + N(0, 1/6)).
+// The disparity is interpolated linearly between pixels. The angle of incidence is that of the
+// depth image itself (central differences), so that pixels at steps of depth are missing as well.
+// 0 = missing, in both images. The same seed gives the same noise, at any number of threads.
+Image<float> KinectDepth(const Image<float>& depth_m, const PinholeCamera& camera,
+                         std::uint64_t seed, const KinectOptions& options = {});
+
 }  // namespace surfit

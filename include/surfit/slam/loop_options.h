@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "surfit/optimization/optimize_pose_graph.h"
+#include "surfit/optimization/pose_graph.h"
 #include "surfit/places/find_loops.h"
 #include "surfit/places/keyframe.h"
 #include "surfit/places/keyframe_selector.h"

@@ -1,0 +1,144 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "simulation/random.h"
+#include "surfit/simulation/scene.h"
+
+namespace surfit {
+
+// A sum of sines of random phase: smooth, never repeating soon, in [-1, 1].
+class Wander {
+ public:
+  Wander(double lowest_frequency, double highest_frequency, Random* random) {
+    for (Wave& wave : waves_) {
+      wave.frequency = random->Uniform(lowest_frequency, highest_frequency);
+      wave.phase = random->Uniform(0, 2 * M_PI);
+      wave.amplitude = random->Uniform(0.5, 1);
+      sum_ += wave.amplitude;
+    }
+  }
+  double At(double x) const {
+    double value = 0;
+    for (const Wave& wave : waves_) {
+      value += wave.amplitude * std::sin(2 * M_PI * wave.frequency * x + wave.phase);
+    }
+    return value / sum_;
+  }
+
+ private:
+  struct Wave {
+    double frequency, phase, amplitude;
+  };
+  std::array<Wave, 3> waves_;
+  double sum_ = 0;
+};
+
+class Wander3 {
+ public:
+  Wander3(double lowest_frequency, double highest_frequency, Random* random)
+      : x_(lowest_frequency, highest_frequency, random),
+        y_(lowest_frequency, highest_frequency, random),
+        z_(lowest_frequency, highest_frequency, random) {}
+  Eigen::Vector3d At(double x) const { return {x_.At(x), y_.At(x), z_.At(x)}; }
+
+ private:
+  Wander x_, y_, z_;
+};
+
+// Slow variation of speed, and the trembling of a hand. Speeds take the middle of the bounds; the
+// rest is for the tremble, whose speed at frequency f and amplitude a is at most 2 pi f a on each
+// of three axes.
+class Hand {
+ public:
+  Hand(double low, double high, double frames_per_second, Random* random)
+      : middle_((low + high) / 2),
+        swing_(kShareOfSpeed * (high - low) / 2),
+        fps_(frames_per_second),
+        amplitude_((1 - kShareOfSpeed) * (high - low) / 2 /
+                   (std::sqrt(3.0) * 2 * M_PI * kFastest_hz / frames_per_second)),
+        speed_(0.1, 0.5, random),
+        tremble_(1, kFastest_hz, random) {}
+
+  double SpeedAt(int frame) const { return middle_ + swing_ * speed_.At(frame / fps_); }
+  Eigen::Vector3d TrembleAt(int frame) const { return amplitude_ * tremble_.At(frame / fps_); }
+
+ private:
+  static constexpr double kShareOfSpeed = 0.7;
+  static constexpr double kFastest_hz = 4;
+
+  double middle_, swing_, fps_, amplitude_;
+  Wander speed_;
+  Wander3 tremble_;
+};
+
+// A smooth closed curve through its corners (Catmull-Rom).
+class Loop {
+ public:
+  explicit Loop(std::vector<Eigen::Vector3d> corners) : corners_(std::move(corners)) {}
+
+  // At corner i for place = i, and again a whole round later.
+  Eigen::Vector3d At(double place) const {
+    const double whole = std::floor(place), s = place - whole;
+    const Eigen::Vector3d a = Corner(whole - 1), b = Corner(whole), c = Corner(whole + 1),
+                          d = Corner(whole + 2);
+    return 0.5 *
+           (2 * b + s * (c - a + s * (2 * a - 5 * b + 4 * c - d + s * (3 * b - a - 3 * c + d))));
+  }
+
+ private:
+  Eigen::Vector3d Corner(double index) const {
+    const auto count = static_cast<double>(corners_.size());
+    return corners_[static_cast<std::size_t>(index - count * std::floor(index / count))];
+  }
+
+  std::vector<Eigen::Vector3d> corners_;
+};
+
+// Points at equal or slowly varying distances along a curve: anywhere in the scene's camera space,
+// or along its route with little swerves.
+class Walk {
+ public:
+  Walk(const Scene& scene, Random* random)
+      : center_(scene.camera_space.center()),
+        half_(scene.camera_space.sizes() / 2),
+        curve_(0.05, 0.16, random) {
+    if (scene.route.empty()) return;
+    loop_.emplace(scene.route);
+    half_ = {0.1, 0.1, 0.15};
+  }
+
+  Eigen::Vector3d Position() const { return At(place_); }
+
+  // Goes on to the next point of the curve at this distance.
+  void Advance(double step_m) {
+    const Eigen::Vector3d from = Position();
+    const auto too_near = [&](double place) { return (At(place) - from).norm() < step_m; };
+    double low = place_, stride = 1e-3;
+    while (too_near(low + stride)) low += stride;
+    for (int i = 0; i < 40; ++i) {
+      stride /= 2;
+      if (too_near(low + stride)) low += stride;
+    }
+    place_ = low + stride;
+  }
+
+ private:
+  Eigen::Vector3d At(double place) const {
+    return (loop_ ? loop_->At(place) : center_) + half_.cwiseProduct(curve_.At(place));
+  }
+
+  std::optional<Loop> loop_;
+  Eigen::Vector3d center_, half_;  // of the box, or of the swerves
+  Wander3 curve_;
+  double place_ = 0;
+};
+
+}  // namespace surfit
