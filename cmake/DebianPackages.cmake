@@ -20,8 +20,6 @@ set(same_version "(= ${PROJECT_VERSION})")
 
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libsurfit0)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libs)
-# PLplot loads its driver when the first picture is drawn.
-set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS plplot-driver-cairo)
 
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libsurfit-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)

@@ -1,10 +1,11 @@
 #include "io/pcd.h"
 
+#include <lzf.h>
+
 #include <algorithm>
 #include <cstring>
 #include <optional>
 
-#include "io/lzf.h"
 #include "io/pcd_header.h"
 #include "io/ply_body.h"
 #include "surfit/core/error.h"
@@ -19,6 +20,22 @@ std::size_t NextUint32(std::string_view* bytes) {
   std::memcpy(&value, bytes->data(), sizeof(value));
   bytes->remove_prefix(sizeof(value));
   return value;
+}
+
+// Expands LZF (M. Lehmann) that holds exactly `size` bytes.
+std::string ExpandLzf(std::string_view compressed, std::size_t size) {
+  constexpr std::size_t kMostExpansion = 88;  // the longest match, 264 bytes, takes three
+  std::string bytes;
+  std::size_t expanded = 0;
+  if (!compressed.empty() && size / kMostExpansion <= compressed.size()) {
+    bytes.resize(size);
+    expanded = lzf_decompress(compressed.data(), static_cast<unsigned>(compressed.size()),
+                              bytes.data(), static_cast<unsigned>(size));
+  }
+  if (expanded != size) {
+    throw InputError(Concat("the compressed data is damaged, it must expand to ", size, " bytes"));
+  }
+  return bytes;
 }
 
 // Compressed data holds all values of the first field, then all of the next, and so on: the same

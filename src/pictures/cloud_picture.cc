@@ -7,9 +7,8 @@
 #include <limits>
 #include <utility>
 
-#include "pictures/index_coloring.h"
+#include "pictures/coloring.h"
 #include "pictures/picture_sheet.h"
-#include "pictures/png_file.h"
 #include "pictures/splat_renderer.h"
 
 namespace surfit {
@@ -98,13 +97,10 @@ Eigen::Vector3f ShiftBeforeTheOrigin(const std::vector<Eigen::Vector3f>& points)
 }
 
 // One entry of the legend: a patch of the colour and a name.
-void DrawEntry(PlotCanvas* canvas, double u, Rgb8 color, const std::string& name) {
+void DrawEntry(Image<Rgb8>* image, double u, Rgb8 color, const std::string& name) {
   constexpr double kMiddle = PictureSheet::kHeaderHeight / 2.;
-  canvas->SetColor(color);
-  canvas->SetLineWidth(18);
-  canvas->Line({u, u + 40}, {kMiddle, kMiddle});
-  canvas->SetColor(PictureSheet::kInk);
-  canvas->Text(u + 60, kMiddle, name);
+  FillBox(image, {u, kMiddle - 9, u + 40, kMiddle + 9}, color);
+  DrawText(image, {u + 54, kMiddle}, name, {20, 0, PictureSheet::kInk});
 }
 
 }  // namespace
@@ -124,14 +120,10 @@ void WriteTwoCloudPicture(const std::vector<Eigen::Vector3f>& source,
   PictureSheet sheet(2, 1);
   for (int i = 0; i < 2; ++i) {
     sheet.SetCell(i, ColorPoints(points, source.size(), views[i]));
+    sheet.DrawCaption(i, views[i].label);
   }
-  {
-    PlotCanvas canvas(sheet.image());
-    canvas.SetTextHeight(20);
-    DrawEntry(&canvas, 20, kSourceColor, "source");
-    DrawEntry(&canvas, 220, kTargetColor, "target");
-    for (int i = 0; i < 2; ++i) sheet.DrawCaption(&canvas, i, views[i].label);
-  }
+  DrawEntry(sheet.image(), 20, kSourceColor, "source");
+  DrawEntry(sheet.image(), 220, kTargetColor, "target");
   WritePng(*sheet.image(), path);
 }
 

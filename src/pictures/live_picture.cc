@@ -4,10 +4,8 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "pictures/index_coloring.h"
-#include "pictures/live_map_view.h"
+#include "pictures/coloring.h"
 #include "pictures/splat_renderer.h"
-#include "pictures/surfel_coloring.h"
 #include "surfit/mapping/model_renderer.h"
 
 namespace surfit {

@@ -5,13 +5,10 @@
 #include <cmath>
 #include <vector>
 
-#include "pictures/color_bar.h"
-#include "pictures/index_coloring.h"
+#include "pictures/coloring.h"
 #include "pictures/map_views.h"
 #include "pictures/picture_sheet.h"
-#include "pictures/png_file.h"
 #include "pictures/splat_renderer.h"
-#include "pictures/surfel_coloring.h"
 #include "surfit/core/error.h"
 
 namespace surfit {
@@ -48,21 +45,17 @@ Image<Rgb8> Color(const SurfelMap& map, const SurfelColoring& coloring, const Pi
   });
 }
 
-void DrawHeader(const SurfelColoring& coloring, const std::string& count, PictureSheet* sheet,
-                PlotCanvas* canvas) {
-  const double right = sheet->image()->width() - 40;
-  canvas->SetColor(PictureSheet::kInk);
-  canvas->SetTextHeight(30);
-  canvas->Text(16, 30, coloring.title);
-  canvas->SetTextHeight(17);
-  canvas->Text(16, 62, count);
+void DrawHeader(const SurfelColoring& coloring, const std::string& count, Image<Rgb8>* image) {
+  const double right = image->width() - 40;
+  DrawText(image, {16, 28}, coloring.title, {30});
+  DrawText(image, {16, 60}, count, {17});
   if (!coloring.scale) {
-    canvas->Text(right, 30, coloring.legend, 1);
+    DrawText(image, {right, 28}, coloring.legend, {17, 1});
     return;
   }
-  const PixelBox bar = {right - 700, 16, right, 42};
-  canvas->Text(bar.left - 16, 30, coloring.legend, 1);
-  DrawColorBar(canvas, *coloring.scale, bar);
+  const PixelBox bar = {right - 700, 14, right, 40};
+  DrawText(image, {bar.left - 16, 27}, coloring.legend, {17, 1});
+  DrawColorBar(image, *coloring.scale, bar);
 }
 
 void WriteSheet(const SurfelMap& map, const SurfelColoring& coloring, const std::string& count,
@@ -70,23 +63,17 @@ void WriteSheet(const SurfelMap& map, const SurfelColoring& coloring, const std:
   PictureSheet sheet(2, 2);
   for (int i = 0; i < 4; ++i) {
     sheet.SetCell(i, Color(map, coloring, rendered.views[i], rendered.surfel_indices[i]));
+    sheet.DrawCaption(i, rendered.views[i].label);
   }
-  {
-    PlotCanvas canvas(sheet.image());
-    DrawHeader(coloring, count, &sheet, &canvas);
-    for (int i = 0; i < 4; ++i) sheet.DrawCaption(&canvas, i, rendered.views[i].label);
-  }
+  DrawHeader(coloring, count, sheet.image());
   WritePng(*sheet.image(), path);
 }
 
 void WriteEmptySheet(const std::string& path) {
   PictureSheet sheet(2, 2);
-  {
-    PlotCanvas canvas(sheet.image());
-    canvas.SetTextHeight(40);
-    canvas.Text(sheet.image()->width() / 2., sheet.image()->height() / 2., "empty map", 0.5);
-  }
-  WritePng(*sheet.image(), path);
+  Image<Rgb8>& image = *sheet.image();
+  DrawText(&image, {image.width() / 2., image.height() / 2.}, "empty map", {40, 0.5});
+  WritePng(image, path);
 }
 
 }  // namespace

@@ -31,11 +31,10 @@ void PictureSheet::SetCell(int cell, const Image<Rgb8>& finer) {
   }
 }
 
-void PictureSheet::DrawCaption(PlotCanvas* canvas, int cell, const std::string& text) const {
+void PictureSheet::DrawCaption(int cell, const std::string& text) {
   const auto [left, top] = CellCorner(cell);
-  canvas->SetColor(kInk);
-  canvas->SetTextHeight(18);
-  canvas->Text(left + kCellWidth / 2., top + kCellHeight + kCaptionHeight / 2., text, 0.5);
+  DrawText(&image_, {left + kCellWidth / 2., top + kCellHeight + kCaptionHeight / 2.}, text,
+           {18, 0.5, kInk});
 }
 
 }  // namespace surfit

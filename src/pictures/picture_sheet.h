@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "pictures/plot_canvas.h"
+#include "pictures/canvas.h"
 #include "surfit/core/image.h"
 
 namespace surfit {
@@ -21,7 +21,7 @@ class PictureSheet {
   // Fills the cell from an image of kSupersampling times its size, by averaging.
   void SetCell(int cell, const Image<Rgb8>& finer);
   // Writes below the cell.
-  void DrawCaption(PlotCanvas* canvas, int cell, const std::string& text) const;
+  void DrawCaption(int cell, const std::string& text);
 
   Image<Rgb8>* image() { return &image_; }
 

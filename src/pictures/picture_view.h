@@ -34,4 +34,10 @@ PinholeCamera FitCamera(const std::vector<Eigen::Vector3f>& points_in_camera, in
 // The q quantile of the values, 0 <= q <= 1; `otherwise` where there are none.
 float Quantile(std::vector<float> values, double q, float otherwise);
 
+// A view of the points from behind and above the first camera of the path, all but the farthest few
+// of them and the whole path in the image. Its direction stays the same while points are added and
+// the path goes on, but for what the cameras' mean up changes.
+PictureView LiveMapView(const std::vector<Eigen::Vector3f>& points_in_world,
+                        const Trajectory& camera_path, int width, int height);
+
 }  // namespace surfit

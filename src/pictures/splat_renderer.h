@@ -1,14 +1,70 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <atomic>
 #include <cstdint>
+#include <cstring>
+#include <limits>
 #include <vector>
 
-#include "pictures/nearest_index_image.h"
 #include "pictures/picture_view.h"
 #include "surfit/mapping/surfel_map.h"
 
 namespace surfit {
+
+// A z-buffer: keeps for each pixel the index of the nearest thing offered there, of equally near
+// ones the lowest index. The result does not depend on the order of the offers.
+class NearestIndexImage {
+ public:
+  static constexpr std::int32_t kNothing = -1;
+
+  NearestIndexImage(int width, int height)
+      : width_(width), height_(height), keys_(static_cast<std::size_t>(width) * height) {
+    for (auto& key : keys_) key.store(kFarthest, std::memory_order_relaxed);
+  }
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+
+  // Thread-safe. depth > 0; (u, v) inside the image.
+  void Offer(int u, int v, float depth, std::int32_t index) {
+    const std::uint64_t key = Key(depth, index);
+    auto& nearest = keys_[static_cast<std::size_t>(v) * width_ + u];
+    std::uint64_t seen = nearest.load(std::memory_order_relaxed);
+    while (key < seen && !nearest.compare_exchange_weak(seen, key, std::memory_order_relaxed)) {
+    }
+  }
+
+  // Whether something nearer than the depth is there already, so that an offer would be in vain.
+  bool IsHidden(int u, int v, float depth) const {
+    const auto& nearest = keys_[static_cast<std::size_t>(v) * width_ + u];
+    return nearest.load(std::memory_order_relaxed) < Key(depth, 0);
+  }
+
+  // kNothing where nothing was offered.
+  Image<std::int32_t> Indices() const {
+    Image<std::int32_t> indices(width_, height_);
+    for (std::size_t i = 0; i < indices.size(); ++i) {
+      indices[i] = static_cast<std::int32_t>(keys_[i].load(std::memory_order_relaxed));
+    }
+    return indices;
+  }
+
+ private:
+  // Ordered by depth, then by index: the bits of positive floats are ordered as the floats.
+  static std::uint64_t Key(float depth, std::int32_t index) {
+    std::uint32_t bits;
+    std::memcpy(&bits, &depth, sizeof bits);
+    return std::uint64_t{bits} << 32 | static_cast<std::uint32_t>(index);
+  }
+
+  // Its lower half reads as kNothing.
+  static constexpr std::uint64_t kFarthest = std::numeric_limits<std::uint64_t>::max();
+
+  int width_;
+  int height_;
+  std::vector<std::atomic<std::uint64_t>> keys_;
+};
 
 // The id of the surfel that each pixel of the view sees, NearestIndexImage::kNothing where none.
 // Surfels are opaque discs: a pixel is covered where its ray meets the disc, and so is the pixel

@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
+#include "pictures/axes.h"
 #include "pictures/picture_view.h"
-#include "pictures/plot_canvas.h"
-#include "pictures/png_file.h"
-#include "pictures/trajectory_axes.h"
 
 namespace surfit {
 namespace {
@@ -16,6 +15,11 @@ constexpr PixelBox kBoxes[] = {{90, 110, 790, 820}, {880, 110, 1580, 820}};
 constexpr Rgb8 kPaper = {255, 255, 255}, kInk = {20, 20, 20};
 constexpr Rgb8 kEstimateColor = {230, 90, 0}, kGroundTruthColor = {20, 90, 210};
 constexpr const char* kAxisLabels[] = {"x [m]", "y [m]", "z [m]"};
+
+void DrawStart(Image<Rgb8>* image, PixelPoint at, Rgb8 color) { DrawDisc(image, at, 6, color); }
+void DrawEnd(Image<Rgb8>* image, PixelPoint at, Rgb8 color) {
+  FillBox(image, {at.u - 5, at.v - 5, at.u + 5, at.v + 5}, color);
+}
 
 // The x, y and z coordinates of a path in the world.
 using Path = std::array<std::vector<double>, 3>;
@@ -43,59 +47,48 @@ std::array<AxisRange, 3> FindRanges(const Path& a, const Path& b) {
   return ranges;
 }
 
-void BeginView(const ShownAxes& shown, const std::array<AxisRange, 3>& ranges, const PixelBox& box,
-               PlotCanvas* canvas) {
+// A view of both paths, the estimate on top.
+void DrawView(const ShownAxes& shown, const std::array<AxisRange, 3>& ranges, const PixelBox& box,
+              const Path& truth, const Path& estimate, Image<Rgb8>* image) {
   AxisRange vertical = ranges[shown.vertical];
   if (shown.vertical_downward) std::swap(vertical.begin, vertical.end);
-  Axes axes;
-  axes.box = box;
-  axes.ranges =
+  const AxisRanges shown_ranges =
       EqualAspect({ranges[shown.horizontal], vertical}, box.right - box.left, box.bottom - box.top);
-  axes.title = shown.title;
-  axes.x_label = kAxisLabels[shown.horizontal];
-  axes.y_label = kAxisLabels[shown.vertical];
-  canvas->BeginAxes(axes);
-}
-
-// The path with a filled circle at its start and a square at its end.
-void DrawPath(const Path& path, const ShownAxes& shown, Rgb8 color, PlotCanvas* canvas) {
-  const std::vector<double>& x = path[shown.horizontal];
-  const std::vector<double>& y = path[shown.vertical];
-  if (x.empty()) return;
-  canvas->SetColor(color);
-  canvas->SetLineWidth(2);
-  canvas->Line(x, y);
-  canvas->Marker(x.front(), y.front(), PlotCanvas::MarkerShape::kCircle);
-  canvas->Marker(x.back(), y.back(), PlotCanvas::MarkerShape::kSquare);
+  const Axes axes{box, shown_ranges, shown.title, kAxisLabels[shown.horizontal],
+                  kAxisLabels[shown.vertical]};
+  DrawAxes(image, axes);
+  for (const auto& [path, color] :
+       {std::pair(&truth, kGroundTruthColor), {&estimate, kEstimateColor}}) {
+    std::vector<PixelPoint> points;
+    for (std::size_t i = 0; i < path->front().size(); ++i) {
+      points.push_back(axes.At((*path)[shown.horizontal][i], (*path)[shown.vertical][i]));
+    }
+    if (points.empty()) continue;
+    DrawLine(image, points, color, 3);
+    DrawStart(image, points.front(), color);
+    DrawEnd(image, points.back(), color);
+  }
 }
 
 // Entries from left to right: the lines' colours, then what the marks mean.
-void DrawLegend(bool has_ground_truth, PlotCanvas* canvas) {
-  constexpr double kMiddle = 32, kLine = 50, kMark = 10, kSpace = 12;
-  double x = kBoxes[0].left;
-  const auto text = [&](const std::string& words, double next) {
-    canvas->SetColor(kInk);
-    canvas->Text(x + kSpace, kMiddle, words);
-    x += next;
+void DrawLegend(bool has_ground_truth, Image<Rgb8>* image) {
+  constexpr double kMiddle = 32, kLine = 50, kSpace = 14, kBetween = 40;
+  double u = kBoxes[0].left;
+  const auto text = [&](const std::string& words) {
+    DrawText(image, {u + kSpace, kMiddle}, words);
+    u += kSpace + TextWidth(words, {}) + kBetween;
   };
   const auto line = [&](Rgb8 color, const std::string& words) {
-    canvas->SetColor(color);
-    canvas->SetLineWidth(3);
-    canvas->Line({x, x + kLine}, {kMiddle, kMiddle});
-    x += kLine;
-    text(words, 170);
+    DrawLine(image, {{u, kMiddle}, {u + kLine, kMiddle}}, color, 4);
+    u += kLine;
+    text(words);
   };
-  const auto mark = [&](PlotCanvas::MarkerShape shape, const std::string& words) {
-    canvas->SetColor(kInk);
-    canvas->Marker(x, kMiddle, shape);
-    x += kMark;
-    text(words, 90);
-  };
-  canvas->UsePixels();
   line(kEstimateColor, "estimate");
   if (has_ground_truth) line(kGroundTruthColor, "ground truth");
-  mark(PlotCanvas::MarkerShape::kCircle, "start");
-  mark(PlotCanvas::MarkerShape::kSquare, "end");
+  DrawStart(image, {u, kMiddle}, kInk);
+  text("start");
+  DrawEnd(image, {u, kMiddle}, kInk);
+  text("end");
 }
 
 }  // namespace
@@ -109,16 +102,8 @@ void WriteTrajectoryPicture(const Trajectory& estimate, const Trajectory& ground
   const Eigen::Vector3d up = UpDirection(estimate.empty() ? ground_truth : estimate);
   const std::array<ShownAxes, 2> views = ChooseTrajectoryAxes(up, extent_m);
   Image<Rgb8> image(kWidth, kHeight, kPaper);
-  {
-    PlotCanvas canvas(&image);
-    canvas.SetTextHeight(18);
-    for (int i = 0; i < 2; ++i) {
-      BeginView(views[i], ranges, kBoxes[i], &canvas);
-      DrawPath(truth, views[i], kGroundTruthColor, &canvas);
-      DrawPath(estimated, views[i], kEstimateColor, &canvas);
-    }
-    DrawLegend(!ground_truth.empty(), &canvas);
-  }
+  for (int i = 0; i < 2; ++i) DrawView(views[i], ranges, kBoxes[i], truth, estimated, &image);
+  DrawLegend(!ground_truth.empty(), &image);
   WritePng(image, path);
 }
 

@@ -1,5 +1,6 @@
-# Puts the page's parts together and writes them to OUTPUT as the C++ strings of report/page.h:
-#   cmake -D PAGE=page.html -D STYLES=a.css -D SCRIPTS=a.js,b.js -D OUTPUT=page.cc -P embed_page.cmake
+# Puts a page's parts together and writes them to OUTPUT as the Page NAME of report/page.h:
+#   cmake -D NAME=kPage -D PAGE=page.html -D STYLES=a.css -D SCRIPTS=a.js,b.js -D LICENCES=l.html
+#     -D OUTPUT=page.cc -P embed_page.cmake
 cmake_minimum_required(VERSION 3.25)
 
 function(read_all files tag result)
@@ -17,17 +18,18 @@ endfunction()
 
 read_all("${STYLES}" style styles)
 read_all("${SCRIPTS}" script scripts)
+file(READ "${LICENCES}" licences)
 file(READ "${PAGE}" page)
-string(REPLACE "<!-- styles -->" "${styles}" page "${page}")
-string(REPLACE "<!-- scripts -->" "${scripts}" page "${page}")
-set(runs "<!-- runs -->")
-string(FIND "${page}" "${runs}" at)
+foreach(part styles scripts licences)
+  string(REPLACE "<!-- ${part} -->\n" "${${part}}" page "${page}")
+endforeach()
+set(data "<!-- data -->\n")
+string(FIND "${page}" "${data}" at)
 if(at EQUAL -1)
-  message(FATAL_ERROR "${PAGE} has no ${runs}")
+  message(FATAL_ERROR "${PAGE} has no <!-- data -->")
 endif()
 string(SUBSTRING "${page}" 0 ${at} before)
 string(SUBSTRING "${page}" ${at} -1 after)
 file(WRITE "${OUTPUT}" "#include \"report/page.h\"\n\nnamespace surfit {\n\n"
-  "const char kPageBeforeRuns[] = R\"page(" "${before}" ")page\";\n\n"
-  "const char kPageAfterRuns[] = R\"page(" "${after}" ")page\";\n\n"
+  "const Page ${NAME} = {R\"page(" "${before}" ")page\", R\"page(" "${after}" ")page\"};\n\n"
   "}  // namespace surfit\n")

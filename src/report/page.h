@@ -1,11 +1,20 @@
 #pragma once
 
+#include <nlohmann/json.hpp>
+#include <ostream>
+#include <string>
+
 namespace surfit {
 
-// The page around the data, with its style, our scripts, three.js, Chart.js and its zoom, put
-// together from src/report/page at build time. The runs come in between, each in an element <script
-// type="application/json" class="run">.
-extern const char kPageBeforeRuns[];
-extern const char kPageAfterRuns[];
+// An HTML page in which data are missing: its style, our scripts, Chart.js with its zoom and, for
+// reports, three.js, put together from src/report/page at build time.
+struct Page {
+  const char* before_data;
+  const char* after_data;
+};
+extern const Page kReportPage, kComparisonPage;
+
+// Writes the element <script type="application/json" class="name"> that holds the data.
+void WriteData(const std::string& name, const nlohmann::ordered_json& data, std::ostream* page);
 
 }  // namespace surfit

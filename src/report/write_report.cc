@@ -1,9 +1,7 @@
 #include "surfit/report/write_report.h"
 
-#include <nlohmann/json.hpp>
-
 #include "report/page.h"
-#include "report/run_json.h"
+#include "report/report_data.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
 
@@ -30,6 +28,11 @@ std::string ToScriptText(const Json& json) {
 
 }  // namespace
 
+void WriteData(const std::string& name, const Json& data, std::ostream* page) {
+  *page << "<script type=\"application/json\" class=\"" << name << "\">" << ToScriptText(data)
+        << "</script>\n";
+}
+
 void ReportOptions::Validate() const {
   if (runs.empty()) throw InputError("runs is empty, must name at least one run's folder");
   if (output.empty()) throw InputError("output is empty, must name a file");
@@ -42,14 +45,13 @@ std::vector<ReportedMap> WriteReport(const ReportOptions& options) {
   options.Validate();
   std::vector<ReportedMap> maps;
   WriteFileAtomically(options.output, [&](std::ostream& file) {
-    file << kPageBeforeRuns;
+    file << kReportPage.before_data;
     for (const std::string& folder : options.runs) {
       const Json run = ReadRun(folder, options.max_points / options.runs.size());
       maps.push_back({folder, run["map"]["points"], run["map"]["shown"]});
-      file << "<script type=\"application/json\" class=\"run\">" << ToScriptText(run)
-           << "</script>\n";
+      WriteData("run", run, &file);
     }
-    file << kPageAfterRuns;
+    file << kReportPage.after_data;
   });
   return maps;
 }

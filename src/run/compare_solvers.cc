@@ -7,7 +7,7 @@
 #include "registration/pair_solver.h"
 #include "run/compare_slam.h"
 #include "run/comparison_files.h"
-#include "run/comparison_pictures.h"
+#include "run/comparison_page.h"
 #include "run/comparison_rows.h"
 #include "run/output_folder.h"
 #include "run/solver_combinations.h"
@@ -131,8 +131,8 @@ Comparison CompareSolvers(const CompareOptions& given, const std::atomic<bool>& 
   if (!options.replay.empty()) options.rotations_deg = options.translations_m = {0};
   const ThreadLimit limit(*std::max_element(options.threads.begin(), options.threads.end()));
   ComparisonRun run(options, interrupted, progress);
-  PrepareOutputFolder(options.output, {"comparison.csv", "comparison.json", "convergence.png",
-                                       "basin.png", "time.png", "slam.csv"});
+  PrepareOutputFolder(options.output,
+                      {"comparison.csv", "comparison.json", "comparison.html", "slam.csv"});
   const std::vector<ComparedRuns> all = run.Run();
   Comparison comparison;
   for (const ComparedRuns& runs : all) {
@@ -141,7 +141,7 @@ Comparison CompareSolvers(const CompareOptions& given, const std::atomic<bool>& 
   if (options.slam) comparison.slam = CompareSlam(options, interrupted, progress);
   comparison.notes = NotesOf(options, all);
   WriteComparisonFiles(comparison, options.output);
-  WriteComparisonPictures(all, comparison.rows, options);
+  WriteComparisonPage(all, comparison.notes, options);
   return comparison;
 }
 

@@ -1,7 +1,5 @@
 #include "run/comparison_files.h"
 
-#include <nlohmann/json.hpp>
-
 #include "surfit/core/atomic_file.h"
 
 namespace surfit {
@@ -11,26 +9,6 @@ using Json = nlohmann::ordered_json;
 
 Json ToJson(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 Json ToJson(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
-
-Json ToJson(const ComparisonRow& row) {
-  return {{"solver", row.combination.solver},
-          {"linear_solver", ToJson(row.combination.linear_solver)},
-          {"residual", row.combination.residual},
-          {"association", row.combination.association},
-          {"points", row.points},
-          {"threads", row.threads},
-          {"runs", row.runs},
-          {"build_ms", ToJson(row.build_ms)},
-          {"linearize_ms", ToJson(row.linearize_ms)},
-          {"solve_ms", ToJson(row.solve_ms)},
-          {"total_ms", row.total_ms},
-          {"iterations", row.iterations},
-          {"final_cost", ToJson(row.final_cost)},
-          {"rotation_error_deg", ToJson(row.rotation_error_deg)},
-          {"translation_error_m", ToJson(row.translation_error_m)},
-          {"converged_share", ToJson(row.converged_share)},
-          {"termination", ToJson(row.termination)}};
-}
 
 Json ToJson(const SlamComparisonRow& row) {
   return {{"solver", row.combination.solver},
@@ -83,6 +61,26 @@ void WriteCsv(const Json& rows, const std::string& path) {
 }
 
 }  // namespace
+
+Json ToJson(const ComparisonRow& row) {
+  return {{"solver", row.combination.solver},
+          {"linear_solver", ToJson(row.combination.linear_solver)},
+          {"residual", row.combination.residual},
+          {"association", row.combination.association},
+          {"points", row.points},
+          {"threads", row.threads},
+          {"runs", row.runs},
+          {"build_ms", ToJson(row.build_ms)},
+          {"linearize_ms", ToJson(row.linearize_ms)},
+          {"solve_ms", ToJson(row.solve_ms)},
+          {"total_ms", row.total_ms},
+          {"iterations", row.iterations},
+          {"final_cost", ToJson(row.final_cost)},
+          {"rotation_error_deg", ToJson(row.rotation_error_deg)},
+          {"translation_error_m", ToJson(row.translation_error_m)},
+          {"converged_share", ToJson(row.converged_share)},
+          {"termination", ToJson(row.termination)}};
+}
 
 void WriteComparisonFiles(const Comparison& comparison, const std::string& folder) {
   Json json;

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "io/jpeg.h"
-#include "pictures/color_scale.h"
+#include "pictures/coloring.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
 

@@ -17,8 +17,7 @@
 #include <vector>
 
 #include "benchmarks/mapped_room.h"
-#include "pictures/plot_canvas.h"
-#include "pictures/png_file.h"
+#include "pictures/axes.h"
 #include "run/output_folder.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
@@ -93,33 +92,26 @@ void WriteCsv(const Growth& growth, const std::string& path) {
   });
 }
 
-void DrawOver(const std::vector<double>& millions, std::vector<double> values, double unit,
-              const std::string& label, double left, PlotCanvas* canvas) {
-  for (double& value : values) value *= unit;
-  const double most = *std::max_element(values.begin(), values.end());
-  canvas->SetColor({20, 20, 20});
-  canvas->SetLineWidth(1);
-  canvas->BeginAxes({{left, 40, left + 500, 400},
-                     {{0, millions.back()}, {0, 1.1 * most}},
-                     "",
-                     "surfels [millions]",
-                     label});
-  canvas->SetColor({31, 119, 180});
-  canvas->SetLineWidth(3);
-  canvas->Line(millions, values);
-  canvas->UsePixels();
+void DrawOver(const std::vector<double>& surfels, const std::vector<double>& values, double unit,
+              const std::string& label, double left, Image<Rgb8>* image) {
+  const double most = unit * *std::max_element(values.begin(), values.end());
+  const Axes axes{{left, 40, left + 500, 400},
+                  {{0, 1e-6 * surfels.back()}, {0, 1.1 * most}},
+                  "",
+                  "surfels [millions]",
+                  label};
+  DrawAxes(image, axes);
+  std::vector<PixelPoint> line;
+  for (std::size_t i = 0; i < surfels.size(); ++i) {
+    line.push_back(axes.At(1e-6 * surfels[i], unit * values[i]));
+  }
+  DrawLine(image, line, {31, 119, 180}, 3);
 }
 
 void WritePicture(const Growth& growth, const std::string& path) {
   Image<Rgb8> image(1220, 480, {255, 255, 255});
-  {
-    std::vector<double> millions;
-    for (const double surfels : growth.surfels) millions.push_back(1e-6 * surfels);
-    PlotCanvas canvas(&image);
-    canvas.SetTextHeight(16);
-    DrawOver(millions, growth.frame_ms, 1, "prediction and fusion of a frame [ms]", 80, &canvas);
-    DrawOver(millions, growth.rss_bytes, 1e-6, "resident memory [MB]", 690, &canvas);
-  }
+  DrawOver(growth.surfels, growth.frame_ms, 1, "prediction and fusion of a frame [ms]", 80, &image);
+  DrawOver(growth.surfels, growth.rss_bytes, 1e-6, "resident memory [MB]", 690, &image);
   WritePng(image, path);
 }
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "pictures/live_map_view.h"
+#include "pictures/picture_view.h"
 
 namespace surfit {
 namespace {

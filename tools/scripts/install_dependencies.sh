@@ -16,8 +16,8 @@ packages=(
   g++ make cmake ninja-build ccache pkg-config
   # the library and the programs
   libeigen3-dev libceres-dev libgoogle-glog-dev libgflags-dev libopencv-dev libtbb-dev
-  nlohmann-json3-dev libplplot-dev plplot-driver-cairo
-  libturbojpeg0-dev zlib1g-dev
+  nlohmann-json3-dev
+  libturbojpeg0-dev zlib1g-dev liblzf-dev
   # what reports hold
   libjs-three libjs-chart.js
   # documentation, manual pages and Debian packages

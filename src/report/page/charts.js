@@ -2,7 +2,8 @@
 // Charts of Chart.js with the page's colours, made when they come into sight: a dozen at once would
 // take longer than the map. Drag across a chart to zoom, double click to see all of it again.
 surfit.charts = [];
-surfit.runColors = ['#2f81d6', '#e4572e', '#3a9d5d', '#9b5de5', '#c98b00', '#00a5a5'];
+surfit.runColors = ['#2f81d6', '#e4572e', '#3a9d5d', '#9b5de5', '#c98b00', '#00a5a5', '#e06fae', '#8f7258',
+  '#8a949e'];
 surfit.runColor = (i) => surfit.runColors[i % surfit.runColors.length];
 
 surfit.themeColor = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();

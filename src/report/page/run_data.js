@@ -1,8 +1,6 @@
 'use strict';
-// What WriteReport() put into the page: an array of runs, as src/report/run_json.h tells, with the
+// What WriteReport() put into the page: an array of runs, as src/report/report_data.h tells, with the
 // text of frames.csv as columns, and the map's base64 as typed arrays.
-const surfit = {};
-
 surfit.decode = (base64, Type) => {
   const text = atob(base64);
   const bytes = new Uint8Array(text.length);
@@ -49,26 +47,3 @@ surfit.readRuns = () => [...document.querySelectorAll('script.run')].map((elemen
   surfit.decodeMap(run.map);
   return run;
 });
-
-surfit.element = (tag, parent, properties = {}) => {
-  const element = Object.assign(document.createElement(tag), properties);
-  parent.append(element);
-  return element;
-};
-
-surfit.byId = (id) => document.getElementById(id);
-
-// Calls `build` once, when the element is about to be seen, or printed.
-surfit.whenInSight = (element, build) => {
-  let observer = null;
-  const once = () => {
-    observer.disconnect();
-    window.removeEventListener('beforeprint', once);
-    build();
-  };
-  observer = new IntersectionObserver((entries) => {
-    if (entries.some((entry) => entry.isIntersecting)) once();
-  }, { rootMargin: '100px' });
-  observer.observe(element);
-  window.addEventListener('beforeprint', once);
-};

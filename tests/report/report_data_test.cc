@@ -1,12 +1,10 @@
-#include "report/packed_map.h"
+#include "report/report_data.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstring>
 #include <limits>
-
-#include "report/base64.h"
 
 namespace surfit {
 namespace {
@@ -96,6 +94,25 @@ TEST(PackMap, TakesAnEmptyMap) {
   const auto packed = PackMap({}, 10);
   EXPECT_EQ(packed["shown"], 0);
   EXPECT_EQ(packed["position"], "");
+}
+
+// RFC 4648, section 10.
+TEST(EncodeBase64, EncodesTheVectorsOfTheStandard) {
+  EXPECT_EQ(EncodeBase64(std::string()), "");
+  EXPECT_EQ(EncodeBase64(std::string("f")), "Zg==");
+  EXPECT_EQ(EncodeBase64(std::string("fo")), "Zm8=");
+  EXPECT_EQ(EncodeBase64(std::string("foo")), "Zm9v");
+  EXPECT_EQ(EncodeBase64(std::string("foobar")), "Zm9vYmFy");
+}
+
+TEST(EncodeBase64, EncodesAllDigits) {
+  // 111110 111111 111110 111111 in bits.
+  EXPECT_EQ(EncodeBase64(std::string("\xfb\xff\xbf")), "+/+/");
+}
+
+TEST(EncodeBase64, WritesNumbersLittleEndian) {
+  EXPECT_EQ(EncodeBase64(std::vector<std::uint16_t>{0x6f66, 0x666f}),
+            EncodeBase64(std::string("foof")));
 }
 
 }  // namespace

@@ -1,13 +1,17 @@
-#include "report/packed_map.h"
+#include "report/report_data.h"
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
 
-#include "report/base64.h"
+#include "core/read_file.h"
+#include "surfit/core/error.h"
+#include "surfit/io/surfel_ply.h"
 
 namespace surfit {
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 std::size_t ReverseBits(std::size_t value, int bits) {
   std::size_t reversed = 0;
@@ -61,9 +65,45 @@ float MedianRadius(const std::vector<Surfel>& surfels) {
   return *middle;
 }
 
+Json ReadJson(const std::string& path) {
+  try {
+    return Json::parse(ReadFile(path));
+  } catch (const Json::exception& error) {
+    throw InputError(Concat(path, ": is no JSON: ", error.what()));
+  }
+}
+
+// Each view's `files` become `pictures`: the same names, with what the files hold.
+void EmbedPictures(const std::string& folder, Json* views) {
+  for (Json& view : *views) {
+    const Json files = view.at("files");  // a copy: setting a key moves the view's values
+    for (const auto& [name, file] : files.items()) {
+      const std::string bytes = ReadFile(folder + "/" + file.get<std::string>());
+      view["pictures"][name] = "data:image/jpeg;base64," + EncodeBase64(bytes);
+    }
+    view.erase("files");
+  }
+}
+
 }  // namespace
 
-nlohmann::ordered_json PackMap(const std::vector<Surfel>& surfels, std::size_t max_points) {
+std::string EncodeBase64(const unsigned char* bytes, std::size_t count) {
+  static constexpr char kDigits[] =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((count + 2) / 3 * 4);
+  for (std::size_t i = 0; i < count; i += 3) {
+    const std::size_t taken = std::min<std::size_t>(3, count - i);
+    std::uint32_t bits = 0;
+    for (std::size_t k = 0; k < 3; ++k) bits = bits << 8 | (k < taken ? bytes[i + k] : 0u);
+    for (std::size_t k = 0; k < 4; ++k) {
+      text += k <= taken ? kDigits[bits >> (18 - 6 * k) & 63] : '=';
+    }
+  }
+  return text;
+}
+
+Json PackMap(const std::vector<Surfel>& surfels, std::size_t max_points) {
   using Array3 = Eigen::Array3f;
   const std::vector<Surfel> shown = EvenlySpread(surfels, max_points);
   Array3 low = Array3::Zero(), high = Array3::Zero();
@@ -97,6 +137,22 @@ nlohmann::ordered_json PackMap(const std::vector<Surfel>& surfels, std::size_t m
       {"confidence", Column<float>(shown, 1, [](const Surfel& s) { return &s.confidence; })},
       {"first_seen", Column<std::int32_t>(shown, 1, [](const Surfel& s) { return &s.first_seen; })},
       {"last_seen", Column<std::int32_t>(shown, 1, [](const Surfel& s) { return &s.last_seen; })}};
+}
+
+Json ReadRun(const std::string& folder, std::size_t max_points) {
+  Json run;
+  run["label"] = folder;
+  run["summary"] = ReadJson(folder + "/summary.json");
+  run["frames"] = ReadFile(folder + "/frames.csv");
+  const std::string poses = folder + "/poses.json";
+  run["poses"] = ReadJson(poses);
+  try {
+    EmbedPictures(folder, &run["poses"].at("views"));
+  } catch (const Json::exception& error) {
+    throw InputError(Concat(poses, ": lacks something: ", error.what()));
+  }
+  run["map"] = PackMap(ReadSurfelPly(folder + "/map.ply"), max_points);
+  return run;
 }
 
 }  // namespace surfit
