@@ -77,8 +77,6 @@ void BindIcpOptions(py::module_& module) {
       .Add("kernel_growth", &IcpOptions::kernel_growth,
            "of the robust kernel's width, on each coarser level")
       .Add("error_model", &IcpOptions::error_model, "of the finest level")
-      .Add("max_source_points", &IcpOptions::max_source_points,
-           "of a level, chosen so that all directions stay held; 0 = all")
       .Add("min_source_rows", &IcpOptions::min_source_rows,
            "of the finest level, as few rows of the source as this leaves are used; 0 = all")
       .Add("min_coarse_step_px", &IcpOptions::min_coarse_step_px,

@@ -5,7 +5,6 @@
 #include <memory>
 #include <optional>
 
-#include "registration/covariance_sample.h"
 #include "registration/icp_level.h"
 #include "registration/photometric_term.h"
 #include "surfit/registration/free_space.h"
@@ -62,10 +61,8 @@ void RegisterLevel(const FrameLevel& source, const FrameLevel& target, int level
                         result->target_from_source);
     solver->Use(*photometric);
   }
-  std::optional<FrameLevel> sample;
-  if (options.max_source_points > 0) sample = CovarianceSample(source, options.max_source_points);
   const std::unique_ptr<Association> association =
-      MakeAssociation(sample ? *sample : source, target, options.association, gates, error_model,
+      MakeAssociation(source, target, options.association, gates, error_model,
                       NormalsNeededBy(residual), row_stride);
   RunLevel({*association, *solver, level, start, target.camera.fx}, options, result);
 }

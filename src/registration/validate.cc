@@ -51,7 +51,6 @@ void IcpOptions::Validate() const {
   Require(kernel_growth >= 1, "kernel_growth", kernel_growth, "at least 1");
   error_model.Validate();
   Require(min_source_rows >= 0, "min_source_rows", min_source_rows, "zero (all) or positive");
-  Require(max_source_points >= 0, "max_source_points", max_source_points, "zero (all) or positive");
   Require(min_coarse_step_px >= 0, "min_coarse_step_px", min_coarse_step_px, "zero or positive");
   Require(min_relative_rmse_change >= 0, "min_relative_rmse_change", min_relative_rmse_change,
           "zero or positive");

@@ -54,9 +54,9 @@ void VisitFields(HeldOptions& options, const F& f) {
 template <typename F>
 void VisitFields(IcpOptions& options, const F& f) {
   auto& [solver, linear_solver, residual, association, middle_levels, max_iterations, gates,
-         gate_growth, kernel_growth, error_model, max_source_points, min_source_rows,
-         min_coarse_step_px, min_relative_rmse_change, min_increment, stop_at_rmse_increase,
-         min_inliers, min_inlier_share, held, max_free_space_share] = options;
+         gate_growth, kernel_growth, error_model, min_source_rows, min_coarse_step_px,
+         min_relative_rmse_change, min_increment, stop_at_rmse_increase, min_inliers,
+         min_inlier_share, held, max_free_space_share] = options;
   f("solver", solver);
   f("linear_solver", linear_solver);
   f("residual", residual);
@@ -67,7 +67,6 @@ void VisitFields(IcpOptions& options, const F& f) {
   f("gate_growth", gate_growth);
   f("kernel_growth", kernel_growth);
   f("error_model", error_model);
-  f("max_source_points", max_source_points);
   f("min_source_rows", min_source_rows);
   f("min_coarse_step_px", min_coarse_step_px);
   f("min_relative_rmse_change", min_relative_rmse_change);

@@ -42,8 +42,6 @@ TEST(IcpOptions, ValidateNamesFieldValueAndConstraint) {
   ExpectRefused([](auto* o) { o->kernel_growth = 0; }, "kernel_growth is 0, must be at least 1");
   ExpectRefused([](auto* o) { o->min_source_rows = -1; },
                 "min_source_rows is -1, must be zero (all) or positive");
-  ExpectRefused([](auto* o) { o->max_source_points = -1; },
-                "max_source_points is -1, must be zero (all) or positive");
   ExpectRefused([](auto* o) { o->min_coarse_step_px = -1; },
                 "min_coarse_step_px is -1, must be zero or positive");
   ExpectRefused([](auto* o) { o->min_relative_rmse_change = -1; },

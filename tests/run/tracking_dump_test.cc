@@ -32,7 +32,6 @@ SlamOptions OtherOptions() {
   icp.kernel_growth = 1.1;
   icp.error_model = {{0.0011}, 0.003, {RobustKernelType::kTukey, 4.7}, true,
                      0.3,      0.03,  {RobustKernelType::kTukey, 2.9}};
-  icp.max_source_points = 5000;
   icp.min_source_rows = 20;
   icp.min_coarse_step_px = 0.1;
   icp.min_relative_rmse_change = 1.0 / 3000;

@@ -11,9 +11,6 @@ const surfit::IcpOptions kIcp;
 
 DEFINE_double(min_coarse_step_px, kIcp.min_coarse_step_px,
               "a coarser level also ends where points move by less, px of the level");
-DEFINE_int32(max_source_points, kIcp.max_source_points,
-             "levels with more points use so many of them, chosen so that all directions of motion "
-             "stay held; 0 = all");
 DEFINE_double(max_free_space_share, kIcp.max_free_space_share,
               "a larger share of points in space that the other view saw through is a failure; 1 = "
               "off");
@@ -42,7 +39,6 @@ PreprocessOptions PreprocessOptionsFromFlags() {
 IcpOptions FrameIcpOptionsFromFlags(const IcpOptions& base) {
   IcpOptions options = IcpOptionsFromFlags(base);
   options.min_coarse_step_px = FLAGS_min_coarse_step_px;
-  options.max_source_points = FLAGS_max_source_points;
   options.error_model.photometric_weight = FLAGS_photometric_weight;
   options.error_model.intensity_sigma = FLAGS_intensity_sigma;
   options.max_free_space_share = FLAGS_max_free_space_share;

@@ -44,7 +44,6 @@ rows=(
   "no depth filter|--depth_filter_radius=0"
   "one resolution|--pyramid_levels=1"
   "all rows of points|--min_source_rows=0"
-  "a sample of 40,000 points a level|--max_source_points=40000"
   "moves along directions that nothing holds|--min_eigenvalue=0"
   "every frame fused, every frame a view of its own|--map_period=1"
   "uniform weights in the map|--weighting=uniform"

@@ -25,9 +25,6 @@ struct IcpOptions {
   double gate_growth = 2;                   // the distance gate grows by this on each coarser level
   double kernel_growth = 1;                 // and so does the robust kernel's width by this
   ErrorModel error_model;                   // of the finest level
-  // Levels whose source has more points use a sample of so many, chosen so that all directions of
-  // motion stay held; 0 = all points. Intensities are compared everywhere all the same.
-  int max_source_points = 0;
   // On the finest level every n-th row of the source is used, but for its intensities, with the
   // largest n that leaves so many; 0 = all rows.
   int min_source_rows = 0;
