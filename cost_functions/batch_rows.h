@@ -2,7 +2,7 @@
 
 #include "cost_functions/dual.h"
 #include "cost_functions/pose.h"
-#include "cost_functions/row_products.h"
+#include "cost_functions/row_sums.h"
 
 namespace surfit {
 

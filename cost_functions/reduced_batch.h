@@ -41,10 +41,10 @@ class ReducedBatch final : public ceres::CostFunction {
     const double* pose = parameters[0];
     if (jacobians == nullptr || jacobians[0] == nullptr) {
       std::fill(residuals, residuals + kRows, 0.);
-      residuals[0] = std::sqrt(SumBatch<false>(functor_, data_, pose, kernel_).rho);
+      residuals[0] = std::sqrt(SumRho(functor_, data_, pose, kernel_));
       return std::isfinite(residuals[0]);
     }
-    const BatchSums sums = SumBatch<true>(functor_, data_, pose, kernel_);
+    const RowSums sums = SumRows(functor_, data_, pose, kernel_);
     if (!std::isfinite(sums.rho)) return false;
     Factor factor;
     Decompose(sums, &factor, residuals);
@@ -61,7 +61,7 @@ class ReducedBatch final : public ceres::CostFunction {
 
   // Cholesky decomposition of the semidefinite matrix of products: R, and [q e] as residuals.
   // Pivots are at least what the sums' rounding leaves of zero: R^T q = J^T r holds in any case.
-  static void Decompose(const BatchSums& sums, Factor* factor, double* residuals) {
+  static void Decompose(const RowSums& sums, Factor* factor, double* residuals) {
     constexpr double kPrecision = sizeof(S) == sizeof(float) ? 1e-6 : 1e-13;
     Eigen::Matrix<double, kRows, kRows> rest;  // upper triangle
     for (int i = 0, k = 0; i < kRows; ++i) {

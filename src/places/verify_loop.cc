@@ -6,6 +6,7 @@
 #include "places/expanded_view.h"
 #include "places/loop_covariance.h"
 #include "places/loop_starts.h"
+#include "registration/decompositions.h"
 #include "registration/view_fit.h"
 
 namespace surfit {
@@ -71,7 +72,7 @@ class LoopVerifier {
         verdict_.disagreement_rad > options_.max_disagreement_rad) {
       return With(LoopReason::kInconsistent);
     }
-    verdict_.information = InformationOf(
+    verdict_.information = SymmetricInverse(
         LoopCovariance(*icp.covariance, verdict_.disagreement_rad, verdict_.disagreement_m));
     return With(LoopReason::kAccepted);
   }

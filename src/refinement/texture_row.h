@@ -6,6 +6,7 @@
 #include "cost_functions/surfel_texture.h"
 #include "refinement/joint_row.h"
 #include "refinement/shared_surfels.h"
+#include "registration/residual_rows.h"
 
 namespace surfit {
 
@@ -38,8 +39,7 @@ class TextureSight {
   }
   double inverse_sigma() const { return inverse_sigma_; }
 
-  // With the intensity's slope by the point in the camera,
-  //   g = (I_u fx / z, I_v fy / z, -(I_u fx x + I_v fy y) / z^2),
+  // With the intensity's slope by the point in the camera, g of IntensityGradient(),
   //   dI/dw = R g x (p + d n - t),  dI/dv = -R g,  dI/dd = g . R^T n,
   //   dI/dfx = I_u x / z,  dI/dcx = I_u.
   std::array<JointRow, 2> Rows(const SurfelNumbers& surfel, const Eigen::Vector3d& normal_in_world,
@@ -75,9 +75,11 @@ class TextureSight {
   }
   Eigen::Vector3d Slope(int j, double displacement) const {
     const Eigen::Vector3d p = PointInCamera(j, displacement);
-    const double x = taps_[j].slope_u * camera_.fx / p.z(),
-                 y = taps_[j].slope_v * camera_.fy / p.z();
-    return {x, y, -(x * p.x() + y * p.y()) / p.z()};
+    Eigen::Vector3d g;
+    IntensityGradient<double>(
+        taps_[j].slope_u, taps_[j].slope_v, camera_.fx, camera_.fy, p.data(),
+        [&](double a) { return a / p.z(); }, g.data());
+    return g;
   }
   JointRow IntensityRow(int j, double displacement, const Eigen::Vector3d& normal_in_world,
                         const Eigen::Matrix3d& rotation) const {

@@ -1,30 +1,20 @@
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <Eigen/QR>
 #include <cmath>
 
 #include "cost_functions/robust_kernel.h"
+#include "registration/decompositions.h"
 #include "registration/linearize.h"
 #include "registration/pair_solver.h"
-#include "registration/photometric_rows.h"
 #include "registration/residual_rows.h"
 #include "registration/solver_factories.h"
 
 namespace surfit {
 namespace {
 
-Vector6d SolveLdlt(const NormalSystem& system) {
-  return system.hessian.ldlt().solve(system.right_side);
-}
-
-Vector6d SolveLu(const NormalSystem& system) {
-  return system.hessian.partialPivLu().solve(system.right_side);
-}
-
 // Solves the 6 x 6 system, which is summed while pairs are found.
 class NormalSystemSolver final : public PoseSolver {
  public:
-  using SystemSolver = Vector6d (*)(const NormalSystem&);
+  using SystemSolver = Vector6d (*)(const Matrix6d&, const Vector6d&);
 
   NormalSystemSolver(const PoseSolverOptions& options, SystemSolver solve)
       : PoseSolver(options), solve_(solve) {}
@@ -53,7 +43,7 @@ class NormalSystemSolver final : public PoseSolver {
     const Stopwatch solving;
     result->increment = result->observability.Degenerate()
                             ? SolveHeld(result->system, result->observability)
-                            : solve_(result->system);
+                            : solve_(result->system.hessian, result->system.right_side);
     result->report.costs = {result->system.JointCost()};
     result->report.linearize_ms = linearize_ms;
     result->report.solve_ms = linearize_ms + solving.Milliseconds();
@@ -118,13 +108,13 @@ class QrSolver final : public PairSolver<QrSolver> {
                                               term.exposure().Residual(pairs, i),
                                               pairs.slope_u[i],
                                               pairs.slope_v[i]};
-      double row[kRowColumns];
-      SetPhotometricRow(values, term.camera().fx, term.camera().fy, row);
+      double rows[IntensityRows::kRows][kRowColumns];
+      IntensityRows::Evaluate(values, term.camera().fx, term.camera().fy, rows);
       const double s = term.information() * values.residual * values.residual;
       const double slope = EvaluateKernel(term.kernel(), s).slope;
       all->row(all->rows() - pairs.size + i) =
           std::sqrt(term.information() * slope) *
-          Eigen::Map<const Eigen::Matrix<double, 1, kRowColumns>>(row);
+          Eigen::Map<const Eigen::Matrix<double, 1, kRowColumns>>(rows[0]);
     }
   }
 };

@@ -1,13 +1,14 @@
 #include "registration/consensus.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <iterator>
 #include <random>
 #include <utility>
+
+#include "registration/decompositions.h"
 
 namespace surfit {
 namespace {
@@ -116,11 +117,7 @@ Rigid3d FitPose(const FeaturePoints& source, const FeaturePoints& target,
     const auto& [s, t] = matches[used[i]];
     covariance += weights[i] * (target.points[t] - to) * (source.points[s] - from).transpose();
   }
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance,
-                                              Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const double side = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
-  const Eigen::Matrix3d rotation =
-      svd.matrixU() * Eigen::Vector3d(1, 1, side).asDiagonal() * svd.matrixV().transpose();
+  const Eigen::Matrix3d rotation = NearestRotation(covariance);
   return Rigid3d(rotation, to - rotation * from);
 }
 

@@ -1,10 +1,11 @@
 #include "registration/joint_descent.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
 #include "registration/bilinear_sample.h"
+#include "registration/decompositions.h"
+#include "registration/residual_rows.h"
 
 namespace surfit {
 namespace {
@@ -82,7 +83,7 @@ class JointSums {
     const float noise = kInverseDepthSigma * point.z() * point.z();
     const float weight = KernelWeight(pair.height_m / kernel_width_m_) /
                          (kSurfaceSigmaM * kSurfaceSigmaM + noise * noise);
-    AddRow(point, pair.normal, pair.height_m, weight);
+    AddRow(point, pair.normal.data(), pair.height_m, weight);
     system_.weight += weight;
     system_.weighted_square_sum += weight * point.squaredNorm();
     ++system_.pair_count;
@@ -92,19 +93,21 @@ class JointSums {
     const float residual = sample.value - expected;
     const float weight = KernelWeight(residual / (kBrightnessKernelWidth * kBrightnessSigma)) /
                          (kBrightnessSigma * kBrightnessSigma);
-    const float x = sample.slope_u * fx_ / point.z(), y = sample.slope_v * fy_ / point.z();
-    const float z = -(x * point.x() + y * point.y()) / point.z();
-    AddRow(point, {x, y, z}, residual, weight);
+    float d[3];
+    IntensityGradient(
+        sample.slope_u, sample.slope_v, fx_, fy_, point.data(),
+        [&](float a) { return a / point.z(); }, d);
+    AddRow(point, d, residual, weight);
   }
 
   const JointSystem& system() const { return system_; }
 
  private:
-  // Row [p' x d, d] of a residual whose derivative by p' is d.
-  void AddRow(const Eigen::Vector3f& point, const Eigen::Vector3f& d, float residual,
-              float weight) {
-    Vector6d row;
-    row << point.cross(d).cast<double>(), d.cast<double>();
+  // The row of a residual whose derivative by p' is d. Few pairs: no lanes.
+  void AddRow(const Eigen::Vector3f& point, const float* d, float residual, float weight) {
+    float columns[kRowColumns];
+    SetRow(point.data(), d, residual, columns);
+    const Vector6d row = Eigen::Map<const Eigen::Matrix<float, 6, 1>>(columns).cast<double>();
     system_.hessian.noalias() += (weight * row) * row.transpose();
     system_.right_side.noalias() -= (weight * residual) * row;
   }
@@ -121,9 +124,9 @@ Vector6d DampedStep(const JointSystem& system, const DescentOptions& options) {
   damped.diagonal().tail<3>().array() += along;
   Vector6d step = Vector6d::Zero();
   if (options.rotation_only) {
-    step.head<3>() = damped.topLeftCorner<3, 3>().ldlt().solve(system.right_side.head<3>());
+    step.head<3>() = SolveLdlt3(damped.topLeftCorner<3, 3>(), system.right_side.head<3>());
   } else {
-    step = damped.ldlt().solve(system.right_side);
+    step = SolveLdlt(damped, system.right_side);
   }
   return step;
 }

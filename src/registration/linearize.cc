@@ -6,8 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "cost_functions/robust_kernel.h"
-#include "registration/add_products.h"
+#include "cost_functions/row_sums.h"
 #include "registration/residual_rows.h"
 #include "surfit/core/parallel.h"
 
@@ -30,87 +29,115 @@ void LoadPairs(const Pairs<S>& pairs, int first, int count, PairValues<V>* value
   values->information = V::LoadUpTo(pairs.information.data() + first, count).UpTo(count);
 }
 
-// s = |r|^2 / sigma^2 of the rows of a pair.
-template <int kRows, typename V>
-V SquaredResidual(const V rows[][kRowColumns], const V& information) {
-  V sum(0.);
-  for (int k = 0; k < kRows; ++k) sum += rows[k][6] * rows[k][6];
-  return sum * information;
+template <typename V>
+void LoadIntensities(const IntensityPairs& pairs, const Exposure& exposure, int first, int count,
+                     IntensityValues<V>* values) {
+  const auto load = [&](const RawVector<float>& x) { return V::LoadUpTo(x.data() + first, count); };
+  values->p[0] = load(pairs.px), values->p[1] = load(pairs.py), values->p[2] = load(pairs.pz);
+  values->residual =
+      load(pairs.target) - (V(exposure.gain) * load(pairs.source) + V(exposure.offset));
+  values->slope_u = load(pairs.slope_u), values->slope_v = load(pairs.slope_v);
 }
 
-// Sums of what makes a NormalSystem, one a lane.
+// Adds a a^T to the Hessian, -r a to the right side and r^2 to the square sum.
+void AddProducts(const RowSums& sums, Matrix6d* hessian, Vector6d* right_side, double* square_sum) {
+  for (int i = 0, k = 0; i < kRowColumns; ++i) {
+    for (int j = i; j < kRowColumns; ++j, ++k) {
+      if (i == 6) {
+        *square_sum += sums.product[k];
+      } else if (j == 6) {
+        (*right_side)[i] -= sums.product[k];
+      } else {
+        (*hessian)(i, j) += sums.product[k];
+        if (i != j) (*hessian)(j, i) += sums.product[k];
+      }
+    }
+  }
+}
+
+// Sums of what else makes a NormalSystem, one a lane.
 template <typename V>
-struct LaneSums {
-  RowProducts<V> products;
-  V rho, weight, inlier_count, normal_difference;
+struct PairLanes {
+  RowLanes<V> rows;
+  V weight, inlier_count, normal_difference;
   V point[3], point_product[6];
+
+  void Add(const PairValues<V>& pair, const typename RowLanes<V>::Weights& of_rows, int count) {
+    constexpr double kInlierBound = ErrorModel::kInlierSigmas * ErrorModel::kInlierSigmas;
+    weight += of_rows.weight;
+    const V x = pair.m[0] - pair.n[0], y = pair.m[1] - pair.n[1], z = pair.m[2] - pair.n[2];
+    normal_difference += of_rows.weight * sqrt(x * x + y * y + z * z);
+    for (int i = 0, k = 0; i < 3; ++i) {
+      const V weighted = of_rows.weight * pair.p[i];
+      point[i] += weighted;
+      for (int j = i; j < 3; ++j, ++k) point_product[k] += weighted * pair.p[j];
+    }
+    inlier_count += Select(of_rows.s <= V(kInlierBound), V(1.), V(0.)).UpTo(count);
+  }
+
+  void AddTo(RowSums* sums, NormalSystem* system) const {
+    rows.AddTo(sums);
+    system->weight_sum += SumOfLanes(weight);
+    system->normal_difference_sum += SumOfLanes(normal_difference);
+    for (int i = 0, k = 0; i < 3; ++i) {
+      system->point_sum[i] += SumOfLanes(point[i]);
+      for (int j = i; j < 3; ++j, ++k) {
+        const double sum = SumOfLanes(point_product[k]);
+        system->point_product_sum(i, j) += sum;
+        if (i != j) system->point_product_sum(j, i) += sum;
+      }
+    }
+    system->inlier_count += static_cast<int>(SumOfLanes(inlier_count));
+  }
 };
 
-template <typename Rows, typename V, typename S>
-void AddLanes(const Pairs<S>& pairs, int first, int count, const RobustKernel& kernel,
-              LaneSums<V>* sums) {
-  constexpr double kInlierBound = ErrorModel::kInlierSigmas * ErrorModel::kInlierSigmas;
-  PairValues<V> pair;
-  LoadPairs(pairs, first, count, &pair);
-  V rows[Rows::kRows][kRowColumns];
-  Rows::Evaluate(pair, rows);
-  const V s = SquaredResidual<Rows::kRows>(rows, pair.information);
-  const KernelValue<V> value = EvaluateKernel(kernel, s);
-  const V weight = pair.information * value.slope;
-  for (int k = 0; k < Rows::kRows; ++k) sums->products.Add(rows[k], weight);
-  sums->weight += weight;
-  const V x = pair.m[0] - pair.n[0], y = pair.m[1] - pair.n[1], z = pair.m[2] - pair.n[2];
-  sums->normal_difference += weight * sqrt(x * x + y * y + z * z);
-  for (int i = 0, k = 0; i < 3; ++i) {
-    const V weighted = weight * pair.p[i];
-    sums->point[i] += weighted;
-    for (int j = i; j < 3; ++j, ++k) sums->point_product[k] += weighted * pair.p[j];
-  }
-  sums->rho += value.rho;
-  sums->inlier_count += Select(s <= V(kInlierBound), V(1.), V(0.)).UpTo(count);
-}
-
-template <typename V>
-void Flush(const LaneSums<V>& sums, NormalSystem* system) {
-  AddProducts(sums.products, &system->hessian, &system->right_side, &system->weighted_square_sum);
-  system->cost += 0.5 * SumOfLanes(sums.rho);
-  system->weight_sum += SumOfLanes(sums.weight);
-  system->normal_difference_sum += SumOfLanes(sums.normal_difference);
-  for (int i = 0, k = 0; i < 3; ++i) {
-    system->point_sum[i] += SumOfLanes(sums.point[i]);
-    for (int j = i; j < 3; ++j, ++k) {
-      const double sum = SumOfLanes(sums.point_product[k]);
-      system->point_product_sum(i, j) += sum;
-      if (i != j) system->point_product_sum(j, i) += sum;
-    }
-  }
-  system->inlier_count += static_cast<int>(SumOfLanes(sums.inlier_count));
-}
-
-// The system of the pairs [begin, end), lanes summed over at most 8 values each.
-template <typename Rows, typename V, typename S>
-void SumLanes(const Pairs<S>& pairs, int begin, int end, const RobustKernel& kernel,
-              NormalSystem* system) {
-  constexpr int kFlush = 8 * V::kCount;
-  for (int first = begin; first < end; first += kFlush) {
-    LaneSums<V> sums;
-    const int last = std::min(end, first + kFlush);
-    for (int i = first; i < last; i += V::kCount) {
-      AddLanes<Rows>(pairs, i, last - i, kernel, &sums);
-    }
-    Flush(sums, system);
-  }
-}
-
+// The system of the pairs [begin, end).
 template <typename Rows, typename S>
 NormalSystem SumPairs(const Pairs<S>& pairs, int begin, int end, const RobustKernel& kernel) {
   NormalSystem system;
+  RowSums sums;
   WithInstructions([&](auto instructions) {
-    SumLanes<Rows, Lanes<S, decltype(instructions)>>(pairs, begin, end, kernel, &system);
+    using V = Lanes<S, decltype(instructions)>;
+    SumByLanes<V, PairLanes<V>>(
+        begin, end,
+        [&](int first, int count, PairLanes<V>* lanes) {
+          PairValues<V> pair;
+          LoadPairs(pairs, first, count, &pair);
+          V rows[Rows::kRows][kRowColumns];
+          Rows::Evaluate(pair, rows);
+          lanes->Add(pair, lanes->rows.Add(rows, pair.information, kernel), count);
+        },
+        [&](const PairLanes<V>& lanes) { lanes.AddTo(&sums, &system); });
   });
+  AddProducts(sums, &system.hessian, &system.right_side, &system.weighted_square_sum);
+  system.cost = 0.5 * sums.rho;
   system.pair_count = end - begin;
   system.row_count = system.pair_count * Rows::kRows;
   system.normal_share = Rows::kNormalShare;
+  return system;
+}
+
+// The same of intensities.
+PhotometricSystem SumPairs(const IntensityPairs& pairs, int begin, int end,
+                           const PhotometricTerm& term) {
+  RowSums sums;
+  WithInstructions([&](auto instructions) {
+    using V = Lanes<float, decltype(instructions)>;
+    SumByLanes<V, RowLanes<V>>(
+        begin, end,
+        [&](int first, int count, RowLanes<V>* lanes) {
+          IntensityValues<V> values;
+          LoadIntensities(pairs, term.exposure(), first, count, &values);
+          V rows[IntensityRows::kRows][kRowColumns];
+          IntensityRows::Evaluate(values, term.camera().fx, term.camera().fy, rows);
+          lanes->Add(rows, V(term.information()).UpTo(count), term.kernel());
+        },
+        [&](const RowLanes<V>& lanes) { lanes.AddTo(&sums); });
+  });
+  PhotometricSystem system;
+  AddProducts(sums, &system.hessian, &system.right_side, &system.square_sum);
+  system.cost = 0.5 * sums.rho;
+  system.row_count = end - begin;
   return system;
 }
 
@@ -136,7 +163,9 @@ double MedianResidual(const Pairs<S>& pairs) {
       LoadPairs(pairs, i, count, &pair);
       V rows[Rows::kRows][kRowColumns];
       Rows::Evaluate(pair, rows);
-      const V s = SquaredResidual<Rows::kRows>(rows, pair.information);
+      V s(0.);
+      for (int k = 0; k < Rows::kRows; ++k) s += rows[k][6] * rows[k][6];
+      s = s * pair.information;
       for (int k = 0; k < count; ++k) residuals[i + k] = s[k];
     }
   });
@@ -169,6 +198,20 @@ NormalSystem Linearize(const Association& association, const Rigid3d& target_fro
       system += sum(pairs, 0, pairs.size, kernel);
     }
     return system;
+  });
+}
+
+PhotometricSystem Linearize(const IntensityPairs& pairs, const PhotometricTerm& term) {
+  constexpr int kPairsPerBlock = 4096;
+  return ParallelSum(0, pairs.size, kPairsPerBlock, PhotometricSystem(),
+                     [&](int begin, int end) { return SumPairs(pairs, begin, end, term); });
+}
+
+PhotometricSystem Linearize(const PhotometricTerm& term, const Rigid3d& target_from_source) {
+  return ParallelSum(0, term.block_count(), 1, PhotometricSystem(), [&](int block, int) {
+    IntensityPairs pairs;
+    term.Find(block, target_from_source, &pairs);
+    return SumPairs(pairs, 0, pairs.size, term);
   });
 }
 

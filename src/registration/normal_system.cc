@@ -1,10 +1,9 @@
 #include "surfit/registration/normal_system.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "registration/decompositions.h"
 #include "surfit/geometry/rigid3.h"
 
 namespace surfit {
@@ -83,22 +82,18 @@ Observability Observe(const NormalSystem& system, const HeldOptions& options) {
     return inverse.asDiagonal() * information * inverse.asDiagonal() / system.weight_sum;
   };
   const Matrix6d hessian = scaled(system.hessian);
-  result.eigenvalues =
-      Eigen::SelfAdjointEigenSolver<Matrix6d>(hessian, Eigen::EigenvaluesOnly).eigenvalues();
+  result.eigenvalues = EigenvaluesOf(hessian);
   // Directions x with H x = mu B x: they diagonalise both, and x^T H x > x^T B x where mu > 1.
   constexpr double kRounding = 1e-15;
   const Matrix6d needed = std::max(options.min_eigenvalue, kRounding) * Matrix6d::Identity() +
                           options.min_information_ratio * scaled(system.FeignedInformation());
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> solver(hessian, needed);
-  const Vector6d norms = solver.eigenvectors().colwise().norm();
-  result.directions =
-      inverse.asDiagonal() * solver.eigenvectors() * norms.cwiseInverse().asDiagonal();
+  const GeneralizedEigen eigen = EigenOf(hessian, needed);
+  const Vector6d norms = eigen.vectors.colwise().norm();
+  result.directions = inverse.asDiagonal() * eigen.vectors * norms.cwiseInverse().asDiagonal();
   result.coordinates =
-      norms.asDiagonal() * solver.eigenvectors().transpose() * needed * length.asDiagonal();
+      norms.asDiagonal() * eigen.vectors.transpose() * needed * length.asDiagonal();
   result.free_count = 0;
-  while (result.free_count < 6 && !(solver.eigenvalues()[result.free_count] > 1)) {
-    ++result.free_count;
-  }
+  while (result.free_count < 6 && !(eigen.values[result.free_count] > 1)) ++result.free_count;
   return result;
 }
 
@@ -113,7 +108,7 @@ Vector6d SolveHeld(const NormalSystem& system, const Observability& observabilit
 }
 
 Matrix6d CovarianceOf(const NormalSystem& system) {
-  return system.VarianceFactor() * system.hessian.ldlt().solve(Matrix6d::Identity());
+  return system.VarianceFactor() * InverseByLdlt(system.hessian);
 }
 
 }  // namespace surfit

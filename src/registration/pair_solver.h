@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "registration/linearize.h"
-#include "registration/linearize_intensity.h"
 #include "surfit/registration/pose_solver.h"
 
 namespace surfit {

@@ -2,7 +2,6 @@
 
 #include "core/named_values.h"
 #include "registration/linearize.h"
-#include "registration/linearize_intensity.h"
 #include "registration/solver_factories.h"
 
 namespace surfit {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "cost_functions/pose.h"
-#include "cost_functions/row_products.h"
+#include "cost_functions/row_sums.h"
 #include "surfit/core/lanes.h"
 #include "surfit/registration/pairs.h"
 #include "surfit/registration/residual_type.h"
@@ -122,6 +122,41 @@ struct PlaneToPlaneRows {
     for (int i = 0; i < 3; ++i) x[i] = pair.p[i] - pair.q[i];
     const V g[kRows][3] = {{u[0], u[1], u[2]}, {zero, u[3], u[4]}, {zero, zero, u[5]}};
     for (int k = 0; k < kRows; ++k) SetRow(pair.p, g[k], Dot(g[k], x), rows[k]);
+  }
+};
+
+// g = dI/dp of an image's intensity I(u, v), u = fx x / z + cx, v = fy y / z + cy, at p = (x, y,
+// z):
+//   g = (I_u fx / z, I_v fy / z, -(I_u fx x + I_v fy y) / z^2).
+// over_z(a) = a / z, as exactly as the caller wants it.
+template <typename V, typename OverZ>
+void IntensityGradient(const V& slope_u, const V& slope_v, const V& fx, const V& fy, const V* p,
+                       const OverZ& over_z, V* g) {
+  g[0] = over_z(slope_u * fx);
+  g[1] = over_z(slope_v * fy);
+  g[2] = over_z(-(g[0] * p[0] + g[1] * p[1]));
+}
+
+// What a point that landed in the target's image, or as many as the lanes of V hold, says.
+template <typename V>
+struct IntensityValues {
+  V p[3];              // p', metres
+  V residual;          // r
+  V slope_u, slope_v;  // dI/du, dI/dv, per px
+};
+
+// r = I(u, v) - ...: a = [p x g, g].
+struct IntensityRows {
+  static constexpr int kRows = 1;
+  template <typename V>
+  static void Evaluate(const IntensityValues<V>& values, double fx, double fy,
+                       V rows[][kRowColumns]) {
+    const V inverse_z = V(1.) / values.p[2];
+    V g[3];
+    IntensityGradient(
+        values.slope_u, values.slope_v, V(fx), V(fy), values.p,
+        [&](const V& a) { return a * inverse_z; }, g);
+    SetRow(values.p, g, values.residual, rows[0]);
   }
 };
 

@@ -1,11 +1,11 @@
 #include "registration/start_search.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <functional>
 
 #include "registration/consensus.h"
+#include "registration/decompositions.h"
 #include "registration/feature_points.h"
 #include "registration/joint_descent.h"
 #include "registration/rotation_grid.h"
@@ -61,18 +61,6 @@ std::vector<StartPose> ForAll(const std::vector<StartPose>& poses,
     for (int i = begin; i < end; ++i) changed[i] = change(poses[i]);
   });
   return changed;
-}
-
-// The increment that the shapes hold least, of unit length at the points' distance.
-Vector6d WeakestDirection(const JointSystem& system) {
-  const double distance_m = system.RmsDistance();
-  Matrix6d scaled = system.hessian;
-  scaled.topRows<3>() /= distance_m;
-  scaled.leftCols<3>() /= distance_m;
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(scaled);
-  Vector6d direction = eigen.eigenvectors().col(0);
-  direction.head<3>() /= distance_m;
-  return direction;
 }
 
 }  // namespace
@@ -163,7 +151,7 @@ std::vector<StartPose> StartSearch::AlongWeakestDirection(const Rigid3d& pose) c
                                               kCoarseNearness.distance_m * 3, false, pose);
   std::vector<StartPose> along;
   if (system.pair_count == 0) return along;
-  const Vector6d direction = WeakestDirection(system);
+  const Vector6d direction = WeakestIncrement(system.hessian, system.RmsDistance());
   for (int i = 1; i * kStepM <= kReachM; ++i) {
     for (const double shift_m : {i * kStepM, -i * kStepM}) {
       const Rigid3d shifted = LeftIncrement<double>(shift_m * direction, pose);

@@ -1,8 +1,5 @@
-#include <Eigen/LU>
-#include <Eigen/SVD>
-#include <cmath>
-
 #include "cost_functions/robust_kernel.h"
+#include "registration/decompositions.h"
 #include "registration/pair_solver.h"
 #include "registration/solver_factories.h"
 #include "surfit/core/error.h"
@@ -25,14 +22,6 @@ struct PointSums {
     return *this;
   }
 };
-
-// The rotation nearest to the matrix: U diag(1, 1, det(U V^T)) V^T, without the last sign a
-// reflection where the points are nearly on a plane or noise prevails.
-Eigen::Matrix3d NearestRotation(const Eigen::Matrix3d& matrix) {
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
-  return svd.matrixU() * Eigen::Vector3d(1, 1, sign).asDiagonal() * svd.matrixV().transpose();
-}
 
 // The rigid motion that minimises sum w |R p + t - q|^2 (Kabsch 1976, Umeyama 1991): with centroids
 // p0, q0, R is the rotation nearest to sum w (q - q0) (p - p0)^T, and t = q0 - R p0. Weights are

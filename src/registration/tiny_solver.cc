@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "cost_functions/pose_manifold.h"
-#include "cost_functions/row_products.h"
+#include "cost_functions/row_sums.h"
 #include "registration/pair_solver.h"
 #include "registration/pose_block.h"
 #include "registration/reduced_cost.h"

@@ -4,6 +4,7 @@
 
 #include <random>
 
+#include "registration/decompositions.h"
 #include "surfit/geometry/rigid3.h"
 
 namespace surfit {
@@ -45,9 +46,9 @@ TEST(LoopCovariance, IsLargerThanRegistrationsInEveryDirection) {
   }
 }
 
-TEST(InformationOf, IsTheSymmetricInverse) {
+TEST(SymmetricInverse, IsSymmetric) {
   const Matrix6d covariance = RandomCovariance();
-  const Matrix6d information = InformationOf(covariance);
+  const Matrix6d information = SymmetricInverse(covariance);
   EXPECT_EQ(information, Matrix6d(information.transpose()));
   EXPECT_LT((information * covariance - Matrix6d::Identity()).norm(), 1e-9);
 }

@@ -1,4 +1,4 @@
-#include "registration/linearize_intensity.h"
+#include "registration/linearize.h"
 
 #include <ceres/jet.h>
 #include <gtest/gtest.h>
