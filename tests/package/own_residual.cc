@@ -1,4 +1,4 @@
-// The example of docs/library.md: Surfit's residuals in a Ceres problem of one's own.
+// The example of docs/extend.md: Surfit's residuals in a Ceres problem of one's own.
 #include <ceres/ceres.h>
 
 #include <cmath>

@@ -50,7 +50,7 @@ void ExpectLessDriftAgainstTheMap(SlamRunOptions options, int frames, double max
   EXPECT_LT(to_model_m, AteOf(options, frames));
 }
 
-// The bounds are what Surfit promises of these sequences: see docs/programs.md.
+// The bounds are what Surfit promises of these sequences: see docs/use.md.
 TEST(RecordedRuns, KitchenOf200FramesWithin3Centimetres) {
   SURFIT_REQUIRE_SHARED_DATA("seven_scenes_kitchen");
   ExpectLessDriftAgainstTheMap(Options("seven_scenes_kitchen", 199), 200, 0.030);

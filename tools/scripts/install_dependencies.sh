@@ -26,6 +26,8 @@ packages=(
   python3-dev pybind11-dev python3-numpy python3-matplotlib
   # surfit_mesh, which is left out where this is missing
   libopen3d-dev
+  # format and clang-tidy of what changed
+  clang-format clang-tidy git
   # the tests
   libgtest-dev libgmock-dev libbenchmark-dev python3-pytest
   xvfb xdotool imagemagick
