@@ -4,6 +4,7 @@
 
 #include "surfit/core/error.h"
 #include "surfit/core/trace.h"
+#include "surfit/frame/correct_depth.h"
 
 namespace surfit {
 namespace {
@@ -15,6 +16,26 @@ void RequireSize(const Image<T>& image, const PinholeCamera& camera, const char*
   throw InputError(Concat(name, " is ", image.width(), " x ", image.height(), " pixels, must be ",
                           camera.width, " x ", camera.height, " as ", whose));
 }
+
+class Corrected : public FrameSource {
+ public:
+  Corrected(std::unique_ptr<FrameSource> source, const InverseDepthField& field)
+      : source_(std::move(source)), field_(field) {}
+
+  const SequenceInfo& info() const override { return source_->info(); }
+
+  std::optional<ReadResult> Next() override {
+    std::optional<ReadResult> result = source_->Next();
+    if (result && result->frame) {
+      CorrectDepth(source_->info().pinhole, field_, &result->frame->depth_m);
+    }
+    return result;
+  }
+
+ private:
+  std::unique_ptr<FrameSource> source_;
+  InverseDepthField field_;
+};
 
 }  // namespace
 
@@ -62,6 +83,12 @@ std::optional<ReadResult> ImageSequence::Next() {
     result.error = error.what();
   }
   return result;
+}
+
+std::unique_ptr<FrameSource> CorrectedSource(std::unique_ptr<FrameSource> source,
+                                             const InverseDepthField& field) {
+  if (field.IsZero()) return source;
+  return std::make_unique<Corrected>(std::move(source), field);
 }
 
 }  // namespace surfit

@@ -1,10 +1,13 @@
 #pragma once
 
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "io/recording.h"
 #include "surfit/frame/prepare_frame.h"
+#include "surfit/geometry/inverse_depth_field.h"
 #include "surfit/io/frame_source.h"
 
 namespace surfit {
@@ -33,5 +36,21 @@ class ImageSequence : public FrameSource {
   FramePreparer preparer_;
   std::size_t next_ = 0;
 };
+
+// Adds to the camera, ground truth and warnings in `info` what only an image tells: the camera's
+// sizes where they are unknown, doubts about the depth scale, and with them the frames' camera.
+// Mirrors the ground truth where the camera is, and logs the warnings. Returns what prepares the
+// frames. Throws InputError naming the image whose size is not the camera's.
+FramePreparer CompleteInfo(const FrameImages& first, const PrepareOptions& options,
+                           SequenceInfo* info);
+
+// A sentence of warning if the median of the valid depth is hardly that of a scene before a depth
+// camera, with the scale in common use that would make it one. Depth in metres has no scale.
+std::optional<std::string> DepthScaleWarning(const RawDepth& depth, double depth_units_per_metre,
+                                             const std::string& path);
+
+// The frames of a source with their depth corrected; the source itself if there is nothing to do.
+std::unique_ptr<FrameSource> CorrectedSource(std::unique_ptr<FrameSource> source,
+                                             const InverseDepthField& field);
 
 }  // namespace surfit

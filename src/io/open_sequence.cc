@@ -1,16 +1,10 @@
 #include <algorithm>
 #include <utility>
 
-#include "io/corrected_source.h"
-#include "io/detect_format.h"
 #include "io/folder.h"
-#include "io/folder_recording.h"
 #include "io/image_sequence.h"
-#include "io/klg_recording.h"
-#include "io/sens_recording.h"
+#include "io/recording.h"
 #include "io/sequence_camera.h"
-#include "io/sequence_files.h"
-#include "io/sequence_info.h"
 #include "surfit/core/error.h"
 #include "surfit/io/depth_field.h"
 #include "surfit/io/sequence.h"

@@ -1,4 +1,4 @@
-#include "io/ply_body.h"
+#include <glog/logging.h>
 
 #include <algorithm>
 #include <cctype>
@@ -7,6 +7,8 @@
 #include <cstring>
 #include <limits>
 
+#include "io/ply.h"
+#include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
 
 namespace surfit {
@@ -168,6 +170,26 @@ void ReadPlyElement(std::string_view file, const PlyHeader& header, const std::s
   } else {
     ReadElement(BinaryCursor(body), header, name, path, begin, row);
   }
+}
+
+static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "PLY bodies are copied from memory");
+
+void WritePlyVertices(const std::string& path, std::size_t count,
+                      const std::vector<PlyProperty>& properties,
+                      const std::function<void(std::size_t, PlyRow*)>& fill) {
+  std::size_t row_size = 0;
+  for (const PlyProperty& property : properties) row_size += PlySize(property.type);
+  const PlyElement vertex{"vertex", static_cast<std::int64_t>(count), properties};
+  WriteFileAtomically(path, [&](std::ostream& out) {
+    out << FormatPlyHeader({vertex});
+    PlyRow row;
+    for (std::size_t i = 0; i < count; ++i) {
+      row.Clear();
+      fill(i, &row);
+      DCHECK_EQ(row.bytes().size(), row_size);
+      out.write(row.bytes().data(), row.bytes().size());
+    }
+  });
 }
 
 }  // namespace surfit

@@ -1,10 +1,9 @@
-#include "io/ply_header.h"
-
 #include <algorithm>
 #include <array>
 #include <utility>
 
-#include "io/words.h"
+#include "io/ply.h"
+#include "io/text.h"
 #include "surfit/core/error.h"
 
 namespace surfit {

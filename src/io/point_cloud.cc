@@ -7,11 +7,8 @@
 #include <string_view>
 
 #include "core/read_file.h"
-#include "io/pcd.h"
-#include "io/ply_body.h"
-#include "io/ply_header.h"
-#include "io/ply_writer.h"
-#include "io/words.h"
+#include "io/ply.h"
+#include "io/text.h"
 #include "surfit/core/error.h"
 
 namespace surfit {

@@ -4,8 +4,10 @@
 #include <string>
 #include <vector>
 
+#include "io/image_files.h"
 #include "surfit/core/image.h"
 #include "surfit/frame/prepare_frame.h"
+#include "surfit/geometry/pinhole_camera.h"
 #include "surfit/geometry/trajectory.h"
 
 namespace surfit {
@@ -34,5 +36,76 @@ struct OpenedRecording {
   Trajectory ground_truth;            // as the files have it
   std::vector<std::string> warnings;  // what the user should know
 };
+
+// The files of one frame.
+struct FrameFiles {
+  double stamp_s = 0;
+  std::string depth_path;
+  std::string color_path;  // empty where the sequence has no colour
+};
+
+// What a folder of images holds. Whether the images can be read shows when they are.
+struct SequenceFiles {
+  std::vector<FrameFiles> frames;
+  Trajectory ground_truth;  // as the files have it
+};
+
+// Each throws InputError naming the file, and the line, that is missing or malformed.
+
+// associations.txt, or else rgb.txt and depth.txt paired by time (depth.txt alone: no colour).
+// Ground truth from groundtruth.txt or *.gt.freiburg.
+SequenceFiles ListTumSequence(const std::string& folder);
+
+// The same, or without such lists rgb/N.png and depth/N.png. Stamps are the frame numbers N, for
+// so they stand in *.gt.freiburg.
+SequenceFiles ListIclNuimSequence(const std::string& folder);
+
+// frame-N.{color.png|color.jpg, depth.png, pose.txt}; stamps are N / frames_per_second.
+SequenceFiles ListSevenScenesSequence(const std::string& folder, double frames_per_second);
+
+// Numbered images in depth/ and color/, rgb/ or image/ (or no colour), poses in trajectory.log;
+// stamps are position / frames_per_second, and the log's first number is that position.
+SequenceFiles ListRedwoodSequence(const std::string& folder, double frames_per_second);
+
+// results/frameN.jpg and results/depthN.png with poses in traj.txt, as rendered for NICE-SLAM;
+// stamps are N / frames_per_second, a pose's N is its line.
+SequenceFiles ListReplicaSequence(const std::string& folder, double frames_per_second);
+
+// Throws InputError naming the file that cannot be read.
+FrameImages ReadFrameFiles(const FrameFiles& files);
+
+// The listed files as a recording.
+std::unique_ptr<Recording> MakeFolderRecording(std::vector<FrameFiles> frames);
+
+// Pairs the images of two folders by the numbers in their names, in ascending order; stamp_s is
+// the number. A frame of which one image is missing is listed with the name it should have, so
+// that reading it reports that name. color_folder may be empty: no colour. Throws InputError where
+// two images of a folder have the same number.
+std::vector<FrameFiles> ListNumberedFrames(const std::string& depth_folder,
+                                           const std::string& color_folder);
+
+// The folder of colour beside depth/: color/, rgb/ or image/ of `folder`, or "" without one.
+std::string FindColorFolder(const std::string& folder);
+
+// The .klg files of ElasticFusion and its Logger, little endian: int32 number of frames; per frame
+// int64 stamp (microseconds), int32 size of depth, int32 size of colour, depth (16-bit counts if
+// that many bytes, else the same compressed by zlib), colour (red green blue if that many bytes,
+// else JPEG; size 0: none).
+// The file does not say how large its images are: they have the first JPEG's size, or without any
+// the one given (0 x 0: unknown). Where the file ends before its number of frames, those that are
+// whole are read, and a warning says so. Throws InputError naming the file if it cannot be read, or
+// nothing tells the size.
+OpenedRecording OpenKlg(const std::string& path, ImageSize size);
+
+// ScanNet's .sens files (SensorData, version 4). Per frame: 4 x 4 floats camera-to-world (not
+// finite: no pose), uint64 stamps of colour and of depth (microseconds), uint64 sizes of colour and
+// of depth in bytes, colour, depth. Frames without stamps, where all of them are 0 or not
+// ascending, get index / frames_per_second. What follows the frames (inertial data) is left alone.
+// Where the file ends before its number of frames, those that are whole are read, and a warning
+// says so. Throws InputError naming the file and what is wrong with it.
+OpenedRecording OpenSens(const std::string& path, double frames_per_second);
+
+// The camera in the header of such a file. Throws as OpenSens().
+RgbdCamera ReadSensCamera(const std::string& path);
 
 }  // namespace surfit

@@ -1,17 +1,40 @@
 #include "io/sequence_camera.h"
 
-#include "io/binary_file.h"
-#include "io/detect_format.h"
+#include <nlohmann/json.hpp>
+
+#include "core/read_file.h"
 #include "io/folder.h"
-#include "io/open3d_camera.h"
-#include "io/replica_sequence.h"
-#include "io/sens_header.h"
+#include "io/recording.h"
 #include "surfit/core/error.h"
+#include "surfit/geometry/mirror.h"
 #include "surfit/io/camera_presets.h"
 #include "surfit/io/camera_yaml.h"
+#include "surfit/io/depth_field.h"
 
 namespace surfit {
 namespace {
+
+// A camera as Open3D writes it: JSON with width, height and the column-major 3 x 3
+// intrinsic_matrix. Throws InputError naming the file and what is wrong.
+PinholeCamera ReadOpen3dCamera(const std::string& path) {
+  PinholeCamera camera;
+  try {
+    const auto json = nlohmann::json::parse(ReadFile(path));
+    const auto matrix = json.at("intrinsic_matrix").get<std::vector<double>>();
+    camera.width = json.at("width").get<int>();
+    camera.height = json.at("height").get<int>();
+    camera.fx = matrix.at(0);
+    camera.fy = matrix.at(4);
+    camera.cx = matrix.at(6);
+    camera.cy = matrix.at(7);
+  } catch (const nlohmann::json::exception& error) {
+    throw InputError(Concat(path, ": ", error.what()));
+  } catch (const std::out_of_range&) {
+    throw InputError(path + ": intrinsic_matrix must have 9 numbers");
+  }
+  camera.Validate(path);
+  return camera;
+}
 
 // The drivers' default of the Kinect, with TUM's depth scale.
 RgbdCamera RosDefault() {
@@ -30,6 +53,33 @@ RgbdCamera RedwoodCamera(const std::string& folder) {
   return camera;
 }
 
+RgbdCamera ReadCamParams(const std::string& path) {
+  RgbdCamera camera;
+  try {
+    const auto json = nlohmann::json::parse(ReadFile(path)).at("camera");
+    camera.depth.width = json.at("w").get<int>();
+    camera.depth.height = json.at("h").get<int>();
+    camera.depth.fx = json.at("fx").get<double>();
+    camera.depth.fy = json.at("fy").get<double>();
+    camera.depth.cx = json.at("cx").get<double>();
+    camera.depth.cy = json.at("cy").get<double>();
+    camera.depth_units_per_metre = json.at("scale").get<double>();
+  } catch (const nlohmann::json::exception& error) {
+    throw InputError(Concat(path, ": ", error.what()));
+  }
+  camera.Validate(path);
+  return camera;
+}
+
+// cam_params.json of the folder, or of the one above it (as NICE-SLAM's download has it), or else
+// the preset `replica`. Throws InputError naming the file if it is malformed.
+RgbdCamera ReplicaCamera(const std::string& folder) {
+  for (const char* name : {"/cam_params.json", "/../cam_params.json"}) {
+    if (IsFile(folder + name)) return ReadCamParams(folder + name);
+  }
+  return CameraPreset("replica");
+}
+
 std::string DefaultWarning(const std::string& path, const PinholeCamera& camera) {
   return Concat(path, " does not say its camera: taking a usual one, ", camera.fx, " ", camera.fy,
                 " ", camera.cx, " ", camera.cy, " without distortion; name a preset (TUM's: ",
@@ -42,7 +92,7 @@ RgbdCamera BaseCamera(const SequenceOptions& options, const std::string& format,
   if (!options.camera.empty()) return CameraPreset(options.camera);
   const std::string yaml = CameraFile(options, format);
   if (!yaml.empty()) return ReadCameraYaml(yaml);
-  if (format == "sens") return ReadSensHeader(BinaryFile(options.path)).camera;
+  if (format == "sens") return ReadSensCamera(options.path);
   if (format == "redwood" || format == "watch") return RedwoodCamera(options.path);
   if (format == "replica") return ReplicaCamera(options.path);
   if (format != "tum" && format != "klg") return CameraPreset(format);
@@ -105,6 +155,13 @@ std::string CameraFile(const SequenceOptions& options, const std::string& format
   // A folder's camera.yaml; of a file F.klg it is F.klg.yaml.
   const std::string yaml = options.path + (IsFileFormat(format) ? ".yaml" : "/camera.yaml");
   return IsFile(yaml) ? yaml : "";
+}
+
+InverseDepthField ReadDepthField(const SequenceOptions& options, const std::string& format) {
+  const std::string yaml = CameraFile(options, format);
+  if (yaml.empty()) return {};
+  const InverseDepthField field = ReadInverseDepthField(yaml);
+  return ReadCameraYaml(yaml).depth.fy < 0 ? Mirrored(field) : field;
 }
 
 }  // namespace surfit

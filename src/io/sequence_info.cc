@@ -1,13 +1,49 @@
-#include "io/sequence_info.h"
-
 #include <glog/logging.h>
 
-#include "io/depth_scale_check.h"
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <vector>
+
 #include "io/image_sequence.h"
+#include "surfit/core/error.h"
 #include "surfit/geometry/mirror.h"
 
 namespace surfit {
 namespace {
+
+// Depth cameras see from 0.4 m to some 5 m; 1 to 3 m are usual medians indoors. Outside the first
+// range a scale that fits better is told; outside the second one the scale is absurd in any case.
+constexpr double kNearest_m = 0.4, kFarthest_m = 5;
+constexpr double kAbsurdlyNear_m = 0.2, kAbsurdlyFar_m = 20;
+constexpr double kUsual_m = 1.8;
+// Millimetres and TUM's; Replica's and tenths of millimetres are too near to TUM's to be told from
+// it, and so much rarer that only counts beyond its range speak for them.
+constexpr std::array<double, 2> kCommonScales = {1000, 5000};
+constexpr std::array<double, 2> kRareScales = {6553.5, 10000};
+
+// The median of the valid counts; 0 if there are none.
+double MedianCount(const Image<std::uint16_t>& depth) {
+  std::vector<std::uint16_t> valid;
+  std::copy_if(depth.begin(), depth.end(), std::back_inserter(valid),
+               [](std::uint16_t d) { return d != 0 && d != 65535; });
+  if (valid.empty()) return 0;
+  const auto middle = valid.begin() + static_cast<std::ptrdiff_t>(valid.size() / 2);
+  std::nth_element(valid.begin(), middle, valid.end());
+  return *middle;
+}
+
+// The scale that brings the median nearest to the usual one, as a ratio.
+double LikelyScale(double median_count) {
+  const auto distance = [&](double scale) {
+    return std::abs(std::log(median_count / scale / kUsual_m));
+  };
+  const auto& scales =
+      median_count > kFarthest_m * kCommonScales.back() ? kRareScales : kCommonScales;
+  return *std::min_element(scales.begin(), scales.end(),
+                           [&](double a, double b) { return distance(a) < distance(b); });
+}
 
 template <typename T>
 void TakeSizeIfUnknown(const Image<T>& image, PinholeCamera* camera) {
@@ -30,6 +66,21 @@ void Mirror(Trajectory* trajectory) {
 }
 
 }  // namespace
+
+std::optional<std::string> DepthScaleWarning(const RawDepth& depth, double depth_units_per_metre,
+                                             const std::string& path) {
+  const auto* const counts = std::get_if<Image<std::uint16_t>>(&depth);
+  const double median_count = counts == nullptr ? 0 : MedianCount(*counts);
+  if (median_count == 0) return std::nullopt;
+  const double median_m = median_count / depth_units_per_metre;
+  const double likely = LikelyScale(median_count);
+  const bool plausible = median_m >= kNearest_m && median_m <= kFarthest_m;
+  const bool absurd = median_m < kAbsurdlyNear_m || median_m > kAbsurdlyFar_m;
+  if (plausible || (likely == depth_units_per_metre && !absurd)) return std::nullopt;
+  return Concat("the median depth of ", path, " is ", median_m, " m at ", depth_units_per_metre,
+                " units per metre; the scale is more likely ", likely, ", which makes it ",
+                median_count / likely, " m");
+}
 
 FramePreparer CompleteInfo(const FrameImages& first, const PrepareOptions& options,
                            SequenceInfo* info) {

@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "io/detect_format.h"
+#include "io/folder.h"
 #include "surfit/core/error.h"
 #include "surfit/io/sequence.h"
 

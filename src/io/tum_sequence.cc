@@ -1,9 +1,8 @@
 #include <algorithm>
 
 #include "io/folder.h"
-#include "io/numbered_frames.h"
-#include "io/sequence_files.h"
-#include "io/text_rows.h"
+#include "io/recording.h"
+#include "io/text.h"
 #include "surfit/core/error.h"
 #include "surfit/geometry/match_stamps.h"
 #include "surfit/io/tum_trajectory.h"

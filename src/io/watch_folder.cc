@@ -1,20 +1,105 @@
 #include "surfit/io/watch_folder.h"
 
+#include <chrono>
 #include <deque>
+#include <map>
+#include <set>
+#include <thread>
 #include <utility>
 
-#include "io/corrected_source.h"
 #include "io/folder.h"
 #include "io/image_sequence.h"
+#include "io/recording.h"
 #include "io/sequence_camera.h"
-#include "io/sequence_info.h"
-#include "io/watched_folder.h"
 #include "surfit/core/error.h"
 #include "surfit/core/trace.h"
 #include "surfit/io/depth_field.h"
 
 namespace surfit {
 namespace {
+
+constexpr std::chrono::milliseconds kPause(10);
+constexpr std::chrono::seconds kPatience(2);
+
+// A frame that came, or was given up.
+struct Arrival {
+  double stamp_s = 0;
+  std::optional<FrameImages> images;
+  std::string error;     // why there are none
+  double decode_ms = 0;  // time spent reading it
+};
+
+// Waits for numbered images, see WatchFolder().
+class WatchedFolder {
+ public:
+  WatchedFolder(std::string path, double frames_per_second, const std::atomic<bool>& stop)
+      : path_(std::move(path)), frames_per_second_(frames_per_second), stop_(stop) {}
+
+  // The next frame once it is there, or nothing at the end.
+  std::optional<Arrival> Next();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  // Adds the frames that are new to those that wait.
+  void List();
+  // The first frame that waits, if it is whole or is to be given up.
+  std::optional<Arrival> TakeFirst(bool ended);
+
+  std::string path_;
+  double frames_per_second_;
+  const std::atomic<bool>& stop_;
+  std::optional<std::string> color_folder_;  // once known; empty: frames without colour
+  std::map<long, FrameFiles> waiting_;       // by number
+  std::set<long> taken_;
+  std::optional<Clock::time_point> first_try_;  // of the first frame that waits
+};
+
+void WatchedFolder::List() {
+  const std::string color_folder = color_folder_ ? *color_folder_ : FindColorFolder(path_);
+  for (FrameFiles& files : ListNumberedFrames(path_ + "/depth", color_folder)) {
+    const long number = static_cast<long>(files.stamp_s);
+    if (taken_.count(number) > 0) continue;
+    files.stamp_s /= frames_per_second_;
+    waiting_[number] = files;
+  }
+}
+
+std::optional<Arrival> WatchedFolder::TakeFirst(bool ended) {
+  if (waiting_.empty()) return std::nullopt;
+  const auto [number, files] = *waiting_.begin();
+  Arrival arrival;
+  arrival.stamp_s = files.stamp_s;
+  if (!taken_.empty() && number < *taken_.rbegin()) {
+    arrival.error = Concat(files.depth_path, " came after frame ", *taken_.rbegin(), " was taken");
+  } else {
+    try {
+      const StageTimer timer("decode", static_cast<int>(taken_.size()), &arrival.decode_ms);
+      arrival.images = ReadFrameFiles(files);
+      if (!color_folder_) color_folder_ = FindColorFolder(path_);
+    } catch (const InputError& error) {
+      if (!first_try_) first_try_ = Clock::now();
+      if (!ended && Clock::now() - *first_try_ < kPatience) return std::nullopt;
+      arrival.error = error.what();
+    }
+  }
+  first_try_.reset();
+  taken_.insert(number);
+  waiting_.erase(number);
+  return arrival;
+}
+
+std::optional<Arrival> WatchedFolder::Next() {
+  while (!stop_) {
+    // Looked for before the frames, so that none that came before it is missed.
+    const bool ended = IsFile(path_ + "/done");
+    List();
+    if (auto arrival = TakeFirst(ended)) return arrival;
+    if (ended) return std::nullopt;
+    std::this_thread::sleep_for(kPause);
+  }
+  return std::nullopt;
+}
 
 class WatchSource : public FrameSource {
  public:

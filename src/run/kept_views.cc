@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "io/jpeg.h"
+#include "io/image_files.h"
 #include "pictures/coloring.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"

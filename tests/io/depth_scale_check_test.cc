@@ -1,6 +1,6 @@
-#include "io/depth_scale_check.h"
-
 #include <gmock/gmock.h>
+
+#include "io/image_sequence.h"
 
 namespace surfit {
 namespace {

@@ -1,5 +1,4 @@
-#include "io/png_check.h"
-
+#include "io/image_files.h"
 #include "testing/expect_input_error.h"
 #include "testing/temp_folder.h"
 #include "testing/write_images.h"

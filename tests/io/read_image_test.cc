@@ -1,7 +1,6 @@
-#include "io/read_image.h"
-
 #include <random>
 
+#include "io/image_files.h"
 #include "testing/expect_input_error.h"
 #include "testing/temp_folder.h"
 #include "testing/write_images.h"

@@ -1,4 +1,4 @@
-#include "io/sequence_files.h"
+#include "io/recording.h"
 #include "surfit/io/sequence.h"
 #include "testing/expect_input_error.h"
 #include "testing/matchers.h"

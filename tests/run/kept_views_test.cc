@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-#include "io/jpeg.h"
+#include "io/image_files.h"
 #include "testing/temp_folder.h"
 
 namespace surfit {

@@ -1,5 +1,3 @@
-#include "surfit/io/tum_trajectory.h"
-
 #include <glog/logging.h>
 
 #include <algorithm>
@@ -7,11 +5,16 @@
 #include <cerrno>
 #include <charconv>
 #include <cmath>
+#include <iomanip>
+#include <locale>
 #include <string_view>
 #include <system_error>
 
 #include "core/read_file.h"
+#include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
+#include "surfit/io/kitti_trajectory.h"
+#include "surfit/io/tum_trajectory.h"
 
 namespace surfit {
 namespace {
@@ -125,6 +128,21 @@ void TumTrajectoryWriter::Write(const std::string& line) {
     const std::error_code reason(errno, std::generic_category());
     throw InputError(Concat("cannot write '", path_, "': ", reason.message()));
   }
+}
+
+void WriteKittiTrajectory(const Trajectory& trajectory, const std::string& path) {
+  WriteFileAtomically(path, [&](std::ostream& out) {
+    out.imbue(std::locale::classic());
+    out << std::fixed << std::setprecision(9);
+    for (const StampedPose& pose : trajectory) {
+      const Eigen::Matrix3d rotation = pose.world_from_camera.rotation.toRotationMatrix();
+      const Eigen::Vector3d& translation = pose.world_from_camera.translation;
+      for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) out << rotation(i, j) << ' ';
+        out << translation[i] << (i < 2 ? ' ' : '\n');
+      }
+    }
+  });
 }
 
 }  // namespace surfit

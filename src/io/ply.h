@@ -3,10 +3,15 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
+#include <functional>
 #include <optional>
+#include <ostream>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "surfit/io/point_cloud.h"
 
 namespace surfit {
 
@@ -52,5 +57,40 @@ std::optional<PlyColumns> FindPlyColumns(const PlyElement& element, const PlyNam
 
 // The text of a binary little endian header.
 std::string FormatPlyHeader(const std::vector<PlyElement>& elements);
+
+// Calls `row` with the values of each row of the first element of that name, one for each property
+// (0 for a list), in the file's order. `begin` is called before the first row, once the file is
+// known to be long enough for all of them.
+// Throws InputError naming `path`, the element and the row if the body breaks its header's promise.
+void ReadPlyElement(std::string_view file, const PlyHeader& header, const std::string& name,
+                    const std::string& path, const std::function<void()>& begin,
+                    const std::function<void(const double*)>& row);
+
+// One row of a binary little endian table, filled value by value.
+class PlyRow {
+ public:
+  template <typename T>
+  void Put(T value) {
+    const std::size_t at = bytes_.size();
+    bytes_.resize(at + sizeof(T));
+    std::memcpy(&bytes_[at], &value, sizeof(T));
+  }
+  const std::string& bytes() const { return bytes_; }
+  void Clear() { bytes_.clear(); }
+
+ private:
+  std::string bytes_;
+};
+
+// Writes a PLY file whose only element is `vertex`, atomically; `fill(i, row)` puts the values of
+// row i in the properties' order and types.
+void WritePlyVertices(const std::string& path, std::size_t count,
+                      const std::vector<PlyProperty>& properties,
+                      const std::function<void(std::size_t, PlyRow*)>& fill);
+
+// The cloud in the bytes of a PCD file: x y z of any type, normal_x normal_y normal_z where there
+// are all three, rgb or rgba of four bytes. VIEWPOINT is not applied.
+// Throws InputError naming `path` and what is wrong with it.
+PointCloud ParsePcd(std::string_view file, const std::string& path);
 
 }  // namespace surfit

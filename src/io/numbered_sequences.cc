@@ -1,0 +1,172 @@
+#include <array>
+#include <cstdio>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "io/folder.h"
+#include "io/image_files.h"
+#include "io/recording.h"
+#include "io/text.h"
+#include "surfit/core/error.h"
+
+namespace surfit {
+namespace {
+
+// The images of a folder by number.
+std::map<long, std::string> NumberedImages(const std::string& folder) {
+  std::map<long, std::string> images;
+  for (const std::string& name : NamesIn(folder)) {
+    const auto number = NumberInName(name);
+    for (const char* ending : {".png", ".jpg", ".jpeg", ".pgm", ".ppm", ".tif", ".tiff"}) {
+      if (!number || !EndsWith(name, ending)) continue;
+      const auto [it, is_new] = images.emplace(*number, name);
+      if (!is_new)
+        throw InputError(Concat(folder, ": ", it->second, " and ", name, " are both number ",
+                                *number, ", must be one image a number"));
+    }
+  }
+  return images;
+}
+
+// The image of this number, or the name it should have: another folder's with our ending.
+std::string NameOf(long number, const std::map<long, std::string>& images,
+                   const std::map<long, std::string>& others) {
+  const auto it = images.find(number);
+  if (it != images.end()) return it->second;
+  const std::string& other = others.at(number);
+  const std::string& some = images.empty() ? other : images.begin()->second;
+  return other.substr(0, other.rfind('.')) + some.substr(some.rfind('.'));
+}
+
+class FolderRecording : public Recording {
+ public:
+  explicit FolderRecording(std::vector<FrameFiles> frames) : frames_(std::move(frames)) {}
+  int frame_count() const override { return static_cast<int>(frames_.size()); }
+  double stamp_s(int index) const override { return frames_[index].stamp_s; }
+  FrameImages Read(int index) const override { return ReadFrameFiles(frames_[index]); }
+
+ private:
+  std::vector<FrameFiles> frames_;
+};
+
+// Blocks of one line of numbers, the first of which is the frame's, and a 4 x 4 pose.
+Trajectory ReadLog(const std::string& path, double frames_per_second) {
+  const auto rows = ReadTextRows(path);
+  Trajectory poses;
+  for (std::size_t i = 0; i < rows.size(); i += 5) {
+    const double position = ParseNumber(rows[i].columns[0], rows[i].place);
+    poses.push_back({position / frames_per_second, ParseRigid(rows, i + 1, path)});
+  }
+  return poses;
+}
+
+// Whether the name is frame-<number><ending>.
+bool IsFrameFile(const std::string& name, const std::string& ending) {
+  return name.compare(0, 6, "frame-") == 0 && EndsWith(name, ending) && NumberInName(name);
+}
+
+// A 4 x 4 matrix a line, row by row.
+Rigid3d ParseLine(const TextRow& row) {
+  if (row.columns.size() != 16)
+    throw InputError(Concat(row.place, " has ", row.columns.size(), " columns, must have 16"));
+  Eigen::Matrix4d matrix;
+  for (int i = 0; i < 16; ++i) matrix(i / 4, i % 4) = ParseNumber(row.columns[i], row.place);
+  return RigidFromMatrix(matrix, row.place);
+}
+
+}  // namespace
+
+std::string FindColorFolder(const std::string& folder) {
+  for (const char* name : {"/color", "/rgb", "/image"}) {
+    if (IsFolder(folder + name)) return folder + name;
+  }
+  return "";
+}
+
+std::vector<FrameFiles> ListNumberedFrames(const std::string& depth_folder,
+                                           const std::string& color_folder) {
+  const auto depth = NumberedImages(depth_folder);
+  const auto color = color_folder.empty() ? depth : NumberedImages(color_folder);
+  std::map<long, FrameFiles> frames;
+  for (const auto& [number, name] : color) frames[number];
+  for (const auto& [number, name] : depth) frames[number];
+  std::vector<FrameFiles> sorted;
+  for (auto& [number, frame] : frames) {
+    frame.stamp_s = static_cast<double>(number);
+    frame.depth_path = depth_folder + "/" + NameOf(number, depth, color);
+    if (!color_folder.empty()) frame.color_path = color_folder + "/" + NameOf(number, color, depth);
+    sorted.push_back(frame);
+  }
+  return sorted;
+}
+
+FrameImages ReadFrameFiles(const FrameFiles& files) {
+  FrameImages images;
+  images.depth_name = files.depth_path;
+  images.color_name = files.color_path;
+  images.depth = ReadDepthImage(files.depth_path);
+  if (!files.color_path.empty()) images.color = ReadColorImage(files.color_path);
+  return images;
+}
+
+std::unique_ptr<Recording> MakeFolderRecording(std::vector<FrameFiles> frames) {
+  return std::make_unique<FolderRecording>(std::move(frames));
+}
+
+SequenceFiles ListRedwoodSequence(const std::string& folder, double frames_per_second) {
+  SequenceFiles files;
+  files.frames = ListNumberedFrames(folder + "/depth", FindColorFolder(folder));
+  for (std::size_t i = 0; i < files.frames.size(); ++i)
+    files.frames[i].stamp_s = static_cast<double>(i) / frames_per_second;
+  if (IsFile(folder + "/trajectory.log"))
+    files.ground_truth = ReadLog(folder + "/trajectory.log", frames_per_second);
+  return files;
+}
+
+SequenceFiles ListSevenScenesSequence(const std::string& folder, double frames_per_second) {
+  std::map<long, std::string> stems;
+  std::string color_ending;
+  for (const std::string& name : NamesIn(folder)) {
+    for (const char* ending : {".color.png", ".color.jpg", ".depth.png"}) {
+      if (!IsFrameFile(name, ending)) continue;
+      stems[*NumberInName(name)] = folder + "/" + name.substr(0, name.find('.'));
+      if (std::string(ending) != ".depth.png") color_ending = ending;
+    }
+  }
+  SequenceFiles files;
+  for (const auto& [number, stem] : stems) {
+    const double stamp_s = static_cast<double>(number) / frames_per_second;
+    const std::string color_path = color_ending.empty() ? "" : stem + color_ending;
+    files.frames.push_back({stamp_s, stem + ".depth.png", color_path});
+    const std::string pose_path = stem + ".pose.txt";
+    if (!IsFile(pose_path)) continue;
+    const Rigid3d world_from_camera = ParseRigid(ReadTextRows(pose_path), 0, pose_path);
+    files.ground_truth.push_back({stamp_s, world_from_camera});
+  }
+  return files;
+}
+
+SequenceFiles ListReplicaSequence(const std::string& folder, double frames_per_second) {
+  std::set<long> numbers;
+  for (const std::string& name : NamesIn(folder + "/results")) {
+    const auto number = NumberInName(name);
+    const bool is_image = name.compare(0, 5, "frame") == 0 || name.compare(0, 5, "depth") == 0;
+    if (number && is_image) numbers.insert(*number);
+  }
+  SequenceFiles files;
+  for (const long number : numbers) {
+    std::array<char, 30> digits;
+    std::snprintf(digits.data(), digits.size(), "%06ld", number);
+    const std::string results = folder + "/results/";
+    files.frames.push_back({static_cast<double>(number) / frames_per_second,
+                            results + "depth" + digits.data() + ".png",
+                            results + "frame" + digits.data() + ".jpg"});
+  }
+  double index = 0;
+  for (const TextRow& row : ReadTextRows(folder + "/traj.txt"))
+    files.ground_truth.push_back({index++ / frames_per_second, ParseLine(row)});
+  return files;
+}
+
+}  // namespace surfit

@@ -1,0 +1,77 @@
+#include "io/text.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <sstream>
+
+#include "core/read_file.h"
+#include "surfit/core/error.h"
+
+namespace surfit {
+
+std::vector<TextRow> ReadTextRows(const std::string& path) {
+  std::istringstream text(ReadFile(path));
+  std::vector<TextRow> rows;
+  std::string line;
+  for (int number = 1; std::getline(text, line); ++number) {
+    for (char& c : line) {
+      if (c == ',') c = ' ';
+    }
+    TextRow row{Concat(path, ":", number), {}};
+    std::istringstream columns(line);
+    for (std::string column; columns >> column;) row.columns.push_back(column);
+    if (!row.columns.empty() && row.columns[0][0] != '#') rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+double ParseNumber(const std::string& text, const std::string& place) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
+    throw InputError(Concat(place, ": '", text, "' is not a finite number"));
+  return value;
+}
+
+Rigid3d RigidFromMatrix(const Eigen::Matrix4d& matrix, const std::string& place) {
+  const Eigen::Matrix3d r = matrix.topLeftCorner<3, 3>();
+  if (!((r * r.transpose() - Eigen::Matrix3d::Identity()).norm() < 0.01 && r.determinant() > 0))
+    throw InputError(place + ": the matrix is no rigid transform");
+  return Rigid3d(r, matrix.topRightCorner<3, 1>());
+}
+
+Rigid3d ParseRigid(const std::vector<TextRow>& rows, std::size_t first, const std::string& path) {
+  if (rows.size() < first + 4) throw InputError(path + " ends before a 4 x 4 matrix does");
+  Eigen::Matrix4d matrix;
+  for (int i = 0; i < 4; ++i) {
+    const TextRow& row = rows[first + i];
+    if (row.columns.size() != 4)
+      throw InputError(Concat(row.place, " has ", row.columns.size(), " columns, must have 4"));
+    for (int j = 0; j < 4; ++j) matrix(i, j) = ParseNumber(row.columns[j], row.place);
+  }
+  return RigidFromMatrix(matrix, rows[first].place);
+}
+
+Words SplitWords(std::string_view line) {
+  constexpr std::string_view kBlanks = " \t\r";
+  Words words;
+  while (true) {
+    line.remove_prefix(std::min(line.find_first_not_of(kBlanks), line.size()));
+    if (line.empty()) return words;
+    words.push_back(line.substr(0, line.find_first_of(kBlanks)));
+    line.remove_prefix(words.back().size());
+  }
+}
+
+std::int64_t ParseCount(std::string_view word) {
+  std::int64_t count = -1;
+  const char* const end = word.data() + word.size();
+  const auto [parsed, error] = std::from_chars(word.data(), end, count);
+  if (error != std::errc() || parsed != end || count < 0) {
+    throw InputError(Concat("the count is '", word, "', must be an integer from 0"));
+  }
+  return count;
+}
+
+}  // namespace surfit
