@@ -1,5 +1,6 @@
 #include "io/recording.h"
 #include "surfit/io/sequence.h"
+#include "surfit/io/tum_trajectory.h"
 #include "testing/expect_input_error.h"
 #include "testing/matchers.h"
 #include "testing/read_all.h"
@@ -127,6 +128,82 @@ TEST(TumSequence, NamesAMissingList) {
   testing::WriteTumSequence(folder, 2);
   std::filesystem::remove(folder / "depth.txt");
   ExpectInputError([&] { OpenSequence(Options(folder)); }, HasSubstr("depth.txt"));
+}
+
+// Frames 0 to 2 as ICL-NUIM publishes them: numbers without leading zeros, the trajectory's stamps
+// are these numbers and begin with 1.
+void WriteIclNuim(const TempFolder& folder) {
+  std::string poses;
+  for (int i = 0; i < 3; ++i) {
+    testing::WriteColor(folder / testing::Format("rgb/%d.png", i),
+                        testing::NumberedColor(i, 640, 480));
+    testing::WriteDepth(folder / testing::Format("depth/%d.png", i),
+                        Image<std::uint16_t>(640, 480, 9000));
+    if (i > 0) poses += testing::Format("%d 0.1 0.2 -2.3 0.1 0.2 0.3 0.9273618\n", i);
+  }
+  folder.Write("livingRoom2.gt.freiburg", poses);
+}
+
+TEST(IclNuimSequence, ReadsNumberedFramesWithTheirNumbersAsStamps) {
+  TempFolder folder;
+  WriteIclNuim(folder);
+  const auto source = OpenSequence(Options(folder));
+  EXPECT_EQ(source->info().format, "icl_nuim");
+  EXPECT_EQ(source->info().ground_truth.size(), 2u);
+  const auto results = testing::ReadAll(source.get());
+  ASSERT_EQ(results.size(), 3u);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(results[i].stamp_s, i);
+    EXPECT_EQ(results[i].frame->color(0, 0).r, i);
+    EXPECT_FLOAT_EQ(results[i].frame->depth_m(0, 0), 1.8f);
+  }
+}
+
+TEST(IclNuimSequence, ReadsAssociationsWithDepthFirst) {
+  TempFolder folder;
+  WriteIclNuim(folder);
+  folder.Write("associations.txt", "1 depth/1.png 1 rgb/1.png\n2 depth/2.png 2 rgb/2.png\n");
+  const auto results = testing::ReadAll(OpenSequence(Options(folder)).get());
+  ASSERT_EQ(results.size(), 2u);
+  EXPECT_EQ(results[1].stamp_s, 2);
+  EXPECT_EQ(results[1].frame->color(0, 0).r, 2);
+}
+
+TEST(IclNuimSequence, IsMirroredSoThatPointsOfAllFramesAgreeUpToTheMirror) {
+  TempFolder folder;
+  WriteIclNuim(folder);
+  const auto source = OpenSequence(Options(folder));
+  const SequenceInfo& info = source->info();
+  EXPECT_TRUE(info.mirrored);
+  EXPECT_EQ(info.camera.depth.fy, -480);
+  EXPECT_EQ(info.pinhole.fy, 480);
+  // A pixel with its depth, taken to the world as the files define it and as we do: S apart.
+  const Trajectory files = ReadTumTrajectory(folder / "livingRoom2.gt.freiburg");
+  const Eigen::Matrix3d s = Eigen::Vector3d(1, -1, 1).asDiagonal();
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const Eigen::Vector3d in_files =
+        files[i].world_from_camera * (1.8 * info.camera.depth.Ray(100, 50));
+    const Eigen::Vector3d in_ours =
+        info.ground_truth[i].world_from_camera * (1.8 * info.pinhole.Ray(100, 50));
+    EXPECT_THAT(in_ours, testing::VectorNear(s * in_files, 1e-12));
+  }
+  // The image is not flipped: a pixel in the upper half looks up, which is -y for us.
+  EXPECT_LT(info.pinhole.Ray(100, 50).y(), 0);
+}
+
+TEST(IclNuimSequence, ACameraFileDecidesWhetherItIsMirrored) {
+  TempFolder folder;
+  testing::WriteTumSequence(folder, 2, -30);
+  const SequenceInfo info = OpenSequence(Options(folder))->info();
+  EXPECT_TRUE(info.mirrored);
+  EXPECT_EQ(info.pinhole.fy, 30);
+  EXPECT_THAT(info.ground_truth[1].world_from_camera.translation,
+              testing::VectorNear(Eigen::Vector3d(1, -2, 3), 1e-12));
+  TempFolder upright;
+  WriteIclNuim(upright);
+  SequenceOptions options = Options(upright);
+  options.intrinsics = {481.2, 480, 319.5, 239.5};
+  EXPECT_FALSE(OpenSequence(options)->info().mirrored);
 }
 
 }  // namespace

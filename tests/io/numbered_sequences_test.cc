@@ -1,0 +1,247 @@
+#include "surfit/io/camera_presets.h"
+#include "surfit/io/sequence.h"
+#include "testing/expect_input_error.h"
+#include "testing/matchers.h"
+#include "testing/read_all.h"
+#include "testing/sequence_writer.h"
+
+namespace surfit {
+namespace {
+
+using ::testing::AllOf;
+using testing::ExpectInputError;
+using ::testing::HasSubstr;
+using testing::TempFolder;
+
+void WriteSevenScenes(const TempFolder& folder, int count) {
+  for (int i = 0; i < count; ++i) {
+    const std::string stem = testing::Format("frame-%06d", i);
+    testing::WriteColor(folder / (stem + ".color.png"), testing::NumberedColor(i));
+    testing::WriteDepth(folder / (stem + ".depth.png"), testing::NumberedDepth(i));
+    // A quarter turn about z: the camera's x axis points along the world's y.
+    folder.Write(stem + ".pose.txt",
+                 "0 -1 0 1.5\t\n 1 0 0 " + std::to_string(i) + "\n0.0e+00 0 1 -3 \n0 0 0 1\n");
+  }
+  folder.Write("camera.yaml", testing::SmallCameraYaml());
+}
+
+SequenceOptions Options(const TempFolder& folder) {
+  SequenceOptions options;
+  options.path = folder.path();
+  return options;
+}
+
+TEST(SevenScenesSequence, ReadsFramesAndCameraToWorldPoses) {
+  TempFolder folder;
+  WriteSevenScenes(folder, 4);
+  const auto source = OpenSequence(Options(folder));
+  EXPECT_EQ(source->info().format, "seven_scenes");
+  const Trajectory& poses = source->info().ground_truth;
+  ASSERT_EQ(poses.size(), 4u);
+  EXPECT_DOUBLE_EQ(poses[3].stamp_s, 3 / 30.);
+  EXPECT_THAT(poses[3].world_from_camera * Eigen::Vector3d(1, 0, 0),
+              testing::VectorNear(Eigen::Vector3d(1.5, 4, -3), 1e-12));
+  const auto results = testing::ReadAll(source.get());
+  ASSERT_EQ(results.size(), 4u);
+  EXPECT_DOUBLE_EQ(results[3].stamp_s, 3 / 30.);
+  EXPECT_EQ(results[3].frame->color, testing::NumberedColor(3));
+  EXPECT_FLOAT_EQ(results[3].frame->depth_m(1, 0), 1.031f);
+}
+
+TEST(SevenScenesSequence, FramesPerSecondGiveTheStamps) {
+  TempFolder folder;
+  WriteSevenScenes(folder, 2);
+  SequenceOptions options = Options(folder);
+  options.frames_per_second = 10;
+  const auto source = OpenSequence(options);
+  EXPECT_DOUBLE_EQ(source->info().ground_truth[1].stamp_s, 0.1);
+  EXPECT_DOUBLE_EQ(testing::ReadAll(source.get())[1].stamp_s, 0.1);
+}
+
+TEST(SevenScenesSequence, AMissingImageIsASkippedFrameAndAMissingPoseIsNone) {
+  TempFolder folder;
+  WriteSevenScenes(folder, 4);
+  std::filesystem::remove(folder / "frame-000001.depth.png");
+  std::filesystem::remove(folder / "frame-000002.color.png");
+  std::filesystem::remove(folder / "frame-000003.pose.txt");
+  const auto source = OpenSequence(Options(folder));
+  EXPECT_EQ(source->info().ground_truth.size(), 3u);
+  const auto results = testing::ReadAll(source.get());
+  ASSERT_EQ(results.size(), 4u);
+  EXPECT_THAT(results[1].error, HasSubstr("frame-000001.depth.png"));
+  EXPECT_THAT(results[2].error, HasSubstr("frame-000002.color.png"));
+  EXPECT_TRUE(results[3].frame);
+}
+
+TEST(SevenScenesSequence, NamesAMalformedPose) {
+  TempFolder folder;
+  WriteSevenScenes(folder, 2);
+  const auto open = [&] { OpenSequence(Options(folder)); };
+  folder.Write("frame-000001.pose.txt", "1 0 0 0\n0 1 0 0\n0 0 1 0\n");
+  ExpectInputError(open, HasSubstr("frame-000001.pose.txt ends before"));
+  folder.Write("frame-000001.pose.txt", "1 0 0 0\n0 1 0\n0 0 1 0\n0 0 0 1\n");
+  ExpectInputError(open, HasSubstr("frame-000001.pose.txt:2 has 3 columns, must have 4"));
+  folder.Write("frame-000001.pose.txt", "1 0 0 0\n0 nan 0 0\n0 0 1 0\n0 0 0 1\n");
+  ExpectInputError(open, HasSubstr("'nan' is not a finite number"));
+  folder.Write("frame-000001.pose.txt", "1 0 0 0\n0 -1 0 0\n0 0 1 0\n0 0 0 1\n");
+  ExpectInputError(open, HasSubstr("no rigid transform"));
+}
+
+// Numbered from 1, depth names carrying times as Redwood's do.
+void WriteRedwood(const TempFolder& folder, int count, const std::string& color_folder) {
+  std::string log;
+  for (int i = 0; i < count; ++i) {
+    testing::WriteColor(folder / (color_folder + testing::Format("/%07d.jpg", i + 1)),
+                        testing::NumberedColor(i), {cv::IMWRITE_JPEG_QUALITY, 100});
+    testing::WriteDepth(
+        folder / (testing::Format("depth/%07d", i + 1) + testing::Format("-%012d.png", 33366 * i)),
+        testing::NumberedDepth(i));
+    log += testing::Format("%d ", i) + testing::Format("%d ", i) + testing::Format("%d\n", i + 1);
+    log += "0 -1 0 1.5\n1 0 0 " + std::to_string(i) + "\n0 0 1 -3\n0 0 0 1\n";
+  }
+  folder.Write("trajectory.log", log);
+  folder.Write(
+      "camera_intrinsic.json",
+      R"({"width": 32, "height": 24, "intrinsic_matrix": [31, 0, 0, 0, 30, 0, 15, 11, 1]})");
+}
+
+TEST(RedwoodSequence, ReadsFramesPosesAndCamera) {
+  for (const char* color_folder : {"color", "rgb", "image"}) {
+    TempFolder folder;
+    WriteRedwood(folder, 3, color_folder);
+    const auto source = OpenSequence(Options(folder));
+    const SequenceInfo& info = source->info();
+    EXPECT_EQ(info.format, "redwood");
+    EXPECT_EQ(info.pinhole.fx, 31);
+    EXPECT_EQ(info.pinhole.fy, 30);
+    EXPECT_EQ(info.pinhole.cx, 15);
+    EXPECT_EQ(info.pinhole.cy, 11);
+    ASSERT_EQ(info.ground_truth.size(), 3u);
+    EXPECT_DOUBLE_EQ(info.ground_truth[2].stamp_s, 2 / 30.);
+    EXPECT_THAT(info.ground_truth[2].world_from_camera * Eigen::Vector3d(1, 0, 0),
+                testing::VectorNear(Eigen::Vector3d(1.5, 3, -3), 1e-12));
+    const auto results = testing::ReadAll(source.get());
+    ASSERT_EQ(results.size(), 3u);
+    for (int i = 0; i < 3; ++i) {
+      ASSERT_TRUE(results[i].frame) << results[i].error;
+      EXPECT_DOUBLE_EQ(results[i].stamp_s, i / 30.);
+      EXPECT_FLOAT_EQ(results[i].frame->depth_m(1, 0), 1.001f + 0.01f * i);
+      EXPECT_NEAR(results[i].frame->color(5, 5).r, i, 2);  // one colour, JPEG
+    }
+  }
+}
+
+TEST(RedwoodSequence, MayLackColorAndPoses) {
+  TempFolder folder;
+  WriteRedwood(folder, 2, "color");
+  std::filesystem::remove_all(folder / "color");
+  std::filesystem::remove(folder / "trajectory.log");
+  const auto source = OpenSequence(Options(folder));
+  EXPECT_TRUE(source->info().ground_truth.empty());
+  const auto results = testing::ReadAll(source.get());
+  ASSERT_EQ(results.size(), 2u);
+  EXPECT_TRUE(results[0].frame->color.empty());
+}
+
+TEST(RedwoodSequence, AMissingImageIsASkippedFrameAndShiftsNoOther) {
+  TempFolder folder;
+  WriteRedwood(folder, 4, "color");
+  std::filesystem::remove(folder / "color/0000002.jpg");
+  std::filesystem::remove(folder / "depth/0000003-000000066732.png");
+  const auto results = testing::ReadAll(OpenSequence(Options(folder)).get());
+  ASSERT_EQ(results.size(), 4u);
+  EXPECT_THAT(results[1].error, AllOf(HasSubstr("color/0000002"), HasSubstr(".jpg")));
+  EXPECT_THAT(results[2].error, HasSubstr("depth/0000003.png"));
+  EXPECT_DOUBLE_EQ(results[3].stamp_s, 3 / 30.);
+  EXPECT_TRUE(results[3].frame);
+}
+
+TEST(RedwoodSequence, NamesTwoImagesOfOneNumber) {
+  TempFolder folder;
+  WriteRedwood(folder, 2, "color");
+  testing::WriteColor(folder / "color/0000001.png", testing::NumberedColor(0));
+  ExpectInputError([&] { OpenSequence(Options(folder)); },
+                   HasSubstr("0000001.jpg and 0000001.png are both number 1"));
+}
+
+TEST(RedwoodSequence, NamesWhatIsMalformed) {
+  TempFolder folder;
+  WriteRedwood(folder, 2, "color");
+  const auto open = [&] { OpenSequence(Options(folder)); };
+  folder.Write("trajectory.log", "0 0 1\n1 0 0 0\n0 1 0 0\n");
+  ExpectInputError(open, HasSubstr("trajectory.log ends before"));
+  std::filesystem::remove(folder / "trajectory.log");
+  folder.Write("camera_intrinsic.json", R"({"width": 32, "height": 24, "intrinsic_matrix": [1]})");
+  ExpectInputError(open, HasSubstr("intrinsic_matrix must have 9 numbers"));
+  folder.Write("camera_intrinsic.json", R"({"width": 32})");
+  ExpectInputError(open, AllOf(HasSubstr("camera_intrinsic.json"), HasSubstr("intrinsic_matrix")));
+  folder.Write("camera_intrinsic.json", "{");
+  ExpectInputError(open, HasSubstr("camera_intrinsic.json"));
+}
+
+class ReplicaTest : public ::testing::Test {
+ protected:
+  ReplicaTest() {
+    std::string poses;
+    for (int i = 0; i < 3; ++i) {
+      testing::WriteColor(folder_ / testing::Format("room0/results/frame%06d.jpg", i),
+                          testing::NumberedColor(i), {cv::IMWRITE_JPEG_QUALITY, 100});
+      testing::WriteDepth(folder_ / testing::Format("room0/results/depth%06d.png", i),
+                          testing::NumberedDepth(i));
+      poses += testing::Format("1 0 0 %d 0 1 0 2 0 0 1 3 0 0 0 1\n", i);
+    }
+    folder_.Write("room0/traj.txt", poses);
+    folder_.Write("cam_params.json",
+                  R"({"camera": {"w": 32, "h": 24, "fx": 31.0, "fy": 30.0, "cx": 15.5,
+                      "cy": 11.5, "scale": 1000.0}})");
+    options_.path = folder_ / "room0";
+  }
+  TempFolder folder_;
+  SequenceOptions options_;
+};
+
+TEST_F(ReplicaTest, ReadsFramesPosesAndCamera) {
+  const auto source = OpenSequence(options_);
+  const SequenceInfo& info = source->info();
+  EXPECT_EQ(info.format, "replica");
+  EXPECT_EQ(info.pinhole.fy, 30);
+  ASSERT_EQ(info.ground_truth.size(), 3u);
+  EXPECT_DOUBLE_EQ(info.ground_truth[2].stamp_s, 2 / 30.);
+  EXPECT_EQ(info.ground_truth[2].world_from_camera.translation, Eigen::Vector3d(2, 2, 3));
+  const auto results = testing::ReadAll(source.get());
+  ASSERT_EQ(results.size(), 3u);
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(results[i].frame) << results[i].error;
+    EXPECT_DOUBLE_EQ(results[i].stamp_s, i / 30.);
+    EXPECT_FLOAT_EQ(results[i].frame->depth_m(1, 0), 1.001f + 0.01f * i);
+    EXPECT_NEAR(results[i].frame->color(5, 5).g, 20, 2);
+  }
+}
+
+TEST_F(ReplicaTest, NamesTheImageThatIsMissing) {
+  std::filesystem::remove(folder_ / "room0/results/frame000001.jpg");
+  const auto results = testing::ReadAll(OpenSequence(options_).get());
+  ASSERT_EQ(results.size(), 3u);
+  EXPECT_THAT(results[1].error, HasSubstr("results/frame000001.jpg"));
+  EXPECT_TRUE(results[2].frame);
+}
+
+TEST_F(ReplicaTest, WithoutCamParamsTheCameraIsTheDataSets) {
+  std::filesystem::remove(folder_ / "cam_params.json");
+  ExpectInputError([&] { OpenSequence(options_); },
+                   HasSubstr("is 32 x 24 pixels, must be 1200 x 680"));
+  EXPECT_EQ(CameraPreset("replica").depth_units_per_metre, 6553.5);
+}
+
+TEST_F(ReplicaTest, RefusesMalformedFiles) {
+  folder_.Write("room0/cam_params.json", R"({"camera": {"w": 32}})");
+  ExpectInputError([&] { OpenSequence(options_); },
+                   ::testing::AllOf(HasSubstr("room0/cam_params.json"), HasSubstr("'h'")));
+  std::filesystem::remove(folder_ / "room0/cam_params.json");
+  folder_.Write("room0/traj.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n");
+  ExpectInputError([&] { OpenSequence(options_); },
+                   HasSubstr("traj.txt:1 has 12 columns, must have 16"));
+}
+
+}  // namespace
+}  // namespace surfit
