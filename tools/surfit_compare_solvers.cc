@@ -1,99 +1,18 @@
 // Compares pose solvers, residuals and associations: what they cost and from where they converge.
 
-#include <gflags/gflags.h>
-
 #include <atomic>
 #include <cstdio>
 #include <optional>
 
 #include "common/interruption.h"
-#include "common/lists.h"
 #include "common/progress_line.h"
-#include "common/sequence_flags.h"
-#include "common/slam_flags.h"
 #include "common/text_table.h"
 #include "common/tool_main.h"
 #include "surfit/registration/register_clouds.h"
 #include "surfit/run/compare_solvers.h"
 
-namespace {
-
-const surfit::CompareOptions kRun;
-
-}  // namespace
-
-DEFINE_int32(synthetic_points, kRun.synthetic_points,
-             "compare on so many random points whose pairs are known, without a robust kernel");
-DEFINE_double(noise_m, kRun.noise_m, "standard deviation of these points' coordinates");
-DEFINE_int32(pairs, kRun.pairs,
-             "pairs of frames of the sequence, evenly spread; 0 = none, with --slam");
-DEFINE_int32(gap, kRun.gap, "frames from the source to the target of a pair");
-DEFINE_bool(slam, kRun.slam,
-            "also run SLAM over all of these frames with each combination, and compare the maps");
-DEFINE_string(source, kRun.source, "compare on two clouds: the one to be moved, PLY or PCD");
-DEFINE_string(target, kRun.target, "and the one to be met");
-DEFINE_string(truth, kRun.truth,
-              "true target_from_source of the clouds as tx,ty,tz,qx,qy,qz,qw; empty = unknown");
-DEFINE_int32(first, kRun.sequence.first, "index of the first frame to use");
-DEFINE_int32(last, kRun.sequence.last,
-             "index of the last frame to use, inclusive; -1 = to the end");
-DEFINE_string(replay, kRun.replay,
-              "compare on a frame that tracking lost: a folder frame-XXXXXX of surfit_slam "
-              "--dump_failures, which brings its own start and options of registration");
-DEFINE_string(output, kRun.output, "folder for tables and pictures; made if missing");
-DEFINE_string(solvers, "",
-              "pose solvers, with commas between them; empty = all, of which ceres_per_point on "
-              "known pairs only");
-DEFINE_string(linear_solvers, "", "linear solvers of ceres_per_point; empty = all");
-DEFINE_string(residuals, "", "residuals; empty = all");
-DEFINE_string(associations, "", "associations; empty = all that the data allows");
-DEFINE_string(threads, surfit::tools::Joined(kRun.threads),
-              "numbers of threads that compute at the same time, a row for each");
-DEFINE_string(rotations_deg, surfit::tools::Joined(kRun.rotations_deg),
-              "angles that starts are turned by from the truth");
-DEFINE_string(translations_m, surfit::tools::Joined(kRun.translations_m),
-              "distances that they are shifted by, each with each angle");
-DEFINE_uint64(seed, kRun.seed, "seed of the axes of turns and shifts, and of random points");
-DEFINE_double(max_rotation_error_deg, kRun.max_rotation_error_deg,
-              "what ends nearer to the truth counts as converged");
-DEFINE_double(max_translation_error_m, kRun.max_translation_error_m,
-              "what ends nearer to the truth counts as converged");
-
 namespace surfit::tools {
 namespace {
-
-CompareOptions OptionsFromFlags() {
-  CompareOptions options;
-  const bool clouds = !FLAGS_source.empty() || !FLAGS_target.empty();
-  const IcpOptions base = clouds ? RegisterCloudsOptions::DefaultIcp() : IcpOptions();
-  SetIcpFlagDefaults(base);
-  options.synthetic_points = FLAGS_synthetic_points;
-  options.noise_m = FLAGS_noise_m;
-  options.sequence = SequenceOptionsFromFlags();
-  options.sequence.first = FLAGS_first;
-  options.sequence.last = FLAGS_last;
-  options.pairs = FLAGS_pairs;
-  options.gap = FLAGS_gap;
-  options.slam = FLAGS_slam;
-  options.source = FLAGS_source;
-  options.target = FLAGS_target;
-  options.truth = FLAGS_truth;
-  options.replay = FLAGS_replay;
-  options.output = FLAGS_output;
-  options.solvers = Names(FLAGS_solvers);
-  options.linear_solvers = Names(FLAGS_linear_solvers);
-  options.residuals = Names(FLAGS_residuals);
-  options.associations = Names(FLAGS_associations);
-  options.threads = IntegerList("threads", FLAGS_threads);
-  options.rotations_deg = NumberList("rotations_deg", FLAGS_rotations_deg);
-  options.translations_m = NumberList("translations_m", FLAGS_translations_m);
-  options.seed = FLAGS_seed;
-  options.max_rotation_error_deg = FLAGS_max_rotation_error_deg;
-  options.max_translation_error_m = FLAGS_max_translation_error_m;
-  options.preprocess = PreprocessOptionsFromFlags();
-  options.icp = FrameIcpOptionsFromFlags(base);
-  return options;
-}
 
 void ShowProgress(const CompareProgress& progress) {
   static ProgressLine line;
@@ -146,8 +65,7 @@ void PrintSlamTable(const std::vector<SlamComparisonRow>& rows) {
   std::printf("Surfaces are compared with those of the first solver with the same residual.\n");
 }
 
-int Run() {
-  const CompareOptions options = OptionsFromFlags();
+int Run(const CompareOptions& options) {
   const std::atomic<bool>& interrupted = CatchInterruptions();
   const Comparison comparison = CompareSolvers(options, interrupted, ShowProgress);
   if (interrupted) std::fputc('\n', stderr);  // ends the line of progress
@@ -161,9 +79,14 @@ int Run() {
 }  // namespace surfit::tools
 
 int main(int argc, char** argv) {
+  surfit::CompareOptions options;
   return surfit::tools::ToolMain(
       argc, argv,
       "compares pose solvers, residuals and associations from starts around the truth: times, "
       "iterations, final errors and the share that converged",
-      surfit::tools::Run);
+      surfit::TableOf(&options), [&] { return surfit::tools::Run(options); },
+      [&] {
+        const bool clouds = !options.source.empty() || !options.target.empty();
+        if (clouds) options.icp = surfit::RegisterCloudsOptions::DefaultIcp();
+      });
 }

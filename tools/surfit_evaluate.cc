@@ -1,7 +1,5 @@
 // Compares an estimated trajectory with the ground truth: ATE and RPE.
 
-#include <gflags/gflags.h>
-
 #include <iomanip>
 #include <iostream>
 
@@ -11,43 +9,27 @@
 #include "surfit/evaluation/trajectory_evaluation.h"
 #include "surfit/io/tum_trajectory.h"
 
-namespace {
-
-const surfit::TrajectoryEvaluationOptions kDefaults;
-
-const char* UnitName(surfit::RelativePoseErrorOptions::Unit unit) {
-  return unit == surfit::RelativePoseErrorOptions::Unit::kFrames ? "frames" : "seconds";
-}
-
-}  // namespace
-
-DEFINE_string(groundtruth, "", "the true trajectory: TUM format, or ICL-NUIM's .gt.freiburg");
-DEFINE_string(estimate, "", "the estimated trajectory, same format");
-DEFINE_string(frames, "",
-              "list of the frames that should have a pose, stamps first (rgb.txt): coverage is the "
-              "share of them that has one; if empty, of the ground truth's poses");
-DEFINE_double(max_difference_s, kDefaults.match.max_difference_s,
-              "stamps further apart never match (evo: 0.01, TUM scripts: 0.02)");
-DEFINE_double(delta, kDefaults.rpe.delta, "step of the relative pose error");
-DEFINE_string(delta_unit, UnitName(kDefaults.rpe.delta_unit), "unit of --delta: frames or seconds");
-
 namespace surfit::tools {
 namespace {
 
-TrajectoryEvaluationOptions OptionsFromFlags() {
-  TrajectoryEvaluationOptions options;
-  options.match.max_difference_s = FLAGS_max_difference_s;
-  options.rpe.delta = FLAGS_delta;
-  using Unit = RelativePoseErrorOptions::Unit;
-  for (const Unit unit : {Unit::kFrames, Unit::kSeconds}) {
-    if (FLAGS_delta_unit == UnitName(unit)) {
-      options.rpe.delta_unit = unit;
-      return options;
-    }
+struct Options {
+  std::string groundtruth, estimate, frames;
+  TrajectoryEvaluationOptions evaluation;
+
+  void Visit(OptionVisitor& v) {
+    v.Add(groundtruth,
+          Option("groundtruth", "the true trajectory: TUM format, or ICL-NUIM's .gt.freiburg")
+              .Required()
+              .Flag());
+    v.Add(estimate, Option("estimate", "the estimated trajectory, same format").Required().Flag());
+    v.Add(frames, Option("frames",
+                         "list of the frames that should have a pose, stamps first (rgb.txt): "
+                         "coverage is the share of them that has one; if empty, of the ground "
+                         "truth's poses")
+                      .Flag());
+    v.AddPart(evaluation, Option("evaluation", "how they are compared"));
   }
-  throw InputError(
-      Concat("--delta_unit is '", FLAGS_delta_unit, "', must be 'frames' or 'seconds'"));
-}
+};
 
 std::string DescribeStamps(const Trajectory& trajectory) {
   if (trajectory.empty()) return "no poses";
@@ -55,7 +37,7 @@ std::string DescribeStamps(const Trajectory& trajectory) {
                 trajectory.front().stamp_s, " to ", trajectory.back().stamp_s, " s");
 }
 
-Json ToJson(const TrajectoryEvaluation& e, const TrajectoryEvaluationOptions& options) {
+Json ToJson(const TrajectoryEvaluation& e, Options options) {
   Json json;
   SetStatistics("ate", "m", &e.ate->translation_m, &json);
   json["ate_coverage"] = e.coverage;
@@ -68,42 +50,38 @@ Json ToJson(const TrajectoryEvaluation& e, const TrajectoryEvaluationOptions& op
   const Rigid3d& a = e.ate->alignment.target_from_source;
   json["groundtruth_from_estimate"] = {{"translation_m", a.translation},
                                        {"quaternion_xyzw", a.rotation.coeffs()}};
-  json["options"] = {
-      {"groundtruth", FLAGS_groundtruth}, {"estimate", FLAGS_estimate},
-      {"frames", FLAGS_frames},           {"max_difference_s", options.match.max_difference_s},
-      {"delta", options.rpe.delta},       {"delta_unit", UnitName(options.rpe.delta_unit)}};
+  json["options"] = FlagsToJson(TableOf(&options));
   return json;
 }
 
-void PrintSummary(const TrajectoryEvaluation& e) {
+void PrintSummary(const TrajectoryEvaluation& e, const Options& options) {
   std::cerr << "ATE RMSE " << e.ate->translation_m.rmse << " m over " << e.matched << " of "
-            << e.expected << (FLAGS_frames.empty() ? " true poses" : " frames");
+            << e.expected << (options.frames.empty() ? " true poses" : " frames");
   if (e.rpe) {
     std::cerr << ", RPE RMSE " << e.rpe->translation_m.rmse << " m and " << e.rpe->rotation_deg.rmse
               << " deg a step of ";
   } else {
     std::cerr << ", no RPE: no two poses are apart by ";
   }
-  std::cerr << FLAGS_delta << " " << FLAGS_delta_unit << std::endl;
+  const RelativePoseErrorOptions& rpe = options.evaluation.rpe;
+  const bool frames = rpe.delta_unit == RelativePoseErrorOptions::Unit::kFrames;
+  std::cerr << rpe.delta << (frames ? " frames" : " seconds") << std::endl;
 }
 
-int Run() {
-  const TrajectoryEvaluationOptions options = OptionsFromFlags();
-  RequireFlag("groundtruth", FLAGS_groundtruth);
-  RequireFlag("estimate", FLAGS_estimate);
-  const Trajectory ground_truth = ReadTumTrajectory(FLAGS_groundtruth);
-  const Trajectory estimate = ReadTumTrajectory(FLAGS_estimate);
-  const auto frames = FLAGS_frames.empty() ? Stamps(ground_truth) : ReadTumStamps(FLAGS_frames);
+int Run(const Options& options) {
+  const Trajectory ground_truth = ReadTumTrajectory(options.groundtruth);
+  const Trajectory estimate = ReadTumTrajectory(options.estimate);
+  const auto frames = options.frames.empty() ? Stamps(ground_truth) : ReadTumStamps(options.frames);
   const TrajectoryEvaluation evaluation =
-      EvaluateTrajectory(ground_truth, estimate, frames, options);
+      EvaluateTrajectory(ground_truth, estimate, frames, options.evaluation);
   if (!evaluation.ate) {
-    throw InputError(
-        Concat(evaluation.matched, " poses match within ", options.match.max_difference_s,
-               " s, must be at least 3: ", FLAGS_groundtruth, " has ", DescribeStamps(ground_truth),
-               ", ", FLAGS_estimate, " has ", DescribeStamps(estimate)));
+    throw InputError(Concat(
+        evaluation.matched, " poses match within ", options.evaluation.match.max_difference_s,
+        " s, must be at least 3: ", options.groundtruth, " has ", DescribeStamps(ground_truth),
+        ", ", options.estimate, " has ", DescribeStamps(estimate)));
   }
   PrintJson(ToJson(evaluation, options));
-  PrintSummary(evaluation);
+  PrintSummary(evaluation, options);
   return kDone;
 }
 
@@ -111,10 +89,11 @@ int Run() {
 }  // namespace surfit::tools
 
 int main(int argc, char** argv) {
+  surfit::tools::Options options;
   return surfit::tools::ToolMain(
       argc, argv,
       "compares a trajectory with the ground truth. Prints JSON on stdout (absolute trajectory "
       "error after rigid alignment without scale, relative pose error, coverage) and a summary "
       "on stderr.",
-      surfit::tools::Run);
+      surfit::TableOf(&options), [&] { return surfit::tools::Run(options); });
 }

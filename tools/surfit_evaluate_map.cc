@@ -1,47 +1,59 @@
 // Compares a map with a reference surface: accuracy and completeness.
 
-#include <gflags/gflags.h>
-
 #include <iostream>
 
 #include "common/json.h"
 #include "common/tool_main.h"
 #include "surfit/core/error.h"
+#include "surfit/core/options.h"
 #include "surfit/evaluation/map_error.h"
 #include "surfit/evaluation/trajectory_evaluation.h"
 #include "surfit/io/point_cloud.h"
 #include "surfit/io/tum_trajectory.h"
 
-DEFINE_string(map, "", "the map, a PLY or PCD file with points or surfels");
-DEFINE_string(reference, "",
-              "the true surface as a dense point cloud (PLY or PCD), in the map's frame");
-DEFINE_string(estimate, "",
-              "the run's trajectory (TUM format), with --groundtruth: the map is taken to the "
-              "reference as its trajectory is for ATE, or else compared as it lies");
-DEFINE_string(groundtruth, "", "the true trajectory, in the reference's frame");
-DEFINE_double(completeness_distance_m, surfit::MapErrorOptions().completeness_distance_m,
-              "a reference point counts as mapped if a map point is at most this far");
-
 namespace surfit::tools {
 namespace {
 
+struct Options {
+  std::string map, reference, estimate, groundtruth;
+  MapErrorOptions error;
+
+  void Visit(OptionVisitor& v) {
+    v.Add(map,
+          Option("map", "the map, a PLY or PCD file with points or surfels").Required().Flag());
+    v.Add(reference,
+          Option("reference",
+                 "the true surface as a dense point cloud (PLY or PCD), in the map's frame")
+              .Required()
+              .Flag());
+    v.Add(estimate,
+          Option("estimate",
+                 "the run's trajectory (TUM format), with --groundtruth: the map is taken to the "
+                 "reference as its trajectory is for ATE, or else compared as it lies")
+              .Flag());
+    v.Add(groundtruth,
+          Option("groundtruth", "the true trajectory, in the reference's frame").Flag());
+    v.AddPart(error, Option("error", "how they are compared"));
+  }
+};
+
 // By the rigid motion that takes the trajectory as near to the truth as one can.
-Rigid3d ReferenceFromMap() {
-  if (FLAGS_estimate.empty() && FLAGS_groundtruth.empty()) return Rigid3d();
-  RequireFlag("estimate", FLAGS_estimate);
-  RequireFlag("groundtruth", FLAGS_groundtruth);
-  const Trajectory truth = ReadTumTrajectory(FLAGS_groundtruth);
+Rigid3d ReferenceFromMap(const Options& options) {
+  if (options.estimate.empty() && options.groundtruth.empty()) return Rigid3d();
+  RequireFlag("estimate", options.estimate);
+  RequireFlag("groundtruth", options.groundtruth);
+  const Trajectory truth = ReadTumTrajectory(options.groundtruth);
   const auto evaluation =
-      EvaluateTrajectory(truth, ReadTumTrajectory(FLAGS_estimate), Stamps(truth), {});
+      EvaluateTrajectory(truth, ReadTumTrajectory(options.estimate), Stamps(truth), {});
   if (!evaluation.ate || evaluation.ate->alignment.status != AlignmentStatus::kAligned) {
-    throw InputError(Concat("the ", evaluation.matched, " poses of ", FLAGS_estimate,
-                            " that match ", FLAGS_groundtruth,
+    throw InputError(Concat("the ", evaluation.matched, " poses of ", options.estimate,
+                            " that match ", options.groundtruth,
                             " place no map, must be at least 3 that are not in a line"));
   }
   return evaluation.ate->alignment.target_from_source;
 }
 
-Json ToJson(const MapError& error, const Rigid3d& reference_from_map) {
+Json ToJson(const MapError& error, const Rigid3d& reference_from_map, Options options) {
   Json json;
   SetStatistics("accuracy", "m", &error.accuracy_m, &json);
   json["completeness"] = error.completeness;
@@ -51,30 +63,23 @@ Json ToJson(const MapError& error, const Rigid3d& reference_from_map) {
   json["reference_points"] = error.reference_points;
   json["reference_from_map"] = {{"translation_m", reference_from_map.translation},
                                 {"quaternion_xyzw", reference_from_map.rotation.coeffs()}};
-  json["options"] = {{"map", FLAGS_map},
-                     {"reference", FLAGS_reference},
-                     {"estimate", FLAGS_estimate},
-                     {"groundtruth", FLAGS_groundtruth},
-                     {"completeness_distance_m", FLAGS_completeness_distance_m}};
+  json["options"] = FlagsToJson(TableOf(&options));
   return json;
 }
 
-int Run() {
-  RequireFlag("map", FLAGS_map);
-  RequireFlag("reference", FLAGS_reference);
-  const MapErrorOptions options{FLAGS_completeness_distance_m};
-  options.Validate();
-  const Rigid3d reference_from_map = ReferenceFromMap();
-  PointCloud map = ReadPointCloud(FLAGS_map);
+int Run(const Options& options) {
+  const Rigid3d reference_from_map = ReferenceFromMap(options);
+  PointCloud map = ReadPointCloud(options.map);
   for (Eigen::Vector3f& point : map.points) {
     point = (reference_from_map * point.cast<double>()).cast<float>();
   }
-  const PointCloud reference = ReadPointCloud(FLAGS_reference);
-  const MapError error = ComputeMapError(map.points, reference.points, reference.normals, options);
-  PrintJson(ToJson(error, reference_from_map));
+  const PointCloud reference = ReadPointCloud(options.reference);
+  const MapError error =
+      ComputeMapError(map.points, reference.points, reference.normals, options.error);
+  PrintJson(ToJson(error, reference_from_map, options));
   std::cerr << "accuracy " << error.accuracy_m.mean << " m mean, " << error.accuracy_m.p90
             << " m for 90 %; " << 100 * error.completeness << " % of the reference mapped within "
-            << options.completeness_distance_m << " m" << std::endl;
+            << options.error.completeness_distance_m << " m" << std::endl;
   return kDone;
 }
 
@@ -82,6 +87,7 @@ int Run() {
 }  // namespace surfit::tools
 
 int main(int argc, char** argv) {
+  surfit::tools::Options options;
   return surfit::tools::ToolMain(
       argc, argv,
       "compares a map with a reference surface. Prints JSON on stdout and a summary on stderr: "
@@ -89,5 +95,5 @@ int main(int argc, char** argv) {
       "reference's spacing is part of it), plane_accuracy the distance to that point's plane "
       "where the reference has normals, completeness the share of the reference with a map point "
       "near by.",
-      surfit::tools::Run);
+      surfit::TableOf(&options), [&] { return surfit::tools::Run(options); });
 }

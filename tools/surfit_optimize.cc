@@ -1,7 +1,5 @@
 // Optimises a pose graph of a .g2o file.
 
-#include <gflags/gflags.h>
-
 #include <iomanip>
 #include <iostream>
 
@@ -10,45 +8,27 @@
 #include "common/tool_main.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
+#include "surfit/core/options.h"
 #include "surfit/io/g2o.h"
 #include "surfit/optimization/pose_graph.h"
-
-namespace {
-
-const surfit::PoseGraphOptions kDefaults;
-
-}  // namespace
-
-DEFINE_string(graph, "", "the pose graph: .g2o with VERTEX_SE3:QUAT and EDGE_SE3:QUAT");
-DEFINE_string(output, "", "if given, the optimised graph goes to this .g2o file");
-DEFINE_string(summary, "", "if given, costs, times and options go to this JSON file");
-DEFINE_string(sparse_backend, kDefaults.sparse_backend,
-              "suite_sparse (where Ceres has it) or eigen_sparse");
-DEFINE_string(initialization, kDefaults.initialization,
-              "given: the file's poses; odometry: chained along edges of ids that follow one "
-              "another; chordal: from all edges, by two linear systems");
-DEFINE_string(
-    loop_robustness, kDefaults.loop_robustness,
-    "none: all edges count; gnc: loops (edges of other ids) that do not fit are left out");
-DEFINE_double(max_loop_squared_error, kDefaults.max_loop_squared_error,
-              "a loop of a larger error (e^T information e) is wrong, for gnc");
-DEFINE_int32(max_iterations, kDefaults.max_iterations, "of Levenberg-Marquardt");
-DEFINE_double(min_relative_cost_change, kDefaults.min_relative_cost_change, "ends the iterations");
 
 namespace surfit::tools {
 namespace {
 
-PoseGraphOptions OptionsFromFlags() {
-  PoseGraphOptions options;
-  options.sparse_backend = FLAGS_sparse_backend;
-  options.initialization = FLAGS_initialization;
-  options.loop_robustness = FLAGS_loop_robustness;
-  options.max_loop_squared_error = FLAGS_max_loop_squared_error;
-  options.max_iterations = FLAGS_max_iterations;
-  options.min_relative_cost_change = FLAGS_min_relative_cost_change;
-  options.Validate();
-  return options;
-}
+struct Options {
+  std::string graph, output, summary;
+  PoseGraphOptions optimization;
+
+  void Visit(OptionVisitor& v) {
+    v.Add(graph, Option("graph", "the pose graph: .g2o with VERTEX_SE3:QUAT and EDGE_SE3:QUAT")
+                     .Required()
+                     .Flag());
+    v.Add(output, Option("output", "if given, the optimised graph goes to this .g2o file").Flag());
+    v.Add(summary,
+          Option("summary", "if given, costs, times and options go to this JSON file").Flag());
+    v.AddPart(optimization, Option("optimization", "how the graph is optimised"));
+  }
+};
 
 std::string Number(double value, int digits = 6) {
   return Concat(std::setprecision(digits), value);
@@ -91,7 +71,7 @@ Json OutlierIds(const PoseGraph& graph, const PoseGraphSummary& summary) {
   return ids;
 }
 
-Json ToJson(const G2oFile& file, const PoseGraphSummary& s, const PoseGraphOptions& options) {
+Json ToJson(const G2oFile& file, const PoseGraphSummary& s, Options options) {
   Json json = {{"termination", ToString(s.termination)},
                {"poses", file.graph.poses.size()},
                {"held_poses", s.held_count},
@@ -112,33 +92,25 @@ Json ToJson(const G2oFile& file, const PoseGraphSummary& s, const PoseGraphOptio
                                   {"ms", i.time_ms}});
   }
   json["wrong_loops"] = OutlierIds(file.graph, s);
-  json["options"] = {{"graph", FLAGS_graph},
-                     {"sparse_backend", options.sparse_backend},
-                     {"initialization", options.initialization},
-                     {"loop_robustness", options.loop_robustness},
-                     {"max_loop_squared_error", options.max_loop_squared_error},
-                     {"max_iterations", options.max_iterations},
-                     {"min_relative_cost_change", options.min_relative_cost_change}};
+  json["options"] = FlagsToJson(TableOf(&options));
   return json;
 }
 
-int Run() {
-  const PoseGraphOptions options = OptionsFromFlags();
-  RequireFlag("graph", FLAGS_graph);
-  G2oFile file = ReadG2o(FLAGS_graph);
+int Run(const Options& options) {
+  G2oFile file = ReadG2o(options.graph);
   PrintIgnored(file);
-  const PoseGraphSummary summary = OptimizePoseGraph(options, &file.graph);
+  const PoseGraphSummary summary = OptimizePoseGraph(options.optimization, &file.graph);
   PrintIterations(summary);
   PrintOutcome(file.graph, summary);
-  if (!FLAGS_summary.empty()) {
-    WriteFileAtomically(FLAGS_summary,
+  if (!options.summary.empty()) {
+    WriteFileAtomically(options.summary,
                         [&](std::ostream& out) { out << ToText(ToJson(file, summary, options)); });
   }
   if (!summary.Succeeded()) {
     std::cerr << "failed: the solver gave up" << std::endl;
     return kAlgorithmFailed;
   }
-  if (!FLAGS_output.empty()) WriteG2o(file.graph, FLAGS_output);
+  if (!options.output.empty()) WriteG2o(file.graph, options.output);
   return kDone;
 }
 
@@ -146,7 +118,8 @@ int Run() {
 }  // namespace surfit::tools
 
 int main(int argc, char** argv) {
+  surfit::tools::Options options;
   return surfit::tools::ToolMain(
       argc, argv, "optimises the pose graph of a .g2o file, and prints the cost at each iteration.",
-      surfit::tools::Run);
+      surfit::TableOf(&options), [&] { return surfit::tools::Run(options); });
 }

@@ -4,6 +4,7 @@
 #include "bindings/bind.h"
 #include "bindings/frame.h"
 #include "bindings/options_class.h"
+#include "surfit/core/options.h"
 #include "surfit/frame/intensity.h"
 #include "surfit/frame/preprocess.h"
 #include "surfit/registration/initialize.h"
@@ -26,9 +27,9 @@ InitializedIcpResult Align(const Frame& source, const Frame& target,
                            const std::optional<IcpOptions>& given_icp,
                            const PreprocessOptions& preprocess) {
   const IcpOptions icp = given_icp.value_or(FarIcpOptions());
-  preprocess.Validate();
-  initialize.Validate();
-  icp.Validate();
+  Validate(preprocess);
+  Validate(initialize);
+  Validate(icp);
   const bool with_intensities = icp.error_model.UsesIntensities();
   return InitializeAndRegister(ViewOfFrame(source, preprocess, with_intensities),
                                ViewOfFrame(target, preprocess, with_intensities), initialize, icp);

@@ -11,15 +11,13 @@ namespace surfit::python {
 void BindErrors();
 void BindThreads(pybind11::module_& module);
 void BindCamera(pybind11::module_& module);
+void BindAllOptions(pybind11::module_& module);
 void BindFrame(pybind11::module_& module);
 void BindSequence(pybind11::module_& module);
-void BindRegistrationOptions(pybind11::module_& module);
 void BindIcpResult(pybind11::module_& module);
 void BindAlign(pybind11::module_& module);
 void BindClouds(pybind11::module_& module);
 void BindEvaluation(pybind11::module_& module);
-void BindLoopOptions(pybind11::module_& module);
-void BindSlamOptions(pybind11::module_& module);
 void BindFrameReport(pybind11::module_& module);
 void BindSurfels(pybind11::module_& module);
 void BindSlam(pybind11::module_& module);

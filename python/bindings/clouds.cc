@@ -11,6 +11,7 @@
 #include "bindings/options_class.h"
 #include "run/cloud_file.h"
 #include "surfit/core/error.h"
+#include "surfit/core/options.h"
 #include "surfit/io/point_cloud.h"
 #include "surfit/registration/register_clouds.h"
 
@@ -73,8 +74,8 @@ void BindPointCloud(py::module_& module) {
 
 IcpResult RegisterPoints(PointCloud source, PointCloud target, const Rigid3d& start,
                          const RegisterCloudsOptions& options, const CloudNormalOptions& normals) {
-  options.Validate();
-  normals.Validate();
+  Validate(options);
+  Validate(normals);
   const double floor_sigma_m = options.icp.error_model.floor_sigma_m;
   return RegisterClouds(PrepareCloud(std::move(source), "source", normals, floor_sigma_m).points,
                         PrepareCloud(std::move(target), "target", normals, floor_sigma_m).points,

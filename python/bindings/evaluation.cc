@@ -17,40 +17,6 @@ namespace py = pybind11;
 namespace surfit::python {
 namespace {
 
-using Unit = RelativePoseErrorOptions::Unit;
-
-Unit UnitOf(const std::string& name) {
-  if (name == "frames") return Unit::kFrames;
-  if (name == "seconds") return Unit::kSeconds;
-  throw InputError(Concat("delta_unit is '", name, "', must be 'frames' or 'seconds'"));
-}
-
-void BindEvaluationOptions(py::module_& module) {
-  OptionsClass<MatchOptions>(module, "MatchOptions", "Which poses belong to the same moment.")
-      .Add("max_difference_s", &MatchOptions::max_difference_s, "stamps further apart never match")
-      .Complete();
-
-  OptionsClass<RelativePoseErrorOptions>(module, "RelativePoseErrorOptions",
-                                         "Over what interval drift is measured.")
-      .Add("delta", &RelativePoseErrorOptions::delta, "the interval")
-      .AddProperty(
-          "delta_unit",
-          [](const RelativePoseErrorOptions& options) {
-            return options.delta_unit == Unit::kFrames ? "frames" : "seconds";
-          },
-          [](RelativePoseErrorOptions& options, const std::string& name) {
-            options.delta_unit = UnitOf(name);
-          },
-          "frames or seconds")
-      .Complete();
-
-  OptionsClass<TrajectoryEvaluationOptions>(module, "TrajectoryEvaluationOptions",
-                                            "How a trajectory is evaluated.")
-      .Add("match", &TrajectoryEvaluationOptions::match, "which poses belong together")
-      .Add("rpe", &TrajectoryEvaluationOptions::rpe, "of the relative pose error")
-      .Complete();
-}
-
 void BindErrors(py::module_& module) {
   py::class_<ErrorStatistics>(module, "ErrorStatistics", "What is said of a set of errors.")
       .def_readonly("count", &ErrorStatistics::count, "how many")
@@ -91,7 +57,6 @@ std::vector<double> StampsOf(const std::optional<std::vector<double>>& stamps_s,
 }  // namespace
 
 void BindEvaluation(py::module_& module) {
-  BindEvaluationOptions(module);
   BindErrors(module);
   py::class_<TrajectoryEvaluation>(module, "TrajectoryEvaluation",
                                    "All that is said of an estimated trajectory.")

@@ -54,12 +54,6 @@ Frame FrameMaker::Make(const py::object& color, const py::array& depth, double s
 }
 
 void BindFrame(py::module_& module) {
-  OptionsClass<PrepareOptions>(module, "PrepareOptions", "How images become frames.")
-      .Add("downsample", &PrepareOptions::downsample,
-           "keep every downsample-th column and row, 1 to 16")
-      .Add("max_depth_m", &PrepareOptions::max_depth_m, "depth beyond is missing")
-      .Complete();
-
   py::class_<Frame>(
       module, "Frame",
       "A depth image with its colours, undistorted, in the pixels of one pinhole camera. The "

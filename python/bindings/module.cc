@@ -1,6 +1,5 @@
 // The extension module surfit._surfit; surfit/__init__.py makes it the package.
 #include "bindings/bind.h"
-#include "bindings/options_class.h"
 
 namespace py = pybind11;
 
@@ -12,20 +11,17 @@ PYBIND11_MODULE(_surfit, module) {
   BindErrors();
   BindThreads(module);
   BindCamera(module);
+  BindAllOptions(module);
   BindFrame(module);
   BindSequence(module);
-  BindRegistrationOptions(module);
   BindIcpResult(module);
   BindAlign(module);
   BindClouds(module);
   BindEvaluation(module);
-  BindLoopOptions(module);
-  BindSlamOptions(module);
   BindFrameReport(module);
   BindSurfels(module);
   BindSlam(module);
   BindRun(module);
   module.attr("__version__") = SURFIT_VERSION;
-  module.attr("_incomplete_options") = py::cast(IncompleteOptions());
   module.attr("__name__") = name;
 }

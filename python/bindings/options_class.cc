@@ -1,12 +1,145 @@
 #include "bindings/options_class.h"
 
+#include <pybind11/eigen.h>
+
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "surfit/geometry/rigid3.h"
+
 namespace py = pybind11;
 
 namespace surfit::python {
+namespace {
 
-std::vector<std::string>& IncompleteOptions() {
-  static std::vector<std::string> sentences;
-  return sentences;
+template <typename T>
+std::pair<const std::type_index, FieldType> ValueType(const char* name) {
+  return {typeid(T),
+          {name, [](void* field, py::handle) { return py::cast(*static_cast<const T*>(field)); },
+           [](void* field, py::handle value) { *static_cast<T*>(field) = value.cast<T>(); }}};
+}
+
+std::map<std::type_index, FieldType>& FieldTypes() {
+  static std::map<std::type_index, FieldType> types = {
+      ValueType<bool>("bool"),
+      ValueType<int>("int"),
+      ValueType<std::size_t>("int"),
+      ValueType<float>("float"),
+      ValueType<double>("float"),
+      ValueType<std::string>("str"),
+      ValueType<std::vector<int>>("List[int]"),
+      ValueType<std::vector<double>>("List[float]"),
+      ValueType<std::vector<std::string>>("List[str]"),
+      ValueType<std::optional<double>>("Optional[float]"),
+      ValueType<std::optional<std::array<double, 4>>>("Optional[List[float]]"),
+      ValueType<std::optional<std::array<double, 5>>>("Optional[List[float]]"),
+      ValueType<std::optional<Rigid3d>>("Optional[numpy.ndarray]"),
+      ValueType<Eigen::Vector3d>("numpy.ndarray")};
+  return types;
+}
+
+// A field of options.
+struct Field {
+  const std::type_info* type = nullptr;
+  void* address = nullptr;
+  OptionText* text = nullptr;  // where its type is not known
+};
+
+Field FieldOf(const OptionValue& value) {
+  return std::visit(
+      [](auto* field) -> Field {
+        using T = std::decay_t<decltype(*field)>;
+        if constexpr (std::is_same_v<T, OptionText>) {
+          const bool known = FieldTypes().count(field->type()) > 0;
+          return known ? Field{&field->type(), field->field()} : Field{nullptr, nullptr, field};
+        } else {
+          return {&typeid(T), field};
+        }
+      },
+      value);
+}
+
+// Calls a function for each field of one struct, parts included but not what is in them.
+class FieldVisitor final : public OptionVisitor {
+ public:
+  using Function = std::function<void(const Option&, const Field&)>;
+  explicit FieldVisitor(Function function) : function_(std::move(function)) {}
+
+ private:
+  void Visit(const Option& option, const OptionValue& value) override {
+    function_(option, FieldOf(value));
+  }
+  bool Enter(const Option& part, const std::type_info& type, void* field) override {
+    function_(part, {&type, field});
+    return false;
+  }
+
+  Function function_;
+};
+
+void ForField(const OptionTable& table, const std::string& name,
+              const std::function<void(const Field&)>& function) {
+  FieldVisitor visitor([&](const Option& option, const Field& field) {
+    if (option.name == name) function(field);
+  });
+  table(visitor);
+}
+
+std::string TypeName(const Field& field) {
+  return field.text != nullptr ? "str" : FieldTypes().at(*field.type).name;
+}
+
+py::object Get(const Field& field, py::handle options) {
+  if (field.text != nullptr) return py::str(field.text->Get());
+  return FieldTypes().at(*field.type).get(field.address, options);
+}
+
+// Paths are texts as well.
+void Set(const std::string& name, const Field& field, const py::object& value) {
+  try {
+    const bool is_path = py::hasattr(value, "__fspath__");
+    const py::object plain = is_path ? py::object(value.attr("__fspath__")()) : value;
+    if (field.text != nullptr) {
+      SetText(name, plain.cast<std::string>(), field.text);
+    } else {
+      FieldTypes().at(*field.type).set(field.address, plain);
+    }
+  } catch (const py::cast_error&) {
+    throw py::type_error(name + " is " + py::repr(value).cast<std::string>() + ", must be " +
+                         TypeName(field));
+  }
+}
+
+}  // namespace
+
+void AddFieldType(std::type_index type, FieldType field_type) {
+  FieldTypes().emplace(type, std::move(field_type));
+}
+
+void AddProperties(py::object options_class, const OptionTable& defaults,
+                   const std::function<OptionTable(py::handle)>& table_of) {
+  py::options docstrings;
+  docstrings.disable_function_signatures();  // they would not tell the fields' types
+  const py::object property = py::module_::import("builtins").attr("property");
+  const std::string self = "(self: surfit." + options_class.attr("__name__").cast<std::string>();
+  FieldVisitor visitor([&](const Option& option, const Field& field) {
+    const std::string name = option.name, type = TypeName(field);
+    const py::cpp_function get(
+        [=](const py::object& options) {
+          py::object value;
+          ForField(table_of(options), name, [&](const Field& f) { value = Get(f, options); });
+          return value;
+        },
+        py::doc((self + ") -> " + type).c_str()));
+    const py::cpp_function set(
+        [=](const py::object& options, const py::object& value) {
+          ForField(table_of(options), name, [&](const Field& f) { Set(name, f, value); });
+        },
+        py::doc((self + ", arg0: " + type + ") -> None").c_str()));
+    py::setattr(options_class, name.c_str(), property(get, set, py::none(), option.Help()));
+  });
+  defaults(visitor);
 }
 
 std::string ReprOfOptions(const py::object& options) {

@@ -13,30 +13,6 @@ namespace py = pybind11;
 namespace surfit::python {
 namespace {
 
-void BindRunOptions(py::module_& module) {
-  OptionsClass<SlamRunOptions>(module, "SlamRunOptions",
-                               "What a run is to do, beyond how the SLAM works.")
-      .Add("sequence", &SlamRunOptions::sequence, "what to read")
-      .Add("slam", &SlamRunOptions::slam, "how the SLAM works")
-      .Add("output", &SlamRunOptions::output, "folder for all results; made if missing")
-      .Add("initial_pose", &SlamRunOptions::initial_pose,
-           "identity, groundtruth or tx,ty,tz,qx,qy,qz,qw")
-      .Add("poses", &SlamRunOptions::poses, "track, or groundtruth: fuse along the given poses")
-      .Add("threads", &SlamRunOptions::threads, "that compute at the same time")
-      .Add("queue_capacity", &SlamRunOptions::queue_capacity,
-           "frames that are read ahead, or offered and kept")
-      .Add("offered_fps", &SlamRunOptions::offered_fps,
-           "rate at which frames are offered, as by a camera; 0 = as fast as they are processed")
-      .Add("pictures", &SlamRunOptions::pictures, "whether to draw them")
-      .Add("keep_views", &SlamRunOptions::keep_views,
-           "whether to keep pictures of a few frames beside the model's views, for surfit_report")
-      .Add("trace", &SlamRunOptions::trace, "file for the times of all stages; empty = none")
-      .Add("dump_failures", &SlamRunOptions::dump_failures,
-           "folder that keeps what tracking lost a frame with; empty = none")
-      .Add("record", &SlamRunOptions::record, "options by name, to be kept with the results")
-      .Complete();
-}
-
 void BindRunProgress(py::module_& module) {
   py::class_<SlamRunProgress>(module, "SlamRunProgress", "How far a run has come.")
       .def_readonly("frames_done", &SlamRunProgress::frames_done, "frames")
@@ -95,7 +71,6 @@ SlamRunSummary RunInterruptibly(const SlamRunOptions& options, const py::object&
 }  // namespace
 
 void BindRun(py::module_& module) {
-  BindRunOptions(module);
   BindRunProgress(module);
   BindRunSummary(module);
   module.def(

@@ -67,41 +67,9 @@ SequenceOptions OptionsOf(const py::object& path, const py::kwargs& values) {
   return options;
 }
 
-void BindSequenceOptions(py::module_& module) {
-  OptionsClass<SequenceOptions>(module, "SequenceOptions",
-                                "Which frames of which sequence to read, and with what camera.")
-      .AddProperty(
-          "path", [](const SequenceOptions& options) { return options.path; },
-          [](SequenceOptions& options, const std::filesystem::path& path) {
-            options.path = path.string();
-          },
-          "the sequence's folder, or file")
-      .Add("format", &SequenceOptions::format,
-           "auto, tum, icl_nuim, seven_scenes, redwood, replica, klg or sens")
-      .Add("camera", &SequenceOptions::camera,
-           "a preset's name; if empty the sequence's camera file, else what the recording tells, "
-           "else "
-           "the format's usual camera")
-      .Add("intrinsics", &SequenceOptions::intrinsics, "of depth, for the camera's: fx fy cx cy")
-      .Add("distortion", &SequenceOptions::distortion, "of depth, for the camera's: k1 k2 p1 p2 k3")
-      .Add("depth_units_per_metre", &SequenceOptions::depth_units_per_metre, "for the camera's")
-      .Add("color_intrinsics", &SequenceOptions::color_intrinsics,
-           "for the colour camera's: fx fy cx cy")
-      .Add("color_distortion", &SequenceOptions::color_distortion,
-           "for the colour camera's: k1 k2 p1 p2 k3")
-      .Add("color_from_depth", &SequenceOptions::color_from_depth, "for the camera's: 4 x 4, m")
-      .Add("frames_per_second", &SequenceOptions::frames_per_second,
-           "of files that have no stamps, for the camera's")
-      .Add("first", &SequenceOptions::first, "index of the first frame")
-      .Add("last", &SequenceOptions::last, "index of the last frame, inclusive; -1 = to the end")
-      .Add("stride", &SequenceOptions::stride, "read every stride-th frame")
-      .Add("prepare", &SequenceOptions::prepare, "how images become frames");
-}
-
 }  // namespace
 
 void BindSequence(py::module_& module) {
-  BindSequenceOptions(module);
   const int default_capacity = SlamRunOptions().queue_capacity;
   py::class_<Sequence>(
       module, "Sequence",

@@ -4,6 +4,7 @@
 #include "bindings/pose_caster.h"
 #include "run/digest.h"
 #include "surfit/core/error.h"
+#include "surfit/core/options.h"
 #include "surfit/geometry/mirror.h"
 #include "surfit/io/surfel_ply.h"
 #include "surfit/io/tum_trajectory.h"
@@ -28,8 +29,8 @@ std::string Describe(const PinholeCamera& camera) {
 SlamSession::SlamSession(const SlamOptions& options, const std::optional<RgbdCamera>& camera,
                          const PrepareOptions& prepare, const Rigid3d& world_from_first_camera)
     : options_(options), world_from_first_camera_(world_from_first_camera) {
-  options_.Validate();
-  prepare.Validate();
+  Validate(options_);
+  Validate(prepare);
   if (!camera) return;
   maker_.emplace(*camera, prepare);
   Start(maker_->pinhole(), maker_->mirrored());

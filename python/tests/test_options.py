@@ -6,7 +6,6 @@ import inspect
 import pytest
 
 import surfit
-from surfit import _surfit
 
 CLASSES = [cls for name, cls in vars(surfit).items()
            if inspect.isclass(cls) and (name.endswith(("Options", "Camera", "Gates", "Model"))
@@ -15,10 +14,6 @@ CLASSES = [cls for name, cls in vars(surfit).items()
 
 def properties(cls):
     return {name: member for name, member in vars(cls).items() if isinstance(member, property)}
-
-
-def test_every_field_is_an_attribute():
-    assert _surfit._incomplete_options == []
 
 
 def test_all_options_are_looked_at():

@@ -1,6 +1,7 @@
 #include "surfit/core/robust_kernel.h"
 
 #include "core/named_values.h"
+#include "surfit/core/options.h"
 
 namespace surfit {
 namespace {
@@ -21,5 +22,23 @@ RobustKernelType RobustKernelTypeFromName(const std::string& name) {
 }
 
 std::string ToString(RobustKernelType type) { return NameOf(type, kTypes); }
+
+static std::string OptionToText(const RobustKernelType& type) { return ToString(type); }
+
+static void OptionFromText(const std::string& text, RobustKernelType* type) {
+  for (const auto& [name, value] : kTypes) {
+    if (text == name) {
+      *type = value;
+      return;
+    }
+  }
+  throw InputError("one of: " + Listed(RobustKernelNames()));
+}
+
+void RobustKernel::Visit(OptionVisitor& v) {
+  v.Add(type, Option("type", "robust kernel").OneOf(RobustKernelNames()).Flag("kernel"));
+  v.Add(width,
+        Option("width", "width of the robust kernel in sigmas").Positive().Flag("kernel_width"));
+}
 
 }  // namespace surfit

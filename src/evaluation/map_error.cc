@@ -6,6 +6,7 @@
 
 #include "geometry/kd_tree.h"
 #include "surfit/core/error.h"
+#include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 
 namespace surfit {
@@ -79,18 +80,11 @@ double MeasureCompleteness(const Cloud& reference, const Cloud& map, double dist
 
 }  // namespace
 
-void MapErrorOptions::Validate() const {
-  if (!(std::isfinite(completeness_distance_m) && completeness_distance_m > 0)) {
-    throw InputError(Concat("completeness_distance_m is ", completeness_distance_m,
-                            ", must be finite and positive"));
-  }
-}
-
 MapError ComputeMapError(const std::vector<Eigen::Vector3f>& map,
                          const std::vector<Eigen::Vector3f>& reference,
                          const std::vector<Eigen::Vector3f>& reference_normals,
                          const MapErrorOptions& options) {
-  options.Validate();
+  Validate(options);
   CHECK(reference_normals.empty() || reference_normals.size() == reference.size());
   const Cloud finite_map = Prepare(map, {}, "map");
   const Cloud finite_reference = Prepare(reference, reference_normals, "reference");

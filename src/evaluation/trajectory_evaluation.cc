@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "surfit/core/error.h"
+#include "surfit/core/options.h"
 #include "surfit/geometry/match_stamps.h"
 
 namespace surfit {
@@ -89,15 +90,9 @@ Alignment AlignPoints(const std::vector<Eigen::Vector3d>& source,
   return alignment;
 }
 
-void MatchOptions::Validate() const {
-  if (!(max_difference_s >= 0 && max_difference_s <= 1)) {
-    throw InputError(Concat("max_difference_s is ", max_difference_s, ", must be from 0 to 1"));
-  }
-}
-
 std::vector<MatchedPose> MatchPoses(const Trajectory& ground_truth, const Trajectory& estimate,
                                     const MatchOptions& options) {
-  options.Validate();
+  Validate(options);
   std::vector<MatchedPose> poses;
   for (const StampMatch& match :
        MatchStamps(Stamps(estimate), Stamps(ground_truth), options.max_difference_s)) {
@@ -133,18 +128,9 @@ std::optional<AbsoluteTrajectoryError> ComputeAbsoluteTrajectoryError(
   return ate;
 }
 
-void RelativePoseErrorOptions::Validate() const {
-  if (!(std::isfinite(delta) && delta > 0)) {
-    throw InputError(Concat("delta is ", delta, ", must be finite and positive"));
-  }
-  if (delta_unit == Unit::kFrames && !(delta == std::floor(delta) && delta < 1e9)) {
-    throw InputError(Concat("delta is ", delta, " frames, must be an integer below 1e9"));
-  }
-}
-
 std::optional<RelativePoseError> ComputeRelativePoseError(const std::vector<MatchedPose>& poses,
                                                           const RelativePoseErrorOptions& options) {
-  options.Validate();
+  Validate(options);
   std::vector<double> translations_m, rotations_deg;
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const auto j = FindPartner(poses, i, options);

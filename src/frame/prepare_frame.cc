@@ -8,6 +8,7 @@
 #include "frame/register_color.h"
 #include "frame/undistort_depth.h"
 #include "surfit/core/error.h"
+#include "surfit/core/options.h"
 
 namespace surfit {
 namespace {
@@ -27,13 +28,6 @@ bool HasSize(const Image<T>& image, const PinholeCamera& camera) {
 
 }  // namespace
 
-void PrepareOptions::Validate() const {
-  if (downsample < 1 || downsample > 16)
-    throw InputError(Concat("downsample is ", downsample, ", must be from 1 to 16"));
-  if (!(std::isfinite(max_depth_m) && max_depth_m > 0))
-    throw InputError(Concat("max_depth_m is ", max_depth_m, ", must be finite and positive"));
-}
-
 struct FramePreparer::Tables {
   Tables(const RgbdCamera& source, const PrepareOptions& options)
       : camera(source),
@@ -52,7 +46,7 @@ struct FramePreparer::Tables {
 };
 
 FramePreparer::FramePreparer(const RgbdCamera& camera, const PrepareOptions& options) {
-  options.Validate();
+  Validate(options);
   camera.Validate("camera");
   RequireUsable(camera.depth, "depth camera");
   if (!camera.color_is_registered) RequireUsable(camera.color, "color camera");

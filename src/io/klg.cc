@@ -11,6 +11,7 @@
 #include "io/recording.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
+#include "surfit/core/options.h"
 #include "surfit/io/camera_yaml.h"
 #include "surfit/io/klg_writer.h"
 
@@ -180,13 +181,8 @@ OpenedRecording OpenKlg(const std::string& path, ImageSize size) {
   return opened;
 }
 
-void KlgOptions::Validate() const {
-  if (jpeg_quality < 0 || jpeg_quality > 100)
-    throw InputError(Concat("jpeg_quality is ", jpeg_quality, ", must be from 0 to 100"));
-}
-
 KlgSummary WriteKlg(FrameSource* source, const std::string& path, const KlgOptions& options) {
-  options.Validate();
+  Validate(options);
   KlgSummary summary;
   WriteFileAtomically(path, [&](std::ostream& out) {
     Put(std::int32_t{0}, out);  // their number, once it is known

@@ -6,6 +6,7 @@
 #include "io/recording.h"
 #include "io/sequence_camera.h"
 #include "surfit/core/error.h"
+#include "surfit/core/options.h"
 #include "surfit/io/depth_field.h"
 #include "surfit/io/sequence.h"
 
@@ -56,7 +57,7 @@ FrameImages ReadFirstImages(const Recording& recording, const std::vector<int>& 
 }  // namespace
 
 std::unique_ptr<FrameSource> OpenSequence(const SequenceOptions& options) {
-  options.Validate();
+  Validate(options);
   if (options.format == "watch")
     throw InputError("format is 'watch': only a live run (surfit_slam) waits for frames to come");
   if (!IsFolder(options.path) && !IsFile(options.path))

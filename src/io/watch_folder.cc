@@ -12,6 +12,7 @@
 #include "io/recording.h"
 #include "io/sequence_camera.h"
 #include "surfit/core/error.h"
+#include "surfit/core/options.h"
 #include "surfit/core/trace.h"
 #include "surfit/io/depth_field.h"
 
@@ -169,7 +170,7 @@ class WatchSource : public FrameSource {
 
 std::unique_ptr<FrameSource> WatchFolder(const SequenceOptions& options,
                                          const std::atomic<bool>& stop) {
-  options.Validate();
+  Validate(options);
   if (!IsFolder(options.path)) throw InputError(options.path + " is no folder");
   SequenceInfo info;
   info.format = "watch";

@@ -19,6 +19,7 @@
 #include "mapping/surfel_choice.h"
 #include "surfit/core/error.h"
 #include "surfit/core/lanes.h"
+#include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 
 namespace surfit {
@@ -75,33 +76,9 @@ struct Fusion::Workspace {
   std::vector<CandidateList> candidates;  // per cell of these
 };
 
-void FusionOptions::Validate() const {
-  const auto require = [](bool holds, const char* field, double value, const char* constraint) {
-    if (!holds) throw InputError(Concat(field, " is ", value, ", must be ", constraint));
-  };
-  if (weighting != "confidence" && weighting != "uniform") {
-    throw InputError(Concat("weighting is '", weighting, "', must be one of: confidence, uniform"));
-  }
-  require(max_distance_m > 0, "max_distance_m", max_distance_m, "positive");
-  require(max_normal_angle_rad > 0 && max_normal_angle_rad < 1.57f, "max_normal_angle_rad",
-          max_normal_angle_rad, "positive and below pi/2");
-  require(max_spacing_m > 0, "max_spacing_m", max_spacing_m, "positive");
-  require(double_share >= 0, "double_share", double_share, "zero or positive");
-  require(max_slant_scale >= 1, "max_slant_scale", max_slant_scale, "at least 1");
-  require(max_radius_ratio > 0, "max_radius_ratio", max_radius_ratio, "positive");
-  require(lasting_confidence >= 0, "lasting_confidence", lasting_confidence, "zero or positive");
-  require(max_dormant_frames >= 0, "max_dormant_frames", max_dormant_frames, "zero or positive");
-  require(active_frames >= 0, "active_frames", active_frames, "zero or positive");
-  require(max_confidence > 0, "max_confidence", max_confidence, "positive");
-  require(max_map_points >= 0, "max_map_points", max_map_points, "zero (no limit) or positive");
-  require(free_space_margin_m > 0, "free_space_margin_m", free_space_margin_m, "positive");
-  require(noise.inverse_depth_sigma >= 0, "inverse_depth_sigma", noise.inverse_depth_sigma,
-          "zero or positive");
-}
-
 Fusion::Fusion(const FusionOptions& options)
     : options_(options), workspace_(std::make_unique<Workspace>(options_)) {
-  options.Validate();
+  Validate(options);
 }
 
 Fusion::~Fusion() = default;

@@ -7,6 +7,7 @@
 #include "mapping/merge_gate.h"
 #include "mapping/per_surfel.h"
 #include "mapping/surfel_grid.h"
+#include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 #include "surfit/core/trace.h"
 
@@ -42,7 +43,7 @@ class DoubleFinder {
  public:
   DoubleFinder(const FusionOptions& options, const DoublesOptions& doubles, const SurfelMap& map)
       : gate_(options),
-        reach_m_(options.max_distance_m + options.max_spacing_m),
+        reach_m_(options.merge_distance_m + options.max_spacing_m),
         cube_m_(kSpacingsPerCube * options.max_spacing_m),
         doubles_(doubles),
         map_(map) {}
@@ -199,7 +200,7 @@ void MergeInto(std::int32_t older, std::int32_t newer, const FusionOptions& opti
 
 std::size_t MergeDoubles(const FusionOptions& options, const DoublesOptions& doubles,
                          SurfelMap* map) {
-  options.Validate();
+  Validate(options);
   const TraceSlice slice("merge_doubles");
   const std::vector<std::int32_t> older = DoubleFinder(options, doubles, *map).FindAll();
   for (const std::int32_t id : map->Ids()) {

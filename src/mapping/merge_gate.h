@@ -27,10 +27,10 @@ class MergeGate {
   static constexpr float kNever = std::numeric_limits<float>::infinity();
 
   explicit MergeGate(const FusionOptions& options)
-      : max_distance_m_(options.max_distance_m),
+      : max_distance_m_(options.merge_distance_m),
         max_spacing_m_(options.max_spacing_m),
-        min_cosine_(std::cos(options.max_normal_angle_rad)),
-        double_share_(options.double_share) {}
+        min_cosine_(std::cos(options.merge_angle_rad)),
+        duplicate_share_(options.duplicate_share) {}
 
   // h^2 + a^2 between a measured point and a surfel, both in the camera's frame, if they are the
   // same; else kNever. A point of radius 0 is none, nor is a surfel without a normal.
@@ -67,7 +67,7 @@ class MergeGate {
   Number SquaredDistanceOfDoubles(const PatchOf<Number>& a, const Number& radius_a_m,
                                   const PatchOf<Number>& b, const Number& radius_b_m) const {
     const Number least = Least(Least(radius_a_m, radius_b_m), Number(max_spacing_m_));
-    return SquaredDistanceWithin(Number(double_share_) * least, a, b);
+    return SquaredDistanceWithin(Number(duplicate_share_) * least, a, b);
   }
 
  private:
@@ -94,7 +94,7 @@ class MergeGate {
     return Select(near & above & (cosine >= Number(min_cosine_)), along2 + across2, Number(kNever));
   }
 
-  const float max_distance_m_, max_spacing_m_, min_cosine_, double_share_;
+  const float max_distance_m_, max_spacing_m_, min_cosine_, duplicate_share_;
 };
 
 }  // namespace surfit

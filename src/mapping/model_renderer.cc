@@ -9,6 +9,7 @@
 #include "mapping/bands.h"
 #include "mapping/disc_list.h"
 #include "surfit/core/error.h"
+#include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 
 namespace surfit {
@@ -27,21 +28,8 @@ ModelView BlankView(const PinholeCamera& camera, const Rigid3d& world_from_view)
 
 }  // namespace
 
-void RenderOptions::Validate() const {
-  const auto require = [](bool holds, const char* field, double value, const char* constraint) {
-    if (!holds) throw InputError(Concat(field, " is ", value, ", must be ", constraint));
-  };
-  require(stable_confidence >= 0, "stable_confidence", stable_confidence, "zero or positive");
-  require(radius_share > 0, "radius_share", radius_share, "positive");
-  require(max_half_window_px >= 0 && max_half_window_px <= 64, "max_half_window_px",
-          max_half_window_px, "from 0 to 64");
-  require(surface_thickness_m >= 0, "surface_thickness_m", surface_thickness_m, "zero or positive");
-  require(noise.inverse_depth_sigma >= 0, "inverse_depth_sigma", noise.inverse_depth_sigma,
-          "zero or positive");
-}
-
 ModelRenderer::ModelRenderer(const RenderOptions& options) : options_(options) {
-  options.Validate();
+  Validate(options);
 }
 
 ModelRenderer::~ModelRenderer() = default;

@@ -6,6 +6,7 @@
 #include "optimization/loop_weights.h"
 #include "optimization/pose_graph_names.h"
 #include "optimization/pose_graph_problem.h"
+#include "surfit/core/options.h"
 #include "surfit/core/trace.h"
 #include "surfit/optimization/pose_graph.h"
 
@@ -125,7 +126,7 @@ void TakePoses(const PoseGraphProblem& problem, const std::vector<bool>& held, P
 }  // namespace
 
 PoseGraphSummary OptimizePoseGraph(const PoseGraphOptions& options, PoseGraph* graph) {
-  options.Validate();
+  Validate(options);
   graph->Validate();
   PoseGraphSummary summary;
   summary.sparse_backend = options.sparse_backend;

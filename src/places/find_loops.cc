@@ -4,13 +4,10 @@
 #include <utility>
 
 #include "surfit/core/error.h"
+#include "surfit/core/options.h"
 
 namespace surfit {
 namespace {
-
-void RequireNotNegative(const char* field, double value) {
-  if (!(value >= 0)) throw InputError(Concat(field, " is ", value, ", must not be negative"));
-}
 
 // An earlier keyframe whose pose is near.
 struct Neighbour {
@@ -35,15 +32,6 @@ std::vector<Neighbour> Neighbours(int source, const std::vector<Keyframe>& keyfr
 }
 
 }  // namespace
-
-void FindLoopsOptions::Validate() const {
-  if (min_gap < 1) throw InputError(Concat("min_gap is ", min_gap, ", must be at least 1"));
-  RequireNotNegative("max_alike", max_alike);
-  RequireNotNegative("max_near", max_near);
-  RequireNotNegative("max_near_m", max_near_m);
-  RequireNotNegative("max_near_rad", max_near_rad);
-  verify.Validate();
-}
 
 std::vector<LoopProposal> ProposeLoops(int source, const std::vector<Keyframe>& keyframes,
                                        const PlaceIndex& index, const FindLoopsOptions& options) {
@@ -73,7 +61,7 @@ std::vector<LoopProposal> ProposeLoops(int source, const std::vector<Keyframe>& 
 
 std::vector<LoopAttempt> FindLoops(int source, const std::vector<Keyframe>& keyframes,
                                    const PlaceIndex& index, const FindLoopsOptions& options) {
-  options.Validate();
+  Validate(options);
   std::vector<LoopAttempt> attempts;
   for (const LoopProposal& proposal : ProposeLoops(source, keyframes, index, options)) {
     const LoopVerdict verdict = VerifyLoop(keyframes[source].view, keyframes[proposal.target].view,

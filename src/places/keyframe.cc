@@ -7,6 +7,7 @@
 
 #include "places/orb_features.h"
 #include "surfit/core/error.h"
+#include "surfit/core/options.h"
 #include "surfit/frame/intensity.h"
 
 namespace surfit {
@@ -67,16 +68,9 @@ std::size_t PlaceView::Bytes() const {
          features.size() * sizeof(features[0]);
 }
 
-void PlaceViewOptions::Validate() const {
-  if (max_width < 80) throw InputError(Concat("max_width is ", max_width, ", must be at least 80"));
-  if (max_features < 48) {
-    throw InputError(Concat("max_features is ", max_features, ", must be at least 48"));
-  }
-}
-
 PlaceView MakePlaceView(const FramePyramid& pyramid, const Image<Rgb8>& color,
                         const PlaceViewOptions& options) {
-  options.Validate();
+  Validate(options);
   PlaceView view;
   int level = 0;
   while (level + 1 < static_cast<int>(pyramid.levels.size()) &&

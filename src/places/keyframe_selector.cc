@@ -12,10 +12,6 @@ constexpr int kStridePx = 8;          // of the pixels that overlap is measured 
 constexpr double kHiddenShare = 0.1;  // so much of its depth behind a surface a point is hidden
 constexpr double kLittleMotion = 0.1;
 
-void RequirePositive(const char* field, double value) {
-  if (!(value > 0)) throw InputError(Concat(field, " is ", value, ", must be positive"));
-}
-
 bool IsSeen(const Eigen::Vector3d& point, const FrameLevel& surface) {
   if (!(point.z() > 0)) return false;
   const Eigen::Vector2d pixel = surface.camera.Project(point).array().round();
@@ -28,15 +24,6 @@ bool IsSeen(const Eigen::Vector3d& point, const FrameLevel& surface) {
 }
 
 }  // namespace
-
-void KeyframeOptions::Validate() const {
-  RequirePositive("max_distance_m", max_distance_m);
-  RequirePositive("max_angle_rad", max_angle_rad);
-  if (!(min_overlap_share >= 0 && min_overlap_share <= 1)) {
-    throw InputError(Concat("min_overlap_share is ", min_overlap_share, ", must be from 0 to 1"));
-  }
-  if (max_frames < 1) throw InputError(Concat("max_frames is ", max_frames, ", must be positive"));
-}
 
 double OverlapShare(const Keyframe& keyframe, const FrameLevel& surface,
                     const Rigid3d& world_from_camera) {

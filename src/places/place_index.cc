@@ -11,17 +11,12 @@
 #include <utility>
 
 #include "surfit/core/error.h"
+#include "surfit/core/options.h"
 
 namespace surfit {
 namespace {
 
 constexpr int kDescriptorBits = 256;
-
-void RequireRange(const char* field, int value, int least, int most) {
-  if (value < least || value > most) {
-    throw InputError(Concat(field, " is ", value, ", must be from ", least, " to ", most));
-  }
-}
 
 // The first `count` of all bits in a random order.
 std::vector<int> ChooseBits(int count, std::mt19937_64* generator) {
@@ -44,17 +39,8 @@ int Hamming(const BinaryDescriptor& a, const BinaryDescriptor& b) {
 
 }  // namespace
 
-void PlaceIndexOptions::Validate() const {
-  RequireRange("tables", tables, 1, 64);
-  RequireRange("bits", bits, 1, 20);
-  RequireRange("max_hamming", max_hamming, 0, kDescriptorBits);
-  if (!(min_similarity >= 0 && min_similarity <= 1)) {
-    throw InputError(Concat("min_similarity is ", min_similarity, ", must be from 0 to 1"));
-  }
-}
-
 PlaceIndex::PlaceIndex(const PlaceIndexOptions& options) : options_(options) {
-  options.Validate();
+  Validate(options);
   std::mt19937_64 generator(1);
   for (int table = 0; table < options.tables; ++table) {
     chosen_bits_.push_back(ChooseBits(options.bits, &generator));

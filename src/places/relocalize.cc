@@ -1,19 +1,13 @@
 #include "surfit/places/relocalize.h"
 
 #include "surfit/core/error.h"
+#include "surfit/core/options.h"
 
 namespace surfit {
 
-void RelocalizeOptions::Validate() const {
-  if (max_candidates < 1) {
-    throw InputError(Concat("max_candidates is ", max_candidates, ", must be positive"));
-  }
-  verify.Validate();
-}
-
 Relocalization Relocalize(const PlaceView& view, const std::vector<Keyframe>& keyframes,
                           const PlaceIndex& index, const RelocalizeOptions& options) {
-  options.Validate();
+  Validate(options);
   Relocalization result;
   const auto has_view = [&](int keyframe) { return !keyframes[keyframe].view.empty(); };
   for (const PlaceCandidate& candidate : index.Query(view, options.max_candidates, has_view)) {

@@ -8,6 +8,7 @@
 #include "places/loop_starts.h"
 #include "registration/decompositions.h"
 #include "registration/view_fit.h"
+#include "surfit/core/options.h"
 
 namespace surfit {
 namespace {
@@ -172,7 +173,7 @@ class LoopVerifier {
 LoopVerdict VerifyLoop(const PlaceView& source, const PlaceView& target,
                        const VerifyLoopOptions& options,
                        const std::optional<Rigid3d>& target_from_source_prior) {
-  options.Validate();
+  Validate(options);
   LoopVerdict verdict;
   if (source.empty() || target.empty()) return verdict;
   LoopStarts starts = FindLoopStarts(source, target, options);
@@ -185,6 +186,42 @@ LoopVerdict VerifyLoop(const PlaceView& source, const PlaceView& target,
     return verdict;
   }
   return LoopVerifier(source, target, options).Verify(poses, verdict);
+}
+
+std::string ToString(LoopReason reason) {
+  switch (reason) {
+    case LoopReason::kNoView:
+      return "no_view";
+    case LoopReason::kNoStart:
+      return "no_start";
+    case LoopReason::kNotRegistered:
+      return "not_registered";
+    case LoopReason::kDegenerate:
+      return "degenerate";
+    case LoopReason::kLittleOverlap:
+      return "little_overlap";
+    case LoopReason::kPoorFit:
+      return "poor_fit";
+    case LoopReason::kFreeSpaceFilled:
+      return "free_space_filled";
+    case LoopReason::kLooksDifferent:
+      return "looks_different";
+    case LoopReason::kAmbiguous:
+      return "ambiguous";
+    case LoopReason::kInconsistent:
+      return "inconsistent";
+    case LoopReason::kAccepted:
+      return "accepted";
+  }
+  return "unknown";
+}
+
+std::vector<LoopReason> LoopReasons() {
+  std::vector<LoopReason> reasons;
+  for (int i = 0; i <= static_cast<int>(LoopReason::kAccepted); ++i) {
+    reasons.push_back(static_cast<LoopReason>(i));
+  }
+  return reasons;
 }
 
 }  // namespace surfit

@@ -9,6 +9,7 @@
 #include "refinement/joint_solver.h"
 #include "refinement/rounds.h"
 #include "surfit/core/error.h"
+#include "surfit/core/options.h"
 
 namespace surfit {
 namespace {
@@ -18,10 +19,6 @@ constexpr NamedValue<RefinementTermination> kTerminations[] = {
     {"max_rounds", RefinementTermination::kMaxRounds},
     {"too_few_surfels", RefinementTermination::kTooFewSurfels},
     {"failed", RefinementTermination::kFailed}};
-
-void Require(bool holds, const char* field, double value, const char* constraint) {
-  if (!holds) throw InputError(Concat(field, " is ", value, ", must be ", constraint));
-}
 
 JointState StateOf(const std::vector<RefinementKeyframe>& keyframes,
                    const DepthCalibration& calibration) {
@@ -85,7 +82,7 @@ bool FindsCalibration(const RefinementOptions& options) {
 // The options with which poses alone are refined.
 RefinementOptions OfPoses(RefinementOptions options) {
   options.free_intrinsics = options.free_depth_offset = options.free_depth_field = false;
-  options.max_normal_angle_rad *= options.kept_angle_share;
+  options.observation_angle_rad *= options.kept_angle_share;
   options.error_model.kernel.width *= options.kept_kernel_share;
   return options;
 }
@@ -106,36 +103,10 @@ std::string ToString(RefinementTermination termination) {
   return NameOf(termination, kTerminations);
 }
 
-void RefinementOptions::Validate() const {
-  Require(cells_across >= 1, "cells_across", cells_across, "at least 1");
-  Require(min_observations >= 2, "min_observations", min_observations, "at least 2");
-  Require(max_distance_m > 0, "max_distance_m", max_distance_m, "positive");
-  Require(max_normal_angle_rad > 0 && max_normal_angle_rad < M_PI / 2, "max_normal_angle_rad",
-          max_normal_angle_rad, "positive and below pi/2");
-  Require(max_slant_rad > 0 && max_slant_rad < M_PI / 2, "max_slant_rad", max_slant_rad,
-          "positive and below pi/2");
-  error_model.Validate();
-  Require(motion_sigma_m >= 0, "motion_sigma_m", motion_sigma_m, "zero or positive");
-  Require(motion_sigma_rad >= 0, "motion_sigma_rad", motion_sigma_rad, "zero or positive");
-  Require(kept_angle_share > 0 && kept_angle_share <= 1, "kept_angle_share", kept_angle_share,
-          "positive and at most 1");
-  Require(kept_kernel_share > 0 && kept_kernel_share <= 1, "kept_kernel_share", kept_kernel_share,
-          "positive and at most 1");
-  Require(calibration_sigmas >= 0, "calibration_sigmas", calibration_sigmas, "zero or positive");
-  Require(model_error_share >= 0, "model_error_share", model_error_share, "zero or positive");
-  Require(max_rounds >= 1 && max_rounds <= 1000, "max_rounds", max_rounds, "from 1 to 1000");
-  Require(max_iterations >= 1 && max_iterations <= 1000, "max_iterations", max_iterations,
-          "from 1 to 1000");
-  Require(min_relative_cost_change >= 0, "min_relative_cost_change", min_relative_cost_change,
-          "zero or positive");
-  Require(correlation_px >= 1, "correlation_px", correlation_px, "at least 1");
-  Require(kernel_growth >= 1, "kernel_growth", kernel_growth, "at least 1");
-}
-
 RefinementSummary Refine(const RefinementOptions& options, const DepthCalibration& initial,
                          std::vector<RefinementKeyframe>* keyframes,
                          const std::function<void(const RefinementRound&)>& progress) {
-  options.Validate();
+  Validate(options);
   RefinementSummary summary;
   summary.calibration = initial;
   summary.termination = RefinementTermination::kTooFewSurfels;

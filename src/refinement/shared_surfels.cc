@@ -151,8 +151,9 @@ std::optional<PlaneObservation> Observe(const Eigen::Vector3d& point_in_world,
   const auto plane = MeasuredPlane(images, pixel->u, pixel->v, calibration, options.max_slant_rad);
   if (!plane) return std::nullopt;
   const Eigen::Vector3d normal = camera_from_world.rotation * normal_in_world;
-  if (!(normal.dot(plane->normal) > std::cos(options.max_normal_angle_rad))) return std::nullopt;
-  if (!(std::abs(normal.dot(plane->point - point)) < options.max_distance_m)) return std::nullopt;
+  if (!(normal.dot(plane->normal) > std::cos(options.observation_angle_rad))) return std::nullopt;
+  if (!(std::abs(normal.dot(plane->point - point)) < options.observation_distance_m))
+    return std::nullopt;
   PlaneObservation observation;
   observation.u = static_cast<float>(pixel->u);
   observation.v = static_cast<float>(pixel->v);

@@ -6,6 +6,7 @@
 
 #include "geometry/kd_tree.h"
 #include "surfit/core/error.h"
+#include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 
 namespace surfit {
@@ -138,23 +139,9 @@ class PlaneFinder {
 
 }  // namespace
 
-void CloudNormalOptions::Validate() const {
-  const auto require = [](bool holds, const char* field, double value, const char* constraint) {
-    if (!holds) throw InputError(Concat(field, " is ", value, ", must be ", constraint));
-  };
-  require(std::isfinite(radius_m) && radius_m >= 0, "radius_m", radius_m,
-          "zero (from the cloud) or positive");
-  require(max_growth >= 1 && max_growth <= 1000, "max_growth", max_growth, "from 1 to 1000");
-  require(noise.inverse_depth_sigma >= 0, "inverse_depth_sigma", noise.inverse_depth_sigma,
-          "zero or positive");
-  require(min_neighbors >= 4, "min_neighbors", min_neighbors, "at least 4");
-  require(max_thickness > 0, "max_thickness", max_thickness, "positive");
-  require(max_normal_sigma_rad > 0, "max_normal_sigma_rad", max_normal_sigma_rad, "positive");
-}
-
 CloudNormals EstimateCloudNormals(const std::vector<Eigen::Vector3f>& points,
                                   const CloudNormalOptions& options) {
-  options.Validate();
+  Validate(options);
   const PlaneFinder finder(points, options);
   const KdTree& tree = finder.all();
   CloudNormals result;

@@ -7,6 +7,7 @@
 
 #include "registration/icp_level.h"
 #include "registration/photometric_term.h"
+#include "surfit/core/options.h"
 #include "surfit/registration/free_space.h"
 #include "surfit/registration/kd_tree_association.h"
 #include "surfit/registration/pose_solver.h"
@@ -106,7 +107,7 @@ std::vector<std::string> AssociationNames() { return {"projective", "kd_tree"}; 
 
 IcpResult Register(const FramePyramid& source, const FramePyramid& target,
                    const Rigid3d& target_from_source_initial, const IcpOptions& options) {
-  options.Validate();
+  Validate(options);
   IcpResult result;
   result.target_from_source = target_from_source_initial;
   const int levels = static_cast<int>(std::min(source.levels.size(), target.levels.size()));

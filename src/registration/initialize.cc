@@ -6,6 +6,7 @@
 
 #include "registration/start_search.h"
 #include "surfit/core/error.h"
+#include "surfit/core/options.h"
 
 namespace surfit {
 namespace {
@@ -14,12 +15,6 @@ constexpr std::size_t kRegistered = 3;  // of the poses found, the best
 // Results nearer to each other than this are one.
 constexpr double kSameDistanceM = 0.03;
 constexpr double kSameAngleRad = 0.02;
-
-void RequireShare(const char* field, double value) {
-  if (!(value >= 0 && value <= 1)) {
-    throw InputError(Concat(field, " is ", value, ", must be from 0 to 1"));
-  }
-}
 
 struct Candidate {
   InitializedIcpResult result;
@@ -76,26 +71,6 @@ bool IsVerified(const InitializedIcpResult& result, const InitializeOptions& opt
 
 std::vector<std::string> InitializeMethods() { return {"identity", "so3", "features"}; }
 
-void InitializeOptions::Validate() const {
-  const std::vector<std::string> known = InitializeMethods();
-  if (std::find(known.begin(), known.end(), method) == known.end()) {
-    throw InputError(
-        Concat("initialize is '", method, "', must be one of: identity, so3, features"));
-  }
-  RequireShare("min_overlap_share", min_overlap_share);
-  RequireShare("min_value_correlation", min_value_correlation);
-  RequireShare("min_detail_correlation", min_detail_correlation);
-  if (!(min_lead >= 0)) {
-    throw InputError(Concat("min_lead is ", min_lead, ", must be zero or positive"));
-  }
-  if (!(free_space_growth >= 1)) {
-    throw InputError(Concat("free_space_growth is ", free_space_growth, ", must be at least 1"));
-  }
-  if (!(iteration_growth >= 1)) {
-    throw InputError(Concat("iteration_growth is ", iteration_growth, ", must be at least 1"));
-  }
-}
-
 IcpOptions FarIcpOptions() {
   IcpOptions icp;
   icp.middle_levels = false;
@@ -122,7 +97,7 @@ IcpOptions IcpOptionsFromStart(const InitializeOptions& options, const IcpOption
 InitializedIcpResult InitializeAndRegister(const ColoredView& source, const ColoredView& target,
                                            const InitializeOptions& options,
                                            const IcpOptions& icp_options) {
-  options.Validate();
+  Validate(options);
   if (options.method == "identity") {
     InitializedIcpResult result;
     result.icp = Register(source.pyramid, target.pyramid, result.start, icp_options);

@@ -5,6 +5,7 @@
 
 #include "registration/icp_level.h"
 #include "surfit/core/error.h"
+#include "surfit/core/options.h"
 #include "surfit/registration/kd_tree_association.h"
 #include "surfit/registration/pose_solver.h"
 
@@ -15,16 +16,6 @@ IcpOptions RegisterCloudsOptions::DefaultIcp() {
   icp.association = "kd_tree";
   icp.kernel_growth = 3;
   return icp;
-}
-
-void RegisterCloudsOptions::Validate() const {
-  icp.Validate();
-  if (icp.association != "kd_tree") {
-    throw InputError(
-        Concat("association is '", icp.association, "', must be 'kd_tree' for clouds"));
-  }
-  if (levels < 1 || levels > 10)
-    throw InputError(Concat("levels is ", levels, ", must be from 1 to 10"));
 }
 
 namespace {
@@ -55,7 +46,7 @@ void RegisterLevel(const SearchablePoints& source, const SearchablePoints& targe
 IcpResult RegisterClouds(const PointSet& source, const PointSet& target,
                          const Rigid3d& target_from_source_initial,
                          const RegisterCloudsOptions& options) {
-  options.Validate();
+  Validate(options);
   const SearchablePoints source_points(source), target_points(target);
   IcpResult result;
   result.target_from_source = target_from_source_initial;

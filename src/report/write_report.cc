@@ -4,6 +4,7 @@
 #include "report/report_data.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
+#include "surfit/core/options.h"
 
 namespace surfit {
 namespace {
@@ -33,16 +34,23 @@ void WriteData(const std::string& name, const Json& data, std::ostream* page) {
         << "</script>\n";
 }
 
-void ReportOptions::Validate() const {
-  if (runs.empty()) throw InputError("runs is empty, must name at least one run's folder");
-  if (output.empty()) throw InputError("output is empty, must name a file");
-  if (max_points < 1000) {
-    throw InputError(Concat("max_points is ", max_points, ", must be at least 1000"));
-  }
+void ReportOptions::Visit(OptionVisitor& v) {
+  v.Add(runs, Option("runs", "output folder of surfit_slam; several --run stand side by side")
+                  .Required()
+                  .Flag("run")
+                  .Repeatable());
+  v.Add(output, Option("output", "the page; if empty, report.html in the first run's folder")
+                    .Required()
+                    .Flag());
+  v.Add(max_points,
+        Option("max_points",
+               "surfels of all runs together that the page holds; larger maps are sampled evenly")
+            .AtLeast(1000)
+            .Flag());
 }
 
 std::vector<ReportedMap> WriteReport(const ReportOptions& options) {
-  options.Validate();
+  Validate(options);
   std::vector<ReportedMap> maps;
   WriteFileAtomically(options.output, [&](std::ostream& file) {
     file << kReportPage.before_data;

@@ -5,6 +5,7 @@
 #include "run/output_folder.h"
 #include "run/posed_view.h"
 #include "surfit/core/error.h"
+#include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 #include "surfit/frame/intensity.h"
 #include "surfit/io/point_cloud.h"
@@ -49,18 +50,8 @@ PoseError ErrorOf(const Rigid3d& estimated, const Rigid3d& truth) {
 
 }  // namespace
 
-void AlignRunOptions::Validate() const {
-  sequence.Validate();
-  preprocess.Validate();
-  initialize.Validate();
-  icp.Validate();
-  if (output.empty()) throw InputError("output is empty, must name a folder");
-  if (source < 0) throw InputError(Concat("source is ", source, ", must be zero or positive"));
-  if (target < 0) throw InputError(Concat("target is ", target, ", must be zero or positive"));
-}
-
 AlignRunResult RunAlign(const AlignRunOptions& options) {
-  options.Validate();
+  Validate(options);
   const ThreadLimit limit(options.threads);
   PosedView source = ReadPosedView(options.sequence, options.source, options.preprocess);
   PosedView target = ReadPosedView(options.sequence, options.target, options.preprocess);

@@ -1,15 +1,11 @@
-#include <cmath>
-
+// What solvers are compared on, and how.
 #include "run/given_poses.h"
 #include "run/solver_combinations.h"
 #include "surfit/core/error.h"
+#include "surfit/core/options.h"
 
 namespace surfit {
 namespace {
-
-void Require(bool holds, const char* option, double value, const char* constraint) {
-  if (!holds) throw InputError(Concat(option, " is ", value, ", must be ", constraint));
-}
 
 void RequireSource(const CompareOptions& options) {
   const bool clouds = !options.source.empty() || !options.target.empty();
@@ -34,37 +30,101 @@ void RequireGrid(const char* option, const std::vector<double>& sizes, double ma
   }
 }
 
-}  // namespace
-
-void CompareOptions::Validate() const {
-  RequireSource(*this);
-  if (output.empty()) throw InputError("output is empty, must name a folder");
-  Require(synthetic_points == 0 || (synthetic_points >= 10 && synthetic_points <= 100'000'000),
-          "synthetic_points", synthetic_points, "from 10 to 100000000");
-  Require(noise_m >= 0 && std::isfinite(noise_m), "noise_m", noise_m, "zero or positive");
-  if (!sequence.path.empty()) sequence.Validate();
-  Require(pairs >= (slam ? 0 : 1), "pairs", pairs, slam ? "zero or positive" : "positive");
-  if (slam && sequence.path.empty()) throw InputError("slam is set, must have a sequence");
-  Require(gap >= 1, "gap", gap, "positive");
-  if (!truth.empty()) {
-    ParsePose("truth", truth);
-    if (source.empty())
-      throw InputError(Concat("truth is '", truth, "', must be empty without source and target"));
+void CheckTogether(const CompareOptions& options) {
+  RequireSource(options);
+  const int points = options.synthetic_points;
+  if (points != 0 && (points < 10 || points > 100'000'000)) {
+    throw InputError(Concat("synthetic_points is ", points, ", must be from 10 to 100000000"));
   }
-  RequireGrid("rotations_deg", rotations_deg, 180);
-  RequireGrid("translations_m", translations_m, 100);
-  Require(max_rotation_error_deg > 0, "max_rotation_error_deg", max_rotation_error_deg, "positive");
-  Require(max_translation_error_m > 0, "max_translation_error_m", max_translation_error_m,
-          "positive");
-  if (threads.empty()) throw InputError("threads is empty, must have a number");
-  for (const int count : threads) {
+  if (options.pairs == 0 && !options.slam) throw InputError("pairs is 0, must be positive");
+  if (options.slam && options.sequence.path.empty())
+    throw InputError("slam is set, must have a sequence");
+  if (!options.truth.empty()) {
+    ParsePose("truth", options.truth);
+    if (options.source.empty())
+      throw InputError(
+          Concat("truth is '", options.truth, "', must be empty without source and target"));
+  }
+  RequireGrid("rotations_deg", options.rotations_deg, 180);
+  RequireGrid("translations_m", options.translations_m, 100);
+  if (options.threads.empty()) throw InputError("threads is empty, must have a number");
+  for (const int count : options.threads) {
     if (count < 1 || count > 1024) {
       throw InputError(Concat("threads has ", count, ", must be from 1 to 1024"));
     }
   }
-  preprocess.Validate();
-  icp.Validate();
-  SolverCombinations(*this);  // throws where names or combinations are impossible
+  SolverCombinations(options);  // throws where names or combinations are impossible
+}
+
+}  // namespace
+
+void CompareOptions::Visit(OptionVisitor& v) {
+  v.Group("problem");
+  v.Add(synthetic_points,
+        Option("synthetic_points",
+               "compare on this many random points whose pairs are known, without a robust kernel")
+            .Zero("none")
+            .Everyday());
+  v.Add(noise_m,
+        Option("noise_m", "standard deviation of these points' coordinates").AtLeast(0).Flag());
+  v.AddPart(
+      sequence,
+      Option("sequence", "compare on frames of a sequence").WithoutFlags({"stride"}).Optional());
+  v.Add(pairs,
+        Option("pairs", "pairs of frames of the sequence, evenly spread; 0 = none, with slam")
+            .AtLeast(0)
+            .Everyday());
+  v.Add(gap, Option("gap", "frames from the source to the target of a pair").AtLeast(1).Flag());
+  v.Add(slam, Option("slam",
+                     "also run SLAM over all of these frames with each combination, and compare "
+                     "the maps")
+                  .Everyday());
+  v.Add(source,
+        Option("source", "compare on two clouds: the one to be moved, PLY or PCD,").Everyday());
+  v.Add(target, Option("target", "and the one to be met").Everyday());
+  v.Add(truth, Option("truth",
+                      "true target_from_source of the clouds as tx,ty,tz,qx,qy,qz,qw; empty = "
+                      "unknown")
+                   .Flag());
+  v.Add(replay,
+        Option("replay",
+               "compare on a frame that tracking lost: a folder frame-XXXXXX of surfit_slam "
+               "--dump_failures, with its own start and options of registration")
+            .Flag());
+  v.Group("comparison");
+  v.Add(output,
+        Option("output", "folder for tables and pictures; made if missing").Required().Everyday());
+  v.Add(solvers, Option("solvers",
+                        "pose solvers, with commas between them; empty = all, of which "
+                        "ceres_per_point on known pairs only")
+                     .Everyday());
+  v.Add(linear_solvers,
+        Option("linear_solvers", "linear solvers of ceres_per_point; empty = all").Flag());
+  v.Add(residuals, Option("residuals", "residuals; empty = all").Everyday());
+  v.Add(associations,
+        Option("associations", "associations; empty = all that the data allows").Flag());
+  v.Add(threads,
+        Option("threads", "numbers of threads that compute at the same time, a row for each")
+            .Everyday());
+  v.Add(rotations_deg,
+        Option("rotations_deg", "angles that starts are turned by from the truth").Flag());
+  v.Add(
+      translations_m,
+      Option("translations_m", "distances that they are shifted by, each with each angle").Flag());
+  v.Add(seed, Option("seed", "seed of the axes of turns and shifts, and of random points").Flag());
+  v.Add(max_rotation_error_deg,
+        Option("max_rotation_error_deg", "what ends nearer to the truth counts as converged")
+            .Positive()
+            .Flag());
+  v.Add(max_translation_error_m,
+        Option("max_translation_error_m", "what ends nearer to the truth counts as converged")
+            .Positive()
+            .Flag());
+  v.AddPart(preprocess, Option("preprocess", "how depth images become surfaces"));
+  v.AddPart(icp, Option("icp", "registration, but for what is compared")
+                     .WithoutFlags({"solver", "linear_solver", "residual", "association",
+                                    "min_source_rows"}));
+  v.Check([this] { CheckTogether(*this); });
 }
 
 }  // namespace surfit

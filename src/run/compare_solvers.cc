@@ -13,6 +13,7 @@
 #include "run/solver_combinations.h"
 #include "run/tracking_dump.h"
 #include "surfit/core/error.h"
+#include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 
 namespace surfit {
@@ -126,7 +127,7 @@ std::vector<std::string> NotesOf(const CompareOptions& options,
 
 Comparison CompareSolvers(const CompareOptions& given, const std::atomic<bool>& interrupted,
                           const std::function<void(const CompareProgress&)>& progress) {
-  given.Validate();
+  Validate(given);
   CompareOptions options = given;
   if (!options.replay.empty()) options.rotations_deg = options.translations_m = {0};
   const ThreadLimit limit(*std::max_element(options.threads.begin(), options.threads.end()));

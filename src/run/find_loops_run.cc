@@ -11,15 +11,12 @@
 #include "run/output_folder.h"
 #include "run/surface_distance.h"
 #include "surfit/core/error.h"
+#include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 #include "surfit/places/limit_keyframes.h"
 
 namespace surfit {
 namespace {
-
-void RequirePositive(const char* field, double value) {
-  if (!(value > 0)) throw InputError(Concat(field, " is ", value, ", must be positive"));
-}
 
 // Adds the CPU time of its life, of all threads, to a sum.
 class CpuTimer {
@@ -194,27 +191,9 @@ class LoopRun {
 
 }  // namespace
 
-void FindLoopsRunOptions::Validate() const {
-  sequence.Validate();
-  if (trajectory.empty()) throw InputError("trajectory is empty, must name a file");
-  if (output.empty()) throw InputError("output is empty, must name a folder");
-  preprocess.Validate();
-  keyframes.Validate();
-  view.Validate();
-  index.Validate();
-  loops.Validate();
-  if (revisit_gap < 1) {
-    throw InputError(Concat("revisit_gap is ", revisit_gap, ", must be at least 1"));
-  }
-  RequirePositive("revisit_m", revisit_m);
-  RequirePositive("revisit_rad", revisit_rad);
-  RequirePositive("wrong_m", wrong_m);
-  RequirePositive("wrong_rad", wrong_rad);
-}
-
 FindLoopsRunResult RunFindLoops(const FindLoopsRunOptions& options,
                                 const std::function<void(int)>& progress) {
-  options.Validate();
+  Validate(options);
   const ThreadLimit limit(options.threads);
   const std::unique_ptr<FrameSource> source = OpenSequence(options.sequence);
   LoopRun run(options, source->info());

@@ -11,6 +11,7 @@
 #include "run/output_folder.h"
 #include "run/refinement_json.h"
 #include "surfit/core/error.h"
+#include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 #include "surfit/frame/correct_depth.h"
 #include "surfit/geometry/mirror.h"
@@ -179,29 +180,9 @@ class RefineRun {
 
 }  // namespace
 
-void RefineRunOptions::Validate() const {
-  sequence.Validate();
-  if (trajectory.empty()) throw InputError("trajectory is empty, must name a file");
-  if (output.empty()) throw InputError("output is empty, must name a folder");
-  if (!(keyframe_translation_m > 0)) {
-    throw InputError(
-        Concat("keyframe_translation_m is ", keyframe_translation_m, ", must be positive"));
-  }
-  if (!(keyframe_rotation_rad > 0)) {
-    throw InputError(
-        Concat("keyframe_rotation_rad is ", keyframe_rotation_rad, ", must be positive"));
-  }
-  if (max_keyframes < 0 || max_keyframes == 1) {
-    throw InputError(
-        Concat("max_keyframes is ", max_keyframes, ", must be 0 (no limit) or at least 2"));
-  }
-  preprocess.Validate();
-  refinement.Validate();
-}
-
 RefineRunSummary RunRefinement(const RefineRunOptions& options,
                                const std::function<void(const std::string&)>& progress) {
-  options.Validate();
+  Validate(options);
   const ThreadLimit limit(options.threads);
   return RefineRun(options, progress).Run();
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "surfit/core/atomic_file.h"
+#include "surfit/core/options.h"
 
 namespace surfit {
 namespace {
@@ -88,7 +89,7 @@ void WriteRefinementJson(const RefineRunSummary& s, const RefineRunOptions& opti
   for (const RefinementRound& round : s.refinement.rounds) j["rounds"].push_back(ToJson(round));
   j["map_points"] = s.map_points;
   j["total_s"] = s.total_s;
-  j["options"] = options.record;
+  j["options"] = FlagValues(options);
   WriteFileAtomically(path, [&](std::ostream& file) { file << j.dump(2) << '\n'; });
 }
 

@@ -8,6 +8,7 @@
 #include "run/registration_json.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
+#include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 #include "surfit/io/point_cloud.h"
 #include "surfit/pictures/cloud_picture.h"
@@ -35,17 +36,8 @@ void WriteTransform(const Rigid3d& pose, const std::string& path) {
 
 }  // namespace
 
-void RegisterRunOptions::Validate() const {
-  normals.Validate();
-  registration.Validate();
-  for (const auto& [name, value] :
-       {std::pair("source", &source), std::pair("target", &target), std::pair("output", &output)}) {
-    if (value->empty()) throw InputError(Concat(name, " is empty, must be set"));
-  }
-}
-
 RegisterRunResult RunRegister(const RegisterRunOptions& options) {
-  options.Validate();
+  Validate(options);
   const ThreadLimit limit(options.threads);
   RegisterRunResult result;
   const double floor_sigma_m = options.registration.icp.error_model.floor_sigma_m;

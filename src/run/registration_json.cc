@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "surfit/core/atomic_file.h"
+#include "surfit/core/options.h"
 
 namespace surfit {
 namespace {
@@ -49,7 +50,7 @@ void WriteRegistrationJson(const RegisterRunResult& result, const RegisterRunOpt
   j["residual"] = options.registration.icp.residual;
   j["association"] = options.registration.icp.association;
   j["solver"] = options.registration.icp.solver;
-  j["options"] = options.record;
+  j["options"] = FlagValues(options);
   WriteFileAtomically(path, [&](std::ostream& file) {
     file << j.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
   });

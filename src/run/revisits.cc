@@ -11,6 +11,7 @@
 #include "run/posed_view.h"
 #include "run/surface_distance.h"
 #include "surfit/core/error.h"
+#include "surfit/core/options.h"
 
 namespace surfit {
 namespace {
@@ -102,21 +103,9 @@ std::optional<PairErrors> Measure(const FramePyramid& source, const FramePyramid
 
 }  // namespace
 
-void RevisitOptions::Validate() const {
-  sequence.Validate();
-  if (min_gap < 1) throw InputError(Concat("min_gap is ", min_gap, ", must be at least 1"));
-  if (!(max_distance_m > 0)) {
-    throw InputError(Concat("max_distance_m is ", max_distance_m, ", must be positive"));
-  }
-  if (!(max_angle_rad > 0)) {
-    throw InputError(Concat("max_angle_rad is ", max_angle_rad, ", must be positive"));
-  }
-  preprocess.Validate();
-}
-
 RevisitReport CompareAtRevisits(const RevisitOptions& options,
                                 const std::function<void(int, int)>& progress) {
-  options.Validate();
+  Validate(options);
   RevisitReport report;
   const std::vector<RelativePoses> revisits =
       FindRevisits(ReadPosedFrames(options, &report.without_pose), options);

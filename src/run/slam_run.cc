@@ -23,6 +23,7 @@
 #include "run/summary_json.h"
 #include "run/tracking_dump.h"
 #include "surfit/core/error.h"
+#include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 #include "surfit/core/trace.h"
 #include "surfit/evaluation/error_statistics.h"
@@ -314,33 +315,9 @@ class SlamRun {
 
 }  // namespace
 
-void SlamRunOptions::Validate() const {
-  sequence.Validate();
-  slam.Validate();
-  if (output.empty()) throw InputError("output is empty, must name a folder");
-  if (poses != "track" && poses != "groundtruth") {
-    throw InputError(Concat("poses is '", poses, "', must be one of: track, groundtruth"));
-  }
-  if (slam.loops.enabled && poses != "track") {
-    throw InputError(Concat("poses is '", poses, "', must be 'track' where loops are closed"));
-  }
-  if (initial_pose != "identity" && initial_pose != "groundtruth") {
-    ParsePose("initial_pose", initial_pose);
-  }
-  if (!(offered_fps >= 0)) {
-    throw InputError(Concat("offered_fps is ", offered_fps, ", must be zero or positive"));
-  }
-  if (offered_fps > 0 && sequence.format == "watch") {
-    throw InputError(Concat("offered_fps is ", offered_fps, ", must be 0 with format 'watch'"));
-  }
-  if (queue_capacity < 1 || queue_capacity > 1000) {
-    throw InputError(Concat("queue_capacity is ", queue_capacity, ", must be from 1 to 1000"));
-  }
-}
-
 SlamRunSummary RunSlam(const SlamRunOptions& options, const std::atomic<bool>& interrupted,
                        const std::function<void(const SlamRunProgress&)>& progress) {
-  options.Validate();
+  Validate(options);
   const ThreadLimit limit(options.threads);
   return SlamRun(options, interrupted).Run(interrupted, progress);
 }

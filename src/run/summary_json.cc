@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "surfit/core/atomic_file.h"
+#include "surfit/core/options.h"
 
 namespace surfit {
 namespace {
@@ -74,7 +75,7 @@ void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
   j["residual"] = options.slam.icp.residual;
   j["association"] = options.slam.icp.association;
   j["solver"] = options.slam.icp.solver;
-  j["options"] = options.record;
+  j["options"] = FlagValues(options);
   j["digest"] = s.digest;
   WriteFileAtomically(path, [&](std::ostream& file) { file << j.dump(2) << '\n'; });
 }

@@ -8,6 +8,7 @@
 #include "run/output_folder.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
+#include "surfit/core/options.h"
 #include "surfit/frame/intensity.h"
 #include "surfit/io/point_cloud.h"
 
@@ -105,8 +106,8 @@ void WriteTrackingDump(const LostFrame& lost, const SlamOptions& options,
   json["source_camera"] = ToJson(source.camera);
   json["target_camera"] = ToJson(target.camera);
   json["target_from_source_initial"] = ToJson(lost.target_from_source_initial);
-  json["preprocess"] = ToJson(options.preprocess);
-  json["icp"] = ToJson(options.icp);
+  json["preprocess"] = OptionsToJson(options.preprocess);
+  json["icp"] = OptionsToJson(options.icp);
   WriteFileAtomically(folder + "/frame.json",
                       [&](std::ostream& file) { file << json.dump(2) << '\n'; });
 }
@@ -115,14 +116,14 @@ TrackingDump ReadTrackingDump(const std::string& folder) {
   const std::string path = folder + "/frame.json";
   try {
     const Json json = ReadJson(path);
-    const PreprocessOptions preprocess = PreprocessOptionsFromJson(json.at("preprocess"));
-    preprocess.Validate();
+    const auto preprocess = OptionsFromJson<PreprocessOptions>(json.at("preprocess"));
+    Validate(preprocess);
     TrackingDump dump;
     dump.frame = json.at("frame");
     dump.termination = json.at("termination");
     dump.target_from_source_initial = PoseFromJson(json.at("target_from_source_initial"));
-    dump.icp = IcpOptionsFromJson(json.at("icp"));
-    dump.icp.Validate();
+    dump.icp = OptionsFromJson<IcpOptions>(json.at("icp"));
+    Validate(dump.icp);
     dump.source =
         ReadView(CameraFromJson(json.at("source_camera")), preprocess, folder + "/source.ply");
     dump.target =

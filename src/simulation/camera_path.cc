@@ -11,15 +11,12 @@
 #include "simulation/hand_held_motion.h"
 #include "simulation/random.h"
 #include "surfit/core/error.h"
+#include "surfit/core/options.h"
 
 namespace surfit {
 namespace {
 
 constexpr double kRadPerDeg = M_PI / 180;
-
-void Check(bool holds, const char* field, double value, const char* constraint) {
-  if (!holds) throw InputError(Concat("PathOptions: ", field, " is ", value, ", ", constraint));
-}
 
 double LeastDistance(const Scene& scene, Walk walk, int frames, double step_m) {
   constexpr int kFramesApart = 10;
@@ -111,18 +108,9 @@ Trajectory FilmPath(const Scene& scene, int frames, const PathOptions& options, 
 
 }  // namespace
 
-void PathOptions::Validate() const {
-  Check(frames_per_second > 0, "frames_per_second", frames_per_second, "must be positive");
-  Check(min_step_m > 0, "min_step_m", min_step_m, "must be positive");
-  Check(max_step_m >= min_step_m, "max_step_m", max_step_m, "must not be below min_step_m");
-  Check(min_turn_deg > 0, "min_turn_deg", min_turn_deg, "must be positive");
-  Check(max_turn_deg >= min_turn_deg, "max_turn_deg", max_turn_deg,
-        "must not be below min_turn_deg");
-}
-
 Trajectory MakePath(const Scene& scene, int frames, std::uint64_t seed,
                     const PathOptions& options) {
-  options.Validate();
+  Validate(options);
   if (frames < 1) throw InputError(Concat("frames is ", frames, ", must be at least 1"));
   CHECK(!scene.camera_space.isEmpty() && scene.targets.size() > 1);
   constexpr int kWalks = 6;

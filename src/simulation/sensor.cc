@@ -5,15 +5,12 @@
 
 #include "simulation/random.h"
 #include "surfit/core/error.h"
+#include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 #include "surfit/simulation/render.h"
 
 namespace surfit {
 namespace {
-
-void Check(bool holds, const char* field, double value, const char* constraint) {
-  if (!holds) throw InputError(Concat("KinectOptions: ", field, " is ", value, ", ", constraint));
-}
 
 // The depth at (u, v) by linear interpolation of the disparity, which is exact on planes; `here`,
 // the depth of the pixel itself, where the four pixels about (u, v) do not all lie on its surface.
@@ -57,20 +54,9 @@ double Quantised(double depth_m, double disparity_noise, const KinectOptions& op
 
 }  // namespace
 
-void KinectOptions::Validate() const {
-  Check(shift_sd_px >= 0, "shift_sd_px", shift_sd_px, "must not be negative");
-  Check(disparity_sd >= 0, "disparity_sd", disparity_sd, "must not be negative");
-  Check(disparity_times_z_cm > 0, "disparity_times_z_cm", disparity_times_z_cm, "must be positive");
-  Check(min_depth_m > 0, "min_depth_m", min_depth_m, "must be positive");
-  Check(max_depth_m > min_depth_m, "max_depth_m", max_depth_m, "must be above min_depth_m");
-  Check(max_incidence_deg > 0 && max_incidence_deg <= 90, "max_incidence_deg", max_incidence_deg,
-        "must be above 0 and at most 90");
-  Check(max_edge_ratio >= 0, "max_edge_ratio", max_edge_ratio, "must not be negative");
-}
-
 Image<float> KinectDepth(const Image<float>& depth_m, const PinholeCamera& camera,
                          std::uint64_t seed, const KinectOptions& options) {
-  options.Validate();
+  Validate(options);
   CHECK(depth_m.width() == camera.width && depth_m.height() == camera.height);
   const double min_cosine = std::cos(options.max_incidence_deg * M_PI / 180);
   Image<float> measured(depth_m.width(), depth_m.height(), 0.f);

@@ -6,6 +6,7 @@
 #include "slam/correct_frames.h"
 #include "slam/edge_information.h"
 #include "slam/loop_thread.h"
+#include "surfit/core/options.h"
 
 namespace surfit {
 namespace {
@@ -13,7 +14,7 @@ namespace {
 constexpr int kNoParent = -1;
 
 const LoopOptions& Validated(const LoopOptions& options) {
-  options.Validate();
+  Validate(options);
   return options;
 }
 

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "surfit/core/options.h"
 #include "surfit/core/trace.h"
 #include "surfit/frame/intensity.h"
 #include "surfit/mapping/merge_doubles.h"
@@ -37,7 +38,7 @@ double ImageShift(const Rigid3d& motion, const FrameLevel& level) {
 
 // Made whole: the fusion knows nothing of loops.
 SlamOptions Validated(SlamOptions options) {
-  options.Validate();
+  Validate(options);
   int& active_frames = options.fusion.active_frames;
   if (options.loops.enabled && active_frames == 0) active_frames = options.loops.active_frames;
   return options;

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "surfit/core/error.h"
+#include "surfit/core/options.h"
 #include "surfit/evaluation/error_statistics.h"
 #include "testing/matchers.h"
 #include "testing/random_pose.h"
@@ -52,10 +53,10 @@ TEST(Summarize, OfOneErrorIsThatError) {
 }
 
 TEST(MatchOptions, ValidateRefusesNonsense) {
-  EXPECT_NO_THROW(MatchOptions{0}.Validate());
-  EXPECT_THROW(MatchOptions{-0.1}.Validate(), InputError);
-  EXPECT_THROW(MatchOptions{1.1}.Validate(), InputError);
-  EXPECT_THROW(MatchOptions{std::numeric_limits<double>::quiet_NaN()}.Validate(), InputError);
+  EXPECT_NO_THROW(Validate(MatchOptions{0}));
+  EXPECT_THROW(Validate(MatchOptions{-0.1}), InputError);
+  EXPECT_THROW(Validate(MatchOptions{1.1}), InputError);
+  EXPECT_THROW(Validate(MatchOptions{std::numeric_limits<double>::quiet_NaN()}), InputError);
 }
 
 TEST(MatchPoses, CarriesEachSidesPoseAndTheEstimatesStamp) {
@@ -213,11 +214,11 @@ TEST(RelativePoseError, OfNoPairIsNothing) {
 }
 
 TEST(RelativePoseErrorOptions, ValidateRefusesNonsense) {
-  EXPECT_NO_THROW((RelativePoseErrorOptions{0.5, Unit::kSeconds}.Validate()));
-  EXPECT_THROW((RelativePoseErrorOptions{0.5, Unit::kFrames}.Validate()), InputError);
-  EXPECT_THROW((RelativePoseErrorOptions{0, Unit::kFrames}.Validate()), InputError);
-  EXPECT_THROW((RelativePoseErrorOptions{-1, Unit::kSeconds}.Validate()), InputError);
-  EXPECT_THROW((RelativePoseErrorOptions{std::nan(""), Unit::kSeconds}.Validate()), InputError);
+  EXPECT_NO_THROW((Validate(RelativePoseErrorOptions{0.5, Unit::kSeconds})));
+  EXPECT_THROW((Validate(RelativePoseErrorOptions{0.5, Unit::kFrames})), InputError);
+  EXPECT_THROW((Validate(RelativePoseErrorOptions{0, Unit::kFrames})), InputError);
+  EXPECT_THROW((Validate(RelativePoseErrorOptions{-1, Unit::kSeconds})), InputError);
+  EXPECT_THROW((Validate(RelativePoseErrorOptions{std::nan(""), Unit::kSeconds})), InputError);
 }
 
 // `count` poses along a curve, `rate` a second.

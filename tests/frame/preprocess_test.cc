@@ -6,6 +6,7 @@
 #include <random>
 
 #include "frame/plane_images.h"
+#include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 #include "testing/expect_input_error.h"
 
@@ -80,12 +81,12 @@ TEST(PreprocessDepth, AnImageWithoutDepthHasNoSurface) {
 }
 
 TEST(PreprocessOptions, ValidateNamesFieldValueAndConstraint) {
-  PreprocessOptions().Validate();
+  Validate(PreprocessOptions());
   const auto expect = [](const std::function<void(PreprocessOptions*)>& change,
                          const char* message) {
     PreprocessOptions options;
     change(&options);
-    testing::ExpectInputError([&] { options.Validate(); }, ::testing::StrEq(message));
+    testing::ExpectInputError([&] { Validate(options); }, ::testing::StrEq(message));
   };
   expect([](auto* o) { o->noise.inverse_depth_sigma = 0; },
          "inverse_depth_sigma is 0, must be positive and below 1 (1/m)");

@@ -145,9 +145,9 @@ class BruteForceFusion {
     const double across = (gap - along / n.dot(Vertex(pixel)) * Vertex(pixel)).norm();
     const double reach = std::min(Radius(pixel), 1. * options_.max_spacing_m);
     const double angle = std::acos(std::min(1., n.dot(Normal(pixel))));
-    const bool near = Positive(options_.max_distance_m - std::fabs(along));
+    const bool near = Positive(options_.merge_distance_m - std::fabs(along));
     const bool above = Positive(reach - across);
-    const bool parallel = Positive(options_.max_normal_angle_rad - angle);
+    const bool parallel = Positive(options_.merge_angle_rad - angle);
     if (!near || !above || !parallel) return std::nullopt;
     return along * along + across * across;
   }
@@ -158,11 +158,11 @@ class BruteForceFusion {
     const Eigen::Vector3d n = b.normal_in_world.cast<double>();
     const double along = n.dot(gap), across = (gap - along * n).norm();
     const double reach =
-        options_.double_share * std::min({a.radius_m, b.radius_m, options_.max_spacing_m});
+        options_.duplicate_share * std::min({a.radius_m, b.radius_m, options_.max_spacing_m});
     const double angle = std::acos(std::min(1., n.dot(a.normal_in_world.cast<double>())));
-    const bool near = Positive(options_.max_distance_m - std::fabs(along));
+    const bool near = Positive(options_.merge_distance_m - std::fabs(along));
     const bool above = Positive(reach - across);
-    return Positive(options_.max_normal_angle_rad - angle) && near && above;
+    return Positive(options_.merge_angle_rad - angle) && near && above;
   }
 
   template <typename MayTake>

@@ -54,7 +54,7 @@ TEST(FusionGates, DistanceAlongTheNormal) {
     EXPECT_TRUE(pair.Merges());
     pair.surfel.position_in_world.z() = 1 + sign * 0.0501f;
     EXPECT_FALSE(pair.Merges());
-    pair.options.max_distance_m = 0.06f;
+    pair.options.merge_distance_m = 0.06f;
     EXPECT_TRUE(pair.Merges());
   }
 }
@@ -68,7 +68,7 @@ TEST(FusionGates, AngleBetweenTheNormals) {
   EXPECT_TRUE(pair.Merges());
   tilt(0.601f);
   EXPECT_FALSE(pair.Merges());
-  pair.options.max_normal_angle_rad = 0.7f;
+  pair.options.merge_angle_rad = 0.7f;
   EXPECT_TRUE(pair.Merges());
 }
 
@@ -89,7 +89,7 @@ TEST(FusionGates, DistanceAcrossIsTheSpacingOrTheRadius) {
   fine.surfel.normal_in_world = Vector3f(0, 0.5f, -1).normalized();
   // The ray meets the plane of a surfel that is below it by y, turned by t, y / cos t off its
   // centre: a surfel of the same pixel must be turned far for that to be too much.
-  fine.options.max_normal_angle_rad = 1.4f;
+  fine.options.merge_angle_rad = 1.4f;
   constexpr float kCosine = 0.3f;
   fine.surfel.normal_in_world = {0, std::sqrt(1 - kCosine * kCosine), -kCosine};
   fine.surfel.position_in_world = {0, kCosine * 0.00141f, 1};
@@ -101,7 +101,7 @@ TEST(FusionGates, DistanceAcrossIsTheSpacingOrTheRadius) {
 // Noise along the ray of a pixel leaves where it passes a slanted surface as it is.
 TEST(FusionGates, NoiseOfTheDepthDoesNotCountAcrossTheSurface) {
   OnePair pair;
-  pair.options.max_distance_m = 0.02f;
+  pair.options.merge_distance_m = 0.02f;
   pair.surfel.normal_in_world = Vector3f(0, 0.5f, -1).normalized();  // 0.46 rad from the point's
   // A surfel behind the pixel's centre by h is n_z h = 0.894 h along its normal.
   pair.surfel.position_in_world = {0, 0, 1 + 0.0199f / 0.8944f};
@@ -137,7 +137,7 @@ TEST(FusionGates, AFinerPointShrinksTheSurfel) {
 
 TEST(FusionGates, TheNearestOfTwoSurfelsIsTaken) {
   OnePair pair;
-  pair.options.double_share = 0;
+  pair.options.duplicate_share = 0;
   SurfelMap map;
   Surfel other = pair.surfel;
   other.position_in_world.z() = 0.99f;
@@ -169,9 +169,9 @@ TEST(FusionDoubles, TheOneOfLessConfidenceGoes) {
 }
 
 TEST(FusionDoubles, OnesThatAreFartherApartOrTurnedAwayStay) {
-  const auto removed = [](const Surfel& other, float double_share) {
+  const auto removed = [](const Surfel& other, float duplicate_share) {
     OnePair pair;
-    pair.options.double_share = double_share;
+    pair.options.duplicate_share = duplicate_share;
     SurfelMap map;
     map.Append(pair.surfel);
     map.Append(other);

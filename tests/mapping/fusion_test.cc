@@ -8,6 +8,7 @@
 #include <random>
 
 #include "mapping/checked_fusion.h"
+#include "surfit/core/options.h"
 #include "testing/expect_input_error.h"
 
 namespace surfit {
@@ -197,21 +198,22 @@ TEST(FusionOptions, RefuseWhatMakesNoSense) {
   const auto expect_refused = [](auto change, const char* message) {
     FusionOptions options;
     change(options);
-    ExpectInputError([&] { options.Validate(); }, HasSubstr(message));
+    ExpectInputError([&] { Validate(options); }, HasSubstr(message));
     ExpectInputError([&] { Fusion fusion(options); }, HasSubstr(message));
   };
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-  FusionOptions().Validate();
+  Validate(FusionOptions());
   expect_refused([](auto& o) { o.weighting = "best"; },
                  "weighting is 'best', must be one of: confidence, uniform");
-  expect_refused([](auto& o) { o.max_distance_m = 0; }, "max_distance_m is 0, must be positive");
-  expect_refused([](auto& o) { o.max_distance_m = kNan; }, "max_distance_m is nan");
-  expect_refused([](auto& o) { o.max_normal_angle_rad = 1.6f; },
-                 "max_normal_angle_rad is 1.6, must be positive and below pi/2");
+  expect_refused([](auto& o) { o.merge_distance_m = 0; },
+                 "merge_distance_m is 0, must be positive");
+  expect_refused([](auto& o) { o.merge_distance_m = kNan; }, "merge_distance_m is nan");
+  expect_refused([](auto& o) { o.merge_angle_rad = 1.6f; },
+                 "merge_angle_rad is 1.6, must be positive and below 1.5708");
   expect_refused([](auto& o) { o.active_frames = -1; },
-                 "active_frames is -1, must be zero or positive");
-  expect_refused([](auto& o) { o.double_share = -1; },
-                 "double_share is -1, must be zero or positive");
+                 "active_frames is -1, must be zero (no limit) or positive");
+  expect_refused([](auto& o) { o.duplicate_share = -1; },
+                 "duplicate_share is -1, must be zero (none) or positive");
   expect_refused([](auto& o) { o.max_spacing_m = -1; }, "max_spacing_m is -1, must be positive");
   expect_refused([](auto& o) { o.max_slant_scale = 0.5f; },
                  "max_slant_scale is 0.5, must be at least 1");

@@ -68,7 +68,7 @@ TEST(MergeDoubles, KeepsWhatIsNoDouble) {
     float depth_m, shift_m;
     int first;
   };
-  const float gate = FusionOptions().max_distance_m;
+  const float gate = FusionOptions().merge_distance_m;
   for (const Case& c : {Case{"another wall", 2 + 1.1f * gate, 0, 500},
                         Case{"its continuation", 2, kSpacing * kSide + kRadius, 500},
                         Case{"fused at the time", 2.02f, 0, 10 + kApart}}) {
@@ -123,9 +123,9 @@ TEST(MergeDoubles, FindsWhatBruteForceFinds) {
       const float along = gap.dot(seen.normal_in_world);
       const float across = std::sqrt(std::max(0.f, gap.squaredNorm() - along * along));
       has_older |=
-          std::abs(along) <= options.max_distance_m &&
+          std::abs(along) <= options.merge_distance_m &&
           across <= std::min(seen.radius_m, options.max_spacing_m) &&
-          old.normal_in_world.dot(seen.normal_in_world) >= std::cos(options.max_normal_angle_rad);
+          old.normal_in_world.dot(seen.normal_in_world) >= std::cos(options.merge_angle_rad);
     }
     expected += has_older;
   }

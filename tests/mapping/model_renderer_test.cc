@@ -9,6 +9,7 @@
 #include <random>
 
 #include "mapping/random_discs.h"
+#include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 #include "testing/expect_input_error.h"
 #include "testing/matchers.h"
@@ -220,11 +221,11 @@ TEST(RenderOptions, RefuseWhatMakesNoSense) {
   const auto expect_refused = [](auto change, const char* message) {
     RenderOptions options;
     change(options);
-    ExpectInputError([&] { options.Validate(); }, HasSubstr(message));
+    ExpectInputError([&] { Validate(options); }, HasSubstr(message));
     ExpectInputError([&] { ModelRenderer renderer(options); }, HasSubstr(message));
   };
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-  RenderOptions().Validate();
+  Validate(RenderOptions());
   expect_refused([](auto& o) { o.stable_confidence = -1; },
                  "stable_confidence is -1, must be zero or positive");
   expect_refused([](auto& o) { o.radius_share = 0; }, "radius_share is 0, must be positive");

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "optimization/loop_weights.h"
+#include "surfit/core/options.h"
 #include "testing/expect_input_error.h"
 #include "testing/matchers.h"
 #include "testing/pose_graphs.h"
@@ -229,7 +230,7 @@ TEST(OptimizePoseGraph, RefusesImpossibleOptions) {
   const auto refuse = [](auto change, const char* message) {
     PoseGraphOptions options;
     change(&options);
-    ExpectInputError([&] { options.Validate(); }, HasSubstr(message));
+    ExpectInputError([&] { Validate(options); }, HasSubstr(message));
   };
   refuse([](auto* o) { o->sparse_backend = "dense"; }, "sparse_backend is 'dense', must be one of");
   refuse([](auto* o) { o->initialization = "x"; }, "initialization is 'x', must be one of");

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "places/simulated_places.h"
+#include "surfit/core/options.h"
 #include "surfit/places/relocalize.h"
 #include "testing/expect_input_error.h"
 #include "testing/matchers.h"
@@ -141,13 +142,13 @@ TEST(Relocalize, FindsNothingInAnotherRoom) {
 TEST(FindLoopsOptions, RefuseWhatMakesNoSense) {
   FindLoopsOptions options;
   options.min_gap = 0;
-  ExpectInputError([&] { options.Validate(); }, HasSubstr("min_gap is 0, must be at least 1"));
+  ExpectInputError([&] { Validate(options); }, HasSubstr("min_gap is 0, must be at least 1"));
   options = {};
   options.max_near_m = -1;
-  ExpectInputError([&] { options.Validate(); }, HasSubstr("max_near_m is -1"));
+  ExpectInputError([&] { Validate(options); }, HasSubstr("max_near_m is -1"));
   RelocalizeOptions relocalize;
   relocalize.max_candidates = 0;
-  ExpectInputError([&] { relocalize.Validate(); }, HasSubstr("max_candidates is 0"));
+  ExpectInputError([&] { Validate(relocalize); }, HasSubstr("max_candidates is 0"));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "places/simulated_places.h"
+#include "surfit/core/options.h"
 #include "testing/expect_input_error.h"
 
 namespace surfit {
@@ -73,9 +74,9 @@ TEST(KeyframeOptions, RefuseWhatMakesNoSense) {
   const auto expect_refused = [](auto change, const char* message) {
     KeyframeOptions options;
     change(options);
-    ExpectInputError([&] { options.Validate(); }, HasSubstr(message));
+    ExpectInputError([&] { Validate(options); }, HasSubstr(message));
   };
-  KeyframeOptions().Validate();
+  Validate(KeyframeOptions());
   expect_refused([](auto& o) { o.max_distance_m = 0; }, "max_distance_m is 0, must be positive");
   expect_refused([](auto& o) { o.max_angle_rad = -1; }, "max_angle_rad is -1, must be positive");
   expect_refused([](auto& o) { o.min_overlap_share = 2; }, "min_overlap_share is 2");

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "places/simulated_places.h"
+#include "surfit/core/options.h"
 #include "surfit/frame/intensity.h"
 #include "testing/expect_input_error.h"
 
@@ -102,10 +103,10 @@ TEST(MakePlaceView, LiftsFeaturesOntoTheSurface) {
 TEST(PlaceViewOptions, RefuseWhatMakesNoSense) {
   PlaceViewOptions options;
   options.max_width = 79;
-  ExpectInputError([&] { options.Validate(); }, HasSubstr("max_width is 79"));
+  ExpectInputError([&] { Validate(options); }, HasSubstr("max_width is 79"));
   options = {};
   options.max_features = 47;
-  ExpectInputError([&] { options.Validate(); }, HasSubstr("max_features is 47"));
+  ExpectInputError([&] { Validate(options); }, HasSubstr("max_features is 47"));
 }
 
 }  // namespace

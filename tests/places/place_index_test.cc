@@ -7,6 +7,7 @@
 #include <random>
 
 #include "places/simulated_places.h"
+#include "surfit/core/options.h"
 #include "testing/expect_input_error.h"
 
 namespace surfit {
@@ -118,9 +119,9 @@ TEST(PlaceIndexOptions, RefuseWhatMakesNoSense) {
   const auto expect_refused = [](auto change, const char* message) {
     PlaceIndexOptions options;
     change(options);
-    ExpectInputError([&] { options.Validate(); }, HasSubstr(message));
+    ExpectInputError([&] { Validate(options); }, HasSubstr(message));
   };
-  PlaceIndexOptions().Validate();
+  Validate(PlaceIndexOptions());
   expect_refused([](auto& o) { o.tables = 0; }, "tables is 0, must be from 1 to 64");
   expect_refused([](auto& o) { o.bits = 21; }, "bits is 21, must be from 1 to 20");
   expect_refused([](auto& o) { o.max_hamming = 257; }, "max_hamming is 257");

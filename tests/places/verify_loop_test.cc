@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "places/simulated_places.h"
+#include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 #include "testing/expect_input_error.h"
 #include "testing/matchers.h"
@@ -172,9 +173,9 @@ TEST(VerifyLoopOptions, RefuseWhatMakesNoSense) {
   const auto expect_refused = [](auto change, const char* message) {
     VerifyLoopOptions options;
     change(options);
-    ExpectInputError([&] { options.Validate(); }, HasSubstr(message));
+    ExpectInputError([&] { Validate(options); }, HasSubstr(message));
   };
-  VerifyLoopOptions().Validate();
+  Validate(VerifyLoopOptions());
   expect_refused([](auto& o) { o.min_agreeing_features = 3; }, "min_agreeing_features is 3");
   expect_refused([](auto& o) { o.min_inlier_share = 2; }, "min_inlier_share is 2");
   expect_refused([](auto& o) { o.max_rmse_m = 0; }, "max_rmse_m is 0, must be positive");

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 #include "surfit/evaluation/trajectory_evaluation.h"
 #include "surfit/frame/correct_depth.h"
@@ -178,7 +179,7 @@ TEST(RefineThreads, GivesTheSameBitForBit) {
 TEST(Refine, RefusesImpossibleOptions) {
   RefinementOptions options;
   options.min_observations = 1;
-  ExpectInputError([&] { options.Validate(); },
+  ExpectInputError([&] { Validate(options); },
                    HasSubstr("min_observations is 1, must be at least 2"));
 }
 

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "registration/tiny_levels.h"
+#include "surfit/core/options.h"
 #include "surfit/registration/projective_association.h"
 #include "testing/expect_input_error.h"
 #include "testing/matchers.h"
@@ -173,16 +174,17 @@ TEST_F(AssociationTest, UsesEverySoManythRowOfTheSource) {
 }
 
 TEST(AssociationGates, ValidateNamesFieldValueAndConstraint) {
-  AssociationGates().Validate();
-  kOff.Validate();
+  Validate(AssociationGates());
+  Validate(kOff);
   const auto expect = [](double distance_m, double angle_rad, const char* message) {
     const AssociationGates gates = {distance_m, angle_rad};
-    testing::ExpectInputError([&] { gates.Validate(); }, ::testing::StrEq(message));
+    testing::ExpectInputError([&] { Validate(gates); }, ::testing::StrEq(message));
   };
   expect(-1, 0.5, "max_distance_m is -1, must be zero (off) or positive");
   expect(std::nan(""), 0.5, "max_distance_m is nan, must be zero (off) or positive");
-  expect(0.1, -0.1, "max_normal_angle_rad is -0.1, must be zero (off) or positive and below pi/2");
-  expect(0.1, 1.6, "max_normal_angle_rad is 1.6, must be zero (off) or positive and below pi/2");
+  expect(0.1, -0.1,
+         "max_normal_angle_rad is -0.1, must be zero (off) or positive and below 1.5708");
+  expect(0.1, 1.6, "max_normal_angle_rad is 1.6, must be zero (off) or positive and below 1.5708");
 }
 
 }  // namespace

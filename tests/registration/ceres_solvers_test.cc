@@ -5,6 +5,7 @@
 
 #include "registration/random_correspondences.h"
 #include "registration/three_planes.h"
+#include "surfit/core/options.h"
 #include "surfit/registration/icp.h"
 #include "surfit/registration/pose_solver.h"
 #include "surfit/registration/projective_association.h"
@@ -96,7 +97,7 @@ TEST(MakePoseSolver, UnknownLinearSolversListTheKnown) {
                                     "dense_normal_cholesky, sparse_normal_cholesky"));
   IcpOptions options;
   options.linear_solver = "magic";
-  ExpectInputError([&] { options.Validate(); }, ::testing::HasSubstr("linear_solver is 'magic'"));
+  ExpectInputError([&] { Validate(options); }, ::testing::HasSubstr("linear_solver is 'magic'"));
 }
 
 }  // namespace

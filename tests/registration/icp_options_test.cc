@@ -2,6 +2,7 @@
 
 #include <functional>
 
+#include "surfit/core/options.h"
 #include "surfit/registration/icp.h"
 #include "testing/expect_input_error.h"
 
@@ -11,12 +12,12 @@ namespace {
 void ExpectRefused(const std::function<void(IcpOptions*)>& change, const char* message) {
   IcpOptions options;
   change(&options);
-  testing::ExpectInputError([&] { options.Validate(); }, ::testing::StrEq(message));
+  testing::ExpectInputError([&] { Validate(options); }, ::testing::StrEq(message));
   testing::ExpectInputError([&] { Register({}, {}, Rigid3d(), options); },
                             ::testing::StrEq(message));
 }
 
-TEST(IcpOptions, DefaultsAreValid) { IcpOptions().Validate(); }
+TEST(IcpOptions, DefaultsAreValid) { Validate(IcpOptions()); }
 
 TEST(IcpOptions, UnknownNamesListTheKnown) {
   ExpectRefused([](auto* o) { o->solver = "magic"; },
@@ -52,19 +53,19 @@ TEST(IcpOptions, ValidateNamesFieldValueAndConstraint) {
   ExpectRefused([](auto* o) { o->min_inlier_share = 1.5; },
                 "min_inlier_share is 1.5, must be from 0 to 1");
   ExpectRefused([](auto* o) { o->held.min_eigenvalue = 1; },
-                "min_eigenvalue is 1, must be zero or positive and below 1");
+                "held.min_eigenvalue is 1, must be zero or positive and below 1");
   ExpectRefused([](auto* o) { o->held.min_information_ratio = -1; },
-                "min_information_ratio is -1, must be finite and zero (off) or positive");
+                "held.min_information_ratio is -1, must be zero (off) or positive");
   ExpectRefused([](auto* o) { o->max_free_space_share = 1.1; },
                 "max_free_space_share is 1.1, must be from 0 to 1");
   ExpectRefused([](auto* o) { o->gates.max_distance_m = -0.1; },
-                "max_distance_m is -0.1, must be zero (off) or positive");
+                "gates.max_distance_m is -0.1, must be zero (off) or positive");
   ExpectRefused([](auto* o) { o->error_model.floor_sigma_m = 0; },
-                "floor_sigma_m is 0, must be finite and positive");
+                "error_model.floor_sigma_m is 0, must be positive");
   ExpectRefused([](auto* o) { o->error_model.kernel.width = 0; },
-                "kernel_width is 0, must be positive");
+                "error_model.kernel.width is 0, must be positive");
   ExpectRefused([](auto* o) { o->error_model.noise.inverse_depth_sigma = -1; },
-                "inverse_depth_sigma is -1, must be zero or positive");
+                "error_model.noise.inverse_depth_sigma is -1, must be zero or positive");
 }
 
 TEST(Termination, HasAName) {

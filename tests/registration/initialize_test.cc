@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "registration/simulated_views.h"
+#include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 #include "testing/expect_input_error.h"
 #include "testing/matchers.h"
@@ -115,11 +116,11 @@ TEST(InitializeOptions, RefuseWhatMakesNoSense) {
   const auto expect_refused = [](auto change, const char* message) {
     InitializeOptions options;
     change(options);
-    ExpectInputError([&] { options.Validate(); }, HasSubstr(message));
+    ExpectInputError([&] { Validate(options); }, HasSubstr(message));
   };
-  InitializeOptions().Validate();
+  Validate(InitializeOptions());
   expect_refused([](auto& o) { o.method = "magic"; },
-                 "initialize is 'magic', must be one of: identity, so3, features");
+                 "method is 'magic', must be one of: identity, so3, features");
   expect_refused([](auto& o) { o.min_overlap_share = 1.1; },
                  "min_overlap_share is 1.1, must be from 0 to 1");
   expect_refused([](auto& o) { o.min_value_correlation = -1; }, "min_value_correlation is -1");

@@ -5,6 +5,7 @@
 
 #include "registration/photometric_term.h"
 #include "registration/wall_frames.h"
+#include "surfit/core/options.h"
 #include "surfit/registration/icp.h"
 #include "surfit/registration/pose_solver.h"
 #include "surfit/registration/projective_association.h"
@@ -117,7 +118,7 @@ TEST(PhotometricIcp, WithoutColorIsIcpByShapes) {
 TEST(PhotometricIcp, IsNotForTheSvd) {
   IcpOptions options = Options(0.1, "svd");
   options.residual = "point_to_point";
-  testing::ExpectInputError([&] { options.Validate(); }, ::testing::HasSubstr("solver svd"));
+  testing::ExpectInputError([&] { Validate(options); }, ::testing::HasSubstr("solver svd"));
 }
 
 }  // namespace

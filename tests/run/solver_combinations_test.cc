@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "surfit/core/options.h"
 #include "testing/expect_input_error.h"
 
 namespace surfit {
@@ -70,32 +71,31 @@ TEST(SolverCombinations, ListWhatIsPossible) {
   options.solvers = {"ceres", "svd"};
   options.residuals = {"point_to_point", "plane_to_plane"};
   testing::ExpectInputError(
-      [&] { options.Validate(); },
+      [&] { Validate(options); },
       AllOf(HasSubstr("solvers has 'svd'"), HasSubstr("residuals has 'plane_to_plane'"),
             HasSubstr("svd takes point_to_point only")));
   options = OnKnownPairs();
   options.solvers = {"magic"};
-  testing::ExpectInputError([&] { options.Validate(); },
+  testing::ExpectInputError([&] { Validate(options); },
                             AllOf(HasSubstr("solvers has 'magic'"), HasSubstr("closed_form_ldlt"),
                                   HasSubstr("ceres"), HasSubstr("tiny")));
   options = OnKnownPairs();
   options.residuals = {"magic"};
   testing::ExpectInputError(
-      [&] { options.Validate(); },
+      [&] { Validate(options); },
       AllOf(HasSubstr("residuals has 'magic'"), HasSubstr("symmetric_point_to_plane")));
   options = OnKnownPairs();
   options.linear_solvers = {"magic"};
   testing::ExpectInputError(
-      [&] { options.Validate(); },
+      [&] { Validate(options); },
       AllOf(HasSubstr("linear_solvers has 'magic'"), HasSubstr("sparse_normal_cholesky")));
   options = OnKnownPairs();
   options.associations = {"kd_tree"};
-  testing::ExpectInputError([&] { options.Validate(); }, HasSubstr("associations is kd_tree"));
+  testing::ExpectInputError([&] { Validate(options); }, HasSubstr("associations is kd_tree"));
   options = OnSequence();
   options.associations = {"magic"};
-  testing::ExpectInputError(
-      [&] { options.Validate(); },
-      AllOf(HasSubstr("associations has 'magic'"), HasSubstr("projective, kd_tree")));
+  testing::ExpectInputError([&] { Validate(options); }, AllOf(HasSubstr("associations has 'magic'"),
+                                                              HasSubstr("projective, kd_tree")));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "mapping/same_map.h"
 #include "slam/ideal_room.h"
+#include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 #include "testing/expect_input_error.h"
 #include "testing/matchers.h"
@@ -272,17 +273,17 @@ TEST(SlamOptions, RefuseWhatMakesNoSense) {
   const auto expect_refused = [](auto change, const char* message) {
     SlamOptions options;
     change(options);
-    ExpectInputError([&] { options.Validate(); }, HasSubstr(message));
+    ExpectInputError([&] { Validate(options); }, HasSubstr(message));
     ExpectInputError([&] { Slam(testing::SimulatedCamera(), options, {}); }, HasSubstr(message));
   };
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  SlamOptions().Validate();
+  Validate(SlamOptions());
   expect_refused([](auto& o) { o.tracking = "gps"; },
                  "tracking is 'gps', must be one of: frame_to_model, frame_to_frame");
   expect_refused([](auto& o) { o.motion_model = "still"; },
                  "motion_model is 'still', must be one of: constant_velocity, constant_pose, so3");
   expect_refused([](auto& o) { o.min_turn_eigenvalue = -1; },
-                 "min_turn_eigenvalue is -1, must be zero or positive");
+                 "min_turn_eigenvalue is -1, must be zero (never) or positive");
   expect_refused([](auto& o) { o.map_period = 0; }, "map_period is 0, must be at least 1");
   expect_refused([](auto& o) { o.max_view_shift = -1; },
                  "max_view_shift is -1, must be zero or positive");
@@ -294,11 +295,12 @@ TEST(SlamOptions, RefuseWhatMakesNoSense) {
   expect_refused([](auto& o) { o.min_inlier_share = kNan; }, "min_inlier_share is nan");
   expect_refused([](auto& o) { o.max_rmse_m = 0; }, "max_rmse_m is 0, must be positive");
   expect_refused([](auto& o) { o.preprocess.pyramid_levels = 0; },
-                 "preprocess: pyramid_levels is 0");
-  expect_refused([](auto& o) { o.icp.max_iterations = 0; }, "icp: max_iterations is 0");
-  expect_refused([](auto& o) { o.icp.gates.max_distance_m = -1; }, "icp: max_distance_m is -1");
-  expect_refused([](auto& o) { o.fusion.max_distance_m = 0; }, "fusion: max_distance_m is 0");
-  expect_refused([](auto& o) { o.render.radius_share = 0; }, "render: radius_share is 0");
+                 "preprocess.pyramid_levels is 0");
+  expect_refused([](auto& o) { o.icp.max_iterations = 0; }, "icp.max_iterations is 0");
+  expect_refused([](auto& o) { o.icp.gates.max_distance_m = -1; },
+                 "icp.gates.max_distance_m is -1");
+  expect_refused([](auto& o) { o.fusion.merge_distance_m = 0; }, "fusion.merge_distance_m is 0");
+  expect_refused([](auto& o) { o.render.radius_share = 0; }, "render.radius_share is 0");
   PinholeCamera camera = testing::SimulatedCamera();
   camera.fx = 0;
   ExpectInputError([&] { Slam(camera, SlamOptions(), {}); }, HasSubstr("camera: fx is 0"));

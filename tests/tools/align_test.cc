@@ -66,12 +66,21 @@ TEST_F(AlignTool, FailsWithValueAndConstraint) {
                                 HasSubstr("must be at most max_free_space_share (0)")));
 }
 
+TEST_F(AlignTool, StartsFromItsPresetAndAFlagWins) {
+  const ProgramResult help = RunProgram("surfit_align", {"--helpon=registration"});
+  EXPECT_THAT(help.out, HasSubstr("--max_distance_m=0.05"));
+  EXPECT_THAT(help.out, HasSubstr("--max_free_space_share=0.02"));
+  const ProgramResult strict = Align(Room(), {"--target=1", "--max_distance_m=0.0001"});
+  EXPECT_EQ(strict.exit_code, 2);
+  EXPECT_THAT(strict.err, StartsWith("failed: too_few_inliers"));
+}
+
 TEST_F(AlignTool, RefusesBadInputInOneSentence) {
   const std::pair<std::vector<std::string>, const char*> cases[] = {
       {{"--source=-1"}, "source is -1, must be zero or positive"},
       {{"--target=6"}, "must be below 6, the number of frames"},
-      {{"--kernel_growth=0.5"}, "kernel_growth is 0.5, must be at least 1"},
-      {{"--min_coarse_step_px=-1"}, "min_coarse_step_px is -1, must be zero or positive"},
+      {{"--max_normal_angle_deg=-1"},
+       "--max_normal_angle_deg is -1, must be zero (off) or positive and below 90"},
       {{"--max_free_space_share=2"}, "max_free_space_share is 2, must be from 0 to 1"},
       {{"--solver=magic"}, "solver is 'magic', must be one of: "},
       {{"--initialize=magic"}, "initialize is 'magic', must be one of: identity, so3, features"},

@@ -159,6 +159,11 @@ TEST_F(CompareTool, ComparesOverTwoClouds) {
     EXPECT_EQ(row["converged_share"], 1);
     EXPECT_LT(row["translation_error_m"], 0.005);
   }
+  // A flag wins over what clouds have by default.
+  std::vector<std::string> strict = flags;
+  strict.push_back("--max_distance_m=0.0001");
+  ASSERT_EQ(Compare(strict).exit_code, 0);
+  for (const auto& row : Rows()) EXPECT_EQ(row["termination"], "too_few_inliers");
 }
 
 // Pairs at most 0.1 mm apart are too few; frames of too large residuals are lost after all.
@@ -196,7 +201,7 @@ TEST_F(CompareTool, RefusesBadInputInOneSentence) {
   const std::pair<std::vector<std::string>, const char*> cases[] = {
       {{}, "0 of them are set, must be one"},
       {{"--synthetic_points=10", "--sequence=x"}, "2 of them are set, must be one"},
-      {{"--synthetic_points=-5"}, "synthetic_points is -5, must be from 10"},
+      {{"--synthetic_points=-5"}, "synthetic_points is -5, must be"},
       {{"--synthetic_points=10", "--solvers=magic"}, "closed_form_ldlt"},
       {{"--synthetic_points=10", "--solvers=svd", "--residuals=point_to_plane"}, "point_to_point"},
       {{"--synthetic_points=10", "--threads=two"}, "threads is 'two', must be whole numbers"},

@@ -43,7 +43,8 @@ class EvaluateRevisitsTest : public ::testing::Test {
 
 // Frames 20 to 40 apart have drifted by 20 to 40 mm.
 TEST_F(EvaluateRevisitsTest, TellsWhichPosesLaySurfacesOverEachOther) {
-  const ProgramResult result = Evaluate({"--min_gap=20", "--max_distance=1", "--max_angle_deg=40"});
+  const ProgramResult result =
+      Evaluate({"--min_gap=20", "--max_distance_m=1", "--max_angle_deg=40"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const auto json = nlohmann::json::parse(result.out);
   EXPECT_GT(json.at("pairs"), 5);

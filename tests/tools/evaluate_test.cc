@@ -126,7 +126,7 @@ TEST_F(EvaluateTest, NamesFileAndLineOfWhatItCannotRead) {
 
 TEST_F(EvaluateTest, RefusesBadFlags) {
   Write(kSquare, kLifted);
-  ExpectError(Evaluate({"--delta=0"}), "delta is 0, must be finite and positive");
+  ExpectError(Evaluate({"--delta=0"}), "delta is 0, must be positive");
   ExpectError(Evaluate({"--delta=1.5"}), "delta is 1.5 frames, must be an integer");
   ExpectError(Evaluate({"--delta_unit=m"}), "--delta_unit is 'm', must be 'frames' or 'seconds'");
   ExpectError(Evaluate({"--max_difference_s=-1"}), "max_difference_s is -1, must be from 0 to 1");
@@ -173,9 +173,8 @@ TEST_F(EvaluateTest, RefusesAFlagfileThatItDoesNotUnderstand) {
 TEST(EvaluateHelp, ShowsEveryDefault) {
   const ProgramResult result = RunProgram("surfit_evaluate", {"--help"});
   EXPECT_EQ(result.exit_code, 0);
-  EXPECT_THAT(result.out, AllOf(HasSubstr("--max_difference_s  (double, default 0.01)"),
-                                HasSubstr("--delta  (double, default 1)"),
-                                HasSubstr("--delta_unit  (string, default \"frames\")")));
+  EXPECT_THAT(result.out, AllOf(HasSubstr("--max_difference_s=0.01"), HasSubstr("--delta=1"),
+                                HasSubstr("--delta_unit=frames")));
 }
 
 // Motion capture at 100 Hz against itself: no error, and each of the nine frames is covered.

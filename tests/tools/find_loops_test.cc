@@ -66,7 +66,7 @@ TEST_F(FindLoopsTest, RefusesImpossibleInput) {
   EXPECT_EQ(Find({"--run=" + run_, "--trajectory=" + run_ + "/trajectory.txt"}).exit_code, 1);
   const ProgramResult result = Find({"--run=" + run_, "--loop_gap=0"});
   EXPECT_EQ(result.exit_code, 1);
-  EXPECT_THAT(result.err, HasSubstr("min_gap is 0, must be at least 1"));
+  EXPECT_THAT(result.err, HasSubstr("--loop_gap is 0, must be at least 1"));
 }
 
 }  // namespace

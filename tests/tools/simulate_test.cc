@@ -228,12 +228,12 @@ TEST_F(SimulateTest, AddsAFieldToInverseDepth) {
 
 TEST_F(SimulateTest, RefusesBadFlagsByName) {
   const std::map<std::string, std::string> errors = {
-      {"--scene=kitchen", "scene is 'kitchen', must be one of corridor, room"},
-      {"--sensor=lidar", "--sensor is 'lidar', must be 'ideal' or 'kinect'"},
-      {"--seed=-1", "--seed is -1, must not be negative"},
+      {"--scene=kitchen", "scene is 'kitchen', must be one of: corridor, room"},
+      {"--sensor=lidar", "--sensor is 'lidar', must be one of: ideal, kinect"},
+      {"--seed=-1", "--seed is -1, must be zero or positive"},
       {"--surface_grid_m=0", "--surface_grid_m is 0, must be at least 0.001"},
-      {"--threads=-2", "threads is -2, must be from 1"},
-      {"--inverse_depth_offset=0.2", "have 0.2, must be from -0.1 to 0.1"},
+      {"--threads=-2", "threads is -2, must be from 0 to 1024"},
+      {"--inverse_depth_offset=0.2", "--inverse_depth_offset is 0.2, must be from -0.1 to 0.1"},
       {"--inverse_depth_distortion=1,2", "--inverse_depth_distortion is 1,2, must be five numbers"},
       {"--inverse_depth_distortion=0,0,nan,0,0", "inverse_depth_distortion is '0,0,nan,0,0'"},
       {"--colour=red", "colour"}};
@@ -243,6 +243,7 @@ TEST_F(SimulateTest, RefusesBadFlagsByName) {
     EXPECT_THAT(result.err, MatchesRegex("error: [^\n]*\n"));
     EXPECT_THAT(result.err, HasSubstr(message));
   }
+  EXPECT_THAT(RunProgram("surfit_simulate", {}).err, HasSubstr("--output is missing, must be set"));
   for (const std::string flag : {"--frames=0", "--downsample=17", "--output="}) {
     const ProgramResult result = RunProgram("surfit_simulate", {"--output=/nowhere", flag});
     EXPECT_EQ(result.exit_code, 1);
@@ -255,9 +256,8 @@ TEST_F(SimulateTest, RefusesBadFlagsByName) {
 TEST_F(SimulateTest, HelpListsTheFlagsWithTheirDefaults) {
   const ProgramResult help = RunProgram("surfit_simulate", {"--help"});
   EXPECT_EQ(help.exit_code, 0);
-  for (const char* const flag :
-       {"--output", "--scene  (string, default \"room\")", "--frames  (int32, default 200)",
-        "--seed", "--sensor", "--surface_grid_m  (double, default 0.005)"}) {
+  for (const char* const flag : {"--output", "--scene=room", "--frames=200", "--seed", "--sensor",
+                                 "--surface_grid_m=0.005"}) {
     EXPECT_THAT(help.out, HasSubstr(flag));
   }
 }

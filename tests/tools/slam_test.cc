@@ -139,13 +139,32 @@ TEST_F(SlamTool, TheDefaultGateIsTheLibrarysToTheLastBit) {
             SlamOptions().icp.gates.max_normal_angle_rad);
 }
 
-TEST_F(SlamTool, HelpNamesEveryFlagWithItsDefault) {
+TEST_F(SlamTool, HelpNamesEverydayFlagsWithTheirDefaultsOnTwoScreens) {
   const ProgramResult result = RunProgram("surfit_slam", {"--help"});
   EXPECT_EQ(result.exit_code, 0);
-  for (const char* text : {"--sequence", "--output", "--downsample  (int32, default 1)",
-                           "--solver  (string, default \"closed_form_ldlt\")", "--flagfile"}) {
+  for (const char* text : {"--sequence", "--output", "--downsample=1", "--solver=closed_form_ldlt",
+                           "--flagfile", "--helpon=GROUP"}) {
     EXPECT_THAT(result.out, HasSubstr(text));
   }
+  EXPECT_LE(std::count(result.out.begin(), result.out.end(), '\n'), 2 * 30);
+}
+
+TEST_F(SlamTool, HelpOnAGroupOrOnAllNamesFurtherFlags) {
+  const ProgramResult group = RunProgram("surfit_slam", {"--helpon=map"});
+  EXPECT_THAT(group.out, AllOf(HasSubstr("--duplicate_share=0.7"), Not(HasSubstr("--sequence"))));
+  EXPECT_THAT(RunProgram("surfit_slam", {"--helpfull"}).out,
+              AllOf(HasSubstr("--duplicate_share=0.7"), HasSubstr("--sequence")));
+  const ProgramResult none = RunProgram("surfit_slam", {"--helpon=magic"});
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_THAT(none.err, HasSubstr("error: --helpon is 'magic', must be one of: sequence, "));
+}
+
+TEST_F(SlamTool, RecordsAllFlagsThoseOfItsPresetIncluded) {
+  ASSERT_EQ(Slam(Room(), Output(), {"--last=1", "--kernel_width=2.5"}).exit_code, 0);
+  const auto options = Summary(Output())["options"];
+  EXPECT_EQ(options["kernel_width"], "2.5");
+  EXPECT_EQ(options["residual"], SlamOptions().icp.residual);
+  EXPECT_EQ(options["min_source_rows"], std::to_string(SlamOptions().icp.min_source_rows));
 }
 
 }  // namespace

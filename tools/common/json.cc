@@ -5,6 +5,23 @@
 #include "surfit/core/error.h"
 
 namespace surfit::tools {
+namespace {
+
+class FlagWriter final : public OptionVisitor {
+ public:
+  Json json;
+
+ private:
+  void Visit(const Option& option, const OptionValue& value) override {
+    if (option.flag.empty()) return;
+    const bool is_text =
+        std::holds_alternative<std::string*>(value) || std::holds_alternative<OptionText*>(value);
+    const std::string text = FlagText(option, value);
+    json[option.flag] = is_text ? Json(text) : Json::parse(text);
+  }
+};
+
+}  // namespace
 
 void SetStatistics(const std::string& prefix, const std::string& unit,
                    const ErrorStatistics* statistics, Json* json) {
@@ -17,6 +34,12 @@ void SetStatistics(const std::string& prefix, const std::string& unit,
   set("median", &ErrorStatistics::median);
   set("p90", &ErrorStatistics::p90);
   set("max", &ErrorStatistics::max);
+}
+
+Json FlagsToJson(const OptionTable& options) {
+  FlagWriter writer;
+  options(writer);
+  return std::move(writer.json);
 }
 
 std::string ToText(const Json& json) {

@@ -22,16 +22,6 @@ nlohmann::json OptionsIn(const std::string& path) {
 
 }  // namespace
 
-std::map<std::string, std::string> RecordedFlags() {
-  std::vector<gflags::CommandLineFlagInfo> flags;
-  gflags::GetAllFlags(&flags);
-  std::map<std::string, std::string> record;
-  for (const auto& flag : flags) {
-    if (flag.filename.find("tools/") != std::string::npos) record[flag.name] = flag.current_value;
-  }
-  return record;
-}
-
 void TakeRecordedFlags(const std::string& summary_json, const std::vector<std::string>& names) {
   const nlohmann::json recorded = OptionsIn(summary_json);
   for (const std::string& name : names) {

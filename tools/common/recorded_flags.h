@@ -1,13 +1,9 @@
 #pragma once
 
-#include <map>
 #include <string>
 #include <vector>
 
 namespace surfit::tools {
-
-// All flags of our own programs with their present values.
-std::map<std::string, std::string> RecordedFlags();
 
 // Gives each of these flags the value that a run's summary.json has recorded for it, unless the
 // command line has set it. Throws InputError naming the file if it cannot be read or tells no such

@@ -3,14 +3,13 @@
 #include <gflags/gflags.h>
 #include <glog/logging.h>
 
-#include <array>
-#include <charconv>
 #include <cstdio>
 #include <cstdlib>
 #include <iostream>
 #include <vector>
 
 #include "common/flag_file.h"
+#include "common/flags.h"
 #include "surfit/core/error.h"
 
 namespace google {
@@ -62,40 +61,37 @@ bool FlagIsSet(const char* name) {
   return gflags::GetCommandLineOption(name, &value) && value == "true";
 }
 
-// gflags writes 0.004 as 0.0040000000000000001: the digits that single precision has will do.
-std::string DefaultText(const gflags::CommandLineFlagInfo& flag) {
-  if (flag.type == "string") return "\"" + flag.default_value + "\"";
-  if (flag.type != "double") return flag.default_value;
-  std::array<char, 60> text;
-  const auto end =
-      std::to_chars(text.data(), text.data() + text.size(), std::stof(flag.default_value));
-  return std::string(text.data(), end.ptr);
-}
-
-void PrintHelp(const std::string& program, const std::string& summary) {
-  std::cout << program << ": " << summary << "\n\nFlags:\n";
-  std::vector<gflags::CommandLineFlagInfo> flags;
-  gflags::GetAllFlags(&flags);
-  for (const auto& flag : flags) {
-    if (flag.filename.find("tools/") == std::string::npos) continue;
-    std::cout << "  --" << flag.name << "  (" << flag.type << ", default " << DefaultText(flag)
-              << ")\n      " << flag.description << "\n";
-  }
-  std::cout << "  --flagfile  (string)\n      read flags from this file, one a line\n";
+// The help that is asked for; nothing if none is.
+std::string Help(const std::vector<FlagHelp>& flags) {
+  std::string group;
+  gflags::GetCommandLineOption("helpon", &group);
+  if (!group.empty()) return GroupHelp(flags, group);
+  if (FlagIsSet("helpfull")) return FullHelp(flags);
+  if (FlagIsSet("help") || FlagIsSet("helpshort")) return EverydayHelp(flags);
+  return "";
 }
 
 }  // namespace
 
-int ToolMain(int argc, char** argv, const std::string& summary, const std::function<int()>& run) {
+int ToolMain(int argc, char** argv, const std::string& summary, const OptionTable& options,
+             const std::function<int()>& run, const std::function<void()>& prepare) {
   try {
     const std::string path = argv[0];
     FLAGS_logtostderr = true;
     google::InitGoogleLogging(argv[0]);
+    const Flags flags(options);
     ParseFlags(argc, argv);
-    if (FlagIsSet("help") || FlagIsSet("helpfull") || FlagIsSet("helpshort")) {
-      PrintHelp(path.substr(path.find_last_of('/') + 1), summary);
+    const std::string help = Help(flags.Described());
+    if (!help.empty()) {
+      std::cout << path.substr(path.find_last_of('/') + 1) << ": " << summary << "\n\n" << help;
       return kDone;
     }
+    flags.Apply();
+    if (prepare) {
+      prepare();
+      flags.Apply();
+    }
+    flags.Check();
     return run();
   } catch (const std::exception& error) {
     std::cerr << "error: " << error.what() << std::endl;

@@ -3,15 +3,20 @@
 #include <functional>
 #include <string>
 
+#include "surfit/core/options.h"
+
 namespace surfit::tools {
 
 // The exit codes of every program.
 enum ExitCode { kDone = 0, kBadInput = 1, kAlgorithmFailed = 2 };
 
-// Parses gflags (--flagfile and --help included), runs the program and turns exceptions into
-// messages: InputError and bad flags print "error: ..." on stderr and give kBadInput, as does any
-// other exception. --help prints the summary and our own flags with their defaults, on stdout.
-int ToolMain(int argc, char** argv, const std::string& summary, const std::function<int()>& run);
+// Runs a program. Its flags are those of the table of its options, whose values are the defaults.
+// What the user has set goes into the options before prepare(), which may change them by what it
+// finds there, and once more after it: a flag that is given wins. Then values are checked, and
+// run() gives the exit code. InputError, bad flags and any other exception print "error: ..." on
+// stderr and give kBadInput. --help, --helpfull and --helpon=GROUP print on stdout.
+int ToolMain(int argc, char** argv, const std::string& summary, const OptionTable& options,
+             const std::function<int()>& run, const std::function<void()>& prepare = {});
 
 // Throws InputError naming the flag if its value is empty.
 void RequireFlag(const std::string& name, const std::string& value);

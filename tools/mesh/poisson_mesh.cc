@@ -10,6 +10,7 @@
 
 #include "mesh/trim_mesh.h"
 #include "surfit/core/error.h"
+#include "surfit/core/options.h"
 
 namespace surfit::tools {
 namespace {
@@ -40,18 +41,26 @@ int OctreeDepth(const o3d::PointCloud& points, double cell_m) {
 
 }  // namespace
 
-void MeshOptions::Validate() const {
-  if (!(cell_m > 0)) throw InputError(Concat("cell_m is ", cell_m, ", must be positive"));
-  if (!(trim_distance_m > 0))
-    throw InputError(Concat("trim_distance_m is ", trim_distance_m, ", must be positive"));
-  if (!(support_radii > 0))
-    throw InputError(Concat("support_radii is ", support_radii, ", must be positive"));
+void MeshOptions::Visit(OptionVisitor& v) {
+  v.Add(
+      cell_m,
+      Option("cell_m", "size of the finest cells; triangles are about as large").Positive().Flag());
+  v.Add(trim_distance_m,
+        Option("trim_distance_m", "nothing farther than this from all points of the map is kept")
+            .Positive()
+            .Flag());
+  v.Add(support_radii,
+        Option("support_radii",
+               "nothing beyond this many radii sideways of all surfels, or cell_m off their "
+               "planes, is kept; maps without radii are trimmed by distance alone")
+            .Positive()
+            .Flag());
 }
 
 MeshSummary WritePoissonMesh(const PointCloud& cloud, const MeshOptions& options,
                              const std::string& path) {
   constexpr int kThreads = 1;  // with more, sums depend on who is first
-  options.Validate();
+  Validate(options);
   if (cloud.normals.empty()) throw InputError("the map has no points with normals");
   open3d::utility::SetVerbosityLevel(open3d::utility::VerbosityLevel::Error);
   const o3d::PointCloud points = ToOpen3d(cloud);

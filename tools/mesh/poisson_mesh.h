@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "surfit/core/options.h"
 #include "surfit/io/point_cloud.h"
 
 namespace surfit::tools {
@@ -14,8 +15,7 @@ struct MeshOptions {
   double trim_distance_m = 0.02;
   double support_radii = 2;  // neighbours stand less than two radii apart
 
-  // Throws InputError naming the option, its value and the constraint.
-  void Validate() const;
+  void Visit(OptionVisitor& visitor);
 };
 
 // What a mesh has.

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Prints docs/options.md: every flag of every program, as its --help has it.
+# Prints docs/options.md: every flag of every program, as its --helpfull has it.
 #   options_page.sh PROGRAMS_FOLDER > docs/options.md
 #   options_page.sh PROGRAMS_FOLDER --compare=docs/options.md    exits with 1 if that is out of date
 set -euo pipefail
@@ -10,17 +10,22 @@ print_page() {
   cat <<'END'
 # Options
 
-Here are the flags of all programs but `surfit_mesh`, which is built only where Open3D is. Made
-of each program's `--help` by `tools/scripts/options_page.sh build/release/tools > docs/options.md`; a
-test holds the page to what the programs say. `--flagfile=F` reads flags from a file, one a line, `#`
-begins a comment.
+All flags of all programs but `surfit_mesh`, which is built only where Open3D is: each with its
+default, group by group. `--help` of a program shows the everyday ones, `--helpon=GROUP` those of a
+group, `--helpfull` all. `--flagfile=F` reads flags from a file, one a line; `#` begins a comment.
+In C++ and Python options have more fields than there are flags: see the structs' headers.
+
+`tools/scripts/options_page.sh build/release/tools > docs/options.md` makes this page; a test holds
+it to what the programs say.
 END
   local program
   # Not surfit_mesh: whether it is there depends on Open3D.
   for program in slam refine report align register compare_solvers evaluate evaluate_map \
     evaluate_revisits find_loops convert optimize simulate; do
     printf '\n## surfit_%s\n\n' "$program"
-    "$programs/surfit_$program" --help | sed -n '/^  /p' | sed 's/^  /    /'
+    "$programs/surfit_$program" --helpfull |
+      sed -n '/^Options from/q; s/^Options of \(.*\):$/### \1\n/p; /^ /s/^/  /p; /^$/p' |
+      sed '1{/^$/d}' | cat -s
   done
 }
 

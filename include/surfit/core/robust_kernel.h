@@ -5,6 +5,8 @@
 
 namespace surfit {
 
+class OptionVisitor;
+
 // rho(s) of a squared residual s in units of sigma^2, with rho(0) = 0, rho'(0) = 1 and width k in
 // sigmas: the cost is 1/2 sum rho(s), and a least-squares step weights its rows by rho'(s).
 enum class RobustKernelType {
@@ -19,6 +21,8 @@ enum class RobustKernelType {
 struct RobustKernel {
   RobustKernelType type = RobustKernelType::kNone;
   double width = 3;  // k
+
+  void Visit(OptionVisitor& visitor);
 };
 
 // "none", "huber", "tukey", "geman_mcclure", "student_t", in this order.

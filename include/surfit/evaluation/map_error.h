@@ -8,13 +8,14 @@
 
 namespace surfit {
 
+class OptionVisitor;
+
 // How a map is compared with its reference.
 struct MapErrorOptions {
   // A reference point counts as mapped if a map point is at most this far.
   double completeness_distance_m = 0.01;
 
-  // Throws InputError naming the field, its value and the constraint.
-  void Validate() const;
+  void Visit(OptionVisitor& visitor);
 };
 
 // How near a map is to a reference surface that is given as points, and how much of it it holds.

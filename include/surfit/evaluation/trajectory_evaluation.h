@@ -10,6 +10,8 @@
 
 namespace surfit {
 
+class OptionVisitor;
+
 enum class AlignmentStatus {
   kAligned,
   // The points lie on a line or in one spot: other rotations fit as well, with the same residuals.
@@ -35,8 +37,7 @@ struct MatchOptions {
   // Stamps further apart never match. evo's default; the TUM scripts use 0.02.
   double max_difference_s = 0.01;
 
-  // Throws InputError naming the field, its value and the constraint.
-  void Validate() const;
+  void Visit(OptionVisitor& visitor);
 };
 
 // What the ground truth and the estimate say of the same moment, each in its own world.
@@ -73,8 +74,7 @@ struct RelativePoseErrorOptions {
   double delta = 1;
   Unit delta_unit = Unit::kFrames;
 
-  // Throws InputError naming the field, its value and the constraint.
-  void Validate() const;
+  void Visit(OptionVisitor& visitor);
 };
 
 // Drift over a fixed interval. With P the estimate and Q the ground truth, for every pose i and
@@ -94,6 +94,8 @@ std::optional<RelativePoseError> ComputeRelativePoseError(const std::vector<Matc
 struct TrajectoryEvaluationOptions {
   MatchOptions match;
   RelativePoseErrorOptions rpe;
+
+  void Visit(OptionVisitor& visitor);
 };
 
 // What is said of an estimated trajectory.

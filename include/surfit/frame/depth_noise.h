@@ -2,6 +2,8 @@
 
 namespace surfit {
 
+class OptionVisitor;
+
 // Noise of a structured-light or stereo depth sensor, constant in inverse depth: with baseline b,
 // focal length f and disparity noise delta, sigma_z = delta z^2 / (b f), that is
 // sigma_(1/z) = delta / (b f) (Khoshelham and Elberink 2012; Schoeps et al., BAD SLAM, 2019).
@@ -11,6 +13,8 @@ struct DepthNoise {
 
   // Standard deviation of a depth z, in metres.
   double SigmaZ(double z_m) const { return inverse_depth_sigma * z_m * z_m; }
+
+  void Visit(OptionVisitor& visitor);
 };
 
 }  // namespace surfit

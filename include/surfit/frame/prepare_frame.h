@@ -10,6 +10,8 @@
 
 namespace surfit {
 
+class OptionVisitor;
+
 // Depth along the optical axis as a sensor or file gives it: counts of 1/depth_units_per_metre, 0
 // and 65535 meaning missing, or metres, where what is not finite or not positive is missing.
 using RawDepth = std::variant<Image<std::uint16_t>, Image<float>>;
@@ -19,8 +21,7 @@ struct PrepareOptions {
   int downsample = 1;      // keep every downsample-th column and row
   double max_depth_m = 8;  // depth beyond is missing: noise there outgrows what it could tell
 
-  // Throws InputError naming the option, its value and the constraint.
-  void Validate() const;
+  void Visit(OptionVisitor& visitor);
 };
 
 // Turns the images of an RGB-D camera into frames whose depth and colour share the pixels of one

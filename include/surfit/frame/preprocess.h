@@ -7,6 +7,8 @@
 
 namespace surfit {
 
+class OptionVisitor;
+
 // How a depth image becomes vertex and normal maps. All of it works on inverse depth: a plane is
 // linear there in pixel coordinates, and the sensor's noise is the same at every depth, so that
 // one threshold serves near and far.
@@ -18,8 +20,7 @@ struct PreprocessOptions {
   double max_slant_rad = 1.45;  // a surface steeper than this to the ray counts as a depth edge
   int pyramid_levels = 4;  // the pyramid is shorter where a level would be under 40 x 30 pixels
 
-  // Throws InputError naming field, value and constraint.
-  void Validate() const;
+  void Visit(OptionVisitor& visitor);
 };
 
 // Edge-preserving depth filter: the weighted mean of inverse depth over a square window, weights

@@ -7,13 +7,14 @@
 
 namespace surfit {
 
+class OptionVisitor;
+
 // How the images of a .klg file are written.
 struct KlgOptions {
   bool compress_depth = true;  // by zlib, or else raw
   int jpeg_quality = 95;       // of colour, 1 to 100; 0: raw
 
-  // Throws InputError naming the option, its value and the constraint.
-  void Validate() const;
+  void Visit(OptionVisitor& visitor);
 };
 
 // What became of a recording's frames.

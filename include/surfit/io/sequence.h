@@ -10,6 +10,8 @@
 
 namespace surfit {
 
+class OptionVisitor;
+
 // Which frames of which sequence to read, and with what camera.
 struct SequenceOptions {
   std::string path;  // the sequence's folder, or file
@@ -38,8 +40,7 @@ struct SequenceOptions {
 
   PrepareOptions prepare;
 
-  // Throws InputError naming the option, its value and the constraint.
-  void Validate() const;
+  void Visit(OptionVisitor& visitor);
 };
 
 // Opens a folder of images, or a recording in one file, as a sequence. Stamps are the source's own:

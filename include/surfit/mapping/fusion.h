@@ -14,18 +14,20 @@
 
 namespace surfit {
 
+class OptionVisitor;
+
 // How frames become surfels.
 struct FusionOptions {
   std::string weighting = "confidence";  // or "uniform": a = 1 for every point
-  float max_distance_m = 0.05f;          // along the surfel's normal, between point and surfel
-  float max_normal_angle_rad = 0.6f;     // between their normals
+  float merge_distance_m = 0.05f;        // along the surfel's normal, between point and surfel
+  float merge_angle_rad = 0.6f;          // between their normals
   // A point merges with a surfel if its ray passes the surfel's centre within the point's radius,
   // but never farther than this across the surface: so much stays between the surfels of a far or
   // coarsely sampled surface.
   float max_spacing_m = 0.01f;
   // Of two surfels that are closer across the surface than this share of their radii, and of the
   // spacing, the one of less confidence is removed. 0 = none.
-  float double_share = 0.7f;
+  float duplicate_share = 0.7f;
   float max_slant_scale = 2;      // radius = sqrt(2) z / f times at most this for 1 / |n_z|
   float max_radius_ratio = 1.5f;  // points that are coarser than this do not move a surfel
   float lasting_confidence = 1;   // a surfel with less, seen about once, is noise ...
@@ -38,8 +40,7 @@ struct FusionOptions {
   float free_space_margin_m = 0.05f;  // measured farther than this behind a surfel, plus 4 sigma
   DepthNoise noise;                   // of the depth: the surfel is not there
 
-  // Throws InputError naming field, value and constraint.
-  void Validate() const;
+  void Visit(OptionVisitor& visitor);
 };
 
 // What the fusion of one frame did.

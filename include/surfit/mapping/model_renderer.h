@@ -9,6 +9,8 @@
 
 namespace surfit {
 
+class OptionVisitor;
+
 class DiscList;
 
 // How the map is drawn.
@@ -27,8 +29,7 @@ struct RenderOptions {
   float surface_thickness_m = 0.02f;
   DepthNoise noise;
 
-  // Throws InputError naming field, value and constraint.
-  void Validate() const;
+  void Visit(OptionVisitor& visitor);
 };
 
 // Draws surfel maps as oriented discs with hidden surfaces removed: each pixel shows one disc of

@@ -10,6 +10,8 @@
 
 namespace surfit {
 
+class OptionVisitor;
+
 // A node of a pose graph.
 struct PoseGraphPose {
   std::int64_t id = 0;  // its name outside, for files and messages
@@ -75,8 +77,7 @@ struct PoseGraphOptions {
   int max_iterations = 200;                 // of Levenberg-Marquardt, in each round of "gnc"
   double min_relative_cost_change = 1e-11;  // ends it
 
-  // Throws InputError naming field, value and constraint.
-  void Validate() const;
+  void Visit(OptionVisitor& visitor);
 };
 
 enum class PoseGraphTermination {

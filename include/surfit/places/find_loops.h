@@ -8,6 +8,8 @@
 
 namespace surfit {
 
+class OptionVisitor;
+
 // Which pairs of keyframes are verified.
 struct FindLoopsOptions {
   int min_gap = 100;           // frames between the two
@@ -17,8 +19,7 @@ struct FindLoopsOptions {
   double max_near_rad = 0.52;  // nor turned by more: 30 degrees
   VerifyLoopOptions verify;
 
-  // Throws InputError naming field, value and constraint.
-  void Validate() const;
+  void Visit(OptionVisitor& visitor);
 };
 
 // Two keyframes that may show one place; source is the later one.

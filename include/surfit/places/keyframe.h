@@ -14,6 +14,8 @@
 
 namespace surfit {
 
+class OptionVisitor;
+
 // The 256 bits of an ORB descriptor (Rublee et al. 2011).
 using BinaryDescriptor = std::array<std::uint64_t, 4>;
 
@@ -51,8 +53,7 @@ struct PlaceViewOptions {
   int max_width = 320;     // px; images are halved until they are no wider
   int max_features = 500;  // spread over the image
 
-  // Throws InputError naming field, value and constraint.
-  void Validate() const;
+  void Visit(OptionVisitor& visitor);
 };
 
 // Takes the finest level of the pyramid that is not too wide, and features of the colours, which

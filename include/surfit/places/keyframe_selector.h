@@ -4,6 +4,8 @@
 
 namespace surfit {
 
+class OptionVisitor;
+
 // When a frame becomes a keyframe.
 struct KeyframeOptions {
   // From the last keyframe the camera has moved so far,
@@ -14,8 +16,7 @@ struct KeyframeOptions {
   // or so many frames have passed since in which it moved at all: by a tenth of what is above.
   int max_frames = 60;
 
-  // Throws InputError naming field, value and constraint.
-  void Validate() const;
+  void Visit(OptionVisitor& visitor);
 };
 
 // Whether a frame at that pose is to become a keyframe, after the last one. `surface` is any level

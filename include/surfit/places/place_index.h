@@ -9,6 +9,8 @@
 
 namespace surfit {
 
+class OptionVisitor;
+
 // How places are looked up.
 struct PlaceIndexOptions {
   int tables = 8;                // of descriptors, each by bits of its own
@@ -16,8 +18,7 @@ struct PlaceIndexOptions {
   int max_hamming = 48;          // of 256: descriptors that differ by more do not show the same
   double min_similarity = 0.02;  // of a candidate
 
-  // Throws InputError naming field, value and constraint.
-  void Validate() const;
+  void Visit(OptionVisitor& visitor);
 };
 
 // A keyframe that may show the place that was asked for.

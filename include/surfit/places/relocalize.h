@@ -6,13 +6,14 @@
 
 namespace surfit {
 
+class OptionVisitor;
+
 // How a lost camera is found again.
 struct RelocalizeOptions {
   int max_candidates = 5;  // keyframes that are tried, those most alike first
   VerifyLoopOptions verify;
 
-  // Throws InputError naming field, value and constraint.
-  void Validate() const;
+  void Visit(OptionVisitor& visitor);
 };
 
 // Where a camera was found, or why not.

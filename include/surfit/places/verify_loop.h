@@ -10,6 +10,8 @@
 
 namespace surfit {
 
+class OptionVisitor;
+
 // What a loop must show to be accepted. All of it must hold: a right loop that is refused costs
 // little, since its neighbours will be tried, and a wrong one bends the map.
 struct VerifyLoopOptions {
@@ -31,8 +33,7 @@ struct VerifyLoopOptions {
   // Symmetric residual, from a coarse level within the reach of what starts it.
   static IcpOptions DefaultIcp();
 
-  // Throws InputError naming field, value and constraint.
-  void Validate() const;
+  void Visit(OptionVisitor& visitor);
 };
 
 // That a loop was accepted, or what first spoke against it.

@@ -12,6 +12,8 @@
 
 namespace surfit {
 
+class OptionVisitor;
+
 // How keyframes are refined.
 struct RefinementOptions {
   // What of the calibration is found as well. Depth as a whole keeps its scale: nothing in a
@@ -22,10 +24,10 @@ struct RefinementOptions {
 
   // A keyframe's image has so many columns of square cells; it has at most one surfel in each.
   int cells_across = 120;
-  int min_observations = 3;           // a surfel that fewer keyframes see does not count
-  double max_distance_m = 0.05;       // between a surfel's plane and what a keyframe measures
-  double max_normal_angle_rad = 0.6;  // between their normals
-  double max_slant_rad = 1.2;         // of a surface to the ray that sees it
+  int min_observations = 3;              // a surfel that fewer keyframes see does not count
+  double observation_distance_m = 0.05;  // between a surfel's plane and what a keyframe measures
+  double observation_angle_rad = 0.6;    // between their normals
+  double max_slant_rad = 1.2;            // of a surface to the ray that sees it
   // Of planes and, with its photometric weight (0 = off, the default), of textures: see Refine().
   ErrorModel error_model;
 
@@ -41,7 +43,7 @@ struct RefinementOptions {
   // shifts what is found, however many pixels agree: fx fy cx cy by about this share of the focal
   // length, depth by this share of 3 m. It is part of the calibration's covariance.
   double model_error_share = 0.0005;
-  // And with it, max_normal_angle_rad and the kernel's width are these shares of themselves: what
+  // And with it, observation_angle_rad and the kernel's width are these shares of themselves: what
   // is left over of single pixels is about half a sigma. What bends, or is next to a surface, would
   // count as measured of it; a wrong calibration needs both wide, to be found.
   double kept_angle_share = 1. / 3;
@@ -59,8 +61,7 @@ struct RefinementOptions {
   // pixels: they count, in the covariance of the calibration, as if there were fewer.
   int correlation_px = 7;
 
-  // Throws InputError naming field, value and constraint.
-  void Validate() const;
+  void Visit(OptionVisitor& visitor);
 };
 
 enum class RefinementTermination {

@@ -7,13 +7,14 @@
 
 namespace surfit {
 
+class OptionVisitor;
+
 // What a pair of points must satisfy beyond being valid.
 struct AssociationGates {
   double max_distance_m = 0.1;        // |p' - q|; 0 = off
   double max_normal_angle_rad = 0.5;  // between the rotated source normal and n; 0 = off
 
-  // Throws InputError naming field, value and constraint.
-  void Validate() const;
+  void Visit(OptionVisitor& visitor);
 };
 
 // Finds pairs at one pose.

@@ -7,6 +7,8 @@
 
 namespace surfit {
 
+class OptionVisitor;
+
 // How normals come from the points around each point of a cloud.
 //
 // A plane is fitted to all N neighbours within a radius. With l0 <= l1 <= l2 the eigenvalues of
@@ -31,8 +33,7 @@ struct CloudNormalOptions {
 
   static constexpr double kSpacings = 3;
 
-  // Throws InputError naming field, value and constraint.
-  void Validate() const;
+  void Visit(OptionVisitor& visitor);
 };
 
 // The normals of a cloud's points, in their order.

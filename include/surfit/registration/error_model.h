@@ -7,6 +7,8 @@
 
 namespace surfit {
 
+class OptionVisitor;
+
 // The one error model of registration. A residual r in metres (ResidualType) has
 //   sigma^2 = floor_sigma_m^2 + sigma_z(z)^2,
 // z the measured depth of the source point: the sensor's noise on top of what the map, the normals
@@ -39,8 +41,7 @@ struct ErrorModel {
 
   bool UsesIntensities() const { return photometric_weight > 0; }
 
-  // Throws InputError naming field, value and constraint.
-  void Validate() const;
+  void Visit(OptionVisitor& visitor);
 
   // Standard deviation in metres of the residual of a point at this depth.
   double Sigma(double depth_m) const {

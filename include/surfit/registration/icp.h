@@ -13,6 +13,8 @@
 
 namespace surfit {
 
+class OptionVisitor;
+
 // How two surfaces are registered.
 struct IcpOptions {
   std::string solver = "closed_form_ldlt";  // one of PoseSolverNames()
@@ -37,8 +39,7 @@ struct IcpOptions {
   HeldOptions held;                        // what it takes for a direction to be held
   double max_free_space_share = 1;         // of IcpResult::free_space_share; 1 = off
 
-  // Throws InputError naming field, value and constraint.
-  void Validate() const;
+  void Visit(OptionVisitor& visitor);
 };
 
 std::vector<std::string> AssociationNames();

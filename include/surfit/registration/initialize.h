@@ -9,6 +9,8 @@
 
 namespace surfit {
 
+class OptionVisitor;
+
 // A frame that may be registered from an unknown start.
 struct ColoredView {
   FramePyramid pyramid;
@@ -33,8 +35,7 @@ struct InitializeOptions {
   double free_space_growth = 2;  // and the free-space share is at most max_free_space_share times
                                  // this: views from far apart show errors of calibration
 
-  // Throws InputError naming field, value and constraint.
-  void Validate() const;
+  void Visit(OptionVisitor& visitor);
 };
 
 // identity, so3, features.

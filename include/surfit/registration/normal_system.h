@@ -5,6 +5,8 @@
 
 namespace surfit {
 
+class OptionVisitor;
+
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
@@ -95,8 +97,7 @@ struct HeldOptions {
   // ICP goes a share of 1 - 1 / ratio of its way.
   double min_information_ratio = 0;
 
-  // Throws InputError naming field, value and constraint.
-  void Validate() const;
+  void Visit(OptionVisitor& visitor);
 };
 
 // Directions x are free where x^T H x is not above what the options ask for, in the metric of the

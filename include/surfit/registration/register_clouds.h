@@ -6,6 +6,8 @@
 
 namespace surfit {
 
+class OptionVisitor;
+
 // How two clouds are registered.
 struct RegisterCloudsOptions {
   IcpOptions icp = DefaultIcp();  // what is about images is not used
@@ -20,8 +22,7 @@ struct RegisterCloudsOptions {
   // right pose most residuals are large, so that coarse levels need a wide kernel.
   static IcpOptions DefaultIcp();
 
-  // Throws InputError naming field, value and constraint.
-  void Validate() const;
+  void Visit(OptionVisitor& visitor);
 };
 
 // Registers source to target from an initial pose, coarse to fine, by ICP with nearest neighbours.

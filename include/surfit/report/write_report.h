@@ -6,6 +6,8 @@
 
 namespace surfit {
 
+class OptionVisitor;
+
 // Which runs a report shows.
 struct ReportOptions {
   std::vector<std::string> runs;  // output folders of RunSlam(), to be shown side by side
@@ -13,8 +15,7 @@ struct ReportOptions {
   // Surfels of all runs together that the page holds: of larger maps evenly spread ones.
   int max_points = 500000;
 
-  // Throws InputError naming the option, its value and the constraint.
-  void Validate() const;
+  void Visit(OptionVisitor& visitor);
 };
 
 // What a report holds of one run's map.

@@ -9,6 +9,8 @@
 
 namespace surfit {
 
+class OptionVisitor;
+
 // Which two frames to register, and how.
 struct AlignRunOptions {
   SequenceOptions sequence;  // its first, last and stride are not used
@@ -20,8 +22,7 @@ struct AlignRunOptions {
   IcpOptions icp = FarIcpOptions();
   int threads = 2;
 
-  // Throws InputError naming the option, its value and the constraint.
-  void Validate() const;
+  void Visit(OptionVisitor& visitor);
 };
 
 // How far an estimated motion is from the true one.

@@ -14,6 +14,8 @@
 
 namespace surfit {
 
+class OptionVisitor;
+
 // What to compare, and on what: exactly one of synthetic_points, sequence, the two clouds and
 // replay.
 struct CompareOptions {
@@ -50,9 +52,7 @@ struct CompareOptions {
   PreprocessOptions preprocess;
   IcpOptions icp;  // its solver, residual and association are the compared ones
 
-  // Throws InputError naming the option, its value and the constraint; for unknown names and
-  // impossible combinations it lists what is possible.
-  void Validate() const;
+  void Visit(OptionVisitor& visitor);
 };
 
 // One way to solve for a pose.

@@ -12,6 +12,8 @@
 
 namespace surfit {
 
+class OptionVisitor;
+
 // Which sequence to look for loops in, and how.
 struct FindLoopsRunOptions {
   SequenceOptions sequence;
@@ -33,8 +35,7 @@ struct FindLoopsRunOptions {
   double wrong_rad = 0.0524;
   int threads = 2;
 
-  // Throws InputError naming the option, its value and the constraint.
-  void Validate() const;
+  void Visit(OptionVisitor& visitor);
 };
 
 // A loop that was tried, and how far it is from the true relative pose, where that is known.

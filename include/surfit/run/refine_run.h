@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <functional>
-#include <map>
 #include <optional>
 #include <string>
 
@@ -11,6 +10,8 @@
 #include "surfit/refinement/refine.h"
 
 namespace surfit {
+
+class OptionVisitor;
 
 // What is refined, and with which frames.
 struct RefineRunOptions {
@@ -27,11 +28,8 @@ struct RefineRunOptions {
   PreprocessOptions preprocess;
   RefinementOptions refinement;
   int threads = 2;  // that compute at the same time
-  // All options by name, to be kept with the results.
-  std::map<std::string, std::string> record;
 
-  // Throws InputError naming the option, its value and the constraint.
-  void Validate() const;
+  void Visit(OptionVisitor& visitor);
 };
 
 // The outcome: what refinement.json says.

@@ -1,13 +1,14 @@
 #pragma once
 
 #include <cstddef>
-#include <map>
 #include <string>
 
 #include "surfit/registration/cloud_normals.h"
 #include "surfit/registration/register_clouds.h"
 
 namespace surfit {
+
+class OptionVisitor;
 
 // Which two clouds to register, and how.
 struct RegisterRunOptions {
@@ -17,10 +18,8 @@ struct RegisterRunOptions {
   CloudNormalOptions normals;
   RegisterCloudsOptions registration;
   int threads = 2;
-  std::map<std::string, std::string> record;  // of options, for registration.json
 
-  // Throws InputError naming the option, its value and the constraint.
-  void Validate() const;
+  void Visit(OptionVisitor& visitor);
 };
 
 // What came of a file.

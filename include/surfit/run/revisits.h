@@ -9,6 +9,8 @@
 
 namespace surfit {
 
+class OptionVisitor;
+
 // Which frames count as a return to the same place, by the true poses.
 struct RevisitOptions {
   SequenceOptions sequence;  // its stride is that of the frames that are looked at
@@ -18,8 +20,7 @@ struct RevisitOptions {
   double max_angle_rad = 0.26;
   PreprocessOptions preprocess;
 
-  // Throws InputError naming the option, its value and the constraint.
-  void Validate() const;
+  void Visit(OptionVisitor& visitor);
 };
 
 // How well a trajectory lays the surfaces of two visits over each other. Nothing is aligned, and no

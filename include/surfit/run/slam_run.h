@@ -3,7 +3,6 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +12,8 @@
 #include "surfit/slam/slam.h"
 
 namespace surfit {
+
+class OptionVisitor;
 
 // What a run is to do, beyond how the SLAM works.
 struct SlamRunOptions {
@@ -32,11 +33,8 @@ struct SlamRunOptions {
   // Folder in which each frame that tracking loses is kept as frame-XXXXXX, to be registered again
   // (CompareOptions::replay); empty = none.
   std::string dump_failures;
-  // All options by name, to be kept with the results.
-  std::map<std::string, std::string> record;
 
-  // Throws InputError naming the option, its value and the constraint.
-  void Validate() const;
+  void Visit(OptionVisitor& visitor);
 };
 
 // A frame that has just been processed, and what it made of the map, for those who watch. What it

@@ -7,6 +7,8 @@
 
 namespace surfit {
 
+class OptionVisitor;
+
 // How a hand-held camera moves.
 struct PathOptions {
   double frames_per_second = 30;
@@ -17,8 +19,7 @@ struct PathOptions {
   double min_turn_deg = 0.5;
   double max_turn_deg = 1.5;
 
-  // Throws InputError naming the field, its value and the constraint.
-  void Validate() const;
+  void Visit(OptionVisitor& visitor);
 };
 
 // A smooth hand-held camera path of world_from_camera poses through scene.camera_space, or round

@@ -10,6 +10,8 @@
 
 namespace surfit {
 
+class OptionVisitor;
+
 // What an ideal RGB-D camera sees: one ray through the centre of each pixel.
 struct Rendering {
   static constexpr std::int32_t kNothing = -1;
@@ -53,8 +55,7 @@ struct KinectOptions {
   double max_edge_ratio =
       0.02;  // shifts do not cross steps of depth beyond this share of the depth
 
-  // Throws InputError naming the field, its value and the constraint.
-  void Validate() const;
+  void Visit(OptionVisitor& visitor);
 };
 
 // What a Kinect measures where the exact depth is depth_m:

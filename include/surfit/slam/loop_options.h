@@ -11,6 +11,8 @@
 
 namespace surfit {
 
+class OptionVisitor;
+
 // What registrations do not know of their errors. The covariance of odometry is what they say,
 // times the points that share one error and the frames between the keyframes: drift is a walk at
 // random, and goes above all where a view holds the camera least. Errors of calibration and of
@@ -24,8 +26,7 @@ struct EdgeNoise {
   double loop_m = 0.003;          // of a loop, beyond LoopVerdict::information
   double loop_rad = 0.0015;
 
-  // Throws InputError naming field, value and constraint.
-  void Validate() const;
+  void Visit(OptionVisitor& visitor);
 };
 
 // Of loops: wrong ones are left out.
@@ -61,8 +62,7 @@ struct LoopOptions {
   // never.
   int new_map_after = 0;
 
-  // Throws InputError naming field, value and constraint.
-  void Validate() const;
+  void Visit(OptionVisitor& visitor);
 };
 
 }  // namespace surfit

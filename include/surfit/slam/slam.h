@@ -18,6 +18,8 @@
 
 namespace surfit {
 
+class OptionVisitor;
+
 // The options of ICP from a frame to the next or to the map: the symmetric residual. A normal
 // estimated near a crease mixes both sides; point-to-plane against it is biased, always to the same
 // side as the camera moves on, and the sum of both views' normals much less. Of 480 rows a third is
@@ -57,8 +59,7 @@ struct SlamOptions {
   // InitializeOptions::method; identity: not at all. It is believed only if the map agrees.
   std::string initialize = "features";
   LoopOptions loops;
-  // Throws InputError naming field, value and constraint.
-  void Validate() const;
+  void Visit(OptionVisitor& visitor);
 };
 
 enum class FrameState {

@@ -4,7 +4,7 @@
 #include <type_traits>
 #include <utility>
 
-namespace surfit::python {
+namespace surfit {
 
 // Takes the place of a field of any type, but not of the struct itself, as a copy of it would.
 template <typename Struct>
@@ -34,4 +34,4 @@ constexpr std::size_t FieldCount() {
   }
 }
 
-}  // namespace surfit::python
+}  // namespace surfit

@@ -1,0 +1,216 @@
+#include "surfit/core/options.h"
+
+#include <cmath>
+
+#include "surfit/core/error.h"
+
+namespace surfit {
+namespace {
+
+constexpr double kDegree = 3.14159265358979323846 / 180;
+
+bool EndsWith(const std::string& text, const std::string& end) {
+  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+bool Contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+// "a, b or c".
+std::string Alternatives(const std::vector<std::string>& names) {
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (i > 0) text += i + 1 < names.size() ? ", " : " or ";
+    text += names[i];
+  }
+  return text;
+}
+
+std::string Listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+// What a number must be, its bounds in multiples of `unit`.
+std::string NumberRule(const Option& option, double unit) {
+  const double min = option.min / unit, max = option.max / unit;
+  if (std::isinf(min)) return "finite";
+  const bool two_sided = std::isfinite(max) && !option.above_min && !option.below_max;
+  if (two_sided) return Concat("from ", min, " to ", max);
+  std::string rule = Concat(option.above_min ? "above " : "at least ", min);
+  if (min == 0) {
+    const std::string zero = option.zero.empty() ? "zero" : "zero (" + option.zero + ")";
+    rule = option.above_min ? "positive" : zero + " or positive";
+  }
+  if (std::isfinite(max)) rule += Concat(" and ", option.below_max ? "below " : "at most ", max);
+  return rule;
+}
+
+// The bounds of a number that has an upper one.
+std::string Bounds(const Option& option, double unit) {
+  const bool two_sided = !option.above_min && !option.below_max && option.zero.empty();
+  if (two_sided) return Concat(option.min / unit, " to ", option.max / unit);
+  return Concat(option.below_max ? "below " : "at most ", option.max / unit);
+}
+
+bool IsInside(const Option& option, double value) {
+  if (!std::isfinite(value)) return false;
+  return (option.above_min ? value > option.min : value >= option.min) &&
+         (option.below_max ? value < option.max : value <= option.max);
+}
+
+class Validator final : public OptionVisitor {
+ public:
+  void Check(const std::function<void()>& check) override {
+    try {
+      check();
+    } catch (const InputError& error) {
+      if (path_.empty()) throw;
+      throw InputError(Concat(path_.substr(0, path_.size() - 1), ": ", error.what()));
+    }
+  }
+
+ private:
+  void Visit(const Option& option, const OptionValue& value) override {
+    RequireOption(path_ + option.name, option, value);
+  }
+  bool Enter(const Option& part, const std::type_info&, void*) override {
+    path_ += part.name + ".";
+    return true;
+  }
+  void Leave() override { path_.erase(path_.rfind('.', path_.size() - 2) + 1); }
+
+  std::string path_;  // of the part, with a dot behind
+};
+
+}  // namespace
+
+Option& Option::AtLeast(double least) {
+  min = least;
+  return *this;
+}
+Option& Option::Positive() {
+  above_min = true;
+  return AtLeast(0);
+}
+Option& Option::Below(double limit) {
+  max = limit;
+  below_max = true;
+  return *this;
+}
+Option& Option::From(double least, double most) {
+  max = most;
+  return AtLeast(least);
+}
+Option& Option::Zero(std::string meaning) {
+  zero = std::move(meaning);
+  return AtLeast(0);
+}
+Option& Option::OneOf(std::vector<std::string> names) {
+  choices = std::move(names);
+  return *this;
+}
+Option& Option::Required() {
+  required = true;
+  return *this;
+}
+Option& Option::Unit(std::string of_value) {
+  unit = std::move(of_value);
+  return *this;
+}
+Option& Option::Flag(std::string as) {
+  flag = as.empty() ? name : std::move(as);
+  if (EndsWith(flag, "_rad")) flag.replace(flag.size() - 3, 3, "deg");
+  return *this;
+}
+Option& Option::Everyday() {
+  everyday = true;
+  return flag.empty() ? Flag() : *this;
+}
+Option& Option::Repeatable() {
+  repeatable = true;
+  return *this;
+}
+Option& Option::OnlyFlags(std::vector<std::string> flags) {
+  only_flags = std::move(flags);
+  return *this;
+}
+Option& Option::WithoutFlags(std::vector<std::string> flags) {
+  without_flags = std::move(flags);
+  return *this;
+}
+Option& Option::Optional() {
+  optional_part = true;
+  return *this;
+}
+
+double Option::FlagUnit() const { return EndsWith(name, "_rad") ? kDegree : 1; }
+
+std::string Option::Help() const {
+  std::string text = help;
+  if (!choices.empty()) text += ": " + Alternatives(choices);
+  if (!unit.empty()) text += ", " + unit;
+  const bool share = min == 0 && max == 1;
+  if (std::isfinite(max) && !share) text += ", " + Bounds(*this, flag.empty() ? 1 : FlagUnit());
+  if (!zero.empty()) text += "; 0 = " + zero;
+  return text;
+}
+
+void RequireOption(const std::string& name, const Option& option, const OptionValue& value,
+                   bool in_degrees) {
+  std::visit(
+      [&](const auto* field) {
+        using T = std::decay_t<decltype(*field)>;
+        std::string text;
+        if constexpr (std::is_same_v<T, OptionText>) {
+          text = field->Get();
+        } else if constexpr (std::is_same_v<T, std::string>) {
+          text = *field;
+        } else if constexpr (!std::is_same_v<T, bool>) {
+          if (IsInside(option, static_cast<double>(*field))) return;
+          const double unit = in_degrees ? option.FlagUnit() : 1;
+          throw InputError(
+              Concat(name, " is ", *field / unit, ", must be ", NumberRule(option, unit)));
+        }
+        if (option.required && text.empty()) {
+          throw InputError(Concat(name, " is missing, must be set"));
+        }
+        if (!option.choices.empty() && !Contains(option.choices, text)) {
+          throw InputError(
+              Concat(name, " is '", text, "', must be one of: ", Listed(option.choices)));
+        }
+      },
+      value);
+}
+
+void OptionVisitor::AddValue(Option option, const OptionValue& value) {
+  option.group = group_;
+  if (optional_) option.required = false;
+  for (const Option& part : filters_) {
+    const bool kept = !part.only_flags || Contains(*part.only_flags, option.flag);
+    if (!kept || Contains(part.without_flags, option.flag)) option.flag.clear();
+  }
+  Visit(option, value);
+}
+
+OptionVisitor::State OptionVisitor::EnterState(const Option& part) {
+  State outer = {group_, filters_.size(), optional_};
+  if (part.only_flags || !part.without_flags.empty()) filters_.push_back(part);
+  optional_ = optional_ || part.optional_part;
+  return outer;
+}
+
+void OptionVisitor::LeaveState(const State& outer) {
+  group_ = outer.group;
+  filters_.erase(filters_.begin() + static_cast<std::ptrdiff_t>(outer.filters), filters_.end());
+  optional_ = outer.optional;
+}
+
+void ValidateTable(const OptionTable& table) {
+  Validator validator;
+  table(validator);
+}
+
+}  // namespace surfit

@@ -1,0 +1,52 @@
+// The options of this room.
+#include "surfit/core/options.h"
+
+#include <cmath>
+
+#include "surfit/core/error.h"
+#include "surfit/evaluation/map_error.h"
+#include "surfit/evaluation/trajectory_evaluation.h"
+
+namespace surfit {
+
+using Unit = RelativePoseErrorOptions::Unit;
+
+static std::string OptionToText(const Unit& unit) {
+  return unit == Unit::kFrames ? "frames" : "seconds";
+}
+
+static void OptionFromText(const std::string& text, Unit* unit) {
+  if (text != "frames" && text != "seconds") throw InputError("'frames' or 'seconds'");
+  *unit = text == "frames" ? Unit::kFrames : Unit::kSeconds;
+}
+
+void MatchOptions::Visit(OptionVisitor& v) {
+  v.Add(max_difference_s, Option("max_difference_s",
+                                 "stamps further apart never match (evo: 0.01, TUM scripts: 0.02)")
+                              .From(0, 1)
+                              .Flag());
+}
+
+void RelativePoseErrorOptions::Visit(OptionVisitor& v) {
+  v.Add(delta, Option("delta", "step of the relative pose error").Positive().Flag());
+  v.Add(delta_unit, Option("delta_unit", "unit of delta: frames or seconds").Flag());
+  v.Check([this] {
+    if (delta_unit != Unit::kFrames || (delta == std::floor(delta) && delta < 1e9)) return;
+    throw InputError(Concat("delta is ", delta, " frames, must be an integer below 1e9"));
+  });
+}
+
+void TrajectoryEvaluationOptions::Visit(OptionVisitor& v) {
+  v.AddPart(match, Option("match", "which poses belong to the same moment"));
+  v.AddPart(rpe, Option("rpe", "the relative pose error"));
+}
+
+void MapErrorOptions::Visit(OptionVisitor& v) {
+  v.Add(completeness_distance_m,
+        Option("completeness_distance_m",
+               "a reference point counts as mapped if a map point is at most this far")
+            .Positive()
+            .Flag());
+}
+
+}  // namespace surfit

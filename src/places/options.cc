@@ -1,0 +1,103 @@
+// The options of this room.
+#include "surfit/core/options.h"
+
+#include "surfit/places/find_loops.h"
+#include "surfit/places/keyframe.h"
+#include "surfit/places/keyframe_selector.h"
+#include "surfit/places/place_index.h"
+#include "surfit/places/relocalize.h"
+#include "surfit/places/verify_loop.h"
+
+namespace surfit {
+
+void KeyframeOptions::Visit(OptionVisitor& v) {
+  v.Group("keyframes");
+  v.Add(max_distance_m,
+        Option("max_distance_m", "a frame becomes a keyframe if the camera has moved this far,")
+            .Positive()
+            .Flag("keyframe_distance_m"));
+  v.Add(max_angle_rad,
+        Option("max_angle_rad", "has turned by this much,").Positive().Flag("keyframe_angle_rad"));
+  v.Add(min_overlap_share,
+        Option("min_overlap_share", "or sees less than this share of what the last keyframe saw,")
+            .Share()
+            .Flag("keyframe_overlap"));
+  v.Add(
+      max_frames,
+      Option("max_frames", "or moved in this many frames, by a tenth of that at least").AtLeast(1));
+}
+
+void PlaceViewOptions::Visit(OptionVisitor& v) {
+  v.Add(max_width, Option("max_width", "images are halved until no wider").AtLeast(80).Unit("px"));
+  v.Add(max_features,
+        Option("max_features", "features of a keyframe, spread over the image").AtLeast(48));
+}
+
+void PlaceIndexOptions::Visit(OptionVisitor& v) {
+  v.Add(tables, Option("tables", "hash tables, each by other bits of a descriptor").From(1, 64));
+  v.Add(bits, Option("bits", "bits that are the key of a table").From(1, 20));
+  v.Add(max_hamming,
+        Option("max_hamming", "descriptors that differ in more bits do not match").From(0, 256));
+  v.Add(min_similarity, Option("min_similarity", "of a candidate").Share());
+}
+
+void VerifyLoopOptions::Visit(OptionVisitor& v) {
+  v.AddPart(preprocess, Option("preprocess", "how the views get normals and coarser levels"));
+  v.AddPart(icp, Option("icp", "the dense registration"));
+  v.Add(min_agreeing_features,
+        Option("min_agreeing_features", "features that must agree on a proposed pose").AtLeast(4));
+  v.Add(min_inlier_share, Option("min_inlier_share", "of the points that overlap").Share());
+  v.Add(max_rmse_m, Option("max_rmse_m", "of the residuals").Positive());
+  v.Add(min_overlap_share,
+        Option("min_overlap_share", "of points on the other view's surface").Share());
+  v.Add(max_free_space_share,
+        Option("max_free_space_share", "of points in front of that surface").Share());
+  v.Add(min_value_correlation, Option("min_value_correlation", "of the images").Share());
+  v.Add(min_detail_correlation,
+        Option("min_detail_correlation", "of their edges and texture").Share());
+  v.Add(min_lead, Option("min_lead", "over any other pose, as a share").Share());
+  v.Add(max_sigma_m,
+        Option("max_sigma_m", "of the translation in its least certain direction").Positive());
+  v.Add(max_sigma_rad,
+        Option("max_sigma_rad", "of the rotation in its least certain direction").Positive());
+  v.Add(max_disagreement_m,
+        Option("max_disagreement_m", "between forward and backward registration").Positive());
+  v.Add(max_disagreement_rad,
+        Option("max_disagreement_rad", "between forward and backward registration").Positive());
+}
+
+IcpOptions VerifyLoopOptions::DefaultIcp() {
+  IcpOptions icp;
+  icp.residual = "symmetric_point_to_plane";
+  icp.gates.max_distance_m = 0.05;
+  icp.gates.max_normal_angle_rad = 0.5;
+  icp.max_iterations = 20;
+  icp.stop_at_rmse_increase = false;
+  icp.error_model.photometric_weight = 0.01;
+  return icp;
+}
+
+void FindLoopsOptions::Visit(OptionVisitor& v) {
+  v.Group("loops");
+  v.Add(
+      min_gap,
+      Option("min_gap", "frames between the two keyframes of a loop").AtLeast(1).Flag("loop_gap"));
+  v.Add(max_alike, Option("max_alike", "keyframes that are tried because they look most alike")
+                       .AtLeast(0)
+                       .Flag());
+  v.Add(max_near,
+        Option("max_near", "further keyframes that are tried because their poses are near")
+            .AtLeast(0)
+            .Flag());
+  v.Add(max_near_m, Option("max_near_m", "near is no farther").AtLeast(0));
+  v.Add(max_near_rad, Option("max_near_rad", "nor turned by more").AtLeast(0));
+  v.AddPart(verify, Option("verify", "what a loop must show").NoFlags());
+}
+
+void RelocalizeOptions::Visit(OptionVisitor& v) {
+  v.Add(max_candidates,
+        Option("max_candidates", "keyframes that are tried, most alike first").AtLeast(1));
+  v.AddPart(verify, Option("verify", "what the right one must show"));
+}
+
+}  // namespace surfit

@@ -1,0 +1,213 @@
+// The options of this room.
+#include "surfit/core/options.h"
+
+#include <cmath>
+
+#include "registration/icp_level.h"
+#include "surfit/core/error.h"
+#include "surfit/registration/cloud_normals.h"
+#include "surfit/registration/icp.h"
+#include "surfit/registration/initialize.h"
+#include "surfit/registration/pose_solver.h"
+#include "surfit/registration/register_clouds.h"
+
+namespace surfit {
+namespace {
+
+class PointText final : public OptionText {
+ public:
+  explicit PointText(Eigen::Vector3d* point) : point_(point) {}
+  std::string Get() const override {
+    return OptionToText(std::vector<double>(point_->data(), point_->data() + 3));
+  }
+  void Set(const std::string& text) override {
+    *point_ = Eigen::Vector3d(NumbersFromText(text, 3).data());
+  }
+  const std::type_info& type() const override { return typeid(*point_); }
+  void* field() override { return point_; }
+
+ private:
+  Eigen::Vector3d* point_;
+};
+
+}  // namespace
+
+void ErrorModel::Visit(OptionVisitor& v) {
+  v.AddPart(noise, Option("noise", "noise of the depth"));
+  v.Add(floor_sigma_m,
+        Option("floor_sigma_m",
+               "standard deviation of a residual that map, normals and calibration add to the "
+               "depth noise")
+            .Positive()
+            .Flag());
+  v.AddPart(kernel, Option("kernel", "robust kernel of the residuals"));
+  v.Add(estimate_scale,
+        Option("estimate_scale",
+               "measure the robust kernel's width in sigmas estimated from the residuals (MAD), "
+               "not in those of the noise model")
+            .Flag());
+  v.Add(photometric_weight,
+        Option("photometric_weight", "weight of intensity residuals beside those of surfaces")
+            .Zero("surfaces only")
+            .Everyday());
+  v.Add(intensity_sigma, Option("intensity_sigma",
+                                "standard deviation of intensity residuals; intensities are 0 to 1")
+                             .Positive()
+                             .Flag());
+  v.AddPart(intensity_kernel,
+            Option("intensity_kernel", "robust kernel of intensity residuals").NoFlags());
+}
+
+void HeldOptions::Visit(OptionVisitor& v) {
+  v.Add(min_eigenvalue,
+        Option("min_eigenvalue",
+               "the pose does not move along directions that the data constrain less: the smallest "
+               "eigenvalue, without unit")
+            .AtLeast(0)
+            .Below(1)
+            .Flag());
+  v.Add(min_information_ratio,
+        Option("min_information_ratio",
+               "nor along those whose information is less than this many times what noise of the "
+               "normals alone would give")
+            .Zero("off")
+            .Flag());
+}
+
+void AssociationGates::Visit(OptionVisitor& v) {
+  v.Add(max_distance_m,
+        Option("max_distance_m", "points farther apart are not paired, on the finest level")
+            .Zero("off")
+            .Flag());
+  v.Add(max_normal_angle_rad,
+        Option("max_normal_angle_rad", "points whose normals differ by more are not paired")
+            .Zero("off")
+            .Below(M_PI / 2)
+            .Flag());
+}
+
+void IcpOptions::Visit(OptionVisitor& v) {
+  v.Group("registration");
+  v.Add(solver, Option("solver", "pose solver (svd for point_to_point only)")
+                    .OneOf(PoseSolverNames())
+                    .Everyday());
+  v.Add(linear_solver, Option("linear_solver", "linear solver of ceres_per_point")
+                           .OneOf(LinearSolverNames())
+                           .Flag());
+  v.Add(residual, Option("residual", "residual to minimise").OneOf(ResidualTypeNames()).Everyday());
+  v.Add(association,
+        Option("association", "how points are paired").OneOf(AssociationNames()).Flag());
+  v.Add(middle_levels,
+        Option("middle_levels", "register on all levels, not just the coarsest and the finest"));
+  v.Add(max_iterations,
+        Option("max_iterations", "ICP iterations on each level at most").From(1, 1000).Flag());
+  v.AddPart(gates, Option("gates", "which points may be paired, on the finest level"));
+  v.Add(gate_growth,
+        Option("gate_growth", "the distance gate grows by this factor on each coarser level")
+            .AtLeast(1));
+  v.Add(kernel_growth,
+        Option("kernel_growth", "and the robust kernel's width by this factor").AtLeast(1));
+  v.AddPart(error_model, Option("error_model", "what residuals are worth, on the finest level"));
+  v.Add(min_source_rows,
+        Option("min_source_rows",
+               "on the finest level register every n-th image row only, with the largest n that "
+               "leaves this many")
+            .Zero("all")
+            .Flag());
+  v.Add(min_coarse_step_px, Option("min_coarse_step_px",
+                                   "a coarser level also ends where points move by less of its "
+                                   "pixels")
+                                .AtLeast(0));
+  v.Add(min_relative_rmse_change, Option("min_relative_rmse_change",
+                                         "a level ends where the RMSE changes by less, relatively")
+                                      .AtLeast(0)
+                                      .Flag());
+  v.Add(min_increment,
+        Option("min_increment", "a level ends where a step is smaller, in rad and m").AtLeast(0));
+  v.Add(stop_at_rmse_increase,
+        Option("stop_at_rmse_increase",
+               "a level ends where the RMSE rises and the inliers do not, at the pose before"));
+  v.Add(min_inliers,
+        Option("min_inliers", "registration fails with fewer inliers").AtLeast(6).Flag());
+  v.Add(min_inlier_share,
+        Option("min_inlier_share", "or with a smaller share of the valid source points").Share());
+  v.AddPart(held, Option("held", "which directions of motion count as constrained"));
+  v.Add(max_free_space_share,
+        Option("max_free_space_share",
+               "registration fails where a larger share of points lies in space that the other "
+               "view saw through; 1 = off")
+            .Share()
+            .Flag());
+  // Throws where names or combinations are impossible.
+  v.Check([this] { MakePoseSolver(SolverOptions(*this, error_model)); });
+}
+
+void InitializeOptions::Visit(OptionVisitor& v) {
+  v.Group("registration");
+  v.Add(method,
+        Option("method",
+               "where registration starts; so3: the rotation that makes small images most alike; "
+               "features: poses that image features, shapes and brightness propose. All but "
+               "identity are verified")
+            .OneOf(InitializeMethods())
+            .Flag("initialize")
+            .Everyday());
+  v.Add(iteration_growth,
+        Option("iteration_growth", "from afar ICP has this many times its max_iterations")
+            .AtLeast(1));
+  v.Add(min_overlap_share,
+        Option("min_overlap_share",
+               "a fit from afar is believed if this share of the points lies on the other view's "
+               "surface,")
+            .Share());
+  v.Add(min_value_correlation,
+        Option("min_value_correlation", "if brightness correlates so much there,").Share());
+  v.Add(min_detail_correlation,
+        Option("min_detail_correlation", "its edges and texture so much,").Share());
+  v.Add(min_lead, Option("min_lead", "and the fit is so much better than that of any other pose")
+                      .AtLeast(0)
+                      .Unit("nats per pixel"));
+  v.Add(free_space_growth,
+        Option("free_space_growth", "from afar max_free_space_share is this many times as large")
+            .AtLeast(1));
+}
+
+void CloudNormalOptions::Visit(OptionVisitor& v) {
+  v.Group("clouds");
+  PointText viewpoint_text(&viewpoint);
+  v.Add(radius_m, Option("radius_m", "normals come from neighbours at least this far around")
+                      .Zero("by the cloud's spacing")
+                      .Flag("normal_radius_m"));
+  v.Add(max_growth, Option("max_growth", "the radius grows by this factor at most").From(1, 1000));
+  v.AddPart(noise, Option("noise", "of distances from the viewpoint"));
+  v.Add(min_neighbors,
+        Option("min_neighbors", "points that a normal needs, its own included").AtLeast(4));
+  v.Add(max_thickness,
+        Option("max_thickness", "neighbours must be flatter: thickness of their plane by its width")
+            .Positive());
+  v.Add(max_normal_sigma_rad,
+        Option("max_normal_sigma_rad", "standard deviation of a normal at most").Positive());
+  v.AddText(viewpoint_text, Option("viewpoint", "normals face this point").Unit("m"));
+}
+
+void RegisterCloudsOptions::Visit(OptionVisitor& v) {
+  v.Group("clouds");
+  v.AddPart(icp, Option("icp", "what is about images is not used")
+                     .WithoutFlags({"photometric_weight", "intensity_sigma", "min_source_rows",
+                                    "max_free_space_share"}));
+  v.Add(reciprocal,
+        Option("reciprocal", "on the finest level, pair only points that are each other's nearest")
+            .Everyday());
+  v.Add(levels, Option("levels",
+                       "levels of coarse to fine, each of a quarter of the next one's "
+                       "source points")
+                    .From(1, 10)
+                    .Flag());
+  v.Check([this] {
+    if (icp.association == "kd_tree") return;
+    throw InputError(
+        Concat("association is '", icp.association, "', must be 'kd_tree' for clouds"));
+  });
+}
+
+}  // namespace surfit

@@ -1,0 +1,45 @@
+// The options of this room.
+#include "surfit/core/options.h"
+
+#include "surfit/core/error.h"
+#include "surfit/simulation/camera_path.h"
+#include "surfit/simulation/render.h"
+
+namespace surfit {
+
+void KinectOptions::Visit(OptionVisitor& v) {
+  v.Add(shift_sd_px, Option("shift_sd_px", "random shift of each pixel").AtLeast(0));
+  v.Add(disparity_sd, Option("disparity_sd", "in quantisation steps").AtLeast(0));
+  v.Add(disparity_times_z_cm,
+        Option("disparity_times_z_cm", "number of a disparity step, times depth").Positive());
+  v.Add(min_depth_m, Option("min_depth_m", "nearer is missing").Positive());
+  v.Add(max_depth_m, Option("max_depth_m", "farther is missing").Positive());
+  v.Add(max_incidence_deg,
+        Option("max_incidence_deg", "seen more obliquely is missing").Positive().From(0, 90));
+  v.Add(max_edge_ratio, Option("max_edge_ratio",
+                               "shifts do not cross steps of depth beyond this share of the depth")
+                            .AtLeast(0));
+  v.Check([this] {
+    if (max_depth_m > min_depth_m) return;
+    throw InputError(Concat("max_depth_m is ", max_depth_m, ", must be above min_depth_m"));
+  });
+}
+
+void PathOptions::Visit(OptionVisitor& v) {
+  v.Add(frames_per_second, Option("frames_per_second", "of the stamps").Positive());
+  v.Add(min_step_m, Option("min_step_m", "between consecutive frames at least").Positive());
+  v.Add(max_step_m, Option("max_step_m", "between consecutive frames at most").Positive());
+  v.Add(min_turn_deg, Option("min_turn_deg", "between consecutive frames at least").Positive());
+  v.Add(max_turn_deg, Option("max_turn_deg", "between consecutive frames at most").Positive());
+  v.Check([this] {
+    if (!(max_step_m >= min_step_m)) {
+      throw InputError(Concat("max_step_m is ", max_step_m, ", must not be below min_step_m"));
+    }
+    if (!(max_turn_deg >= min_turn_deg)) {
+      throw InputError(
+          Concat("max_turn_deg is ", max_turn_deg, ", must not be below min_turn_deg"));
+    }
+  });
+}
+
+}  // namespace surfit

@@ -1,0 +1,81 @@
+// Every field of every struct of options stands in its table.
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "core/field_count.h"
+#include "surfit/core/options.h"
+#include "surfit/evaluation/map_error.h"
+#include "surfit/evaluation/trajectory_evaluation.h"
+#include "surfit/io/klg_writer.h"
+#include "surfit/report/write_report.h"
+#include "surfit/run/align_run.h"
+#include "surfit/run/compare_solvers.h"
+#include "surfit/run/find_loops_run.h"
+#include "surfit/run/refine_run.h"
+#include "surfit/run/register_run.h"
+#include "surfit/run/revisits.h"
+#include "surfit/run/slam_run.h"
+#include "surfit/simulation/camera_path.h"
+#include "surfit/simulation/render.h"
+
+namespace surfit {
+namespace {
+
+// The names of one struct's fields, without those of its parts.
+class Names final : public OptionVisitor {
+ public:
+  std::multiset<std::string> names;
+
+ private:
+  void Visit(const Option& option, const OptionValue&) override { names.insert(option.name); }
+  bool Enter(const Option& part, const std::type_info&, void*) override {
+    names.insert(part.name);
+    return false;
+  }
+};
+
+template <typename Options>
+void ExpectAll(std::size_t fields) {
+  Options options;
+  Names visitor;
+  options.Visit(visitor);
+  EXPECT_EQ(visitor.names.size(), fields) << typeid(Options).name();
+  for (const std::string& name : visitor.names) {
+    EXPECT_EQ(visitor.names.count(name), 1u) << typeid(Options).name() << "::" << name;
+  }
+}
+
+template <typename Options>
+class OptionTables : public ::testing::Test {};
+
+using AllOptions = ::testing::Types<
+    RobustKernel, ErrorModel, AssociationGates, HeldOptions, IcpOptions, PreprocessOptions,
+    PrepareOptions, InitializeOptions, CloudNormalOptions, RegisterCloudsOptions, FusionOptions,
+    RenderOptions, KeyframeOptions, PlaceViewOptions, PlaceIndexOptions, VerifyLoopOptions,
+    FindLoopsOptions, RelocalizeOptions, EdgeNoise, PoseGraphOptions, LoopOptions, SlamOptions,
+    RefinementOptions, MatchOptions, RelativePoseErrorOptions, TrajectoryEvaluationOptions,
+    MapErrorOptions, KlgOptions, KinectOptions, PathOptions, ReportOptions, SlamRunOptions,
+    AlignRunOptions, RegisterRunOptions, RefineRunOptions, RevisitOptions, FindLoopsRunOptions,
+    CompareOptions>;
+TYPED_TEST_SUITE(OptionTables, AllOptions);
+
+TYPED_TEST(OptionTables, NameEveryFieldOnce) { ExpectAll<TypeParam>(FieldCount<TypeParam>()); }
+
+// FieldCount() is not for optional fields.
+TEST(SequenceTable, NamesEveryField) {
+  auto [path, format, camera, intrinsics, distortion, depth_units_per_metre, color_intrinsics,
+        color_distortion, color_from_depth, frames_per_second, first, last, stride, prepare] =
+      SequenceOptions();
+  ExpectAll<SequenceOptions>(14);
+}
+
+TEST(DefaultOptions, AreValid) {
+  Validate(SlamOptions());
+  Validate(RefinementOptions());
+  Validate(RegisterCloudsOptions());
+  Validate(InitializeOptions());
+}
+
+}  // namespace
+}  // namespace surfit

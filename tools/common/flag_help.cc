@@ -1,0 +1,96 @@
+#include "common/flag_help.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <sstream>
+
+#include "surfit/core/error.h"
+
+namespace surfit::tools {
+namespace {
+
+constexpr std::size_t kWidth = 80;   // columns of a line
+constexpr std::size_t kIndent = 26;  // of what is said of a flag
+constexpr std::size_t kFew = 20;     // flags that need no groups
+
+const FlagHelp kFlagFile = {"flagfile", "", "read flags from this file, one a line", "", true};
+
+std::string Text(const FlagHelp& flag) {
+  std::string text = "  --" + flag.name + "=";
+  text += flag.default_value.empty() ? "\"\"" : flag.default_value;
+  std::size_t column = text.size();
+  if (column + 2 > kIndent) {
+    text += '\n';
+    column = 0;
+  }
+  text.append(kIndent - column, ' ');
+  column = kIndent;
+  std::istringstream words(flag.help);
+  for (std::string word; words >> word;) {
+    if (column > kIndent && column + 1 + word.size() > kWidth) {
+      text += '\n' + std::string(kIndent, ' ');
+      column = kIndent;
+    }
+    if (column > kIndent) text += ' ';
+    column += word.size() + (column > kIndent ? 1 : 0);
+    text += word;
+  }
+  return text + '\n';
+}
+
+template <typename Wanted>
+std::string Texts(const std::vector<FlagHelp>& flags, const Wanted& wanted) {
+  std::string text;
+  for (const FlagHelp& flag : flags) {
+    if (wanted(flag)) text += Text(flag);
+  }
+  return text;
+}
+
+// In the order in which they appear.
+std::vector<std::string> Groups(const std::vector<FlagHelp>& flags) {
+  std::vector<std::string> groups;
+  for (const FlagHelp& flag : flags) {
+    const bool known = std::find(groups.begin(), groups.end(), flag.group) != groups.end();
+    if (!known) groups.push_back(flag.group);
+  }
+  return groups;
+}
+
+std::string Listed(const std::vector<std::string>& groups) {
+  std::string text;
+  for (const std::string& group : groups) text += (text.empty() ? "" : ", ") + group;
+  return text;
+}
+
+std::string Section(const std::vector<FlagHelp>& flags, const std::string& group) {
+  const std::string title = group.empty() ? "Options" : "Options of " + group;
+  return title + ":\n" + Texts(flags, [&](const FlagHelp& f) { return f.group == group; });
+}
+
+}  // namespace
+
+std::string EverydayHelp(const std::vector<FlagHelp>& flags) {
+  const auto all = [](const FlagHelp&) { return true; };
+  if (flags.size() <= kFew) return "Options:\n" + Texts(flags, all) + Text(kFlagFile);
+  const auto everyday = [](const FlagHelp& flag) { return flag.everyday; };
+  return "Everyday options:\n" + Texts(flags, everyday) + Text(kFlagFile) +
+         "\nMore: --helpon=GROUP, of " + Listed(Groups(flags)) + ";\n--helpfull for all.\n";
+}
+
+std::string FullHelp(const std::vector<FlagHelp>& flags) {
+  if (flags.size() <= kFew) return EverydayHelp(flags);
+  std::string text;
+  for (const std::string& group : Groups(flags)) text += Section(flags, group) + "\n";
+  return text + "Options from a file:\n" + Text(kFlagFile);
+}
+
+std::string GroupHelp(const std::vector<FlagHelp>& flags, const std::string& group) {
+  const std::vector<std::string> groups = Groups(flags);
+  if (std::find(groups.begin(), groups.end(), group) == groups.end()) {
+    throw InputError(Concat("--helpon is '", group, "', must be one of: ", Listed(groups)));
+  }
+  return Section(flags, group);
+}
+
+}  // namespace surfit::tools
