@@ -96,7 +96,7 @@ std::string DetectFormat(const std::string& path) {
   for (const char* format : {"klg", "sens", "watch"}) {
     if (EndsWith(path, std::string(".") + format)) return format;
   }
-  throw InputError(path + " is no folder, and neither .klg nor .sens");
+  throw InputError(path + " is neither a folder nor a .klg or .sens file");
 }
 
 }  // namespace surfit

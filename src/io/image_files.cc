@@ -23,7 +23,7 @@ cv::Mat Decode(const std::string& bytes, int flags, const std::string& path) {
     if (!bytes.empty()) image = cv::imdecode(row, flags);
   } catch (const cv::Exception&) {  // leaves the image empty, as other failures do
   }
-  if (image.empty()) throw InputError(path + " is truncated, damaged or no image");
+  if (image.empty()) throw InputError(path + " is truncated, damaged or not an image");
   return image;
 }
 

@@ -31,10 +31,10 @@ class KlgRecording : public Recording {
     Index();
     if (const auto claimed = SizeOfFirstJpeg()) size_ = *claimed;
     if (size_ == ImageSize())
-      throw InputError(path + " does not tell the size of its images: name a camera");
+      throw InputError(path + " does not give the size of its images: name a camera");
   }
 
-  int promised_count() const { return promised_count_; }
+  int claimed_count() const { return claimed_count_; }
   int frame_count() const override { return static_cast<int>(frames_.size()); }
   double stamp_s(int index) const override {
     return 1e-6 * static_cast<double>(frames_[index].stamp_us);
@@ -65,10 +65,10 @@ class KlgRecording : public Recording {
   // Walks over the frames' headers, as far as the file goes.
   void Index() {
     constexpr std::uint64_t kHeader = 16;  // bytes before the images of a frame
-    const std::string count = file_.Read(0, sizeof(promised_count_));
-    promised_count_ = ByteReader(count).Take<std::int32_t>();
+    const std::string count = file_.Read(0, sizeof(claimed_count_));
+    claimed_count_ = ByteReader(count).Take<std::int32_t>();
     std::uint64_t at = count.size();
-    while (frame_count() < promised_count_ && file_.Has(at, kHeader)) {
+    while (frame_count() < claimed_count_ && file_.Has(at, kHeader)) {
       const std::string bytes = file_.Read(at, kHeader);
       ByteReader header(bytes);
       KlgFrame frame;
@@ -95,7 +95,7 @@ class KlgRecording : public Recording {
 
   BinaryFile file_;
   ImageSize size_;
-  std::int32_t promised_count_ = 0;
+  std::int32_t claimed_count_ = 0;
   std::vector<KlgFrame> frames_;
 };
 
@@ -172,9 +172,9 @@ RgbdCamera FrameCamera(const SequenceInfo& info) {
 OpenedRecording OpenKlg(const std::string& path, ImageSize size) {
   auto frames = std::make_unique<KlgRecording>(path, size);
   OpenedRecording opened;
-  if (frames->frame_count() != frames->promised_count()) {
-    opened.warnings.push_back(Concat(path, " promises ", frames->promised_count(),
-                                     " frames, and is damaged or ends after ",
+  if (frames->frame_count() != frames->claimed_count()) {
+    opened.warnings.push_back(Concat(path, " claims ", frames->claimed_count(),
+                                     " frames, but is damaged or ends after ",
                                      frames->frame_count()));
   }
   opened.frames = std::move(frames);

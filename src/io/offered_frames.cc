@@ -30,7 +30,7 @@ class OfferedFrames final : public FrameSource {
   std::optional<ReadResult> Next() override {
     const Clock::time_point asked = Clock::now();
     if (!is_read_) ReadAll();
-    const int dropped = DropWhatIsTooOld();
+    const int dropped = DropOldFrames();
     if (next_ == frames_.size()) return std::nullopt;
     const Clock::time_point offered = TimeOf(next_);
     std::this_thread::sleep_until(offered);
@@ -53,11 +53,11 @@ class OfferedFrames final : public FrameSource {
     return start_ + std::chrono::duration_cast<Clock::duration>(since_start);
   }
 
-  // A frame is too old once as many later ones as are kept have been offered.
-  int DropWhatIsTooOld() {
+  // A frame is too old once `capacity` later ones have been offered.
+  int DropOldFrames() {
     int dropped = 0;
     while (next_ + capacity_ < frames_.size() && TimeOf(next_ + capacity_) < Clock::now()) {
-      LOG(WARNING) << "frame " << frames_[next_].index << " was not taken in time and is gone";
+      LOG(WARNING) << "frame " << frames_[next_].index << " was dropped: it was not taken in time";
       frames_[next_++].frame.reset();
       ++dropped;
     }

@@ -61,7 +61,7 @@ std::unique_ptr<FrameSource> OpenSequence(const SequenceOptions& options) {
   if (options.format == "watch")
     throw InputError("format is 'watch': only a live run (surfit_slam) waits for frames to come");
   if (!IsFolder(options.path) && !IsFile(options.path))
-    throw InputError(options.path + " is no folder and no file");
+    throw InputError(options.path + " is neither a folder nor a file");
   SequenceInfo info;
   info.format = options.format == "auto" ? DetectFormat(options.path) : options.format;
   if (IsFileFormat(info.format) != IsFile(options.path))

@@ -77,7 +77,7 @@ PlyHeader ParsePlyHeader(std::string_view file, const std::string& path) {
   while (true) {
     const std::size_t line_size = file.substr(header.size).find('\n');
     if (header.line_count == 0 && SplitWords(file.substr(0, line_size)) != Words{"ply"}) {
-      throw InputError(Concat(path, ": no PLY file, the first line must be 'ply'"));
+      throw InputError(Concat(path, ": not a PLY file, the first line must be 'ply'"));
     }
     if (line_size == file.npos) throw InputError(Concat(path, ": the header has no end_header"));
     const Words words = SplitWords(file.substr(header.size, line_size));

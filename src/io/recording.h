@@ -12,7 +12,7 @@
 
 namespace surfit {
 
-// The images of one frame as the recording has them.
+// The images of one frame as recorded.
 struct FrameImages {
   RawDepth depth;
   Image<Rgb8> color;       // empty where the frame has no colour
@@ -30,7 +30,7 @@ class Recording {
   virtual FrameImages Read(int index) const = 0;
 };
 
-// A recording with what stands beside its frames.
+// A recording with its ground truth and warnings.
 struct OpenedRecording {
   std::unique_ptr<Recording> frames;
   Trajectory ground_truth;            // as the files have it

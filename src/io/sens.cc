@@ -131,7 +131,7 @@ class SensRecording : public Recording {
     SetStamps(frames_per_second);
   }
 
-  std::uint64_t promised_count() const { return header_.frame_count; }
+  std::uint64_t claimed_count() const { return header_.frame_count; }
   int frame_count() const override { return static_cast<int>(frames_.size()); }
   double stamp_s(int index) const override { return frames_[index].stamp_s; }
 
@@ -212,9 +212,9 @@ OpenedRecording OpenSens(const std::string& path, double frames_per_second) {
   auto frames = std::make_unique<SensRecording>(path, frames_per_second);
   OpenedRecording opened;
   opened.ground_truth = frames->Poses();
-  if (frames->promised_count() != static_cast<std::uint64_t>(frames->frame_count())) {
-    opened.warnings.push_back(Concat(path, " promises ", frames->promised_count(),
-                                     " frames, and is damaged or ends after ",
+  if (frames->claimed_count() != static_cast<std::uint64_t>(frames->frame_count())) {
+    opened.warnings.push_back(Concat(path, " claims ", frames->claimed_count(),
+                                     " frames, but is damaged or ends after ",
                                      frames->frame_count()));
   }
   opened.frames = std::move(frames);

@@ -81,8 +81,9 @@ RgbdCamera ReplicaCamera(const std::string& folder) {
 }
 
 std::string DefaultWarning(const std::string& path, const PinholeCamera& camera) {
-  return Concat(path, " does not say its camera: taking a usual one, ", camera.fx, " ", camera.fy,
-                " ", camera.cx, " ", camera.cy, " without distortion; name a preset (TUM's: ",
+  return Concat(path, " does not name its camera: assuming a usual one, ", camera.fx, " ",
+                camera.fy, " ", camera.cx, " ", camera.cy,
+                " without distortion; name a preset (TUM's: ",
                 "tum_fr1, tum_fr2, tum_fr3) or give intrinsics");
 }
 

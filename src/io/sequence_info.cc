@@ -14,12 +14,12 @@ namespace surfit {
 namespace {
 
 // Depth cameras see from 0.4 m to some 5 m; 1 to 3 m are usual medians indoors. Outside the first
-// range a scale that fits better is told; outside the second one the scale is absurd in any case.
+// range a scale that fits better is named; outside the second the scale is wrong in any case.
 constexpr double kNearest_m = 0.4, kFarthest_m = 5;
 constexpr double kAbsurdlyNear_m = 0.2, kAbsurdlyFar_m = 20;
 constexpr double kUsual_m = 1.8;
-// Millimetres and TUM's; Replica's and tenths of millimetres are too near to TUM's to be told from
-// it, and so much rarer that only counts beyond its range speak for them.
+// Millimetres and TUM's. Replica's scale and tenths of millimetres are close to TUM's and much
+// rarer: they are considered only for counts beyond TUM's range.
 constexpr std::array<double, 2> kCommonScales = {1000, 5000};
 constexpr std::array<double, 2> kRareScales = {6553.5, 10000};
 

@@ -37,7 +37,7 @@ double ParseNumber(const std::string& text, const std::string& place) {
 Rigid3d RigidFromMatrix(const Eigen::Matrix4d& matrix, const std::string& place) {
   const Eigen::Matrix3d r = matrix.topLeftCorner<3, 3>();
   if (!((r * r.transpose() - Eigen::Matrix3d::Identity()).norm() < 0.01 && r.determinant() > 0))
-    throw InputError(place + ": the matrix is no rigid transform");
+    throw InputError(place + ": the matrix is not a rigid transform");
   return Rigid3d(r, matrix.topRightCorner<3, 1>());
 }
 

@@ -22,7 +22,7 @@ namespace {
 constexpr std::chrono::milliseconds kPause(10);
 constexpr std::chrono::seconds kPatience(2);
 
-// A frame that came, or was given up.
+// A frame that arrived, or that was given up.
 struct Arrival {
   double stamp_s = 0;
   std::optional<FrameImages> images;
@@ -42,9 +42,9 @@ class WatchedFolder {
  private:
   using Clock = std::chrono::steady_clock;
 
-  // Adds the frames that are new to those that wait.
+  // Adds new frames to those waiting.
   void List();
-  // The first frame that waits, if it is whole or is to be given up.
+  // The first waiting frame, if it is complete or has to be given up.
   std::optional<Arrival> TakeFirst(bool ended);
 
   std::string path_;
@@ -92,7 +92,7 @@ std::optional<Arrival> WatchedFolder::TakeFirst(bool ended) {
 
 std::optional<Arrival> WatchedFolder::Next() {
   while (!stop_) {
-    // Looked for before the frames, so that none that came before it is missed.
+    // Checked before the frames are listed, so that no frame written before it is missed.
     const bool ended = IsFile(path_ + "/done");
     List();
     if (auto arrival = TakeFirst(ended)) return arrival;
@@ -124,7 +124,7 @@ class WatchSource : public FrameSource {
   }
 
  private:
-  // The first frame's that can be read; it and those before it are still to be given out.
+  // Images of the first readable frame; it and those before it stay queued in ahead_.
   const FrameImages& WaitForImages() {
     while (std::optional<Arrival> arrival = folder_.Next()) {
       ahead_.push_back(std::move(*arrival));
@@ -171,7 +171,7 @@ class WatchSource : public FrameSource {
 std::unique_ptr<FrameSource> WatchFolder(const SequenceOptions& options,
                                          const std::atomic<bool>& stop) {
   Validate(options);
-  if (!IsFolder(options.path)) throw InputError(options.path + " is no folder");
+  if (!IsFolder(options.path)) throw InputError(options.path + " is not a folder");
   SequenceInfo info;
   info.format = "watch";
   info.frame_count = -1;

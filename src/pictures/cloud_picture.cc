@@ -1,5 +1,3 @@
-#include "surfit/pictures/cloud_picture.h"
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -10,6 +8,7 @@
 #include "pictures/coloring.h"
 #include "pictures/picture_sheet.h"
 #include "pictures/splat_renderer.h"
+#include "surfit/pictures/pictures.h"
 
 namespace surfit {
 namespace {

@@ -1,5 +1,3 @@
-#include "surfit/pictures/map_pictures.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,11 +8,12 @@
 #include "pictures/picture_sheet.h"
 #include "pictures/splat_renderer.h"
 #include "surfit/core/error.h"
+#include "surfit/pictures/pictures.h"
 
 namespace surfit {
 namespace {
 
-// What the four views see, shared by the colourings.
+// The surfels seen in the four views, for all colourings.
 struct RenderedViews {
   std::array<PictureView, 4> views;
   std::array<Image<std::int32_t>, 4> surfel_indices;

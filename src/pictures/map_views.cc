@@ -49,7 +49,7 @@ Eigen::Vector3d RefineUp(const Sample& sample, Eigen::Vector3d up) {
   return up;
 }
 
-// Two horizontal directions that stand with the walls, and up.
+// Two horizontal directions along the walls, and up.
 struct RoomAxes {
   Eigen::Vector3d across, along, up;  // right-handed
 };
@@ -109,7 +109,7 @@ PictureView OutsideView(const std::string& label, const Sample& sample, const Bo
 }
 
 // From straight above, so far away that walls are almost lines; the page's up is the horizontal
-// axis that lets the scene stand largest, turned towards the first camera's view.
+// axis that shows the scene largest, on the side of the first camera's view.
 PictureView TopView(const Sample& sample, const Bounds& bounds, const RoomAxes& axes,
                     const Eigen::Vector3d& first_forward, int width, int height) {
   constexpr double kDistance = 4;
@@ -123,7 +123,7 @@ PictureView TopView(const Sample& sample, const Bounds& bounds, const RoomAxes& 
   return best;
 }
 
-// From the azimuth that shows the largest area of surfels from their front.
+// From the azimuth from which the largest area of surfels is seen from its front.
 PictureView BirdView(const Sample& sample, const Bounds& bounds, const RoomAxes& axes, int width,
                      int height) {
   constexpr double kDistance = 1.5, kElevation = 0.65;

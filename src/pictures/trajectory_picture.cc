@@ -1,11 +1,10 @@
-#include "surfit/pictures/trajectory_picture.h"
-
 #include <algorithm>
 #include <array>
 #include <utility>
 
 #include "pictures/axes.h"
 #include "pictures/picture_view.h"
+#include "surfit/pictures/pictures.h"
 
 namespace surfit {
 namespace {

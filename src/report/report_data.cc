@@ -69,7 +69,7 @@ Json ReadJson(const std::string& path) {
   try {
     return Json::parse(ReadFile(path));
   } catch (const Json::exception& error) {
-    throw InputError(Concat(path, ": is no JSON: ", error.what()));
+    throw InputError(Concat(path, ": not valid JSON: ", error.what()));
   }
 }
 
@@ -149,7 +149,7 @@ Json ReadRun(const std::string& folder, std::size_t max_points) {
   try {
     EmbedPictures(folder, &run["poses"].at("views"));
   } catch (const Json::exception& error) {
-    throw InputError(Concat(poses, ": lacks something: ", error.what()));
+    throw InputError(Concat(poses, ": incomplete: ", error.what()));
   }
   run["map"] = PackMap(ReadSurfelPly(folder + "/map.ply"), max_points);
   return run;

@@ -9,7 +9,7 @@
 #include "surfit/core/parallel.h"
 #include "surfit/frame/intensity.h"
 #include "surfit/io/point_cloud.h"
-#include "surfit/pictures/cloud_picture.h"
+#include "surfit/pictures/pictures.h"
 
 namespace surfit {
 namespace {

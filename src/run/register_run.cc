@@ -11,7 +11,7 @@
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 #include "surfit/io/point_cloud.h"
-#include "surfit/pictures/cloud_picture.h"
+#include "surfit/pictures/pictures.h"
 
 namespace surfit {
 namespace {

@@ -31,8 +31,7 @@
 #include "surfit/io/read_ahead.h"
 #include "surfit/io/surfel_ply.h"
 #include "surfit/io/watch_folder.h"
-#include "surfit/pictures/map_pictures.h"
-#include "surfit/pictures/trajectory_picture.h"
+#include "surfit/pictures/pictures.h"
 
 namespace surfit {
 namespace {

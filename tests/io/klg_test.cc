@@ -58,7 +58,7 @@ TEST_F(KlgTest, WithoutACameraTheImagesMustTellTheirSize) {
   std::filesystem::remove(folder_ / "a.klg.yaml");
   options_.intrinsics = {31, 30, 15.5, 11.5};
   EXPECT_EQ(Open(KlgFile(2, true, ".jpg"))->info().pinhole.width, 32);
-  ExpectInputError([&] { Open(KlgFile(2, true, "")); }, HasSubstr("does not tell the size"));
+  ExpectInputError([&] { Open(KlgFile(2, true, "")); }, HasSubstr("does not give the size"));
   options_.intrinsics.reset();
   ExpectInputError([&] { Open(KlgFile(2, true, ".jpg")); },
                    HasSubstr("depth of frame 0 is 32 x 24 pixels, must be 640 x 480"));
@@ -68,7 +68,7 @@ TEST_F(KlgTest, ReadsTheWholeFramesOfAFileThatEndsEarly) {
   const std::string whole = KlgFile(3, true, ".jpg");
   const auto source = Open(whole.substr(0, whole.size() - 1));
   EXPECT_EQ(testing::ReadAll(source.get()).size(), 2u);
-  EXPECT_THAT(source->info().warnings, ElementsAre(HasSubstr("promises 3 frames, and is damaged")));
+  EXPECT_THAT(source->info().warnings, ElementsAre(HasSubstr("claims 3 frames, but is damaged")));
 }
 
 TEST_F(KlgTest, RefusesFilesWithoutFrames) {
@@ -95,7 +95,7 @@ TEST_F(KlgTest, AFormatThatIsAFileNeedsAFile) {
   ExpectInputError([&] { OpenSequence(options_); }, HasSubstr("is a folder, which klg is not"));
   options_.path = folder_.Write("a.bin", "");
   options_.format = "auto";
-  ExpectInputError([&] { OpenSequence(options_); }, HasSubstr("a.bin is no folder, and neither"));
+  ExpectInputError([&] { OpenSequence(options_); }, HasSubstr("a.bin is neither a folder nor"));
 }
 
 class KlgWriterTest : public ::testing::Test {

@@ -84,7 +84,7 @@ TEST(SevenScenesSequence, NamesAMalformedPose) {
   folder.Write("frame-000001.pose.txt", "1 0 0 0\n0 nan 0 0\n0 0 1 0\n0 0 0 1\n");
   ExpectInputError(open, HasSubstr("'nan' is not a finite number"));
   folder.Write("frame-000001.pose.txt", "1 0 0 0\n0 -1 0 0\n0 0 1 0\n0 0 0 1\n");
-  ExpectInputError(open, HasSubstr("no rigid transform"));
+  ExpectInputError(open, HasSubstr("not a rigid transform"));
 }
 
 // Numbered from 1, depth names carrying times as Redwood's do.

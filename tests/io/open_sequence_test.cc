@@ -77,7 +77,7 @@ TEST_F(OpenSequenceTest, RefusesBadOptionsByName) {
     ExpectError(message);
   };
   expect([](auto* o) { o->path = ""; }, "path is missing, must be set");
-  expect([](auto* o) { o->path = "/nowhere"; }, "/nowhere is no folder and no file");
+  expect([](auto* o) { o->path = "/nowhere"; }, "/nowhere is neither a folder nor a file");
   expect([](auto* o) { o->format = "bag"; },
          "format is 'bag', must be one of: auto, tum, icl_nuim");
   expect([](auto* o) { o->camera = "kinect9"; }, "camera is 'kinect9'");

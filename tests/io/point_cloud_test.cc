@@ -155,8 +155,8 @@ const std::string kRow = Bytes(1.f, 2.f, 3.f);
 INSTANTIATE_TEST_SUITE_P(
     Header, MalformedPly,
     ::testing::Values(
-        Malformed{"Empty", "", "no PLY file"}, Malformed{"Png", "\x89PNG\r\n", "no PLY file"},
-        Malformed{"Plyx", "plyx\n", "no PLY file"},
+        Malformed{"Empty", "", "not a PLY file"}, Malformed{"Png", "\x89PNG\r\n", "not a PLY file"},
+        Malformed{"Plyx", "plyx\n", "not a PLY file"},
         Malformed{"OnlyMagic", "ply\n", "no end_header"},
         Malformed{"NoEnd", "ply\nformat ascii 1.0\nelement vertex 1", "no end_header"},
         Malformed{"NoFormat", "ply\nelement vertex 0\n" + std::string(kXyz) + "end_header\n",

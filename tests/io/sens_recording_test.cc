@@ -81,7 +81,7 @@ TEST_F(SensTest, ReadsTheWholeFramesOfAFileThatEndsEarly) {
   const std::string file = encoder_.Header(5) + encoder_.Frame(0) + encoder_.Frame(1);
   const auto source = Open(file + encoder_.Frame(2).substr(0, 200));
   EXPECT_EQ(testing::ReadAll(source.get()).size(), 2u);
-  EXPECT_THAT(source->info().warnings, ElementsAre(HasSubstr("promises 5 frames, and is damaged")));
+  EXPECT_THAT(source->info().warnings, ElementsAre(HasSubstr("claims 5 frames, but is damaged")));
 }
 
 TEST_F(SensTest, RefusesWhatItCannotRead) {
@@ -103,7 +103,7 @@ TEST_F(SensTest, RefusesWhatItCannotRead) {
   huge.replace(depth_width_at, 4, testing::LittleEndian(16000));
   expect(huge, "depth of frame 0 is damaged: its");
   encoder_.color_extrinsics[0] = 3;
-  expect(encoder_.File(1), "extrinsics of colour: the matrix is no rigid transform");
+  expect(encoder_.File(1), "extrinsics of colour: the matrix is not a rigid transform");
   encoder_.color_extrinsics[0] = 1;
   encoder_.depth_coding = 2;
   expect(encoder_.File(1), "compression of depth is 2 (occi), must be 0 (raw) or 1 (zlib)");

@@ -129,7 +129,7 @@ TEST_F(WatchTest, RefusesFoldersWithoutAFrame) {
   ExpectInputError([&] { ReadToTheEnd(); }, HasSubstr("depth/000000.png is truncated, damaged"));
   ExpectInputError([&] { OpenSequence(options_); }, HasSubstr("only a live run"));
   options_.path = "/nowhere";
-  ExpectInputError([&] { ReadToTheEnd(); }, HasSubstr("/nowhere is no folder"));
+  ExpectInputError([&] { ReadToTheEnd(); }, HasSubstr("/nowhere is not a folder"));
 }
 
 }  // namespace

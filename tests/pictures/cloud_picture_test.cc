@@ -1,11 +1,10 @@
-#include "surfit/pictures/cloud_picture.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
 #include "pictures/picture_file.h"
+#include "surfit/pictures/pictures.h"
 #include "testing/expect_input_error.h"
 #include "testing/temp_folder.h"
 

@@ -1,5 +1,3 @@
-#include "surfit/pictures/map_pictures.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,6 +5,7 @@
 
 #include "pictures/picture_file.h"
 #include "surfit/core/parallel.h"
+#include "surfit/pictures/pictures.h"
 #include "testing/expect_input_error.h"
 #include "testing/temp_folder.h"
 

@@ -1,5 +1,3 @@
-#include "surfit/pictures/trajectory_picture.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,6 +5,7 @@
 #include <cmath>
 
 #include "pictures/picture_file.h"
+#include "surfit/pictures/pictures.h"
 #include "testing/expect_input_error.h"
 #include "testing/temp_folder.h"
 

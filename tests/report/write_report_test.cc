@@ -57,7 +57,7 @@ TEST_F(WriteReportTest, NoTextOfTheRunEndsItsElement) {
 
 TEST_F(WriteReportTest, SaysWhatThePosesLack) {
   folder_.Write("run/poses.json", "{}");
-  ExpectInputError([&] { WriteReport(options_); }, HasSubstr("poses.json: lacks"));
+  ExpectInputError([&] { WriteReport(options_); }, HasSubstr("poses.json: incomplete"));
 }
 
 TEST_F(WriteReportTest, RefusesWhatIsNoRun) {

@@ -6,13 +6,13 @@
 
 namespace surfit {
 
-// The frames of a recording as a camera offers them. As a camera's need no decoding, all are read
-// before the first is offered, with the first call of Next(); a frame takes 7 bytes a pixel. Each
-// further one is offered 1 / frames_per_second after the one before, whatever its stamp says, and
-// Next() waits for it. Of frames that wait to be taken the newest `capacity` are kept: older ones
-// are gone, which is logged, and counted in the ReadResult of the next. Which ones are gone depends
-// on how fast frames are taken; as long as none is they are the source's, in their order.
-// Throws InputError unless frames_per_second is positive and capacity at least 1.
+// Offers the frames of a recording at a fixed rate, as a live camera does. All frames are read by
+// the first call of Next(), so that decoding costs no time later; a frame takes 7 bytes a pixel.
+// Frame i is offered i / frames_per_second after the first, whatever its stamp says, and Next()
+// waits for it. A queue keeps the newest `capacity` frames that were offered and not yet taken.
+// Older ones are dropped, logged, and counted in the next ReadResult. Which frames are dropped
+// depends on how fast they are taken; if none is, they are the source's, in order. Throws
+// InputError unless frames_per_second is positive and capacity at least 1.
 std::unique_ptr<FrameSource> OfferFrames(std::unique_ptr<FrameSource> source,
                                          double frames_per_second, int capacity);
 

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "surfit/geometry/trajectory.h"
+#include "surfit/mapping/surfel_map.h"
+
+namespace surfit {
+
+// Writes map_color.png, map_normals.png, map_confidence.png and map_last_seen.png into the
+// directory. Each is a sheet of four views of the map: from above, from an oblique bird's eye, from
+// the first camera pulled back a little, and from the camera whose view differs most from the
+// first. Up is the mean of the cameras' upward (-y) axes, refined by the normals of floors and
+// tables, so any world frame will do.
+//
+// Surfels that face away are not drawn, which opens the ceiling and the near walls. map_confidence
+// shows all surfels, the other sheets only those of confidence >= DustConfidence(). Normals are
+// coloured (1 + n) / 2 for n in the world frame: x red, y green, z blue.
+//
+// An empty map gives pictures that say so. Throws InputError where a file cannot be written.
+void WriteMapPictures(const SurfelMap& map, const Trajectory& camera_path,
+                      const std::string& directory);
+
+// Below this confidence a surfel is taken for dust: 3 (about as many central observations), or a
+// tenth of the map's 90 % quantile where that is less, as after few frames. 0 for an empty map.
+float DustConfidence(const SurfelMap& map);
+
+// Writes a PNG of the camera's path from above and from the side, in metres along the world's axes,
+// with equal scale on both axes of a view. ground_truth may be empty; where it is not, the caller
+// has aligned the two. The vertical axis is the world axis nearest to the cameras' mean upward (-y)
+// axis. Throws InputError where the file cannot be written.
+void WriteTrajectoryPicture(const Trajectory& estimate, const Trajectory& ground_truth,
+                            const std::string& path);
+
+// Writes a PNG of two point clouds, source in orange and target in blue, seen from the target's
+// camera and obliquely from the side. Points are in metres in the target camera's frame (x right, y
+// down, z forward); a target that is not in front of that camera is seen along z from far enough
+// away. Each pixel shows the nearest point: surfaces that coincide show both colours mixed. Throws
+// InputError where the file cannot be written.
+void WriteTwoCloudPicture(const std::vector<Eigen::Vector3f>& source,
+                          const std::vector<Eigen::Vector3f>& target, const std::string& path);
+
+}  // namespace surfit
