@@ -150,7 +150,7 @@ double Option::FlagUnit() const { return EndsWith(name, "_rad") ? kDegree : 1; }
 
 std::string Option::Help() const {
   std::string text = help;
-  if (!choices.empty()) text += ": " + Alternatives(choices);
+  if (!choices.empty()) text += "; one of " + Alternatives(choices);
   if (!unit.empty()) text += ", " + unit;
   const bool share = min == 0 && max == 1;
   if (std::isfinite(max) && !share) text += ", " + Bounds(*this, flag.empty() ? 1 : FlagUnit());

@@ -34,7 +34,7 @@ void SlamRunOptions::Visit(OptionVisitor& v) {
         Option("initial_pose",
                "pose of the first frame: identity, groundtruth or tx,ty,tz,qx,qy,qz,qw")
             .Flag());
-  v.Add(poses, Option("poses", "track, or fuse along the sequence's own poses")
+  v.Add(poses, Option("poses", "track the camera; groundtruth: fuse along the sequence's own poses")
                    .OneOf({"track", "groundtruth"})
                    .Flag());
   v.Add(queue_capacity,

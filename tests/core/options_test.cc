@@ -135,7 +135,7 @@ TEST(Options, AreReadFromText) {
 
 TEST(Options, HelpTellsUnitChoicesAndZero) {
   EXPECT_EQ(Option("color", "its colour").OneOf({"red", "blue", "white"}).Help(),
-            "its colour: red, blue or white");
+            "its colour; one of red, blue or white");
   EXPECT_EQ(Option("size", "its size").Zero("any").Unit("m").Help(), "its size, m; 0 = any");
   EXPECT_EQ(Option("doors", "its doors").From(2, 5).Help(), "its doors, 2 to 5");
 }

@@ -74,7 +74,7 @@ TEST(OptimizeTool, RefusesBadInput) {
   EXPECT_EQ(RunProgram("surfit_optimize", {}).exit_code, 1);
   const ProgramResult bad = RunProgram("surfit_optimize", {"--graph=a", "--sparse_backend=b"});
   EXPECT_EQ(bad.exit_code, 1);
-  EXPECT_THAT(bad.err, HasSubstr("error: sparse_backend is 'b', must be one of"));
+  EXPECT_THAT(bad.err, HasSubstr("error: --sparse_backend is 'b', must be one of"));
 }
 
 }  // namespace

@@ -188,6 +188,7 @@ std::map<std::string, std::string> FlagValues(Options options) {
 
 namespace internal {
 
+// A field whose type has OptionToText() and OptionFromText().
 template <typename T>
 class TextOf final : public OptionText {
  public:
