@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "refinement/calibration_block.h"
+#include "refinement/joint_state.h"
 
 namespace surfit {
 

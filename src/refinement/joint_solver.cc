@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "refinement/calibration_block.h"
+#include "refinement/joint_state.h"
 #include "refinement/reduced_factor.h"
 
 namespace surfit {

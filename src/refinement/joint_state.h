@@ -1,10 +1,14 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
+#include "cost_functions/plane_inverse_depth.h"
 #include "surfit/geometry/rigid3.h"
-#include "surfit/refinement/depth_calibration.h"
+#include "surfit/refinement/refine.h"
+#include "surfit/registration/error_model.h"
 
 namespace surfit {
 
@@ -24,6 +28,71 @@ struct PlacedPoses {
 
   const JointState& state;
   std::vector<Eigen::Matrix3d> rotations;
+};
+
+// The calibration as parameter block of kCalibrationSize; the size of the image is left as it is.
+inline void CalibrationToBlock(const DepthCalibration& calibration, double* block) {
+  const PinholeCamera& camera = calibration.camera;
+  block[0] = camera.fx, block[1] = camera.fy, block[2] = camera.cx, block[3] = camera.cy;
+  std::copy(calibration.field.coefficients.begin(), calibration.field.coefficients.end(),
+            block + kFieldBegin);
+}
+
+inline void CalibrationFromBlock(const double* block, DepthCalibration* calibration) {
+  PinholeCamera& camera = calibration->camera;
+  camera.fx = block[0], camera.fy = block[1], camera.cx = block[2], camera.cy = block[3];
+  std::copy(block + kFieldBegin, block + kCalibrationSize, calibration->field.coefficients.begin());
+}
+
+// The robust kernels of all residuals. Those of texture have the photometric weight W in their
+// standard deviation: all kernels are of the form rho(s) = k^2 f(s / k^2), so that W rho(s) is
+// rho(W s) of the width k sqrt(W).
+struct JointKernels {
+  RobustKernel plane, texture;
+
+  JointKernels Widened(double growth) const {
+    JointKernels wide = *this;
+    wide.plane.width *= growth;
+    wide.texture.width *= growth;
+    return wide;
+  }
+};
+
+inline JointKernels KernelsOf(const ErrorModel& model) {
+  JointKernels kernels = {model.kernel, model.intensity_kernel};
+  if (model.UsesIntensities()) kernels.texture.width *= std::sqrt(model.photometric_weight);
+  return kernels;
+}
+
+// 1 / sigma of inverse depth where that is measured, m.
+inline double InversePlaneSigma(const ErrorModel& model, double inverse_depth) {
+  const double z = 1 / inverse_depth;  // sigma_(1/z) = sigma_z / z^2
+  return z * z / model.Sigma(z);
+}
+
+// Of the differences of intensity, the weight included.
+inline double InverseTextureSigma(const ErrorModel& model) {
+  return std::sqrt(model.photometric_weight) / model.intensity_sigma;
+}
+
+// How far observations are from the surfels at their best numbers.
+struct JointFit {
+  double rho = 0;                  // the sum: twice the cost
+  double weight = 0;               // the sum of rho' of planes
+  double squared_sigmas = 0;       // the sums, so weighted, of r^2
+  double squared_metres = 0;       // and of the squared distances of points to planes
+  double texture_weight = 0;       // the sum of rho' of differences of intensity
+  double squared_differences = 0;  // the sum, so weighted, of their squared errors
+
+  JointFit& operator+=(const JointFit& other) {
+    rho += other.rho;
+    weight += other.weight;
+    squared_sigmas += other.squared_sigmas;
+    squared_metres += other.squared_metres;
+    texture_weight += other.texture_weight;
+    squared_differences += other.squared_differences;
+    return *this;
+  }
 };
 
 }  // namespace surfit

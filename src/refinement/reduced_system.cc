@@ -1,14 +1,57 @@
 #include "refinement/reduced_system.h"
 
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <algorithm>
+#include <vector>
 
 #include "cost_functions/robust_kernel.h"
-#include "refinement/coupling.h"
+#include "refinement/joint_rows.h"
 #include "refinement/surfel_sight.h"
 #include "surfit/core/parallel.h"
 
 namespace surfit {
+
 namespace {
+
+// What ties one surfel's own unknowns to poses and calibration, for its elimination: with weighted
+// rows [A b], b of its unknowns, A^T W b by blocks, b^T W b and b^T W r.
+template <int kUnknowns>
+struct Coupling {
+  using Square = Eigen::Matrix<double, kUnknowns, kUnknowns>;
+
+  explicit Coupling(std::size_t observations)
+      : poses(observations, Eigen::Matrix<double, kPoseTangentSize, kUnknowns>::Zero()) {}
+
+  // A row of the observation-th keyframe that sees the surfel.
+  void Add(std::size_t observation, const JointRow& row, const SurfelRow<kUnknowns>& by_surfel,
+           double weight) {
+    const SurfelRow<kUnknowns> weighted = weight * by_surfel;
+    poses[observation] += row.by_pose * weighted.transpose();
+    calibration += row.by_calibration * weighted.transpose();
+    information += weighted * by_surfel.transpose();
+    gradient += weighted * row.residual;
+  }
+
+  // Divides all by the root L of b^T W b = L L^T, so that
+  //   A^T W b (b^T W b)^-1 b^T W A = (A^T W b L^-T) (A^T W b L^-T)^T.
+  // False if the surfel's unknowns are not determined; then nothing is changed.
+  bool Whiten() {
+    const Eigen::LLT<Square> llt(information);
+    if (!(llt.info() == Eigen::Success && information.diagonal().minCoeff() > 0)) return false;
+    const auto upper = llt.matrixU();
+    for (auto& pose : poses) upper.template solveInPlace<Eigen::OnTheRight>(pose);
+    upper.template solveInPlace<Eigen::OnTheRight>(calibration);
+    llt.matrixL().solveInPlace(gradient);
+    return true;
+  }
+
+  std::vector<Eigen::Matrix<double, kPoseTangentSize, kUnknowns>> poses;
+  Eigen::Matrix<double, kCalibrationSize, kUnknowns> calibration =
+      Eigen::Matrix<double, kCalibrationSize, kUnknowns>::Zero();
+  Square information = Square::Zero();
+  SurfelRow<kUnknowns> gradient = SurfelRow<kUnknowns>::Zero();
+};
 
 class Reducer {
  public:
@@ -103,6 +146,26 @@ class Reducer {
 };
 
 }  // namespace
+
+BlockPattern::BlockPattern(const SharedSurfels& shared, std::size_t pose_count)
+    : pose_count_(static_cast<int>(pose_count)),
+      indices_(pose_count * (pose_count + 1) / 2, kNoBlock) {
+  constexpr std::int32_t kTied = 0;
+  for (int k = 0; k < pose_count_; ++k) {
+    indices_[PairOf(k, k)] = kTied;
+    if (k > 0) indices_[PairOf(k, k - 1)] = kTied;
+  }
+  for (const SharedSurfel& surfel : shared.surfels) {
+    for (std::size_t i = surfel.begin; i < surfel.end; ++i) {
+      for (std::size_t j = surfel.begin; j < i; ++j) {
+        indices_[PairOf(shared.observations[i].keyframe, shared.observations[j].keyframe)] = kTied;
+      }
+    }
+  }
+  for (std::int32_t& index : indices_) {
+    if (index == kTied) index = static_cast<std::int32_t>(block_count_++);
+  }
+}
 
 ReducedSystem::ReducedSystem(const BlockPattern& block_pattern)
     : pattern(&block_pattern),

@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "refinement/joint_kernels.h"
-#include "refinement/texture_observation.h"
+#include "refinement/joint_state.h"
 #include "surfit/core/parallel.h"
 
 namespace surfit {

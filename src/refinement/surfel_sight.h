@@ -3,11 +3,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "refinement/joint_fit.h"
-#include "refinement/joint_kernels.h"
+#include "refinement/joint_rows.h"
 #include "refinement/joint_state.h"
-#include "refinement/plane_row.h"
-#include "refinement/texture_row.h"
 
 namespace surfit {
 

@@ -1,10 +1,9 @@
-#include "refinement/texture_observation.h"
-
 #include <cmath>
 #include <optional>
 
-#include "refinement/joint_kernels.h"
-#include "refinement/plane_row.h"
+#include "refinement/joint_rows.h"
+#include "refinement/joint_state.h"
+#include "refinement/shared_surfels.h"
 #include "refinement/surfel_sight.h"
 #include "registration/bilinear_sample.h"
 #include "surfit/core/parallel.h"

@@ -20,7 +20,7 @@
 #include "surfit/io/read_ahead.h"
 #include "surfit/io/surfel_ply.h"
 #include "surfit/io/tum_trajectory.h"
-#include "surfit/refinement/correct_trajectory.h"
+#include "surfit/refinement/keyframes.h"
 #include "surfit/slam/slam.h"
 
 namespace surfit {

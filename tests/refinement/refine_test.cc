@@ -1,18 +1,22 @@
+// Refinement of keyframes that see one textured wall: its shape says nothing of motion along it.
 // Refinement of simulated keyframes, whose poses and calibration are known.
 #include "surfit/refinement/refine.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 #include "surfit/evaluation/trajectory_evaluation.h"
 #include "surfit/frame/correct_depth.h"
+#include "surfit/refinement/keyframes.h"
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
 #include "surfit/simulation/scene.h"
 #include "testing/expect_input_error.h"
+#include "testing/matchers.h"
 #include "testing/random_pose.h"
 
 namespace surfit {
@@ -21,6 +25,145 @@ namespace {
 using testing::ExpectInputError;
 using ::testing::HasSubstr;
 using testing::RandomPose;
+using testing::RigidNear;
+
+// A camera that goes 1 cm a frame along x, 30 frames a second.
+Trajectory Straight(int count) {
+  Trajectory trajectory;
+  for (int i = 0; i < count; ++i) {
+    trajectory.push_back({i / 30., Rigid3d(Eigen::Quaterniond::Identity(), {0.01 * i, 0, 0})});
+  }
+  return trajectory;
+}
+
+TEST(ChooseKeyframes, TakesTheFirstAndEachThatHasMoved) {
+  EXPECT_EQ(ChooseKeyframes(Straight(10), 0.035, 1, 0), (std::vector<std::size_t>{0, 4, 8}));
+  EXPECT_TRUE(ChooseKeyframes({}, 0.1, 1, 0).empty());
+}
+
+TEST(ChooseKeyframes, TakesThoseThatHaveTurned) {
+  Trajectory turning = Straight(3);
+  turning[2].world_from_camera.rotation = QuaternionExp<double>({0, 0.2, 0});
+  EXPECT_EQ(ChooseKeyframes(turning, 1, 0.15, 0), (std::vector<std::size_t>{0, 2}));
+}
+
+TEST(ChooseKeyframes, TakesFewerWhereThereWouldBeTooMany) {
+  const std::vector<std::size_t> chosen = ChooseKeyframes(Straight(1000), 0.015, 1, 20);
+  EXPECT_LE(chosen.size(), 20u);
+  EXPECT_GT(chosen.size(), 10u);
+}
+
+TEST(CorrectTrajectory, KeepsPosesWhoseKeyframesDoNotMove) {
+  const Trajectory given = Straight(7);
+  const Trajectory same = CorrectTrajectory(
+      given, {0, 3, 5},
+      {given[0].world_from_camera, given[3].world_from_camera, given[5].world_from_camera});
+  for (std::size_t i = 0; i < given.size(); ++i) {
+    EXPECT_THAT(same[i].world_from_camera, RigidNear(given[i].world_from_camera, 1e-12, 1e-12));
+  }
+}
+
+TEST(CorrectTrajectory, InterpolatesWhatItsKeyframesDid) {
+  const Trajectory given = Straight(7);
+  const Rigid3d up(Eigen::Quaterniond::Identity(), {0, 0, 0.04});
+  const Trajectory moved = CorrectTrajectory(
+      given, {0, 4}, {given[0].world_from_camera, up * given[4].world_from_camera});
+  EXPECT_THAT(moved[1].world_from_camera,
+              RigidNear(Rigid3d(Eigen::Quaterniond::Identity(), {0.01, 0, 0.01}), 1e-12, 1e-12));
+  EXPECT_THAT(moved[4].world_from_camera, RigidNear(up * given[4].world_from_camera, 1e-12, 1e-12));
+  // Beyond the last keyframe all move with it.
+  EXPECT_THAT(moved[6].world_from_camera, RigidNear(up * given[6].world_from_camera, 1e-12, 1e-12));
+  EXPECT_EQ(moved[6].stamp_s, given[6].stamp_s);
+}
+
+constexpr double kDepth = 2;  // m, of a wall that all keyframes face
+
+PinholeCamera Camera() { return {160, 120, 131.25, 131.25, 79.75, 59.75, {}}; }
+
+// Waves some dozens of pixels long.
+float TextureAt(double x, double y) {
+  return static_cast<float>(0.5 + 0.2 * std::sin(20 * x + 5 * y) + 0.2 * std::cos(18 * y - 7 * x));
+}
+
+// What a camera shifted by this sees.
+KeyframeImages ImagesAt(const Eigen::Vector2d& shift, float brighter) {
+  const PinholeCamera camera = Camera();
+  KeyframeImages images;
+  images.inverse_depth = Image<float>(camera.width, camera.height, 1 / kDepth);
+  images.slope_u = images.slope_v = Image<float>(camera.width, camera.height, 0.f);
+  images.intensity = Image<float>(camera.width, camera.height);
+  for (int v = 0; v < camera.height; ++v) {
+    for (int u = 0; u < camera.width; ++u) {
+      const Eigen::Vector2d at = kDepth * camera.Ray(u, v).head<2>() + shift;
+      images.intensity(u, v) = TextureAt(at.x(), at.y()) + brighter;
+    }
+  }
+  return images;
+}
+
+struct Wall {
+  std::vector<Eigen::Vector2d> truth;
+  std::vector<RefinementKeyframe> keyframes;
+
+  // The largest error of a position along the wall, metres.
+  double Error() const {
+    double error = 0;
+    for (std::size_t k = 0; k < truth.size(); ++k) {
+      const Eigen::Vector2d found = keyframes[k].world_from_camera.translation.head<2>();
+      error = std::max(error, (found - truth[k]).norm());
+    }
+    return error;
+  }
+};
+
+// Each keyframe but the first is believed to be 12 mm beside where it is, 0.8 px, and sees all as
+// much brighter as its exposure is longer.
+Wall MakeWall() {
+  Wall wall;
+  for (int k = 0; k < 5; ++k) {
+    const Eigen::Vector2d shift(0.06 * k, 0.03 * (k % 3));
+    const Eigen::Vector2d error = k == 0 ? Eigen::Vector2d(0, 0) : Eigen::Vector2d(0.0096, -0.0072);
+    Rigid3d pose;
+    pose.translation.head<2>() = shift + (k % 2 == 0 ? error : -error);
+    wall.truth.push_back(shift);
+    wall.keyframes.push_back({pose, ImagesAt(shift, 0.02f * static_cast<float>(k))});
+  }
+  return wall;
+}
+
+RefinementSummary RefineWall(double photometric_weight, Wall* wall) {
+  RefinementOptions options;
+  options.free_intrinsics = options.free_depth_offset = false;
+  options.motion_sigma_m = 0;
+  options.error_model.photometric_weight = photometric_weight;
+  return Refine(options, {Camera(), {}}, &wall->keyframes, [](const RefinementRound&) {});
+}
+
+TEST(RefineTexture, FindsMotionAlongAWallThatShapeDoesNotTell) {
+  Wall wall = MakeWall(), shape_only = MakeWall();
+  const double before = wall.Error();
+  const RefinementSummary summary = RefineWall(1, &wall);
+  ASSERT_TRUE(summary.Succeeded()) << ToString(summary.termination);
+  EXPECT_GT(summary.rounds.back().texture_observations, 0u);
+  EXPECT_LT(summary.after.rms_intensity, summary.before.rms_intensity / 5);
+  EXPECT_LT(wall.Error(), before / 10);
+
+  const RefinementSummary without = RefineWall(0, &shape_only);
+  EXPECT_EQ(without.rounds.back().texture_observations, 0u);
+  EXPECT_EQ(without.after.rms_intensity, 0);
+  EXPECT_GT(shape_only.Error(), before / 2);
+}
+
+TEST(RefineTexture, HasNoTextureWhereIntensitiesAreUnknown) {
+  Wall wall = MakeWall();
+  for (RefinementKeyframe& keyframe : wall.keyframes) {
+    keyframe.images.intensity =
+        Image<float>(Camera().width, Camera().height, std::numeric_limits<float>::quiet_NaN());
+  }
+  const RefinementSummary summary = RefineWall(1, &wall);
+  ASSERT_TRUE(summary.Succeeded()) << ToString(summary.termination);
+  EXPECT_EQ(summary.rounds.back().texture_observations, 0u);
+}
 
 constexpr double kOffset = 0.02 / 3;  // 1/m: 2 % at 3 m
 

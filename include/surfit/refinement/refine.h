@@ -6,11 +6,18 @@
 #include <string>
 #include <vector>
 
-#include "surfit/refinement/depth_calibration.h"
-#include "surfit/refinement/keyframe.h"
+#include "surfit/geometry/inverse_depth_field.h"
+#include "surfit/geometry/pinhole_camera.h"
+#include "surfit/refinement/keyframes.h"
 #include "surfit/registration/error_model.h"
 
 namespace surfit {
+
+// What self-calibration may change of an undistorted depth camera.
+struct DepthCalibration {
+  PinholeCamera camera;  // size in px, fx fy cx cy; no distortion
+  InverseDepthField field;
+};
 
 class OptionVisitor;
 
