@@ -5,7 +5,7 @@
 #include "common/icp_report.h"
 #include "common/tool_main.h"
 #include "surfit/core/error.h"
-#include "surfit/run/align_run.h"
+#include "surfit/run/register_run.h"
 
 namespace surfit::tools {
 namespace {

@@ -10,7 +10,7 @@
 #include "common/text_table.h"
 #include "common/tool_main.h"
 #include "surfit/core/error.h"
-#include "surfit/run/find_loops_run.h"
+#include "surfit/run/revisits.h"
 
 namespace surfit::tools {
 namespace {

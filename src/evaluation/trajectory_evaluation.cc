@@ -128,6 +128,11 @@ std::optional<AbsoluteTrajectoryError> ComputeAbsoluteTrajectoryError(
   return ate;
 }
 
+PoseError ErrorOf(const Rigid3d& estimated, const Rigid3d& truth) {
+  const Rigid3d difference = truth.Inverse() * estimated;
+  return {difference.translation.norm(), RotationAngle(difference.rotation) * 180 / M_PI};
+}
+
 std::optional<RelativePoseError> ComputeRelativePoseError(const std::vector<MatchedPose>& poses,
                                                           const RelativePoseErrorOptions& options) {
   Validate(options);

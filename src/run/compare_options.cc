@@ -1,6 +1,6 @@
 // What solvers are compared on, and how.
-#include "run/given_poses.h"
-#include "run/solver_combinations.h"
+#include "run/pose_problem.h"
+#include "run/posed_views.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
 

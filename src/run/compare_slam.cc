@@ -1,11 +1,9 @@
-#include "run/compare_slam.h"
-
 #include <utility>
 
 #include "registration/pair_solver.h"
-#include "run/output_folder.h"
+#include "run/comparison_rows.h"
+#include "run/output_files.h"
 #include "run/pose_problem.h"
-#include "run/solver_combinations.h"
 #include "surfit/core/error.h"
 #include "surfit/evaluation/map_error.h"
 #include "surfit/io/point_cloud.h"

@@ -5,12 +5,11 @@
 #include <utility>
 
 #include "registration/pair_solver.h"
-#include "run/compare_slam.h"
 #include "run/comparison_files.h"
 #include "run/comparison_page.h"
 #include "run/comparison_rows.h"
-#include "run/output_folder.h"
-#include "run/solver_combinations.h"
+#include "run/output_files.h"
+#include "run/pose_problem.h"
 #include "run/tracking_dump.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"

@@ -5,7 +5,7 @@
 #include <iterator>
 #include <map>
 
-#include "surfit/evaluation/error_statistics.h"
+#include "surfit/evaluation/trajectory_evaluation.h"
 
 namespace surfit {
 namespace {
@@ -56,9 +56,9 @@ ComparedRun Compare(SolveOutcome outcome, const std::optional<Rigid3d>& truth,
                     const CompareOptions& options) {
   ComparedRun run;
   if (truth) {
-    const Rigid3d error = truth->Inverse() * outcome.target_from_source;
-    run.rotation_error_deg = RotationAngle(error.rotation) * 180 / M_PI;
-    run.translation_error_m = error.translation.norm();
+    const PoseError error = ErrorOf(outcome.target_from_source, *truth);
+    run.rotation_error_deg = error.rotation_deg;
+    run.translation_error_m = error.translation_m;
     run.converged = outcome.succeeded && *run.rotation_error_deg < options.max_rotation_error_deg &&
                     *run.translation_error_m < options.max_translation_error_m;
   }

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "run/pose_problem.h"
-#include "run/start_poses.h"
+#include "surfit/run/compare_solvers.h"
 
 namespace surfit {
 
@@ -31,5 +31,10 @@ ComparisonRow RowOf(const ComparedRuns& runs);
 
 // Share of the runs from a cell that converged; empty where there are none or the truth is unknown.
 std::optional<double> ConvergedShare(const ComparedRuns& runs, const GridCell& cell);
+
+// Runs SLAM over the options' sequence with every combination, into folders of <output>/slam.
+std::vector<SlamComparisonRow> CompareSlam(
+    const CompareOptions& options, const std::atomic<bool>& interrupted,
+    const std::function<void(const CompareProgress&)>& progress);
 
 }  // namespace surfit

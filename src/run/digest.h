@@ -2,6 +2,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <iomanip>
+#include <sstream>
 #include <string>
 
 #include "surfit/geometry/trajectory.h"
@@ -9,7 +11,41 @@
 
 namespace surfit {
 
-// The 64-bit FNV-1a hash (Fowler, Noll, Vo) of a trajectory's and a map's bytes, in hexadecimal.
-std::string Digest(const Trajectory& trajectory, const SurfelMap& map);
+// The 64-bit FNV-1a hash (Fowler, Noll, Vo).
+class Fnv1a {
+ public:
+  void Add(const void* data, std::size_t size) {
+    const auto* bytes = static_cast<const unsigned char*>(data);
+    for (std::size_t i = 0; i < size; ++i) hash_ = (hash_ ^ bytes[i]) * 1099511628211u;
+  }
+  std::uint64_t hash() const { return hash_; }
+
+ private:
+  std::uint64_t hash_ = 14695981039346656037u;
+};
+
+// The hash of a trajectory's and a map's bytes, in hexadecimal.
+inline std::string Digest(const Trajectory& trajectory, const SurfelMap& map) {
+  Fnv1a hash;
+  for (const StampedPose& pose : trajectory) {
+    hash.Add(&pose.stamp_s, sizeof(double));
+    hash.Add(pose.world_from_camera.translation.data(), 3 * sizeof(double));
+    hash.Add(pose.world_from_camera.rotation.coeffs().data(), 4 * sizeof(double));
+  }
+  for (const std::int32_t id : map.Ids()) {
+    const SurfelBlock& block = map.block(id / SurfelBlock::kCapacity);
+    const int k = id % SurfelBlock::kCapacity;
+    const float numbers[] = {block.x[k],  block.y[k],  block.z[k],        block.nx[k],
+                             block.ny[k], block.nz[k], block.radius_m[k], block.confidence[k]};
+    const std::uint16_t color[] = {block.red[k], block.green[k], block.blue[k]};
+    const std::int32_t frames[] = {block.first_seen[k], block.last_seen[k]};
+    hash.Add(numbers, sizeof(numbers));
+    hash.Add(color, sizeof(color));
+    hash.Add(frames, sizeof(frames));
+  }
+  std::ostringstream text;
+  text << std::hex << std::setw(16) << std::setfill('0') << hash.hash();
+  return text.str();
+}
 
 }  // namespace surfit

@@ -1,19 +1,17 @@
-#include "surfit/run/find_loops_run.h"
-
 #include <algorithm>
 #include <cmath>
 #include <ctime>
 #include <memory>
 #include <utility>
 
-#include "run/given_poses.h"
-#include "run/loop_files.h"
-#include "run/output_folder.h"
-#include "run/surface_distance.h"
+#include "run/output_files.h"
+#include "run/posed_views.h"
+#include "run/result_files.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 #include "surfit/places/limit_keyframes.h"
+#include "surfit/run/revisits.h"
 
 namespace surfit {
 namespace {

@@ -5,7 +5,6 @@
 #include "registration/linearize.h"
 #include "registration/pair_solver.h"
 #include "run/pose_problem.h"
-#include "run/start_poses.h"
 #include "surfit/core/parallel.h"
 #include "surfit/registration/pose_solver.h"
 

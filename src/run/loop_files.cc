@@ -1,7 +1,6 @@
-#include "run/loop_files.h"
-
 #include <ostream>
 
+#include "run/result_files.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/io/g2o.h"
 

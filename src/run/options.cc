@@ -1,11 +1,9 @@
 // The options of this room.
 #include "surfit/core/options.h"
 
-#include "run/given_poses.h"
-#include "run/solver_combinations.h"
+#include "run/pose_problem.h"
+#include "run/posed_views.h"
 #include "surfit/core/error.h"
-#include "surfit/run/align_run.h"
-#include "surfit/run/find_loops_run.h"
 #include "surfit/run/refine_run.h"
 #include "surfit/run/register_run.h"
 #include "surfit/run/revisits.h"

@@ -1,13 +1,43 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "surfit/geometry/rigid3.h"
 #include "surfit/run/compare_solvers.h"
 
 namespace surfit {
+
+inline constexpr char kKnownAssociation[] = "known";
+
+// The combinations that the options ask for, residual by residual. Throws InputError that lists
+// what is possible for unknown names, and for solvers and residuals that were both named and do not
+// go together.
+std::vector<SolverCombination> SolverCombinations(const CompareOptions& options);
+
+// Whether a combination is so slow that it runs on little.
+bool IsSlow(const SolverCombination& combination);
+
+// A place in the grid of perturbations.
+struct GridCell {
+  int rotation = 0;  // indices of what is perturbed by
+  int translation = 0;
+  bool on_diagonal() const { return rotation == translation; }
+  friend bool operator==(const GridCell& a, const GridCell& b) {
+    return a.rotation == b.rotation && a.translation == b.translation;
+  }
+};
+
+// All cells, rotation by rotation.
+std::vector<GridCell> AllCells(int rotations, int translations);
+
+// The pose turned about the target's origin by an angle and shifted by a distance, about and along
+// axes that are random and depend on the seed alone.
+Rigid3d Perturbed(const Rigid3d& target_from_source, double rotation_rad, double translation_m,
+                  std::uint64_t seed);
 
 // What one combination made of one start.
 struct SolveOutcome {

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "run/output_folder.h"
-#include "run/refinement_json.h"
+#include "run/output_files.h"
+#include "run/result_files.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"

@@ -2,10 +2,12 @@
 
 #include <iomanip>
 #include <utility>
+#include <vector>
 
 #include "run/cloud_file.h"
-#include "run/output_folder.h"
-#include "run/registration_json.h"
+#include "run/output_files.h"
+#include "run/posed_views.h"
+#include "run/result_files.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
@@ -15,6 +17,35 @@
 
 namespace surfit {
 namespace {
+
+constexpr Rgb8 kSourceColor = {240, 130, 20};
+constexpr Rgb8 kTargetColor = {30, 110, 220};
+
+std::vector<Eigen::Vector3f> PointsOf(const FrameLevel& level, const Rigid3d& frame_from_camera) {
+  const Eigen::Matrix3f rotation = frame_from_camera.rotation.toRotationMatrix().cast<float>();
+  const Eigen::Vector3f translation = frame_from_camera.translation.cast<float>();
+  std::vector<Eigen::Vector3f> points;
+  for (int v = 0; v < level.vertex.height(); ++v) {
+    for (int u = 0; u < level.vertex.width(); ++u) {
+      const Eigen::Vector3f point = level.vertex(u, v);
+      if (point.z() > 0) points.emplace_back(rotation * point + translation);
+    }
+  }
+  return points;
+}
+
+void WriteClouds(const PosedPair& pair, const Rigid3d& target_from_source,
+                 const std::string& stem) {
+  const auto source_points = PointsOf(pair.source.view.pyramid.levels.front(), target_from_source);
+  const auto target_points = PointsOf(pair.target.view.pyramid.levels.front(), Rigid3d());
+  WriteTwoCloudPicture(source_points, target_points, stem + ".png");
+  PointCloud both;
+  both.points = source_points;
+  both.points.insert(both.points.end(), target_points.begin(), target_points.end());
+  both.colors.assign(source_points.size(), kSourceColor);
+  both.colors.resize(both.points.size(), kTargetColor);
+  WritePly(both, stem + ".ply");
+}
 
 PointCloud Moved(PointCloud cloud, const Rigid3d& pose) {
   for (auto& point : cloud.points) point = (pose * point.cast<double>()).cast<float>();
@@ -35,6 +66,26 @@ void WriteTransform(const Rigid3d& pose, const std::string& path) {
 }
 
 }  // namespace
+
+AlignRunResult RunAlign(const AlignRunOptions& options) {
+  Validate(options);
+  const ThreadLimit limit(options.threads);
+  const PosedPair pair = ReadPosedPair(options.sequence, options.source, options.target,
+                                       options.preprocess, options.icp.error_model);
+  PrepareOutputFolder(options.output, {"before.ply", "after.ply", "before.png", "after.png"});
+
+  AlignRunResult result;
+  result.registration =
+      InitializeAndRegister(pair.source.view, pair.target.view, options.initialize, options.icp);
+  const Rigid3d& estimated = result.registration.icp.target_from_source;
+  if (const std::optional<Rigid3d> truth = pair.TargetFromSource()) {
+    result.initial_error = ErrorOf(Rigid3d(), *truth);
+    result.final_error = ErrorOf(estimated, *truth);
+  }
+  WriteClouds(pair, Rigid3d(), options.output + "/before");
+  WriteClouds(pair, estimated, options.output + "/after");
+  return result;
+}
 
 RegisterRunResult RunRegister(const RegisterRunOptions& options) {
   Validate(options);

@@ -7,11 +7,10 @@
 #include <utility>
 #include <vector>
 
-#include "run/given_poses.h"
-#include "run/posed_view.h"
-#include "run/surface_distance.h"
+#include "run/posed_views.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
+#include "surfit/evaluation/trajectory_evaluation.h"
 
 namespace surfit {
 namespace {
@@ -25,8 +24,6 @@ struct RelativePoses {
   int source, target;        // frame indices
   Rigid3d truth, estimated;  // target_from_source
 };
-
-double Degrees(const Rigid3d& motion) { return RotationAngle(motion.rotation) * 180 / M_PI; }
 
 std::vector<PosedFrame> ReadPosedFrames(const RevisitOptions& options, int* without_pose) {
   const std::unique_ptr<FrameSource> source = OpenSequence(options.sequence);
@@ -97,8 +94,8 @@ std::optional<PairErrors> Measure(const FramePyramid& source, const FramePyramid
       MedianSurfaceDistance(source.levels.front(), target.levels.front(), target_from_source);
   const IcpResult icp = Register(source, target, target_from_source, ThoroughIcp());
   if (!surface_m || !icp.Succeeded()) return std::nullopt;
-  const Rigid3d off = target_from_source.Inverse() * icp.target_from_source;
-  return PairErrors{*surface_m, off.translation.norm(), Degrees(off)};
+  const PoseError moved = ErrorOf(icp.target_from_source, target_from_source);
+  return PairErrors{*surface_m, moved.translation_m, moved.rotation_deg};
 }
 
 }  // namespace

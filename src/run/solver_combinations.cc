@@ -1,8 +1,7 @@
-#include "run/solver_combinations.h"
-
 #include <algorithm>
 
 #include "core/named_values.h"
+#include "run/pose_problem.h"
 #include "surfit/core/error.h"
 #include "surfit/registration/pose_solver.h"
 

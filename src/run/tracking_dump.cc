@@ -5,8 +5,7 @@
 #include <vector>
 
 #include "run/options_json.h"
-#include "run/output_folder.h"
-#include "surfit/core/atomic_file.h"
+#include "run/output_files.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/frame/intensity.h"
@@ -14,25 +13,6 @@
 
 namespace surfit {
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-Json ToJson(const PinholeCamera& camera) {
-  return {{"width", camera.width}, {"height", camera.height}, {"fx", camera.fx},
-          {"fy", camera.fy},       {"cx", camera.cx},         {"cy", camera.cy}};
-}
-
-PinholeCamera CameraFromJson(const Json& json) {
-  PinholeCamera camera;
-  camera.width = json.at("width");
-  camera.height = json.at("height");
-  camera.fx = json.at("fx");
-  camera.fy = json.at("fy");
-  camera.cx = json.at("cx");
-  camera.cy = json.at("cy");
-  camera.Validate("camera");
-  return camera;
-}
 
 Json ToJson(const Rigid3d& pose) {
   const Eigen::Vector3d& t = pose.translation;
@@ -103,13 +83,12 @@ void WriteTrackingDump(const LostFrame& lost, const SlamOptions& options,
   Json json;
   json["frame"] = lost.index;
   json["termination"] = ToString(lost.icp.termination);
-  json["source_camera"] = ToJson(source.camera);
-  json["target_camera"] = ToJson(target.camera);
+  json["source_camera"] = CameraToJson(source.camera);
+  json["target_camera"] = CameraToJson(target.camera);
   json["target_from_source_initial"] = ToJson(lost.target_from_source_initial);
   json["preprocess"] = OptionsToJson(options.preprocess);
   json["icp"] = OptionsToJson(options.icp);
-  WriteFileAtomically(folder + "/frame.json",
-                      [&](std::ostream& file) { file << json.dump(2) << '\n'; });
+  WriteJson(json, folder + "/frame.json");
 }
 
 TrackingDump ReadTrackingDump(const std::string& folder) {

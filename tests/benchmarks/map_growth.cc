@@ -18,7 +18,7 @@
 
 #include "benchmarks/mapped_room.h"
 #include "pictures/axes.h"
-#include "run/output_folder.h"
+#include "run/output_files.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
 #include "surfit/mapping/model_renderer.h"

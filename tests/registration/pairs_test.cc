@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "surfit/io/sequence.h"
-#include "surfit/run/align_run.h"
+#include "surfit/run/register_run.h"
 #include "testing/shared_data.h"
 
 namespace surfit {

@@ -5,7 +5,7 @@
 #include "surfit/geometry/trajectory.h"
 #include "surfit/io/point_cloud.h"
 #include "surfit/io/tum_trajectory.h"
-#include "surfit/run/find_loops_run.h"
+#include "surfit/run/revisits.h"
 #include "surfit/run/slam_run.h"
 #include "testing/shared_data.h"
 #include "testing/temp_folder.h"

@@ -65,6 +65,14 @@ struct AbsoluteTrajectoryError {
 std::optional<AbsoluteTrajectoryError> ComputeAbsoluteTrajectoryError(
     const std::vector<MatchedPose>& poses);
 
+// How far an estimated motion is from the true one.
+struct PoseError {
+  double translation_m = 0;
+  double rotation_deg = 0;
+};
+
+PoseError ErrorOf(const Rigid3d& estimated, const Rigid3d& truth);
+
 // The interval over which drift is measured.
 struct RelativePoseErrorOptions {
   enum class Unit {

@@ -117,7 +117,7 @@ struct Comparison {
 
 // Runs every combination from every start and writes comparison.csv, comparison.json and a page of
 // charts, comparison.html, into the output folder; of SLAM slam.csv, a part of comparison.json, and
-// what each run writes (slam_run.h) in a folder of slam/. Combinations take
+// what each run writes (RunSlam()) in a folder of slam/. Combinations take
 // turns, so that what else the machine does meets all of them alike. ceres_per_point is slow: over
 // known pairs it runs from a few of the starts only, elsewhere only if it is asked for by name, and
 // then on the first pair. When `interrupted` becomes true, what has been run so far is written.

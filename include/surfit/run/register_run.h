@@ -1,12 +1,46 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 
+#include "surfit/evaluation/trajectory_evaluation.h"
+#include "surfit/frame/preprocess.h"
+#include "surfit/io/sequence.h"
 #include "surfit/registration/cloud_normals.h"
+#include "surfit/registration/initialize.h"
 #include "surfit/registration/register_clouds.h"
 
 namespace surfit {
+
+class OptionVisitor;
+
+// Which two frames to register, and how.
+struct AlignRunOptions {
+  SequenceOptions sequence;  // its first, last and stride are not used
+  int source = 0;            // index in the sequence
+  int target = 1;            // index in the sequence
+  std::string output;        // folder for clouds and pictures; made if missing
+  PreprocessOptions preprocess;
+  InitializeOptions initialize;
+  IcpOptions icp = FarIcpOptions();
+  int threads = 2;
+
+  void Visit(OptionVisitor& visitor);
+};
+
+// The outcome of a run.
+struct AlignRunResult {
+  InitializedIcpResult registration;
+  std::optional<PoseError> initial_error;  // of the identity, where there is ground truth
+  std::optional<PoseError> final_error;
+};
+
+// Registers two frames of a sequence from where the options say and writes before.ply, after.ply,
+// before.png and after.png into the output folder: both frames' points in the target camera's
+// frame, source in orange and target in blue, before and after. Throws InputError for bad options
+// or frames that cannot be read.
+AlignRunResult RunAlign(const AlignRunOptions& options);
 
 class OptionVisitor;
 

@@ -1,17 +1,103 @@
-#include "run/kept_views.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
 
 #include "io/image_files.h"
+#include "run/digest.h"
+#include "run/kept_views.h"
+#include "run/posed_views.h"
+#include "surfit/core/error.h"
+#include "surfit/geometry/mirror.h"
+#include "testing/matchers.h"
 #include "testing/temp_folder.h"
 
 namespace surfit {
 namespace {
 
 using ::testing::ElementsAre;
+using testing::RigidNear;
+
+SurfelMap OneSurfel() {
+  SurfelMap map;
+  Surfel surfel;
+  surfel.position_in_world = {1, 2, 3};
+  surfel.confidence = 4;
+  map.Append(surfel);
+  return map;
+}
+
+TEST(Digest, OfNothingIsTheOffsetBasisOfFnv1a) {
+  EXPECT_EQ(Digest({}, SurfelMap()), "cbf29ce484222325");
+}
+
+TEST(Digest, NoticesTheLastBitOfEveryPart) {
+  const Trajectory trajectory = {{1.0, Rigid3d()}};
+  const std::string digest = Digest(trajectory, OneSurfel());
+  EXPECT_EQ(Digest(trajectory, OneSurfel()), digest);
+
+  Trajectory moved = trajectory;
+  moved[0].world_from_camera.translation.z() = 5e-324;
+  EXPECT_NE(Digest(moved, OneSurfel()), digest);
+  Trajectory later = trajectory;
+  later[0].stamp_s = std::nextafter(1.0, 2.0);
+  EXPECT_NE(Digest(later, OneSurfel()), digest);
+
+  using Block = SurfelBlock;
+  for (const auto array : {&Block::x, &Block::y, &Block::z, &Block::nx, &Block::ny, &Block::nz,
+                           &Block::radius_m, &Block::confidence}) {
+    SurfelMap map = OneSurfel();
+    float& number = (map.block(0).*array)[0];
+    number = std::nextafter(number, 100.f);
+    EXPECT_NE(Digest(trajectory, map), digest);
+  }
+  for (const auto array : {&Block::red, &Block::green, &Block::blue}) {
+    SurfelMap map = OneSurfel();
+    ++(map.block(0).*array)[0];
+    EXPECT_NE(Digest(trajectory, map), digest);
+  }
+  for (const auto array : {&Block::first_seen, &Block::last_seen}) {
+    SurfelMap map = OneSurfel();
+    ++(map.block(0).*array)[0];
+    EXPECT_NE(Digest(trajectory, map), digest);
+  }
+}
+
+const Rigid3d kPose(Eigen::Quaterniond(0.8, 0.6, 0, 0), {1, 2, 3});
+
+TEST(ParsePose, ReadsTranslationAndNormalisedQuaternion) {
+  EXPECT_THAT(ParsePose("x", "1,2,3,1.2,0,0,1.6"), RigidNear(kPose, 1e-15, 1e-15));
+}
+
+TEST(ParsePose, RefusesAllElseByNameAndText) {
+  for (const char* text : {"", "1,2,3", "1,2,3,0,0,0,0", "1,2,3,0,0,0,1,5", "1;2;3;0;0;0;1",
+                           "a,2,3,0,0,0,1", "1,2,3,0,0,0,1x"}) {
+    try {
+      ParsePose("initial_pose", text);
+      ADD_FAILURE() << text;
+    } catch (const InputError& error) {
+      EXPECT_EQ(std::string(error.what()),
+                std::string("initial_pose is '") + text + "', must be tx,ty,tz,qx,qy,qz,qw");
+    }
+  }
+}
+
+TEST(InitialPose, IsIdentityTruthOrNumbers) {
+  SequenceInfo info;
+  info.ground_truth = {{10.0, kPose}};
+  EXPECT_THAT(InitialPose("identity", info, 10), RigidNear(Rigid3d(), 0, 0));
+  EXPECT_THAT(InitialPose("groundtruth", info, 10.01), RigidNear(kPose, 0, 0));
+  EXPECT_THROW(InitialPose("groundtruth", info, 10.1), InputError);
+  EXPECT_THAT(InitialPose("1,2,3,.6,0,0,.8", info, 10), RigidNear(kPose, 1e-15, 1e-15));
+}
+
+TEST(InitialPose, TakesNumbersInTheSourcesConvention) {
+  SequenceInfo info;
+  info.mirrored = true;
+  info.ground_truth = {{10.0, kPose}};  // our convention already
+  EXPECT_THAT(InitialPose("1,2,3,.6,0,0,.8", info, 10), RigidNear(Mirrored(kPose), 1e-15, 1e-15));
+  EXPECT_THAT(InitialPose("groundtruth", info, 10), RigidNear(kPose, 0, 0));
+}
 
 constexpr int kWidth = 32, kHeight = 24;
 

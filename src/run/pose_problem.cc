@@ -1,10 +1,21 @@
-#include <cmath>
-
 #include "run/pose_problem.h"
+
+#include <cmath>
+#include <random>
+
 #include "surfit/evaluation/error_statistics.h"
 
 namespace surfit {
 namespace {
+
+Eigen::Vector3d RandomUnitVector(std::mt19937_64* rng) {
+  std::uniform_real_distribution<double> coordinate(-1, 1);
+  Eigen::Vector3d vector;
+  do {
+    for (int i = 0; i < 3; ++i) vector[i] = coordinate(*rng);
+  } while (vector.norm() > 1 || vector.norm() < 0.1);
+  return vector.normalized();
+}
 
 std::optional<double> MedianOf(const std::vector<SolveReport>& reports, double SolveReport::*time) {
   if (reports.empty()) return std::nullopt;
@@ -15,6 +26,24 @@ std::optional<double> MedianOf(const std::vector<SolveReport>& reports, double S
 }
 
 }  // namespace
+
+std::vector<GridCell> AllCells(int rotations, int translations) {
+  std::vector<GridCell> cells;
+  for (int i = 0; i < rotations; ++i) {
+    for (int j = 0; j < translations; ++j) cells.push_back({i, j});
+  }
+  return cells;
+}
+
+Rigid3d Perturbed(const Rigid3d& target_from_source, double rotation_rad, double translation_m,
+                  std::uint64_t seed) {
+  if (rotation_rad == 0 && translation_m == 0) return target_from_source;  // bit for bit
+  std::mt19937_64 rng(seed);
+  Eigen::Matrix<double, 6, 1> increment;
+  increment.head<3>() = rotation_rad * RandomUnitVector(&rng);
+  increment.tail<3>() = translation_m * RandomUnitVector(&rng);
+  return LeftIncrement<double>(increment, target_from_source);
+}
 
 void SetTimes(const std::vector<SolveReport>& reports, SolveOutcome* outcome) {
   outcome->build_ms = MedianOf(reports, &SolveReport::build_ms);

@@ -1,13 +1,14 @@
-// Pairs of frames: of a sequence, and one that tracking lost.
+// What is registered to compare solvers: pairs of frames of a sequence, a frame that tracking lost,
+// two clouds.
 #include <algorithm>
 #include <memory>
 
 #include "registration/pair_solver.h"
+#include "run/cloud_file.h"
 #include "run/pose_problem.h"
-#include "run/posed_view.h"
+#include "run/posed_views.h"
 #include "run/tracking_dump.h"
 #include "surfit/core/error.h"
-#include "surfit/frame/intensity.h"
 
 namespace surfit {
 namespace {
@@ -66,20 +67,12 @@ PoseProblems FramePairProblems(const CompareOptions& options) {
   const int count = std::min(options.pairs, last - first + 1);
   return {count, [&options, count, first, last](int i) {
             const int index = SourceOf(i, count, first, last);
-            PosedView source = ReadPosedView(options.sequence, index, options.preprocess);
-            PosedView target =
-                ReadPosedView(options.sequence, index + options.gap, options.preprocess);
-            if (options.icp.error_model.UsesIntensities()) {
-              for (PosedView* posed : {&source, &target}) {
-                AddIntensity(posed->view.color, &posed->view.pyramid);
-              }
-            }
-            std::optional<Rigid3d> truth;
-            if (source.world_from_camera && target.world_from_camera) {
-              truth = target.world_from_camera->Inverse() * *source.world_from_camera;
-            }
-            return FramePairProblem(std::move(source.view.pyramid), std::move(target.view.pyramid),
-                                    truth, truth.value_or(Rigid3d()), options.icp);
+            PosedPair pair = ReadPosedPair(options.sequence, index, index + options.gap,
+                                           options.preprocess, options.icp.error_model);
+            const std::optional<Rigid3d> truth = pair.TargetFromSource();
+            return FramePairProblem(std::move(pair.source.view.pyramid),
+                                    std::move(pair.target.view.pyramid), truth,
+                                    truth.value_or(Rigid3d()), options.icp);
           }};
 }
 
@@ -88,6 +81,31 @@ PoseProblems ReplayProblems(const CompareOptions& options) {
             TrackingDump dump = ReadTrackingDump(options.replay);
             return FramePairProblem(std::move(dump.source), std::move(dump.target), std::nullopt,
                                     dump.target_from_source_initial, dump.icp);
+          }};
+}
+
+PoseProblems CloudProblems(const CompareOptions& options) {
+  const auto read = [](const CompareOptions& given, const std::string& path) {
+    return std::make_shared<const PreparedCloud>(
+        ReadCloudFile(path, CloudNormalOptions(), given.icp.error_model.floor_sigma_m));
+  };
+  const auto source = read(options, options.source), target = read(options, options.target);
+  return {1, [&options, source, target](int) {
+            PoseProblem problem;
+            if (!options.truth.empty()) problem.truth = ParsePose("truth", options.truth);
+            problem.center = problem.truth.value_or(Rigid3d());
+            problem.solve = [&options, source, target](const SolverCombination& combination,
+                                                       const Rigid3d& start) {
+              RegisterCloudsOptions registration;
+              registration.icp = options.icp;
+              SetCombination(combination, &registration.icp);
+              const Stopwatch total;
+              const IcpResult result =
+                  RegisterClouds(source->points, target->points, start, registration);
+              return OutcomeOf(result, static_cast<int>(source->points.size()),
+                               total.Milliseconds());
+            };
+            return problem;
           }};
 }
 

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "run/kept_views.h"
+#include "surfit/evaluation/trajectory_evaluation.h"
+#include "surfit/geometry/trajectory.h"
+#include "surfit/run/refine_run.h"
+#include "surfit/run/register_run.h"
+#include "surfit/run/revisits.h"
+#include "surfit/run/slam_run.h"
+#include "surfit/slam/loop_finder.h"
+
+namespace surfit {
+
+// Writes summary.json: what is known of the run, null where it is not. Throws InputError naming
+// the file if it cannot be written.
+void WriteSummaryJson(const SlamRunSummary& summary, const SlamRunOptions& options,
+                      const std::string& path);
+
+// Where a run's cameras were, in the frame of its map.
+struct RunPoses {
+  const PinholeCamera& camera;
+  const Trajectory& trajectory;    // as estimated
+  const std::vector<int>& frames;  // of the trajectory's poses: the frames' indices
+  const Trajectory& truth;         // in its own world; empty if unknown
+  const std::optional<TrajectoryEvaluation>& evaluation;
+  const std::vector<KeptView>& views;
+};
+
+// Writes, in metres and in the frame of map.ply (trajectory.txt is in the sequence's own):
+//   camera          width height fx fy cx cy, pixels
+//   poses           of each tracked frame: index stamp_s tx ty tz qx qy qz qw, camera-to-world
+//   truth           positions of the ground truth, moved onto the estimate as for ATE: stamp_s tx
+//                   ty tz; null where unknown, or where nothing says how to move it
+//   errors_m        of each frame with a true pose: index, distance from that position; or null
+//   views           of each KeptView: index, stamp_s, and files: picture's name to path
+// Throws InputError naming the file if it cannot be written.
+void WritePosesJson(const RunPoses& run, const std::string& path);
+
+// Writes refinement.json: outcome, errors before and after, calibration before and after with
+// standard deviations, rounds, options; null for what is not known. Throws InputError naming the
+// file if it cannot be written.
+void WriteRefinementJson(const RefineRunSummary& summary, const RefineRunOptions& options,
+                         const std::string& path);
+
+// Writes what came of a registration as JSON. Throws InputError naming the file.
+void WriteRegistrationJson(const RegisterRunResult& result, const RegisterRunOptions& options,
+                           const std::string& path);
+
+// All loops that were tried, one a line, with what speaks for each and the reason of its verdict.
+// Of a run of SLAM, whose pose graph may have overruled it; or of a search, with what the ground
+// truth says. Throws InputError naming the file.
+void WriteLoopsCsv(const std::vector<LoopRecord>& loops, const std::string& path);
+void WriteLoopsCsv(const std::vector<FoundLoop>& loops, const std::string& path);
+
+// The keyframes by their frames' indices, and the accepted loops. Throws InputError naming the
+// file.
+void WriteLoopsG2o(const std::vector<Keyframe>& keyframes, const std::vector<FoundLoop>& loops,
+                   const std::string& path);
+
+}  // namespace surfit

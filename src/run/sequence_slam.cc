@@ -1,0 +1,67 @@
+#include "run/sequence_slam.h"
+
+#include <glog/logging.h>
+
+#include <array>
+#include <cstdio>
+#include <optional>
+
+#include "run/posed_views.h"
+#include "run/tracking_dump.h"
+#include "surfit/core/error.h"
+
+namespace surfit {
+namespace {
+
+std::string DumpFolder(const std::string& folder, int frame) {
+  std::array<char, 30> name;
+  std::snprintf(name.data(), name.size(), "/frame-%06d", frame);
+  return folder + name.data();
+}
+
+}  // namespace
+
+SequenceSlam::SequenceSlam(const SlamRunOptions& options, const SequenceInfo& info)
+    : options_(options), info_(info) {
+  if (options.poses == "groundtruth" && info.ground_truth.empty()) {
+    throw InputError(
+        Concat("poses is 'groundtruth', but ", options.sequence.path, " has no ground truth"));
+  }
+}
+
+void SequenceSlam::Begin(double stamp_s) {
+  slam_ = std::make_unique<Slam>(info_.pinhole, options_.slam,
+                                 InitialPose(options_.initial_pose, info_, stamp_s));
+  if (options_.dump_failures.empty()) return;
+  slam_->OnLostFrame([this](const LostFrame& lost) {
+    WriteTrackingDump(lost, options_.slam, DumpFolder(options_.dump_failures, lost.index));
+  });
+}
+
+FrameReport SequenceSlam::Process(const RgbdFrame& frame) {
+  if (!slam_) Begin(frame.stamp_s);
+  const FrameReport report =
+      options_.poses == "track" ? slam_->Process(frame) : ProcessAtTruePose(frame);
+  if (report.state != FrameState::kLost) {
+    trajectory_.push_back({report.stamp_s, report.world_from_camera});
+    frames_.push_back(report.index);
+  }
+  return report;
+}
+
+FrameReport SequenceSlam::ProcessAtTruePose(const RgbdFrame& frame) {
+  const std::optional<Rigid3d> pose = InterpolatePose(info_.ground_truth, frame.stamp_s);
+  if (pose) return slam_->ProcessAt(frame, *pose);
+  LOG(WARNING) << "frame " << frame.index << " has no true pose within reach: not fused";
+  FrameReport report;
+  report.index = frame.index;
+  report.stamp_s = frame.stamp_s;
+  return report;
+}
+
+void SequenceSlam::Finish() {
+  slam_->Finish();
+  if (slam_->backend()) trajectory_ = slam_->backend()->trajectory();
+}
+
+}  // namespace surfit

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "surfit/geometry/trajectory.h"
+#include "surfit/io/frame_source.h"
+#include "surfit/run/slam_run.h"
+
+namespace surfit {
+
+// SLAM over the frames of a sequence, as the options of a run say, and the trajectory that it
+// estimates.
+class SequenceSlam {
+ public:
+  // Options and sequence must outlive it. Throws InputError if the options ask for true poses that
+  // the sequence lacks.
+  SequenceSlam(const SlamRunOptions& options, const SequenceInfo& info);
+
+  // False until the first frame: its stamp may tell the pose to begin at.
+  bool HasBegun() const { return slam_ != nullptr; }
+  FrameReport Process(const RgbdFrame& frame);
+  // Takes in the last loops, and corrects the trajectory by all of them.
+  void Finish();
+
+  const SequenceInfo& info() const { return info_; }
+  const SurfelMap& map() const { return slam_->map(); }
+  const Slam& slam() const { return *slam_; }
+  const Trajectory& trajectory() const { return trajectory_; }
+  // The indices of the frames whose poses the trajectory has.
+  const std::vector<int>& frames() const { return frames_; }
+
+ private:
+  void Begin(double stamp_s);
+  FrameReport ProcessAtTruePose(const RgbdFrame& frame);
+
+  const SlamRunOptions& options_;
+  const SequenceInfo& info_;
+  std::unique_ptr<Slam> slam_;
+  Trajectory trajectory_;
+  std::vector<int> frames_;
+};
+
+}  // namespace surfit
