@@ -35,7 +35,13 @@ std::map<std::type_index, FieldType>& FieldTypes() {
       ValueType<std::optional<std::array<double, 4>>>("Optional[List[float]]"),
       ValueType<std::optional<std::array<double, 5>>>("Optional[List[float]]"),
       ValueType<std::optional<Rigid3d>>("Optional[numpy.ndarray]"),
-      ValueType<Eigen::Vector3d>("numpy.ndarray")};
+      {typeid(Eigen::Vector3d),
+       {"numpy.ndarray",
+        [](void* field, py::handle) { return py::cast(*static_cast<Eigen::Vector3d*>(field)); },
+        [](void* field, py::handle value) {
+          const auto xyz = value.cast<std::array<double, 3>>();
+          *static_cast<Eigen::Vector3d*>(field) = Eigen::Vector3d(xyz.data());
+        }}}};
   return types;
 }
 
@@ -122,9 +128,11 @@ void AddProperties(py::object options_class, const OptionTable& defaults,
   py::options docstrings;
   docstrings.disable_function_signatures();  // they would not tell the fields' types
   const py::object property = py::module_::import("builtins").attr("property");
-  const std::string self = "(self: surfit." + options_class.attr("__name__").cast<std::string>();
+  const auto class_name = options_class.attr("__name__").cast<std::string>();
+  const std::string self = "(self: surfit." + class_name;
   FieldVisitor visitor([&](const Option& option, const Field& field) {
     const std::string name = option.name, type = TypeName(field);
+    const std::string full_name = class_name + "." + name;
     const py::cpp_function get(
         [=](const py::object& options) {
           py::object value;
@@ -134,7 +142,7 @@ void AddProperties(py::object options_class, const OptionTable& defaults,
         py::doc((self + ") -> " + type).c_str()));
     const py::cpp_function set(
         [=](const py::object& options, const py::object& value) {
-          ForField(table_of(options), name, [&](const Field& f) { Set(name, f, value); });
+          ForField(table_of(options), name, [&](const Field& f) { Set(full_name, f, value); });
         },
         py::doc((self + ", arg0: " + type + ") -> None").c_str()));
     py::setattr(options_class, name.c_str(), property(get, set, py::none(), option.Help()));

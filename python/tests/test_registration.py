@@ -89,7 +89,7 @@ def test_align_finds_the_true_motion(room):
     error = np.linalg.inv(true_motion) @ result.icp.target_from_source - np.eye(4)
     # Far less than the motion itself, which the identity would be off by.
     assert np.abs(error).max() < 0.1 * np.abs(true_motion - np.eye(4)).max()
-    with pytest.raises(ValueError, match="initialize is 'luck', must be one of"):
+    with pytest.raises(ValueError, match="method is 'luck', must be one of"):
         surfit.align(frames[4], frames[0], surfit.InitializeOptions(method="luck"))
 
 
