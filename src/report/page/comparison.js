@@ -1,6 +1,6 @@
 'use strict';
 // The page of a comparison of solvers; its data are as src/run/comparison_page.cc writes them.
-surfit.timeSeries = [['linearize_ms', 'linearise'], ['solve_ms', 'solve'], ['total_ms', 'in all']];
+surfit.timeSeries = [['linearize_ms', 'linearise'], ['solve_ms', 'solve'], ['total_ms', 'total']];
 
 surfit.groupOf = (row) => `${row.residual}, ${row.association}`;
 

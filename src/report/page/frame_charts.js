@@ -1,5 +1,5 @@
 'use strict';
-// Figures of every frame: one chart for all runs where they compare, one each for what is stacked.
+// Figures of every frame: one chart for all runs where they compare, one per run where values are stacked.
 surfit.states = ['skipped', 'lost', 'frozen', 'degenerate', 'tracked', 'given', 'first'];
 surfit.stages = ['decode', 'preprocess', 'predict', 'track', 'fuse'];
 
@@ -9,18 +9,18 @@ surfit.mapSizes = (frames) => {
   return frames.added.map((added, i) => (size += added - frames.removed[i]));
 };
 
-// A figure of registration; of frames that were not registered there is none.
+// A figure of registration; NaN for frames that were not registered.
 surfit.ofRegistration = (frames, column, unit = 1) => frames[column].map(
   (value, i) => (frames.termination[i] ? unit * value : NaN));
 
 surfit.sharedCharts = [
-  { title: 'share of points with a partner', unit: '',
+  { title: 'inlier share', unit: '',
     of: (frames) => surfit.ofRegistration(frames, 'inlier_share') },
   { title: 'inliers', unit: 'points', of: (frames) => surfit.ofRegistration(frames, 'inliers') },
   { title: 'RMSE of registration', unit: 'mm',
     of: (frames) => surfit.ofRegistration(frames, 'rmse_m', 1000) },
   { title: 'surfels in the map', unit: '', of: surfit.mapSizes },
-  { title: 'time of a frame', unit: 'ms', of: (frames) => frames.frame_ms },
+  { title: 'time per frame', unit: 'ms', of: (frames) => frames.frame_ms },
 ];
 
 surfit.showStates = (runs, parent) => surfit.addChart(parent, 'state of tracking',
@@ -38,7 +38,7 @@ surfit.showRunCharts = (run, parent) => {
   const column = surfit.element('div', parent);
   surfit.element('h3', column, { textContent: run.label });
   const x = surfit.axis('frame');
-  surfit.addChart(column, 'time by stage (decode reads ahead, beside the others)',
+  surfit.addChart(column, 'time by stage (decode runs ahead in the background)',
     surfit.stages.map((stage, i) => surfit.line(stage, surfit.runColor(i),
       surfit.pairs(frames.index, frames[`${stage}_ms`]), { fill: true, borderWidth: 0 })),
     { x, y: surfit.axis('ms', { stacked: true, beginAtZero: true }) });
