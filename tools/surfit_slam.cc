@@ -116,7 +116,6 @@ int Refine(const SlamRunOptions& run) {
   options.trajectory = run.output + "/trajectory.txt";
   options.output = run.output + "/refined";
   options.preprocess = run.slam.preprocess;
-  options.refinement.error_model.noise = run.slam.preprocess.noise;
   options.threads = run.threads;
   return RefineAndPrint(options);
 }

@@ -38,7 +38,7 @@ class SimulatedCamera : public surfit::FrameSource {
 int main() {
   SimulatedCamera camera(30);
   const surfit::Trajectory& truth = camera.info().ground_truth;
-  surfit::Slam slam(camera.info().pinhole, surfit::SlamOptions(), truth.front().world_from_camera);
+  surfit::Slam slam(camera.info().sensor(), surfit::SlamOptions(), truth.front().world_from_camera);
   surfit::FrameReport report;
   while (const auto result = camera.Next()) report = slam.Process(*result->frame);
   const Eigen::Vector3d error =

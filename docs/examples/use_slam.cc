@@ -17,7 +17,7 @@ int main(int argc, char** argv) try {
   surfit::SequenceOptions sequence;
   sequence.path = argv[1];
   const auto source = surfit::ReadAhead(surfit::OpenSequence(sequence), /*capacity=*/4);
-  surfit::Slam slam(source->info().pinhole, surfit::SlamOptions(), surfit::Rigid3d());
+  surfit::Slam slam(source->info().sensor(), surfit::SlamOptions(), surfit::Rigid3d());
   surfit::TumTrajectoryWriter trajectory(output + "/trajectory.txt");
   while (const auto result = source->Next()) {
     if (!result->frame) continue;  // result->error says why it could not be read

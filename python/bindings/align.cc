@@ -16,7 +16,7 @@ namespace {
 
 ColoredView ViewOfFrame(const Frame& frame, const PreprocessOptions& options,
                         bool with_intensities) {
-  ColoredView view{PreprocessDepth(frame.images.depth_m, frame.camera, options),
+  ColoredView view{PreprocessDepth(frame.images.depth_m, frame.sensor, options),
                    frame.images.color};
   if (with_intensities) AddIntensity(view.color, &view.pyramid);
   return view;

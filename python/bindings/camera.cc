@@ -4,14 +4,14 @@
 #include "bindings/bind.h"
 #include "bindings/options_class.h"
 #include "core/field_count.h"
-#include "surfit/geometry/pinhole_camera.h"
+#include "surfit/geometry/sensor.h"
 #include "surfit/io/camera_presets.h"
 
 namespace py = pybind11;
 
 namespace surfit::python {
 
-static_assert(FieldCount<PinholeCamera>() == 7 && FieldCount<RgbdCamera>() == 6,
+static_assert(FieldCount<PinholeCamera>() == 7 && FieldCount<RgbdCamera>() == 7,
               "each field must be an attribute");
 
 void BindCamera(py::module_& module) {
@@ -27,7 +27,10 @@ void BindCamera(py::module_& module) {
       .def_readwrite("cy", &PinholeCamera::cy, "px")
       .def_readwrite("distortion", &PinholeCamera::distortion, "OpenCV's k1 k2 p1 p2 k3");
 
-  BindPlain<RgbdCamera>(module, "RgbdCamera", "A depth camera with a colour camera beside it.")
+  BindOptions<DepthNoise>(module, "DepthNoise",
+                          "Noise of a depth sensor, constant in inverse depth.");
+  BindPlain<RgbdCamera>(module, "RgbdCamera",
+                        "A depth sensor: a depth camera with a colour camera beside it.")
       .def_readwrite("depth", &RgbdCamera::depth, "the depth camera")
       .def_readwrite("color", &RgbdCamera::color,
                      "the colour camera; unused if color_is_registered")
@@ -37,6 +40,7 @@ void BindCamera(py::module_& module) {
                      "4 x 4, metres; unused if color_is_registered")
       .def_readwrite("depth_units_per_metre", &RgbdCamera::depth_units_per_metre,
                      "counts of uint16 depth in a metre")
+      .def_readwrite("noise", &RgbdCamera::noise, "of the depth")
       .def_readwrite("frames_per_second", &RgbdCamera::frames_per_second,
                      "for files without stamps");
 

@@ -73,12 +73,16 @@ void BindPointCloud(py::module_& module) {
 }
 
 IcpResult RegisterPoints(PointCloud source, PointCloud target, const Rigid3d& start,
-                         const RegisterCloudsOptions& options, const CloudNormalOptions& normals) {
+                         const RegisterCloudsOptions& options, const CloudSensor& sensor,
+                         const CloudNormalOptions& normals) {
   Validate(options);
+  Validate(sensor);
   Validate(normals);
   const double floor_sigma_m = options.icp.error_model.floor_sigma_m;
-  return RegisterClouds(PrepareCloud(std::move(source), "source", normals, floor_sigma_m).points,
-                        PrepareCloud(std::move(target), "target", normals, floor_sigma_m).points,
+  const auto prepare = [&](PointCloud cloud, const char* what) {
+    return PrepareCloud(std::move(cloud), what, sensor, normals, floor_sigma_m).points;
+  };
+  return RegisterClouds(prepare(std::move(source), "source"), prepare(std::move(target), "target"),
                         start, options);
 }
 
@@ -90,16 +94,17 @@ void BindClouds(py::module_& module) {
       "register",
       [](const py::object& source, const py::object& target, const py::object& source_normals,
          const py::object& target_normals, std::optional<Rigid3d> target_from_source,
-         RegisterCloudsOptions options, CloudNormalOptions normals) {
+         RegisterCloudsOptions options, CloudSensor sensor, CloudNormalOptions normals) {
         PointCloud source_cloud = CloudOf(source, source_normals, "source");
         PointCloud target_cloud = CloudOf(target, target_normals, "target");
         const py::gil_scoped_release release;
         return RegisterPoints(std::move(source_cloud), std::move(target_cloud),
-                              target_from_source.value_or(Rigid3d()), options, normals);
+                              target_from_source.value_or(Rigid3d()), options, sensor, normals);
       },
       py::arg("source"), py::arg("target"), py::arg("source_normals") = py::none(),
       py::arg("target_normals") = py::none(), py::arg("target_from_source") = py::none(),
-      py::arg("options") = RegisterCloudsOptions(), py::arg("normals") = CloudNormalOptions(),
+      py::arg("options") = RegisterCloudsOptions(), py::arg("sensor") = CloudSensor(),
+      py::arg("normals") = CloudNormalOptions(),
       "Registers two clouds, N x 3 arrays in metres, by ICP with nearest neighbours, coarse to "
       "fine, from a 4 x 4 pose (the identity if None). Points that are not finite are left out. "
       "Normals are estimated where none are given.");

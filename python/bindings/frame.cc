@@ -50,7 +50,7 @@ Frame FrameMaker::Make(const py::object& color, const py::array& depth, double s
   }
   FrameImages images{DepthOf(depth), ColorOf(color), "depth", "color"};
   const py::gil_scoped_release release;
-  return {MakeFrame(camera_, preparer_, std::move(images), index, stamp_s), pinhole(), mirrored_};
+  return {MakeFrame(camera_, preparer_, std::move(images), index, stamp_s), sensor(), mirrored_};
 }
 
 void BindFrame(py::module_& module) {
@@ -74,7 +74,10 @@ void BindFrame(py::module_& module) {
           "color", &ColorView,
           "height x width x 3, uint8, red first; None without colour; (0, 0, 0) where the colour "
           "camera does not see the depth pixel")
-      .def_readonly("camera", &Frame::camera, "of these pixels")
+      .def_property_readonly(
+          "camera", [](const Frame& frame) { return frame.sensor.camera; }, "of these pixels")
+      .def_property_readonly(
+          "noise", [](const Frame& frame) { return frame.sensor.noise; }, "of the depth")
       .def_readonly("mirrored", &Frame::mirrored, "see Sequence.mirrored")
       .def_property_readonly(
           "stamp_s", [](const Frame& frame) { return frame.images.stamp_s; },

@@ -7,14 +7,14 @@
 
 #include "surfit/frame/prepare_frame.h"
 #include "surfit/frame/rgbd_frame.h"
-#include "surfit/geometry/pinhole_camera.h"
+#include "surfit/geometry/sensor.h"
 
 namespace surfit::python {
 
-// A frame with the camera that its pixels belong to.
+// A frame with the sensor that its pixels belong to.
 struct Frame {
   RgbdFrame images;
-  PinholeCamera camera;
+  DepthSensor sensor;
   bool mirrored = false;  // see SequenceInfo::mirrored
 };
 
@@ -29,7 +29,7 @@ class FrameMaker {
   // Throws InputError for a bad camera or bad options.
   FrameMaker(const RgbdCamera& camera, const PrepareOptions& options);
 
-  const PinholeCamera& pinhole() const { return preparer_.pinhole(); }
+  DepthSensor sensor() const { return {preparer_.pinhole(), camera_.noise}; }
   bool mirrored() const { return mirrored_; }
 
   // Arrays as for DepthOf() and ColorOf(). Holds the GIL only while it reads them. Throws

@@ -12,7 +12,6 @@ namespace surfit::python {
 namespace {
 
 void BindRegistrationOptions(py::module_& m) {
-  BindOptions<DepthNoise>(m, "DepthNoise", "Noise of a depth sensor, constant in inverse depth.");
   BindOptions<RobustKernel>(m, "RobustKernel", "How large residuals lose their weight.");
   BindOptions<ErrorModel>(
       m, "ErrorModel",
@@ -29,6 +28,7 @@ void BindRegistrationOptions(py::module_& m) {
       "Where registration starts, and what a fit must show that started from afar.");
   BindOptions<CloudNormalOptions>(m, "CloudNormalOptions",
                                   "How normals come from the points around each point of a cloud.");
+  BindOptions<CloudSensor>(m, "CloudSensor", "Where clouds were measured from, and how well.");
   BindOptions<RegisterCloudsOptions>(m, "RegisterCloudsOptions", "How two clouds are registered.");
   m.def("far_icp_options", &FarIcpOptions,
         "The options of ICP for two frames that may lie farther apart than the next frame from the "

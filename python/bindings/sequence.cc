@@ -34,7 +34,7 @@ class Sequence {
     while (true) {
       std::optional<ReadResult> result = Read();
       if (!result) throw py::stop_iteration();
-      if (result->frame) return {std::move(*result->frame), info().pinhole, info().mirrored};
+      if (result->frame) return {std::move(*result->frame), info().sensor(), info().mirrored};
       Skip(*result);
     }
   }

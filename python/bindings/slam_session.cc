@@ -14,14 +14,18 @@ namespace py = pybind11;
 namespace surfit::python {
 namespace {
 
-bool SameCamera(const PinholeCamera& a, const PinholeCamera& b) {
-  return a.width == b.width && a.height == b.height && a.fx == b.fx && a.fy == b.fy &&
+bool AreSame(const DepthSensor& sensor, const DepthSensor& other) {
+  const PinholeCamera &a = sensor.camera, &b = other.camera;
+  return sensor.noise.inverse_depth_sigma == other.noise.inverse_depth_sigma &&
+         a.width == b.width && a.height == b.height && a.fx == b.fx && a.fy == b.fy &&
          a.cx == b.cx && a.cy == b.cy;
 }
 
-std::string Describe(const PinholeCamera& camera) {
+std::string Describe(const DepthSensor& sensor) {
+  const PinholeCamera& camera = sensor.camera;
   return Concat(camera.width, " x ", camera.height, " px, fx ", camera.fx, ", fy ", camera.fy,
-                ", cx ", camera.cx, ", cy ", camera.cy);
+                ", cx ", camera.cx, ", cy ", camera.cy, ", noise ",
+                sensor.noise.inverse_depth_sigma, " 1/m");
 }
 
 }  // namespace
@@ -33,13 +37,13 @@ SlamSession::SlamSession(const SlamOptions& options, const std::optional<RgbdCam
   Validate(prepare);
   if (!camera) return;
   maker_.emplace(*camera, prepare);
-  Start(maker_->pinhole(), maker_->mirrored());
+  Start(maker_->sensor(), maker_->mirrored());
 }
 
-void SlamSession::Start(const PinholeCamera& camera, bool mirrored) {
-  camera_ = camera;
+void SlamSession::Start(const DepthSensor& sensor, bool mirrored) {
+  sensor_ = sensor;
   mirrored_ = mirrored;
-  slam_ = std::make_unique<Slam>(camera, options_, world_from_first_camera_);
+  slam_ = std::make_unique<Slam>(sensor, options_, world_from_first_camera_);
 }
 
 template <typename Work>
@@ -52,10 +56,10 @@ auto SlamSession::Locked(const Work& work) {
 FrameReport SlamSession::Process(const Frame& frame,
                                  const std::optional<Rigid3d>& world_from_camera) {
   return Locked([&] {
-    if (!slam_) Start(frame.camera, frame.mirrored);
-    if (!SameCamera(frame.camera, camera_)) {
-      throw InputError(Concat("the frame's camera is ", Describe(frame.camera), ", must be ",
-                              Describe(camera_), " as before"));
+    if (!slam_) Start(frame.sensor, frame.mirrored);
+    if (!AreSame(frame.sensor, sensor_)) {
+      throw InputError(Concat("the frame's camera is ", Describe(frame.sensor), ", must be ",
+                              Describe(sensor_), " as before"));
     }
     const FrameReport report = world_from_camera
                                    ? slam_->ProcessAt(frame.images, *world_from_camera)

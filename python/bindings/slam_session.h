@@ -22,7 +22,7 @@ class SlamSession {
   SlamSession(const SlamOptions& options, const std::optional<RgbdCamera>& camera,
               const PrepareOptions& prepare, const Rigid3d& world_from_first_camera);
 
-  // Throws InputError unless the frame has the session's camera.
+  // Throws InputError unless the frame has the session's sensor.
   FrameReport Process(const Frame& frame, const std::optional<Rigid3d>& world_from_camera);
 
   // Without an index, that after the last frame's. Throws InputError without a camera.
@@ -47,7 +47,7 @@ class SlamSession {
   // What `work` returns of the state, which nobody else has meanwhile.
   template <typename Work>
   auto Locked(const Work& work);
-  void Start(const PinholeCamera& camera, bool mirrored);
+  void Start(const DepthSensor& sensor, bool mirrored);
   Trajectory CurrentTrajectory() const;  // to be called while locked
 
   SlamOptions options_;
@@ -56,7 +56,7 @@ class SlamSession {
 
   std::mutex mutex_;  // of all below
   std::unique_ptr<Slam> slam_;
-  PinholeCamera camera_;
+  DepthSensor sensor_;
   bool mirrored_ = false;
   int next_index_ = 0;
   Trajectory trajectory_;  // as it was at the time

@@ -29,7 +29,7 @@ void DropRow(const InverseDepthBand& band, const EdgeBounds& bounds, int v, Vect
 
 void DropNormalsAtEdges(const PreprocessOptions& options, FrameLevel* surface) {
   const int width = surface->vertex.width(), height = surface->vertex.height();
-  const EdgeBounds bounds(surface->camera, options);
+  const EdgeBounds bounds(surface->sensor(), options);
   ParallelFor(0, height, kRowsPerBlock, [&](int begin, int end) {
     InverseDepthBand band(width, end - begin, 1);
     WithInstructions([&](auto instructions) {

@@ -55,11 +55,12 @@ void FilterRow(const InverseDepthBand& band, int v, int width, int radius, const
 
 }  // namespace
 
-Image<float> FilterDepth(const Image<float>& depth_m, const PreprocessOptions& options) {
+Image<float> FilterDepth(const Image<float>& depth_m, const DepthNoise& noise,
+                         const PreprocessOptions& options) {
   const int radius = options.filter_radius_px;
   if (radius == 0 || depth_m.empty()) return depth_m;
   const int width = depth_m.width(), height = depth_m.height();
-  const double cutoff = options.filter_cutoff * options.noise.inverse_depth_sigma;
+  const double cutoff = options.filter_cutoff * noise.inverse_depth_sigma;
   const float scale = static_cast<float>(1 / cutoff);
   const std::vector<float> weights = TriangleWeights(radius);
   Image<float> filtered;

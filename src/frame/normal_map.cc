@@ -14,14 +14,16 @@ constexpr int kRowsPerBlock = 16;
 // Normals, row by row.
 class NormalRows {
  public:
-  NormalRows(const PinholeCamera& camera, const PreprocessOptions& options)
-      : bounds_(camera, options),
+  NormalRows(const DepthSensor& sensor, const PreprocessOptions& options)
+      : bounds_(sensor, options),
         radius_(options.normal_radius_px),
-        fx_(static_cast<float>(camera.fx)),
-        fy_(static_cast<float>(camera.fy)),
-        cy_(camera.cy),
-        du_(camera.width + Lanes<float>::kCount) {
-    for (int u = 0; u < camera.width; ++u) du_[u] = static_cast<float>(u - camera.cx);
+        fx_(static_cast<float>(sensor.camera.fx)),
+        fy_(static_cast<float>(sensor.camera.fy)),
+        cy_(sensor.camera.cy),
+        du_(sensor.camera.width + Lanes<float>::kCount) {
+    for (int u = 0; u < sensor.camera.width; ++u) {
+      du_[u] = static_cast<float>(u - sensor.camera.cx);
+    }
   }
 
   // The normals of row v of the image that the band holds.
@@ -56,10 +58,10 @@ class NormalRows {
 
 }  // namespace
 
-VectorImage NormalMap(const VectorImage& vertex, const PinholeCamera& camera,
+VectorImage NormalMap(const VectorImage& vertex, const DepthSensor& sensor,
                       const PreprocessOptions& options) {
   const int width = vertex.width(), height = vertex.height();
-  const NormalRows rows(camera, options);
+  const NormalRows rows(sensor, options);
   VectorImage normal;
   normal.Resize(width, height);
   ParallelFor(0, height, kRowsPerBlock, [&](int begin, int end) {

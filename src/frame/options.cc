@@ -6,19 +6,8 @@
 
 namespace surfit {
 
-void DepthNoise::Visit(OptionVisitor& v) {
-  v.Group("sequence");
-  v.Add(inverse_depth_sigma,
-        Option("inverse_depth_sigma", "depth noise: standard deviation of inverse depth")
-            .AtLeast(0)
-            .Below(1)
-            .Unit("1/m")
-            .Flag());
-}
-
 void PreprocessOptions::Visit(OptionVisitor& v) {
   v.Group("surfaces");
-  v.AddPart(noise, Option("noise", "noise of the depth"));
   v.Add(filter_radius_px, Option("filter_radius_px", "half the window of the depth filter")
                               .From(0, 7)
                               .Zero("no filter")

@@ -75,11 +75,12 @@ void HalveRow(const FrameLevel& fine, const EdgeBounds& bounds, int v, Image<flo
 FrameLevel HalfResolution(const FrameLevel& fine, const PreprocessOptions& options) {
   FrameLevel coarse;
   coarse.camera = fine.camera.Binned(2);
+  coarse.noise = fine.noise;
   const int width = coarse.camera.width, height = coarse.camera.height;
   coarse.normal.Resize(width, height);
   Image<float> depth_m;
   depth_m.Resize(width, height);
-  const EdgeBounds bounds(fine.camera, options);
+  const EdgeBounds bounds(fine.sensor(), options);
   ParallelFor(0, height, kRowsPerBlock, [&](int begin, int end) {
     WithInstructions([&](auto instructions) {
       using V = Lanes<float, decltype(instructions)>;
@@ -101,12 +102,13 @@ FramePyramid BuildPyramid(FrameLevel finest, const PreprocessOptions& options) {
   return pyramid;
 }
 
-FramePyramid PreprocessDepth(const Image<float>& depth_m, const PinholeCamera& camera,
+FramePyramid PreprocessDepth(const Image<float>& depth_m, const DepthSensor& sensor,
                              const PreprocessOptions& options) {
   FrameLevel finest;
-  finest.camera = camera;
-  finest.vertex = VertexMap(FilterDepth(depth_m, options), camera);
-  finest.normal = NormalMap(finest.vertex, camera, options);
+  finest.camera = sensor.camera;
+  finest.noise = sensor.noise;
+  finest.vertex = VertexMap(FilterDepth(depth_m, sensor.noise, options), sensor.camera);
+  finest.normal = NormalMap(finest.vertex, sensor, options);
   return BuildPyramid(std::move(finest), options);
 }
 

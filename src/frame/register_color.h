@@ -2,7 +2,7 @@
 
 #include "frame/bilinear.h"
 #include "surfit/core/image.h"
-#include "surfit/geometry/pinhole_camera.h"
+#include "surfit/geometry/sensor.h"
 
 namespace surfit {
 

@@ -4,18 +4,18 @@
 #include <cstddef>
 
 #include "surfit/frame/preprocess.h"
-#include "surfit/geometry/pinhole_camera.h"
+#include "surfit/geometry/sensor.h"
 
 namespace surfit {
 
 // By how much inverse depth r (1/m) may change from pixel to pixel without being a depth edge:
 // noise, and a surface slanted by max_slant_rad, whose r changes by r tan(slant) / f.
 struct EdgeBounds {
-  EdgeBounds(const PinholeCamera& camera, const PreprocessOptions& options)
-      : noise(static_cast<float>(3 * options.noise.inverse_depth_sigma)) {
+  EdgeBounds(const DepthSensor& sensor, const PreprocessOptions& options)
+      : noise(static_cast<float>(3 * sensor.noise.inverse_depth_sigma)) {
     const float tan_slant = static_cast<float>(std::tan(options.max_slant_rad));
-    slant_u = tan_slant / static_cast<float>(camera.fx);
-    slant_v = tan_slant / static_cast<float>(camera.fy);
+    slant_u = tan_slant / static_cast<float>(sensor.camera.fx);
+    slant_v = tan_slant / static_cast<float>(sensor.camera.fy);
   }
 
   float noise;

@@ -47,20 +47,4 @@ PinholeCamera PinholeCamera::Binned(int factor) const {
   return c;
 }
 
-void RgbdCamera::Validate(const std::string& what) const {
-  depth.Validate(what + ": depth camera");
-  if (!color_is_registered) color.Validate(what + ": color camera");
-  const auto positive = [&](const char* field, double value) {
-    if (!(std::isfinite(value) && value > 0)) {
-      throw InputError(Concat(what, ": ", field, " is ", value, ", must be finite and positive"));
-    }
-  };
-  positive("depth_units_per_metre", depth_units_per_metre);
-  positive("frames_per_second", frames_per_second);
-  if (!color_from_depth.translation.allFinite() ||
-      !color_from_depth.rotation.coeffs().allFinite()) {
-    throw InputError(Concat(what, ": color_from_depth must be finite"));
-  }
-}
-
 }  // namespace surfit

@@ -75,11 +75,14 @@ Rigid3d ReadTransform(const Node& node, const std::string& name) {
 
 RgbdCamera ReadCamera(const Node& root, const std::string& path) {
   root.RequireKeysAmong({"depth_camera", "color_camera", "color_from_depth",
-                         "depth_units_per_metre", "inverse_depth_field", "frames_per_second"});
+                         "depth_units_per_metre", "inverse_depth_sigma", "inverse_depth_field",
+                         "frames_per_second"});
   RgbdCamera camera;
   if (!root["depth_camera"].Exists()) throw InputError(path + ": depth_camera is missing");
   camera.depth = ReadPinhole(root["depth_camera"]);
   camera.depth_units_per_metre = root["depth_units_per_metre"].Number();
+  if (root["inverse_depth_sigma"].Exists())
+    camera.noise.inverse_depth_sigma = root["inverse_depth_sigma"].Number();
   if (root["frames_per_second"].Exists())
     camera.frames_per_second = root["frames_per_second"].Number();
   camera.color_is_registered = !root["color_camera"].Exists();
@@ -165,6 +168,7 @@ void WriteCameraYaml(const RgbdCamera& camera, const std::string& path,
       WriteTransform(file, "color_from_depth", camera.color_from_depth);
     }
     file << "depth_units_per_metre" << camera.depth_units_per_metre;
+    file << "inverse_depth_sigma" << camera.noise.inverse_depth_sigma;
     if (!field.IsZero()) WriteField(file, field);
     file << "frames_per_second" << camera.frames_per_second;
   } catch (const cv::Exception& error) {

@@ -161,6 +161,7 @@ void WriteFrame(const RgbdFrame& frame, const KlgOptions& options, std::ostream&
 RgbdCamera FrameCamera(const SequenceInfo& info) {
   RgbdCamera camera;
   camera.depth = info.pinhole;
+  camera.noise = info.camera.noise;
   if (info.mirrored) camera.depth.fy = -camera.depth.fy;
   camera.depth_units_per_metre = 1000;
   camera.frames_per_second = info.camera.frames_per_second;

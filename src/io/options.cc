@@ -53,6 +53,11 @@ void SequenceOptions::Visit(OptionVisitor& v) {
   v.Add(
       depth_units_per_metre,
       Option("depth_units_per_metre", "counts of the depth images per metre").Flag("depth_scale"));
+  v.Add(inverse_depth_sigma,
+        Option("inverse_depth_sigma",
+               "noise of the depth sensor: standard deviation of inverse depth")
+            .Unit("1/m")
+            .Flag());
   v.Add(color_intrinsics,
         Option("color_intrinsics", "fx,fy,cx,cy of a separate colour camera").Unit("px").Flag());
   v.Add(color_distortion,

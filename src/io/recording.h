@@ -7,7 +7,7 @@
 #include "io/image_files.h"
 #include "surfit/core/image.h"
 #include "surfit/frame/prepare_frame.h"
-#include "surfit/geometry/pinhole_camera.h"
+#include "surfit/geometry/sensor.h"
 #include "surfit/geometry/trajectory.h"
 
 namespace surfit {

@@ -6,7 +6,7 @@
 #include "io/recording.h"
 #include "io/text.h"
 #include "surfit/core/error.h"
-#include "surfit/geometry/pinhole_camera.h"
+#include "surfit/geometry/sensor.h"
 
 namespace surfit {
 namespace {

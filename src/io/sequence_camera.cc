@@ -145,6 +145,7 @@ RgbdCamera ResolveCamera(const SequenceOptions& options, const std::string& form
   if (options.intrinsics) SetIntrinsics(*options.intrinsics, &camera.depth);
   if (options.distortion) camera.depth.distortion = *options.distortion;
   if (options.depth_units_per_metre) camera.depth_units_per_metre = *options.depth_units_per_metre;
+  if (options.inverse_depth_sigma) camera.noise.inverse_depth_sigma = *options.inverse_depth_sigma;
   if (options.frames_per_second) camera.frames_per_second = *options.frames_per_second;
   OverrideColor(options, &camera);
   ValidateFigures(camera);

@@ -26,11 +26,13 @@ float BackOfSurface(float rho, float thickness, float inverse_depth_sigma) {
 
 }  // namespace
 
-BandCanvas::BandCanvas(int band, const PosedCamera& camera, const RenderOptions& options)
+BandCanvas::BandCanvas(int band, const PosedCamera& camera, const DepthNoise& noise,
+                       const RenderOptions& options)
     : band_(band),
       v_begin_(band * kBandRows),
       v_end_(std::min(camera.height, v_begin_ + kBandRows)),
       camera_(camera),
+      noise_(noise),
       options_(options) {
   // Where a row ends, up to three more pixels are read and written back.
   const std::size_t size = static_cast<std::size_t>(v_end_ - v_begin_ + 1) * camera.width + 3;
@@ -97,7 +99,7 @@ bool BandCanvas::FindFirst(const Disc& disc) {
 
 void BandCanvas::FindBacks() {
   const float thickness = options_.surface_thickness_m;
-  const float sigma = static_cast<float>(options_.noise.inverse_depth_sigma);
+  const float sigma = static_cast<float>(noise_.inverse_depth_sigma);
   const float* first = first_.data();
   float* back = back_.data();
   for (std::size_t i = 0, size = back_.size(); i < size; ++i) {

@@ -12,7 +12,8 @@ namespace surfit {
 // order of their surfels, so that bands can be drawn at the same time with the same outcome.
 class BandCanvas {
  public:
-  BandCanvas(int band, const PosedCamera& camera, const RenderOptions& options);
+  BandCanvas(int band, const PosedCamera& camera, const DepthNoise& noise,
+             const RenderOptions& options);
 
   // Draws the discs of one layer into the pixels that no layer before it has drawn.
   void Draw(const std::vector<DiscList>& lists, Layer layer);
@@ -33,6 +34,7 @@ class BandCanvas {
 
   const int band_, v_begin_, v_end_;
   const PosedCamera& camera_;
+  const DepthNoise noise_;
   const RenderOptions& options_;
   std::vector<const Disc*> discs_;  // by id: those that pixels were open for
   // Per pixel, and one more row, as two are read and written back at once. Depths are inverse, so

@@ -124,7 +124,7 @@ void Fusion::Workspace::Begin(const RgbdFrame& new_frame, const FrameLevel& surf
     weights_cy = camera.cy;
   }
   MeasurePoints(new_frame, surface, options, &points);
-  free_depth_m = FreeDepths(frame->depth_m, options);
+  free_depth_m = FreeDepths(frame->depth_m, surface.noise, options);
 }
 
 int Fusion::Workspace::ActiveSince() const {

@@ -12,9 +12,9 @@ namespace {
 constexpr int kRowsPerBlock = 16;
 
 // The depth in front of which a pixel with this measured depth has seen free space.
-float FreeDepth(float depth_m, const FusionOptions& options) {
+float FreeDepth(float depth_m, const DepthNoise& noise, const FusionOptions& options) {
   if (!(depth_m > 0)) return 0.f;
-  const float sigma = static_cast<float>(options.noise.inverse_depth_sigma) * depth_m * depth_m;
+  const float sigma = static_cast<float>(noise.inverse_depth_sigma) * depth_m * depth_m;
   return std::max(0.f, depth_m - options.free_space_margin_m - 4.f * sigma);
 }
 
@@ -26,7 +26,7 @@ class Points {
         surface_(surface),
         pixel_size_(std::sqrt(2.f) / static_cast<float>(surface.camera.fx)),
         max_slant_scale_(options.max_slant_scale),
-        sigma_(static_cast<float>(options.noise.inverse_depth_sigma)) {}
+        sigma_(static_cast<float>(surface.noise.inverse_depth_sigma)) {}
 
   void Measure(int u, int v, MeasuredPoint* point) const {
     const float depth = depth_m_(u, v);
@@ -86,13 +86,14 @@ void MeasurePoints(const RgbdFrame& frame, const FrameLevel& surface, const Fusi
 }
 
 // The minimum of FreeDepth over the 3 x 3 pixels around each one.
-Image<float> FreeDepths(const Image<float>& depth_m, const FusionOptions& options) {
+Image<float> FreeDepths(const Image<float>& depth_m, const DepthNoise& noise,
+                        const FusionOptions& options) {
   const int width = depth_m.width(), height = depth_m.height();
   Image<float> along_rows(width, height), result(width, height);
   ParallelFor(0, height, kRowsPerBlock, [&](int begin, int end) {
     std::vector<float> own(width + 2, std::numeric_limits<float>::infinity());
     for (int v = begin; v < end; ++v) {
-      for (int u = 0; u < width; ++u) own[u + 1] = FreeDepth(depth_m(u, v), options);
+      for (int u = 0; u < width; ++u) own[u + 1] = FreeDepth(depth_m(u, v), noise, options);
       float* out = along_rows.row(v);
       for (int u = 0; u < width; ++u) out[u] = std::min(std::min(own[u], own[u + 1]), own[u + 2]);
     }

@@ -27,7 +27,8 @@ void MeasurePoints(const RgbdFrame& frame, const FrameLevel& surface, const Fusi
 
 // Surfels at a pixel with less depth than this are seen through: all pixels around are measured,
 // and behind it by the margin. 0 where some depth is missing.
-Image<float> FreeDepths(const Image<float>& depth_m, const FusionOptions& options);
+Image<float> FreeDepths(const Image<float>& depth_m, const DepthNoise& noise,
+                        const FusionOptions& options);
 
 // The weight a of each pixel's point: exp(-g^2 / (2 * 0.6^2)) (Keller et al.), g its distance from
 // the principal point as a share of the farthest corner's; 1 with uniform weighting.

@@ -16,10 +16,12 @@ namespace surfit {
 namespace {
 
 // Whose pixels are all still to be written.
-ModelView BlankView(const PinholeCamera& camera, const Rigid3d& world_from_view) {
+ModelView BlankView(const DepthSensor& sensor, const Rigid3d& world_from_view) {
+  const PinholeCamera& camera = sensor.camera;
   ModelView view;
   view.world_from_view = world_from_view;
   view.surface.camera = camera;
+  view.surface.noise = sensor.noise;
   view.surface.vertex.Resize(camera.width, camera.height);
   view.surface.normal.Resize(camera.width, camera.height);
   view.surfel_index.Resize(camera.width, camera.height);
@@ -34,8 +36,9 @@ ModelRenderer::ModelRenderer(const RenderOptions& options) : options_(options) {
 
 ModelRenderer::~ModelRenderer() = default;
 
-ModelView ModelRenderer::Render(const SurfelMap& map, const PinholeCamera& camera,
+ModelView ModelRenderer::Render(const SurfelMap& map, const DepthSensor& sensor,
                                 const Rigid3d& world_from_view, int active_since) {
+  const PinholeCamera& camera = sensor.camera;
   CHECK_LE(std::max(camera.width, camera.height), std::numeric_limits<std::int16_t>::max());
   const PosedCamera posed(camera, world_from_view);
   const ViewFrustum frustum(posed, static_cast<float>(options_.max_half_window_px));
@@ -45,9 +48,9 @@ ModelView ModelRenderer::Render(const SurfelMap& map, const PinholeCamera& camer
     lists_[i].Assign(map, map.cell(cells[i]), posed, frustum, options_, active_since);
   });
 
-  ModelView view = BlankView(camera, world_from_view);
+  ModelView view = BlankView(sensor, world_from_view);
   ParallelFor(0, BandCount(camera.height), 1, [&](int band, int) {
-    BandCanvas canvas(band, posed, options_);
+    BandCanvas canvas(band, posed, sensor.noise, options_);
     canvas.Draw(lists_, kStable);
     canvas.Draw(lists_, kUnstable);
     canvas.WriteTo(&view);

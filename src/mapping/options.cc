@@ -66,7 +66,6 @@ void FusionOptions::Visit(OptionVisitor& v) {
                "surfels are removed where depth is measured farther behind them, plus 4 sigma")
             .Positive()
             .Flag());
-  v.AddPart(noise, Option("noise", "noise of the depth"));
 }
 
 void RenderOptions::Visit(OptionVisitor& v) {
@@ -82,7 +81,6 @@ void RenderOptions::Visit(OptionVisitor& v) {
         Option("surface_thickness_m",
                "discs this far behind the first one, plus 4 sigma, are the same surface")
             .AtLeast(0));
-  v.AddPart(noise, Option("noise", "noise of the depth"));
 }
 
 }  // namespace surfit

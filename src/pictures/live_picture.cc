@@ -131,13 +131,14 @@ const cv::Rect kMapTile(0, LivePicture::kTileHeight + LivePicture::kTextHeight, 
 
 // What draws the model: as coarsely as still fills the tile.
 struct LivePicture::Tools {
-  PinholeCamera camera;
+  DepthSensor sensor;
   ModelRenderer renderer{RenderOptions()};
 };
 
-LivePicture::LivePicture(const PinholeCamera& camera)
+LivePicture::LivePicture(const DepthSensor& sensor)
     : tools_(std::make_unique<Tools>()), image_(kWidth, kHeight, kBackground) {
-  tools_->camera = camera.Subsampled(std::max(1, camera.width / kTileWidth));
+  const PinholeCamera& camera = sensor.camera;
+  tools_->sensor = {camera.Subsampled(std::max(1, camera.width / kTileWidth)), sensor.noise};
 }
 
 LivePicture::~LivePicture() = default;
@@ -150,7 +151,7 @@ void LivePicture::ShowFrame(const RgbdFrame& frame) {
 
 void LivePicture::ShowModel(const SurfelMap& map, const Rigid3d& world_from_camera,
                             ModelColors colors) {
-  const ModelView view = tools_->renderer.Render(map, tools_->camera, world_from_camera);
+  const ModelView view = tools_->renderer.Render(map, tools_->sensor, world_from_camera);
   const bool normals = colors == ModelColors::kNormals;
   const SurfelColoring coloring = normals ? ColorByNormal(map) : ColorByColor(map);
   const Image<Rgb8> picture = ColorIndices(view.surfel_index, [&](int, int, std::int32_t id) {
@@ -169,7 +170,7 @@ void LivePicture::ShowMap(const SurfelMap& map, const Trajectory& camera_path) {
   cv::Mat tile = AsMat(&image_)(kMapTile);
   if (!camera_path.empty()) {
     DrawPath(view, camera_path, tile);
-    DrawCamera(view, tools_->camera, camera_path.back().world_from_camera, tile);
+    DrawCamera(view, tools_->sensor.camera, camera_path.back().world_from_camera, tile);
   }
   Caption(&image_, kMapTile, "map");
 }

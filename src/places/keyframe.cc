@@ -79,6 +79,7 @@ PlaceView MakePlaceView(const FramePyramid& pyramid, const Image<Rgb8>& color,
   }
   const FrameLevel& surface = pyramid.levels[level];
   view.camera = surface.camera;
+  view.noise = surface.noise;
   view.depth = CompactDepth(surface.vertex.z);
   view.intensity = CompactIntensity(color, level);
   view.features = FindOrbFeatures(color, pyramid.levels.front(), options.max_features);
@@ -88,8 +89,9 @@ PlaceView MakePlaceView(const FramePyramid& pyramid, const Image<Rgb8>& color,
 FramePyramid PyramidOf(const PlaceView& view, const PreprocessOptions& options) {
   FrameLevel finest;
   finest.camera = view.camera;
+  finest.noise = view.noise;
   finest.vertex = VertexMap(DepthOf(view), view.camera);
-  finest.normal = NormalMap(finest.vertex, view.camera, options);
+  finest.normal = NormalMap(finest.vertex, finest.sensor(), options);
   FramePyramid pyramid = BuildPyramid(std::move(finest), options);
   if (view.intensity.empty()) return pyramid;
   pyramid.levels.front().intensity = IntensityOf(view);

@@ -65,9 +65,10 @@ inline JointKernels KernelsOf(const ErrorModel& model) {
 }
 
 // 1 / sigma of inverse depth where that is measured, m.
-inline double InversePlaneSigma(const ErrorModel& model, double inverse_depth) {
+inline double InversePlaneSigma(const ErrorModel& model, const DepthNoise& noise,
+                                double inverse_depth) {
   const double z = 1 / inverse_depth;  // sigma_(1/z) = sigma_z / z^2
-  return z * z / model.Sigma(z);
+  return z * z / model.Sigma(z, noise);
 }
 
 // Of the differences of intensity, the weight included.

@@ -47,15 +47,16 @@ std::vector<std::size_t> MovedPoses(const Trajectory& trajectory, double min_tra
 
 }  // namespace
 
-KeyframeImages MakeKeyframeImages(const RgbdFrame& frame, const PinholeCamera& camera,
+KeyframeImages MakeKeyframeImages(const RgbdFrame& frame, const DepthSensor& sensor,
                                   const PreprocessOptions& options) {
   PreprocessOptions finest = options;
   finest.pyramid_levels = 1;
-  FramePyramid pyramid = PreprocessDepth(frame.depth_m, camera, finest);
+  FramePyramid pyramid = PreprocessDepth(frame.depth_m, sensor, finest);
   AddIntensity(frame.color, &pyramid);
   FrameLevel& level = pyramid.levels.front();
-  const int width = camera.width, height = camera.height;
+  const int width = sensor.camera.width, height = sensor.camera.height;
   KeyframeImages images;
+  images.noise = sensor.noise;
   images.inverse_depth = Image<float>(width, height, 0.f);
   images.slope_u = images.slope_v =
       Image<float>(width, height, std::numeric_limits<float>::quiet_NaN());

@@ -157,8 +157,8 @@ std::optional<PlaneObservation> Observe(const Eigen::Vector3d& point_in_world,
   observation.u = static_cast<float>(pixel->u);
   observation.v = static_cast<float>(pixel->v);
   observation.inverse_depth = images.inverse_depth(pixel->u, pixel->v);
-  observation.inverse_sigma =
-      static_cast<float>(InversePlaneSigma(options.error_model, observation.inverse_depth));
+  observation.inverse_sigma = static_cast<float>(
+      InversePlaneSigma(options.error_model, images.noise, observation.inverse_depth));
   return observation;
 }
 

@@ -61,7 +61,8 @@ bool MeasuresPlane(const Eigen::Vector2d& at, const SharedSurfel& surfel,
   seen.v = static_cast<float>(v);
   seen.inverse_depth = keyframe.images.inverse_depth(u, v);
   if (!(seen.inverse_depth > 0)) return false;
-  seen.inverse_sigma = static_cast<float>(InversePlaneSigma(model, seen.inverse_depth));
+  seen.inverse_sigma =
+      static_cast<float>(InversePlaneSigma(model, keyframe.images.noise, seen.inverse_depth));
   const PlaneSight sight(seen, surfel, keyframe.world_from_camera.rotation.toRotationMatrix(),
                          keyframe.world_from_camera.translation, calibration);
   return std::abs(sight.Residual(0)) <= ErrorModel::kInlierSigmas;

@@ -88,8 +88,9 @@ Plane FitPlane(const KdTree& tree, const Eigen::Vector3f& center,
 // Searches for planes in a cloud.
 class PlaneFinder {
  public:
-  PlaneFinder(const std::vector<Eigen::Vector3f>& points, const CloudNormalOptions& options)
-      : options_(options) {
+  PlaneFinder(const std::vector<Eigen::Vector3f>& points, const CloudSensor& sensor,
+              const CloudNormalOptions& options)
+      : sensor_(sensor), options_(options) {
     thinned_.emplace_back(points);
     radius_m_ =
         options.radius_m > 0 ? options.radius_m : CloudNormalOptions::kSpacings * Spacing(all());
@@ -101,8 +102,8 @@ class PlaneFinder {
 
   // From the smallest radius that gives a good plane.
   Plane Find(const Eigen::Vector3f& point, std::vector<std::uint32_t>* found) const {
-    const double distance_m = (point.cast<double>() - options_.viewpoint).norm();
-    const double noise_radius_m = 2 * options_.noise.SigmaZ(distance_m) / options_.max_thickness;
+    const double distance_m = (point.cast<double>() - sensor_.viewpoint).norm();
+    const double noise_radius_m = 2 * sensor_.noise.SigmaZ(distance_m) / options_.max_thickness;
     const double largest_m = options_.max_growth * radius_m_ * (1 + 1e-9);
     Plane plane;
     if (!(radius_m_ > 0)) return plane;  // too few points, or all in one place
@@ -132,6 +133,7 @@ class PlaneFinder {
     return thinned_[std::clamp(doublings - 1, 0, kTrees - 1)];
   }
 
+  const CloudSensor& sensor_;
   const CloudNormalOptions& options_;
   std::vector<KdTree> thinned_;
   double radius_m_ = 0;
@@ -140,9 +142,9 @@ class PlaneFinder {
 }  // namespace
 
 CloudNormals EstimateCloudNormals(const std::vector<Eigen::Vector3f>& points,
-                                  const CloudNormalOptions& options) {
+                                  const CloudSensor& sensor, const CloudNormalOptions& options) {
   Validate(options);
-  const PlaneFinder finder(points, options);
+  const PlaneFinder finder(points, sensor, options);
   const KdTree& tree = finder.all();
   CloudNormals result;
   result.normals.assign(points.size(), Eigen::Vector3f::Zero());
@@ -158,7 +160,7 @@ CloudNormals EstimateCloudNormals(const std::vector<Eigen::Vector3f>& points,
         ++missing;
         continue;
       }
-      const Eigen::Vector3d to_viewpoint = options.viewpoint - tree.Point(rank).cast<double>();
+      const Eigen::Vector3d to_viewpoint = sensor.viewpoint - tree.Point(rank).cast<double>();
       const double sign = plane.normal.dot(to_viewpoint) < 0 ? -1 : 1;
       const std::uint32_t i = tree.order()[rank];
       result.normals[i] = (sign * plane.normal).cast<float>();

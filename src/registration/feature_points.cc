@@ -71,8 +71,9 @@ double DepthOfFeature(const Image<float>& depth_m, double u, double v) {
   return *middle;
 }
 
-double SigmaOfFeature(double depth_m, const PinholeCamera& camera, const ErrorModel& error_model) {
-  return std::hypot(error_model.Sigma(depth_m), kPlaceSigmaPx * depth_m / camera.fx);
+double SigmaOfFeature(double depth_m, const DepthSensor& sensor, const ErrorModel& error_model) {
+  return std::hypot(error_model.Sigma(depth_m, sensor.noise),
+                    kPlaceSigmaPx * depth_m / sensor.camera.fx);
 }
 
 FeaturePoints FindFeatures(const Image<Rgb8>& color, const FrameLevel& surface,
@@ -93,7 +94,7 @@ FeaturePoints FindFeatures(const Image<Rgb8>& color, const FrameLevel& surface,
     if (!(depth_m > 0)) continue;
     kept.push_back(i);
     features.points.emplace_back(surface.camera.Ray(place.x, place.y) * depth_m);
-    features.sigmas_m.push_back(SigmaOfFeature(depth_m, surface.camera, error_model));
+    features.sigmas_m.push_back(SigmaOfFeature(depth_m, surface.sensor(), error_model));
   }
   features.descriptors = Image<float>(descriptors.cols, static_cast<int>(kept.size()));
   for (int row = 0; row < features.size(); ++row) {

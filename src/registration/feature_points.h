@@ -22,7 +22,7 @@ struct FeaturePoints {
 double DepthOfFeature(const Image<float>& depth_m, double u, double v);
 
 // Standard deviation in metres, in any direction, of a feature's point at this depth.
-double SigmaOfFeature(double depth_m, const PinholeCamera& camera, const ErrorModel& error_model);
+double SigmaOfFeature(double depth_m, const DepthSensor& sensor, const ErrorModel& error_model);
 
 // SIFT features (Lowe 2004) with RootSIFT descriptors (Arandjelovic and Zisserman 2012) of the
 // image, lifted by the depth of the surface that it shares pixels with. Features without depth are

@@ -47,7 +47,7 @@ Count CountRow(const FrameLevel& source, const FrameLevel& target, const ErrorMo
     if (!(surface.z() > 0) || normal.isZero(0)) continue;
     const double height_m = normal.dot(point - surface);
     const double sigma_m =
-        std::hypot(error_model.Sigma(point.z()), error_model.noise.SigmaZ(surface.z()));
+        std::hypot(error_model.Sigma(point.z(), source.noise), target.noise.SigmaZ(surface.z()));
     count.in_front += height_m > kFreeSpaceSigmas * sigma_m;
     count.at_surface += std::abs(height_m) <= kFreeSpaceSigmas * sigma_m;
   }

@@ -11,11 +11,10 @@ namespace surfit {
 namespace {
 
 constexpr float kMinNormalCosine = 0.8f;
-constexpr float kSurfaceSigmaM = 0.02f;       // of the coarse levels' shapes, near
-constexpr float kInverseDepthSigma = 0.002f;  // 1/m, far; as DepthNoise
-constexpr float kBrightnessSigma = 0.05f;     // views far apart see surfaces shine differently
-constexpr float kBrightnessKernelWidth = 3;   // in sigmas
-constexpr double kMaxGain = 1.5;              // of exposures
+constexpr float kSurfaceSigmaM = 0.02f;      // of the coarse levels' shapes, near
+constexpr float kBrightnessSigma = 0.05f;    // views far apart see surfaces shine differently
+constexpr float kBrightnessKernelWidth = 3;  // in sigmas
+constexpr double kMaxGain = 1.5;             // of exposures
 constexpr int kMinPairs = 100;
 
 // The source's brightness as the target would see it: gain * J + bias.
@@ -74,13 +73,14 @@ float KernelWeight(float residual) {
 
 class JointSums {
  public:
-  explicit JointSums(const PinholeCamera& camera, double max_distance_m)
-      : fx_(static_cast<float>(camera.fx)),
+  JointSums(const DepthNoise& noise, const PinholeCamera& camera, double max_distance_m)
+      : inverse_depth_sigma_(static_cast<float>(noise.inverse_depth_sigma)),
+        fx_(static_cast<float>(camera.fx)),
         fy_(static_cast<float>(camera.fy)),
         kernel_width_m_(static_cast<float>(max_distance_m / 1.5)) {}
 
   void AddShape(const Eigen::Vector3f& point, const Pair& pair) {
-    const float noise = kInverseDepthSigma * point.z() * point.z();
+    const float noise = inverse_depth_sigma_ * point.z() * point.z();
     const float weight = KernelWeight(pair.height_m / kernel_width_m_) /
                          (kSurfaceSigmaM * kSurfaceSigmaM + noise * noise);
     AddRow(point, pair.normal.data(), pair.height_m, weight);
@@ -112,6 +112,7 @@ class JointSums {
     system_.right_side.noalias() -= (weight * residual) * row;
   }
 
+  float inverse_depth_sigma_;
   float fx_, fy_;
   float kernel_width_m_;
   JointSystem system_;
@@ -143,7 +144,7 @@ JointSystem LinearizeJointly(const ViewLevel& source, const ViewLevel& target,
   const Exposure exposure = use_brightness
                                 ? MatchExposure(source, target, max_distance_m, target_from_source)
                                 : Exposure();
-  JointSums sums(target.surface.camera, max_distance_m);
+  JointSums sums(source.surface.noise, target.surface.camera, max_distance_m);
   ForEachPair(source, target, max_distance_m, target_from_source,
               [&](const Landing& landing, const Pair& pair) {
                 sums.AddShape(landing.point, pair);

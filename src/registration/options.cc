@@ -33,7 +33,6 @@ class PointText final : public OptionText {
 }  // namespace
 
 void ErrorModel::Visit(OptionVisitor& v) {
-  v.AddPart(noise, Option("noise", "noise of the depth"));
   v.Add(floor_sigma_m,
         Option("floor_sigma_m",
                "standard deviation of a residual that map, normals and calibration add to the "
@@ -174,12 +173,10 @@ void InitializeOptions::Visit(OptionVisitor& v) {
 
 void CloudNormalOptions::Visit(OptionVisitor& v) {
   v.Group("clouds");
-  PointText viewpoint_text(&viewpoint);
   v.Add(radius_m, Option("radius_m", "normals come from neighbours at least this far around")
                       .Zero("by the cloud's spacing")
                       .Flag("normal_radius_m"));
   v.Add(max_growth, Option("max_growth", "the radius grows by this factor at most").From(1, 1000));
-  v.AddPart(noise, Option("noise", "of distances from the viewpoint"));
   v.Add(min_neighbors,
         Option("min_neighbors", "points that a normal needs, its own included").AtLeast(4));
   v.Add(max_thickness,
@@ -187,7 +184,13 @@ void CloudNormalOptions::Visit(OptionVisitor& v) {
             .Positive());
   v.Add(max_normal_sigma_rad,
         Option("max_normal_sigma_rad", "standard deviation of a normal at most").Positive());
+}
+
+void CloudSensor::Visit(OptionVisitor& v) {
+  v.Group("clouds");
+  PointText viewpoint_text(&viewpoint);
   v.AddText(viewpoint_text, Option("viewpoint", "normals face this point").Unit("m"));
+  v.AddPart(noise, Option("noise", "of distances from the viewpoint"));
 }
 
 void RegisterCloudsOptions::Visit(OptionVisitor& v) {

@@ -8,7 +8,8 @@ PointSet PointSetOf(const FrameLevel& level, const ErrorModel& error_model) {
     for (int u = 0; u < level.vertex.width(); ++u) {
       const Eigen::Vector3f point = level.vertex(u, v);
       if (!(point.z() > 0)) continue;
-      set.Add(point, level.normal(u, v), static_cast<float>(error_model.Sigma(point.z())));
+      set.Add(point, level.normal(u, v),
+              static_cast<float>(error_model.Sigma(point.z(), level.noise)));
     }
   }
   return set;

@@ -43,7 +43,8 @@ class RowFinder {
       min_source_normal2_ = V(0.5);
     const ErrorModel& model = search.error_model;
     floor_variance_ = V(model.floor_sigma_m * model.floor_sigma_m);
-    inverse_depth_variance_ = V(model.noise.inverse_depth_sigma * model.noise.inverse_depth_sigma);
+    const double inverse_depth_sigma = source_.noise.inverse_depth_sigma;
+    inverse_depth_variance_ = V(inverse_depth_sigma * inverse_depth_sigma);
   }
 
   // As PairFinder::Find(), for the row v.

@@ -37,8 +37,9 @@ OneWayFit MeasureOneWay(const ViewLevel& source, const ViewLevel& target,
     const Eigen::Vector3f normal = At(target.surface.normal, landing.target_pixel);
     if (!(surface.z() > 0) || normal.isZero(0)) return;
     const double height_m = normal.dot(landing.point - surface);
-    const double bound_m = kFreeSpaceSigmas * std::hypot(error_model.Sigma(landing.point.z()),
-                                                         error_model.noise.SigmaZ(surface.z()));
+    const double sigma_m = std::hypot(error_model.Sigma(landing.point.z(), source.surface.noise),
+                                      target.surface.noise.SigmaZ(surface.z()));
+    const double bound_m = kFreeSpaceSigmas * sigma_m;
     if (height_m > bound_m) ++fit.in_front;
     if (std::abs(height_m) > bound_m) return;
     const Eigen::Vector3f turned = rotation * At(source.surface.normal, landing.source_pixel);

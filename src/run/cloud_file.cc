@@ -32,13 +32,13 @@ void Normalize(std::vector<Eigen::Vector3f>* normals) {
 }
 
 // Gives the cloud the normals that it lacks.
-PointSet MakePointSet(const CloudNormalOptions& normals, double floor_sigma_m, PointCloud* cloud,
-                      RegisteredCloud* about) {
+PointSet MakePointSet(const CloudSensor& sensor, const CloudNormalOptions& normals,
+                      double floor_sigma_m, PointCloud* cloud, RegisteredCloud* about) {
   PointSet set;
   set.points = cloud->points;
   set.sigma_m.assign(set.size(), static_cast<float>(floor_sigma_m));
   if (cloud->normals.empty()) {
-    CloudNormals estimated = EstimateCloudNormals(cloud->points, normals);
+    CloudNormals estimated = EstimateCloudNormals(cloud->points, sensor, normals);
     about->normal_radius_m = estimated.radius_m;
     cloud->normals = std::move(estimated.normals);
     for (std::size_t i = 0; i < set.size(); ++i) {
@@ -55,18 +55,18 @@ PointSet MakePointSet(const CloudNormalOptions& normals, double floor_sigma_m, P
 
 }  // namespace
 
-PreparedCloud PrepareCloud(PointCloud cloud, const std::string& what,
+PreparedCloud PrepareCloud(PointCloud cloud, const std::string& what, const CloudSensor& sensor,
                            const CloudNormalOptions& normals, double floor_sigma_m) {
   PreparedCloud prepared;
   prepared.cloud = std::move(cloud);
   KeepFinitePoints(what, &prepared.cloud, &prepared.about);
-  prepared.points = MakePointSet(normals, floor_sigma_m, &prepared.cloud, &prepared.about);
+  prepared.points = MakePointSet(sensor, normals, floor_sigma_m, &prepared.cloud, &prepared.about);
   return prepared;
 }
 
-PreparedCloud ReadCloudFile(const std::string& path, const CloudNormalOptions& normals,
-                            double floor_sigma_m) {
-  return PrepareCloud(ReadPointCloud(path), path, normals, floor_sigma_m);
+PreparedCloud ReadCloudFile(const std::string& path, const CloudSensor& sensor,
+                            const CloudNormalOptions& normals, double floor_sigma_m) {
+  return PrepareCloud(ReadPointCloud(path), path, sensor, normals, floor_sigma_m);
 }
 
 }  // namespace surfit

@@ -15,11 +15,11 @@ struct PreparedCloud {
 };
 
 // Normals and sigmas as in RunRegister(). Throws InputError naming `what`.
-PreparedCloud PrepareCloud(PointCloud cloud, const std::string& what,
+PreparedCloud PrepareCloud(PointCloud cloud, const std::string& what, const CloudSensor& sensor,
                            const CloudNormalOptions& normals, double floor_sigma_m);
 
 // The same of a file. Throws InputError naming the file.
-PreparedCloud ReadCloudFile(const std::string& path, const CloudNormalOptions& normals,
-                            double floor_sigma_m);
+PreparedCloud ReadCloudFile(const std::string& path, const CloudSensor& sensor,
+                            const CloudNormalOptions& normals, double floor_sigma_m);
 
 }  // namespace surfit

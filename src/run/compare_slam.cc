@@ -17,7 +17,6 @@ SlamRunOptions RunOptionsOf(const CompareOptions& options, const SolverCombinati
   SlamRunOptions run;
   run.sequence = options.sequence;
   run.slam.preprocess = options.preprocess;
-  run.slam.fusion.noise = options.preprocess.noise;
   run.slam.icp = options.icp;
   SetCombination(combination, &run.slam.icp);
   run.threads = threads;

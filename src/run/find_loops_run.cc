@@ -51,7 +51,7 @@ class LoopRun {
       return;
     }
     const FramePyramid pyramid =
-        PreprocessDepth(read.frame->depth_m, info_.pinhole, options_.preprocess);
+        PreprocessDepth(read.frame->depth_m, info_.sensor(), options_.preprocess);
     std::vector<Keyframe>& keyframes = result_.keyframes;
     if (keyframes.empty() || IsKeyframe(keyframes.back(), read.index, pyramid.levels.back(), *pose,
                                         options_.keyframes)) {

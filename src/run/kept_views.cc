@@ -38,9 +38,9 @@ std::string DepthJpeg(const Image<float>& depth_m, const ColorScale& scale) {
   return EncodeJpeg(image, kQuality);
 }
 
-KeptView MakeView(const RgbdFrame& frame, const SurfelMap& map, const PinholeCamera& camera,
+KeptView MakeView(const RgbdFrame& frame, const SurfelMap& map, const DepthSensor& sensor,
                   const Rigid3d& world_from_camera, const char* why) {
-  const ModelView model = ModelRenderer(RenderOptions()).Render(map, camera, world_from_camera);
+  const ModelView model = ModelRenderer(RenderOptions()).Render(map, sensor, world_from_camera);
   const ColorScale scale = ScaleOf(frame.depth_m);
   KeptView view = {frame.index, frame.stamp_s, why, {}};
   if (!frame.color.empty()) {
@@ -83,11 +83,11 @@ bool KeptViews::IsNextOfStride() {
 }
 
 void KeptViews::Offer(const RgbdFrame& frame, const FrameReport& report, const SurfelMap& map,
-                      const PinholeCamera& camera) {
+                      const DepthSensor& sensor) {
   const bool is_lost = report.state == FrameState::kLost;
   if (is_lost && (first_lost_ || !last_)) return;
   const Rigid3d& pose = is_lost ? last_->world_from_camera : report.world_from_camera;
-  const auto make = [&](const char* why) { return MakeView(frame, map, camera, pose, why); };
+  const auto make = [&](const char* why) { return MakeView(frame, map, sensor, pose, why); };
   if (is_lost) {
     first_lost_ = make("first that was lost, the model from the pose before");
     return;
@@ -105,12 +105,12 @@ void KeptViews::Offer(const RgbdFrame& frame, const FrameReport& report, const S
   last_ = {frame, pose};
 }
 
-std::vector<KeptView> KeptViews::Finish(const SurfelMap& map, const PinholeCamera& camera) const {
+std::vector<KeptView> KeptViews::Finish(const SurfelMap& map, const DepthSensor& sensor) const {
   std::vector<KeptView> views = evenly_spread_;
   for (const auto* view : {&first_lost_, &first_degenerate_, &worst_}) {
     if (*view) views.push_back(**view);
   }
-  if (last_) views.push_back(MakeView(last_->frame, map, camera, last_->world_from_camera, "last"));
+  if (last_) views.push_back(MakeView(last_->frame, map, sensor, last_->world_from_camera, "last"));
   return Merge(std::move(views));
 }
 

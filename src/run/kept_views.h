@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "surfit/frame/rgbd_frame.h"
-#include "surfit/geometry/pinhole_camera.h"
+#include "surfit/geometry/sensor.h"
 #include "surfit/mapping/model_renderer.h"
 #include "surfit/mapping/surfel_map.h"
 #include "surfit/slam/slam.h"
@@ -35,9 +35,9 @@ class KeptViews {
 
   // To be called with each frame, and the map after it.
   void Offer(const RgbdFrame& frame, const FrameReport& report, const SurfelMap& map,
-             const PinholeCamera& camera);
+             const DepthSensor& sensor);
   // The views in order of their frames, to be called after the last frame.
-  std::vector<KeptView> Finish(const SurfelMap& map, const PinholeCamera& camera) const;
+  std::vector<KeptView> Finish(const SurfelMap& map, const DepthSensor& sensor) const;
 
   // Where the pictures are to be, relative to the run's folder.
   static std::string FileName(int view, const std::string& picture);

@@ -98,6 +98,7 @@ void RegisterRunOptions::Visit(OptionVisitor& v) {
   v.Group("run");
   v.Add(output, Output("folder for pose, aligned cloud and pictures"));
   v.Add(threads, Threads());
+  v.AddPart(sensor, Option("sensor", "what both were measured with"));
   v.AddPart(normals, Option("normals", "how normals are estimated"));
   v.AddPart(registration, Option("registration", "how the clouds are registered"));
 }

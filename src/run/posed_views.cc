@@ -61,7 +61,7 @@ PosedView ReadPosedView(const SequenceOptions& options, int index,
   if (!result) throw InputError(Concat(sequence.path, ": there is no frame ", index));
   if (!result->frame) throw InputError(result->error);
   PosedView posed;
-  posed.view.pyramid = PreprocessDepth(result->frame->depth_m, source->info().pinhole, preprocess);
+  posed.view.pyramid = PreprocessDepth(result->frame->depth_m, source->info().sensor(), preprocess);
   posed.view.color = std::move(result->frame->color);
   posed.world_from_camera = InterpolatePose(source->info().ground_truth, result->stamp_s);
   return posed;

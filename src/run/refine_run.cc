@@ -114,7 +114,7 @@ class RefineRun {
       }
       keyframe_poses_.push_back(*pose);
       keyframes_.push_back({given_[*pose].world_from_camera,
-                            MakeKeyframeImages(*read->frame, info_.pinhole, options_.preprocess)});
+                            MakeKeyframeImages(*read->frame, info_.sensor(), options_.preprocess)});
     }
     summary_.keyframes = keyframes_.size();
     if (keyframes_.empty()) {
@@ -154,8 +154,7 @@ class RefineRun {
     const DepthCalibration& calibration = summary_.refinement.calibration;
     SlamOptions options;
     options.preprocess = options_.preprocess;
-    options.fusion.noise = options_.preprocess.noise;
-    Slam slam(calibration.camera, options, {});
+    Slam slam({calibration.camera, info_.camera.noise}, options, {});
     const auto source = ReadAhead(OpenSequence(options_.sequence), kReadAhead);
     while (std::optional<ReadResult> read = source->Next()) {
       const std::optional<std::size_t> pose = PoseAt(refined, read->stamp_s);

@@ -92,8 +92,10 @@ RegisterRunResult RunRegister(const RegisterRunOptions& options) {
   const ThreadLimit limit(options.threads);
   RegisterRunResult result;
   const double floor_sigma_m = options.registration.icp.error_model.floor_sigma_m;
-  const PreparedCloud source = ReadCloudFile(options.source, options.normals, floor_sigma_m);
-  const PreparedCloud target = ReadCloudFile(options.target, options.normals, floor_sigma_m);
+  const PreparedCloud source =
+      ReadCloudFile(options.source, options.sensor, options.normals, floor_sigma_m);
+  const PreparedCloud target =
+      ReadCloudFile(options.target, options.sensor, options.normals, floor_sigma_m);
   result.source = source.about;
   result.target = target.about;
   PrepareOutputFolder(options.output, {"transform.txt", "registration.json", "aligned.ply",

@@ -86,8 +86,12 @@ PoseProblems ReplayProblems(const CompareOptions& options) {
 
 PoseProblems CloudProblems(const CompareOptions& options) {
   const auto read = [](const CompareOptions& given, const std::string& path) {
+    CloudSensor sensor;
+    if (const auto& sigma = given.sequence.inverse_depth_sigma) {
+      sensor.noise.inverse_depth_sigma = *sigma;
+    }
     return std::make_shared<const PreparedCloud>(
-        ReadCloudFile(path, CloudNormalOptions(), given.icp.error_model.floor_sigma_m));
+        ReadCloudFile(path, sensor, CloudNormalOptions(), given.icp.error_model.floor_sigma_m));
   };
   const auto source = read(options, options.source), target = read(options, options.target);
   return {1, [&options, source, target](int) {

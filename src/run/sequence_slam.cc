@@ -30,7 +30,7 @@ SequenceSlam::SequenceSlam(const SlamRunOptions& options, const SequenceInfo& in
 }
 
 void SequenceSlam::Begin(double stamp_s) {
-  slam_ = std::make_unique<Slam>(info_.pinhole, options_.slam,
+  slam_ = std::make_unique<Slam>(info_.sensor(), options_.slam,
                                  InitialPose(options_.initial_pose, info_, stamp_s));
   if (options_.dump_failures.empty()) return;
   slam_->OnLostFrame([this](const LostFrame& lost) {

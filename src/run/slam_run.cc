@@ -85,7 +85,7 @@ class SlamRun {
       statistics_.CountRead(*result);
       if (result->frame) {
         const FrameReport report = Process(*result);
-        const SlamRunFrame frame = {*result->frame, report, slam_.map(), slam_.info().pinhole};
+        const SlamRunFrame frame = {*result->frame, report, slam_.map(), slam_.info().sensor()};
         Tell(&frame, progress);
       } else {
         Skip(*result);
@@ -116,7 +116,7 @@ class SlamRun {
     const TraceSlice slice("frame", frame.index);
     const FrameReport report = slam_.Process(frame);
     statistics_.CountProcessed(frame, report);
-    if (options_.keep_views) views_.Offer(frame, report, slam_.map(), slam_.info().pinhole);
+    if (options_.keep_views) views_.Offer(frame, report, slam_.map(), slam_.info().sensor());
     double write_ms = 0;
     {
       const StageTimer timer("write", frame.index, &write_ms);
@@ -159,12 +159,13 @@ class SlamRun {
       const TraceSlice slice("write_map");
       WriteSurfelPly(slam_.map(), Path("map.ply"));
     }
-    const PinholeCamera& camera = slam_.info().pinhole;
-    const std::vector<KeptView> views = views_.Finish(slam_.map(), camera);
+    const DepthSensor sensor = slam_.info().sensor();
+    const std::vector<KeptView> views = views_.Finish(slam_.map(), sensor);
     KeptViews::Write(views, options_.output);
     const Trajectory truth = TruthDuring(statistics_.stamps_s(), slam_.info().ground_truth);
-    WritePosesJson({camera, slam_.trajectory(), slam_.frames(), truth, summary.evaluation, views},
-                   Path("poses.json"));
+    WritePosesJson(
+        {sensor.camera, slam_.trajectory(), slam_.frames(), truth, summary.evaluation, views},
+        Path("poses.json"));
     if (!options_.pictures) return;
     const TraceSlice slice("write_pictures");
     WriteMapPictures(slam_.map(), slam_.trajectory(), options_.output);

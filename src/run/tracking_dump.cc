@@ -14,6 +14,18 @@
 namespace surfit {
 namespace {
 
+Json ToJson(const DepthSensor& sensor) {
+  Json json = CameraToJson(sensor.camera);
+  json["inverse_depth_sigma"] = sensor.noise.inverse_depth_sigma;
+  return json;
+}
+
+DepthSensor SensorFromJson(const Json& json) {
+  DepthSensor sensor = {CameraFromJson(json), {json.at("inverse_depth_sigma")}};
+  sensor.Validate();
+  return sensor;
+}
+
 Json ToJson(const Rigid3d& pose) {
   const Eigen::Vector3d& t = pose.translation;
   const Eigen::Vector4d& q = pose.rotation.coeffs();
@@ -48,8 +60,9 @@ void WriteView(const FrameLevel& level, const Image<Rgb8>& color, const std::str
 }
 
 // With intensities where it was written with colours.
-FramePyramid ReadView(const PinholeCamera& camera, const PreprocessOptions& options,
+FramePyramid ReadView(const DepthSensor& sensor, const PreprocessOptions& options,
                       const std::string& path) {
+  const PinholeCamera& camera = sensor.camera;
   const PointCloud cloud = ReadPly(path);
   const auto pixels = static_cast<std::size_t>(camera.width) * camera.height;
   if (cloud.points.size() != pixels || cloud.normals.size() != pixels) {
@@ -57,7 +70,8 @@ FramePyramid ReadView(const PinholeCamera& camera, const PreprocessOptions& opti
                             cloud.normals.size(), " normals, must have ", pixels, " of each"));
   }
   FramePyramid pyramid = BuildPyramid(
-      {camera, AsImage(cloud.points, camera), AsImage(cloud.normals, camera), {}}, options);
+      {camera, sensor.noise, AsImage(cloud.points, camera), AsImage(cloud.normals, camera), {}},
+      options);
   if (!cloud.colors.empty()) {
     Image<Rgb8> color(camera.width, camera.height);
     std::copy(cloud.colors.begin(), cloud.colors.end(), color.begin());
@@ -83,8 +97,8 @@ void WriteTrackingDump(const LostFrame& lost, const SlamOptions& options,
   Json json;
   json["frame"] = lost.index;
   json["termination"] = ToString(lost.icp.termination);
-  json["source_camera"] = CameraToJson(source.camera);
-  json["target_camera"] = CameraToJson(target.camera);
+  json["source_sensor"] = ToJson(source.sensor());
+  json["target_sensor"] = ToJson(target.sensor());
   json["target_from_source_initial"] = ToJson(lost.target_from_source_initial);
   json["preprocess"] = OptionsToJson(options.preprocess);
   json["icp"] = OptionsToJson(options.icp);
@@ -104,9 +118,9 @@ TrackingDump ReadTrackingDump(const std::string& folder) {
     dump.icp = OptionsFromJson<IcpOptions>(json.at("icp"));
     Validate(dump.icp);
     dump.source =
-        ReadView(CameraFromJson(json.at("source_camera")), preprocess, folder + "/source.ply");
+        ReadView(SensorFromJson(json.at("source_sensor")), preprocess, folder + "/source.ply");
     dump.target =
-        ReadView(CameraFromJson(json.at("target_camera")), preprocess, folder + "/target.ply");
+        ReadView(SensorFromJson(json.at("target_sensor")), preprocess, folder + "/target.ply");
     return dump;
   } catch (const Json::exception& error) {
     throw InputError(path + ": " + error.what());

@@ -1,5 +1,6 @@
 #include <glog/logging.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

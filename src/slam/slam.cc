@@ -68,14 +68,14 @@ std::string ToString(FrameState state) {
   return "unknown";
 }
 
-Slam::Slam(const PinholeCamera& camera, const SlamOptions& options,
+Slam::Slam(const DepthSensor& sensor, const SlamOptions& options,
            const Rigid3d& world_from_first_camera)
-    : camera_(camera),
+    : sensor_(sensor),
       options_(Validated(options)),
       renderer_(options_.render),
       fusion_(options_.fusion),
       world_from_last_(world_from_first_camera) {
-  camera.Validate("camera");
+  sensor.Validate();
   if (options.loops.enabled) backend_ = std::make_unique<Backend>(options.loops);
 }
 
@@ -91,8 +91,8 @@ FrameReport Slam::ProcessAt(const RgbdFrame& frame, const Rigid3d& world_from_ca
 }
 
 FrameReport Slam::Process(const RgbdFrame& frame, const std::optional<Rigid3d>& given_pose) {
-  CHECK_EQ(frame.depth_m.width(), camera_.width);
-  CHECK_EQ(frame.depth_m.height(), camera_.height);
+  CHECK_EQ(frame.depth_m.width(), sensor_.camera.width);
+  CHECK_EQ(frame.depth_m.height(), sensor_.camera.height);
   CHECK(frame.color.empty() || frame.color.size() == frame.depth_m.size());
   FrameReport report;
   report.index = frame.index;
@@ -113,7 +113,7 @@ FrameReport Slam::Process(const RgbdFrame& frame, const std::optional<Rigid3d>& 
   FramePyramid pyramid;
   {
     StageTimer timer("preprocess", report.index, &report.times.preprocess_ms);
-    pyramid = PreprocessDepth(frame.depth_m, camera_, options_.preprocess);
+    pyramid = PreprocessDepth(frame.depth_m, sensor_, options_.preprocess);
     if (options_.icp.error_model.UsesIntensities()) AddIntensity(frame.color, &pyramid);
   }
   if (given_pose) {
@@ -230,7 +230,7 @@ Slam::Target Slam::MakeTarget(const Rigid3d& world_from_predicted) {
   if (options_.tracking == "frame_to_frame") {
     return {last_view_.pyramid, world_from_last_, last_view_.color};
   }
-  ModelView view = renderer_.Render(map_, camera_, world_from_predicted, fusion_.ActiveSince());
+  ModelView view = renderer_.Render(map_, sensor_, world_from_predicted, fusion_.ActiveSince());
   DropNormalsAtEdges(options_.preprocess, &view.surface);
   Target target = {
       BuildPyramid(std::move(view.surface), options_.preprocess), world_from_predicted, {}};

@@ -54,7 +54,7 @@ double FrameMilliseconds(const MappedRoom& room, SurfelMap* map) {
   std::vector<double> times_ms;
   for (int i = 0; i < kFrames; ++i) {
     const auto start = std::chrono::steady_clock::now();
-    renderer.Render(*map, room.camera, room.world_from_next);
+    renderer.Render(*map, {room.camera, {}}, room.world_from_next);
     fusion.Fuse(room.next, room.next_surface, room.world_from_next, map);
     const std::chrono::duration<double, std::milli> elapsed =
         std::chrono::steady_clock::now() - start;

@@ -30,7 +30,7 @@ struct MappedRoom {
       Rendering image = Render(scene, camera, world_from_next);
       next.depth_m = KinectDepth(image.depth_m, camera, next.index);
       next.color = std::move(image.color);
-      next_surface = PreprocessDepth(next.depth_m, camera, {}).levels[0];
+      next_surface = PreprocessDepth(next.depth_m, {camera, {}}, {}).levels[0];
       if (next.index == kFrames) return;
       fusion.Fuse(next, next_surface, world_from_next, &map);
     }

@@ -18,7 +18,7 @@ void ModelRendererRender(benchmark::State& state) {
   const ThreadLimit limit(static_cast<int>(state.range(0)));
   ModelRenderer renderer({});
   for (auto _ : state) {
-    benchmark::DoNotOptimize(renderer.Render(room.map, room.camera, room.world_from_next));
+    benchmark::DoNotOptimize(renderer.Render(room.map, {room.camera, {}}, room.world_from_next));
   }
   state.counters["surfels"] = static_cast<double>(room.map.size());
 }
@@ -58,7 +58,7 @@ void FrameInALargeMap(benchmark::State& state) {
   ModelRenderer renderer({});
   Fusion fusion({});
   for (auto _ : state) {
-    benchmark::DoNotOptimize(renderer.Render(map, room.camera, room.world_from_next));
+    benchmark::DoNotOptimize(renderer.Render(map, {room.camera, {}}, room.world_from_next));
     benchmark::DoNotOptimize(fusion.Fuse(room.next, room.next_surface, room.world_from_next, &map));
   }
   state.counters["surfels"] = static_cast<double>(map.size());

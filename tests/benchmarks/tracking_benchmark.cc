@@ -35,7 +35,7 @@ void Preprocess(benchmark::State& state) {
   const Image<float>& depth_m = RoomDepth();
   const ThreadLimit limit(static_cast<int>(state.range(0)));
   for (auto _ : state) {
-    benchmark::DoNotOptimize(PreprocessDepth(depth_m, FullCamera(), PreprocessOptions()));
+    benchmark::DoNotOptimize(PreprocessDepth(depth_m, {FullCamera(), {}}, PreprocessOptions()));
   }
 }
 BENCHMARK(Preprocess)
@@ -48,7 +48,8 @@ BENCHMARK(Preprocess)
 Rigid3d Motion() { return {QuaternionExp<double>({0.005, -0.01, 0.002}), {0.01, 0.005, -0.01}}; }
 
 const FrameLevel& RoomLevel() {
-  static const FramePyramid view = PreprocessDepth(RoomDepth(), FullCamera(), PreprocessOptions());
+  static const FramePyramid view =
+      PreprocessDepth(RoomDepth(), {FullCamera(), {}}, PreprocessOptions());
   return view.levels[0];
 }
 

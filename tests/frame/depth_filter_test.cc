@@ -23,7 +23,7 @@ constexpr double kRelativeTolerance = 10 * 4 * kFloatRounding;
 double FilteredInverseDepth(const Image<float>& depth_m, int u, int v,
                             const PreprocessOptions& options) {
   const int radius = options.filter_radius_px;
-  const double cutoff = options.filter_cutoff * options.noise.inverse_depth_sigma;
+  const double cutoff = options.filter_cutoff * DepthNoise().inverse_depth_sigma;
   const double center = 1.0 / depth_m(u, v);
   double sum = 0, weight_sum = 0;
   for (int y = std::max(0, v - radius); y <= std::min(depth_m.height() - 1, v + radius); ++y) {
@@ -44,7 +44,7 @@ double FilteredInverseDepth(const Image<float>& depth_m, int u, int v,
 // A slanted surface with noise of the sensor's size, steps and holes.
 Image<float> RoughDepth(std::uint64_t seed) {
   std::mt19937_64 rng(seed);
-  std::normal_distribution<double> noise(0, PreprocessOptions().noise.inverse_depth_sigma);
+  std::normal_distribution<double> noise(0, DepthNoise().inverse_depth_sigma);
   std::uniform_int_distribution<int> dice(0, 9);
   Image<float> depth_m(61, 43);
   for (int v = 0; v < depth_m.height(); ++v) {
@@ -62,7 +62,7 @@ TEST(FilterDepth, AgreesWithItsDefinitionInDoublePrecision) {
   for (const int radius : {1, 2, 4}) {
     PreprocessOptions options;
     options.filter_radius_px = radius;
-    const Image<float> filtered = FilterDepth(depth_m, options);
+    const Image<float> filtered = FilterDepth(depth_m, DepthNoise(), options);
     for (int v = 0; v < depth_m.height(); ++v) {
       for (int u = 0; u < depth_m.width(); ++u) {
         if (depth_m(u, v) == 0) continue;
@@ -76,30 +76,30 @@ TEST(FilterDepth, AgreesWithItsDefinitionInDoublePrecision) {
 
 TEST(FilterDepth, MissingStaysMissingAndTheRestStaysThere) {
   const Image<float> depth_m = RoughDepth(4);
-  const Image<float> filtered = FilterDepth(depth_m, PreprocessOptions());
+  const Image<float> filtered = FilterDepth(depth_m, DepthNoise(), PreprocessOptions());
   ASSERT_EQ(filtered.width(), depth_m.width());
   ASSERT_EQ(filtered.height(), depth_m.height());
   for (std::size_t i = 0; i < depth_m.size(); ++i) EXPECT_EQ(filtered[i] > 0, depth_m[i] > 0) << i;
 }
 
 TEST(FilterDepth, NothingIsMadeOfNothing) {
-  EXPECT_TRUE(FilterDepth(Image<float>(), PreprocessOptions()).empty());
+  EXPECT_TRUE(FilterDepth(Image<float>(), DepthNoise(), PreprocessOptions()).empty());
   const Image<float> missing(50, 40, 0.f);
-  EXPECT_TRUE(FilterDepth(missing, PreprocessOptions()) == missing);
+  EXPECT_TRUE(FilterDepth(missing, DepthNoise(), PreprocessOptions()) == missing);
 }
 
 TEST(FilterDepth, RadiusZeroIsNoFilter) {
   PreprocessOptions options;
   options.filter_radius_px = 0;
   const Image<float> depth_m = RoughDepth(5);
-  EXPECT_TRUE(FilterDepth(depth_m, options) == depth_m);
+  EXPECT_TRUE(FilterDepth(depth_m, DepthNoise(), options) == depth_m);
 }
 
 TEST(FilterDepth, LonelyPixelsKeepTheirDepth) {
   Image<float> depth_m(20, 20, 0.f);
   depth_m(0, 0) = 1.2345f;
   depth_m(10, 10) = 2.3456f;
-  const Image<float> filtered = FilterDepth(depth_m, PreprocessOptions());
+  const Image<float> filtered = FilterDepth(depth_m, DepthNoise(), PreprocessOptions());
   for (std::size_t i = 0; i < depth_m.size(); ++i) {
     EXPECT_NEAR(filtered[i], depth_m[i], 2 * kFloatRounding * depth_m[i]);  // 1 / (1 / z)
   }
@@ -113,7 +113,7 @@ TEST(FilterDepth, PlanesStayAsTheyAre) {
   const int radius = options.filter_radius_px;
   for (const testing::Plane& plane : testing::ManyPlanes()) {
     const Image<float> depth_m = PlaneDepth(plane, camera);
-    const Image<float> filtered = FilterDepth(depth_m, options);
+    const Image<float> filtered = FilterDepth(depth_m, DepthNoise(), options);
     int compared = 0;
     for (int v = radius; v < camera.height - radius; ++v) {
       for (int u = radius; u < camera.width - radius; ++u) {
@@ -134,12 +134,12 @@ TEST(FilterDepth, PlanesStayAsTheyAre) {
 // sum w^2 / (sum w)^2 of the variance is left: ((1 + 4 + 9 + 4 + 1) / 9^2)^2 at a radius of 2.
 TEST(FilterDepth, ReducesNoiseAsItsWeightsSay) {
   PreprocessOptions options;
-  const double sigma = 0.05 * options.noise.inverse_depth_sigma;
+  const double sigma = 0.05 * DepthNoise().inverse_depth_sigma;
   std::mt19937_64 rng(7);
   std::normal_distribution<double> noise(0, sigma);
   Image<float> depth_m(500, 500);
   for (float& z : depth_m) z = static_cast<float>(1 / (1 + noise(rng)));
-  const Image<float> filtered = FilterDepth(depth_m, options);
+  const Image<float> filtered = FilterDepth(depth_m, DepthNoise(), options);
   double square_sum = 0;
   int count = 0;
   for (int v = 5; v < 495; v += 5) {  // 5 px apart: no two share a pixel
@@ -155,7 +155,7 @@ TEST(FilterDepth, ReducesNoiseAsItsWeightsSay) {
 // for bit as if the other were missing.
 TEST(FilterDepth, SidesOfAStepDoNotMix) {
   const PreprocessOptions options;
-  const double step = 1.5 * options.filter_cutoff * options.noise.inverse_depth_sigma;
+  const double step = 1.5 * options.filter_cutoff * DepthNoise().inverse_depth_sigma;
   std::mt19937_64 rng(9);
   std::uniform_real_distribution<double> noise(-step / 8, step / 8);
   Image<float> near_side(40, 30, 0.f), far_side(40, 30, 0.f), both(40, 30);
@@ -167,9 +167,9 @@ TEST(FilterDepth, SidesOfAStepDoNotMix) {
       (is_near ? near_side : far_side)(u, v) = both(u, v);
     }
   }
-  const Image<float> filtered = FilterDepth(both, options);
-  const Image<float> filtered_near = FilterDepth(near_side, options);
-  const Image<float> filtered_far = FilterDepth(far_side, options);
+  const Image<float> filtered = FilterDepth(both, DepthNoise(), options);
+  const Image<float> filtered_near = FilterDepth(near_side, DepthNoise(), options);
+  const Image<float> filtered_far = FilterDepth(far_side, DepthNoise(), options);
   for (std::size_t i = 0; i < both.size(); ++i) {
     EXPECT_EQ(filtered[i], filtered_near[i] + filtered_far[i]) << i;  // one of the two is 0
   }

@@ -14,7 +14,7 @@ FramePyramid TwoLevels() {
   PinholeCamera camera = testing::SmallCamera();
   camera.width = 80;
   camera.height = 60;
-  return PreprocessDepth(Image<float>(80, 60, 1.f), camera, PreprocessOptions());
+  return PreprocessDepth(Image<float>(80, 60, 1.f), {camera, {}}, PreprocessOptions());
 }
 
 TEST(GreyOf, IsFromBlackToWhite) {

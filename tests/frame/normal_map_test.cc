@@ -17,8 +17,8 @@ using testing::Plane;
 using testing::VectorNear;
 
 VectorImage Normals(const Image<float>& depth_m, const PinholeCamera& camera,
-                    const PreprocessOptions& options = {}) {
-  return NormalMap(VertexMap(depth_m, camera), camera, options);
+                    const PreprocessOptions& options = {}, const DepthNoise& noise = {}) {
+  return NormalMap(VertexMap(depth_m, camera), {camera, noise}, options);
 }
 
 // Inverse depth is off by two roundings, a slope by at most as much (one symmetric difference; more
@@ -51,10 +51,10 @@ TEST(NormalMap, IsZeroWhereTheSurfaceIsTooSteep) {
   const PinholeCamera camera = testing::SmallCamera();
   PreprocessOptions options;
   options.max_slant_rad = 0.9;
-  options.noise.inverse_depth_sigma = 1e-9;  // no slack
+  const DepthNoise no_slack = {1e-9};
   for (const double tilt_rad : {0.85, 0.95}) {
     const Plane plane = testing::TiltedPlane(tilt_rad, 0);
-    const VectorImage normal = Normals(PlaneDepth(plane, camera), camera, options);
+    const VectorImage normal = Normals(PlaneDepth(plane, camera), camera, options, no_slack);
     // On the optical axis dr/du / r = tan(tilt) / f; the tilt to the ray is the plane's own.
     const int u = 48, v = 35;
     ASSERT_NEAR(plane.Slant(camera.Ray(u, v)), tilt_rad, 0.01);
@@ -88,7 +88,7 @@ std::optional<double> FittedSlope(const Image<float>& depth_m, int u, int v, int
     return inside && depth_m(x, y) > 0 ? 1.0 / depth_m(x, y) : 0.0;
   };
   const double bound =
-      3 * options.noise.inverse_depth_sigma + std::tan(options.max_slant_rad) / focal * inverse(0);
+      3 * DepthNoise().inverse_depth_sigma + std::tan(options.max_slant_rad) / focal * inverse(0);
   int run = 0;
   for (int k = 1; k <= options.normal_radius_px && run == k - 1; ++k) {
     bool continues = true;
@@ -193,7 +193,7 @@ TEST(DropNormalsAtEdges, LeavesThoseThatTheSurfaceItselfShows) {
     for (int v = 0; v < camera.height; ++v) {
       for (int u = 0; u < camera.width; ++u) surface.normal.Set(u, v, {0.6f, 0, -0.8f});
     }
-    const VectorImage own = NormalMap(surface.vertex, camera, {});
+    const VectorImage own = NormalMap(surface.vertex, surface.sensor(), {});
     DropNormalsAtEdges({}, &surface);
     std::array<int, 2> seen = {0, 0};
     for (int v = 0; v < camera.height; ++v) {
@@ -218,7 +218,7 @@ TEST(NormalMap, NoiseIsThatOfALeastSquaresSlope) {
   camera.fx = camera.fy = 60;
   camera.cx = camera.cy = 199.5;
   const PreprocessOptions options;
-  const double sigma = 0.05 * options.noise.inverse_depth_sigma, z = 1.6;
+  const double sigma = 0.05 * DepthNoise().inverse_depth_sigma, z = 1.6;
   std::mt19937_64 rng(11);
   std::normal_distribution<double> noise(0, sigma);
   Image<float> depth_m(camera.width, camera.height);

@@ -40,10 +40,10 @@ TEST(PreprocessDepth, IsItsPartsInOrder) {
   const PinholeCamera camera = QuarterCamera();
   const Image<float> depth_m = NoisyDepth(camera);
   const PreprocessOptions options;
-  const FramePyramid pyramid = PreprocessDepth(depth_m, camera, options);
-  const VectorImage vertex = VertexMap(FilterDepth(depth_m, options), camera);
+  const FramePyramid pyramid = PreprocessDepth(depth_m, {camera, {}}, options);
+  const VectorImage vertex = VertexMap(FilterDepth(depth_m, DepthNoise(), options), camera);
   ExpectSame(pyramid.levels[0].vertex, vertex);
-  ExpectSame(pyramid.levels[0].normal, NormalMap(vertex, camera, options));
+  ExpectSame(pyramid.levels[0].normal, NormalMap(vertex, {camera, {}}, options));
   ASSERT_EQ(pyramid.levels.size(), 4u);
   for (int i = 1; i < 4; ++i) {
     const FrameLevel level = HalfResolution(pyramid.levels[i - 1], options);
@@ -57,7 +57,7 @@ TEST(PreprocessDepth, IsTheSameAtAnyNumberOfThreads) {
   const Image<float> depth_m = NoisyDepth(camera);
   const auto preprocess = [&](int threads) {
     const ThreadLimit limit(threads);
-    return PreprocessDepth(depth_m, camera, PreprocessOptions());
+    return PreprocessDepth(depth_m, {camera, {}}, PreprocessOptions());
   };
   const FramePyramid expected = preprocess(1);
   for (const int threads : {2, 4}) {
@@ -73,7 +73,8 @@ TEST(PreprocessDepth, IsTheSameAtAnyNumberOfThreads) {
 TEST(PreprocessDepth, AnImageWithoutDepthHasNoSurface) {
   const PinholeCamera camera = testing::SmallCamera();
   const Image<float> missing(camera.width, camera.height, 0.f);
-  for (const FrameLevel& level : PreprocessDepth(missing, camera, PreprocessOptions()).levels) {
+  for (const FrameLevel& level :
+       PreprocessDepth(missing, {camera, {}}, PreprocessOptions()).levels) {
     const VectorImage zero(level.camera.width, level.camera.height);
     ExpectSame(level.vertex, zero);
     ExpectSame(level.normal, zero);
@@ -88,10 +89,6 @@ TEST(PreprocessOptions, ValidateNamesFieldValueAndConstraint) {
     change(&options);
     testing::ExpectInputError([&] { Validate(options); }, ::testing::StrEq(message));
   };
-  expect([](auto* o) { o->noise.inverse_depth_sigma = 0; },
-         "inverse_depth_sigma is 0, must be positive and below 1 (1/m)");
-  expect([](auto* o) { o->noise.inverse_depth_sigma = std::nan(""); },
-         "inverse_depth_sigma is nan, must be positive and below 1 (1/m)");
   expect([](auto* o) { o->filter_radius_px = 8; }, "filter_radius_px is 8, must be from 0 to 7");
   expect([](auto* o) { o->filter_radius_px = -1; }, "filter_radius_px is -1, must be from 0 to 7");
   expect([](auto* o) { o->filter_cutoff = 0; },

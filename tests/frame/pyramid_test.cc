@@ -21,7 +21,7 @@ FrameLevel LevelOf(const Image<float>& depth_m, const PinholeCamera& camera) {
   FrameLevel level;
   level.camera = camera;
   level.vertex = VertexMap(depth_m, camera);
-  level.normal = NormalMap(level.vertex, camera, PreprocessOptions());
+  level.normal = NormalMap(level.vertex, {camera, {}}, PreprocessOptions());
   return level;
 }
 
@@ -118,7 +118,7 @@ BlockMean MeanOfBlock(const FrameLevel& fine, int u, int v, const PreprocessOpti
     pixels.emplace_back(1.0 / fine.vertex.z(x, y), fine.normal(x, y).cast<double>());
     nearest = std::max(nearest, pixels.back().first);
   }
-  const double edge = 3 * options.noise.inverse_depth_sigma +
+  const double edge = 3 * DepthNoise().inverse_depth_sigma +
                       nearest * std::tan(options.max_slant_rad) / fine.camera.fx;
   double sum = 0;
   int count = 0;
@@ -209,7 +209,7 @@ TEST_P(PyramidSizes, ShortensItselfForSmallImages) {
   PreprocessOptions options;
   options.pyramid_levels = GetParam().most_levels;
   const FramePyramid pyramid =
-      PreprocessDepth(Image<float>(camera.width, camera.height, 1.f), camera, options);
+      PreprocessDepth(Image<float>(camera.width, camera.height, 1.f), {camera, {}}, options);
   ASSERT_EQ(pyramid.levels.size(), static_cast<std::size_t>(GetParam().levels));
   for (std::size_t i = 0; i < pyramid.levels.size(); ++i) {
     EXPECT_EQ(pyramid.levels[i].camera.width, camera.width >> i);

@@ -1,9 +1,8 @@
-#include "surfit/geometry/pinhole_camera.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "surfit/core/error.h"
+#include "surfit/geometry/sensor.h"
 
 namespace surfit {
 namespace {

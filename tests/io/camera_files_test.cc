@@ -62,6 +62,7 @@ RgbdCamera SomeCamera() {
   camera.color_is_registered = false;
   camera.color_from_depth = Rigid3d(QuaternionExp<double>({0.1, -0.2, 0.3}), {0.025, -0.01, 0.002});
   camera.depth_units_per_metre = 6553.5;
+  camera.noise.inverse_depth_sigma = 0.0031;
   camera.frames_per_second = 29.97;
   return camera;
 }
@@ -82,6 +83,7 @@ TEST(CameraYaml, ReadsWhatItWrites) {
   EXPECT_EQ(read.color.width, 1280);
   EXPECT_EQ(read.color.fy, camera.color.fy);
   EXPECT_EQ(read.depth_units_per_metre, camera.depth_units_per_metre);
+  EXPECT_EQ(read.noise.inverse_depth_sigma, camera.noise.inverse_depth_sigma);
   EXPECT_EQ(read.frames_per_second, camera.frames_per_second);
   // Numbers are written with 17 digits; reading normalises the quaternion: a rounding error.
   EXPECT_LT((read.color_from_depth.Matrix() - camera.color_from_depth.Matrix()).norm(), 1e-15);
@@ -138,6 +140,7 @@ TEST(CameraYaml, NamesFileAndKeyOfWhatIsWrong) {
                             "depth_units_per_metre is missing");
   ExpectErrorAfterReplacing("color_camera: {", "color_camera: [", "");
   ExpectErrorAfterReplacing("5000.", "0.", "depth_units_per_metre is 0");
+  ExpectErrorAfterReplacing("5000.", "5000.\ninverse_depth_sigma: 0.", "inverse_depth_sigma is 0");
 }
 
 TEST(CameraYaml, NamesAFileThatCannotBeReadOrWritten) {

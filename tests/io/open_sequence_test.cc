@@ -1,5 +1,7 @@
 #include <gmock/gmock.h>
 
+#include <cmath>
+
 #include "io/image_sequence.h"
 #include "surfit/io/camera_yaml.h"
 #include "surfit/io/sequence.h"
@@ -89,6 +91,9 @@ TEST_F(OpenSequenceTest, RefusesBadOptionsByName) {
   expect([](auto* o) { o->prepare.downsample = 17; }, "downsample is 17");
   expect([](auto* o) { o->prepare.max_depth_m = -1; }, "max_depth_m is -1");
   expect([](auto* o) { o->depth_units_per_metre = 0; }, "depth_units_per_metre is 0");
+  expect([](auto* o) { o->inverse_depth_sigma = 0; },
+         "inverse_depth_sigma is 0, must be positive and below 1 (1/m)");
+  expect([](auto* o) { o->inverse_depth_sigma = std::nan(""); }, "inverse_depth_sigma is nan");
   expect([](auto* o) { o->frames_per_second = -3; }, "frames_per_second is -3");
   expect([](auto* o) { o->intrinsics = {0, 1, 2, 3}; }, "fx is 0");
   expect([](auto* o) { o->color_from_depth = Rigid3d(); }, "give color_intrinsics too");
@@ -116,7 +121,9 @@ TEST_F(OpenSequenceTest, ThePresetBeatsTheFolderAndFiguresBeatBoth) {
   options_.camera = "";
   options_.distortion = {0.01, 0, 0, 0, 0};
   options_.depth_units_per_metre = 2000;
+  options_.inverse_depth_sigma = 0.0031;
   const auto source = OpenSequence(options_);
+  EXPECT_EQ(source->info().sensor().noise.inverse_depth_sigma, 0.0031);
   EXPECT_EQ(source->info().camera.depth.distortion[0], 0.01);
   EXPECT_FLOAT_EQ(source->Next()->frame->depth_m(15, 11), (1000 + (11 * 32 + 15) % 7) / 2000.f);
 }

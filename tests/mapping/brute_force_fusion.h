@@ -91,7 +91,7 @@ class BruteForceFusion {
     for (int qv = std::max(0, v - 1); qv < std::min(height_, v + 2); ++qv) {
       for (int qu = std::max(0, u - 1); qu < std::min(width_, u + 2); ++qu) {
         const double d = f_.frame.depth_m(qu, qv);
-        const double margin = options_.free_space_margin_m + 4 * options_.noise.SigmaZ(d);
+        const double margin = options_.free_space_margin_m + 4 * f_.surface.noise.SigmaZ(d);
         if (d == 0 || !Positive(d - margin - z)) through = false;
       }
     }
@@ -116,7 +116,7 @@ class BruteForceFusion {
   // Of the neighbours, the one whose plane is nearest and within half a sigma.
   Eigen::Vector3d NormalOfNeighbour(int pixel) {
     const Eigen::Vector3d p = Vertex(pixel);
-    double nearest = options_.noise.SigmaZ(p.z()) / 2;
+    double nearest = f_.surface.noise.SigmaZ(p.z()) / 2;
     Eigen::Vector3d normal = Eigen::Vector3d::Zero();
     for (int q = 0; q < width_ * height_; ++q) {
       if (!AreNeighbours(pixel, q) || !HasOwnNormal(q)) continue;

@@ -225,8 +225,6 @@ TEST(FusionOptions, RefuseWhatMakesNoSense) {
   expect_refused([](auto& o) { o.max_map_points = -1; },
                  "max_map_points is -1, must be zero (no limit) or positive");
   expect_refused([](auto& o) { o.free_space_margin_m = 0; }, "free_space_margin_m is 0");
-  expect_refused([](auto& o) { o.noise.inverse_depth_sigma = -1; },
-                 "inverse_depth_sigma is -1, must be zero or positive");
 }
 
 }  // namespace

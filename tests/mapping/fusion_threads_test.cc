@@ -19,7 +19,7 @@ TEST(FusionThreads, MapsAreTheSameBitForBitAtAnyNumberOfThreads) {
   std::vector<FramePyramid> pyramids;
   for (int i = 0; i < 5; ++i) {
     frames.push_back(RenderFrame(scene, camera, path[i].world_from_camera, i));
-    pyramids.push_back(PreprocessDepth(frames.back().depth_m, camera, {}));
+    pyramids.push_back(PreprocessDepth(frames.back().depth_m, {camera, {}}, {}));
   }
   std::vector<SurfelMap> maps;
   for (const int threads : {1, 2, 4}) {

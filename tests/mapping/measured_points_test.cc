@@ -10,6 +10,7 @@ namespace {
 
 FrameLevel Surface(const PinholeCamera& camera, const Eigen::Vector3f& normal, float depth_m) {
   FrameLevel surface{camera,
+                     {},
                      VectorImage(camera.width, camera.height),
                      VectorImage(camera.width, camera.height),
                      {}};
@@ -122,7 +123,7 @@ TEST(FreeDepths, EndAMarginAndFourSigmasBeforeTheNearestDepthAround) {
   const PinholeCamera camera = SmallCamera();
   RgbdFrame frame = FrameOf(camera, 3);
   frame.depth_m(2, 2) = 2;
-  const Image<float> free_depth_m = FreeDepths(frame.depth_m, {});
+  const Image<float> free_depth_m = FreeDepths(frame.depth_m, {}, {});
   const float near = 2 - 0.05f - 0.032f, far = 3 - 0.05f - 0.072f;
   for (int v = 0; v < camera.height; ++v) {
     for (int u = 0; u < camera.width; ++u) {
@@ -136,7 +137,7 @@ TEST(FreeDepths, BesideAMissingDepthNothingIsFree) {
   const PinholeCamera camera = SmallCamera();
   RgbdFrame frame = FrameOf(camera, 3);
   frame.depth_m(6, 0) = 0;
-  const Image<float> free_depth_m = FreeDepths(frame.depth_m, {});
+  const Image<float> free_depth_m = FreeDepths(frame.depth_m, {}, {});
   for (int v = 0; v < camera.height; ++v) {
     for (int u = 0; u < camera.width; ++u) {
       EXPECT_EQ(free_depth_m(u, v) == 0, u >= 5 && v <= 1);
@@ -146,7 +147,7 @@ TEST(FreeDepths, BesideAMissingDepthNothingIsFree) {
 
 TEST(FreeDepths, TheMarginNeverReachesBehindTheCamera) {
   const PinholeCamera camera = SmallCamera();
-  const Image<float> free_depth_m = FreeDepths(FrameOf(camera, 0.04f).depth_m, {});
+  const Image<float> free_depth_m = FreeDepths(FrameOf(camera, 0.04f).depth_m, {}, {});
   EXPECT_EQ(free_depth_m(3, 2), 0);
 }
 

@@ -36,7 +36,7 @@ class DiscAtPixel {
     point_ = depth_ * ray;
     const double radius = 1. * options.radius_share * s.radius_m;
     offset_ = (point_ - p).norm() / radius;
-    back_ = depth_ + options.surface_thickness_m + 4 * options.noise.SigmaZ(depth_);
+    back_ = depth_ + options.surface_thickness_m + 4 * DepthNoise().SigmaZ(depth_);
     const double window = std::min(camera.fx * radius / p.z(), 1. * options.max_half_window_px);
     const Eigen::Vector2d off = camera.Project(p) - Eigen::Vector2d(u, v);
     // All are positive where the disc covers the pixel.
@@ -123,8 +123,8 @@ TEST(ModelRenderer, DrawsWhatBruteForceFinds) {
     RenderOptions options;
     options.radius_share = trial % 2 == 0 ? 0.6f : 1;
     options.max_half_window_px = trial < 3 ? 4 : 20;
-    const Coverage coverage =
-        CheckView(map, ModelRenderer(options).Render(map, SmallCamera(), world_from_view), options);
+    const Coverage coverage = CheckView(
+        map, ModelRenderer(options).Render(map, {SmallCamera(), {}}, world_from_view), options);
     EXPECT_GT(coverage.drawn, 200);
     EXPECT_GT(coverage.empty, 200);
   }
@@ -142,7 +142,7 @@ TEST(ModelRenderer, DrawsWhatBruteForceFindsOfLargeDiscsCloseBy) {
       map.Append(Disc({z * Uniform(-0.4f, 0.4f, &rng), z * Uniform(-0.3f, 0.3f, &rng), z},
                       RandomNormal(1.55f, &rng), 0.5f, Uniform(0, 20, &rng)));
     }
-    CheckView(map, ModelRenderer(options).Render(map, SmallCamera(), {}), options);
+    CheckView(map, ModelRenderer(options).Render(map, {SmallCamera(), {}}, {}), options);
   }
 }
 

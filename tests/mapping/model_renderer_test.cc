@@ -32,7 +32,7 @@ TEST(ModelRenderer, WritesTheDiscThatTheIndexNames) {
   const Rigid3d world_from_view = RandomPose(2, 2, &rng);
   const SurfelMap map = RandomDiscs(500, 0.15f, world_from_view, &rng);
   const PinholeCamera camera = SmallCamera();
-  const ModelView view = ModelRenderer({}).Render(map, camera, world_from_view);
+  const ModelView view = ModelRenderer({}).Render(map, {camera, {}}, world_from_view);
   const Image<Rgb8> colors = ColorsOf(view, map);
   EXPECT_EQ(view.surface.camera.width, camera.width);
   EXPECT_EQ(view.world_from_view.Matrix(), world_from_view.Matrix());
@@ -61,7 +61,7 @@ TEST(ModelRenderer, WritesTheDiscThatTheIndexNames) {
 }
 
 TEST(ModelRenderer, OfAnEmptyMapSeesNothing) {
-  const ModelView view = ModelRenderer({}).Render({}, SmallCamera(), {});
+  const ModelView view = ModelRenderer({}).Render({}, {SmallCamera(), {}}, {});
   EXPECT_EQ(view.surfel_index, Image<std::int32_t>(64, 48, ModelView::kNoSurfel));
   EXPECT_THAT(view.surface.vertex.z, Each(0.f));
   EXPECT_THAT(view.surface.normal.z, Each(0.f));
@@ -78,7 +78,7 @@ TEST(ModelRenderer, DrawsActiveSurfelsOnly) {
   surfel.last_seen = 7;
   map.Append(surfel);
   const auto seen = [&](int active_since) {
-    return ModelRenderer({}).Render(map, SmallCamera(), {}, active_since).surfel_index;
+    return ModelRenderer({}).Render(map, {SmallCamera(), {}}, {}, active_since).surfel_index;
   };
   EXPECT_THAT(seen(7), ::testing::Contains(0));
   EXPECT_THAT(seen(8), Each(ModelView::kNoSurfel));
@@ -88,9 +88,10 @@ TEST(ModelRenderer, ForgetsTheViewBefore) {
   SurfelMap map;
   map.Append(Disc({0, 0, 1}, {0, 0, -1}, 0.1f, 20));
   ModelRenderer renderer({});
-  EXPECT_THAT(renderer.Render(map, SmallCamera(), {}).surfel_index, ::testing::Contains(0));
-  EXPECT_THAT(renderer.Render({}, SmallCamera(), {}).surfel_index, Each(ModelView::kNoSurfel));
-  EXPECT_EQ(renderer.Render({}, {5, 3, 60, 60, 2, 1, {}}, {}).surfel_index.size(), 15u);
+  EXPECT_THAT(renderer.Render(map, {SmallCamera(), {}}, {}).surfel_index, ::testing::Contains(0));
+  EXPECT_THAT(renderer.Render({}, {SmallCamera(), {}}, {}).surfel_index,
+              Each(ModelView::kNoSurfel));
+  EXPECT_EQ(renderer.Render({}, {{5, 3, 60, 60, 2, 1, {}}, {}}, {}).surfel_index.size(), 15u);
 }
 
 // A wall of surfels, one for each pixel that a camera at the origin sees at this depth.
@@ -116,21 +117,21 @@ TEST(ModelRenderer, TheNearerOfTwoWallsHidesTheOther) {
   SurfelMap map;
   AppendWall(2, 20, camera, &map);
   AppendWall(1.5f, 20, camera, &map);
-  const ModelView view = ModelRenderer({}).Render(map, camera, {});
+  const ModelView view = ModelRenderer({}).Render(map, {camera, {}}, {});
   for (const float z : view.surface.vertex.z) EXPECT_NEAR(z, 1.5, 1e-6);
 }
 
 // The mean depth error of what is drawn of two walls in one place, M surfels in all with noise of
 // sigma; most rays meet several.
-double MeanErrorOfNoisyWall(float sigma, const RenderOptions& options) {
+double MeanErrorOfNoisyWall(float sigma, const RenderOptions& options, const DepthNoise& noise) {
   const PinholeCamera camera = SmallCamera();
   std::mt19937_64 rng(5);
-  std::normal_distribution<float> noise(0, sigma);
+  std::normal_distribution<float> error(0, sigma);
   SurfelMap map;
-  const auto add_noise = [&](Surfel* s) { s->position_in_world.z() += noise(rng); };
+  const auto add_noise = [&](Surfel* s) { s->position_in_world.z() += error(rng); };
   AppendWall(2, 20, camera, &map, add_noise);
   AppendWall(2, 20, camera, &map, add_noise);
-  const ModelView view = ModelRenderer(options).Render(map, camera, {});
+  const ModelView view = ModelRenderer(options).Render(map, {camera, noise}, {});
   double sum = 0;
   for (const float z : view.surface.vertex.z) sum += z - 2;
   return sum / static_cast<double>(view.surface.vertex.z.size());
@@ -141,21 +142,20 @@ double MeanErrorOfNoisyWall(float sigma, const RenderOptions& options) {
 // be, whose mean is sigma / sqrt(pi) nearer.
 TEST(ModelRenderer, NoiseDoesNotMakeSurfacesNearer) {
   constexpr float kSigma = 0.005f;
-  EXPECT_NEAR(MeanErrorOfNoisyWall(kSigma, {}), 0, 5 * kSigma / std::sqrt(2 * 64 * 48 / 4));
+  EXPECT_NEAR(MeanErrorOfNoisyWall(kSigma, {}, {}), 0, 5 * kSigma / std::sqrt(2 * 64 * 48 / 4));
   RenderOptions first_disc;
   first_disc.surface_thickness_m = 0;
-  first_disc.noise.inverse_depth_sigma = 0;
-  EXPECT_LT(MeanErrorOfNoisyWall(kSigma, first_disc), -kSigma / std::sqrt(M_PI));
+  EXPECT_LT(MeanErrorOfNoisyWall(kSigma, first_disc, {0}), -kSigma / std::sqrt(M_PI));
 }
 
 TEST(ModelRenderer, AStableWallIsSeenThroughAnUnstableOne) {
   const PinholeCamera camera = SmallCamera();
   SurfelMap map;
   AppendWall(1.5f, 0.999f * RenderOptions().stable_confidence, camera, &map);
-  const ModelView unstable = ModelRenderer({}).Render(map, camera, {});
+  const ModelView unstable = ModelRenderer({}).Render(map, {camera, {}}, {});
   for (const float z : unstable.surface.vertex.z) EXPECT_NEAR(z, 1.5, 1e-6);
   AppendWall(2, RenderOptions().stable_confidence, camera, &map);
-  const ModelView view = ModelRenderer({}).Render(map, camera, {});
+  const ModelView view = ModelRenderer({}).Render(map, {camera, {}}, {});
   for (const float z : view.surface.vertex.z) EXPECT_NEAR(z, 2, 1e-6);
 }
 
@@ -165,7 +165,7 @@ TEST(ModelRenderer, WhatWasSeenAtDepthEdgesAloneIsNotDrawn) {
   AppendWall(1.5f, RenderOptions().stable_confidence, camera, &map,
              [](Surfel* s) { s->at_edge = true; });
   AppendWall(2, RenderOptions().stable_confidence, camera, &map);
-  const ModelView view = ModelRenderer({}).Render(map, camera, {});
+  const ModelView view = ModelRenderer({}).Render(map, {camera, {}}, {});
   for (const float z : view.surface.vertex.z) EXPECT_NEAR(z, 2, 1e-6);
 }
 
@@ -178,7 +178,7 @@ TEST(ModelRenderer, AWallMadeFromPixelsHasNoHoles) {
   for (const double step : {0., 0.01, 0.017, 0.02}) {
     Rigid3d pose(QuaternionExp<double>({0, 0, 10 * step}),
                  Eigen::Vector3d(step, step / 2, 5 * step));
-    const ModelView view = ModelRenderer({}).Render(map, camera, pose);
+    const ModelView view = ModelRenderer({}).Render(map, {camera, {}}, pose);
     for (int v = 12; v < 36; ++v) {
       for (int u = 16; u < 48; ++u) {
         EXPECT_NE(view.surfel_index(u, v), ModelView::kNoSurfel) << step << " " << u << " " << v;
@@ -193,7 +193,7 @@ TEST(ModelRenderer, DoesNotDrawWhatIsTurnedAwayOrBehindTheCamera) {
   map.Append(Disc({0, 0, -1}, {0, 0, -1}, 0.2f, 20));
   map.Append(Disc({0, 0, -1}, {0, 0, 1}, 0.2f, 20));
   map.Append(Disc({0, 0, 0}, {0, 0, -1}, 0.2f, 20));
-  const ModelView view = ModelRenderer({}).Render(map, SmallCamera(), {});
+  const ModelView view = ModelRenderer({}).Render(map, {SmallCamera(), {}}, {});
   EXPECT_THAT(view.surfel_index, Each(ModelView::kNoSurfel));
 }
 
@@ -204,7 +204,7 @@ TEST(ModelRendererThreads, ViewsAreTheSameBitForBitAtAnyNumberOfThreads) {
   std::vector<ModelView> views;
   for (const int threads : {1, 2, 4}) {
     const ThreadLimit limit(threads);
-    views.push_back(ModelRenderer({}).Render(map, SmallCamera(), pose));
+    views.push_back(ModelRenderer({}).Render(map, {SmallCamera(), {}}, pose));
   }
   for (const ModelView& view : views) {
     EXPECT_TRUE(view.surfel_index == views[0].surfel_index);
@@ -235,8 +235,6 @@ TEST(RenderOptions, RefuseWhatMakesNoSense) {
   expect_refused([](auto& o) { o.max_half_window_px = 65; }, "max_half_window_px is 65");
   expect_refused([](auto& o) { o.surface_thickness_m = -1; },
                  "surface_thickness_m is -1, must be zero or positive");
-  expect_refused([](auto& o) { o.noise.inverse_depth_sigma = -1; },
-                 "inverse_depth_sigma is -1, must be zero or positive");
 }
 
 }  // namespace

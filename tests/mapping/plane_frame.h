@@ -26,7 +26,7 @@ inline FrameWithSurface BlankFrame(const PinholeCamera& camera, int index) {
   f.frame.index = index;
   f.frame.depth_m = Image<float>(width, height, 0.f);
   f.frame.color = Image<Rgb8>(width, height, Rgb8{100, 150, 200});
-  f.surface = {camera, VectorImage(width, height), VectorImage(width, height), {}};
+  f.surface = {camera, {}, VectorImage(width, height), VectorImage(width, height), {}};
   return f;
 }
 

@@ -28,9 +28,9 @@ int main() {
   const surfit::PinholeCamera camera{160, 120, 130, 130, 79.5, 59.5};
   const surfit::PreprocessOptions options;
   const surfit::FramePyramid target =
-      surfit::PreprocessDepth(CornerFrom(0, camera), camera, options);
+      surfit::PreprocessDepth(CornerFrom(0, camera), {camera, {}}, options);
   const surfit::FramePyramid source =
-      surfit::PreprocessDepth(CornerFrom(0.02, camera), camera, options);
+      surfit::PreprocessDepth(CornerFrom(0.02, camera), {camera, {}}, options);
   const surfit::IcpResult icp = surfit::Register(source, target, {}, surfit::IcpOptions());
   const double z_m = icp.target_from_source.translation.z();
   std::printf("%s: z = %.4f m\n", ToString(icp.termination).c_str(), z_m);

@@ -42,7 +42,7 @@ int Count(const Image<Rgb8>& image, Rgb8 color, int begin, int end) {
 constexpr int kTile = LivePicture::kTileWidth * LivePicture::kTileHeight;
 
 TEST(LivePicture, ShowsTheFrameInItsTile) {
-  LivePicture picture(kCamera);
+  LivePicture picture({kCamera, {}});
   RgbdFrame frame;
   frame.color = Image<Rgb8>(320, 240, kGreen);
   picture.ShowFrame(frame);
@@ -51,7 +51,7 @@ TEST(LivePicture, ShowsTheFrameInItsTile) {
 }
 
 TEST(LivePicture, ShowsDepthWhereThereIsNoColour) {
-  LivePicture picture(kCamera);
+  LivePicture picture({kCamera, {}});
   RgbdFrame frame;
   frame.depth_m = Image<float>(320, 240, 1.f);
   picture.ShowFrame(frame);
@@ -59,7 +59,7 @@ TEST(LivePicture, ShowsDepthWhereThereIsNoColour) {
 }
 
 TEST(LivePicture, ShowsTheModelByColourAndByNormal) {
-  LivePicture picture(kCamera);
+  LivePicture picture({kCamera, {}});
   // 2.4 m of wall at 2 m fill 312 of 320 columns and all rows.
   picture.ShowModel(Wall(), {}, ModelColors::kColor);
   EXPECT_GT(Count(picture.image(), kGreen, 0, LivePicture::kTileHeight), 0.8 * kTile);
@@ -70,7 +70,7 @@ TEST(LivePicture, ShowsTheModelByColourAndByNormal) {
 
 TEST(LivePicture, ShowsTheMapAndThePathBeforeIt) {
   constexpr int kTop = LivePicture::kTileHeight + LivePicture::kTextHeight;
-  LivePicture picture(kCamera);
+  LivePicture picture({kCamera, {}});
   picture.ShowMap(Wall(), {});
   const int without_path = Count(picture.image(), kGreen, kTop, LivePicture::kHeight);
   EXPECT_GT(without_path, 10000);
@@ -83,7 +83,7 @@ TEST(LivePicture, ShowsTheMapAndThePathBeforeIt) {
 }
 
 TEST(LivePicture, LeavesAnEmptyMapOut) {
-  LivePicture picture(kCamera);
+  LivePicture picture({kCamera, {}});
   const Image<Rgb8> before = picture.image();
   picture.ShowMap(SurfelMap(), {});
   EXPECT_EQ(picture.image(), before);

@@ -14,7 +14,7 @@ using testing::ExpectInputError;
 using ::testing::HasSubstr;
 
 FrameLevel Wall(float depth_m) {
-  return PreprocessDepth(Image<float>(320, 240, depth_m), testing::PlaceCamera(),
+  return PreprocessDepth(Image<float>(320, 240, depth_m), {testing::PlaceCamera(), {}},
                          PreprocessOptions())
       .levels.front();
 }

@@ -18,7 +18,7 @@ using testing::PlaceCamera;
 // A wall 2 m away, of one colour but for its upper left quarter, whose colour is unknown.
 struct Wall {
   FramePyramid pyramid =
-      PreprocessDepth(Image<float>(320, 240, 2.f), PlaceCamera(), PreprocessOptions());
+      PreprocessDepth(Image<float>(320, 240, 2.f), {PlaceCamera(), {}}, PreprocessOptions());
   Image<Rgb8> color = Image<Rgb8>(320, 240, Rgb8{100, 100, 100});
 
   Wall() {
@@ -60,7 +60,7 @@ TEST(MakePlaceView, HalvesImagesThatAreTooWide) {
 
 TEST(MakePlaceView, LeavesOutDepthBeyondItsRange) {
   const FramePyramid far =
-      PreprocessDepth(Image<float>(320, 240, 14.f), PlaceCamera(), PreprocessOptions());
+      PreprocessDepth(Image<float>(320, 240, 14.f), {PlaceCamera(), {}}, PreprocessOptions());
   for (const std::uint16_t units : MakePlaceView(far, {}, PlaceViewOptions()).depth) {
     EXPECT_EQ(units, 0);
   }

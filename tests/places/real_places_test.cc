@@ -29,7 +29,7 @@ std::vector<Keyframe> KitchenFrames(int first, int last, int stride) {
   std::vector<Keyframe> keyframes;
   while (const std::optional<ReadResult> read = source->Next()) {
     const FramePyramid pyramid =
-        PreprocessDepth(read->frame->depth_m, source->info().pinhole, PreprocessOptions());
+        PreprocessDepth(read->frame->depth_m, source->info().sensor(), PreprocessOptions());
     keyframes.push_back({read->index, read->stamp_s,
                          *InterpolatePose(source->info().ground_truth, read->stamp_s),
                          MakePlaceView(pyramid, read->frame->color, PlaceViewOptions())});

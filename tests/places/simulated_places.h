@@ -23,7 +23,8 @@ inline RgbdFrame SeenFrom(const Scene& scene, const Rigid3d& world_from_camera, 
 }
 
 inline Keyframe KeyframeOf(const RgbdFrame& frame, const Rigid3d& world_from_camera) {
-  const FramePyramid pyramid = PreprocessDepth(frame.depth_m, PlaceCamera(), PreprocessOptions());
+  const FramePyramid pyramid =
+      PreprocessDepth(frame.depth_m, {PlaceCamera(), {}}, PreprocessOptions());
   return {frame.index, frame.stamp_s, world_from_camera,
           MakePlaceView(pyramid, frame.color, PlaceViewOptions())};
 }

@@ -76,7 +76,7 @@ TEST(VerifyLoop, RefusesWithoutDepth) {
 
 TEST(VerifyLoop, RefusesAnEvenWall) {
   const FramePyramid pyramid =
-      PreprocessDepth(Image<float>(320, 240, 2.f), PlaceCamera(), PreprocessOptions());
+      PreprocessDepth(Image<float>(320, 240, 2.f), {PlaceCamera(), {}}, PreprocessOptions());
   const PlaceView wall =
       MakePlaceView(pyramid, Image<Rgb8>(320, 240, {120, 120, 120}), PlaceViewOptions());
   EXPECT_EQ(VerifyLoop(wall, wall, kOptions).reason, LoopReason::kNoStart);
@@ -143,7 +143,7 @@ PlaceView StripedWall(double shift_m) {
       color(u, v) = {grey, grey, grey};
     }
   }
-  return MakePlaceView(PreprocessDepth(depth_m, PlaceCamera(), PreprocessOptions()), color,
+  return MakePlaceView(PreprocessDepth(depth_m, {PlaceCamera(), {}}, PreprocessOptions()), color,
                        PlaceViewOptions());
 }
 

@@ -190,7 +190,7 @@ Recording Record(int count, double offset_per_m, double pose_error_m, double pos
     const Rigid3d error = k == 0 ? Rigid3d() : RandomPose(pose_error_rad, pose_error_m, &random);
     recording.truth.push_back(pose);
     recording.keyframes.push_back(
-        {pose * error, MakeKeyframeImages(frame, TrueCamera(), PreprocessOptions())});
+        {pose * error, MakeKeyframeImages(frame, {TrueCamera(), {}}, PreprocessOptions())});
   }
   return recording;
 }

@@ -51,7 +51,7 @@ TEST_F(AssociationTest, MatchesTheMovedPointWithTheNearestPixel) {
   EXPECT_THAT(pairs.q(0), VectorNear(target_.camera.Ray(5, 3).cast<float>().eval(), 1e-6));
   EXPECT_THAT(pairs.n(0), VectorNear(Eigen::Vector3f(0.6f, 0, -0.8f), 1e-6));
   EXPECT_THAT(pairs.m(0), VectorNear(Eigen::Vector3f(0, 0, -1), 1e-6));
-  EXPECT_NEAR(pairs.information[0], 1 / std::pow(ErrorModel().Sigma(1), 2), 1);  // 1e-6 of 5e4
+  EXPECT_NEAR(pairs.information[0], 1 / std::pow(ErrorModel().Sigma(1, {}), 2), 1);  // 1e-6 of 5e4
 }
 
 TEST_F(AssociationTest, RotatesAboutTheSourceCamera) {

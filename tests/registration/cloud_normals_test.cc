@@ -36,10 +36,10 @@ Points Rectangle(double side_x, double side_y, double density, double sigma_m,
 }
 
 // For points whose noise does not depend on where they were seen from.
-CloudNormalOptions WithoutDepthNoise() {
-  CloudNormalOptions options;
-  options.noise.inverse_depth_sigma = 0;
-  return options;
+CloudSensor WithoutDepthNoise() {
+  CloudSensor sensor;
+  sensor.noise.inverse_depth_sigma = 0;
+  return sensor;
 }
 
 TEST(CloudNormals, AreExactOnATiltedPlaneOfAnyScale) {
@@ -47,7 +47,7 @@ TEST(CloudNormals, AreExactOnATiltedPlaneOfAnyScale) {
     const Eigen::Quaterniond turn = QuaternionExp<double>({0.3, -0.4, 0.2});
     const Points points =
         Rectangle(scale, scale, 3000 / (scale * scale), 0, {turn, {scale, 2 * scale, 5 * scale}});
-    const CloudNormals result = EstimateCloudNormals(points, WithoutDepthNoise());
+    const CloudNormals result = EstimateCloudNormals(points, WithoutDepthNoise(), {});
     EXPECT_EQ(result.missing, 0);
     const Eigen::Vector3f expected = (turn * -Eigen::Vector3d::UnitZ()).cast<float>();
     for (const auto& normal : result.normals) {
@@ -66,7 +66,7 @@ TEST(CloudNormals, TakeAsManyNeighboursAsTheNoiseNeeds) {
   for (const double sigma_m : {0.0005, 0.004}) {
     const Points points =
         Rectangle(1, 1, 20000, sigma_m, {Eigen::Quaterniond::Identity(), {0, 0, 2}});
-    const CloudNormals result = EstimateCloudNormals(points, WithoutDepthNoise());
+    const CloudNormals result = EstimateCloudNormals(points, WithoutDepthNoise(), {});
     EXPECT_LT(result.missing, 0.01 * points.size());
     double square = 0, deviation_m = 0;
     const double found = static_cast<double>(points.size()) - result.missing;
@@ -86,9 +86,10 @@ TEST(CloudNormals, TakeAsManyNeighboursAsTheNoiseNeeds) {
 // A fixed ten neighbours of 4 mm noise, 7 mm apart, would give normals off by 0.3 rad.
 TEST(CloudNormals, NeedMoreThanTheFirstRadiusWhereThereIsNoise) {
   const Points points = Rectangle(1, 1, 20000, 0.004);
-  CloudNormalOptions options = WithoutDepthNoise();
+  CloudNormalOptions options;
   options.max_growth = 1;
-  EXPECT_GT(EstimateCloudNormals(points, options).missing, 0.9 * points.size());
+  EXPECT_GT(EstimateCloudNormals(points, WithoutDepthNoise(), options).missing,
+            0.9 * points.size());
 }
 
 // Two walls that meet at a right angle along y.
@@ -98,9 +99,9 @@ TEST(CloudNormals, AreOfOneWallOrMissingNearAnEdge) {
   const Points other =
       Rectangle(1, 1, 20000, 0.001, {QuaternionExp<double>({0, half_pi, 0}), {0, 0, 1.5}});
   points.insert(points.end(), other.begin(), other.end());
-  CloudNormalOptions options = WithoutDepthNoise();
-  options.viewpoint = {0.5, 0, 1.5};
-  const CloudNormals result = EstimateCloudNormals(points, options);
+  CloudSensor sensor = WithoutDepthNoise();
+  sensor.viewpoint = {0.5, 0, 1.5};
+  const CloudNormals result = EstimateCloudNormals(points, sensor, {});
   int slanted = 0;
   for (const auto& n : result.normals) {
     const bool is_wall = (n + Eigen::Vector3f::UnitZ()).norm() < 0.3f ||
@@ -120,9 +121,9 @@ TEST(CloudNormals, SeeThroughTheLayersOfADepthCamera) {
   Points points = Rectangle(1, 1, 20000, 0, pose);
   for (auto& point : points) point *= 0.036f * std::round(point.z() / 0.036f) / point.z();
   const Eigen::Vector3f expected = (pose.rotation * -Eigen::Vector3d::UnitZ()).cast<float>();
-  const auto share_right = [&](const CloudNormalOptions& options) {
+  const auto share_right = [&](const CloudSensor& sensor) {
     int right = 0;
-    for (const auto& n : EstimateCloudNormals(points, options).normals) {
+    for (const auto& n : EstimateCloudNormals(points, sensor, {}).normals) {
       right += n.dot(expected) > std::cos(0.15);
     }
     return right / static_cast<double>(points.size());
@@ -137,7 +138,7 @@ TEST(CloudNormals, FaceTheViewpoint) {
   for (int i = 0; i < 5000; ++i) {
     sphere.push_back(testing::RandomVector(1, &rng).normalized().cast<float>());
   }
-  const CloudNormals inwards = EstimateCloudNormals(sphere, {});
+  const CloudNormals inwards = EstimateCloudNormals(sphere, {}, {});
   EXPECT_EQ(inwards.missing, 0);
   for (std::size_t i = 0; i < sphere.size(); ++i) {
     ASSERT_LT(inwards.normals[i].dot(sphere[i]), -0.98f);  // 0.2 rad
@@ -149,7 +150,7 @@ TEST(CloudNormals, AreMissingWhereThereIsNoPlane) {
   points.push_back({0, 0, 9});                                                           // a stray
   for (int i = 0; i < 50; ++i) points.push_back({3, 3, 0.01f * static_cast<float>(i)});  // a wire
   for (int i = 0; i < 50; ++i) points.push_back({5, 5, 5});  // one place
-  const CloudNormals result = EstimateCloudNormals(points, WithoutDepthNoise());
+  const CloudNormals result = EstimateCloudNormals(points, WithoutDepthNoise(), {});
   EXPECT_EQ(result.missing, 101);
   for (std::size_t i = 1000; i < points.size(); ++i) {
     EXPECT_TRUE(result.normals[i].isZero(0));
@@ -158,7 +159,7 @@ TEST(CloudNormals, AreMissingWhereThereIsNoPlane) {
   for (const Points& few :
        {Points(), Points(1, Eigen::Vector3f::Zero()), Points(9, Eigen::Vector3f::Zero()),
         Points(20, Eigen::Vector3f::Zero())}) {
-    EXPECT_EQ(EstimateCloudNormals(few, {}).missing, static_cast<int>(few.size()));
+    EXPECT_EQ(EstimateCloudNormals(few, {}, {}).missing, static_cast<int>(few.size()));
   }
 }
 
@@ -167,7 +168,7 @@ TEST(CloudNormals, IsTheSameAtAnyNumberOfThreads) {
   std::vector<CloudNormals> results;
   for (const int threads : {1, 4}) {
     const ThreadLimit limit(threads);
-    results.push_back(EstimateCloudNormals(points, WithoutDepthNoise()));
+    results.push_back(EstimateCloudNormals(points, WithoutDepthNoise(), {}));
   }
   EXPECT_EQ(results[0].normals, results[1].normals);
   EXPECT_EQ(results[0].deviation_m, results[1].deviation_m);
@@ -176,11 +177,11 @@ TEST(CloudNormals, IsTheSameAtAnyNumberOfThreads) {
 TEST(CloudNormals, RefusesImpossibleOptions) {
   CloudNormalOptions options;
   options.radius_m = -1;
-  testing::ExpectInputError([&] { EstimateCloudNormals({}, options); },
+  testing::ExpectInputError([&] { EstimateCloudNormals({}, {}, options); },
                             HasSubstr("radius_m is -1, must be zero"));
   options = {};
   options.min_neighbors = 3;
-  testing::ExpectInputError([&] { EstimateCloudNormals({}, options); },
+  testing::ExpectInputError([&] { EstimateCloudNormals({}, {}, options); },
                             HasSubstr("min_neighbors is 3, must be at least 4"));
 }
 

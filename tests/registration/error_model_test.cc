@@ -12,15 +12,15 @@ namespace {
 TEST(ErrorModel, SigmaAddsTheFloorToTheSensorsNoise) {
   ErrorModel model;
   model.floor_sigma_m = 0.003;
-  model.noise.inverse_depth_sigma = 0.001;
-  EXPECT_NEAR(model.Sigma(2), 0.005, 1e-15);  // 3, 4, 5
-  model.noise.inverse_depth_sigma = 0;
-  EXPECT_EQ(model.Sigma(5), 0.003);
+  EXPECT_NEAR(model.Sigma(2, {0.001}), 0.005, 1e-15);  // 3, 4, 5
+  EXPECT_EQ(model.Sigma(5, {0}), 0.003);
 }
 
 // The weight that a pair gets at depth z with residual r.
-double WeightOf(double depth_m, double residual_m, const ErrorModel& model) {
+double WeightOf(double depth_m, double residual_m, const ErrorModel& model,
+                const DepthNoise& noise = {}) {
   FrameLevel source = testing::EmptyLevel(), target = testing::EmptyLevel();
+  source.noise = noise;
   testing::SetPoint(&source, 2, 2, depth_m, {0, 0, -1});
   testing::SetPoint(&target, 2, 2, depth_m + residual_m, {0, 0, -1});
   const AssociationGates off = {0, 0};
@@ -36,18 +36,18 @@ double Rho(double s, double k) { return s / (1 + s / (k * k)); }
 
 TEST(ErrorModel, WeightsAreTheKernelsDerivativePerVariance) {
   ErrorModel model;
-  model.noise.inverse_depth_sigma = 0.003;
+  const DepthNoise noise = {0.003};
   for (const double width : {1.0, 3.0}) {
     model.kernel.width = width;
     for (const double depth_m : {0.5, 2.0, 4.0}) {
       for (const double share : {0.0, 0.5, 1.0, 3.0, 8.0}) {
-        const double sigma = model.Sigma(depth_m);
+        const double sigma = model.Sigma(depth_m, noise);
         const double s = share * share, h = 1e-5;
         const double derivative = (Rho(s + h, width) - Rho(s - h, width)) / (2 * h);
         const double expected = derivative / (sigma * sigma);
         // The points are floats: r = 8 sigma is off by 2^-23 * depth = 5e-7 m in 16 mm at least,
         // and rho' goes with its fourth power at most. The difference quotient errs by 1e-10.
-        EXPECT_NEAR(WeightOf(depth_m, share * sigma, model), expected, 2e-4 * expected)
+        EXPECT_NEAR(WeightOf(depth_m, share * sigma, model, noise), expected, 2e-4 * expected)
             << width << " " << depth_m << " " << share;
       }
     }
@@ -57,7 +57,7 @@ TEST(ErrorModel, WeightsAreTheKernelsDerivativePerVariance) {
 TEST(ErrorModel, WithoutKernelTheWeightIsOnePerVariance) {
   ErrorModel model;
   model.kernel.type = RobustKernelType::kNone;
-  const double variance = model.Sigma(2) * model.Sigma(2);
+  const double variance = std::pow(model.Sigma(2, {}), 2);
   EXPECT_NEAR(WeightOf(2, 0, model), 1 / variance, 1e-6 / variance);
   EXPECT_NEAR(WeightOf(2, 1, model), 1 / variance, 1e-6 / variance);
 }

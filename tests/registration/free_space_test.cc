@@ -39,7 +39,7 @@ TEST(FreeSpaceShare, CountsWhatIsInFrontAndNotWhatIsBehind) {
 
 TEST(FreeSpaceShare, AllowsForTheNoiseOfBothDepths) {
   const ErrorModel model;
-  const double sigma = std::hypot(model.Sigma(2), model.noise.SigmaZ(2));
+  const double sigma = std::hypot(model.Sigma(2, {}), DepthNoise().SigmaZ(2));
   // Of these 5 sigmas of 2 m, 6 cm, the noise of the nearer depth itself takes 3 % less.
   EXPECT_EQ(Share(Wall(2 - 4.7 * sigma, 2, 20), Wall(2, 2, 0)), 0);
   EXPECT_EQ(Share(Wall(2 - 5.3 * sigma, 2, 20), Wall(2, 2, 0)), 0.5);

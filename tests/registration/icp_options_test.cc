@@ -64,8 +64,6 @@ TEST(IcpOptions, ValidateNamesFieldValueAndConstraint) {
                 "error_model.floor_sigma_m is 0, must be positive");
   ExpectRefused([](auto* o) { o->error_model.kernel.width = 0; },
                 "error_model.kernel.width is 0, must be positive");
-  ExpectRefused([](auto* o) { o->error_model.noise.inverse_depth_sigma = -1; },
-                "error_model.noise.inverse_depth_sigma is -1, must be zero or positive");
 }
 
 TEST(Termination, HasAName) {

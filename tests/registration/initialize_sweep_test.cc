@@ -55,6 +55,7 @@ struct Outcome {
 double TrueOverlap(const FrameLevel& source, const FrameLevel& target,
                    const Rigid3d& target_from_source) {
   const ErrorModel error_model;
+  const DepthNoise noise;
   int valid = 0, seen = 0;
   for (int v = 0; v < source.vertex.height(); ++v) {
     for (int u = 0; u < source.vertex.width(); ++u) {
@@ -70,7 +71,7 @@ double TrueOverlap(const FrameLevel& source, const FrameLevel& target,
       const Eigen::Vector3d normal = target.normal(at_u, at_v).cast<double>();
       if (!(surface.z() > 0) || normal.isZero(0)) continue;
       const double sigma_m =
-          std::hypot(error_model.Sigma(point.z()), error_model.noise.SigmaZ(surface.z()));
+          std::hypot(error_model.Sigma(point.z(), noise), noise.SigmaZ(surface.z()));
       seen += std::abs(normal.dot(point - surface)) <= kFreeSpaceSigmas * sigma_m;
     }
   }
@@ -130,7 +131,7 @@ Outcome RegisterRecorded(const std::string& sequence, int stride, const Bound& b
     std::optional<ReadResult> read = source->Next();
     if (!read) return std::nullopt;
     return PosedView{
-        {PreprocessDepth(read->frame->depth_m, info.pinhole, {}), std::move(read->frame->color)},
+        {PreprocessDepth(read->frame->depth_m, info.sensor(), {}), std::move(read->frame->color)},
         InterpolatePose(info.ground_truth, read->stamp_s).value()};
   });
 }
@@ -148,7 +149,7 @@ Outcome RegisterSimulated(std::uint64_t seed, int stride) {
     const Rigid3d& pose = path[index].world_from_camera;
     Rendering image = Render(scene, camera, pose);
     const Image<float> depth_m = KinectDepth(image.depth_m, camera, (seed << 32) + index);
-    return PosedView{{PreprocessDepth(depth_m, camera, {}), std::move(image.color)}, pose};
+    return PosedView{{PreprocessDepth(depth_m, {camera, {}}, {}), std::move(image.color)}, pose};
   });
 }
 

@@ -84,6 +84,17 @@ TEST(LinearizeJointly, HasTheRowsOfTheBrightness) {
   EXPECT_LT((added / inverse_variance - expected).norm(), 1e-4 * expected.norm());
 }
 
+// All of the wall is at 1.5 m: a sigma there of the 20 mm that shapes are off anyhow halves
+// weights.
+TEST(LinearizeJointly, WeighsShapesByTheNoiseOfTheSource) {
+  const auto weight = [](double inverse_depth_sigma) {
+    WallViews views((Rigid3d()));
+    views.source.pyramid.levels[0].noise.inverse_depth_sigma = inverse_depth_sigma;
+    return LinearizeJointly(views.Source(), views.Target(), 0.1, false, Rigid3d()).weight;
+  };
+  EXPECT_NEAR(weight(0.02 / (1.5 * 1.5)) / weight(0), 0.5, 1e-4);
+}
+
 TEST(Descend, BrightnessHoldsWhatAWallLeavesOpen) {
   const WallViews views(kAlongTheWall);
   EXPECT_THAT(Descend(views.Source(), views.Target(), Rigid3d(), Precise()),

@@ -160,7 +160,7 @@ TEST(KdTreeAssociation, TakesTheValidPointsOfAFrame) {
   EXPECT_EQ(set.points[1], Eigen::Vector3f(1, 0, 4));
   EXPECT_EQ(set.normals[0], Eigen::Vector3f(0, 0, -1));
   EXPECT_TRUE(set.normals[1].isZero(0));
-  EXPECT_EQ(set.sigma_m[1], static_cast<float>(error_model.Sigma(4)));
+  EXPECT_EQ(set.sigma_m[1], static_cast<float>(error_model.Sigma(4, {})));
 }
 
 TEST(KdTreeAssociation, IsTheSameAtAnyNumberOfThreads) {

@@ -68,7 +68,7 @@ Outcome RegisterPairs(const std::string& sequence, const std::vector<int>& gaps,
       return index >= gap && (index - gap) % step == 0;
     });
     if (is_source || is_target) {
-      view.pyramid = PreprocessDepth(read->frame->depth_m, info.pinhole, options.preprocess);
+      view.pyramid = PreprocessDepth(read->frame->depth_m, info.sensor(), options.preprocess);
     }
     view.world_from_camera = InterpolatePose(info.ground_truth, read->stamp_s).value();
     last_views.push_front(std::move(view));

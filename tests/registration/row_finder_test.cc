@@ -21,7 +21,7 @@ class RowFinderTest : public ::testing::Test {
     const Trajectory path = MakePath(scene, 10, 1);
     const auto view = [&](int i) {
       return PreprocessDepth(RenderFrame(scene, kCamera, path[i].world_from_camera).depth_m,
-                             kCamera, PreprocessOptions())
+                             {kCamera, {}}, PreprocessOptions())
           .levels[0];
     };
     source_ = view(0);
@@ -90,7 +90,7 @@ TEST_F(RowFinderTest, FindsThePairsThatTheDefinitionHas) {
         if (same_pixel) {
           EXPECT_LT((found.n(next).cast<double>() - n).norm(), 1e-6);
           EXPECT_LT((found.m(next).cast<double>() - m).norm(), 1e-5);
-          const double sigma_m = error_model_.Sigma(s.z());
+          const double sigma_m = error_model_.Sigma(s.z(), {});
           EXPECT_NEAR(found.information[next] * sigma_m * sigma_m, 1, 1e-5);
         }
         ++next;

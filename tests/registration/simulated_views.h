@@ -42,7 +42,8 @@ inline SimulatedViews MakeViews(int first, int gap, std::uint64_t seed = 1) {
   const Rigid3d& source = path[first].world_from_camera;
   const Rigid3d& target = path[first + gap].world_from_camera;
   const auto view = [&](const Rigid3d& pose) {
-    return PreprocessDepth(RenderFrame(scene, camera, pose).depth_m, camera, PreprocessOptions());
+    return PreprocessDepth(RenderFrame(scene, camera, pose).depth_m, {camera, {}},
+                           PreprocessOptions());
   };
   return {view(source), view(target), target.Inverse() * source};
 }
@@ -55,7 +56,7 @@ struct SimulatedColoredViews {
 
 inline ColoredView MakeColoredView(const Scene& scene, const Rigid3d& world_from_camera) {
   RgbdFrame frame = RenderFrame(scene, ViewCamera(), world_from_camera);
-  return {PreprocessDepth(frame.depth_m, ViewCamera(), PreprocessOptions()),
+  return {PreprocessDepth(frame.depth_m, {ViewCamera(), {}}, PreprocessOptions()),
           std::move(frame.color)};
 }
 

@@ -143,10 +143,10 @@ std::vector<int> KeptOf(int frames) {
   KeptViews views;
   const SurfelMap map = Map();
   for (int i = 0; i < frames; ++i) {
-    views.Offer(Frame(i, false), Report(FrameState::kGiven), map, Camera());
+    views.Offer(Frame(i, false), Report(FrameState::kGiven), map, {Camera(), {}});
   }
   std::vector<int> kept;
-  for (const KeptView& view : views.Finish(map, Camera())) kept.push_back(view.index);
+  for (const KeptView& view : views.Finish(map, {Camera(), {}})) kept.push_back(view.index);
   return kept;
 }
 
@@ -160,8 +160,8 @@ TEST(KeptViews, AreEvenlySpreadHoweverLongTheRun) {
 
 TEST(KeptViews, ShowTheInputAndTheMapFromItsPose) {
   KeptViews views;
-  views.Offer(Frame(7, true), Report(FrameState::kFirst), Map(), Camera());
-  const std::vector<KeptView> kept = views.Finish(Map(), Camera());
+  views.Offer(Frame(7, true), Report(FrameState::kFirst), Map(), {Camera(), {}});
+  const std::vector<KeptView> kept = views.Finish(Map(), {Camera(), {}});
   ASSERT_EQ(kept.size(), 1u);
   const KeptView& view = kept[0];
   EXPECT_EQ(view.why, "evenly spread, last");
@@ -185,7 +185,7 @@ TEST(KeptViews, AreKeptWhereSomethingHappens) {
   KeptViews views;
   const SurfelMap map = Map();
   const auto offer = [&](int index, FrameState state, double rmse_m) {
-    views.Offer(Frame(index, false), Report(state, rmse_m), map, Camera());
+    views.Offer(Frame(index, false), Report(state, rmse_m), map, {Camera(), {}});
   };
   for (int i = 0; i < 200; ++i) {  // of which every 32nd is kept in any case
     const FrameState state = i == 0               ? FrameState::kFirst
@@ -195,7 +195,7 @@ TEST(KeptViews, AreKeptWhereSomethingHappens) {
     offer(i, state, i == 71 ? 0.02 : 0.01);
   }
   std::vector<std::string> kept;
-  for (const KeptView& view : views.Finish(map, Camera())) {
+  for (const KeptView& view : views.Finish(map, {Camera(), {}})) {
     if (view.why != "evenly spread") kept.push_back(std::to_string(view.index) + " " + view.why);
   }
   EXPECT_THAT(kept, ElementsAre("3 first with directions that the data leaves free",
@@ -209,7 +209,7 @@ TEST(KeptViews, WriteOnlyFilesThatALaterRunRemoves) {
   KeptViews views;
   const SurfelMap map = Map();
   const auto offer = [&](int index, const FrameReport& report) {
-    views.Offer(Frame(index, true), report, map, Camera());
+    views.Offer(Frame(index, true), report, map, {Camera(), {}});
   };
   for (int i = 0; i < 19; ++i) {  // the even ones are kept in any case
     const FrameState state = i == 3 ? FrameState::kDegenerate : FrameState::kTracked;
@@ -217,7 +217,7 @@ TEST(KeptViews, WriteOnlyFilesThatALaterRunRemoves) {
   }
   offer(19, Report(FrameState::kLost));
   offer(20, Report(FrameState::kGiven));
-  const std::vector<KeptView> kept = views.Finish(map, Camera());
+  const std::vector<KeptView> kept = views.Finish(map, {Camera(), {}});
   EXPECT_EQ(kept.size(), KeptViews::kMost);
   KeptViews::Write(kept, folder.path());
   for (const std::string& name : KeptViews::FileNames()) {

@@ -17,7 +17,6 @@ using ::testing::HasSubstr;
 // No field as it is by default.
 SlamOptions OtherOptions() {
   SlamOptions options;
-  options.preprocess.noise.inverse_depth_sigma = 0.0031;
   options.preprocess.pyramid_levels = 2;
   options.preprocess.max_slant_rad = 1.3;
   IcpOptions& icp = options.icp;
@@ -30,8 +29,8 @@ SlamOptions OtherOptions() {
   icp.gates = {0.3, 0.6};
   icp.gate_growth = 1.7;
   icp.kernel_growth = 1.1;
-  icp.error_model = {{0.0011}, 0.003, {RobustKernelType::kTukey, 4.7}, true,
-                     0.3,      0.03,  {RobustKernelType::kTukey, 2.9}};
+  icp.error_model = {0.003, {RobustKernelType::kTukey, 4.7}, true, 0.3,
+                     0.03,  {RobustKernelType::kTukey, 2.9}};
   icp.min_source_rows = 20;
   icp.min_coarse_step_px = 0.1;
   icp.min_relative_rmse_change = 1.0 / 3000;
@@ -60,11 +59,16 @@ Image<Rgb8> Stripes(int shift_px) {
 
 class TrackingDumps : public ::testing::Test {
  protected:
-  // A frame before a corner, lost with the options.
+  // A frame of a noisy sensor before a corner, lost with the options.
   void Write(const SlamOptions& options) {
+    const auto pyramid = [&](const Rigid3d& pose) {
+      FrameLevel finest = testing::RenderCorner(pose);
+      finest.noise.inverse_depth_sigma = kSigma;
+      return BuildPyramid(finest, options.preprocess);
+    };
     const Rigid3d pose = testing::PoseBeforeTheCorner();
-    target_ = BuildPyramid(testing::RenderCorner(pose), options.preprocess);
-    source_ = BuildPyramid(testing::RenderCorner(pose * Motion()), options.preprocess);
+    target_ = pyramid(pose);
+    source_ = pyramid(pose * Motion());
     const Image<Rgb8> source_color = Stripes(1), target_color = Stripes(4);
     AddIntensity(source_color, &source_);
     AddIntensity(target_color, &target_);
@@ -73,6 +77,7 @@ class TrackingDumps : public ::testing::Test {
                       options, path());
   }
   std::string path() const { return folder_ / "frame-000017"; }
+  static constexpr double kSigma = 0.0031;
 
   testing::TempFolder folder_;
   FramePyramid source_, target_;
@@ -85,6 +90,8 @@ TEST_F(TrackingDumps, RepeatTheRegistrationBitForBit) {
     Write(options);
     const TrackingDump dump = ReadTrackingDump(path());
     EXPECT_EQ(dump.frame, 17);
+    EXPECT_EQ(dump.source.levels.back().noise.inverse_depth_sigma, kSigma);
+    EXPECT_EQ(dump.target.levels.back().noise.inverse_depth_sigma, kSigma);
     EXPECT_EQ(dump.termination, ToString(result_.termination));
     const IcpResult again =
         Register(dump.source, dump.target, dump.target_from_source_initial, dump.icp);
@@ -112,7 +119,6 @@ TEST_F(TrackingDumps, KeepEveryOption) {
   EXPECT_EQ(read.association, icp.association);
   EXPECT_EQ(read.error_model.kernel.type, icp.error_model.kernel.type);
   EXPECT_EQ(read.error_model.kernel.width, icp.error_model.kernel.width);
-  EXPECT_EQ(read.error_model.noise.inverse_depth_sigma, 0.0011);
   EXPECT_EQ(read.error_model.estimate_scale, true);
   EXPECT_EQ(read.error_model.photometric_weight, 0.3);
   EXPECT_EQ(read.error_model.intensity_sigma, 0.03);

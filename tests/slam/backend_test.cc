@@ -38,7 +38,7 @@ std::vector<Rigid3d> DriftingPoses() {
 
 FramePyramid FlatPyramid() {
   const PinholeCamera camera = {32, 24, 30, 30, 15.5, 11.5, {}};
-  FrameLevel level = {camera, VectorImage(32, 24), VectorImage(32, 24), {}};
+  FrameLevel level = {camera, {}, VectorImage(32, 24), VectorImage(32, 24), {}};
   for (int v = 0; v < 24; ++v) {
     for (int u = 0; u < 32; ++u) {
       level.vertex.Set(u, v, (2 * camera.Ray(u, v)).cast<float>());

@@ -47,7 +47,7 @@ struct LoopRun {
 };
 
 LoopRun RunLoops(const SimulatedSequence& sequence, const SlamOptions& options) {
-  Slam slam(sequence.camera, options, sequence.world_from_camera[0]);
+  Slam slam({sequence.camera, {}}, options, sequence.world_from_camera[0]);
   LoopRun run;
   for (const RgbdFrame& frame : sequence.frames) run.reports.push_back(slam.Process(frame));
   slam.Finish();

@@ -26,7 +26,7 @@ TEST_P(RoomsSweep, AKinectIsTrackedWithin8MillimetresOver300Frames) {
     truth.push_back(pose.world_from_camera);
     RgbdFrame frame = RenderFrame(scene, camera, pose.world_from_camera, index, pose.stamp_s);
     frame.depth_m = KinectDepth(frame.depth_m, camera, (seed << 32) + index);
-    if (!slam) slam = std::make_unique<Slam>(camera, SlamOptions(), truth[0]);
+    if (!slam) slam = std::make_unique<Slam>(DepthSensor{camera, {}}, SlamOptions(), truth[0]);
     run.reports.push_back(slam->Process(frame));
     EXPECT_NE(run.reports.back().state, FrameState::kLost) << index;
   }

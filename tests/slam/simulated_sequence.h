@@ -56,7 +56,7 @@ struct SlamRun {
 
 inline SlamRun RunSlam(const SimulatedSequence& sequence, const SlamOptions& options,
                        const Rigid3d& world_from_first_camera) {
-  Slam slam(sequence.camera, options, world_from_first_camera);
+  Slam slam({sequence.camera, {}}, options, world_from_first_camera);
   SlamRun run;
   for (const RgbdFrame& frame : sequence.frames) run.reports.push_back(slam.Process(frame));
   run.map = slam.map();

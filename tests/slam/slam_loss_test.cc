@@ -25,7 +25,7 @@ TEST(Slam, ALostFrameIsNotFusedAndTrackingGoesOnFromTheLastGoodPose) {
   for (const char* tracking : {"frame_to_model", "frame_to_frame"}) {
     SlamOptions options;
     options.tracking = tracking;
-    Slam slam(room.camera, options, room.world_from_camera[0]);
+    Slam slam({room.camera, {}}, options, room.world_from_camera[0]);
     for (int i = 0; i < 8; ++i) slam.Process(room.frames[i]);
     const SurfelMap before = slam.map();
     for (int i = 8; i < 10; ++i) {  // the second of them repeats the first: it is no less lost
@@ -48,7 +48,7 @@ TEST(Slam, ALostFrameIsNotFusedAndTrackingGoesOnFromTheLastGoodPose) {
 TEST(Slam, APlaceThatDoesNotMatchIsLost) {
   const SimulatedSequence& room = IdealRoom();
   const Scene elsewhere = MakeScene("sphere");
-  Slam slam(room.camera, SlamOptions(), {});
+  Slam slam({room.camera, {}}, SlamOptions(), {});
   for (int i = 0; i < 4; ++i) slam.Process(room.frames[i]);
   const SurfelMap before = slam.map();
   Eigen::Matrix3d along_y;
@@ -68,7 +68,7 @@ TEST(Slam, FindsAFrameAgainAfterAJump) {
       SlamOptions options;
       options.tracking = tracking;
       options.initialize = initialize;
-      Slam slam(room.camera, options, room.world_from_camera[68]);
+      Slam slam({room.camera, {}}, options, room.world_from_camera[68]);
       for (int i = 68; i < 71; ++i) slam.Process(room.frames[i]);
       const SurfelMap before = slam.map();
       const FrameReport report = slam.Process(room.frames[120]);
@@ -96,7 +96,7 @@ TEST(Slam, AfterALossNoMotionIsExpected) {
   for (const char* motion_model : {"constant_velocity", "constant_pose"}) {
     SlamOptions options;
     options.motion_model = motion_model;
-    Slam slam(room.camera, options, {});
+    Slam slam({room.camera, {}}, options, {});
     for (int i = 0; i < 4; ++i) slam.ProcessAt(room.frames[i], room.world_from_camera[i]);
     for (int i = 4; i < 8; ++i) slam.Process(Blank(i));
     EXPECT_EQ(slam.Process(room.frames[8]).state, FrameState::kTracked);
@@ -109,7 +109,7 @@ TEST(Slam, AfterALossNoMotionIsExpected) {
 // ever be tracked against.
 TEST(Slam, StartsWithTheFirstFrameThatHasDepth) {
   const SimulatedSequence& room = IdealRoom();
-  Slam slam(room.camera, SlamOptions(), room.world_from_camera[2]);
+  Slam slam({room.camera, {}}, SlamOptions(), room.world_from_camera[2]);
   EXPECT_EQ(slam.Process(Blank(0)).state, FrameState::kLost);
   EXPECT_EQ(slam.Process(Blank(1)).state, FrameState::kLost);
   EXPECT_EQ(slam.map().size(), 0u);

@@ -139,7 +139,7 @@ TEST(Slam, ReportsAddUpToTheMap) {
 // A camera delivers some frames twice.
 TEST(Slam, AFrozenFrameKeepsThePoseAndFusesNothing) {
   const SimulatedSequence& room = IdealRoom();
-  Slam slam(room.camera, SlamOptions(), {});
+  Slam slam({room.camera, {}}, SlamOptions(), {});
   slam.Process(room.frames[0]);
   const FrameReport tracked = slam.Process(room.frames[1]);
   const SurfelMap before = slam.map();
@@ -155,7 +155,7 @@ TEST(Slam, AFrozenFrameKeepsThePoseAndFusesNothing) {
 
 TEST(Slam, FusesAtGivenPosesWithoutTracking) {
   const SimulatedSequence& room = IdealRoom();
-  Slam slam(room.camera, SlamOptions(), {});
+  Slam slam({room.camera, {}}, SlamOptions(), {});
   for (int i = 0; i < 5; ++i) {
     const FrameReport report = slam.ProcessAt(room.frames[i], room.world_from_camera[i]);
     EXPECT_EQ(report.state, FrameState::kGiven);
@@ -215,7 +215,7 @@ TEST(Slam, AlignedRotationsFollowAJerk) {
     SlamOptions options;
     options.motion_model = motion_model;
     options.initialize = "identity";
-    Slam slam(room.camera, options, room.world_from_camera[0]);
+    Slam slam({room.camera, {}}, options, room.world_from_camera[0]);
     slam.Process(room.frames[0]);
     const FrameReport report = slam.Process(RenderFrame(scene, room.camera, turned, 1));
     const Rigid3d error = turned.Inverse() * report.world_from_camera;
@@ -274,7 +274,11 @@ TEST(SlamOptions, RefuseWhatMakesNoSense) {
     SlamOptions options;
     change(options);
     ExpectInputError([&] { Validate(options); }, HasSubstr(message));
-    ExpectInputError([&] { Slam(testing::SimulatedCamera(), options, {}); }, HasSubstr(message));
+    ExpectInputError(
+        [&] {
+          Slam({testing::SimulatedCamera(), {}}, options, {});
+        },
+        HasSubstr(message));
   };
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   Validate(SlamOptions());
@@ -303,7 +307,7 @@ TEST(SlamOptions, RefuseWhatMakesNoSense) {
   expect_refused([](auto& o) { o.render.radius_share = 0; }, "render.radius_share is 0");
   PinholeCamera camera = testing::SimulatedCamera();
   camera.fx = 0;
-  ExpectInputError([&] { Slam(camera, SlamOptions(), {}); }, HasSubstr("camera: fx is 0"));
+  ExpectInputError([&] { Slam({camera, {}}, SlamOptions(), {}); }, HasSubstr("camera: fx is 0"));
 }
 
 }  // namespace

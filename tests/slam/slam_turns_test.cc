@@ -14,7 +14,7 @@ using testing::IdealRoom;
 
 // The turns of some frames: f = fused, v = with a view of its own, b = both, - = neither.
 std::string TurnsOf(const SlamOptions& options, int frames) {
-  Slam slam(IdealRoom().camera, options, {});
+  Slam slam({IdealRoom().camera, {}}, options, {});
   std::string turns;
   for (int i = 0; i < frames; ++i) {
     const std::size_t before = slam.map().size();
@@ -61,7 +61,7 @@ TEST(Slam, NothingIsSparedAfterAFrameThatHoldsADirectionPoorly) {
 TEST(Slam, TheFrameAfterALossIsFusedAndHasItsOwnView) {
   SlamOptions options;
   options.map_period = 8;
-  Slam slam(IdealRoom().camera, options, {});
+  Slam slam({IdealRoom().camera, {}}, options, {});
   for (int i = 0; i < 4; ++i) slam.Process(IdealRoom().frames[i]);
   EXPECT_EQ(slam.Process(Blank(4)).state, FrameState::kLost);
   const FrameReport next = slam.Process(IdealRoom().frames[5]);

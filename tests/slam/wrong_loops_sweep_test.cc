@@ -71,7 +71,7 @@ struct Outcome {
 Outcome RunMisled(const testing::SimulatedSequence& sequence, Wrong wrong) {
   SlamOptions options;
   options.loops.enabled = true;
-  Slam slam(sequence.camera, options, sequence.world_from_camera[0]);
+  Slam slam({sequence.camera, {}}, options, sequence.world_from_camera[0]);
   Outcome outcome;
   slam.UseLoopFinder(Misled(wrong, options.loops.find, &outcome.planted));
   for (const RgbdFrame& frame : sequence.frames) slam.Process(frame);

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "surfit/core/image.h"
-#include "surfit/geometry/pinhole_camera.h"
+#include "surfit/geometry/sensor.h"
 #include "surfit/geometry/trajectory.h"
 
 namespace surfit::tools {

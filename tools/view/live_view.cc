@@ -59,7 +59,7 @@ void LiveView::Note(const SlamRunFrame& frame) {
   constexpr double kNew = 0.1;  // the share of the last frame in the mean
   const double seconds = std::chrono::duration<double>(Clock::now() - left_).count();
   frame_s_ = frame_s_ == 0 ? seconds : frame_s_ + kNew * (seconds - frame_s_);
-  if (!picture_) picture_ = std::make_unique<LivePicture>(frame.camera);
+  if (!picture_) picture_ = std::make_unique<LivePicture>(frame.sensor);
   if (frame.report.state == FrameState::kLost) return;
   path_.push_back({frame.report.stamp_s, frame.report.world_from_camera});
 }

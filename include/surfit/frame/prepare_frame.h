@@ -6,7 +6,7 @@
 
 #include "surfit/core/image.h"
 #include "surfit/frame/rgbd_frame.h"
-#include "surfit/geometry/pinhole_camera.h"
+#include "surfit/geometry/sensor.h"
 
 namespace surfit {
 

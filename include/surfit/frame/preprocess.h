@@ -1,9 +1,8 @@
 #pragma once
 
 #include "surfit/core/image.h"
-#include "surfit/frame/depth_noise.h"
 #include "surfit/frame/frame_pyramid.h"
-#include "surfit/geometry/pinhole_camera.h"
+#include "surfit/geometry/sensor.h"
 
 namespace surfit {
 
@@ -13,7 +12,6 @@ class OptionVisitor;
 // linear there in pixel coordinates, and the sensor's noise is the same at every depth, so that
 // one threshold serves near and far.
 struct PreprocessOptions {
-  DepthNoise noise;
   int filter_radius_px = 2;     // of the depth filter's window; 0 = no filter
   double filter_cutoff = 4;     // differences beyond this many sigmas have no weight in the filter
   int normal_radius_px = 3;     // differences up to this offset make a normal
@@ -26,7 +24,8 @@ struct PreprocessOptions {
 // Edge-preserving depth filter: the weighted mean of inverse depth over a square window, weights
 // from the distance in pixels (triangle) and from the difference in inverse depth (biweight,
 // zero at the cut-off). Depth in metres, 0 = missing; missing pixels stay missing and have no say.
-Image<float> FilterDepth(const Image<float>& depth_m, const PreprocessOptions& options);
+Image<float> FilterDepth(const Image<float>& depth_m, const DepthNoise& noise,
+                         const PreprocessOptions& options);
 
 // Vertices z * ray(u, v) in the camera frame, 0 where depth is missing.
 VectorImage VertexMap(Image<float> depth_m, const PinholeCamera& camera);
@@ -36,7 +35,7 @@ VectorImage VertexMap(Image<float> depth_m, const PinholeCamera& camera);
 //   n ~ (fx r_u, fy r_v, r - (u - cx) r_u - (v - cy) r_v).
 // The gradient is the least-squares slope of symmetric differences up to normal_radius_px, as far
 // as both sides continue the surface; (0, 0, 0) where that fails at one pixel (depth edges).
-VectorImage NormalMap(const VectorImage& vertex, const PinholeCamera& camera,
+VectorImage NormalMap(const VectorImage& vertex, const DepthSensor& sensor,
                       const PreprocessOptions& options);
 
 // Zeroes the surface's normals where NormalMap would give none: a map is less exact at its depth
@@ -51,7 +50,7 @@ FrameLevel HalfResolution(const FrameLevel& fine, const PreprocessOptions& optio
 FramePyramid BuildPyramid(FrameLevel finest, const PreprocessOptions& options);
 
 // Filter, vertex map, normal map and pyramid of one depth image.
-FramePyramid PreprocessDepth(const Image<float>& depth_m, const PinholeCamera& camera,
+FramePyramid PreprocessDepth(const Image<float>& depth_m, const DepthSensor& sensor,
                              const PreprocessOptions& options);
 
 }  // namespace surfit

@@ -1,7 +1,6 @@
 #pragma once
 
-#include "surfit/geometry/pinhole_camera.h"
-#include "surfit/geometry/rigid3.h"
+#include "surfit/geometry/sensor.h"
 
 namespace surfit {
 

@@ -4,8 +4,6 @@
 #include <array>
 #include <string>
 
-#include "surfit/geometry/rigid3.h"
-
 namespace surfit {
 
 // A pinhole camera: u = fx x/z + cx, v = fy y/z + cy; x right, y down, z forward; the centre of
@@ -39,20 +37,6 @@ struct PinholeCamera {
   // The camera of an image whose pixels are means of factor x factor blocks; the size is rounded
   // down, and the block's centre is its pixel's centre.
   PinholeCamera Binned(int factor) const;
-};
-
-// A depth camera with a colour camera beside it.
-struct RgbdCamera {
-  PinholeCamera depth;
-  PinholeCamera color;
-  // Colour pixels see the same rays as depth pixels; color and color_from_depth are then unused.
-  bool color_is_registered = true;
-  Rigid3d color_from_depth;
-  double depth_units_per_metre = 5000;
-  double frames_per_second = 30;
-
-  // Throws InputError naming `what`, the field, its value and the constraint.
-  void Validate(const std::string& what) const;
 };
 
 }  // namespace surfit

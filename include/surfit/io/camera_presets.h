@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "surfit/geometry/pinhole_camera.h"
+#include "surfit/geometry/sensor.h"
 
 namespace surfit {
 

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "surfit/geometry/inverse_depth_field.h"
-#include "surfit/geometry/pinhole_camera.h"
+#include "surfit/geometry/sensor.h"
 
 namespace surfit {
 
@@ -12,12 +12,13 @@ namespace surfit {
 //   color_camera: { the same keys }          only where colour is not registered to depth
 //   color_from_depth: { translation_m: [ x, y, z ], rotation_xyzw: [ x, y, z, w ] }
 //   depth_units_per_metre: 5000.
+//   inverse_depth_sigma: 0.002               1/m: DepthNoise
 //   inverse_depth_field: [ c0, c1, c2, c3, c4, c5 ]      1/m: ReadInverseDepthField()
 //   frames_per_second: 30.
 // depth_camera and depth_units_per_metre must stand; distortion is zero, color_from_depth the
-// identity and frames_per_second the RgbdCamera's default where they do not. A key that is none of
-// these is an error, for it is a misspelt one.
-// Throws InputError naming the file, the key, the value and the constraint.
+// identity, and inverse_depth_sigma and frames_per_second the RgbdCamera's defaults where they do
+// not. A key that is none of these is an error, for it is a misspelt one. Throws InputError naming
+// the file, the key, the value and the constraint.
 RgbdCamera ReadCameraYaml(const std::string& path);
 
 // Its inverse_depth_field, what its depth needs to be right; zero where there is none.

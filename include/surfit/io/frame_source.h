@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "surfit/frame/rgbd_frame.h"
-#include "surfit/geometry/pinhole_camera.h"
+#include "surfit/geometry/sensor.h"
 #include "surfit/geometry/trajectory.h"
 
 namespace surfit {
@@ -15,7 +15,9 @@ struct SequenceInfo {
   std::string format;     // tum, icl_nuim, seven_scenes, redwood, replica, klg, sens, watch
   RgbdCamera camera;      // as the files have it, fy < 0 included
   PinholeCamera pinhole;  // of the frames that Next() returns: undistorted, downsampled, fy > 0
-  int frame_count = 0;    // how many frames Next() will attempt; -1: as many as will come (watch)
+  // What the depth of these frames is.
+  DepthSensor sensor() const { return {pinhole, camera.noise}; }
+  int frame_count = 0;  // how many frames Next() will attempt; -1: as many as will come (watch)
   // The files' image y axis points up (fy < 0). Frames and ground truth are then mirrored by
   // S = diag(1, -1, 1) when read: camera and world, poses become S pose S. Whoever writes poses
   // back in the source's convention conjugates them again.

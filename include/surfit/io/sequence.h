@@ -29,6 +29,7 @@ struct SequenceOptions {
   std::optional<std::array<double, 4>> intrinsics;  // depth: fx fy cx cy, px
   std::optional<std::array<double, 5>> distortion;  // depth: k1 k2 p1 p2 k3
   std::optional<double> depth_units_per_metre;
+  std::optional<double> inverse_depth_sigma;              // 1/m: DepthNoise
   std::optional<std::array<double, 4>> color_intrinsics;  // fx fy cx cy, px
   std::optional<std::array<double, 5>> color_distortion;  // k1 k2 p1 p2 k3
   std::optional<Rigid3d> color_from_depth;

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "surfit/frame/depth_noise.h"
 #include "surfit/frame/frame_pyramid.h"
 #include "surfit/frame/rgbd_frame.h"
 #include "surfit/geometry/rigid3.h"
@@ -37,8 +36,8 @@ struct FusionOptions {
   // it sees again is not fused with what it saw long ago, but mapped once more. 0 = no limit.
   int active_frames = 0;
   int max_map_points = 0;  // a map of so many surfels takes no further ones; 0 = no limit
-  float free_space_margin_m = 0.05f;  // measured farther than this behind a surfel, plus 4 sigma
-  DepthNoise noise;                   // of the depth: the surfel is not there
+  // Measured farther than this behind a surfel, plus 4 sigma of the depth: it is not there.
+  float free_space_margin_m = 0.05f;
 
   void Visit(OptionVisitor& visitor);
 };
@@ -66,9 +65,9 @@ class Fusion {
   ~Fusion();
 
   // Merges the measured depth of the frame, whose noise averages out in the map, with the normals
-  // of `surface`, its filtered vertex and normal map. Points at depth edges have none: they take
-  // that of a neighbour whose plane they lie in. They complete the map, but move no surfel. The
-  // result does not depend on the number of threads.
+  // of `surface`, its filtered vertex and normal map, which tells the noise. Points at depth edges
+  // have none: they take that of a neighbour whose plane they lie in. They complete the map, but
+  // move no surfel. The result does not depend on the number of threads.
   FusionReport Fuse(const RgbdFrame& frame, const FrameLevel& surface,
                     const Rigid3d& world_from_camera, SurfelMap* map);
 

@@ -3,7 +3,6 @@
 #include <limits>
 #include <vector>
 
-#include "surfit/frame/depth_noise.h"
 #include "surfit/frame/model_view.h"
 #include "surfit/mapping/surfel_map.h"
 
@@ -27,7 +26,6 @@ struct RenderOptions {
   // same surface. Of these the ray takes the one whose centre it passes closest. Taking the first
   // would pick those that noise brought nearest, and with them a surface that is too near.
   float surface_thickness_m = 0.02f;
-  DepthNoise noise;
 
   void Visit(OptionVisitor& visitor);
 };
@@ -43,10 +41,9 @@ class ModelRenderer {
   ModelRenderer(const ModelRenderer&) = delete;
   ModelRenderer& operator=(const ModelRenderer&) = delete;
 
-  // The view of an undistorted camera, of the surfels that were last seen in frame `active_since`
-  // or later. The same map and pose give the same view bit for bit at any number of threads.
-  ModelView Render(const SurfelMap& map, const PinholeCamera& camera,
-                   const Rigid3d& world_from_view,
+  // What the sensor would see, of the surfels that were last seen in frame `active_since` or later.
+  // The same map and pose give the same view bit for bit at any number of threads.
+  ModelView Render(const SurfelMap& map, const DepthSensor& sensor, const Rigid3d& world_from_view,
                    int active_since = std::numeric_limits<int>::min());
 
  private:

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "surfit/frame/rgbd_frame.h"
-#include "surfit/geometry/pinhole_camera.h"
+#include "surfit/geometry/sensor.h"
 #include "surfit/geometry/trajectory.h"
 #include "surfit/mapping/surfel_map.h"
 
@@ -23,8 +23,8 @@ class LivePicture {
   static constexpr int kWidth = 2 * kTileWidth;
   static constexpr int kHeight = kTileHeight + kTextHeight + kMapHeight;
 
-  // The camera of the frames.
-  explicit LivePicture(const PinholeCamera& camera);
+  // The sensor of the frames.
+  explicit LivePicture(const DepthSensor& sensor);
   ~LivePicture();
   LivePicture(const LivePicture&) = delete;
   LivePicture& operator=(const LivePicture&) = delete;

@@ -9,8 +9,8 @@
 #include "surfit/core/image.h"
 #include "surfit/frame/frame_pyramid.h"
 #include "surfit/frame/preprocess.h"
-#include "surfit/geometry/pinhole_camera.h"
 #include "surfit/geometry/rigid3.h"
+#include "surfit/geometry/sensor.h"
 
 namespace surfit {
 
@@ -29,6 +29,7 @@ struct PlaceFeature {
 // 640 x 480, whose images are kept at half the size.
 struct PlaceView {
   PinholeCamera camera;                // of the images
+  DepthNoise noise;                    // of the depth
   Image<std::uint16_t> depth;          // filtered, in 1/kDepthUnitsPerMetre; 0 = missing
   Image<std::uint8_t> intensity;       // 1 = black to 255 = white; 0 = unknown; empty = none
   std::vector<PlaceFeature> features;  // none without colour

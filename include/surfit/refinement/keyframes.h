@@ -16,6 +16,7 @@ struct KeyframeImages {
   Image<float> inverse_depth;  // 1/m, as measured; 0 = missing
   Image<float> slope_u,
       slope_v;             // of inverse depth along rows and columns, 1/m per px; NaN = missing
+  DepthNoise noise;        // of the depth
   Image<float> intensity;  // from 0 to 1, smoothed; NaN where unknown; empty without colours
 };
 
@@ -25,12 +26,12 @@ struct RefinementKeyframe {
   KeyframeImages images;
 };
 
-// The images of a frame of that camera. The slopes are those of the surface that the normals of
+// The images of a frame of that sensor. The slopes are those of the surface that the normals of
 // preprocessing tell, over a window: with the plane n . X = d, 1/z = n . ray / d, so that 1/z
 // grows by n_x / (fx d) per column and n_y / (fy d) per row. Inverse depth itself is not filtered:
 // the errors of its pixels are independent, as the covariance takes them to be, and nothing is
 // smoothed where a surface bends.
-KeyframeImages MakeKeyframeImages(const RgbdFrame& frame, const PinholeCamera& camera,
+KeyframeImages MakeKeyframeImages(const RgbdFrame& frame, const DepthSensor& sensor,
                                   const PreprocessOptions& options);
 
 // Whether the camera has moved from one pose to the other by more than these.

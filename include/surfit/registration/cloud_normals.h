@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "surfit/frame/depth_noise.h"
+#include "surfit/geometry/sensor.h"
 
 namespace surfit {
 
@@ -25,13 +25,19 @@ class OptionVisitor;
 struct CloudNormalOptions {
   double radius_m = 0;                 // to begin with; 0 = kSpacings of the cloud's own
   double max_growth = 8;               // of the radius, for whatever reason
-  DepthNoise noise;                    // of distances from the viewpoint
   int min_neighbors = 10;              // the point itself included
   double max_thickness = 0.35;         // sqrt(l0 / l1)
   double max_normal_sigma_rad = 0.03;  // standard deviation of the normal
-  Eigen::Vector3d viewpoint = Eigen::Vector3d::Zero();  // normals face it
 
   static constexpr double kSpacings = 3;
+
+  void Visit(OptionVisitor& visitor);
+};
+
+// Where a cloud's points were measured from, and how well.
+struct CloudSensor {
+  Eigen::Vector3d viewpoint = Eigen::Vector3d::Zero();  // normals face it
+  DepthNoise noise;                                     // of distances from there
 
   void Visit(OptionVisitor& visitor);
 };
@@ -46,6 +52,6 @@ struct CloudNormals {
 
 // Points must be finite, in metres, fewer than 2^31. Throws InputError for impossible options.
 CloudNormals EstimateCloudNormals(const std::vector<Eigen::Vector3f>& points,
-                                  const CloudNormalOptions& options);
+                                  const CloudSensor& sensor, const CloudNormalOptions& options);
 
 }  // namespace surfit

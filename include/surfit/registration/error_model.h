@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "surfit/core/robust_kernel.h"
-#include "surfit/frame/depth_noise.h"
+#include "surfit/geometry/sensor.h"
 
 namespace surfit {
 
@@ -11,8 +11,9 @@ class OptionVisitor;
 
 // The one error model of registration. A residual r in metres (ResidualType) has
 //   sigma^2 = floor_sigma_m^2 + sigma_z(z)^2,
-// z the measured depth of the source point: the sensor's noise on top of what the map, the normals
-// and the calibration leave over. With s = |r|^2 / sigma^2, registration minimises
+// z the measured depth of the source point and its level's noise: the sensor's noise on top of what
+// the map, the normals and the calibration leave over. With s = |r|^2 / sigma^2, registration
+// minimises
 //   1/2 sum rho(s):
 // the closed form by rows weighted with rho'(s) / sigma^2 and computed anew in each step
 // (iteratively reweighted least squares), Levenberg-Marquardt within its solve.
@@ -24,7 +25,6 @@ struct ErrorModel {
   // A pair is an inlier if its residual is within so many sigmas.
   static constexpr double kInlierSigmas = 3;
 
-  DepthNoise noise;
   double floor_sigma_m = 0.004;
   RobustKernel kernel = {RobustKernelType::kGemanMcClure, 3};
   // Whether the kernel's width is measured in sigmas of the model, or in those estimated before
@@ -43,8 +43,9 @@ struct ErrorModel {
 
   void Visit(OptionVisitor& visitor);
 
-  // Standard deviation in metres of the residual of a point at this depth.
-  double Sigma(double depth_m) const {
+  // Standard deviation in metres of the residual of a point that such a sensor measures at this
+  // depth.
+  double Sigma(double depth_m, const DepthNoise& noise) const {
     const double sigma_z = noise.SigmaZ(depth_m);
     return std::sqrt(floor_sigma_m * floor_sigma_m + sigma_z * sigma_z);
   }

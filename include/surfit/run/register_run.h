@@ -49,6 +49,7 @@ struct RegisterRunOptions {
   std::string source;  // the file of the cloud to be moved: PLY or PCD, metres
   std::string target;  // the file of the cloud to be met
   std::string output;  // folder for the pose, the aligned cloud and pictures; made if missing
+  CloudSensor sensor;  // of both
   CloudNormalOptions normals;
   RegisterCloudsOptions registration;
   int threads = 2;

@@ -43,7 +43,7 @@ struct SlamRunFrame {
   const RgbdFrame& frame;
   const FrameReport& report;
   const SurfelMap& map;
-  const PinholeCamera& camera;  // of the frame
+  DepthSensor sensor;  // of the frame
 };
 
 // How far a run has come.

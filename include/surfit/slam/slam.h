@@ -116,11 +116,11 @@ struct LostFrame {
 // enabled, the map follows the poses that closed loops correct.
 class Slam {
  public:
-  // The camera is undistorted with fy > 0. Throws InputError for bad options.
-  Slam(const PinholeCamera& camera, const SlamOptions& options,
+  // The sensor's camera has fy > 0. Throws InputError for a bad sensor or bad options.
+  Slam(const DepthSensor& sensor, const SlamOptions& options,
        const Rigid3d& world_from_first_camera);
 
-  // Tracks and fuses the next frame. The frame's size must be the camera's.
+  // Tracks and fuses the next frame. The frame's size must be the sensor's.
   FrameReport Process(const RgbdFrame& frame);
 
   // Fuses the next frame at a known pose.
@@ -167,7 +167,7 @@ class Slam {
   void KeepAsLast(const RgbdFrame& frame, FramePyramid pyramid, const FrameReport& report);
   FrameReport Process(const RgbdFrame& frame, const std::optional<Rigid3d>& given_pose);
 
-  PinholeCamera camera_;
+  DepthSensor sensor_;
   SlamOptions options_;
   ModelRenderer renderer_;
   Fusion fusion_;

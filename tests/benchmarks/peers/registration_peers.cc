@@ -42,7 +42,7 @@ View ReadView(const std::string& path, int index) {
   PreprocessOptions preprocess;
   preprocess.pyramid_levels = 1;
   const FramePyramid pyramid =
-      PreprocessDepth(result->frame->depth_m, source->info().pinhole, preprocess);
+      PreprocessDepth(result->frame->depth_m, source->info().sensor(), preprocess);
   const FrameLevel& level = pyramid.levels.front();
   View view{{}, *pose};
   for (int v = 0; v < level.vertex.height(); ++v) {

@@ -9,7 +9,7 @@ namespace {
 class SurfitSlamPeer final : public SlamPeer {
  public:
   SurfitSlamPeer(const PinholeCamera& camera, int threads)
-      : limit_(threads), slam_(camera, SlamOptions(), Rigid3d()) {}
+      : limit_(threads), slam_({camera, {}}, SlamOptions(), Rigid3d()) {}
 
   void SetFrame(const RgbdFrame& frame) override { frame_ = frame; }
 

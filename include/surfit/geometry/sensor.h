@@ -1,0 +1,53 @@
+#pragma once
+
+#include <string>
+
+#include "surfit/geometry/pinhole_camera.h"
+#include "surfit/geometry/rigid3.h"
+
+namespace surfit {
+
+class OptionVisitor;
+
+// Noise of a structured-light or stereo depth sensor, constant in inverse depth: with baseline b,
+// focal length f and disparity noise delta, sigma_z = delta z^2 / (b f), that is
+// sigma_(1/z) = delta / (b f) (Khoshelham and Elberink 2012; Schoeps et al., BAD SLAM, 2019).
+struct DepthNoise {
+  // 1/m. Kinect v1: 0.1 px / (0.075 m * 525 px) = 0.0025; 8 mm at 2 m.
+  double inverse_depth_sigma = 0.002;
+
+  // Standard deviation of a depth z, in metres.
+  double SigmaZ(double z_m) const { return inverse_depth_sigma * z_m * z_m; }
+
+  void Visit(OptionVisitor& visitor);
+
+  // Of images. Throws InputError naming `what`, the field, its value and the constraint.
+  void Validate(const std::string& what) const;
+};
+
+// What the pixels of a depth image are: how they see, and how well. Given once, where a program
+// begins; every stage takes it from there, or from the FrameLevel that it works on.
+struct DepthSensor {
+  PinholeCamera camera;  // undistorted
+  DepthNoise noise;
+
+  // Throws InputError naming the field, its value and the constraint.
+  void Validate() const;
+};
+
+// The whole sensor as a recording has it: a depth camera with a colour camera beside it.
+struct RgbdCamera {
+  PinholeCamera depth;
+  PinholeCamera color;
+  // Colour pixels see the same rays as depth pixels; color and color_from_depth are then unused.
+  bool color_is_registered = true;
+  Rigid3d color_from_depth;
+  double depth_units_per_metre = 5000;
+  DepthNoise noise;
+  double frames_per_second = 30;
+
+  // Throws InputError naming `what`, the field, its value and the constraint.
+  void Validate(const std::string& what) const;
+};
+
+}  // namespace surfit
