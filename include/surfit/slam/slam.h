@@ -1,12 +1,10 @@
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <string>
-#include <utility>
 
-#include "surfit/frame/model_view.h"
 #include "surfit/frame/preprocess.h"
 #include "surfit/frame/rgbd_frame.h"
 #include "surfit/mapping/fusion.h"
@@ -119,6 +117,7 @@ class Slam {
   // The sensor's camera has fy > 0. Throws InputError for a bad sensor or bad options.
   Slam(const DepthSensor& sensor, const SlamOptions& options,
        const Rigid3d& world_from_first_camera);
+  ~Slam();
 
   // Tracks and fuses the next frame. The frame's size must be the sensor's.
   FrameReport Process(const RgbdFrame& frame);
@@ -127,7 +126,7 @@ class Slam {
   FrameReport ProcessAt(const RgbdFrame& frame, const Rigid3d& world_from_camera);
 
   // To be called with each frame that tracking loses.
-  void OnLostFrame(std::function<void(const LostFrame&)> call) { on_lost_ = std::move(call); }
+  void OnLostFrame(std::function<void(const LostFrame&)> call);
 
   // How loops are found, instead of FindLoops(). To be called before the first frame, with loops
   // enabled.
@@ -136,55 +135,15 @@ class Slam {
   // Takes in what is still being found out about loops. To be called after the last frame.
   void Finish();
 
-  const SurfelMap& map() const { return map_; }
+  const SurfelMap& map() const;
   // Surfels that became part of others when the map was moved, in all.
-  std::size_t merged_doubles() const { return merged_doubles_; }
+  std::size_t merged_doubles() const;
   // Null unless loops are enabled.
-  const Backend* backend() const { return backend_.get(); }
+  const Backend* backend() const;
 
  private:
-  // What the frame is registered to, and the pose it is seen from.
-  struct Target {
-    FramePyramid pyramid;
-    Rigid3d world_from_target;
-    Image<Rgb8> color;  // the pixels' colours, if they are needed
-  };
-  Rigid3d PredictedPose(const RgbdFrame& frame, const FramePyramid& pyramid) const;
-  bool NeedsNewTarget(const FramePyramid& pyramid, const Rigid3d& world_from_predicted) const;
-  Target MakeTarget(const Rigid3d& world_from_predicted);
-  bool CanStart(const FramePyramid& pyramid) const;
-  bool IsBelievable(const IcpResult& icp) const;
-  void Track(const RgbdFrame& frame, const FramePyramid& pyramid, FrameReport* report);
-  bool FindAgain(const RgbdFrame& frame, const FramePyramid& pyramid, FrameReport* report);
-  bool Relocalize(const RgbdFrame& frame, const FramePyramid& pyramid, FrameReport* report);
-  bool AgreesWithMap(const FramePyramid& pyramid, const Rigid3d& world_from_found,
-                     FrameReport* report);
-  void BeginSubmapIfLongLost(const FramePyramid& pyramid, FrameReport* report);
-  void Correct(const WorldCorrection& correction, int frame_index);
-  void WakeAround(int frame_index, int now);
-  bool IsToBeFused(const FrameReport& report) const;
-  void Fuse(const RgbdFrame& frame, const FramePyramid& pyramid, FrameReport* report);
-  void KeepAsLast(const RgbdFrame& frame, FramePyramid pyramid, const FrameReport& report);
-  FrameReport Process(const RgbdFrame& frame, const std::optional<Rigid3d>& given_pose);
-
-  DepthSensor sensor_;
-  SlamOptions options_;
-  ModelRenderer renderer_;
-  Fusion fusion_;
-  SurfelMap map_;
-  bool started_ = false;
-  int lost_count_ = 0;           // frames lost since the last good one
-  bool is_poorly_held_ = false;  // the last good frame, by SlamOptions::min_turn_eigenvalue
-  int unfused_count_ = 0;        // good frames since the last one that was fused
-  Target target_;                // of the last frame
-  Rigid3d world_from_last_;      // the last good pose
-  Rigid3d last_from_next_;       // motion that the motion model expects
-  Image<float> last_depth_m_;    // of the last frame, for frozen frames
-  ColoredView last_view_;        // the last good frame, if it is needed
-  std::size_t merged_doubles_ = 0;
-  int merged_until_ = 0;              // frame before which all doubles of the map are merged
-  std::unique_ptr<Backend> backend_;  // null without loops
-  std::function<void(const LostFrame&)> on_lost_;
+  class Pipeline;
+  std::unique_ptr<Pipeline> pipeline_;
 };
 
 }  // namespace surfit

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstddef>
+
+#include "slam/views.h"
+#include "surfit/mapping/fusion.h"
+#include "surfit/mapping/model_renderer.h"
+#include "surfit/slam/slam.h"
+
+namespace surfit {
+
+// Keeps the map: fuses frames into it, draws the views that frames are registered to, in turns,
+// and moves it where loops have been closed.
+class Mapper {
+ public:
+  // Keeps a reference to the options, whose fusion.active_frames is that of loops where these are
+  // closed.
+  Mapper(const DepthSensor& sensor, const SlamOptions& options);
+
+  const SurfelMap& map() const { return map_; }
+  // Surfels that became part of others when the map was moved, in all.
+  std::size_t merged_doubles() const { return merged_doubles_; }
+
+  // What the map shows from a pose.
+  ReferenceView Draw(const Rigid3d& world_from_view);
+  // What it showed when a view was drawn last for frames to be registered to.
+  const ReferenceView& view() const { return view_; }
+  // Draws view() anew for a frame where it must have its own, where it is its turn, or where
+  // view() shows little of what the frame is expected to see. Returns whether it did.
+  bool UpdateView(const PreparedFrame& frame, const Rigid3d& world_from_predicted, bool must);
+
+  // Of SlamOptions::map_period frames that are held one has its turn to be fused.
+  bool IsTurnToFuse() const { return unfused_count_ + 1 >= options_.map_period; }
+  FusionReport Fuse(const PreparedFrame& frame, const Rigid3d& world_from_camera);
+  void Skip() { ++unfused_count_; }
+
+  void Correct(const WorldCorrection& correction, int frame_index);
+  // Makes those surfels active, as of frame `now`, that were last seen at about this frame.
+  void WakeAround(int frame_index, int now);
+
+ private:
+  const SlamOptions& options_;
+  DepthSensor sensor_;
+  ModelRenderer renderer_;
+  Fusion fusion_;
+  SurfelMap map_;
+  ReferenceView view_;
+  int unfused_count_ = 0;  // frames that were held since the last one that was fused
+  std::size_t merged_doubles_ = 0;
+  int merged_until_ = 0;  // frame before which all doubles of the map are merged
+};
+
+}  // namespace surfit

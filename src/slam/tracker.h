@@ -1,0 +1,77 @@
+#pragma once
+
+#include <optional>
+
+#include "slam/views.h"
+#include "surfit/slam/slam.h"
+
+namespace surfit {
+
+// What came of tracking a frame.
+struct Tracked {
+  FrameState state = FrameState::kLost;
+  Rigid3d world_from_camera;  // meaningless if lost
+  IcpResult icp;              // of a frame that was registered, or failed to be
+  bool found_again = false;   // after a jump
+  bool has_own_view = false;  // the map was drawn for it
+
+  bool is_held() const { return state != FrameState::kLost; }
+};
+
+// Follows the camera: predicts its pose, registers frames, and keeps what the next one needs to
+// know of those before.
+class Tracker {
+ public:
+  // Keeps a reference to the options.
+  Tracker(const SlamOptions& options, const Rigid3d& world_from_first_camera);
+
+  bool has_started() const { return has_started_; }
+  // Frames since the last one that was held.
+  int lost_count() const { return lost_count_; }
+  // The last frame was lost or held poorly: the next one takes all that the map can tell.
+  bool needs_all() const { return lost_count_ > 0 || is_poorly_held_; }
+  // The last frame that was held, as far as the options need it; its pose always.
+  const ReferenceView& last() const { return last_; }
+
+  // Whether its depth is that of the frame before, byte for byte; it is compared with the next.
+  bool Repeats(const RgbdFrame& frame);
+  bool HasEnoughDepth(const PreparedFrame& frame) const;
+  // Where the camera is expected.
+  Rigid3d Predict(const PreparedFrame& frame) const;
+
+  // Each of these is the outcome of a frame: the first one with enough depth, one that repeats the
+  // last, and one that is registered to a reference from where it is expected.
+  Tracked Start(const PreparedFrame& frame) const;
+  Tracked Repeat() const;
+  Tracked Track(const PreparedFrame& frame, const ReferenceView& reference,
+                const Rigid3d& world_from_predicted) const;
+
+  // Where a frame may be that tracking would lose, as far as it and the last one tell; nothing
+  // unless it is this frame's turn to be looked for.
+  std::optional<Rigid3d> FindFromLast(const PreparedFrame& frame) const;
+  // A frame that was found there, if the reference agrees.
+  std::optional<Tracked> Confirm(const PreparedFrame& frame, const ReferenceView& reference,
+                                 const Rigid3d& world_from_found) const;
+
+  // One of both is to be called with each outcome but of a frame that repeats the last.
+  void Keep(PreparedFrame frame, const Tracked& tracked);
+  void Lose() { ++lost_count_; }
+
+  // The world has been corrected.
+  void Move(const Rigid3d& new_from_old_world);
+
+ private:
+  Tracked RegisterTo(const ReferenceView& reference, const PreparedFrame& frame,
+                     const Rigid3d& world_from_start, const IcpOptions& icp_options) const;
+  bool IsBelievable(const IcpResult& icp) const;
+
+  const SlamOptions& options_;
+  bool has_started_ = false;
+  int lost_count_ = 0;
+  bool is_poorly_held_ = false;  // the last frame, by SlamOptions::min_turn_eigenvalue
+  ReferenceView last_;
+  Rigid3d last_from_next_;     // motion that the motion model expects
+  Image<float> last_depth_m_;  // of the last frame, held or not
+};
+
+}  // namespace surfit
