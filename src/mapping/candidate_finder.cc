@@ -1,7 +1,7 @@
 #include "mapping/candidate_finder.h"
 
-#include "mapping/block_centres.h"
-#include "mapping/fetch_block.h"
+#include "mapping/block_lanes.h"
+#include "mapping/posed_camera.h"
 #include "surfit/core/lanes.h"
 
 namespace surfit {

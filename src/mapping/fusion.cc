@@ -3,17 +3,14 @@
 #include <glog/logging.h>
 
 #include <algorithm>
+#include <deque>
 #include <limits>
 
 #include "mapping/bands.h"
-#include "mapping/bound_positions.h"
+#include "mapping/block_lanes.h"
 #include "mapping/candidate_finder.h"
-#include "mapping/clear_closely.h"
-#include "mapping/fetch_block.h"
-#include "mapping/frame_window.h"
 #include "mapping/measured_points.h"
 #include "mapping/merge_gate.h"
-#include "mapping/per_surfel.h"
 #include "mapping/posed_camera.h"
 #include "mapping/sightings.h"
 #include "mapping/surfel_choice.h"
@@ -24,6 +21,27 @@
 
 namespace surfit {
 namespace {
+
+// The last frames that were fused, by their index.
+class FrameWindow {
+ public:
+  // So many before the newest one.
+  explicit FrameWindow(int frames) : most_(static_cast<std::size_t>(frames) + 1) {}
+
+  void Push(int index) {
+    indices_.push_back(index);
+    if (indices_.size() > most_) indices_.pop_front();
+  }
+
+  // What was last seen before this frame is outside; nothing is while there were fewer frames.
+  int Begin() const {
+    return indices_.size() == most_ ? indices_.front() : std::numeric_limits<int>::min();
+  }
+
+ private:
+  const std::size_t most_;
+  std::deque<int> indices_;
+};
 
 // So much before its turn a candidate and what it needs is asked for, to be in the cache by then.
 constexpr int kCandidatesAhead = 16;

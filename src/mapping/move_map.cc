@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "mapping/bound_positions.h"
+#include "mapping/block_lanes.h"
 #include "surfit/core/parallel.h"
 
 namespace surfit {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "mapping/bands.h"
-#include "mapping/per_surfel.h"
+#include "mapping/block_lanes.h"
 #include "surfit/core/parallel.h"
 
 namespace surfit {

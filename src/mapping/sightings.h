@@ -1,14 +1,68 @@
 #pragma once
 
+#include <cstring>
 #include <vector>
 
 #include "mapping/measured_points.h"
-#include "mapping/point_average.h"
 #include "mapping/posed_camera.h"
 #include "mapping/surfel_choice.h"
 #include "surfit/frame/rgbd_frame.h"
+#include "surfit/mapping/surfel.h"
 
 namespace surfit {
+
+// The average of the points that have chosen a surfel, as one observation of it. Free of branches.
+class PointAverage {
+ public:
+  // Points with a larger radius do not tell of the surfel's shape, nor do those at depth edges.
+  explicit PointAverage(float max_radius_m)
+      : max_radius_m_(max_radius_m), radius_m_(max_radius_m) {}
+
+  void Add(const MeasuredPoint& point, float weight) {
+    const bool has_shape = !point.at_edge & (point.radius_m < max_radius_m_);
+    const float shape_weight = has_shape ? weight : 0.f;
+    weight_ += weight;
+    shape_weight_ += shape_weight;
+    float patch[6];
+    std::memcpy(patch, &point.patch, sizeof(patch));
+    for (int i = 0; i < 6; ++i) patch_[i] += shape_weight * patch[i];
+    const float radius_m = has_shape ? point.radius_m : max_radius_m_;
+    radius_m_ = radius_m < radius_m_ ? radius_m : radius_m_;
+    at_edge_ &= point.at_edge;
+  }
+
+  void AddColor(Rgb8 color, float weight) {
+    const float bytes[] = {static_cast<float>(color.r), static_cast<float>(color.g),
+                           static_cast<float>(color.b)};
+    for (int i = 0; i < 3; ++i) color_[i] += weight * bytes[i];
+    color_weight_ += weight;
+  }
+
+  // There must be a point; all of them have colours or none has.
+  SurfelObservation Observation(const PosedCamera& camera) const {
+    SurfelObservation seen;
+    seen.weight = weight_;
+    seen.color = Eigen::Vector3f(color_[0], color_[1], color_[2]) * (1.f / weight_);
+    seen.color_weight = color_weight_;
+    seen.at_edge = at_edge_;
+    seen.shape_weight = shape_weight_;
+    if (shape_weight_ == 0.f) return seen;
+    const float scale = 1.f / shape_weight_;
+    const Eigen::Vector3f position(patch_[0], patch_[1], patch_[2]);
+    const Eigen::Vector3f normal(patch_[3], patch_[4], patch_[5]);
+    seen.position_in_world = camera.PointInWorld(scale * position);
+    seen.normal_in_world = camera.world_rotation * (scale * normal);
+    seen.radius_m = radius_m_;
+    return seen;
+  }
+
+ private:
+  const float max_radius_m_;
+  float radius_m_;
+  float weight_ = 0, shape_weight_ = 0, color_weight_ = 0;
+  float patch_[6] = {}, color_[3] = {};
+  bool at_edge_ = true;
+};
 
 // What the points of a frame have seen of the surfels they chose.
 class Sightings {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "mapping/candidate_list.h"
+#include "mapping/candidate_finder.h"
 #include "mapping/measured_points.h"
 #include "mapping/merge_gate.h"
 #include "surfit/core/image.h"

@@ -1,6 +1,6 @@
 #include "mapping/view_frustum.h"
 
-#include "mapping/block_centres.h"
+#include "mapping/posed_camera.h"
 
 namespace surfit {
 

@@ -5,7 +5,7 @@
 
 #include "slam/correct_frames.h"
 #include "slam/edge_information.h"
-#include "slam/loop_thread.h"
+#include "slam/loop_closer.h"
 #include "surfit/core/options.h"
 
 namespace surfit {

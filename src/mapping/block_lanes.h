@@ -1,8 +1,10 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 
+#include "surfit/core/lanes.h"
 #include "surfit/mapping/surfel_block.h"
 
 namespace surfit {
@@ -53,6 +55,41 @@ inline float LeastOf(const PerSurfel<float>& numbers) {
   }
   for (int j = 1; j < 8; ++j) least[0] = least[j] < least[0] ? least[j] : least[0];
   return least[0];
+}
+
+// Finds the bounds of the positions once more, after merging.
+inline void BoundPositions(SurfelBlock* block) {
+  WithInstructions([&](auto) {
+    const PerSurfel<float>* const positions[] = {&block->x, &block->y, &block->z};
+    for (int axis = 0; axis < 3; ++axis) {
+      const PerSurfel<float>& all = *positions[axis];
+      PerSurfel<float> used, negative;
+      for (int k = 0; k < SurfelBlock::kCapacity; ++k) {
+        used[k] = k < block->count ? all[k] : all[0];
+        negative[k] = -used[k];
+      }
+      block->bounds.low[axis] = LeastOf(used);
+      block->bounds.high[axis] = -LeastOf(negative);
+    }
+  });
+}
+
+// Asks for the memory [begin, end) that is soon to be looked at.
+inline void Fetch(const void* begin, const void* end) {
+  constexpr std::ptrdiff_t kLine = 64;
+  for (auto* line = static_cast<const char*>(begin); line < end; line += kLine) {
+    __builtin_prefetch(line);
+  }
+}
+
+// Ask for parts of a block that is soon to be looked at. Blocks are anywhere in memory, and too
+// short for the processor to see what comes next.
+inline void FetchShapes(const SurfelBlock& block) { Fetch(&block, block.first_seen); }
+inline void FetchAll(const SurfelBlock& block) { Fetch(&block, &block + 1); }
+inline void FetchAges(const SurfelBlock& block) {
+  Fetch(&block, &block.bounds + 1);
+  Fetch(block.confidence, block.first_seen);
+  Fetch(block.last_seen, block.red);
 }
 
 }  // namespace surfit
