@@ -13,7 +13,7 @@
 #include "simulate/surface_sampler.h"
 #include "surfit/core/error.h"
 #include "surfit/core/parallel.h"
-#include "surfit/frame/correct_depth.h"
+#include "surfit/frame/prepare_frame.h"
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
 #include "surfit/simulation/scene.h"

@@ -4,7 +4,7 @@
 
 #include "surfit/core/error.h"
 #include "surfit/core/trace.h"
-#include "surfit/frame/correct_depth.h"
+#include "surfit/frame/prepare_frame.h"
 
 namespace surfit {
 namespace {

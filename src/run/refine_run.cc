@@ -13,7 +13,7 @@
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
-#include "surfit/frame/correct_depth.h"
+#include "surfit/frame/prepare_frame.h"
 #include "surfit/geometry/mirror.h"
 #include "surfit/io/camera_yaml.h"
 #include "surfit/io/depth_field.h"

@@ -10,7 +10,7 @@
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 #include "surfit/evaluation/trajectory_evaluation.h"
-#include "surfit/frame/correct_depth.h"
+#include "surfit/frame/prepare_frame.h"
 #include "surfit/refinement/keyframes.h"
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"

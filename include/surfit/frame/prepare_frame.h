@@ -6,6 +6,7 @@
 
 #include "surfit/core/image.h"
 #include "surfit/frame/rgbd_frame.h"
+#include "surfit/geometry/inverse_depth_field.h"
 #include "surfit/geometry/sensor.h"
 
 namespace surfit {
@@ -47,5 +48,10 @@ class FramePreparer {
   struct Tables;
   std::unique_ptr<const Tables> tables_;
 };
+
+// Corrects the depth of an undistorted camera's pixels (m, 0 = missing) by the field at their rays.
+// What then has no finite positive depth is missing.
+void CorrectDepth(const PinholeCamera& camera, const InverseDepthField& field,
+                  Image<float>* depth_m);
 
 }  // namespace surfit
