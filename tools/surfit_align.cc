@@ -4,7 +4,6 @@
 
 #include "common/icp_report.h"
 #include "common/tool_main.h"
-#include "surfit/core/error.h"
 #include "surfit/run/register_run.h"
 
 namespace surfit::tools {
@@ -33,21 +32,6 @@ void PrintResult(const AlignRunResult& result, bool verified) {
               result.initial_error->translation_m, result.initial_error->rotation_deg);
 }
 
-// What a registration that succeeded lacks to be believed.
-std::string Doubt(const InitializedIcpResult& result, const InitializeOptions& options) {
-  if (result.overlap_share < options.min_overlap_share) {
-    return Concat("overlap share is ", result.overlap_share, ", must be at least ",
-                  options.min_overlap_share);
-  }
-  if (result.lead < options.min_lead) {
-    return Concat("lead over other poses is ", result.lead, ", must be at least ",
-                  options.min_lead);
-  }
-  return Concat("correlations of brightness and its detail are ", result.value_correlation, " and ",
-                result.detail_correlation, ", must be at least ", options.min_value_correlation,
-                " and ", options.min_detail_correlation);
-}
-
 int Run(const AlignRunOptions& options) {
   const AlignRunResult result = RunAlign(options);
   const IcpResult& icp = result.registration.icp;
@@ -55,11 +39,12 @@ int Run(const AlignRunOptions& options) {
   PrintResult(result, options.initialize.method != "identity");
   std::printf("pictures: %s/before.png, %s/after.png\n", options.output.c_str(),
               options.output.c_str());
-  if (icp.termination != Termination::kNotVerified) {
+  if (!icp.Succeeded()) {
     return PrintFailure(icp, IcpOptionsFromStart(options.initialize, options.icp));
   }
-  std::fprintf(stderr, "failed: not_verified: %s\n",
-               Doubt(result.registration, options.initialize).c_str());
+  if (result.registration.accepted()) return kDone;
+  std::fprintf(stderr, "failed: %s: %s\n", ToString(result.registration.reason).c_str(),
+               Doubt(result.registration, options.initialize.fit).c_str());
   return kAlgorithmFailed;
 }
 

@@ -35,10 +35,10 @@ struct Options {
 };
 
 void PrintReasons(const std::vector<FoundLoop>& loops) {
-  std::map<LoopReason, int> counts;
+  std::map<FarReason, int> counts;
   for (const FoundLoop& loop : loops) ++counts[loop.attempt.verdict.reason];
   std::vector<std::vector<std::string>> rows = {{"verdict", "loops"}};
-  for (const LoopReason reason : LoopReasons()) {
+  for (const FarReason reason : FarReasons()) {
     rows.push_back({ToString(reason), std::to_string(counts[reason])});
   }
   rows.push_back({"proposed", std::to_string(loops.size())});

@@ -7,7 +7,7 @@
 #include "surfit/core/options.h"
 #include "surfit/frame/intensity.h"
 #include "surfit/frame/preprocess.h"
-#include "surfit/registration/initialize.h"
+#include "surfit/registration/far_registration.h"
 
 namespace py = pybind11;
 
@@ -22,17 +22,15 @@ ColoredView ViewOfFrame(const Frame& frame, const PreprocessOptions& options,
   return view;
 }
 
-InitializedIcpResult Align(const Frame& source, const Frame& target,
-                           const InitializeOptions& initialize,
-                           const std::optional<IcpOptions>& given_icp,
-                           const PreprocessOptions& preprocess) {
+FarVerdict Align(const Frame& source, const Frame& target, const InitializeOptions& initialize,
+                 const std::optional<IcpOptions>& given_icp, const PreprocessOptions& preprocess) {
   const IcpOptions icp = given_icp.value_or(FarIcpOptions());
   Validate(preprocess);
   Validate(initialize);
   Validate(icp);
   const bool with_intensities = icp.error_model.UsesIntensities();
-  return InitializeAndRegister(ViewOfFrame(source, preprocess, with_intensities),
-                               ViewOfFrame(target, preprocess, with_intensities), initialize, icp);
+  return RegisterFar(ViewOfFrame(source, preprocess, with_intensities),
+                     ViewOfFrame(target, preprocess, with_intensities), initialize, icp);
 }
 
 }  // namespace

@@ -4,8 +4,8 @@
 
 #include "bindings/bind.h"
 #include "bindings/pose_caster.h"
+#include "surfit/registration/far_registration.h"
 #include "surfit/registration/icp.h"
-#include "surfit/registration/initialize.h"
 
 namespace py = pybind11;
 
@@ -32,7 +32,7 @@ void BindIcpResult(py::module_& module) {
       .def_property_readonly(
           "termination", [](const IcpResult& result) { return ToString(result.termination); },
           "converged, rmse_increased, max_iterations; or the failure: too_few_inliers, "
-          "singular_system, free_space_filled, not_verified")
+          "singular_system, free_space_filled")
       .def_readonly("target_from_source", &IcpResult::target_from_source, "4 x 4, metres")
       .def_readonly("iterations", &IcpResult::iterations, "in their order, coarse to fine")
       .def_readonly("step_count", &IcpResult::step_count, "over all levels")
@@ -52,17 +52,24 @@ void BindIcpResult(py::module_& module) {
       .def_readonly("free_space_share", &IcpResult::free_space_share,
                     "of points in space that the other view saw through; 0 unless limited");
 
-  py::class_<InitializedIcpResult>(module, "AlignResult",
-                                   "A registration of frames and what speaks for it.")
-      .def_readonly("icp", &InitializedIcpResult::icp, "the registration")
-      .def_readonly("start", &InitializedIcpResult::start, "4 x 4: where ICP started")
-      .def_readonly("overlap_share", &InitializedIcpResult::overlap_share,
+  py::class_<FarVerdict>(module, "AlignResult",
+                         "A registration of frames and what speaks for it; numbers are 0 where "
+                         "they were not looked at. Unless it was accepted, the pose must not be "
+                         "used.")
+      .def_property_readonly("accepted", &FarVerdict::accepted, "whether the pose may be used")
+      .def_property_readonly(
+          "reason", [](const FarVerdict& verdict) { return ToString(verdict.reason); },
+          "accepted; or what spoke against it: not_registered, degenerate, little_overlap, "
+          "poor_fit, free_space_filled, looks_different, ambiguous, inconsistent")
+      .def_readonly("target_from_source", &FarVerdict::target_from_source, "4 x 4, metres")
+      .def_readonly("icp", &FarVerdict::icp, "the registration")
+      .def_readonly("start", &FarVerdict::start, "4 x 4: where ICP started")
+      .def_readonly("overlap_share", &FarVerdict::overlap_share,
                     "of points on the other view's surface; as all below, 0 from the identity")
-      .def_readonly("value_correlation", &InitializedIcpResult::value_correlation,
-                    "of brightness there")
-      .def_readonly("detail_correlation", &InitializedIcpResult::detail_correlation,
+      .def_readonly("value_correlation", &FarVerdict::value_correlation, "of brightness there")
+      .def_readonly("detail_correlation", &FarVerdict::detail_correlation,
                     "of its edges and texture")
-      .def_readonly("lead", &InitializedIcpResult::lead, "over any other pose, nats per pixel");
+      .def_readonly("lead", &FarVerdict::lead, "over any other pose, as a share of this one's score");
 }
 
 }  // namespace surfit::python

@@ -23,6 +23,7 @@ void BindRegistrationOptions(py::module_& m) {
   BindOptions<IcpOptions>(m, "IcpOptions", "How two surfaces are registered.");
   BindOptions<PreprocessOptions>(m, "PreprocessOptions",
                                  "How a depth image becomes vertex and normal maps.");
+  BindOptions<FitCriteria>(m, "FitCriteria", "What a fit must show to be believed.");
   BindOptions<InitializeOptions>(
       m, "InitializeOptions",
       "Where registration starts, and what a fit must show that started from afar.");
@@ -39,7 +40,7 @@ void BindLoopOptions(py::module_& m) {
   BindOptions<KeyframeOptions>(m, "KeyframeOptions", "When a frame becomes a keyframe.");
   BindOptions<PlaceViewOptions>(m, "PlaceViewOptions", "What is kept of a keyframe.");
   BindOptions<PlaceIndexOptions>(m, "PlaceIndexOptions", "How places are looked up.");
-  BindOptions<VerifyLoopOptions>(m, "VerifyLoopOptions", "What a loop must show to be accepted.");
+  BindOptions<VerifyLoopOptions>(m, "VerifyLoopOptions", "How a loop is verified.");
   BindOptions<FindLoopsOptions>(m, "FindLoopsOptions", "Which keyframes may be joined.");
   BindOptions<RelocalizeOptions>(m, "RelocalizeOptions", "How a lost camera is found.");
   BindOptions<EdgeNoise>(m, "EdgeNoiseOptions", "Errors that registrations do not know of.");

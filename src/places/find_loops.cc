@@ -64,8 +64,8 @@ std::vector<LoopAttempt> FindLoops(int source, const std::vector<Keyframe>& keyf
   Validate(options);
   std::vector<LoopAttempt> attempts;
   for (const LoopProposal& proposal : ProposeLoops(source, keyframes, index, options)) {
-    const LoopVerdict verdict = VerifyLoop(keyframes[source].view, keyframes[proposal.target].view,
-                                           options.verify, proposal.target_from_source_prior);
+    const FarVerdict verdict = VerifyLoop(keyframes[source].view, keyframes[proposal.target].view,
+                                          options.verify, proposal.target_from_source_prior);
     attempts.push_back({proposal, verdict});
   }
   return attempts;

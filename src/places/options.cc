@@ -46,24 +46,7 @@ void VerifyLoopOptions::Visit(OptionVisitor& v) {
   v.AddPart(icp, Option("icp", "the dense registration"));
   v.Add(min_agreeing_features,
         Option("min_agreeing_features", "features that must agree on a proposed pose").AtLeast(4));
-  v.Add(min_inlier_share, Option("min_inlier_share", "of the points that overlap").Share());
-  v.Add(max_rmse_m, Option("max_rmse_m", "of the residuals").Positive());
-  v.Add(min_overlap_share,
-        Option("min_overlap_share", "of points on the other view's surface").Share());
-  v.Add(max_free_space_share,
-        Option("max_free_space_share", "of points in front of that surface").Share());
-  v.Add(min_value_correlation, Option("min_value_correlation", "of the images").Share());
-  v.Add(min_detail_correlation,
-        Option("min_detail_correlation", "of their edges and texture").Share());
-  v.Add(min_lead, Option("min_lead", "over any other pose, as a share").Share());
-  v.Add(max_sigma_m,
-        Option("max_sigma_m", "of the translation in its least certain direction").Positive());
-  v.Add(max_sigma_rad,
-        Option("max_sigma_rad", "of the rotation in its least certain direction").Positive());
-  v.Add(max_disagreement_m,
-        Option("max_disagreement_m", "between forward and backward registration").Positive());
-  v.Add(max_disagreement_rad,
-        Option("max_disagreement_rad", "between forward and backward registration").Positive());
+  v.AddPart(fit, Option("fit", "what a fit must show"));
 }
 
 IcpOptions VerifyLoopOptions::DefaultIcp() {

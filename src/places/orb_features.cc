@@ -6,8 +6,6 @@
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "registration/feature_points.h"
-
 namespace surfit {
 namespace {
 
@@ -17,6 +15,9 @@ constexpr float kScaleFactor = 1.2f;
 constexpr int kScales = 8;
 constexpr int kBorderPx = 15;     // the patch's half width: turned corners wrap into its border
 constexpr int kFastContrast = 7;  // of 255: even rooms have little; OpenCV's is 20
+
+constexpr float kMaxHamming = 70;  // of 256
+constexpr float kMaxRatio = 0.9f;
 
 cv::Ptr<cv::ORB> MakeOrb(int max_count) {
   constexpr int kFirstLevel = 0, kComparedPoints = 2, kPatchPx = 31;
@@ -43,6 +44,17 @@ std::vector<cv::KeyPoint> Spread(std::vector<cv::KeyPoint> keys, const cv::Size&
   return kept;
 }
 
+// Descriptors in rows. Copies: OpenCV's matrices have one step between rows of bytes.
+cv::Mat Rows(const std::vector<PlaceFeature>& features) {
+  constexpr int kBytes = sizeof(BinaryDescriptor);
+  cv::Mat rows(static_cast<int>(features.size()), kBytes, CV_8U);
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    const auto* const bytes = reinterpret_cast<const uchar*>(features[i].descriptor.data());
+    std::copy(bytes, bytes + kBytes, rows.ptr(static_cast<int>(i)));
+  }
+  return rows;
+}
+
 }  // namespace
 
 std::vector<PlaceFeature> FindOrbFeatures(const Image<Rgb8>& color, const FrameLevel& surface,
@@ -67,6 +79,26 @@ std::vector<PlaceFeature> FindOrbFeatures(const Image<Rgb8>& color, const FrameL
     features.push_back(feature);
   }
   return features;
+}
+
+std::vector<FeatureMatch> MatchFeatures(const std::vector<PlaceFeature>& source,
+                                        const std::vector<PlaceFeature>& target) {
+  std::vector<FeatureMatch> matches;
+  if (source.empty() || target.size() < 2) return matches;
+  const cv::BFMatcher matcher(cv::NORM_HAMMING);
+  const cv::Mat source_rows = Rows(source), target_rows = Rows(target);
+  std::vector<std::vector<cv::DMatch>> forwards;
+  std::vector<cv::DMatch> backwards;
+  matcher.knnMatch(source_rows, target_rows, forwards, 2);
+  matcher.match(target_rows, source_rows, backwards);
+  for (const std::vector<cv::DMatch>& nearest : forwards) {
+    const cv::DMatch& best = nearest[0];
+    if (best.distance > kMaxHamming || best.distance >= kMaxRatio * nearest[1].distance) continue;
+    if (backwards[best.trainIdx].trainIdx == best.queryIdx) {
+      matches.push_back({best.queryIdx, best.trainIdx});
+    }
+  }
+  return matches;
 }
 
 }  // namespace surfit

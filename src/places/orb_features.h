@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "registration/feature_points.h"
 #include "surfit/core/image.h"
 #include "surfit/frame/frame_pyramid.h"
 #include "surfit/places/keyframe.h"
@@ -13,5 +14,10 @@ namespace surfit {
 // `max_count`; none where there is no colour.
 std::vector<PlaceFeature> FindOrbFeatures(const Image<Rgb8>& color, const FrameLevel& surface,
                                           int max_count);
+
+// Features whose descriptors are each other's nearest, near enough, and nearer than the second
+// nearest by a clear ratio.
+std::vector<FeatureMatch> MatchFeatures(const std::vector<PlaceFeature>& source,
+                                        const std::vector<PlaceFeature>& target);
 
 }  // namespace surfit

@@ -12,7 +12,7 @@ Relocalization Relocalize(const PlaceView& view, const std::vector<Keyframe>& ke
   const auto has_view = [&](int keyframe) { return !keyframes[keyframe].view.empty(); };
   for (const PlaceCandidate& candidate : index.Query(view, options.max_candidates, has_view)) {
     const Keyframe& keyframe = keyframes[candidate.keyframe];
-    const LoopVerdict verdict = VerifyLoop(view, keyframe.view, options.verify);
+    const FarVerdict verdict = VerifyLoop(view, keyframe.view, options.verify);
     result.attempts.push_back(
         {{Relocalization::kNone, candidate.keyframe, candidate.similarity, std::nullopt}, verdict});
     if (!verdict.accepted()) continue;

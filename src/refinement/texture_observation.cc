@@ -5,7 +5,7 @@
 #include "refinement/joint_state.h"
 #include "refinement/shared_surfels.h"
 #include "refinement/surfel_sight.h"
-#include "registration/bilinear_sample.h"
+#include "registration/view_level.h"
 #include "surfit/core/parallel.h"
 
 namespace surfit {

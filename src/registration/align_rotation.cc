@@ -1,8 +1,7 @@
-#include "surfit/registration/align_rotation.h"
-
 #include <algorithm>
 
 #include "registration/joint_descent.h"
+#include "surfit/registration/far_registration.h"
 
 namespace surfit {
 

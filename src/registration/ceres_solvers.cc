@@ -1,4 +1,8 @@
-#include <ceres/ceres.h>
+#include <ceres/autodiff_cost_function.h>
+#include <ceres/evaluation_callback.h>
+#include <ceres/loss_function.h>
+#include <ceres/problem.h>
+#include <ceres/solver.h>
 
 #include <algorithm>
 #include <memory>
@@ -8,9 +12,7 @@
 #include "cost_functions/robust_kernel.h"
 #include "registration/functor_batch.h"
 #include "registration/pair_solver.h"
-#include "registration/pose_block.h"
 #include "registration/reduced_cost.h"
-#include "registration/solver_factories.h"
 
 namespace surfit {
 namespace {

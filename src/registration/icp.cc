@@ -97,8 +97,6 @@ std::string ToString(Termination termination) {
       return "singular_system";
     case Termination::kFreeSpaceFilled:
       return "free_space_filled";
-    case Termination::kNotVerified:
-      return "not_verified";
   }
   return "unknown";
 }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "registration/bilinear_sample.h"
 #include "registration/decompositions.h"
 #include "registration/residual_rows.h"
 

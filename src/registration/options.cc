@@ -6,8 +6,8 @@
 #include "registration/icp_level.h"
 #include "surfit/core/error.h"
 #include "surfit/registration/cloud_normals.h"
+#include "surfit/registration/far_registration.h"
 #include "surfit/registration/icp.h"
-#include "surfit/registration/initialize.h"
 #include "surfit/registration/pose_solver.h"
 #include "surfit/registration/register_clouds.h"
 
@@ -141,6 +141,28 @@ void IcpOptions::Visit(OptionVisitor& v) {
   v.Check([this] { MakePoseSolver(SolverOptions(*this, error_model)); });
 }
 
+void FitCriteria::Visit(OptionVisitor& v) {
+  v.Add(min_overlap_share,
+        Option("min_overlap_share", "of points on the other view's surface").Share());
+  v.Add(max_free_space_share,
+        Option("max_free_space_share", "of points in front of that surface").Share());
+  v.Add(needs_color, Option("needs_color", "both views must show colours"));
+  v.Add(min_value_correlation, Option("min_value_correlation", "of the images").Share());
+  v.Add(min_detail_correlation,
+        Option("min_detail_correlation", "of their edges and texture").Share());
+  v.Add(min_inlier_share, Option("min_inlier_share", "of the points that overlap").Share());
+  v.Add(max_rmse_m, Option("max_rmse_m", "of the residuals").Positive());
+  v.Add(max_sigma_m,
+        Option("max_sigma_m", "of the translation in its least certain direction").Positive());
+  v.Add(max_sigma_rad,
+        Option("max_sigma_rad", "of the rotation in its least certain direction").Positive());
+  v.Add(min_lead, Option("min_lead", "over any other pose, as a share").Share());
+  v.Add(max_disagreement_m,
+        Option("max_disagreement_m", "between forward and backward registration").Positive());
+  v.Add(max_disagreement_rad,
+        Option("max_disagreement_rad", "between forward and backward registration").Positive());
+}
+
 void InitializeOptions::Visit(OptionVisitor& v) {
   v.Group("registration");
   v.Add(method,
@@ -154,21 +176,10 @@ void InitializeOptions::Visit(OptionVisitor& v) {
   v.Add(iteration_growth,
         Option("iteration_growth", "from afar ICP has this many times its max_iterations")
             .AtLeast(1));
-  v.Add(min_overlap_share,
-        Option("min_overlap_share",
-               "a fit from afar is believed if this share of the points lies on the other view's "
-               "surface,")
-            .Share());
-  v.Add(min_value_correlation,
-        Option("min_value_correlation", "if brightness correlates so much there,").Share());
-  v.Add(min_detail_correlation,
-        Option("min_detail_correlation", "its edges and texture so much,").Share());
-  v.Add(min_lead, Option("min_lead", "and the fit is so much better than that of any other pose")
-                      .AtLeast(0)
-                      .Unit("nats per pixel"));
   v.Add(free_space_growth,
         Option("free_space_growth", "from afar max_free_space_share is this many times as large")
             .AtLeast(1));
+  v.AddPart(fit, Option("fit", "what a fit from afar must show to be believed").NoFlags());
 }
 
 void CloudNormalOptions::Visit(OptionVisitor& v) {

@@ -59,4 +59,10 @@ class PairSolver : public PoseSolver {
   }
 };
 
+// What makes solvers by their options' name. Null for names that are not theirs.
+std::unique_ptr<PoseSolver> MakeClosedFormSolver(const PoseSolverOptions& options);
+std::unique_ptr<PoseSolver> MakeSvdSolver(const PoseSolverOptions& options);
+std::unique_ptr<PoseSolver> MakeCeresSolver(const PoseSolverOptions& options);
+std::unique_ptr<PoseSolver> MakeTinySolver(const PoseSolverOptions& options);
+
 }  // namespace surfit

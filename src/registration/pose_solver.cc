@@ -1,8 +1,7 @@
 #include "surfit/registration/pose_solver.h"
 
 #include "core/named_values.h"
-#include "registration/linearize.h"
-#include "registration/solver_factories.h"
+#include "registration/pair_solver.h"
 
 namespace surfit {
 

@@ -2,10 +2,13 @@
 
 #include <ceres/cost_function.h>
 
+#include <array>
 #include <memory>
 
+#include "cost_functions/pose_manifold.h"
 #include "registration/photometric_term.h"
 #include "surfit/core/robust_kernel.h"
+#include "surfit/registration/normal_system.h"
 #include "surfit/registration/pairs.h"
 #include "surfit/registration/residual_type.h"
 
@@ -20,5 +23,27 @@ std::unique_ptr<ceres::CostFunction> MakeReducedCost(Pairs<S> pairs, ResidualTyp
 // The same of intensities.
 std::unique_ptr<ceres::CostFunction> MakeReducedCost(const IntensityPairs& pairs,
                                                      const PhotometricTerm& term);
+
+using PoseBlock = std::array<double, kPoseSize>;
+
+inline PoseBlock IdentityBlock() { return {0, 0, 0, 1, 0, 0, 0}; }
+
+// The left increment from the identity to a pose.
+inline Vector6d AsIncrement(const PoseBlock& pose) {
+  Vector6d increment;
+  LeftPoseManifold().Minus(pose.data(), IdentityBlock().data(), increment.data());
+  return increment;
+}
+
+// What Levenberg-Marquardt stops at: in single precision what its sums can meet, far below what
+// moves an association; in double precision the rounding of the cost.
+template <typename S>
+struct LmTolerances {
+  static constexpr bool kSingle = sizeof(S) == sizeof(float);
+  static constexpr double kFunction = kSingle ? 1e-9 : 1e-16;
+  static constexpr double kGradient = kSingle ? 1e-10 : 1e-14;
+  static constexpr double kParameter = kSingle ? 1e-8 : 1e-13;
+  static constexpr int kMaxIterations = 50;
+};
 
 }  // namespace surfit

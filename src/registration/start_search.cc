@@ -8,7 +8,6 @@
 #include "registration/decompositions.h"
 #include "registration/feature_points.h"
 #include "registration/joint_descent.h"
-#include "registration/rotation_grid.h"
 #include "surfit/core/parallel.h"
 
 namespace surfit {
@@ -65,6 +64,31 @@ std::vector<StartPose> ForAll(const std::vector<StartPose>& poses,
 
 }  // namespace
 
+std::vector<Eigen::Quaterniond> RotationGrid() {
+  constexpr double kReachRad = 60 * kDegree;
+  // The side of the lattice's cubes. What is farthest from all of its points is sqrt(5) / 4 of it.
+  constexpr double kSideRad = 19 * kDegree;
+  const int reach = static_cast<int>(kReachRad / kSideRad) + 1;
+  std::vector<Eigen::Vector3d> vectors;
+  for (const double offset : {0., 0.5}) {
+    for (int x = -reach; x <= reach; ++x) {
+      for (int y = -reach; y <= reach; ++y) {
+        for (int z = -reach; z <= reach; ++z) {
+          const Eigen::Vector3d vector =
+              kSideRad * (Eigen::Vector3d(x, y, z) + Eigen::Vector3d::Constant(offset));
+          if (vector.norm() <= kReachRad) vectors.push_back(vector);
+        }
+      }
+    }
+  }
+  std::stable_sort(vectors.begin(), vectors.end(),
+                   [](const auto& a, const auto& b) { return a.norm() < b.norm(); });
+  std::vector<Eigen::Quaterniond> rotations;
+  rotations.reserve(vectors.size());
+  for (const Eigen::Vector3d& vector : vectors) rotations.push_back(QuaternionExp<double>(vector));
+  return rotations;
+}
+
 StartSearch::StartSearch(const ColoredView& source, const ColoredView& target,
                          const ErrorModel& error_model)
     : source_(source),
@@ -95,10 +119,6 @@ double StartSearch::Score(Stage stage, const Rigid3d& pose) const {
   ErrorModel error_model = error_model_;
   error_model.floor_sigma_m *= std::pow(2, LevelOf(stage));
   return MeasureFit(Source(stage), Target(stage), error_model, pose).Score();
-}
-
-ViewFit StartSearch::Measure(const Rigid3d& target_from_source) const {
-  return MeasureFit(Source(kFine), Target(kFine), error_model_, target_from_source);
 }
 
 std::vector<StartPose> StartSearch::FromFeatures() const {

@@ -1,9 +1,10 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <vector>
 
 #include "registration/view_fit.h"
-#include "surfit/registration/initialize.h"
+#include "surfit/registration/far_registration.h"
 
 namespace surfit {
 
@@ -12,6 +13,10 @@ struct StartPose {
   Rigid3d target_from_source;
   double score = 0;  // ViewFit::Score() on the level where it was found
 };
+
+// Rotations of up to 60 degrees, the nearest to none first: their rotation vectors are a
+// body-centred cubic lattice, at most 11 degrees from any rotation in between.
+std::vector<Eigen::Quaterniond> RotationGrid();
 
 // Searches for the pose of one view in another's frame on the three coarsest levels of both.
 class StartSearch {
@@ -25,8 +30,9 @@ class StartSearch {
   // Different poses, the best first.
   std::vector<StartPose> FindPoses() const;
 
-  // On the finest of the three levels.
-  ViewFit Measure(const Rigid3d& target_from_source) const;
+  // The finest of the three levels.
+  ViewLevel SourceLevel() const { return Source(kFine); }
+  ViewLevel TargetLevel() const { return Target(kFine); }
 
  private:
   enum Stage { kCoarse, kMiddle, kFine };

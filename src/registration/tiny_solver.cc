@@ -8,10 +8,9 @@
 
 #include "cost_functions/pose_manifold.h"
 #include "cost_functions/row_sums.h"
+#include "registration/decompositions.h"
 #include "registration/pair_solver.h"
-#include "registration/pose_block.h"
 #include "registration/reduced_cost.h"
-#include "registration/solver_factories.h"
 
 namespace surfit {
 namespace {
@@ -62,6 +61,16 @@ struct TinyFunction {
   double* linearizing_ms;  // all linearisations together
 };
 
+// What ceres::TinySolver wants of a linear solver.
+class CompiledLdlt {
+ public:
+  void compute(const Matrix6d& matrix) { matrix_ = matrix; }
+  Vector6d solve(const Vector6d& right_side) const { return SolveLdlt(matrix_, right_side); }
+
+ private:
+  Matrix6d matrix_;
+};
+
 class TinyPoseSolver final : public PairSolver<TinyPoseSolver> {
  public:
   using PairSolver::PairSolver;
@@ -87,7 +96,7 @@ class TinyPoseSolver final : public PairSolver<TinyPoseSolver> {
   Vector6d Minimum(const std::array<const ceres::CostFunction*, kBlocks>& costs,
                    const StepResult& before, SolveReport* report) const {
     using Function = TinyFunction<kBlocks>;
-    ceres::TinySolver<Function> solver;
+    ceres::TinySolver<Function, CompiledLdlt> solver;
     solver.options.max_num_iterations = LmTolerances<S>::kMaxIterations;
     solver.options.gradient_tolerance = LmTolerances<S>::kGradient;
     solver.options.parameter_tolerance = LmTolerances<S>::kParameter;

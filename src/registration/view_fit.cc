@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "registration/bilinear_sample.h"
 #include "surfit/registration/free_space.h"
 
 namespace surfit {

@@ -1,12 +1,31 @@
 #pragma once
 
-#include <cmath>
+#include <algorithm>
+#include <vector>
 
-#include "registration/brightness.h"
+#include "surfit/core/image.h"
 #include "surfit/frame/frame_pyramid.h"
 #include "surfit/geometry/rigid3.h"
 
 namespace surfit {
+
+// How bright one pyramid level of a frame is.
+struct BrightnessLevel {
+  Image<float> value;   // 0 = black, 1 = white
+  Image<float> detail;  // value less its mean over some pixels: edges and texture without shading
+};
+
+// With the detail of these values.
+BrightnessLevel BrightnessOf(Image<float> value);
+
+// As many levels as asked for, each further one the mean of 2 x 2 pixels like HalfResolution();
+// all zero where there is no colour.
+std::vector<BrightnessLevel> BrightnessPyramid(const Image<Rgb8>& color, int width, int height,
+                                               int levels);
+
+// The brightness `halvings` levels below that of the colours, without detail; empty without
+// colours.
+BrightnessLevel CoarseBrightness(const Image<Rgb8>& color, int halvings);
 
 // One resolution of a frame: shape and brightness of the same pixels.
 struct ViewLevel {
@@ -55,6 +74,26 @@ void ForEachLanding(const FrameLevel& source, const FrameLevel& target,
 
 inline Eigen::Vector3f At(const VectorImage& image, int pixel) {
   return {image.x[pixel], image.y[pixel], image.z[pixel]};
+}
+
+// A value between four pixels, and how it changes per pixel.
+struct BilinearSample {
+  float value = 0;
+  float slope_u = 0;
+  float slope_v = 0;
+};
+
+// At a place within half a pixel of the image, which is at least 2 x 2; beyond the outermost pixel
+// centres it goes on linearly.
+inline BilinearSample SampleAt(const Image<float>& image, float u, float v) {
+  const int left = std::clamp(static_cast<int>(u), 0, image.width() - 2);
+  const int top = std::clamp(static_cast<int>(v), 0, image.height() - 2);
+  const float a = u - static_cast<float>(left), b = v - static_cast<float>(top);
+  const float *const upper = image.row(top) + left, *const lower = image.row(top + 1) + left;
+  const float on_top = upper[0] + a * (upper[1] - upper[0]);
+  const float below = lower[0] + a * (lower[1] - lower[0]);
+  return {on_top + b * (below - on_top),
+          (1 - b) * (upper[1] - upper[0]) + b * (lower[1] - lower[0]), below - on_top};
 }
 
 }  // namespace surfit

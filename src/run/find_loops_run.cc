@@ -103,7 +103,7 @@ class LoopRun {
     for (const LoopProposal& proposal : proposals) {
       const Keyframe& from = result_.keyframes[source];
       const Keyframe& to = result_.keyframes[proposal.target];
-      const LoopVerdict verdict =
+      const FarVerdict verdict =
           VerifyLoop(from.view, to.view, options_.loops.verify, proposal.target_from_source_prior);
       result_.loops.push_back(
           {from.frame_index, to.frame_index, {proposal, verdict}, {}, {}, {}, false, false});
@@ -125,7 +125,7 @@ class LoopRun {
     const auto& source = truth_of_keyframes_[proposal.source];
     const auto& target = truth_of_keyframes_[proposal.target];
     if (!source || !target) return;
-    const LoopVerdict& verdict = loop->attempt.verdict;
+    const FarVerdict& verdict = loop->attempt.verdict;
     const Rigid3d truth = target->Inverse() * *source;
     const Rigid3d off = truth * verdict.target_from_source.Inverse();
     loop->error_rad = RotationAngle(off.rotation);
@@ -148,11 +148,11 @@ class LoopRun {
     const PlaceView& target = result_.keyframes[loop.attempt.proposal.target].view;
     source.features.clear();
     const VerifyLoopOptions& verify = options_.loops.verify;
-    const LoopVerdict from_truth = VerifyLoop(source, target, verify, truth);
+    const FarVerdict from_truth = VerifyLoop(source, target, verify, truth);
     const Rigid3d& pose = loop.attempt.verdict.target_from_source;
     const Rigid3d off = pose.Inverse() * from_truth.target_from_source;
-    if (from_truth.accepted() && (off.translation.norm() > verify.max_disagreement_m ||
-                                  RotationAngle(off.rotation) > verify.max_disagreement_rad)) {
+    if (from_truth.accepted() && (off.translation.norm() > verify.fit.max_disagreement_m ||
+                                  RotationAngle(off.rotation) > verify.fit.max_disagreement_rad)) {
       return false;
     }
     const FrameLevel from = PyramidOf(source, verify.preprocess).levels.front();

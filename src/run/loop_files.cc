@@ -20,7 +20,7 @@ constexpr char kColumns[] =
 // These columns, of a LoopRecord or FoundLoop.
 template <typename Loop>
 void WriteColumns(const Loop& loop, const std::string& reason, std::ostream& file) {
-  const LoopVerdict& v = loop.attempt.verdict;
+  const FarVerdict& v = loop.attempt.verdict;
   const Eigen::Vector3d& t = v.target_from_source.translation;
   const Eigen::Quaterniond& q = v.target_from_source.rotation;
   file << loop.source_frame << ',' << loop.target_frame << ',' << loop.attempt.proposal.similarity
@@ -34,7 +34,7 @@ void WriteColumns(const Loop& loop, const std::string& reason, std::ostream& fil
 
 // Of the verdict, or that the pose graph has overruled it.
 std::string ReasonOf(const LoopRecord& loop) {
-  const LoopVerdict& verdict = loop.attempt.verdict;
+  const FarVerdict& verdict = loop.attempt.verdict;
   return verdict.accepted() && !loop.in_graph ? "contradicts_others" : ToString(verdict.reason);
 }
 
@@ -72,7 +72,7 @@ void WriteLoopsG2o(const std::vector<Keyframe>& keyframes, const std::vector<Fou
     graph.poses.push_back({keyframe.frame_index, keyframe.world_from_camera, false});
   }
   for (const FoundLoop& loop : loops) {
-    const LoopVerdict& verdict = loop.attempt.verdict;
+    const FarVerdict& verdict = loop.attempt.verdict;
     if (!verdict.accepted()) continue;
     graph.edges.push_back({static_cast<std::size_t>(loop.attempt.proposal.target),
                            static_cast<std::size_t>(loop.attempt.proposal.source),

@@ -9,7 +9,7 @@
 #include "surfit/geometry/trajectory.h"
 #include "surfit/io/frame_source.h"
 #include "surfit/io/sequence.h"
-#include "surfit/registration/initialize.h"
+#include "surfit/registration/far_registration.h"
 
 namespace surfit {
 

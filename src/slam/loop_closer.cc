@@ -65,7 +65,7 @@ void LoopCloser::SetPoses(const std::vector<Rigid3d>& world_from_keyframe) {
 
 void LoopCloser::TryLoops(int source, LoopOutcome* outcome) {
   for (const LoopAttempt& attempt : finder_(source, keyframes_, index_)) {
-    const LoopVerdict& verdict = attempt.verdict;
+    const FarVerdict& verdict = attempt.verdict;
     outcome->attempts.push_back({keyframes_[source].frame_index,
                                  keyframes_[attempt.proposal.target].frame_index, attempt,
                                  verdict.accepted()});

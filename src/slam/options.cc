@@ -1,7 +1,7 @@
 // The options of this room.
 #include "surfit/core/options.h"
 
-#include "surfit/registration/initialize.h"
+#include "surfit/registration/far_registration.h"
 #include "surfit/slam/slam.h"
 
 namespace surfit {

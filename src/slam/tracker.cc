@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "surfit/core/trace.h"
-#include "surfit/registration/align_rotation.h"
+#include "surfit/registration/far_registration.h"
 
 namespace surfit {
 namespace {
@@ -86,10 +86,9 @@ std::optional<Rigid3d> Tracker::FindFromLast(const PreparedFrame& frame) const {
   const TraceSlice slice("find_again", frame.images.index);
   InitializeOptions initialization;
   initialization.method = options_.initialize;
-  const InitializedIcpResult found =
-      InitializeAndRegister(frame.view, last_.view, initialization, FarIcpOptions());
-  if (!found.icp.Succeeded()) return std::nullopt;
-  return last_.world_from_view * found.icp.target_from_source;
+  const FarVerdict found = RegisterFar(frame.view, last_.view, initialization, FarIcpOptions());
+  if (!found.accepted()) return std::nullopt;
+  return last_.world_from_view * found.target_from_source;
 }
 
 std::optional<Tracked> Tracker::Confirm(const PreparedFrame& frame, const ReferenceView& reference,

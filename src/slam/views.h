@@ -1,7 +1,7 @@
 #pragma once
 
 #include "surfit/frame/rgbd_frame.h"
-#include "surfit/registration/initialize.h"
+#include "surfit/registration/far_registration.h"
 
 namespace surfit {
 

@@ -26,7 +26,7 @@ const VerifyLoopOptions kOptions;
 Rigid3d Off() { return Rigid3d(QuaternionExp<double>({0.03, 0.15, -0.05}), {0.15, 0.04, 0.1}); }
 
 // (w, v)^T information (w, v) of the verdict's error.
-double SquaredError(const LoopVerdict& verdict, const Rigid3d& truth) {
+double SquaredError(const FarVerdict& verdict, const Rigid3d& truth) {
   const Rigid3d off = truth * verdict.target_from_source.Inverse();
   Vector6d error;
   error << QuaternionLog<double>(off.rotation), off.translation;
@@ -41,7 +41,7 @@ TEST(VerifyLoop, AcceptsRightLoopsWithinTheirCovariance) {
     const RoomOfKeyframes& room = MakeRoomOfKeyframes(seed);
     for (int i = 0; i < 30; i += 3) {
       const auto [view, truth] = SeeNearby(room, i, Off());
-      const LoopVerdict verdict = VerifyLoop(view, room.keyframes[i].view, kOptions);
+      const FarVerdict verdict = VerifyLoop(view, room.keyframes[i].view, kOptions);
       ++tried;
       if (!verdict.accepted()) continue;
       ++accepted;
@@ -57,21 +57,21 @@ TEST(VerifyLoop, APriorReplacesFeatures) {
   auto [view, truth] = SeeNearby(room, 3, Off());
   view.features.clear();
   const PlaceView& target = room.keyframes[3].view;
-  EXPECT_EQ(VerifyLoop(view, target, kOptions).reason, LoopReason::kNoStart);
+  EXPECT_EQ(VerifyLoop(view, target, kOptions).reason, FarReason::kNoStart);
   const Rigid3d prior =
       LeftIncrement<double>((Vector6d() << 0.02, -0.03, 0.01, 0.04, -0.03, 0.04).finished(), truth);
-  const LoopVerdict verdict = VerifyLoop(view, target, kOptions, prior);
+  const FarVerdict verdict = VerifyLoop(view, target, kOptions, prior);
   EXPECT_EQ(ToString(verdict.reason), "accepted");
   EXPECT_THAT(verdict.target_from_source, RigidNear(truth, 0.01, 0.5 * kDegree));
 }
 
 TEST(VerifyLoop, RefusesWithoutDepth) {
   const PlaceView& view = MakeRoomOfKeyframes(1).keyframes[0].view;
-  EXPECT_EQ(VerifyLoop(PlaceView(), view, kOptions).reason, LoopReason::kNoView);
-  EXPECT_EQ(VerifyLoop(view, PlaceView(), kOptions).reason, LoopReason::kNoView);
+  EXPECT_EQ(VerifyLoop(PlaceView(), view, kOptions).reason, FarReason::kNoView);
+  EXPECT_EQ(VerifyLoop(view, PlaceView(), kOptions).reason, FarReason::kNoView);
   PlaceView missing = view;
   for (std::uint16_t& units : missing.depth) units = 0;
-  EXPECT_EQ(VerifyLoop(missing, view, kOptions, Rigid3d()).reason, LoopReason::kNotRegistered);
+  EXPECT_EQ(VerifyLoop(missing, view, kOptions, Rigid3d()).reason, FarReason::kNotRegistered);
 }
 
 TEST(VerifyLoop, RefusesAnEvenWall) {
@@ -79,7 +79,7 @@ TEST(VerifyLoop, RefusesAnEvenWall) {
       PreprocessDepth(Image<float>(320, 240, 2.f), {PlaceCamera(), {}}, PreprocessOptions());
   const PlaceView wall =
       MakePlaceView(pyramid, Image<Rgb8>(320, 240, {120, 120, 120}), PlaceViewOptions());
-  EXPECT_EQ(VerifyLoop(wall, wall, kOptions).reason, LoopReason::kNoStart);
+  EXPECT_EQ(VerifyLoop(wall, wall, kOptions).reason, FarReason::kNoStart);
   EXPECT_FALSE(VerifyLoop(wall, wall, kOptions, Rigid3d()).accepted());
 }
 
@@ -88,10 +88,10 @@ TEST(VerifyLoop, RefusesTheSameShapesOfAnotherLook) {
   PlaceView other = room.keyframes[0].view;
   other.intensity = room.keyframes[15].view.intensity;
   EXPECT_EQ(VerifyLoop(other, room.keyframes[0].view, kOptions, Rigid3d()).reason,
-            LoopReason::kLooksDifferent);
+            FarReason::kLooksDifferent);
   other.intensity = {};
   EXPECT_EQ(VerifyLoop(other, room.keyframes[0].view, kOptions, Rigid3d()).reason,
-            LoopReason::kLooksDifferent);
+            FarReason::kLooksDifferent);
 }
 
 // Rooms of two seeds share walls and a floor; with poses as if they were the same place.
@@ -99,7 +99,7 @@ TEST(VerifyLoop, RefusesOtherPlaces) {
   const RoomOfKeyframes &room = MakeRoomOfKeyframes(1), &other = MakeRoomOfKeyframes(2);
   for (int i = 0; i < 30; i += 3) {
     for (int j = 0; j < 30; j += 6) {
-      const LoopVerdict verdict =
+      const FarVerdict verdict =
           VerifyLoop(room.keyframes[i].view, other.keyframes[j].view, kOptions, Rigid3d());
       EXPECT_FALSE(verdict.accepted()) << i << ' ' << j;
     }
@@ -116,7 +116,7 @@ TEST(VerifyLoop, APriorMayBeWrong) {
     for (const double side : {-1., 1.}) {
       Vector6d off;
       off << 0, 0.25 * side, 0, 0.2, 0.1 * side, -0.2 * side;
-      const LoopVerdict verdict =
+      const FarVerdict verdict =
           VerifyLoop(view, room.keyframes[i].view, kOptions, LeftIncrement<double>(off, truth));
       if (verdict.accepted()) {
         EXPECT_THAT(verdict.target_from_source, RigidNear(truth, 0.02, 0.5 * kDegree)) << i;
@@ -148,7 +148,7 @@ PlaceView StripedWall(double shift_m) {
 }
 
 TEST(VerifyLoop, RefusesWhatRepeats) {
-  const LoopVerdict verdict = VerifyLoop(StripedWall(0), StripedWall(0.5), kOptions, Rigid3d());
+  const FarVerdict verdict = VerifyLoop(StripedWall(0), StripedWall(0.5), kOptions, Rigid3d());
   EXPECT_FALSE(verdict.accepted()) << ToString(verdict.reason);
   EXPECT_THAT(ToString(verdict.reason), ::testing::AnyOf("ambiguous", "degenerate"));
 }
@@ -156,13 +156,13 @@ TEST(VerifyLoop, RefusesWhatRepeats) {
 TEST(VerifyLoop, IsTheSameAtAnyNumberOfThreads) {
   const RoomOfKeyframes& room = MakeRoomOfKeyframes(2);
   const PlaceView view = SeeNearby(room, 3, Off()).view;
-  std::vector<LoopVerdict> verdicts;
+  std::vector<FarVerdict> verdicts;
   for (const int threads : {1, 2, 4}) {
     const ThreadLimit limit(threads);
     verdicts.push_back(VerifyLoop(view, room.keyframes[3].view, kOptions));
   }
   ASSERT_TRUE(verdicts[0].accepted());
-  for (const LoopVerdict& verdict : verdicts) {
+  for (const FarVerdict& verdict : verdicts) {
     EXPECT_EQ(verdict.target_from_source.Matrix(), verdicts[0].target_from_source.Matrix());
     EXPECT_EQ(verdict.information, verdicts[0].information);
     EXPECT_EQ(verdict.agreeing_features, verdicts[0].agreeing_features);
@@ -177,11 +177,11 @@ TEST(VerifyLoopOptions, RefuseWhatMakesNoSense) {
   };
   Validate(VerifyLoopOptions());
   expect_refused([](auto& o) { o.min_agreeing_features = 3; }, "min_agreeing_features is 3");
-  expect_refused([](auto& o) { o.min_inlier_share = 2; }, "min_inlier_share is 2");
-  expect_refused([](auto& o) { o.max_rmse_m = 0; }, "max_rmse_m is 0, must be positive");
-  expect_refused([](auto& o) { o.min_overlap_share = -1; }, "min_overlap_share is -1");
-  expect_refused([](auto& o) { o.max_sigma_m = 0; }, "max_sigma_m is 0");
-  expect_refused([](auto& o) { o.max_disagreement_rad = 0; }, "max_disagreement_rad is 0");
+  expect_refused([](auto& o) { o.fit.min_inlier_share = 2; }, "min_inlier_share is 2");
+  expect_refused([](auto& o) { o.fit.max_rmse_m = 0; }, "max_rmse_m is 0, must be positive");
+  expect_refused([](auto& o) { o.fit.min_overlap_share = -1; }, "min_overlap_share is -1");
+  expect_refused([](auto& o) { o.fit.max_sigma_m = 0; }, "max_sigma_m is 0");
+  expect_refused([](auto& o) { o.fit.max_disagreement_rad = 0; }, "max_disagreement_rad is 0");
 }
 
 }  // namespace

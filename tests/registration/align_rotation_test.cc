@@ -1,9 +1,8 @@
-#include "surfit/registration/align_rotation.h"
-
 #include <gtest/gtest.h>
 
 #include "registration/simulated_views.h"
 #include "surfit/core/parallel.h"
+#include "surfit/registration/far_registration.h"
 
 namespace surfit {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "registration/bilinear_sample.h"
+#include "registration/view_level.h"
 #include "registration/intensity_finder.h"
 #include "registration/wall_frames.h"
 

@@ -1,4 +1,4 @@
-#include "registration/rotation_grid.h"
+#include "registration/start_search.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "surfit/frame/preprocess.h"
-#include "surfit/registration/initialize.h"
+#include "surfit/registration/far_registration.h"
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
 #include "surfit/simulation/scene.h"

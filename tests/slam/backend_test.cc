@@ -62,7 +62,7 @@ LoopAttempt Loop(int source, int target, const Rigid3d& target_from_source) {
   LoopAttempt attempt;
   attempt.proposal.source = source;
   attempt.proposal.target = target;
-  attempt.verdict.reason = LoopReason::kAccepted;
+  attempt.verdict.reason = FarReason::kAccepted;
   attempt.verdict.target_from_source = target_from_source;
   attempt.verdict.information = 1e8 * Matrix6d::Identity();
   return attempt;

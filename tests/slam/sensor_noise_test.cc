@@ -112,7 +112,7 @@ TEST(SensorNoise, WeighsInRecovery) {
     SetNoise(sigma, &target.pyramid);
     InitializeOptions options;
     options.method = "features";
-    const IcpResult icp = InitializeAndRegister(source, target, options, FarIcpOptions()).icp;
+    const IcpResult icp = RegisterFar(source, target, options, FarIcpOptions()).icp;
     EXPECT_TRUE(icp.Succeeded());
     return icp.information.trace();
   };

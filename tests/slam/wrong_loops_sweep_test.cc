@@ -34,7 +34,7 @@ Rigid3d RandomMotion(double way_m, double turn_rad, std::mt19937_64* rng) {
 }
 
 LoopAttempt WrongLoop(Wrong wrong, int source, const std::vector<Keyframe>& keyframes,
-                      const LoopVerdict& as_sure_as, std::mt19937_64* rng) {
+                      const FarVerdict& as_sure_as, std::mt19937_64* rng) {
   LoopAttempt attempt;
   attempt.proposal.source = source;
   attempt.proposal.target = static_cast<int>((*rng)() % static_cast<std::uint64_t>(source));

@@ -21,7 +21,6 @@ std::string Failure(const IcpResult& icp, const IcpOptions& options) {
     case Termination::kFreeSpaceFilled:
       return Concat("free-space share is ", icp.free_space_share,
                     ", must be at most max_free_space_share (", options.max_free_space_share, ")");
-    case Termination::kNotVerified:  // says its program
     case Termination::kConverged:
     case Termination::kRmseIncreased:
     case Termination::kMaxIterations:

@@ -32,7 +32,7 @@ struct LoopProposal {
 // A proposal that was verified.
 struct LoopAttempt {
   LoopProposal proposal;
-  LoopVerdict verdict;
+  FarVerdict verdict;
 };
 
 // Earlier keyframes to which keyframe `source` may be joined: those most alike first, then those

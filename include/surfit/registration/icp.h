@@ -51,11 +51,10 @@ enum class Termination {
   kTooFewInliers,    // failure: fewer pairs than the options ask for
   kSingularSystem,   // failure: the data leaves directions free, along which the pose did not move
   kFreeSpaceFilled,  // failure: surfaces stand where the other view saw through
-  kNotVerified,      // failure: the views are not alike enough there, or elsewhere as much
 };
 
 // "converged", "rmse_increased", "max_iterations", "too_few_inliers", "singular_system",
-// "free_space_filled", "not_verified".
+// "free_space_filled".
 std::string ToString(Termination termination);
 
 // The state of a level before a step or, its last one, after all steps.

@@ -8,7 +8,7 @@
 #include "surfit/frame/preprocess.h"
 #include "surfit/io/sequence.h"
 #include "surfit/registration/cloud_normals.h"
-#include "surfit/registration/initialize.h"
+#include "surfit/registration/far_registration.h"
 #include "surfit/registration/register_clouds.h"
 
 namespace surfit {
@@ -31,7 +31,7 @@ struct AlignRunOptions {
 
 // The outcome of a run.
 struct AlignRunResult {
-  InitializedIcpResult registration;
+  FarVerdict registration;
   std::optional<PoseError> initial_error;  // of the identity, where there is ground truth
   std::optional<PoseError> final_error;
 };

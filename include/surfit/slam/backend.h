@@ -7,7 +7,7 @@
 
 #include "surfit/geometry/trajectory.h"
 #include "surfit/mapping/move_map.h"
-#include "surfit/registration/initialize.h"
+#include "surfit/registration/far_registration.h"
 #include "surfit/slam/loop_finder.h"
 #include "surfit/slam/loop_options.h"
 #include "surfit/slam/posed_frame.h"

@@ -23,7 +23,7 @@ struct EdgeNoise {
   double odometry_m = 0.0002;     // between consecutive keyframes, and
   double odometry_rad = 0.0001;   //
   double odometry_share = 0.001;  // of the way and of the turn between them
-  double loop_m = 0.003;          // of a loop, beyond LoopVerdict::information
+  double loop_m = 0.003;          // of a loop, beyond FarVerdict::information
   double loop_rad = 0.0015;
 
   void Visit(OptionVisitor& visitor);

@@ -10,8 +10,8 @@
 #include "surfit/mapping/fusion.h"
 #include "surfit/mapping/model_renderer.h"
 #include "surfit/mapping/surfel_map.h"
+#include "surfit/registration/far_registration.h"
 #include "surfit/registration/icp.h"
-#include "surfit/registration/initialize.h"
 #include "surfit/slam/backend.h"
 
 namespace surfit {

@@ -1,4 +1,4 @@
-#include "registration/brightness.h"
+#include "registration/view_level.h"
 
 #include <glog/logging.h>
 

@@ -1,10 +1,10 @@
-#include "places/loop_covariance.h"
+#include "registration/decompositions.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "registration/decompositions.h"
+#include "registration/register_from.h"
 #include "surfit/geometry/rigid3.h"
 
 namespace surfit {
@@ -36,10 +36,10 @@ TEST(WeakestIncrement, MovesPointsByAMetreAlongWhatIsHeldLeast) {
   EXPECT_NEAR(std::abs(turn[1]), 0.5, 1e-12);
 }
 
-TEST(LoopCovariance, IsLargerThanRegistrationsInEveryDirection) {
+TEST(RealisticCovariance, IsLargerThanRegistrationsInEveryDirection) {
   const Matrix6d covariance = RandomCovariance();
-  const Matrix6d sure = LoopCovariance(covariance, 0, 0);
-  const Matrix6d doubtful = LoopCovariance(covariance, 0.003, 0.01);
+  const Matrix6d sure = RealisticCovariance(covariance, 0, 0);
+  const Matrix6d doubtful = RealisticCovariance(covariance, 0.003, 0.01);
   for (int i = 0; i < 6; ++i) {
     EXPECT_GT(sure(i, i), covariance(i, i));
     EXPECT_NEAR(doubtful(i, i) - sure(i, i), i < 3 ? 9e-6 : 1e-4, 1e-15);

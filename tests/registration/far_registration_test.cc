@@ -1,4 +1,4 @@
-#include "surfit/registration/initialize.h"
+#include "surfit/registration/far_registration.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -28,54 +28,54 @@ const SimulatedColoredViews& FarViews() {
   return *views;
 }
 
-InitializedIcpResult Registered(const SimulatedColoredViews& views, const std::string& method) {
+FarVerdict Registered(const SimulatedColoredViews& views, const std::string& method) {
   InitializeOptions options;
   options.method = method;
-  return InitializeAndRegister(views.source, views.target, options, FarIcpOptions());
+  return RegisterFar(views.source, views.target, options, FarIcpOptions());
 }
 
-TEST(InitializeAndRegister, FeaturesReachWhereTheIdentityDoesNot) {
-  EXPECT_FALSE(Registered(FarViews(), "identity").icp.Succeeded());
-  const InitializedIcpResult result = Registered(FarViews(), "features");
-  EXPECT_TRUE(result.icp.Succeeded()) << ToString(result.icp.termination);
+TEST(RegisterFar, FeaturesReachWhereTheIdentityDoesNot) {
+  EXPECT_FALSE(Registered(FarViews(), "identity").accepted());
+  const FarVerdict result = Registered(FarViews(), "features");
+  EXPECT_TRUE(result.accepted()) << ToString(result.reason);
   EXPECT_THAT(result.icp.target_from_source,
               RigidNear(FarViews().target_from_source, kToleranceM, kToleranceRad));
 }
 
-TEST(InitializeAndRegister, ShapesAloneReachFarToo) {
+TEST(RegisterFar, ShapesAloneReachFarToo) {
   SimulatedColoredViews views = FarViews();
   views.source.color = {};
-  const InitializedIcpResult result = Registered(views, "features");
-  EXPECT_TRUE(result.icp.Succeeded()) << ToString(result.icp.termination);
+  const FarVerdict result = Registered(views, "features");
+  EXPECT_TRUE(result.accepted()) << ToString(result.reason);
   EXPECT_THAT(result.icp.target_from_source,
               RigidNear(views.target_from_source, kToleranceM, kToleranceRad));
 }
 
-TEST(InitializeAndRegister, So3FindsARotation) {
+TEST(RegisterFar, So3FindsARotation) {
   const Rigid3d turn(QuaternionExp<double>({0.1, 0.4, -0.1}), {0.02, 0, 0.01});
   const SimulatedColoredViews views = testing::MakeTurnedViews(70, turn, 12);
-  EXPECT_FALSE(Registered(views, "identity").icp.Succeeded());
-  const InitializedIcpResult result = Registered(views, "so3");
+  EXPECT_FALSE(Registered(views, "identity").accepted());
+  const FarVerdict result = Registered(views, "so3");
   EXPECT_EQ(result.start.translation, Eigen::Vector3d::Zero());
   EXPECT_LT(RotationAngle(result.start.rotation.conjugate() * turn.rotation), 3 * kDegree);
-  EXPECT_TRUE(result.icp.Succeeded()) << ToString(result.icp.termination);
+  EXPECT_TRUE(result.accepted()) << ToString(result.reason);
   EXPECT_THAT(result.icp.target_from_source, RigidNear(turn, kToleranceM, kToleranceRad));
 }
 
 // Rooms of other seeds share walls and a floor, and nothing else.
-TEST(InitializeAndRegister, DoesNotBelieveAFitOfOtherPlaces) {
+TEST(RegisterFar, DoesNotBelieveAFitOfOtherPlaces) {
   for (const std::uint64_t seed : {1, 2, 3}) {
     SimulatedColoredViews views = MakeColoredViews(10, 1, seed);
     views.target = FarViews().target;
     for (const char* method : {"so3", "features"}) {
-      EXPECT_FALSE(Registered(views, method).icp.Succeeded()) << seed << method;
+      EXPECT_FALSE(Registered(views, method).accepted()) << seed << method;
     }
   }
 }
 
 // A corner, and the same with another picture on it: ICP fits them, and nothing but the images
 // tells.
-TEST(InitializeAndRegister, DoesNotBelieveAFitOfShapesThatLookDifferent) {
+TEST(RegisterFar, DoesNotBelieveAFitOfShapesThatLookDifferent) {
   Eigen::Matrix3d down_to_the_corner;
   down_to_the_corner.col(2) = Eigen::Vector3d(-1, -1, -0.8).normalized();
   down_to_the_corner.col(0) =
@@ -86,12 +86,12 @@ TEST(InitializeAndRegister, DoesNotBelieveAFitOfShapesThatLookDifferent) {
   SimulatedColoredViews views;
   views.source = testing::MakeColoredView(MakeScene("three_planes", 1), pose);
   views.target = testing::MakeColoredView(MakeScene("three_planes", 1), pose * turn.Inverse());
-  EXPECT_TRUE(Registered(views, "so3").icp.Succeeded());
+  EXPECT_TRUE(Registered(views, "so3").accepted());
   views.target.color = FarViews().target.color;
-  EXPECT_EQ(Registered(views, "so3").icp.termination, Termination::kNotVerified);
+  EXPECT_EQ(Registered(views, "so3").reason, FarReason::kLooksDifferent);
 }
 
-TEST(InitializeAndRegister, FailsWithoutDepth) {
+TEST(RegisterFar, FailsWithoutDepth) {
   SimulatedColoredViews views = FarViews();
   for (FrameLevel& level : views.source.pyramid.levels) {
     level.vertex = VectorImage(level.camera.width, level.camera.height);
@@ -102,8 +102,8 @@ TEST(InitializeAndRegister, FailsWithoutDepth) {
   }
 }
 
-TEST(InitializeAndRegister, GivesTheSameWithOneThreadAndWithTwo) {
-  std::vector<InitializedIcpResult> results;
+TEST(RegisterFar, GivesTheSameWithOneThreadAndWithTwo) {
+  std::vector<FarVerdict> results;
   for (const int threads : {1, 2}) {
     const ThreadLimit limit(threads);
     results.push_back(Registered(FarViews(), "features"));
@@ -121,11 +121,11 @@ TEST(InitializeOptions, RefuseWhatMakesNoSense) {
   Validate(InitializeOptions());
   expect_refused([](auto& o) { o.method = "magic"; },
                  "method is 'magic', must be one of: identity, so3, features");
-  expect_refused([](auto& o) { o.min_overlap_share = 1.1; },
+  expect_refused([](auto& o) { o.fit.min_overlap_share = 1.1; },
                  "min_overlap_share is 1.1, must be from 0 to 1");
-  expect_refused([](auto& o) { o.min_value_correlation = -1; }, "min_value_correlation is -1");
-  expect_refused([](auto& o) { o.min_detail_correlation = 2; }, "min_detail_correlation is 2");
-  expect_refused([](auto& o) { o.min_lead = -1; }, "min_lead is -1, must be zero or positive");
+  expect_refused([](auto& o) { o.fit.min_value_correlation = -1; }, "min_value_correlation is -1");
+  expect_refused([](auto& o) { o.fit.min_detail_correlation = 2; }, "min_detail_correlation is 2");
+  expect_refused([](auto& o) { o.fit.min_lead = -1; }, "min_lead is -1, must be from 0 to 1");
   expect_refused([](auto& o) { o.free_space_growth = 0.5; },
                  "free_space_growth is 0.5, must be at least 1");
   expect_refused([](auto& o) { o.iteration_growth = 0; },

@@ -15,7 +15,7 @@
 #include "surfit/frame/preprocess.h"
 #include "surfit/io/sequence.h"
 #include "surfit/registration/free_space.h"
-#include "surfit/registration/initialize.h"
+#include "surfit/registration/far_registration.h"
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
 #include "surfit/simulation/scene.h"
@@ -95,14 +95,14 @@ Outcome RegisterPair(const PosedView& source, const PosedView& target, const Bou
     anywhere.max_free_space_share = 1;
     truth = Register(source.view.pyramid, target.view.pyramid, truth, anywhere).target_from_source;
   }
-  const InitializedIcpResult result = InitializeAndRegister(source.view, target.view, options, icp);
+  const FarVerdict result = RegisterFar(source.view, target.view, options, icp);
   const Rigid3d error = truth.Inverse() * result.icp.target_from_source;
   const double off_m = error.translation.norm();
   const double off_deg = RotationAngle(error.rotation) * 180 / M_PI;
   const bool near = off_m <= bound.distance_m && off_deg <= bound.angle_deg;
   const double overlap =
       TrueOverlap(source.view.pyramid.levels.front(), target.view.pyramid.levels.front(), truth);
-  const bool is_enough = overlap > kEnoughOverlap, converged = result.icp.Succeeded();
+  const bool is_enough = overlap > kEnoughOverlap, converged = result.accepted();
   return {1, is_enough, is_enough && converged && near, converged && !near, !converged};
 }
 
