@@ -2,7 +2,6 @@
 #include "bindings/bind.h"
 #include "bindings/options_class.h"
 #include "surfit/evaluation/trajectory_evaluation.h"
-#include "surfit/registration/cloud_normals.h"
 #include "surfit/registration/register_clouds.h"
 #include "surfit/run/slam_run.h"
 

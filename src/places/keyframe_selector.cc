@@ -1,9 +1,8 @@
-#include "surfit/places/keyframe_selector.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "surfit/core/error.h"
+#include "surfit/places/keyframe.h"
 
 namespace surfit {
 namespace {

@@ -3,10 +3,7 @@
 
 #include "surfit/places/find_loops.h"
 #include "surfit/places/keyframe.h"
-#include "surfit/places/keyframe_selector.h"
 #include "surfit/places/place_index.h"
-#include "surfit/places/relocalize.h"
-#include "surfit/places/verify_loop.h"
 
 namespace surfit {
 

@@ -1,13 +1,12 @@
-#include "surfit/places/verify_loop.h"
-
 #include <algorithm>
 #include <iterator>
 #include <utility>
 
 #include "places/orb_features.h"
-#include "registration/consensus.h"
+#include "registration/feature_points.h"
 #include "registration/register_from.h"
 #include "surfit/core/options.h"
+#include "surfit/places/find_loops.h"
 
 namespace surfit {
 namespace {

@@ -1,5 +1,3 @@
-#include "surfit/registration/cloud_normals.h"
-
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -8,6 +6,7 @@
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
+#include "surfit/registration/register_clouds.h"
 
 namespace surfit {
 namespace {

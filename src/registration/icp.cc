@@ -7,11 +7,10 @@
 
 #include "registration/icp_level.h"
 #include "registration/photometric_term.h"
+#include "registration/view_fit.h"
 #include "surfit/core/options.h"
-#include "surfit/registration/free_space.h"
-#include "surfit/registration/kd_tree_association.h"
+#include "surfit/registration/association.h"
 #include "surfit/registration/pose_solver.h"
-#include "surfit/registration/projective_association.h"
 
 namespace surfit {
 namespace {

@@ -5,8 +5,10 @@
 
 #include "registration/decompositions.h"
 #include "registration/residual_rows.h"
+#include "surfit/registration/far_registration.h"
 
 namespace surfit {
+
 namespace {
 
 constexpr float kMinNormalCosine = 0.8f;
@@ -172,6 +174,19 @@ Rigid3d Descend(const ViewLevel& source, const ViewLevel& target, const Rigid3d&
     max_distance_m = std::max(options.max_distance_end_m, kGateShrinkage * max_distance_m);
   }
   return pose;
+}
+
+Rigid3d AlignRotation(const ViewPair& views, const Rigid3d& target_from_source_initial) {
+  const auto levels =
+      static_cast<int>(std::min(views.source.levels.size(), views.target.levels.size()));
+  if (levels == 0) return target_from_source_initial;
+  const BrightnessLevel source = CoarseBrightness(views.source_color, levels - 1);
+  const BrightnessLevel target = CoarseBrightness(views.target_color, levels - 1);
+  DescentOptions descent;
+  descent.rotation_only = true;
+  descent.use_brightness = !source.value.empty() && !target.value.empty();
+  return Descend({views.source.levels[levels - 1], source},
+                 {views.target.levels[levels - 1], target}, target_from_source_initial, descent);
 }
 
 }  // namespace surfit

@@ -1,5 +1,3 @@
-#include "surfit/registration/kd_tree_association.h"
-
 #include <glog/logging.h>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 #include <vector>
 
 #include "geometry/kd_tree.h"
+#include "surfit/registration/association.h"
 
 namespace surfit {
 namespace {

@@ -4,7 +4,6 @@
 #include "surfit/registration/association.h"
 #include "surfit/registration/error_model.h"
 #include "surfit/registration/normal_system.h"
-#include "surfit/registration/residual_type.h"
 
 namespace surfit {
 

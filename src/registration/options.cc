@@ -5,7 +5,6 @@
 
 #include "registration/icp_level.h"
 #include "surfit/core/error.h"
-#include "surfit/registration/cloud_normals.h"
 #include "surfit/registration/far_registration.h"
 #include "surfit/registration/icp.h"
 #include "surfit/registration/pose_solver.h"

@@ -8,9 +8,9 @@
 #include "cost_functions/pose_manifold.h"
 #include "registration/photometric_term.h"
 #include "surfit/core/robust_kernel.h"
+#include "surfit/registration/error_model.h"
 #include "surfit/registration/normal_system.h"
 #include "surfit/registration/pairs.h"
-#include "surfit/registration/residual_type.h"
 
 namespace surfit {
 

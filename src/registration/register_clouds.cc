@@ -6,7 +6,7 @@
 #include "registration/icp_level.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
-#include "surfit/registration/kd_tree_association.h"
+#include "surfit/registration/association.h"
 #include "surfit/registration/pose_solver.h"
 
 namespace surfit {

@@ -5,8 +5,8 @@
 #include "cost_functions/pose.h"
 #include "cost_functions/row_sums.h"
 #include "surfit/core/lanes.h"
+#include "surfit/registration/error_model.h"
 #include "surfit/registration/pairs.h"
-#include "surfit/registration/residual_type.h"
 
 namespace surfit {
 

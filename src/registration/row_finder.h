@@ -7,7 +7,6 @@
 #include "surfit/frame/frame_pyramid.h"
 #include "surfit/registration/association.h"
 #include "surfit/registration/error_model.h"
-#include "surfit/registration/residual_type.h"
 
 namespace surfit {
 

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <functional>
 
-#include "registration/consensus.h"
 #include "registration/decompositions.h"
 #include "registration/feature_points.h"
 #include "registration/joint_descent.h"

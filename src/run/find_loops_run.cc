@@ -10,7 +10,7 @@
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
-#include "surfit/places/limit_keyframes.h"
+#include "surfit/places/place_index.h"
 #include "surfit/run/revisits.h"
 
 namespace surfit {

@@ -11,7 +11,7 @@
 #include "surfit/frame/intensity.h"
 #include "surfit/geometry/mirror.h"
 #include "surfit/io/tum_trajectory.h"
-#include "surfit/registration/projective_association.h"
+#include "surfit/registration/association.h"
 
 namespace surfit {
 

@@ -5,7 +5,7 @@
 
 #include "slam/edge_information.h"
 #include "surfit/core/trace.h"
-#include "surfit/places/limit_keyframes.h"
+#include "surfit/places/place_index.h"
 
 namespace surfit {
 namespace {

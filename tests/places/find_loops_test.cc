@@ -5,7 +5,6 @@
 
 #include "places/simulated_places.h"
 #include "surfit/core/options.h"
-#include "surfit/places/relocalize.h"
 #include "testing/expect_input_error.h"
 #include "testing/matchers.h"
 

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "surfit/io/sequence.h"
-#include "surfit/places/relocalize.h"
+#include "surfit/places/find_loops.h"
 #include "testing/matchers.h"
 #include "testing/shared_data.h"
 

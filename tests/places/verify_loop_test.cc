@@ -1,11 +1,10 @@
-#include "surfit/places/verify_loop.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "places/simulated_places.h"
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
+#include "surfit/places/find_loops.h"
 #include "testing/expect_input_error.h"
 #include "testing/matchers.h"
 

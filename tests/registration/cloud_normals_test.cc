@@ -1,5 +1,3 @@
-#include "surfit/registration/cloud_normals.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -8,6 +6,7 @@
 
 #include "surfit/core/error.h"
 #include "surfit/core/parallel.h"
+#include "surfit/registration/register_clouds.h"
 #include "testing/expect_input_error.h"
 #include "testing/matchers.h"
 #include "testing/random_pose.h"

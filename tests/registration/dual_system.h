@@ -10,7 +10,6 @@
 #include "surfit/registration/error_model.h"
 #include "surfit/registration/normal_system.h"
 #include "surfit/registration/pairs.h"
-#include "surfit/registration/residual_type.h"
 
 namespace surfit::testing {
 

@@ -4,7 +4,7 @@
 
 #include "registration/linearize.h"
 #include "registration/tiny_levels.h"
-#include "surfit/registration/projective_association.h"
+#include "surfit/registration/association.h"
 
 namespace surfit {
 namespace {

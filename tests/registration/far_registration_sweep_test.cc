@@ -12,9 +12,9 @@
 #include <utility>
 #include <vector>
 
+#include "registration/view_fit.h"
 #include "surfit/frame/preprocess.h"
 #include "surfit/io/sequence.h"
-#include "surfit/registration/free_space.h"
 #include "surfit/registration/far_registration.h"
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"

@@ -2,12 +2,17 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <random>
 
 #include "registration/simulated_views.h"
+#include "testing/matchers.h"
 
 namespace surfit {
+
 namespace {
 
 // A shelf and a picture, seen from 10 frames apart.
@@ -83,5 +88,89 @@ TEST(MatchFeatures, MatchesEachFeatureWithItself) {
   EXPECT_TRUE(MatchFeatures(features, FeaturePoints()).empty());
 }
 
+using testing::RigidNear;
+
+const Rigid3d kPose(QuaternionExp<double>({0.3, -0.6, 0.2}), {0.5, -0.2, 0.9});
+
+// Points before a camera, and where a pose takes them; the matches from first_wrong on lead astray.
+struct Matched {
+  FeaturePoints source, target;
+  std::vector<FeatureMatch> matches;
+};
+
+Matched MakeMatched(int count, int first_wrong) {
+  std::mt19937_64 generator(3);
+  std::uniform_real_distribution<double> side(-1, 1), depth(1, 3);
+  Matched matched;
+  for (int i = 0; i < count; ++i) {
+    const Eigen::Vector3d point(side(generator), side(generator), depth(generator));
+    const Eigen::Vector3d elsewhere(side(generator), side(generator), depth(generator));
+    matched.source.points.push_back(point);
+    matched.target.points.push_back(i < first_wrong ? kPose * point : elsewhere);
+    matched.source.sigmas_m.push_back(0.005 * point.z());
+    matched.target.sigmas_m.push_back(0.01);
+    matched.matches.push_back({i, i});
+  }
+  return matched;
+}
+
+std::vector<int> FirstOnes(int count) {
+  std::vector<int> all(count);
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
+
+// Exact points in double precision: 1e-12 is some thousand roundings of metres.
+TEST(FitPose, IsExactOnExactPoints) {
+  for (const int count : {3, 4, 20}) {
+    const Matched m = MakeMatched(count, count);
+    EXPECT_THAT(FitPose(m.source, m.target, m.matches, FirstOnes(count)),
+                RigidNear(kPose, 1e-12, 1e-12));
+  }
+}
+
+Eigen::Matrix4d ByEigen(const Matched& m) {
+  Eigen::Matrix3Xd from(3, m.matches.size()), to(3, m.matches.size());
+  for (int i = 0; i < from.cols(); ++i) {
+    from.col(i) = m.source.points[i];
+    to.col(i) = m.target.points[i];
+  }
+  return Eigen::umeyama(from, to, false);
+}
+
+TEST(FitPose, AgreesWithEigenWhereAllWeighTheSame) {
+  Matched m = MakeMatched(10, 7);
+  std::fill(m.source.sigmas_m.begin(), m.source.sigmas_m.end(), 0.01);
+  EXPECT_LT((FitPose(m.source, m.target, m.matches, FirstOnes(10)).Matrix() - ByEigen(m)).norm(),
+            1e-12);
+}
+
+// Points and their mirror images: the nearest rotation, not a reflection.
+TEST(FitPose, IsARotationWhereAReflectionWouldFitBetter) {
+  Matched m = MakeMatched(8, 8);
+  std::fill(m.source.sigmas_m.begin(), m.source.sigmas_m.end(), 0.01);
+  for (Eigen::Vector3d& point : m.target.points) point.x() = -point.x();
+  EXPECT_LT((FitPose(m.source, m.target, m.matches, FirstOnes(8)).Matrix() - ByEigen(m)).norm(),
+            1e-12);
+}
+
+TEST(FindConsensus, FindsThePoseAmongMostlyWrongMatches) {
+  const Matched m = MakeMatched(100, 12);
+  const std::vector<Consensus> found = FindConsensus(m.source, m.target, m.matches, 5);
+  ASSERT_FALSE(found.empty());
+  EXPECT_LE(found.size(), 5u);
+  for (int i = 0; i < 12; ++i) {
+    EXPECT_TRUE(std::binary_search(found[0].inliers.begin(), found[0].inliers.end(), i)) << i;
+  }
+  // A wrong match that happens to agree within three sigmas (5 cm) pulls by its share of 13.
+  EXPECT_THAT(found[0].target_from_source, RigidNear(kPose, 0.05 / 13 * 2, 0.05 / 13 * 2));
+}
+
+TEST(FindConsensus, FindsNothingInTooFewMatches) {
+  const Matched m = MakeMatched(3, 3);
+  EXPECT_TRUE(FindConsensus(m.source, m.target, m.matches, 5).empty());
+}
+
 }  // namespace
+
 }  // namespace surfit

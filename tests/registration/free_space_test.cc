@@ -1,8 +1,7 @@
-#include "surfit/registration/free_space.h"
-
 #include <gtest/gtest.h>
 
 #include "registration/simulated_views.h"
+#include "registration/view_fit.h"
 #include "surfit/registration/icp.h"
 
 namespace surfit {

@@ -8,8 +8,8 @@
 #include "registration/simulated_views.h"
 #include "registration/three_planes.h"
 #include "surfit/core/parallel.h"
+#include "surfit/registration/association.h"
 #include "surfit/registration/pose_solver.h"
-#include "surfit/registration/projective_association.h"
 #include "testing/matchers.h"
 
 namespace surfit {

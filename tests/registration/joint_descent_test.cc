@@ -2,13 +2,20 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "registration/simulated_views.h"
+#include "registration/start_search.h"
 #include "registration/view_fit.h"
+#include "surfit/core/parallel.h"
+#include "surfit/geometry/rigid3.h"
+#include "surfit/registration/far_registration.h"
 #include "testing/matchers.h"
 
 namespace surfit {
+
 namespace {
 
 using testing::RigidNear;
@@ -145,5 +152,80 @@ TEST(MeasureFit, TellsWhatDoesNotFit) {
   EXPECT_GT(along.Score(), near.Score());
 }
 
+using testing::SimulatedColoredViews;
+
+constexpr double kDegree = M_PI / 180;
+// On the coarsest level a pixel is 1 / 33 rad, 1.7 degrees; half of it is what we ask for.
+constexpr double kHalfAPixel = 0.87 * kDegree;
+
+// Seen from the same place, turned by 10 degrees.
+const SimulatedColoredViews& TurnedViews() {
+  static const auto* const views = new SimulatedColoredViews(testing::MakeTurnedViews(
+      70, Rigid3d(QuaternionExp<double>({0.05, 0.16, -0.05}), Eigen::Vector3d::Zero()), 12));
+  return *views;
+}
+
+Rigid3d Align(const SimulatedColoredViews& views, const Rigid3d& start) {
+  return AlignRotation(
+      {views.source.pyramid, views.source.color, views.target.pyramid, views.target.color}, start);
+}
+
+double AngleTo(const Rigid3d& pose, const SimulatedColoredViews& views) {
+  return RotationAngle(pose.rotation.conjugate() * views.target_from_source.rotation);
+}
+
+TEST(AlignRotation, FindsATurnOfTenDegrees) {
+  EXPECT_GT(AngleTo(Rigid3d(), TurnedViews()), 10 * kDegree);
+  const Rigid3d pose = Align(TurnedViews(), Rigid3d());
+  EXPECT_LT(AngleTo(pose, TurnedViews()), kHalfAPixel);
+  EXPECT_EQ(pose.translation.norm(), 0);
+}
+
+TEST(AlignRotation, GoesByShapesWithoutColors) {
+  SimulatedColoredViews views = TurnedViews();
+  views.target.color = {};
+  EXPECT_LT(AngleTo(Align(views, Rigid3d()), views), kHalfAPixel);
+}
+
+TEST(AlignRotation, StaysWhereNothingIsSeen) {
+  const Image<Rgb8> none;
+  const Rigid3d start(QuaternionExp<double>({0.1, 0, 0}), {1, 2, 3});
+  EXPECT_EQ(AlignRotation({{}, none, {}, none}, start).Matrix(), start.Matrix());
+}
+
+TEST(AlignRotation, IsTheSameAtAnyNumberOfThreads) {
+  const ThreadLimit one(1);
+  const Rigid3d alone = Align(TurnedViews(), Rigid3d());
+  const ThreadLimit four(4);
+  EXPECT_EQ(Align(TurnedViews(), Rigid3d()).Matrix(), alone.Matrix());
+}
+
+TEST(RotationGrid, StartsWithNoneAndReaches60Degrees) {
+  const std::vector<Eigen::Quaterniond> grid = RotationGrid();
+  EXPECT_EQ(RotationAngle(grid.front()), 0);
+  for (std::size_t i = 1; i < grid.size(); ++i) {
+    EXPECT_GE(RotationAngle(grid[i]), RotationAngle(grid[i - 1]) - 1e-9);
+  }
+  EXPECT_LE(RotationAngle(grid.back()), 60 * kDegree + 1e-9);
+}
+
+// The angle between two rotations is no larger than the distance of their vectors, and what is
+// farthest from a body-centred lattice of cubes of 19 degrees is 19 sqrt(5) / 4 = 10.6 degrees
+// away.
+TEST(RotationGrid, HasARotationNearAny) {
+  const std::vector<Eigen::Quaterniond> grid = RotationGrid();
+  std::mt19937_64 generator(1);
+  std::uniform_real_distribution<double> side(-28 * kDegree, 28 * kDegree);  // |w| < 49 degrees
+  for (int i = 0; i < 1000; ++i) {
+    const auto any = QuaternionExp<double>({side(generator), side(generator), side(generator)});
+    double nearest_rad = M_PI;
+    for (const Eigen::Quaterniond& rotation : grid) {
+      nearest_rad = std::min(nearest_rad, RotationAngle(rotation.conjugate() * any));
+    }
+    EXPECT_LE(nearest_rad, 10.7 * kDegree);
+  }
+}
+
 }  // namespace
+
 }  // namespace surfit

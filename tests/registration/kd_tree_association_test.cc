@@ -1,5 +1,3 @@
-#include "surfit/registration/kd_tree_association.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,6 +5,7 @@
 #include <random>
 
 #include "surfit/core/parallel.h"
+#include "surfit/registration/association.h"
 #include "testing/random_pose.h"
 
 namespace surfit {

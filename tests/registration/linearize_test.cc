@@ -6,7 +6,7 @@
 #include "registration/random_correspondences.h"
 #include "registration/simulated_views.h"
 #include "surfit/core/parallel.h"
-#include "surfit/registration/projective_association.h"
+#include "surfit/registration/association.h"
 #include "testing/matchers.h"
 
 namespace surfit {

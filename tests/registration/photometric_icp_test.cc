@@ -6,9 +6,9 @@
 #include "registration/photometric_term.h"
 #include "registration/wall_frames.h"
 #include "surfit/core/options.h"
+#include "surfit/registration/association.h"
 #include "surfit/registration/icp.h"
 #include "surfit/registration/pose_solver.h"
-#include "surfit/registration/projective_association.h"
 #include "testing/expect_input_error.h"
 #include "testing/matchers.h"
 

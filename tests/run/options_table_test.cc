@@ -49,13 +49,13 @@ class OptionTables : public ::testing::Test {};
 
 using AllOptions = ::testing::Types<
     RobustKernel, ErrorModel, AssociationGates, HeldOptions, IcpOptions, PreprocessOptions,
-    PrepareOptions, InitializeOptions, CloudNormalOptions, RegisterCloudsOptions, FusionOptions,
-    RenderOptions, KeyframeOptions, PlaceViewOptions, PlaceIndexOptions, VerifyLoopOptions,
-    FindLoopsOptions, RelocalizeOptions, EdgeNoise, PoseGraphOptions, LoopOptions, SlamOptions,
-    RefinementOptions, MatchOptions, RelativePoseErrorOptions, TrajectoryEvaluationOptions,
-    MapErrorOptions, KlgOptions, KinectOptions, PathOptions, ReportOptions, SlamRunOptions,
-    AlignRunOptions, RegisterRunOptions, RefineRunOptions, RevisitOptions, FindLoopsRunOptions,
-    CompareOptions>;
+    PrepareOptions, FitCriteria, InitializeOptions, CloudNormalOptions, RegisterCloudsOptions,
+    FusionOptions, RenderOptions, KeyframeOptions, PlaceViewOptions, PlaceIndexOptions,
+    VerifyLoopOptions, FindLoopsOptions, RelocalizeOptions, EdgeNoise, PoseGraphOptions,
+    LoopOptions, SlamOptions, RefinementOptions, MatchOptions, RelativePoseErrorOptions,
+    TrajectoryEvaluationOptions, MapErrorOptions, KlgOptions, KinectOptions, PathOptions,
+    ReportOptions, SlamRunOptions, AlignRunOptions, RegisterRunOptions, RefineRunOptions,
+    RevisitOptions, FindLoopsRunOptions, CompareOptions>;
 TYPED_TEST_SUITE(OptionTables, AllOptions);
 
 TYPED_TEST(OptionTables, NameEveryFieldOnce) { ExpectAll<TypeParam>(FieldCount<TypeParam>()); }

@@ -11,7 +11,7 @@
 #include "places/simulated_places.h"
 #include "registration/simulated_views.h"
 #include "slam/ideal_room.h"
-#include "surfit/places/relocalize.h"
+#include "surfit/places/find_loops.h"
 #include "surfit/refinement/refine.h"
 #include "surfit/slam/slam.h"
 

@@ -1,8 +1,12 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <memory>
+#include <vector>
 
+#include "surfit/frame/frame_pyramid.h"
 #include "surfit/geometry/rigid3.h"
+#include "surfit/registration/error_model.h"
 #include "surfit/registration/pairs.h"
 
 namespace surfit {
@@ -39,6 +43,99 @@ class Association {
 
   // The pairs of all blocks, in their order.
   PairBuffer Collect(const Rigid3d& target_from_source) const;
+};
+
+// Projective data association (Blais and Levine 1995): a source point p is moved by the pose,
+// p' = R p + t, projected into the target's image, and matched with the vertex q and normal n
+// found at the nearest pixel (u, v). Valid are pairs with
+//   p_z > 0,  p'_z > 0,  0 <= u < W,  0 <= v < H,  q_z > 0 and the needed normals,
+// that pass the gates. The normal gate needs both normals. A block is a row of the source image, of
+// which every row_stride-th is used.
+class ProjectiveAssociation final : public Association {
+ public:
+  // Keeps references: both levels must outlive this object.
+  ProjectiveAssociation(const FrameLevel& source, const FrameLevel& target,
+                        const AssociationGates& gates, const ErrorModel& error_model,
+                        NeededNormals needed_normals = NeededNormals::kTarget, int row_stride = 1);
+
+  int source_count() const override { return source_count_; }
+  int block_count() const override;
+  int block_capacity() const override;
+  std::unique_ptr<const PairFinder> At(const Rigid3d& target_from_source) const override;
+
+ private:
+  const FrameLevel& source_;
+  const FrameLevel& target_;
+  AssociationGates gates_;
+  ErrorModel error_model_;
+  NeededNormals needed_normals_;
+  int row_stride_;
+  int source_count_;
+};
+
+// Points of a surface in no particular order; all of these have the same size.
+struct PointSet {
+  std::vector<Eigen::Vector3f> points;   // metres, finite
+  std::vector<Eigen::Vector3f> normals;  // unit length; (0, 0, 0) if unknown
+  std::vector<float> sigma_m;            // standard deviation of a residual of the point
+
+  std::size_t size() const { return points.size(); }
+  void Add(const Eigen::Vector3f& point, const Eigen::Vector3f& normal, float point_sigma_m) {
+    points.push_back(point);
+    normals.push_back(normal);
+    sigma_m.push_back(point_sigma_m);
+  }
+};
+
+// The valid points of a frame, with the error model's sigma for their depth.
+PointSet PointSetOf(const FrameLevel& level, const ErrorModel& error_model);
+
+// A point set made ready to be searched, by a KD-tree that all copies share.
+class SearchablePoints {
+ public:
+  explicit SearchablePoints(const PointSet& points);
+  int size() const;
+
+ private:
+  friend class KdTreeAssociation;
+  struct Data;
+  std::shared_ptr<const Data> data_;
+};
+
+// Which points are paired with their nearest neighbours.
+struct KdTreeAssociationOptions {
+  AssociationGates gates;
+  NeededNormals needed_normals = NeededNormals::kTarget;
+  // A pair must be each other's nearest points, the source's among all of its points.
+  bool reciprocal = false;
+  // Only every stride-th source point is used, in an order of the source's tree that visits all of
+  // space evenly.
+  int source_stride = 1;
+};
+
+// Nearest-neighbour data association (Besl and McKay 1992): a source point p is moved by the pose,
+// p' = R p + t, and matched with the target point q nearest to it, of equally near ones the first
+// of the target's points. Valid are pairs with the needed normals that pass the gates; the normal
+// gate needs both normals. What the last pose found is where the next search starts, which saves
+// time and changes nothing.
+class KdTreeAssociation final : public Association {
+ public:
+  KdTreeAssociation(SearchablePoints source, SearchablePoints target,
+                    const KdTreeAssociationOptions& options);
+  ~KdTreeAssociation() override;
+
+  int source_count() const override;
+  int block_count() const override;
+  int block_capacity() const override;
+  std::unique_ptr<const PairFinder> At(const Rigid3d& target_from_source) const override;
+
+ private:
+  class Finder;
+  struct LastMatches;
+
+  SearchablePoints source_, target_;
+  KdTreeAssociationOptions options_;
+  std::unique_ptr<LastMatches> last_matches_;
 };
 
 }  // namespace surfit

@@ -7,7 +7,6 @@
 #include "surfit/evaluation/trajectory_evaluation.h"
 #include "surfit/frame/preprocess.h"
 #include "surfit/io/sequence.h"
-#include "surfit/registration/cloud_normals.h"
 #include "surfit/registration/far_registration.h"
 #include "surfit/registration/register_clouds.h"
 

@@ -10,7 +10,7 @@
 #include "surfit/frame/preprocess.h"
 #include "surfit/io/sequence.h"
 #include "surfit/places/find_loops.h"
-#include "surfit/places/keyframe_selector.h"
+#include "surfit/places/keyframe.h"
 
 namespace surfit {
 

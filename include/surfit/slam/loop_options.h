@@ -5,9 +5,7 @@
 #include "surfit/optimization/pose_graph.h"
 #include "surfit/places/find_loops.h"
 #include "surfit/places/keyframe.h"
-#include "surfit/places/keyframe_selector.h"
 #include "surfit/places/place_index.h"
-#include "surfit/places/relocalize.h"
 
 namespace surfit {
 
