@@ -4,12 +4,11 @@
 
 #include "common/tool_main.h"
 #include "surfit/core/error.h"
-#include "surfit/io/kitti_trajectory.h"
+#include "surfit/io/frame_source.h"
 #include "surfit/io/klg_writer.h"
 #include "surfit/io/point_cloud.h"
-#include "surfit/io/read_ahead.h"
 #include "surfit/io/sequence.h"
-#include "surfit/io/tum_trajectory.h"
+#include "surfit/io/trajectory_files.h"
 
 namespace surfit::tools {
 namespace {

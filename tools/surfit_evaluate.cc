@@ -7,7 +7,7 @@
 #include "common/tool_main.h"
 #include "surfit/core/error.h"
 #include "surfit/evaluation/trajectory_evaluation.h"
-#include "surfit/io/tum_trajectory.h"
+#include "surfit/io/trajectory_files.h"
 
 namespace surfit::tools {
 namespace {

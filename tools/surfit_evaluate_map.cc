@@ -9,7 +9,7 @@
 #include "surfit/evaluation/map_error.h"
 #include "surfit/evaluation/trajectory_evaluation.h"
 #include "surfit/io/point_cloud.h"
-#include "surfit/io/tum_trajectory.h"
+#include "surfit/io/trajectory_files.h"
 
 namespace surfit::tools {
 namespace {

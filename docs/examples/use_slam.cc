@@ -4,10 +4,10 @@
 #include <string>
 
 #include "surfit/core/parallel.h"
-#include "surfit/io/read_ahead.h"
+#include "surfit/io/frame_source.h"
+#include "surfit/io/point_cloud.h"
 #include "surfit/io/sequence.h"
-#include "surfit/io/surfel_ply.h"
-#include "surfit/io/tum_trajectory.h"
+#include "surfit/io/trajectory_files.h"
 #include "surfit/slam/slam.h"
 
 int main(int argc, char** argv) try {

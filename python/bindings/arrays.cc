@@ -8,7 +8,7 @@
 #include <filesystem>
 
 #include "surfit/core/error.h"
-#include "surfit/io/tum_trajectory.h"
+#include "surfit/io/trajectory_files.h"
 
 namespace py = pybind11;
 

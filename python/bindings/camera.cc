@@ -5,7 +5,7 @@
 #include "bindings/options_class.h"
 #include "core/field_count.h"
 #include "surfit/geometry/sensor.h"
-#include "surfit/io/camera_presets.h"
+#include "surfit/io/camera_files.h"
 
 namespace py = pybind11;
 

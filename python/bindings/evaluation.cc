@@ -10,7 +10,7 @@
 #include "bindings/options_class.h"
 #include "surfit/core/error.h"
 #include "surfit/evaluation/trajectory_evaluation.h"
-#include "surfit/io/tum_trajectory.h"
+#include "surfit/io/trajectory_files.h"
 
 namespace py = pybind11;
 

@@ -10,7 +10,7 @@
 #include "io/image_sequence.h"
 #include "surfit/core/error.h"
 #include "surfit/geometry/mirror.h"
-#include "surfit/io/camera_presets.h"
+#include "surfit/io/camera_files.h"
 
 namespace py = pybind11;
 

@@ -6,8 +6,8 @@
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/geometry/mirror.h"
-#include "surfit/io/surfel_ply.h"
-#include "surfit/io/tum_trajectory.h"
+#include "surfit/io/point_cloud.h"
+#include "surfit/io/trajectory_files.h"
 
 namespace py = pybind11;
 

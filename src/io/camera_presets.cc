@@ -1,8 +1,7 @@
-#include "surfit/io/camera_presets.h"
-
 #include <algorithm>
 
 #include "surfit/core/error.h"
+#include "surfit/io/camera_files.h"
 
 namespace surfit {
 namespace {

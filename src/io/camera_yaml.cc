@@ -1,5 +1,3 @@
-#include "surfit/io/camera_yaml.h"
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -7,6 +5,7 @@
 #include <vector>
 
 #include "surfit/core/error.h"
+#include "surfit/io/camera_files.h"
 
 namespace surfit {
 namespace {

@@ -12,7 +12,7 @@
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
-#include "surfit/io/camera_yaml.h"
+#include "surfit/io/camera_files.h"
 #include "surfit/io/klg_writer.h"
 
 namespace surfit {

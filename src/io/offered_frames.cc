@@ -1,5 +1,3 @@
-#include "surfit/io/offered_frames.h"
-
 #include <glog/logging.h>
 
 #include <chrono>
@@ -8,6 +6,7 @@
 #include <vector>
 
 #include "surfit/core/error.h"
+#include "surfit/io/frame_source.h"
 
 namespace surfit {
 namespace {

@@ -7,7 +7,6 @@
 #include "io/sequence_camera.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
-#include "surfit/io/depth_field.h"
 #include "surfit/io/sequence.h"
 
 namespace surfit {

@@ -1,5 +1,3 @@
-#include "surfit/io/read_ahead.h"
-
 #include <condition_variable>
 #include <deque>
 #include <exception>
@@ -8,6 +6,7 @@
 
 #include "surfit/core/error.h"
 #include "surfit/core/parallel.h"
+#include "surfit/io/frame_source.h"
 
 namespace surfit {
 namespace {

@@ -7,9 +7,8 @@
 #include "io/recording.h"
 #include "surfit/core/error.h"
 #include "surfit/geometry/mirror.h"
-#include "surfit/io/camera_presets.h"
-#include "surfit/io/camera_yaml.h"
-#include "surfit/io/depth_field.h"
+#include "surfit/io/camera_files.h"
+#include "surfit/io/sequence.h"
 
 namespace surfit {
 namespace {

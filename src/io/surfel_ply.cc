@@ -1,5 +1,3 @@
-#include "surfit/io/surfel_ply.h"
-
 #include <array>
 #include <cstdint>
 #include <string_view>
@@ -7,6 +5,7 @@
 #include "core/read_file.h"
 #include "io/ply.h"
 #include "surfit/core/error.h"
+#include "surfit/io/point_cloud.h"
 
 namespace surfit {
 namespace {

@@ -1,3 +1,5 @@
+#include "surfit/io/trajectory_files.h"
+
 #include <glog/logging.h>
 
 #include <algorithm>
@@ -13,8 +15,6 @@
 #include "core/read_file.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
-#include "surfit/io/kitti_trajectory.h"
-#include "surfit/io/tum_trajectory.h"
 
 namespace surfit {
 namespace {

@@ -5,7 +5,7 @@
 #include "io/text.h"
 #include "surfit/core/error.h"
 #include "surfit/geometry/match_stamps.h"
-#include "surfit/io/tum_trajectory.h"
+#include "surfit/io/trajectory_files.h"
 
 namespace surfit {
 namespace {

@@ -1,5 +1,3 @@
-#include "surfit/io/watch_folder.h"
-
 #include <chrono>
 #include <deque>
 #include <map>
@@ -14,7 +12,7 @@
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/core/trace.h"
-#include "surfit/io/depth_field.h"
+#include "surfit/io/sequence.h"
 
 namespace surfit {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "core/read_file.h"
 #include "surfit/core/error.h"
-#include "surfit/io/surfel_ply.h"
+#include "surfit/io/point_cloud.h"
 
 namespace surfit {
 namespace {

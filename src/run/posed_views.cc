@@ -10,7 +10,7 @@
 #include "surfit/evaluation/error_statistics.h"
 #include "surfit/frame/intensity.h"
 #include "surfit/geometry/mirror.h"
-#include "surfit/io/tum_trajectory.h"
+#include "surfit/io/trajectory_files.h"
 #include "surfit/registration/association.h"
 
 namespace surfit {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "surfit/io/frame_source.h"
-#include "surfit/io/tum_trajectory.h"
+#include "surfit/io/trajectory_files.h"
 #include "surfit/slam/slam.h"
 
 namespace surfit {

@@ -16,10 +16,9 @@
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 #include "surfit/core/trace.h"
-#include "surfit/io/offered_frames.h"
-#include "surfit/io/read_ahead.h"
-#include "surfit/io/surfel_ply.h"
-#include "surfit/io/watch_folder.h"
+#include "surfit/io/frame_source.h"
+#include "surfit/io/point_cloud.h"
+#include "surfit/io/sequence.h"
 #include "surfit/pictures/pictures.h"
 
 namespace surfit {

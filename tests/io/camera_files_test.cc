@@ -1,5 +1,5 @@
-#include "surfit/io/camera_presets.h"
-#include "surfit/io/camera_yaml.h"
+#include "surfit/io/camera_files.h"
+
 #include "testing/expect_input_error.h"
 #include "testing/shared_data.h"
 #include "testing/temp_folder.h"

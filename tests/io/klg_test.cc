@@ -1,4 +1,4 @@
-#include "surfit/io/camera_yaml.h"
+#include "surfit/io/camera_files.h"
 #include "surfit/io/klg_writer.h"
 #include "surfit/io/sequence.h"
 #include "testing/expect_input_error.h"

@@ -1,4 +1,4 @@
-#include "surfit/io/camera_presets.h"
+#include "surfit/io/camera_files.h"
 #include "surfit/io/sequence.h"
 #include "testing/expect_input_error.h"
 #include "testing/matchers.h"

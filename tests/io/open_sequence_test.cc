@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "io/image_sequence.h"
-#include "surfit/io/camera_yaml.h"
+#include "surfit/io/camera_files.h"
 #include "surfit/io/sequence.h"
 #include "testing/expect_input_error.h"
 #include "testing/matchers.h"

@@ -7,7 +7,6 @@
 #include <cstring>
 
 #include "surfit/core/error.h"
-#include "surfit/io/surfel_ply.h"
 #include "testing/expect_input_error.h"
 #include "testing/temp_folder.h"
 

@@ -4,8 +4,7 @@
 #include <thread>
 
 #include "surfit/core/parallel.h"
-#include "surfit/io/offered_frames.h"
-#include "surfit/io/read_ahead.h"
+#include "surfit/io/frame_source.h"
 #include "surfit/io/sequence.h"
 #include "testing/expect_input_error.h"
 #include "testing/read_all.h"

@@ -1,3 +1,5 @@
+#include "surfit/io/trajectory_files.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -5,8 +7,6 @@
 #include <sstream>
 
 #include "surfit/core/error.h"
-#include "surfit/io/kitti_trajectory.h"
-#include "surfit/io/tum_trajectory.h"
 #include "testing/expect_input_error.h"
 #include "testing/matchers.h"
 #include "testing/temp_folder.h"

@@ -1,6 +1,6 @@
 #include "io/recording.h"
 #include "surfit/io/sequence.h"
-#include "surfit/io/tum_trajectory.h"
+#include "surfit/io/trajectory_files.h"
 #include "testing/expect_input_error.h"
 #include "testing/matchers.h"
 #include "testing/read_all.h"

@@ -1,7 +1,6 @@
-#include "surfit/io/watch_folder.h"
-
 #include <thread>
 
+#include "surfit/io/sequence.h"
 #include "testing/expect_input_error.h"
 #include "testing/read_all.h"
 #include "testing/sequence_writer.h"

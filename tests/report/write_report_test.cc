@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-#include "surfit/io/surfel_ply.h"
+#include "surfit/io/point_cloud.h"
 #include "testing/expect_input_error.h"
 #include "testing/temp_folder.h"
 

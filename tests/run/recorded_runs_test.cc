@@ -4,7 +4,7 @@
 #include "surfit/evaluation/map_error.h"
 #include "surfit/geometry/trajectory.h"
 #include "surfit/io/point_cloud.h"
-#include "surfit/io/tum_trajectory.h"
+#include "surfit/io/trajectory_files.h"
 #include "surfit/run/revisits.h"
 #include "surfit/run/slam_run.h"
 #include "testing/shared_data.h"

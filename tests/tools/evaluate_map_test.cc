@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 
 #include "surfit/io/point_cloud.h"
-#include "surfit/io/surfel_ply.h"
 #include "testing/run_program.h"
 
 namespace surfit {

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "surfit/io/tum_trajectory.h"
+#include "surfit/io/trajectory_files.h"
 #include "testing/run_program.h"
 
 namespace surfit {

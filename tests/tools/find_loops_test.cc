@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "surfit/io/g2o.h"
-#include "surfit/io/tum_trajectory.h"
+#include "surfit/io/trajectory_files.h"
 #include "testing/run_program.h"
 
 namespace surfit {

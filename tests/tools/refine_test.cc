@@ -5,9 +5,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "surfit/io/camera_yaml.h"
-#include "surfit/io/surfel_ply.h"
-#include "surfit/io/tum_trajectory.h"
+#include "surfit/io/camera_files.h"
+#include "surfit/io/point_cloud.h"
+#include "surfit/io/trajectory_files.h"
 #include "testing/run_program.h"
 
 namespace surfit {

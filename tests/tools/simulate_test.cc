@@ -6,10 +6,10 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "surfit/geometry/mirror.h"
-#include "surfit/io/camera_yaml.h"
+#include "surfit/io/camera_files.h"
 #include "surfit/io/point_cloud.h"
 #include "surfit/io/sequence.h"
-#include "surfit/io/tum_trajectory.h"
+#include "surfit/io/trajectory_files.h"
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
 #include "surfit/simulation/scene.h"

@@ -13,8 +13,8 @@
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
 #include "surfit/geometry/mirror.h"
-#include "surfit/io/camera_yaml.h"
-#include "surfit/io/tum_trajectory.h"
+#include "surfit/io/camera_files.h"
+#include "surfit/io/trajectory_files.h"
 
 namespace surfit::tools {
 namespace {

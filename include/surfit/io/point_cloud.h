@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "surfit/core/image.h"
+#include "surfit/mapping/surfel_map.h"
 
 namespace surfit {
 
@@ -41,5 +42,15 @@ void WritePly(const PointCloud& cloud, const std::string& path);
 // as a float, as PCL has it) where the cloud has them; no radii. Throws InputError naming the file
 // if it cannot be written.
 void WritePcd(const PointCloud& cloud, const std::string& path);
+
+// Writes the map as binary little endian PLY, atomically, one vertex a surfel:
+// float x y z nx ny nz, uchar red green blue, float radius confidence, int first_seen last_seen
+// (metres, world frame, frame indices). Opens in CloudCompare, MeshLab and Open3D.
+// Throws InputError naming the file if it cannot be written.
+void WriteSurfelPly(const SurfelMap& map, const std::string& path);
+
+// Reads such a file: all of these properties must be there, in any order and of any scalar type.
+// Throws InputError naming the file and what is wrong with it.
+std::vector<Surfel> ReadSurfelPly(const std::string& path);
 
 }  // namespace surfit

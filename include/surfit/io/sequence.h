@@ -1,11 +1,13 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <memory>
 #include <optional>
 #include <string>
 
 #include "surfit/frame/prepare_frame.h"
+#include "surfit/geometry/inverse_depth_field.h"
 #include "surfit/io/frame_source.h"
 
 namespace surfit {
@@ -18,7 +20,7 @@ struct SequenceOptions {
   // auto, tum, icl_nuim, seven_scenes, redwood, replica, klg, sens, or watch (RunSlam() only).
   std::string format = "auto";
 
-  // A preset's name (see camera_presets.h). If empty: the folder's camera.yaml (of a file
+  // A preset's name (see CameraPreset()). If empty: the folder's camera.yaml (of a file
   // F.klg: F.klg.yaml), else what the recording tells (redwood: camera_intrinsic.json or
   // intrinsic.json; replica: cam_params.json; sens: its header), else the format's usual camera.
   std::string camera;
@@ -51,5 +53,25 @@ struct SequenceOptions {
 // one frame can be read, or the first readable one has another size than the camera. Frames that
 // cannot be read later are ReadResults with an error.
 std::unique_ptr<FrameSource> OpenSequence(const SequenceOptions& options);
+
+// The correction of depth that a sequence of this format comes with: the inverse_depth_field of its
+// camera.yaml (of a file F.klg: F.klg.yaml), zero where that has none or options.camera names a
+// preset. OpenSequence() and WatchFolder() apply it to every frame; it holds for frames as they
+// give them, mirrored if the file's image y axis points up. Throws InputError naming file and key.
+InverseDepthField ReadDepthField(const SequenceOptions& options, const std::string& format);
+
+// The frames of a folder that is being filled (by a phone or a recorder), each as soon as its files
+// are complete: numbered PNG images in depth/, and numbered PNG or JPEG images in color/, rgb/ or
+// image/ if that folder exists when the first frame arrives. Frames come in the order of their
+// numbers N, with stamps N / frames_per_second and the camera of OpenSequence().
+//
+// Ends when the folder holds a file `done` and all frames before it are read, or when `stop`
+// becomes true. A frame that is still incomplete after two seconds, or at the end, is a ReadResult
+// with an error; so is a frame that arrives after a later one was taken.
+//
+// Waits for the first readable frame. Throws InputError naming the option at fault, or if there is
+// no such frame before the end.
+std::unique_ptr<FrameSource> WatchFolder(const SequenceOptions& options,
+                                         const std::atomic<bool>& stop);
 
 }  // namespace surfit
