@@ -17,7 +17,7 @@ for flag in "$@"; do
   esac
 done
 
-bash "$root/tools/scripts/install_dependencies.sh"
+bash "$root/tools/scripts/install_dependencies.sh" programs
 bash "$root/tools/scripts/build.sh" release surfit_simulate surfit_slam
 
 if [[ $sequence == "$root/out/room" && ! -d $sequence ]]; then

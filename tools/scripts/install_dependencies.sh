@@ -1,8 +1,12 @@
 #!/usr/bin/env bash
-# Installs with apt what building, running and testing Surfit needs and this Debian 12 lacks, and with
-# npm, where there is one, what reports do without otherwise.
+# Installs with apt what this Debian 12 lacks, and with npm, where there is one, what reports do
+# without otherwise:
+#   install_dependencies.sh            all that building, running and testing Surfit needs
+#   install_dependencies.sh programs   what building and running the programs needs
 # Needs no root, and does nothing, when nothing is missing.
 set -euo pipefail
+group=${1:-all}
+[[ $group == all || $group == programs ]] || { echo "error: '$group' is neither all nor programs" >&2; exit 1; }
 
 npm_packages=$(cd "$(dirname "${BASH_SOURCE[0]}")/../../src/report/npm" && pwd)
 if [[ ! -e $npm_packages/node_modules/chartjs-plugin-zoom ]] && command -v npm >/dev/null; then
@@ -14,25 +18,30 @@ fi
 packages=(
   # compiler and build tools
   g++ make cmake ninja-build ccache pkg-config
-  # the library and the programs
+  # the libraries and the programs
   libeigen3-dev libceres-dev libgoogle-glog-dev libgflags-dev libopencv-dev libtbb-dev
   nlohmann-json3-dev
   libturbojpeg0-dev zlib1g-dev liblzf-dev
   # what reports hold
   libjs-three libjs-chart.js
+  # CMake looks for these at once
+  libgtest-dev libgmock-dev
+)
+test_packages=(
+  # format and clang-tidy of what changed
+  git clang-format clang-tidy
   # documentation, manual pages and Debian packages
   doxygen help2man dpkg-dev
   # the Python module
   python3-dev pybind11-dev python3-numpy python3-matplotlib
   # surfit_mesh, which is left out where this is missing
   libopen3d-dev
-  # format and clang-tidy of what changed
-  clang-format clang-tidy git
   # the tests
-  libgtest-dev libgmock-dev libbenchmark-dev python3-pytest
+  libbenchmark-dev python3-pytest
   xvfb xdotool imagemagick
   chromium chromium-driver python3-selenium python3-pil
 )
+[[ $group == programs ]] || packages+=("${test_packages[@]}")
 
 if ! command -v dpkg-query apt-get >/dev/null; then
   echo "error: no dpkg-query and apt-get here; install what third_party_notes.md lists by hand" >&2
