@@ -15,3 +15,17 @@ function(surfit_compile_options target)
     target_compile_definitions(${target} PUBLIC EIGEN_MALLOC_ALREADY_ALIGNED=1)
   endif()
 endfunction()
+
+# What nearly every source file includes, and more headers if given, is compiled once for the targets of
+# a kind, which compile alike: the first makes the precompiled header, the others use it.
+function(surfit_precompile target kind)
+  get_property(owner GLOBAL PROPERTY surfit_precompiled_${kind})
+  if(owner)
+    target_precompile_headers(${target} REUSE_FROM ${owner})
+    return()
+  endif()
+  set_property(GLOBAL PROPERTY surfit_precompiled_${kind} ${target})
+  target_precompile_headers(${target} PRIVATE <Eigen/Core> <Eigen/Geometry> <algorithm> <array> <cmath>
+    <cstdint> <cstring> <fstream> <functional> <limits> <map> <memory> <optional> <sstream> <string>
+    <utility> <vector> ${ARGN})
+endfunction()
