@@ -22,10 +22,7 @@ struct Options {
   }
   void TakeWhatTheRunRead() {
     RequireFlag("run", run);
-    TakeRecordedFlags(run + "/summary.json",
-                      {"sequence", "format", "camera", "intrinsics", "distortion", "depth_scale",
-                       "color_intrinsics", "color_distortion", "color_from_depth", "fps",
-                       "downsample", "max_depth_m", "first", "last", "stride"});
+    TakeRecordedFlags(run + "/summary.json", TableOf(&refine.sequence));
     refine.trajectory = run + "/trajectory.txt";
     refine.output = run + "/refined";
   }

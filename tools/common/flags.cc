@@ -3,7 +3,6 @@
 #include <gflags/gflags.h>
 
 #include <map>
-#include <set>
 
 #include "surfit/core/error.h"
 
@@ -81,9 +80,7 @@ bool IsSet(const std::string& flag) {
 Flags::Flags(OptionTable table) : table_(std::move(table)) {
   ForEachFlag(table_, [&](const Option& option, const OptionValue& value) {
     const FlagValue now = ValueOf(option, value);
-    const auto [entry, is_new] =
-        storage_.try_emplace(option.flag, Storage{option.Help(), now, now});
-    if (!is_new) return;  // one flag for several fields
+    const auto entry = storage_.emplace(option.flag, Storage{option.Help(), now, now}).first;
     const std::string& name = entry->first;
     Storage& flag = entry->second;
     std::visit(
@@ -119,9 +116,7 @@ void Flags::Check() const {
 
 std::vector<FlagHelp> Flags::Described() const {
   std::vector<FlagHelp> flags;
-  std::set<std::string> seen;
   ForEachFlag(table_, [&](const Option& option, const OptionValue& value) {
-    if (!seen.insert(option.flag).second) return;
     flags.push_back(
         {option.flag, FlagText(option, value), option.Help(), option.group, option.everyday});
   });

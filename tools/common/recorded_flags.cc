@@ -22,9 +22,9 @@ nlohmann::json OptionsIn(const std::string& path) {
 
 }  // namespace
 
-void TakeRecordedFlags(const std::string& summary_json, const std::vector<std::string>& names) {
+void TakeRecordedFlags(const std::string& summary_json, const OptionTable& options) {
   const nlohmann::json recorded = OptionsIn(summary_json);
-  for (const std::string& name : names) {
+  for (const auto& [name, present] : TableFlags(options)) {
     const gflags::CommandLineFlagInfo flag = gflags::GetCommandLineFlagInfoOrDie(name.c_str());
     if (!flag.is_default || !recorded.contains(name)) continue;
     const nlohmann::json& value = recorded[name];
