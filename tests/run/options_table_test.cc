@@ -49,23 +49,23 @@ class OptionTables : public ::testing::Test {};
 
 using AllOptions = ::testing::Types<
     RobustKernel, ErrorModel, AssociationGates, HeldOptions, IcpOptions, PreprocessOptions,
-    PrepareOptions, FitCriteria, InitializeOptions, CloudNormalOptions, RegisterCloudsOptions,
-    FusionOptions, RenderOptions, KeyframeOptions, PlaceViewOptions, PlaceIndexOptions,
-    VerifyLoopOptions, FindLoopsOptions, RelocalizeOptions, EdgeNoise, PoseGraphOptions,
-    LoopOptions, SlamOptions, RefinementOptions, MatchOptions, RelativePoseErrorOptions,
-    TrajectoryEvaluationOptions, MapErrorOptions, KlgOptions, KinectOptions, PathOptions,
-    ReportOptions, SlamRunOptions, AlignRunOptions, RegisterRunOptions, RefineRunOptions,
-    RevisitOptions, FindLoopsRunOptions, CompareOptions>;
+    PrepareOptions, FitCriteria, InitializeOptions, CloudNormalOptions, CloudSensor,
+    RegisterCloudsOptions, FusionOptions, RenderOptions, KeyframeOptions, PlaceViewOptions,
+    PlaceIndexOptions, VerifyLoopOptions, FindLoopsOptions, RelocalizeOptions, EdgeNoise,
+    PoseGraphOptions, LoopOptions, SlamOptions, RefinementOptions, MatchOptions,
+    RelativePoseErrorOptions, TrajectoryEvaluationOptions, MapErrorOptions, KlgOptions,
+    KinectOptions, PathOptions, ReportOptions, SlamRunOptions, AlignRunOptions, RegisterRunOptions,
+    RefineRunOptions, RevisitOptions, FindLoopsRunOptions, CompareOptions>;
 TYPED_TEST_SUITE(OptionTables, AllOptions);
 
 TYPED_TEST(OptionTables, NameEveryFieldOnce) { ExpectAll<TypeParam>(FieldCount<TypeParam>()); }
 
 // FieldCount() is not for optional fields.
 TEST(SequenceTable, NamesEveryField) {
-  auto [path, format, camera, intrinsics, distortion, depth_units_per_metre, color_intrinsics,
-        color_distortion, color_from_depth, frames_per_second, first, last, stride, prepare] =
-      SequenceOptions();
-  ExpectAll<SequenceOptions>(14);
+  auto [path, format, camera, intrinsics, distortion, depth_units_per_metre, inverse_depth_sigma,
+        color_intrinsics, color_distortion, color_from_depth, frames_per_second, first, last,
+        stride, prepare] = SequenceOptions();
+  ExpectAll<SequenceOptions>(15);
 }
 
 TEST(DefaultOptions, AreValid) {
