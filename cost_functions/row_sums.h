@@ -15,6 +15,7 @@ namespace surfit {
 inline constexpr int kRowColumns = 7;
 inline constexpr int kRowProducts = kRowColumns * (kRowColumns + 1) / 2;
 
+// Weighted sums of the products of columns, and of rho(s).
 struct RowSums {
   double product[kRowProducts] = {};  // of the columns: the upper triangle, row by row
   double rho = 0;
@@ -39,6 +40,7 @@ struct RowLanes {
   V product[kRowProducts];
   V rho;
 
+  // What each point's rows were weighted with: s, and information * rho'(s).
   struct Weights {
     V s, weight;
   };

@@ -69,7 +69,8 @@ void BindIcpResult(py::module_& module) {
       .def_readonly("value_correlation", &FarVerdict::value_correlation, "of brightness there")
       .def_readonly("detail_correlation", &FarVerdict::detail_correlation,
                     "of its edges and texture")
-      .def_readonly("lead", &FarVerdict::lead, "over any other pose, as a share of this one's score");
+      .def_readonly("lead", &FarVerdict::lead,
+                    "over any other pose, as a share of this one's score");
 }
 
 }  // namespace surfit::python

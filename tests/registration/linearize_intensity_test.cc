@@ -1,5 +1,3 @@
-#include "registration/linearize.h"
-
 #include <ceres/jet.h>
 #include <gtest/gtest.h>
 
@@ -8,6 +6,7 @@
 #include "cost_functions/photometric.h"
 #include "cost_functions/pose_manifold.h"
 #include "cost_functions/robust_kernel.h"
+#include "registration/linearize.h"
 #include "registration/wall_frames.h"
 #include "surfit/core/parallel.h"
 

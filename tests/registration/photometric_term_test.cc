@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "registration/view_level.h"
 #include "registration/intensity_finder.h"
+#include "registration/view_level.h"
 #include "registration/wall_frames.h"
 
 namespace surfit {
