@@ -73,7 +73,7 @@ class G2oReader {
       ReadEdge(words, number);
     } else if (words[0] == "FIX") {
       for (std::size_t i = 1; i < words.size(); ++i)
-        fixed_.push_back({ParseCount(words[i]), number});
+        fixed_.emplace_back(ParseCount(words[i]), number);
     } else {
       ++file_.ignored_lines[std::string(words[0])];
     }

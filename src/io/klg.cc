@@ -140,7 +140,7 @@ std::string DepthBytes(const Image<std::uint16_t>& depth, bool compress) {
 }
 
 std::string ColorBytes(const Image<Rgb8>& color, int jpeg_quality) {
-  const std::string raw = RawBytes(color);
+  std::string raw = RawBytes(color);
   if (color.empty() || jpeg_quality == 0) return raw;
   const std::string jpeg = EncodeJpeg(color, jpeg_quality);
   return jpeg.size() == raw.size() ? raw : jpeg;  // the reader tells by the size

@@ -110,7 +110,7 @@ void SetAgreement(const RefinementOptions& options,
       variance * covariance.calibration + ModelErrorOf(state.calibration, held, options);
   summary->pose_covariances.clear();
   for (const Eigen::MatrixXd& pose : covariance.poses) {
-    summary->pose_covariances.push_back(variance * pose);
+    summary->pose_covariances.emplace_back(variance * pose);
   }
 }
 

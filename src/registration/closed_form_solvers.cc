@@ -72,7 +72,7 @@ class QrSolver final : public PairSolver<QrSolver> {
     });
     if (intensities.size > 0) SetIntensityRows(intensities, &rows);
     report->linearize_ms = solving.Milliseconds();
-    const Vector6d increment = SolveByQr(&rows);
+    Vector6d increment = SolveByQr(&rows);
     report->solve_ms = solving.Milliseconds();
     return increment;
   }

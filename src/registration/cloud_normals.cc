@@ -44,6 +44,7 @@ double Spacing(const KdTree& tree) {
     } while (found.size() <= kNeighbors && radius <= 4 * extent);
     if (found.size() <= kNeighbors) continue;
     std::vector<double> distances;
+    distances.reserve(found.size());
     for (const std::uint32_t j : found) distances.push_back(Offset(tree, i, j).norm());
     std::nth_element(distances.begin(), distances.begin() + kNeighbors, distances.end());
     spacings.push_back(distances[kNeighbors] * std::sqrt(M_PI / kNeighbors));

@@ -36,7 +36,7 @@ Backend::~Backend() = default;
 std::optional<WorldCorrection> Backend::BeginFrame() {
   if (!thread_->HasTask() || ++frames_since_start_ < options_.delay_frames) return std::nullopt;
   counts_.waits += thread_->IsLate();
-  const auto correction = Apply(thread_->Take());
+  std::optional<WorldCorrection> correction = Apply(thread_->Take());
   if (!waiting_.empty()) StartTask();
   return correction;
 }
@@ -199,7 +199,7 @@ BackendCounts Backend::counts() const {
   counts.loops_accepted = std::count_if(loops_.begin(), loops_.end(),
                                         [](const LoopRecord& loop) { return loop.in_graph; });
   counts.loops_refused = counts.loops_proposed - counts.loops_accepted;
-  counts.submaps = static_cast<std::size_t>(submap_ + 1);
+  counts.submaps = static_cast<std::size_t>(submap_) + 1;
   counts.submaps_apart = SubmapsApart();
   return counts;
 }

@@ -152,7 +152,7 @@ void Slam::Pipeline::Correct(const WorldCorrection& correction, int frame_index)
 }
 
 Tracked Slam::Pipeline::Repeat(const RgbdFrame& frame) {
-  const Tracked tracked = tracker_.Repeat();
+  Tracked tracked = tracker_.Repeat();
   if (backend_ && tracked.is_held()) backend_->AddFrozenFrame(frame.index, frame.stamp_s);
   return tracked;
 }

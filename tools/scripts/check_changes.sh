@@ -2,12 +2,12 @@
 # Holds the C++ files that changed to clang-format and clang-tidy:
 #   check_changes.sh [BASE]
 # BASE is the commit that they are compared with, by default the last one at least a day older than
-# HEAD. clang-tidy takes seconds a file: of more than SURFIT_TIDY_FILES (30) changed ones it looks at
+# HEAD. clang-tidy takes seconds a file: of more than SURFIT_TIDY_FILES (12) changed ones it looks at
 # those that changed most, and says how many it left out. `cmake --build --preset tidy` looks at all.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 cd "$root"
-most=${SURFIT_TIDY_FILES:-30}
+most=${SURFIT_TIDY_FILES:-12}
 day_before=$(($(git log -1 --format=%ct) - 86400))
 base=${1:-$(git rev-list -1 --before="$day_before" HEAD)}
 base=${base:-$(git hash-object -t tree /dev/null)}  # a history of less than a day: all files
