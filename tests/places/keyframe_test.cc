@@ -113,7 +113,7 @@ TEST(PlaceViewOptions, RefuseWhatMakesNoSense) {
 using testing::ExpectInputError;
 using ::testing::HasSubstr;
 
-FrameLevel Wall(float depth_m) {
+FrameLevel WallAt(float depth_m) {
   return PreprocessDepth(Image<float>(320, 240, depth_m), {testing::PlaceCamera(), {}},
                          PreprocessOptions())
       .levels.front();
@@ -121,14 +121,14 @@ FrameLevel Wall(float depth_m) {
 
 // Sees a wall 2 m away from the origin.
 Keyframe KeyframeAtOrigin() {
-  return {100, 0, Rigid3d(), MakePlaceView({{Wall(2)}}, {}, PlaceViewOptions())};
+  return {100, 0, Rigid3d(), MakePlaceView({{WallAt(2)}}, {}, PlaceViewOptions())};
 }
 
 Rigid3d Shifted(double x_m) { return Rigid3d(Eigen::Quaterniond::Identity(), {x_m, 0, 0}); }
 Rigid3d Turned(double rad) { return Rigid3d(QuaternionExp<double>({0, rad, 0}), {0, 0, 0}); }
 
 bool IsKeyframeAt(const Rigid3d& pose, int frames_later = 1) {
-  return IsKeyframe(KeyframeAtOrigin(), 100 + frames_later, Wall(2), pose, KeyframeOptions());
+  return IsKeyframe(KeyframeAtOrigin(), 100 + frames_later, WallAt(2), pose, KeyframeOptions());
 }
 
 TEST(IsKeyframe, GoesByMotion) {
@@ -153,7 +153,7 @@ TEST(IsKeyframe, GoesByOverlap) {
   // A turn by t moves the image by f tan t = 0.3 of its width.
   const double turn = std::atan(0.3 * 320 / 262);
   const auto is_keyframe = [&](double rad) {
-    return IsKeyframe(KeyframeAtOrigin(), 101, Wall(2), Turned(rad), options);
+    return IsKeyframe(KeyframeAtOrigin(), 101, WallAt(2), Turned(rad), options);
   };
   EXPECT_FALSE(is_keyframe(0.9 * turn));
   options.max_angle_rad = 1;  // so that the turn is not little
@@ -162,12 +162,12 @@ TEST(IsKeyframe, GoesByOverlap) {
 
 TEST(OverlapShare, CountsWhatIsInTheImageAndNotHidden) {
   const Keyframe keyframe = KeyframeAtOrigin();
-  EXPECT_EQ(OverlapShare(keyframe, Wall(2), Rigid3d()), 1);
-  EXPECT_EQ(OverlapShare(keyframe, Wall(1), Rigid3d()), 0);
-  EXPECT_EQ(OverlapShare(keyframe, Wall(3), Rigid3d()), 1);
+  EXPECT_EQ(OverlapShare(keyframe, WallAt(2), Rigid3d()), 1);
+  EXPECT_EQ(OverlapShare(keyframe, WallAt(1), Rigid3d()), 0);
+  EXPECT_EQ(OverlapShare(keyframe, WallAt(3), Rigid3d()), 1);
   // A quarter of the width, f 2 m / z: half a pixel column in eight may fall to either side.
-  EXPECT_NEAR(OverlapShare(keyframe, Wall(2), Shifted(0.25 * 320 * 2 / 262)), 0.75, 8. / 320);
-  EXPECT_EQ(OverlapShare(Keyframe(), Wall(2), Rigid3d()), 0);
+  EXPECT_NEAR(OverlapShare(keyframe, WallAt(2), Shifted(0.25 * 320 * 2 / 262)), 0.75, 8. / 320);
+  EXPECT_EQ(OverlapShare(Keyframe(), WallAt(2), Rigid3d()), 0);
 }
 
 TEST(KeyframeOptions, RefuseWhatMakesNoSense) {
