@@ -100,7 +100,7 @@ struct InitializeOptions {
   // Those of frames far apart, whose ICP checks free space at full resolution. Of 100 pairs 90
   // frames apart that overlap by more than 30 % (FarPairsSweep), 95 are right and believed; by
   // those of loops 68. Of these alone the overlap would lose 5, the detail 7, the inlier share 4,
-  // the way back 7 and free space at half the resolution 15; the brightness would let pass 2 wrong
+  // the way back 10 and free space at half the resolution 15; the brightness would let pass 2 wrong
   // ones more. Without colours shapes must do.
   static FitCriteria FrameCriteria();
 
