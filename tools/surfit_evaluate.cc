@@ -2,6 +2,7 @@
 
 #include <iomanip>
 #include <iostream>
+#include <optional>
 
 #include "common/json.h"
 #include "common/tool_main.h"
@@ -14,6 +15,7 @@ namespace {
 
 struct Options {
   std::string groundtruth, estimate, frames;
+  std::string time_offset_s;  // a number, estimate, or empty
   TrajectoryEvaluationOptions evaluation;
 
   void Visit(OptionVisitor& v) {
@@ -27,7 +29,27 @@ struct Options {
                          "coverage is the share of them that has one; if empty, of the ground "
                          "truth's poses")
                       .Flag());
+    v.Add(time_offset_s,
+          Option("time_offset_s",
+                 "beside the plain error, tell that with the estimate's stamps moved by so much; "
+                 "estimate: by what makes it least")
+              .Unit("s")
+              .Flag());
     v.AddPart(evaluation, Option("evaluation", "how they are compared"));
+    v.Check([this] { GivenOffset(); });
+  }
+
+  // Nothing where it is not given as a number.
+  std::optional<double> GivenOffset() const {
+    std::optional<double> offset_s;
+    if (time_offset_s == "estimate") return offset_s;
+    try {
+      OptionFromText(time_offset_s, &offset_s);
+    } catch (const InputError&) {
+      throw InputError(Concat("time_offset_s is '", time_offset_s,
+                              "', must be a number of seconds or 'estimate'"));
+    }
+    return offset_s;
   }
 };
 
@@ -37,9 +59,26 @@ std::string DescribeStamps(const Trajectory& trajectory) {
                 trajectory.front().stamp_s, " to ", trajectory.back().stamp_s, " s");
 }
 
-Json ToJson(const TrajectoryEvaluation& e, Options options) {
+// Nothing where none is asked for.
+std::optional<TimeOffset> FindTimeOffset(const Trajectory& ground_truth, const Trajectory& estimate,
+                                         const Options& options) {
+  if (options.time_offset_s.empty()) return std::nullopt;
+  const MatchOptions& match = options.evaluation.match;
+  const std::optional<double> given = options.GivenOffset();
+  const auto offset = given ? EvaluateTimeOffset(ground_truth, estimate, *given, match)
+                            : EstimateTimeOffset(ground_truth, estimate, match);
+  if (offset) return offset;
+  throw InputError(Concat("time_offset_s is '", options.time_offset_s,
+                          "': fewer than 3 poses match with ",
+                          given ? "it" : "each offset of up to 0.1 s"));
+}
+
+Json ToJson(const TrajectoryEvaluation& e, const std::optional<TimeOffset>& offset,
+            Options options) {
   Json json;
   SetStatistics("ate", "m", &e.ate->translation_m, &json);
+  json["time_offset_s"] = offset ? Json(offset->offset_s) : Json();
+  SetStatistics("ate_at_time_offset", "m", offset ? &offset->ate.translation_m : nullptr, &json);
   json["ate_coverage"] = e.coverage;
   json["ate_rotation_unique"] = e.ate->alignment.status == AlignmentStatus::kAligned;
   SetStatistics("rpe_translation", "m", e.rpe ? &e.rpe->translation_m : nullptr, &json);
@@ -54,7 +93,8 @@ Json ToJson(const TrajectoryEvaluation& e, Options options) {
   return json;
 }
 
-void PrintSummary(const TrajectoryEvaluation& e, const Options& options) {
+void PrintSummary(const TrajectoryEvaluation& e, const std::optional<TimeOffset>& offset,
+                  const Options& options) {
   std::cerr << "ATE RMSE " << e.ate->translation_m.rmse << " m over " << e.matched << " of "
             << e.expected << (options.frames.empty() ? " true poses" : " frames");
   if (e.rpe) {
@@ -66,6 +106,9 @@ void PrintSummary(const TrajectoryEvaluation& e, const Options& options) {
   const RelativePoseErrorOptions& rpe = options.evaluation.rpe;
   const bool frames = rpe.delta_unit == RelativePoseErrorOptions::Unit::kFrames;
   std::cerr << rpe.delta << (frames ? " frames" : " seconds") << std::endl;
+  if (!offset) return;
+  std::cerr << "with the estimate's stamps moved by " << offset->offset_s << " s: ATE RMSE "
+            << offset->ate.translation_m.rmse << " m" << std::endl;
 }
 
 int Run(const Options& options) {
@@ -80,8 +123,9 @@ int Run(const Options& options) {
         " s, must be at least 3: ", options.groundtruth, " has ", DescribeStamps(ground_truth),
         ", ", options.estimate, " has ", DescribeStamps(estimate)));
   }
-  PrintJson(ToJson(evaluation, options));
-  PrintSummary(evaluation, options);
+  const std::optional<TimeOffset> offset = FindTimeOffset(ground_truth, estimate, options);
+  PrintJson(ToJson(evaluation, offset, options));
+  PrintSummary(evaluation, offset, options);
   return kDone;
 }
 

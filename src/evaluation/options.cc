@@ -22,9 +22,14 @@ static void OptionFromText(const std::string& text, Unit* unit) {
 
 void MatchOptions::Visit(OptionVisitor& v) {
   v.Add(max_difference_s, Option("max_difference_s",
-                                 "stamps further apart never match (evo: 0.01, TUM scripts: 0.02)")
+                                 "where no true pose is interpolated, how far away the nearest one "
+                                 "may be (evo: 0.01, TUM scripts: 0.02)")
                               .From(0, 1)
                               .Flag());
+  v.Add(max_gap_s, Option("max_gap_s", "interpolate between true poses at most so far apart")
+                       .From(0, 1)
+                       .Zero("take the nearest, as evo and the TUM scripts do")
+                       .Flag());
 }
 
 void RelativePoseErrorOptions::Visit(OptionVisitor& v) {

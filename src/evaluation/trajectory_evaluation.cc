@@ -8,7 +8,6 @@
 
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
-#include "surfit/geometry/match_stamps.h"
 
 namespace surfit {
 namespace {
@@ -55,6 +54,11 @@ std::optional<std::size_t> FindPartner(const std::vector<MatchedPose>& poses, st
   return j;
 }
 
+std::optional<Rigid3d> TruthAt(const Trajectory& ground_truth, double stamp_s,
+                               const MatchOptions& options) {
+  return InterpolatePose(ground_truth, stamp_s, options.max_gap_s, options.max_difference_s);
+}
+
 Rigid3d RelativeError(const MatchedPose& i, const MatchedPose& j) {
   const Rigid3d true_motion = i.ground_truth.Inverse() * j.ground_truth;
   const Rigid3d estimated_motion = i.estimate.Inverse() * j.estimate;
@@ -94,10 +98,9 @@ std::vector<MatchedPose> MatchPoses(const Trajectory& ground_truth, const Trajec
                                     const MatchOptions& options) {
   Validate(options);
   std::vector<MatchedPose> poses;
-  for (const StampMatch& match :
-       MatchStamps(Stamps(estimate), Stamps(ground_truth), options.max_difference_s)) {
-    const StampedPose& e = estimate[match.first];
-    poses.push_back({e.stamp_s, ground_truth[match.second].world_from_camera, e.world_from_camera});
+  for (const StampedPose& pose : estimate) {
+    const std::optional<Rigid3d> truth = TruthAt(ground_truth, pose.stamp_s, options);
+    if (truth) poses.push_back({pose.stamp_s, *truth, pose.world_from_camera});
   }
   return poses;
 }
@@ -153,13 +156,14 @@ TrajectoryEvaluation EvaluateTrajectory(const Trajectory& ground_truth, const Tr
                                         const std::vector<double>& frame_stamps_s,
                                         const TrajectoryEvaluationOptions& options) {
   const auto poses = MatchPoses(ground_truth, estimate, options.match);
-  const auto expected =
-      MatchStamps(frame_stamps_s, Stamps(ground_truth), options.match.max_difference_s);
   TrajectoryEvaluation evaluation;
-  evaluation.expected = static_cast<int>(expected.size());
   evaluation.matched = static_cast<int>(poses.size());
-  if (!expected.empty()) {
-    evaluation.coverage = std::min(1., static_cast<double>(poses.size()) / expected.size());
+  for (const double stamp_s : frame_stamps_s) {
+    evaluation.expected += TruthAt(ground_truth, stamp_s, options.match).has_value();
+  }
+  if (evaluation.expected > 0) {
+    evaluation.coverage =
+        std::min(1., static_cast<double>(evaluation.matched) / evaluation.expected);
   }
   evaluation.ate = ComputeAbsoluteTrajectoryError(poses);
   evaluation.rpe = ComputeRelativePoseError(poses, options.rpe);

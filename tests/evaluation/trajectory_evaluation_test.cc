@@ -53,6 +53,7 @@ TEST(Summarize, OfOneErrorIsThatError) {
 }
 
 TEST(MatchOptions, ValidateRefusesNonsense) {
+  EXPECT_THROW(Validate(MatchOptions{0.01, -0.1}), InputError);
   EXPECT_NO_THROW(Validate(MatchOptions{0}));
   EXPECT_THROW(Validate(MatchOptions{-0.1}), InputError);
   EXPECT_THROW(Validate(MatchOptions{1.1}), InputError);
@@ -69,6 +70,58 @@ TEST(MatchPoses, CarriesEachSidesPoseAndTheEstimatesStamp) {
   EXPECT_EQ(poses[0].stamp_s, 6.005);
   EXPECT_EQ(poses[0].ground_truth.translation.x(), 2);
   EXPECT_EQ(poses[0].estimate.translation.x(), 3);
+}
+
+// A camera that moves along a line and turns about an axis, both at constant speed: what is linear
+// between two poses is exact.
+Trajectory Steady(int count, double period_s, double begin_s) {
+  Trajectory trajectory;
+  for (int i = 0; i < count; ++i) {
+    const double t = begin_s + i * period_s;
+    trajectory.push_back(
+        {t, Rigid3d(QuaternionExp<double>(t * Eigen::Vector3d(0.4, -0.3, 0.9)),
+                    Eigen::Vector3d(1, 2, 3) + t * Eigen::Vector3d(0.5, -0.2, 0.3))});
+  }
+  return trajectory;
+}
+
+TEST(MatchPoses, InterpolatesTheTruthAtTheEstimatesStamps) {
+  const Trajectory ground_truth = Steady(101, 0.01, 0);
+  const Trajectory estimate = Steady(28, 1 / 30., 0.0037);
+  const auto poses = MatchPoses(ground_truth, estimate, MatchOptions());
+  ASSERT_EQ(poses.size(), estimate.size());
+  for (const MatchedPose& pose : poses) {
+    EXPECT_THAT(pose.estimate, RigidNear(pose.ground_truth, 1e-12, 1e-12));
+  }
+  EXPECT_LT(ComputeAbsoluteTrajectoryError(poses)->translation_m.max, 1e-12);
+}
+
+TEST(MatchPoses, TakesATruePoseAtItsStampBitForBit) {
+  const Trajectory ground_truth = Steady(31, 1 / 30., 1305031453.3);
+  const auto poses = MatchPoses(ground_truth, ground_truth, MatchOptions());
+  ASSERT_EQ(poses.size(), ground_truth.size());
+  for (const MatchedPose& pose : poses) {
+    EXPECT_EQ(pose.ground_truth.translation, pose.estimate.translation);
+    EXPECT_EQ(pose.ground_truth.rotation.coeffs(), pose.estimate.rotation.coeffs());
+  }
+}
+
+TEST(MatchPoses, TakesTheNearestPoseAcrossAWideGap) {
+  const Trajectory ground_truth = Steady(3, 0.06, 0);
+  const Trajectory estimate = {{0.009, Rigid3d()}, {0.03, Rigid3d()}, {0.125, Rigid3d()}};
+  const auto poses = MatchPoses(ground_truth, estimate, MatchOptions());
+  ASSERT_EQ(poses.size(), 2u);  // 0.03 s is too far from either
+  EXPECT_EQ(poses[0].ground_truth.translation, ground_truth[0].world_from_camera.translation);
+  EXPECT_EQ(poses[1].ground_truth.translation, ground_truth[2].world_from_camera.translation);
+  MatchOptions wide;
+  wide.max_gap_s = 0.07;
+  EXPECT_THAT(MatchPoses(ground_truth, estimate, wide)[1].ground_truth,
+              RigidNear(Steady(1, 1, 0.03)[0].world_from_camera, 1e-12, 1e-12));
+  MatchOptions never;
+  never.max_gap_s = 0;
+  EXPECT_EQ(
+      MatchPoses(Steady(11, 0.01, 0), {{0.043, Rigid3d()}}, never)[0].ground_truth.translation,
+      Steady(11, 0.01, 0)[4].world_from_camera.translation);
 }
 
 TEST(AbsoluteTrajectoryError, OfASquareWithALiftedCornerIsAQuarterOfTheLift) {
@@ -252,6 +305,21 @@ TEST(EvaluateTrajectory, CoverageCountsTheFramesThatTheGroundTruthKnows) {
   EXPECT_EQ(evaluation.expected, 8);
   EXPECT_EQ(evaluation.matched, 6);
   EXPECT_DOUBLE_EQ(evaluation.coverage, 6. / 8);
+}
+
+TEST(EvaluateTrajectory, OfSteadyMotionBetweenTheTruesStampsIsZero) {
+  const Trajectory estimate = Steady(20, 1 / 30., 0.1 + 0.0041);
+  const auto evaluation = EvaluateTrajectory(Steady(120, 0.01, 0), estimate, Stamps(estimate), {});
+  EXPECT_EQ(evaluation.matched, 20);
+  EXPECT_EQ(evaluation.coverage, 1);
+  EXPECT_LT(evaluation.ate->translation_m.max, 1e-12);
+  EXPECT_LT(evaluation.rpe->translation_m.max, 1e-12);
+  // The nearest pose is up to 5 ms away, at 0.6 m/s.
+  TrajectoryEvaluationOptions nearest;
+  nearest.match.max_gap_s = 0;
+  EXPECT_GT(EvaluateTrajectory(Steady(120, 0.01, 0), estimate, Stamps(estimate), nearest)
+                .ate->translation_m.rmse,
+            1e-3);
 }
 
 TEST(EvaluateTrajectory, WithoutPosesSaysSo) {

@@ -89,6 +89,35 @@ TEST_F(EvaluateTest, TakesTheStepFromTheFlags) {
   }
 }
 
+// A camera that swings along x, 0.2 sin(4 t), with motion capture at 100 Hz, stamped 0.02 s late.
+std::string Swing(int count, double period_s, double begin_s, double late_s) {
+  std::string lines;
+  for (int i = 0; i < count; ++i) {
+    const double t = begin_s + i * period_s;
+    lines += Concat(std::fixed, t + late_s, " ", 0.2 * std::sin(4 * t), " ", 0.1 * t, " ",
+                    0.01 * std::cos(3 * t), " 0 0 0 1\n");
+  }
+  return lines;
+}
+
+TEST_F(EvaluateTest, TellsATimeOffsetBesideThePlainError) {
+  Write(Swing(200, 0.01, 0, 0), Swing(45, 1 / 30., 0.2, 0.02));
+  const auto plain = nlohmann::json::parse(Evaluate({}).out);
+  EXPECT_TRUE(plain.at("time_offset_s").is_null());
+  EXPECT_TRUE(plain.at("ate_at_time_offset_rmse_m").is_null());
+  for (const char* offset : {"-0.02", "estimate"}) {
+    const ProgramResult result = Evaluate({Concat("--time_offset_s=", offset)});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const auto json = nlohmann::json::parse(result.out);
+    EXPECT_EQ(json.at("ate_rmse_m"), plain.at("ate_rmse_m"));
+    EXPECT_NEAR(json.at("time_offset_s"), -0.02, 2e-4);
+    // Linear between true poses: 0.2 * 4^2 m/s^2 * (0.01 s)^2 / 8 = 0.04 mm.
+    EXPECT_LT(json.at("ate_at_time_offset_rmse_m"), 1e-4);
+    EXPECT_GT(json.at("ate_rmse_m"), 1e-3);
+    EXPECT_THAT(result.err, HasSubstr("with the estimate's stamps moved by -0.0"));
+  }
+}
+
 TEST_F(EvaluateTest, ReportsNoStepAsNull) {
   Write(kSquare, kLifted);
   const ProgramResult result = Evaluate({"--delta=10"});
@@ -131,6 +160,11 @@ TEST_F(EvaluateTest, RefusesBadFlags) {
   ExpectError(Evaluate({"--delta_unit=m"}), "--delta_unit is 'm', must be 'frames' or 'seconds'");
   ExpectError(Evaluate({"--max_difference_s=-1"}), "max_difference_s is -1, must be from 0 to 1");
   ExpectError(Evaluate({"--max_difference_s=abc"}), "abc");
+  ExpectError(Evaluate({"--max_gap_s=2"}), "max_gap_s is 2, must be from 0 to 1");
+  ExpectError(Evaluate({"--time_offset_s=late"}),
+              "time_offset_s is 'late', must be a number of seconds or 'estimate'");
+  ExpectError(Evaluate({"--time_offset_s=100"}), "fewer than 3 poses match with it");
+  ExpectError(Evaluate({"--time_offset_s=estimate"}), "each offset of up to 0.1 s");
   ExpectError(Evaluate({"--no_such_flag=1"}), "no_such_flag");
   ExpectError(Evaluate({"word"}), "unexpected argument 'word'");
   ExpectError(RunProgram("surfit_evaluate", {}), "--groundtruth is missing, must be set");

@@ -32,10 +32,16 @@ struct Alignment {
 Alignment AlignPoints(const std::vector<Eigen::Vector3d>& source,
                       const std::vector<Eigen::Vector3d>& target);
 
-// Which poses belong to the same moment.
+// What the ground truth knows of a moment.
 struct MatchOptions {
-  // Stamps further apart never match. evo's default; the TUM scripts use 0.02.
+  // Where its stamps are further apart, its nearest pose is taken if it is at most this far: evo's
+  // default; the TUM scripts use 0.02.
   double max_difference_s = 0.01;
+  // Between two true poses at most this far apart, the pose is interpolated: translation linear,
+  // rotation along the shortest arc. At an acceleration a that misses by a max_gap_s^2 / 8 at most,
+  // 1 mm at 3 m/s^2; the nearest pose of motion capture at 100 Hz, up to 5 ms away, misses by as
+  // much at 0.2 m/s. 0: always the nearest, as evo and the TUM scripts do.
+  double max_gap_s = 0.05;
 
   void Visit(OptionVisitor& visitor);
 };
@@ -47,8 +53,8 @@ struct MatchedPose {
   Rigid3d estimate;
 };
 
-// In order of time. Ground truth is taken at its nearest stamp, without interpolation, as the TUM
-// scripts and evo do.
+// The poses of the estimate at whose stamps the ground truth knows one, in order of time. At a true
+// stamp that is the true pose itself, bit for bit.
 std::vector<MatchedPose> MatchPoses(const Trajectory& ground_truth, const Trajectory& estimate,
                                     const MatchOptions& options);
 
@@ -122,5 +128,27 @@ struct TrajectoryEvaluation {
 TrajectoryEvaluation EvaluateTrajectory(const Trajectory& ground_truth, const Trajectory& estimate,
                                         const std::vector<double>& frame_stamps_s,
                                         const TrajectoryEvaluationOptions& options);
+
+// The trajectory with its stamps moved by so much.
+Trajectory WithStampsMoved(Trajectory trajectory, double by_s);
+
+// A difference of the clocks of estimate and ground truth.
+struct TimeOffset {
+  double offset_s = 0;  // to be added to the estimate's stamps
+  AbsoluteTrajectoryError ate;
+};
+
+// The error of the estimate with an offset that is given. Nothing if fewer than 3 poses match.
+std::optional<TimeOffset> EvaluateTimeOffset(const Trajectory& ground_truth,
+                                             const Trajectory& estimate, double offset_s,
+                                             const MatchOptions& options);
+
+// The offset within 0.1 s either way at which the absolute error is least: what the error would be
+// if the clocks were set by the ground truth. It takes out errors of the estimate, too, that look
+// like an offset: to be told beside the plain error, never instead of it. Nothing if fewer than 3
+// poses match at each offset.
+std::optional<TimeOffset> EstimateTimeOffset(const Trajectory& ground_truth,
+                                             const Trajectory& estimate,
+                                             const MatchOptions& options);
 
 }  // namespace surfit
