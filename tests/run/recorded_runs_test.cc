@@ -137,9 +137,8 @@ TEST(RecordedRuns, ReturnsToTheKitchenAreLinkedByTheirLooks) {
   options.output = folder / "loops";
   options.loops.max_near = 0;
   TumTrajectoryWriter writer(options.trajectory);
-  for (const StampedPose& pose : OpenSequence(options.sequence)->info().ground_truth) {
-    writer.Append(pose);
-  }
+  const auto source = OpenSequence(options.sequence);
+  for (const StampedPose& pose : source->info().ground_truth) writer.Append(pose);
   const FindLoopsRunResult result = RunFindLoops(options, [](int) {});
   ASSERT_TRUE(result.evaluation.has_value());
   EXPECT_GT(result.evaluation->revisiting, 50);
