@@ -62,6 +62,18 @@ void PrintLoops(const BackendCounts& c) {
   }
 }
 
+// What the error would be with other stamps, where that makes a difference.
+void PrintOtherClocks(const SlamRunSummary& s) {
+  if (s.sensor_latency_s != 0 && s.ate_without_latency) {
+    std::printf("  %.4f m with the files' stamps, without the sensor's latency of %g s\n",
+                s.ate_without_latency->translation_m.rmse, s.sensor_latency_s);
+  }
+  if (s.time_offset && s.time_offset->offset_s != 0) {
+    std::printf("  %.4f m with stamps moved by %.4f s, which fits the ground truth best\n",
+                s.time_offset->ate.translation_m.rmse, s.time_offset->offset_s);
+  }
+}
+
 void PrintSummary(const SlamRunSummary& s, const std::string& output) {
   std::printf("%s: %d frames, %d tracked, %d lost, %d skipped%s\n", output.c_str(), s.frames_total,
               s.frames_tracked, s.frames_lost, s.frames_skipped,
@@ -84,6 +96,7 @@ void PrintSummary(const SlamRunSummary& s, const std::string& output) {
   if (s.evaluation && s.evaluation->ate) {
     std::printf("ATE RMSE %.4f m over %.1f %% of the frames\n",
                 s.evaluation->ate->translation_m.rmse, 100 * s.evaluation->coverage);
+    PrintOtherClocks(s);
   } else if (s.evaluation) {
     std::printf("ATE unknown: %d of %d frames with ground truth have a pose, 3 must have one\n",
                 s.evaluation->matched, s.evaluation->expected);

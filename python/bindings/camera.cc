@@ -11,7 +11,7 @@ namespace py = pybind11;
 
 namespace surfit::python {
 
-static_assert(FieldCount<PinholeCamera>() == 7 && FieldCount<RgbdCamera>() == 7,
+static_assert(FieldCount<PinholeCamera>() == 7 && FieldCount<RgbdCamera>() == 8,
               "each field must be an attribute");
 
 void BindCamera(py::module_& module) {
@@ -42,7 +42,10 @@ void BindCamera(py::module_& module) {
                      "counts of uint16 depth in a metre")
       .def_readwrite("noise", &RgbdCamera::noise, "of the depth")
       .def_readwrite("frames_per_second", &RgbdCamera::frames_per_second,
-                     "for files without stamps");
+                     "for files without stamps")
+      .def_readwrite("latency_s", &RgbdCamera::latency_s,
+                     "how long before its stamp the middle of a depth frame's exposure and readout "
+                     "lies, seconds");
 
   module.def("camera_preset", &CameraPreset, py::arg("name"),
              "The camera of a well-known data set: see camera_preset_names().");

@@ -50,7 +50,8 @@ Frame FrameMaker::Make(const py::object& color, const py::array& depth, double s
   }
   FrameImages images{DepthOf(depth), ColorOf(color), "depth", "color"};
   const py::gil_scoped_release release;
-  return {MakeFrame(camera_, preparer_, std::move(images), index, stamp_s), sensor(), mirrored_};
+  const FrameStamps moments = MomentsOf({stamp_s, stamp_s}, camera_);
+  return {MakeFrame(camera_, preparer_, std::move(images), index, moments), sensor(), mirrored_};
 }
 
 void BindFrame(py::module_& module) {
@@ -66,7 +67,9 @@ void BindFrame(py::module_& module) {
            py::arg("index") = 0, py::arg("prepare") = PrepareOptions(),
            "From a height x width x 3 array of uint8 (red first) or None, and a height x width "
            "array of uint16 (counts of 1 / depth_units_per_metre; 0 and 65535 are missing) or "
-           "floating-point numbers (metres). The camera is a PinholeCamera, an RgbdCamera or a "
+           "floating-point numbers (metres). stamp_s is when they came: the camera's latency is "
+           "taken "
+           "off it. The camera is a PinholeCamera, an RgbdCamera or a "
            "preset's name; where fy < 0 the frame is mirrored: see Sequence.mirrored.")
       .def_property_readonly("depth_m", &DepthView,
                              "height x width, float32, metres along the optical axis; 0 = missing")
@@ -81,7 +84,10 @@ void BindFrame(py::module_& module) {
       .def_readonly("mirrored", &Frame::mirrored, "see Sequence.mirrored")
       .def_property_readonly(
           "stamp_s", [](const Frame& frame) { return frame.images.stamp_s; },
-          "the colour image's time where it has one, seconds")
+          "the moment that depth shows, seconds: its stamp less the camera's latency")
+      .def_property_readonly(
+          "color_stamp_s", [](const Frame& frame) { return frame.images.color_stamp_s; },
+          "the same of colour, less the same latency")
       .def_property_readonly(
           "index", [](const Frame& frame) { return frame.images.index; },
           "position in the sequence");

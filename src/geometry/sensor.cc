@@ -41,6 +41,9 @@ void RgbdCamera::Validate(const std::string& what) const {
   positive("depth_units_per_metre", depth_units_per_metre);
   noise.Validate(what);
   positive("frames_per_second", frames_per_second);
+  if (!(std::abs(latency_s) <= 1)) {
+    throw InputError(Concat(what, ": latency_s is ", latency_s, ", must be from -1 to 1 (s)"));
+  }
   if (!color_from_depth.translation.allFinite() ||
       !color_from_depth.rotation.coeffs().allFinite()) {
     throw InputError(Concat(what, ": color_from_depth must be finite"));

@@ -54,12 +54,17 @@ void RequireSizeOf(const RgbdCamera& camera, const FrameImages& images) {
   }
 }
 
+FrameStamps MomentsOf(const FrameStamps& stamps, const RgbdCamera& camera) {
+  return {stamps.depth_s - camera.latency_s, stamps.color_s - camera.latency_s};
+}
+
 RgbdFrame MakeFrame(const RgbdCamera& camera, const FramePreparer& preparer, FrameImages images,
-                    int index, double stamp_s) {
+                    int index, const FrameStamps& moments) {
   RequireSizeOf(camera, images);
   RgbdFrame frame = preparer.Prepare(images.depth, std::move(images.color));
   frame.index = index;
-  frame.stamp_s = stamp_s;
+  frame.stamp_s = moments.depth_s;
+  frame.color_stamp_s = moments.color_s;
   return frame;
 }
 
@@ -74,11 +79,12 @@ std::optional<ReadResult> ImageSequence::Next() {
   if (next_ == indices_.size()) return std::nullopt;
   ReadResult result;
   result.index = indices_[next_++];
-  result.stamp_s = recording_->stamp_s(result.index);
+  const FrameStamps moments = MomentsOf(recording_->stamps(result.index), info_.camera);
+  result.stamp_s = moments.depth_s;
   try {
     const StageTimer timer("decode", result.index, &result.decode_ms);
-    result.frame = MakeFrame(info_.camera, preparer_, recording_->Read(result.index), result.index,
-                             result.stamp_s);
+    result.frame =
+        MakeFrame(info_.camera, preparer_, recording_->Read(result.index), result.index, moments);
   } catch (const InputError& error) {
     result.error = error.what();
   }

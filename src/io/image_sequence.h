@@ -15,9 +15,12 @@ namespace surfit {
 // Throws InputError naming the image, its size and the camera's if they differ.
 void RequireSizeOf(const RgbdCamera& camera, const FrameImages& images);
 
+// The moments that a frame with these stamps shows.
+FrameStamps MomentsOf(const FrameStamps& stamps, const RgbdCamera& camera);
+
 // Checks the sizes and prepares the frame. Throws InputError as RequireSizeOf().
 RgbdFrame MakeFrame(const RgbdCamera& camera, const FramePreparer& preparer, FrameImages images,
-                    int index, double stamp_s);
+                    int index, const FrameStamps& moments);
 
 // Reads and prepares chosen frames of a recording one after the other.
 class ImageSequence : public FrameSource {

@@ -36,8 +36,9 @@ class KlgRecording : public Recording {
 
   int claimed_count() const { return claimed_count_; }
   int frame_count() const override { return static_cast<int>(frames_.size()); }
-  double stamp_s(int index) const override {
-    return 1e-6 * static_cast<double>(frames_[index].stamp_us);
+  FrameStamps stamps(int index) const override {
+    const double stamp_s = 1e-6 * static_cast<double>(frames_[index].stamp_us);
+    return {stamp_s, stamp_s};
   }
 
   FrameImages Read(int index) const override {
@@ -157,7 +158,8 @@ void WriteFrame(const RgbdFrame& frame, const KlgOptions& options, std::ostream&
   out << depth << color;
 }
 
-// The frames' camera, in the source's convention if that is mirrored.
+// The frames' camera, in the source's convention if that is mirrored. Their stamps are written less
+// the latency: it is zero from there on.
 RgbdCamera FrameCamera(const SequenceInfo& info) {
   RgbdCamera camera;
   camera.depth = info.pinhole;
@@ -173,6 +175,7 @@ RgbdCamera FrameCamera(const SequenceInfo& info) {
 OpenedRecording OpenKlg(const std::string& path, ImageSize size) {
   auto frames = std::make_unique<KlgRecording>(path, size);
   OpenedRecording opened;
+  opened.has_clock = true;
   if (frames->frame_count() != frames->claimed_count()) {
     opened.warnings.push_back(Concat(path, " claims ", frames->claimed_count(),
                                      " frames, but is damaged or ends after ",

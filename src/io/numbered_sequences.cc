@@ -13,6 +13,8 @@
 namespace surfit {
 namespace {
 
+FrameStamps BothAt(double stamp_s) { return {stamp_s, stamp_s}; }
+
 // The images of a folder by number.
 std::map<long, std::string> NumberedImages(const std::string& folder) {
   std::map<long, std::string> images;
@@ -43,7 +45,7 @@ class FolderRecording : public Recording {
  public:
   explicit FolderRecording(std::vector<FrameFiles> frames) : frames_(std::move(frames)) {}
   int frame_count() const override { return static_cast<int>(frames_.size()); }
-  double stamp_s(int index) const override { return frames_[index].stamp_s; }
+  FrameStamps stamps(int index) const override { return frames_[index].stamps; }
   FrameImages Read(int index) const override { return ReadFrameFiles(frames_[index]); }
 
  private:
@@ -93,7 +95,7 @@ std::vector<FrameFiles> ListNumberedFrames(const std::string& depth_folder,
   for (const auto& [number, name] : depth) frames[number];
   std::vector<FrameFiles> sorted;
   for (auto& [number, frame] : frames) {
-    frame.stamp_s = static_cast<double>(number);
+    frame.stamps = BothAt(static_cast<double>(number));
     frame.depth_path = depth_folder + "/" + NameOf(number, depth, color);
     if (!color_folder.empty()) frame.color_path = color_folder + "/" + NameOf(number, color, depth);
     sorted.push_back(frame);
@@ -118,7 +120,7 @@ SequenceFiles ListRedwoodSequence(const std::string& folder, double frames_per_s
   SequenceFiles files;
   files.frames = ListNumberedFrames(folder + "/depth", FindColorFolder(folder));
   for (std::size_t i = 0; i < files.frames.size(); ++i)
-    files.frames[i].stamp_s = static_cast<double>(i) / frames_per_second;
+    files.frames[i].stamps = BothAt(static_cast<double>(i) / frames_per_second);
   if (IsFile(folder + "/trajectory.log"))
     files.ground_truth = ReadLog(folder + "/trajectory.log", frames_per_second);
   return files;
@@ -138,7 +140,7 @@ SequenceFiles ListSevenScenesSequence(const std::string& folder, double frames_p
   for (const auto& [number, stem] : stems) {
     const double stamp_s = static_cast<double>(number) / frames_per_second;
     const std::string color_path = color_ending.empty() ? "" : stem + color_ending;
-    files.frames.push_back({stamp_s, stem + ".depth.png", color_path});
+    files.frames.push_back({BothAt(stamp_s), stem + ".depth.png", color_path});
     const std::string pose_path = stem + ".pose.txt";
     if (!IsFile(pose_path)) continue;
     const Rigid3d world_from_camera = ParseRigid(ReadTextRows(pose_path), 0, pose_path);
@@ -159,7 +161,7 @@ SequenceFiles ListReplicaSequence(const std::string& folder, double frames_per_s
     std::array<char, 30> digits;
     std::snprintf(digits.data(), digits.size(), "%06ld", number);
     const std::string results = folder + "/results/";
-    files.frames.push_back({static_cast<double>(number) / frames_per_second,
+    files.frames.push_back({BothAt(static_cast<double>(number) / frames_per_second),
                             results + "depth" + digits.data() + ".png",
                             results + "frame" + digits.data() + ".jpg"});
   }

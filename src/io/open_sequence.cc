@@ -26,7 +26,10 @@ OpenedRecording OpenRecording(const std::string& format, const std::string& path
   if (format == "klg") return OpenKlg(path, {camera.depth.width, camera.depth.height});
   if (format == "sens") return OpenSens(path, camera.frames_per_second);
   SequenceFiles files = ListSequence(format, path, camera.frames_per_second);
-  return {MakeFolderRecording(std::move(files.frames)), std::move(files.ground_truth), {}};
+  return {MakeFolderRecording(std::move(files.frames)),
+          std::move(files.ground_truth),
+          files.has_clock,
+          {}};
 }
 
 std::vector<int> SelectFrames(int count, const SequenceOptions& options) {
@@ -69,6 +72,7 @@ std::unique_ptr<FrameSource> OpenSequence(const SequenceOptions& options) {
   info.camera = ResolveCamera(options, info.format, &info.warnings);
 
   OpenedRecording opened = OpenRecording(info.format, options.path, info.camera);
+  if (!opened.has_clock) DropLatency(options, &info.camera);
   info.warnings.insert(info.warnings.end(), opened.warnings.begin(), opened.warnings.end());
   info.ground_truth = std::move(opened.ground_truth);
   std::vector<int> indices = SelectFrames(opened.frames->frame_count(), options);

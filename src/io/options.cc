@@ -68,6 +68,11 @@ void SequenceOptions::Visit(OptionVisitor& v) {
             .Flag());
   v.Add(frames_per_second,
         Option("frames_per_second", "frames per second of files without time stamps").Flag("fps"));
+  v.Add(latency_s,
+        Option("latency_s",
+               "how long before its stamp the middle of a depth frame's exposure and readout lies")
+            .Unit("s")
+            .Flag());
   v.Add(first, Option("first", "index of the first frame to read").AtLeast(0).Everyday());
   v.Add(last, Option("last", "index of the last frame to read, inclusive; -1 = to the end")
                   .AtLeast(-1)

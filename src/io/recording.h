@@ -12,6 +12,12 @@
 
 namespace surfit {
 
+// When the images of one frame were taken: the same without colour.
+struct FrameStamps {
+  double depth_s = 0;
+  double color_s = 0;
+};
+
 // The images of one frame as recorded.
 struct FrameImages {
   RawDepth depth;
@@ -25,7 +31,7 @@ class Recording {
  public:
   virtual ~Recording() = default;
   virtual int frame_count() const = 0;
-  virtual double stamp_s(int index) const = 0;
+  virtual FrameStamps stamps(int index) const = 0;
   // Throws InputError naming what cannot be read.
   virtual FrameImages Read(int index) const = 0;
 };
@@ -33,13 +39,16 @@ class Recording {
 // A recording with its ground truth and warnings.
 struct OpenedRecording {
   std::unique_ptr<Recording> frames;
-  Trajectory ground_truth;            // as the files have it
+  Trajectory ground_truth;  // as the files have it
+  // Stamps are of a clock, to which the sensor has a latency. Otherwise they are the frames'
+  // numbers, or poses are given frame by frame.
+  bool has_clock = false;
   std::vector<std::string> warnings;  // what the user should know
 };
 
 // The files of one frame.
 struct FrameFiles {
-  double stamp_s = 0;
+  FrameStamps stamps;
   std::string depth_path;
   std::string color_path;  // empty where the sequence has no colour
 };
@@ -48,12 +57,13 @@ struct FrameFiles {
 struct SequenceFiles {
   std::vector<FrameFiles> frames;
   Trajectory ground_truth;  // as the files have it
+  bool has_clock = false;   // OpenedRecording
 };
 
 // Each throws InputError naming the file, and the line, that is missing or malformed.
 
-// associations.txt, or else rgb.txt and depth.txt paired by time (depth.txt alone: no colour).
-// Ground truth from groundtruth.txt or *.gt.freiburg.
+// associations.txt, or else rgb.txt and depth.txt paired by time (depth.txt alone: no colour), in
+// order of depth's stamps. Ground truth from groundtruth.txt or *.gt.freiburg.
 SequenceFiles ListTumSequence(const std::string& folder);
 
 // The same, or without such lists rgb/N.png and depth/N.png. Stamps are the frame numbers N, for
@@ -77,8 +87,8 @@ FrameImages ReadFrameFiles(const FrameFiles& files);
 // The listed files as a recording.
 std::unique_ptr<Recording> MakeFolderRecording(std::vector<FrameFiles> frames);
 
-// Pairs the images of two folders by the numbers in their names, in ascending order; stamp_s is
-// the number. A frame of which one image is missing is listed with the name it should have, so
+// Pairs the images of two folders by the numbers in their names, in ascending order; both stamps
+// are the number. A frame of which one image is missing is listed with the name it should have, so
 // that reading it reports that name. color_folder may be empty: no colour. Throws InputError where
 // two images of a folder have the same number.
 std::vector<FrameFiles> ListNumberedFrames(const std::string& depth_folder,
@@ -99,10 +109,11 @@ OpenedRecording OpenKlg(const std::string& path, ImageSize size);
 
 // ScanNet's .sens files (SensorData, version 4). Per frame: 4 x 4 floats camera-to-world (not
 // finite: no pose), uint64 stamps of colour and of depth (microseconds), uint64 sizes of colour and
-// of depth in bytes, colour, depth. Frames without stamps, where all of them are 0 or not
-// ascending, get index / frames_per_second. What follows the frames (inertial data) is left alone.
-// Where the file ends before its number of frames, those that are whole are read, and a warning
-// says so. Throws InputError naming the file and what is wrong with it.
+// of depth in bytes, colour, depth. Where the stamps of one are all 0 or not ascending, they are
+// the other's; where those of both are, index / frames_per_second. What follows the frames
+// (inertial data) is left alone. Where the file ends before its number of frames, those that are
+// whole are read, and a warning says so. Throws InputError naming the file and what is wrong with
+// it.
 OpenedRecording OpenSens(const std::string& path, double frames_per_second);
 
 // The camera in the header of such a file. Throws as OpenSens().

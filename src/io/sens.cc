@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdint>
 #include <utility>
 
@@ -114,8 +115,8 @@ SensHeader ReadSensHeader(const BinaryFile& file) {
 
 struct SensFrame {
   Eigen::Matrix4d world_from_camera;
-  std::uint64_t stamp_us = 0;  // of colour
-  double stamp_s = 0;
+  std::uint64_t depth_stamp_us = 0, color_stamp_us = 0;
+  FrameStamps stamps;
   std::uint64_t color_at = 0;  // byte in the file; depth follows colour
   std::uint64_t color_bytes = 0;
   std::uint64_t depth_bytes = 0;
@@ -133,7 +134,7 @@ class SensRecording : public Recording {
 
   std::uint64_t claimed_count() const { return header_.frame_count; }
   int frame_count() const override { return static_cast<int>(frames_.size()); }
-  double stamp_s(int index) const override { return frames_[index].stamp_s; }
+  FrameStamps stamps(int index) const override { return frames_[index].stamps; }
 
   FrameImages Read(int index) const override {
     const SensFrame& frame = frames_[index];
@@ -159,7 +160,7 @@ class SensRecording : public Recording {
     for (int i = 0; i < frame_count(); ++i) {
       const Eigen::Matrix4d& matrix = frames_[i].world_from_camera;
       if (!matrix.allFinite()) continue;
-      poses.push_back({frames_[i].stamp_s,
+      poses.push_back({frames_[i].stamps.depth_s,
                        RigidFromMatrix(matrix, Concat(file_.path(), ": pose of frame ", i))});
     }
     return poses;
@@ -175,8 +176,8 @@ class SensRecording : public Recording {
       ByteReader reader(bytes);
       SensFrame frame;
       for (int i = 0; i < 16; ++i) frame.world_from_camera(i / 4, i % 4) = reader.Take<float>();
-      frame.stamp_us = reader.Take<std::uint64_t>();
-      reader.Take<std::uint64_t>();  // the stamp of depth
+      frame.color_stamp_us = reader.Take<std::uint64_t>();
+      frame.depth_stamp_us = reader.Take<std::uint64_t>();
       frame.color_bytes = reader.Take<std::uint64_t>();
       frame.depth_bytes = reader.Take<std::uint64_t>();
       frame.color_at = at + kHeader;
@@ -187,13 +188,23 @@ class SensRecording : public Recording {
     }
   }
 
+  bool Ascends(std::uint64_t SensFrame::*stamp_us) const {
+    return std::adjacent_find(frames_.begin(), frames_.end(),
+                              [&](const SensFrame& a, const SensFrame& b) {
+                                return a.*stamp_us >= b.*stamp_us;
+                              }) == frames_.end();
+  }
+
   void SetStamps(double frames_per_second) {
-    bool ascending = true;
-    for (std::size_t i = 1; i < frames_.size(); ++i)
-      ascending = ascending && frames_[i - 1].stamp_us < frames_[i].stamp_us;
+    const bool depth_ascends = Ascends(&SensFrame::depth_stamp_us);
+    const bool color_ascends = Ascends(&SensFrame::color_stamp_us);
     for (std::size_t i = 0; i < frames_.size(); ++i) {
-      frames_[i].stamp_s = ascending ? 1e-6 * static_cast<double>(frames_[i].stamp_us)
-                                     : static_cast<double>(i) / frames_per_second;
+      SensFrame& frame = frames_[i];
+      const double depth_s = 1e-6 * static_cast<double>(frame.depth_stamp_us);
+      const double color_s = 1e-6 * static_cast<double>(frame.color_stamp_us);
+      const double counted_s = static_cast<double>(i) / frames_per_second;
+      frame.stamps.depth_s = depth_ascends ? depth_s : (color_ascends ? color_s : counted_s);
+      frame.stamps.color_s = color_ascends ? color_s : frame.stamps.depth_s;
     }
   }
 

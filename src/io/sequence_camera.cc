@@ -1,6 +1,9 @@
 #include "io/sequence_camera.h"
 
+#include <glog/logging.h>
+
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "core/read_file.h"
 #include "io/folder.h"
@@ -79,6 +82,33 @@ RgbdCamera ReplicaCamera(const std::string& folder) {
   return CameraPreset("replica");
 }
 
+// The preset of the camera that the head of a list names, as in TUM's downloads:
+//   # file: 'rgbd_dataset_freiburg1_desk.bag'
+// Empty where it names none.
+std::string PresetInHead(const std::string& list) {
+  constexpr std::string_view kName = "freiburg";
+  std::istringstream lines(ReadFile(list));
+  for (std::string line; std::getline(lines, line) && !line.empty() && line[0] == '#';) {
+    const std::size_t name = line.find(kName);
+    if (name == line.npos || line.find("file:") == line.npos) continue;
+    const std::string number = line.substr(name + kName.size(), 1);
+    if (number == "1" || number == "2" || number == "3") return "tum_fr" + number;
+  }
+  return "";
+}
+
+// Nothing if the folder's lists do not name their camera.
+std::optional<RgbdCamera> TumCamera(const std::string& folder) {
+  for (const char* name : {"/rgb.txt", "/depth.txt"}) {
+    const std::string list = folder + name;
+    const std::string preset = IsFile(list) ? PresetInHead(list) : "";
+    if (preset.empty()) continue;
+    LOG(INFO) << list << " names the recording: its camera is the preset " << preset;
+    return CameraPreset(preset);
+  }
+  return std::nullopt;
+}
+
 std::string DefaultWarning(const std::string& path, const PinholeCamera& camera) {
   return Concat(path, " does not name its camera: assuming a usual one, ", camera.fx, " ",
                 camera.fy, " ", camera.cx, " ", camera.cy,
@@ -96,6 +126,9 @@ RgbdCamera BaseCamera(const SequenceOptions& options, const std::string& format,
   if (format == "redwood" || format == "watch") return RedwoodCamera(options.path);
   if (format == "replica") return ReplicaCamera(options.path);
   if (format != "tum" && format != "klg") return CameraPreset(format);
+  if (format == "tum") {
+    if (const auto camera = TumCamera(options.path)) return *camera;
+  }
   const RgbdCamera camera = format == "klg" ? CameraPreset("klg") : RosDefault();
   if (!options.intrinsics) warnings->push_back(DefaultWarning(options.path, camera.depth));
   return camera;
@@ -146,9 +179,19 @@ RgbdCamera ResolveCamera(const SequenceOptions& options, const std::string& form
   if (options.depth_units_per_metre) camera.depth_units_per_metre = *options.depth_units_per_metre;
   if (options.inverse_depth_sigma) camera.noise.inverse_depth_sigma = *options.inverse_depth_sigma;
   if (options.frames_per_second) camera.frames_per_second = *options.frames_per_second;
+  if (options.latency_s) camera.latency_s = *options.latency_s;
   OverrideColor(options, &camera);
   ValidateFigures(camera);
   return camera;
+}
+
+void DropLatency(const SequenceOptions& options, RgbdCamera* camera) {
+  if (options.latency_s && *options.latency_s != 0) {
+    throw InputError(Concat("latency_s is ", *options.latency_s,
+                            ", must be 0 or absent: stamps of ", options.path,
+                            " are the frames' own, no clock's"));
+  }
+  camera->latency_s = 0;
 }
 
 std::string CameraFile(const SequenceOptions& options, const std::string& format) {

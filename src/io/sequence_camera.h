@@ -14,6 +14,10 @@ namespace surfit {
 RgbdCamera ResolveCamera(const SequenceOptions& options, const std::string& format,
                          std::vector<std::string>* warnings);
 
+// Makes the latency zero, for a recording whose stamps are no clock's. Throws InputError if the
+// options ask for one.
+void DropLatency(const SequenceOptions& options, RgbdCamera* camera);
+
 // The camera.yaml that ResolveCamera() reads, or an empty name where it reads none.
 std::string CameraFile(const SequenceOptions& options, const std::string& format);
 

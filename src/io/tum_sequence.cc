@@ -51,19 +51,20 @@ std::vector<FrameFiles> PairByTime(const std::string& folder) {
   const auto depth = ReadStampedFiles(folder, "depth.txt");
   std::vector<FrameFiles> frames;
   if (!IsFile(folder + "/rgb.txt")) {
-    for (const StampedFile& file : depth) frames.push_back({file.stamp_s, file.path, ""});
+    for (const StampedFile& file : depth)
+      frames.push_back({{file.stamp_s, file.stamp_s}, file.path, ""});
     return frames;
   }
   const auto color = ReadStampedFiles(folder, "rgb.txt");
   for (const auto [c, d] : MatchStamps(Stamps(color), Stamps(depth), kMaxDifference_s))
-    frames.push_back({color[c].stamp_s, depth[d].path, color[c].path});
+    frames.push_back({{depth[d].stamp_s, color[c].stamp_s}, depth[d].path, color[c].path});
   if (frames.empty() && !depth.empty() && !color.empty())
     throw InputError(Concat(folder, ": no stamp in rgb.txt is within ", kMaxDifference_s,
                             " s of one in depth.txt"));
   return frames;
 }
 
-// In order of time. Colour stands first (TUM) or second (ICL-NUIM): the folder that is called depth
+// Colour stands first (TUM) or second (ICL-NUIM): the folder that is called depth
 // tells.
 std::vector<FrameFiles> ReadAssociations(const std::string& folder) {
   std::vector<FrameFiles> frames;
@@ -72,10 +73,8 @@ std::vector<FrameFiles> ReadAssociations(const std::string& folder) {
     const bool depth_first = row.columns[1].find("depth") != std::string::npos;
     const StampedFile depth = ParseStampedFile(row, depth_first ? 0 : 2, folder);
     const StampedFile color = ParseStampedFile(row, depth_first ? 2 : 0, folder);
-    frames.push_back({color.stamp_s, depth.path, color.path});
+    frames.push_back({{depth.stamp_s, color.stamp_s}, depth.path, color.path});
   }
-  std::stable_sort(frames.begin(), frames.end(),
-                   [](const FrameFiles& a, const FrameFiles& b) { return a.stamp_s < b.stamp_s; });
   return frames;
 }
 
@@ -93,6 +92,10 @@ SequenceFiles ListTumSequence(const std::string& folder) {
   SequenceFiles files;
   files.frames =
       IsFile(folder + "/associations.txt") ? ReadAssociations(folder) : PairByTime(folder);
+  std::stable_sort(
+      files.frames.begin(), files.frames.end(),
+      [](const FrameFiles& a, const FrameFiles& b) { return a.stamps.depth_s < b.stamps.depth_s; });
+  files.has_clock = true;
   files.ground_truth = ReadGroundTruth(folder);
   return files;
 }
@@ -100,7 +103,8 @@ SequenceFiles ListTumSequence(const std::string& folder) {
 SequenceFiles ListIclNuimSequence(const std::string& folder) {
   if (IsFile(folder + "/associations.txt") || IsFile(folder + "/depth.txt"))
     return ListTumSequence(folder);
-  return {ListNumberedFrames(folder + "/depth", folder + "/rgb"), ReadGroundTruth(folder)};
+  return {ListNumberedFrames(folder + "/depth", folder + "/rgb"), ReadGroundTruth(folder),
+          /*has_clock=*/false};
 }
 
 }  // namespace surfit

@@ -22,7 +22,7 @@ constexpr std::chrono::seconds kPatience(2);
 
 // A frame that arrived, or that was given up.
 struct Arrival {
-  double stamp_s = 0;
+  FrameStamps stamps;
   std::optional<FrameImages> images;
   std::string error;     // why there are none
   double decode_ms = 0;  // time spent reading it
@@ -57,9 +57,9 @@ class WatchedFolder {
 void WatchedFolder::List() {
   const std::string color_folder = color_folder_ ? *color_folder_ : FindColorFolder(path_);
   for (FrameFiles& files : ListNumberedFrames(path_ + "/depth", color_folder)) {
-    const long number = static_cast<long>(files.stamp_s);
+    const long number = static_cast<long>(files.stamps.depth_s);
     if (taken_.count(number) > 0) continue;
-    files.stamp_s /= frames_per_second_;
+    files.stamps.depth_s = files.stamps.color_s = static_cast<double>(number) / frames_per_second_;
     waiting_[number] = files;
   }
 }
@@ -68,7 +68,7 @@ std::optional<Arrival> WatchedFolder::TakeFirst(bool ended) {
   if (waiting_.empty()) return std::nullopt;
   const auto [number, files] = *waiting_.begin();
   Arrival arrival;
-  arrival.stamp_s = files.stamp_s;
+  arrival.stamps = files.stamps;
   if (!taken_.empty() && number < *taken_.rbegin()) {
     arrival.error = Concat(files.depth_path, " came after frame ", *taken_.rbegin(), " was taken");
   } else {
@@ -142,14 +142,14 @@ class WatchSource : public FrameSource {
   ReadResult Prepare(Arrival arrival, int index) const {
     ReadResult result;
     result.index = index;
-    result.stamp_s = arrival.stamp_s;
+    result.stamp_s = arrival.stamps.depth_s;
     result.error = arrival.error;
     result.decode_ms = arrival.decode_ms;
     if (!arrival.images) return result;
     try {
       const StageTimer timer("decode", index, &result.decode_ms);
       result.frame =
-          MakeFrame(info_.camera, preparer_, std::move(*arrival.images), index, arrival.stamp_s);
+          MakeFrame(info_.camera, preparer_, std::move(*arrival.images), index, arrival.stamps);
     } catch (const InputError& error) {
       result.error = error.what();
     }
@@ -174,6 +174,7 @@ std::unique_ptr<FrameSource> WatchFolder(const SequenceOptions& options,
   info.format = "watch";
   info.frame_count = -1;
   info.camera = ResolveCamera(options, info.format, &info.warnings);
+  DropLatency(options, &info.camera);
   WatchedFolder folder(options.path, info.camera.frames_per_second, stop);
   return CorrectedSource(std::make_unique<WatchSource>(options, std::move(info), std::move(folder)),
                          ReadDepthField(options, "watch"));

@@ -11,18 +11,27 @@ Json ToJson(const TimeStatistics& times) {
   return {{"mean", times.mean_ms}, {"median", times.median_ms}, {"p95", times.p95_ms}};
 }
 
-void SetErrors(const std::optional<TrajectoryEvaluation>& evaluation, Json* json) {
+void SetErrors(const SlamRunSummary& summary, Json* json) {
   Json& j = *json;
-  for (const char* key :
-       {"ate_rmse_m", "ate_coverage", "rpe_translation_rmse_m", "rpe_rotation_rmse_deg"}) {
+  for (const char* key : {"ate_rmse_m", "ate_coverage", "rpe_translation_rmse_m",
+                          "rpe_rotation_rmse_deg", "ate_without_latency_rmse_m",
+                          "estimated_time_offset_s", "ate_at_estimated_time_offset_rmse_m"}) {
     j[key] = nullptr;
   }
+  const std::optional<TrajectoryEvaluation>& evaluation = summary.evaluation;
   if (!evaluation) return;
   j["ate_coverage"] = evaluation->coverage;
   if (evaluation->ate) j["ate_rmse_m"] = evaluation->ate->translation_m.rmse;
   if (evaluation->rpe) {
     j["rpe_translation_rmse_m"] = evaluation->rpe->translation_m.rmse;
     j["rpe_rotation_rmse_deg"] = evaluation->rpe->rotation_deg.rmse;
+  }
+  if (summary.ate_without_latency) {
+    j["ate_without_latency_rmse_m"] = summary.ate_without_latency->translation_m.rmse;
+  }
+  if (summary.time_offset) {
+    j["estimated_time_offset_s"] = summary.time_offset->offset_s;
+    j["ate_at_estimated_time_offset_rmse_m"] = summary.time_offset->ate.translation_m.rmse;
   }
 }
 
@@ -106,7 +115,8 @@ void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
   j["map_points"] = s.map_points;
   j["compression_ratio"] = s.compression_ratio;
   j["match_share"] = {{"last", s.match_share_last}, {"median", s.match_share_median}};
-  SetErrors(s.evaluation, &j);
+  j["sensor_latency_s"] = s.sensor_latency_s;
+  SetErrors(s, &j);
   j["total_s"] = s.total_s;
   j["frame_ms"] = ToJson(s.frame);
   j["latency_ms"] = options.offered_fps > 0 ? ToJson(s.latency) : Json();

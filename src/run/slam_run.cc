@@ -41,9 +41,9 @@ std::int64_t PeakRssBytes() {
   return static_cast<std::int64_t>(usage.ru_maxrss) * 1024;
 }
 
-// The ground truth from the first to the last of these stamps.
+// The ground truth from the first to the last of these stamps, with what it takes to interpolate.
 Trajectory TruthDuring(const std::vector<double>& stamps_s, const Trajectory& ground_truth) {
-  constexpr double kMarginSeconds = 0.02;
+  const double kMarginSeconds = MatchOptions().max_gap_s;
   Trajectory truth;
   for (const StampedPose& pose : ground_truth) {
     if (pose.stamp_s >= stamps_s.front() - kMarginSeconds &&
@@ -129,19 +129,25 @@ class SlamRun {
     slam_.Finish();
     SlamRunSummary summary = statistics_.Summary(slam_.map().size());
     summary.interrupted = interrupted;
+    summary.sensor_latency_s = slam_.info().camera.latency_s;
     if (slam_.slam().backend()) FinishLoops(&summary);
     summary.digest = Digest(slam_.trajectory(), slam_.map());
-    const Trajectory& ground_truth = slam_.info().ground_truth;
-    if (!ground_truth.empty()) {
-      summary.evaluation =
-          EvaluateTrajectory(ground_truth, slam_.trajectory(), statistics_.stamps_s(), {});
-    }
+    if (!slam_.info().ground_truth.empty()) Evaluate(&summary);
     WriteResults(summary);
     if (trace_) trace_->Close();
     summary.peak_rss_bytes = PeakRssBytes();
     summary.total_s = statistics_.elapsed_s();
     WriteSummaryJson(summary, options_, Path("summary.json"));
     return summary;
+  }
+
+  void Evaluate(SlamRunSummary* summary) const {
+    const Trajectory& truth = slam_.info().ground_truth;
+    const Trajectory& estimate = slam_.trajectory();
+    summary->evaluation = EvaluateTrajectory(truth, estimate, statistics_.stamps_s(), {});
+    const auto without = EvaluateTimeOffset(truth, estimate, summary->sensor_latency_s, {});
+    if (without) summary->ate_without_latency = without->ate;
+    summary->time_offset = EstimateTimeOffset(truth, estimate, {});
   }
 
   void FinishLoops(SlamRunSummary* summary) {

@@ -219,7 +219,7 @@ Rendering RenderGeometry(const Scene& scene, const PinholeCamera& camera,
 RgbdFrame RenderFrame(const Scene& scene, const PinholeCamera& camera,
                       const Rigid3d& world_from_camera, int index, double stamp_s) {
   Rendering rendering = Render(scene, camera, world_from_camera);
-  return {index, stamp_s, std::move(rendering.depth_m), std::move(rendering.color)};
+  return {index, stamp_s, stamp_s, std::move(rendering.depth_m), std::move(rendering.color)};
 }
 
 }  // namespace surfit

@@ -19,6 +19,13 @@ TEST(CameraPreset, EveryNameGivesAValidCamera) {
   }
 }
 
+// Of Kinects and Xtions that are stamped on arrival; nothing tells of the others' stamps.
+TEST(CameraPreset, OnlyTumsHaveALatency) {
+  for (const std::string& name : CameraPresetNames()) {
+    EXPECT_EQ(CameraPreset(name).latency_s, name.rfind("tum_", 0) == 0 ? 0.02 : 0) << name;
+  }
+}
+
 TEST(CameraPreset, AnUnknownNameListsTheKnownOnes) {
   testing::ExpectInputError([] { CameraPreset("kinect9"); },
                             AllOf(HasSubstr("'kinect9'"), HasSubstr("tum_fr1, tum_fr2, tum_fr3"),
@@ -64,6 +71,7 @@ RgbdCamera SomeCamera() {
   camera.depth_units_per_metre = 6553.5;
   camera.noise.inverse_depth_sigma = 0.0031;
   camera.frames_per_second = 29.97;
+  camera.latency_s = 0.0213;
   return camera;
 }
 
@@ -85,6 +93,7 @@ TEST(CameraYaml, ReadsWhatItWrites) {
   EXPECT_EQ(read.depth_units_per_metre, camera.depth_units_per_metre);
   EXPECT_EQ(read.noise.inverse_depth_sigma, camera.noise.inverse_depth_sigma);
   EXPECT_EQ(read.frames_per_second, camera.frames_per_second);
+  EXPECT_EQ(read.latency_s, camera.latency_s);
   // Numbers are written with 17 digits; reading normalises the quaternion: a rounding error.
   EXPECT_LT((read.color_from_depth.Matrix() - camera.color_from_depth.Matrix()).norm(), 1e-15);
 }
@@ -141,6 +150,7 @@ TEST(CameraYaml, NamesFileAndKeyOfWhatIsWrong) {
   ExpectErrorAfterReplacing("color_camera: {", "color_camera: [", "");
   ExpectErrorAfterReplacing("5000.", "0.", "depth_units_per_metre is 0");
   ExpectErrorAfterReplacing("5000.", "5000.\ninverse_depth_sigma: 0.", "inverse_depth_sigma is 0");
+  ExpectErrorAfterReplacing("5000.", "5000.\nlatency_s: 20.", "latency_s is 20, must be from -1");
 }
 
 TEST(CameraYaml, NamesAFileThatCannotBeReadOrWritten) {

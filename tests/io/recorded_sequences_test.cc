@@ -32,7 +32,8 @@ TEST(RecordedSequences, TumFr1Desk) {
   EXPECT_GT(info.ground_truth.size(), 2000u);
   const auto results = testing::ReadAll(source.get());
   ASSERT_EQ(results.size(), 9u);
-  EXPECT_EQ(results[0].stamp_s, 1305031453.359684);
+  EXPECT_EQ(results[0].stamp_s, 1305031453.374112);  // depth's
+  EXPECT_EQ(results[0].frame->color_stamp_s, 1305031453.359684);
   for (const ReadResult& result : results) {
     ASSERT_TRUE(result.frame) << result.error;
     EXPECT_EQ(result.frame->color.width(), 640);
@@ -40,6 +41,17 @@ TEST(RecordedSequences, TumFr1Desk) {
       EXPECT_TRUE(depth == 0 || (depth > 0.3f && depth <= 8)) << depth;
     }
   }
+}
+
+TEST(RecordedSequences, TumsDownloadNamesItsCamera) {
+  SURFIT_REQUIRE_SHARED_DATA("tum_fr1_desk");
+  const auto source = OpenSequence(Options("tum_fr1_desk", 0));
+  EXPECT_THAT(source->info().warnings, IsEmpty());
+  EXPECT_EQ(source->info().camera.depth.fx, 517.3);
+  EXPECT_EQ(source->info().camera.latency_s, 0.02);
+  const RgbdFrame frame = *source->Next()->frame;
+  EXPECT_EQ(frame.stamp_s, 1305031453.374112 - 0.02);
+  EXPECT_EQ(frame.color_stamp_s, 1305031453.359684 - 0.02);
 }
 
 TEST(RecordedSequences, IclOffice) {

@@ -39,10 +39,11 @@ TEST(TumSequence, ReadsFramesStampsAndGroundTruth) {
   ASSERT_EQ(results.size(), 4u);
   for (int i = 0; i < 4; ++i) {
     EXPECT_EQ(results[i].index, i);
-    EXPECT_DOUBLE_EQ(results[i].stamp_s, 5 + 0.1 * i);  // colour's, not depth's
+    EXPECT_DOUBLE_EQ(results[i].stamp_s, 5.003 + 0.1 * i);  // depth's, not colour's
     ASSERT_TRUE(results[i].frame) << results[i].error;
     EXPECT_EQ(results[i].frame->index, i);
     EXPECT_EQ(results[i].frame->stamp_s, results[i].stamp_s);
+    EXPECT_DOUBLE_EQ(results[i].frame->color_stamp_s, 5 + 0.1 * i);
     EXPECT_EQ(results[i].frame->color, testing::NumberedColor(i));
     EXPECT_FLOAT_EQ(results[i].frame->depth_m(3, 0), 1 + 0.01f * i + 0.003f);
   }
@@ -54,8 +55,8 @@ TEST(TumSequence, PairsByTimeAndLeavesOutTheRest) {
   folder.Write("depth.txt", "5.005 depth/000.png\n5.13 depth/001.png\n5.19 depth/002.png\n");
   const auto results = testing::ReadAll(OpenSequence(Options(folder)).get());
   ASSERT_EQ(results.size(), 2u);
-  EXPECT_EQ(results[0].stamp_s, 5.0);
-  EXPECT_EQ(results[1].stamp_s, 5.2);
+  EXPECT_EQ(results[0].stamp_s, 5.005);
+  EXPECT_EQ(results[1].stamp_s, 5.19);
   EXPECT_EQ(results[1].frame->color, testing::NumberedColor(2));
 }
 
@@ -67,8 +68,8 @@ TEST(TumSequence, AssociationsTakeThePlaceOfTime) {
       "# colour first\n5.1 rgb/001.png 7.1 depth/003.png\r\n5.0,rgb/000.png,7.0,depth/002.png\n");
   const auto results = testing::ReadAll(OpenSequence(Options(folder)).get());
   ASSERT_EQ(results.size(), 2u);
-  EXPECT_EQ(results[0].stamp_s, 5.0);  // in order of time
-  EXPECT_EQ(results[1].stamp_s, 5.1);
+  EXPECT_EQ(results[0].stamp_s, 7.0);  // in order of time
+  EXPECT_EQ(results[1].stamp_s, 7.1);
   EXPECT_EQ(results[1].frame->color, testing::NumberedColor(1));
   EXPECT_FLOAT_EQ(results[1].frame->depth_m(0, 0), 1.03f);
 }
@@ -82,6 +83,7 @@ TEST(TumSequence, MayLackColor) {
   ASSERT_TRUE(results[1].frame);
   EXPECT_TRUE(results[1].frame->color.empty());
   EXPECT_DOUBLE_EQ(results[1].stamp_s, 5.103);
+  EXPECT_EQ(results[1].frame->color_stamp_s, results[1].stamp_s);
 }
 
 TEST(TumSequence, MayLackGroundTruth) {

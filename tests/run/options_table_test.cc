@@ -63,9 +63,9 @@ TYPED_TEST(OptionTables, NameEveryFieldOnce) { ExpectAll<TypeParam>(FieldCount<T
 // FieldCount() is not for optional fields.
 TEST(SequenceTable, NamesEveryField) {
   auto [path, format, camera, intrinsics, distortion, depth_units_per_metre, inverse_depth_sigma,
-        color_intrinsics, color_distortion, color_from_depth, frames_per_second, first, last,
-        stride, prepare] = SequenceOptions();
-  ExpectAll<SequenceOptions>(15);
+        color_intrinsics, color_distortion, color_from_depth, frames_per_second, latency_s, first,
+        last, stride, prepare] = SequenceOptions();
+  ExpectAll<SequenceOptions>(16);
 }
 
 TEST(DefaultOptions, AreValid) {

@@ -151,6 +151,7 @@ TEST(RenderFrame, HasTheImagesOfTheRendering) {
   const Rendering image = Render(scene, TestCamera(), pose);
   EXPECT_EQ(frame.index, 7);
   EXPECT_EQ(frame.stamp_s, 0.25);
+  EXPECT_EQ(frame.color_stamp_s, 0.25);
   EXPECT_TRUE(frame.depth_m == image.depth_m);
   EXPECT_TRUE(frame.color == image.color);
   const Rendering geometry = RenderGeometry(scene, TestCamera(), pose);

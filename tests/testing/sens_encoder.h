@@ -18,6 +18,7 @@ struct SensEncoder {
   int depth_coding = 1;      // 0 raw, 1 zlib, 2 occi
   std::string color_coding;  // "": raw, ".png", ".jpg", or "none": no colour
   bool has_stamps = true;    // 10 Hz from time 5
+  int depth_delay_us = 0;    // of depth's stamps after colour's
   bool registered = false;   // colour has the pixels of depth
   Matrix16 color_extrinsics = TranslationMatrix(0, 0, 0);
   std::vector<Matrix16> poses;  // one a frame; of frames beyond, (number, 2, 3)
@@ -45,7 +46,7 @@ struct SensEncoder {
     const Matrix16 pose = i < static_cast<int>(poses.size())
                               ? poses[i]
                               : TranslationMatrix(static_cast<float>(i), 2, 3);
-    return LittleEndian(pose, stamp_us, stamp_us, std::uint64_t{color.size()},
+    return LittleEndian(pose, stamp_us, stamp_us + depth_delay_us, std::uint64_t{color.size()},
                         std::uint64_t{depth.size()}) +
            color + depth;
   }

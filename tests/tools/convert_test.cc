@@ -28,7 +28,7 @@ TEST(ConvertTool, WritesASequenceAsKlg) {
   const auto frames = testing::ReadAll(OpenSequence(options).get());
   ASSERT_EQ(frames.size(), 3u);
   EXPECT_EQ(frames[2].frame->color, testing::NumberedColor(4));
-  EXPECT_DOUBLE_EQ(frames[2].stamp_s, 5.4);
+  EXPECT_DOUBLE_EQ(frames[2].stamp_s, 5.403);
 }
 
 TEST(ConvertTool, WritesCloudsAsPcdAndPly) {

@@ -62,6 +62,21 @@ TEST(RefineTool, RefinesASimulatedRunAndWritesWhatReadersTake) {
             json["calibration"]["after"]["inverse_depth_field"][0]);
 }
 
+TEST(RefineTool, KnowsTheRunsFramesByTheirMoments) {
+  const TempFolder folder;
+  Simulate(folder / "in", 20, 4, 7);
+  ExpectDone(RunProgram("surfit_slam", {"--sequence=" + folder / "in", "--output=" + folder / "out",
+                                        "--pictures=false", "--latency_s=0.02"}));
+  ExpectDone(RunProgram("surfit_refine", {"--run=" + folder / "out", "--max_rounds=1"}));
+  const std::string refined = folder / "out/refined";
+  const Trajectory before = ReadTumTrajectory(folder / "out/trajectory.txt");
+  const Trajectory after = ReadTumTrajectory(refined + "/trajectory.txt");
+  ASSERT_EQ(after.size(), 20u);
+  for (std::size_t i = 0; i < after.size(); ++i) EXPECT_EQ(after[i].stamp_s, before[i].stamp_s);
+  EXPECT_NEAR(after[3].stamp_s, 3 / 30. - 0.02, 1e-6);
+  EXPECT_EQ(ReadCameraYaml(refined + "/camera.yaml").latency_s, 0.02);
+}
+
 TEST(RefineTool, FindsAWrongCalibrationAndAThirdOfTheErrorIsLeft) {
   for (const int seed : {4, 7, 11}) {
     const TempFolder folder;

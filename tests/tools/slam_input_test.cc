@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "surfit/io/point_cloud.h"
+#include "surfit/io/trajectory_files.h"
 #include "tools/slam_tool.h"
 
 namespace surfit::testing {
@@ -50,6 +51,31 @@ TEST_F(SlamTool, UsesGroundTruthForNothingButTheEvaluation) {
   const nlohmann::json right = Summary(Output("true")), wrong = Summary(Output("shuffled"));
   EXPECT_EQ(right["digest"], wrong["digest"]);
   EXPECT_GT(wrong["ate_rmse_m"], right["ate_rmse_m"]);
+}
+
+// Only stamps change, and with them what the truth says: the sensor's latency is evaluated with the
+// poses, and told beside it what they would be without.
+TEST_F(SlamTool, StampsPosesWithTheMomentThatTheyHoldFor) {
+  ASSERT_EQ(Slam(Room(), Output("plain")).exit_code, 0);
+  const ProgramResult result = Slam(Room(), Output("late"), {"--latency_s=0.02"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(ReadBytes(Output("plain") + "/map.ply"), ReadBytes(Output("late") + "/map.ply"));
+  for (const char* name : {"/trajectory.txt", "/trajectory_online.txt"}) {
+    const Trajectory plain = ReadTumTrajectory(Output("plain") + name);
+    const Trajectory late = ReadTumTrajectory(Output("late") + name);
+    ASSERT_EQ(late.size(), plain.size());
+    for (std::size_t i = 0; i < late.size(); ++i) {
+      EXPECT_NEAR(late[i].stamp_s, plain[i].stamp_s - 0.02, 1.1e-6);  // 6 decimals
+    }
+  }
+  const nlohmann::json plain = Summary(Output("plain")), late = Summary(Output("late"));
+  EXPECT_EQ(plain["sensor_latency_s"], 0);
+  EXPECT_EQ(plain["ate_without_latency_rmse_m"], plain["ate_rmse_m"]);
+  EXPECT_EQ(late["sensor_latency_s"], 0.02);
+  EXPECT_NEAR(late["ate_without_latency_rmse_m"], plain["ate_rmse_m"], 1e-9);
+  EXPECT_GT(late["ate_rmse_m"], late["ate_without_latency_rmse_m"]);
+  EXPECT_LE(late["ate_at_estimated_time_offset_rmse_m"], late["ate_rmse_m"]);
+  EXPECT_THAT(result.out, HasSubstr("without the sensor's latency of 0.02 s"));
 }
 
 TEST_F(SlamTool, WritesTheTrajectoryOfAnImageWithYUpInItsOwnConvention) {

@@ -45,6 +45,12 @@ struct RgbdCamera {
   double depth_units_per_metre = 5000;
   DepthNoise noise;
   double frames_per_second = 30;
+  // How long before its stamp the middle of a depth frame's exposure and readout lies. Kinect v1
+  // and Xtion: 0.02. They send a frame while they read it out, in 1/30 s, and the driver stamps it
+  // when it has come (openni_camera: the time of its callback). So the middle lies 1/60 s before
+  // the end, and transfer and computation add some milliseconds. 0 where stamps are of the moment
+  // itself.
+  double latency_s = 0;
 
   // Throws InputError naming `what`, the field, its value and the constraint.
   void Validate(const std::string& what) const;

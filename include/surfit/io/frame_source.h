@@ -13,8 +13,10 @@ namespace surfit {
 
 // What is known of a sequence before its first frame is read.
 struct SequenceInfo {
-  std::string format;     // tum, icl_nuim, seven_scenes, redwood, replica, klg, sens, watch
-  RgbdCamera camera;      // as the files have it, fy < 0 included
+  std::string format;  // tum, icl_nuim, seven_scenes, redwood, replica, klg, sens, watch
+  // As the files have it, fy < 0 included. Its latency is what frames are earlier than their files'
+  // stamps: 0 where these are none of a clock, but made of the frames' numbers.
+  RgbdCamera camera;
   PinholeCamera pinhole;  // of the frames that Next() returns: undistorted, downsampled, fy > 0
   // What the depth of these frames is.
   DepthSensor sensor() const { return {pinhole, camera.noise}; }
@@ -24,7 +26,8 @@ struct SequenceInfo {
   // back in the source's convention conjugates them again.
   bool mirrored = false;
   // World-from-camera poses in our (mirrored, if so) convention, for evaluation; empty if there
-  // are none. Its stamps are the files'; they need not equal the frames'.
+  // are none. Poses that belong to the frames have their stamps; others (motion capture) the
+  // files', which need not equal the frames'.
   Trajectory ground_truth;
   // What the user should know, logged already: doubtful camera, depth scale.
   std::vector<std::string> warnings;
@@ -32,8 +35,8 @@ struct SequenceInfo {
 
 // One attempt to read a frame.
 struct ReadResult {
-  int index = 0;  // position in the sequence, before --stride
-  double stamp_s = 0;
+  int index = 0;                   // position in the sequence, before --stride
+  double stamp_s = 0;              // the frame's, also of one that could not be read
   std::optional<RgbdFrame> frame;  // empty if the files could not be read
   std::string error;               // then why, naming the file
   double decode_ms = 0;            // time spent reading and preparing it

@@ -21,8 +21,9 @@ struct SequenceOptions {
   std::string format = "auto";
 
   // A preset's name (see CameraPreset()). If empty: the folder's camera.yaml (of a file
-  // F.klg: F.klg.yaml), else what the recording tells (redwood: camera_intrinsic.json or
-  // intrinsic.json; replica: cam_params.json; sens: its header), else the format's usual camera.
+  // F.klg: F.klg.yaml), else what the recording tells (tum: the head of rgb.txt or depth.txt, which
+  // names freiburg1, 2 or 3; redwood: camera_intrinsic.json or intrinsic.json; replica:
+  // cam_params.json; sens: its header), else the format's usual camera.
   std::string camera;
 
   // What takes the place of that camera's figures. After intrinsics from here, the image size is
@@ -36,6 +37,7 @@ struct SequenceOptions {
   std::optional<std::array<double, 5>> color_distortion;  // k1 k2 p1 p2 k3
   std::optional<Rigid3d> color_from_depth;
   std::optional<double> frames_per_second;  // stamps of files that have none
+  std::optional<double> latency_s;          // RgbdCamera; for files with stamps of a clock only
 
   int first = 0;   // index of the first frame, from 0 over all that the folder lists
   int last = -1;   // index of the last frame, inclusive; -1, or beyond the end: to the end
@@ -46,12 +48,12 @@ struct SequenceOptions {
   void Visit(OptionVisitor& visitor);
 };
 
-// Opens a folder of images, or a recording in one file, as a sequence. Stamps are the source's own:
-// seconds in TUM folders, and in .klg and .sens files, frame numbers in ICL-NUIM's (as in
-// *.gt.freiburg), index / frames_per_second where files have none. Frames are mirrored where fy <
-// 0, see SequenceInfo. Throws InputError naming the folder, file or option at fault; also if not
-// one frame can be read, or the first readable one has another size than the camera. Frames that
-// cannot be read later are ReadResults with an error.
+// Opens a folder of images, or a recording in one file, as a sequence. Stamps are of depth: those
+// of TUM folders, .klg and .sens files, in seconds, less the camera's latency; frame numbers in
+// ICL-NUIM's (as in *.gt.freiburg), index / frames_per_second where files have none. Frames are
+// mirrored where fy < 0, see SequenceInfo. Throws InputError naming the folder, file or option at
+// fault; also if not one frame can be read, or the first readable one has another size than the
+// camera. Frames that cannot be read later are ReadResults with an error.
 std::unique_ptr<FrameSource> OpenSequence(const SequenceOptions& options);
 
 // The correction of depth that a sequence of this format comes with: the inverse_depth_field of its

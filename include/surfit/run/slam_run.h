@@ -92,6 +92,11 @@ struct SlamRunSummary {
   double match_share_last = 0;    // merged over valid points, of the last fused frame
   double match_share_median = 0;  // over all fused frames
   std::optional<TrajectoryEvaluation> evaluation;  // where there is ground truth
+  double sensor_latency_s = 0;  // that poses are earlier than the files' stamps: RgbdCamera
+  // Beside the evaluation: the error if poses had the files' stamps; and with an offset of all
+  // stamps that is fitted to the truth.
+  std::optional<AbsoluteTrajectoryError> ate_without_latency;
+  std::optional<TimeOffset> time_offset;
   double total_s = 0;
   TimeStatistics frame;    // between the completions of consecutive frames, less the time waited
   TimeStatistics latency;  // from a frame being offered to its completion; 0 where none is

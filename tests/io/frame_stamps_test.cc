@@ -1,0 +1,118 @@
+// When frames were taken, and the sensor's latency.
+#include "surfit/io/camera_files.h"
+#include "surfit/io/klg_writer.h"
+#include "surfit/io/sequence.h"
+#include "testing/expect_input_error.h"
+#include "testing/read_all.h"
+#include "testing/sens_encoder.h"
+
+namespace surfit {
+namespace {
+
+using testing::ExpectInputError;
+using ::testing::HasSubstr;
+using testing::TempFolder;
+
+// Frame 1 of a folder or file.
+RgbdFrame SecondFrame(const SequenceOptions& options) {
+  return *testing::ReadAll(OpenSequence(options).get()).at(1).frame;
+}
+
+TEST(FrameStamps, AreDepthsLessTheLatency) {
+  const TempFolder folder;
+  testing::WriteTumSequence(folder, 3);
+  SequenceOptions options;
+  options.path = folder.path();
+  options.latency_s = 0.02;
+  const auto source = OpenSequence(options);
+  EXPECT_EQ(source->info().camera.latency_s, 0.02);
+  EXPECT_EQ(source->info().ground_truth[1].stamp_s, 5.1);  // a clock's, which has none
+  const auto results = testing::ReadAll(source.get());
+  EXPECT_DOUBLE_EQ(results[1].stamp_s, 5.083);
+  EXPECT_EQ(results[1].frame->stamp_s, results[1].stamp_s);
+  EXPECT_DOUBLE_EQ(results[1].frame->color_stamp_s, 5.08);
+}
+
+TEST(FrameStamps, TakeTheLatencyFromTheCamerasFileUnlessItIsGiven) {
+  const TempFolder folder;
+  testing::WriteTumSequence(folder, 3);
+  RgbdCamera camera = ReadCameraYaml(folder / "camera.yaml");
+  camera.latency_s = 0.05;
+  WriteCameraYaml(camera, folder / "camera.yaml");
+  SequenceOptions options;
+  options.path = folder.path();
+  EXPECT_DOUBLE_EQ(SecondFrame(options).stamp_s, 5.053);
+  options.latency_s = 0;
+  EXPECT_DOUBLE_EQ(SecondFrame(options).stamp_s, 5.103);
+}
+
+TEST(FrameStamps, OfAFrameThatCannotBeReadAreTheSame) {
+  const TempFolder folder;
+  testing::WriteTumSequence(folder, 3);
+  std::filesystem::remove(folder / "depth/001.png");
+  SequenceOptions options;
+  options.path = folder.path();
+  options.latency_s = 0.02;
+  const auto results = testing::ReadAll(OpenSequence(options).get());
+  EXPECT_FALSE(results[1].frame);
+  EXPECT_DOUBLE_EQ(results[1].stamp_s, 5.083);
+}
+
+// The poses of such sequences are the frames' own, and stay with them bit for bit.
+TEST(FrameStamps, ThatAreTheFramesNumbersHaveNoLatency) {
+  const TempFolder folder;
+  for (int i = 0; i < 3; ++i) {
+    const std::string stem = testing::Format("frame-%06d", i);
+    testing::WriteColor(folder / (stem + ".color.png"), testing::NumberedColor(i));
+    testing::WriteDepth(folder / (stem + ".depth.png"), testing::NumberedDepth(i));
+    folder.Write(stem + ".pose.txt", "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
+  }
+  SequenceOptions options;
+  options.path = folder.path();
+  options.camera = "tum_fr1";
+  options.intrinsics = {31, 30, 15.5, 11.5};
+  options.depth_units_per_metre = 1000;
+  const auto source = OpenSequence(options);
+  EXPECT_EQ(source->info().camera.latency_s, 0);
+  for (const ReadResult& result : testing::ReadAll(source.get())) {
+    EXPECT_EQ(result.stamp_s, source->info().ground_truth[result.index].stamp_s);
+    EXPECT_EQ(result.frame->color_stamp_s, result.stamp_s);
+  }
+  options.latency_s = 0.02;
+  ExpectInputError([&] { OpenSequence(options); },
+                   HasSubstr("latency_s is 0.02, must be 0 or absent: stamps of " + folder.path()));
+  options.latency_s = 0;
+  EXPECT_NO_THROW(OpenSequence(options));
+}
+
+TEST(FrameStamps, OfScanNetsFilesAreDepthsAndThePosesToo) {
+  const TempFolder folder;
+  testing::SensEncoder encoder;
+  encoder.registered = true;
+  encoder.depth_delay_us = 7000;
+  SequenceOptions options;
+  options.path = folder.Write("a.sens", encoder.File(3));
+  const RgbdFrame frame = SecondFrame(options);
+  EXPECT_DOUBLE_EQ(frame.stamp_s, 5.107);
+  EXPECT_DOUBLE_EQ(frame.color_stamp_s, 5.1);
+  EXPECT_EQ(OpenSequence(options)->info().ground_truth[1].stamp_s, frame.stamp_s);
+}
+
+// What a .klg file is written from has its latency taken off once.
+TEST(FrameStamps, OfKlgFilesHaveALatencyWhichConvertingTakesOffOnce) {
+  const TempFolder folder;
+  testing::WriteTumSequence(folder, 3);
+  SequenceOptions options;
+  options.path = folder.path();
+  options.latency_s = 0.02;
+  WriteKlg(OpenSequence(options).get(), folder / "a.klg", {});
+  SequenceOptions converted;
+  converted.path = folder / "a.klg";
+  EXPECT_DOUBLE_EQ(SecondFrame(converted).stamp_s, 5.083);
+  EXPECT_DOUBLE_EQ(SecondFrame(converted).color_stamp_s, 5.083);
+  converted.latency_s = 0.01;
+  EXPECT_DOUBLE_EQ(SecondFrame(converted).stamp_s, 5.073);
+}
+
+}  // namespace
+}  // namespace surfit
