@@ -40,6 +40,10 @@ void BindRunSummary(py::module_& module) {
       .def_readonly("map_points", &Summary::map_points, "surfels at the end")
       .def_readonly("compression_ratio", &Summary::compression_ratio, "input_points / map_points")
       .def_readonly("evaluation", &Summary::evaluation, "None without ground truth")
+      .def_readonly("sensor_latency_s", &Summary::sensor_latency_s,
+                    "that poses are earlier than the files' stamps")
+      .def_readonly("ate_without_latency", &Summary::ate_without_latency,
+                    "the absolute error if poses had the files' stamps; None without ground truth")
       .def_readonly("total_s", &Summary::total_s, "wall time")
       .def_readonly("peak_rss_bytes", &Summary::peak_rss_bytes, "of the process")
       .def_readonly("digest", &Summary::digest, "of trajectory and map: see Slam.digest");

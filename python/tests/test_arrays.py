@@ -33,6 +33,13 @@ def test_counts_become_metres():
     assert frame.color is None
 
 
+def test_a_frame_shows_what_was_before_its_stamp():
+    depth, color = depth_and_color()
+    camera = surfit.RgbdCamera(depth=CAMERA, latency_s=0.02)
+    frame = surfit.Frame(color, depth, camera, stamp_s=2.5)
+    assert frame.stamp_s == frame.color_stamp_s == 2.5 - 0.02
+
+
 @pytest.mark.parametrize("missing", [np.nan, np.inf, -1, 0])
 def test_what_is_no_depth_is_missing(missing):
     depth, _ = depth_and_color()

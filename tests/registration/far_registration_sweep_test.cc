@@ -159,8 +159,8 @@ void Print(const std::string& name, const Outcome& outcome) {
   std::fflush(stdout);
 }
 
-// 2 cm and 1 degree; in the kitchen, whose poses are themselves centimetres off at that distance,
-// 3 cm and 1 degree from where dense ICP goes from there. Every 5th pair, in the kitchen and in the
+// 2 cm and 1 degree; in the kitchen, whose poses are another system's estimate, 3 cm and 1 degree
+// from where dense ICP goes from there. Every 5th pair, in the kitchen and in the
 // rooms every 10th. The rooms are none of those that the options were chosen with (11 to 20).
 TEST(FarPairsSweep, AreRegisteredOrRefused) {
   std::printf("%-22s  pairs above 30 %%  right  wrong  refused\n", "90 frames apart");

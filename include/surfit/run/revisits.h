@@ -115,9 +115,9 @@ struct RevisitReport {
   RevisitAgreement ground_truth, estimate;
 };
 
-// Compares estimate and ground truth where the camera returns to where it was. A pseudo ground
-// truth that comes from another system's tracking has errors of its own; this tells whether they
-// are larger than the estimate's. `progress` is called with the pairs done and all of them. Throws
+// Compares estimate and ground truth where the camera returns to where it was. Surfaces that agree
+// are no proof of right poses: a trajectory bends to agree with a distorted sensor, before which
+// true poses look inconsistent. `progress` is called with the pairs done and all of them. Throws
 // InputError for bad options, unreadable files, or a sequence without ground truth.
 RevisitReport CompareAtRevisits(const RevisitOptions& options,
                                 const std::function<void(int, int)>& progress);
