@@ -5,7 +5,7 @@
 #include "bindings/frame.h"
 #include "bindings/options_class.h"
 #include "surfit/core/options.h"
-#include "surfit/frame/intensity.h"
+#include "surfit/frame/frame_pyramid.h"
 #include "surfit/frame/preprocess.h"
 #include "surfit/registration/far_registration.h"
 

@@ -5,7 +5,7 @@
 #include "run/digest.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
-#include "surfit/geometry/mirror.h"
+#include "surfit/geometry/sensor.h"
 #include "surfit/io/point_cloud.h"
 #include "surfit/io/trajectory_files.h"
 

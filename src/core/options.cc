@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/named_values.h"
 #include "surfit/core/error.h"
 
 namespace surfit {
@@ -24,12 +25,6 @@ std::string Alternatives(const std::vector<std::string>& names) {
     if (i > 0) text += i + 1 < names.size() ? ", " : " or ";
     text += names[i];
   }
-  return text;
-}
-
-std::string Listed(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
   return text;
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 using Points = std::vector<Eigen::Vector3f>;
 
-constexpr int kGrain = 4096;
+constexpr int kSamplesPerTask = 4096;
 
 // A cloud's points with finite coordinates in a tree, and their normals in its order.
 struct Cloud {
@@ -45,7 +45,7 @@ void MeasureAccuracy(const Cloud& map, const Cloud& reference, MapError* error) 
   const int count = static_cast<int>(map.tree.size());
   const bool has_planes = !reference.normals.empty();
   std::vector<double> to_point_m(count), to_plane_m(has_planes ? count : 0);
-  ParallelFor(0, count, kGrain, [&](int begin, int end) {
+  ParallelFor(0, count, kSamplesPerTask, [&](int begin, int end) {
     std::uint32_t nearest = KdTree::kNone;
     for (int i = begin; i < end; ++i) {
       const Eigen::Vector3f point = map.tree.Point(i);
@@ -64,7 +64,7 @@ void MeasureAccuracy(const Cloud& map, const Cloud& reference, MapError* error) 
 double MeasureCompleteness(const Cloud& reference, const Cloud& map, double distance_m) {
   const int count = static_cast<int>(reference.tree.size());
   const auto bound = static_cast<float>(distance_m * distance_m);
-  const auto mapped = ParallelSum(0, count, kGrain, 0, [&](int begin, int end) {
+  const auto mapped = ParallelSum(0, count, kSamplesPerTask, 0, [&](int begin, int end) {
     int sum = 0;
     std::uint32_t hint = KdTree::kNone;
     for (int i = begin; i < end; ++i) {

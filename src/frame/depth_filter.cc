@@ -9,8 +9,6 @@
 namespace surfit {
 namespace {
 
-constexpr int kRowsPerBlock = 16;
-
 // The weights by distance of the window's pixels, row by row.
 std::vector<float> TriangleWeights(int radius) {
   std::vector<float> weights;

@@ -1,15 +1,12 @@
-#include "surfit/frame/intensity.h"
-
 #include <glog/logging.h>
 
 #include <limits>
 
 #include "surfit/core/parallel.h"
+#include "surfit/frame/frame_pyramid.h"
 
 namespace surfit {
 namespace {
-
-constexpr int kRowsPerBlock = 16;
 
 Image<float> Grey(const Image<Rgb8>& color) {
   Image<float> grey;

@@ -9,8 +9,6 @@
 namespace surfit {
 namespace {
 
-constexpr int kRowsPerBlock = 16;
-
 // Normals, row by row.
 class NormalRows {
  public:

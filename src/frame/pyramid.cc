@@ -10,7 +10,6 @@ namespace {
 
 constexpr int kMinWidth = 40;
 constexpr int kMinHeight = 30;
-constexpr int kRowsPerBlock = 16;
 
 // The four pixels of each lane's 2 x 2 block.
 template <typename V>

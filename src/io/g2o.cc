@@ -17,10 +17,9 @@
 namespace surfit {
 namespace {
 
-constexpr double kQuaternionNormTolerance = 0.01;  // files have four or more decimals
 constexpr std::size_t kPoseWords = 7, kInformationWords = 21;
 
-double ParseNumber(std::string_view word) {
+double NumberOf(std::string_view word) {
   double value = 0;
   const char* const end = word.data() + word.size();
   const auto [parsed, error] = std::from_chars(word.data(), end, value);
@@ -32,7 +31,7 @@ double ParseNumber(std::string_view word) {
 
 Rigid3d ParsePose(const std::string_view* words) {
   double v[kPoseWords];
-  for (std::size_t i = 0; i < kPoseWords; ++i) v[i] = ParseNumber(words[i]);
+  for (std::size_t i = 0; i < kPoseWords; ++i) v[i] = NumberOf(words[i]);
   const Eigen::Quaterniond rotation(v[6], v[3], v[4], v[5]);
   if (std::abs(rotation.norm() - 1) > kQuaternionNormTolerance) {
     throw InputError(Concat("the norm of the quaternion is ", rotation.norm(), ", must be 1"));
@@ -46,7 +45,7 @@ Eigen::Matrix<double, 6, 6> ParseInformation(const std::string_view* words) {
   for (int i = 0; i < 6; ++i) {
     for (int j = i; j < 6; ++j) {
       const int row = (i + 3) % 6, column = (j + 3) % 6;
-      information(row, column) = information(column, row) = ParseNumber(*words++);
+      information(row, column) = information(column, row) = NumberOf(*words++);
     }
   }
   if (!IsInformation(information)) {

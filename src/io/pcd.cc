@@ -211,10 +211,6 @@ Rgb8 UnpackColor(double value, PlyType type) {
           static_cast<std::uint8_t>(bits)};
 }
 
-Eigen::Vector3f Vector(const double* row, const PlyColumns& c) {
-  return Eigen::Vector3d(row[c[0]], row[c[1]], row[c[2]]).cast<float>();
-}
-
 std::string FormatHeader(const PointCloud& cloud) {
   std::string names = "x y z";
   int count = 3;
@@ -264,8 +260,8 @@ PointCloud ParsePcd(std::string_view file, const std::string& path) {
     if (color) cloud.colors.reserve(header.points.count);
   };
   ReadPlyElement(file, table, header.points.name, path, begin, [&](const double* row) {
-    cloud.points.push_back(Vector(row, *points));
-    if (normals) cloud.normals.push_back(Vector(row, *normals));
+    cloud.points.push_back(VectorAt(row, *points));
+    if (normals) cloud.normals.push_back(VectorAt(row, *normals));
     if (color) {
       cloud.colors.push_back(UnpackColor(row[*color], header.points.properties[*color].type));
     }

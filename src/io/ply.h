@@ -54,6 +54,10 @@ const PlyElement& FindPlyElement(const PlyHeader& header, std::string_view name,
 using PlyNames = std::array<const char*, 3>;
 using PlyColumns = std::array<std::size_t, 3>;
 std::optional<PlyColumns> FindPlyColumns(const PlyElement& element, const PlyNames& names);
+// The numbers in these columns of a row.
+inline Eigen::Vector3f VectorAt(const double* row, const PlyColumns& c) {
+  return Eigen::Vector3d(row[c[0]], row[c[1]], row[c[2]]).cast<float>();
+}
 
 // The text of a binary little endian header.
 std::string FormatPlyHeader(const std::vector<PlyElement>& elements);

@@ -22,10 +22,6 @@ std::optional<PlyColumns> FindColorColumns(const PlyElement& element) {
   return std::nullopt;
 }
 
-Eigen::Vector3f Vector(const double* row, const PlyColumns& c) {
-  return Eigen::Vector3d(row[c[0]], row[c[1]], row[c[2]]).cast<float>();
-}
-
 Rgb8 Color(const double* row, const PlyColumns& c) {
   const auto byte = [&](int k) {
     return static_cast<std::uint8_t>(std::clamp(row[c[k]], 0., 255.));
@@ -57,8 +53,8 @@ PointCloud ParsePly(std::string_view file, const std::string& path) {
     if (radius) cloud.radii_m.reserve(vertices.count);
   };
   ReadPlyElement(file, header, "vertex", path, begin, [&](const double* row) {
-    cloud.points.push_back(Vector(row, *points));
-    if (normals) cloud.normals.push_back(Vector(row, *normals));
+    cloud.points.push_back(VectorAt(row, *points));
+    if (normals) cloud.normals.push_back(VectorAt(row, *normals));
     if (colors) cloud.colors.push_back(Color(row, *colors));
     if (radius) cloud.radii_m.push_back(static_cast<float>(row[*radius]));
   });

@@ -9,7 +9,7 @@
 #include "io/folder.h"
 #include "io/recording.h"
 #include "surfit/core/error.h"
-#include "surfit/geometry/mirror.h"
+#include "surfit/geometry/sensor.h"
 #include "surfit/io/camera_files.h"
 #include "surfit/io/sequence.h"
 

@@ -8,7 +8,7 @@
 
 #include "io/image_sequence.h"
 #include "surfit/core/error.h"
-#include "surfit/geometry/mirror.h"
+#include "surfit/geometry/sensor.h"
 
 namespace surfit {
 namespace {

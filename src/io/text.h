@@ -19,6 +19,9 @@ struct TextRow {
 // spaces, tabs or commas. Throws InputError naming the file if it cannot be read.
 std::vector<TextRow> ReadTextRows(const std::string& path);
 
+// How far from 1 the length of a quaternion in a file may be: files have four or more decimals.
+inline constexpr double kQuaternionNormTolerance = 0.01;
+
 // The column as a finite number. Throws InputError naming place and text.
 double ParseNumber(const std::string& text, const std::string& place);
 

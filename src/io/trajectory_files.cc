@@ -13,6 +13,7 @@
 #include <system_error>
 
 #include "core/read_file.h"
+#include "io/text.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
 
@@ -21,7 +22,6 @@ namespace {
 
 constexpr std::string_view kSeparators = " \t,\r";
 // Files carry 4 or more decimals of a unit quaternion; anything further off is another column.
-constexpr double kQuaternionNormTolerance = 0.01;
 
 // The next column of the line, which is removed from it; empty at the end.
 std::string_view TakeColumn(std::string_view* line) {
@@ -31,7 +31,7 @@ std::string_view TakeColumn(std::string_view* line) {
   return column;
 }
 
-double ParseNumber(std::string_view column) {
+double NumberIn(std::string_view column) {
   double value = 0;
   const char* const end = column.data() + column.size();
   const auto [parsed, error] = std::from_chars(column.data(), end, value);
@@ -45,7 +45,7 @@ StampedPose ParsePose(std::string_view line) {
   std::array<double, 8> v;
   std::size_t count = 0;
   for (std::string_view column; !(column = TakeColumn(&line)).empty(); ++count) {
-    const double value = ParseNumber(column);
+    const double value = NumberIn(column);
     if (count < v.size()) v[count] = value;
   }
   if (count != v.size()) throw InputError(Concat(count, " columns, must be 8"));
@@ -98,7 +98,7 @@ Trajectory ReadTumTrajectory(const std::string& path) {
 std::vector<double> ReadTumStamps(const std::string& path) {
   std::vector<double> stamps_s;
   ForEachLine(path,
-              [&](std::string_view line) { stamps_s.push_back(ParseNumber(TakeColumn(&line))); });
+              [&](std::string_view line) { stamps_s.push_back(NumberIn(TakeColumn(&line))); });
   std::sort(stamps_s.begin(), stamps_s.end());
   return stamps_s;
 }

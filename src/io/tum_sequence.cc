@@ -4,7 +4,7 @@
 #include "io/recording.h"
 #include "io/text.h"
 #include "surfit/core/error.h"
-#include "surfit/geometry/match_stamps.h"
+#include "surfit/geometry/trajectory.h"
 #include "surfit/io/trajectory_files.h"
 
 namespace surfit {

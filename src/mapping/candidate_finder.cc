@@ -1,7 +1,6 @@
-#include "mapping/candidate_finder.h"
-
 #include "mapping/block_lanes.h"
 #include "mapping/posed_camera.h"
+#include "mapping/surfel_choice.h"
 #include "surfit/core/lanes.h"
 
 namespace surfit {

@@ -1,7 +1,6 @@
-#include "mapping/disc_list.h"
-
 #include <algorithm>
 
+#include "mapping/band_canvas.h"
 #include "mapping/bands.h"
 #include "mapping/block_lanes.h"
 #include "mapping/posed_camera.h"

@@ -8,7 +8,6 @@
 
 #include "mapping/bands.h"
 #include "mapping/block_lanes.h"
-#include "mapping/candidate_finder.h"
 #include "mapping/measured_points.h"
 #include "mapping/merge_gate.h"
 #include "mapping/posed_camera.h"

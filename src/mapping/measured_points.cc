@@ -9,8 +9,6 @@
 namespace surfit {
 namespace {
 
-constexpr int kRowsPerBlock = 16;
-
 // The depth in front of which a pixel with this measured depth has seen free space.
 float FreeDepth(float depth_m, const DepthNoise& noise, const FusionOptions& options) {
   if (!(depth_m > 0)) return 0.f;

@@ -1,5 +1,3 @@
-#include "surfit/mapping/merge_doubles.h"
-
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
@@ -13,6 +11,7 @@
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 #include "surfit/core/trace.h"
+#include "surfit/mapping/fusion.h"
 
 namespace surfit {
 namespace {
@@ -106,7 +105,7 @@ class SurfelGrid {
   std::vector<int> begin_;  // of each cube, and the end of the last
 };
 
-constexpr std::int32_t kNone = -1;
+constexpr std::int32_t kNobody = -1;
 constexpr float kSpacingsPerCube = 3;  // of the grid: larger ones hold many surfels, smaller none
 
 Patch PatchAt(const SurfelBlock& block, int k) {
@@ -140,9 +139,9 @@ class DoubleFinder {
         doubles_(doubles),
         map_(map) {}
 
-  // By id: the older one of each surfel, or kNone. Chains of them lead from newer to older ones.
+  // By id: the older one of each surfel, or kNobody. Chains of them lead from newer to older ones.
   std::vector<std::int32_t> FindAll() const {
-    std::vector<std::int32_t> older(map_.id_end(), kNone);
+    std::vector<std::int32_t> older(map_.id_end(), kNobody);
     ParallelFor(0, map_.cell_count(), 1, [&](int cell, int) {
       const NewerOfCell newer = NewerOf(map_.cell(cell));
       if (newer.surfels.empty()) return;
@@ -247,7 +246,7 @@ class DoubleFinder {
   static std::int32_t LeastOf(const Number& distances2, const Number& from,
                               const SurfelGrid& grid) {
     float least = MergeGate::kNever;
-    int nearest = kNone;
+    int nearest = kNobody;
     for (int lane = 0; lane < Number::kCount; ++lane) {
       const int place = static_cast<int>(from[lane]) + lane;
       if (distances2[lane] < least || (distances2[lane] == least && place < nearest)) {
@@ -255,7 +254,7 @@ class DoubleFinder {
         nearest = place;
       }
     }
-    return nearest == kNone ? kNone : grid.Id(nearest);
+    return nearest == kNobody ? kNobody : grid.Id(nearest);
   }
 
   const MergeGate gate_;
@@ -296,9 +295,9 @@ std::size_t MergeDoubles(const FusionOptions& options, const DoublesOptions& dou
   const TraceSlice slice("merge_doubles");
   const std::vector<std::int32_t> older = DoubleFinder(options, doubles, *map).FindAll();
   for (const std::int32_t id : map->Ids()) {
-    if (older[id] == kNone) continue;
+    if (older[id] == kNobody) continue;
     std::int32_t oldest = older[id];
-    while (older[oldest] != kNone) oldest = older[oldest];
+    while (older[oldest] != kNobody) oldest = older[oldest];
     MergeInto(oldest, id, options, map);
   }
   return map->RemoveMarked();

@@ -10,7 +10,7 @@ namespace surfit {
 namespace {
 
 // So many pixels ahead a candidate is asked for, to be in the cache by then.
-constexpr int kPixelsAhead = 24;
+constexpr int kPixelsSoon = 24;
 
 }  // namespace
 
@@ -36,7 +36,7 @@ Sightings::Counts Sightings::Gather(const RgbdFrame& frame,
     seen.clear();
     seen.reserve(static_cast<std::size_t>(kBandRows) * width);  // so that none is moved
     for (int pixel = begin * width; pixel < end * width; ++pixel) {
-      __builtin_prefetch(choice.OfPixel(std::min(pixel + kPixelsAhead, end * width - 1)));
+      __builtin_prefetch(choice.OfPixel(std::min(pixel + kPixelsSoon, end * width - 1)));
       Candidate* const candidate = choice.OfPixel(pixel);
       if (!candidate) continue;
       const std::uint32_t choosing = choice.Choosing(pixel);

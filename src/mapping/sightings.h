@@ -7,7 +7,7 @@
 #include "mapping/posed_camera.h"
 #include "mapping/surfel_choice.h"
 #include "surfit/frame/rgbd_frame.h"
-#include "surfit/mapping/surfel.h"
+#include "surfit/mapping/surfel_block.h"
 
 namespace surfit {
 

@@ -1,21 +1,21 @@
-#include "optimization/initial_poses.h"
-
 #include <Eigen/SVD>
 #include <Eigen/SparseCholesky>
 #include <deque>
+
+#include "optimization/optimize_pose_graph.h"
 
 namespace surfit {
 namespace {
 
 // An edge as seen from one of its ends.
-struct Neighbour {
+struct LinkedPose {
   std::size_t pose;
   Rigid3d pose_from_neighbour;
   bool loop;
 };
 
-std::vector<std::vector<Neighbour>> NeighboursOf(const PoseGraph& graph) {
-  std::vector<std::vector<Neighbour>> neighbours(graph.poses.size());
+std::vector<std::vector<LinkedPose>> NeighboursOf(const PoseGraph& graph) {
+  std::vector<std::vector<LinkedPose>> neighbours(graph.poses.size());
   for (const PoseGraphEdge& edge : graph.edges) {
     neighbours[edge.a].push_back({edge.b, edge.a_from_b, edge.loop});
     neighbours[edge.b].push_back({edge.a, edge.a_from_b.Inverse(), edge.loop});
@@ -52,7 +52,7 @@ class Chain {
   void Place(std::size_t pose, const Rigid3d& world_from_pose) {
     reached_[pose] = true;
     result_.world_from_pose[pose] = world_from_pose;
-    for (const Neighbour& n : neighbours_[pose]) {
+    for (const LinkedPose& n : neighbours_[pose]) {
       if (reached_[n.pose]) continue;
       const Step step{n.pose, world_from_pose * n.pose_from_neighbour};
       n.loop ? open_.push_back(step) : open_.push_front(step);
@@ -64,13 +64,13 @@ class Chain {
     Rigid3d world_from_pose;
   };
   const PoseGraph& graph_;
-  std::vector<std::vector<Neighbour>> neighbours_;
+  std::vector<std::vector<LinkedPose>> neighbours_;
   std::vector<bool> reached_;
   std::deque<Step> open_;
   ChainedPoses result_;
 };
 
-using Rows = Eigen::Matrix<double, Eigen::Dynamic, 3>;
+using RowsOf3 = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 constexpr int kHeld = -1;
 
 // The number of each pose among those that are not held.
@@ -91,7 +91,7 @@ class BlockSystem {
   using Factor = Eigen::Matrix<double, kSize, kSize>;
   using Block = Eigen::Matrix<double, kSize, 3>;
 
-  explicit BlockSystem(int count) : right_side_(Rows::Zero(kSize * count, 3)) {}
+  explicit BlockSystem(int count) : right_side_(RowsOf3::Zero(kSize * count, 3)) {}
 
   // Blocks of held poses (number kHeld) have the values known_a, known_b.
   void Add(double k, int a, int b, const Factor& factor, const Block& constant,
@@ -112,13 +112,13 @@ class BlockSystem {
     }
   }
 
-  std::optional<Rows> Solve() const {
+  std::optional<RowsOf3> Solve() const {
     const Eigen::Index size = right_side_.rows();
     Eigen::SparseMatrix<double> matrix(size, size);
     matrix.setFromTriplets(entries_.begin(), entries_.end());
     const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> ldlt(matrix);
     if (ldlt.info() != Eigen::Success) return std::nullopt;
-    const Rows solution = ldlt.solve(right_side_);
+    const RowsOf3 solution = ldlt.solve(right_side_);
     if (!solution.allFinite()) return std::nullopt;
     return solution;
   }
@@ -135,7 +135,7 @@ class BlockSystem {
   }
 
   std::vector<Eigen::Triplet<double>> entries_;
-  Rows right_side_;
+  RowsOf3 right_side_;
 };
 
 // The rotation nearest to a matrix in the least squares of its elements.
@@ -158,7 +158,7 @@ bool SolveRotations(const PoseGraph& graph, const std::vector<int>& numbers, int
                edge.a_from_b.rotation.toRotationMatrix().transpose(), Eigen::Matrix3d::Zero(),
                known(edge.a), known(edge.b));
   }
-  const std::optional<Rows> solution = system.Solve();
+  const std::optional<RowsOf3> solution = system.Solve();
   if (!solution) return false;
   for (std::size_t i = 0; i < poses->size(); ++i) {
     if (numbers[i] == kHeld) continue;
@@ -177,7 +177,7 @@ bool SolveTranslations(const PoseGraph& graph, const std::vector<int>& numbers, 
                (a.rotation * edge.a_from_b.translation).transpose(), a.translation.transpose(),
                b.translation.transpose());
   }
-  const std::optional<Rows> solution = system.Solve();
+  const std::optional<RowsOf3> solution = system.Solve();
   if (!solution) return false;
   for (std::size_t i = 0; i < poses->size(); ++i) {
     if (numbers[i] != kHeld) (*poses)[i].translation = solution->row(numbers[i]).transpose();

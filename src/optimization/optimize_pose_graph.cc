@@ -1,11 +1,10 @@
+#include "optimization/optimize_pose_graph.h"
+
 #include <algorithm>
 #include <numeric>
 #include <optional>
 
-#include "optimization/initial_poses.h"
-#include "optimization/loop_weights.h"
 #include "optimization/pose_graph_names.h"
-#include "optimization/pose_graph_problem.h"
 #include "surfit/core/options.h"
 #include "surfit/core/trace.h"
 #include "surfit/optimization/pose_graph.h"

@@ -1,10 +1,9 @@
-#include "optimization/pose_graph_problem.h"
-
 #include <ceres/solver.h>
 #include <dlfcn.h>
 
 #include "core/named_values.h"
 #include "cost_functions/analytic_relative_pose.h"
+#include "optimization/optimize_pose_graph.h"
 #include "optimization/pose_graph_names.h"
 
 namespace surfit {

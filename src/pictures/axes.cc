@@ -7,7 +7,7 @@
 namespace surfit {
 namespace {
 
-constexpr Rgb8 kInk = {40, 40, 40}, kGrid = {225, 225, 225};
+constexpr Rgb8 kGrid = {225, 225, 225};
 
 double UnitsPerPixel(const AxisRange& range, double side_px) {
   constexpr double kFilled = 0.9, kShortest_m = 1e-3;
@@ -76,7 +76,7 @@ PixelPoint Axes::At(double x, double y) const {
 
 void DrawAxes(Image<Rgb8>* image, const Axes& axes) {
   constexpr double kSpacing_px = 75;  // least distance of numbers
-  constexpr TextStyle kNumber = {15, 0.5, kInk}, kLabel = {17, 0.5, kInk};
+  constexpr TextStyle kNumber = {15, 0.5, kAxisInk}, kLabel = {17, 0.5, kAxisInk};
   const PixelBox& box = axes.box;
   const int columns = static_cast<int>((box.right - box.left) / kSpacing_px);
   const int rows = static_cast<int>((box.bottom - box.top) / kSpacing_px);
@@ -88,7 +88,7 @@ void DrawAxes(Image<Rgb8>* image, const Axes& axes) {
   for (const double y : RoundTicks(axes.ranges.y, rows)) {
     const double v = axes.At(0, y).v;
     DrawLine(image, {{box.left, v}, {box.right, v}}, kGrid, 1);
-    DrawText(image, {box.left - 10, v}, TickText(y), {kNumber.height_px, 1, kInk});
+    DrawText(image, {box.left - 10, v}, TickText(y), {kNumber.height_px, 1, kAxisInk});
   }
   DrawLine(image,
            {{box.left, box.top},
@@ -96,11 +96,11 @@ void DrawAxes(Image<Rgb8>* image, const Axes& axes) {
             {box.right, box.bottom},
             {box.left, box.bottom},
             {box.left, box.top}},
-           kInk, 1);
+           kAxisInk, 1);
   const double middle = (box.left + box.right) / 2;
-  DrawText(image, {middle, box.top - 20}, axes.title, {20, 0.5, kInk});
+  DrawText(image, {middle, box.top - 20}, axes.title, {20, 0.5, kAxisInk});
   DrawText(image, {middle, box.bottom + 42}, axes.x_label, kLabel);
-  DrawText(image, {box.left, box.top - 20}, axes.y_label, {kLabel.height_px, 0, kInk});
+  DrawText(image, {box.left, box.top - 20}, axes.y_label, {kLabel.height_px, 0, kAxisInk});
 }
 
 std::array<ShownAxes, 2> ChooseTrajectoryAxes(const Eigen::Vector3d& up,

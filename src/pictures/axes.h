@@ -23,6 +23,9 @@ struct AxisRanges {
 // kept; a range shorter than 1 mm counts as 1 mm.
 AxisRanges EqualAspect(const AxisRanges& ranges, double box_width_px, double box_height_px);
 
+// Of ticks and labels.
+inline constexpr Rgb8 kAxisInk = {40, 40, 40};
+
 // Round numbers in the range, ascending: at most `most`, 1, 2 or 5 times a power of ten apart.
 std::vector<double> RoundTicks(AxisRange range, int most);
 // Of values from low to high, 0 < low: the powers of ten or, where those are few, also 2 and 5

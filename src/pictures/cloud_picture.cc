@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "pictures/coloring.h"
-#include "pictures/picture_sheet.h"
+#include "pictures/map_views.h"
 #include "pictures/splat_renderer.h"
 #include "surfit/pictures/pictures.h"
 
@@ -16,8 +16,8 @@ namespace {
 constexpr Rgb8 kSourceColor = {240, 120, 0};
 constexpr Rgb8 kTargetColor = {20, 90, 210};
 constexpr int kPointSize_px = 3;  // in the finer image, so 1.5 pixels of the picture
-constexpr int kWidth = PictureSheet::kCellWidth * PictureSheet::kSupersampling;
-constexpr int kHeight = PictureSheet::kCellHeight * PictureSheet::kSupersampling;
+constexpr int kViewWidth = PictureSheet::kCellWidth * PictureSheet::kSupersampling;
+constexpr int kViewHeight = PictureSheet::kCellHeight * PictureSheet::kSupersampling;
 
 PictureView FittedView(const std::string& label, const std::vector<Eigen::Vector3f>& points,
                        const Rigid3d& camera_from_world) {
@@ -29,7 +29,7 @@ PictureView FittedView(const std::string& label, const std::vector<Eigen::Vector
   for (const Eigen::Vector3f& p : points) {
     in_camera.emplace_back((camera_from_world * p.cast<double>()).cast<float>());
   }
-  view.camera = FitCamera(in_camera, kWidth, kHeight);
+  view.camera = FitCamera(in_camera, kViewWidth, kViewHeight);
   return view;
 }
 

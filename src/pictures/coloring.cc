@@ -46,7 +46,6 @@ Rgb8 ColorScale::ColorAt(double position) const {
 }
 
 void DrawColorBar(Image<Rgb8>* image, const ColorScale& scale, const PixelBox& box) {
-  constexpr Rgb8 kInk = {40, 40, 40};
   constexpr int kTicks = 8;
   const double width = box.right - box.left;
   for (int column = 0; column <= width; ++column) {
@@ -58,14 +57,13 @@ void DrawColorBar(Image<Rgb8>* image, const ColorScale& scale, const PixelBox& b
                                         : RoundTicks({scale.low(), scale.high()}, kTicks);
   for (const double tick : ticks) {
     const double u = box.left + width * scale.Position(tick);
-    DrawLine(image, {{u, box.bottom}, {u, box.bottom + 5}}, kInk, 1);
-    DrawText(image, {u, box.bottom + 16}, TickText(tick), {15, 0.5, kInk});
+    DrawLine(image, {{u, box.bottom}, {u, box.bottom + 5}}, kAxisInk, 1);
+    DrawText(image, {u, box.bottom + 16}, TickText(tick), {15, 0.5, kAxisInk});
   }
 }
 
 Image<Rgb8> ColorIndices(const Image<std::int32_t>& indices,
                          const std::function<Rgb8(int, int, std::int32_t)>& color_of) {
-  constexpr int kRowsPerBlock = 16;
   Image<Rgb8> colors(indices.width(), indices.height());
   ParallelFor(0, indices.height(), kRowsPerBlock, [&](int begin, int end) {
     for (int v = begin; v < end; ++v) {

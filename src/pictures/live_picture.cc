@@ -1,5 +1,3 @@
-#include "surfit/pictures/live_picture.h"
-
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
 #include <vector>
@@ -7,16 +5,13 @@
 #include "pictures/coloring.h"
 #include "pictures/splat_renderer.h"
 #include "surfit/mapping/model_renderer.h"
+#include "surfit/pictures/pictures.h"
 
 namespace surfit {
 namespace {
 
 constexpr Rgb8 kBackground = {24, 24, 28};
-const cv::Scalar kInk(230, 230, 230), kPath(255, 150, 30), kCamera(255, 40, 40);
-
-cv::Mat AsMat(Image<Rgb8>* image) {
-  return {image->height(), image->width(), CV_8UC3, image->data()};
-}
+const cv::Scalar kLetters(230, 230, 230), kPath(255, 150, 30), kCamera(255, 40, 40);
 
 // Fills the tile with the image at its own proportions, centred.
 void Place(Image<Rgb8>* picture, const cv::Rect& tile, const Image<Rgb8>& image) {
@@ -35,7 +30,7 @@ void Place(Image<Rgb8>* picture, const cv::Rect& tile, const Image<Rgb8>& image)
 // Light with a dark edge: readable on any picture.
 void Caption(Image<Rgb8>* picture, const cv::Rect& tile, const std::string& text) {
   const cv::Point place(tile.x + 8, tile.y + 20);
-  for (const auto& [ink, width] : {std::pair(cv::Scalar(0, 0, 0), 3), std::pair(kInk, 1)}) {
+  for (const auto& [ink, width] : {std::pair(cv::Scalar(0, 0, 0), 3), std::pair(kLetters, 1)}) {
     cv::putText(AsMat(picture), text, place, cv::FONT_HERSHEY_SIMPLEX, 0.5, ink, width,
                 cv::LINE_AA);
   }

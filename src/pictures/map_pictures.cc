@@ -5,7 +5,6 @@
 
 #include "pictures/coloring.h"
 #include "pictures/map_views.h"
-#include "pictures/picture_sheet.h"
 #include "pictures/splat_renderer.h"
 #include "surfit/core/error.h"
 #include "surfit/pictures/pictures.h"

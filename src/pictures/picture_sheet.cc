@@ -1,6 +1,6 @@
-#include "pictures/picture_sheet.h"
-
 #include <cstdint>
+
+#include "pictures/map_views.h"
 
 namespace surfit {
 PictureSheet::PictureSheet(int columns, int rows)

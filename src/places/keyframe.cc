@@ -8,7 +8,7 @@
 #include "places/orb_features.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
-#include "surfit/frame/intensity.h"
+#include "surfit/frame/frame_pyramid.h"
 
 namespace surfit {
 namespace {

@@ -1,7 +1,6 @@
-#include "refinement/motion_prior.h"
-
 #include "cost_functions/pose_manifold.h"
 #include "cost_functions/robust_kernel.h"
+#include "refinement/joint_solver.h"
 
 namespace surfit {
 namespace {

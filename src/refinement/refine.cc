@@ -40,7 +40,7 @@ std::optional<RefinementTermination> RunRound(const RefinementOptions& options,
   return std::nullopt;
 }
 
-constexpr NamedValue<RefinementTermination> kTerminations[] = {
+constexpr NamedValue<RefinementTermination> kRefinementEnds[] = {
     {"converged", RefinementTermination::kConverged},
     {"max_rounds", RefinementTermination::kMaxRounds},
     {"too_few_surfels", RefinementTermination::kTooFewSurfels},
@@ -161,7 +161,7 @@ void RefinePoses(const JointState& given, const RefinementOptions& options,
 }  // namespace
 
 std::string ToString(RefinementTermination termination) {
-  return NameOf(termination, kTerminations);
+  return NameOf(termination, kRefinementEnds);
 }
 
 RefinementSummary Refine(const RefinementOptions& options, const DepthCalibration& initial,

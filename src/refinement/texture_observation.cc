@@ -11,11 +11,10 @@
 namespace surfit {
 namespace {
 
-using Pixel = std::optional<Eigen::Vector2d>;
-
 // Where a keyframe's image shows a point; nothing if it does not.
-Pixel PixelOf(const Eigen::Vector3d& point_in_world, const Rigid3d& camera_from_world,
-              const PinholeCamera& camera) {
+std::optional<Eigen::Vector2d> ImageOf(const Eigen::Vector3d& point_in_world,
+                                       const Rigid3d& camera_from_world,
+                                       const PinholeCamera& camera) {
   const Eigen::Vector3d point = camera_from_world * point_in_world;
   if (!(point.z() > 0)) return std::nullopt;
   const Eigen::Vector2d at = camera.Project(point);
@@ -43,7 +42,7 @@ std::optional<TextureTaps> TapsOf(const SharedSurfel& surfel, const Image<float>
   const std::array<Eigen::Vector3d, 3> points = TexturePoints(surfel);
   TextureTaps taps;
   for (std::size_t j = 0; j < points.size(); ++j) {
-    const Pixel at = PixelOf(points[j], camera_from_world, camera);
+    const auto at = ImageOf(points[j], camera_from_world, camera);
     const auto tap = at ? TapAt(intensity, *at) : std::nullopt;
     if (!tap) return std::nullopt;
     taps[j] = *tap;
@@ -78,7 +77,7 @@ bool IsPlaneAround(const SharedSurfel& surfel, const RefinementKeyframe& keyfram
     const double angle = 2 * M_PI * i / kPoints;
     const Eigen::Vector3d beside =
         std::cos(angle) * (points[1] - points[0]) + std::sin(angle) * (points[2] - points[0]);
-    const Pixel at = PixelOf(points[0] + 2 * beside, camera_from_world, calibration.camera);
+    const auto at = ImageOf(points[0] + 2 * beside, camera_from_world, calibration.camera);
     if (!at || !MeasuresPlane(*at, surfel, keyframe, calibration, model)) return false;
   }
   return true;

@@ -2,8 +2,8 @@
 
 #include <limits>
 
-#include "registration/lane_packing.h"
 #include "registration/photometric_term.h"
+#include "registration/row_finder.h"
 
 namespace surfit {
 

@@ -1,28 +1,20 @@
-#include "registration/joint_descent.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "registration/decompositions.h"
+#include "registration/photometric_term.h"
 #include "registration/residual_rows.h"
+#include "registration/start_search.h"
 #include "surfit/registration/far_registration.h"
 
 namespace surfit {
 
 namespace {
 
-constexpr float kMinNormalCosine = 0.8f;
 constexpr float kSurfaceSigmaM = 0.02f;      // of the coarse levels' shapes, near
 constexpr float kBrightnessSigma = 0.05f;    // views far apart see surfaces shine differently
 constexpr float kBrightnessKernelWidth = 3;  // in sigmas
-constexpr double kMaxGain = 1.5;             // of exposures
 constexpr int kMinPairs = 100;
-
-// The source's brightness as the target would see it: gain * J + bias.
-struct Exposure {
-  float gain = 1;
-  float bias = 0;
-};
 
 // A landing on a surface near enough and of the same orientation.
 struct Pair {
@@ -153,7 +145,7 @@ JointSystem LinearizeJointly(const ViewLevel& source, const ViewLevel& target,
                 const float from = source.brightness.value[landing.source_pixel];
                 sums.AddBrightness(landing.point,
                                    SampleAt(target.brightness.value, landing.u, landing.v),
-                                   exposure.gain * from + exposure.bias);
+                                   exposure.gain * from + exposure.offset);
               });
   return sums.system();
 }

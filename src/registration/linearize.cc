@@ -1,5 +1,3 @@
-#include "registration/linearize.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -7,6 +5,7 @@
 #include <vector>
 
 #include "cost_functions/row_sums.h"
+#include "registration/icp_level.h"
 #include "registration/residual_rows.h"
 #include "surfit/core/parallel.h"
 

@@ -3,7 +3,7 @@
 #include <chrono>
 #include <utility>
 
-#include "registration/linearize.h"
+#include "registration/icp_level.h"
 #include "surfit/registration/pose_solver.h"
 
 namespace surfit {

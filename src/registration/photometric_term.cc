@@ -11,8 +11,7 @@
 namespace surfit {
 namespace {
 
-constexpr int kRowsPerBlock = 8;
-constexpr double kMaxGain = 1.5;   // of exposures
+constexpr int kRowsOfPoints = 8;   // of a block
 constexpr int kFewestPairs = 100;  // that tell the exposure: else nothing is known
 
 // The points of some rows whose intensity changes by as much per px. At depth edges, where there
@@ -79,9 +78,9 @@ PhotometricTerm::PhotometricTerm(const FrameLevel& source, const FrameLevel& tar
   // k sqrt(W).
   kernel_.width *= std::sqrt(error_model.photometric_weight);
   const int height = source.intensity.height();
-  blocks_.resize((height + kRowsPerBlock - 1) / kRowsPerBlock);
-  ParallelFor(0, height, kRowsPerBlock, [&](int begin, int end) {
-    blocks_[begin / kRowsPerBlock] = PointsOfRows(source, begin, end, error_model.intensity_sigma);
+  blocks_.resize((height + kRowsOfPoints - 1) / kRowsOfPoints);
+  ParallelFor(0, height, kRowsOfPoints, [&](int begin, int end) {
+    blocks_[begin / kRowsOfPoints] = PointsOfRows(source, begin, end, error_model.intensity_sigma);
   });
   const IntensityPairs pairs = Collect(start);
   if (pairs.size >= kFewestPairs) {

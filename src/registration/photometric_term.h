@@ -32,6 +32,9 @@ struct TexturedPoints {
   std::vector<float> x, y, z, intensity;
 };
 
+// By how much the exposures of two images differ at most, either way.
+inline constexpr double kMaxGain = 1.5;
+
 // The source's intensities as the target would see them: gain * J + offset.
 struct Exposure {
   float gain = 1;

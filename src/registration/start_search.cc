@@ -6,13 +6,11 @@
 
 #include "registration/decompositions.h"
 #include "registration/feature_points.h"
-#include "registration/joint_descent.h"
 #include "surfit/core/parallel.h"
 
 namespace surfit {
 namespace {
 
-constexpr double kDegree = M_PI / 180;
 constexpr int kFeaturePoses = 10;  // that are tried at most
 
 // Poses nearer to each other than this are one.
@@ -20,9 +18,9 @@ struct Nearness {
   double distance_m;
   double angle_rad;
 };
-constexpr Nearness kCoarseNearness = {0.08, 4 * kDegree};
-constexpr Nearness kMiddleNearness = {0.03, 1 * kDegree};
-constexpr Nearness kFineNearness = {0.02, 1 * kDegree};
+constexpr Nearness kCoarseNearness = {0.08, 4 * kRadPerDeg};
+constexpr Nearness kMiddleNearness = {0.03, 1 * kRadPerDeg};
+constexpr Nearness kFineNearness = {0.02, 1 * kRadPerDeg};
 
 // How many different poses are left at each stage.
 constexpr std::size_t kCoarsePoses = 40;
@@ -64,9 +62,9 @@ std::vector<StartPose> ForAll(const std::vector<StartPose>& poses,
 }  // namespace
 
 std::vector<Eigen::Quaterniond> RotationGrid() {
-  constexpr double kReachRad = 60 * kDegree;
+  constexpr double kReachRad = 60 * kRadPerDeg;
   // The side of the lattice's cubes. What is farthest from all of its points is sqrt(5) / 4 of it.
-  constexpr double kSideRad = 19 * kDegree;
+  constexpr double kSideRad = 19 * kRadPerDeg;
   const int reach = static_cast<int>(kReachRad / kSideRad) + 1;
   std::vector<Eigen::Vector3d> vectors;
   for (const double offset : {0., 0.5}) {

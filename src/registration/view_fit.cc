@@ -9,8 +9,6 @@ namespace surfit {
 
 namespace {
 
-constexpr int kRowsPerBlock = 8;
-
 struct Count {
   int in_front = 0;
   int at_surface = 0;
@@ -71,7 +69,6 @@ double FreeSpaceShare(const FrameLevel& source, const FrameLevel& target,
 
 namespace {
 
-constexpr float kMinNormalCosine = 0.8f;
 // 8-bit colours are rounded by 1 / 255 at least, and noisy.
 constexpr double kValueFloorVariance = 1e-5;
 constexpr double kDetailFloorVariance = 1e-6;

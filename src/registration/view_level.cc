@@ -6,7 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
-#include "surfit/frame/intensity.h"
+#include "surfit/frame/frame_pyramid.h"
 
 namespace surfit {
 namespace {

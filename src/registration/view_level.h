@@ -33,6 +33,9 @@ struct ViewLevel {
   const BrightnessLevel& brightness;
 };
 
+// Surfaces of two views are the same only if their normals differ by no more.
+inline constexpr float kMinNormalCosine = 0.8f;
+
 // Where a source pixel with depth lands in the target's image.
 struct Landing {
   int source_pixel = 0;   // index of the source pixel

@@ -5,13 +5,12 @@
 #include <cstdint>
 
 #include "core/read_file.h"
+#include "run/output_files.h"
 #include "surfit/core/error.h"
 #include "surfit/io/point_cloud.h"
 
 namespace surfit {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::size_t ReverseBits(std::size_t value, int bits) {
   std::size_t reversed = 0;
@@ -63,14 +62,6 @@ float MedianRadius(const std::vector<Surfel>& surfels) {
   const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
   std::nth_element(radii.begin(), middle, radii.end());
   return *middle;
-}
-
-Json ReadJson(const std::string& path) {
-  try {
-    return Json::parse(ReadFile(path));
-  } catch (const Json::exception& error) {
-    throw InputError(Concat(path, ": not valid JSON: ", error.what()));
-  }
 }
 
 // Each view's `files` become `pictures`: the same names, with what the files hold.

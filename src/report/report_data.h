@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "surfit/mapping/surfel.h"
+#include "surfit/mapping/surfel_block.h"
 
 namespace surfit {
 

@@ -1,7 +1,7 @@
 #include <utility>
 
 #include "registration/pair_solver.h"
-#include "run/comparison_rows.h"
+#include "run/comparison_files.h"
 #include "run/output_files.h"
 #include "run/pose_problem.h"
 #include "surfit/core/error.h"

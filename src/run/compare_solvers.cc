@@ -6,8 +6,6 @@
 
 #include "registration/pair_solver.h"
 #include "run/comparison_files.h"
-#include "run/comparison_page.h"
-#include "run/comparison_rows.h"
 #include "run/output_files.h"
 #include "run/pose_problem.h"
 #include "run/tracking_dump.h"

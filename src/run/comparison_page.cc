@@ -1,4 +1,3 @@
-#include "run/comparison_page.h"
 
 #include "report/page.h"
 #include "run/comparison_files.h"

@@ -1,10 +1,9 @@
-#include "run/comparison_rows.h"
-
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <map>
 
+#include "run/comparison_files.h"
 #include "surfit/evaluation/trajectory_evaluation.h"
 
 namespace surfit {

@@ -2,7 +2,7 @@
 #include <memory>
 #include <random>
 
-#include "registration/linearize.h"
+#include "registration/icp_level.h"
 #include "registration/pair_solver.h"
 #include "run/pose_problem.h"
 #include "surfit/core/parallel.h"

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "surfit/core/options.h"
 #include "surfit/geometry/pinhole_camera.h"
 
 namespace surfit {
@@ -15,6 +16,9 @@ using Json = nlohmann::ordered_json;
 // Throws InputError naming the folder or file if that fails.
 void PrepareOutputFolder(const std::string& folder, const std::vector<std::string>& former_files);
 
+// Throws InputError naming the file if it cannot be read or is no JSON.
+Json ReadJson(const std::string& path);
+
 // Writes a JSON file, indented unless indent is -1. What is no UTF-8 (a file's name may be
 // anything) is replaced. Throws InputError naming the file.
 void WriteJson(const Json& json, const std::string& path, int indent = 2);
@@ -22,5 +26,23 @@ void WriteJson(const Json& json, const std::string& path, int indent = 2);
 // Width, height, fx, fy, cx and cy.
 Json CameraToJson(const PinholeCamera& camera);
 PinholeCamera CameraFromJson(const Json& json);
+
+nlohmann::ordered_json TableToJson(const OptionTable& table);
+void ReadTable(const nlohmann::ordered_json& json, const OptionTable& table);
+
+// All fields by name, numbers without loss, parts as objects.
+template <typename Options>
+nlohmann::ordered_json OptionsToJson(Options options) {
+  return TableToJson(TableOf(&options));
+}
+
+// Throws nlohmann's exceptions for a missing field or one of another type, and InputError for a
+// text that does not fit.
+template <typename Options>
+Options OptionsFromJson(const nlohmann::ordered_json& json) {
+  Options options;
+  ReadTable(json, TableOf(&options));
+  return options;
+}
 
 }  // namespace surfit

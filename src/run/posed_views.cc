@@ -8,8 +8,8 @@
 
 #include "surfit/core/error.h"
 #include "surfit/evaluation/error_statistics.h"
-#include "surfit/frame/intensity.h"
-#include "surfit/geometry/mirror.h"
+#include "surfit/frame/frame_pyramid.h"
+#include "surfit/geometry/sensor.h"
 #include "surfit/io/trajectory_files.h"
 #include "surfit/registration/association.h"
 

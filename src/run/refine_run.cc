@@ -14,7 +14,7 @@
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 #include "surfit/frame/prepare_frame.h"
-#include "surfit/geometry/mirror.h"
+#include "surfit/geometry/sensor.h"
 #include "surfit/io/camera_files.h"
 #include "surfit/io/frame_source.h"
 #include "surfit/io/point_cloud.h"

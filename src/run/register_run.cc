@@ -18,8 +18,8 @@
 namespace surfit {
 namespace {
 
-constexpr Rgb8 kSourceColor = {240, 130, 20};
-constexpr Rgb8 kTargetColor = {30, 110, 220};
+constexpr Rgb8 kSourcePaint = {240, 130, 20};
+constexpr Rgb8 kTargetPaint = {30, 110, 220};
 
 std::vector<Eigen::Vector3f> PointsOf(const FrameLevel& level, const Rigid3d& frame_from_camera) {
   const Eigen::Matrix3f rotation = frame_from_camera.rotation.toRotationMatrix().cast<float>();
@@ -42,8 +42,8 @@ void WriteClouds(const PosedPair& pair, const Rigid3d& target_from_source,
   PointCloud both;
   both.points = source_points;
   both.points.insert(both.points.end(), target_points.begin(), target_points.end());
-  both.colors.assign(source_points.size(), kSourceColor);
-  both.colors.resize(both.points.size(), kTargetColor);
+  both.colors.assign(source_points.size(), kSourcePaint);
+  both.colors.resize(both.points.size(), kTargetPaint);
   WritePly(both, stem + ".ply");
 }
 

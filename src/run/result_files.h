@@ -11,7 +11,7 @@
 #include "surfit/run/register_run.h"
 #include "surfit/run/revisits.h"
 #include "surfit/run/slam_run.h"
-#include "surfit/slam/loop_finder.h"
+#include "surfit/slam/backend.h"
 
 namespace surfit {
 

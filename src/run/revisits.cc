@@ -15,7 +15,7 @@
 namespace surfit {
 namespace {
 
-struct PosedFrame {
+struct TruePosedFrame {
   int index;
   Rigid3d true_pose, estimated_pose;  // world_from_camera
 };
@@ -25,14 +25,14 @@ struct RelativePoses {
   Rigid3d truth, estimated;  // target_from_source
 };
 
-std::vector<PosedFrame> ReadPosedFrames(const RevisitOptions& options, int* without_pose) {
+std::vector<TruePosedFrame> ReadFrames(const RevisitOptions& options, int* without_pose) {
   const std::unique_ptr<FrameSource> source = OpenSequence(options.sequence);
   const SequenceInfo& info = source->info();
   if (info.ground_truth.empty()) {
     throw InputError(Concat(options.sequence.path, ": there is no ground truth to compare with"));
   }
   const Trajectory estimate = ReadEstimate(options.estimate, info);
-  std::vector<PosedFrame> frames;
+  std::vector<TruePosedFrame> frames;
   while (const std::optional<ReadResult> result = source->Next()) {
     const auto truth = InterpolatePose(info.ground_truth, result->stamp_s);
     const auto estimated = InterpolatePose(estimate, result->stamp_s);
@@ -45,11 +45,11 @@ std::vector<PosedFrame> ReadPosedFrames(const RevisitOptions& options, int* with
   return frames;
 }
 
-std::vector<RelativePoses> FindRevisits(const std::vector<PosedFrame>& frames,
+std::vector<RelativePoses> FindRevisits(const std::vector<TruePosedFrame>& frames,
                                         const RevisitOptions& options) {
   std::vector<RelativePoses> revisits;
-  for (const PosedFrame& target : frames) {
-    for (const PosedFrame& source : frames) {
+  for (const TruePosedFrame& target : frames) {
+    for (const TruePosedFrame& source : frames) {
       if (source.index - target.index < options.min_gap) continue;
       const Rigid3d truth = target.true_pose.Inverse() * source.true_pose;
       if (truth.translation.norm() > options.max_distance_m) continue;
@@ -105,7 +105,7 @@ RevisitReport CompareAtRevisits(const RevisitOptions& options,
   Validate(options);
   RevisitReport report;
   const std::vector<RelativePoses> revisits =
-      FindRevisits(ReadPosedFrames(options, &report.without_pose), options);
+      FindRevisits(ReadFrames(options, &report.without_pose), options);
   report.pairs = static_cast<int>(revisits.size());
   Errors of_truth, of_estimate;
   int done = 0;

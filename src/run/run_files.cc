@@ -4,7 +4,7 @@
 
 #include "run/kept_views.h"
 #include "surfit/core/error.h"
-#include "surfit/geometry/mirror.h"
+#include "surfit/geometry/sensor.h"
 
 namespace surfit {
 

@@ -4,11 +4,10 @@
 #include <fstream>
 #include <vector>
 
-#include "run/options_json.h"
 #include "run/output_files.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
-#include "surfit/frame/intensity.h"
+#include "surfit/frame/frame_pyramid.h"
 #include "surfit/io/point_cloud.h"
 
 namespace surfit {
@@ -78,12 +77,6 @@ FramePyramid ReadView(const DepthSensor& sensor, const PreprocessOptions& option
     AddIntensity(color, &pyramid);
   }
   return pyramid;
-}
-
-Json ReadJson(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) throw InputError(path + ": cannot be opened");
-  return Json::parse(file);
 }
 
 }  // namespace

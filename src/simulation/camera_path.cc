@@ -16,8 +16,6 @@
 namespace surfit {
 namespace {
 
-constexpr double kRadPerDeg = M_PI / 180;
-
 double LeastDistance(const Scene& scene, Walk walk, int frames, double step_m) {
   constexpr int kFramesApart = 10;
   double least = scene.Distance(walk.Position());

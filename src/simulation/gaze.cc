@@ -51,8 +51,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kRadPerDeg = M_PI / 180;
-
 Eigen::Quaterniond LevelOrientation(const Vector3d& gaze) {
   Eigen::Matrix3d world_from_camera;
   const Vector3d right = gaze.cross(Vector3d::UnitZ()).normalized();

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "surfit/mapping/move_map.h"
-#include "surfit/slam/posed_frame.h"
+#include "surfit/slam/backend.h"
 
 namespace surfit {
 

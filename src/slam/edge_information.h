@@ -1,7 +1,7 @@
 #pragma once
 
 #include "surfit/registration/icp.h"
-#include "surfit/slam/loop_options.h"
+#include "surfit/slam/backend.h"
 
 namespace surfit {
 

@@ -9,8 +9,7 @@
 #include "surfit/core/parallel.h"
 #include "surfit/optimization/pose_graph.h"
 #include "surfit/registration/far_registration.h"
-#include "surfit/slam/loop_finder.h"
-#include "surfit/slam/loop_options.h"
+#include "surfit/slam/backend.h"
 
 namespace surfit {
 

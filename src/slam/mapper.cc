@@ -5,8 +5,8 @@
 #include <numeric>
 #include <utility>
 
-#include "surfit/frame/intensity.h"
-#include "surfit/mapping/merge_doubles.h"
+#include "surfit/frame/frame_pyramid.h"
+#include "surfit/mapping/fusion.h"
 #include "surfit/mapping/move_map.h"
 
 namespace surfit {

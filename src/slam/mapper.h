@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "slam/views.h"
+#include "slam/tracker.h"
 #include "surfit/mapping/fusion.h"
 #include "surfit/mapping/model_renderer.h"
 #include "surfit/slam/slam.h"

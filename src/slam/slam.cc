@@ -8,7 +8,7 @@
 #include "slam/tracker.h"
 #include "surfit/core/options.h"
 #include "surfit/core/trace.h"
-#include "surfit/frame/intensity.h"
+#include "surfit/frame/frame_pyramid.h"
 
 namespace surfit {
 namespace {

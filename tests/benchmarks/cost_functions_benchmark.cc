@@ -4,7 +4,7 @@
 
 #include "cost_functions/random_functors.h"
 #include "cost_functions/solve_pose.h"
-#include "registration/linearize.h"
+#include "registration/icp_level.h"
 #include "surfit/registration/pose_solver.h"
 
 namespace surfit {

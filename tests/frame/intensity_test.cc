@@ -1,10 +1,9 @@
-#include "surfit/frame/intensity.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "frame/plane_images.h"
+#include "surfit/frame/frame_pyramid.h"
 #include "surfit/frame/preprocess.h"
 
 namespace surfit {

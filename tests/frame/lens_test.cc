@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "surfit/geometry/mirror.h"
+#include "surfit/geometry/sensor.h"
 
 namespace surfit {
 namespace {

@@ -1,5 +1,3 @@
-#include "surfit/geometry/match_stamps.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +5,8 @@
 #include <limits>
 #include <random>
 #include <utility>
+
+#include "surfit/geometry/trajectory.h"
 
 namespace surfit {
 namespace {

@@ -1,6 +1,6 @@
-#include "surfit/geometry/mirror.h"
-
 #include <gtest/gtest.h>
+
+#include "surfit/geometry/sensor.h"
 
 namespace surfit {
 namespace {

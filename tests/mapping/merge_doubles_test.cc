@@ -1,5 +1,3 @@
-#include "surfit/mapping/merge_doubles.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,6 +6,7 @@
 #include "mapping/random_surfel.h"
 #include "mapping/same_map.h"
 #include "surfit/core/parallel.h"
+#include "surfit/mapping/fusion.h"
 
 namespace surfit {
 namespace {

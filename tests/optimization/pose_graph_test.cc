@@ -5,7 +5,7 @@
 #include <limits>
 #include <thread>
 
-#include "optimization/loop_weights.h"
+#include "optimization/optimize_pose_graph.h"
 #include "surfit/core/options.h"
 #include "testing/expect_input_error.h"
 #include "testing/matchers.h"

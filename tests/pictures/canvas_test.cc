@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pictures/picture_sheet.h"
+#include "pictures/map_views.h"
 
 namespace surfit {
 namespace {

@@ -1,11 +1,10 @@
-#include "surfit/pictures/live_picture.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <vector>
 
 #include "pictures/picture_view.h"
+#include "surfit/pictures/pictures.h"
 
 namespace surfit {
 namespace {

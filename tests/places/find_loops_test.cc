@@ -18,8 +18,6 @@ using testing::RigidNear;
 using testing::RoomOfKeyframes;
 using testing::SeeNearby;
 
-constexpr double kDegree = M_PI / 180;
-
 Rigid3d Off() { return Rigid3d(QuaternionExp<double>({0.03, 0.1, -0.05}), {0.1, 0.04, 0.1}); }
 
 PlaceIndex IndexOf(const std::vector<Keyframe>& keyframes) {
@@ -68,7 +66,7 @@ TEST(FindLoops, JoinsAReturnByItsLooksHoweverFarItDrifted) {
     EXPECT_EQ(attempt->proposal.target_from_source_prior.has_value(), drift_m < 1);
     EXPECT_EQ(ToString(attempt->verdict.reason), "accepted");
     EXPECT_THAT(attempt->verdict.target_from_source,
-                RigidNear(back.target_from_source, 0.02, 0.5 * kDegree));
+                RigidNear(back.target_from_source, 0.02, 0.5 * kRadPerDeg));
   }
 }
 
@@ -113,7 +111,7 @@ int FramesToRelocalize(const RoomOfKeyframes& room, const PlaceIndex& index, int
     const Relocalization result = Relocalize(view, room.keyframes, index, RelocalizeOptions());
     if (!result.found()) continue;
     EXPECT_TRUE(result.attempts.back().verdict.accepted());
-    EXPECT_THAT(result.world_from_camera, RigidNear(pose, 0.03, 0.8 * kDegree));
+    EXPECT_THAT(result.world_from_camera, RigidNear(pose, 0.03, 0.8 * kRadPerDeg));
     return i;
   }
   return most;

@@ -5,7 +5,7 @@
 
 #include "places/simulated_places.h"
 #include "surfit/core/options.h"
-#include "surfit/frame/intensity.h"
+#include "surfit/frame/frame_pyramid.h"
 #include "testing/expect_input_error.h"
 
 namespace surfit {

@@ -15,7 +15,6 @@ namespace {
 
 using testing::RigidNear;
 
-constexpr double kDegree = M_PI / 180;
 constexpr char kKitchen[] = "seven_scenes_kitchen";
 
 // Frames of the kitchen as keyframes at their pseudo true poses.
@@ -54,14 +53,14 @@ TEST(RealPlaces, JoinsTheKitchensReturn) {
     EXPECT_EQ(ToString(verdict.reason), "accepted");
     EXPECT_THAT(verdict.target_from_source,
                 RigidNear(before[i].world_from_camera.Inverse() * after[i].world_from_camera, 0.05,
-                          3 * kDegree));
+                          3 * kRadPerDeg));
   }
 }
 
 bool IsKnown(const Keyframe& frame, const std::vector<Keyframe>& keyframes) {
   return std::any_of(keyframes.begin(), keyframes.end(), [&](const Keyframe& keyframe) {
     const Rigid3d motion = keyframe.world_from_camera.Inverse() * frame.world_from_camera;
-    return motion.translation.norm() < 0.3 && RotationAngle(motion.rotation) < 15 * kDegree;
+    return motion.translation.norm() < 0.3 && RotationAngle(motion.rotation) < 15 * kRadPerDeg;
   });
 }
 
@@ -76,7 +75,7 @@ std::optional<int> FramesToRelocalize(const std::vector<Keyframe>& frames, std::
     const Keyframe& frame = frames[first + i];
     const Relocalization found = Relocalize(frame.view, keyframes, index, RelocalizeOptions());
     if (!found.found()) continue;
-    EXPECT_THAT(found.world_from_camera, RigidNear(frame.world_from_camera, 0.1, 4 * kDegree))
+    EXPECT_THAT(found.world_from_camera, RigidNear(frame.world_from_camera, 0.1, 4 * kRadPerDeg))
         << frame.frame_index << " by " << keyframes[found.keyframe].frame_index;
     return i;
   }

@@ -19,7 +19,6 @@ using testing::RigidNear;
 using testing::RoomOfKeyframes;
 using testing::SeeNearby;
 
-constexpr double kDegree = M_PI / 180;
 const VerifyLoopOptions kOptions;
 
 Rigid3d Off() { return Rigid3d(QuaternionExp<double>({0.03, 0.15, -0.05}), {0.15, 0.04, 0.1}); }
@@ -44,7 +43,7 @@ TEST(VerifyLoop, AcceptsRightLoopsWithinTheirCovariance) {
       ++tried;
       if (!verdict.accepted()) continue;
       ++accepted;
-      EXPECT_THAT(verdict.target_from_source, RigidNear(truth, 0.02, 0.5 * kDegree));
+      EXPECT_THAT(verdict.target_from_source, RigidNear(truth, 0.02, 0.5 * kRadPerDeg));
       EXPECT_LT(SquaredError(verdict, truth), 20) << seed << ' ' << i;
     }
   }
@@ -61,7 +60,7 @@ TEST(VerifyLoop, APriorReplacesFeatures) {
       LeftIncrement<double>((Vector6d() << 0.02, -0.03, 0.01, 0.04, -0.03, 0.04).finished(), truth);
   const FarVerdict verdict = VerifyLoop(view, target, kOptions, prior);
   EXPECT_EQ(ToString(verdict.reason), "accepted");
-  EXPECT_THAT(verdict.target_from_source, RigidNear(truth, 0.01, 0.5 * kDegree));
+  EXPECT_THAT(verdict.target_from_source, RigidNear(truth, 0.01, 0.5 * kRadPerDeg));
 }
 
 TEST(VerifyLoop, RefusesWithoutDepth) {
@@ -118,7 +117,7 @@ TEST(VerifyLoop, APriorMayBeWrong) {
       const FarVerdict verdict =
           VerifyLoop(view, room.keyframes[i].view, kOptions, LeftIncrement<double>(off, truth));
       if (verdict.accepted()) {
-        EXPECT_THAT(verdict.target_from_source, RigidNear(truth, 0.02, 0.5 * kDegree)) << i;
+        EXPECT_THAT(verdict.target_from_source, RigidNear(truth, 0.02, 0.5 * kRadPerDeg)) << i;
       }
       refused += !verdict.accepted();
     }

@@ -12,7 +12,6 @@
 #include "cost_functions/pose_manifold.h"
 #include "cost_functions/relative_pose.h"
 #include "refinement/joint_state.h"
-#include "refinement/motion_prior.h"
 #include "refinement/random_surfels.h"
 #include "testing/random_pose.h"
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "registration/linearize.h"
+#include "registration/icp_level.h"
 #include "registration/tiny_levels.h"
 #include "surfit/registration/association.h"
 

@@ -18,7 +18,6 @@ using testing::MakeColoredViews;
 using testing::RigidNear;
 using testing::SimulatedColoredViews;
 
-constexpr double kDegree = M_PI / 180;
 // Exact depth holds the pose to a part of a pixel, which is 1 / 131 rad, 15 mm at 2 m.
 constexpr double kToleranceM = 0.01, kToleranceRad = 0.005;
 
@@ -57,7 +56,7 @@ TEST(RegisterFar, So3FindsARotation) {
   EXPECT_FALSE(Registered(views, "identity").accepted());
   const FarVerdict result = Registered(views, "so3");
   EXPECT_EQ(result.start.translation, Eigen::Vector3d::Zero());
-  EXPECT_LT(RotationAngle(result.start.rotation.conjugate() * turn.rotation), 3 * kDegree);
+  EXPECT_LT(RotationAngle(result.start.rotation.conjugate() * turn.rotation), 3 * kRadPerDeg);
   EXPECT_TRUE(result.accepted()) << ToString(result.reason);
   EXPECT_THAT(result.icp.target_from_source, RigidNear(turn, kToleranceM, kToleranceRad));
 }

@@ -1,4 +1,3 @@
-#include "registration/joint_descent.h"
 
 #include <gtest/gtest.h>
 
@@ -154,9 +153,8 @@ TEST(MeasureFit, TellsWhatDoesNotFit) {
 
 using testing::SimulatedColoredViews;
 
-constexpr double kDegree = M_PI / 180;
 // On the coarsest level a pixel is 1 / 33 rad, 1.7 degrees; half of it is what we ask for.
-constexpr double kHalfAPixel = 0.87 * kDegree;
+constexpr double kHalfAPixel = 0.87 * kRadPerDeg;
 
 // Seen from the same place, turned by 10 degrees.
 const SimulatedColoredViews& TurnedViews() {
@@ -175,7 +173,7 @@ double AngleTo(const Rigid3d& pose, const SimulatedColoredViews& views) {
 }
 
 TEST(AlignRotation, FindsATurnOfTenDegrees) {
-  EXPECT_GT(AngleTo(Rigid3d(), TurnedViews()), 10 * kDegree);
+  EXPECT_GT(AngleTo(Rigid3d(), TurnedViews()), 10 * kRadPerDeg);
   const Rigid3d pose = Align(TurnedViews(), Rigid3d());
   EXPECT_LT(AngleTo(pose, TurnedViews()), kHalfAPixel);
   EXPECT_EQ(pose.translation.norm(), 0);
@@ -206,7 +204,7 @@ TEST(RotationGrid, StartsWithNoneAndReaches60Degrees) {
   for (std::size_t i = 1; i < grid.size(); ++i) {
     EXPECT_GE(RotationAngle(grid[i]), RotationAngle(grid[i - 1]) - 1e-9);
   }
-  EXPECT_LE(RotationAngle(grid.back()), 60 * kDegree + 1e-9);
+  EXPECT_LE(RotationAngle(grid.back()), 60 * kRadPerDeg + 1e-9);
 }
 
 // The angle between two rotations is no larger than the distance of their vectors, and what is
@@ -215,14 +213,15 @@ TEST(RotationGrid, StartsWithNoneAndReaches60Degrees) {
 TEST(RotationGrid, HasARotationNearAny) {
   const std::vector<Eigen::Quaterniond> grid = RotationGrid();
   std::mt19937_64 generator(1);
-  std::uniform_real_distribution<double> side(-28 * kDegree, 28 * kDegree);  // |w| < 49 degrees
+  std::uniform_real_distribution<double> side(-28 * kRadPerDeg,
+                                              28 * kRadPerDeg);  // |w| < 49 degrees
   for (int i = 0; i < 1000; ++i) {
     const auto any = QuaternionExp<double>({side(generator), side(generator), side(generator)});
     double nearest_rad = M_PI;
     for (const Eigen::Quaterniond& rotation : grid) {
       nearest_rad = std::min(nearest_rad, RotationAngle(rotation.conjugate() * any));
     }
-    EXPECT_LE(nearest_rad, 10.7 * kDegree);
+    EXPECT_LE(nearest_rad, 10.7 * kRadPerDeg);
   }
 }
 

@@ -6,7 +6,7 @@
 #include "cost_functions/photometric.h"
 #include "cost_functions/pose_manifold.h"
 #include "cost_functions/robust_kernel.h"
-#include "registration/linearize.h"
+#include "registration/icp_level.h"
 #include "registration/wall_frames.h"
 #include "surfit/core/parallel.h"
 

@@ -1,8 +1,7 @@
-#include "registration/linearize.h"
-
 #include <gtest/gtest.h>
 
 #include "registration/dual_system.h"
+#include "registration/icp_level.h"
 #include "registration/random_correspondences.h"
 #include "registration/simulated_views.h"
 #include "surfit/core/parallel.h"

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "registration/simulated_views.h"
-#include "surfit/frame/intensity.h"
+#include "surfit/frame/frame_pyramid.h"
 
 namespace surfit::testing {
 

@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "run/comparison_rows.h"
+#include "run/comparison_files.h"
 #include "run/pose_problem.h"
 #include "surfit/core/options.h"
 #include "testing/expect_input_error.h"

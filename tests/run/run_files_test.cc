@@ -8,7 +8,7 @@
 #include "run/kept_views.h"
 #include "run/posed_views.h"
 #include "surfit/core/error.h"
-#include "surfit/geometry/mirror.h"
+#include "surfit/geometry/sensor.h"
 #include "testing/matchers.h"
 #include "testing/temp_folder.h"
 

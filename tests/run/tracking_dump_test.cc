@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "registration/three_planes.h"
-#include "surfit/frame/intensity.h"
+#include "surfit/frame/frame_pyramid.h"
 #include "testing/expect_input_error.h"
 #include "testing/temp_folder.h"
 

@@ -135,8 +135,6 @@ TEST(Scenes, AnUnknownNameListsTheKnown) {
                        "three_rooms, wall"));
 }
 
-constexpr double kRadPerDeg = M_PI / 180;
-
 struct Step {
   double distance_m, angle_deg;
 };

@@ -5,7 +5,7 @@
 #include <map>
 #include <opencv2/imgcodecs.hpp>
 
-#include "surfit/geometry/mirror.h"
+#include "surfit/geometry/sensor.h"
 #include "surfit/io/camera_files.h"
 #include "surfit/io/point_cloud.h"
 #include "surfit/io/sequence.h"

@@ -12,7 +12,7 @@
 
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
-#include "surfit/geometry/mirror.h"
+#include "surfit/geometry/sensor.h"
 #include "surfit/io/camera_files.h"
 #include "surfit/io/trajectory_files.h"
 

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <memory>
 
-#include "surfit/pictures/live_picture.h"
+#include "surfit/pictures/pictures.h"
 #include "surfit/run/slam_run.h"
 #include "view/pace.h"
 #include "view/window.h"

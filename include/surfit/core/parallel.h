@@ -25,6 +25,9 @@ class ThreadLimit {
 // The number of threads that may compute at the same time now.
 int ThreadCount();
 
+// Rows of an image that are worth a task.
+inline constexpr int kRowsPerBlock = 16;
+
 // Calls body(block_begin, block_end) for the blocks [begin + k * grain, ...) that cover
 // [begin, end). The blocks depend on grain alone, never on the number of threads; they may run at
 // the same time and in any order. Returns when all are done.

@@ -5,6 +5,8 @@
 
 namespace surfit {
 
+inline constexpr double kRadPerDeg = 3.14159265358979323846 / 180;
+
 // The matrix [v]x with [v]x w = v x w.
 template <typename Scalar>
 Eigen::Matrix<Scalar, 3, 3> CrossMatrix(const Eigen::Matrix<Scalar, 3, 1>& v) {

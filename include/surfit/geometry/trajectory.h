@@ -21,4 +21,16 @@ using Trajectory = std::vector<StampedPose>;
 std::optional<Rigid3d> InterpolatePose(const Trajectory& trajectory, double stamp_s,
                                        double max_gap_s = 0.1, double max_difference_s = 0.02);
 
+// Positions in two lists of stamps.
+struct StampMatch {
+  int first = 0;
+  int second = 0;
+};
+
+// Pairs of stamps at most max_difference_s apart, both lists ascending: the nearest pair of all is
+// taken first, and no stamp twice (associate.py of the TUM RGB-D benchmark, but for the limit
+// itself, which matches here as in evo). Ascending in both.
+std::vector<StampMatch> MatchStamps(const std::vector<double>& first_s,
+                                    const std::vector<double>& second_s, double max_difference_s);
+
 }  // namespace surfit

@@ -3,7 +3,7 @@
 #include <limits>
 #include <vector>
 
-#include "surfit/frame/model_view.h"
+#include "surfit/frame/frame_pyramid.h"
 #include "surfit/mapping/surfel_map.h"
 
 namespace surfit {

@@ -3,8 +3,8 @@
 #include <cstdint>
 
 #include "surfit/core/image.h"
+#include "surfit/frame/frame_pyramid.h"
 #include "surfit/frame/rgbd_frame.h"
-#include "surfit/frame/vector_image.h"
 #include "surfit/geometry/pinhole_camera.h"
 #include "surfit/simulation/scene.h"
 

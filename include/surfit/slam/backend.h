@@ -1,18 +1,96 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
 
+#include "surfit/geometry/rigid3.h"
 #include "surfit/geometry/trajectory.h"
 #include "surfit/mapping/move_map.h"
+#include "surfit/optimization/pose_graph.h"
+#include "surfit/places/find_loops.h"
+#include "surfit/places/keyframe.h"
+#include "surfit/places/place_index.h"
 #include "surfit/registration/far_registration.h"
-#include "surfit/slam/loop_finder.h"
-#include "surfit/slam/loop_options.h"
-#include "surfit/slam/posed_frame.h"
 
 namespace surfit {
+
+class OptionVisitor;
+
+// What registrations do not know of their errors. The covariance of odometry is what they say,
+// times the points that share one error and the frames between the keyframes: drift is a walk at
+// random, and goes above all where a view holds the camera least. Errors of calibration and of
+// surfaces that are not what the model of noise says do not average out at all: they are added to
+// the covariance of every edge of the pose graph, as standard deviations of each component.
+struct EdgeNoise {
+  double shared_points = 25;      // as many as the window of the depth filter has
+  double odometry_m = 0.0002;     // between consecutive keyframes, and
+  double odometry_rad = 0.0001;   //
+  double odometry_share = 0.001;  // of the way and of the turn between them
+  double loop_m = 0.003;          // of a loop, beyond FarVerdict::information
+  double loop_rad = 0.0015;
+
+  void Visit(OptionVisitor& visitor);
+};
+
+// Of loops: wrong ones are left out.
+inline PoseGraphOptions RobustPoseGraphOptions() {
+  PoseGraphOptions options;
+  options.loop_robustness = "gnc";
+  return options;
+}
+
+// How loops are closed, and how a lost camera is found again.
+struct LoopOptions {
+  bool enabled = false;
+  KeyframeOptions keyframes;
+  PlaceViewOptions views;
+  PlaceIndexOptions places;
+  FindLoopsOptions find;
+  RelocalizeOptions relocalize;
+  EdgeNoise noise;
+  PoseGraphOptions graph = RobustPoseGraphOptions();
+  // What is found out from a keyframe on takes effect before the so-many-th frame after it, however
+  // long it takes: the same on every machine.
+  int delay_frames = 30;
+  // FusionOptions::active_frames where loops are closed and that sets no limit: what the camera has
+  // drifted from must not hold it until a loop has put both together. 0 = no limit either.
+  int active_frames = 200;
+  // Surfels last seen longer before others were first seen are merged with these where a loop puts
+  // them together; FusionOptions::active_frames where that is more.
+  int frames_apart = 100;
+  // A correction that moves no keyframe farther is not applied: the map is as good as it was.
+  double min_correction_m = 0.002;
+  std::size_t max_view_bytes = std::size_t{512} << 20;  // of keyframes: LimitKeyframes()
+  // After so many lost frames in a row a new map is begun, and joined to the first by a loop. 0 =
+  // never.
+  int new_map_after = 0;
+
+  void Visit(OptionVisitor& visitor);
+};
+
+// A frame that has a pose, and what it hangs on.
+struct PosedFrame {
+  int index = 0;
+  double stamp_s = 0;
+  Rigid3d world_from_camera;  // as corrected so far
+  int keyframe = 0;           // the last one before it, or itself
+  // Frames of one stretch were tracked one after the other; relocalisation begins another one.
+  int stretch = 0;
+};
+
+// Tries to join keyframe `source` to earlier ones: FindLoops(), or another way.
+using LoopFinder = std::function<std::vector<LoopAttempt>(
+    int source, const std::vector<Keyframe>& keyframes, const PlaceIndex& index)>;
+
+// A pair of keyframes that was tried as a loop, by the frames' indices.
+struct LoopRecord {
+  int source_frame = 0, target_frame = 0;
+  LoopAttempt attempt;
+  bool in_graph = false;  // accepted, and consistent with the others when last looked at
+};
 
 class LoopThread;
 struct LoopOutcome;
