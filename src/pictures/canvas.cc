@@ -17,10 +17,6 @@ constexpr int kFiner = 4;        // text is drawn this much larger, then average
 constexpr int kShift = 4;        // fractional bits of OpenCV's coordinates
 constexpr double kCapital = 21;  // height of the font's capitals at scale 1
 
-cv::Mat AsMat(Image<Rgb8>* image) {
-  return {image->height(), image->width(), CV_8UC3, image->data()};
-}
-
 cv::Scalar AsScalar(Rgb8 color) { return {1. * color.r, 1. * color.g, 1. * color.b}; }
 
 cv::Point Fixed(PixelPoint p) {
@@ -47,6 +43,10 @@ std::uint8_t Blend(std::uint8_t below, std::uint8_t above, int share) {
 }
 
 }  // namespace
+
+cv::Mat AsMat(Image<Rgb8>* image) {
+  return {image->height(), image->width(), CV_8UC3, image->data()};
+}
 
 double TextWidth(const std::string& text, const TextStyle& style) {
   return static_cast<double>(Strokes(text, style.height_px).size.width) / kFiner;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <opencv2/core/mat.hpp>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,9 @@ struct TextStyle {
   double justify = 0;     // text begins at its point with 0, is centred with 0.5, ends with 1
   Rgb8 color = {20, 20, 20};
 };
+
+// The same pixels, for OpenCV.
+cv::Mat AsMat(Image<Rgb8>* image);
 
 // The pixels that a text takes, without margin.
 double TextWidth(const std::string& text, const TextStyle& style);

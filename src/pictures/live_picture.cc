@@ -2,6 +2,7 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "pictures/canvas.h"
 #include "pictures/coloring.h"
 #include "pictures/splat_renderer.h"
 #include "surfit/mapping/model_renderer.h"
