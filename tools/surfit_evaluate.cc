@@ -65,8 +65,8 @@ std::optional<TimeOffset> FindTimeOffset(const Trajectory& ground_truth, const T
   if (options.time_offset_s.empty()) return std::nullopt;
   const MatchOptions& match = options.evaluation.match;
   const std::optional<double> given = options.GivenOffset();
-  const auto offset = given ? EvaluateTimeOffset(ground_truth, estimate, *given, match)
-                            : EstimateTimeOffset(ground_truth, estimate, match);
+  auto offset = given ? EvaluateTimeOffset(ground_truth, estimate, *given, match)
+                      : EstimateTimeOffset(ground_truth, estimate, match);
   if (offset) return offset;
   throw InputError(Concat("time_offset_s is '", options.time_offset_s,
                           "': fewer than 3 poses match with ",

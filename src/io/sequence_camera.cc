@@ -129,7 +129,7 @@ RgbdCamera BaseCamera(const SequenceOptions& options, const std::string& format,
   if (format == "tum") {
     if (const auto camera = TumCamera(options.path)) return *camera;
   }
-  const RgbdCamera camera = format == "klg" ? CameraPreset("klg") : RosDefault();
+  RgbdCamera camera = format == "klg" ? CameraPreset("klg") : RosDefault();
   if (!options.intrinsics) warnings->push_back(DefaultWarning(options.path, camera.depth));
   return camera;
 }

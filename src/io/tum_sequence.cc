@@ -31,7 +31,7 @@ void RequireColumns(const TextRow& row, std::size_t count, const char* meaning) 
 // rgb.txt or depth.txt, in order of time.
 std::vector<StampedFile> ReadStampedFiles(const std::string& folder, const std::string& name) {
   std::vector<StampedFile> files;
-  for (const TextRow& row : ReadTextRows(folder + "/" + name)) {
+  for (const TextRow& row : ReadTextRows(Concat(folder, "/", name))) {
     RequireColumns(row, 2, "stamp and file");
     files.push_back(ParseStampedFile(row, 0, folder));
   }
@@ -43,6 +43,7 @@ std::vector<StampedFile> ReadStampedFiles(const std::string& folder, const std::
 
 std::vector<double> Stamps(const std::vector<StampedFile>& files) {
   std::vector<double> stamps_s;
+  stamps_s.reserve(files.size());
   for (const StampedFile& file : files) stamps_s.push_back(file.stamp_s);
   return stamps_s;
 }
@@ -81,7 +82,7 @@ std::vector<FrameFiles> ReadAssociations(const std::string& folder) {
 Trajectory ReadGroundTruth(const std::string& folder) {
   if (IsFile(folder + "/groundtruth.txt")) return ReadTumTrajectory(folder + "/groundtruth.txt");
   for (const std::string& name : NamesIn(folder)) {
-    if (EndsWith(name, ".gt.freiburg")) return ReadTumTrajectory(folder + "/" + name);
+    if (EndsWith(name, ".gt.freiburg")) return ReadTumTrajectory(Concat(folder, "/", name));
   }
   return {};
 }

@@ -113,7 +113,7 @@ class SlamRun {
   FrameReport Process(const ReadResult& result) {
     const RgbdFrame& frame = *result.frame;
     const TraceSlice slice("frame", frame.index);
-    const FrameReport report = slam_.Process(frame);
+    FrameReport report = slam_.Process(frame);
     statistics_.CountProcessed(frame, report);
     if (options_.keep_views) views_.Offer(frame, report, slam_.map(), slam_.info().sensor());
     double write_ms = 0;
