@@ -14,11 +14,6 @@ namespace {
 constexpr std::size_t kMostPointsInLeaf = 32;
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
-struct Item {
-  Eigen::Vector3f point;
-  std::uint32_t position;
-};
-
 }  // namespace
 
 struct KdTree::Box {
@@ -34,6 +29,11 @@ struct KdTree::Box {
 // Orders points leaf by leaf: splits at the median along the longest side, again and again.
 class KdTree::Sorter {
  public:
+  struct Item {
+    Eigen::Vector3f point;
+    std::uint32_t position;
+  };
+
   Sorter(const KdTree& tree, std::vector<Item>* items) : tree_(tree), items_(items->data()) {}
 
   void Run() const {
@@ -76,7 +76,7 @@ class KdTree::Sorter {
 KdTree::KdTree(const std::vector<Eigen::Vector3f>& points) {
   CHECK_LT(points.size(), std::size_t{1} << 31);
   while (points.size() > kMostPointsInLeaf << depth_) ++depth_;
-  std::vector<Item> items(points.size());
+  std::vector<Sorter::Item> items(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     items[i] = {points[i], static_cast<std::uint32_t>(i)};
   }

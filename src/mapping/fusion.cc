@@ -21,6 +21,22 @@
 namespace surfit {
 namespace {
 
+// So much before its turn a candidate and what it needs is asked for, to be in the cache by then.
+constexpr int kCandidatesAhead = 16;
+
+// Drops the last of the new surfels that a full map has no place for; returns how many.
+int DropBeyond(int max_map_points, std::size_t map_points, std::vector<Surfel>* added) {
+  if (max_map_points == 0) return 0;
+  const auto most = static_cast<std::size_t>(max_map_points);
+  const std::size_t places = most > map_points ? most - map_points : 0;
+  if (added->size() <= places) return 0;
+  const auto refused = static_cast<int>(added->size() - places);
+  added->resize(places);
+  return refused;
+}
+
+}  // namespace
+
 // The last frames that were fused, by their index.
 class FrameWindow {
  public:
@@ -41,22 +57,6 @@ class FrameWindow {
   const std::size_t most_;
   std::deque<int> indices_;
 };
-
-// So much before its turn a candidate and what it needs is asked for, to be in the cache by then.
-constexpr int kCandidatesAhead = 16;
-
-// Drops the last of the new surfels that a full map has no place for; returns how many.
-int DropBeyond(int max_map_points, std::size_t map_points, std::vector<Surfel>* added) {
-  if (max_map_points == 0) return 0;
-  const auto most = static_cast<std::size_t>(max_map_points);
-  const std::size_t places = most > map_points ? most - map_points : 0;
-  if (added->size() <= places) return 0;
-  const auto refused = static_cast<int>(added->size() - places);
-  added->resize(places);
-  return refused;
-}
-
-}  // namespace
 
 // The fusion of one frame; owns the buffers that are kept between frames.
 struct Fusion::Workspace {

@@ -15,8 +15,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kHeight_m = RoomPlan::kHeight_m;
-
 template <typename Container>
 void Shuffle(Container* items, Random* random) {
   for (std::size_t i = items->size(); i > 1; --i) {
@@ -26,7 +24,7 @@ void Shuffle(Container* items, Random* random) {
 
 void AddCeilingLamp(const RoomPlan& room) {
   const Vector3d above(room.width_m / 2 + room.random->Uniform(-0.4, 0.4),
-                       room.depth_m / 2 + room.random->Uniform(-0.4, 0.4), kHeight_m);
+                       room.depth_m / 2 + room.random->Uniform(-0.4, 0.4), RoomPlan::kHeight_m);
   const Item lamp = room.Frame().At(above);
   lamp.Rod({0, 0, -0.22}, {0, 0, 0}, 0.008, Plain(Color::Constant(0.2f)));
   lamp.Add(MakeSphere(0.12), {0, 0, -0.3}, Plain(Color::Constant(0.8f)), 1.f);
@@ -96,7 +94,7 @@ void AddCabinetWall(const RoomPlan& room, int wall) {
   Line(room, wall,
        {{width, [=](const Item& at) { AddCabinet(at, width, random); }},
         {curtain, [=](const Item& at) {
-           AddCurtain(at, curtain, kHeight_m - 0.15, random);
+           AddCurtain(at, curtain, RoomPlan::kHeight_m - 0.15, random);
            at.Target({0, 0.1, 0.9});
          }}});
 }

@@ -5,25 +5,21 @@
 
 #include <cmath>
 
+#include "cost_functions/solve_pose.h"
 #include "testing/matchers.h"
 #include "testing/random_pose.h"
 
 namespace surfit {
 namespace {
 
+using testing::AsBlock;
+using testing::PoseBlock;
 using testing::RandomPose;
 using testing::RandomVector;
 using testing::RigidNear;
 using testing::VectorNear;
 
-using Block = Eigen::Matrix<double, kPoseSize, 1>;
 using Increment = Eigen::Matrix<double, 6, 1>;
-
-Block AsBlock(const Rigid3d& pose) {
-  Block block;
-  PoseToBlock(pose, block.data());
-  return block;
-}
 
 Increment RandomIncrement(double size_rad, std::mt19937_64* rng) {
   Increment delta;
@@ -41,13 +37,13 @@ void ExpectInvariants() {
   std::mt19937_64 rng(1);
   for (int trial = 0; trial < 100; ++trial) {
     // From x to y by less than half a turn: beyond, Minus takes the shorter way, to -q.
-    const Block x = AsBlock(RandomPose(1.5, 3, &rng));
-    Block y;
+    const PoseBlock x = AsBlock(RandomPose(1.5, 3, &rng));
+    PoseBlock y;
     manifold.Plus(x.data(), RandomIncrement(1.5, &rng).eval().data(), y.data());
     const Increment delta = RandomIncrement(trial % 2 == 0 ? 1e-8 : 1.5, &rng);
     EXPECT_THAT_MANIFOLD_INVARIANTS_HOLD(manifold, x, delta, y, kTolerance);
   }
-  const Block identity = AsBlock(Rigid3d());
+  const PoseBlock identity = AsBlock(Rigid3d());
   const Increment zero = Increment::Zero();
   EXPECT_THAT_MANIFOLD_INVARIANTS_HOLD(manifold, identity, zero, identity, kTolerance);
 }
@@ -62,7 +58,7 @@ TEST(LeftPoseManifold, MovesPointsFromTheLeft) {
   for (int trial = 0; trial < 20; ++trial) {
     const Rigid3d pose = RandomPose(2, 3, &rng);
     const Increment delta = RandomIncrement(1, &rng);
-    Block moved;
+    PoseBlock moved;
     LeftPoseManifold().Plus(AsBlock(pose).data(), delta.data(), moved.data());
     const Eigen::Vector3d p = RandomVector(3, &rng);
     const Eigen::Vector3d expected =
@@ -76,7 +72,7 @@ TEST(ProductPoseManifold, TurnsInPlaceAndAddsTranslations) {
   for (int trial = 0; trial < 20; ++trial) {
     const Rigid3d pose = RandomPose(2, 3, &rng);
     const Increment delta = RandomIncrement(1, &rng);
-    Block moved;
+    PoseBlock moved;
     ProductPoseManifold().Plus(AsBlock(pose).data(), delta.data(), moved.data());
     const Rigid3d expected(QuaternionExp<double>(delta.head<3>()) * pose.rotation,
                            pose.translation + delta.tail<3>());
@@ -86,7 +82,7 @@ TEST(ProductPoseManifold, TurnsInPlaceAndAddsTranslations) {
 
 TEST(PoseBlock, KeepsTheOrderOfTumFiles) {
   const Rigid3d pose(Eigen::Quaterniond(0.1, 0.7, 0.5, 0.5).normalized(), {1, 2, 3});
-  const Block block = AsBlock(pose);
+  const PoseBlock block = AsBlock(pose);
   EXPECT_EQ(block[0], pose.rotation.x());
   EXPECT_EQ(block[1], pose.rotation.y());
   EXPECT_EQ(block[2], pose.rotation.z());

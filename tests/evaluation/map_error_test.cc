@@ -15,11 +15,11 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
-using Points = std::vector<Eigen::Vector3f>;
+using Cloud = std::vector<Eigen::Vector3f>;
 
-Points RandomPoints(int count, double size_m, int seed) {
+Cloud RandomPoints(int count, double size_m, int seed) {
   std::mt19937_64 rng(seed);
-  Points points;
+  Cloud points;
   for (int i = 0; i < count; ++i) {
     points.push_back(testing::RandomVector(size_m, &rng).cast<float>());
   }
@@ -27,15 +27,15 @@ Points RandomPoints(int count, double size_m, int seed) {
 }
 
 // A grid of (2 n + 1)^2 points in the plane z = 0.
-Points Grid(int n, float spacing_m) {
-  Points points;
+Cloud Grid(int n, float spacing_m) {
+  Cloud points;
   for (int i = -n; i <= n; ++i) {
     for (int j = -n; j <= n; ++j) points.push_back({spacing_m * i, spacing_m * j, 0});
   }
   return points;
 }
 
-double BruteForceDistance(const Eigen::Vector3f& query, const Points& points) {
+double BruteForceDistance(const Eigen::Vector3f& query, const Cloud& points) {
   double least = std::numeric_limits<double>::infinity();
   for (const Eigen::Vector3f& point : points) {
     least = std::min(least, (query.cast<double>() - point.cast<double>()).norm());
@@ -44,7 +44,7 @@ double BruteForceDistance(const Eigen::Vector3f& query, const Points& points) {
 }
 
 TEST(MapError, AgreesWithBruteForce) {
-  const Points map = RandomPoints(1500, 1, 1), reference = RandomPoints(2500, 1, 2);
+  const Cloud map = RandomPoints(1500, 1, 1), reference = RandomPoints(2500, 1, 2);
   const MapErrorOptions options{0.1};
   const MapError error = ComputeMapError(map, reference, {}, options);
   std::vector<double> to_reference;
@@ -68,8 +68,8 @@ TEST(MapError, AgreesWithBruteForce) {
 
 // A plane seen 5 mm too far, of which one half is mapped.
 TEST(MapError, OfAShiftedHalfPlane) {
-  const Points reference = Grid(20, 0.125f);
-  Points map;
+  const Cloud reference = Grid(20, 0.125f);
+  Cloud map;
   for (const auto& point : reference) {
     if (point.x() > 0) map.push_back(point + Eigen::Vector3f(0, 0, 0.0078125f));
   }
@@ -81,7 +81,7 @@ TEST(MapError, OfAShiftedHalfPlane) {
 }
 
 TEST(MapError, DistanceOfCompletenessIsInclusive) {
-  const Points reference = {{0, 0, 0}}, map = {{0.25f, 0, 0}};
+  const Cloud reference = {{0, 0, 0}}, map = {{0.25f, 0, 0}};
   EXPECT_EQ(ComputeMapError(map, reference, {}, {0.25}).completeness, 1);
   EXPECT_EQ(ComputeMapError(map, reference, {}, {0.2499}).completeness, 0);
 }
@@ -90,10 +90,10 @@ TEST(MapError, DistanceOfCompletenessIsInclusive) {
 // h = 0 the nearest grid point is at the distance of a uniform point of a square of side s from its
 // centre, whose mean is s (sqrt(2) + ln(1 + sqrt(2))) / 6 = 0.3826 s.
 TEST(MapError, ToThePlaneIsFreeOfTheReferencesSpacing) {
-  const Points reference = Grid(20, 0.1f);
-  const Points normals(reference.size(), Eigen::Vector3f(0, 0, -1));
+  const Cloud reference = Grid(20, 0.1f);
+  const Cloud normals(reference.size(), Eigen::Vector3f(0, 0, -1));
   const int count = 20000;
-  Points map = RandomPoints(count, 2, 3);
+  Cloud map = RandomPoints(count, 2, 3);
   for (auto& point : map) point.z() = 0;
   const MapError flat = ComputeMapError(map, reference, normals, MapErrorOptions());
   // 5 sigma / sqrt(N); the distance's standard deviation is 0.143 s.
@@ -106,16 +106,16 @@ TEST(MapError, ToThePlaneIsFreeOfTheReferencesSpacing) {
 }
 
 TEST(MapError, TakesThePlaneOfTheNearestPoint) {
-  const Points reference = {{-2, 0, 0}, {0, 0, 0}, {0, 3, 0}};
-  const Points normals = {{1, 0, 0}, {0, 0, 1}, {0, 1, 0}};
+  const Cloud reference = {{-2, 0, 0}, {0, 0, 0}, {0, 3, 0}};
+  const Cloud normals = {{1, 0, 0}, {0, 0, 1}, {0, 1, 0}};
   const MapError error = ComputeMapError({{0.5f, 0.25f, 0.125f}}, reference, normals, {});
   EXPECT_EQ(error.plane_accuracy_m->max, 0.125);
 }
 
 TEST(MapError, LeavesOutPointsThatAreNotFinite) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-  const Points map = {{kNan, 0, 0}, {0, 0, 0}}, reference = {{0, 0, 1}, {0, 0, 0}, {0, kNan, 0}};
-  const Points normals = {{1, 0, 0}, {0, 0, 1}, {1, 0, 0}};
+  const Cloud map = {{kNan, 0, 0}, {0, 0, 0}}, reference = {{0, 0, 1}, {0, 0, 0}, {0, kNan, 0}};
+  const Cloud normals = {{1, 0, 0}, {0, 0, 1}, {1, 0, 0}};
   const MapError error = ComputeMapError(map, reference, normals, MapErrorOptions());
   EXPECT_EQ(error.map_points, 1u);
   EXPECT_EQ(error.reference_points, 2u);
@@ -124,7 +124,7 @@ TEST(MapError, LeavesOutPointsThatAreNotFinite) {
 }
 
 TEST(MapError, IsTheSameAtAnyNumberOfThreads) {
-  const Points map = RandomPoints(20000, 1, 1), reference = RandomPoints(30000, 1, 2);
+  const Cloud map = RandomPoints(20000, 1, 1), reference = RandomPoints(30000, 1, 2);
   std::vector<MapError> errors;
   for (const int threads : {1, 4}) {
     ThreadLimit limit(threads);
@@ -136,7 +136,7 @@ TEST(MapError, IsTheSameAtAnyNumberOfThreads) {
 }
 
 TEST(MapError, NamesTheCloudThatHasNoPoint) {
-  const Points none, one = {{0, 0, 0}};
+  const Cloud none, one = {{0, 0, 0}};
   EXPECT_THAT([&] { ComputeMapError(none, one, {}, MapErrorOptions()); },
               ThrowsMessage<InputError>(HasSubstr("the map has no finite point")));
   EXPECT_THAT([&] { ComputeMapError(one, none, {}, MapErrorOptions()); },

@@ -18,7 +18,7 @@ Eigen::Matrix3d Exp(const Eigen::Matrix3d& matrix) {
 }
 
 template <typename Scalar>
-class Rigid3Test : public testing::Test {
+class Rigid3Test : public ::testing::Test {
  protected:
   using Vector3 = Eigen::Matrix<Scalar, 3, 1>;
   using Vector6 = Eigen::Matrix<Scalar, 6, 1>;
@@ -44,7 +44,7 @@ class Rigid3Test : public testing::Test {
   std::mt19937_64 rng_{7};
 };
 
-using Scalars = testing::Types<float, double>;
+using Scalars = ::testing::Types<float, double>;
 TYPED_TEST_SUITE(Rigid3Test, Scalars);
 
 TYPED_TEST(Rigid3Test, ExpIsTheMatrixExponentialOfTheCrossMatrix) {

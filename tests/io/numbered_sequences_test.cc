@@ -25,12 +25,6 @@ void WriteSevenScenes(const TempFolder& folder, int count) {
   folder.Write("camera.yaml", testing::SmallCameraYaml());
 }
 
-SequenceOptions Options(const TempFolder& folder) {
-  SequenceOptions options;
-  options.path = folder.path();
-  return options;
-}
-
 TEST(SevenScenesSequence, ReadsFramesAndCameraToWorldPoses) {
   TempFolder folder;
   WriteSevenScenes(folder, 4);

@@ -6,6 +6,7 @@
 #include "surfit/core/error.h"
 #include "surfit/io/point_cloud.h"
 #include "testing/expect_input_error.h"
+#include "testing/frame_codings.h"
 #include "testing/temp_folder.h"
 
 namespace surfit {
@@ -17,14 +18,9 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::ThrowsMessage;
 using V = Eigen::Vector3f;
+using testing::LittleEndian;
+using testing::MalformedFile;
 using testing::TempFolder;
-
-template <typename... Values>
-std::string Bytes(Values... values) {
-  std::string bytes;
-  (bytes.append(reinterpret_cast<const char*>(&values), sizeof(values)), ...);
-  return bytes;
-}
 
 std::string Header(const std::string& fields, const std::string& sizes, const std::string& types,
                    int count, const std::string& data) {
@@ -44,7 +40,7 @@ PointCloud Read(const std::string& bytes) {
 
 // Compressed data between its two sizes and whatever may follow.
 std::string Compressed(std::uint32_t size, const std::string& lzf) {
-  return Bytes(static_cast<std::uint32_t>(lzf.size()), size) + lzf;
+  return LittleEndian(static_cast<std::uint32_t>(lzf.size()), size) + lzf;
 }
 
 TEST(Pcd, ReadsAscii) {
@@ -63,8 +59,8 @@ TEST(Pcd, ReadsAscii) {
 TEST(Pcd, ReadsBinaryOfMixedTypes) {
   const PointCloud cloud =
       Read(Header("z _ rgb y x label", "8 1 4 4 2 4", "F U F F I U", 2, "binary") +
-           Bytes(3., '?', 0xffffa001u, 2.f, std::int16_t{-1}, 7u) +
-           Bytes(6., '?', 0x00010203u, 5.f, std::int16_t{4}, 8u));
+           LittleEndian(3., '?', 0xffffa001u, 2.f, std::int16_t{-1}, 7u) +
+           LittleEndian(6., '?', 0x00010203u, 5.f, std::int16_t{4}, 8u));
   EXPECT_THAT(cloud.points, ElementsAre(V(-1, 2, 3), V(4, 5, 6)));
   EXPECT_THAT(cloud.colors, ElementsAre(Rgb8{255, 160, 1}, Rgb8{1, 2, 3}));
   EXPECT_THAT(cloud.normals, IsEmpty());
@@ -73,7 +69,7 @@ TEST(Pcd, ReadsBinaryOfMixedTypes) {
 TEST(Pcd, SkipsFieldsOfSeveralValues) {
   std::string header = Header("f x y z", "4 4 4 4", "F F F F", 1, "binary");
   header.replace(header.find("WIDTH"), 0, "COUNT 3 1 1 1\n");
-  const PointCloud cloud = Read(header + Bytes(9.f, 9.f, 9.f, 1.f, 2.f, 3.f));
+  const PointCloud cloud = Read(header + LittleEndian(9.f, 9.f, 9.f, 1.f, 2.f, 3.f));
   EXPECT_THAT(cloud.points, ElementsAre(V(1, 2, 3)));
 }
 
@@ -88,7 +84,7 @@ TEST(Pcd, CountsOrganizedCloudsByWidthAndHeight) {
 TEST(Pcd, ReadsCompressedLiterals) {
   // Field by field: x of both points, then y, then z. A control byte c < 32 stands before c + 1
   // literal bytes.
-  const std::string columns = Bytes(1.f, 4.f, 2.f, 5.f, 3.f, 6.f);
+  const std::string columns = LittleEndian(1.f, 4.f, 2.f, 5.f, 3.f, 6.f);
   const PointCloud cloud = Read(XyzHeader(2, "binary_compressed") +
                                 Compressed(24, std::string(1, 23) + columns) + "rest");
   EXPECT_THAT(cloud.points, ElementsAre(V(1, 2, 3), V(4, 5, 6)));
@@ -98,7 +94,7 @@ TEST(Pcd, ReadsCompressedMatches) {
   // 100 points of one float, over and over: four literal bytes, then 1196 bytes from 4 before.
   // Matches of 264 = 7 + 255 + 2, 264, 264, 264 and 140 = 7 + 131 + 2 bytes: bits 111, five of the
   // distance less one, the length's rest, eight of the distance less one.
-  std::string lzf = std::string(1, 3) + Bytes(1.5f);
+  std::string lzf = std::string(1, 3) + LittleEndian(1.5f);
   for (const int rest : {255, 255, 255, 255, 131}) {
     lzf += {static_cast<char>(7 << 5), static_cast<char>(rest), 3};
   }
@@ -110,7 +106,7 @@ TEST(Pcd, ReadsShortMatchesFromFarBack) {
   // 300 bytes: x of 25 points counts up; y repeats it by matches of 4 bytes (length 2 + 2), 100
   // bytes back; z by matches from 200 back.
   std::string lzf;
-  for (int i = 0; i < 25; ++i) lzf += std::string(1, 3) + Bytes(static_cast<float>(i));
+  for (int i = 0; i < 25; ++i) lzf += std::string(1, 3) + LittleEndian(static_cast<float>(i));
   for (const int distance : {100, 200}) {
     for (int i = 0; i < 25; ++i) {
       lzf += {static_cast<char>(2 << 5 | (distance - 1) >> 8), static_cast<char>(distance - 1)};
@@ -121,17 +117,11 @@ TEST(Pcd, ReadsShortMatchesFromFarBack) {
   for (int i = 0; i < 25; ++i) EXPECT_EQ(cloud.points[i], V::Constant(static_cast<float>(i)));
 }
 
-struct Malformed {
-  const char* name;
-  std::string bytes;
-  const char* message;
-};
-
-class MalformedPcd : public ::testing::TestWithParam<Malformed> {};
+class MalformedPcd : public ::testing::TestWithParam<MalformedFile> {};
 
 TEST_P(MalformedPcd, IsRefusedWithTheReason) {
   const TempFolder folder;
-  const std::string path = folder.Write("bad.pcd", GetParam().bytes);
+  const std::string path = folder.Write("bad.pcd", GetParam().content);
   EXPECT_THAT([&] { ReadPointCloud(path); },
               ThrowsMessage<InputError>(AllOf(HasSubstr(path), HasSubstr(GetParam().message))));
 }
@@ -140,57 +130,66 @@ std::string Replaced(std::string text, const std::string& from, const std::strin
   return text.replace(text.find(from), from.size(), to);
 }
 
-const std::string kAscii = XyzHeader(1, "ascii") + "1 2 3\n";
+const std::string kOneAscii = XyzHeader(1, "ascii") + "1 2 3\n";
 const std::string kPacked = XyzHeader(1, "binary_compressed");
 
 INSTANTIATE_TEST_SUITE_P(
     Files, MalformedPcd,
     ::testing::Values(
-        Malformed{"Empty", "", "the header has no line DATA"},
-        Malformed{"Text", "Once upon a time\n", "neither a PLY file"},
-        Malformed{"NoFields", Replaced(kAscii, "FIELDS x y z\n", ""), "the header has no FIELDS"},
-        Malformed{"NoZ", Replaced(kAscii, "x y z", "x y w"), "FIELDS must have x, y and z"},
-        Malformed{"FewSizes", Replaced(kAscii, "4 4 4", "4 4"), "SIZE has 2 values, must have 3"},
-        Malformed{"OddSize", Replaced(kAscii, "4 4 4", "4 4 3"), "type F and size 3, must be"},
-        Malformed{"OddType", Replaced(kAscii, "F F F", "F F Q"), "type Q and size 4, must be"},
-        Malformed{"OddData", Replaced(kAscii, "DATA ascii", "DATA zip"), "DATA is 'zip', must be"},
-        Malformed{"OddCount", Replaced(kAscii, "WIDTH 1", "WIDTH one"), "the count is 'one'"},
-        Malformed{"OtherCount", Replaced(kAscii, "POINTS 1", "POINTS 2"), "POINTS is 2, must be"},
-        Malformed{"ManyValues", Replaced(kAscii, "WIDTH", "COUNT 1 1 99999999\nWIDTH"),
-                  "COUNT of a field is 99999999, must be at most"},
-        Malformed{"HugeProduct",
-                  Replaced(Replaced(kAscii, "WIDTH 1", "WIDTH 9000000000000000000"), "HEIGHT 1",
-                           "HEIGHT 2"),
-                  "WIDTH x HEIGHT is"},
-        Malformed{"Huge",
-                  Replaced(Replaced(kAscii, "WIDTH 1", "WIDTH 9000000000000000000"), "POINTS 1",
-                           "POINTS 9000000000000000000"),
-                  "the file is too short for 9000000000000000000 rows"},
-        Malformed{"ShortAscii", XyzHeader(1, "ascii") + "1.25 2.25\n",
-                  "row 0: a number is missing"},
-        Malformed{"ShortBinary", XyzHeader(2, "binary") + Bytes(1.f, 2.f, 3.f), "too short for 2"},
-        Malformed{"PackedNothing", kPacked, "the file ends before its points"},
-        Malformed{"PackedShort", kPacked + Bytes(100u, 12u) + "abc", "ends before its points"},
-        Malformed{"PackedOtherSize", kPacked + Compressed(13, "abc"),
-                  "13 bytes of points, must be"},
-        Malformed{"PackedHuge",
-                  XyzHeader(300000000, "binary_compressed") + Compressed(3600000000u, "abc"),
-                  "the compressed data is damaged"},
-        Malformed{"LiteralsEndEarly",
-                  kPacked + Compressed(12,
-                                       "\x0b"
-                                       "abc"),
-                  "is damaged"},
-        Malformed{"LiteralsTooMany",
-                  kPacked + Compressed(12, std::string(1, 12) + std::string(13, 'a')),
-                  "is damaged"},
-        Malformed{"MatchBeforeTheStart", kPacked + Compressed(12, std::string("\0a\x20\x05", 4)),
-                  "is damaged"},
-        Malformed{"MatchEndsEarly", kPacked + Compressed(12, std::string("\0a\x20", 3)),
-                  "is damaged"},
-        Malformed{"MatchTooLong", kPacked + Compressed(12, std::string("\0a\xe0\xff\0", 5)),
-                  "is damaged"},
-        Malformed{"TooLittle", kPacked + Compressed(12, std::string("\0a", 2)), "is damaged"}),
+        MalformedFile{"Empty", "", "the header has no line DATA"},
+        MalformedFile{"Text", "Once upon a time\n", "neither a PLY file"},
+        MalformedFile{"NoFields", Replaced(kOneAscii, "FIELDS x y z\n", ""),
+                      "the header has no FIELDS"},
+        MalformedFile{"NoZ", Replaced(kOneAscii, "x y z", "x y w"), "FIELDS must have x, y and z"},
+        MalformedFile{"FewSizes", Replaced(kOneAscii, "4 4 4", "4 4"),
+                      "SIZE has 2 values, must have 3"},
+        MalformedFile{"OddSize", Replaced(kOneAscii, "4 4 4", "4 4 3"),
+                      "type F and size 3, must be"},
+        MalformedFile{"OddType", Replaced(kOneAscii, "F F F", "F F Q"),
+                      "type Q and size 4, must be"},
+        MalformedFile{"OddData", Replaced(kOneAscii, "DATA ascii", "DATA zip"),
+                      "DATA is 'zip', must be"},
+        MalformedFile{"OddCount", Replaced(kOneAscii, "WIDTH 1", "WIDTH one"),
+                      "the count is 'one'"},
+        MalformedFile{"OtherCount", Replaced(kOneAscii, "POINTS 1", "POINTS 2"),
+                      "POINTS is 2, must be"},
+        MalformedFile{"ManyValues", Replaced(kOneAscii, "WIDTH", "COUNT 1 1 99999999\nWIDTH"),
+                      "COUNT of a field is 99999999, must be at most"},
+        MalformedFile{"HugeProduct",
+                      Replaced(Replaced(kOneAscii, "WIDTH 1", "WIDTH 9000000000000000000"),
+                               "HEIGHT 1", "HEIGHT 2"),
+                      "WIDTH x HEIGHT is"},
+        MalformedFile{"Huge",
+                      Replaced(Replaced(kOneAscii, "WIDTH 1", "WIDTH 9000000000000000000"),
+                               "POINTS 1", "POINTS 9000000000000000000"),
+                      "the file is too short for 9000000000000000000 rows"},
+        MalformedFile{"ShortAscii", XyzHeader(1, "ascii") + "1.25 2.25\n",
+                      "row 0: a number is missing"},
+        MalformedFile{"ShortBinary", XyzHeader(2, "binary") + LittleEndian(1.f, 2.f, 3.f),
+                      "too short for 2"},
+        MalformedFile{"PackedNothing", kPacked, "the file ends before its points"},
+        MalformedFile{"PackedShort", kPacked + LittleEndian(100u, 12u) + "abc",
+                      "ends before its points"},
+        MalformedFile{"PackedOtherSize", kPacked + Compressed(13, "abc"),
+                      "13 bytes of points, must be"},
+        MalformedFile{"PackedHuge",
+                      XyzHeader(300000000, "binary_compressed") + Compressed(3600000000u, "abc"),
+                      "the compressed data is damaged"},
+        MalformedFile{"LiteralsEndEarly",
+                      kPacked + Compressed(12,
+                                           "\x0b"
+                                           "abc"),
+                      "is damaged"},
+        MalformedFile{"LiteralsTooMany",
+                      kPacked + Compressed(12, std::string(1, 12) + std::string(13, 'a')),
+                      "is damaged"},
+        MalformedFile{"MatchBeforeTheStart",
+                      kPacked + Compressed(12, std::string("\0a\x20\x05", 4)), "is damaged"},
+        MalformedFile{"MatchEndsEarly", kPacked + Compressed(12, std::string("\0a\x20", 3)),
+                      "is damaged"},
+        MalformedFile{"MatchTooLong", kPacked + Compressed(12, std::string("\0a\xe0\xff\0", 5)),
+                      "is damaged"},
+        MalformedFile{"TooLittle", kPacked + Compressed(12, std::string("\0a", 2)), "is damaged"}),
     [](const auto& test) { return test.param.name; });
 
 TEST(ReadPointCloud, TellsPlyByItsFirstLine) {

@@ -8,6 +8,7 @@
 
 #include "surfit/core/error.h"
 #include "testing/expect_input_error.h"
+#include "testing/frame_codings.h"
 #include "testing/temp_folder.h"
 
 namespace surfit {
@@ -20,15 +21,10 @@ using ::testing::IsEmpty;
 using ::testing::ThrowsMessage;
 using V = Eigen::Vector3f;
 using testing::ExpectInputError;
+using testing::LittleEndian;
+using testing::MalformedFile;
 using testing::ReadBytes;
 using testing::TempFolder;
-
-template <typename... Values>
-std::string Bytes(Values... values) {
-  std::string bytes;
-  (bytes.append(reinterpret_cast<const char*>(&values), sizeof(values)), ...);
-  return bytes;
-}
 
 constexpr char kBinary[] = "ply\nformat binary_little_endian 1.0\n";
 constexpr char kAscii[] = "ply\nformat ascii 1.0\n";
@@ -63,7 +59,7 @@ TEST(Ply, WritesEachByteAsTheFormatDemands) {
   EXPECT_EQ(ReadBytes(dir / "a.ply"),
             std::string(kBinary) + "element vertex 1\n" + kXyz +
                 "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n" +
-                Bytes(1.f, 2.f, 3.f, std::uint8_t{7}, std::uint8_t{8}, std::uint8_t{9}));
+                LittleEndian(1.f, 2.f, 3.f, std::uint8_t{7}, std::uint8_t{8}, std::uint8_t{9}));
 }
 
 TEST(Ply, ReadsAnEmptyCloud) {
@@ -88,13 +84,13 @@ TEST(Ply, ReadsAscii) {
 
 TEST(Ply, ReadsEveryScalarTypeByBothNames) {
   const TempFolder dir;
-  const std::string path =
-      dir.Write("a.ply", std::string(kBinary) +
-                             "element vertex 1\nproperty char a\nproperty uint8 b\n"
-                             "property double z\nproperty uint16 c\nproperty short y\n"
-                             "property uint d\nproperty int32 x\nproperty float32 e\nend_header\n" +
-                             Bytes(std::int8_t{1}, std::uint8_t{2}, 0.5, std::uint16_t{3},
-                                   std::int16_t{-300}, std::uint32_t{4}, std::int32_t{-5}, 6.f));
+  const std::string path = dir.Write(
+      "a.ply", std::string(kBinary) +
+                   "element vertex 1\nproperty char a\nproperty uint8 b\n"
+                   "property double z\nproperty uint16 c\nproperty short y\n"
+                   "property uint d\nproperty int32 x\nproperty float32 e\nend_header\n" +
+                   LittleEndian(std::int8_t{1}, std::uint8_t{2}, 0.5, std::uint16_t{3},
+                                std::int16_t{-300}, std::uint32_t{4}, std::int32_t{-5}, 6.f));
   EXPECT_THAT(ReadPly(path).points, ElementsAre(V(-5.f, -300.f, 0.5f)));
 }
 
@@ -118,22 +114,14 @@ TEST(Ply, SkipsOtherElementsAndLists) {
                                                    "2 8 9 1 2 3\n0 4 5 6\n7\n");
   EXPECT_THAT(ReadPly(ascii).points, ElementsAre(V(1, 2, 3), V(4, 5, 6)));
   const std::string binary =
-      dir.Write("b.ply", kBinary + header + Bytes(std::uint8_t{3}, 0, 1, 2, 0.5f) +
-                             Bytes(std::uint8_t{0}, 0.25f) +
-                             Bytes(std::uint16_t{2}, 8.0, 9.0, 1.f, 2.f, 3.f) +
-                             Bytes(std::uint16_t{0}, 4.f, 5.f, 6.f) + Bytes(7));
+      dir.Write("b.ply", kBinary + header + LittleEndian(std::uint8_t{3}, 0, 1, 2, 0.5f) +
+                             LittleEndian(std::uint8_t{0}, 0.25f) +
+                             LittleEndian(std::uint16_t{2}, 8.0, 9.0, 1.f, 2.f, 3.f) +
+                             LittleEndian(std::uint16_t{0}, 4.f, 5.f, 6.f) + LittleEndian(7));
   EXPECT_THAT(ReadPly(binary).points, ElementsAre(V(1, 2, 3), V(4, 5, 6)));
 }
 
-struct Malformed {
-  const char* name;
-  std::string content;
-  const char* message;
-};
-
-void PrintTo(const Malformed& malformed, std::ostream* out) { *out << malformed.name; }
-
-class MalformedPly : public ::testing::TestWithParam<Malformed> {};
+class MalformedPly : public ::testing::TestWithParam<MalformedFile> {};
 
 TEST_P(MalformedPly, IsRefusedWithTheFilesNameAndTheReason) {
   const TempFolder dir;
@@ -149,80 +137,89 @@ std::string Vertices(const std::string& format, const std::string& count) {
   return Header(format, "element vertex " + count + "\n" + kXyz);
 }
 constexpr char kB[] = "binary_little_endian 1.0", kA[] = "ascii 1.0";
-const std::string kRow = Bytes(1.f, 2.f, 3.f);
+const std::string kRow = LittleEndian(1.f, 2.f, 3.f);
 
 INSTANTIATE_TEST_SUITE_P(
     Header, MalformedPly,
     ::testing::Values(
-        Malformed{"Empty", "", "not a PLY file"}, Malformed{"Png", "\x89PNG\r\n", "not a PLY file"},
-        Malformed{"Plyx", "plyx\n", "not a PLY file"},
-        Malformed{"OnlyMagic", "ply\n", "no end_header"},
-        Malformed{"NoEnd", "ply\nformat ascii 1.0\nelement vertex 1", "no end_header"},
-        Malformed{"NoFormat", "ply\nelement vertex 0\n" + std::string(kXyz) + "end_header\n",
-                  "no format"},
-        Malformed{"BigEndian", Vertices("binary_big_endian 1.0", "0"), ":2: the format must be"},
-        Malformed{"Version2", Vertices("ascii 2.0", "0"), ":2: the format must be"},
-        Malformed{"NoVertex", Header(kA, ""), "no element 'vertex'"},
-        Malformed{"NoX", Header(kA, "element vertex 0\nproperty float y\nproperty float z\n"),
-                  "must have x, y and z"},
-        Malformed{"XIsAList",
-                  Header(kA,
-                         "element vertex 0\nproperty list int float x\nproperty float y\n"
-                         "property float z\n"),
-                  "must have x, y and z"},
-        Malformed{"NegativeCount", Vertices(kB, "-1"), ":3: the count is '-1'"},
-        Malformed{"FractionalCount", Vertices(kB, "1.5"), ":3: the count is '1.5'"},
-        Malformed{"OverflowingCount", Vertices(kB, "99999999999999999999"), ":3: the count is"},
-        Malformed{"ElementWithoutCount", Header(kA, "element vertex\n"), ":3: 'element'"},
-        Malformed{"PropertyFirst", Header(kA, "property float x\n"), ":3: 'property' is misplaced"},
-        Malformed{"UnknownType", Header(kA, "element vertex 1\nproperty real x\n"),
-                  ":4: unknown type 'real'"},
-        Malformed{"ShortList", Header(kA, "element vertex 1\nproperty list int x\n"),
-                  ":4: a property must be"},
-        Malformed{"UnknownWord", Header(kA, "vertices 3\n"), ":3: 'vertices' is misplaced"}),
+        MalformedFile{"Empty", "", "not a PLY file"},
+        MalformedFile{"Png", "\x89PNG\r\n", "not a PLY file"},
+        MalformedFile{"Plyx", "plyx\n", "not a PLY file"},
+        MalformedFile{"OnlyMagic", "ply\n", "no end_header"},
+        MalformedFile{"NoEnd", "ply\nformat ascii 1.0\nelement vertex 1", "no end_header"},
+        MalformedFile{"NoFormat", "ply\nelement vertex 0\n" + std::string(kXyz) + "end_header\n",
+                      "no format"},
+        MalformedFile{"BigEndian", Vertices("binary_big_endian 1.0", "0"),
+                      ":2: the format must be"},
+        MalformedFile{"Version2", Vertices("ascii 2.0", "0"), ":2: the format must be"},
+        MalformedFile{"NoVertex", Header(kA, ""), "no element 'vertex'"},
+        MalformedFile{"NoX", Header(kA, "element vertex 0\nproperty float y\nproperty float z\n"),
+                      "must have x, y and z"},
+        MalformedFile{"XIsAList",
+                      Header(kA,
+                             "element vertex 0\nproperty list int float x\nproperty float y\n"
+                             "property float z\n"),
+                      "must have x, y and z"},
+        MalformedFile{"NegativeCount", Vertices(kB, "-1"), ":3: the count is '-1'"},
+        MalformedFile{"FractionalCount", Vertices(kB, "1.5"), ":3: the count is '1.5'"},
+        MalformedFile{"OverflowingCount", Vertices(kB, "99999999999999999999"), ":3: the count is"},
+        MalformedFile{"ElementWithoutCount", Header(kA, "element vertex\n"), ":3: 'element'"},
+        MalformedFile{"PropertyFirst", Header(kA, "property float x\n"),
+                      ":3: 'property' is misplaced"},
+        MalformedFile{"UnknownType", Header(kA, "element vertex 1\nproperty real x\n"),
+                      ":4: unknown type 'real'"},
+        MalformedFile{"ShortList", Header(kA, "element vertex 1\nproperty list int x\n"),
+                      ":4: a property must be"},
+        MalformedFile{"UnknownWord", Header(kA, "vertices 3\n"), ":3: 'vertices' is misplaced"}),
     [](const auto& test) { return test.param.name; });
 
 INSTANTIATE_TEST_SUITE_P(
     Body, MalformedPly,
     ::testing::Values(
-        Malformed{"NoBody", Vertices(kB, "1"), "element 'vertex': the file is too short for 1 row"},
-        Malformed{"Truncated", Vertices(kB, "2") + kRow + kRow.substr(0, 11), "too short for 2"},
+        MalformedFile{"NoBody", Vertices(kB, "1"),
+                      "element 'vertex': the file is too short for 1 row"},
+        MalformedFile{"Truncated", Vertices(kB, "2") + kRow + kRow.substr(0, 11),
+                      "too short for 2"},
         // Refused by arithmetic: 2^63 - 1 rows could neither be allocated nor counted in bytes.
-        Malformed{"HugeCount", Vertices(kB, "9223372036854775807") + kRow, "too short for"},
-        Malformed{"HugeCountAscii", Vertices(kA, "9223372036854775807") + "1 2 3\n", "too short"},
-        Malformed{"HugeOtherElement",
-                  Header(kB,
-                         "element face 9000000000000000000\nproperty list uchar int i\n"
-                         "element vertex 1\n" +
-                             std::string(kXyz)) +
-                      kRow,
-                  "element 'face': the file is too short"},
-        Malformed{"HugeList",
-                  Header(kB, "element face 1\nproperty list uint double i\nelement vertex 1\n" +
+        MalformedFile{"HugeCount", Vertices(kB, "9223372036854775807") + kRow, "too short for"},
+        MalformedFile{"HugeCountAscii", Vertices(kA, "9223372036854775807") + "1 2 3\n",
+                      "too short"},
+        MalformedFile{"HugeOtherElement",
+                      Header(kB,
+                             "element face 9000000000000000000\nproperty list uchar int i\n"
+                             "element vertex 1\n" +
                                  std::string(kXyz)) +
-                      Bytes(0xffffffffu) + kRow,
-                  "element 'face': row 0: the file ends too early"},
-        Malformed{"NegativeList",
-                  Header(kB, "element face 1\nproperty list int double i\nelement vertex 1\n" +
-                                 std::string(kXyz)) +
-                      Bytes(-1) + kRow,
-                  "element 'face': row 0: the length of list 'i' is -1"},
-        Malformed{"FractionalList",
-                  Header(kA, "element face 1\nproperty list float int i\nelement vertex 1\n" +
-                                 std::string(kXyz)) +
-                      "1.5 1\n1 2 3\n",
-                  "element 'face': row 0: the length of list 'i' is 1.5"},
-        Malformed{"TruncatedAfterList",
-                  Header(kB, "element face 1\nproperty list uchar uchar i\nelement vertex 1\n" +
-                                 std::string(kXyz)) +
-                      Bytes(std::uint8_t{5}) + std::string(5, 'x') + kRow.substr(1),
-                  "element 'vertex': the file is too short"},
-        Malformed{"AsciiTruncated", Vertices(kA, "2") + "1.25 2.25 3.25\n4 5",
-                  "row 1: a number is missing"},
-        Malformed{"AsciiShortRow", Vertices(kA, "2") + "1 2\n3 4 5 6\n", "row 0: a number is"},
-        Malformed{"AsciiLongRow", Vertices(kA, "2") + "1 2 3 4\n5 6\n", "row 0: there are more"},
-        Malformed{"AsciiWord", Vertices(kA, "1") + "1 two 3\n", "row 0: a number is missing or"},
-        Malformed{"AsciiSuffix", Vertices(kA, "1") + "1 2m 3\n", "row 0: a number is missing or"}),
+                          kRow,
+                      "element 'face': the file is too short"},
+        MalformedFile{"HugeList",
+                      Header(kB, "element face 1\nproperty list uint double i\nelement vertex 1\n" +
+                                     std::string(kXyz)) +
+                          LittleEndian(0xffffffffu) + kRow,
+                      "element 'face': row 0: the file ends too early"},
+        MalformedFile{"NegativeList",
+                      Header(kB, "element face 1\nproperty list int double i\nelement vertex 1\n" +
+                                     std::string(kXyz)) +
+                          LittleEndian(-1) + kRow,
+                      "element 'face': row 0: the length of list 'i' is -1"},
+        MalformedFile{"FractionalList",
+                      Header(kA, "element face 1\nproperty list float int i\nelement vertex 1\n" +
+                                     std::string(kXyz)) +
+                          "1.5 1\n1 2 3\n",
+                      "element 'face': row 0: the length of list 'i' is 1.5"},
+        MalformedFile{"TruncatedAfterList",
+                      Header(kB, "element face 1\nproperty list uchar uchar i\nelement vertex 1\n" +
+                                     std::string(kXyz)) +
+                          LittleEndian(std::uint8_t{5}) + std::string(5, 'x') + kRow.substr(1),
+                      "element 'vertex': the file is too short"},
+        MalformedFile{"AsciiTruncated", Vertices(kA, "2") + "1.25 2.25 3.25\n4 5",
+                      "row 1: a number is missing"},
+        MalformedFile{"AsciiShortRow", Vertices(kA, "2") + "1 2\n3 4 5 6\n", "row 0: a number is"},
+        MalformedFile{"AsciiLongRow", Vertices(kA, "2") + "1 2 3 4\n5 6\n",
+                      "row 0: there are more"},
+        MalformedFile{"AsciiWord", Vertices(kA, "1") + "1 two 3\n",
+                      "row 0: a number is missing or"},
+        MalformedFile{"AsciiSuffix", Vertices(kA, "1") + "1 2m 3\n",
+                      "row 0: a number is missing or"}),
     [](const auto& test) { return test.param.name; });
 
 TEST(Ply, NamesAFileThatCannotBeRead) {

@@ -22,8 +22,7 @@ TEST(ReadAhead, GivesTheSameFramesAtAnyNumberOfThreads) {
   TempFolder folder;
   testing::WriteTumSequence(folder, 20);
   testing::WriteBytes(folder / "depth/007.png", "broken");
-  SequenceOptions options;
-  options.path = folder.path();
+  const SequenceOptions options = Options(folder);
   const auto expected = testing::ReadAll(OpenSequence(options).get());
   for (const int threads : {1, 2, 4}) {
     ThreadLimit limit(threads);

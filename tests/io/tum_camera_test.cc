@@ -77,7 +77,7 @@ TEST_F(TumCamera, OfTheFolderOrTheOptionsGoesFirst) {
 }
 
 TEST_F(TumCamera, IsWarnedAboutWhereNoneIsNamed) {
-  for (const std::string head :
+  for (const std::string& head :
        {std::string(), Head(4), std::string("# as in freiburg1\n"), "\n" + Head(1)}) {
     Write(head, "# depth\n5.0 depth/5.png\n" + Head(1));
     const SequenceInfo info = OpenSequence(options_)->info();

@@ -14,12 +14,6 @@ using testing::ExpectInputError;
 using ::testing::HasSubstr;
 using testing::TempFolder;
 
-SequenceOptions Options(const TempFolder& folder) {
-  SequenceOptions options;
-  options.path = folder.path();
-  return options;
-}
-
 TEST(TumSequence, ReadsFramesStampsAndGroundTruth) {
   TempFolder folder;
   testing::WriteTumSequence(folder, 4);

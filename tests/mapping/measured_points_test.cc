@@ -37,13 +37,13 @@ RgbdFrame FrameOf(const PinholeCamera& camera, float depth_m) {
   return frame;
 }
 
-PinholeCamera SmallCamera() { return {7, 5, 100, 100, 3, 2, {}}; }
+PinholeCamera SevenByFive() { return {7, 5, 100, 100, 3, 2, {}}; }
 
 // The relative error of a few float operations.
 constexpr float kRounding = 5e-7f;
 
 TEST(MeasurePoints, RadiusCoversTheFootprintOfAPixel) {
-  const PinholeCamera camera = SmallCamera();
+  const PinholeCamera camera = SevenByFive();
   const RgbdFrame frame = FrameOf(camera, 2);
   for (const float tilt : {0.f, 0.3f, 0.9f, 1.04f}) {
     const Eigen::Vector3f normal(std::sin(tilt), 0, -std::cos(tilt));
@@ -54,7 +54,7 @@ TEST(MeasurePoints, RadiusCoversTheFootprintOfAPixel) {
 }
 
 TEST(MeasurePoints, RadiusOfASlantedSurfaceIsClamped) {
-  const PinholeCamera camera = SmallCamera();
+  const PinholeCamera camera = SevenByFive();
   const RgbdFrame frame = FrameOf(camera, 2);
   FusionOptions options;
   for (const float scale : {1.f, 2.f, 3.f}) {
@@ -67,7 +67,7 @@ TEST(MeasurePoints, RadiusOfASlantedSurfaceIsClamped) {
 }
 
 TEST(MeasurePoints, WithoutDepthOrNormalThereIsNoPoint) {
-  const PinholeCamera camera = SmallCamera();
+  const PinholeCamera camera = SevenByFive();
   RgbdFrame frame = FrameOf(camera, 2);
   FrameLevel surface = Surface(camera, {0, 0, -1}, 2);
   frame.depth_m(1, 1) = 0;
@@ -83,7 +83,7 @@ TEST(MeasurePoints, WithoutDepthOrNormalThereIsNoPoint) {
 
 // At 2 m sigma is 8 mm: a point up to 4 mm off the plane of a neighbour lies in it.
 TEST(MeasurePoints, AtADepthEdgeThePlaneOfANeighbourServesIfThePointLiesInIt) {
-  const PinholeCamera camera = SmallCamera();
+  const PinholeCamera camera = SevenByFive();
   for (const float off_m : {-0.0042f, -0.0038f, 0.f, 0.0038f, 0.0042f}) {
     RgbdFrame frame = FrameOf(camera, 2);
     const FrameLevel plane = Surface(camera, {0, 0, -1}, 2);
@@ -101,7 +101,7 @@ TEST(MeasurePoints, AtADepthEdgeThePlaneOfANeighbourServesIfThePointLiesInIt) {
 // A step of 10 cm between the columns 2 and 3, where normals are missing on both sides; on its left
 // the floor, on its right a steep wall.
 TEST(MeasurePoints, OfTwoNeighboursTheOneWhosePlaneIsNearerGivesTheNormal) {
-  const PinholeCamera camera = SmallCamera();
+  const PinholeCamera camera = SevenByFive();
   const Eigen::Vector3f near_normal(0, 0, -1), far_normal = Eigen::Vector3f(0, -1, -1).normalized();
   RgbdFrame frame = FrameOf(camera, 2);
   FrameLevel surface = Surface(camera, near_normal, 2);
@@ -120,7 +120,7 @@ TEST(MeasurePoints, OfTwoNeighboursTheOneWhosePlaneIsNearerGivesTheNormal) {
 // sigma_z = 0.002 z^2: what is measured at 2 m leaves free what is nearer than 2 - 0.05 - 4 *
 // 0.008.
 TEST(FreeDepths, EndAMarginAndFourSigmasBeforeTheNearestDepthAround) {
-  const PinholeCamera camera = SmallCamera();
+  const PinholeCamera camera = SevenByFive();
   RgbdFrame frame = FrameOf(camera, 3);
   frame.depth_m(2, 2) = 2;
   const Image<float> free_depth_m = FreeDepths(frame.depth_m, {}, {});
@@ -134,7 +134,7 @@ TEST(FreeDepths, EndAMarginAndFourSigmasBeforeTheNearestDepthAround) {
 }
 
 TEST(FreeDepths, BesideAMissingDepthNothingIsFree) {
-  const PinholeCamera camera = SmallCamera();
+  const PinholeCamera camera = SevenByFive();
   RgbdFrame frame = FrameOf(camera, 3);
   frame.depth_m(6, 0) = 0;
   const Image<float> free_depth_m = FreeDepths(frame.depth_m, {}, {});
@@ -146,7 +146,7 @@ TEST(FreeDepths, BesideAMissingDepthNothingIsFree) {
 }
 
 TEST(FreeDepths, TheMarginNeverReachesBehindTheCamera) {
-  const PinholeCamera camera = SmallCamera();
+  const PinholeCamera camera = SevenByFive();
   const Image<float> free_depth_m = FreeDepths(FrameOf(camera, 0.04f).depth_m, {}, {});
   EXPECT_EQ(free_depth_m(3, 2), 0);
 }
@@ -167,7 +167,7 @@ TEST(PointWeights, FallFromOneAtThePrincipalPointToTheFarthestCorner) {
 TEST(PointWeights, AreOneIfUniform) {
   FusionOptions options;
   options.weighting = "uniform";
-  EXPECT_THAT(PointWeights(SmallCamera(), options), ::testing::Each(1.f));
+  EXPECT_THAT(PointWeights(SevenByFive(), options), ::testing::Each(1.f));
 }
 
 }  // namespace

@@ -2,20 +2,19 @@
 
 #include <gtest/gtest.h>
 
-#include "mapping/random_surfel.h"
+#include "mapping/random_discs.h"
 #include "testing/random_pose.h"
 
 namespace surfit {
 namespace {
 
 using testing::RandomPose;
+using testing::SmallCamera;
 using testing::Uniform;
-
-PinholeCamera TestCamera() { return {64, 48, 60, 61, 30.5, 24.25, {}}; }
 
 // The bounds of a box about a point that is seen at a pixel.
 SurfelBounds BoxAt(double u, double v, double depth_m, float half_m, const Rigid3d& pose) {
-  const Eigen::Vector3f middle = (pose * (depth_m * TestCamera().Ray(u, v))).cast<float>();
+  const Eigen::Vector3f middle = (pose * (depth_m * SmallCamera().Ray(u, v))).cast<float>();
   SurfelBounds bounds;
   bounds.Add(Eigen::Vector3f(middle.array() - half_m));
   bounds.Add(Eigen::Vector3f(middle.array() + half_m));
@@ -26,7 +25,7 @@ TEST(ViewFrustum, SeesBoxesThatHoldAPixelsPoint) {
   std::mt19937_64 rng(1);
   for (int trial = 0; trial < 2000; ++trial) {
     const Rigid3d pose = RandomPose(2, 5, &rng);
-    const ViewFrustum frustum(PosedCamera(TestCamera(), pose), 3);
+    const ViewFrustum frustum(PosedCamera(SmallCamera(), pose), 3);
     // To the very border of the margin, but for rounding; half of the boxes are points.
     const double u = Uniform(-2.99f, 66.99f, &rng), v = Uniform(-2.99f, 50.99f, &rng);
     const float half_m = trial % 2 == 0 ? 0 : Uniform(0, 1, &rng);
@@ -38,7 +37,7 @@ TEST(ViewFrustum, DoesNotSeeBoxesBesideOrBehind) {
   std::mt19937_64 rng(2);
   for (int trial = 0; trial < 2000; ++trial) {
     const Rigid3d pose = RandomPose(2, 5, &rng);
-    const ViewFrustum frustum(PosedCamera(TestCamera(), pose), 3);
+    const ViewFrustum frustum(PosedCamera(SmallCamera(), pose), 3);
     // A centimetre is at least a pixel up to 0.6 m.
     const double depth_m = Uniform(0.1f, 0.6f, &rng), near = Uniform(-2, 66, &rng);
     EXPECT_FALSE(frustum.MaySee(BoxAt(-30, near, depth_m, 0.01f, pose)));
@@ -56,7 +55,7 @@ TEST(VisibleCells, AreThoseInViewInTheirOrder) {
     s.position_in_world = {x, 0, 3};
     map.Append(s);
   }
-  const ViewFrustum frustum(PosedCamera(TestCamera(), {}), 0);
+  const ViewFrustum frustum(PosedCamera(SmallCamera(), {}), 0);
   EXPECT_EQ(VisibleCells(map, frustum), (std::vector<std::int32_t>{1, 3}));
 }
 

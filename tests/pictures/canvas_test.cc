@@ -60,7 +60,7 @@ Ink InkOf(const Image<Rgb8>& image) {
 TEST(DrawText, BeginsIsCentredOrEndsAtItsPoint) {
   for (const double height_px : {12, 18, 40}) {
     for (const double justify : {0., 0.5, 1.}) {
-      SCOPED_TRACE(testing::Message() << height_px << " " << justify);
+      SCOPED_TRACE(::testing::Message() << height_px << " " << justify);
       Image<Rgb8> image(400, 80, kPaper);
       const TextStyle style = {height_px, justify};
       DrawText(&image, {200, 40}, "HEXH", style);

@@ -9,15 +9,15 @@
 namespace surfit {
 namespace {
 
-constexpr Rgb8 kGreen = {10, 200, 30};
+constexpr Rgb8 kGrassGreen = {10, 200, 30};
 const PinholeCamera kCamera{320, 240, 260, 260, 159.5, 119.5};
 
 // A wall of one colour, 2 m before the origin and facing it.
-SurfelMap Wall() {
+SurfelMap WallAhead() {
   SurfelMap map;
   Surfel surfel;
   surfel.normal_in_world = {0, 0, -1};
-  surfel.color = kGreen;
+  surfel.color = kGrassGreen;
   surfel.radius_m = 0.05f;
   surfel.confidence = 20;
   for (int i = -30; i <= 30; ++i) {
@@ -43,10 +43,10 @@ constexpr int kTile = LivePicture::kTileWidth * LivePicture::kTileHeight;
 TEST(LivePicture, ShowsTheFrameInItsTile) {
   LivePicture picture({kCamera, {}});
   RgbdFrame frame;
-  frame.color = Image<Rgb8>(320, 240, kGreen);
+  frame.color = Image<Rgb8>(320, 240, kGrassGreen);
   picture.ShowFrame(frame);
-  EXPECT_GT(Count(picture.image(), kGreen, 0, LivePicture::kTileHeight), 0.95 * kTile);
-  EXPECT_EQ(Count(picture.image(), kGreen, LivePicture::kTileHeight, LivePicture::kHeight), 0);
+  EXPECT_GT(Count(picture.image(), kGrassGreen, 0, LivePicture::kTileHeight), 0.95 * kTile);
+  EXPECT_EQ(Count(picture.image(), kGrassGreen, LivePicture::kTileHeight, LivePicture::kHeight), 0);
 }
 
 TEST(LivePicture, ShowsDepthWhereThereIsNoColour) {
@@ -60,24 +60,24 @@ TEST(LivePicture, ShowsDepthWhereThereIsNoColour) {
 TEST(LivePicture, ShowsTheModelByColourAndByNormal) {
   LivePicture picture({kCamera, {}});
   // 2.4 m of wall at 2 m fill 312 of 320 columns and all rows.
-  picture.ShowModel(Wall(), {}, ModelColors::kColor);
-  EXPECT_GT(Count(picture.image(), kGreen, 0, LivePicture::kTileHeight), 0.8 * kTile);
-  picture.ShowModel(Wall(), {}, ModelColors::kNormals);
-  EXPECT_EQ(Count(picture.image(), kGreen, 0, LivePicture::kTileHeight), 0);
+  picture.ShowModel(WallAhead(), {}, ModelColors::kColor);
+  EXPECT_GT(Count(picture.image(), kGrassGreen, 0, LivePicture::kTileHeight), 0.8 * kTile);
+  picture.ShowModel(WallAhead(), {}, ModelColors::kNormals);
+  EXPECT_EQ(Count(picture.image(), kGrassGreen, 0, LivePicture::kTileHeight), 0);
   EXPECT_GT(Count(picture.image(), {128, 128, 0}, 0, LivePicture::kTileHeight), 0.8 * kTile);
 }
 
 TEST(LivePicture, ShowsTheMapAndThePathBeforeIt) {
   constexpr int kTop = LivePicture::kTileHeight + LivePicture::kTextHeight;
   LivePicture picture({kCamera, {}});
-  picture.ShowMap(Wall(), {});
-  const int without_path = Count(picture.image(), kGreen, kTop, LivePicture::kHeight);
+  picture.ShowMap(WallAhead(), {});
+  const int without_path = Count(picture.image(), kGrassGreen, kTop, LivePicture::kHeight);
   EXPECT_GT(without_path, 10000);
   constexpr Rgb8 kPath = {255, 150, 30};
   EXPECT_EQ(Count(picture.image(), kPath, kTop, LivePicture::kHeight), 0);
   Trajectory path(2);
   path[1].world_from_camera.translation = {0.5, 0, 1};
-  picture.ShowMap(Wall(), path);
+  picture.ShowMap(WallAhead(), path);
   EXPECT_GT(Count(picture.image(), kPath, kTop, LivePicture::kHeight), 50);
 }
 

@@ -7,7 +7,7 @@
 namespace surfit {
 namespace {
 
-constexpr int kWidth = 160, kHeight = 120;
+constexpr int kViewWidth = 160, kViewHeight = 120;
 // What a surfel of the test's room belongs to, kept as its first_seen.
 enum Part { kFloor, kCeiling, kFrontWall, kRightWall };
 
@@ -62,7 +62,7 @@ class MapViewsTest : public ::testing::Test {
   const SurfelMap map_ = Room(world_from_room_);
   const std::vector<std::uint8_t> all_ = std::vector<std::uint8_t>(map_.id_end(), 1);
   const std::array<PictureView, 4> views_ =
-      ChooseMapViews(map_, all_, LookAround(world_from_room_), kWidth, kHeight);
+      ChooseMapViews(map_, all_, LookAround(world_from_room_), kViewWidth, kViewHeight);
 
   Eigen::Vector2d Project(int view, const Eigen::Vector3d& point_in_room) const {
     return views_[view].camera.Project(views_[view].camera_from_world *
@@ -88,9 +88,9 @@ TEST_F(MapViewsTest, FromAboveTheWallsStandUprightAndNothingIsMirrored) {
   const Eigen::Vector2d near_left = Project(0, {-3, 1.5, 0}), near_right = Project(0, {3, 1.5, 0});
   const Eigen::Vector2d far_left = Project(0, {-3, 1.5, 5});
   // The room's width lies across the page, what is ahead of the first camera above.
-  EXPECT_GT(near_right.x() - near_left.x(), 0.8 * kWidth);
-  EXPECT_NEAR(near_right.y(), near_left.y(), 0.02 * kWidth);
-  EXPECT_LT(far_left.y() - near_left.y(), -0.8 * kHeight);
+  EXPECT_GT(near_right.x() - near_left.x(), 0.8 * kViewWidth);
+  EXPECT_NEAR(near_right.y(), near_left.y(), 0.02 * kViewWidth);
+  EXPECT_LT(far_left.y() - near_left.y(), -0.8 * kViewHeight);
   // The walls' height of 3 m is seen end on, from four times at least the 8.4 m of the room's
   // diagonal: it makes at most 3 / 33 of the way from the picture's middle, here 56 pixels.
   const double wall_px = (Project(0, {0, -1.5, 5}) - Project(0, {0, 1.5, 5})).norm();

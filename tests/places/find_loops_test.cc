@@ -13,17 +13,14 @@ namespace {
 
 using testing::ExpectInputError;
 using ::testing::HasSubstr;
+using testing::IndexOf;
 using testing::MakeRoomOfKeyframes;
 using testing::RigidNear;
 using testing::RoomOfKeyframes;
 using testing::SeeNearby;
 
-Rigid3d Off() { return Rigid3d(QuaternionExp<double>({0.03, 0.1, -0.05}), {0.1, 0.04, 0.1}); }
-
-PlaceIndex IndexOf(const std::vector<Keyframe>& keyframes) {
-  PlaceIndex index;
-  for (int i = 0; i < static_cast<int>(keyframes.size()); ++i) index.Add(i, keyframes[i].view);
-  return index;
+Rigid3d SmallMotion() {
+  return Rigid3d(QuaternionExp<double>({0.03, 0.1, -0.05}), {0.1, 0.04, 0.1});
 }
 
 // A room's keyframes, and one more that is back near the fifth, its estimated pose off by drift.
@@ -39,12 +36,12 @@ struct Return {
     keyframes = room.keyframes;
     source = static_cast<int>(keyframes.size());
     index = IndexOf(keyframes);
-    target_from_source = Off();
+    target_from_source = SmallMotion();
     Keyframe back;
     back.frame_index = 1000;
-    back.view = SeeNearby(room, kTarget, Off()).view;
+    back.view = SeeNearby(room, kTarget, SmallMotion()).view;
     back.world_from_camera = Rigid3d(Eigen::Quaterniond::Identity(), {drift_m, 0, 0}) *
-                             keyframes[kTarget].world_from_camera * Off();
+                             keyframes[kTarget].world_from_camera * SmallMotion();
     keyframes.push_back(back);
   }
 };
@@ -106,7 +103,7 @@ TEST(ProposeLoops, LeavesOutKeyframesOfJustBeforeAndWithoutViews) {
 // How many frames of the room's path, each seen from a little off it, it takes until one is found.
 int FramesToRelocalize(const RoomOfKeyframes& room, const PlaceIndex& index, int first, int most) {
   for (int i = 0; i < most; ++i) {
-    const Rigid3d pose = room.path[first + i].world_from_camera * Off();
+    const Rigid3d pose = room.path[first + i].world_from_camera * SmallMotion();
     const PlaceView view = testing::KeyframeOf(testing::SeenFrom(room.scene, pose, i), pose).view;
     const Relocalization result = Relocalize(view, room.keyframes, index, RelocalizeOptions());
     if (!result.found()) continue;

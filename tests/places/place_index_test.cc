@@ -16,6 +16,7 @@ namespace {
 
 using testing::ExpectInputError;
 using ::testing::HasSubstr;
+using testing::IndexOf;
 
 bool Any(int /*keyframe*/) { return true; }
 
@@ -145,12 +146,6 @@ std::vector<Keyframe> KeyframesAt(const std::vector<double>& x_m) {
     keyframes.push_back(keyframe);
   }
   return keyframes;
-}
-
-PlaceIndex IndexOf(const std::vector<Keyframe>& keyframes) {
-  PlaceIndex index;
-  for (int i = 0; i < static_cast<int>(keyframes.size()); ++i) index.Add(i, keyframes[i].view);
-  return index;
 }
 
 TEST(LimitKeyframes, LeavesAllWhatIsWithinTheLimit) {

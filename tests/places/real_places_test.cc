@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "places/simulated_places.h"
 #include "surfit/io/sequence.h"
 #include "surfit/places/find_loops.h"
 #include "testing/matchers.h"
@@ -13,6 +14,7 @@
 namespace surfit {
 namespace {
 
+using testing::IndexOf;
 using testing::RigidNear;
 
 constexpr char kKitchen[] = "seven_scenes_kitchen";
@@ -34,12 +36,6 @@ std::vector<Keyframe> KitchenFrames(int first, int last, int stride) {
                          MakePlaceView(pyramid, read->frame->color, PlaceViewOptions())});
   }
   return keyframes;
-}
-
-PlaceIndex IndexOf(const std::vector<Keyframe>& keyframes) {
-  PlaceIndex index;
-  for (int i = 0; i < static_cast<int>(keyframes.size()); ++i) index.Add(i, keyframes[i].view);
-  return index;
 }
 
 // The kitchen's poses come from another system's tracking, good to some centimetres.

@@ -7,6 +7,7 @@
 
 #include "surfit/frame/preprocess.h"
 #include "surfit/places/keyframe.h"
+#include "surfit/places/place_index.h"
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
 #include "surfit/simulation/scene.h"
@@ -27,6 +28,12 @@ inline Keyframe KeyframeOf(const RgbdFrame& frame, const Rigid3d& world_from_cam
       PreprocessDepth(frame.depth_m, {PlaceCamera(), {}}, PreprocessOptions());
   return {frame.index, frame.stamp_s, world_from_camera,
           MakePlaceView(pyramid, frame.color, PlaceViewOptions())};
+}
+
+inline PlaceIndex IndexOf(const std::vector<Keyframe>& keyframes) {
+  PlaceIndex index;
+  for (int i = 0; i < static_cast<int>(keyframes.size()); ++i) index.Add(i, keyframes[i].view);
+  return index;
 }
 
 // A furnished room with keyframes at every tenth of the first 300 frames of a hand-held path, made

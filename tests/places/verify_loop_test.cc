@@ -21,7 +21,9 @@ using testing::SeeNearby;
 
 const VerifyLoopOptions kOptions;
 
-Rigid3d Off() { return Rigid3d(QuaternionExp<double>({0.03, 0.15, -0.05}), {0.15, 0.04, 0.1}); }
+Rigid3d NearbyPose() {
+  return Rigid3d(QuaternionExp<double>({0.03, 0.15, -0.05}), {0.15, 0.04, 0.1});
+}
 
 // (w, v)^T information (w, v) of the verdict's error.
 double SquaredError(const FarVerdict& verdict, const Rigid3d& truth) {
@@ -38,7 +40,7 @@ TEST(VerifyLoop, AcceptsRightLoopsWithinTheirCovariance) {
   for (const std::uint64_t seed : {1, 2}) {
     const RoomOfKeyframes& room = MakeRoomOfKeyframes(seed);
     for (int i = 0; i < 30; i += 3) {
-      const auto [view, truth] = SeeNearby(room, i, Off());
+      const auto [view, truth] = SeeNearby(room, i, NearbyPose());
       const FarVerdict verdict = VerifyLoop(view, room.keyframes[i].view, kOptions);
       ++tried;
       if (!verdict.accepted()) continue;
@@ -52,7 +54,7 @@ TEST(VerifyLoop, AcceptsRightLoopsWithinTheirCovariance) {
 
 TEST(VerifyLoop, APriorReplacesFeatures) {
   const RoomOfKeyframes& room = MakeRoomOfKeyframes(2);
-  auto [view, truth] = SeeNearby(room, 3, Off());
+  auto [view, truth] = SeeNearby(room, 3, NearbyPose());
   view.features.clear();
   const PlaceView& target = room.keyframes[3].view;
   EXPECT_EQ(VerifyLoop(view, target, kOptions).reason, FarReason::kNoStart);
@@ -109,7 +111,7 @@ TEST(VerifyLoop, APriorMayBeWrong) {
   const RoomOfKeyframes& room = MakeRoomOfKeyframes(2);
   int refused = 0;
   for (int i = 0; i < 30; i += 5) {
-    auto [view, truth] = SeeNearby(room, i, Off());
+    auto [view, truth] = SeeNearby(room, i, NearbyPose());
     view.features.clear();
     for (const double side : {-1., 1.}) {
       Vector6d off;
@@ -153,7 +155,7 @@ TEST(VerifyLoop, RefusesWhatRepeats) {
 
 TEST(VerifyLoop, IsTheSameAtAnyNumberOfThreads) {
   const RoomOfKeyframes& room = MakeRoomOfKeyframes(2);
-  const PlaceView view = SeeNearby(room, 3, Off()).view;
+  const PlaceView view = SeeNearby(room, 3, NearbyPose()).view;
   std::vector<FarVerdict> verdicts;
   for (const int threads : {1, 2, 4}) {
     const ThreadLimit limit(threads);

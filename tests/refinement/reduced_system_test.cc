@@ -129,7 +129,7 @@ class FullMaker {
 
 // Sums of products of some hundreds of rows of double; the pivots that stand for zero are at least
 // 1e-12, each of some dozens.
-constexpr double kPrecision = 1e-8;
+constexpr double kOfReduction = 1e-8;
 
 // Of all pairs of poses about half share a surfel.
 class ReducedSystemOfKernel : public ::testing::TestWithParam<RobustKernelType> {
@@ -158,10 +158,10 @@ TEST_P(ReducedSystemOfKernel, IsTheSchurComplementOfTheFullOne) {
   const Eigen::MatrixXd ours = DenseHessian(reduced);
   const Eigen::VectorXd scale = hessian.diagonal().head(kept).cwiseSqrt().cwiseInverse();
   EXPECT_LT((scale.asDiagonal() * (ours - schur) * scale.asDiagonal()).cwiseAbs().maxCoeff(),
-            kPrecision);
+            kOfReduction);
   EXPECT_LT((scale.asDiagonal() * (reduced.gradient - schur_gradient)).cwiseAbs().maxCoeff(),
-            kPrecision * full.residuals.norm());
-  EXPECT_NEAR(reduced.rho, full.rho, kPrecision * full.rho);
+            kOfReduction * full.residuals.norm());
+  EXPECT_NEAR(reduced.rho, full.rho, kOfReduction * full.rho);
 }
 
 INSTANTIATE_TEST_SUITE_P(Kernels, ReducedSystemOfKernel,
@@ -184,7 +184,7 @@ TEST(ReducedSystemThreads, IsTheSameBitForBit) {
   EXPECT_EQ(one.rho, three.rho);
 }
 
-constexpr int kPoses = 40, kSurfels = 2000;
+constexpr int kManyPoses = 40, kManySurfels = 2000;
 constexpr double kDamping = 1e-4;
 // Scaled to a diagonal of ones the condition is below 1 / kDamping, or 1e6 without damping; sums of
 // some hundreds of products.
@@ -201,15 +201,15 @@ class ReducedFactorOfView : public ::testing::TestWithParam<View> {
   ReducedFactorOfView() {
     held_[1] = held_[7] = true;
     for (int i = 0; i < kCalibrationSize; ++i) {
-      if (!held_[i]) free_.push_back(kPoseTangentSize * kPoses + i);
+      if (!held_[i]) free_.push_back(kPoseTangentSize * kManyPoses + i);
     }
-    for (int i = kPoseTangentSize * kPoses - 1; i >= kPoseTangentSize; --i) {
+    for (int i = kPoseTangentSize * kManyPoses - 1; i >= kPoseTangentSize; --i) {
       free_.insert(free_.begin(), i);
     }
   }
 
-  const RandomProblem problem_ = MakeRandomProblem(kPoses, kSurfels, 1, GetParam().reach);
-  const BlockPattern pattern_ = {problem_.shared, kPoses};
+  const RandomProblem problem_ = MakeRandomProblem(kManyPoses, kManySurfels, 1, GetParam().reach);
+  const BlockPattern pattern_ = {problem_.shared, kManyPoses};
   const ReducedSystem system_ = Reduce(problem_.shared, pattern_, problem_.state, {});
   const Eigen::MatrixXd hessian_ = DenseHessian(system_);
   std::vector<bool> held_ = std::vector<bool>(kCalibrationSize, false);
@@ -251,15 +251,15 @@ TEST_P(ReducedFactorOfView, HasTheBlocksOfTheInverse) {
     return (scale.asDiagonal() * (ours - block) * scale.asDiagonal()).cwiseAbs().maxCoeff();
   };
   constexpr double kOfInverse = 1e-6;  // pivots of 1e-12, and a condition below 1e6
-  EXPECT_LT(difference(covariance.calibration, kPoseTangentSize * kPoses), kOfInverse);
-  ASSERT_EQ(covariance.poses.size(), std::size_t{kPoses});
-  for (int k = 0; k < kPoses; ++k) {
+  EXPECT_LT(difference(covariance.calibration, kPoseTangentSize * kManyPoses), kOfInverse);
+  ASSERT_EQ(covariance.poses.size(), std::size_t{kManyPoses});
+  for (int k = 0; k < kManyPoses; ++k) {
     EXPECT_LT(difference(covariance.poses[k], kPoseTangentSize * k), kOfInverse) << k;
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(Views, ReducedFactorOfView,
-                         ::testing::Values(View{1, false}, View{kPoses, true}));
+                         ::testing::Values(View{1, false}, View{kManyPoses, true}));
 
 TEST(ReducedFactor, LeavesAPoseThatSeesNothingWhereItIs) {
   RandomProblem problem = MakeRandomProblem(5, 200, 1);

@@ -26,7 +26,7 @@ StepResult StepOf(const std::string& solver, ResidualType residual, const Corres
 }
 
 // Two views of a corner, a step apart that the kernel calls large for some of the points.
-struct Corner {
+struct CornerViews {
   FrameLevel target = testing::RenderCorner(testing::PoseBeforeTheCorner());
   FrameLevel source = testing::RenderCorner(testing::PoseBeforeTheCorner());
   Rigid3d pose{QuaternionExp<double>({0.01, -0.004, 0.006}), {0.012, -0.008, 0.01}};
@@ -50,7 +50,7 @@ constexpr double kTolerance = 1e-7;
 class CeresSolvers : public ::testing::TestWithParam<std::string> {
  protected:
   const ResidualType residual_ = ResidualTypeFromName(GetParam());
-  const Corner corner_;
+  const CornerViews corner_;
 };
 
 TEST_P(CeresSolvers, AllReachTheSameMinimum) {

@@ -19,7 +19,7 @@ using testing::RigidNear;
 using testing::SimulatedColoredViews;
 
 // Exact depth holds the pose to a part of a pixel, which is 1 / 131 rad, 15 mm at 2 m.
-constexpr double kToleranceM = 0.01, kToleranceRad = 0.005;
+constexpr double kFarToleranceM = 0.01, kFarToleranceRad = 0.005;
 
 // 50 frames apart: 0.5 m and 20 degrees at least.
 const SimulatedColoredViews& FarViews() {
@@ -38,7 +38,7 @@ TEST(RegisterFar, FeaturesReachWhereTheIdentityDoesNot) {
   const FarVerdict result = Registered(FarViews(), "features");
   EXPECT_TRUE(result.accepted()) << ToString(result.reason);
   EXPECT_THAT(result.icp.target_from_source,
-              RigidNear(FarViews().target_from_source, kToleranceM, kToleranceRad));
+              RigidNear(FarViews().target_from_source, kFarToleranceM, kFarToleranceRad));
 }
 
 TEST(RegisterFar, ShapesAloneReachFarToo) {
@@ -47,7 +47,7 @@ TEST(RegisterFar, ShapesAloneReachFarToo) {
   const FarVerdict result = Registered(views, "features");
   EXPECT_TRUE(result.accepted()) << ToString(result.reason);
   EXPECT_THAT(result.icp.target_from_source,
-              RigidNear(views.target_from_source, kToleranceM, kToleranceRad));
+              RigidNear(views.target_from_source, kFarToleranceM, kFarToleranceRad));
 }
 
 TEST(RegisterFar, So3FindsARotation) {
@@ -58,7 +58,7 @@ TEST(RegisterFar, So3FindsARotation) {
   EXPECT_EQ(result.start.translation, Eigen::Vector3d::Zero());
   EXPECT_LT(RotationAngle(result.start.rotation.conjugate() * turn.rotation), 3 * kRadPerDeg);
   EXPECT_TRUE(result.accepted()) << ToString(result.reason);
-  EXPECT_THAT(result.icp.target_from_source, RigidNear(turn, kToleranceM, kToleranceRad));
+  EXPECT_THAT(result.icp.target_from_source, RigidNear(turn, kFarToleranceM, kFarToleranceRad));
 }
 
 // Rooms of other seeds share walls and a floor, and nothing else.

@@ -15,19 +15,13 @@
 namespace surfit {
 namespace {
 
+using testing::PointToPlaneSolverNames;
 using testing::RigidNear;
-
-// Those that solve point_to_plane.
-std::vector<std::string> PointToPlaneSolverNames() {
-  std::vector<std::string> names = PoseSolverNames();
-  names.erase(std::find(names.begin(), names.end(), "svd"));
-  return names;
-}
 
 // A pixel of 1/131 rad is 23 mm wide at 3 m; a surface fitted to thousands of them is known to a
 // small share of it. 3 mm and 0.1 deg are what the align program is held to at full resolution.
-constexpr double kToleranceM = 0.003;
-constexpr double kToleranceRad = 0.1 * M_PI / 180;
+constexpr double kIcpToleranceM = 0.003;
+constexpr double kIcpToleranceRad = 0.1 * M_PI / 180;
 
 TEST(Register, FindsTheMotionOfAHandHeldCamera) {
   for (const std::uint64_t seed : {1, 2}) {
@@ -36,7 +30,7 @@ TEST(Register, FindsTheMotionOfAHandHeldCamera) {
       const IcpResult result = Register(views.source, views.target, Rigid3d(), IcpOptions());
       EXPECT_TRUE(result.Succeeded());
       EXPECT_THAT(result.target_from_source,
-                  RigidNear(views.target_from_source, kToleranceM, kToleranceRad))
+                  RigidNear(views.target_from_source, kIcpToleranceM, kIcpToleranceRad))
           << "seed " << seed << ", gap " << gap;
     }
   }
@@ -48,7 +42,7 @@ TEST(Register, FindsTheMotionOfTenFrames) {
   const IcpResult result = Register(views.source, views.target, Rigid3d(), IcpOptions());
   EXPECT_EQ(result.termination, Termination::kConverged);
   EXPECT_THAT(result.target_from_source,
-              RigidNear(views.target_from_source, kToleranceM, kToleranceRad));
+              RigidNear(views.target_from_source, kIcpToleranceM, kIcpToleranceRad));
 }
 
 TEST(Register, SolversAgree) {
@@ -228,7 +222,7 @@ TEST(Register, CanSkipTheMiddleLevels) {
   EXPECT_EQ(result.iterations.back().level, 0);
   for (const IcpIteration& iteration : result.iterations) EXPECT_NE(iteration.level, 1);
   EXPECT_THAT(result.target_from_source,
-              RigidNear(views.target_from_source, kToleranceM, kToleranceRad));
+              RigidNear(views.target_from_source, kIcpToleranceM, kIcpToleranceRad));
 }
 
 // What grows with the level shows in the first state of the coarsest.

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <random>
 
-#include "registration/simulated_views.h"
 #include "registration/start_search.h"
 #include "registration/view_fit.h"
+#include "registration/wall_frames.h"
 #include "surfit/core/parallel.h"
 #include "surfit/geometry/rigid3.h"
 #include "surfit/registration/far_registration.h"
@@ -17,32 +17,19 @@ namespace surfit {
 
 namespace {
 
+using testing::AlongTheWall;
+using testing::kWallToleranceM;
+using testing::kWallToleranceRad;
 using testing::RigidNear;
 
-// A textured wall at 1.5 m that fills the view: its shape leaves open a shift along it and a turn
-// about its normal.
-struct WallViews {
-  ColoredView source, target;
-  std::vector<BrightnessLevel> source_brightness, target_brightness;
-  Rigid3d target_from_source;
+struct WallViews : testing::WallScene {
+  using WallScene::WallScene;
+  std::vector<BrightnessLevel> source_brightness = BrightnessPyramid(source.color, 160, 120, 1);
+  std::vector<BrightnessLevel> target_brightness = BrightnessPyramid(target.color, 160, 120, 1);
 
-  explicit WallViews(const Rigid3d& pose) : target_from_source(pose) {
-    const Scene scene = MakeScene("wall");
-    Eigen::Matrix3d along_y;
-    along_y << 1, 0, 0, 0, 0, 1, 0, -1, 0;
-    const Rigid3d world_from_source(along_y, Eigen::Vector3d(0, 0.5, 1));
-    source = testing::MakeColoredView(scene, world_from_source);
-    target = testing::MakeColoredView(scene, world_from_source * pose.Inverse());
-    source_brightness = BrightnessPyramid(source.color, 160, 120, 1);
-    target_brightness = BrightnessPyramid(target.color, 160, 120, 1);
-  }
   ViewLevel Source() const { return {source.pyramid.levels[0], source_brightness[0]}; }
   ViewLevel Target() const { return {target.pyramid.levels[0], target_brightness[0]}; }
 };
-
-const Rigid3d kAlongTheWall(QuaternionExp<double>({0, 0, 0.02}), {0.015, -0.01, 0});
-// A tenth of a pixel, which is 11 mm at 1.5 m.
-constexpr double kToleranceM = 0.0011, kToleranceRad = 0.0008;
 
 DescentOptions Precise() {
   DescentOptions options;
@@ -102,24 +89,24 @@ TEST(LinearizeJointly, WeighsShapesByTheNoiseOfTheSource) {
 }
 
 TEST(Descend, BrightnessHoldsWhatAWallLeavesOpen) {
-  const WallViews views(kAlongTheWall);
+  const WallViews views(AlongTheWall());
   EXPECT_THAT(Descend(views.Source(), views.Target(), Rigid3d(), Precise()),
-              RigidNear(kAlongTheWall, kToleranceM, kToleranceRad));
+              RigidNear(AlongTheWall(), kWallToleranceM, kWallToleranceRad));
 }
 
 TEST(Descend, ShapesAloneDoNotMoveAlongAWall) {
-  const WallViews views(kAlongTheWall);
+  const WallViews views(AlongTheWall());
   DescentOptions options = Precise();
   options.use_brightness = false;
   EXPECT_THAT(Descend(views.Source(), views.Target(), Rigid3d(), options),
-              RigidNear(Rigid3d(), kToleranceM, kToleranceRad));
+              RigidNear(Rigid3d(), kWallToleranceM, kWallToleranceRad));
 }
 
 TEST(Descend, BearsAnotherExposure) {
-  WallViews views(kAlongTheWall);
+  WallViews views(AlongTheWall());
   for (float& value : views.source_brightness[0].value) value = 0.8f * value + 0.1f;
   EXPECT_THAT(Descend(views.Source(), views.Target(), Rigid3d(), Precise()),
-              RigidNear(kAlongTheWall, kToleranceM, kToleranceRad));
+              RigidNear(AlongTheWall(), kWallToleranceM, kWallToleranceRad));
 }
 
 TEST(Descend, TurnsOnlyIfToldSo) {
@@ -128,7 +115,7 @@ TEST(Descend, TurnsOnlyIfToldSo) {
   options.rotation_only = true;
   const Rigid3d pose = Descend(views.Source(), views.Target(), Rigid3d(), options);
   EXPECT_EQ(pose.translation, Eigen::Vector3d::Zero());
-  EXPECT_THAT(pose, RigidNear(views.target_from_source, 0., kToleranceRad));
+  EXPECT_THAT(pose, RigidNear(views.target_from_source, 0., kWallToleranceRad));
 }
 
 // At the true pose a view fits; shifted towards the camera its points fill free space, and shifted

@@ -76,7 +76,7 @@ PairList BruteForcePairs(const PointSet& source, const PointSet& target,
   return pairs;
 }
 
-PairList Pairs(const Association& association, const Rigid3d& pose) {
+PairList PairsOf(const Association& association, const Rigid3d& pose) {
   const PairBuffer found = association.Collect(pose);
   PairList pairs;
   for (int i = 0; i < found.size; ++i) {
@@ -106,7 +106,7 @@ TEST(KdTreeAssociation, FindsThePairsThatBruteForceFinds) {
           const KdTreeAssociation association = Make(source, target, options);
           const PairList expected = BruteForcePairs(source, target, options, SomePose());
           EXPECT_GT(expected.size(), 5u);
-          EXPECT_EQ(Sorted(Pairs(association, SomePose())), expected);
+          EXPECT_EQ(Sorted(PairsOf(association, SomePose())), expected);
         }
       }
     }
@@ -118,7 +118,7 @@ TEST(KdTreeAssociation, DoesNotDependOnWhatItFoundBefore) {
   const KdTreeAssociation used = Make(source, target, {});
   for (const int seed : {3, 4, 3, 5}) {
     const KdTreeAssociation fresh = Make(source, target, {});
-    EXPECT_EQ(Pairs(used, SomePose(seed)), Pairs(fresh, SomePose(seed)));
+    EXPECT_EQ(PairsOf(used, SomePose(seed)), PairsOf(fresh, SomePose(seed)));
   }
 }
 
@@ -126,11 +126,11 @@ TEST(KdTreeAssociation, DoesNotDependOnWhatItFoundBefore) {
 TEST(KdTreeAssociation, StrideThinsTheSourceEvenly) {
   const PointSet source = RandomSet(3000, 1), target = RandomSet(1200, 2);
   KdTreeAssociationOptions options{{0, 0}, NeededNormals::kNone};
-  const PairList all = Sorted(Pairs(Make(source, target, options), Rigid3d()));
+  const PairList all = Sorted(PairsOf(Make(source, target, options), Rigid3d()));
   options.source_stride = 3;
   const KdTreeAssociation thinned = Make(source, target, options);
   EXPECT_EQ(thinned.source_count(), 1000);
-  const PairList pairs = Sorted(Pairs(thinned, Rigid3d()));
+  const PairList pairs = Sorted(PairsOf(thinned, Rigid3d()));
   EXPECT_EQ(pairs.size(), 1000u);
   EXPECT_TRUE(std::includes(all.begin(), all.end(), pairs.begin(), pairs.end()));
   int counts[8] = {};
@@ -142,8 +142,8 @@ TEST(KdTreeAssociation, StrideThinsTheSourceEvenly) {
 TEST(KdTreeAssociation, TakesEmptySets) {
   const PointSet none, some = RandomSet(10, 1);
   EXPECT_EQ(Make(none, some, {}).source_count(), 0);
-  EXPECT_TRUE(Pairs(Make(none, some, {}), Rigid3d()).empty());
-  EXPECT_TRUE(Pairs(Make(some, none, {}), Rigid3d()).empty());
+  EXPECT_TRUE(PairsOf(Make(none, some, {}), Rigid3d()).empty());
+  EXPECT_TRUE(PairsOf(Make(some, none, {}), Rigid3d()).empty());
 }
 
 TEST(KdTreeAssociation, TakesTheValidPointsOfAFrame) {
@@ -168,8 +168,8 @@ TEST(KdTreeAssociation, IsTheSameAtAnyNumberOfThreads) {
   for (const int threads : {1, 4}) {
     const ThreadLimit limit(threads);
     const KdTreeAssociation association = Make(source, target, {});
-    Pairs(association, SomePose(4));
-    pairs.push_back(Pairs(association, SomePose()));
+    PairsOf(association, SomePose(4));
+    pairs.push_back(PairsOf(association, SomePose()));
   }
   EXPECT_EQ(pairs[0], pairs[1]);
 }

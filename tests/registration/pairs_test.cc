@@ -15,7 +15,7 @@ namespace surfit {
 namespace {
 
 // How many of the pairs ...
-struct Outcome {
+struct PairCounts {
   int pairs = 0;
   int accurate = 0;  // ended within 3 mm and 0.1 deg,
   int clean = 0;     // and with loss and inliers better at the end of each level than at its start
@@ -37,7 +37,7 @@ bool EveryLevelImproves(const std::vector<IcpIteration>& iterations, int max_ite
 }
 
 void Count(const IcpResult& result, const Rigid3d& truth, const IcpOptions& options,
-           Outcome* outcome) {
+           PairCounts* outcome) {
   const Rigid3d error = truth.Inverse() * result.target_from_source;
   const double off_m = error.translation.norm();
   const double off_deg = RotationAngle(error.rotation) * 180 / M_PI;
@@ -49,7 +49,7 @@ void Count(const IcpResult& result, const Rigid3d& truth, const IcpOptions& opti
 }
 
 // Of every step-th frame and those that follow it at these distances, ascending.
-Outcome RegisterPairs(const std::string& sequence, const std::vector<int>& gaps, int step) {
+PairCounts RegisterPairs(const std::string& sequence, const std::vector<int>& gaps, int step) {
   SequenceOptions sequence_options;
   sequence_options.path = testing::SharedData(sequence);
   const std::unique_ptr<FrameSource> source = OpenSequence(sequence_options);
@@ -60,7 +60,7 @@ Outcome RegisterPairs(const std::string& sequence, const std::vector<int>& gaps,
     Rigid3d world_from_camera;
   };
   std::deque<View> last_views;  // the newest first
-  Outcome outcome;
+  PairCounts outcome;
   for (int index = 0; auto read = source->Next(); ++index) {
     View view;
     const bool is_source = index % step == 0;
@@ -83,13 +83,13 @@ Outcome RegisterPairs(const std::string& sequence, const std::vector<int>& gaps,
   return outcome;
 }
 
-void Print(const std::string& sequence, const Outcome& outcome) {
+void Print(const std::string& sequence, const PairCounts& outcome) {
   std::printf("%s: of %d pairs %d accurate, %d of these better on each level, %d wrong\n",
               sequence.c_str(), outcome.pairs, outcome.accurate, outcome.clean, outcome.wrong);
 }
 
 void ExpectGood(const std::string& sequence, int step) {
-  const Outcome outcome = RegisterPairs(sequence, {5, 10, 20}, step);
+  const PairCounts outcome = RegisterPairs(sequence, {5, 10, 20}, step);
   Print(sequence, outcome);
   EXPECT_LE(outcome.wrong, 0.01 * outcome.pairs);
   EXPECT_GE(outcome.clean, 0.97 * outcome.pairs);
@@ -111,7 +111,7 @@ TEST_P(AllPairs, AreRegisteredFromTheIdentity) {
 // Beyond the reach of ICP from the identity: a wrong fit must not be called converged.
 TEST_P(SomePairs, FarApartAreReportedTruthfully) {
   SURFIT_REQUIRE_SHARED_DATA(GetParam());
-  const Outcome outcome = RegisterPairs(GetParam(), {30, 40, 60, 90}, 10);
+  const PairCounts outcome = RegisterPairs(GetParam(), {30, 40, 60, 90}, 10);
   Print(GetParam(), outcome);
   EXPECT_GE(outcome.pairs, 50);
   EXPECT_LE(outcome.wrong, 0.01 * outcome.pairs);

@@ -15,12 +15,11 @@
 namespace surfit {
 namespace {
 
+using testing::kWallToleranceM;
+using testing::kWallToleranceRad;
 using testing::RigidNear;
 using testing::VectorNear;
 using testing::WallFrames;
-
-// A tenth of a pixel, which is 11 mm at 1.5 m.
-constexpr double kToleranceM = 0.0011, kToleranceRad = 0.0008;
 
 IcpOptions Options(double photometric_weight, const std::string& solver = "closed_form_ldlt") {
   IcpOptions options;
@@ -40,7 +39,7 @@ TEST_P(PhotometricSolvers, TrackAlongATexturedWall) {
   EXPECT_TRUE(result.Succeeded()) << ToString(result.termination);
   EXPECT_GT(result.intensity_count, 1000);
   EXPECT_THAT(result.target_from_source,
-              RigidNear(frames_.target_from_source, kToleranceM, kToleranceRad));
+              RigidNear(frames_.target_from_source, kWallToleranceM, kWallToleranceRad));
 }
 
 TEST_P(PhotometricSolvers, ByItsShapeTheWallIsDegenerate) {
@@ -49,7 +48,7 @@ TEST_P(PhotometricSolvers, ByItsShapeTheWallIsDegenerate) {
   EXPECT_EQ(result.termination, Termination::kSingularSystem);
   EXPECT_EQ(result.free_directions.size(), 3u);
   EXPECT_EQ(result.intensity_count, 0);
-  EXPECT_THAT(result.target_from_source, RigidNear(Rigid3d(), kToleranceM, kToleranceRad));
+  EXPECT_THAT(result.target_from_source, RigidNear(Rigid3d(), kWallToleranceM, kWallToleranceRad));
 }
 
 TEST_P(PhotometricSolvers, BearAnotherExposure) {
@@ -57,7 +56,7 @@ TEST_P(PhotometricSolvers, BearAnotherExposure) {
   const IcpResult result =
       Register(frames_.source, frames_.target, Rigid3d(), Options(0.1, GetParam()));
   EXPECT_THAT(result.target_from_source,
-              RigidNear(frames_.target_from_source, kToleranceM, kToleranceRad));
+              RigidNear(frames_.target_from_source, kWallToleranceM, kWallToleranceRad));
 }
 
 INSTANTIATE_TEST_SUITE_P(All, PhotometricSolvers,
@@ -101,7 +100,7 @@ TEST(PhotometricIcp, NeedsNoProjectiveAssociation) {
   options.association = "kd_tree";
   options.max_iterations = 30;
   EXPECT_THAT(Register(frames.source, frames.target, Rigid3d(), options).target_from_source,
-              RigidNear(frames.target_from_source, kToleranceM, kToleranceRad));
+              RigidNear(frames.target_from_source, kWallToleranceM, kWallToleranceRad));
 }
 
 TEST(PhotometricIcp, WithoutColorIsIcpByShapes) {

@@ -11,13 +11,8 @@
 namespace surfit {
 namespace {
 
+using testing::PointToPlaneSolverNames;
 using testing::VectorNear;
-
-std::vector<std::string> PointToPlaneSolverNames() {
-  std::vector<std::string> names = PoseSolverNames();
-  names.erase(std::find(names.begin(), names.end(), "svd"));
-  return names;
-}
 
 // Pairs on surfaces that some motions leave as they are: exactly, but for noise along the normal.
 struct Surface {
@@ -110,13 +105,13 @@ TEST_P(Singular, MovesOnlyAlongWhatTheDataHolds) {
   }
 }
 
-std::string NameOf(const ::testing::TestParamInfo<Singular::ParamType>& info) {
+std::string SurfaceName(const ::testing::TestParamInfo<Singular::ParamType>& info) {
   const char* const names[] = {"plane", "sphere", "corridor"};
   return names[info.index];
 }
 
 INSTANTIATE_TEST_SUITE_P(Surfaces, Singular, ::testing::Values(OnPlane, OnSphere, OnCorridor),
-                         NameOf);
+                         SurfaceName);
 
 TEST(SingularSystem, NoPairsAreSingularToo) {
   for (const std::string& name : PointToPlaneSolverNames()) {

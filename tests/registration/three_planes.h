@@ -1,11 +1,22 @@
 #pragma once
 
+#include <algorithm>
 #include <limits>
+#include <string>
+#include <vector>
 
 #include "surfit/frame/frame_pyramid.h"
 #include "surfit/geometry/rigid3.h"
+#include "surfit/registration/pose_solver.h"
 
 namespace surfit::testing {
+
+// The solvers of point_to_plane.
+inline std::vector<std::string> PointToPlaneSolverNames() {
+  std::vector<std::string> names = PoseSolverNames();
+  names.erase(std::find(names.begin(), names.end(), "svd"));
+  return names;
+}
 
 inline PinholeCamera CornerCamera() {
   PinholeCamera camera;

@@ -5,24 +5,33 @@
 
 namespace surfit::testing {
 
-// Two frames of a textured wall at 1.5 m that fills the view: its shape leaves open a shift along
-// it and a turn about its normal.
+// Two views of a textured wall at 1.5 m that fills them: its shape leaves open a shift along it and
+// a turn about its normal.
+struct WallScene {
+  ColoredView source, target;
+  Rigid3d target_from_source;
+
+  explicit WallScene(const Rigid3d& pose) : target_from_source(pose) {
+    const Scene scene = MakeScene("wall");
+    Eigen::Matrix3d along_y;
+    along_y << 1, 0, 0, 0, 0, 1, 0, -1, 0;
+    const Rigid3d world_from_source(along_y, Eigen::Vector3d(0, 0.5, 1));
+    source = MakeColoredView(scene, world_from_source);
+    target = MakeColoredView(scene, world_from_source * pose.Inverse());
+  }
+};
+
+// They as frames with intensities.
 struct WallFrames {
   FramePyramid source, target;
   Rigid3d target_from_source;
 
   explicit WallFrames(const Rigid3d& pose) : target_from_source(pose) {
-    const Scene scene = MakeScene("wall");
-    Eigen::Matrix3d along_y;
-    along_y << 1, 0, 0, 0, 0, 1, 0, -1, 0;
-    const Rigid3d world_from_source(along_y, Eigen::Vector3d(0, 0.5, 1));
-    const auto frame = [&](const Rigid3d& world_from_camera) {
-      ColoredView view = MakeColoredView(scene, world_from_camera);
-      AddIntensity(view.color, &view.pyramid);
-      return std::move(view.pyramid);
-    };
-    source = frame(world_from_source);
-    target = frame(world_from_source * pose.Inverse());
+    WallScene views(pose);
+    AddIntensity(views.source.color, &views.source.pyramid);
+    AddIntensity(views.target.color, &views.target.pyramid);
+    source = std::move(views.source.pyramid);
+    target = std::move(views.target.pyramid);
   }
 
   // As if the source had been exposed otherwise.
@@ -35,5 +44,8 @@ struct WallFrames {
 
 // A small motion along the wall: two pixels at the most.
 inline Rigid3d AlongTheWall() { return {QuaternionExp<double>({0, 0, 0.02}), {0.015, -0.01, 0}}; }
+
+// A tenth of a pixel, which is 11 mm at 1.5 m.
+constexpr double kWallToleranceM = 0.0011, kWallToleranceRad = 0.0008;
 
 }  // namespace surfit::testing

@@ -8,7 +8,7 @@
 namespace surfit {
 namespace {
 
-constexpr int kFrames = 12;
+constexpr int kBetween = 12;
 
 // Held a hundred times less along x, as before a wall with an upright edge.
 IcpResult HeldLittleAlongX() {
@@ -27,8 +27,8 @@ Matrix6d CovarianceOfOdometry(const IcpResult& icp, int frames, const Rigid3d& a
 // The prior that holds free directions at 0.1 takes (0.017 / 0.1)^2 = 3 % of what is held least.
 TEST(EdgeInformation, OdometryDriftsAsAWalkAtRandom) {
   const EdgeNoise noise;
-  const Matrix6d covariance = CovarianceOfOdometry(HeldLittleAlongX(), kFrames, Rigid3d());
-  const double walk = noise.shared_points * kFrames;
+  const Matrix6d covariance = CovarianceOfOdometry(HeldLittleAlongX(), kBetween, Rigid3d());
+  const double walk = noise.shared_points * kBetween;
   EXPECT_NEAR(covariance(3, 3), walk * 1e-6 + std::pow(noise.odometry_m, 2), 0.03 * walk * 1e-6);
   EXPECT_NEAR(covariance(4, 4), walk * 1e-10 + std::pow(noise.odometry_m, 2), 1e-10);
   EXPECT_NEAR(covariance(0, 0), walk * 1e-10 + std::pow(noise.odometry_rad, 2), 1e-10);
@@ -39,7 +39,7 @@ TEST(EdgeInformation, OdometryDriftsAsAWalkAtRandom) {
 TEST(EdgeInformation, WhatIsHeldLittleTurnsWithTheCamera) {
   const Rigid3d quarter(Eigen::Quaterniond(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ())),
                         {0, 0, 0});
-  const Matrix6d covariance = CovarianceOfOdometry(HeldLittleAlongX(), kFrames, quarter);
+  const Matrix6d covariance = CovarianceOfOdometry(HeldLittleAlongX(), kBetween, quarter);
   EXPECT_GT(covariance(4, 4), 50 * covariance(3, 3));
 }
 

@@ -14,14 +14,14 @@ class RoomsSweep : public ::testing::TestWithParam<int> {};
 // The bound is what Surfit promises of such rooms. Both paths start at the same pose, and nothing
 // is aligned, so that the error is no smaller than the ATE.
 TEST_P(RoomsSweep, AKinectIsTrackedWithin8MillimetresOver300Frames) {
-  constexpr int kFrames = 300;
+  constexpr int kCount = 300;
   const PinholeCamera camera{640, 480, 525, 525, 319.5, 239.5, {}};
   const auto seed = static_cast<std::uint64_t>(GetParam());
   const Scene scene = MakeScene("room", seed);
   std::vector<Rigid3d> truth;
   testing::SlamRun run;
   std::unique_ptr<Slam> slam;
-  for (const StampedPose& pose : MakePath(scene, kFrames, seed)) {
+  for (const StampedPose& pose : MakePath(scene, kCount, seed)) {
     const int index = static_cast<int>(truth.size());
     truth.push_back(pose.world_from_camera);
     RgbdFrame frame = RenderFrame(scene, camera, pose.world_from_camera, index, pose.stamp_s);

@@ -14,7 +14,7 @@ namespace {
 // Half of a Kinect's resolution: with less, runs that differ by nothing but rounding end as far
 // from each other as some wrong loops would take them.
 const PinholeCamera kCamera = {320, 240, 262.5, 262.5, 159.5, 119.5, {}};
-constexpr int kFrames = 1500;
+constexpr int kLength = 1500;
 constexpr int kRightPerWrong = 9;  // a tenth of all loops is wrong
 
 // How a wrong loop errs.
@@ -90,7 +90,7 @@ Outcome RunMisled(const testing::SimulatedSequence& sequence, Wrong wrong) {
 
 TEST(WrongLoopsSweep, ATenthOfThemHardlyMovesTheTrajectory) {
   const auto sequence =
-      testing::Simulate("three_rooms", 4, kFrames, testing::Sensor::kKinect, kCamera);
+      testing::Simulate("three_rooms", 4, kLength, testing::Sensor::kKinect, kCamera);
   const Outcome clean = RunMisled(sequence, Wrong::kNone);
   ASSERT_EQ(clean.planted, 0);
   for (const Wrong wrong : {Wrong::kAnywhere, Wrong::kNear}) {

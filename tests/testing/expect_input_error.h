@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <ostream>
+#include <string>
+
 #include "surfit/core/error.h"
 
 namespace surfit::testing {
@@ -17,5 +20,14 @@ void ExpectInputError(const Call& call, const Matcher& message) {
     EXPECT_THAT(error.what(), message);
   }
 }
+
+// A file that a reader must refuse, and what the message says besides the file's name.
+struct MalformedFile {
+  const char* name;
+  std::string content;
+  const char* message;
+};
+
+inline void PrintTo(const MalformedFile& file, std::ostream* out) { *out << file.name; }
 
 }  // namespace surfit::testing

@@ -4,10 +4,18 @@
 #include <cstdio>
 #include <string>
 
+#include "surfit/io/sequence.h"
 #include "testing/temp_folder.h"
 #include "testing/write_images.h"
 
 namespace surfit::testing {
+
+// How the sequence in a folder is opened.
+inline SequenceOptions Options(const TempFolder& folder) {
+  SequenceOptions options;
+  options.path = folder.path();
+  return options;
+}
 
 // Small images that tell their frame: depth between 1 and 2 m at 1000 counts a metre, red the
 // frame's number.
