@@ -19,19 +19,17 @@ struct Options {
   KlgOptions klg;
 
   void Visit(OptionVisitor& v) {
-    v.AddPart(sequence, Option("sequence", "what to read").Optional());
+    v.AddPart(sequence, "sequence", "what to read", OptionalPart());
     v.Group("input");
-    v.Add(cloud,
-          Option("cloud", "instead of a sequence: a map or point cloud (PLY or PCD)").Everyday());
-    v.Add(trajectory,
-          Option("trajectory", "instead of a sequence: a trajectory in TUM format").Everyday());
+    v.Add(cloud, "cloud", "instead of a sequence: a map or point cloud (PLY or PCD)", Everyday());
+    v.Add(trajectory, "trajectory", "instead of a sequence: a trajectory in TUM format",
+          Everyday());
     v.Group("output");
-    v.Add(output, Option("output",
-                         "the file to write: .klg of a sequence; .pcd or .ply of a cloud; of a "
-                         "trajectory the poses in KITTI's format")
-                      .Required()
-                      .Everyday());
-    v.AddPart(klg, Option("klg", "how .klg is written"));
+    v.Add(output, "output",
+          "the file to write: .klg of a sequence; .pcd or .ply of a cloud; of a trajectory the "
+          "poses in KITTI's format",
+          Required(), Everyday());
+    v.AddPart(klg, "klg", "how .klg is written");
   }
 };
 
@@ -90,8 +88,7 @@ int main(int argc, char** argv) {
   surfit::tools::Options options;
   return surfit::tools::ToolMain(argc, argv,
                                  "converts a sequence to .klg (with its camera as .klg.yaml), a "
-                                 "map or cloud to PCD or PLY, or "
-                                 "a trajectory to KITTI's poses",
+                                 "map or cloud to PCD or PLY, or a trajectory to KITTI's poses",
                                  surfit::TableOf(&options),
                                  [&] { return surfit::tools::Run(options); });
 }

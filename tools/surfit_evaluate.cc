@@ -19,23 +19,18 @@ struct Options {
   TrajectoryEvaluationOptions evaluation;
 
   void Visit(OptionVisitor& v) {
-    v.Add(groundtruth,
-          Option("groundtruth", "the true trajectory: TUM format, or ICL-NUIM's .gt.freiburg")
-              .Required()
-              .Flag());
-    v.Add(estimate, Option("estimate", "the estimated trajectory, same format").Required().Flag());
-    v.Add(frames, Option("frames",
-                         "list of the frames that should have a pose, stamps first (rgb.txt): "
-                         "coverage is the share of them that has one; if empty, of the ground "
-                         "truth's poses")
-                      .Flag());
-    v.Add(time_offset_s,
-          Option("time_offset_s",
-                 "beside the plain error, tell that with the estimate's stamps moved by so much; "
-                 "estimate: by what makes it least")
-              .Unit("s")
-              .Flag());
-    v.AddPart(evaluation, Option("evaluation", "how they are compared"));
+    v.Add(groundtruth, "groundtruth", "the true trajectory: TUM format, or ICL-NUIM's .gt.freiburg",
+          Required(), AsFlag());
+    v.Add(estimate, "estimate", "the estimated trajectory, same format", Required(), AsFlag());
+    v.Add(frames, "frames",
+          "list of the frames that should have a pose, stamps first (rgb.txt): coverage is the "
+          "share of them that has one; if empty, of the ground truth's poses",
+          AsFlag());
+    v.Add(time_offset_s, "time_offset_s",
+          "beside the plain error, tell that with the estimate's stamps moved by so much; "
+          "estimate: by what makes it least",
+          InUnit("s"), AsFlag());
+    v.AddPart(evaluation, "evaluation", "how they are compared");
     v.Check([this] { GivenOffset(); });
   }
 
@@ -134,10 +129,10 @@ int Run(const Options& options) {
 
 int main(int argc, char** argv) {
   surfit::tools::Options options;
-  return surfit::tools::ToolMain(
-      argc, argv,
-      "compares a trajectory with the ground truth. Prints JSON on stdout (absolute trajectory "
-      "error after rigid alignment without scale, relative pose error, coverage) and a summary "
-      "on stderr.",
-      surfit::TableOf(&options), [&] { return surfit::tools::Run(options); });
+  return surfit::tools::ToolMain(argc, argv,
+                                 "compares a trajectory with the ground truth. Prints JSON on "
+                                 "stdout (absolute trajectory error after rigid alignment without "
+                                 "scale, relative pose error, coverage) and a summary on stderr.",
+                                 surfit::TableOf(&options),
+                                 [&] { return surfit::tools::Run(options); });
 }

@@ -19,21 +19,16 @@ struct Options {
   MapErrorOptions error;
 
   void Visit(OptionVisitor& v) {
-    v.Add(map,
-          Option("map", "the map, a PLY or PCD file with points or surfels").Required().Flag());
-    v.Add(reference,
-          Option("reference",
-                 "the true surface as a dense point cloud (PLY or PCD), in the map's frame")
-              .Required()
-              .Flag());
-    v.Add(estimate,
-          Option("estimate",
-                 "the run's trajectory (TUM format), with --groundtruth: the map is taken to the "
-                 "reference as its trajectory is for ATE, or else compared as it lies")
-              .Flag());
-    v.Add(groundtruth,
-          Option("groundtruth", "the true trajectory, in the reference's frame").Flag());
-    v.AddPart(error, Option("error", "how they are compared"));
+    v.Add(map, "map", "the map, a PLY or PCD file with points or surfels", Required(), AsFlag());
+    v.Add(reference, "reference",
+          "the true surface as a dense point cloud (PLY or PCD), in the map's frame", Required(),
+          AsFlag());
+    v.Add(estimate, "estimate",
+          "the run's trajectory (TUM format), with --groundtruth: the map is taken to the "
+          "reference as its trajectory is for ATE, or else compared as it lies",
+          AsFlag());
+    v.Add(groundtruth, "groundtruth", "the true trajectory, in the reference's frame", AsFlag());
+    v.AddPart(error, "error", "how they are compared");
   }
 };
 
@@ -92,8 +87,8 @@ int main(int argc, char** argv) {
       argc, argv,
       "compares a map with a reference surface. Prints JSON on stdout and a summary on stderr: "
       "accuracy is the distance from each map point to the nearest reference point (the "
-      "reference's spacing is part of it), plane_accuracy the distance to that point's plane "
-      "where the reference has normals, completeness the share of the reference with a map point "
-      "near by.",
+      "reference's spacing is part of it), plane_accuracy the distance to that point's plane where "
+      "the reference has normals, completeness the share of the reference with a map point near "
+      "by.",
       surfit::TableOf(&options), [&] { return surfit::tools::Run(options); });
 }

@@ -19,9 +19,9 @@ struct Options {
   int threads = 2;
 
   void Visit(OptionVisitor& v) {
-    v.AddPart(revisits, Option("revisits", "what is compared"));
-    v.Add(threads,
-          Option("threads", "threads that compute at the same time").From(1, 1024).Everyday());
+    v.AddPart(revisits, "revisits", "what is compared");
+    v.Add(threads, "threads", "threads that compute at the same time", Between(1, 1024),
+          Everyday());
   }
 };
 

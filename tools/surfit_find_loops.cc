@@ -23,8 +23,8 @@ struct Options {
 
   void Visit(OptionVisitor& v) {
     v.Group("sequence");
-    v.Add(run, Option("run", "folder that surfit_slam wrote, for its trajectory.txt").Everyday());
-    v.AddPart(search, Option("search", "how loops are found"));
+    v.Add(run, "run", "folder that surfit_slam wrote, for its trajectory.txt", Everyday());
+    v.AddPart(search, "search", "how loops are found");
   }
   void TakeTrajectoryOfRun() {
     if (run.empty() == search.trajectory.empty()) {

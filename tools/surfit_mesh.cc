@@ -15,10 +15,9 @@ struct Options {
   MeshOptions mesh;
 
   void Visit(OptionVisitor& v) {
-    v.Add(map,
-          Option("map", "the map, a PLY or PCD file with points and normals").Required().Flag());
-    v.Add(output, Option("output", "the mesh to write, .ply or .obj").Required().Flag());
-    v.AddPart(mesh, Option("mesh", "how fine it is, and how far it reaches"));
+    v.Add(map, "map", "the map, a PLY or PCD file with points and normals", Required(), AsFlag());
+    v.Add(output, "output", "the mesh to write, .ply or .obj", Required(), AsFlag());
+    v.AddPart(mesh, "mesh", "how fine it is, and how far it reaches");
   }
 };
 
@@ -40,9 +39,9 @@ int Run(const Options& options) {
 
 int main(int argc, char** argv) {
   surfit::tools::Options options;
-  return surfit::tools::ToolMain(
-      argc, argv,
-      "makes a triangle mesh with colours of a map (screened Poisson reconstruction), cut off "
-      "where the map has no points",
-      surfit::TableOf(&options), [&] { return surfit::tools::Run(options); });
+  return surfit::tools::ToolMain(argc, argv,
+                                 "makes a triangle mesh with colours of a map (screened Poisson "
+                                 "reconstruction), cut off where the map has no points",
+                                 surfit::TableOf(&options),
+                                 [&] { return surfit::tools::Run(options); });
 }

@@ -20,13 +20,11 @@ struct Options {
   PoseGraphOptions optimization;
 
   void Visit(OptionVisitor& v) {
-    v.Add(graph, Option("graph", "the pose graph: .g2o with VERTEX_SE3:QUAT and EDGE_SE3:QUAT")
-                     .Required()
-                     .Flag());
-    v.Add(output, Option("output", "if given, the optimised graph goes to this .g2o file").Flag());
-    v.Add(summary,
-          Option("summary", "if given, costs, times and options go to this JSON file").Flag());
-    v.AddPart(optimization, Option("optimization", "how the graph is optimised"));
+    v.Add(graph, "graph", "the pose graph: .g2o with VERTEX_SE3:QUAT and EDGE_SE3:QUAT", Required(),
+          AsFlag());
+    v.Add(output, "output", "if given, the optimised graph goes to this .g2o file", AsFlag());
+    v.Add(summary, "summary", "if given, costs, times and options go to this JSON file", AsFlag());
+    v.AddPart(optimization, "optimization", "how the graph is optimised");
   }
 };
 

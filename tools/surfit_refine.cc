@@ -14,11 +14,11 @@ struct Options {
 
   void Visit(OptionVisitor& v) {
     v.Group("run");
-    v.Add(run, Option("run",
-                      "output folder of surfit_slam; its summary.json says which sequence it read "
-                      "and how, where flags do not")
-                   .Everyday());
-    v.AddPart(refine, Option("refine", "how it is refined"));
+    v.Add(run, "run",
+          "output folder of surfit_slam; its summary.json says which sequence it read and how, "
+          "where flags do not",
+          Everyday());
+    v.AddPart(refine, "refine", "how it is refined");
   }
   void TakeWhatTheRunRead() {
     RequireFlag("run", run);

@@ -38,48 +38,33 @@ struct Options {
   int threads = 0;
 
   void Visit(OptionVisitor& v) {
-    v.Add(output,
-          Option("output", "folder of the sequence; must be empty, new or of a former simulation")
-              .Required()
-              .Flag());
-    v.Add(scene, Option("scene", "scene; three_rooms: 1500 frames lead through them and back")
-                     .OneOf(SceneNames())
-                     .Flag());
-    v.Add(frames, Option("frames", "number of frames").AtLeast(1).Flag());
-    v.Add(seed, Option("seed", "another seed gives another room, another path and other noise")
-                    .AtLeast(0)
-                    .Flag());
-    v.Add(sensor, Option("sensor", "exact depth, or the noise model of a Kinect v1")
-                      .OneOf({"ideal", "kinect"})
-                      .Flag());
-    v.Add(inverse_depth_offset,
-          Option("inverse_depth_offset",
-                 "what a sensor out of calibration adds to each 1 / z: 0.00667 makes 3 m too near "
-                 "by 2 %; camera.yaml does not tell")
-              .From(-0.1, 0.1)
-              .Unit("1/m")
-              .Flag());
-    v.Add(inverse_depth_distortion,
-          Option("inverse_depth_distortion",
-                 "c1,c2,c3,c4,c5: what it adds besides, c1 x + c2 y + c3 x^2 + c4 x y + c5 y^2 at "
-                 "the ray (x, y, 1); camera.yaml does not tell")
-              .Unit("1/m")
-              .Flag());
-    v.Add(downsample, Option("downsample", "keep every n-th pixel of 640 x 480 in each direction")
-                          .From(1, 16)
-                          .Flag());
-    v.Add(image_y_up,
-          Option("image_y_up",
-                 "write the convention of ICL-NUIM: numbered frames, fy < 0, the poses those of "
-                 "the scene mirrored by diag(1, -1, 1); surface.ply is right-handed all the same")
-              .Flag());
-    v.Add(surface_grid_m, Option("surface_grid_m", "distance between the points of surface.ply")
-                              .AtLeast(0.001)
-                              .Flag());
-    v.Add(threads, Option("threads", "threads that compute at the same time")
-                       .From(0, 1024)
-                       .Zero("as many as the machine has")
-                       .Flag());
+    v.Add(output, "output", "folder of the sequence; must be empty, new or of a former simulation",
+          Required(), AsFlag());
+    v.Add(scene, "scene", "scene; three_rooms: 1500 frames lead through them and back",
+          OneOf(SceneNames()), AsFlag());
+    v.Add(frames, "frames", "number of frames", AtLeast(1), AsFlag());
+    v.Add(seed, "seed", "another seed gives another room, another path and other noise", AtLeast(0),
+          AsFlag());
+    v.Add(sensor, "sensor", "exact depth, or the noise model of a Kinect v1",
+          OneOf({"ideal", "kinect"}), AsFlag());
+    v.Add(inverse_depth_offset, "inverse_depth_offset",
+          "what a sensor out of calibration adds to each 1 / z: 0.00667 makes 3 m too near by 2 %; "
+          "camera.yaml does not tell",
+          Between(-0.1, 0.1), InUnit("1/m"), AsFlag());
+    v.Add(inverse_depth_distortion, "inverse_depth_distortion",
+          "c1,c2,c3,c4,c5: what it adds besides, c1 x + c2 y + c3 x^2 + c4 x y + c5 y^2 at the ray "
+          "(x, y, 1); camera.yaml does not tell",
+          InUnit("1/m"), AsFlag());
+    v.Add(downsample, "downsample", "keep every n-th pixel of 640 x 480 in each direction",
+          Between(1, 16), AsFlag());
+    v.Add(image_y_up, "image_y_up",
+          "write the convention of ICL-NUIM: numbered frames, fy < 0, the poses those of the scene "
+          "mirrored by diag(1, -1, 1); surface.ply is right-handed all the same",
+          AsFlag());
+    v.Add(surface_grid_m, "surface_grid_m", "distance between the points of surface.ply",
+          AtLeast(0.001), AsFlag());
+    v.Add(threads, "threads", "threads that compute at the same time", Between(0, 1024),
+          ZeroIs("as many as the machine has"), AsFlag());
   }
 };
 

@@ -22,17 +22,16 @@ struct Options {
   bool refine = false;
 
   void Visit(OptionVisitor& v) {
-    v.AddPart(run, Option("run", "the run"));
+    v.AddPart(run, "run", "the run");
     v.Group("run");
-    v.Add(view, Option("view",
-                       "show the run in a window: frame, model, map and camera path; without a "
-                       "display the run says so and goes on")
-                    .Everyday());
-    v.Add(refine, Option("refine",
-                         "in the end refine the keyframes' poses, the map and the camera's "
-                         "calibration, to the folder refined in the output's; surfit_refine has "
-                         "more options")
-                      .Everyday());
+    v.Add(view, "view",
+          "show the run in a window: frame, model, map and camera path; without a display the run "
+          "says so and goes on",
+          Everyday());
+    v.Add(refine, "refine",
+          "in the end refine the keyframes' poses, the map and the camera's calibration, to the "
+          "folder refined in the output's; surfit_refine has more options",
+          Everyday());
   }
 };
 

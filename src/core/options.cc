@@ -82,63 +82,53 @@ class Validator final : public OptionVisitor {
 
 }  // namespace
 
-Option& Option::AtLeast(double least) {
-  min = least;
-  return *this;
+OptionRule AtLeast(double least) {
+  return [=](Option& o) { o.min = least; };
 }
-Option& Option::Positive() {
-  above_min = true;
-  return AtLeast(0);
+OptionRule Positive() {
+  return [](Option& o) { o.min = 0, o.above_min = true; };
 }
-Option& Option::Below(double limit) {
-  max = limit;
-  below_max = true;
-  return *this;
+OptionRule Below(double limit) {
+  return [=](Option& o) { o.max = limit, o.below_max = true; };
 }
-Option& Option::From(double least, double most) {
-  max = most;
-  return AtLeast(least);
+OptionRule Between(double least, double most) {
+  return [=](Option& o) { o.min = least, o.max = most; };
 }
-Option& Option::Zero(std::string meaning) {
-  zero = std::move(meaning);
-  return AtLeast(0);
+OptionRule ZeroIs(const std::string& meaning) {
+  return [=](Option& o) { o.min = 0, o.zero = meaning; };
 }
-Option& Option::OneOf(std::vector<std::string> names) {
-  choices = std::move(names);
-  return *this;
+OptionRule OneOf(const std::vector<std::string>& names) {
+  return [=](Option& o) { o.choices = names; };
 }
-Option& Option::Required() {
-  required = true;
-  return *this;
+OptionRule Required() {
+  return [](Option& o) { o.required = true; };
 }
-Option& Option::Unit(std::string of_value) {
-  unit = std::move(of_value);
-  return *this;
+OptionRule InUnit(const std::string& of_value) {
+  return [=](Option& o) { o.unit = of_value; };
 }
-Option& Option::Flag(std::string as) {
-  flag = as.empty() ? name : std::move(as);
-  if (EndsWith(flag, "_rad")) flag.replace(flag.size() - 3, 3, "deg");
-  return *this;
+OptionRule AsFlag(const std::string& as) {
+  return [=](Option& o) {
+    o.flag = as.empty() ? o.name : as;
+    if (EndsWith(o.flag, "_rad")) o.flag.replace(o.flag.size() - 3, 3, "deg");
+  };
 }
-Option& Option::Everyday() {
-  everyday = true;
-  return flag.empty() ? Flag() : *this;
+OptionRule Everyday() {
+  return [](Option& o) {
+    o.everyday = true;
+    if (o.flag.empty()) AsFlag()(o);
+  };
 }
-Option& Option::Repeatable() {
-  repeatable = true;
-  return *this;
+OptionRule Repeatable() {
+  return [](Option& o) { o.repeatable = true; };
 }
-Option& Option::OnlyFlags(std::vector<std::string> flags) {
-  only_flags = std::move(flags);
-  return *this;
+OptionRule OnlyFlags(const std::vector<std::string>& flags) {
+  return [=](Option& o) { o.only_flags = flags; };
 }
-Option& Option::WithoutFlags(std::vector<std::string> flags) {
-  without_flags = std::move(flags);
-  return *this;
+OptionRule WithoutFlags(const std::vector<std::string>& flags) {
+  return [=](Option& o) { o.without_flags = flags; };
 }
-Option& Option::Optional() {
-  optional_part = true;
-  return *this;
+OptionRule OptionalPart() {
+  return [](Option& o) { o.optional_part = true; };
 }
 
 double Option::FlagUnit() const { return EndsWith(name, "_rad") ? kDegree : 1; }

@@ -36,9 +36,8 @@ static void OptionFromText(const std::string& text, RobustKernelType* type) {
 }
 
 void RobustKernel::Visit(OptionVisitor& v) {
-  v.Add(type, Option("type", "robust kernel").OneOf(RobustKernelNames()).Flag("kernel"));
-  v.Add(width,
-        Option("width", "width of the robust kernel in sigmas").Positive().Flag("kernel_width"));
+  v.Add(type, "type", "robust kernel", OneOf(RobustKernelNames()), AsFlag("kernel"));
+  v.Add(width, "width", "width of the robust kernel in sigmas", Positive(), AsFlag("kernel_width"));
 }
 
 }  // namespace surfit

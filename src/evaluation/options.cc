@@ -21,20 +21,17 @@ static void OptionFromText(const std::string& text, Unit* unit) {
 }
 
 void MatchOptions::Visit(OptionVisitor& v) {
-  v.Add(max_difference_s, Option("max_difference_s",
-                                 "where no true pose is interpolated, how far away the nearest one "
-                                 "may be (evo: 0.01, TUM scripts: 0.02)")
-                              .From(0, 1)
-                              .Flag());
-  v.Add(max_gap_s, Option("max_gap_s", "interpolate between true poses at most so far apart")
-                       .From(0, 1)
-                       .Zero("take the nearest, as evo and the TUM scripts do")
-                       .Flag());
+  v.Add(max_difference_s, "max_difference_s",
+        "where no true pose is interpolated, how far away the nearest one may be (evo: 0.01, TUM "
+        "scripts: 0.02)",
+        Between(0, 1), AsFlag());
+  v.Add(max_gap_s, "max_gap_s", "interpolate between true poses at most so far apart",
+        Between(0, 1), ZeroIs("take the nearest, as evo and the TUM scripts do"), AsFlag());
 }
 
 void RelativePoseErrorOptions::Visit(OptionVisitor& v) {
-  v.Add(delta, Option("delta", "step of the relative pose error").Positive().Flag());
-  v.Add(delta_unit, Option("delta_unit", "unit of delta: frames or seconds").Flag());
+  v.Add(delta, "delta", "step of the relative pose error", Positive(), AsFlag());
+  v.Add(delta_unit, "delta_unit", "unit of delta: frames or seconds", AsFlag());
   v.Check([this] {
     if (delta_unit != Unit::kFrames || (delta == std::floor(delta) && delta < 1e9)) return;
     throw InputError(Concat("delta is ", delta, " frames, must be an integer below 1e9"));
@@ -42,16 +39,14 @@ void RelativePoseErrorOptions::Visit(OptionVisitor& v) {
 }
 
 void TrajectoryEvaluationOptions::Visit(OptionVisitor& v) {
-  v.AddPart(match, Option("match", "which poses belong to the same moment"));
-  v.AddPart(rpe, Option("rpe", "the relative pose error"));
+  v.AddPart(match, "match", "which poses belong to the same moment");
+  v.AddPart(rpe, "rpe", "the relative pose error");
 }
 
 void MapErrorOptions::Visit(OptionVisitor& v) {
-  v.Add(completeness_distance_m,
-        Option("completeness_distance_m",
-               "a reference point counts as mapped if a map point is at most this far")
-            .Positive()
-            .Flag());
+  v.Add(completeness_distance_m, "completeness_distance_m",
+        "a reference point counts as mapped if a map point is at most this far", Positive(),
+        AsFlag());
 }
 
 }  // namespace surfit

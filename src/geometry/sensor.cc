@@ -8,13 +8,9 @@
 namespace surfit {
 
 void DepthNoise::Visit(OptionVisitor& v) {
-  v.Add(inverse_depth_sigma,
-        Option("inverse_depth_sigma",
-               "noise of the depth sensor: standard deviation of inverse depth")
-            .AtLeast(0)
-            .Below(1)
-            .Unit("1/m")
-            .Flag());
+  v.Add(inverse_depth_sigma, "inverse_depth_sigma",
+        "noise of the depth sensor: standard deviation of inverse depth", AtLeast(0), Below(1),
+        InUnit("1/m"), AsFlag());
 }
 
 // Filters and depth edges are measured in sigmas: none is too few.

@@ -36,49 +36,37 @@ static void OptionFromText(const std::string& text, std::optional<Rigid3d>* pose
 
 void SequenceOptions::Visit(OptionVisitor& v) {
   v.Group("sequence");
-  v.Add(path, Option("path", "the sequence: a folder, or a .klg or .sens file")
-                  .Required()
-                  .Flag("sequence")
-                  .Everyday());
-  v.Add(format, Option("format", "format of the sequence; watch: wait for frames to come")
-                    .OneOf(Formats())
-                    .Everyday());
-  v.Add(camera, Option("camera",
-                       "camera preset (tum_fr1, tum_fr2, tum_fr3, icl_nuim, seven_scenes, redwood, "
-                       "replica or klg); empty: the sequence's camera.yaml, else what the "
-                       "recording tells, else the format's usual camera")
-                    .Everyday());
-  v.Add(intrinsics, Option("intrinsics", "the depth camera's fx,fy,cx,cy").Unit("px").Flag());
-  v.Add(distortion, Option("distortion", "the depth camera's k1,k2,p1,p2,k3").Flag());
-  v.Add(
-      depth_units_per_metre,
-      Option("depth_units_per_metre", "counts of the depth images per metre").Flag("depth_scale"));
-  v.Add(inverse_depth_sigma,
-        Option("inverse_depth_sigma",
-               "noise of the depth sensor: standard deviation of inverse depth")
-            .Unit("1/m")
-            .Flag());
-  v.Add(color_intrinsics,
-        Option("color_intrinsics", "fx,fy,cx,cy of a separate colour camera").Unit("px").Flag());
-  v.Add(color_distortion,
-        Option("color_distortion", "k1,k2,p1,p2,k3 of a separate colour camera").Flag());
-  v.Add(color_from_depth,
-        Option("color_from_depth", "pose tx,ty,tz,qx,qy,qz,qw of the depth in the colour camera")
-            .Unit("m")
-            .Flag());
-  v.Add(frames_per_second,
-        Option("frames_per_second", "frames per second of files without time stamps").Flag("fps"));
-  v.Add(latency_s,
-        Option("latency_s",
-               "how long before its stamp the middle of a depth frame's exposure and readout lies")
-            .Unit("s")
-            .Flag());
-  v.Add(first, Option("first", "index of the first frame to read").AtLeast(0).Everyday());
-  v.Add(last, Option("last", "index of the last frame to read, inclusive; -1 = to the end")
-                  .AtLeast(-1)
-                  .Everyday());
-  v.Add(stride, Option("stride", "read every n-th frame").AtLeast(1).Everyday());
-  v.AddPart(prepare, Option("prepare", "how images become frames"));
+  v.Add(path, "path", "the sequence: a folder, or a .klg or .sens file", Required(),
+        AsFlag("sequence"), Everyday());
+  v.Add(format, "format", "format of the sequence; watch: wait for frames to come",
+        OneOf(Formats()), Everyday());
+  v.Add(camera, "camera",
+        "camera preset (tum_fr1, tum_fr2, tum_fr3, icl_nuim, seven_scenes, redwood, replica or "
+        "klg); empty: the sequence's camera.yaml, else what the recording tells, else the format's "
+        "usual camera",
+        Everyday());
+  v.Add(intrinsics, "intrinsics", "the depth camera's fx,fy,cx,cy", InUnit("px"), AsFlag());
+  v.Add(distortion, "distortion", "the depth camera's k1,k2,p1,p2,k3", AsFlag());
+  v.Add(depth_units_per_metre, "depth_units_per_metre", "counts of the depth images per metre",
+        AsFlag("depth_scale"));
+  v.Add(inverse_depth_sigma, "inverse_depth_sigma",
+        "noise of the depth sensor: standard deviation of inverse depth", InUnit("1/m"), AsFlag());
+  v.Add(color_intrinsics, "color_intrinsics", "fx,fy,cx,cy of a separate colour camera",
+        InUnit("px"), AsFlag());
+  v.Add(color_distortion, "color_distortion", "k1,k2,p1,p2,k3 of a separate colour camera",
+        AsFlag());
+  v.Add(color_from_depth, "color_from_depth",
+        "pose tx,ty,tz,qx,qy,qz,qw of the depth in the colour camera", InUnit("m"), AsFlag());
+  v.Add(frames_per_second, "frames_per_second", "frames per second of files without time stamps",
+        AsFlag("fps"));
+  v.Add(latency_s, "latency_s",
+        "how long before its stamp the middle of a depth frame's exposure and readout lies",
+        InUnit("s"), AsFlag());
+  v.Add(first, "first", "index of the first frame to read", AtLeast(0), Everyday());
+  v.Add(last, "last", "index of the last frame to read, inclusive; -1 = to the end", AtLeast(-1),
+        Everyday());
+  v.Add(stride, "stride", "read every n-th frame", AtLeast(1), Everyday());
+  v.AddPart(prepare, "prepare", "how images become frames");
   v.Check([this] {
     if (last == -1 || last >= first) return;
     throw InputError(Concat("last is ", last, ", must be at least first, ", first, ", or -1"));
@@ -86,9 +74,9 @@ void SequenceOptions::Visit(OptionVisitor& v) {
 }
 
 void KlgOptions::Visit(OptionVisitor& v) {
-  v.Add(compress_depth, Option("compress_depth", "compress depth in .klg").Flag());
-  v.Add(jpeg_quality,
-        Option("jpeg_quality", "JPEG quality of colour in .klg").From(0, 100).Zero("raw").Flag());
+  v.Add(compress_depth, "compress_depth", "compress depth in .klg", AsFlag());
+  v.Add(jpeg_quality, "jpeg_quality", "JPEG quality of colour in .klg", Between(0, 100),
+        ZeroIs("raw"), AsFlag());
 }
 
 }  // namespace surfit

@@ -36,34 +36,21 @@ std::string ToString(PoseGraphTermination termination) {
 
 void PoseGraphOptions::Visit(OptionVisitor& v) {
   v.Group("graph");
-  v.Add(
-      sparse_backend,
-      Option("sparse_backend", "sparse linear solver of Ceres").OneOf(SparseBackendNames()).Flag());
-  v.Add(initialization,
-        Option("initialization",
-               "poses to start at; given: the file's; odometry: chained along edges of consecutive "
-               "ids; chordal: from all edges, by two linear systems")
-            .OneOf(PoseGraphInitializationNames())
-            .Flag());
-  v.Add(loop_robustness,
-        Option("loop_robustness",
-               "none: all edges count; gnc: loops (edges of other ids) that do not fit are left "
-               "out")
-            .OneOf(LoopRobustnessNames())
-            .Flag());
-  v.Add(max_loop_squared_error,
-        Option("max_loop_squared_error",
-               "for gnc: a loop of a larger error (e^T information e) is wrong")
-            .Positive()
-            .Flag());
-  v.Add(max_iterations,
-        Option("max_iterations", "iterations of Levenberg-Marquardt at most, in each round of gnc")
-            .AtLeast(1)
-            .Flag());
-  v.Add(min_relative_cost_change, Option("min_relative_cost_change",
-                                         "iterations end where the cost changes by a smaller share")
-                                      .AtLeast(0)
-                                      .Flag());
+  v.Add(sparse_backend, "sparse_backend", "sparse linear solver of Ceres",
+        OneOf(SparseBackendNames()), AsFlag());
+  v.Add(initialization, "initialization",
+        "poses to start at; given: the file's; odometry: chained along edges of consecutive ids; "
+        "chordal: from all edges, by two linear systems",
+        OneOf(PoseGraphInitializationNames()), AsFlag());
+  v.Add(loop_robustness, "loop_robustness",
+        "none: all edges count; gnc: loops (edges of other ids) that do not fit are left out",
+        OneOf(LoopRobustnessNames()), AsFlag());
+  v.Add(max_loop_squared_error, "max_loop_squared_error",
+        "for gnc: a loop of a larger error (e^T information e) is wrong", Positive(), AsFlag());
+  v.Add(max_iterations, "max_iterations",
+        "iterations of Levenberg-Marquardt at most, in each round of gnc", AtLeast(1), AsFlag());
+  v.Add(min_relative_cost_change, "min_relative_cost_change",
+        "iterations end where the cost changes by a smaller share", AtLeast(0), AsFlag());
 }
 
 }  // namespace surfit

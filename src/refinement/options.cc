@@ -9,69 +9,50 @@ namespace surfit {
 
 void RefinementOptions::Visit(OptionVisitor& v) {
   v.Group("refinement");
-  v.Add(free_intrinsics, Option("free_intrinsics", "estimate fx fy cx cy as well").Everyday());
-  v.Add(free_depth_offset,
-        Option("free_depth_offset", "estimate an offset of inverse depth as well").Everyday());
-  v.Add(free_depth_field,
-        Option("free_depth_field",
-               "estimate as well how the error of inverse depth varies over the image: a quadratic "
-               "polynomial")
-            .Everyday());
-  v.Add(cells_across,
-        Option("cells_across",
-               "columns of square cells of a keyframe's image, with at most one surfel in each")
-            .AtLeast(1)
-            .Flag());
-  v.Add(min_observations,
-        Option("min_observations", "surfels that fewer keyframes see do not count").AtLeast(2));
-  v.Add(observation_distance_m,
-        Option("observation_distance_m", "keyframes observe surfels whose plane is this near")
-            .Positive());
-  v.Add(observation_angle_rad,
-        Option("observation_angle_rad", "and whose normal differs by at most this")
-            .Positive()
-            .Below(M_PI / 2));
-  v.Add(max_slant_rad,
-        Option("max_slant_rad", "angle between a surface's normal and the ray that sees it")
-            .Positive()
-            .Below(M_PI / 2));
-  v.AddPart(error_model, Option("error_model", "what residuals are worth")
-                             .OnlyFlags({"photometric_weight", "intensity_sigma"}));
-  v.Add(motion_sigma_m,
-        Option("motion_sigma_m",
-               "standard deviation of the tracked motion between keyframes where the calibration "
-               "is kept")
-            .Zero("not used"));
-  v.Add(motion_sigma_rad, Option("motion_sigma_rad", "and of its rotation").Zero("not used"));
-  v.Add(calibration_sigmas,
-        Option("calibration_sigmas",
-               "the given calibration is kept unless the estimate differs by more than expected, "
-               "plus this many standard deviations")
-            .AtLeast(0));
-  v.Add(model_error_share,
-        Option("model_error_share", "error of the model, as a share of focal length and depth")
-            .AtLeast(0));
-  v.Add(kept_angle_share,
-        Option("kept_angle_share", "observation_angle_rad shrinks to this share with a kept one")
-            .Positive()
-            .From(0, 1));
-  v.Add(kept_kernel_share,
-        Option("kept_kernel_share", "and the robust kernel's width to this").Positive().From(0, 1));
-  v.Add(max_rounds, Option("max_rounds", "rounds of choosing surfels and solving for all at most")
-                        .From(1, 1000)
-                        .Flag());
-  v.Add(max_iterations,
-        Option("max_iterations", "iterations of Levenberg-Marquardt in each round").From(1, 1000));
-  v.Add(min_relative_cost_change,
-        Option("min_relative_cost_change", "rounds end where the cost changes by a smaller share")
-            .AtLeast(0));
-  v.Add(kernel_growth,
-        Option("kernel_growth",
-               "the robust kernel starts this many times as wide, and halves each round")
-            .AtLeast(1));
-  v.Add(correlation_px,
-        Option("correlation_px", "surfels nearer to each other share errors of their normals")
-            .AtLeast(1));
+  v.Add(free_intrinsics, "free_intrinsics", "estimate fx fy cx cy as well", Everyday());
+  v.Add(free_depth_offset, "free_depth_offset", "estimate an offset of inverse depth as well",
+        Everyday());
+  v.Add(free_depth_field, "free_depth_field",
+        "estimate as well how the error of inverse depth varies over the image: a quadratic "
+        "polynomial",
+        Everyday());
+  v.Add(cells_across, "cells_across",
+        "columns of square cells of a keyframe's image, with at most one surfel in each",
+        AtLeast(1), AsFlag());
+  v.Add(min_observations, "min_observations", "surfels that fewer keyframes see do not count",
+        AtLeast(2));
+  v.Add(observation_distance_m, "observation_distance_m",
+        "keyframes observe surfels whose plane is this near", Positive());
+  v.Add(observation_angle_rad, "observation_angle_rad", "and whose normal differs by at most this",
+        Positive(), Below(M_PI / 2));
+  v.Add(max_slant_rad, "max_slant_rad", "angle between a surface's normal and the ray that sees it",
+        Positive(), Below(M_PI / 2));
+  v.AddPart(error_model, "error_model", "what residuals are worth",
+            OnlyFlags({"photometric_weight", "intensity_sigma"}));
+  v.Add(motion_sigma_m, "motion_sigma_m",
+        "standard deviation of the tracked motion between keyframes where the calibration is kept",
+        ZeroIs("not used"));
+  v.Add(motion_sigma_rad, "motion_sigma_rad", "and of its rotation", ZeroIs("not used"));
+  v.Add(calibration_sigmas, "calibration_sigmas",
+        "the given calibration is kept unless the estimate differs by more than expected, plus "
+        "this many standard deviations",
+        AtLeast(0));
+  v.Add(model_error_share, "model_error_share",
+        "error of the model, as a share of focal length and depth", AtLeast(0));
+  v.Add(kept_angle_share, "kept_angle_share",
+        "observation_angle_rad shrinks to this share with a kept one", Positive(), Between(0, 1));
+  v.Add(kept_kernel_share, "kept_kernel_share", "and the robust kernel's width to this", Positive(),
+        Between(0, 1));
+  v.Add(max_rounds, "max_rounds", "rounds of choosing surfels and solving for all at most",
+        Between(1, 1000), AsFlag());
+  v.Add(max_iterations, "max_iterations", "iterations of Levenberg-Marquardt in each round",
+        Between(1, 1000));
+  v.Add(min_relative_cost_change, "min_relative_cost_change",
+        "rounds end where the cost changes by a smaller share", AtLeast(0));
+  v.Add(kernel_growth, "kernel_growth",
+        "the robust kernel starts this many times as wide, and halves each round", AtLeast(1));
+  v.Add(correlation_px, "correlation_px",
+        "surfels nearer to each other share errors of their normals", AtLeast(1));
 }
 
 }  // namespace surfit

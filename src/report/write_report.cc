@@ -35,18 +35,13 @@ void WriteData(const std::string& name, const Json& data, std::ostream* page) {
 }
 
 void ReportOptions::Visit(OptionVisitor& v) {
-  v.Add(runs, Option("runs", "output folder of surfit_slam; several --run stand side by side")
-                  .Required()
-                  .Flag("run")
-                  .Repeatable());
-  v.Add(output, Option("output", "the page; if empty, report.html in the first run's folder")
-                    .Required()
-                    .Flag());
-  v.Add(max_points,
-        Option("max_points",
-               "surfels of all runs together that the page holds; larger maps are sampled evenly")
-            .AtLeast(1000)
-            .Flag());
+  v.Add(runs, "runs", "output folder of surfit_slam; several --run stand side by side", Required(),
+        AsFlag("run"), Repeatable());
+  v.Add(output, "output", "the page; if empty, report.html in the first run's folder", Required(),
+        AsFlag());
+  v.Add(max_points, "max_points",
+        "surfels of all runs together that the page holds; larger maps are sampled evenly",
+        AtLeast(1000), AsFlag());
 }
 
 std::vector<ReportedMap> WriteReport(const ReportOptions& options) {

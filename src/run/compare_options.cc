@@ -60,70 +60,53 @@ void CheckTogether(const CompareOptions& options) {
 
 void CompareOptions::Visit(OptionVisitor& v) {
   v.Group("problem");
-  v.Add(synthetic_points,
-        Option("synthetic_points",
-               "compare on this many random points whose pairs are known, without a robust kernel")
-            .Zero("none")
-            .Everyday());
-  v.Add(noise_m,
-        Option("noise_m", "standard deviation of these points' coordinates").AtLeast(0).Flag());
-  v.AddPart(
-      sequence,
-      Option("sequence", "compare on frames of a sequence").WithoutFlags({"stride"}).Optional());
-  v.Add(pairs,
-        Option("pairs", "pairs of frames of the sequence, evenly spread; 0 = none, with slam")
-            .AtLeast(0)
-            .Everyday());
-  v.Add(gap, Option("gap", "frames from the source to the target of a pair").AtLeast(1).Flag());
-  v.Add(slam, Option("slam",
-                     "also run SLAM over all of these frames with each combination, and compare "
-                     "the maps")
-                  .Everyday());
-  v.Add(source,
-        Option("source", "compare on two clouds: the one to be moved, PLY or PCD,").Everyday());
-  v.Add(target, Option("target", "and the one to be met").Everyday());
-  v.Add(truth, Option("truth",
-                      "true target_from_source of the clouds as tx,ty,tz,qx,qy,qz,qw; empty = "
-                      "unknown")
-                   .Flag());
-  v.Add(replay,
-        Option("replay",
-               "compare on a frame that tracking lost: a folder frame-XXXXXX of surfit_slam "
-               "--dump_failures, with its own start and options of registration")
-            .Flag());
+  v.Add(synthetic_points, "synthetic_points",
+        "compare on this many random points whose pairs are known, without a robust kernel",
+        ZeroIs("none"), Everyday());
+  v.Add(noise_m, "noise_m", "standard deviation of these points' coordinates", AtLeast(0),
+        AsFlag());
+  v.AddPart(sequence, "sequence", "compare on frames of a sequence", WithoutFlags({"stride"}),
+            OptionalPart());
+  v.Add(pairs, "pairs", "pairs of frames of the sequence, evenly spread; 0 = none, with slam",
+        AtLeast(0), Everyday());
+  v.Add(gap, "gap", "frames from the source to the target of a pair", AtLeast(1), AsFlag());
+  v.Add(slam, "slam",
+        "also run SLAM over all of these frames with each combination, and compare the maps",
+        Everyday());
+  v.Add(source, "source", "compare on two clouds: the one to be moved, PLY or PCD,", Everyday());
+  v.Add(target, "target", "and the one to be met", Everyday());
+  v.Add(truth, "truth",
+        "true target_from_source of the clouds as tx,ty,tz,qx,qy,qz,qw; empty = unknown", AsFlag());
+  v.Add(replay, "replay",
+        "compare on a frame that tracking lost: a folder frame-XXXXXX of surfit_slam "
+        "--dump_failures, with its own start and options of registration",
+        AsFlag());
   v.Group("comparison");
-  v.Add(output,
-        Option("output", "folder for tables and pictures; made if missing").Required().Everyday());
-  v.Add(solvers, Option("solvers",
-                        "pose solvers, with commas between them; empty = all, of which "
-                        "ceres_per_point on known pairs only")
-                     .Everyday());
-  v.Add(linear_solvers,
-        Option("linear_solvers", "linear solvers of ceres_per_point; empty = all").Flag());
-  v.Add(residuals, Option("residuals", "residuals; empty = all").Everyday());
-  v.Add(associations,
-        Option("associations", "associations; empty = all that the data allows").Flag());
-  v.Add(threads,
-        Option("threads", "numbers of threads that compute at the same time, a row for each")
-            .Everyday());
-  v.Add(rotations_deg,
-        Option("rotations_deg", "angles that starts are turned by from the truth").Flag());
-  v.Add(
-      translations_m,
-      Option("translations_m", "distances that they are shifted by, each with each angle").Flag());
-  v.Add(seed, Option("seed", "seed of the axes of turns and shifts, and of random points").Flag());
-  v.Add(max_rotation_error_deg,
-        Option("max_rotation_error_deg", "what ends nearer to the truth counts as converged")
-            .Positive()
-            .Flag());
-  v.Add(max_translation_error_m,
-        Option("max_translation_error_m", "what ends nearer to the truth counts as converged")
-            .Positive()
-            .Flag());
-  v.AddPart(preprocess, Option("preprocess", "how depth images become surfaces"));
-  v.AddPart(icp, Option("icp", "registration, but for what is compared")
-                     .WithoutFlags({"solver", "linear_solver", "residual", "association",
-                                    "min_source_rows"}));
+  v.Add(output, "output", "folder for tables and pictures; made if missing", Required(),
+        Everyday());
+  v.Add(solvers, "solvers",
+        "pose solvers, with commas between them; empty = all, of which ceres_per_point on known "
+        "pairs only",
+        Everyday());
+  v.Add(linear_solvers, "linear_solvers", "linear solvers of ceres_per_point; empty = all",
+        AsFlag());
+  v.Add(residuals, "residuals", "residuals; empty = all", Everyday());
+  v.Add(associations, "associations", "associations; empty = all that the data allows", AsFlag());
+  v.Add(threads, "threads", "numbers of threads that compute at the same time, a row for each",
+        Everyday());
+  v.Add(rotations_deg, "rotations_deg", "angles that starts are turned by from the truth",
+        AsFlag());
+  v.Add(translations_m, "translations_m",
+        "distances that they are shifted by, each with each angle", AsFlag());
+  v.Add(seed, "seed", "seed of the axes of turns and shifts, and of random points", AsFlag());
+  v.Add(max_rotation_error_deg, "max_rotation_error_deg",
+        "what ends nearer to the truth counts as converged", Positive(), AsFlag());
+  v.Add(max_translation_error_m, "max_translation_error_m",
+        "what ends nearer to the truth counts as converged", Positive(), AsFlag());
+  v.AddPart(preprocess, "preprocess", "how depth images become surfaces");
+  v.AddPart(
+      icp, "icp", "registration, but for what is compared",
+      WithoutFlags({"solver", "linear_solver", "residual", "association", "min_source_rows"}));
   v.Check([this] { CheckTogether(*this); });
 }
 

@@ -13,48 +13,40 @@ namespace surfit {
 namespace {
 
 Option Output(const std::string& what) {
-  return Option("output", what + "; made if missing").Required().Everyday();
+  return Option("output", what + "; made if missing", Required(), Everyday());
 }
 
 Option Threads() {
-  return Option("threads", "threads that compute at the same time").From(1, 1024).Everyday();
+  return Option("threads", "threads that compute at the same time", Between(1, 1024), Everyday());
 }
 
 }  // namespace
 
 void SlamRunOptions::Visit(OptionVisitor& v) {
-  v.AddPart(sequence, Option("sequence", "what to read"));
+  v.AddPart(sequence, "sequence", "what to read");
   v.Group("run");
   v.Add(output, Output("folder for the results"));
   v.Add(threads, Threads());
-  v.AddPart(slam, Option("slam", "how the SLAM works"));
-  v.Add(initial_pose,
-        Option("initial_pose",
-               "pose of the first frame: identity, groundtruth or tx,ty,tz,qx,qy,qz,qw")
-            .Flag());
-  v.Add(poses, Option("poses", "track the camera; groundtruth: fuse along the sequence's own poses")
-                   .OneOf({"track", "groundtruth"})
-                   .Flag());
-  v.Add(queue_capacity,
-        Option("queue_capacity", "frames that are read ahead, or offered and kept").From(1, 1000));
-  v.Add(offered_fps,
-        Option("offered_fps",
-               "offer frames at this rate, as a camera does; those not taken in time are dropped "
-               "and counted")
-            .Zero("as fast as they are processed")
-            .Flag());
-  v.Add(pictures, Option("pictures", "write pictures of map and trajectory").Flag());
-  v.Add(keep_views,
-        Option("keep_views", "write report.html: map and trajectory in 3D, plots, views, options")
-            .Flag("report")
-            .Everyday());
-  v.Add(
-      trace,
-      Option("trace", "file for the times of all stages and threads, for ui.perfetto.dev").Flag());
-  v.Add(dump_failures,
-        Option("dump_failures",
-               "folder for what tracking lost a frame with, for surfit_compare_solvers --replay")
-            .Flag());
+  v.AddPart(slam, "slam", "how the SLAM works");
+  v.Add(initial_pose, "initial_pose",
+        "pose of the first frame: identity, groundtruth or tx,ty,tz,qx,qy,qz,qw", AsFlag());
+  v.Add(poses, "poses", "track the camera; groundtruth: fuse along the sequence's own poses",
+        OneOf({"track", "groundtruth"}), AsFlag());
+  v.Add(queue_capacity, "queue_capacity", "frames that are read ahead, or offered and kept",
+        Between(1, 1000));
+  v.Add(offered_fps, "offered_fps",
+        "offer frames at this rate, as a camera does; those not taken in time are dropped and "
+        "counted",
+        ZeroIs("as fast as they are processed"), AsFlag());
+  v.Add(pictures, "pictures", "write pictures of map and trajectory", AsFlag());
+  v.Add(keep_views, "keep_views",
+        "write report.html: map and trajectory in 3D, plots, views, options", AsFlag("report"),
+        Everyday());
+  v.Add(trace, "trace", "file for the times of all stages and threads, for ui.perfetto.dev",
+        AsFlag());
+  v.Add(dump_failures, "dump_failures",
+        "folder for what tracking lost a frame with, for surfit_compare_solvers --replay",
+        AsFlag());
   v.Check([this] {
     if (slam.loops.enabled && poses != "track") {
       throw InputError(Concat("poses is '", poses, "', must be 'track' where loops are closed"));
@@ -69,22 +61,20 @@ void SlamRunOptions::Visit(OptionVisitor& v) {
 }
 
 void RefineRunOptions::Visit(OptionVisitor& v) {
-  v.AddPart(sequence, Option("sequence", "as the run read it"));
+  v.AddPart(sequence, "sequence", "as the run read it");
   v.Group("run");
-  v.Add(trajectory, Option("trajectory", "the run's trajectory, in TUM format").Required());
+  v.Add(trajectory, "trajectory", "the run's trajectory, in TUM format", Required());
   v.Add(output, Output("folder for the results"));
   v.Add(threads, Threads());
   v.Group("keyframes");
-  v.Add(keyframe_translation_m,
-        Option("keyframe_translation_m", "a frame this far from the last keyframe is the next")
-            .Positive()
-            .Flag());
-  v.Add(keyframe_rotation_rad,
-        Option("keyframe_rotation_rad", "and so is a frame turned this far").Positive().Flag());
-  v.Add(max_keyframes,
-        Option("max_keyframes", "with more of them, both are enlarged").Zero("no limit").Flag());
-  v.AddPart(preprocess, Option("preprocess", "how depth images become surfaces").NoFlags());
-  v.AddPart(refinement, Option("refinement", "what is estimated, and how"));
+  v.Add(keyframe_translation_m, "keyframe_translation_m",
+        "a frame this far from the last keyframe is the next", Positive(), AsFlag());
+  v.Add(keyframe_rotation_rad, "keyframe_rotation_rad", "and so is a frame turned this far",
+        Positive(), AsFlag());
+  v.Add(max_keyframes, "max_keyframes", "with more of them, both are enlarged", ZeroIs("no limit"),
+        AsFlag());
+  v.AddPart(preprocess, "preprocess", "how depth images become surfaces", NoFlags());
+  v.AddPart(refinement, "refinement", "what is estimated, and how");
   v.Check([this] {
     if (max_keyframes != 1) return;
     throw InputError("max_keyframes is 1, must be 0 (no limit) or at least 2");
@@ -93,72 +83,66 @@ void RefineRunOptions::Visit(OptionVisitor& v) {
 
 void RegisterRunOptions::Visit(OptionVisitor& v) {
   v.Group("clouds");
-  v.Add(source, Option("source", "the cloud to be moved: PLY or PCD, in m").Required().Everyday());
-  v.Add(target, Option("target", "the cloud to be met").Required().Everyday());
+  v.Add(source, "source", "the cloud to be moved: PLY or PCD, in m", Required(), Everyday());
+  v.Add(target, "target", "the cloud to be met", Required(), Everyday());
   v.Group("run");
   v.Add(output, Output("folder for pose, aligned cloud and pictures"));
   v.Add(threads, Threads());
-  v.AddPart(sensor, Option("sensor", "what both were measured with"));
-  v.AddPart(normals, Option("normals", "how normals are estimated"));
-  v.AddPart(registration, Option("registration", "how the clouds are registered"));
+  v.AddPart(sensor, "sensor", "what both were measured with");
+  v.AddPart(normals, "normals", "how normals are estimated");
+  v.AddPart(registration, "registration", "how the clouds are registered");
 }
 
 void AlignRunOptions::Visit(OptionVisitor& v) {
-  v.AddPart(sequence, Option("sequence", "what to read").WithoutFlags({"first", "last", "stride"}));
-  v.Add(source, Option("source", "index of the frame to be moved").AtLeast(0).Everyday());
-  v.Add(target, Option("target", "index of the frame to be met").AtLeast(0).Everyday());
+  v.AddPart(sequence, "sequence", "what to read", WithoutFlags({"first", "last", "stride"}));
+  v.Add(source, "source", "index of the frame to be moved", AtLeast(0), Everyday());
+  v.Add(target, "target", "index of the frame to be met", AtLeast(0), Everyday());
   v.Group("run");
   v.Add(output, Output("folder for clouds and pictures"));
   v.Add(threads, Threads());
-  v.AddPart(preprocess, Option("preprocess", "how depth images become surfaces"));
-  v.AddPart(initialize, Option("initialize", "where registration starts"));
-  v.AddPart(icp, Option("icp", "the registration").WithoutFlags({"min_source_rows"}));
+  v.AddPart(preprocess, "preprocess", "how depth images become surfaces");
+  v.AddPart(initialize, "initialize", "where registration starts");
+  v.AddPart(icp, "icp", "the registration", WithoutFlags({"min_source_rows"}));
 }
 
 void RevisitOptions::Visit(OptionVisitor& v) {
-  v.AddPart(sequence, Option("sequence", "what to read").WithoutFlags({"first", "last"}));
+  v.AddPart(sequence, "sequence", "what to read", WithoutFlags({"first", "last"}));
   v.Group("revisits");
-  v.Add(estimate, Option("estimate", "the estimated trajectory of the sequence, in TUM format")
-                      .Required()
-                      .Everyday());
-  v.Add(min_gap, Option("min_gap", "frames between two visits").AtLeast(1).Everyday());
-  v.Add(max_distance_m,
-        Option("max_distance_m", "distance of the two cameras at most").Positive().Everyday());
-  v.Add(max_angle_rad,
-        Option("max_angle_rad", "angle between the two cameras at most").Positive().Everyday());
-  v.AddPart(preprocess, Option("preprocess", "how depth images become surfaces").NoFlags());
+  v.Add(estimate, "estimate", "the estimated trajectory of the sequence, in TUM format", Required(),
+        Everyday());
+  v.Add(min_gap, "min_gap", "frames between two visits", AtLeast(1), Everyday());
+  v.Add(max_distance_m, "max_distance_m", "distance of the two cameras at most", Positive(),
+        Everyday());
+  v.Add(max_angle_rad, "max_angle_rad", "angle between the two cameras at most", Positive(),
+        Everyday());
+  v.AddPart(preprocess, "preprocess", "how depth images become surfaces", NoFlags());
 }
 
 void FindLoopsRunOptions::Visit(OptionVisitor& v) {
-  v.AddPart(sequence, Option("sequence", "what to read").WithoutFlags({"first", "last", "stride"}));
+  v.AddPart(sequence, "sequence", "what to read", WithoutFlags({"first", "last", "stride"}));
   v.Group("run");
-  v.Add(trajectory,
-        Option("trajectory", "the estimated trajectory, in TUM format").Required().Everyday());
+  v.Add(trajectory, "trajectory", "the estimated trajectory, in TUM format", Required(),
+        Everyday());
   v.Add(output, Output("folder for loops.csv and loops.g2o"));
   v.Add(threads, Threads());
-  v.AddPart(preprocess, Option("preprocess", "how depth images become surfaces").NoFlags());
-  v.AddPart(keyframes, Option("keyframes", "when a frame becomes a keyframe"));
-  v.AddPart(view, Option("view", "what is kept of a keyframe"));
-  v.AddPart(index, Option("index", "how places are looked up"));
-  v.AddPart(loops, Option("loops", "which keyframes may be joined"));
+  v.AddPart(preprocess, "preprocess", "how depth images become surfaces", NoFlags());
+  v.AddPart(keyframes, "keyframes", "when a frame becomes a keyframe");
+  v.AddPart(view, "view", "what is kept of a keyframe");
+  v.AddPart(index, "index", "how places are looked up");
+  v.AddPart(loops, "loops", "which keyframes may be joined");
   v.Group("loops");
-  v.Add(max_view_bytes,
-        Option("max_view_bytes",
-               "memory for all keyframes' views; beyond, views of places that others show as well "
-               "are given up")
-            .Flag());
+  v.Add(max_view_bytes, "max_view_bytes",
+        "memory for all keyframes' views; beyond, views of places that others show as well are "
+        "given up",
+        AsFlag());
   v.Group("evaluation");
-  v.Add(revisit_gap,
-        Option("revisit_gap",
-               "a frame returns if its true pose is near that of a frame this much earlier")
-            .AtLeast(1)
-            .Flag());
-  v.Add(revisit_m,
-        Option("revisit_m", "distance that is near").Positive().Flag("revisit_distance_m"));
-  v.Add(revisit_rad,
-        Option("revisit_rad", "angle that is near").Positive().Flag("revisit_angle_rad"));
-  v.Add(wrong_m, Option("wrong_m", "a loop farther from the truth is wrong").Positive());
-  v.Add(wrong_rad, Option("wrong_rad", "and so is one turned farther").Positive());
+  v.Add(revisit_gap, "revisit_gap",
+        "a frame returns if its true pose is near that of a frame this much earlier", AtLeast(1),
+        AsFlag());
+  v.Add(revisit_m, "revisit_m", "distance that is near", Positive(), AsFlag("revisit_distance_m"));
+  v.Add(revisit_rad, "revisit_rad", "angle that is near", Positive(), AsFlag("revisit_angle_rad"));
+  v.Add(wrong_m, "wrong_m", "a loop farther from the truth is wrong", Positive());
+  v.Add(wrong_rad, "wrong_rad", "and so is one turned farther", Positive());
 }
 
 }  // namespace surfit

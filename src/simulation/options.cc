@@ -8,17 +8,16 @@
 namespace surfit {
 
 void KinectOptions::Visit(OptionVisitor& v) {
-  v.Add(shift_sd_px, Option("shift_sd_px", "random shift of each pixel").AtLeast(0));
-  v.Add(disparity_sd, Option("disparity_sd", "in quantisation steps").AtLeast(0));
-  v.Add(disparity_times_z_cm,
-        Option("disparity_times_z_cm", "number of a disparity step, times depth").Positive());
-  v.Add(min_depth_m, Option("min_depth_m", "nearer is missing").Positive());
-  v.Add(max_depth_m, Option("max_depth_m", "farther is missing").Positive());
-  v.Add(max_incidence_deg,
-        Option("max_incidence_deg", "seen more obliquely is missing").Positive().From(0, 90));
-  v.Add(max_edge_ratio, Option("max_edge_ratio",
-                               "shifts do not cross steps of depth beyond this share of the depth")
-                            .AtLeast(0));
+  v.Add(shift_sd_px, "shift_sd_px", "random shift of each pixel", AtLeast(0));
+  v.Add(disparity_sd, "disparity_sd", "in quantisation steps", AtLeast(0));
+  v.Add(disparity_times_z_cm, "disparity_times_z_cm", "number of a disparity step, times depth",
+        Positive());
+  v.Add(min_depth_m, "min_depth_m", "nearer is missing", Positive());
+  v.Add(max_depth_m, "max_depth_m", "farther is missing", Positive());
+  v.Add(max_incidence_deg, "max_incidence_deg", "seen more obliquely is missing", Positive(),
+        Between(0, 90));
+  v.Add(max_edge_ratio, "max_edge_ratio",
+        "shifts do not cross steps of depth beyond this share of the depth", AtLeast(0));
   v.Check([this] {
     if (max_depth_m > min_depth_m) return;
     throw InputError(Concat("max_depth_m is ", max_depth_m, ", must be above min_depth_m"));
@@ -26,11 +25,11 @@ void KinectOptions::Visit(OptionVisitor& v) {
 }
 
 void PathOptions::Visit(OptionVisitor& v) {
-  v.Add(frames_per_second, Option("frames_per_second", "of the stamps").Positive());
-  v.Add(min_step_m, Option("min_step_m", "between consecutive frames at least").Positive());
-  v.Add(max_step_m, Option("max_step_m", "between consecutive frames at most").Positive());
-  v.Add(min_turn_deg, Option("min_turn_deg", "between consecutive frames at least").Positive());
-  v.Add(max_turn_deg, Option("max_turn_deg", "between consecutive frames at most").Positive());
+  v.Add(frames_per_second, "frames_per_second", "of the stamps", Positive());
+  v.Add(min_step_m, "min_step_m", "between consecutive frames at least", Positive());
+  v.Add(max_step_m, "max_step_m", "between consecutive frames at most", Positive());
+  v.Add(min_turn_deg, "min_turn_deg", "between consecutive frames at least", Positive());
+  v.Add(max_turn_deg, "max_turn_deg", "between consecutive frames at most", Positive());
   v.Check([this] {
     if (!(max_step_m >= min_step_m)) {
       throw InputError(Concat("max_step_m is ", max_step_m, ", must not be below min_step_m"));

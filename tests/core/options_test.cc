@@ -22,8 +22,8 @@ struct Wheel {
   float width_m = 0.1f;
 
   void Visit(OptionVisitor& v) {
-    v.Add(angle_rad, Option("angle_rad", "angle").Zero("straight").Below(2 * std::atan(1)).Flag());
-    v.Add(width_m, Option("width_m", "width").Positive().Flag("wheel_width_m"));
+    v.Add(angle_rad, "angle_rad", "angle", ZeroIs("straight"), Below(2 * std::atan(1)), AsFlag());
+    v.Add(width_m, "width_m", "width", Positive(), AsFlag("wheel_width_m"));
   }
 };
 
@@ -39,16 +39,16 @@ struct Car {
 
   void Visit(OptionVisitor& v) {
     v.Group("looks");
-    v.Add(name, Option("name", "its name").Required().Everyday());
-    v.Add(color, Option("color", "its colour").OneOf({"red", "blue"}).Flag());
+    v.Add(name, "name", "its name", Required(), Everyday());
+    v.Add(color, "color", "its colour", OneOf({"red", "blue"}), AsFlag());
     v.Group("parts");
-    v.Add(doors, Option("doors", "its doors").From(2, 5).Flag());
-    v.Add(sold, Option("sold", "whether it is").Flag());
-    v.Add(number, Option("number", "its number").Flag());
-    v.Add(gears, Option("gears", "its gears").Flag());
-    v.AddPart(front, Option("front", "front wheels"));
-    v.AddPart(rear, Option("rear", "rear wheels").NoFlags());
-    v.Add(place, Option("place", "where it stands").Flag());
+    v.Add(doors, "doors", "its doors", Between(2, 5), AsFlag());
+    v.Add(sold, "sold", "whether it is", AsFlag());
+    v.Add(number, "number", "its number", AsFlag());
+    v.Add(gears, "gears", "its gears", AsFlag());
+    v.AddPart(front, "front", "front wheels");
+    v.AddPart(rear, "rear", "rear wheels", NoFlags());
+    v.Add(place, "place", "where it stands", AsFlag());
     v.Check([this] {
       if (sold && doors < 3) throw InputError("sold is true, must be false with 2 doors");
     });
@@ -89,7 +89,7 @@ TEST(Options, TellFlagsInTheirOwnUnit) {
                                    Pair("sold", "false"), Pair("number", "7"),
                                    Pair("gears", "0.25,1"), Pair("angle_deg", "28.64788975654116"),
                                    Pair("wheel_width_m", "0.1"), Pair("place", "")));
-  const Option option = Option("angle_rad", "angle").Positive().Below(2 * std::atan(1)).Flag();
+  const Option option = Option("angle_rad", "angle", Positive(), Below(2 * std::atan(1)), AsFlag());
   double angle_rad = -std::atan(1);
   ExpectInputError([&] { RequireOption("--angle_deg", option, &angle_rad, true); },
                    StrEq("--angle_deg is -45, must be positive and below 90"));
@@ -99,8 +99,8 @@ TEST(Options, PartsSayWhichFlagsTheyHave) {
   struct {
     Car first, second;
     void Visit(OptionVisitor& v) {
-      v.AddPart(first, Option("first", "one").OnlyFlags({"doors", "angle_deg"}));
-      v.AddPart(second, Option("second", "two").WithoutFlags({"doors", "angle_deg", "name"}));
+      v.AddPart(first, "first", "one", OnlyFlags({"doors", "angle_deg"}));
+      v.AddPart(second, "second", "two", WithoutFlags({"doors", "angle_deg", "name"}));
     }
   } cars;
   const auto flags = TableFlags(TableOf(&cars));
@@ -112,7 +112,7 @@ TEST(Options, PartsSayWhichFlagsTheyHave) {
 TEST(Options, NothingIsRequiredOfAnOptionalPart) {
   struct Garage {
     Car car;
-    void Visit(OptionVisitor& v) { v.AddPart(car, Option("car", "car").Optional()); }
+    void Visit(OptionVisitor& v) { v.AddPart(car, "car", "car", OptionalPart()); }
   } garage;
   garage.car.name = "";
   Validate(garage);
@@ -134,10 +134,10 @@ TEST(Options, AreReadFromText) {
 }
 
 TEST(Options, HelpTellsUnitChoicesAndZero) {
-  EXPECT_EQ(Option("color", "its colour").OneOf({"red", "blue", "white"}).Help(),
+  EXPECT_EQ(Option("color", "its colour", OneOf({"red", "blue", "white"})).Help(),
             "its colour; one of red, blue or white");
-  EXPECT_EQ(Option("size", "its size").Zero("any").Unit("m").Help(), "its size, m; 0 = any");
-  EXPECT_EQ(Option("doors", "its doors").From(2, 5).Help(), "its doors, 2 to 5");
+  EXPECT_EQ(Option("size", "its size", ZeroIs("any"), InUnit("m")).Help(), "its size, m; 0 = any");
+  EXPECT_EQ(Option("doors", "its doors", Between(2, 5)).Help(), "its doors, 2 to 5");
 }
 
 }  // namespace

@@ -131,7 +131,7 @@ TEST_F(TrackingDumps, KeepEveryOption) {
 
 TEST_F(TrackingDumps, SayWhatIsWrongWithTheirFiles) {
   testing::ExpectInputError([] { ReadTrackingDump("nowhere"); },
-                            HasSubstr("nowhere/frame.json: cannot be opened"));
+                            HasSubstr("cannot read 'nowhere/frame.json': No such file"));
   Write(SlamOptions());
   folder_.Write("frame-000017/frame.json", "{\"frame\": 1}");
   testing::ExpectInputError([&] { ReadTrackingDump(path()); },

@@ -213,7 +213,7 @@ TEST_F(CompareTool, RefusesBadInputInOneSentence) {
       {{"--source=a.ply", "--target=b.ply"}, "a.ply"},
       {{"--synthetic_points=10", "--truth=0,0,0,0,0,0,1"}, "must be empty without source"},
       {{"--synthetic_points=10", "--slam"}, "slam is set, must have a sequence"},
-      {{"--replay=nowhere"}, "nowhere/frame.json: cannot be opened"},
+      {{"--replay=nowhere"}, "cannot read 'nowhere/frame.json': No such file"},
   };
   for (const auto& [flags, message] : cases) {
     const ProgramResult result = Compare(flags);

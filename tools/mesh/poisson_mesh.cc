@@ -42,19 +42,14 @@ int OctreeDepth(const o3d::PointCloud& points, double cell_m) {
 }  // namespace
 
 void MeshOptions::Visit(OptionVisitor& v) {
-  v.Add(
-      cell_m,
-      Option("cell_m", "size of the finest cells; triangles are about as large").Positive().Flag());
-  v.Add(trim_distance_m,
-        Option("trim_distance_m", "nothing farther than this from all points of the map is kept")
-            .Positive()
-            .Flag());
-  v.Add(support_radii,
-        Option("support_radii",
-               "nothing beyond this many radii sideways of all surfels, or cell_m off their "
-               "planes, is kept; maps without radii are trimmed by distance alone")
-            .Positive()
-            .Flag());
+  v.Add(cell_m, "cell_m", "size of the finest cells; triangles are about as large", Positive(),
+        AsFlag());
+  v.Add(trim_distance_m, "trim_distance_m",
+        "nothing farther than this from all points of the map is kept", Positive(), AsFlag());
+  v.Add(support_radii, "support_radii",
+        "nothing beyond this many radii sideways of all surfels, or cell_m off their planes, is "
+        "kept; maps without radii are trimmed by distance alone",
+        Positive(), AsFlag());
 }
 
 MeshSummary WritePoissonMesh(const PointCloud& cloud, const MeshOptions& options,

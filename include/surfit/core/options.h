@@ -21,33 +21,13 @@ namespace surfit {
 // that names its fields and says what they mean and may be. Validation, JSON, flags, help and
 // Python's classes follow from it.
 
-// What a table says of a field.
+// What a table says of a field: its name, what it means, and rules from below.
 struct Option {
-  Option(std::string field, std::string what) : name(std::move(field)), help(std::move(what)) {}
-
-  // What a number may be; it must be finite in any case.
-  Option& AtLeast(double least);
-  Option& Positive();
-  Option& Below(double limit);  // besides one of the above
-  Option& From(double least, double most);
-  Option& Share() { return From(0, 1); }
-  Option& Zero(std::string meaning);  // zero is no quantity, but means "off", "all", ...
-  // What a text may be.
-  Option& OneOf(std::vector<std::string> names);
-  Option& Required();  // it must not be empty
-
-  Option& Unit(std::string of_value);  // where the name does not end in it
-
-  // Programs have it as a flag of this name, or of the field's. A field in radians (_rad) is a flag
-  // in degrees (_deg).
-  Option& Flag(std::string as = "");
-  Option& Everyday();    // a flag that --help shows
-  Option& Repeatable();  // each further use of the flag adds a value
-  // Of a part, whose fields are options of their own: which of its flags programs have.
-  Option& NoFlags() { return OnlyFlags({}); }
-  Option& OnlyFlags(std::vector<std::string> flags);
-  Option& WithoutFlags(std::vector<std::string> flags);
-  Option& Optional();  // nothing in the part is Required()
+  template <typename... Rules>
+  Option(std::string field, std::string what, const Rules&... rules)
+      : name(std::move(field)), help(std::move(what)) {
+    (rules(*this), ...);
+  }
 
   double FlagUnit() const;   // a flag's value 1 in the field's unit: a degree of an angle
   std::string Help() const;  // with choices, unit and what zero means
@@ -64,6 +44,32 @@ struct Option {
   std::optional<std::vector<std::string>> only_flags;
   std::vector<std::string> without_flags;
 };
+
+using OptionRule = std::function<void(Option&)>;
+
+// What a number may be; it must be finite in any case.
+OptionRule AtLeast(double least);
+OptionRule Positive();
+OptionRule Below(double limit);  // besides one of the above
+OptionRule Between(double least, double most);
+inline OptionRule Share() { return Between(0, 1); }
+OptionRule ZeroIs(const std::string& meaning);  // zero is no quantity, but means "off", "all", ...
+// What a text may be.
+OptionRule OneOf(const std::vector<std::string>& names);
+OptionRule Required();  // it must not be empty
+
+OptionRule InUnit(const std::string& of_value);  // where the name does not end in it
+
+// Programs have it as a flag of this name, or of the field's. A field in radians (_rad) is a flag
+// in degrees (_deg).
+OptionRule AsFlag(const std::string& as = "");
+OptionRule Everyday();    // a flag that --help shows
+OptionRule Repeatable();  // each further use of the flag adds a value
+// Of a part, whose fields are options of their own: which of its flags programs have.
+OptionRule OnlyFlags(const std::vector<std::string>& flags);
+OptionRule WithoutFlags(const std::vector<std::string>& flags);
+inline OptionRule NoFlags() { return OnlyFlags({}); }
+OptionRule OptionalPart();  // nothing in the part is Required()
 
 // A field of a type that is read and written as text.
 class OptionText {
@@ -115,7 +121,6 @@ class OptionVisitor {
 
   template <typename T>
   void Add(T& field, const Option& option);
-  void AddText(OptionText& text, const Option& option) { AddValue(option, &text); }
   // A struct of options.
   template <typename T>
   void AddPart(T& part, const Option& option) {
@@ -124,6 +129,16 @@ class OptionVisitor {
     part.Visit(*this);
     LeaveState(outer);
     Leave();
+  }
+  void AddText(OptionText& text, const Option& option) { AddValue(option, &text); }
+  // The same, with what Option is made of.
+  template <typename T, typename... Rules>
+  void Add(T& field, const char* name, const std::string& help, const Rules&... rules) {
+    Add(field, Option(name, help, rules...));
+  }
+  template <typename T, typename... Rules>
+  void AddPart(T& part, const char* name, const std::string& help, const Rules&... rules) {
+    AddPart(part, Option(name, help, rules...));
   }
   // What must hold between fields: `check` throws InputError where it does not.
   virtual void Check(const std::function<void()>& /*check*/) {}
