@@ -1,4 +1,3 @@
-#include <algorithm>
 
 #include "core/float4.h"
 #include "geometry/kd_tree.h"

@@ -1,4 +1,3 @@
-#include <algorithm>
 
 #include "surfit/core/error.h"
 #include "surfit/io/camera_files.h"

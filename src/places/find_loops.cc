@@ -1,7 +1,6 @@
 #include "surfit/places/find_loops.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 
 #include "surfit/core/error.h"
 #include "surfit/places/keyframe.h"

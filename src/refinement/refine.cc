@@ -1,9 +1,7 @@
 #include "surfit/refinement/refine.h"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
-#include <utility>
 
 #include "core/named_values.h"
 #include "refinement/agreement.h"

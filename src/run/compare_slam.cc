@@ -1,4 +1,3 @@
-#include <utility>
 
 #include "registration/pair_solver.h"
 #include "run/comparison_files.h"

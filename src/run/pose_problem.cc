@@ -1,6 +1,5 @@
 #include "run/pose_problem.h"
 
-#include <cmath>
 #include <random>
 
 #include "surfit/evaluation/error_statistics.h"

@@ -1,11 +1,7 @@
 #include "surfit/run/refine_run.h"
 
-#include <glog/logging.h>
-
 #include <algorithm>
 #include <chrono>
-#include <memory>
-#include <utility>
 #include <vector>
 
 #include "run/output_files.h"

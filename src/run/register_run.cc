@@ -1,7 +1,6 @@
 #include "surfit/run/register_run.h"
 
 #include <iomanip>
-#include <utility>
 #include <vector>
 
 #include "run/cloud_file.h"

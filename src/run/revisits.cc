@@ -1,10 +1,7 @@
 #include "surfit/run/revisits.h"
 
-#include <algorithm>
-#include <cmath>
 #include <memory>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "run/posed_views.h"

@@ -1,7 +1,6 @@
 #include "run/tracking_dump.h"
 
 #include <algorithm>
-#include <fstream>
 #include <vector>
 
 #include "run/output_files.h"

@@ -1,7 +1,6 @@
 #include <glog/logging.h>
 
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <cmath>
 
 #include "simulation/random.h"

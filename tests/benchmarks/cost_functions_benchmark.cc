@@ -3,18 +3,17 @@
 #include <benchmark/benchmark.h>
 
 #include "cost_functions/random_functors.h"
-#include "cost_functions/solve_pose.h"
 #include "registration/icp_level.h"
 #include "surfit/registration/pose_solver.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 constexpr int kPoints = 280000;
 
 const std::vector<PointToPlane>& Functors() {
-  static const auto* const functors = new std::vector<PointToPlane>(
-      testing::RandomFunctors<PointToPlane>(kPoints, Rigid3d(), 0.005, 1));
+  static const auto* const functors =
+      new std::vector<PointToPlane>(RandomFunctors<PointToPlane>(kPoints, Rigid3d(), 0.005, 1));
   return *functors;
 }
 
@@ -45,7 +44,7 @@ template <typename S>
 void LinearizeReduced(benchmark::State& state) {
   const ThreadLimit limit(static_cast<int>(state.range(0)));
   const std::unique_ptr<ceres::CostFunction> cost(MakeReduced<S>());
-  const testing::PoseBlock pose = testing::AsBlock(Start());
+  const PoseBlock pose = AsBlock(Start());
   const double* parameters = pose.data();
   double residuals[7], jacobian[49];
   double* jacobians = jacobian;
@@ -66,7 +65,7 @@ BENCHMARK(LinearizeByHand)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond);
 
 template <typename AddBlocks>
 void Solve(const AddBlocks& add_blocks, ceres::LinearSolverType type) {
-  testing::PoseBlock pose = testing::AsBlock(Start());
+  PoseBlock pose = AsBlock(Start());
   ceres::Problem problem;
   problem.AddParameterBlock(pose.data(), kPoseSize, new LeftPoseManifold);
   add_blocks(&problem, pose.data());
@@ -94,7 +93,7 @@ void SolvePerPoint(benchmark::State& state) {
     Solve(
         [](ceres::Problem* problem, double* pose) {
           for (const PointToPlane& functor : Functors()) {
-            problem->AddResidualBlock(testing::PerPointCost(functor), nullptr, pose);
+            problem->AddResidualBlock(PerPointCost(functor), nullptr, pose);
           }
         },
         static_cast<ceres::LinearSolverType>(state.range(0)));
@@ -108,4 +107,4 @@ BENCHMARK(SolvePerPoint)
     ->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -23,7 +23,7 @@
 #include "surfit/core/parallel.h"
 #include "surfit/run/slam_run.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 std::size_t BytesOfFrame(const SlamRunSummary& summary) {
@@ -102,11 +102,11 @@ int Run(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing
 
 int main(int argc, char** argv) {
   try {
-    return surfit::Run(argc, argv);
+    return surfit::testing::Run(argc, argv);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "error: %s\n", error.what());
     return 1;

@@ -8,10 +8,9 @@
 #include "cost_functions/pose_prior.h"
 #include "cost_functions/random_functors.h"
 #include "cost_functions/relative_pose.h"
-#include "cost_functions/solve_pose.h"
 #include "surfit/core/parallel.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 constexpr int kPoints = 280000;
@@ -20,7 +19,7 @@ Rigid3d Start() { return {QuaternionExp<double>({0.01, -0.02, 0.01}), {0.02, -0.
 
 // Evaluates a cost at the start, with Jacobians of each block or without.
 void Evaluate(const ceres::CostFunction& cost, bool with_jacobian, benchmark::State& state) {
-  const testing::PoseBlock pose = testing::AsBlock(Start());
+  const PoseBlock pose = AsBlock(Start());
   const std::size_t blocks = cost.parameter_block_sizes().size();
   const std::vector<const double*> parameters(blocks, pose.data());
   std::vector<double> residuals(cost.num_residuals());
@@ -39,17 +38,16 @@ template <typename Functor, typename S>
 void Batch(benchmark::State& state) {
   const ThreadLimit limit(static_cast<int>(state.range(1)));
   static const auto* const functors =
-      new std::vector<Functor>(testing::RandomFunctors<Functor>(kPoints, Rigid3d(), 0.005, 1));
-  const ReducedBatch<Functor, S> cost(testing::Definition<Functor>(),
-                                      BatchData<Functor, S>::FromFunctors(*functors),
-                                      RobustKernel());
+      new std::vector<Functor>(RandomFunctors<Functor>(kPoints, Rigid3d(), 0.005, 1));
+  const ReducedBatch<Functor, S> cost(
+      Definition<Functor>(), BatchData<Functor, S>::FromFunctors(*functors), RobustKernel());
   Evaluate(cost, state.range(0) != 0, state);
 }
 
 template <typename Functor>
 void OnePoint(benchmark::State& state) {
-  const auto functors = testing::RandomFunctors<Functor>(1, Rigid3d(), 0.005, 1);
-  const std::unique_ptr<ceres::CostFunction> cost(testing::PerPointCost(functors[0]));
+  const auto functors = RandomFunctors<Functor>(1, Rigid3d(), 0.005, 1);
+  const std::unique_ptr<ceres::CostFunction> cost(PerPointCost(functors[0]));
   Evaluate(*cost, state.range(0) != 0, state);
 }
 
@@ -90,4 +88,4 @@ BENCHMARK(OnePosePrior)->Apply(OneArguments);
 BENCHMARK(OneRelativePose)->Apply(OneArguments);
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

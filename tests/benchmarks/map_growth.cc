@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -23,7 +22,7 @@
 #include "surfit/core/error.h"
 #include "surfit/mapping/model_renderer.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 // Runs of frames until each thread has taken the buffers that it keeps.
@@ -138,11 +137,11 @@ int Run(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing
 
 int main(int argc, char** argv) {
   try {
-    return surfit::Run(argc, argv);
+    return surfit::testing::Run(argc, argv);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "error: %s\n", error.what());
     return 1;

@@ -10,7 +10,7 @@
 #include "surfit/simulation/render.h"
 #include "surfit/simulation/scene.h"
 
-namespace surfit {
+namespace surfit::testing {
 
 // A map of about 500,000 surfels, made from frames of a simulated room, and the next frame.
 struct MappedRoom {
@@ -52,4 +52,4 @@ struct MappedRoom {
   }
 };
 
-}  // namespace surfit
+}  // namespace surfit::testing

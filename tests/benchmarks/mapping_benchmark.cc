@@ -5,7 +5,7 @@
 #include "surfit/mapping/fusion.h"
 #include "surfit/mapping/model_renderer.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 const MappedRoom& Room() {
@@ -71,4 +71,4 @@ BENCHMARK(FrameInALargeMap)
     ->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -5,7 +5,7 @@
 
 #include "surfit/core/parallel.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 // Sums as many floats as a 640 x 480 image has pixels, in blocks of 16 rows.
@@ -24,4 +24,4 @@ void ParallelSumOfAnImage(benchmark::State& state) {
 BENCHMARK(ParallelSumOfAnImage)->ArgName("threads")->Arg(1)->Arg(2)->UseRealTime();
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

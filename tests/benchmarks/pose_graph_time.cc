@@ -18,7 +18,7 @@
 #include "surfit/optimization/pose_graph.h"
 #include "testing/pose_graphs.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 struct Bounds {
@@ -92,9 +92,9 @@ Outcome SolveByUs(PoseGraph graph, const PoseGraphOptions& options) {
 }
 
 PoseGraph MakeGraph(const std::string& kind, int size) {
-  if (kind == "sphere") return testing::MakeSphere(size, size).graph;
-  if (kind == "torus") return testing::MakeTorus(size, size).graph;
-  if (kind == "grid") return testing::MakeGrid(size).graph;
+  if (kind == "sphere") return MakeSphere(size, size).graph;
+  if (kind == "torus") return MakeTorus(size, size).graph;
+  if (kind == "grid") return MakeGrid(size).graph;
   throw InputError("the kind must be sphere, torus or grid");
 }
 
@@ -130,16 +130,16 @@ int Run(const PoseGraph& given, const Bounds& bounds) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing
 
 int main(int argc, char** argv) try {
-  surfit::Bounds bounds;
-  if (argc == 2) return surfit::Run(surfit::ReadG2o(argv[1]).graph, bounds);
+  surfit::testing::Bounds bounds;
+  if (argc == 2) return surfit::testing::Run(surfit::ReadG2o(argv[1]).graph, bounds);
   if (argc < 3 || argc > 6) throw surfit::InputError("one argument is needed, or two to five");
   if (argc > 3) bounds.max_ratio = std::stod(argv[3]);
   if (argc > 4) bounds.iterations = std::stoi(argv[4]);
   if (argc > 5) bounds.repeats = std::stoi(argv[5]);
-  return surfit::Run(surfit::MakeGraph(argv[1], std::stoi(argv[2])), bounds);
+  return surfit::testing::Run(surfit::testing::MakeGraph(argv[1], std::stoi(argv[2])), bounds);
 } catch (const std::exception& error) {
   std::cerr << "error: " << error.what() << std::endl;
   return 1;

@@ -8,7 +8,7 @@
 #include "surfit/simulation/render.h"
 #include "surfit/simulation/scene.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 PinholeCamera FullCamera() {
@@ -122,4 +122,4 @@ SURFIT_BENCHMARK_RESIDUAL(plane_to_plane, ResidualType::kPlaneToPlane);
 #undef SURFIT_BENCHMARK_RESIDUAL
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -1,19 +1,16 @@
 #include "surfit/core/atomic_file.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "surfit/core/error.h"
 #include "testing/temp_folder.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 namespace fs = std::filesystem;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-using testing::ReadBytes;
-using testing::TempFolder;
 using ::testing::ThrowsMessage;
 
 std::size_t FileCount(const std::string& folder) {
@@ -78,4 +75,4 @@ TEST(WriteFileAtomically, FollowsASymbolicLink) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 TEST(Image, IsRowMajorAndContiguous) {
@@ -21,4 +21,4 @@ TEST(Image, ComparesSizeAndPixels) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 TEST(Lanes, AreEightFloatsOrFourDoubles) {
@@ -87,4 +87,4 @@ TEST(Lanes, PartIntoEveryOther) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

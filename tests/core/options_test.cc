@@ -1,17 +1,15 @@
 #include "surfit/core/options.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "surfit/core/error.h"
 #include "testing/expect_input_error.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
-using testing::ExpectInputError;
 using ::testing::HasSubstr;
 using ::testing::Pair;
 using ::testing::StrEq;
@@ -141,4 +139,4 @@ TEST(Options, HelpTellsUnitChoicesAndZero) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -1,7 +1,6 @@
 #include "surfit/core/parallel.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <sys/resource.h>
 
 #include <atomic>
@@ -14,7 +13,7 @@
 
 #include "surfit/core/error.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 std::vector<float> RandomNumbers(int count) {
@@ -113,4 +112,4 @@ TEST(RunInBackground, RunsOnAnotherThread) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -8,13 +8,11 @@
 #include "testing/temp_folder.h"
 #include "testing/trace_slices.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
-using testing::Slice;
-
 TEST(Trace, HoldsTheSlicesOfEachThread) {
-  const testing::TempFolder folder;
+  const TempFolder folder;
   const std::string path = folder / "trace.json";
   {
     const TraceRecorder recorder(path);
@@ -22,7 +20,7 @@ TEST(Trace, HoldsTheSlicesOfEachThread) {
     { const TraceSlice inner("inner", 7); }
     std::thread([] { const TraceSlice other("other"); }).join();
   }
-  const std::vector<Slice> slices = testing::ReadSlices(path);
+  const std::vector<Slice> slices = ReadSlices(path);
   ASSERT_EQ(slices.size(), 3u);
   const Slice &inner = slices[0], &other = slices[1], &outer = slices[2];
   EXPECT_EQ(inner.name, "inner");
@@ -35,24 +33,24 @@ TEST(Trace, HoldsTheSlicesOfEachThread) {
   EXPECT_LE(outer.begin_ns, inner.begin_ns);
   EXPECT_LE(inner.end_ns, other.begin_ns);
   EXPECT_LE(other.end_ns, outer.end_ns);
-  testing::ExpectNesting(slices);
+  ExpectNesting(slices);
 }
 
 TEST(Trace, NothingIsRecordedBeforeAndAfter) {
-  const testing::TempFolder folder;
+  const TempFolder folder;
   const std::string path = folder / "trace.json";
   { const TraceSlice before("before"); }
   TraceRecorder recorder(path);
   { const TraceSlice within("within"); }
   recorder.Close();
   { const TraceSlice after("after"); }
-  const std::vector<Slice> slices = testing::ReadSlices(path);
+  const std::vector<Slice> slices = ReadSlices(path);
   ASSERT_EQ(slices.size(), 1u);
   EXPECT_EQ(slices[0].name, "within");
 }
 
 TEST(Trace, SlicesOfManyThreadsAreWhole) {
-  const testing::TempFolder folder;
+  const TempFolder folder;
   const std::string path = folder / "trace.json";
   {
     const TraceRecorder recorder(path);
@@ -65,16 +63,16 @@ TEST(Trace, SlicesOfManyThreadsAreWhole) {
     }
     for (std::thread& thread : threads) thread.join();
   }
-  const std::vector<Slice> slices = testing::ReadSlices(path);
+  const std::vector<Slice> slices = ReadSlices(path);
   EXPECT_EQ(slices.size(), 400u);
-  testing::ExpectNesting(slices);
+  ExpectNesting(slices);
 }
 
 TEST(Trace, AFileThatCannotBeWrittenIsNamed) {
-  testing::ExpectInputError([] { const TraceRecorder recorder("/dev/null/trace.json"); },
-                            ::testing::HasSubstr("/dev/null/trace.json"));
+  ExpectInputError([] { const TraceRecorder recorder("/dev/null/trace.json"); },
+                   ::testing::HasSubstr("/dev/null/trace.json"));
   // A failed one does not count as recording.
-  const testing::TempFolder folder;
+  const TempFolder folder;
   const TraceRecorder recorder(folder / "trace.json");
 }
 
@@ -88,4 +86,4 @@ TEST(StageTimer, AddsItsTimeWithoutARecorder) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

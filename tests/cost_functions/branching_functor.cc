@@ -2,7 +2,7 @@
 #include "cost_functions/point_functor.h"
 #include "cost_functions/reduced_batch.h"
 
-namespace surfit {
+namespace surfit::testing {
 
 struct Branching : PointFunctor<Branching, 4, 1> {
   template <typename T, typename D>
@@ -16,4 +16,4 @@ ceres::CostFunction* MakeCost(const BatchData<Branching, float>& data) {
   return new ReducedBatch<Branching>(Branching(), data, RobustKernel());
 }
 
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -3,7 +3,7 @@
 #include <ceres/jet.h>
 #include <gtest/gtest.h>
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 using D2 = Dual<Lanes<double>, 2>;
@@ -58,4 +58,4 @@ TEST(Instructions, GiveTheSameNumbers) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

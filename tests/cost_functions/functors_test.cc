@@ -1,33 +1,22 @@
 #include <gtest/gtest.h>
 
 #include "cost_functions/random_functors.h"
-#include "cost_functions/solve_pose.h"
 #include "testing/matchers.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
-
-using testing::AsBlock;
-using testing::Match;
-using testing::RandomFunctors;
-using testing::RandomMatch;
-using testing::RandomPose;
-using testing::RigidNear;
-using testing::SolvePerPoint;
-using testing::SolveWithAngleAxis;
-using testing::VectorNear;
 
 // The autodiff Jacobian of one functor on a manifold, rows by increments.
 template <typename Functor>
 Eigen::MatrixXd Jacobian(const Functor& functor, const Rigid3d& pose,
                          const ceres::Manifold& manifold) {
   using Rows = Eigen::Matrix<double, Functor::kResidualSize, kPoseSize, Eigen::RowMajor>;
-  const testing::PoseBlock block = AsBlock(pose);
+  const PoseBlock block = AsBlock(pose);
   const double* parameters = block.data();
   Eigen::Matrix<double, Functor::kResidualSize, 1> residuals;
   Rows ambient;
   double* jacobian = ambient.data();
-  const std::unique_ptr<ceres::CostFunction> cost(testing::PerPointCost(functor));
+  const std::unique_ptr<ceres::CostFunction> cost(PerPointCost(functor));
   EXPECT_TRUE(cost->Evaluate(&parameters, residuals.data(), &jacobian));
   Eigen::Matrix<double, kPoseSize, 6, Eigen::RowMajor> plus;
   manifold.PlusJacobian(block.data(), plus.data());
@@ -78,8 +67,8 @@ TEST(SymmetricPointToPlane, VanishesOnOneSphereWhereverItsPointsLie) {
   std::mt19937_64 rng(3);
   const Eigen::Vector3d center(0.3, -0.2, 2);
   for (int trial = 0; trial < 50; ++trial) {
-    const Eigen::Vector3d m = testing::RandomVector(1, &rng).normalized();
-    const Eigen::Vector3d n = (m + 0.3 * testing::RandomVector(1, &rng)).normalized();
+    const Eigen::Vector3d m = RandomVector(1, &rng).normalized();
+    const Eigen::Vector3d n = (m + 0.3 * RandomVector(1, &rng)).normalized();
     const SymmetricPointToPlane functor(center + 0.5 * m, m, center + 0.5 * n, n, 0.01);
     double residual = 1;
     functor(AsBlock(Rigid3d()).data(), &residual);
@@ -104,7 +93,7 @@ TEST(PlaneToPlane, CostIsTheMahalanobisDistance) {
   for (int trial = 0; trial < 50; ++trial) {
     const Match m = RandomMatch(RandomPose(1, 2, &rng), 0.1, &rng);
     Eigen::Matrix3d root;
-    for (int i = 0; i < 3; ++i) root.col(i) = testing::RandomVector(1, &rng);
+    for (int i = 0; i < 3; ++i) root.col(i) = RandomVector(1, &rng);
     const Eigen::Matrix3d covariance =
         root * root.transpose() + 0.1 * Eigen::Matrix3d::Identity();  // full, not diagonal
     const Rigid3d pose = RandomPose(1, 2, &rng);
@@ -178,4 +167,4 @@ TYPED_TEST(PoseRecovery, AllParameterisationsReachTheSameMinimum) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

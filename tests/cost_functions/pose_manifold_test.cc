@@ -3,21 +3,12 @@
 #include <ceres/manifold_test_utils.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
-
-#include "cost_functions/solve_pose.h"
+#include "cost_functions/random_functors.h"
 #include "testing/matchers.h"
 #include "testing/random_pose.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
-
-using testing::AsBlock;
-using testing::PoseBlock;
-using testing::RandomPose;
-using testing::RandomVector;
-using testing::RigidNear;
-using testing::VectorNear;
 
 using Increment = Eigen::Matrix<double, 6, 1>;
 
@@ -92,4 +83,4 @@ TEST(PoseBlock, KeepsTheOrderOfTumFiles) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

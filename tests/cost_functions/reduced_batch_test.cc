@@ -3,19 +3,10 @@
 #include <gtest/gtest.h>
 
 #include "cost_functions/random_functors.h"
-#include "cost_functions/solve_pose.h"
 #include "testing/matchers.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
-
-using testing::AsBlock;
-using testing::Definition;
-using testing::PoseBlock;
-using testing::RandomFunctors;
-using testing::RandomPose;
-using testing::RigidNear;
-using testing::VectorNear;
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
@@ -47,7 +38,7 @@ Expansion PerPoint(const std::vector<Functor>& functors, const PoseBlock& pose,
   constexpr int kRows = Functor::kResidualSize;
   Expansion sum;
   for (const Functor& functor : functors) {
-    const std::unique_ptr<ceres::CostFunction> cost(testing::PerPointCost(functor));
+    const std::unique_ptr<ceres::CostFunction> cost(PerPointCost(functor));
     Eigen::Matrix<double, kRows, 1> r;
     Eigen::Matrix<double, kRows, kPoseSize, Eigen::RowMajor> ambient;
     const double* parameters = pose.data();
@@ -142,7 +133,7 @@ Rigid3d SolveReduced(const std::vector<Functor>& functors, const Rigid3d& initia
   ceres::Problem problem;
   problem.AddParameterBlock(pose.data(), kPoseSize, manifold);
   problem.AddResidualBlock(Reduced<S>(functors, kernel).release(), nullptr, pose.data());
-  const ceres::Solver::Summary summary = testing::Solve(&problem);
+  const ceres::Solver::Summary summary = Solve(&problem);
   EXPECT_TRUE(summary.IsSolutionUsable()) << summary.FullReport();
   return PoseFromBlock(pose.data());
 }
@@ -153,7 +144,7 @@ TYPED_TEST(ReducedBatchOf, ReachesTheMinimumOfThePerPointProblem) {
   Vector6 off;
   off << 0.01, -0.02, 0.005, 0.02, -0.01, 0.01;
   const Rigid3d initial = LeftIncrement<double>(off, truth);
-  const Rigid3d expected = testing::SolvePerPoint(functors, initial, new LeftPoseManifold);
+  const Rigid3d expected = SolvePerPoint(functors, initial, new LeftPoseManifold);
   const RobustKernel none;
   EXPECT_THAT(SolveReduced<double>(functors, initial, none, new LeftPoseManifold),
               RigidNear(expected, 1e-9, 1e-9));
@@ -168,7 +159,7 @@ TEST(ReducedBatch, APlaneDoesNotMoveWhatItDoesNotHold) {
   std::mt19937_64 rng(4);
   std::vector<PointToPlane> functors;
   for (int i = 0; i < 1000; ++i) {
-    Eigen::Vector3d p = testing::RandomVector(1, &rng);
+    Eigen::Vector3d p = RandomVector(1, &rng);
     p.z() = 2;
     functors.emplace_back(p, p + Eigen::Vector3d(0, 0, 0.01), Eigen::Vector3d(0, 0, 1), 0.005);
   }
@@ -198,4 +189,4 @@ TEST(ReducedBatchThreads, GivesTheSameBitForBitAtAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 constexpr RobustKernelType kAll[] = {RobustKernelType::kNone, RobustKernelType::kHuber,
@@ -61,4 +61,4 @@ TEST(RobustKernel, LanesAreNumbersSideBySide) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

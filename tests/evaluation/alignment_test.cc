@@ -1,18 +1,12 @@
 #include <gtest/gtest.h>
 
-#include <limits>
-
 #include "surfit/evaluation/trajectory_evaluation.h"
 #include "testing/matchers.h"
 #include "testing/random_pose.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
-using testing::RandomPose;
-using testing::RandomVector;
-using testing::RigidNear;
-using testing::VectorNear;
 using Points = std::vector<Eigen::Vector3d>;
 
 // Exact data of size 10 in double.
@@ -141,4 +135,4 @@ TEST(AlignPoints, OfTwoPointsIsRefused) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -1,7 +1,6 @@
 #include "surfit/evaluation/map_error.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <limits>
@@ -10,7 +9,7 @@
 #include "surfit/core/parallel.h"
 #include "testing/random_pose.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 using ::testing::HasSubstr;
@@ -21,7 +20,7 @@ Cloud RandomPoints(int count, double size_m, int seed) {
   std::mt19937_64 rng(seed);
   Cloud points;
   for (int i = 0; i < count; ++i) {
-    points.push_back(testing::RandomVector(size_m, &rng).cast<float>());
+    points.push_back(RandomVector(size_m, &rng).cast<float>());
   }
   return points;
 }
@@ -146,4 +145,4 @@ TEST(MapError, NamesTheCloudThatHasNoPoint) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -4,7 +4,7 @@
 
 #include "surfit/evaluation/trajectory_evaluation.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 // A camera held by a hand that swings: no motion of the whole can stand for a shift in time.
@@ -60,4 +60,4 @@ TEST(TimeOffset, NeedsThreePosesThatTheTruthKnowsThroughout) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

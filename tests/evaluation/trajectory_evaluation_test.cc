@@ -11,11 +11,8 @@
 #include "testing/matchers.h"
 #include "testing/random_pose.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
-
-using testing::RandomPose;
-using testing::RigidNear;
 
 // The corners of a square with side 2 m about the origin, in the plane z = 0, looking along z, with
 // stamps 0, 1, 2, 3; the estimate is the same but for one corner that is lifted by `lift_m`.
@@ -332,4 +329,4 @@ TEST(EvaluateTrajectory, WithoutPosesSaysSo) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

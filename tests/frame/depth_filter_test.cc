@@ -7,10 +7,8 @@
 #include "frame/plane_images.h"
 #include "surfit/frame/preprocess.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
-
-using testing::kFloatRounding;
 
 // The filter's result is a mean of inverse depths r. Each r is off by two roundings (z, then 1/z)
 // and a difference d of two by four, relative to r. Moving all d by e moves the mean of
@@ -108,10 +106,10 @@ TEST(FilterDepth, LonelyPixelsKeepTheirDepth) {
 // A plane is linear in inverse depth, and the weights of opposite pixels are equal: inside the
 // image nothing moves, however steep it is.
 TEST(FilterDepth, PlanesStayAsTheyAre) {
-  const PinholeCamera camera = testing::SmallCamera();
+  const PinholeCamera camera = SmallCamera();
   const PreprocessOptions options;
   const int radius = options.filter_radius_px;
-  for (const testing::Plane& plane : testing::ManyPlanes()) {
+  for (const Plane& plane : ManyPlanes()) {
     const Image<float> depth_m = PlaneDepth(plane, camera);
     const Image<float> filtered = FilterDepth(depth_m, DepthNoise(), options);
     int compared = 0;
@@ -176,4 +174,4 @@ TEST(FilterDepth, SidesOfAStepDoNotMix) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -8,13 +8,40 @@
 #include "surfit/frame/preprocess.h"
 #include "testing/matchers.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
-using testing::kFloatRounding;
-using testing::kLongestRay;
-using testing::Plane;
-using testing::VectorNear;
+TEST(VertexMap, VerticesLieOnTheRaysOfTheirPixels) {
+  const PinholeCamera camera = SmallCamera();
+  std::mt19937_64 rng(1);
+  std::uniform_real_distribution<float> depth(0.3f, 8.f);
+  Image<float> depth_m(camera.width, camera.height);
+  for (float& z : depth_m) z = depth(rng);
+  const VectorImage vertex = VertexMap(depth_m, camera);
+  ASSERT_EQ(vertex.width(), camera.width);
+  ASSERT_EQ(vertex.height(), camera.height);
+  for (int v = 0; v < camera.height; ++v) {
+    for (int u = 0; u < camera.width; ++u) {
+      const double z = depth_m(u, v);
+      EXPECT_EQ(vertex.z(u, v), depth_m(u, v));
+      // (u - cx) / fx < 1: cx, the difference, 1 / fx and two products are rounded.
+      const Eigen::Vector3d point = vertex(u, v).cast<double>();
+      EXPECT_LT((point - z * camera.Ray(u, v)).norm(), 6 * kFloatRounding * z);
+      // The same in pixels, seen from z.
+      const Eigen::Vector2d pixel = camera.Project(point);
+      EXPECT_LT((pixel - Eigen::Vector2d(u, v)).norm(), 6 * kFloatRounding * camera.fx);
+    }
+  }
+}
+
+TEST(VertexMap, IsZeroWhereDepthIsMissing) {
+  Image<float> depth_m(9, 7, 0.f);
+  depth_m(4, 3) = 2.f;
+  const VectorImage vertex = VertexMap(depth_m, SmallCamera());
+  for (int v = 0; v < 7; ++v) {
+    for (int u = 0; u < 9; ++u) EXPECT_EQ(vertex(u, v).isZero(0.f), u != 4 || v != 3);
+  }
+}
 
 VectorImage Normals(const Image<float>& depth_m, const PinholeCamera& camera,
                     const PreprocessOptions& options = {}, const DepthNoise& noise = {}) {
@@ -29,8 +56,8 @@ double NormalTolerance(const PinholeCamera& camera) {
 }
 
 TEST(NormalMap, IsExactOnPlanes) {
-  const PinholeCamera camera = testing::SmallCamera();
-  for (const Plane& plane : testing::ManyPlanes()) {
+  const PinholeCamera camera = SmallCamera();
+  for (const Plane& plane : ManyPlanes()) {
     const Image<float> depth_m = PlaneDepth(plane, camera);
     const VectorImage normal = Normals(depth_m, camera);
     int seen = 0;
@@ -48,12 +75,12 @@ TEST(NormalMap, IsExactOnPlanes) {
 
 // Steeper than max_slant_rad along the image's axes: no normal, rather than a guess.
 TEST(NormalMap, IsZeroWhereTheSurfaceIsTooSteep) {
-  const PinholeCamera camera = testing::SmallCamera();
+  const PinholeCamera camera = SmallCamera();
   PreprocessOptions options;
   options.max_slant_rad = 0.9;
   const DepthNoise no_slack = {1e-9};
   for (const double tilt_rad : {0.85, 0.95}) {
-    const Plane plane = testing::TiltedPlane(tilt_rad, 0);
+    const Plane plane = TiltedPlane(tilt_rad, 0);
     const VectorImage normal = Normals(PlaneDepth(plane, camera), camera, options, no_slack);
     // On the optical axis dr/du / r = tan(tilt) / f; the tilt to the ray is the plane's own.
     const int u = 48, v = 35;
@@ -108,7 +135,7 @@ std::optional<double> FittedSlope(const Image<float>& depth_m, int u, int v, int
 }
 
 TEST(NormalMap, AgreesWithLinesFittedInDoublePrecision) {
-  const PinholeCamera camera = testing::SmallCamera();
+  const PinholeCamera camera = SmallCamera();
   const Image<float> depth_m = RoughDepth(camera);
   PreprocessOptions options;
   options.max_slant_rad = 1.3;
@@ -143,7 +170,7 @@ TEST(NormalMap, AgreesWithLinesFittedInDoublePrecision) {
 }
 
 TEST(NormalMap, HasUnitNormalsThatFaceTheCameraOrNone) {
-  const PinholeCamera camera = testing::SmallCamera();
+  const PinholeCamera camera = SmallCamera();
   const Image<float> depth_m = RoughDepth(camera);
   const VectorImage normal = Normals(depth_m, camera);
   for (int v = 0; v < camera.height; ++v) {
@@ -160,9 +187,9 @@ TEST(NormalMap, HasUnitNormalsThatFaceTheCameraOrNone) {
 // Two planes with a step between them: next to the step there is no normal, farther off it is that
 // of the pixel's own plane.
 TEST(NormalMap, DoesNotReachAcrossADepthEdge) {
-  const PinholeCamera camera = testing::SmallCamera();
-  const Plane near_plane = testing::TiltedPlane(0.3, 1);
-  Plane far_plane = testing::TiltedPlane(0.4, 4);
+  const PinholeCamera camera = SmallCamera();
+  const Plane near_plane = TiltedPlane(0.3, 1);
+  Plane far_plane = TiltedPlane(0.4, 4);
   far_plane.distance_m = -3;
   Image<float> depth_m = PlaneDepth(near_plane, camera);
   const Image<float> far_depth_m = PlaneDepth(far_plane, camera);
@@ -183,7 +210,7 @@ TEST(NormalMap, DoesNotReachAcrossADepthEdge) {
 }
 
 TEST(DropNormalsAtEdges, LeavesThoseThatTheSurfaceItselfShows) {
-  PinholeCamera camera = testing::SmallCamera();
+  PinholeCamera camera = SmallCamera();
   for (const int width : {5, camera.width}) {
     camera.width = width;
     FrameLevel surface;
@@ -213,7 +240,7 @@ TEST(DropNormalsAtEdges, LeavesThoseThatTheSurfaceItselfShows) {
 // The slope of 2 K + 1 equally noisy values has the variance sigma^2 / sum k^2 = sigma^2 / 28 for
 // K = 3. On a plane that faces the camera at depth z, n_x = f z r_u to first order.
 TEST(NormalMap, NoiseIsThatOfALeastSquaresSlope) {
-  PinholeCamera camera = testing::SmallCamera();
+  PinholeCamera camera = SmallCamera();
   camera.width = camera.height = 400;
   camera.fx = camera.fy = 60;
   camera.cx = camera.cy = 199.5;
@@ -235,4 +262,4 @@ TEST(NormalMap, NoiseIsThatOfALeastSquaresSlope) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -5,13 +5,12 @@
 #include "frame/lens.h"
 #include "testing/expect_input_error.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
-using testing::ExpectInputError;
 using ::testing::HasSubstr;
 
-RgbdCamera SmallCamera() {
+RgbdCamera SmallRgbdCamera() {
   RgbdCamera camera;
   camera.depth = {5, 3, 10, 10, 2, 1, {}};
   camera.depth_units_per_metre = 1000;
@@ -31,7 +30,7 @@ TEST(FramePreparer, CountsBecomeMetresAndMissingStaysMissing) {
   raw(1, 0) = 65535;
   raw(2, 0) = 8000;  // at the limit
   raw(3, 0) = 8001;  // beyond it
-  const RgbdFrame frame = FramePreparer(SmallCamera(), Options(1)).Prepare(raw, {});
+  const RgbdFrame frame = FramePreparer(SmallRgbdCamera(), Options(1)).Prepare(raw, {});
   EXPECT_EQ(frame.depth_m(0, 0), 0);
   EXPECT_EQ(frame.depth_m(1, 0), 0);
   EXPECT_EQ(frame.depth_m(2, 0), 8);
@@ -43,7 +42,7 @@ TEST(FramePreparer, CountsBecomeMetresAndMissingStaysMissing) {
 TEST(FramePreparer, TheInvalidCodeIsMissingEvenWithinTheDepthLimit) {
   Image<std::uint16_t> raw(5, 3, 65535);
   raw(0, 0) = 65534;
-  const RgbdFrame frame = FramePreparer(SmallCamera(), Options(1, 100)).Prepare(raw, {});
+  const RgbdFrame frame = FramePreparer(SmallRgbdCamera(), Options(1, 100)).Prepare(raw, {});
   EXPECT_EQ(frame.depth_m(0, 0), 65.534f);
   EXPECT_EQ(frame.depth_m(1, 0), 0);
 }
@@ -55,7 +54,7 @@ TEST(FramePreparer, FloatsAreMetresAndWhatIsNoDepthIsMissing) {
   raw(2, 0) = -1;
   raw(3, 0) = 0;
   raw(4, 0) = 8.5f;
-  const RgbdFrame frame = FramePreparer(SmallCamera(), Options(1)).Prepare(raw, {});
+  const RgbdFrame frame = FramePreparer(SmallRgbdCamera(), Options(1)).Prepare(raw, {});
   for (int u = 0; u < 5; ++u) EXPECT_EQ(frame.depth_m(u, 0), 0) << u;
   EXPECT_EQ(frame.depth_m(0, 1), 1.25f);
 }
@@ -69,7 +68,7 @@ TEST(FramePreparer, DownsamplingKeepsEveryNthPixelAndItsRay) {
       color(u, v) = {static_cast<std::uint8_t>(u), static_cast<std::uint8_t>(v), 7};
     }
   }
-  const FramePreparer preparer(SmallCamera(), Options(2));
+  const FramePreparer preparer(SmallRgbdCamera(), Options(2));
   const RgbdFrame frame = preparer.Prepare(raw, color);
   ASSERT_EQ(frame.depth_m.width(), 3);
   ASSERT_EQ(frame.depth_m.height(), 2);
@@ -77,7 +76,7 @@ TEST(FramePreparer, DownsamplingKeepsEveryNthPixelAndItsRay) {
     for (int u = 0; u < 3; ++u) {
       EXPECT_EQ(frame.depth_m(u, v), raw(2 * u, 2 * v) / 1000.f);
       EXPECT_EQ(frame.color(u, v), color(2 * u, 2 * v));
-      EXPECT_EQ(preparer.pinhole().Ray(u, v), SmallCamera().depth.Ray(2 * u, 2 * v));
+      EXPECT_EQ(preparer.pinhole().Ray(u, v), SmallRgbdCamera().depth.Ray(2 * u, 2 * v));
     }
   }
 }
@@ -127,7 +126,7 @@ TEST(FramePreparer, UndoesLensDistortion) {
 }
 
 TEST(FramePreparer, RefusesWhatItCannotUse) {
-  const RgbdCamera camera = SmallCamera();
+  const RgbdCamera camera = SmallRgbdCamera();
   ExpectInputError([&] { FramePreparer(camera, Options(0)); }, HasSubstr("downsample is 0"));
   ExpectInputError([&] { FramePreparer(camera, Options(17)); }, HasSubstr("downsample is 17"));
   ExpectInputError([&] { FramePreparer(camera, Options(1, 0)); }, HasSubstr("max_depth_m is 0"));
@@ -140,4 +139,4 @@ TEST(FramePreparer, RefusesWhatItCannotUse) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -7,15 +7,12 @@
 #include <vector>
 
 #include "frame/plane_images.h"
+#include "surfit/frame/frame_pyramid.h"
 #include "surfit/frame/preprocess.h"
 #include "testing/matchers.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
-
-using testing::kFloatRounding;
-using testing::Plane;
-using testing::VectorNear;
 
 FrameLevel LevelOf(const Image<float>& depth_m, const PinholeCamera& camera) {
   FrameLevel level;
@@ -27,7 +24,7 @@ FrameLevel LevelOf(const Image<float>& depth_m, const PinholeCamera& camera) {
 
 // A 4 x 2 image of two blocks, normals all (0, 0, -1).
 FrameLevel TwoBlocks(const std::array<float, 8>& depth_m) {
-  PinholeCamera camera = testing::SmallCamera();
+  PinholeCamera camera = SmallCamera();
   camera.width = 4;
   camera.height = 2;
   Image<float> image(4, 2);
@@ -81,7 +78,7 @@ TEST(HalfResolution, KeepsTheNearSideOfADepthEdge) {
 // directions, some missing.
 FrameLevel RoughLevel(int width, int height) {
   FrameLevel level;
-  level.camera = testing::SmallCamera();
+  level.camera = SmallCamera();
   level.camera.width = width;
   level.camera.height = height;
   std::mt19937_64 rng(7);
@@ -159,14 +156,14 @@ TEST(HalfResolution, AgreesWithItsDefinitionInDoublePrecisionAtAnyWidth) {
 // A plane is linear in inverse depth, and the block's mean is the value at its centre, where the
 // binned camera has its pixel: planes stay exact on every level.
 TEST(BuildPyramid, PlanesStayExactOnEveryLevel) {
-  PinholeCamera camera = testing::SmallCamera();
+  PinholeCamera camera = SmallCamera();
   camera.width = 336;
   camera.height = 240;
   camera.cx = 165.2;
   camera.cy = 121.9;
   camera.fx = 240;
   camera.fy = 235;
-  const Plane plane = testing::TiltedPlane(0.6, 2.5);
+  const Plane plane = TiltedPlane(0.6, 2.5);
   const FramePyramid pyramid =
       BuildPyramid(LevelOf(PlaneDepth(plane, camera), camera), PreprocessOptions());
   ASSERT_EQ(pyramid.levels.size(), 4u);
@@ -189,7 +186,7 @@ TEST(BuildPyramid, PlanesStayExactOnEveryLevel) {
         const double tolerance = kMeanTolerance * static_cast<double>(i + 1);
         ASSERT_THAT(x, VectorNear(z * expected.Ray(u, v), tolerance * x.norm()));
         // The finest level's normals (normal_map_test.cc), averaged.
-        const double normal_tolerance = 6 * camera.fx * 2 * kFloatRounding * testing::kLongestRay;
+        const double normal_tolerance = 6 * camera.fx * 2 * kFloatRounding * kLongestRay;
         ASSERT_THAT(level.normal(u, v).cast<double>(), VectorNear(plane.normal, normal_tolerance));
       }
     }
@@ -203,7 +200,7 @@ struct SizeCase {
 class PyramidSizes : public ::testing::TestWithParam<SizeCase> {};
 
 TEST_P(PyramidSizes, ShortensItselfForSmallImages) {
-  PinholeCamera camera = testing::SmallCamera();
+  PinholeCamera camera = SmallCamera();
   camera.width = GetParam().width;
   camera.height = GetParam().height;
   PreprocessOptions options;
@@ -231,5 +228,48 @@ INSTANTIATE_TEST_SUITE_P(All, PyramidSizes,
                                   "_" + std::to_string(size.most_levels);
                          });
 
+FramePyramid TwoLevels() {
+  PinholeCamera camera = SmallCamera();
+  camera.width = 80;
+  camera.height = 60;
+  return PreprocessDepth(Image<float>(80, 60, 1.f), {camera, {}}, PreprocessOptions());
+}
+
+TEST(GreyOf, IsFromBlackToWhite) {
+  EXPECT_EQ(GreyOf({0, 0, 0}), 0.f);
+  EXPECT_NEAR(GreyOf({255, 255, 255}), 1.f, 1e-6);
+  EXPECT_GT(GreyOf({0, 255, 0}), GreyOf({255, 0, 0}));
+  EXPECT_GT(GreyOf({255, 0, 0}), GreyOf({0, 0, 255}));
+}
+
+TEST(AddIntensity, GivesEachLevelTheMeansOfTheFinerOne) {
+  FramePyramid pyramid = TwoLevels();
+  ASSERT_EQ(pyramid.levels.size(), 2u);
+  Image<Rgb8> color(80, 60, {10, 10, 10});
+  color(2, 4) = {90, 90, 90};
+  AddIntensity(color, &pyramid);
+  ASSERT_EQ(pyramid.levels[1].intensity.width(), 40);
+  ASSERT_EQ(pyramid.levels[1].intensity.height(), 30);
+  EXPECT_NEAR(pyramid.levels[0].intensity(2, 4), 90 / 255., 1e-6);
+  EXPECT_NEAR(pyramid.levels[1].intensity(1, 2), 30 / 255., 1e-6);
+  EXPECT_NEAR(pyramid.levels[1].intensity(0, 2), 10 / 255., 1e-6);
+}
+
+TEST(AddIntensity, KeepsUnknownWhatHasNoColor) {
+  FramePyramid pyramid = TwoLevels();
+  Image<Rgb8> color(80, 60, {10, 10, 10});
+  color(2, 4) = {};
+  AddIntensity(color, &pyramid);
+  EXPECT_TRUE(std::isnan(pyramid.levels[0].intensity(2, 4)));
+  EXPECT_TRUE(std::isnan(pyramid.levels[1].intensity(1, 2)));
+  EXPECT_FALSE(std::isnan(pyramid.levels[1].intensity(2, 2)));
+}
+
+TEST(AddIntensity, LeavesLevelsWithoutColorAsTheyAre) {
+  FramePyramid pyramid = TwoLevels();
+  AddIntensity({}, &pyramid);
+  EXPECT_TRUE(pyramid.levels[0].intensity.empty());
+}
+
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -8,7 +8,7 @@
 
 #include "surfit/core/lanes.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 BilinearTap TapAtPixel(float u, float v, int width, int height) {
@@ -164,4 +164,4 @@ TEST(ColorRegistration, RegisteredColorOfAPinholeCameraIsLeftAlone) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -1,17 +1,14 @@
 #include "geometry/kd_tree.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
-#include <numeric>
 #include <random>
 
 #include "surfit/core/parallel.h"
 #include "testing/random_pose.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 using ::testing::ElementsAre;
@@ -23,7 +20,7 @@ constexpr float kAnywhere = KdTree::kAnyDistance;
 Points RandomPoints(int count, double size, int seed) {
   std::mt19937_64 rng(seed);
   Points points;
-  for (int i = 0; i < count; ++i) points.push_back(testing::RandomVector(size, &rng).cast<float>());
+  for (int i = 0; i < count; ++i) points.push_back(RandomVector(size, &rng).cast<float>());
   return points;
 }
 
@@ -150,4 +147,4 @@ TEST(KdTree, IsTheSameAtAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 // The matrix exponential by its series; below a norm of 3 its 40th term is under 1e-28.
@@ -108,4 +108,4 @@ TYPED_TEST(Rigid3Test, RotationMatrixIsReorthonormalised) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -1,14 +1,18 @@
 #include "surfit/geometry/trajectory.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <utility>
+
+#include "surfit/geometry/sensor.h"
 #include "testing/matchers.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
-
-using testing::RigidNear;
 
 Rigid3d Pose(double turn_rad, double x_m) {
   return Rigid3d(QuaternionExp<double>({0, turn_rad, 0}), {x_m, 0, 0});
@@ -41,5 +45,113 @@ TEST(InterpolatePose, KnowsNothingFarFromAllPoses) {
   EXPECT_FALSE(InterpolatePose({}, 1));
 }
 
+std::vector<std::pair<int, int>> Pairs(const std::vector<double>& a, const std::vector<double>& b) {
+  std::vector<std::pair<int, int>> pairs;
+  for (const auto [i, j] : MatchStamps(a, b, 0.02)) pairs.emplace_back(i, j);
+  return pairs;
+}
+
+using P = std::vector<std::pair<int, int>>;
+
+TEST(MatchStamps, PairsNearestNeighbours) {
+  EXPECT_EQ(Pairs({1.0, 1.1, 1.2}, {1.01, 1.095, 1.205}), (P{{0, 0}, {1, 1}, {2, 2}}));
+}
+
+TEST(MatchStamps, LeavesOutWhatHasNoPartnerInTime) {
+  EXPECT_EQ(Pairs({1.0, 1.1, 1.2}, {1.021, 1.119, 1.3}), (P{{1, 1}}));
+  EXPECT_EQ(Pairs({}, {1.0}), P{});
+  EXPECT_EQ(Pairs({1.0}, {}), P{});
+}
+
+TEST(MatchStamps, TheClosestPairComesFirstAndEachIsUsedOnce) {
+  // 1.010 is nearer to 1.012 than 1.000 is, so 1.000 must go without.
+  EXPECT_EQ(Pairs({1.000, 1.010}, {1.012}), (P{{1, 0}}));
+  // Having lost 1.012 to 1.010, the first stamp takes the other one within 0.02 s.
+  EXPECT_EQ(Pairs({1.000, 1.010}, {0.985, 1.012}), (P{{0, 0}, {1, 1}}));
+}
+
+TEST(MatchStamps, MatchesAtTheLimit) {
+  // Powers of two, so that the differences are exact.
+  for (const double other : {0.75, 1.25}) {
+    EXPECT_EQ(MatchStamps({1.0}, {other}, 0.25).size(), 1u);
+    EXPECT_TRUE(MatchStamps({1.0}, {other}, 0.2499999).empty());
+  }
+}
+
+TEST(MatchStamps, MatchesEqualStampsOnceEach) {
+  const auto matches = MatchStamps({1, 1, 2}, {1, 2, 2}, 0);
+  ASSERT_EQ(matches.size(), 2u);
+  EXPECT_EQ(std::make_pair(matches[0].first, matches[0].second), std::make_pair(0, 0));
+  EXPECT_EQ(std::make_pair(matches[1].first, matches[1].second), std::make_pair(2, 1));
+}
+
+// associate.py as its documentation says: of all pairs in time, again and again the closest one.
+std::vector<std::pair<int, int>> BruteForce(const std::vector<double>& a,
+                                            const std::vector<double>& b) {
+  std::vector<bool> used_a(a.size()), used_b(b.size());
+  std::vector<std::pair<int, int>> pairs;
+  for (;;) {
+    double best = std::numeric_limits<double>::infinity();
+    std::pair<int, int> pair;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      for (std::size_t j = 0; j < b.size(); ++j) {
+        const double difference = std::abs(a[i] - b[j]);
+        if (used_a[i] || used_b[j] || difference > 0.02 || difference >= best) continue;
+        best = difference;
+        pair = {static_cast<int>(i), static_cast<int>(j)};
+      }
+    }
+    if (std::isinf(best)) break;
+    used_a[pair.first] = used_b[pair.second] = true;
+    pairs.push_back(pair);
+  }
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
+TEST(MatchStamps, AgreesWithBruteForce) {
+  std::mt19937_64 rng(11);
+  for (int trial = 0; trial < 50; ++trial) {
+    std::vector<double> a(40), b(35);
+    for (auto* list : {&a, &b}) {
+      for (double& stamp : *list) stamp = static_cast<double>(rng() % 100000) * 1e-5;
+      std::sort(list->begin(), list->end());
+    }
+    EXPECT_EQ(Pairs(a, b), BruteForce(a, b));
+  }
+}
+
+const Eigen::Matrix3d kMirror = Eigen::Vector3d(1, -1, 1).asDiagonal();
+
+Rigid3d SomePose() { return Rigid3d(QuaternionExp<double>({0.4, -0.7, 0.2}), {0.5, -1.5, 2.5}); }
+
+TEST(Mirror, OfAPoseIsItsConjugateByS) {
+  Eigen::Matrix4d s = Eigen::Matrix4d::Identity();
+  s(1, 1) = -1;
+  const Eigen::Matrix4d expected = s * SomePose().Matrix() * s;
+  EXPECT_LT((Mirrored(SomePose()).Matrix() - expected).norm(), 1e-14);
+  EXPECT_LT((Mirrored(Mirrored(SomePose())).Matrix() - SomePose().Matrix()).norm(), 1e-14);
+}
+
+TEST(Mirror, ACameraSeesTheMirroredPointAtTheSamePixel) {
+  PinholeCamera camera;
+  camera.fx = 481.2;
+  camera.fy = -480;
+  camera.cx = 319.5;
+  camera.cy = 239.5;
+  const Eigen::Vector3d point_in_camera(0.3, 0.4, 2);  // y up: above the optical axis
+  const Eigen::Vector2d pixel = camera.Project(point_in_camera);
+  EXPECT_LT(pixel.y(), camera.cy);  // and so it is in the upper half of the image
+  const PinholeCamera mirrored = Mirrored(camera);
+  EXPECT_EQ(mirrored.fy, 480);
+  EXPECT_LT((mirrored.Project(kMirror * point_in_camera) - pixel).norm(), 1e-12);
+}
+
+TEST(Mirror, WorldPointsAreMirroredThroughPoseAndCamera) {
+  const Eigen::Vector3d point_in_camera(0.3, 0.4, 2);
+  const Eigen::Vector3d expected = kMirror * (SomePose() * point_in_camera);
+  EXPECT_LT((Mirrored(SomePose()) * (kMirror * point_in_camera) - expected).norm(), 1e-14);
+}
+
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

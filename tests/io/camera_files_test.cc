@@ -4,13 +4,11 @@
 #include "testing/shared_data.h"
 #include "testing/temp_folder.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 using ::testing::AllOf;
-using testing::ExpectInputError;
 using ::testing::HasSubstr;
-using testing::TempFolder;
 
 TEST(CameraPreset, EveryNameGivesAValidCamera) {
   EXPECT_EQ(CameraPresetNames().size(), 8u);
@@ -27,9 +25,9 @@ TEST(CameraPreset, OnlyTumsHaveALatency) {
 }
 
 TEST(CameraPreset, AnUnknownNameListsTheKnownOnes) {
-  testing::ExpectInputError([] { CameraPreset("kinect9"); },
-                            AllOf(HasSubstr("'kinect9'"), HasSubstr("tum_fr1, tum_fr2, tum_fr3"),
-                                  HasSubstr("icl_nuim, seven_scenes, redwood")));
+  ExpectInputError([] { CameraPreset("kinect9"); },
+                   AllOf(HasSubstr("'kinect9'"), HasSubstr("tum_fr1, tum_fr2, tum_fr3"),
+                         HasSubstr("icl_nuim, seven_scenes, redwood")));
 }
 
 void ExpectSame(const PinholeCamera& a, const PinholeCamera& b) {
@@ -45,7 +43,7 @@ void ExpectSame(const PinholeCamera& a, const PinholeCamera& b) {
 void ExpectSamePresetAndFile(const std::string& preset_name, const std::string& sequence) {
   SURFIT_REQUIRE_SHARED_DATA(sequence);
   const RgbdCamera preset = CameraPreset(preset_name);
-  const RgbdCamera file = ReadCameraYaml(testing::SharedData(sequence) + "/camera.yaml");
+  const RgbdCamera file = ReadCameraYaml(SharedData(sequence) + "/camera.yaml");
   ExpectSame(preset.depth, file.depth);
   EXPECT_EQ(preset.depth_units_per_metre, file.depth_units_per_metre);
   EXPECT_EQ(preset.color_is_registered, file.color_is_registered);
@@ -128,10 +126,10 @@ void ExpectErrorAfterReplacing(const std::string& from, const std::string& to,
       " distortion: [ 0., 0., 0., 0., 0. ] }\n"
       "color_from_depth: { translation_m: [ 0., 0., 0. ], rotation_xyzw: [ 0., 0., 0., 1. ] }\n"
       "depth_units_per_metre: 5000.\n";
-  testing::WriteBytes(path, text);
+  WriteBytes(path, text);
   EXPECT_NO_THROW(ReadCameraYaml(path));
   ASSERT_NE(text.find(from), std::string::npos);
-  testing::WriteBytes(path, text.replace(text.find(from), from.size(), to));
+  WriteBytes(path, text.replace(text.find(from), from.size(), to));
   ExpectInputError([&] { ReadCameraYaml(path); }, AllOf(HasSubstr(path), HasSubstr(message)));
 }
 
@@ -161,4 +159,4 @@ TEST(CameraYaml, NamesAFileThatCannotBeReadOrWritten) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -3,31 +3,29 @@
 #include "surfit/io/klg_writer.h"
 #include "surfit/io/sequence.h"
 #include "testing/expect_input_error.h"
-#include "testing/read_all.h"
-#include "testing/sens_encoder.h"
+#include "testing/recordings.h"
+#include "testing/sequence_writer.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
-using testing::ExpectInputError;
 using ::testing::HasSubstr;
-using testing::TempFolder;
 
 // Frame 1 of a folder or file.
 RgbdFrame SecondFrame(const SequenceOptions& options) {
-  return *testing::ReadAll(OpenSequence(options).get()).at(1).frame;
+  return *ReadAll(OpenSequence(options).get()).at(1).frame;
 }
 
 TEST(FrameStamps, AreDepthsLessTheLatency) {
   const TempFolder folder;
-  testing::WriteTumSequence(folder, 3);
+  WriteTumSequence(folder, 3);
   SequenceOptions options;
   options.path = folder.path();
   options.latency_s = 0.02;
   const auto source = OpenSequence(options);
   EXPECT_EQ(source->info().camera.latency_s, 0.02);
   EXPECT_EQ(source->info().ground_truth[1].stamp_s, 5.1);  // a clock's, which has none
-  const auto results = testing::ReadAll(source.get());
+  const auto results = ReadAll(source.get());
   EXPECT_DOUBLE_EQ(results[1].stamp_s, 5.083);
   EXPECT_EQ(results[1].frame->stamp_s, results[1].stamp_s);
   EXPECT_DOUBLE_EQ(results[1].frame->color_stamp_s, 5.08);
@@ -35,7 +33,7 @@ TEST(FrameStamps, AreDepthsLessTheLatency) {
 
 TEST(FrameStamps, TakeTheLatencyFromTheCamerasFileUnlessItIsGiven) {
   const TempFolder folder;
-  testing::WriteTumSequence(folder, 3);
+  WriteTumSequence(folder, 3);
   RgbdCamera camera = ReadCameraYaml(folder / "camera.yaml");
   camera.latency_s = 0.05;
   WriteCameraYaml(camera, folder / "camera.yaml");
@@ -48,12 +46,12 @@ TEST(FrameStamps, TakeTheLatencyFromTheCamerasFileUnlessItIsGiven) {
 
 TEST(FrameStamps, OfAFrameThatCannotBeReadAreTheSame) {
   const TempFolder folder;
-  testing::WriteTumSequence(folder, 3);
+  WriteTumSequence(folder, 3);
   std::filesystem::remove(folder / "depth/001.png");
   SequenceOptions options;
   options.path = folder.path();
   options.latency_s = 0.02;
-  const auto results = testing::ReadAll(OpenSequence(options).get());
+  const auto results = ReadAll(OpenSequence(options).get());
   EXPECT_FALSE(results[1].frame);
   EXPECT_DOUBLE_EQ(results[1].stamp_s, 5.083);
 }
@@ -62,9 +60,9 @@ TEST(FrameStamps, OfAFrameThatCannotBeReadAreTheSame) {
 TEST(FrameStamps, ThatAreTheFramesNumbersHaveNoLatency) {
   const TempFolder folder;
   for (int i = 0; i < 3; ++i) {
-    const std::string stem = testing::Format("frame-%06d", i);
-    testing::WriteColor(folder / (stem + ".color.png"), testing::NumberedColor(i));
-    testing::WriteDepth(folder / (stem + ".depth.png"), testing::NumberedDepth(i));
+    const std::string stem = Format("frame-%06d", i);
+    WriteColor(folder / (stem + ".color.png"), NumberedColor(i));
+    WriteDepth(folder / (stem + ".depth.png"), NumberedDepth(i));
     folder.Write(stem + ".pose.txt", "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
   }
   SequenceOptions options;
@@ -74,7 +72,7 @@ TEST(FrameStamps, ThatAreTheFramesNumbersHaveNoLatency) {
   options.depth_units_per_metre = 1000;
   const auto source = OpenSequence(options);
   EXPECT_EQ(source->info().camera.latency_s, 0);
-  for (const ReadResult& result : testing::ReadAll(source.get())) {
+  for (const ReadResult& result : ReadAll(source.get())) {
     EXPECT_EQ(result.stamp_s, source->info().ground_truth[result.index].stamp_s);
     EXPECT_EQ(result.frame->color_stamp_s, result.stamp_s);
   }
@@ -87,7 +85,7 @@ TEST(FrameStamps, ThatAreTheFramesNumbersHaveNoLatency) {
 
 TEST(FrameStamps, OfScanNetsFilesAreDepthsAndThePosesToo) {
   const TempFolder folder;
-  testing::SensEncoder encoder;
+  SensEncoder encoder;
   encoder.registered = true;
   encoder.depth_delay_us = 7000;
   SequenceOptions options;
@@ -101,7 +99,7 @@ TEST(FrameStamps, OfScanNetsFilesAreDepthsAndThePosesToo) {
 // What a .klg file is written from has its latency taken off once.
 TEST(FrameStamps, OfKlgFilesHaveALatencyWhichConvertingTakesOffOnce) {
   const TempFolder folder;
-  testing::WriteTumSequence(folder, 3);
+  WriteTumSequence(folder, 3);
   SequenceOptions options;
   options.path = folder.path();
   options.latency_s = 0.02;
@@ -115,4 +113,4 @@ TEST(FrameStamps, OfKlgFilesHaveALatencyWhichConvertingTakesOffOnce) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

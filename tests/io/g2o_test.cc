@@ -7,12 +7,10 @@
 #include "testing/pose_graphs.h"
 #include "testing/temp_folder.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
-using testing::ExpectInputError;
 using ::testing::HasSubstr;
-using testing::TempFolder;
 
 // Row by row, the upper triangle of the identity.
 const std::string kIdentity = " 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1";
@@ -31,13 +29,13 @@ TEST(G2o, ReadsPosesEdgesAndWhatIsFixed) {
   EXPECT_FALSE(file.graph.poses[0].fixed);
   EXPECT_TRUE(file.graph.poses[1].fixed);
   const Rigid3d pose(Eigen::Quaterniond(0.8, 0, 0, 0.6), {1, 2, 3});
-  EXPECT_THAT(file.graph.poses[1].world_from_pose, testing::RigidNear(pose, 1e-15, 1e-15));
+  EXPECT_THAT(file.graph.poses[1].world_from_pose, RigidNear(pose, 1e-15, 1e-15));
   ASSERT_EQ(file.graph.edges.size(), 1u);
   const PoseGraphEdge& e = file.graph.edges[0];
   EXPECT_EQ(e.a, 1u);
   EXPECT_EQ(e.b, 0u);
   EXPECT_FALSE(e.loop);
-  EXPECT_THAT(e.a_from_b, testing::RigidNear(pose.Inverse(), 1e-15, 1e-15));
+  EXPECT_THAT(e.a_from_b, RigidNear(pose.Inverse(), 1e-15, 1e-15));
   Eigen::Matrix<double, 6, 6> information = Eigen::Matrix<double, 6, 6>::Zero();
   information.diagonal() << 4, 5, 6, 1, 2, 3;
   information(2, 3) = information(3, 2) = 0.5;
@@ -60,7 +58,7 @@ TEST(G2o, CostIsThatOfTheErrorInTheSecondPosesFrame) {
 
 TEST(G2o, ReadsWhatItWrote) {
   const TempFolder folder;
-  PoseGraph graph = testing::MakeTorus(5, 6).graph;
+  PoseGraph graph = MakeTorus(5, 6).graph;
   graph.poses[3].fixed = true;
   graph.edges[0].information(1, 4) = graph.edges[0].information(4, 1) = 3;
   WriteG2o(graph, folder / "a.g2o");
@@ -70,7 +68,7 @@ TEST(G2o, ReadsWhatItWrote) {
     EXPECT_EQ(read.poses[i].id, graph.poses[i].id);
     EXPECT_EQ(read.poses[i].fixed, graph.poses[i].fixed);
     EXPECT_THAT(read.poses[i].world_from_pose,
-                testing::RigidNear(graph.poses[i].world_from_pose, 1e-14, 1e-14));
+                RigidNear(graph.poses[i].world_from_pose, 1e-14, 1e-14));
   }
   ASSERT_EQ(read.edges.size(), graph.edges.size());
   for (std::size_t i = 0; i < graph.edges.size(); ++i) {
@@ -78,7 +76,7 @@ TEST(G2o, ReadsWhatItWrote) {
     EXPECT_EQ(read.edges[i].b, graph.edges[i].b);
     EXPECT_EQ(read.edges[i].loop, graph.edges[i].loop);
     EXPECT_EQ(read.edges[i].information, graph.edges[i].information);
-    EXPECT_THAT(read.edges[i].a_from_b, testing::RigidNear(graph.edges[i].a_from_b, 1e-13, 1e-13));
+    EXPECT_THAT(read.edges[i].a_from_b, RigidNear(graph.edges[i].a_from_b, 1e-13, 1e-13));
   }
 }
 
@@ -115,4 +113,4 @@ TEST(G2o, RefusesBadFilesByLineAndConstraint) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -3,15 +3,13 @@
 #include <random>
 
 #include "testing/expect_input_error.h"
+#include "testing/sequence_writer.h"
 #include "testing/temp_folder.h"
-#include "testing/write_images.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
-using testing::ExpectInputError;
 using ::testing::HasSubstr;
-using testing::TempFolder;
 
 Image<std::uint16_t> SomeDepth() {
   std::mt19937_64 rng(3);
@@ -36,7 +34,7 @@ Image<Rgb8> SomeColor() {
 TEST(ReadDepthImage, GivesTheCountsOfPngAndPgm) {
   TempFolder folder;
   for (const char* name : {"depth.png", "depth.pgm"}) {
-    testing::WriteDepth(folder / name, SomeDepth());
+    WriteDepth(folder / name, SomeDepth());
     EXPECT_EQ(std::get<Image<std::uint16_t>>(ReadDepthImage(folder / name)), SomeDepth()) << name;
   }
 }
@@ -45,26 +43,26 @@ TEST(ReadDepthImage, GivesTheMetresOfFloatTiff) {
   TempFolder folder;
   Image<float> metres(5, 4, 1.25f);
   metres(3, 2) = 0;
-  testing::WriteDepth(folder / "depth.tiff", metres);
+  WriteDepth(folder / "depth.tiff", metres);
   EXPECT_EQ(std::get<Image<float>>(ReadDepthImage(folder / "depth.tiff")), metres);
 }
 
 TEST(ReadDepthImage, RefusesAColorImage) {
   TempFolder folder;
-  testing::WriteColor(folder / "color.png", SomeColor());
+  WriteColor(folder / "color.png", SomeColor());
   ExpectInputError([&] { ReadDepthImage(folder / "color.png"); },
                    HasSubstr("color.png has 3 channel(s) of 8 bits"));
 }
 
 TEST(ReadColorImage, GivesRedGreenBlueOfPng) {
   TempFolder folder;
-  testing::WriteColor(folder / "color.png", SomeColor());
+  WriteColor(folder / "color.png", SomeColor());
   EXPECT_EQ(ReadColorImage(folder / "color.png"), SomeColor());
 }
 
 TEST(ReadColorImage, GivesTheSameJpegPixelsAsOpenCv) {
   TempFolder folder;
-  testing::WriteColor(folder / "color.jpg", SomeColor());
+  WriteColor(folder / "color.jpg", SomeColor());
   const Image<Rgb8> read = ReadColorImage(folder / "color.jpg");
   const cv::Mat bgr = cv::imread(folder / "color.jpg");
   for (int v = 0; v < read.height(); ++v) {
@@ -78,7 +76,7 @@ TEST(ReadColorImage, GivesTheSameJpegPixelsAsOpenCv) {
 // Wherever the file ends, and whether the rest is gone or was never written (zeros), the picture
 // must count as unreadable.
 void ExpectEveryTruncationIsRefused(const std::string& path) {
-  const std::string bytes = testing::ReadBytes(path);
+  const std::string bytes = ReadBytes(path);
   ASSERT_GT(bytes.size(), 100u);
   for (std::size_t size = 0; size < bytes.size(); ++size) {
     const std::string cut = bytes.substr(0, size);
@@ -91,18 +89,18 @@ void ExpectEveryTruncationIsRefused(const std::string& path) {
 
 TEST(DecodeColorImage, RefusesEveryTruncation) {
   TempFolder folder;
-  testing::WriteColor(folder / "color.png", SomeColor());
+  WriteColor(folder / "color.png", SomeColor());
   ExpectEveryTruncationIsRefused(folder / "color.png");
-  testing::WriteColor(folder / "baseline.jpg", SomeColor());
+  WriteColor(folder / "baseline.jpg", SomeColor());
   ExpectEveryTruncationIsRefused(folder / "baseline.jpg");
-  testing::WriteColor(folder / "progressive.jpg", SomeColor(), {cv::IMWRITE_JPEG_PROGRESSIVE, 1});
+  WriteColor(folder / "progressive.jpg", SomeColor(), {cv::IMWRITE_JPEG_PROGRESSIVE, 1});
   ExpectEveryTruncationIsRefused(folder / "progressive.jpg");
 }
 
 // Cut anywhere, the depth is refused, or all of it is there (a TIFF may lack bytes that say
 // nothing).
 void ExpectTruncatedDepthIsRefusedOrWhole(const std::string& path) {
-  const std::string bytes = testing::ReadBytes(path);
+  const std::string bytes = ReadBytes(path);
   const RawDepth whole = DecodeDepthImage(bytes, path);
   int refused = 0;
   for (std::size_t size = 0; size < bytes.size(); ++size) {
@@ -117,19 +115,19 @@ void ExpectTruncatedDepthIsRefusedOrWhole(const std::string& path) {
 
 TEST(DecodeDepthImage, RefusesTruncatedDepth) {
   TempFolder folder;
-  testing::WriteDepth(folder / "depth.png", SomeDepth());
+  WriteDepth(folder / "depth.png", SomeDepth());
   ExpectTruncatedDepthIsRefusedOrWhole(folder / "depth.png");
-  testing::WriteDepth(folder / "depth.pgm", SomeDepth());
+  WriteDepth(folder / "depth.pgm", SomeDepth());
   ExpectTruncatedDepthIsRefusedOrWhole(folder / "depth.pgm");
-  testing::WriteDepth(folder / "depth.tiff", Image<float>(37, 23, 1.25f));
+  WriteDepth(folder / "depth.tiff", Image<float>(37, 23, 1.25f));
   ExpectTruncatedDepthIsRefusedOrWhole(folder / "depth.tiff");
 }
 
 TEST(DecodeDepthImage, RefusesAPngWithAnyByteFlipped) {
   TempFolder folder;
   const std::string path = folder / "depth.png";
-  testing::WriteDepth(path, SomeDepth());
-  const std::string bytes = testing::ReadBytes(path);
+  WriteDepth(path, SomeDepth());
+  const std::string bytes = ReadBytes(path);
   for (std::size_t i = 0; i < bytes.size(); ++i) {
     std::string damaged = bytes;
     damaged[i] ^= 0x10;
@@ -142,8 +140,8 @@ TEST(DecodeDepthImage, RefusesAPngWithAnyByteFlipped) {
 TEST(DecodeColorImage, RefusesAJpegWithAPieceMissing) {
   TempFolder folder;
   const std::string path = folder / "color.jpg";
-  testing::WriteColor(path, SomeColor());
-  std::string bytes = testing::ReadBytes(path);
+  WriteColor(path, SomeColor());
+  std::string bytes = ReadBytes(path);
   bytes.erase(bytes.size() - 40, 20);
   ExpectInputError([&] { DecodeColorImage(bytes, path); },
                    HasSubstr("color.jpg is truncated or damaged"));
@@ -151,16 +149,16 @@ TEST(DecodeColorImage, RefusesAJpegWithAPieceMissing) {
 
 TEST(ReadImage, NamesWhatIsNoImage) {
   TempFolder folder;
-  testing::WriteBytes(folder / "text.png", "no image at all");
+  WriteBytes(folder / "text.png", "no image at all");
   ExpectInputError([&] { ReadColorImage(folder / "text.png"); }, HasSubstr("text.png"));
   ExpectInputError([&] { ReadColorImage(folder / "missing.png"); }, HasSubstr("missing.png"));
   ExpectInputError([&] { ReadColorImage(folder.path()); }, HasSubstr(folder.path()));
 }
 
 std::string SomePng() {
-  testing::TempFolder folder;
-  testing::WriteDepth(folder / "depth.png", Image<std::uint16_t>(20, 10, 1234));
-  return testing::ReadBytes(folder / "depth.png");
+  TempFolder folder;
+  WriteDepth(folder / "depth.png", Image<std::uint16_t>(20, 10, 1234));
+  return ReadBytes(folder / "depth.png");
 }
 
 TEST(RequireWholePng, AcceptsAWholeFileWhateverFollows) {
@@ -193,4 +191,4 @@ TEST(IsPng, LooksAtTheSignature) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

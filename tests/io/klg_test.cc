@@ -2,23 +2,18 @@
 #include "surfit/io/klg_writer.h"
 #include "surfit/io/sequence.h"
 #include "testing/expect_input_error.h"
-#include "testing/klg_encoder.h"
-#include "testing/read_all.h"
+#include "testing/recordings.h"
 #include "testing/sequence_writer.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 using ::testing::ElementsAre;
-using testing::ExpectInputError;
 using ::testing::HasSubstr;
-using testing::KlgFile;
-using testing::LittleEndian;
-using testing::TempFolder;
 
 class KlgTest : public ::testing::Test {
  protected:
-  KlgTest() { folder_.Write("a.klg.yaml", testing::SmallCameraYaml()); }
+  KlgTest() { folder_.Write("a.klg.yaml", SmallCameraYaml()); }
   std::unique_ptr<FrameSource> Open(const std::string& bytes) {
     options_.path = folder_.Write("a.klg", bytes);
     return OpenSequence(options_);
@@ -33,12 +28,12 @@ TEST_F(KlgTest, ReadsEveryCodingOfTheSameFrames) {
       const auto source = Open(KlgFile(3, zlib, color));
       EXPECT_EQ(source->info().format, "klg");
       EXPECT_TRUE(source->info().warnings.empty());
-      const auto results = testing::ReadAll(source.get());
+      const auto results = ReadAll(source.get());
       ASSERT_EQ(results.size(), 3u);
       for (int i = 0; i < 3; ++i) {
         ASSERT_TRUE(results[i].frame) << results[i].error;
         EXPECT_DOUBLE_EQ(results[i].stamp_s, 5 + 0.1 * i);
-        const auto raw = testing::NumberedDepth(i);
+        const auto raw = NumberedDepth(i);
         for (std::size_t k = 0; k < raw.size(); ++k)
           ASSERT_FLOAT_EQ(results[i].frame->depth_m[k], raw[k] * 0.001f);
         const Image<Rgb8>& read = results[i].frame->color;
@@ -47,7 +42,7 @@ TEST_F(KlgTest, ReadsEveryCodingOfTheSameFrames) {
         } else if (color == ".jpg") {
           EXPECT_NEAR(read(16, 12).g, 20, 2);
         } else {
-          EXPECT_EQ(read, testing::NumberedColor(i));
+          EXPECT_EQ(read, NumberedColor(i));
         }
       }
     }
@@ -67,7 +62,7 @@ TEST_F(KlgTest, WithoutACameraTheImagesMustTellTheirSize) {
 TEST_F(KlgTest, ReadsTheWholeFramesOfAFileThatEndsEarly) {
   const std::string whole = KlgFile(3, true, ".jpg");
   const auto source = Open(whole.substr(0, whole.size() - 1));
-  EXPECT_EQ(testing::ReadAll(source.get()).size(), 2u);
+  EXPECT_EQ(ReadAll(source.get()).size(), 2u);
   EXPECT_THAT(source->info().warnings, ElementsAre(HasSubstr("claims 3 frames, but is damaged")));
 }
 
@@ -78,11 +73,11 @@ TEST_F(KlgTest, RefusesFilesWithoutFrames) {
 }
 
 TEST_F(KlgTest, NamesTheFrameThatIsDamaged) {
-  std::string file = LittleEndian(4) + testing::KlgFrame(1, "not zlib", "");
-  file += testing::KlgFrame(2, testing::ZlibBytes(testing::NumberedDepth(1, 16, 12)), "");
-  const std::string depth = testing::RawBytes(testing::NumberedDepth(2));
-  file += testing::KlgFrame(3, depth, "no picture");
-  const auto results = testing::ReadAll(Open(file + testing::KlgFrame(4, depth, "")).get());
+  std::string file = LittleEndian(4) + KlgFrame(1, "not zlib", "");
+  file += KlgFrame(2, ZlibBytes(NumberedDepth(1, 16, 12)), "");
+  const std::string depth = RawBytes(NumberedDepth(2));
+  file += KlgFrame(3, depth, "no picture");
+  const auto results = ReadAll(Open(file + KlgFrame(4, depth, "")).get());
   EXPECT_THAT(results[0].error, HasSubstr("a.klg: depth of frame 0 is damaged"));
   EXPECT_THAT(results[1].error, HasSubstr("depth of frame 1 is damaged: its"));
   EXPECT_THAT(results[2].error, HasSubstr("colour of frame 2 is damaged: neither JPEG nor PNG"));
@@ -100,7 +95,7 @@ TEST_F(KlgTest, AFormatThatIsAFileNeedsAFile) {
 
 class KlgWriterTest : public ::testing::Test {
  protected:
-  KlgWriterTest() { testing::WriteTumSequence(folder_, 4); }
+  KlgWriterTest() { WriteTumSequence(folder_, 4); }
   std::unique_ptr<FrameSource> Open(const std::string& path) {
     SequenceOptions options;
     options.path = path;
@@ -113,7 +108,7 @@ class KlgWriterTest : public ::testing::Test {
 };
 
 TEST_F(KlgWriterTest, FramesComeBackAsTheyWere) {
-  const auto expected = testing::ReadAll(Open(folder_.path()).get());
+  const auto expected = ReadAll(Open(folder_.path()).get());
   for (const bool compress : {false, true}) {
     const KlgSummary summary = Write({compress, 0});
     EXPECT_EQ(summary.frames_written, 4);
@@ -121,7 +116,7 @@ TEST_F(KlgWriterTest, FramesComeBackAsTheyWere) {
     EXPECT_EQ(summary.depths_beyond, 0);
     const auto source = Open(folder_ / "a.klg");
     EXPECT_EQ(source->info().pinhole.fx, 31);
-    const auto read = testing::ReadAll(source.get());
+    const auto read = ReadAll(source.get());
     ASSERT_EQ(read.size(), 4u);
     for (int i = 0; i < 4; ++i) {
       EXPECT_DOUBLE_EQ(read[i].stamp_s, expected[i].stamp_s);
@@ -133,7 +128,7 @@ TEST_F(KlgWriterTest, FramesComeBackAsTheyWere) {
 
 TEST_F(KlgWriterTest, JpegKeepsColourToItsQuality) {
   Write({true, 95});
-  const auto read = testing::ReadAll(Open(folder_ / "a.klg").get());
+  const auto read = ReadAll(Open(folder_ / "a.klg").get());
   const Rgb8 color = read[3].frame->color(16, 12);
   EXPECT_NEAR(color.r, 3, 2);
   EXPECT_NEAR(color.g, 20, 2);
@@ -144,7 +139,7 @@ TEST_F(KlgWriterTest, JpegKeepsColourToItsQuality) {
 }
 
 TEST_F(KlgWriterTest, KeepsTheConventionOfAMirroredSource) {
-  folder_.Write("camera.yaml", testing::SmallCameraYaml(-30));
+  folder_.Write("camera.yaml", SmallCameraYaml(-30));
   Write({});
   const auto source = Open(folder_ / "a.klg");
   EXPECT_EQ(source->info().camera.depth.fy, -30);
@@ -153,11 +148,11 @@ TEST_F(KlgWriterTest, KeepsTheConventionOfAMirroredSource) {
 
 TEST_F(KlgWriterTest, CountsWhatItLeavesOut) {
   std::filesystem::remove(folder_ / "depth/002.png");
-  Image<std::uint16_t> far = testing::NumberedDepth(1);
+  Image<std::uint16_t> far = NumberedDepth(1);
   far[5] = 0;      // missing
   far[6] = 65534;  // the most that a .klg file can hold
-  testing::WriteDepth(folder_ / "depth/001.png", far);
-  testing::WriteDepth(folder_ / "depth/003.tiff", Image<float>(32, 24, 65.535f));
+  WriteDepth(folder_ / "depth/001.png", far);
+  WriteDepth(folder_ / "depth/003.tiff", Image<float>(32, 24, 65.535f));
   std::filesystem::rename(folder_ / "depth/003.tiff", folder_ / "depth/003.png");
   SequenceOptions options;
   options.path = folder_.path();
@@ -174,4 +169,4 @@ TEST_F(KlgWriterTest, RefusesBadOptions) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

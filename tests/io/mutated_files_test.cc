@@ -6,17 +6,13 @@
 
 #include "surfit/core/error.h"
 #include "surfit/io/sequence.h"
-#include "testing/klg_encoder.h"
 #include "testing/largest_allocation.h"
-#include "testing/read_all.h"
-#include "testing/sens_encoder.h"
+#include "testing/recordings.h"
+#include "testing/sequence_writer.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
-using testing::KlgFile;
-using testing::ReadBytes;
-using testing::TempFolder;
 using Random = std::mt19937_64;
 
 struct SeedFile {
@@ -26,11 +22,11 @@ struct SeedFile {
 
 // Every coding once: what stands in tests/io/corpus.
 std::vector<SeedFile> SeedFiles() {
-  testing::SensEncoder zlib_jpeg, raw_png;
+  SensEncoder zlib_jpeg, raw_png;
   zlib_jpeg.color_coding = ".jpg";
   raw_png.color_coding = ".png";
   raw_png.depth_coding = 0;
-  testing::SensEncoder raw_color;
+  SensEncoder raw_color;
   return {{"zlib_jpeg.klg", KlgFile(3, true, ".jpg")}, {"raw_raw.klg", KlgFile(2, false, "")},
           {"zlib_none.klg", KlgFile(2, true, "none")}, {"zlib_jpeg.sens", zlib_jpeg.File(3)},
           {"raw_png.sens", raw_png.File(2)},           {"zlib_raw.sens", raw_color.File(2)}};
@@ -55,8 +51,7 @@ std::string Mutated(std::string bytes, Random* random) {
         bytes[at] = static_cast<char>(Below(256, random));
         break;
       case 2:
-        bytes.replace(at, count,
-                      testing::LittleEndian(kExtremes[Below(8, random)]).substr(0, count));
+        bytes.replace(at, count, LittleEndian(kExtremes[Below(8, random)]).substr(0, count));
         break;
       case 3:
         bytes.resize(at);
@@ -68,7 +63,7 @@ std::string Mutated(std::string bytes, Random* random) {
   // Half of all changes to where the sizes stand.
   if (Below(2, random) == 0 && bytes.size() > 400) {
     const std::size_t at = Below(400, random);
-    bytes.replace(at, 4, testing::LittleEndian(static_cast<std::int32_t>((*random)())));
+    bytes.replace(at, 4, LittleEndian(static_cast<std::int32_t>((*random)())));
   }
   return bytes;
 }
@@ -79,7 +74,7 @@ bool ReadAsFarAsPossible(const std::string& path) {
   options.path = path;
   bool any = false;
   try {
-    for (const ReadResult& result : testing::ReadAll(OpenSequence(options).get()))
+    for (const ReadResult& result : ReadAll(OpenSequence(options).get()))
       any = any || result.frame.has_value();
   } catch (const InputError& error) {
     EXPECT_STRNE(error.what(), "");
@@ -92,7 +87,7 @@ std::size_t Promise(std::size_t file_size) { return 2 * 1032 * file_size + (1 <<
 
 void ReadMutations(const std::string& ending, int count) {
   const TempFolder folder;
-  folder.Write("mutated.klg.yaml", testing::SmallCameraYaml());  // which .klg files need
+  folder.Write("mutated.klg.yaml", SmallCameraYaml());  // which .klg files need
   const int level = std::exchange(FLAGS_minloglevel, google::GLOG_ERROR);
   Random random(7);
   int read = 0, tried = 0;
@@ -102,10 +97,9 @@ void ReadMutations(const std::string& ending, int count) {
       const std::string bytes = Mutated(seed.bytes, &random);
       std::filesystem::remove(folder / ("mutated" + ending));  // quicker than to write over it
       const std::string path = folder.Write("mutated" + ending, bytes);
-      testing::ResetLargestAllocation();
+      ResetLargestAllocation();
       read += ReadAsFarAsPossible(path) ? 1 : 0;
-      ASSERT_LE(testing::LargestAllocation(), Promise(bytes.size()))
-          << seed.name << ", mutation " << i;
+      ASSERT_LE(LargestAllocation(), Promise(bytes.size())) << seed.name << ", mutation " << i;
     }
   }
   FLAGS_minloglevel = level;
@@ -119,7 +113,7 @@ void ReadMutations(const std::string& ending, int count) {
 TEST(Corpus, HoldsWhatTheEncodersWrite) {
   for (const SeedFile& seed : SeedFiles()) {
     const std::string path = std::string(SURFIT_CORPUS_DIR) + "/" + seed.name;
-    if (std::getenv("SURFIT_WRITE_CORPUS") != nullptr) testing::WriteBytes(path, seed.bytes);
+    if (std::getenv("SURFIT_WRITE_CORPUS") != nullptr) WriteBytes(path, seed.bytes);
     EXPECT_TRUE(ReadAsFarAsPossible(path)) << path;
   }
   // Without a codec, whose versions may differ, to the byte.
@@ -129,9 +123,9 @@ TEST(Corpus, HoldsWhatTheEncodersWrite) {
 // Small files that claim 16384 x 16384 pixels, where depth alone would take 512 MB.
 TEST(Mutated, HugeImagesAreRefusedBeforeTheyTakeMemory) {
   const TempFolder folder;
-  std::string sens = testing::SensEncoder().File(1);
+  std::string sens = SensEncoder().File(1);
   const std::size_t sizes_at = 4 + 8 + 6 + 4 * 64 + 2 * 4;
-  for (int i = 0; i < 4; ++i) sens.replace(sizes_at + 4 * i, 4, testing::LittleEndian(16384));
+  for (int i = 0; i < 4; ++i) sens.replace(sizes_at + 4 * i, 4, LittleEndian(16384));
   folder.Write("huge.sens", sens);
   std::string klg = KlgFile(1, true, ".jpg");
   const std::size_t frame_at = klg.find("\xFF\xC0");  // of JPEG: length, bits, height, width
@@ -139,9 +133,9 @@ TEST(Mutated, HugeImagesAreRefusedBeforeTheyTakeMemory) {
   klg.replace(frame_at + 5, 4, std::string("\x40\x00\x40\x00", 4));
   folder.Write("huge.klg", klg);
   for (const char* name : {"huge.sens", "huge.klg"}) {
-    testing::ResetLargestAllocation();
+    ResetLargestAllocation();
     EXPECT_FALSE(ReadAsFarAsPossible(folder / name));
-    EXPECT_LT(testing::LargestAllocation(), 1u << 20) << name;
+    EXPECT_LT(LargestAllocation(), 1u << 20) << name;
   }
 }
 
@@ -151,4 +145,4 @@ TEST(TenThousandMutated, KlgFilesAreReadOrRefused) { ReadMutations(".klg", 10000
 TEST(TenThousandMutated, SensFilesAreReadOrRefused) { ReadMutations(".sens", 10000); }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

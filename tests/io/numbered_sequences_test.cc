@@ -2,27 +2,24 @@
 #include "surfit/io/sequence.h"
 #include "testing/expect_input_error.h"
 #include "testing/matchers.h"
-#include "testing/read_all.h"
 #include "testing/sequence_writer.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 using ::testing::AllOf;
-using testing::ExpectInputError;
 using ::testing::HasSubstr;
-using testing::TempFolder;
 
 void WriteSevenScenes(const TempFolder& folder, int count) {
   for (int i = 0; i < count; ++i) {
-    const std::string stem = testing::Format("frame-%06d", i);
-    testing::WriteColor(folder / (stem + ".color.png"), testing::NumberedColor(i));
-    testing::WriteDepth(folder / (stem + ".depth.png"), testing::NumberedDepth(i));
+    const std::string stem = Format("frame-%06d", i);
+    WriteColor(folder / (stem + ".color.png"), NumberedColor(i));
+    WriteDepth(folder / (stem + ".depth.png"), NumberedDepth(i));
     // A quarter turn about z: the camera's x axis points along the world's y.
     folder.Write(stem + ".pose.txt",
                  "0 -1 0 1.5\t\n 1 0 0 " + std::to_string(i) + "\n0.0e+00 0 1 -3 \n0 0 0 1\n");
   }
-  folder.Write("camera.yaml", testing::SmallCameraYaml());
+  folder.Write("camera.yaml", SmallCameraYaml());
 }
 
 TEST(SevenScenesSequence, ReadsFramesAndCameraToWorldPoses) {
@@ -34,11 +31,11 @@ TEST(SevenScenesSequence, ReadsFramesAndCameraToWorldPoses) {
   ASSERT_EQ(poses.size(), 4u);
   EXPECT_DOUBLE_EQ(poses[3].stamp_s, 3 / 30.);
   EXPECT_THAT(poses[3].world_from_camera * Eigen::Vector3d(1, 0, 0),
-              testing::VectorNear(Eigen::Vector3d(1.5, 4, -3), 1e-12));
-  const auto results = testing::ReadAll(source.get());
+              VectorNear(Eigen::Vector3d(1.5, 4, -3), 1e-12));
+  const auto results = ReadAll(source.get());
   ASSERT_EQ(results.size(), 4u);
   EXPECT_DOUBLE_EQ(results[3].stamp_s, 3 / 30.);
-  EXPECT_EQ(results[3].frame->color, testing::NumberedColor(3));
+  EXPECT_EQ(results[3].frame->color, NumberedColor(3));
   EXPECT_FLOAT_EQ(results[3].frame->depth_m(1, 0), 1.031f);
 }
 
@@ -49,7 +46,7 @@ TEST(SevenScenesSequence, FramesPerSecondGiveTheStamps) {
   options.frames_per_second = 10;
   const auto source = OpenSequence(options);
   EXPECT_DOUBLE_EQ(source->info().ground_truth[1].stamp_s, 0.1);
-  EXPECT_DOUBLE_EQ(testing::ReadAll(source.get())[1].stamp_s, 0.1);
+  EXPECT_DOUBLE_EQ(ReadAll(source.get())[1].stamp_s, 0.1);
 }
 
 TEST(SevenScenesSequence, AMissingImageIsASkippedFrameAndAMissingPoseIsNone) {
@@ -60,7 +57,7 @@ TEST(SevenScenesSequence, AMissingImageIsASkippedFrameAndAMissingPoseIsNone) {
   std::filesystem::remove(folder / "frame-000003.pose.txt");
   const auto source = OpenSequence(Options(folder));
   EXPECT_EQ(source->info().ground_truth.size(), 3u);
-  const auto results = testing::ReadAll(source.get());
+  const auto results = ReadAll(source.get());
   ASSERT_EQ(results.size(), 4u);
   EXPECT_THAT(results[1].error, HasSubstr("frame-000001.depth.png"));
   EXPECT_THAT(results[2].error, HasSubstr("frame-000002.color.png"));
@@ -85,12 +82,11 @@ TEST(SevenScenesSequence, NamesAMalformedPose) {
 void WriteRedwood(const TempFolder& folder, int count, const std::string& color_folder) {
   std::string log;
   for (int i = 0; i < count; ++i) {
-    testing::WriteColor(folder / (color_folder + testing::Format("/%07d.jpg", i + 1)),
-                        testing::NumberedColor(i), {cv::IMWRITE_JPEG_QUALITY, 100});
-    testing::WriteDepth(
-        folder / (testing::Format("depth/%07d", i + 1) + testing::Format("-%012d.png", 33366 * i)),
-        testing::NumberedDepth(i));
-    log += testing::Format("%d ", i) + testing::Format("%d ", i) + testing::Format("%d\n", i + 1);
+    WriteColor(folder / (color_folder + Format("/%07d.jpg", i + 1)), NumberedColor(i),
+               {cv::IMWRITE_JPEG_QUALITY, 100});
+    WriteDepth(folder / (Format("depth/%07d", i + 1) + Format("-%012d.png", 33366 * i)),
+               NumberedDepth(i));
+    log += Format("%d ", i) + Format("%d ", i) + Format("%d\n", i + 1);
     log += "0 -1 0 1.5\n1 0 0 " + std::to_string(i) + "\n0 0 1 -3\n0 0 0 1\n";
   }
   folder.Write("trajectory.log", log);
@@ -113,8 +109,8 @@ TEST(RedwoodSequence, ReadsFramesPosesAndCamera) {
     ASSERT_EQ(info.ground_truth.size(), 3u);
     EXPECT_DOUBLE_EQ(info.ground_truth[2].stamp_s, 2 / 30.);
     EXPECT_THAT(info.ground_truth[2].world_from_camera * Eigen::Vector3d(1, 0, 0),
-                testing::VectorNear(Eigen::Vector3d(1.5, 3, -3), 1e-12));
-    const auto results = testing::ReadAll(source.get());
+                VectorNear(Eigen::Vector3d(1.5, 3, -3), 1e-12));
+    const auto results = ReadAll(source.get());
     ASSERT_EQ(results.size(), 3u);
     for (int i = 0; i < 3; ++i) {
       ASSERT_TRUE(results[i].frame) << results[i].error;
@@ -132,7 +128,7 @@ TEST(RedwoodSequence, MayLackColorAndPoses) {
   std::filesystem::remove(folder / "trajectory.log");
   const auto source = OpenSequence(Options(folder));
   EXPECT_TRUE(source->info().ground_truth.empty());
-  const auto results = testing::ReadAll(source.get());
+  const auto results = ReadAll(source.get());
   ASSERT_EQ(results.size(), 2u);
   EXPECT_TRUE(results[0].frame->color.empty());
 }
@@ -142,7 +138,7 @@ TEST(RedwoodSequence, AMissingImageIsASkippedFrameAndShiftsNoOther) {
   WriteRedwood(folder, 4, "color");
   std::filesystem::remove(folder / "color/0000002.jpg");
   std::filesystem::remove(folder / "depth/0000003-000000066732.png");
-  const auto results = testing::ReadAll(OpenSequence(Options(folder)).get());
+  const auto results = ReadAll(OpenSequence(Options(folder)).get());
   ASSERT_EQ(results.size(), 4u);
   EXPECT_THAT(results[1].error, AllOf(HasSubstr("color/0000002"), HasSubstr(".jpg")));
   EXPECT_THAT(results[2].error, HasSubstr("depth/0000003.png"));
@@ -153,7 +149,7 @@ TEST(RedwoodSequence, AMissingImageIsASkippedFrameAndShiftsNoOther) {
 TEST(RedwoodSequence, NamesTwoImagesOfOneNumber) {
   TempFolder folder;
   WriteRedwood(folder, 2, "color");
-  testing::WriteColor(folder / "color/0000001.png", testing::NumberedColor(0));
+  WriteColor(folder / "color/0000001.png", NumberedColor(0));
   ExpectInputError([&] { OpenSequence(Options(folder)); },
                    HasSubstr("0000001.jpg and 0000001.png are both number 1"));
 }
@@ -178,11 +174,10 @@ class ReplicaTest : public ::testing::Test {
   ReplicaTest() {
     std::string poses;
     for (int i = 0; i < 3; ++i) {
-      testing::WriteColor(folder_ / testing::Format("room0/results/frame%06d.jpg", i),
-                          testing::NumberedColor(i), {cv::IMWRITE_JPEG_QUALITY, 100});
-      testing::WriteDepth(folder_ / testing::Format("room0/results/depth%06d.png", i),
-                          testing::NumberedDepth(i));
-      poses += testing::Format("1 0 0 %d 0 1 0 2 0 0 1 3 0 0 0 1\n", i);
+      WriteColor(folder_ / Format("room0/results/frame%06d.jpg", i), NumberedColor(i),
+                 {cv::IMWRITE_JPEG_QUALITY, 100});
+      WriteDepth(folder_ / Format("room0/results/depth%06d.png", i), NumberedDepth(i));
+      poses += Format("1 0 0 %d 0 1 0 2 0 0 1 3 0 0 0 1\n", i);
     }
     folder_.Write("room0/traj.txt", poses);
     folder_.Write("cam_params.json",
@@ -202,7 +197,7 @@ TEST_F(ReplicaTest, ReadsFramesPosesAndCamera) {
   ASSERT_EQ(info.ground_truth.size(), 3u);
   EXPECT_DOUBLE_EQ(info.ground_truth[2].stamp_s, 2 / 30.);
   EXPECT_EQ(info.ground_truth[2].world_from_camera.translation, Eigen::Vector3d(2, 2, 3));
-  const auto results = testing::ReadAll(source.get());
+  const auto results = ReadAll(source.get());
   ASSERT_EQ(results.size(), 3u);
   for (int i = 0; i < 3; ++i) {
     ASSERT_TRUE(results[i].frame) << results[i].error;
@@ -214,7 +209,7 @@ TEST_F(ReplicaTest, ReadsFramesPosesAndCamera) {
 
 TEST_F(ReplicaTest, NamesTheImageThatIsMissing) {
   std::filesystem::remove(folder_ / "room0/results/frame000001.jpg");
-  const auto results = testing::ReadAll(OpenSequence(options_).get());
+  const auto results = ReadAll(OpenSequence(options_).get());
   ASSERT_EQ(results.size(), 3u);
   EXPECT_THAT(results[1].error, HasSubstr("results/frame000001.jpg"));
   EXPECT_TRUE(results[2].frame);
@@ -238,4 +233,4 @@ TEST_F(ReplicaTest, RefusesMalformedFiles) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -7,27 +7,24 @@
 #include "surfit/io/sequence.h"
 #include "testing/expect_input_error.h"
 #include "testing/matchers.h"
-#include "testing/read_all.h"
 #include "testing/sequence_writer.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 using ::testing::AllOf;
 using ::testing::ElementsAre;
-using testing::ExpectInputError;
 using ::testing::HasSubstr;
-using testing::TempFolder;
 
 class OpenSequenceTest : public ::testing::Test {
  protected:
   OpenSequenceTest() {
-    testing::WriteTumSequence(folder_, 10);
+    WriteTumSequence(folder_, 10);
     options_.path = folder_.path();
   }
   std::vector<int> Indices() {
     std::vector<int> indices;
-    for (const auto& result : testing::ReadAll(OpenSequence(options_).get())) {
+    for (const auto& result : ReadAll(OpenSequence(options_).get())) {
       EXPECT_EQ(result.frame->color(0, 0).r, result.index);
       indices.push_back(result.index);
     }
@@ -132,10 +129,8 @@ TEST_F(OpenSequenceTest, ThePresetBeatsTheFolderAndFiguresBeatBoth) {
 TEST_F(OpenSequenceTest, WithoutAnyCameraATumFolderIsReadWithAWarning) {
   std::filesystem::remove(folder_ / "camera.yaml");
   for (int i = 0; i < 10; ++i) {
-    testing::WriteColor(folder_ / testing::Format("rgb/%03d.png", i),
-                        testing::NumberedColor(i, 640, 480));
-    testing::WriteDepth(folder_ / testing::Format("depth/%03d.png", i),
-                        Image<std::uint16_t>(640, 480, 9000));
+    WriteColor(folder_ / Format("rgb/%03d.png", i), NumberedColor(i, 640, 480));
+    WriteDepth(folder_ / Format("depth/%03d.png", i), Image<std::uint16_t>(640, 480, 9000));
   }
   const SequenceInfo info = OpenSequence(options_)->info();
   EXPECT_EQ(info.camera.depth.fx, 525);
@@ -147,8 +142,7 @@ TEST_F(OpenSequenceTest, WithoutAnyCameraATumFolderIsReadWithAWarning) {
 
 TEST_F(OpenSequenceTest, AColorCameraOfItsOwnIsRegistered) {
   for (int i = 0; i < 10; ++i)
-    testing::WriteColor(folder_ / testing::Format("rgb/%03d.png", i),
-                        testing::NumberedColor(i, 64, 48));
+    WriteColor(folder_ / Format("rgb/%03d.png", i), NumberedColor(i, 64, 48));
   ExpectError("rgb/000.png is 64 x 48 pixels, must be 32 x 24 as depth, to which colour");
   options_.color_intrinsics = {62, 60, 31, 23};
   options_.color_from_depth = Rigid3d(Eigen::Quaterniond::Identity(), {0.5, 0, 0});
@@ -162,12 +156,12 @@ TEST_F(OpenSequenceTest, AColorCameraOfItsOwnIsRegistered) {
 }
 
 TEST_F(OpenSequenceTest, UnreadableFramesAreNamedAndReadingGoesOn) {
-  const std::string whole = testing::ReadBytes(folder_ / "depth/003.png");
-  testing::WriteBytes(folder_ / "depth/003.png", whole.substr(0, whole.size() / 2));
+  const std::string whole = ReadBytes(folder_ / "depth/003.png");
+  WriteBytes(folder_ / "depth/003.png", whole.substr(0, whole.size() / 2));
   std::filesystem::remove(folder_ / "rgb/005.png");
-  testing::WriteDepth(folder_ / "depth/007.png", testing::NumberedDepth(7, 16, 12));
-  testing::WriteColor(folder_ / "rgb/008.png", testing::NumberedColor(8, 16, 12));
-  const auto results = testing::ReadAll(OpenSequence(options_).get());
+  WriteDepth(folder_ / "depth/007.png", NumberedDepth(7, 16, 12));
+  WriteColor(folder_ / "rgb/008.png", NumberedColor(8, 16, 12));
+  const auto results = ReadAll(OpenSequence(options_).get());
   ASSERT_EQ(results.size(), 10u);
   const auto expect_error = [&](int i, const std::string& message) {
     EXPECT_FALSE(results[i].frame);
@@ -183,8 +177,8 @@ TEST_F(OpenSequenceTest, UnreadableFramesAreNamedAndReadingGoesOn) {
 }
 
 TEST_F(OpenSequenceTest, AnUnreadableFirstFrameIsSkippedToo) {
-  testing::WriteBytes(folder_ / "depth/000.png", "");
-  const auto results = testing::ReadAll(OpenSequence(options_).get());
+  WriteBytes(folder_ / "depth/000.png", "");
+  const auto results = ReadAll(OpenSequence(options_).get());
   EXPECT_THAT(results[0].error, HasSubstr("depth/000.png"));
   EXPECT_TRUE(results[1].frame);
 }
@@ -244,4 +238,4 @@ TEST(DepthScaleWarning, NeedsCounts) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -1,15 +1,14 @@
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "surfit/core/error.h"
 #include "surfit/io/point_cloud.h"
 #include "testing/expect_input_error.h"
-#include "testing/frame_codings.h"
+#include "testing/recordings.h"
 #include "testing/temp_folder.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 using ::testing::AllOf;
@@ -18,9 +17,6 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::ThrowsMessage;
 using V = Eigen::Vector3f;
-using testing::LittleEndian;
-using testing::MalformedFile;
-using testing::TempFolder;
 
 std::string Header(const std::string& fields, const std::string& sizes, const std::string& types,
                    int count, const std::string& data) {
@@ -239,11 +235,11 @@ TEST(WritePcd, WritesTheHeaderOfTheFormat) {
       "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\n"
       "FIELDS x y z normal_x normal_y normal_z rgb\nSIZE 4 4 4 4 4 4 4\nTYPE F F F F F F F\n"
       "COUNT 1 1 1 1 1 1 1\nWIDTH 1\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 1\nDATA binary\n";
-  const std::string file = testing::ReadBytes(folder / "a.pcd");
+  const std::string file = ReadBytes(folder / "a.pcd");
   EXPECT_EQ(file.substr(0, expected.size()), expected);
   EXPECT_EQ(file.size(), expected.size() + 7 * 4);
-  testing::ExpectInputError([] { WritePcd({}, "/nowhere/a.pcd"); }, HasSubstr("/nowhere/a.pcd"));
+  ExpectInputError([] { WritePcd({}, "/nowhere/a.pcd"); }, HasSubstr("/nowhere/a.pcd"));
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -1,17 +1,16 @@
 #include "surfit/io/point_cloud.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstring>
 
 #include "surfit/core/error.h"
 #include "testing/expect_input_error.h"
-#include "testing/frame_codings.h"
+#include "testing/recordings.h"
 #include "testing/temp_folder.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 using ::testing::AllOf;
@@ -20,11 +19,6 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::ThrowsMessage;
 using V = Eigen::Vector3f;
-using testing::ExpectInputError;
-using testing::LittleEndian;
-using testing::MalformedFile;
-using testing::ReadBytes;
-using testing::TempFolder;
 
 constexpr char kBinary[] = "ply\nformat binary_little_endian 1.0\n";
 constexpr char kAscii[] = "ply\nformat ascii 1.0\n";
@@ -314,4 +308,4 @@ TEST(ReadSurfelPly, RefusesACloudThatIsNoMap) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -6,17 +6,17 @@
 
 #include "surfit/io/sequence.h"
 #include "testing/matchers.h"
-#include "testing/read_all.h"
+#include "testing/sequence_writer.h"
 #include "testing/shared_data.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 using ::testing::IsEmpty;
 
 SequenceOptions Options(const std::string& sequence, int last = -1) {
   SequenceOptions options;
-  options.path = testing::SharedData(sequence);
+  options.path = SharedData(sequence);
   options.last = last;
   return options;
 }
@@ -30,7 +30,7 @@ TEST(RecordedSequences, TumFr1Desk) {
   EXPECT_TRUE(info.camera.depth.HasDistortion());
   EXPECT_FALSE(info.pinhole.HasDistortion());
   EXPECT_GT(info.ground_truth.size(), 2000u);
-  const auto results = testing::ReadAll(source.get());
+  const auto results = ReadAll(source.get());
   ASSERT_EQ(results.size(), 9u);
   EXPECT_EQ(results[0].stamp_s, 1305031453.374112);  // depth's
   EXPECT_EQ(results[0].frame->color_stamp_s, 1305031453.359684);
@@ -63,7 +63,7 @@ TEST(RecordedSequences, IclOffice) {
     EXPECT_FALSE(source->info().mirrored);  // camera.yaml: rendered upright
     EXPECT_EQ(source->info().pinhole.fx, 481.203);
     EXPECT_EQ(source->info().ground_truth.size(), 200u);
-    const auto results = testing::ReadAll(source.get());
+    const auto results = ReadAll(source.get());
     ASSERT_EQ(results.size(), 5u);
     EXPECT_EQ(results[1].stamp_s, 2.033333);
     // Beyond windows there is no depth; most of the rest is kept by the default limit.
@@ -75,8 +75,8 @@ TEST(RecordedSequences, IclOffice) {
 TEST(RecordedSequences, IclOfficeKinectReadsItsLinkedColor) {
   SURFIT_REQUIRE_SHARED_DATA("icl_office_kinect");
   SURFIT_REQUIRE_SHARED_DATA("icl_office");
-  const auto noisy = testing::ReadAll(OpenSequence(Options("icl_office_kinect", 1)).get());
-  const auto clean = testing::ReadAll(OpenSequence(Options("icl_office", 1)).get());
+  const auto noisy = ReadAll(OpenSequence(Options("icl_office_kinect", 1)).get());
+  const auto clean = ReadAll(OpenSequence(Options("icl_office", 1)).get());
   ASSERT_TRUE(noisy[1].frame) << noisy[1].error;
   EXPECT_EQ(noisy[1].frame->color, clean[1].frame->color);
 }
@@ -88,7 +88,7 @@ float MedianDepthDifference(const std::string& sequence, int gap) {
   SequenceOptions options = Options(sequence, gap);
   options.stride = gap;
   const auto source = OpenSequence(options);
-  const auto results = testing::ReadAll(source.get());
+  const auto results = ReadAll(source.get());
   const SequenceInfo& info = source->info();
   const auto pose_at = [&](double stamp_s) {
     return std::min_element(info.ground_truth.begin(), info.ground_truth.end(),
@@ -145,10 +145,10 @@ TEST(RecordedSequences, KitchenHasItsInvalidCodesRemovedAndItsOwnColorCamera) {
   EXPECT_EQ(source->info().format, "seven_scenes");
   EXPECT_FALSE(source->info().camera.color_is_registered);
   EXPECT_EQ(source->info().ground_truth.size(), 1000u);
-  const auto results = testing::ReadAll(source.get());
+  const auto results = ReadAll(source.get());
   ASSERT_EQ(results.size(), 1u);
   EXPECT_DOUBLE_EQ(results[0].stamp_s, 33 / 30.);
-  const std::string stem = testing::SharedData("seven_scenes_kitchen") + "/frame-000033";
+  const std::string stem = SharedData("seven_scenes_kitchen") + "/frame-000033";
   const cv::Mat raw = cv::imread(stem + ".depth.png", cv::IMREAD_UNCHANGED);
   const cv::Mat bgr = cv::imread(stem + ".color.jpg");
   const RgbdFrame& frame = *results[0].frame;
@@ -172,4 +172,4 @@ TEST(RecordedSequences, KitchenHasItsInvalidCodesRemovedAndItsOwnColorCamera) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

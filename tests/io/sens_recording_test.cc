@@ -3,17 +3,14 @@
 #include "surfit/io/sequence.h"
 #include "testing/expect_input_error.h"
 #include "testing/matchers.h"
-#include "testing/read_all.h"
-#include "testing/sens_encoder.h"
+#include "testing/recordings.h"
+#include "testing/sequence_writer.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 using ::testing::ElementsAre;
-using testing::ExpectInputError;
 using ::testing::HasSubstr;
-using testing::SensEncoder;
-using testing::TempFolder;
 
 class SensTest : public ::testing::Test {
  protected:
@@ -31,12 +28,12 @@ TEST_F(SensTest, ReadsEveryCodingOfTheSameFrames) {
   for (encoder_.depth_coding = 0; encoder_.depth_coding < 2; ++encoder_.depth_coding) {
     for (const char* color : {"", ".png", ".jpg", "none"}) {
       encoder_.color_coding = color;
-      const auto results = testing::ReadAll(Open(encoder_.File(3)).get());
+      const auto results = ReadAll(Open(encoder_.File(3)).get());
       ASSERT_EQ(results.size(), 3u);
       for (int i = 0; i < 3; ++i) {
         ASSERT_TRUE(results[i].frame) << results[i].error;
         EXPECT_DOUBLE_EQ(results[i].stamp_s, 5 + 0.1 * i);
-        const auto raw = testing::NumberedDepth(i);
+        const auto raw = NumberedDepth(i);
         for (std::size_t k = 0; k < raw.size(); ++k)
           ASSERT_FLOAT_EQ(results[i].frame->depth_m[k], raw[k] * 0.001f);
         const Image<Rgb8>& read = results[i].frame->color;
@@ -45,7 +42,7 @@ TEST_F(SensTest, ReadsEveryCodingOfTheSameFrames) {
         } else if (encoder_.color_coding == ".jpg") {
           EXPECT_NEAR(read(16, 12).g, 20, 2);
         } else {
-          EXPECT_EQ(read, testing::NumberedColor(i));
+          EXPECT_EQ(read, NumberedColor(i));
         }
       }
     }
@@ -53,9 +50,9 @@ TEST_F(SensTest, ReadsEveryCodingOfTheSameFrames) {
 }
 
 TEST_F(SensTest, TakesCamerasAndPosesFromTheFile) {
-  encoder_.color_extrinsics = testing::TranslationMatrix(0.5f, 0, 0);
+  encoder_.color_extrinsics = TranslationMatrix(0.5f, 0, 0);
   const float inf = std::numeric_limits<float>::infinity();
-  encoder_.poses = {testing::TranslationMatrix(7, 8, 9), testing::TranslationMatrix(-inf, 0, 0)};
+  encoder_.poses = {TranslationMatrix(7, 8, 9), TranslationMatrix(-inf, 0, 0)};
   const SequenceInfo info = Open(encoder_.File(3))->info();
   EXPECT_EQ(info.format, "sens");
   EXPECT_EQ(info.camera.depth.fy, 30);
@@ -73,14 +70,14 @@ TEST_F(SensTest, TakesCamerasAndPosesFromTheFile) {
 TEST_F(SensTest, CountsTimeWhereThereAreNoStamps) {
   encoder_.has_stamps = false;
   options_.frames_per_second = 20;
-  const auto results = testing::ReadAll(Open(encoder_.File(3)).get());
+  const auto results = ReadAll(Open(encoder_.File(3)).get());
   EXPECT_DOUBLE_EQ(results[2].stamp_s, 0.1);
 }
 
 TEST_F(SensTest, ReadsTheWholeFramesOfAFileThatEndsEarly) {
   const std::string file = encoder_.Header(5) + encoder_.Frame(0) + encoder_.Frame(1);
   const auto source = Open(file + encoder_.Frame(2).substr(0, 200));
-  EXPECT_EQ(testing::ReadAll(source.get()).size(), 2u);
+  EXPECT_EQ(ReadAll(source.get()).size(), 2u);
   EXPECT_THAT(source->info().warnings, ElementsAre(HasSubstr("claims 5 frames, but is damaged")));
 }
 
@@ -92,15 +89,15 @@ TEST_F(SensTest, RefusesWhatItCannotRead) {
   const std::string file = encoder_.File(1);
   expect("", "is 0 bytes long");
   expect("\3" + file.substr(1), "has version 3, must be 4");
-  expect(file.substr(0, 4) + testing::LittleEndian(std::uint64_t{1} << 60) + file.substr(12),
+  expect(file.substr(0, 4) + LittleEndian(std::uint64_t{1} << 60) + file.substr(12),
          "the sensor's name has 1152921504606846976 bytes");
   expect(file.substr(0, 100), "ends before");
   expect(encoder_.Header(0), "lists no frames");
   const std::size_t depth_width_at = 4 + 8 + 6 + 4 * 64 + 2 * 4 + 2 * 4;
   std::string huge = file;
-  huge.replace(depth_width_at, 4, testing::LittleEndian(2000000000));
+  huge.replace(depth_width_at, 4, LittleEndian(2000000000));
   expect(huge, "depth is 2000000000 x 24 pixels, must be from 1 x 1");
-  huge.replace(depth_width_at, 4, testing::LittleEndian(16000));
+  huge.replace(depth_width_at, 4, LittleEndian(16000));
   expect(huge, "depth of frame 0 is damaged: its");
   encoder_.color_extrinsics[0] = 3;
   expect(encoder_.File(1), "extrinsics of colour: the matrix is not a rigid transform");
@@ -110,4 +107,4 @@ TEST_F(SensTest, RefusesWhatItCannotRead) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

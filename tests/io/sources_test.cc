@@ -7,29 +7,26 @@
 #include "surfit/io/frame_source.h"
 #include "surfit/io/sequence.h"
 #include "testing/expect_input_error.h"
-#include "testing/read_all.h"
 #include "testing/sequence_writer.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 using ::testing::HasSubstr;
 using Clock = std::chrono::steady_clock;
-using testing::ExpectInputError;
-using testing::TempFolder;
 
 TEST(ReadAhead, GivesTheSameFramesAtAnyNumberOfThreads) {
   TempFolder folder;
-  testing::WriteTumSequence(folder, 20);
-  testing::WriteBytes(folder / "depth/007.png", "broken");
+  WriteTumSequence(folder, 20);
+  WriteBytes(folder / "depth/007.png", "broken");
   const SequenceOptions options = Options(folder);
-  const auto expected = testing::ReadAll(OpenSequence(options).get());
+  const auto expected = ReadAll(OpenSequence(options).get());
   for (const int threads : {1, 2, 4}) {
     ThreadLimit limit(threads);
     for (const int capacity : {1, 3, 100}) {
       const auto source = ReadAhead(OpenSequence(options), capacity);
       EXPECT_EQ(source->info().frame_count, 20);
-      const auto results = testing::ReadAll(source.get());
+      const auto results = ReadAll(source.get());
       ASSERT_EQ(results.size(), expected.size());
       for (std::size_t i = 0; i < results.size(); ++i) {
         EXPECT_EQ(results[i].index, expected[i].index);
@@ -123,8 +120,8 @@ TEST(ReadAhead, MayBeLeftAtAnyTime) {
 
 TEST(ReadAhead, NeedsACapacity) {
   std::atomic<int> reads = 0;
-  testing::ExpectInputError([&] { ReadAhead(std::make_unique<CountingSource>(1, -1, &reads), 0); },
-                            HasSubstr("capacity of reading ahead is 0"));
+  ExpectInputError([&] { ReadAhead(std::make_unique<CountingSource>(1, -1, &reads), 0); },
+                   HasSubstr("capacity of reading ahead is 0"));
 }
 
 constexpr int kCount = 12;
@@ -210,7 +207,7 @@ TEST(OfferFrames, KeepsTheLastFrames) {
   source->Next();
   std::this_thread::sleep_for(std::chrono::duration<double>(2 * kCount / kFps));
   EXPECT_EQ(source->Next()->index, kCount - kCapacity);
-  EXPECT_EQ(testing::ReadAll(source.get()).size(), kCapacity - 1u);
+  EXPECT_EQ(ReadAll(source.get()).size(), kCapacity - 1u);
 }
 
 TEST(OfferFrames, RefusesNonsense) {
@@ -222,4 +219,4 @@ TEST(OfferFrames, RefusesNonsense) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

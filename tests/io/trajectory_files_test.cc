@@ -1,7 +1,6 @@
 #include "surfit/io/trajectory_files.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <random>
 #include <sstream>
@@ -11,15 +10,12 @@
 #include "testing/matchers.h"
 #include "testing/temp_folder.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::MatchesRegex;
-using testing::ReadBytes;
-using testing::RigidNear;
-using testing::TempFolder;
 using ::testing::ThrowsMessage;
 
 Trajectory RandomTrajectory(int count) {
@@ -170,11 +166,11 @@ TEST(ReadTumTrajectory, NamesAFileThatCannotBeRead) {
 }
 
 TEST(KittiTrajectory, IsTheUpperRowsOfEachMatrix) {
-  const testing::TempFolder folder;
+  const TempFolder folder;
   // A quarter turn about z: x goes to y.
   const Eigen::Quaterniond turn(std::sqrt(0.5), 0, 0, std::sqrt(0.5));
   WriteKittiTrajectory({{5, Rigid3d()}, {6, Rigid3d(turn, {1.5, -2, 3})}}, folder / "poses.txt");
-  std::istringstream file(testing::ReadBytes(folder / "poses.txt"));
+  std::istringstream file(ReadBytes(folder / "poses.txt"));
   std::string line;
   std::getline(file, line);
   EXPECT_EQ(line,
@@ -189,9 +185,9 @@ TEST(KittiTrajectory, IsTheUpperRowsOfEachMatrix) {
 }
 
 TEST(KittiTrajectory, NamesTheFileThatCannotBeWritten) {
-  testing::ExpectInputError([] { WriteKittiTrajectory({}, "/nowhere/poses.txt"); },
-                            ::testing::HasSubstr("/nowhere/poses.txt"));
+  ExpectInputError([] { WriteKittiTrajectory({}, "/nowhere/poses.txt"); },
+                   ::testing::HasSubstr("/nowhere/poses.txt"));
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

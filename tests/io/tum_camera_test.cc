@@ -4,20 +4,19 @@
 #include "testing/matchers.h"
 #include "testing/sequence_writer.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using testing::TempFolder;
 
 // A folder of one frame of 640 x 480 pixels without a camera.yaml.
 class TumCamera : public ::testing::Test {
  protected:
   TumCamera() {
-    testing::WriteColor(folder_ / "rgb/5.png", testing::NumberedColor(0, 640, 480));
-    testing::WriteDepth(folder_ / "depth/5.png", Image<std::uint16_t>(640, 480, 9000));
+    WriteColor(folder_ / "rgb/5.png", NumberedColor(0, 640, 480));
+    WriteDepth(folder_ / "depth/5.png", Image<std::uint16_t>(640, 480, 9000));
     Write("", "");
     options_.path = folder_.path();
   }
@@ -88,4 +87,4 @@ TEST_F(TumCamera, IsWarnedAboutWhereNoneIsNamed) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

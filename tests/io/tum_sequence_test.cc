@@ -3,20 +3,17 @@
 #include "surfit/io/trajectory_files.h"
 #include "testing/expect_input_error.h"
 #include "testing/matchers.h"
-#include "testing/read_all.h"
 #include "testing/sequence_writer.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 using ::testing::AllOf;
-using testing::ExpectInputError;
 using ::testing::HasSubstr;
-using testing::TempFolder;
 
 TEST(TumSequence, ReadsFramesStampsAndGroundTruth) {
   TempFolder folder;
-  testing::WriteTumSequence(folder, 4);
+  WriteTumSequence(folder, 4);
   const auto source = OpenSequence(Options(folder));
   const SequenceInfo& info = source->info();
   EXPECT_EQ(info.format, "tum");
@@ -27,9 +24,9 @@ TEST(TumSequence, ReadsFramesStampsAndGroundTruth) {
   ASSERT_EQ(info.ground_truth.size(), 4u);
   EXPECT_EQ(info.ground_truth[2].stamp_s, 5.2);
   EXPECT_THAT(info.ground_truth[2].world_from_camera.translation,
-              testing::VectorNear(Eigen::Vector3d(2, 2, 3), 1e-12));
+              VectorNear(Eigen::Vector3d(2, 2, 3), 1e-12));
 
-  const auto results = testing::ReadAll(source.get());
+  const auto results = ReadAll(source.get());
   ASSERT_EQ(results.size(), 4u);
   for (int i = 0; i < 4; ++i) {
     EXPECT_EQ(results[i].index, i);
@@ -38,41 +35,41 @@ TEST(TumSequence, ReadsFramesStampsAndGroundTruth) {
     EXPECT_EQ(results[i].frame->index, i);
     EXPECT_EQ(results[i].frame->stamp_s, results[i].stamp_s);
     EXPECT_DOUBLE_EQ(results[i].frame->color_stamp_s, 5 + 0.1 * i);
-    EXPECT_EQ(results[i].frame->color, testing::NumberedColor(i));
+    EXPECT_EQ(results[i].frame->color, NumberedColor(i));
     EXPECT_FLOAT_EQ(results[i].frame->depth_m(3, 0), 1 + 0.01f * i + 0.003f);
   }
 }
 
 TEST(TumSequence, PairsByTimeAndLeavesOutTheRest) {
   TempFolder folder;
-  testing::WriteTumSequence(folder, 4);
+  WriteTumSequence(folder, 4);
   folder.Write("depth.txt", "5.005 depth/000.png\n5.13 depth/001.png\n5.19 depth/002.png\n");
-  const auto results = testing::ReadAll(OpenSequence(Options(folder)).get());
+  const auto results = ReadAll(OpenSequence(Options(folder)).get());
   ASSERT_EQ(results.size(), 2u);
   EXPECT_EQ(results[0].stamp_s, 5.005);
   EXPECT_EQ(results[1].stamp_s, 5.19);
-  EXPECT_EQ(results[1].frame->color, testing::NumberedColor(2));
+  EXPECT_EQ(results[1].frame->color, NumberedColor(2));
 }
 
 TEST(TumSequence, AssociationsTakeThePlaceOfTime) {
   TempFolder folder;
-  testing::WriteTumSequence(folder, 4);
+  WriteTumSequence(folder, 4);
   folder.Write(
       "associations.txt",
       "# colour first\n5.1 rgb/001.png 7.1 depth/003.png\r\n5.0,rgb/000.png,7.0,depth/002.png\n");
-  const auto results = testing::ReadAll(OpenSequence(Options(folder)).get());
+  const auto results = ReadAll(OpenSequence(Options(folder)).get());
   ASSERT_EQ(results.size(), 2u);
   EXPECT_EQ(results[0].stamp_s, 7.0);  // in order of time
   EXPECT_EQ(results[1].stamp_s, 7.1);
-  EXPECT_EQ(results[1].frame->color, testing::NumberedColor(1));
+  EXPECT_EQ(results[1].frame->color, NumberedColor(1));
   EXPECT_FLOAT_EQ(results[1].frame->depth_m(0, 0), 1.03f);
 }
 
 TEST(TumSequence, MayLackColor) {
   TempFolder folder;
-  testing::WriteTumSequence(folder, 2);
+  WriteTumSequence(folder, 2);
   std::filesystem::remove(folder / "rgb.txt");
-  const auto results = testing::ReadAll(OpenSequence(Options(folder)).get());
+  const auto results = ReadAll(OpenSequence(Options(folder)).get());
   ASSERT_EQ(results.size(), 2u);
   ASSERT_TRUE(results[1].frame);
   EXPECT_TRUE(results[1].frame->color.empty());
@@ -82,7 +79,7 @@ TEST(TumSequence, MayLackColor) {
 
 TEST(TumSequence, MayLackGroundTruth) {
   TempFolder folder;
-  testing::WriteTumSequence(folder, 2);
+  WriteTumSequence(folder, 2);
   std::filesystem::remove(folder / "groundtruth.txt");
   EXPECT_TRUE(OpenSequence(Options(folder))->info().ground_truth.empty());
 }
@@ -90,18 +87,18 @@ TEST(TumSequence, MayLackGroundTruth) {
 // Where links are unknown, a linked folder is a file that holds the folder's relative path.
 TEST(TumSequence, FollowsAFolderLinkWrittenAsText) {
   TempFolder folder;
-  testing::WriteTumSequence(folder, 2);
+  WriteTumSequence(folder, 2);
   std::filesystem::create_directory(folder / "elsewhere");
   std::filesystem::rename(folder / "rgb", folder / "elsewhere/colour");
   folder.Write("rgb", "elsewhere/colour");
-  const auto results = testing::ReadAll(OpenSequence(Options(folder)).get());
+  const auto results = ReadAll(OpenSequence(Options(folder)).get());
   ASSERT_EQ(results.size(), 2u);
-  EXPECT_EQ(results[1].frame->color, testing::NumberedColor(1));
+  EXPECT_EQ(results[1].frame->color, NumberedColor(1));
 }
 
 TEST(TumSequence, NamesFileAndLineOfMalformedLists) {
   TempFolder folder;
-  testing::WriteTumSequence(folder, 2);
+  WriteTumSequence(folder, 2);
   const auto open = [&] { OpenSequence(Options(folder)); };
   folder.Write("rgb.txt", "# colour\n5.0 rgb/000.png\nfive rgb/001.png\n");
   ExpectInputError(open, AllOf(HasSubstr("rgb.txt:3"), HasSubstr("'five' is not a finite number")));
@@ -114,14 +111,14 @@ TEST(TumSequence, NamesFileAndLineOfMalformedLists) {
   folder.Write("associations.txt", "5.0 rgb/000.png 5.0\n");
   ExpectInputError(open, HasSubstr("associations.txt:1 has 3 columns, must have 4"));
   std::filesystem::remove(folder / "associations.txt");
-  testing::WriteTumSequence(folder, 2);
+  WriteTumSequence(folder, 2);
   folder.Write("groundtruth.txt", "5.0 1 2 3\n");
   ExpectInputError(open, HasSubstr("groundtruth.txt:1"));
 }
 
 TEST(TumSequence, NamesAMissingList) {
   TempFolder folder;
-  testing::WriteTumSequence(folder, 2);
+  WriteTumSequence(folder, 2);
   std::filesystem::remove(folder / "depth.txt");
   ExpectInputError([&] { OpenSequence(Options(folder)); }, HasSubstr("depth.txt"));
 }
@@ -131,11 +128,9 @@ TEST(TumSequence, NamesAMissingList) {
 void WriteIclNuim(const TempFolder& folder) {
   std::string poses;
   for (int i = 0; i < 3; ++i) {
-    testing::WriteColor(folder / testing::Format("rgb/%d.png", i),
-                        testing::NumberedColor(i, 640, 480));
-    testing::WriteDepth(folder / testing::Format("depth/%d.png", i),
-                        Image<std::uint16_t>(640, 480, 9000));
-    if (i > 0) poses += testing::Format("%d 0.1 0.2 -2.3 0.1 0.2 0.3 0.9273618\n", i);
+    WriteColor(folder / Format("rgb/%d.png", i), NumberedColor(i, 640, 480));
+    WriteDepth(folder / Format("depth/%d.png", i), Image<std::uint16_t>(640, 480, 9000));
+    if (i > 0) poses += Format("%d 0.1 0.2 -2.3 0.1 0.2 0.3 0.9273618\n", i);
   }
   folder.Write("livingRoom2.gt.freiburg", poses);
 }
@@ -146,7 +141,7 @@ TEST(IclNuimSequence, ReadsNumberedFramesWithTheirNumbersAsStamps) {
   const auto source = OpenSequence(Options(folder));
   EXPECT_EQ(source->info().format, "icl_nuim");
   EXPECT_EQ(source->info().ground_truth.size(), 2u);
-  const auto results = testing::ReadAll(source.get());
+  const auto results = ReadAll(source.get());
   ASSERT_EQ(results.size(), 3u);
   for (int i = 0; i < 3; ++i) {
     EXPECT_EQ(results[i].stamp_s, i);
@@ -159,7 +154,7 @@ TEST(IclNuimSequence, ReadsAssociationsWithDepthFirst) {
   TempFolder folder;
   WriteIclNuim(folder);
   folder.Write("associations.txt", "1 depth/1.png 1 rgb/1.png\n2 depth/2.png 2 rgb/2.png\n");
-  const auto results = testing::ReadAll(OpenSequence(Options(folder)).get());
+  const auto results = ReadAll(OpenSequence(Options(folder)).get());
   ASSERT_EQ(results.size(), 2u);
   EXPECT_EQ(results[1].stamp_s, 2);
   EXPECT_EQ(results[1].frame->color(0, 0).r, 2);
@@ -181,7 +176,7 @@ TEST(IclNuimSequence, IsMirroredSoThatPointsOfAllFramesAgreeUpToTheMirror) {
         files[i].world_from_camera * (1.8 * info.camera.depth.Ray(100, 50));
     const Eigen::Vector3d in_ours =
         info.ground_truth[i].world_from_camera * (1.8 * info.pinhole.Ray(100, 50));
-    EXPECT_THAT(in_ours, testing::VectorNear(s * in_files, 1e-12));
+    EXPECT_THAT(in_ours, VectorNear(s * in_files, 1e-12));
   }
   // The image is not flipped: a pixel in the upper half looks up, which is -y for us.
   EXPECT_LT(info.pinhole.Ray(100, 50).y(), 0);
@@ -189,12 +184,12 @@ TEST(IclNuimSequence, IsMirroredSoThatPointsOfAllFramesAgreeUpToTheMirror) {
 
 TEST(IclNuimSequence, ACameraFileDecidesWhetherItIsMirrored) {
   TempFolder folder;
-  testing::WriteTumSequence(folder, 2, -30);
+  WriteTumSequence(folder, 2, -30);
   const SequenceInfo info = OpenSequence(Options(folder))->info();
   EXPECT_TRUE(info.mirrored);
   EXPECT_EQ(info.pinhole.fy, 30);
   EXPECT_THAT(info.ground_truth[1].world_from_camera.translation,
-              testing::VectorNear(Eigen::Vector3d(1, -2, 3), 1e-12));
+              VectorNear(Eigen::Vector3d(1, -2, 3), 1e-12));
   TempFolder upright;
   WriteIclNuim(upright);
   SequenceOptions options = Options(upright);
@@ -203,4 +198,4 @@ TEST(IclNuimSequence, ACameraFileDecidesWhetherItIsMirrored) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -2,34 +2,29 @@
 
 #include "surfit/io/sequence.h"
 #include "testing/expect_input_error.h"
-#include "testing/read_all.h"
 #include "testing/sequence_writer.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
-using testing::ExpectInputError;
 using ::testing::HasSubstr;
-using testing::TempFolder;
 
 class WatchTest : public ::testing::Test {
  protected:
   WatchTest() {
-    folder_.Write("camera.yaml", testing::SmallCameraYaml());
+    folder_.Write("camera.yaml", SmallCameraYaml());
     std::filesystem::create_directory(folder_ / "depth");
     std::filesystem::create_directory(folder_ / "color");
     options_.path = folder_.path();
     options_.format = "watch";
   }
-  std::string DepthPath(int i) { return folder_ / testing::Format("depth/%06d.png", i); }
-  std::string ColorPath(int i) { return folder_ / testing::Format("color/%06d.png", i); }
+  std::string DepthPath(int i) { return folder_ / Format("depth/%06d.png", i); }
+  std::string ColorPath(int i) { return folder_ / Format("color/%06d.png", i); }
   void WriteFrame(int i) {
-    testing::WriteColor(ColorPath(i), testing::NumberedColor(i));
-    testing::WriteDepth(DepthPath(i), testing::NumberedDepth(i));
+    WriteColor(ColorPath(i), NumberedColor(i));
+    WriteDepth(DepthPath(i), NumberedDepth(i));
   }
-  std::vector<ReadResult> ReadToTheEnd() {
-    return testing::ReadAll(WatchFolder(options_, stop_).get());
-  }
+  std::vector<ReadResult> ReadToTheEnd() { return ReadAll(WatchFolder(options_, stop_).get()); }
   TempFolder folder_;
   SequenceOptions options_;
   std::atomic<bool> stop_{false};
@@ -45,7 +40,7 @@ TEST_F(WatchTest, GivesFramesAsTheyCome) {
     if (i > 0) WriteFrame(i);
     const auto result = source->Next();
     ASSERT_TRUE(result && result->frame) << result->error;
-    EXPECT_EQ(result->frame->color, testing::NumberedColor(i));
+    EXPECT_EQ(result->frame->color, NumberedColor(i));
     EXPECT_FLOAT_EQ(result->frame->depth_m(1, 0), 1.001f + 0.01f * i);
     EXPECT_DOUBLE_EQ(result->stamp_s, i / 30.);
     EXPECT_EQ(result->index, i == 3 ? 2 : i);
@@ -57,13 +52,13 @@ TEST_F(WatchTest, GivesFramesAsTheyCome) {
 // Colour comes in two pieces, after depth; then frame 1 as a whole.
 TEST_F(WatchTest, WaitsForTheRestOfAFile) {
   WriteFrame(0);
-  const std::string bytes = testing::ReadBytes(ColorPath(0));
-  testing::WriteBytes(ColorPath(0), bytes.substr(0, 40));
+  const std::string bytes = ReadBytes(ColorPath(0));
+  WriteBytes(ColorPath(0), bytes.substr(0, 40));
   std::thread writer([&] {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     WriteFrame(1);
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    testing::WriteBytes(ColorPath(0), bytes);
+    WriteBytes(ColorPath(0), bytes);
     folder_.Write("done", "");
   });
   const auto results = ReadToTheEnd();
@@ -71,7 +66,7 @@ TEST_F(WatchTest, WaitsForTheRestOfAFile) {
   ASSERT_EQ(results.size(), 2u);
   for (int i = 0; i < 2; ++i) {
     ASSERT_TRUE(results[i].frame) << results[i].error;
-    EXPECT_EQ(results[i].frame->color, testing::NumberedColor(i));
+    EXPECT_EQ(results[i].frame->color, NumberedColor(i));
   }
 }
 
@@ -96,12 +91,12 @@ TEST_F(WatchTest, ChoosesFramesByTheirOrder) {
   const auto results = ReadToTheEnd();
   ASSERT_EQ(results.size(), 2u);
   EXPECT_EQ(results[0].index, 1);
-  EXPECT_EQ(results[1].frame->color, testing::NumberedColor(30));
+  EXPECT_EQ(results[1].frame->color, NumberedColor(30));
 }
 
 TEST_F(WatchTest, WithoutAColourFolderFramesHaveNone) {
   std::filesystem::remove(folder_ / "color");
-  testing::WriteDepth(DepthPath(0), testing::NumberedDepth(0));
+  WriteDepth(DepthPath(0), NumberedDepth(0));
   folder_.Write("done", "");
   const auto results = ReadToTheEnd();
   ASSERT_EQ(results.size(), 1u);
@@ -123,8 +118,8 @@ TEST_F(WatchTest, StopsWhenTold) {
 TEST_F(WatchTest, RefusesFoldersWithoutAFrame) {
   folder_.Write("done", "");
   ExpectInputError([&] { ReadToTheEnd(); }, HasSubstr("can be read: none came"));
-  testing::WriteBytes(DepthPath(0), "broken");
-  testing::WriteColor(ColorPath(0), testing::NumberedColor(0));
+  WriteBytes(DepthPath(0), "broken");
+  WriteColor(ColorPath(0), NumberedColor(0));
   ExpectInputError([&] { ReadToTheEnd(); }, HasSubstr("depth/000000.png is truncated, damaged"));
   ExpectInputError([&] { OpenSequence(options_); }, HasSubstr("only a live run"));
   options_.path = "/nowhere";
@@ -132,4 +127,4 @@ TEST_F(WatchTest, RefusesFoldersWithoutAFrame) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -3,17 +3,12 @@
 
 #include <cmath>
 
-#include "mapping/checked_fusion.h"
+#include "mapping/plane_frame.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 using Eigen::Vector3f;
-using testing::BlankFrame;
-using testing::Confidences;
-using testing::FrameWithSurface;
-using testing::Fuse;
-using testing::SetPixel;
 
 // One surfel and one measured pixel, the middle one of 5 x 5: whether they meet, at 1 m, where a
 // pixel is 1 cm wide.
@@ -220,4 +215,4 @@ TEST(FusionGates, APointTakesTheSurfelOfItsNeighbourWithinReach) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -4,17 +4,8 @@
 #include "mapping/random_surfel.h"
 #include "testing/random_pose.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
-
-using testing::BlankFrame;
-using testing::BruteForceFusion;
-using testing::FrameWithSurface;
-using testing::RandomColor;
-using testing::RandomNormal;
-using testing::RandomPose;
-using testing::SetPixel;
-using testing::Uniform;
 
 PinholeCamera TinyCamera() { return {20, 15, 100, 100, 9.3, 7.1, {}}; }
 
@@ -117,4 +108,4 @@ TEST(Fusion, DoesWhatBruteForceDoes) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -1,17 +1,10 @@
 // Which surfels go, or are left alone: dormant, inactive, seen through.
 #include <gtest/gtest.h>
 
-#include "mapping/checked_fusion.h"
+#include "mapping/plane_frame.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
-
-using testing::BlankFrame;
-using testing::Confidences;
-using testing::FrameWithSurface;
-using testing::Fuse;
-using testing::TestCamera;
-using testing::WallFrame;
 
 TEST(FusionDormancy, SurfelsOfLowConfidenceGoWhenNotSeenForLongerThanAllowed) {
   FusionOptions options;
@@ -114,4 +107,4 @@ TEST(FusionFreeSpace, TheMarginIsFiveCentimetresAndFourSigmas) {
 TEST(FusionFreeSpace, WhatIsHiddenStays) { EXPECT_EQ(FloatingPatch(3).Removed(), 0); }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

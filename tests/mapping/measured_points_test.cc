@@ -1,11 +1,10 @@
 #include "mapping/measured_points.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 FrameLevel Surface(const PinholeCamera& camera, const Eigen::Vector3f& normal, float depth_m) {
@@ -171,4 +170,4 @@ TEST(PointWeights, AreOneIfUniform) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

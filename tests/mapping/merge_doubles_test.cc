@@ -8,11 +8,8 @@
 #include "surfit/core/parallel.h"
 #include "surfit/mapping/fusion.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
-
-using testing::ExpectConsistent;
-using testing::ExpectSameMap;
 
 constexpr int kApart = 100;        // frames
 constexpr float kSpacing = 0.01f;  // between the surfels of a wall
@@ -105,7 +102,7 @@ TEST(MergeDoubles, FindsWhatBruteForceFinds) {
   std::mt19937_64 rng(3);
   SurfelMap map;
   for (int i = 0; i < 2000; ++i) {
-    Surfel surfel = testing::RandomSurfel(&rng);
+    Surfel surfel = RandomSurfel(&rng);
     surfel.position_in_world *= 0.1f;
     surfel.first_seen = 1000 * (i % 2);
     surfel.last_seen = surfel.first_seen + 5;
@@ -148,4 +145,4 @@ TEST(MergeDoublesThreads, GiveTheSameMap) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

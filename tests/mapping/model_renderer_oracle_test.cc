@@ -1,25 +1,15 @@
 // The views of ModelRenderer, held against all discs at every pixel.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 
-#include "mapping/random_discs.h"
+#include "mapping/random_surfel.h"
 #include "surfit/mapping/model_renderer.h"
 #include "testing/matchers.h"
 #include "testing/random_pose.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
-
-using testing::Disc;
-using testing::RandomDiscs;
-using testing::RandomNormal;
-using testing::RandomPose;
-using testing::SmallCamera;
-using testing::Uniform;
-using testing::VectorNear;
 
 // The documented rule in double precision, for one disc and one pixel.
 class DiscAtPixel {
@@ -147,4 +137,4 @@ TEST(ModelRenderer, DrawsWhatBruteForceFindsOfLargeDiscsCloseBy) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

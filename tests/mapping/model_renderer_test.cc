@@ -1,31 +1,23 @@
 #include "surfit/mapping/model_renderer.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
 
-#include "mapping/random_discs.h"
+#include "mapping/random_surfel.h"
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 #include "testing/expect_input_error.h"
 #include "testing/matchers.h"
 #include "testing/random_pose.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
-using testing::Disc;
 using ::testing::Each;
-using testing::ExpectInputError;
 using ::testing::HasSubstr;
-using testing::RandomDiscs;
-using testing::RandomPose;
-using testing::SmallCamera;
-using testing::VectorNear;
 
 TEST(ModelRenderer, WritesTheDiscThatTheIndexNames) {
   std::mt19937_64 rng(3);
@@ -238,4 +230,4 @@ TEST(RenderOptions, RefuseWhatMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

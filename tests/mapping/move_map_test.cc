@@ -2,18 +2,14 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <random>
 
 #include "mapping/random_surfel.h"
 #include "mapping/same_map.h"
 #include "surfit/core/parallel.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
-
-using testing::ExpectConsistent;
-using testing::ExpectSameMap;
 
 constexpr int kFrames = 50;  // that RandomSurfel() is first seen in
 
@@ -34,7 +30,7 @@ FrameCorrections GrowingCorrections() {
 SurfelMap RandomMap(int count) {
   std::mt19937_64 rng(7);
   SurfelMap map;
-  for (int i = 0; i < count; ++i) map.Append(testing::RandomSurfel(&rng));
+  for (int i = 0; i < count; ++i) map.Append(RandomSurfel(&rng));
   return map;
 }
 
@@ -144,4 +140,4 @@ TEST(WakeSurfels, RaisesTheLastSightOfThoseFramesAlone) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -1,8 +1,14 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "mapping/same_map.h"
 #include "surfit/frame/frame_pyramid.h"
 #include "surfit/frame/rgbd_frame.h"
 #include "surfit/geometry/rigid3.h"
+#include "surfit/mapping/fusion.h"
 
 namespace surfit::testing {
 
@@ -42,6 +48,28 @@ inline FrameWithSurface WallFrame(const PinholeCamera& camera, const Rigid3d& wo
     }
   }
   return f;
+}
+
+inline PinholeCamera TestCamera() { return {64, 48, 80, 80, 31.5, 23.5, {}}; }
+
+// Fuses a frame, and checks that the report adds up.
+inline FusionReport Fuse(const FrameWithSurface& f, const Rigid3d& pose, Fusion* fusion,
+                         SurfelMap* map) {
+  const int before = static_cast<int>(map->size());
+  const FusionReport report = fusion->Fuse(f.frame, f.surface, pose, map);
+  ExpectConsistent(*map);
+  EXPECT_EQ(static_cast<int>(map->size()), before + report.added - report.removed);
+  EXPECT_GE(report.covered_points, 0);
+  EXPECT_EQ(report.merged_points + report.covered_points + report.added + report.refused,
+            report.input_points);
+  EXPECT_LE(report.merged, report.merged_points);
+  return report;
+}
+
+inline std::vector<float> Confidences(const SurfelMap& map) {
+  std::vector<float> confidences;
+  for (const std::int32_t id : map.Ids()) confidences.push_back(map[id].confidence);
+  return confidences;
 }
 
 }  // namespace surfit::testing

@@ -1,24 +1,14 @@
 #include "surfit/mapping/surfel_map.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "mapping/random_observation.h"
+#include "mapping/random_surfel.h"
 #include "mapping/same_map.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
-
-using testing::AsTuple;
-using testing::ExpectConsistent;
-using testing::ExpectSameMap;
-using testing::kNoCap;
-using testing::RandomObservation;
-using testing::RandomSurfel;
-using testing::StoredColor;
-using testing::Uniform;
 
 TEST(SurfelMap, GivesBackWhatWasAppended) {
   std::mt19937_64 rng(1);
@@ -156,4 +146,4 @@ TEST(RemoveMarked, MemoryIsUsedAgain) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

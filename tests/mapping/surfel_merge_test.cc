@@ -1,24 +1,14 @@
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "mapping/random_observation.h"
+#include "mapping/random_surfel.h"
 #include "mapping/same_map.h"
 #include "testing/matchers.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
-
-using testing::AsTuple;
-using testing::ColorAsVector;
-using testing::ExpectConsistent;
-using testing::kNoCap;
-using testing::RandomObservation;
-using testing::RandomSurfel;
-using testing::StoredColor;
-using testing::VectorNear;
 
 constexpr double kUlp = 6e-8;  // relative rounding of a float, 2^-24
 
@@ -171,4 +161,4 @@ TEST(Merge, AColorAtTheCapStillComesToTheObservedByte) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

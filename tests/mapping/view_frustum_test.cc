@@ -2,15 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include "mapping/random_discs.h"
+#include "mapping/random_surfel.h"
 #include "testing/random_pose.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
-
-using testing::RandomPose;
-using testing::SmallCamera;
-using testing::Uniform;
 
 // The bounds of a box about a point that is seen at a pixel.
 SurfelBounds BoxAt(double u, double v, double depth_m, float half_m, const Rigid3d& pose) {
@@ -60,4 +56,4 @@ TEST(VisibleCells, AreThoseInViewInTheirOrder) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

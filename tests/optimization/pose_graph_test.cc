@@ -11,17 +11,12 @@
 #include "testing/matchers.h"
 #include "testing/pose_graphs.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
-using testing::ExpectInputError;
 using ::testing::HasSubstr;
-using testing::MakeGrid;
-using testing::MakeSphere;
-using testing::MakeTorus;
-using testing::TrueGraph;
 
-PoseGraph Small() { return testing::MakeSphere(3, 5).graph; }
+PoseGraph Small() { return MakeSphere(3, 5).graph; }
 
 TEST(PoseGraph, CostOfOdometryAloneIsThatOfItsLoops) {
   const PoseGraph graph = Small();
@@ -120,7 +115,7 @@ TEST(OptimizePoseGraph, FindsTheTruthOfExactMeasurements) {
     EXPECT_EQ(summary.termination, PoseGraphTermination::kConverged) << way;
     EXPECT_EQ(summary.held_count, 1u);
     for (std::size_t i = 0; i < exact.truth.size(); ++i) {
-      EXPECT_THAT(graph.poses[i].world_from_pose, testing::RigidNear(exact.truth[i], 1e-6, 1e-8))
+      EXPECT_THAT(graph.poses[i].world_from_pose, RigidNear(exact.truth[i], 1e-6, 1e-8))
           << way << " " << i;
     }
   }
@@ -281,4 +276,4 @@ TEST(PoseGraphThreads, GiveTheSameBitsAtTheSameTime) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

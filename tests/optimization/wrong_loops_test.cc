@@ -1,5 +1,4 @@
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <iostream>
 
@@ -7,10 +6,8 @@
 #include "surfit/optimization/pose_graph.h"
 #include "testing/pose_graphs.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
-
-using testing::TrueGraph;
 
 double Ate(const PoseGraph& graph, const std::vector<Rigid3d>& truth) {
   std::vector<MatchedPose> poses;
@@ -33,7 +30,7 @@ void ExpectWrongLoopsAreFound(const TrueGraph& clean) {
   const double clean_ate = OptimizedAte(clean, options, &summary);
 
   TrueGraph wrong = clean;
-  const std::vector<std::size_t> planted = testing::PlantWrongLoops(0.1, &wrong);
+  const std::vector<std::size_t> planted = PlantWrongLoops(0.1, &wrong);
   ASSERT_GT(planted.size(), 10u);
   EXPECT_GT(OptimizedAte(wrong, options, &summary), 2 * clean_ate);  // they do harm
   EXPECT_TRUE(summary.outlier_edges.empty());
@@ -46,15 +43,15 @@ void ExpectWrongLoopsAreFound(const TrueGraph& clean) {
   EXPECT_LE(summary.outlier_edges.size(), planted.size() + 0.01 * summary.loop_count);
 }
 
-TEST(WrongLoops, AreLeftOutOnASphere) { ExpectWrongLoopsAreFound(testing::MakeSphere(20, 25)); }
+TEST(WrongLoops, AreLeftOutOnASphere) { ExpectWrongLoopsAreFound(MakeSphere(20, 25)); }
 
-TEST(WrongLoops, AreLeftOutOnATorus) { ExpectWrongLoopsAreFound(testing::MakeTorus(20, 25)); }
+TEST(WrongLoops, AreLeftOutOnATorus) { ExpectWrongLoopsAreFound(MakeTorus(20, 25)); }
 
-TEST(WrongLoops, AreLeftOutInAGrid) { ExpectWrongLoopsAreFound(testing::MakeGrid(7)); }
+TEST(WrongLoops, AreLeftOutInAGrid) { ExpectWrongLoopsAreFound(MakeGrid(7)); }
 
 TEST(WrongLoops, AreTheSameWithEveryBackend) {
-  TrueGraph wrong = testing::MakeTorus(12, 12);
-  testing::PlantWrongLoops(0.1, &wrong);
+  TrueGraph wrong = MakeTorus(12, 12);
+  PlantWrongLoops(0.1, &wrong);
   PoseGraphOptions options;
   options.loop_robustness = "gnc";
   PoseGraphSummary expected;
@@ -72,7 +69,7 @@ TEST(WrongLoops, CostNothingWhereThereAreNone) {
   PoseGraphOptions options;
   options.loop_robustness = "gnc";
   options.max_loop_squared_error = 1e3;  // above any of noise
-  const TrueGraph clean = testing::MakeTorus(12, 12);
+  const TrueGraph clean = MakeTorus(12, 12);
   PoseGraphSummary robust, plain;
   const double robust_ate = OptimizedAte(clean, options, &robust);
   EXPECT_NEAR(robust_ate, OptimizedAte(clean, {}, &plain), 1e-6 * robust_ate);
@@ -82,8 +79,8 @@ TEST(WrongLoops, CostNothingWhereThereAreNone) {
 class LargePoseGraphs : public ::testing::TestWithParam<const char*> {
  protected:
   static TrueGraph Make(const std::string& shape) {
-    if (shape == "sphere") return testing::MakeSphere(316, 317);  // 100,172 poses
-    return shape == "torus" ? testing::MakeTorus(316, 317) : testing::MakeGrid(20);  // 8,000 poses
+    if (shape == "sphere") return MakeSphere(316, 317);            // 100,172 poses
+    return shape == "torus" ? MakeTorus(316, 317) : MakeGrid(20);  // 8,000 poses
   }
 };
 
@@ -107,4 +104,4 @@ TEST_P(LargePoseGraphs, ConvergeToOneCostWithEveryBackend) {
 INSTANTIATE_TEST_SUITE_P(, LargePoseGraphs, ::testing::Values("sphere", "torus", "grid"));
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

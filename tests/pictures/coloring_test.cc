@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 // The ends of viridis (van der Walt and Smith 2015): (0.267, 0.005, 0.329) and (0.993, 0.906,
@@ -114,4 +114,4 @@ TEST(SurfelColoring, LastSeenSpansTheFrames) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -6,7 +6,7 @@
 #include "pictures/picture_view.h"
 #include "surfit/pictures/pictures.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 constexpr Rgb8 kGrassGreen = {10, 200, 30};
@@ -106,4 +106,4 @@ TEST(LiveMapView, HoldsThePointsAndThePath) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -1,14 +1,13 @@
 #include "pictures/splat_renderer.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
 #include "surfit/core/parallel.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 constexpr std::int32_t kNothing = NearestIndexImage::kNothing;
@@ -173,4 +172,4 @@ TEST(RenderPoints, PointCoversASquareAndTheNearerWins) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -1,19 +1,14 @@
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "pictures/picture_file.h"
 #include "surfit/pictures/pictures.h"
 #include "testing/expect_input_error.h"
 #include "testing/temp_folder.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
-
-using testing::CountPixels;
-using testing::ReadPicture;
 
 constexpr Rgb8 kEstimateColor = {230, 90, 0}, kGroundTruthColor = {20, 90, 210};
 
@@ -47,7 +42,7 @@ Extent FindExtent(const Image<Rgb8>& picture, Rgb8 color) {
 }
 
 TEST(WriteTrajectoryPicture, ShowsBothPathsInTheirColors) {
-  const testing::TempFolder folder;
+  const TempFolder folder;
   WriteTrajectoryPicture(Corner(0), Corner(0.3), folder / "trajectory.png");
   const Image<Rgb8> picture = ReadPicture(folder / "trajectory.png");
   EXPECT_EQ(picture.width(), 1600);
@@ -57,7 +52,7 @@ TEST(WriteTrajectoryPicture, ShowsBothPathsInTheirColors) {
 }
 
 TEST(WriteTrajectoryPicture, BothAxesHaveTheSameScaleAndZGrowsUpwards) {
-  const testing::TempFolder folder;
+  const TempFolder folder;
   WriteTrajectoryPicture(Corner(0), {}, folder / "trajectory.png");
   const Image<Rgb8> picture = ReadPicture(folder / "trajectory.png");
   EXPECT_EQ(CountPixels(picture, kGroundTruthColor), 0u);
@@ -69,16 +64,16 @@ TEST(WriteTrajectoryPicture, BothAxesHaveTheSameScaleAndZGrowsUpwards) {
 }
 
 TEST(WriteTrajectoryPicture, TakesPathsOfNoPoseAndOfOne) {
-  const testing::TempFolder folder;
+  const TempFolder folder;
   EXPECT_NO_THROW(WriteTrajectoryPicture({}, {}, folder / "empty.png"));
   EXPECT_NO_THROW(WriteTrajectoryPicture(Trajectory(1), {}, folder / "one.png"));
   EXPECT_GT(CountPixels(ReadPicture(folder / "one.png"), kEstimateColor), 50u);
 }
 
 TEST(WriteTrajectoryPicture, NamesTheFileItCannotWrite) {
-  testing::ExpectInputError([] { WriteTrajectoryPicture(Corner(0), {}, "/nonexistent/t.png"); },
-                            ::testing::HasSubstr("/nonexistent/t.png"));
+  ExpectInputError([] { WriteTrajectoryPicture(Corner(0), {}, "/nonexistent/t.png"); },
+                   ::testing::HasSubstr("/nonexistent/t.png"));
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

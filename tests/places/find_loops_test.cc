@@ -1,23 +1,16 @@
 #include "surfit/places/find_loops.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "places/simulated_places.h"
 #include "surfit/core/options.h"
 #include "testing/expect_input_error.h"
 #include "testing/matchers.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
-using testing::ExpectInputError;
 using ::testing::HasSubstr;
-using testing::IndexOf;
-using testing::MakeRoomOfKeyframes;
-using testing::RigidNear;
-using testing::RoomOfKeyframes;
-using testing::SeeNearby;
 
 Rigid3d SmallMotion() {
   return Rigid3d(QuaternionExp<double>({0.03, 0.1, -0.05}), {0.1, 0.04, 0.1});
@@ -104,7 +97,7 @@ TEST(ProposeLoops, LeavesOutKeyframesOfJustBeforeAndWithoutViews) {
 int FramesToRelocalize(const RoomOfKeyframes& room, const PlaceIndex& index, int first, int most) {
   for (int i = 0; i < most; ++i) {
     const Rigid3d pose = room.path[first + i].world_from_camera * SmallMotion();
-    const PlaceView view = testing::KeyframeOf(testing::SeenFrom(room.scene, pose, i), pose).view;
+    const PlaceView view = KeyframeOf(SeenFrom(room.scene, pose, i), pose).view;
     const Relocalization result = Relocalize(view, room.keyframes, index, RelocalizeOptions());
     if (!result.found()) continue;
     EXPECT_TRUE(result.attempts.back().verdict.accepted());
@@ -146,4 +139,4 @@ TEST(FindLoopsOptions, RefuseWhatMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

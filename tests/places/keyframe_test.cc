@@ -1,20 +1,17 @@
 #include "surfit/places/keyframe.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "places/simulated_places.h"
 #include "surfit/core/options.h"
 #include "surfit/frame/frame_pyramid.h"
 #include "testing/expect_input_error.h"
 
-namespace surfit {
+namespace surfit::testing {
 
 namespace {
 
-using testing::ExpectInputError;
 using ::testing::HasSubstr;
-using testing::PlaceCamera;
 
 // A wall 2 m away, of one colour but for its upper left quarter, whose colour is unknown.
 struct Wall {
@@ -79,7 +76,7 @@ TEST(MakePlaceView, FindsNoFeaturesOnAnEvenWallNorWithoutColor) {
 
 // 320 x 240 pixels of three bytes, and at most 500 features of 48.
 TEST(MakePlaceView, IsAsSmallAsItSays) {
-  const PlaceView& view = testing::MakeRoomOfKeyframes(1).keyframes.front().view;
+  const PlaceView& view = MakeRoomOfKeyframes(1).keyframes.front().view;
   EXPECT_GT(view.features.size(), 100);
   EXPECT_LE(view.features.size(), 500);
   EXPECT_EQ(view.Bytes(), 320 * 240 * 3 + view.features.size() * sizeof(PlaceFeature));
@@ -87,7 +84,7 @@ TEST(MakePlaceView, IsAsSmallAsItSays) {
 }
 
 TEST(MakePlaceView, LiftsFeaturesOntoTheSurface) {
-  const PlaceView& view = testing::MakeRoomOfKeyframes(1).keyframes.front().view;
+  const PlaceView& view = MakeRoomOfKeyframes(1).keyframes.front().view;
   int near = 0;
   for (const PlaceFeature& feature : view.features) {
     const Eigen::Vector2d pixel = view.camera.Project(feature.point.cast<double>());
@@ -110,12 +107,10 @@ TEST(PlaceViewOptions, RefuseWhatMakesNoSense) {
   ExpectInputError([&] { Validate(options); }, HasSubstr("max_features is 47"));
 }
 
-using testing::ExpectInputError;
 using ::testing::HasSubstr;
 
 FrameLevel WallAt(float depth_m) {
-  return PreprocessDepth(Image<float>(320, 240, depth_m), {testing::PlaceCamera(), {}},
-                         PreprocessOptions())
+  return PreprocessDepth(Image<float>(320, 240, depth_m), {PlaceCamera(), {}}, PreprocessOptions())
       .levels.front();
 }
 
@@ -185,4 +180,4 @@ TEST(KeyframeOptions, RefuseWhatMakesNoSense) {
 
 }  // namespace
 
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -1,7 +1,6 @@
 #include "surfit/places/place_index.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <random>
@@ -10,13 +9,11 @@
 #include "surfit/core/options.h"
 #include "testing/expect_input_error.h"
 
-namespace surfit {
+namespace surfit::testing {
 
 namespace {
 
-using testing::ExpectInputError;
 using ::testing::HasSubstr;
-using testing::IndexOf;
 
 bool Any(int /*keyframe*/) { return true; }
 
@@ -99,7 +96,7 @@ TEST(PlaceIndex, HasNoCandidatesWithoutFeatures) {
 // Views 15 cm and 8 degrees from every third keyframe; consecutive keyframes show almost the same.
 TEST(PlaceIndex, FindsPlacesOfARoom) {
   for (const std::uint64_t seed : {1, 2}) {
-    const testing::RoomOfKeyframes& room = testing::MakeRoomOfKeyframes(seed);
+    const RoomOfKeyframes& room = MakeRoomOfKeyframes(seed);
     PlaceIndex index;
     for (int i = 0; i < static_cast<int>(room.keyframes.size()); ++i) {
       index.Add(i, room.keyframes[i].view);
@@ -107,7 +104,7 @@ TEST(PlaceIndex, FindsPlacesOfARoom) {
     int asked = 0, found = 0;
     for (int i = 0; i < index.keyframe_count(); i += 3) {
       const Rigid3d off(QuaternionExp<double>({0, 0.14, 0}), {0.12, 0, 0.09});
-      const auto candidates = index.Query(testing::SeeNearby(room, i, off).view, 3, Any);
+      const auto candidates = index.Query(SeeNearby(room, i, off).view, 3, Any);
       ++asked;
       found += std::any_of(candidates.begin(), candidates.end(), [&](const auto& candidate) {
         return std::abs(candidate.keyframe - i) <= 2;
@@ -185,4 +182,4 @@ TEST(LimitKeyframes, GivesUpAllWhereNothingIsAllowed) {
 
 }  // namespace
 
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -1,5 +1,4 @@
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <memory>
@@ -11,18 +10,15 @@
 #include "testing/matchers.h"
 #include "testing/shared_data.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
-
-using testing::IndexOf;
-using testing::RigidNear;
 
 constexpr char kKitchen[] = "seven_scenes_kitchen";
 
 // Frames of the kitchen as keyframes at their pseudo true poses.
 std::vector<Keyframe> KitchenFrames(int first, int last, int stride) {
   SequenceOptions options;
-  options.path = testing::SharedData(kKitchen);
+  options.path = SharedData(kKitchen);
   options.first = first;
   options.last = last;
   options.stride = stride;
@@ -108,4 +104,4 @@ TEST(RealPlacesSweep, RelocalisesWhereverTheCameraIsCarried) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

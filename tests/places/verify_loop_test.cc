@@ -1,5 +1,4 @@
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "places/simulated_places.h"
 #include "surfit/core/options.h"
@@ -8,16 +7,10 @@
 #include "testing/expect_input_error.h"
 #include "testing/matchers.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
-using testing::ExpectInputError;
 using ::testing::HasSubstr;
-using testing::MakeRoomOfKeyframes;
-using testing::PlaceCamera;
-using testing::RigidNear;
-using testing::RoomOfKeyframes;
-using testing::SeeNearby;
 
 const VerifyLoopOptions kOptions;
 
@@ -185,4 +178,4 @@ TEST(VerifyLoopOptions, RefuseWhatMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

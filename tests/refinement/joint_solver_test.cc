@@ -15,13 +15,8 @@
 #include "refinement/random_surfels.h"
 #include "testing/random_pose.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
-
-using testing::DenseHessian;
-using testing::MakeRandomProblem;
-using testing::RandomPose;
-using testing::RandomProblem;
 
 constexpr int kPoses = 12, kSurfels = 600;
 
@@ -188,4 +183,4 @@ TEST_F(ThreePoses, PullNoStrongerWhereTheyAreFarOff) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

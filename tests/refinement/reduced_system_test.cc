@@ -18,12 +18,8 @@
 #include "refinement/surfel_sight.h"
 #include "surfit/core/parallel.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
-
-using testing::DenseHessian;
-using testing::MakeRandomProblem;
-using testing::RandomProblem;
 
 // All rows of the full problem, weighted: increments of the poses, calibration, displacements.
 struct FullSystem {
@@ -279,4 +275,4 @@ TEST(ReducedFactor, LeavesAPoseThatSeesNothingWhereItIs) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

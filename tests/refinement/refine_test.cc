@@ -19,13 +19,10 @@
 #include "testing/matchers.h"
 #include "testing/random_pose.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
-using testing::ExpectInputError;
 using ::testing::HasSubstr;
-using testing::RandomPose;
-using testing::RigidNear;
 
 // A camera that goes 1 cm a frame along x, 30 frames a second.
 Trajectory Straight(int count) {
@@ -327,4 +324,4 @@ TEST(Refine, RefusesImpossibleOptions) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "registration/row_finder.h"
-#include "registration/tiny_levels.h"
+#include "registration/three_planes.h"
 #include "surfit/core/options.h"
 #include "surfit/frame/preprocess.h"
 #include "surfit/registration/association.h"
@@ -11,13 +11,9 @@
 #include "testing/expect_input_error.h"
 #include "testing/matchers.h"
 
-namespace surfit {
+namespace surfit::testing {
 
 namespace {
-
-using testing::EmptyLevel;
-using testing::SetPoint;
-using testing::VectorNear;
 
 const Eigen::Vector3d kFacing(0, 0, -1);
 const AssociationGates kOff = {0, 0};
@@ -184,7 +180,7 @@ TEST(AssociationGates, ValidateNamesFieldValueAndConstraint) {
   Validate(kOff);
   const auto expect = [](double distance_m, double angle_rad, const char* message) {
     const AssociationGates gates = {distance_m, angle_rad};
-    testing::ExpectInputError([&] { Validate(gates); }, ::testing::StrEq(message));
+    ExpectInputError([&] { Validate(gates); }, ::testing::StrEq(message));
   };
   expect(-1, 0.5, "max_distance_m is -1, must be zero (off) or positive");
   expect(std::nan(""), 0.5, "max_distance_m is nan, must be zero (off) or positive");
@@ -288,4 +284,4 @@ TEST_F(RowFinderTest, FindsThePairsThatTheDefinitionHas) {
 
 }  // namespace
 
-}  // namespace surfit
+}  // namespace surfit::testing

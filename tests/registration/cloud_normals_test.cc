@@ -1,5 +1,4 @@
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
@@ -11,7 +10,7 @@
 #include "testing/matchers.h"
 #include "testing/random_pose.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 using ::testing::Each;
@@ -53,7 +52,7 @@ TEST(CloudNormals, AreExactOnATiltedPlaneOfAnyScale) {
       // Coordinates of up to 6 are rounded to 2.4e-7 at random. The smallest neighbourhood has a
       // radius of 3 / sqrt(3000) = 0.05 and 10 points: 2.4e-7 / (0.025 sqrt(10)) = 3e-6 rad at one
       // sigma, at the rim a few times that.
-      ASSERT_THAT(normal, testing::VectorNear(expected, 5e-5f));
+      ASSERT_THAT(normal, VectorNear(expected, 5e-5f));
     }
   }
 }
@@ -135,7 +134,7 @@ TEST(CloudNormals, FaceTheViewpoint) {
   std::mt19937_64 rng(1);
   Points sphere;
   for (int i = 0; i < 5000; ++i) {
-    sphere.push_back(testing::RandomVector(1, &rng).normalized().cast<float>());
+    sphere.push_back(RandomVector(1, &rng).normalized().cast<float>());
   }
   const CloudNormals inwards = EstimateCloudNormals(sphere, {}, {});
   EXPECT_EQ(inwards.missing, 0);
@@ -176,13 +175,13 @@ TEST(CloudNormals, IsTheSameAtAnyNumberOfThreads) {
 TEST(CloudNormals, RefusesImpossibleOptions) {
   CloudNormalOptions options;
   options.radius_m = -1;
-  testing::ExpectInputError([&] { EstimateCloudNormals({}, {}, options); },
-                            HasSubstr("radius_m is -1, must be zero"));
+  ExpectInputError([&] { EstimateCloudNormals({}, {}, options); },
+                   HasSubstr("radius_m is -1, must be zero"));
   options = {};
   options.min_neighbors = 3;
-  testing::ExpectInputError([&] { EstimateCloudNormals({}, {}, options); },
-                            HasSubstr("min_neighbors is 3, must be at least 4"));
+  ExpectInputError([&] { EstimateCloudNormals({}, {}, options); },
+                   HasSubstr("min_neighbors is 3, must be at least 4"));
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -3,10 +3,10 @@
 #include <gtest/gtest.h>
 
 #include "registration/icp_level.h"
-#include "registration/tiny_levels.h"
+#include "registration/three_planes.h"
 #include "surfit/registration/association.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 TEST(ErrorModel, SigmaAddsTheFloorToTheSensorsNoise) {
@@ -19,10 +19,10 @@ TEST(ErrorModel, SigmaAddsTheFloorToTheSensorsNoise) {
 // The weight that a pair gets at depth z with residual r.
 double WeightOf(double depth_m, double residual_m, const ErrorModel& model,
                 const DepthNoise& noise = {}) {
-  FrameLevel source = testing::EmptyLevel(), target = testing::EmptyLevel();
+  FrameLevel source = EmptyLevel(), target = EmptyLevel();
   source.noise = noise;
-  testing::SetPoint(&source, 2, 2, depth_m, {0, 0, -1});
-  testing::SetPoint(&target, 2, 2, depth_m + residual_m, {0, 0, -1});
+  SetPoint(&source, 2, 2, depth_m, {0, 0, -1});
+  SetPoint(&target, 2, 2, depth_m + residual_m, {0, 0, -1});
   const AssociationGates off = {0, 0};
   const ProjectiveAssociation association(source, target, off, model);
   const NormalSystem system =
@@ -63,4 +63,4 @@ TEST(ErrorModel, WithoutKernelTheWeightIsOnePerVariance) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -10,7 +10,6 @@
 #include <string>
 #include <tuple>
 #include <utility>
-#include <vector>
 
 #include "registration/view_fit.h"
 #include "surfit/frame/preprocess.h"
@@ -21,7 +20,7 @@
 #include "surfit/simulation/scene.h"
 #include "testing/shared_data.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 constexpr int kGap = 90;
@@ -123,7 +122,7 @@ Outcome RegisterPairs(int stride, const Bound& bound,
 
 Outcome RegisterRecorded(const std::string& sequence, int stride, const Bound& bound) {
   SequenceOptions options;
-  options.path = testing::SharedData(sequence);
+  options.path = SharedData(sequence);
   options.stride = stride;
   const std::unique_ptr<FrameSource> source = OpenSequence(options);
   const SequenceInfo& info = source->info();
@@ -173,7 +172,7 @@ TEST(FarPairsSweep, AreRegisteredOrRefused) {
   for (const auto& [name, stride, bound] :
        {std::tuple{"icl_office", 5, Bound()}, std::tuple{"icl_office_kinect", 5, Bound()},
         std::tuple{"seven_scenes_kitchen", 10, Bound{0.03, 1, true}}}) {
-    if (testing::HasSharedData(name)) {
+    if (HasSharedData(name)) {
       add(name, RegisterRecorded(name, stride, bound));
     } else {
       std::printf("%s is not there: see SURFIT_DATA_DIR\n", name);
@@ -191,4 +190,4 @@ TEST(FarPairsSweep, AreRegisteredOrRefused) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -1,7 +1,6 @@
 #include "surfit/registration/far_registration.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "registration/simulated_views.h"
 #include "surfit/core/options.h"
@@ -9,14 +8,10 @@
 #include "testing/expect_input_error.h"
 #include "testing/matchers.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
-using testing::ExpectInputError;
 using ::testing::HasSubstr;
-using testing::MakeColoredViews;
-using testing::RigidNear;
-using testing::SimulatedColoredViews;
 
 // Exact depth holds the pose to a part of a pixel, which is 1 / 131 rad, 15 mm at 2 m.
 constexpr double kFarToleranceM = 0.01, kFarToleranceRad = 0.005;
@@ -52,7 +47,7 @@ TEST(RegisterFar, ShapesAloneReachFarToo) {
 
 TEST(RegisterFar, So3FindsARotation) {
   const Rigid3d turn(QuaternionExp<double>({0.1, 0.4, -0.1}), {0.02, 0, 0.01});
-  const SimulatedColoredViews views = testing::MakeTurnedViews(70, turn, 12);
+  const SimulatedColoredViews views = MakeTurnedViews(70, turn, 12);
   EXPECT_FALSE(Registered(views, "identity").accepted());
   const FarVerdict result = Registered(views, "so3");
   EXPECT_EQ(result.start.translation, Eigen::Vector3d::Zero());
@@ -83,8 +78,8 @@ TEST(RegisterFar, DoesNotBelieveAFitOfShapesThatLookDifferent) {
   const Rigid3d pose(down_to_the_corner, {1.2, 1.1, 1});
   const Rigid3d turn(QuaternionExp<double>({0.02, 0.05, 0}), {0.03, 0, 0.01});
   SimulatedColoredViews views;
-  views.source = testing::MakeColoredView(MakeScene("three_planes", 1), pose);
-  views.target = testing::MakeColoredView(MakeScene("three_planes", 1), pose * turn.Inverse());
+  views.source = MakeColoredView(MakeScene("three_planes", 1), pose);
+  views.target = MakeColoredView(MakeScene("three_planes", 1), pose * turn.Inverse());
   EXPECT_TRUE(Registered(views, "so3").accepted());
   views.target.color = FarViews().target.color;
   EXPECT_EQ(Registered(views, "so3").reason, FarReason::kLooksDifferent);
@@ -132,4 +127,4 @@ TEST(InitializeOptions, RefuseWhatMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -11,14 +11,13 @@
 #include "registration/simulated_views.h"
 #include "testing/matchers.h"
 
-namespace surfit {
+namespace surfit::testing {
 
 namespace {
 
 // A shelf and a picture, seen from 10 frames apart.
-const testing::SimulatedColoredViews& NearViews() {
-  static const auto* const views =
-      new testing::SimulatedColoredViews(testing::MakeColoredViews(48, 10, 12));
+const SimulatedColoredViews& NearViews() {
+  static const auto* const views = new SimulatedColoredViews(MakeColoredViews(48, 10, 12));
   return *views;
 }
 
@@ -87,8 +86,6 @@ TEST(MatchFeatures, MatchesEachFeatureWithItself) {
   for (const auto& [s, t] : matches) EXPECT_EQ(s, t);
   EXPECT_TRUE(MatchFeatures(features, FeaturePoints()).empty());
 }
-
-using testing::RigidNear;
 
 const Rigid3d kPose(QuaternionExp<double>({0.3, -0.6, 0.2}), {0.5, -0.2, 0.9});
 
@@ -173,4 +170,4 @@ TEST(FindConsensus, FindsNothingInTooFewMatches) {
 
 }  // namespace
 
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -4,7 +4,7 @@
 #include "registration/view_fit.h"
 #include "surfit/registration/icp.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 // A wall across the view; its left part may stand at a depth of its own.
@@ -66,7 +66,7 @@ TEST(Register, IsNotContentWithWrongFitsThatFillFreeSpace) {
   int wrong = 0, right = 0;
   for (const std::uint64_t seed : {1, 2, 3}) {
     for (const int gap : {2, 8, 15, 30}) {
-      const testing::SimulatedViews views = testing::MakeViews(3, gap, seed);
+      const SimulatedViews views = MakeViews(3, gap, seed);
       const auto off_m = [&](const IcpResult& result) {
         return (result.target_from_source.translation - views.target_from_source.translation)
             .norm();
@@ -89,4 +89,4 @@ TEST(Register, IsNotContentWithWrongFitsThatFillFreeSpace) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

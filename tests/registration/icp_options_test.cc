@@ -6,15 +6,14 @@
 #include "surfit/registration/icp.h"
 #include "testing/expect_input_error.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 void ExpectRefused(const std::function<void(IcpOptions*)>& change, const char* message) {
   IcpOptions options;
   change(&options);
-  testing::ExpectInputError([&] { Validate(options); }, ::testing::StrEq(message));
-  testing::ExpectInputError([&] { Register({}, {}, Rigid3d(), options); },
-                            ::testing::StrEq(message));
+  ExpectInputError([&] { Validate(options); }, ::testing::StrEq(message));
+  ExpectInputError([&] { Register({}, {}, Rigid3d(), options); }, ::testing::StrEq(message));
 }
 
 TEST(IcpOptions, DefaultsAreValid) { Validate(IcpOptions()); }
@@ -76,4 +75,4 @@ TEST(Termination, HasAName) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -12,11 +12,8 @@
 #include "surfit/registration/pose_solver.h"
 #include "testing/matchers.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
-
-using testing::PointToPlaneSolverNames;
-using testing::RigidNear;
 
 // A pixel of 1/131 rad is 23 mm wide at 3 m; a surface fitted to thousands of them is known to a
 // small share of it. 3 mm and 0.1 deg are what the align program is held to at full resolution.
@@ -26,7 +23,7 @@ constexpr double kIcpToleranceRad = 0.1 * M_PI / 180;
 TEST(Register, FindsTheMotionOfAHandHeldCamera) {
   for (const std::uint64_t seed : {1, 2}) {
     for (const int gap : {1, 5}) {
-      const testing::SimulatedViews views = testing::MakeViews(3, gap, seed);
+      const SimulatedViews views = MakeViews(3, gap, seed);
       const IcpResult result = Register(views.source, views.target, Rigid3d(), IcpOptions());
       EXPECT_TRUE(result.Succeeded());
       EXPECT_THAT(result.target_from_source,
@@ -37,7 +34,7 @@ TEST(Register, FindsTheMotionOfAHandHeldCamera) {
 }
 
 TEST(Register, FindsTheMotionOfTenFrames) {
-  const testing::SimulatedViews views = testing::MakeViews(20, 10);
+  const SimulatedViews views = MakeViews(20, 10);
   ASSERT_GT(RotationAngle(views.target_from_source.rotation), 7 * M_PI / 180);
   const IcpResult result = Register(views.source, views.target, Rigid3d(), IcpOptions());
   EXPECT_EQ(result.termination, Termination::kConverged);
@@ -46,7 +43,7 @@ TEST(Register, FindsTheMotionOfTenFrames) {
 }
 
 TEST(Register, SolversAgree) {
-  const testing::SimulatedViews views = testing::MakeViews(3, 5);
+  const SimulatedViews views = MakeViews(3, 5);
   IcpOptions options;
   options.min_relative_rmse_change = 0;  // so that all end at the same point
   options.stop_at_rmse_increase = false;
@@ -65,7 +62,7 @@ TEST(Register, SolversAgree) {
 }
 
 TEST(Register, ReportsEveryIterationAndTheEnd) {
-  const testing::SimulatedViews views = testing::MakeViews(3, 5);
+  const SimulatedViews views = MakeViews(3, 5);
   const IcpOptions options;
   const IcpResult result = Register(views.source, views.target, Rigid3d(), options);
   ASSERT_EQ(views.source.levels.size(), 3u);
@@ -112,7 +109,7 @@ TEST(Register, ReportsEveryIterationAndTheEnd) {
 
 TEST(Register, GatesGrowFromTheFinestLevelUp) {
   // 15 mm and a degree apart: far beyond the gate of 0.1 mm, well within 30^2 times as much.
-  const testing::SimulatedViews views = testing::MakeViews(3, 1);
+  const SimulatedViews views = MakeViews(3, 1);
   IcpOptions options;
   options.gates.max_distance_m = 1e-4;
   options.gate_growth = 1;
@@ -126,7 +123,7 @@ TEST(Register, GatesGrowFromTheFinestLevelUp) {
 }
 
 TEST(Register, TooFewInliersIsATermination) {
-  const testing::SimulatedViews views = testing::MakeViews(3, 1);
+  const SimulatedViews views = MakeViews(3, 1);
   IcpOptions options;
   options.min_inliers = 1'000'000;
   const IcpResult by_count = Register(views.source, views.target, Rigid3d(), options);
@@ -148,10 +145,8 @@ TEST(Register, TooFewInliersIsATermination) {
 }
 
 TEST(Register, FramesWithoutDepthHaveTooFewInliers) {
-  const FramePyramid view =
-      testing::OneLevel(testing::RenderCorner(testing::PoseBeforeTheCorner()));
-  const FramePyramid nothing =
-      testing::OneLevel(testing::RenderCorner(testing::PoseBeforeTheCorner(), 0));
+  const FramePyramid view = OneLevel(RenderCorner(PoseBeforeTheCorner()));
+  const FramePyramid nothing = OneLevel(RenderCorner(PoseBeforeTheCorner(), 0));
   for (const auto* source : {&view, &nothing}) {
     const IcpResult result = Register(*source, nothing, Rigid3d(), IcpOptions());
     EXPECT_EQ(result.termination, Termination::kTooFewInliers);
@@ -165,7 +160,7 @@ TEST(Register, FramesWithoutDepthHaveTooFewInliers) {
 }
 
 TEST(Register, UsesTheLevelsThatBothHave) {
-  testing::SimulatedViews views = testing::MakeViews(3, 1);
+  SimulatedViews views = MakeViews(3, 1);
   views.target.levels.pop_back();
   const IcpResult result = Register(views.source, views.target, Rigid3d(), IcpOptions());
   EXPECT_TRUE(result.Succeeded());
@@ -173,7 +168,7 @@ TEST(Register, UsesTheLevelsThatBothHave) {
 }
 
 TEST(Register, StopsWhereTheOptionsSay) {
-  const testing::SimulatedViews views = testing::MakeViews(3, 5);
+  const SimulatedViews views = MakeViews(3, 5);
   IcpOptions options;
   options.min_relative_rmse_change = 0;
   options.stop_at_rmse_increase = false;
@@ -194,7 +189,7 @@ TEST(Register, StopsWhereTheOptionsSay) {
 }
 
 TEST(Register, LeavesCoarseLevelsByTheStepInTheirPixels) {
-  const testing::SimulatedViews views = testing::MakeViews(3, 5);
+  const SimulatedViews views = MakeViews(3, 5);
   IcpOptions options;
   options.min_relative_rmse_change = 0;
   options.stop_at_rmse_increase = false;
@@ -213,7 +208,7 @@ TEST(Register, LeavesCoarseLevelsByTheStepInTheirPixels) {
 }
 
 TEST(Register, CanSkipTheMiddleLevels) {
-  const testing::SimulatedViews views = testing::MakeViews(3, 5);
+  const SimulatedViews views = MakeViews(3, 5);
   IcpOptions options;
   options.middle_levels = false;
   const IcpResult result = Register(views.source, views.target, Rigid3d(), options);
@@ -227,7 +222,7 @@ TEST(Register, CanSkipTheMiddleLevels) {
 
 // What grows with the level shows in the first state of the coarsest.
 TEST(Register, GatesAndKernelGrowAsTheOptionsSay) {
-  const testing::SimulatedViews views = testing::MakeViews(3, 5);
+  const SimulatedViews views = MakeViews(3, 5);
   IcpOptions options;
   options.gate_growth = 3;
   options.kernel_growth = 2;
@@ -245,7 +240,7 @@ TEST(Register, GatesAndKernelGrowAsTheOptionsSay) {
 }
 
 TEST(Register, IsTheSameAtAnyNumberOfThreads) {
-  const testing::SimulatedViews views = testing::MakeViews(3, 5);
+  const SimulatedViews views = MakeViews(3, 5);
   const auto pose = [&](int threads, const std::string& solver) {
     const ThreadLimit limit(threads);
     IcpOptions options;
@@ -259,4 +254,4 @@ TEST(Register, IsTheSameAtAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

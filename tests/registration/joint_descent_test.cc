@@ -5,24 +5,19 @@
 #include <cmath>
 #include <random>
 
+#include "registration/simulated_views.h"
 #include "registration/start_search.h"
 #include "registration/view_fit.h"
-#include "registration/wall_frames.h"
 #include "surfit/core/parallel.h"
 #include "surfit/geometry/rigid3.h"
 #include "surfit/registration/far_registration.h"
 #include "testing/matchers.h"
 
-namespace surfit {
+namespace surfit::testing {
 
 namespace {
 
-using testing::AlongTheWall;
-using testing::kWallToleranceM;
-using testing::kWallToleranceRad;
-using testing::RigidNear;
-
-struct WallViews : testing::WallScene {
+struct WallViews : WallScene {
   using WallScene::WallScene;
   std::vector<BrightnessLevel> source_brightness = BrightnessPyramid(source.color, 160, 120, 1);
   std::vector<BrightnessLevel> target_brightness = BrightnessPyramid(target.color, 160, 120, 1);
@@ -138,14 +133,12 @@ TEST(MeasureFit, TellsWhatDoesNotFit) {
   EXPECT_GT(along.Score(), near.Score());
 }
 
-using testing::SimulatedColoredViews;
-
 // On the coarsest level a pixel is 1 / 33 rad, 1.7 degrees; half of it is what we ask for.
 constexpr double kHalfAPixel = 0.87 * kRadPerDeg;
 
 // Seen from the same place, turned by 10 degrees.
 const SimulatedColoredViews& TurnedViews() {
-  static const auto* const views = new SimulatedColoredViews(testing::MakeTurnedViews(
+  static const auto* const views = new SimulatedColoredViews(MakeTurnedViews(
       70, Rigid3d(QuaternionExp<double>({0.05, 0.16, -0.05}), Eigen::Vector3d::Zero()), 12));
   return *views;
 }
@@ -214,4 +207,4 @@ TEST(RotationGrid, HasARotationNearAny) {
 
 }  // namespace
 
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -1,4 +1,3 @@
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,7 +7,7 @@
 #include "surfit/registration/association.h"
 #include "testing/random_pose.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 // Points of a cube of side 2 with normals all over, of which some are missing.
@@ -16,8 +15,8 @@ PointSet RandomSet(int count, int seed) {
   std::mt19937_64 rng(seed);
   PointSet set;
   for (int i = 0; i < count; ++i) {
-    const Eigen::Vector3f point = testing::RandomVector(1, &rng).cast<float>();
-    const Eigen::Vector3f normal = testing::RandomVector(1, &rng).normalized().cast<float>();
+    const Eigen::Vector3f point = RandomVector(1, &rng).cast<float>();
+    const Eigen::Vector3f normal = RandomVector(1, &rng).normalized().cast<float>();
     const bool has_normal = i % 7 != 0;
     set.Add(point, has_normal ? normal : Eigen::Vector3f::Zero(), 0.01f * (1 + i % 5));
   }
@@ -26,7 +25,7 @@ PointSet RandomSet(int count, int seed) {
 
 Rigid3d SomePose(int seed = 3) {
   std::mt19937_64 rng(seed);
-  return testing::RandomPose(0.1, 0.1, &rng);
+  return RandomPose(0.1, 0.1, &rng);
 }
 
 int BruteForceNearest(const std::vector<Eigen::Vector3f>& points, const Eigen::Vector3f& query) {
@@ -175,4 +174,4 @@ TEST(KdTreeAssociation, IsTheSameAtAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -5,10 +5,8 @@
 #include "surfit/registration/pose_solver.h"
 #include "testing/matchers.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
-
-using testing::RigidNear;
 
 struct Combination {
   std::string solver;
@@ -62,7 +60,7 @@ TEST_P(KnownPairs, GiveBackEachDegreeOfFreedom) {
       motion[i] = sign * (i < 3 ? 0.2 : 0.3);
       const Rigid3d expected = LeftIncrement<double>(motion, Rigid3d());
       std::mt19937_64 rng(i);
-      const Correspondences pairs = testing::ExactCorrespondences(200, expected, &rng);
+      const Correspondences pairs = ExactCorrespondences(200, expected, &rng);
       EXPECT_THAT(SolveKnown(pairs, Options()), RigidNear(expected, 1e-9, 1e-9))
           << "component " << i << ", " << sign;
     }
@@ -72,8 +70,8 @@ TEST_P(KnownPairs, GiveBackEachDegreeOfFreedom) {
 TEST_P(KnownPairs, GiveBackAnyMotionWithARobustKernelToo) {
   std::mt19937_64 rng(7);
   for (int i = 0; i < 3; ++i) {
-    const Rigid3d expected = testing::RandomPose(0.3, 0.3, &rng);
-    const Correspondences pairs = testing::ExactCorrespondences(200, expected, &rng);
+    const Rigid3d expected = RandomPose(0.3, 0.3, &rng);
+    const Correspondences pairs = ExactCorrespondences(200, expected, &rng);
     EXPECT_THAT(SolveKnown(pairs, Options(RobustKernelType::kHuber)),
                 RigidNear(expected, 1e-9, 1e-9));
   }
@@ -82,8 +80,8 @@ TEST_P(KnownPairs, GiveBackAnyMotionWithARobustKernelToo) {
 // Noise keeps the minimum away from zero, so that only solvers to the minimum reach it at once.
 TEST_P(KnownPairs, ReachTheMinimumInOneStepWhereTheySaySo) {
   std::mt19937_64 rng(8);
-  const Correspondences start = testing::RandomCorrespondences(500, 0.05, &rng);
-  const Correspondences pairs = Moved(start, testing::RandomPose(0.2, 0.2, &rng));
+  const Correspondences start = RandomCorrespondences(500, 0.05, &rng);
+  const Correspondences pairs = Moved(start, RandomPose(0.2, 0.2, &rng));
   const std::unique_ptr<PoseSolver> solver = MakePoseSolver(Options());
   const StepResult step = solver->Step(pairs);
   const Rigid3d motion = LeftIncrement<double>(step.increment, Rigid3d());
@@ -104,10 +102,10 @@ TEST_P(KnownPairs, ReachTheMinimumInOneStepWhereTheySaySo) {
 // by a small share of it.
 TEST_P(KnownPairs, SolveAlikeInSinglePrecision) {
   std::mt19937_64 rng(9);
-  const Correspondences pairs = testing::RandomCorrespondences(500, 0.05, &rng);
+  const Correspondences pairs = RandomCorrespondences(500, 0.05, &rng);
   const std::unique_ptr<PoseSolver> solver = MakePoseSolver(Options());
   const Vector6d expected = solver->Step(pairs).increment;
-  const Vector6d single = solver->Step(testing::Rounded<float>(pairs)).increment;
+  const Vector6d single = solver->Step(Rounded<float>(pairs)).increment;
   EXPECT_LT((single - expected).norm(), 1e-6);
 }
 
@@ -118,12 +116,12 @@ class SolversOf : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(SolversOf, ReachTheSameMinimum) {
   std::mt19937_64 rng(8);
-  const Rigid3d motion = testing::RandomPose(0.1, 0.1, &rng);
-  const Correspondences random = testing::ExactCorrespondences(400, motion, &rng);
+  const Rigid3d motion = RandomPose(0.1, 0.1, &rng);
+  const Correspondences random = ExactCorrespondences(400, motion, &rng);
   Correspondences pairs;
   for (int i = 0; i < random.size; ++i) {
-    pairs.Add(random.p(i), random.q(i) + testing::RandomVector(0.01, &rng), random.n(i),
-              random.m(i), random.information[i]);
+    pairs.Add(random.p(i), random.q(i) + RandomVector(0.01, &rng), random.n(i), random.m(i),
+              random.information[i]);
   }
   PoseSolverOptions options;
   options.residual = ResidualTypeFromName(GetParam());
@@ -149,7 +147,7 @@ TEST(SvdSolver, NeverReflects) {
   std::mt19937_64 rng(9);
   Correspondences pairs;
   for (int i = 0; i < 50; ++i) {
-    const Eigen::Vector3d p = testing::RandomVector(1, &rng);
+    const Eigen::Vector3d p = RandomVector(1, &rng);
     pairs.Add(p, {p.x(), p.y(), -p.z()}, {0, 0, 1}, {0, 0, 1}, 1);
   }
   PoseSolverOptions options;
@@ -165,4 +163,4 @@ TEST(SvdSolver, NeverReflects) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -8,7 +8,7 @@
 #include "surfit/registration/association.h"
 #include "testing/matchers.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 constexpr ResidualType kResiduals[] = {ResidualType::kPointToPoint, ResidualType::kPointToPlane,
@@ -35,11 +35,9 @@ void ExpectNear(const NormalSystem& actual, const NormalSystem& expected, double
   expect(actual.weight_sum, expected.weight_sum);
   expect(actual.normal_difference_sum, expected.normal_difference_sum);
   const double square = expected.point_product_sum.trace();
-  EXPECT_THAT(
-      actual.point_sum,
-      testing::VectorNear(expected.point_sum, relative * std::sqrt(square * expected.weight_sum)));
-  EXPECT_THAT(actual.point_product_sum,
-              testing::VectorNear(expected.point_product_sum, relative * square));
+  EXPECT_THAT(actual.point_sum,
+              VectorNear(expected.point_sum, relative * std::sqrt(square * expected.weight_sum)));
+  EXPECT_THAT(actual.point_product_sum, VectorNear(expected.point_product_sum, relative * square));
   EXPECT_EQ(actual.row_count, expected.row_count);
   EXPECT_EQ(actual.pair_count, expected.pair_count);
 }
@@ -52,10 +50,10 @@ class LinearizeResidual : public ::testing::TestWithParam<ResidualType> {};
 TEST_P(LinearizeResidual, RowsAreTheDerivativesOfTheResidual) {
   std::mt19937_64 rng(1);
   for (const RobustKernelType kernel : kKernels) {
-    const Correspondences pairs = testing::RandomCorrespondences(1000, 1, &rng);
+    const Correspondences pairs = RandomCorrespondences(1000, 1, &rng);
     const RobustKernel robust = {kernel, 0.7};
     const NormalSystem actual = Linearize(pairs, GetParam(), robust);
-    const NormalSystem expected = testing::DualSystem(pairs, GetParam(), robust);
+    const NormalSystem expected = DualSystem(pairs, GetParam(), robust);
     ExpectNear(actual, expected, 1e-11);
     EXPECT_EQ(actual.inlier_count, expected.inlier_count);
   }
@@ -72,18 +70,17 @@ TEST_P(LinearizeResidual, SinglePrecisionAgreesForAnyNumberOfPairs) {
   const double relative =
       GetParam() == ResidualType::kPlaneToPlane ? 100 * kSinglePrecision : kSinglePrecision;
   for (const int count : {0, 63, 64, 65, 5000}) {
-    const PairBuffer pairs =
-        testing::Rounded<float>(testing::RandomCorrespondences(count, 1, &rng));
+    const PairBuffer pairs = Rounded<float>(RandomCorrespondences(count, 1, &rng));
     const RobustKernel kernel = {RobustKernelType::kGemanMcClure, 3};
     ExpectNear(Linearize(pairs, GetParam(), kernel),
-               testing::DualSystem(testing::AsDouble(pairs), GetParam(), kernel), relative);
+               DualSystem(AsDouble(pairs), GetParam(), kernel), relative);
   }
 }
 
 // What is beyond size must not count.
 TEST_P(LinearizeResidual, IgnoresWhatIsLeftOverFromMorePairs) {
   std::mt19937_64 rng(3);
-  const Correspondences pairs = testing::RandomCorrespondences(9, 0.1, &rng);
+  const Correspondences pairs = RandomCorrespondences(9, 0.1, &rng);
   Correspondences longer = pairs;
   longer.SetCapacity(64);
   for (auto* array : longer.Arrays()) std::fill(array->begin() + 9, array->end(), NAN);
@@ -120,7 +117,7 @@ TEST(KernelFor, MeasuresItsWidthInSigmasOfTheResidualsIfAsked) {
   constexpr double kSigma = 0.02;
   Correspondences pairs;
   for (int i = 0; i < 20000; ++i) {
-    const Eigen::Vector3d p = testing::RandomVector(1, &rng);
+    const Eigen::Vector3d p = RandomVector(1, &rng);
     const double x = kSigma * normal(rng), y = kSigma * normal(rng), z = kSigma * normal(rng);
     pairs.Add(p, p + Eigen::Vector3d(x, y, z), {0, 0, 1}, {0, 0, 1}, 1e4);
   }
@@ -137,7 +134,7 @@ TEST(KernelFor, MeasuresItsWidthInSigmasOfTheResidualsIfAsked) {
 
 class LinearizeAssociation : public ::testing::Test {
  protected:
-  const testing::SimulatedViews views_ = testing::MakeViews(0, 5);
+  const SimulatedViews views_ = MakeViews(0, 5);
   const ErrorModel error_model_;
   const ProjectiveAssociation association_{views_.source.levels[0], views_.target.levels[0],
                                            AssociationGates(), error_model_, NeededNormals::kBoth};
@@ -176,4 +173,4 @@ TEST_F(LinearizeAssociation, IsTheSameAtAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -10,11 +10,9 @@
 #include "surfit/registration/pose_solver.h"
 #include "testing/matchers.h"
 
-namespace surfit {
+namespace surfit::testing {
 
 namespace {
-
-using testing::VectorNear;
 
 const HeldOptions kHeld = {1e-6, 0};
 
@@ -27,7 +25,7 @@ TEST(NormalSystem, SumIsThatOfAllPairs) {
   Correspondences all;
   NormalSystem sum;
   for (int part = 0; part < 3; ++part) {
-    const Correspondences pairs = testing::RandomCorrespondences(50, 1, &rng);
+    const Correspondences pairs = RandomCorrespondences(50, 1, &rng);
     sum += PointToPlaneSystem(pairs);
     for (int i = 0; i < pairs.size; ++i) {
       all.Add(pairs.p(i), pairs.q(i), pairs.n(i), pairs.m(i), pairs.information[i]);
@@ -63,7 +61,7 @@ TEST(NormalSystem, RmsDistanceIsThatOfTheMovedPoints) {
 
 TEST(Observe, EigenvaluesDoNotDependOnUnitsOrWeights) {
   std::mt19937_64 rng(5);
-  const Correspondences pairs = testing::RandomCorrespondences(200, 0.1, &rng);
+  const Correspondences pairs = RandomCorrespondences(200, 0.1, &rng);
   Correspondences scaled;
   for (int i = 0; i < pairs.size; ++i) {
     scaled.Add(100 * pairs.p(i), 100 * pairs.q(i), pairs.n(i), pairs.m(i),
@@ -83,9 +81,9 @@ Correspondences Plane() {
   Correspondences plane;
   std::mt19937_64 rng(6);
   for (int i = 0; i < 100; ++i) {
-    Eigen::Vector3d p = testing::RandomVector(1, &rng);
+    Eigen::Vector3d p = RandomVector(1, &rng);
     p.z() = 2;
-    plane.Add(p, p + testing::RandomVector(0.01, &rng), {0, 0, -1}, {0, 0, -1}, 1);
+    plane.Add(p, p + RandomVector(0.01, &rng), {0, 0, -1}, {0, 0, -1}, 1);
   }
   return plane;
 }
@@ -119,7 +117,7 @@ TEST(Observe, HeldLeavesNothingAlongFreeDirectionsAndTheRestAsItIs) {
 
 TEST(SolveHeld, IsTheLeastSquaresIncrementWhereNothingIsFree) {
   std::mt19937_64 rng(7);
-  const NormalSystem system = PointToPlaneSystem(testing::RandomCorrespondences(200, 0.1, &rng));
+  const NormalSystem system = PointToPlaneSystem(RandomCorrespondences(200, 0.1, &rng));
   const Observability all = Observe(system, kHeld);
   ASSERT_FALSE(all.Degenerate());
   EXPECT_THAT(system.hessian * SolveHeld(system, all),
@@ -150,7 +148,7 @@ TEST(Observe, SeesThroughWhatNoiseOfTheNormalsFeigns) {
   };
   Correspondences plane, corner;
   for (int i = 0; i < 20000; ++i) {
-    const Eigen::Vector3d p = Eigen::Vector3d(0, 0, 2) + testing::RandomVector(1, &rng);
+    const Eigen::Vector3d p = Eigen::Vector3d(0, 0, 2) + RandomVector(1, &rng);
     const Eigen::Vector3d n = -Eigen::Vector3d::UnitZ(), side = Eigen::Vector3d::Unit(i % 3);
     const Eigen::Vector3d on_plane(p.x(), p.y(), 2);
     plane.Add(on_plane, on_plane, noisy(n), noisy(n), 1);
@@ -167,7 +165,7 @@ TEST(Observe, SeesThroughWhatNoiseOfTheNormalsFeigns) {
 
 TEST(CovarianceOf, IsTheInverseInformationTimesTheVarianceFactor) {
   std::mt19937_64 rng(8);
-  const NormalSystem system = PointToPlaneSystem(testing::RandomCorrespondences(200, 0.1, &rng));
+  const NormalSystem system = PointToPlaneSystem(RandomCorrespondences(200, 0.1, &rng));
   EXPECT_NEAR(system.VarianceFactor(), system.weighted_square_sum / 194, 1e-15);
   EXPECT_THAT(system.hessian * CovarianceOf(system),
               VectorNear((system.VarianceFactor() * Matrix6d::Identity()).eval(), 1e-12));
@@ -187,7 +185,7 @@ TEST(CovarianceOf, IsConsistentWithTheErrorsOfManyTrials) {
   const std::unique_ptr<PoseSolver> solver = MakePoseSolver(options);
   double with_known_sigma = 0, with_estimated_sigma = 0;
   for (int trial = 0; trial < kTrials; ++trial) {
-    const Correspondences exact = testing::ExactCorrespondences(kPairs, Rigid3d(), &rng);
+    const Correspondences exact = ExactCorrespondences(kPairs, Rigid3d(), &rng);
     Correspondences pairs;
     for (int i = 0; i < kPairs; ++i) {
       pairs.Add(exact.p(i), exact.q(i) + kSigma * normal(rng) * exact.n(i), exact.n(i), exact.m(i),
@@ -211,4 +209,4 @@ TEST(CovarianceOf, IsConsistentWithTheErrorsOfManyTrials) {
 
 }  // namespace
 
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -11,7 +11,7 @@
 #include "surfit/run/register_run.h"
 #include "testing/shared_data.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 // How many of the pairs ...
@@ -51,7 +51,7 @@ void Count(const IcpResult& result, const Rigid3d& truth, const IcpOptions& opti
 // Of every step-th frame and those that follow it at these distances, ascending.
 PairCounts RegisterPairs(const std::string& sequence, const std::vector<int>& gaps, int step) {
   SequenceOptions sequence_options;
-  sequence_options.path = testing::SharedData(sequence);
+  sequence_options.path = SharedData(sequence);
   const std::unique_ptr<FrameSource> source = OpenSequence(sequence_options);
   const SequenceInfo& info = source->info();
   const AlignRunOptions options;
@@ -123,4 +123,4 @@ INSTANTIATE_TEST_SUITE_P(Sequences, AllPairs, ::testing::Values("icl_office", "i
                          [](const auto& instance) { return instance.param; });
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

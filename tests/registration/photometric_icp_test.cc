@@ -1,10 +1,9 @@
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <string>
 
 #include "registration/photometric_term.h"
-#include "registration/wall_frames.h"
+#include "registration/simulated_views.h"
 #include "surfit/core/options.h"
 #include "surfit/registration/association.h"
 #include "surfit/registration/icp.h"
@@ -12,14 +11,8 @@
 #include "testing/expect_input_error.h"
 #include "testing/matchers.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
-
-using testing::kWallToleranceM;
-using testing::kWallToleranceRad;
-using testing::RigidNear;
-using testing::VectorNear;
-using testing::WallFrames;
 
 IcpOptions Options(double photometric_weight, const std::string& solver = "closed_form_ldlt") {
   IcpOptions options;
@@ -30,7 +23,7 @@ IcpOptions Options(double photometric_weight, const std::string& solver = "close
 
 class PhotometricSolvers : public ::testing::TestWithParam<std::string> {
  protected:
-  WallFrames frames_{testing::AlongTheWall()};
+  WallFrames frames_{AlongTheWall()};
 };
 
 TEST_P(PhotometricSolvers, TrackAlongATexturedWall) {
@@ -79,7 +72,7 @@ Vector6d StepOf(const std::string& solver, const WallFrames& frames) {
 
 // As ceres_solvers_test.cc, where a direction is held ten times less firmly.
 TEST(PhotometricStep, IsTheSameByBlocksOfPointsAndReduced) {
-  const WallFrames frames(testing::AlongTheWall());
+  const WallFrames frames(AlongTheWall());
   const Vector6d reduced = StepOf("ceres", frames);
   EXPECT_GT(reduced.norm(), 0.002);
   EXPECT_THAT(StepOf("ceres_per_point", frames), VectorNear(reduced, 1e-6));
@@ -88,14 +81,14 @@ TEST(PhotometricStep, IsTheSameByBlocksOfPointsAndReduced) {
 
 // Rounded sums of single precision against rows of double precision.
 TEST(PhotometricStep, IsTheSameByQrAndByTheNormalSystem) {
-  const WallFrames frames(testing::AlongTheWall());
+  const WallFrames frames(AlongTheWall());
   const Vector6d system = StepOf("closed_form_ldlt", frames);
   EXPECT_THAT(StepOf("closed_form_lu", frames), VectorNear(system, 1e-9));
   EXPECT_THAT(StepOf("closed_form_qr", frames), VectorNear(system, 1e-4 * system.norm()));
 }
 
 TEST(PhotometricIcp, NeedsNoProjectiveAssociation) {
-  const WallFrames frames(testing::AlongTheWall());
+  const WallFrames frames(AlongTheWall());
   IcpOptions options = Options(0.1);
   options.association = "kd_tree";
   options.max_iterations = 30;
@@ -104,7 +97,7 @@ TEST(PhotometricIcp, NeedsNoProjectiveAssociation) {
 }
 
 TEST(PhotometricIcp, WithoutColorIsIcpByShapes) {
-  WallFrames frames(testing::AlongTheWall());
+  WallFrames frames(AlongTheWall());
   for (FrameLevel& level : frames.source.levels) level.intensity = {};
   const IcpResult result = Register(frames.source, frames.target, Rigid3d(), Options(0.1));
   const IcpResult expected = Register(frames.source, frames.target, Rigid3d(), Options(0));
@@ -117,8 +110,8 @@ TEST(PhotometricIcp, WithoutColorIsIcpByShapes) {
 TEST(PhotometricIcp, IsNotForTheSvd) {
   IcpOptions options = Options(0.1, "svd");
   options.residual = "point_to_point";
-  testing::ExpectInputError([&] { Validate(options); }, ::testing::HasSubstr("solver svd"));
+  ExpectInputError([&] { Validate(options); }, ::testing::HasSubstr("solver svd"));
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -6,10 +6,8 @@
 #include "surfit/registration/pose_solver.h"
 #include "testing/matchers.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
-
-using testing::RigidNear;
 
 // Points within 2.5 m and poses are rounded to float, p' = R p + t with three roundings more: each
 // p' is off by 5 * 2^-24 * 2.5 m = 7e-7 m at most, all in the same way at worst.
@@ -22,7 +20,7 @@ class PoseRecovery : public ::testing::TestWithParam<std::string> {};
 // to half a pixel apart along the surface.
 std::vector<std::string> SurfaceCombinations() {
   std::vector<std::string> all;
-  for (const std::string& solver : testing::PointToPlaneSolverNames()) {
+  for (const std::string& solver : PointToPlaneSolverNames()) {
     for (const char* residual : {"point_to_plane", "symmetric_point_to_plane"}) {
       all.push_back(solver + "_with_" + residual);
     }
@@ -31,13 +29,12 @@ std::vector<std::string> SurfaceCombinations() {
 }
 
 TEST_P(PoseRecovery, FromEveryDirection) {
-  const Rigid3d world_from_target = testing::PoseBeforeTheCorner();
+  const Rigid3d world_from_target = PoseBeforeTheCorner();
   Vector6d motion;
   motion << 0.01, -0.02, 0.015, 0.02, 0.01, -0.03;
   const Rigid3d target_from_source = LeftIncrement(motion, Rigid3d());
-  const FramePyramid target = testing::OneLevel(testing::RenderCorner(world_from_target));
-  const FramePyramid source =
-      testing::OneLevel(testing::RenderCorner(world_from_target * target_from_source));
+  const FramePyramid target = OneLevel(RenderCorner(world_from_target));
+  const FramePyramid source = OneLevel(RenderCorner(world_from_target * target_from_source));
   IcpOptions options;
   const std::size_t with = GetParam().find("_with_");
   options.solver = GetParam().substr(0, with);
@@ -65,7 +62,7 @@ INSTANTIATE_TEST_SUITE_P(All, PoseRecovery, ::testing::ValuesIn(SurfaceCombinati
 // Other pairs of the same planes; those that reach over an edge are off, and the normal gate leaves
 // them out.
 TEST(Register, FindsTheSamePoseByNearestNeighbours) {
-  const Rigid3d world_from_target = testing::PoseBeforeTheCorner();
+  const Rigid3d world_from_target = PoseBeforeTheCorner();
   const Rigid3d target_from_source(QuaternionExp<double>({0.01, -0.02, 0.015}),
                                    {0.02, 0.01, -0.03});
   IcpOptions options;
@@ -73,17 +70,16 @@ TEST(Register, FindsTheSamePoseByNearestNeighbours) {
   options.max_iterations = 20;
   options.min_relative_rmse_change = 0;
   options.min_increment = 1e-7;
-  const IcpResult result =
-      Register(testing::OneLevel(testing::RenderCorner(world_from_target * target_from_source)),
-               testing::OneLevel(testing::RenderCorner(world_from_target)), Rigid3d(), options);
+  const IcpResult result = Register(OneLevel(RenderCorner(world_from_target * target_from_source)),
+                                    OneLevel(RenderCorner(world_from_target)), Rigid3d(), options);
   EXPECT_TRUE(result.Succeeded());
   EXPECT_THAT(result.target_from_source, RigidNear(target_from_source, kExactToM, kExactToRad));
 }
 
 // Where the world's origin lies is nobody's business: only the pose between the cameras counts.
 TEST(Register, DoesNotKnowTheWorld) {
-  const Rigid3d world_from_target = testing::PoseBeforeTheCorner();
-  const FramePyramid target = testing::OneLevel(testing::RenderCorner(world_from_target));
+  const Rigid3d world_from_target = PoseBeforeTheCorner();
+  const FramePyramid target = OneLevel(RenderCorner(world_from_target));
   const IcpResult result = Register(target, target, Rigid3d(), IcpOptions());
   EXPECT_THAT(result.target_from_source, RigidNear(Rigid3d(), kExactToM, kExactToRad));
   EXPECT_EQ(result.inlier_count, 160 * 120);
@@ -92,4 +88,4 @@ TEST(Register, DoesNotKnowTheWorld) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

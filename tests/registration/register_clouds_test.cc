@@ -1,7 +1,6 @@
 #include "surfit/registration/register_clouds.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <random>
 
@@ -10,7 +9,7 @@
 #include "testing/matchers.h"
 #include "testing/random_pose.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 using ::testing::HasSubstr;
@@ -57,7 +56,7 @@ TEST(RegisterClouds, FindsEachDegreeOfFreedomExactly) {
       const IcpResult result =
           RegisterClouds(Moved(corner, truth.Inverse()), target, Rigid3d(), options);
       EXPECT_TRUE(result.Succeeded());
-      EXPECT_THAT(result.target_from_source, testing::RigidNear(truth, 1e-6, 1e-6));
+      EXPECT_THAT(result.target_from_source, RigidNear(truth, 1e-6, 1e-6));
     }
   }
 }
@@ -68,14 +67,14 @@ TEST(RegisterClouds, FindsEachDegreeOfFreedomExactly) {
 TEST(RegisterClouds, FindsTheMotionOfNoisyClouds) {
   std::mt19937_64 rng(5);
   for (int i = 0; i < 3; ++i) {
-    const Rigid3d truth = testing::RandomPose(0.05, 0.1, &rng);
+    const Rigid3d truth = RandomPose(0.05, 0.1, &rng);
     for (const bool reciprocal : {false, true}) {
       RegisterCloudsOptions options;
       options.reciprocal = reciprocal;
       const IcpResult result = RegisterClouds(Moved(Corner(0.002, 7), truth.Inverse()),
                                               Corner(0.002, 6), Rigid3d(), options);
       EXPECT_TRUE(result.Succeeded());
-      EXPECT_THAT(result.target_from_source, testing::RigidNear(truth, 1.1e-3, 4.8e-4));
+      EXPECT_THAT(result.target_from_source, RigidNear(truth, 1.1e-3, 4.8e-4));
     }
   }
 }
@@ -116,17 +115,16 @@ TEST(RegisterClouds, IsTheSameAtAnyNumberOfThreads) {
 TEST(RegisterClouds, RefusesImpossibleOptions) {
   RegisterCloudsOptions options;
   options.levels = 0;
-  testing::ExpectInputError([&] { RegisterClouds({}, {}, {}, options); },
-                            HasSubstr("levels is 0, must be from 1 to 10"));
+  ExpectInputError([&] { RegisterClouds({}, {}, {}, options); },
+                   HasSubstr("levels is 0, must be from 1 to 10"));
   options = {};
   options.icp.association = "projective";
-  testing::ExpectInputError([&] { RegisterClouds({}, {}, {}, options); },
-                            HasSubstr("association is 'projective', must be 'kd_tree' for clouds"));
+  ExpectInputError([&] { RegisterClouds({}, {}, {}, options); },
+                   HasSubstr("association is 'projective', must be 'kd_tree' for clouds"));
   options = {};
   options.icp.solver = "magic";
-  testing::ExpectInputError([&] { RegisterClouds({}, {}, {}, options); },
-                            HasSubstr("solver is 'magic'"));
+  ExpectInputError([&] { RegisterClouds({}, {}, {}, options); }, HasSubstr("solver is 'magic'"));
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

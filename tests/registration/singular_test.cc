@@ -1,18 +1,13 @@
 #include <gtest/gtest.h>
 
-#include <algorithm>
-
 #include "registration/random_correspondences.h"
 #include "registration/three_planes.h"
 #include "surfit/registration/icp.h"
 #include "surfit/registration/pose_solver.h"
 #include "testing/matchers.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
-
-using testing::PointToPlaneSolverNames;
-using testing::VectorNear;
 
 // Pairs on surfaces that some motions leave as they are: exactly, but for noise along the normal.
 struct Surface {
@@ -28,13 +23,13 @@ Vector6d Twist(const Eigen::Vector3d& w, const Eigen::Vector3d& v) {
 
 void AddPair(const Eigen::Vector3d& p, const Eigen::Vector3d& n, std::mt19937_64* rng,
              Correspondences* pairs) {
-  pairs->Add(p, p + testing::RandomVector(0.01, rng).x() * n, n, n, 1);
+  pairs->Add(p, p + RandomVector(0.01, rng).x() * n, n, n, 1);
 }
 
 Surface OnPlane(std::mt19937_64* rng) {
   Surface plane;
   for (int i = 0; i < 500; ++i) {
-    Eigen::Vector3d p = testing::RandomVector(1, rng);
+    Eigen::Vector3d p = RandomVector(1, rng);
     p.z() = 2;
     AddPair(p, {0, 0, -1}, rng, &plane.pairs);
   }
@@ -47,7 +42,7 @@ Surface OnSphere(std::mt19937_64* rng) {
   const Eigen::Vector3d center(0.1, 0.2, 3);
   Surface sphere;
   for (int i = 0; i < 500; ++i) {
-    const Eigen::Vector3d n = testing::RandomVector(1, rng).normalized();
+    const Eigen::Vector3d n = RandomVector(1, rng).normalized();
     AddPair(center + 0.7 * n, n, rng, &sphere.pairs);
   }
   for (int i = 0; i < 3; ++i) {  // turns about the centre: w x (p - c)
@@ -61,7 +56,7 @@ Surface OnSphere(std::mt19937_64* rng) {
 Surface OnCorridor(std::mt19937_64* rng) {
   Surface corridor;
   for (int i = 0; i < 500; ++i) {
-    Eigen::Vector3d p = Eigen::Vector3d(0, 0, 4) + 2 * testing::RandomVector(1, rng);
+    Eigen::Vector3d p = Eigen::Vector3d(0, 0, 4) + 2 * RandomVector(1, rng);
     const int axis = i % 2;
     const double side = i % 4 < 2 ? -1 : 1;
     p[axis] = side;
@@ -129,11 +124,11 @@ class SingularImages : public ::testing::TestWithParam<std::string> {};
 TEST_P(SingularImages, EndInTheirOwnTermination) {
   IcpOptions options;
   options.solver = GetParam();
-  const Rigid3d world_from_target = testing::PoseBeforeTheCorner();
+  const Rigid3d world_from_target = PoseBeforeTheCorner();
   const Rigid3d offset(QuaternionExp<double>({0.003, -0.002, 0.004}), {0.006, -0.004, 0.005});
   // Float normals are off by 2^-24, which the direction that is free holds with its square.
   for (const int planes : {1, 2}) {
-    const FramePyramid target = testing::OneLevel(testing::RenderCorner(world_from_target, planes));
+    const FramePyramid target = OneLevel(RenderCorner(world_from_target, planes));
     const IcpResult result = Register(target, target, offset, options);
     EXPECT_EQ(result.termination, Termination::kSingularSystem) << planes;
     EXPECT_FALSE(result.Succeeded());
@@ -158,16 +153,16 @@ TEST_P(SingularImages, EndInTheirOwnTermination) {
 TEST(Register, LeavesAloneWhatOnlyNoiseOfTheNormalsHolds) {
   std::mt19937_64 rng(1);
   std::normal_distribution<double> normal(0, 0.05);
-  const Rigid3d world_from_camera = testing::PoseBeforeTheCorner();
+  const Rigid3d world_from_camera = PoseBeforeTheCorner();
   const auto noisy_wall = [&] {
-    FrameLevel level = testing::RenderCorner(world_from_camera, 1);
+    FrameLevel level = RenderCorner(world_from_camera, 1);
     for (int i = 0; i < static_cast<int>(level.normal.z.size()); ++i) {
       const double x = normal(rng), y = normal(rng), z = normal(rng);
       const Eigen::Vector3f n = level.normal(i % 160, i / 160);
       if (n.isZero(0)) continue;
       level.normal.Set(i % 160, i / 160, (n + Eigen::Vector3d(x, y, z).cast<float>()).normalized());
     }
-    return testing::OneLevel(level);
+    return OneLevel(level);
   };
   const FramePyramid source = noisy_wall(), target = noisy_wall();
   const Rigid3d start(QuaternionExp<double>({0.003, -0.002, 0.004}), {0.006, -0.004, 0.005});
@@ -192,4 +187,4 @@ INSTANTIATE_TEST_SUITE_P(AllSolvers, SingularImages, ::testing::ValuesIn(PointTo
                          [](const auto& instance) { return instance.param; });
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

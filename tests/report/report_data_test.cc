@@ -6,7 +6,7 @@
 #include <cstring>
 #include <limits>
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 // Surfels at x = 0, 1, ..., count - 1 metres.
@@ -116,4 +116,4 @@ TEST(EncodeBase64, WritesNumbersLittleEndian) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

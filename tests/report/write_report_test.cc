@@ -1,7 +1,6 @@
 #include "surfit/report/write_report.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <filesystem>
 
@@ -9,14 +8,11 @@
 #include "testing/expect_input_error.h"
 #include "testing/temp_folder.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
-using testing::ExpectInputError;
 using ::testing::HasSubstr;
 using ::testing::Not;
-using testing::ReadBytes;
-using testing::TempFolder;
 
 // The least that a run's folder holds.
 class WriteReportTest : public ::testing::Test {
@@ -67,4 +63,4 @@ TEST_F(WriteReportTest, RefusesWhatIsNoRun) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

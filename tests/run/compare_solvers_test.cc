@@ -1,5 +1,4 @@
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <random>
 
@@ -9,7 +8,7 @@
 #include "testing/expect_input_error.h"
 #include "testing/random_pose.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 using ::testing::AllOf;
@@ -137,32 +136,29 @@ TEST(SolverCombinations, ListWhatIsPossible) {
   CompareOptions options = OnKnownPairs();
   options.solvers = {"ceres", "svd"};
   options.residuals = {"point_to_point", "plane_to_plane"};
-  testing::ExpectInputError(
-      [&] { Validate(options); },
-      AllOf(HasSubstr("solvers has 'svd'"), HasSubstr("residuals has 'plane_to_plane'"),
-            HasSubstr("svd takes point_to_point only")));
+  ExpectInputError([&] { Validate(options); }, AllOf(HasSubstr("solvers has 'svd'"),
+                                                     HasSubstr("residuals has 'plane_to_plane'"),
+                                                     HasSubstr("svd takes point_to_point only")));
   options = OnKnownPairs();
   options.solvers = {"magic"};
-  testing::ExpectInputError([&] { Validate(options); },
-                            AllOf(HasSubstr("solvers has 'magic'"), HasSubstr("closed_form_ldlt"),
-                                  HasSubstr("ceres"), HasSubstr("tiny")));
+  ExpectInputError([&] { Validate(options); },
+                   AllOf(HasSubstr("solvers has 'magic'"), HasSubstr("closed_form_ldlt"),
+                         HasSubstr("ceres"), HasSubstr("tiny")));
   options = OnKnownPairs();
   options.residuals = {"magic"};
-  testing::ExpectInputError(
-      [&] { Validate(options); },
-      AllOf(HasSubstr("residuals has 'magic'"), HasSubstr("symmetric_point_to_plane")));
+  ExpectInputError([&] { Validate(options); }, AllOf(HasSubstr("residuals has 'magic'"),
+                                                     HasSubstr("symmetric_point_to_plane")));
   options = OnKnownPairs();
   options.linear_solvers = {"magic"};
-  testing::ExpectInputError(
-      [&] { Validate(options); },
-      AllOf(HasSubstr("linear_solvers has 'magic'"), HasSubstr("sparse_normal_cholesky")));
+  ExpectInputError([&] { Validate(options); }, AllOf(HasSubstr("linear_solvers has 'magic'"),
+                                                     HasSubstr("sparse_normal_cholesky")));
   options = OnKnownPairs();
   options.associations = {"kd_tree"};
-  testing::ExpectInputError([&] { Validate(options); }, HasSubstr("associations is kd_tree"));
+  ExpectInputError([&] { Validate(options); }, HasSubstr("associations is kd_tree"));
   options = OnSequence();
   options.associations = {"magic"};
-  testing::ExpectInputError([&] { Validate(options); }, AllOf(HasSubstr("associations has 'magic'"),
-                                                              HasSubstr("projective, kd_tree")));
+  ExpectInputError([&] { Validate(options); },
+                   AllOf(HasSubstr("associations has 'magic'"), HasSubstr("projective, kd_tree")));
 }
 
 TEST(StartPoses, CellsAreEachWithEach) {
@@ -176,7 +172,7 @@ TEST(StartPoses, CellsAreEachWithEach) {
 
 TEST(StartPoses, AreOffByTheGivenAngleAndDistance) {
   std::mt19937_64 rng(1);
-  const Rigid3d pose = testing::RandomPose(1, 1, &rng);
+  const Rigid3d pose = RandomPose(1, 1, &rng);
   for (const std::uint64_t seed : {1, 2, 3}) {
     const Rigid3d start = Perturbed(pose, 0.3, 0.2, seed);
     const Rigid3d motion = start * pose.Inverse();  // of the target's frame
@@ -196,4 +192,4 @@ TEST(StartPoses, DependOnTheSeedAlone) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -17,7 +17,7 @@
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 // The names of one struct's fields, without those of its parts.
@@ -76,4 +76,4 @@ TEST(DefaultOptions, AreValid) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

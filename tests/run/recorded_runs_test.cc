@@ -12,19 +12,19 @@
 #include "testing/shared_data.h"
 #include "testing/temp_folder.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 SlamRunOptions Options(const std::string& sequence, int last) {
   SlamRunOptions options;
-  options.sequence.path = testing::SharedData(sequence);
+  options.sequence.path = SharedData(sequence);
   options.sequence.last = last;
   options.pictures = false;
   return options;
 }
 
 SlamRunSummary RunOnce(SlamRunOptions options) {
-  const testing::TempFolder output;
+  const TempFolder output;
   options.output = output.path();
   return RunSlam(options, false, [](const SlamRunProgress&) {});
 }
@@ -119,7 +119,7 @@ TEST(RecordedRuns, FusionAlongTheTruthIsCompactExactAndComplete) {
   SlamRunOptions options = Options("icl_office", -1);
   options.sequence.prepare.downsample = 2;
   options.poses = "groundtruth";
-  const testing::TempFolder output;
+  const TempFolder output;
   options.output = output.path();
   const SlamRunSummary summary = RunSlam(options, false, [](const SlamRunProgress&) {});
   EXPECT_EQ(summary.frames_tracked, 200);
@@ -147,9 +147,9 @@ TEST(RecordedRuns, HaveTheSameDigestAtAnyNumberOfThreads) {
 // surfaces must speak for the loop.
 TEST(RecordedRuns, ReturnsToTheKitchenAreLinkedByTheirLooks) {
   SURFIT_REQUIRE_SHARED_DATA("seven_scenes_kitchen");
-  const testing::TempFolder folder;
+  const TempFolder folder;
   FindLoopsRunOptions options;
-  options.sequence.path = testing::SharedData("seven_scenes_kitchen");
+  options.sequence.path = SharedData("seven_scenes_kitchen");
   options.trajectory = folder / "groundtruth.txt";
   options.output = folder / "loops";
   options.loops.max_near = 0;
@@ -164,4 +164,4 @@ TEST(RecordedRuns, ReturnsToTheKitchenAreLinkedByTheirLooks) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

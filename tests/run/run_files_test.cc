@@ -1,5 +1,4 @@
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <filesystem>
 
@@ -12,11 +11,10 @@
 #include "testing/matchers.h"
 #include "testing/temp_folder.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 using ::testing::ElementsAre;
-using testing::RigidNear;
 
 SurfelMap OneSurfel() {
   SurfelMap map;
@@ -205,7 +203,7 @@ TEST(KeptViews, AreKeptWhereSomethingHappens) {
 
 // Each reason's own frame: as many as there can be.
 TEST(KeptViews, WriteOnlyFilesThatALaterRunRemoves) {
-  const testing::TempFolder folder;
+  const TempFolder folder;
   KeptViews views;
   const SurfelMap map = Map();
   const auto offer = [&](int index, const FrameReport& report) {
@@ -227,4 +225,4 @@ TEST(KeptViews, WriteOnlyFilesThatALaterRunRemoves) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -1,14 +1,13 @@
 #include "run/tracking_dump.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "registration/three_planes.h"
 #include "surfit/frame/frame_pyramid.h"
 #include "testing/expect_input_error.h"
 #include "testing/temp_folder.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 using ::testing::AllOf;
@@ -46,7 +45,7 @@ SlamOptions OtherOptions() {
 Rigid3d Motion() { return {QuaternionExp<double>({0.02, -0.03, 0.01}), {0.01, 0.02, -0.03}}; }
 
 Image<Rgb8> Stripes(int shift_px) {
-  const PinholeCamera camera = testing::CornerCamera();
+  const PinholeCamera camera = CornerCamera();
   Image<Rgb8> color(camera.width, camera.height);
   for (int v = 0; v < camera.height; ++v) {
     for (int u = 0; u < camera.width; ++u) {
@@ -62,11 +61,11 @@ class TrackingDumps : public ::testing::Test {
   // A frame of a noisy sensor before a corner, lost with the options.
   void Write(const SlamOptions& options) {
     const auto pyramid = [&](const Rigid3d& pose) {
-      FrameLevel finest = testing::RenderCorner(pose);
+      FrameLevel finest = RenderCorner(pose);
       finest.noise.inverse_depth_sigma = kSigma;
       return BuildPyramid(finest, options.preprocess);
     };
-    const Rigid3d pose = testing::PoseBeforeTheCorner();
+    const Rigid3d pose = PoseBeforeTheCorner();
     target_ = pyramid(pose);
     source_ = pyramid(pose * Motion());
     const Image<Rgb8> source_color = Stripes(1), target_color = Stripes(4);
@@ -79,7 +78,7 @@ class TrackingDumps : public ::testing::Test {
   std::string path() const { return folder_ / "frame-000017"; }
   static constexpr double kSigma = 0.0031;
 
-  testing::TempFolder folder_;
+  TempFolder folder_;
   FramePyramid source_, target_;
   Rigid3d initial_ = {QuaternionExp<double>({0.01, 0, 0.1 / 3}), {0.01, 1.0 / 3000, 0}};
   IcpResult result_;
@@ -130,19 +129,18 @@ TEST_F(TrackingDumps, KeepEveryOption) {
 }
 
 TEST_F(TrackingDumps, SayWhatIsWrongWithTheirFiles) {
-  testing::ExpectInputError([] { ReadTrackingDump("nowhere"); },
-                            HasSubstr("cannot read 'nowhere/frame.json': No such file"));
+  ExpectInputError([] { ReadTrackingDump("nowhere"); },
+                   HasSubstr("cannot read 'nowhere/frame.json': No such file"));
   Write(SlamOptions());
   folder_.Write("frame-000017/frame.json", "{\"frame\": 1}");
-  testing::ExpectInputError([&] { ReadTrackingDump(path()); },
-                            AllOf(HasSubstr("frame.json: "), HasSubstr("preprocess")));
+  ExpectInputError([&] { ReadTrackingDump(path()); },
+                   AllOf(HasSubstr("frame.json: "), HasSubstr("preprocess")));
   folder_.Write("frame-000017/frame.json", "nonsense");
-  testing::ExpectInputError([&] { ReadTrackingDump(path()); }, HasSubstr("frame.json: "));
+  ExpectInputError([&] { ReadTrackingDump(path()); }, HasSubstr("frame.json: "));
   Write(SlamOptions());
-  folder_.Write("frame-000017/target.ply",
-                testing::ReadBytes(path() + "/source.ply").substr(0, 1000));
-  testing::ExpectInputError([&] { ReadTrackingDump(path()); }, HasSubstr("target.ply"));
+  folder_.Write("frame-000017/target.ply", ReadBytes(path() + "/source.ply").substr(0, 1000));
+  ExpectInputError([&] { ReadTrackingDump(path()); }, HasSubstr("target.ply"));
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

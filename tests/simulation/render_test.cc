@@ -1,7 +1,6 @@
 #include "surfit/simulation/render.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,7 +14,7 @@
 #include "testing/expect_input_error.h"
 #include "testing/shared_data.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 using Eigen::Vector3d;
@@ -301,8 +300,8 @@ TEST(Kinect, DependsOnTheSeedAndNotOnTheThreads) {
 TEST(Kinect, RefusesBadOptionsByName) {
   KinectOptions options;
   options.max_depth_m = 0.2;
-  testing::ExpectInputError([&] { KinectDepth(Image<float>(640, 480, 1.f), Camera(), 1, options); },
-                            ::testing::HasSubstr("max_depth_m is 0.2, must be above min_depth_m"));
+  ExpectInputError([&] { KinectDepth(Image<float>(640, 480, 1.f), Camera(), 1, options); },
+                   ::testing::HasSubstr("max_depth_m is 0.2, must be above min_depth_m"));
 }
 
 // The shared recording was made from icl_office by the noise model that ours follows.
@@ -319,8 +318,8 @@ class KinectAgainstRecording : public ::testing::Test {
     for (int i = 0; i < kFrames; ++i) {
       char name[32];
       std::snprintf(name, sizeof(name), "/depth/%.6f.png", 2 + i * 40 / 30.0);
-      exact_.push_back(Load(testing::SharedData("icl_office") + name));
-      recorded_.push_back(Load(testing::SharedData("icl_office_kinect") + name));
+      exact_.push_back(Load(SharedData("icl_office") + name));
+      recorded_.push_back(Load(SharedData("icl_office_kinect") + name));
       ours_.push_back(KinectDepth(exact_.back(), camera, i));
     }
   }
@@ -388,4 +387,4 @@ TEST_F(KinectAgainstRecording, HasTheSameSpreadAtEachDistanceAndNoBias) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

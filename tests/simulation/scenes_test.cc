@@ -1,5 +1,4 @@
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,11 +14,10 @@
 #include "testing/expect_input_error.h"
 #include "testing/matchers.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 using Eigen::Vector3d;
-using testing::VectorNear;
 
 TEST(TurnZInto, BringsZIntoTheDirectionTheShortWay) {
   for (const Vector3d& direction :
@@ -129,7 +127,7 @@ TEST(Scene, DistanceIsTheLeastOfAllObjects) {
 }
 
 TEST(Scenes, AnUnknownNameListsTheKnown) {
-  testing::ExpectInputError(
+  ExpectInputError(
       [] { MakeScene("kitchen"); },
       ::testing::StrEq("scene is 'kitchen', must be one of corridor, room, sphere, three_planes, "
                        "three_rooms, wall"));
@@ -293,13 +291,13 @@ TEST(CameraPath, HasTheStampsOfTheFrameRate) {
 
 TEST(CameraPath, RefusesBadInput) {
   const Scene wall = MakeScene("wall");
-  testing::ExpectInputError([&] { MakePath(wall, 0, 1); },
-                            ::testing::StrEq("frames is 0, must be at least 1"));
+  ExpectInputError([&] { MakePath(wall, 0, 1); },
+                   ::testing::StrEq("frames is 0, must be at least 1"));
   PathOptions options;
   options.max_turn_deg = 0.1;
-  testing::ExpectInputError([&] { MakePath(wall, 5, 1, options); },
-                            ::testing::HasSubstr("max_turn_deg is 0.1"));
+  ExpectInputError([&] { MakePath(wall, 5, 1, options); },
+                   ::testing::HasSubstr("max_turn_deg is 0.1"));
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -8,7 +8,7 @@
 #include "simulation/random.h"
 #include "surfit/simulation/scene.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 using Eigen::Vector3d;
@@ -186,4 +186,4 @@ TEST(Shape, KnownHits) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

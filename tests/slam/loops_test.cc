@@ -1,6 +1,5 @@
 // Loops, loss and recovery of the whole pipeline, on simulated rooms.
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,11 +8,8 @@
 #include "slam/simulated_sequence.h"
 #include "surfit/core/parallel.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
-
-using testing::Sensor;
-using testing::SimulatedSequence;
 
 SlamOptions WithLoops() {
   SlamOptions options;
@@ -23,8 +19,8 @@ SlamOptions WithLoops() {
 
 // A room's path, another room, which the map does not know, and the beginning of the path again.
 SimulatedSequence KidnappedAndBack(int known, int unknown, int seen_again) {
-  const SimulatedSequence room = testing::SimulateRoom(1, known, Sensor::kKinect);
-  const SimulatedSequence other = testing::SimulateRoom(3, unknown, Sensor::kKinect);
+  const SimulatedSequence room = SimulateRoom(1, known, Sensor::kKinect);
+  const SimulatedSequence other = SimulateRoom(3, unknown, Sensor::kKinect);
   SimulatedSequence sequence = room;
   const auto add = [&](const SimulatedSequence& from, int begin, int end) {
     for (int i = begin; i < end; ++i) {
@@ -102,7 +98,7 @@ TEST(SlamLoopsThreads, GiveTheSameResult) {
   };
   const LoopRun expected = run(1);
   const LoopRun other = run(2);
-  testing::ExpectSameMap(other.map, expected.map);
+  ExpectSameMap(other.map, expected.map);
   ASSERT_EQ(other.frames.size(), expected.frames.size());
   for (std::size_t i = 0; i < other.frames.size(); ++i) {
     EXPECT_EQ(other.frames[i].world_from_camera.Matrix(),
@@ -111,4 +107,4 @@ TEST(SlamLoopsThreads, GiveTheSameResult) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

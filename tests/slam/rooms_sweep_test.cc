@@ -1,12 +1,15 @@
-// Whole runs over simulated rooms of the size that sensors have.
+// Whole runs over simulated rooms of the size that sensors have, and wrong loops in them.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdio>
 #include <memory>
+#include <random>
 
 #include "slam/simulated_sequence.h"
+#include "surfit/evaluation/trajectory_evaluation.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 class RoomsSweep : public ::testing::TestWithParam<int> {};
@@ -19,7 +22,7 @@ TEST_P(RoomsSweep, AKinectIsTrackedWithin8MillimetresOver300Frames) {
   const auto seed = static_cast<std::uint64_t>(GetParam());
   const Scene scene = MakeScene("room", seed);
   std::vector<Rigid3d> truth;
-  testing::SlamRun run;
+  SlamRun run;
   std::unique_ptr<Slam> slam;
   for (const StampedPose& pose : MakePath(scene, kCount, seed)) {
     const int index = static_cast<int>(truth.size());
@@ -30,12 +33,102 @@ TEST_P(RoomsSweep, AKinectIsTrackedWithin8MillimetresOver300Frames) {
     run.reports.push_back(slam->Process(frame));
     EXPECT_NE(run.reports.back().state, FrameState::kLost) << index;
   }
-  const double rms_m = testing::ErrorsOf(run, truth).rms_m;
+  const double rms_m = ErrorsOf(run, truth).rms_m;
   std::printf("room %d: %.2f mm\n", GetParam(), 1e3 * rms_m);
   EXPECT_LE(rms_m, 0.008);
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, RoomsSweep, ::testing::Values(1, 2, 3, 4, 5));
 
+// Half of a Kinect's resolution: with less, runs that differ by nothing but rounding end as far
+// from each other as some wrong loops would take them.
+const PinholeCamera kCamera = {320, 240, 262.5, 262.5, 159.5, 119.5, {}};
+constexpr int kLength = 1500;
+constexpr int kRightPerWrong = 9;  // a tenth of all loops is wrong
+
+// How a wrong loop errs.
+enum class Wrong {
+  kNone,      // there are none
+  kAnywhere,  // joined to any earlier keyframe, at any pose within the size of a room
+  kNear,      // joined to where odometry believes it is, but for 0.3 m and 10 degrees
+};
+
+double Uniform(std::mt19937_64* rng) { return 2 * std::ldexp((*rng)() >> 11, -53) - 1; }
+
+Rigid3d RandomMotion(double way_m, double turn_rad, std::mt19937_64* rng) {
+  const Eigen::Vector3d axis =
+      Eigen::Vector3d(Uniform(rng), Uniform(rng), Uniform(rng)).normalized();
+  const Eigen::Vector3d way(Uniform(rng), Uniform(rng), Uniform(rng));
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(turn_rad, axis)), way_m * way.normalized()};
+}
+
+LoopAttempt WrongLoop(Wrong wrong, int source, const std::vector<Keyframe>& keyframes,
+                      const FarVerdict& as_sure_as, std::mt19937_64* rng) {
+  LoopAttempt attempt;
+  attempt.proposal.source = source;
+  attempt.proposal.target = static_cast<int>((*rng)() % static_cast<std::uint64_t>(source));
+  attempt.verdict = as_sure_as;
+  attempt.verdict.target_from_source =
+      wrong == Wrong::kAnywhere
+          ? RandomMotion(3 * std::abs(Uniform(rng)), M_PI * Uniform(rng), rng)
+          : keyframes[attempt.proposal.target].world_from_camera.Inverse() *
+                keyframes[source].world_from_camera * RandomMotion(0.3, M_PI / 18, rng);
+  return attempt;
+}
+
+// The library's way, with wrong loops, as sure of themselves as right ones, among those accepted.
+LoopFinder Misled(Wrong wrong, const FindLoopsOptions& options, int* planted) {
+  return [=, rng = std::mt19937_64(5), right = 0](
+             int source, const std::vector<Keyframe>& keyframes, const PlaceIndex& index) mutable {
+    std::vector<LoopAttempt> attempts = FindLoops(source, keyframes, index, options);
+    if (wrong == Wrong::kNone) return attempts;
+    for (std::size_t i = 0, found = attempts.size(); i < found; ++i) {
+      if (!attempts[i].verdict.accepted() || ++right % kRightPerWrong != 0) continue;
+      attempts.push_back(WrongLoop(wrong, source, keyframes, attempts[i].verdict, &rng));
+      ++*planted;
+    }
+    return attempts;
+  };
+}
+
+struct Outcome {
+  double ate_m = 0;
+  BackendCounts counts;
+  int planted = 0;
+};
+
+Outcome RunMisled(const SimulatedSequence& sequence, Wrong wrong) {
+  SlamOptions options;
+  options.loops.enabled = true;
+  Slam slam({sequence.camera, {}}, options, sequence.world_from_camera[0]);
+  Outcome outcome;
+  slam.UseLoopFinder(Misled(wrong, options.loops.find, &outcome.planted));
+  for (const RgbdFrame& frame : sequence.frames) slam.Process(frame);
+  slam.Finish();
+  std::vector<MatchedPose> poses;
+  for (const PosedFrame& frame : slam.backend()->frames()) {
+    poses.push_back(
+        {frame.stamp_s, sequence.world_from_camera[frame.index], frame.world_from_camera});
+  }
+  outcome.ate_m = ComputeAbsoluteTrajectoryError(poses).value().translation_m.rmse;
+  outcome.counts = slam.backend()->counts();
+  std::printf("%d wrong loops: %zu of %zu accepted, ATE %.2f mm\n", outcome.planted,
+              outcome.counts.loops_accepted, outcome.counts.loops_proposed, 1e3 * outcome.ate_m);
+  return outcome;
+}
+
+TEST(WrongLoopsSweep, ATenthOfThemHardlyMovesTheTrajectory) {
+  const auto sequence = Simulate("three_rooms", 4, kLength, Sensor::kKinect, kCamera);
+  const Outcome clean = RunMisled(sequence, Wrong::kNone);
+  ASSERT_EQ(clean.planted, 0);
+  for (const Wrong wrong : {Wrong::kAnywhere, Wrong::kNear}) {
+    const Outcome misled = RunMisled(sequence, wrong);
+    // Of a few loops more or less than in the clean run.
+    EXPECT_GE(kRightPerWrong * misled.planted,
+              0.8 * static_cast<double>(clean.counts.loops_accepted));
+    EXPECT_LE(misled.ate_m, 1.1 * clean.ate_m);
+  }
+}
+
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

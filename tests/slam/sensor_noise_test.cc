@@ -1,28 +1,23 @@
 // An odd noise of the sensor, told once, is what every stage counts with.
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include <cmath>
-#include <mutex>
 #include <vector>
 
 #include "mapping/plane_frame.h"
 #include "places/simulated_places.h"
 #include "registration/simulated_views.h"
-#include "slam/ideal_room.h"
+#include "slam/simulated_sequence.h"
 #include "surfit/places/find_loops.h"
 #include "surfit/refinement/refine.h"
 #include "surfit/slam/slam.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 using ::testing::Each;
-using testing::IdealRoom;
 using ::testing::IsEmpty;
 using ::testing::Not;
-using testing::SimulatedSequence;
 
 constexpr double kOdd = 0.0031;  // 1/m
 
@@ -46,7 +41,7 @@ TEST(SensorNoise, IsOnFramesAndOnViewsOfTheMap) {
     AddNoises(lost.target, &noises);
   });
   for (int i = 0; i < 3; ++i) slam.Process(room.frames[i]);
-  slam.Process(testing::Blank(3));
+  slam.Process(Blank(3));
   EXPECT_THAT(noises, Not(IsEmpty()));
   EXPECT_THAT(noises, Each(kOdd));
 }
@@ -73,7 +68,7 @@ TEST(SensorNoise, IsOnKeyframesThatLoopsAndRelocalisationWorkOn) {
 
 // With no floor to speak of, twice the noise is a quarter of the information.
 TEST(SensorNoise, WeighsInRegistration) {
-  const testing::SimulatedViews views = testing::MakeViews(0, 3);
+  const SimulatedViews views = MakeViews(0, 3);
   IcpOptions options;
   options.error_model.floor_sigma_m = 1e-6;
   options.error_model.kernel.type = RobustKernelType::kNone;
@@ -89,13 +84,13 @@ TEST(SensorNoise, WeighsInRegistration) {
 // At 2 m free space is seen through up to 50 mm + 4 sigma in front of what is measured: 82 mm by
 // the default, 210 mm with a sigma of 40 mm.
 TEST(SensorNoise, WidensWhatFusionTakesForTheSurface) {
-  const PinholeCamera camera = testing::SimulatedCamera();
+  const PinholeCamera camera = SimulatedCamera();
   const auto removed = [&](double sigma) {
     SurfelMap map;
     Fusion fusion((FusionOptions()));
-    testing::FrameWithSurface seen = testing::WallFrame(camera, {}, 1.9, 0);
+    FrameWithSurface seen = WallFrame(camera, {}, 1.9, 0);
     fusion.Fuse(seen.frame, seen.surface, {}, &map);
-    seen = testing::WallFrame(camera, {}, 2, 1);
+    seen = WallFrame(camera, {}, 2, 1);
     seen.surface.noise.inverse_depth_sigma = sigma;
     return fusion.Fuse(seen.frame, seen.surface, {}, &map).removed;
   };
@@ -105,7 +100,7 @@ TEST(SensorNoise, WidensWhatFusionTakesForTheSurface) {
 
 // At 2 m sigma is 4 mm with the floor alone, and ten times that with most noise.
 TEST(SensorNoise, WeighsInRecovery) {
-  const testing::SimulatedColoredViews views = testing::MakeColoredViews(70, 50, 12);
+  const SimulatedColoredViews views = MakeColoredViews(70, 50, 12);
   const auto information = [&](double sigma) {
     ColoredView source = views.source, target = views.target;
     SetNoise(sigma, &source.pyramid);
@@ -120,7 +115,7 @@ TEST(SensorNoise, WeighsInRecovery) {
 }
 
 TEST(SensorNoise, WidensWhatRelocalisationTakesForInliers) {
-  const testing::RoomOfKeyframes& room = testing::MakeRoomOfKeyframes(1);
+  const RoomOfKeyframes& room = MakeRoomOfKeyframes(1);
   const auto inliers = [&](double sigma) {
     std::vector<Keyframe> keyframes = {room.keyframes[0]};
     PlaceView view = room.keyframes[1].view;
@@ -137,7 +132,7 @@ TEST(SensorNoise, WidensWhatRelocalisationTakesForInliers) {
 
 // With no floor and no kernel, the same residuals are half as many sigmas of twice the noise.
 TEST(SensorNoise, IsTheUnitOfRefinement) {
-  const SimulatedSequence room = testing::SimulateRoom(7, 24, testing::Sensor::kKinect);
+  const SimulatedSequence room = SimulateRoom(7, 24, Sensor::kKinect);
   RefinementOptions options;
   options.error_model.floor_sigma_m = 1e-6;
   options.error_model.kernel.type = RobustKernelType::kNone;
@@ -159,4 +154,4 @@ TEST(SensorNoise, IsTheUnitOfRefinement) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

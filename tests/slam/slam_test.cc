@@ -1,34 +1,20 @@
 #include "surfit/slam/slam.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <limits>
 
 #include "mapping/same_map.h"
-#include "slam/ideal_room.h"
+#include "slam/simulated_sequence.h"
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 #include "testing/expect_input_error.h"
 #include "testing/matchers.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
-using testing::ErrorsOf;
-using testing::ExpectInputError;
-using testing::ExpectSameMap;
 using ::testing::HasSubstr;
-using testing::IdealRoom;
-using testing::kPixelAt2m;
-using testing::kPixelRad;
-using testing::PoseErrors;
-using testing::RigidNear;
-using testing::RunSlam;
-using testing::Sensor;
-using testing::SimulatedSequence;
-using testing::SimulateRoom;
-using testing::SlamRun;
 
 // Long enough for drift to outgrow the noise of single poses.
 const SimulatedSequence& KinectRoom(int seed) {
@@ -93,7 +79,7 @@ SlamOptions WithIntensities() {
 // A wall's shape leaves open where along it the camera is; the colours that the map has of it do
 // not.
 TEST(Slam, TracksAlongATexturedWallByItsIntensities) {
-  const SimulatedSequence wall = testing::Simulate("wall", 1, 40, Sensor::kKinect);
+  const SimulatedSequence wall = Simulate("wall", 1, 40, Sensor::kKinect);
   const Rigid3d& start = wall.world_from_camera[0];
   const SlamRun run = RunSlam(wall, WithIntensities(), start);
   ExpectAllTracked(run);
@@ -274,11 +260,7 @@ TEST(SlamOptions, RefuseWhatMakesNoSense) {
     SlamOptions options;
     change(options);
     ExpectInputError([&] { Validate(options); }, HasSubstr(message));
-    ExpectInputError(
-        [&] {
-          Slam({testing::SimulatedCamera(), {}}, options, {});
-        },
-        HasSubstr(message));
+    ExpectInputError([&] { Slam({SimulatedCamera(), {}}, options, {}); }, HasSubstr(message));
   };
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   Validate(SlamOptions());
@@ -305,10 +287,10 @@ TEST(SlamOptions, RefuseWhatMakesNoSense) {
                  "icp.gates.max_distance_m is -1");
   expect_refused([](auto& o) { o.fusion.merge_distance_m = 0; }, "fusion.merge_distance_m is 0");
   expect_refused([](auto& o) { o.render.radius_share = 0; }, "render.radius_share is 0");
-  PinholeCamera camera = testing::SimulatedCamera();
+  PinholeCamera camera = SimulatedCamera();
   camera.fx = 0;
   ExpectInputError([&] { Slam({camera, {}}, SlamOptions(), {}); }, HasSubstr("camera: fx is 0"));
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <fcntl.h>
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -71,6 +71,14 @@ class RunningProgram {
   TempFolder folder_;
   pid_t pid_ = -1;
 };
+
+// Bad input: exit code 1, one sentence on stderr, nothing on stdout.
+inline void ExpectRefused(const ProgramResult& result, const std::string& message) {
+  EXPECT_EQ(result.exit_code, 1) << message;
+  EXPECT_THAT(result.out, ::testing::IsEmpty()) << message;
+  EXPECT_THAT(result.err, ::testing::AllOf(::testing::MatchesRegex("error: [^\n]*\n"),
+                                           ::testing::HasSubstr(message)));
+}
 
 // Runs one of our programs to its end: RunProgram("surfit_evaluate", {"--estimate=" + path}).
 inline ProgramResult RunProgram(const std::string& name,

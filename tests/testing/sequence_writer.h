@@ -2,13 +2,36 @@
 
 #include <cstdint>
 #include <cstdio>
+#include <opencv2/imgcodecs.hpp>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "surfit/core/image.h"
+#include "surfit/io/frame_source.h"
 #include "surfit/io/sequence.h"
 #include "testing/temp_folder.h"
-#include "testing/write_images.h"
 
 namespace surfit::testing {
+
+// Image files for the readers to read, of the kind that the name's ending says.
+inline void WriteDepth(const std::string& path, const Image<std::uint16_t>& raw) {
+  cv::imwrite(path,
+              cv::Mat(raw.height(), raw.width(), CV_16UC1, const_cast<std::uint16_t*>(raw.data())));
+}
+
+inline void WriteDepth(const std::string& path, const Image<float>& metres) {
+  cv::imwrite(
+      path, cv::Mat(metres.height(), metres.width(), CV_32FC1, const_cast<float*>(metres.data())));
+}
+
+inline void WriteColor(const std::string& path, const Image<Rgb8>& color,
+                       const std::vector<int>& parameters = {}) {
+  cv::Mat bgr(color.height(), color.width(), CV_8UC3);
+  for (std::size_t i = 0; i < color.size(); ++i)
+    bgr.at<cv::Vec3b>(static_cast<int>(i)) = {color[i].b, color[i].g, color[i].r};
+  cv::imwrite(path, bgr, parameters);
+}
 
 // How the sequence in a folder is opened.
 inline SequenceOptions Options(const TempFolder& folder) {
@@ -60,6 +83,12 @@ inline void WriteTumSequence(const TempFolder& folder, int count, double fy = 30
   folder.Write("depth.txt", depth);
   folder.Write("groundtruth.txt", poses);
   folder.Write("camera.yaml", SmallCameraYaml(fy));
+}
+
+inline std::vector<ReadResult> ReadAll(FrameSource* source) {
+  std::vector<ReadResult> results;
+  while (auto result = source->Next()) results.push_back(std::move(*result));
+  return results;
 }
 
 }  // namespace surfit::testing

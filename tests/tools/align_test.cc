@@ -1,5 +1,4 @@
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "surfit/io/point_cloud.h"
 #include "testing/run_program.h"
@@ -11,7 +10,6 @@ namespace {
 using ::testing::AllOf;
 using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 using ::testing::Not;
 using ::testing::StartsWith;
 
@@ -86,13 +84,8 @@ TEST_F(AlignTool, RefusesBadInputInOneSentence) {
       {{"--initialize=magic"}, "initialize is 'magic', must be one of: identity, so3, features"},
       {{"--nonsense=1"}, "nonsense"},
   };
-  for (const auto& [flags, message] : cases) {
-    const ProgramResult result = Align(Room(), flags);
-    EXPECT_EQ(result.exit_code, 1) << message;
-    EXPECT_THAT(result.err, AllOf(StartsWith("error: "), HasSubstr(message)));
-    EXPECT_THAT(result.out, IsEmpty());
-  }
-  EXPECT_THAT(Align(own_ / "nowhere", {}).err, AllOf(StartsWith("error: "), HasSubstr("nowhere")));
+  for (const auto& [flags, message] : cases) ExpectRefused(Align(Room(), flags), message);
+  ExpectRefused(Align(own_ / "nowhere", {}), "nowhere");
 }
 
 TEST_F(AlignTool, StartsFromFeaturesAndSaysWhatVerifiedTheFit) {

@@ -1,5 +1,4 @@
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -215,11 +214,7 @@ TEST_F(CompareTool, RefusesBadInputInOneSentence) {
       {{"--synthetic_points=10", "--slam"}, "slam is set, must have a sequence"},
       {{"--replay=nowhere"}, "cannot read 'nowhere/frame.json': No such file"},
   };
-  for (const auto& [flags, message] : cases) {
-    const ProgramResult result = Compare(flags);
-    EXPECT_EQ(result.exit_code, 1) << message;
-    EXPECT_THAT(result.err, AllOf(StartsWith("error: "), HasSubstr(message)));
-  }
+  for (const auto& [flags, message] : cases) ExpectRefused(Compare(flags), message);
 }
 
 }  // namespace

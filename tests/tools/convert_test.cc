@@ -1,23 +1,18 @@
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "surfit/io/point_cloud.h"
 #include "surfit/io/sequence.h"
-#include "testing/read_all.h"
 #include "testing/run_program.h"
 #include "testing/sequence_writer.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 using ::testing::HasSubstr;
-using testing::ProgramResult;
-using testing::RunProgram;
-using testing::TempFolder;
 
 TEST(ConvertTool, WritesASequenceAsKlg) {
   const TempFolder folder;
-  testing::WriteTumSequence(folder, 5);
+  WriteTumSequence(folder, 5);
   const ProgramResult result =
       RunProgram("surfit_convert", {"--sequence=" + folder.path(), "--stride=2", "--jpeg_quality=0",
                                     "--output=" + (folder / "a.klg")});
@@ -25,9 +20,9 @@ TEST(ConvertTool, WritesASequenceAsKlg) {
   EXPECT_THAT(result.out, HasSubstr("a.klg: 3 frames, 0 skipped, 0 depths"));
   SequenceOptions options;
   options.path = folder / "a.klg";
-  const auto frames = testing::ReadAll(OpenSequence(options).get());
+  const auto frames = ReadAll(OpenSequence(options).get());
   ASSERT_EQ(frames.size(), 3u);
-  EXPECT_EQ(frames[2].frame->color, testing::NumberedColor(4));
+  EXPECT_EQ(frames[2].frame->color, NumberedColor(4));
   EXPECT_DOUBLE_EQ(frames[2].stamp_s, 5.403);
 }
 
@@ -47,7 +42,7 @@ TEST(ConvertTool, WritesCloudsAsPcdAndPly) {
     EXPECT_EQ(read.normals, cloud.normals);
     EXPECT_EQ(read.colors, cloud.colors);
   }
-  EXPECT_EQ(testing::ReadBytes(folder / "a.pcd").substr(0, 6), "# .PCD");
+  EXPECT_EQ(ReadBytes(folder / "a.pcd").substr(0, 6), "# .PCD");
 }
 
 TEST(ConvertTool, WritesTrajectoriesAsKittiPoses) {
@@ -56,15 +51,12 @@ TEST(ConvertTool, WritesTrajectoriesAsKittiPoses) {
   const ProgramResult result =
       RunProgram("surfit_convert", {"--trajectory=" + path, "--output=" + (folder / "poses.txt")});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_THAT(testing::ReadBytes(folder / "poses.txt"),
-              HasSubstr("0.000000000 1.000000000 9.000000000\n"));
+  EXPECT_THAT(ReadBytes(folder / "poses.txt"), HasSubstr("0.000000000 1.000000000 9.000000000\n"));
 }
 
 TEST(ConvertTool, RefusesBadInput) {
   const auto expect = [](std::vector<std::string> flags, const char* message) {
-    const ProgramResult result = RunProgram("surfit_convert", std::move(flags));
-    EXPECT_EQ(result.exit_code, 1);
-    EXPECT_THAT(result.err, HasSubstr(message));
+    ExpectRefused(RunProgram("surfit_convert", std::move(flags)), message);
   };
   expect({}, "--output is missing, must be set");
   expect({"--output=a"}, "0 of --sequence, --cloud and --trajectory are set, must be 1");
@@ -74,4 +66,4 @@ TEST(ConvertTool, RefusesBadInput) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -1,5 +1,4 @@
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -8,17 +7,11 @@
 #include "testing/run_program.h"
 #include "testing/shared_data.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-using ::testing::IsEmpty;
-using ::testing::MatchesRegex;
-using testing::ProgramResult;
-using testing::RunProgram;
-using ::testing::StartsWith;
-using testing::TempFolder;
 
 // The square of tests/evaluation/trajectory_evaluation_test.cc, where the figures are derived: one
 // corner is lifted by h = 0.001 m, so that the ATE is h / 4 for every pose, and the step errors are
@@ -52,12 +45,6 @@ class EvaluateTest : public ::testing::Test {
   void Write(const std::string& truth, const std::string& estimate) const {
     folder_.Write("truth.txt", truth);
     folder_.Write("estimate.txt", estimate);
-  }
-  void ExpectError(const ProgramResult& result, const std::string& message) const {
-    EXPECT_EQ(result.exit_code, 1);
-    EXPECT_THAT(result.out, IsEmpty());
-    EXPECT_THAT(result.err, MatchesRegex("error: [^\n]*\n"));
-    EXPECT_THAT(result.err, HasSubstr(message));
   }
   TempFolder folder_;
 };
@@ -138,39 +125,39 @@ TEST_F(EvaluateTest, CoverageIsOfTheListedFrames) {
 
 TEST_F(EvaluateTest, RefusesFewerThanThreeMatches) {
   Write(kSquare, kLifted);
-  ExpectError(Evaluate({"--max_difference_s=0.003"}),
-              "0 poses match within 0.003 s, must be at least 3");
+  ExpectRefused(Evaluate({"--max_difference_s=0.003"}),
+                "0 poses match within 0.003 s, must be at least 3");
   Write(kSquare, FirstLines(kLifted, 2));
-  ExpectError(Evaluate({}), "estimate.txt has 2 poses from 1305031453.004 to 1305031454.004 s");
+  ExpectRefused(Evaluate({}), "estimate.txt has 2 poses from 1305031453.004 to 1305031454.004 s");
   Write("# nothing\n", kLifted);
-  ExpectError(Evaluate({}), "truth.txt has no poses");
+  ExpectRefused(Evaluate({}), "truth.txt has no poses");
 }
 
 TEST_F(EvaluateTest, NamesFileAndLineOfWhatItCannotRead) {
   Write(kSquare, "1 0 0 0 0 0 0 1\n2 0 0 0 0 0 0\n");
-  ExpectError(Evaluate({}), "estimate.txt:2: 7 columns, must be 8");
+  ExpectRefused(Evaluate({}), "estimate.txt:2: 7 columns, must be 8");
   Write(std::string("\x89PNG\n"), kLifted);
-  ExpectError(Evaluate({}), "truth.txt:1: ");
+  ExpectRefused(Evaluate({}), "truth.txt:1: ");
 }
 
 TEST_F(EvaluateTest, RefusesBadFlags) {
   Write(kSquare, kLifted);
-  ExpectError(Evaluate({"--delta=0"}), "delta is 0, must be positive");
-  ExpectError(Evaluate({"--delta=1.5"}), "delta is 1.5 frames, must be an integer");
-  ExpectError(Evaluate({"--delta_unit=m"}), "--delta_unit is 'm', must be 'frames' or 'seconds'");
-  ExpectError(Evaluate({"--max_difference_s=-1"}), "max_difference_s is -1, must be from 0 to 1");
-  ExpectError(Evaluate({"--max_difference_s=abc"}), "abc");
-  ExpectError(Evaluate({"--max_gap_s=2"}), "max_gap_s is 2, must be from 0 to 1");
-  ExpectError(Evaluate({"--time_offset_s=late"}),
-              "time_offset_s is 'late', must be a number of seconds or 'estimate'");
-  ExpectError(Evaluate({"--time_offset_s=100"}), "fewer than 3 poses match with it");
-  ExpectError(Evaluate({"--time_offset_s=estimate"}), "each offset of up to 0.1 s");
-  ExpectError(Evaluate({"--no_such_flag=1"}), "no_such_flag");
-  ExpectError(Evaluate({"word"}), "unexpected argument 'word'");
-  ExpectError(RunProgram("surfit_evaluate", {}), "--groundtruth is missing, must be set");
-  ExpectError(RunProgram("surfit_evaluate", {"--groundtruth=x"}), "--estimate is missing");
-  ExpectError(RunProgram("surfit_evaluate", {"--groundtruth=/no/such", "--estimate=x"}),
-              "cannot read '/no/such'");
+  ExpectRefused(Evaluate({"--delta=0"}), "delta is 0, must be positive");
+  ExpectRefused(Evaluate({"--delta=1.5"}), "delta is 1.5 frames, must be an integer");
+  ExpectRefused(Evaluate({"--delta_unit=m"}), "--delta_unit is 'm', must be 'frames' or 'seconds'");
+  ExpectRefused(Evaluate({"--max_difference_s=-1"}), "max_difference_s is -1, must be from 0 to 1");
+  ExpectRefused(Evaluate({"--max_difference_s=abc"}), "abc");
+  ExpectRefused(Evaluate({"--max_gap_s=2"}), "max_gap_s is 2, must be from 0 to 1");
+  ExpectRefused(Evaluate({"--time_offset_s=late"}),
+                "time_offset_s is 'late', must be a number of seconds or 'estimate'");
+  ExpectRefused(Evaluate({"--time_offset_s=100"}), "fewer than 3 poses match with it");
+  ExpectRefused(Evaluate({"--time_offset_s=estimate"}), "each offset of up to 0.1 s");
+  ExpectRefused(Evaluate({"--no_such_flag=1"}), "no_such_flag");
+  ExpectRefused(Evaluate({"word"}), "unexpected argument 'word'");
+  ExpectRefused(RunProgram("surfit_evaluate", {}), "--groundtruth is missing, must be set");
+  ExpectRefused(RunProgram("surfit_evaluate", {"--groundtruth=x"}), "--estimate is missing");
+  ExpectRefused(RunProgram("surfit_evaluate", {"--groundtruth=/no/such", "--estimate=x"}),
+                "cannot read '/no/such'");
 }
 
 TEST_F(EvaluateTest, TakesNamesThatAreNoUtf8) {
@@ -191,17 +178,13 @@ TEST_F(EvaluateTest, TakesAFlagfile) {
 
 TEST_F(EvaluateTest, RefusesAFlagfileThatItDoesNotUnderstand) {
   const auto expect_refused = [&](const std::string& text, const std::string& message) {
-    const ProgramResult result = Evaluate({"--flagfile", folder_.Write("flags", text)});
-    EXPECT_EQ(result.exit_code, 1) << text;
-    EXPECT_THAT(result.err, AllOf(StartsWith("error: "), HasSubstr(message)));
+    ExpectRefused(Evaluate({"--flagfile", folder_.Write("flags", text)}), message);
   };
   expect_refused("# a misspelt flag\n--deltas=2\n", "unknown command line flag 'deltas'");
   expect_refused("\n  --delta=much\r\n", "illegal value 'much'");
   expect_refused("delta=2\n", "unexpected argument 'delta=2'");
   expect_refused("--flagfile=other\n", "must not name another one");
-  const ProgramResult result = Evaluate({"--flagfile=" + folder_.path()});
-  EXPECT_EQ(result.exit_code, 1);
-  EXPECT_THAT(result.err, HasSubstr("cannot be read"));
+  ExpectRefused(Evaluate({"--flagfile=" + folder_.path()}), "cannot be read");
 }
 
 TEST(EvaluateHelp, ShowsEveryDefault) {
@@ -214,7 +197,7 @@ TEST(EvaluateHelp, ShowsEveryDefault) {
 // Motion capture at 100 Hz against itself: no error, and each of the nine frames is covered.
 TEST(EvaluateSharedData, ReadsMotionCaptureAndCountsFrames) {
   SURFIT_REQUIRE_SHARED_DATA("tum_fr1_desk_9");
-  const std::string folder = testing::SharedData("tum_fr1_desk_9");
+  const std::string folder = SharedData("tum_fr1_desk_9");
   const ProgramResult result =
       RunProgram("surfit_evaluate",
                  {"--groundtruth=" + folder + "/groundtruth.txt",
@@ -227,4 +210,4 @@ TEST(EvaluateSharedData, ReadsMotionCaptureAndCountsFrames) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -1,5 +1,4 @@
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -12,17 +11,14 @@
 #include "surfit/io/point_cloud.h"
 #include "testing/run_program.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 using ::testing::HasSubstr;
-using testing::ProgramResult;
-using testing::RunProgram;
-using testing::TempFolder;
 
 // The triangles at the end of a binary PLY file: a byte 3 and three 32-bit indices each.
 std::vector<std::array<std::uint32_t, 3>> TrianglesOf(const std::string& path) {
-  const std::string file = testing::ReadBytes(path);
+  const std::string file = ReadBytes(path);
   const std::string key = "element face ";
   const std::size_t count = std::stoul(file.substr(file.find(key) + key.size(), 20));
   std::vector<std::array<std::uint32_t, 3>> triangles(count);
@@ -157,7 +153,7 @@ TEST(MeshTool, EndsWhereThePointsDo) {
     ASSERT_EQ(result.exit_code, 0) << result.err;
     EXPECT_THAT(result.out, HasSubstr("20000 points, 0 not finite"));
   }
-  EXPECT_TRUE(testing::ReadBytes(folder / "a.ply") == testing::ReadBytes(folder / "b.ply"));
+  EXPECT_TRUE(ReadBytes(folder / "a.ply") == ReadBytes(folder / "b.ply"));
   const auto samples = SamplesOf(folder / "a.ply");
   ASSERT_GT(samples.size(), 1000u);
   for (const Eigen::Vector3f& sample : samples) {
@@ -176,7 +172,7 @@ TEST(MeshTool, WritesObj) {
       "surfit_mesh",
       {"--map=" + (folder / "half.ply"), "--cell_m=0.05", "--output=" + (folder / "mesh.obj")});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  std::istringstream file(testing::ReadBytes(folder / "mesh.obj"));
+  std::istringstream file(ReadBytes(folder / "mesh.obj"));
   std::string line, word;
   double x = 0, y = 0, z = 0, red = 0;
   while (std::getline(file, line) && line.substr(0, 2) != "v ") {
@@ -196,9 +192,7 @@ TEST(MeshTool, RefusesBadInput) {
                           const char* message) {
     flags.insert(flags.begin(), "--output=" + (folder / "mesh.ply"));
     flags.push_back("--map=" + (folder / map));
-    const ProgramResult result = RunProgram("surfit_mesh", flags);
-    EXPECT_EQ(result.exit_code, 1);
-    EXPECT_THAT(result.err, HasSubstr(message));
+    ExpectRefused(RunProgram("surfit_mesh", flags), message);
   };
   expect("half.ply", {"--output=a.stl"}, "--output is a.stl, must end in .ply or .obj");
   expect("half.ply", {"--cell_m=0"}, "cell_m is 0, must be positive");
@@ -210,4 +204,4 @@ TEST(MeshTool, RefusesBadInput) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

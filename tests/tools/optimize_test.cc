@@ -1,5 +1,4 @@
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cstdlib>
 #include <nlohmann/json.hpp>
@@ -9,21 +8,17 @@
 #include "testing/pose_graphs.h"
 #include "testing/run_program.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 using ::testing::HasSubstr;
-using testing::ProgramResult;
-using testing::ReadBytes;
-using testing::RunProgram;
-using testing::TempFolder;
 
 TEST(OptimizeTool, LeavesWrongLoopsOutAndWritesGraphAndSummary) {
   const TempFolder folder;
-  testing::TrueGraph torus = testing::MakeTorus(10, 15);
-  const auto planted = testing::PlantWrongLoops(0.1, &torus);
+  TrueGraph torus = MakeTorus(10, 15);
+  const auto planted = PlantWrongLoops(0.1, &torus);
   WriteG2o(torus.graph, folder / "in.g2o");
-  testing::WriteBytes(folder / "in.g2o", "SOMETHING 1\n" + ReadBytes(folder / "in.g2o"));
+  WriteBytes(folder / "in.g2o", "SOMETHING 1\n" + ReadBytes(folder / "in.g2o"));
   const ProgramResult result =
       RunProgram("surfit_optimize",
                  {"--graph=" + folder / "in.g2o", "--loop_robustness=gnc",
@@ -45,7 +40,7 @@ TEST(OptimizeTool, LeavesWrongLoopsOutAndWritesGraphAndSummary) {
 
 TEST(OptimizeTool, GivesTheSameBytesAtAnyNumberOfThreadsAndTheSameCostWithEveryBackend) {
   const TempFolder folder;
-  WriteG2o(testing::MakeSphere(20, 20).graph, folder / "in.g2o");
+  WriteG2o(MakeSphere(20, 20).graph, folder / "in.g2o");
   std::vector<double> costs;
   for (const std::string& backend : SparseBackendNames()) {
     std::string first;
@@ -72,10 +67,9 @@ TEST(OptimizeTool, GivesTheSameBytesAtAnyNumberOfThreadsAndTheSameCostWithEveryB
 
 TEST(OptimizeTool, RefusesBadInput) {
   EXPECT_EQ(RunProgram("surfit_optimize", {}).exit_code, 1);
-  const ProgramResult bad = RunProgram("surfit_optimize", {"--graph=a", "--sparse_backend=b"});
-  EXPECT_EQ(bad.exit_code, 1);
-  EXPECT_THAT(bad.err, HasSubstr("error: --sparse_backend is 'b', must be one of"));
+  ExpectRefused(RunProgram("surfit_optimize", {"--graph=a", "--sparse_backend=b"}),
+                "error: --sparse_backend is 'b', must be one of");
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

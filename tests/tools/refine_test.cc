@@ -1,5 +1,4 @@
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,14 +9,10 @@
 #include "surfit/io/trajectory_files.h"
 #include "testing/run_program.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 using ::testing::HasSubstr;
-using testing::ProgramResult;
-using testing::ReadBytes;
-using testing::RunProgram;
-using testing::TempFolder;
 
 constexpr double kOffset = 0.02 / 3;  // 1/m: 2 % at 3 m
 
@@ -153,14 +148,11 @@ TEST(RefineTool, FindsHowTheErrorOfDepthVariesOverTheImage) {
 TEST(RefineTool, RefusesBadInput) {
   const TempFolder folder;
   EXPECT_EQ(RunProgram("surfit_refine", {}).exit_code, 1);
-  const ProgramResult none = RunProgram("surfit_refine", {"--run=" + folder / "none"});
-  EXPECT_EQ(none.exit_code, 1);
-  EXPECT_THAT(none.err, HasSubstr("none/summary.json cannot be read"));
-  testing::WriteBytes(folder / "summary.json", "{}");
-  const ProgramResult empty = RunProgram("surfit_refine", {"--run=" + folder.path()});
-  EXPECT_EQ(empty.exit_code, 1);
-  EXPECT_THAT(empty.err, HasSubstr("it has no options"));
+  ExpectRefused(RunProgram("surfit_refine", {"--run=" + folder / "none"}),
+                "none/summary.json cannot be read");
+  WriteBytes(folder / "summary.json", "{}");
+  ExpectRefused(RunProgram("surfit_refine", {"--run=" + folder.path()}), "it has no options");
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

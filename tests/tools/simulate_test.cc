@@ -1,5 +1,4 @@
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <filesystem>
 #include <map>
@@ -16,17 +15,11 @@
 #include "testing/matchers.h"
 #include "testing/run_program.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 using Eigen::Vector3d;
 using ::testing::HasSubstr;
-using ::testing::MatchesRegex;
-using testing::ProgramResult;
-using testing::ReadBytes;
-using testing::RigidNear;
-using testing::RunProgram;
-using testing::TempFolder;
 
 constexpr int kFrames = 7;
 constexpr double kUnit_m = 1.0 / 5000;
@@ -237,20 +230,14 @@ TEST_F(SimulateTest, RefusesBadFlagsByName) {
       {"--inverse_depth_distortion=1,2", "--inverse_depth_distortion is 1,2, must be five numbers"},
       {"--inverse_depth_distortion=0,0,nan,0,0", "inverse_depth_distortion is '0,0,nan,0,0'"},
       {"--colour=red", "colour"}};
-  for (const auto& [flag, message] : errors) {
-    const ProgramResult result = Simulate("room", {flag});
-    EXPECT_EQ(result.exit_code, 1);
-    EXPECT_THAT(result.err, MatchesRegex("error: [^\n]*\n"));
-    EXPECT_THAT(result.err, HasSubstr(message));
-  }
-  EXPECT_THAT(RunProgram("surfit_simulate", {}).err, HasSubstr("--output is missing, must be set"));
+  for (const auto& [flag, message] : errors) ExpectRefused(Simulate("room", {flag}), message);
+  ExpectRefused(RunProgram("surfit_simulate", {}), "--output is missing, must be set");
   for (const std::string flag : {"--frames=0", "--downsample=17", "--output="}) {
-    const ProgramResult result = RunProgram("surfit_simulate", {"--output=/nowhere", flag});
-    EXPECT_EQ(result.exit_code, 1);
-    EXPECT_THAT(result.err, HasSubstr(flag.substr(0, flag.find('=')) + " is "));
+    ExpectRefused(RunProgram("surfit_simulate", {"--output=/nowhere", flag}),
+                  flag.substr(0, flag.find('=')) + " is ");
   }
-  EXPECT_THAT(RunProgram("surfit_simulate", {"--output=/dev/null/room", "--frames=1"}).err,
-              HasSubstr("error: /dev/null/room cannot be made a folder"));
+  ExpectRefused(RunProgram("surfit_simulate", {"--output=/dev/null/room", "--frames=1"}),
+                "error: /dev/null/room cannot be made a folder");
 }
 
 TEST_F(SimulateTest, HelpListsTheFlagsWithTheirDefaults) {
@@ -263,4 +250,4 @@ TEST_F(SimulateTest, HelpListsTheFlagsWithTheirDefaults) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

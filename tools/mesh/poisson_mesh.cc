@@ -6,7 +6,6 @@
 #include <open3d/utility/Logging.h>
 
 #include <cmath>
-#include <memory>
 
 #include "mesh/trim_mesh.h"
 #include "surfit/core/error.h"

@@ -1,12 +1,9 @@
 #pragma once
 
-#include <atomic>
 #include <cstddef>
-#include <cstdint>
 #include <limits>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "surfit/frame/frame_pyramid.h"
 #include "surfit/frame/rgbd_frame.h"

@@ -5,9 +5,9 @@
 #include <array>
 #include <cmath>
 
-#include "benchmarks/peers/slam_peer.h"
+#include "benchmarks/peers/peer.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 namespace o3c = open3d::core;
@@ -140,4 +140,4 @@ std::unique_ptr<SlamPeer> MakeOpen3dModelPeer(const PinholeCamera& camera, int t
   return std::make_unique<Open3dModelPeer>(camera);
 }
 
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -5,7 +5,7 @@
 
 #include "benchmarks/peers/peer.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 namespace o3d = open3d::pipelines::registration;
@@ -52,4 +52,4 @@ class Open3dPeer final : public Peer {
 
 std::unique_ptr<Peer> MakeOpen3dPeer() { return std::make_unique<Open3dPeer>(); }
 
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -3,9 +3,9 @@
 #include <open3d/geometry/RGBDImage.h>
 #include <open3d/pipelines/odometry/Odometry.h>
 
-#include "benchmarks/peers/slam_peer.h"
+#include "benchmarks/peers/peer.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 namespace o3d = open3d::pipelines::odometry;
@@ -60,4 +60,4 @@ std::unique_ptr<SlamPeer> MakeOpen3dSlamPeer(const PinholeCamera& camera, int th
   return std::make_unique<Open3dSlamPeer>(camera);
 }
 
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -1,9 +1,9 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/rgbd.hpp>
 
-#include "benchmarks/peers/slam_peer.h"
+#include "benchmarks/peers/peer.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 // Frame to frame by brightness and ICP at once, as it does by default (depth up to 4 m). What is
@@ -52,4 +52,4 @@ std::unique_ptr<SlamPeer> MakeOpencvSlamPeer(const PinholeCamera& camera, int th
   return std::make_unique<OpencvSlamPeer>(camera);
 }
 
-}  // namespace surfit
+}  // namespace surfit::testing

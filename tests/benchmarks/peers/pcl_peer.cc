@@ -4,7 +4,7 @@
 
 #include "benchmarks/peers/peer.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 using Cloud = pcl::PointCloud<pcl::PointNormal>;
@@ -54,4 +54,4 @@ class PclPeer final : public Peer {
 
 std::unique_ptr<Peer> MakePclPeer() { return std::make_unique<PclPeer>(); }
 
-}  // namespace surfit
+}  // namespace surfit::testing

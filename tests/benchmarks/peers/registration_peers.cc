@@ -22,7 +22,7 @@
 #include "surfit/frame/preprocess.h"
 #include "surfit/io/sequence.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 struct View {
@@ -146,11 +146,11 @@ void Run(const std::string& folder, int repetitions) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing
 
 int main(int argc, char** argv) {
   try {
-    surfit::Run(argc > 1 ? argv[1] : SURFIT_DATA_DIR, argc > 2 ? std::atoi(argv[2]) : 5);
+    surfit::testing::Run(argc > 1 ? argv[1] : SURFIT_DATA_DIR, argc > 2 ? std::atoi(argv[2]) : 5);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "error: %s\n", error.what());
     return 1;

@@ -20,12 +20,12 @@
 #include <ctime>
 #include <vector>
 
-#include "benchmarks/peers/slam_peer.h"
+#include "benchmarks/peers/peer.h"
 #include "surfit/core/error.h"
 #include "surfit/evaluation/trajectory_evaluation.h"
 #include "surfit/io/sequence.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 constexpr int kThreads = 2;
@@ -131,14 +131,14 @@ void Run(const SequenceOptions& options) {
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing
 
 int main(int argc, char** argv) {
   try {
     surfit::SequenceOptions options;
     options.path = argc > 1 ? argv[1] : SURFIT_DATA_DIR "/icl_office_kinect";
     options.last = (argc > 2 ? std::atoi(argv[2]) : 100) - 1;
-    surfit::Run(options);
+    surfit::testing::Run(options);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "error: %s\n", error.what());
     return 1;

@@ -2,7 +2,7 @@
 #include "surfit/core/parallel.h"
 #include "surfit/registration/register_clouds.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 PointSet ToSurfit(const PeerCloud& cloud, double sigma_m) {
@@ -47,4 +47,4 @@ class SurfitPeer final : public Peer {
 
 std::unique_ptr<Peer> MakeSurfitPeer() { return std::make_unique<SurfitPeer>(); }
 
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -1,8 +1,8 @@
-#include "benchmarks/peers/slam_peer.h"
+#include "benchmarks/peers/peer.h"
 #include "surfit/core/parallel.h"
 #include "surfit/slam/slam.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 // Frame to model, with a map.
@@ -31,4 +31,4 @@ std::unique_ptr<SlamPeer> MakeSurfitSlamPeer(const PinholeCamera& camera, int th
   return std::make_unique<SurfitSlamPeer>(camera, threads);
 }
 
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -1,11 +1,71 @@
 #pragma once
 
-#include <array>
+#include <zlib.h>
 
-#include "testing/frame_codings.h"
+#include <array>
+#include <cstdint>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <vector>
+
+#include "surfit/core/image.h"
 #include "testing/sequence_writer.h"
 
 namespace surfit::testing {
+
+// What .klg and .sens files are made of, by other means than the library's.
+
+template <typename... Values>
+std::string LittleEndian(Values... values) {
+  std::string bytes;
+  (bytes.append(reinterpret_cast<const char*>(&values), sizeof(values)), ...);
+  return bytes;
+}
+
+template <typename T>
+std::string RawBytes(const Image<T>& image) {
+  return {reinterpret_cast<const char*>(image.data()), image.size() * sizeof(T)};
+}
+
+inline std::string ZlibBytes(const Image<std::uint16_t>& depth) {
+  uLongf size = compressBound(2 * depth.size());
+  std::string bytes(size, '\0');
+  compress(reinterpret_cast<Bytef*>(bytes.data()), &size,
+           reinterpret_cast<const Bytef*>(depth.data()), 2 * depth.size());
+  bytes.resize(size);
+  return bytes;
+}
+
+// ".png" or ".jpg".
+inline std::string EncodedBytes(const Image<Rgb8>& color, const std::string& kind) {
+  cv::Mat bgr(color.height(), color.width(), CV_8UC3);
+  for (std::size_t i = 0; i < color.size(); ++i)
+    bgr.at<cv::Vec3b>(static_cast<int>(i)) = {color[i].b, color[i].g, color[i].r};
+  std::vector<unsigned char> bytes;
+  cv::imencode(kind, bgr, bytes);
+  return {bytes.begin(), bytes.end()};
+}
+
+inline std::string KlgFrame(std::int64_t stamp_us, const std::string& depth,
+                            const std::string& color) {
+  return LittleEndian(stamp_us, static_cast<std::int32_t>(depth.size()),
+                      static_cast<std::int32_t>(color.size())) +
+         depth + color;
+}
+
+// `count` of the small numbered frames at 10 Hz from time 5. Depth is raw or compressed, colour
+// raw, JPEG or none ("", ".jpg", "none").
+inline std::string KlgFile(int count, bool zlib, const std::string& color) {
+  std::string file = LittleEndian(static_cast<std::int32_t>(count));
+  for (int i = 0; i < count; ++i) {
+    const auto depth = NumberedDepth(i);
+    const auto rgb = NumberedColor(i);
+    const std::string color_bytes =
+        color == "none" ? "" : (color.empty() ? RawBytes(rgb) : EncodedBytes(rgb, color));
+    file += KlgFrame(5000000 + 100000 * i, zlib ? ZlibBytes(depth) : RawBytes(depth), color_bytes);
+  }
+  return file;
+}
 
 using Matrix16 = std::array<float, 16>;  // 4 x 4, row by row
 

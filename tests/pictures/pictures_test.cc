@@ -1,20 +1,14 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
+#include "surfit/pictures/pictures.h"
 
-#include <algorithm>
+#include <gmock/gmock.h>
 
 #include "pictures/picture_file.h"
 #include "surfit/core/parallel.h"
-#include "surfit/pictures/pictures.h"
 #include "testing/expect_input_error.h"
 #include "testing/temp_folder.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
-
-using testing::CountColors;
-using testing::CountPixels;
-using testing::ReadPicture;
 
 constexpr int kWidth = 1608, kHeight = 1344;
 constexpr Rgb8 kGreen = {10, 200, 30};
@@ -39,7 +33,7 @@ SurfelMap Wall() {
 }
 
 TEST(WriteMapPictures, WritesFourSheetsThatShowTheMap) {
-  const testing::TempFolder folder;
+  const TempFolder folder;
   WriteMapPictures(Wall(), Trajectory(3), folder.path());
   for (const char* name : kNames) {
     const Image<Rgb8> picture = ReadPicture(folder / ("map_" + std::string(name) + ".png"));
@@ -68,7 +62,7 @@ TEST(WriteMapPictures, HidesDustButInTheConfidence) {
   dust.radius_m = 0.05f;
   dust.confidence = 0.1f;
   map.Append(dust);
-  const testing::TempFolder folder;
+  const TempFolder folder;
   WriteMapPictures(map, Trajectory(1), folder.path());
   EXPECT_EQ(CountPixels(ReadPicture(folder / "map_color.png"), dust.color), 0u);
   // The middle of the third cell shows the dust in the scale's lowest colour.
@@ -94,14 +88,14 @@ TEST(DustConfidence, IsThreeOrATenthOfWhatTheMapHas) {
 }
 
 TEST(WriteMapPictures, IsTheSameAtAnyNumberOfThreads) {
-  const testing::TempFolder folder;
+  const TempFolder folder;
   std::vector<std::string> bytes;
   for (const int threads : {1, 3}) {
     ThreadLimit limit(threads);
     WriteMapPictures(Wall(), Trajectory(2), folder.path());
     std::string all;
     for (const char* name : kNames) {
-      all += testing::ReadBytes(folder / ("map_" + std::string(name) + ".png"));
+      all += ReadBytes(folder / ("map_" + std::string(name) + ".png"));
     }
     bytes.push_back(all);
   }
@@ -109,7 +103,7 @@ TEST(WriteMapPictures, IsTheSameAtAnyNumberOfThreads) {
 }
 
 TEST(WriteMapPictures, OfAnEmptyMapSaysSo) {
-  const testing::TempFolder folder;
+  const TempFolder folder;
   WriteMapPictures(SurfelMap(), {}, folder.path());
   for (const char* name : kNames) {
     const Image<Rgb8> picture = ReadPicture(folder / ("map_" + std::string(name) + ".png"));
@@ -120,16 +114,75 @@ TEST(WriteMapPictures, OfAnEmptyMapSaysSo) {
 }
 
 TEST(WriteMapPictures, NeedsNoPathAndNoReasonableMap) {
-  const testing::TempFolder folder;
+  const TempFolder folder;
   SurfelMap map;
   map.Append(Surfel());  // at the origin, no normal, no size, no confidence
   EXPECT_NO_THROW(WriteMapPictures(map, {}, folder.path()));
 }
 
 TEST(WriteMapPictures, NamesTheFileItCannotWrite) {
-  testing::ExpectInputError([] { WriteMapPictures(Wall(), {}, "/nonexistent/out"); },
-                            ::testing::HasSubstr("/nonexistent/out/map_"));
+  ExpectInputError([] { WriteMapPictures(Wall(), {}, "/nonexistent/out"); },
+                   ::testing::HasSubstr("/nonexistent/out/map_"));
+}
+
+using Cloud = std::vector<Eigen::Vector3f>;
+
+constexpr Rgb8 kSourceColor = {240, 120, 0}, kTargetColor = {20, 90, 210};
+
+// 2 m x 1.5 m, facing the camera, 5 mm between points.
+Cloud Wall(float z, float left) {
+  Cloud cloud;
+  for (int i = 0; i < 400; ++i) {
+    for (int j = 0; j < 300; ++j) {
+      cloud.emplace_back(left + 0.005f * i, 0.005f * j - 0.75f, z);
+    }
+  }
+  return cloud;
+}
+
+TEST(WriteTwoCloudPicture, TheNearerCloudHidesTheFarther) {
+  const TempFolder folder;
+  WriteTwoCloudPicture(Wall(2, -1), Wall(2.2f, -1), folder / "p.png");
+  const Image<Rgb8> picture = ReadPicture(folder / "p.png");
+  EXPECT_EQ(picture.width(), 1608);
+  EXPECT_EQ(picture.height(), 76 + 600 + 34);
+  EXPECT_EQ(picture(400, 376), kSourceColor);
+  WriteTwoCloudPicture(Wall(2.2f, -1), Wall(2, -1), folder / "p.png");
+  EXPECT_EQ(ReadPicture(folder / "p.png")(400, 376), kTargetColor);
+}
+
+TEST(WriteTwoCloudPicture, IsNotMirrored) {
+  const TempFolder folder;
+  WriteTwoCloudPicture(Wall(2, -2), Wall(2, 0.05f), folder / "p.png");  // source left, target right
+  const Image<Rgb8> picture = ReadPicture(folder / "p.png");
+  EXPECT_EQ(picture(200, 376), kSourceColor);
+  EXPECT_EQ(picture(600, 376), kTargetColor);
+}
+
+TEST(WriteTwoCloudPicture, CloudsThatCoincideMingle) {
+  const TempFolder folder;
+  Cloud source = Wall(2, -1), target = source;
+  for (std::size_t i = 0; i < source.size(); ++i) (i % 2 ? source : target)[i].z() += 1e-4f;
+  WriteTwoCloudPicture(source, target, folder / "p.png");
+  const Image<Rgb8> picture = ReadPicture(folder / "p.png");
+  int blue = 0, orange = 0;
+  for (int v = 326; v < 426; ++v) {
+    for (int u = 350; u < 450; ++u) ++(picture(u, v).b > picture(u, v).r ? blue : orange);
+  }
+  EXPECT_GT(blue, 1000);  // of 10000, half and half but for mixed pixels
+  EXPECT_GT(orange, 1000);
+}
+
+TEST(WriteTwoCloudPicture, TakesEmptyClouds) {
+  const TempFolder folder;
+  EXPECT_NO_THROW(WriteTwoCloudPicture({}, {}, folder / "p.png"));
+  EXPECT_NO_THROW(WriteTwoCloudPicture(Wall(2, -1), {}, folder / "p.png"));
+}
+
+TEST(WriteTwoCloudPicture, NamesTheFileItCannotWrite) {
+  ExpectInputError([] { WriteTwoCloudPicture({}, {}, "/nonexistent/p.png"); },
+                   ::testing::HasSubstr("/nonexistent/p.png"));
 }
 
 }  // namespace
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -1,0 +1,248 @@
+#include <ceres/ceres.h>
+#include <gmock/gmock.h>
+
+#include <Eigen/QR>
+#include <cmath>
+#include <random>
+
+#include "registration/decompositions.h"
+#include "registration/dual_system.h"
+#include "registration/random_correspondences.h"
+#include "registration/register_from.h"
+#include "registration/three_planes.h"
+#include "surfit/core/options.h"
+#include "surfit/geometry/rigid3.h"
+#include "surfit/registration/association.h"
+#include "surfit/registration/icp.h"
+#include "surfit/registration/pose_solver.h"
+#include "testing/expect_input_error.h"
+#include "testing/matchers.h"
+
+namespace surfit::testing {
+namespace {
+
+const std::vector<std::string> kClosedForms = {"closed_form_ldlt", "closed_form_lu",
+                                               "closed_form_qr"};
+
+// The condition number of these data is about 100 in A, 1e4 in A^T A: 1e4 roundings of 1e-16. A
+// plane's covariance has one of 1e3 more.
+constexpr double kRelativeTolerance = 1e-9;
+
+StepResult Step(const std::string& solver, ResidualType residual, const Correspondences& pairs) {
+  PoseSolverOptions options;
+  options.name = solver;
+  options.residual = residual;
+  options.error_model.kernel = {RobustKernelType::kHuber, 0.1};
+  return MakePoseSolver(options)->Step(pairs);
+}
+
+// Minimises the linearised, weighted cost by pivoted QR; rows by automatic differentiation.
+Vector6d DenseSolution(const Correspondences& c, ResidualType type) {
+  std::vector<Eigen::Matrix<double, 1, 7>> rows;
+  for (int i = 0; i < c.size; ++i) {
+    const std::vector<Jet> residuals = DualResiduals(c, i, type);
+    double s = 0;
+    for (const Jet& r : residuals) s += c.information[i] * r.a * r.a;
+    // Huber: sqrt(s) beyond the width has its weight in inverse proportion.
+    const double slope = s > 0.01 ? 0.1 / std::sqrt(s) : 1;
+    for (const Jet& r : residuals) {
+      rows.emplace_back();
+      rows.back() << r.v.transpose(), -r.a;
+      rows.back() *= std::sqrt(slope * c.information[i]);
+    }
+  }
+  Eigen::MatrixXd a(rows.size(), 7);
+  for (std::size_t k = 0; k < rows.size(); ++k) a.row(k) = rows[k];
+  return a.leftCols<6>().colPivHouseholderQr().solve(a.col(6));
+}
+
+class ClosedFormSolvers : public ::testing::TestWithParam<ResidualType> {};
+
+TEST_P(ClosedFormSolvers, AllGiveTheLeastSquaresIncrement) {
+  std::mt19937_64 rng(1);
+  for (int i = 0; i < 10; ++i) {
+    const Correspondences pairs = RandomCorrespondences(500, 0.1, &rng);
+    const Vector6d expected = DenseSolution(pairs, GetParam());
+    for (const std::string& solver : kClosedForms) {
+      const StepResult step = Step(solver, GetParam(), pairs);
+      EXPECT_FALSE(step.observability.Degenerate());
+      EXPECT_EQ(step.system.pair_count, 500);
+      EXPECT_THAT(step.increment, VectorNear(expected, kRelativeTolerance * expected.norm()))
+          << solver;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Residuals, ClosedFormSolvers,
+                         ::testing::Values(ResidualType::kPointToPoint, ResidualType::kPointToPlane,
+                                           ResidualType::kSymmetricPointToPlane,
+                                           ResidualType::kPlaneToPlane),
+                         [](const auto& instance) { return ToString(instance.param); });
+
+// What the solvers see is in the target camera's frame, so that moving world, map and poses changes
+// nothing; were the points themselves far from the origin, conditioning would suffer.
+TEST(ClosedFormSolvers, EigenvaluesFallWithTheDistanceOfTheOriginThatWeDoNotUse) {
+  std::mt19937_64 rng_near(4), rng_far(4);
+  const auto smallest = [](const Correspondences& pairs) {
+    return Step("closed_form_ldlt", ResidualType::kPointToPlane, pairs)
+        .observability.eigenvalues[0];
+  };
+  EXPECT_LT(smallest(RandomCorrespondences(300, 0.1, &rng_far, {100, 0, 3})),
+            1e-2 * smallest(RandomCorrespondences(300, 0.1, &rng_near)));
+}
+
+TEST(MakePoseSolver, KnowsItsNamesAndListsThemForAnother) {
+  PoseSolverOptions options;
+  options.residual = ResidualType::kPointToPoint;
+  for (const std::string& name : PoseSolverNames()) {
+    options.name = name;
+    EXPECT_NE(MakePoseSolver(options), nullptr);
+  }
+  options.name = "magic";
+  ExpectInputError(
+      [&] { MakePoseSolver(options); },
+      ::testing::StrEq("solver is 'magic', must be one of: closed_form_ldlt, closed_form_lu, "
+                       "closed_form_qr, svd, ceres, ceres_per_point, tiny"));
+}
+
+TEST(MakePoseSolver, SvdTakesPointsOnly) {
+  PoseSolverOptions options;
+  options.name = "svd";
+  for (const std::string& residual : ResidualTypeNames()) {
+    options.residual = ResidualTypeFromName(residual);
+    if (options.residual == ResidualType::kPointToPoint) continue;
+    ExpectInputError(
+        [&] { MakePoseSolver(options); },
+        ::testing::StrEq("residual is '" + residual +
+                         "', must be point_to_point with solver svd; all other solvers take every "
+                         "residual"));
+  }
+}
+
+StepResult StepOf(const std::string& solver, ResidualType residual, const Correspondences& pairs) {
+  PoseSolverOptions options;
+  options.name = solver;
+  options.residual = residual;
+  return MakePoseSolver(options)->Step(pairs);
+}
+
+// Two views of a corner, a step apart that the kernel calls large for some of the points.
+struct CornerViews {
+  FrameLevel target = RenderCorner(PoseBeforeTheCorner());
+  FrameLevel source = RenderCorner(PoseBeforeTheCorner());
+  Rigid3d pose{QuaternionExp<double>({0.01, -0.004, 0.006}), {0.012, -0.008, 0.01}};
+  ProjectiveAssociation association{source, target, AssociationGates(), ErrorModel(),
+                                    NeededNormals::kBoth};
+
+  StepResult Step(const std::string& solver, ResidualType residual,
+                  const std::string& linear_solver = "dense_qr") const {
+    PoseSolverOptions options;
+    options.name = solver;
+    options.linear_solver = linear_solver;
+    options.residual = residual;
+    return MakePoseSolver(options)->Step(association, pose);
+  }
+};
+
+// A term of a single precision gradient rounds by 1e-7 of itself, the sum over 1e4 points by 1e-9
+// of their magnitudes; what the pairs hold weakly magnifies that.
+constexpr double kTolerance = 1e-7;
+
+class CeresSolvers : public ::testing::TestWithParam<std::string> {
+ protected:
+  const ResidualType residual_ = ResidualTypeFromName(GetParam());
+  const CornerViews corner_;
+};
+
+TEST_P(CeresSolvers, AllReachTheSameMinimum) {
+  const Vector6d reduced = corner_.Step("ceres", residual_).increment;
+  EXPECT_GT(reduced.norm(), 0.002);
+  EXPECT_THAT(corner_.Step("tiny", residual_).increment, VectorNear(reduced, kTolerance));
+  for (const std::string& linear_solver : LinearSolverNames()) {
+    EXPECT_THAT(corner_.Step("ceres_per_point", residual_, linear_solver).increment,
+                VectorNear(reduced, kTolerance))
+        << linear_solver;
+  }
+}
+
+// Gauss-Newton steps on fixed pairs, reweighted, end where Levenberg-Marquardt does: one more step
+// of the closed form from there is zero. The planes' covariances are not held between solves, and
+// so turn with the increment.
+TEST_P(CeresSolvers, MinimiseWhatTheClosedFormMinimises) {
+  const Vector6d increment = corner_.Step("ceres", residual_).increment;
+  const Correspondences pairs = AsDouble(corner_.association.Collect(corner_.pose));
+  const Correspondences moved = Moved(pairs, LeftIncrement<double>(increment, Rigid3d()));
+  const Vector6d again = StepOf("closed_form_ldlt", residual_, moved).increment;
+  const bool held = residual_ == ResidualType::kPlaneToPlane;
+  EXPECT_LT(again.norm(), held ? 0.05 * increment.norm() : 10 * kTolerance);
+}
+
+TEST_P(CeresSolvers, DescribeTheSystemBeforeTheStep) {
+  const StepResult ceres = corner_.Step("ceres", residual_);
+  const StepResult tiny = corner_.Step("tiny", residual_);
+  EXPECT_EQ(ceres.system.pair_count, tiny.system.pair_count);
+  EXPECT_EQ(ceres.system.inlier_count, tiny.system.inlier_count);
+  EXPECT_EQ(ceres.system.hessian, tiny.system.hessian);
+  EXPECT_EQ(ceres.observability.eigenvalues, tiny.observability.eigenvalues);
+}
+
+INSTANTIATE_TEST_SUITE_P(Residuals, CeresSolvers, ::testing::ValuesIn(ResidualTypeNames()),
+                         [](const auto& instance) { return instance.param; });
+
+TEST(MakePoseSolver, UnknownLinearSolversListTheKnown) {
+  PoseSolverOptions solver_options;
+  solver_options.name = "ceres_per_point";
+  solver_options.linear_solver = "magic";
+  ExpectInputError([&] { MakePoseSolver(solver_options); },
+                   ::testing::StrEq("linear_solver is 'magic', must be one of: dense_qr, "
+                                    "dense_normal_cholesky, sparse_normal_cholesky"));
+  IcpOptions options;
+  options.linear_solver = "magic";
+  ExpectInputError([&] { Validate(options); }, ::testing::HasSubstr("linear_solver is 'magic'"));
+}
+
+// Random and positive definite.
+Matrix6d RandomCovariance() {
+  std::mt19937_64 generator(1);
+  std::normal_distribution<double> normal;
+  Matrix6d factor;
+  for (double& value : factor.reshaped()) value = 1e-3 * normal(generator);
+  return factor * factor.transpose() + 1e-7 * Matrix6d::Identity();
+}
+
+TEST(LargestSigma, IsOfTheWorstDirection) {
+  const Eigen::Matrix3d turn = QuaternionExp<double>({0.3, -0.2, 0.5}).toRotationMatrix();
+  const Eigen::Matrix3d diagonal = Eigen::Vector3d(1e-4, 9e-4, 4e-4).asDiagonal();
+  EXPECT_NEAR(LargestSigma(turn * diagonal * turn.transpose()), 0.03, 1e-12);
+}
+
+// What holds least is a shift along y; or a turn, where points are near, which moves them less.
+TEST(WeakestIncrement, MovesPointsByAMetreAlongWhatIsHeldLeast) {
+  Matrix6d information = Matrix6d::Identity();
+  information(4, 4) = 0.01;
+  EXPECT_NEAR(std::abs(WeakestIncrement(information, 2)[4]), 1, 0.2);
+  information = Matrix6d::Identity();
+  information(1, 1) = 0.04;
+  const Vector6d turn = WeakestIncrement(information, 2);
+  EXPECT_NEAR(std::abs(turn[1]), 0.5, 1e-12);
+}
+
+TEST(RealisticCovariance, IsLargerThanRegistrationsInEveryDirection) {
+  const Matrix6d covariance = RandomCovariance();
+  const Matrix6d sure = RealisticCovariance(covariance, 0, 0);
+  const Matrix6d doubtful = RealisticCovariance(covariance, 0.003, 0.01);
+  for (int i = 0; i < 6; ++i) {
+    EXPECT_GT(sure(i, i), covariance(i, i));
+    EXPECT_NEAR(doubtful(i, i) - sure(i, i), i < 3 ? 9e-6 : 1e-4, 1e-15);
+  }
+}
+
+TEST(SymmetricInverse, IsSymmetric) {
+  const Matrix6d covariance = RandomCovariance();
+  const Matrix6d information = SymmetricInverse(covariance);
+  EXPECT_EQ(information, Matrix6d(information.transpose()));
+  EXPECT_LT((information * covariance - Matrix6d::Identity()).norm(), 1e-9);
+}
+
+}  // namespace
+}  // namespace surfit::testing
