@@ -45,7 +45,10 @@ void BindCamera(py::module_& module) {
                      "for files without stamps")
       .def_readwrite("latency_s", &RgbdCamera::latency_s,
                      "how long before its stamp the middle of a depth frame's exposure and readout "
-                     "lies, seconds");
+                     "lies, seconds")
+      .def_readwrite("readout_s", &RgbdCamera::readout_s,
+                     "of a rolling shutter: from the first row that is read, at the top, to the "
+                     "last, seconds; 0: none");
 
   module.def("camera_preset", &CameraPreset, py::arg("name"),
              "The camera of a well-known data set: see camera_preset_names().");

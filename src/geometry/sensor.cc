@@ -24,6 +24,9 @@ void DepthNoise::Validate(const std::string& what) const {
 void DepthSensor::Validate() const {
   camera.Validate("camera");
   noise.Validate("sensor");
+  if (!(readout_s >= 0 && readout_s <= 1)) {
+    throw InputError(Concat("sensor: readout_s is ", readout_s, ", must be from 0 to 1 (s)"));
+  }
 }
 
 void RgbdCamera::Validate(const std::string& what) const {
@@ -39,6 +42,9 @@ void RgbdCamera::Validate(const std::string& what) const {
   positive("frames_per_second", frames_per_second);
   if (!(std::abs(latency_s) <= 1)) {
     throw InputError(Concat(what, ": latency_s is ", latency_s, ", must be from -1 to 1 (s)"));
+  }
+  if (!(readout_s >= 0 && readout_s <= 1)) {
+    throw InputError(Concat(what, ": readout_s is ", readout_s, ", must be from 0 to 1 (s)"));
   }
   if (!color_from_depth.translation.allFinite() ||
       !color_from_depth.rotation.coeffs().allFinite()) {

@@ -7,6 +7,8 @@ namespace {
 
 using Distortion = std::array<double, 5>;
 
+constexpr double kKinectReadout_s = 1. / 30;  // RgbdCamera::readout_s
+
 PinholeCamera Vga(double fx, double fy, double cx, double cy, const Distortion& distortion = {}) {
   return {640, 480, fx, fy, cx, cy, distortion};
 }
@@ -23,12 +25,14 @@ RgbdCamera Registered(const PinholeCamera& camera, double depth_units_per_metre)
 RgbdCamera Tum(const PinholeCamera& camera) {
   RgbdCamera rgbd = Registered(camera, 5000);
   rgbd.latency_s = 0.02;
+  rgbd.readout_s = kKinectReadout_s;
   return rgbd;
 }
 
 // The colour camera's figures are measured on the red kitchen; its pose is not published.
 RgbdCamera SevenScenes() {
   RgbdCamera rgbd = Registered(Vga(585, 585, 320, 240), 1000);
+  rgbd.readout_s = kKinectReadout_s;
   rgbd.color = Vga(525, 525, 312, 240);
   rgbd.color_is_registered = false;
   return rgbd;

@@ -75,7 +75,7 @@ Rigid3d ReadTransform(const Node& node, const std::string& name) {
 RgbdCamera ReadCamera(const Node& root, const std::string& path) {
   root.RequireKeysAmong({"depth_camera", "color_camera", "color_from_depth",
                          "depth_units_per_metre", "inverse_depth_sigma", "inverse_depth_field",
-                         "frames_per_second", "latency_s"});
+                         "frames_per_second", "latency_s", "readout_s"});
   RgbdCamera camera;
   if (!root["depth_camera"].Exists()) throw InputError(path + ": depth_camera is missing");
   camera.depth = ReadPinhole(root["depth_camera"]);
@@ -85,6 +85,7 @@ RgbdCamera ReadCamera(const Node& root, const std::string& path) {
   if (root["frames_per_second"].Exists())
     camera.frames_per_second = root["frames_per_second"].Number();
   if (root["latency_s"].Exists()) camera.latency_s = root["latency_s"].Number();
+  if (root["readout_s"].Exists()) camera.readout_s = root["readout_s"].Number();
   camera.color_is_registered = !root["color_camera"].Exists();
   if (!camera.color_is_registered) camera.color = ReadPinhole(root["color_camera"]);
   if (root["color_from_depth"].Exists()) {
@@ -171,7 +172,7 @@ void WriteCameraYaml(const RgbdCamera& camera, const std::string& path,
     file << "inverse_depth_sigma" << camera.noise.inverse_depth_sigma;
     if (!field.IsZero()) WriteField(file, field);
     file << "frames_per_second" << camera.frames_per_second;
-    file << "latency_s" << camera.latency_s;
+    file << "latency_s" << camera.latency_s << "readout_s" << camera.readout_s;
   } catch (const cv::Exception& error) {
     throw InputError(path + " cannot be written: " + error.err);
   }

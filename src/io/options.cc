@@ -62,6 +62,9 @@ void SequenceOptions::Visit(OptionVisitor& v) {
   v.Add(latency_s, "latency_s",
         "how long before its stamp the middle of a depth frame's exposure and readout lies",
         InUnit("s"), AsFlag());
+  v.Add(readout_s, "readout_s",
+        "of a rolling shutter: from the first row that is read, at the top, to the last",
+        InUnit("s"), AsFlag());
   v.Add(first, "first", "index of the first frame to read", AtLeast(0), Everyday());
   v.Add(last, "last", "index of the last frame to read, inclusive; -1 = to the end", AtLeast(-1),
         Everyday());

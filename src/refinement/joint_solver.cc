@@ -52,7 +52,7 @@ JointState Moved(JointState state, const Eigen::VectorXd& increments) {
 // The cost of a state, and its quadratic model there.
 class JointCost {
  public:
-  JointCost(const SharedSurfels& shared, const MotionPrior& prior, const JointKernels& kernels,
+  JointCost(const SharedSurfels& shared, const JointPrior& prior, const JointKernels& kernels,
             std::size_t pose_count)
       : shared_(shared), prior_(prior), kernels_(kernels), pattern_(shared, pose_count) {}
 
@@ -68,7 +68,7 @@ class JointCost {
 
  private:
   const SharedSurfels& shared_;
-  const MotionPrior& prior_;
+  const JointPrior& prior_;
   JointKernels kernels_;
   BlockPattern pattern_;
 };
@@ -82,7 +82,7 @@ std::vector<bool> HeldCalibration(const RefinementOptions& options) {
   return held;
 }
 
-int MinimizeJointly(const SharedSurfels& shared, const MotionPrior& prior,
+int MinimizeJointly(const SharedSurfels& shared, const JointPrior& prior,
                     const JointKernels& kernels, const RefinementOptions& options,
                     JointState* state) {
   const JointCost cost(shared, prior, kernels, state->world_from_camera.size());

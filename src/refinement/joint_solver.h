@@ -4,18 +4,21 @@
 #include <vector>
 
 #include "cost_functions/analytic_relative_pose.h"
+#include "refinement/joint_rows.h"
 #include "refinement/reduced_system.h"
 
 namespace surfit {
 
-// What the given poses say: each keyframe lies where it did as the one before sees it, with
-// standard deviations of its own. Keyframes that share few surfels would otherwise be moved by the
-// errors of these.
-class MotionPrior {
+// What is known before the observations, each with standard deviations of its own.
+class JointPrior {
  public:
   // Says nothing.
-  MotionPrior() = default;
-  MotionPrior(const std::vector<Rigid3d>& world_from_camera, double sigma_m, double sigma_rad);
+  JointPrior() = default;
+  // Each keyframe lies where it did as the one before sees it. Keyframes that share few surfels
+  // would otherwise be moved by the errors of these.
+  JointPrior(const std::vector<Rigid3d>& world_from_camera, double sigma_m, double sigma_rad);
+  // The calibration is about the given one. What a recording does not show stays as it was.
+  JointPrior(const DepthCalibration& given, const CalibrationPrior& prior);
 
   // The variance of the observations, in the error model's: the prior counts as much more, as its
   // own standard deviations are true ones.
@@ -27,7 +30,11 @@ class MotionPrior {
   void AddTo(const JointState& state, ReducedSystem* system) const;
 
  private:
+  CalibrationRow ChangeOf(const DepthCalibration& calibration) const;
+
   std::deque<AnalyticRelativePose> edges_;  // from each keyframe to the next
+  CalibrationRow given_ = CalibrationRow::Zero();
+  ReducedSystem::CalibrationMatrix information_ = ReducedSystem::CalibrationMatrix::Zero();
   double weight_ = 1;
 };
 
@@ -43,7 +50,7 @@ std::vector<bool> HeldCalibration(const RefinementOptions& options);
 // Its steps are those of Ceres' trust region (Nielsen's rule for the damping): Ceres itself would
 // have to be given a square root of the reduced hessian as Jacobian, a factorisation as costly as
 // the solution, to multiply it out again.
-int MinimizeJointly(const SharedSurfels& shared, const MotionPrior& prior,
+int MinimizeJointly(const SharedSurfels& shared, const JointPrior& prior,
                     const JointKernels& kernels, const RefinementOptions& options,
                     JointState* state);
 

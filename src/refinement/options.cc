@@ -7,6 +7,17 @@
 
 namespace surfit {
 
+void CalibrationPrior::Visit(OptionVisitor& v) {
+  v.Add(focal_share, "focal_share", "standard deviation of the given fx and fy, as a share of them",
+        ZeroIs("unknown"), AsFlag("prior_focal_share"));
+  v.Add(aspect_share, "aspect_share", "and of the given fx / fy", ZeroIs("unknown"),
+        AsFlag("prior_aspect_share"));
+  v.Add(center_px, "center_px", "and of the given cx and cy", ZeroIs("unknown"), InUnit("px"),
+        AsFlag("prior_center_px"));
+  v.Add(inverse_depth_sigma, "inverse_depth_sigma", "and of the given correction of inverse depth",
+        ZeroIs("unknown"), InUnit("1/m"), AsFlag("prior_inverse_depth"));
+}
+
 void RefinementOptions::Visit(OptionVisitor& v) {
   v.Group("refinement");
   v.Add(free_intrinsics, "free_intrinsics", "estimate fx fy cx cy as well", Everyday());
@@ -16,6 +27,7 @@ void RefinementOptions::Visit(OptionVisitor& v) {
         "estimate as well how the error of inverse depth varies over the image: a quadratic "
         "polynomial",
         Everyday());
+  v.AddPart(prior, "prior", "what is known of the given calibration");
   v.Add(cells_across, "cells_across",
         "columns of square cells of a keyframe's image, with at most one surfel in each",
         AtLeast(1), AsFlag());

@@ -11,7 +11,7 @@
 namespace surfit {
 
 // Which pairs of poses the reduced system ties: those that share a surfel, and each pose with
-// itself and the next one (MotionPrior). Others have no block.
+// itself and the next one (JointPrior). Others have no block.
 class BlockPattern {
  public:
   static constexpr std::int32_t kNoBlock = -1;

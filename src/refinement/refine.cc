@@ -20,7 +20,7 @@ constexpr std::size_t kLeastSurfels = 100;
 std::optional<RefinementTermination> RunRound(const RefinementOptions& options,
                                               const JointKernels& kernels,
                                               const std::vector<RefinementKeyframe>& keyframes,
-                                              MotionPrior* prior, JointState* state,
+                                              JointPrior* prior, JointState* state,
                                               RefinementRound* round) {
   const TraceSlice slice("refine_round");
   const SharedSurfels shared = MakeSharedSurfels(keyframes, state->calibration, options);
@@ -53,7 +53,7 @@ void TakePoses(const JointState& state, std::vector<RefinementKeyframe>* keyfram
 // Makes surfels from the keyframes, moves all, and again, until a round gains nothing. State and
 // keyframes are where they were if it fails. Appends the rounds, and calls progress after each.
 RefinementTermination RunRounds(const RefinementOptions& options,
-                                std::vector<RefinementKeyframe>* keyframes, MotionPrior* prior,
+                                std::vector<RefinementKeyframe>* keyframes, JointPrior* prior,
                                 JointState* state, std::vector<RefinementRound>* rounds,
                                 const std::function<void(const RefinementRound&)>& progress) {
   const JointState given = *state;
@@ -91,7 +91,7 @@ JointState StateOf(const std::vector<RefinementKeyframe>& keyframes,
 
 // Sets the fit and the covariances of where all is, but for the distance of the calibration.
 void SetAgreement(const RefinementOptions& options,
-                  const std::vector<RefinementKeyframe>& keyframes, MotionPrior* prior,
+                  const std::vector<RefinementKeyframe>& keyframes, JointPrior* prior,
                   const JointState& state, RefinementSummary* summary) {
   const JointKernels kernels = KernelsOf(options.error_model);
   const SharedSurfels shared = MakeSharedSurfels(keyframes, state.calibration, options);
@@ -119,7 +119,7 @@ RefinementFit FitOf(const RefinementOptions& options,
 }
 
 // Refines from the given poses; those and the calibration stay as given if it fails.
-void RefineFrom(const JointState& given, const RefinementOptions& options, MotionPrior prior,
+void RefineFrom(const JointState& given, const RefinementOptions& options, JointPrior prior,
                 std::vector<RefinementKeyframe>* keyframes, RefinementSummary* summary,
                 const std::function<void(const RefinementRound&)>& progress) {
   TakePoses(given, keyframes);
@@ -129,7 +129,7 @@ void RefineFrom(const JointState& given, const RefinementOptions& options, Motio
   if (summary->Succeeded()) SetAgreement(options, *keyframes, &prior, state, summary);
 }
 
-MotionPrior PriorOf(const JointState& given, const RefinementOptions& options) {
+JointPrior PriorOf(const JointState& given, const RefinementOptions& options) {
   if (options.motion_sigma_m == 0 || options.motion_sigma_rad == 0) return {};
   return {given.world_from_camera, options.motion_sigma_m, options.motion_sigma_rad};
 }
@@ -176,7 +176,7 @@ RefinementSummary Refine(const RefinementOptions& options, const DepthCalibratio
     return summary;
   }
   summary.before = FitOf(options, *keyframes, given);
-  RefineFrom(given, options, {}, keyframes, &summary, progress);
+  RefineFrom(given, options, {initial, options.prior}, keyframes, &summary, progress);
   if (!summary.Succeeded()) return summary;
   const CalibrationChange change =
       ChangeOf(summary.calibration, initial, summary.calibration_covariance);

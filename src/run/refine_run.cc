@@ -10,6 +10,7 @@
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 #include "surfit/frame/prepare_frame.h"
+#include "surfit/frame/rolling_shutter.h"
 #include "surfit/geometry/sensor.h"
 #include "surfit/io/camera_files.h"
 #include "surfit/io/frame_source.h"
@@ -110,7 +111,8 @@ class RefineRun {
       }
       keyframe_poses_.push_back(*pose);
       keyframes_.push_back({given_[*pose].world_from_camera,
-                            MakeKeyframeImages(*read->frame, info_.sensor(), options_.preprocess)});
+                            MakeKeyframeImages(Unrolled(*read->frame, given_), info_.sensor(),
+                                               options_.preprocess)});
     }
     summary_.keyframes = keyframes_.size();
     if (keyframes_.empty()) {
@@ -118,6 +120,11 @@ class RefineRun {
                               options_.sequence.path));
     }
     progress_(Concat(keyframes_.size(), " keyframes of ", given_.size(), " poses"));
+  }
+
+  // As of the middle of its readout.
+  RgbdFrame Unrolled(const RgbdFrame& frame, const Trajectory& trajectory) const {
+    return AtMiddleOfReadout(frame, info_.sensor(), MotionAt(trajectory, frame.stamp_s));
   }
 
   void Tell(const RefinementRound& round) {
@@ -150,12 +157,12 @@ class RefineRun {
     const DepthCalibration& calibration = summary_.refinement.calibration;
     SlamOptions options;
     options.preprocess = options_.preprocess;
-    Slam slam({calibration.camera, info_.camera.noise}, options, {});
+    Slam slam({calibration.camera, info_.camera.noise, 0}, options, {});
     const auto source = ReadAhead(OpenSequence(options_.sequence), kReadAhead);
     while (std::optional<ReadResult> read = source->Next()) {
       const std::optional<std::size_t> pose = PoseAt(refined, read->stamp_s);
       if (!pose || !read->frame) continue;
-      RgbdFrame& frame = *read->frame;
+      RgbdFrame frame = Unrolled(*read->frame, refined);
       CorrectDepth(calibration.camera, calibration.field, &frame.depth_m);
       slam.ProcessAt(frame, refined[*pose].world_from_camera);
     }

@@ -78,7 +78,7 @@ TEST(MinimizeJointly, ReachesTheCostOfCeresOverAllRows) {
     problem.state.calibration.field.coefficients[0] += 0.005;
     const JointKernels none = {{RobustKernelType::kNone, 1}, {RobustKernelType::kNone, 1}};
     RefinementOptions options;
-    options.free_intrinsics = false;
+    options.free_intrinsics = options.free_depth_field = false;
     options.max_iterations = 100;
     const Rigid3d first = problem.state.world_from_camera[0];
     const double before = FitOf(problem.shared, problem.state, none).rho / 2;
@@ -119,7 +119,7 @@ class ThreePoses : public ::testing::Test {
 };
 
 TEST_F(ThreePoses, AreWhereTheyWereGiven) {
-  const MotionPrior prior(given_.world_from_camera, kSigmaM, kSigmaRad);
+  const JointPrior prior(given_.world_from_camera, kSigmaM, kSigmaRad);
   ReducedSystem system(pattern_);
   prior.AddTo(given_, &system);
   EXPECT_NEAR(system.rho, 0, kPrecision);
@@ -129,7 +129,7 @@ TEST_F(ThreePoses, AreWhereTheyWereGiven) {
 }
 
 TEST_F(ThreePoses, AgreeWithAutodiff) {
-  MotionPrior prior(given_.world_from_camera, kSigmaM, kSigmaRad);
+  JointPrior prior(given_.world_from_camera, kSigmaM, kSigmaRad);
   prior.SetWeight(kWeight);
   ReducedSystem system(pattern_);
   prior.AddTo(moved_, &system);
@@ -170,7 +170,7 @@ TEST_F(ThreePoses, AgreeWithAutodiff) {
 }
 
 TEST_F(ThreePoses, PullNoStrongerWhereTheyAreFarOff) {
-  const MotionPrior prior(given_.world_from_camera, kSigmaM, kSigmaRad);
+  const JointPrior prior(given_.world_from_camera, kSigmaM, kSigmaRad);
   const auto pull_at = [&](double metres) {
     JointState state = given_;
     state.world_from_camera[2].translation.x() += metres;
@@ -180,6 +180,37 @@ TEST_F(ThreePoses, PullNoStrongerWhereTheyAreFarOff) {
   };
   EXPECT_NEAR(pull_at(100 * kSigmaM), pull_at(200 * kSigmaM), kPrecision * pull_at(100 * kSigmaM));
   EXPECT_NEAR(pull_at(2 * kSigmaM), 2 * pull_at(kSigmaM), 1e-6 * pull_at(kSigmaM));
+}
+
+// Its cost is the squares of changes in standard deviations, and the gradient half the slope of
+// rho.
+TEST_F(ThreePoses, CalibrationPriorIsTheSumOfSquares) {
+  const CalibrationPrior sigmas = {0.01, 0.001, 5, 0.02};
+  JointPrior prior(given_.calibration, sigmas);
+  prior.SetWeight(kWeight);
+  EXPECT_EQ(prior.Rho(given_), 0);
+  JointState wrong = given_;
+  PinholeCamera& camera = wrong.calibration.camera;
+  camera.fx *= 1.01, camera.cy += 10, wrong.calibration.field.coefficients[3] -= 0.02;
+  // One of the focal length, ten of the aspect, two of the centre, one of the field.
+  EXPECT_NEAR(prior.Rho(wrong), kWeight * (1 + 100 + 4 + 1), 1e-6);
+  ReducedSystem system(pattern_);
+  prior.AddTo(wrong, &system);
+  EXPECT_NEAR(system.rho, prior.Rho(wrong), kPrecision * system.rho);
+  EXPECT_EQ(system.gradient.head(system.CalibrationBegin()).norm(), 0);
+  // rho is quadratic: from here to the given calibration it falls to zero along its Newton step.
+  const Eigen::VectorXd step =
+      system.calibration.ldlt().solve(system.gradient.tail<kCalibrationSize>());
+  EXPECT_NEAR(step[0], wrong.calibration.camera.fx - given_.calibration.camera.fx, 1e-9);
+  EXPECT_NEAR(step[3], 10, 1e-9);
+  EXPECT_NEAR(step[kFieldBegin + 3], -0.02, 1e-9);
+}
+
+TEST_F(ThreePoses, CalibrationPriorSaysNothingWithoutStandardDeviations) {
+  const JointPrior prior(given_.calibration, CalibrationPrior{0, 0, 0, 0});
+  JointState wrong = given_;
+  wrong.calibration.camera.fx *= 2;
+  EXPECT_EQ(prior.Rho(wrong), 0);
 }
 
 }  // namespace

@@ -212,7 +212,9 @@ TEST(Refine, FindsFocalLengthAndDepthOffsetAndTheTruePoses) {
   camera.fx *= 1.01;
   camera.fy *= 1.01;
   const double ate_before = AteOf(recording);
-  const RefinementSummary summary = RefineAll({}, camera, &recording);
+  RefinementOptions options;
+  options.free_depth_field = false;
+  const RefinementSummary summary = RefineAll(options, camera, &recording);
   ASSERT_TRUE(summary.Succeeded()) << ToString(summary.termination);
   const DepthCalibration& found = summary.calibration;
   const Eigen::VectorXd sigma = summary.calibration_covariance.diagonal().cwiseSqrt();
@@ -261,7 +263,7 @@ TEST(Refine, HoldsWhatIsNotFree) {
   Recording recording = Record(12, kOffset, 0.005, 0.002);
   const Rigid3d first = recording.keyframes[0].world_from_camera;
   RefinementOptions options;
-  options.free_intrinsics = options.free_depth_offset = false;
+  options.free_intrinsics = options.free_depth_offset = options.free_depth_field = false;
   options.max_rounds = 2;
   const RefinementSummary summary = RefineAll(options, TrueCamera(), &recording);
   ASSERT_TRUE(summary.Succeeded()) << ToString(summary.termination);
@@ -275,7 +277,7 @@ TEST(Refine, HoldsWhatIsNotFree) {
 TEST(Refine, KeepsACalibrationThatIsWrongByNoMoreThanTheModel) {
   const Recording given = Record(12, kOffset, 0, 0);
   RefinementOptions options;
-  options.free_intrinsics = false;
+  options.free_intrinsics = options.free_depth_field = false;
   options.max_rounds = 2;
   const auto keeps = [&](double model_error_share) {
     options.model_error_share = model_error_share;

@@ -52,7 +52,7 @@ using AllOptions = ::testing::Types<
     PrepareOptions, FitCriteria, InitializeOptions, CloudNormalOptions, CloudSensor,
     RegisterCloudsOptions, FusionOptions, RenderOptions, KeyframeOptions, PlaceViewOptions,
     PlaceIndexOptions, VerifyLoopOptions, FindLoopsOptions, RelocalizeOptions, EdgeNoise,
-    PoseGraphOptions, LoopOptions, SlamOptions, RefinementOptions, MatchOptions,
+    PoseGraphOptions, LoopOptions, SlamOptions, CalibrationPrior, RefinementOptions, MatchOptions,
     RelativePoseErrorOptions, TrajectoryEvaluationOptions, MapErrorOptions, KlgOptions,
     KinectOptions, PathOptions, ReportOptions, SlamRunOptions, AlignRunOptions, RegisterRunOptions,
     RefineRunOptions, RevisitOptions, FindLoopsRunOptions, CompareOptions>;
@@ -63,9 +63,9 @@ TYPED_TEST(OptionTables, NameEveryFieldOnce) { ExpectAll<TypeParam>(FieldCount<T
 // FieldCount() is not for optional fields.
 TEST(SequenceTable, NamesEveryField) {
   auto [path, format, camera, intrinsics, distortion, depth_units_per_metre, inverse_depth_sigma,
-        color_intrinsics, color_distortion, color_from_depth, frames_per_second, latency_s, first,
-        last, stride, prepare] = SequenceOptions();
-  ExpectAll<SequenceOptions>(16);
+        color_intrinsics, color_distortion, color_from_depth, frames_per_second, latency_s,
+        readout_s, first, last, stride, prepare] = SequenceOptions();
+  ExpectAll<SequenceOptions>(17);
 }
 
 TEST(DefaultOptions, AreValid) {

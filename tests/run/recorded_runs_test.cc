@@ -1,12 +1,14 @@
 // Whole runs over recorded sequences, as far as these are there.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 
 #include "surfit/evaluation/map_error.h"
 #include "surfit/geometry/trajectory.h"
 #include "surfit/io/point_cloud.h"
 #include "surfit/io/trajectory_files.h"
+#include "surfit/run/refine_run.h"
 #include "surfit/run/revisits.h"
 #include "surfit/run/slam_run.h"
 #include "testing/shared_data.h"
@@ -89,6 +91,28 @@ TEST(RecordedRuns, DeskOfTumWithin35Millimetres) {
   EXPECT_LE(ate_m, 0.035);
   EXPECT_LT(ate_m, summary.ate_without_latency->translation_m.rmse);
   EXPECT_LT(std::abs(summary.time_offset->offset_s), 0.005);
+}
+
+// Refined with the preset's readout and what is known of a preset. The best published figure is 15.
+TEST(RecordedRuns, RefinedDeskOfTumWithin14Millimetres) {
+  SURFIT_REQUIRE_SHARED_DATA("tum_fr1_desk");
+  const testing::TempFolder folder;
+  SlamRunOptions run = Options("tum_fr1_desk", -1);
+  run.output = folder / "out";
+  run.pictures = false;
+  const std::atomic<bool> never = false;
+  RunSlam(run, never, [](const SlamRunProgress&) {});
+  RefineRunOptions options;
+  options.sequence = run.sequence;
+  options.trajectory = run.output + "/trajectory.txt";
+  options.output = folder / "refined";
+  const RefineRunSummary summary = RunRefinement(options, [](const std::string&) {});
+  ASSERT_TRUE(summary.refinement.Succeeded() && summary.after && summary.after->ate);
+  EXPECT_EQ(summary.after->coverage, 1);
+  EXPECT_LE(summary.after->ate->translation_m.rmse, 0.014);
+  // The pixels that are found are as square as the sensor's are.
+  const PinholeCamera& camera = summary.calibration.camera;
+  EXPECT_NEAR(camera.fx / camera.fy, 1, 0.003);
 }
 
 // The depth of every second frame at every second pixel of a row and a column, by the true poses.

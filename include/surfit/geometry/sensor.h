@@ -30,6 +30,7 @@ struct DepthNoise {
 struct DepthSensor {
   PinholeCamera camera;  // undistorted
   DepthNoise noise;
+  double readout_s = 0;  // of a rolling shutter: RgbdCamera
 
   // Throws InputError naming the field, its value and the constraint.
   void Validate() const;
@@ -51,6 +52,10 @@ struct RgbdCamera {
   // the end, and transfer and computation add some milliseconds. 0 where stamps are of the moment
   // itself.
   double latency_s = 0;
+  // From the first row that a rolling shutter reads, at the top, to the last. Kinect v1 and Xtion:
+  // 1/30 s, as their sensor (Aptina MT9M001) reads rows all the time between two frames. 0: all
+  // rows are of one moment.
+  double readout_s = 0;
 
   // Throws InputError naming `what`, the field, its value and the constraint.
   void Validate(const std::string& what) const;

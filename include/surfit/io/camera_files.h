@@ -25,10 +25,11 @@ std::vector<std::string> CameraPresetNames();
 //   inverse_depth_field: [ c0, c1, c2, c3, c4, c5 ]      1/m: ReadInverseDepthField()
 //   frames_per_second: 30.
 //   latency_s: 0.02                          how long before its stamp a depth frame was measured
+//   readout_s: 0.033                         of a rolling shutter
 // depth_camera and depth_units_per_metre must stand; distortion is zero, color_from_depth the
-// identity, and inverse_depth_sigma, frames_per_second and latency_s the RgbdCamera's defaults
-// where they do not. A key that is none of these is an error, for it is a misspelt one. Throws
-// InputError naming the file, the key, the value and the constraint.
+// identity, and inverse_depth_sigma, frames_per_second, latency_s and readout_s the RgbdCamera's
+// defaults where they do not. A key that is none of these is an error, for it is a misspelt one.
+// Throws InputError naming the file, the key, the value and the constraint.
 RgbdCamera ReadCameraYaml(const std::string& path);
 
 // Its inverse_depth_field, what its depth needs to be right; zero where there is none.

@@ -21,13 +21,27 @@ struct DepthCalibration {
 
 class OptionVisitor;
 
+// What is known of a given calibration: standard deviations of its errors, about which it is right;
+// 0 = nothing is known. Factory calibrations and presets of a series are off by about a percent;
+// pixels are square to a thousandth; a structured-light sensor's depth is off by about one step of
+// disparity, which is 1 px / (0.075 m * 580 px) for a Kinect v1 (Khoshelham and Elberink 2012).
+struct CalibrationPrior {
+  double focal_share = 0.01;          // of fx and of fy
+  double aspect_share = 0.001;        // of fx / fy
+  double center_px = 5;               // of cx and of cy
+  double inverse_depth_sigma = 0.02;  // 1/m: of each coefficient of InverseDepthField
+
+  void Visit(OptionVisitor& visitor);
+};
+
 // How keyframes are refined.
 struct RefinementOptions {
   // What of the calibration is found as well. Depth as a whole keeps its scale: nothing in a
   // sequence tells a small room from a large one.
   bool free_intrinsics = true;    // fx fy cx cy
   bool free_depth_offset = true;  // of inverse depth: c0 of InverseDepthField
-  bool free_depth_field = false;  // its other coefficients
+  bool free_depth_field = true;   // its other coefficients
+  CalibrationPrior prior;
 
   // A keyframe's image has so many columns of square cells; it has at most one surfel in each.
   int cells_across = 120;
@@ -137,7 +151,7 @@ struct RefinementSummary {
 //
 // If the calibration that is found is no other than the given one, as far as its covariance tells,
 // the given one is kept, and the poses are refined with it from where they were. Then the given
-// motion between keyframes counts, too (MotionPrior): tracking with a wrong calibration would be
+// motion between keyframes counts, too (JointPrior): tracking with a wrong calibration would be
 // wrong.
 //
 // The same input gives the same output at any number of threads. `progress` is called after each

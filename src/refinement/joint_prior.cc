@@ -42,16 +42,37 @@ EdgeRows RowsOf(const AnalyticRelativePose& edge, const Rigid3d& a, const Rigid3
 
 }  // namespace
 
-MotionPrior::MotionPrior(const std::vector<Rigid3d>& world_from_camera, double sigma_m,
-                         double sigma_rad) {
+JointPrior::JointPrior(const std::vector<Rigid3d>& world_from_camera, double sigma_m,
+                       double sigma_rad) {
   const PoseInformation information = InformationOf(sigma_m, sigma_rad);
   for (std::size_t k = 1; k < world_from_camera.size(); ++k) {
     edges_.emplace_back(world_from_camera[k - 1].Inverse() * world_from_camera[k], information);
   }
 }
 
-double MotionPrior::Rho(const JointState& state) const {
-  double rho = 0;
+JointPrior::JointPrior(const DepthCalibration& given, const CalibrationPrior& prior) {
+  CalibrationToBlock(given, given_.data());
+  const auto information = [](double sigma) { return sigma > 0 ? 1 / (sigma * sigma) : 0; };
+  const PinholeCamera& camera = given.camera;
+  information_.diagonal().setConstant(information(prior.inverse_depth_sigma));
+  information_.diagonal().head<kFieldBegin>() << information(prior.focal_share * camera.fx),
+      information(prior.focal_share * camera.fy), information(prior.center_px),
+      information(prior.center_px);
+  // (fx / given fx - fy / given fy) / aspect_share.
+  CalibrationRow aspect = CalibrationRow::Zero();
+  aspect.head<2>() << 1 / camera.fx, -1 / camera.fy;
+  information_ += information(prior.aspect_share) * aspect * aspect.transpose();
+}
+
+CalibrationRow JointPrior::ChangeOf(const DepthCalibration& calibration) const {
+  CalibrationRow now;
+  CalibrationToBlock(calibration, now.data());
+  return now - given_;
+}
+
+double JointPrior::Rho(const JointState& state) const {
+  const CalibrationRow change = ChangeOf(state.calibration);
+  double rho = weight_ * change.dot(information_ * change);
   for (std::size_t k = 0; k < edges_.size(); ++k) {
     double a[kPoseSize], b[kPoseSize];
     PoseToBlock(state.world_from_camera[k], a);
@@ -64,7 +85,11 @@ double MotionPrior::Rho(const JointState& state) const {
   return rho;
 }
 
-void MotionPrior::AddTo(const JointState& state, ReducedSystem* system) const {
+void JointPrior::AddTo(const JointState& state, ReducedSystem* system) const {
+  const CalibrationRow change = ChangeOf(state.calibration);
+  system->calibration += weight_ * information_;
+  system->gradient.tail<kCalibrationSize>() += weight_ * information_ * change;
+  system->rho += weight_ * change.dot(information_ * change);
   for (std::size_t k = 0; k < edges_.size(); ++k) {
     const EdgeRows rows =
         RowsOf(edges_[k], state.world_from_camera[k], state.world_from_camera[k + 1]);

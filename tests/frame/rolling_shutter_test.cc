@@ -1,0 +1,132 @@
+#include "surfit/frame/rolling_shutter.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace surfit {
+namespace {
+
+constexpr int kWidth = 160, kHeight = 120;
+constexpr double kReadout_s = 1. / 30;
+const DepthSensor kSensor = {{kWidth, kHeight, 130, 130, 79.5, 59.5, {}}, {}, kReadout_s};
+// A hand that turns by 60 degrees and moves by 0.5 m a second.
+const CameraMotion kMotion = {{0.5, -0.8, 0.4}, {0.3, -0.2, 0.35}};
+
+// The depth of a floor, a wall ahead and a wall at the side, along a ray of a camera at this pose.
+double DepthAt(const Rigid3d& world_from_camera, const Eigen::Vector3d& ray) {
+  const Eigen::Vector3d direction = world_from_camera.rotation * ray;
+  const Eigen::Vector3d& origin = world_from_camera.translation;
+  double depth = 100;
+  const auto meet = [&](int axis, double at) {
+    const double z = (at - origin[axis]) / direction[axis];
+    if (z > 0) depth = std::min(depth, z);
+  };
+  meet(0, 1.2), meet(1, 0.9), meet(2, 3);
+  return depth;
+}
+
+// Where a steady motion has brought the camera after so many seconds.
+Rigid3d PoseAfter(double seconds) {
+  return Rigid3d(QuaternionExp<double>(seconds * kMotion.turn_rad_per_s),
+                 seconds * kMotion.velocity_m_per_s);
+}
+
+// What a camera sees whose rows are read within `readout_s`.
+RgbdFrame FrameOf(double readout_s) {
+  RgbdFrame frame;
+  frame.depth_m = Image<float>(kWidth, kHeight);
+  frame.color = Image<Rgb8>(kWidth, kHeight);
+  for (int v = 0; v < kHeight; ++v) {
+    const Rigid3d pose = PoseAfter(((v + 0.5) / kHeight - 0.5) * readout_s);
+    for (int u = 0; u < kWidth; ++u) {
+      frame.depth_m(u, v) = static_cast<float>(DepthAt(pose, kSensor.camera.Ray(u, v)));
+      frame.color(u, v) = {static_cast<std::uint8_t>(u), static_cast<std::uint8_t>(v), 0};
+    }
+  }
+  return frame;
+}
+
+// The root mean square of differences of inverse depth, without a margin that the other image does
+// not see.
+double Difference(const Image<float>& a, const Image<float>& b) {
+  constexpr int kMargin = 8;
+  double sum = 0;
+  int count = 0;
+  for (int v = kMargin; v < kHeight - kMargin; ++v) {
+    for (int u = kMargin; u < kWidth - kMargin; ++u) {
+      EXPECT_GT(a(u, v), 0) << u << ' ' << v;
+      const double difference = 1. / a(u, v) - 1. / b(u, v);
+      sum += difference * difference;
+      ++count;
+    }
+  }
+  return std::sqrt(sum / count);
+}
+
+TEST(RollingShutter, SeesWhatAGlobalOneDoes) {
+  const RgbdFrame global = FrameOf(0), rolling = FrameOf(kReadout_s);
+  const RgbdFrame mended = AtMiddleOfReadout(rolling, kSensor, kMotion);
+  const double before = Difference(rolling.depth_m, global.depth_m);
+  const double after = Difference(mended.depth_m, global.depth_m);
+  EXPECT_GT(before, 1e-3);
+  EXPECT_LT(after, before / 5);
+}
+
+TEST(RollingShutter, TheOppositeMotionMakesItWorse) {
+  const RgbdFrame global = FrameOf(0), rolling = FrameOf(kReadout_s);
+  const CameraMotion opposite = {-kMotion.turn_rad_per_s, -kMotion.velocity_m_per_s};
+  const RgbdFrame mended = AtMiddleOfReadout(rolling, kSensor, opposite);
+  EXPECT_GT(Difference(mended.depth_m, global.depth_m),
+            1.5 * Difference(rolling.depth_m, global.depth_m));
+}
+
+TEST(RollingShutter, ColourMovesWithDepth) {
+  const RgbdFrame mended = AtMiddleOfReadout(FrameOf(kReadout_s), kSensor, kMotion);
+  // The top row was read half a readout early: far away it moves by the turn alone.
+  const double tau = (10.5 / kHeight - 0.5) * kReadout_s;
+  const double expected_u = 80 - 130 * tau * kMotion.turn_rad_per_s.y();
+  EXPECT_NEAR(mended.color(80, 10).r, expected_u, 2.5);
+  EXPECT_NE(mended.color(80, 10).r, 80);
+}
+
+TEST(RollingShutter, KeepsTheFrameWithoutReadoutOrMotion) {
+  const RgbdFrame rolling = FrameOf(kReadout_s);
+  const DepthSensor global = {kSensor.camera, kSensor.noise, 0};
+  EXPECT_EQ(AtMiddleOfReadout(rolling, global, kMotion).depth_m, rolling.depth_m);
+  EXPECT_EQ(AtMiddleOfReadout(rolling, kSensor, {}).depth_m, rolling.depth_m);
+}
+
+TEST(RollingShutter, MissingDepthStaysMissing) {
+  RgbdFrame rolling = FrameOf(kReadout_s);
+  std::fill(rolling.depth_m.begin(), rolling.depth_m.end(), 0.f);
+  const RgbdFrame mended = AtMiddleOfReadout(rolling, kSensor, kMotion);
+  EXPECT_THAT(std::vector<float>(mended.depth_m.begin(), mended.depth_m.end()),
+              ::testing::Each(0.f));
+}
+
+TEST(CameraMotion, IsThatOfASteadyTrajectory) {
+  Trajectory trajectory;
+  for (int i = 0; i < 5; ++i) {
+    const double stamp_s = 100 + i * 0.03125;
+    trajectory.push_back({stamp_s, PoseAfter(i * 0.03125)});
+  }
+  // A velocity that is steady in the world is seen turned by the camera: by 0.03 rad a frame.
+  const CameraMotion first = MotionAt(trajectory, trajectory[0].stamp_s);
+  EXPECT_NEAR((first.turn_rad_per_s - kMotion.turn_rad_per_s).norm(), 0, 1e-6);
+  EXPECT_NEAR((first.velocity_m_per_s - kMotion.velocity_m_per_s).norm(), 0, 0.02);
+  const CameraMotion inner = MotionAt(trajectory, trajectory[2].stamp_s);
+  EXPECT_NEAR((inner.turn_rad_per_s - kMotion.turn_rad_per_s).norm(), 0, 1e-6);
+}
+
+TEST(CameraMotion, IsNoneAcrossAGapOrBesideThePoses) {
+  const Trajectory trajectory = {{1, PoseAfter(0)}, {1.5, PoseAfter(0.5)}};
+  EXPECT_TRUE(MotionAt(trajectory, 1).IsZero());
+  EXPECT_TRUE(MotionAt(trajectory, 1.2).IsZero());
+  EXPECT_FALSE(MotionAt(trajectory, 1, 0.6).IsZero());
+  EXPECT_TRUE(MotionOver(PoseAfter(0.1), 0).IsZero());
+}
+
+}  // namespace
+}  // namespace surfit
