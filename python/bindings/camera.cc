@@ -11,7 +11,7 @@ namespace py = pybind11;
 
 namespace surfit::python {
 
-static_assert(FieldCount<PinholeCamera>() == 7 && FieldCount<RgbdCamera>() == 8,
+static_assert(FieldCount<PinholeCamera>() == 7 && FieldCount<RgbdCamera>() == 9,
               "each field must be an attribute");
 
 void BindCamera(py::module_& module) {
