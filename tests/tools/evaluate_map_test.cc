@@ -8,7 +8,6 @@
 namespace surfit::testing {
 namespace {
 
-
 class EvaluateMapTest : public ::testing::Test {
  protected:
   EvaluateMapTest() {
