@@ -4,9 +4,7 @@
 #include <cstdio>
 #include <optional>
 
-#include "common/interruption.h"
-#include "common/progress_line.h"
-#include "common/text_table.h"
+#include "common/console.h"
 #include "common/tool_main.h"
 #include "surfit/registration/register_clouds.h"
 #include "surfit/run/compare_solvers.h"
@@ -20,7 +18,7 @@ void ShowProgress(const CompareProgress& progress) {
   char text[100];
   std::snprintf(text, sizeof(text), "%s %d/%d  %.0f s left", progress.unit.c_str(), progress.done,
                 progress.total, progress.elapsed_s / progress.done * left);
-  line.Show(text, progress.elapsed_s, left == 0);
+  line.Show(text, left == 0);
 }
 
 // "-" for what does not apply.

@@ -1,11 +1,10 @@
 // Tells whether an estimate or its pseudo ground truth lays the surfaces of two visits to one place
 // better over each other.
 
-#include <chrono>
 #include <iostream>
 
+#include "common/console.h"
 #include "common/json.h"
-#include "common/progress_line.h"
 #include "common/tool_main.h"
 #include "surfit/core/error.h"
 #include "surfit/core/parallel.h"
@@ -42,10 +41,8 @@ void PrintSummary(const std::string& name, const RevisitAgreement& agreement) {
 int Run(const Options& options) {
   const ThreadLimit threads(options.threads);
   ProgressLine line;
-  const auto start = std::chrono::steady_clock::now();
   const RevisitReport report = CompareAtRevisits(options.revisits, [&](int done, int all) {
-    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-    line.Show(Concat("pair ", done, "/", all), elapsed.count(), done == all);
+    line.Show(Concat("pair ", done, "/", all), done == all);
   });
   Json json = {{"pairs", report.pairs},
                {"unregistered", report.unregistered},

@@ -1,13 +1,11 @@
 // Looks for places that a camera returned to, and verifies each.
 
-#include <chrono>
 #include <cmath>
 #include <iomanip>
 #include <iostream>
 #include <map>
 
-#include "common/progress_line.h"
-#include "common/text_table.h"
+#include "common/console.h"
 #include "common/tool_main.h"
 #include "surfit/core/error.h"
 #include "surfit/run/revisits.h"
@@ -69,11 +67,8 @@ void PrintEvaluation(const LoopEvaluation& evaluation) {
 
 int Run(const FindLoopsRunOptions& options) {
   ProgressLine line;
-  const auto start = std::chrono::steady_clock::now();
-  const FindLoopsRunResult result = RunFindLoops(options, [&](int frames) {
-    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-    line.Show(Concat("frame ", frames), elapsed.count(), false);
-  });
+  const FindLoopsRunResult result = RunFindLoops(
+      options, [&](int frames) { line.Show(Concat("frame ", frames), /*last=*/false); });
   PrintReasons(result.loops);
   PrintKeyframes(result);
   if (result.evaluation) PrintEvaluation(*result.evaluation);

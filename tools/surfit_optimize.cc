@@ -3,8 +3,8 @@
 #include <iomanip>
 #include <iostream>
 
+#include "common/console.h"
 #include "common/json.h"
-#include "common/text_table.h"
 #include "common/tool_main.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"

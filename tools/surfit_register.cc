@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-#include "common/icp_report.h"
+#include "common/outcomes.h"
 #include "common/tool_main.h"
 #include "surfit/run/register_run.h"
 

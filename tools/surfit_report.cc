@@ -1,6 +1,6 @@
 // Writes one page about runs of surfit_slam, side by side.
 
-#include "common/report.h"
+#include "common/outcomes.h"
 #include "common/tool_main.h"
 
 int main(int argc, char** argv) {

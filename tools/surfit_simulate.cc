@@ -1,13 +1,13 @@
 // Ray-traces an RGB-D sequence with exact ground truth.
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <iomanip>
 #include <iostream>
 #include <thread>
 #include <vector>
 
+#include "common/console.h"
 #include "common/tool_main.h"
 #include "simulate/sequence_writer.h"
 #include "simulate/surface_sampler.h"
@@ -113,22 +113,12 @@ SimulatedFrame Simulate(const Options& options, const Scene& scene, const Pinhol
   return frame;
 }
 
-class Progress {
- public:
-  explicit Progress(int total) : total_(total) {}
-  void Show(int done) const {
-    const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start_;
-    const double fps = done / passed.count();
-    std::cerr << "\rframe " << done << " of " << total_ << ", " << std::fixed
-              << std::setprecision(1) << fps << " fps, " << std::setprecision(0)
-              << (total_ - done) / fps << " s left   " << (done == total_ ? "\n" : "")
-              << std::flush;
-  }
-
- private:
-  int total_;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
+void ShowProgress(int done, int total, ProgressLine* line) {
+  const double fps = done / line->elapsed_s();
+  line->Show(Concat("frame ", done, " of ", total, ", ", std::fixed, std::setprecision(1), fps,
+                    " fps, ", std::setprecision(0), (total - done) / fps, " s left"),
+             done == total);
+}
 
 // Frames are rendered and written side by side, the surface is collected in their order.
 SurfaceSampler WriteFrames(const Options& options, const Scene& scene, const PinholeCamera& camera,
@@ -136,7 +126,7 @@ SurfaceSampler WriteFrames(const Options& options, const Scene& scene, const Pin
                            const SequenceWriter& writer) {
   constexpr int kBatch = 10;
   SurfaceSampler surface(options.surface_grid_m);
-  const Progress progress(static_cast<int>(path.size()));
+  ProgressLine line;
   const int frames = static_cast<int>(path.size());
   for (int begin = 0; begin < frames; begin += kBatch) {
     const int end = std::min(frames, begin + kBatch);
@@ -151,7 +141,7 @@ SurfaceSampler WriteFrames(const Options& options, const Scene& scene, const Pin
       if (frame.depth_m.empty()) continue;
       surface.Add(frame.exact, frame.depth_m, camera, path[i].world_from_camera);
     }
-    progress.Show(end);
+    ShowProgress(end, static_cast<int>(path.size()), &line);
   }
   return surface;
 }

@@ -4,10 +4,8 @@
 #include <cstdio>
 #include <memory>
 
-#include "common/interruption.h"
-#include "common/progress_line.h"
-#include "common/refinement.h"
-#include "common/report.h"
+#include "common/console.h"
+#include "common/outcomes.h"
 #include "common/tool_main.h"
 #include "surfit/core/error.h"
 #include "surfit/run/slam_run.h"
@@ -48,7 +46,7 @@ void ShowProgress(const SlamRunProgress& progress) {
                   progress.frames_done, progress.frames_total, fps, million_surfels,
                   (progress.frames_total - progress.frames_done) / fps);
   }
-  line.Show(text, progress.elapsed_s, progress.frames_done == progress.frames_total);
+  line.Show(text, progress.frames_done == progress.frames_total);
 }
 
 void PrintLoops(const BackendCounts& c) {

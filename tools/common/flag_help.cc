@@ -1,9 +1,8 @@
-#include "common/flag_help.h"
-
 #include <algorithm>
 #include <cstdlib>
 #include <sstream>
 
+#include "common/flags.h"
 #include "surfit/core/error.h"
 
 namespace surfit::tools {

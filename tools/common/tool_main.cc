@@ -8,7 +8,6 @@
 #include <iostream>
 #include <vector>
 
-#include "common/flag_file.h"
 #include "common/flags.h"
 #include "surfit/core/error.h"
 

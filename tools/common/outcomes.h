@@ -2,6 +2,8 @@
 
 #include "common/tool_main.h"
 #include "surfit/registration/icp.h"
+#include "surfit/report/write_report.h"
+#include "surfit/run/refine_run.h"
 
 namespace surfit::tools {
 
@@ -13,5 +15,12 @@ void PrintPose(const IcpResult& icp);
 
 // The exit code; says on stderr what an unsuccessful registration lacks, value and constraint.
 ExitCode PrintFailure(const IcpResult& icp, const IcpOptions& options);
+
+// Refines, says on stderr how far it is, and prints errors and calibration before and after.
+// Returns the program's exit code.
+int RefineAndPrint(const RefineRunOptions& options);
+
+// Writes the report and says where it is and what of the maps it shows. Throws like WriteReport().
+void WriteAndPrintReport(const ReportOptions& options);
 
 }  // namespace surfit::tools

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <string>
+#include <vector>
+
+namespace surfit::tools {
+
+// How far a program is, on stderr: one line that is written over on a terminal, and now and then a
+// new one elsewhere.
+class ProgressLine {
+ public:
+  ProgressLine();
+  void Show(const std::string& text, bool last);
+  double elapsed_s() const;  // since the line was made
+
+ private:
+  bool terminal_;
+  const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  double shown_s_ = 0;
+};
+
+// Lines of columns that are as wide as their widest cell: the first `left_columns` of them begin
+// together, the others end together. All rows have the same number of cells.
+std::string TextTable(const std::vector<std::vector<std::string>>& rows, std::size_t left_columns);
+
+// From now on SIGINT (Ctrl-C) and SIGTERM set the flag that is returned instead of ending the
+// program, so that it can finish what it writes.
+const std::atomic<bool>& CatchInterruptions();
+
+}  // namespace surfit::tools
