@@ -52,8 +52,6 @@ int Run(const AlignRunOptions& options) {
 }  // namespace surfit::tools
 
 int main(int argc, char** argv) {
-  surfit::AlignRunOptions options;
   return surfit::tools::ToolMain(argc, argv, "registers two frames of an RGB-D sequence",
-                                 surfit::TableOf(&options),
-                                 [&] { return surfit::tools::Run(options); });
+                                 surfit::tools::Run);
 }

@@ -85,10 +85,8 @@ int Run(const Options& options) {
 }  // namespace surfit::tools
 
 int main(int argc, char** argv) {
-  surfit::tools::Options options;
   return surfit::tools::ToolMain(argc, argv,
                                  "converts a sequence to .klg (with its camera as .klg.yaml), a "
                                  "map or cloud to PCD or PLY, or a trajectory to KITTI's poses",
-                                 surfit::TableOf(&options),
-                                 [&] { return surfit::tools::Run(options); });
+                                 surfit::tools::Run);
 }

@@ -128,11 +128,9 @@ int Run(const Options& options) {
 }  // namespace surfit::tools
 
 int main(int argc, char** argv) {
-  surfit::tools::Options options;
   return surfit::tools::ToolMain(argc, argv,
                                  "compares a trajectory with the ground truth. Prints JSON on "
                                  "stdout (absolute trajectory error after rigid alignment without "
                                  "scale, relative pose error, coverage) and a summary on stderr.",
-                                 surfit::TableOf(&options),
-                                 [&] { return surfit::tools::Run(options); });
+                                 surfit::tools::Run);
 }

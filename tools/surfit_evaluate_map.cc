@@ -82,7 +82,6 @@ int Run(const Options& options) {
 }  // namespace surfit::tools
 
 int main(int argc, char** argv) {
-  surfit::tools::Options options;
   return surfit::tools::ToolMain(
       argc, argv,
       "compares a map with a reference surface. Prints JSON on stdout and a summary on stderr: "
@@ -90,5 +89,5 @@ int main(int argc, char** argv) {
       "reference's spacing is part of it), plane_accuracy the distance to that point's plane where "
       "the reference has normals, completeness the share of the reference with a map point near "
       "by.",
-      surfit::TableOf(&options), [&] { return surfit::tools::Run(options); });
+      surfit::tools::Run);
 }

@@ -38,10 +38,8 @@ int Run(const Options& options) {
 }  // namespace surfit::tools
 
 int main(int argc, char** argv) {
-  surfit::tools::Options options;
   return surfit::tools::ToolMain(argc, argv,
                                  "makes a triangle mesh with colours of a map (screened Poisson "
                                  "reconstruction), cut off where the map has no points",
-                                 surfit::TableOf(&options),
-                                 [&] { return surfit::tools::Run(options); });
+                                 surfit::tools::Run);
 }

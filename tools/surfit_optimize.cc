@@ -116,8 +116,7 @@ int Run(const Options& options) {
 }  // namespace surfit::tools
 
 int main(int argc, char** argv) {
-  surfit::tools::Options options;
   return surfit::tools::ToolMain(
       argc, argv, "optimises the pose graph of a .g2o file, and prints the cost at each iteration.",
-      surfit::TableOf(&options), [&] { return surfit::tools::Run(options); });
+      surfit::tools::Run);
 }

@@ -36,8 +36,7 @@ int Run(const RegisterRunOptions& options) {
 }  // namespace surfit::tools
 
 int main(int argc, char** argv) {
-  surfit::RegisterRunOptions options;
   return surfit::tools::ToolMain(
       argc, argv, "registers two point clouds by ICP with nearest neighbours, from the identity",
-      surfit::TableOf(&options), [&] { return surfit::tools::Run(options); });
+      surfit::tools::Run);
 }

@@ -170,8 +170,7 @@ int Run(const Options& options) {
 }  // namespace surfit::tools
 
 int main(int argc, char** argv) {
-  surfit::tools::Options options;
-  return surfit::tools::ToolMain(
-      argc, argv, "simulates an RGB-D sequence (TUM layout) with exact ground truth",
-      surfit::TableOf(&options), [&] { return surfit::tools::Run(options); });
+  return surfit::tools::ToolMain(argc, argv,
+                                 "simulates an RGB-D sequence (TUM layout) with exact ground truth",
+                                 surfit::tools::Run);
 }

@@ -156,8 +156,6 @@ int Run(const Options& all) {
 }  // namespace surfit::tools
 
 int main(int argc, char** argv) {
-  surfit::tools::Options options;
   return surfit::tools::ToolMain(argc, argv, "dense SLAM over an RGB-D sequence on the CPU",
-                                 surfit::TableOf(&options),
-                                 [&] { return surfit::tools::Run(options); });
+                                 surfit::tools::Run);
 }

@@ -18,6 +18,13 @@ enum ExitCode { kDone = 0, kBadInput = 1, kAlgorithmFailed = 2 };
 int ToolMain(int argc, char** argv, const std::string& summary, const OptionTable& options,
              const std::function<int()>& run, const std::function<void()>& prepare = {});
 
+// The same for options that need no preparation.
+template <typename Options>
+int ToolMain(int argc, char** argv, const std::string& summary, int (*run)(const Options&)) {
+  Options options;
+  return ToolMain(argc, argv, summary, TableOf(&options), [&] { return run(options); });
+}
+
 // Throws InputError naming the flag if its value is empty.
 void RequireFlag(const std::string& name, const std::string& value);
 
