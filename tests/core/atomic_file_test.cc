@@ -3,15 +3,13 @@
 #include <gmock/gmock.h>
 
 #include "surfit/core/error.h"
+#include "testing/matchers.h"
 #include "testing/temp_folder.h"
 
 namespace surfit::testing {
 namespace {
 
 namespace fs = std::filesystem;
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-using ::testing::ThrowsMessage;
 
 std::size_t FileCount(const std::string& folder) {
   return std::distance(fs::directory_iterator(folder), fs::directory_iterator());

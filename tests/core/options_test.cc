@@ -5,12 +5,11 @@
 #include <cmath>
 
 #include "surfit/core/error.h"
-#include "testing/expect_input_error.h"
+#include "testing/matchers.h"
 
 namespace surfit::testing {
 namespace {
 
-using ::testing::HasSubstr;
 using ::testing::Pair;
 using ::testing::StrEq;
 using ::testing::UnorderedElementsAre;

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "surfit/core/error.h"
+#include "testing/matchers.h"
 
 namespace surfit::testing {
 namespace {
@@ -33,7 +34,7 @@ TEST(ParallelFor, CoversTheRangeOnceInBlocksOfTheGrain) {
     for (int i = begin; i < end; ++i) ++visits[i];
   });
   EXPECT_EQ(std::accumulate(visits.begin(), visits.begin() + 3, 0), 0);
-  EXPECT_THAT(std::vector<int>(visits.begin() + 3, visits.end()), ::testing::Each(1));
+  EXPECT_THAT(std::vector<int>(visits.begin() + 3, visits.end()), Each(1));
 }
 
 TEST(ParallelFor, OfNothingDoesNothing) {
@@ -84,7 +85,7 @@ TEST(RunInSpareTime, KeepsItsLoopsOnItsOwnThread) {
         std::this_thread::sleep_for(std::chrono::microseconds(100));
       });
     });
-    EXPECT_THAT(ids, ::testing::ElementsAre(std::this_thread::get_id()));
+    EXPECT_THAT(ids, ElementsAre(std::this_thread::get_id()));
   }).join();
 }
 

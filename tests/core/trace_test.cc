@@ -4,7 +4,7 @@
 
 #include <thread>
 
-#include "testing/expect_input_error.h"
+#include "testing/matchers.h"
 #include "testing/temp_folder.h"
 #include "testing/trace_slices.h"
 
@@ -70,7 +70,7 @@ TEST(Trace, SlicesOfManyThreadsAreWhole) {
 
 TEST(Trace, AFileThatCannotBeWrittenIsNamed) {
   ExpectInputError([] { const TraceRecorder recorder("/dev/null/trace.json"); },
-                   ::testing::HasSubstr("/dev/null/trace.json"));
+                   HasSubstr("/dev/null/trace.json"));
   // A failed one does not count as recording.
   const TempFolder folder;
   const TraceRecorder recorder(folder / "trace.json");

@@ -7,13 +7,12 @@
 
 #include "surfit/core/error.h"
 #include "surfit/core/parallel.h"
+#include "testing/matchers.h"
 #include "testing/random_pose.h"
 
 namespace surfit::testing {
 namespace {
 
-using ::testing::HasSubstr;
-using ::testing::ThrowsMessage;
 using Cloud = std::vector<Eigen::Vector3f>;
 
 Cloud RandomPoints(int count, double size_m, int seed) {

@@ -3,12 +3,10 @@
 #include <limits>
 
 #include "frame/lens.h"
-#include "testing/expect_input_error.h"
+#include "testing/matchers.h"
 
 namespace surfit::testing {
 namespace {
-
-using ::testing::HasSubstr;
 
 RgbdCamera SmallRgbdCamera() {
   RgbdCamera camera;

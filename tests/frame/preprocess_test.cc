@@ -11,7 +11,7 @@
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 #include "surfit/geometry/sensor.h"
-#include "testing/expect_input_error.h"
+#include "testing/matchers.h"
 
 namespace surfit::testing {
 namespace {

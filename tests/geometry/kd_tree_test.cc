@@ -6,13 +6,12 @@
 #include <random>
 
 #include "surfit/core/parallel.h"
+#include "testing/matchers.h"
 #include "testing/random_pose.h"
 
 namespace surfit::testing {
 namespace {
 
-using ::testing::ElementsAre;
-using ::testing::IsEmpty;
 using Points = std::vector<Eigen::Vector3f>;
 
 constexpr float kAnywhere = KdTree::kAnyDistance;

@@ -1,14 +1,11 @@
 #include "surfit/io/camera_files.h"
 
-#include "testing/expect_input_error.h"
+#include "testing/matchers.h"
 #include "testing/shared_data.h"
 #include "testing/temp_folder.h"
 
 namespace surfit::testing {
 namespace {
-
-using ::testing::AllOf;
-using ::testing::HasSubstr;
 
 TEST(CameraPreset, EveryNameGivesAValidCamera) {
   EXPECT_EQ(CameraPresetNames().size(), 8u);

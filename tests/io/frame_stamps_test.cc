@@ -2,14 +2,12 @@
 #include "surfit/io/camera_files.h"
 #include "surfit/io/klg_writer.h"
 #include "surfit/io/sequence.h"
-#include "testing/expect_input_error.h"
+#include "testing/matchers.h"
 #include "testing/recordings.h"
 #include "testing/sequence_writer.h"
 
 namespace surfit::testing {
 namespace {
-
-using ::testing::HasSubstr;
 
 // Frame 1 of a folder or file.
 RgbdFrame SecondFrame(const SequenceOptions& options) {

@@ -2,15 +2,12 @@
 
 #include <gmock/gmock.h>
 
-#include "testing/expect_input_error.h"
 #include "testing/matchers.h"
 #include "testing/pose_graphs.h"
 #include "testing/temp_folder.h"
 
 namespace surfit::testing {
 namespace {
-
-using ::testing::HasSubstr;
 
 // Row by row, the upper triangle of the identity.
 const std::string kIdentity = " 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1";

@@ -2,14 +2,12 @@
 
 #include <random>
 
-#include "testing/expect_input_error.h"
+#include "testing/matchers.h"
 #include "testing/sequence_writer.h"
 #include "testing/temp_folder.h"
 
 namespace surfit::testing {
 namespace {
-
-using ::testing::HasSubstr;
 
 Image<std::uint16_t> SomeDepth() {
   std::mt19937_64 rng(3);

@@ -1,14 +1,10 @@
 #include "surfit/io/camera_files.h"
 #include "surfit/io/sequence.h"
-#include "testing/expect_input_error.h"
 #include "testing/matchers.h"
 #include "testing/sequence_writer.h"
 
 namespace surfit::testing {
 namespace {
-
-using ::testing::AllOf;
-using ::testing::HasSubstr;
 
 void WriteSevenScenes(const TempFolder& folder, int count) {
   for (int i = 0; i < count; ++i) {
@@ -225,7 +221,7 @@ TEST_F(ReplicaTest, WithoutCamParamsTheCameraIsTheDataSets) {
 TEST_F(ReplicaTest, RefusesMalformedFiles) {
   folder_.Write("room0/cam_params.json", R"({"camera": {"w": 32}})");
   ExpectInputError([&] { OpenSequence(options_); },
-                   ::testing::AllOf(HasSubstr("room0/cam_params.json"), HasSubstr("'h'")));
+                   AllOf(HasSubstr("room0/cam_params.json"), HasSubstr("'h'")));
   std::filesystem::remove(folder_ / "room0/cam_params.json");
   folder_.Write("room0/traj.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n");
   ExpectInputError([&] { OpenSequence(options_); },

@@ -5,16 +5,11 @@
 #include "io/image_sequence.h"
 #include "surfit/io/camera_files.h"
 #include "surfit/io/sequence.h"
-#include "testing/expect_input_error.h"
 #include "testing/matchers.h"
 #include "testing/sequence_writer.h"
 
 namespace surfit::testing {
 namespace {
-
-using ::testing::AllOf;
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 
 class OpenSequenceTest : public ::testing::Test {
  protected:

@@ -4,18 +4,13 @@
 
 #include "surfit/core/error.h"
 #include "surfit/io/point_cloud.h"
-#include "testing/expect_input_error.h"
+#include "testing/matchers.h"
 #include "testing/recordings.h"
 #include "testing/temp_folder.h"
 
 namespace surfit::testing {
 namespace {
 
-using ::testing::AllOf;
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
-using ::testing::ThrowsMessage;
 using V = Eigen::Vector3f;
 
 std::string Header(const std::string& fields, const std::string& sizes, const std::string& types,

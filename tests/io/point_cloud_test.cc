@@ -6,18 +6,13 @@
 #include <cstring>
 
 #include "surfit/core/error.h"
-#include "testing/expect_input_error.h"
+#include "testing/matchers.h"
 #include "testing/recordings.h"
 #include "testing/temp_folder.h"
 
 namespace surfit::testing {
 namespace {
 
-using ::testing::AllOf;
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
-using ::testing::ThrowsMessage;
 using V = Eigen::Vector3f;
 
 constexpr char kBinary[] = "ply\nformat binary_little_endian 1.0\n";
@@ -304,7 +299,7 @@ TEST(ReadSurfelPly, RefusesACloudThatIsNoMap) {
   const TempFolder dir;
   WritePly({{Eigen::Vector3f(1, 2, 3)}, {}, {}}, dir / "cloud.ply");
   ExpectInputError([&] { ReadSurfelPly(dir / "cloud.ply"); },
-                   ::testing::HasSubstr("'vertex' has no property nx"));
+                   HasSubstr("'vertex' has no property nx"));
 }
 
 }  // namespace

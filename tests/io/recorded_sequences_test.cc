@@ -12,8 +12,6 @@
 namespace surfit::testing {
 namespace {
 
-using ::testing::IsEmpty;
-
 SequenceOptions Options(const std::string& sequence, int last = -1) {
   SequenceOptions options;
   options.path = SharedData(sequence);

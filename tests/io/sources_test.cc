@@ -6,13 +6,12 @@
 #include "surfit/core/parallel.h"
 #include "surfit/io/frame_source.h"
 #include "surfit/io/sequence.h"
-#include "testing/expect_input_error.h"
+#include "testing/matchers.h"
 #include "testing/sequence_writer.h"
 
 namespace surfit::testing {
 namespace {
 
-using ::testing::HasSubstr;
 using Clock = std::chrono::steady_clock;
 
 TEST(ReadAhead, GivesTheSameFramesAtAnyNumberOfThreads) {

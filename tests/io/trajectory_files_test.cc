@@ -6,17 +6,11 @@
 #include <sstream>
 
 #include "surfit/core/error.h"
-#include "testing/expect_input_error.h"
 #include "testing/matchers.h"
 #include "testing/temp_folder.h"
 
 namespace surfit::testing {
 namespace {
-
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-using ::testing::MatchesRegex;
-using ::testing::ThrowsMessage;
 
 Trajectory RandomTrajectory(int count) {
   std::mt19937_64 rng(3);
@@ -151,7 +145,7 @@ TEST(ReadTumTrajectory, NamesFileAndLineOfWhatItCannotRead) {
 TEST(ReadTumStamps, ReadsTheFirstColumnOfAnyList) {
   const TempFolder dir;
   const std::string path = dir.Write("rgb.txt", "# x\n2.5 rgb/2.png\n1.25 rgb/1.png\n");
-  EXPECT_THAT(ReadTumStamps(path), ::testing::ElementsAre(1.25, 2.5));
+  EXPECT_THAT(ReadTumStamps(path), ElementsAre(1.25, 2.5));
   dir.Write("rgb.txt", "1.25 rgb/1.png\nrgb/2.png\n");
   EXPECT_THAT([&] { ReadTumStamps(path); },
               ThrowsMessage<InputError>(HasSubstr(path + ":2: 'rgb/2.png' is not a finite")));
@@ -186,7 +180,7 @@ TEST(KittiTrajectory, IsTheUpperRowsOfEachMatrix) {
 
 TEST(KittiTrajectory, NamesTheFileThatCannotBeWritten) {
   ExpectInputError([] { WriteKittiTrajectory({}, "/nowhere/poses.txt"); },
-                   ::testing::HasSubstr("/nowhere/poses.txt"));
+                   HasSubstr("/nowhere/poses.txt"));
 }
 
 }  // namespace

@@ -1,13 +1,11 @@
 #include <thread>
 
 #include "surfit/io/sequence.h"
-#include "testing/expect_input_error.h"
+#include "testing/matchers.h"
 #include "testing/sequence_writer.h"
 
 namespace surfit::testing {
 namespace {
-
-using ::testing::HasSubstr;
 
 class WatchTest : public ::testing::Test {
  protected:

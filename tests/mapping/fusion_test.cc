@@ -14,13 +14,12 @@
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
 #include "surfit/simulation/scene.h"
-#include "testing/expect_input_error.h"
+#include "testing/matchers.h"
 
 namespace surfit::testing {
 namespace {
 
 using Eigen::Vector3f;
-using ::testing::HasSubstr;
 
 TEST(Fusion, TheFirstFrameBecomesTheMap) {
   const PinholeCamera camera = TestCamera();

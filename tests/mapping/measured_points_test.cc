@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "testing/matchers.h"
+
 namespace surfit::testing {
 namespace {
 
@@ -166,7 +168,7 @@ TEST(PointWeights, FallFromOneAtThePrincipalPointToTheFarthestCorner) {
 TEST(PointWeights, AreOneIfUniform) {
   FusionOptions options;
   options.weighting = "uniform";
-  EXPECT_THAT(PointWeights(SevenByFive(), options), ::testing::Each(1.f));
+  EXPECT_THAT(PointWeights(SevenByFive(), options), Each(1.f));
 }
 
 }  // namespace

@@ -9,15 +9,11 @@
 #include "mapping/random_surfel.h"
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
-#include "testing/expect_input_error.h"
 #include "testing/matchers.h"
 #include "testing/random_pose.h"
 
 namespace surfit::testing {
 namespace {
-
-using ::testing::Each;
-using ::testing::HasSubstr;
 
 TEST(ModelRenderer, WritesTheDiscThatTheIndexNames) {
   std::mt19937_64 rng(3);

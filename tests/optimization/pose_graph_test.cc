@@ -7,14 +7,11 @@
 
 #include "optimization/optimize_pose_graph.h"
 #include "surfit/core/options.h"
-#include "testing/expect_input_error.h"
 #include "testing/matchers.h"
 #include "testing/pose_graphs.h"
 
 namespace surfit::testing {
 namespace {
-
-using ::testing::HasSubstr;
 
 PoseGraph Small() { return MakeSphere(3, 5).graph; }
 
@@ -66,7 +63,7 @@ TEST(LoopWeights, ThresholdIsAChiSquareQuantile) {
 TEST(LoopWeights, LeaveAllAloneWhereAllFit) {
   LoopWeights weights(10, {1, 9.9, 0});
   EXPECT_TRUE(weights.AllFit());
-  EXPECT_THAT(weights.Update({1, 9.9, 0}), ::testing::Each(1));
+  EXPECT_THAT(weights.Update({1, 9.9, 0}), Each(1));
 }
 
 // With errors that stay, mu goes to infinity and the weights to [e^2 < c^2].
@@ -76,7 +73,7 @@ TEST(LoopWeights, EndAtTheTruncation) {
   std::vector<double> w = weights.Update(errors);
   EXPECT_FALSE(AreBinary(w));
   for (int i = 0; i < 100; ++i) w = weights.Update(errors);
-  EXPECT_THAT(w, ::testing::ElementsAre(1, 1, 1, 0, 0, 0));
+  EXPECT_THAT(w, ElementsAre(1, 1, 1, 0, 0, 0));
   EXPECT_TRUE(AreBinary(w));
 }
 

@@ -6,13 +6,12 @@
 
 #include "pictures/axes.h"
 #include "pictures/map_views.h"
+#include "testing/matchers.h"
 
 namespace surfit::testing {
 namespace {
 
 using ::testing::DoubleEq;
-using ::testing::ElementsAre;
-using ::testing::IsEmpty;
 
 constexpr Rgb8 kPaper = {255, 255, 255};
 constexpr Rgb8 kRed = {250, 0, 10};

@@ -4,7 +4,7 @@
 
 #include "pictures/picture_file.h"
 #include "surfit/core/parallel.h"
-#include "testing/expect_input_error.h"
+#include "testing/matchers.h"
 #include "testing/temp_folder.h"
 
 namespace surfit::testing {
@@ -122,7 +122,7 @@ TEST(WriteMapPictures, NeedsNoPathAndNoReasonableMap) {
 
 TEST(WriteMapPictures, NamesTheFileItCannotWrite) {
   ExpectInputError([] { WriteMapPictures(Wall(), {}, "/nonexistent/out"); },
-                   ::testing::HasSubstr("/nonexistent/out/map_"));
+                   HasSubstr("/nonexistent/out/map_"));
 }
 
 using Cloud = std::vector<Eigen::Vector3f>;
@@ -181,7 +181,7 @@ TEST(WriteTwoCloudPicture, TakesEmptyClouds) {
 
 TEST(WriteTwoCloudPicture, NamesTheFileItCannotWrite) {
   ExpectInputError([] { WriteTwoCloudPicture({}, {}, "/nonexistent/p.png"); },
-                   ::testing::HasSubstr("/nonexistent/p.png"));
+                   HasSubstr("/nonexistent/p.png"));
 }
 
 }  // namespace

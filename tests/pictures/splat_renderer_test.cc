@@ -6,6 +6,7 @@
 #include <random>
 
 #include "surfit/core/parallel.h"
+#include "testing/matchers.h"
 
 namespace surfit::testing {
 namespace {
@@ -112,18 +113,18 @@ TEST(RenderSurfels, EquallyNearOnesGiveTheLowestIndex) {
 TEST(RenderSurfels, OneThatFacesAwayIsNotDrawn) {
   SurfelMap map;
   map.Append(MakeSurfel({0, 0, 2}, -kTowardsCamera, 0.4f));
-  EXPECT_THAT(Render(map), ::testing::Each(kNothing));
+  EXPECT_THAT(Render(map), Each(kNothing));
 }
 
 TEST(RenderSurfels, OneBehindTheCameraOrNotShownIsNotDrawn) {
   SurfelMap map;
   map.Append(MakeSurfel({0, 0, -2}, -kTowardsCamera, 0.4f));
   map.Append(MakeSurfel({0, 0, 0.1f}, kTowardsCamera, 0.4f));
-  EXPECT_THAT(Render(map), ::testing::Each(kNothing));
+  EXPECT_THAT(Render(map), Each(kNothing));
   const std::int32_t id = map.Append(MakeSurfel({0, 0, 2}, kTowardsCamera, 0.4f));
   EXPECT_EQ(Render(map)(50, 50), id);
   const std::vector<std::uint8_t> none(map.id_end(), 0);
-  EXPECT_THAT(RenderSurfels(map, none, TestView()), ::testing::Each(kNothing));
+  EXPECT_THAT(RenderSurfels(map, none, TestView()), Each(kNothing));
 }
 
 TEST(RenderSurfels, NoneIsLostBetweenPixels) {

@@ -4,7 +4,7 @@
 
 #include "pictures/picture_file.h"
 #include "surfit/pictures/pictures.h"
-#include "testing/expect_input_error.h"
+#include "testing/matchers.h"
 #include "testing/temp_folder.h"
 
 namespace surfit::testing {
@@ -72,7 +72,7 @@ TEST(WriteTrajectoryPicture, TakesPathsOfNoPoseAndOfOne) {
 
 TEST(WriteTrajectoryPicture, NamesTheFileItCannotWrite) {
   ExpectInputError([] { WriteTrajectoryPicture(Corner(0), {}, "/nonexistent/t.png"); },
-                   ::testing::HasSubstr("/nonexistent/t.png"));
+                   HasSubstr("/nonexistent/t.png"));
 }
 
 }  // namespace

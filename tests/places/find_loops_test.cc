@@ -4,13 +4,10 @@
 
 #include "places/simulated_places.h"
 #include "surfit/core/options.h"
-#include "testing/expect_input_error.h"
 #include "testing/matchers.h"
 
 namespace surfit::testing {
 namespace {
-
-using ::testing::HasSubstr;
 
 Rigid3d SmallMotion() {
   return Rigid3d(QuaternionExp<double>({0.03, 0.1, -0.05}), {0.1, 0.04, 0.1});

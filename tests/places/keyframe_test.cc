@@ -5,13 +5,11 @@
 #include "places/simulated_places.h"
 #include "surfit/core/options.h"
 #include "surfit/frame/frame_pyramid.h"
-#include "testing/expect_input_error.h"
+#include "testing/matchers.h"
 
 namespace surfit::testing {
 
 namespace {
-
-using ::testing::HasSubstr;
 
 // A wall 2 m away, of one colour but for its upper left quarter, whose colour is unknown.
 struct Wall {
@@ -106,8 +104,6 @@ TEST(PlaceViewOptions, RefuseWhatMakesNoSense) {
   options.max_features = 47;
   ExpectInputError([&] { Validate(options); }, HasSubstr("max_features is 47"));
 }
-
-using ::testing::HasSubstr;
 
 FrameLevel WallAt(float depth_m) {
   return PreprocessDepth(Image<float>(320, 240, depth_m), {PlaceCamera(), {}}, PreprocessOptions())

@@ -7,13 +7,11 @@
 
 #include "places/simulated_places.h"
 #include "surfit/core/options.h"
-#include "testing/expect_input_error.h"
+#include "testing/matchers.h"
 
 namespace surfit::testing {
 
 namespace {
-
-using ::testing::HasSubstr;
 
 bool Any(int /*keyframe*/) { return true; }
 
@@ -126,9 +124,6 @@ TEST(PlaceIndexOptions, RefuseWhatMakesNoSense) {
   expect_refused([](auto& o) { o.max_hamming = 257; }, "max_hamming is 257");
   expect_refused([](auto& o) { o.min_similarity = -1; }, "min_similarity is -1");
 }
-
-using ::testing::ElementsAre;
-using ::testing::IsEmpty;
 
 // Along a line at these places, each with a view of 1000 features that no other has.
 std::vector<Keyframe> KeyframesAt(const std::vector<double>& x_m) {

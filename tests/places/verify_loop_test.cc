@@ -4,13 +4,10 @@
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 #include "surfit/places/find_loops.h"
-#include "testing/expect_input_error.h"
 #include "testing/matchers.h"
 
 namespace surfit::testing {
 namespace {
-
-using ::testing::HasSubstr;
 
 const VerifyLoopOptions kOptions;
 

@@ -15,14 +15,11 @@
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
 #include "surfit/simulation/scene.h"
-#include "testing/expect_input_error.h"
 #include "testing/matchers.h"
 #include "testing/random_pose.h"
 
 namespace surfit::testing {
 namespace {
-
-using ::testing::HasSubstr;
 
 // A camera that goes 1 cm a frame along x, 30 frames a second.
 Trajectory Straight(int count) {

@@ -8,7 +8,6 @@
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
 #include "surfit/simulation/scene.h"
-#include "testing/expect_input_error.h"
 #include "testing/matchers.h"
 
 namespace surfit::testing {

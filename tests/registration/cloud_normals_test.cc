@@ -6,15 +6,12 @@
 #include "surfit/core/error.h"
 #include "surfit/core/parallel.h"
 #include "surfit/registration/register_clouds.h"
-#include "testing/expect_input_error.h"
 #include "testing/matchers.h"
 #include "testing/random_pose.h"
 
 namespace surfit::testing {
 namespace {
 
-using ::testing::Each;
-using ::testing::HasSubstr;
 using Points = std::vector<Eigen::Vector3f>;
 
 // Points all over a rectangle of the given sides (m), `density` of them for each square metre, with

@@ -5,13 +5,10 @@
 #include "registration/simulated_views.h"
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
-#include "testing/expect_input_error.h"
 #include "testing/matchers.h"
 
 namespace surfit::testing {
 namespace {
-
-using ::testing::HasSubstr;
 
 // Exact depth holds the pose to a part of a pixel, which is 1 / 131 rad, 15 mm at 2 m.
 constexpr double kFarToleranceM = 0.01, kFarToleranceRad = 0.005;

@@ -4,7 +4,7 @@
 
 #include "surfit/core/options.h"
 #include "surfit/registration/icp.h"
-#include "testing/expect_input_error.h"
+#include "testing/matchers.h"
 
 namespace surfit::testing {
 namespace {

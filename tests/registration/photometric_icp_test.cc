@@ -8,7 +8,6 @@
 #include "surfit/registration/association.h"
 #include "surfit/registration/icp.h"
 #include "surfit/registration/pose_solver.h"
-#include "testing/expect_input_error.h"
 #include "testing/matchers.h"
 
 namespace surfit::testing {
@@ -110,7 +109,7 @@ TEST(PhotometricIcp, WithoutColorIsIcpByShapes) {
 TEST(PhotometricIcp, IsNotForTheSvd) {
   IcpOptions options = Options(0.1, "svd");
   options.residual = "point_to_point";
-  ExpectInputError([&] { Validate(options); }, ::testing::HasSubstr("solver svd"));
+  ExpectInputError([&] { Validate(options); }, HasSubstr("solver svd"));
 }
 
 }  // namespace

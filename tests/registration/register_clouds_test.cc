@@ -5,14 +5,11 @@
 #include <random>
 
 #include "surfit/core/parallel.h"
-#include "testing/expect_input_error.h"
 #include "testing/matchers.h"
 #include "testing/random_pose.h"
 
 namespace surfit::testing {
 namespace {
-
-using ::testing::HasSubstr;
 
 constexpr float kSigma_m = 0.002f;
 

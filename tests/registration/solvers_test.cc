@@ -15,7 +15,6 @@
 #include "surfit/registration/association.h"
 #include "surfit/registration/icp.h"
 #include "surfit/registration/pose_solver.h"
-#include "testing/expect_input_error.h"
 #include "testing/matchers.h"
 
 namespace surfit::testing {
@@ -198,7 +197,7 @@ TEST(MakePoseSolver, UnknownLinearSolversListTheKnown) {
                                     "dense_normal_cholesky, sparse_normal_cholesky"));
   IcpOptions options;
   options.linear_solver = "magic";
-  ExpectInputError([&] { Validate(options); }, ::testing::HasSubstr("linear_solver is 'magic'"));
+  ExpectInputError([&] { Validate(options); }, HasSubstr("linear_solver is 'magic'"));
 }
 
 // Random and positive definite.

@@ -5,14 +5,11 @@
 #include "run/comparison_files.h"
 #include "run/pose_problem.h"
 #include "surfit/core/options.h"
-#include "testing/expect_input_error.h"
+#include "testing/matchers.h"
 #include "testing/random_pose.h"
 
 namespace surfit::testing {
 namespace {
-
-using ::testing::AllOf;
-using ::testing::HasSubstr;
 
 // A run off by so many metres, that took so many milliseconds.
 ComparedRun RunOf(double error_m, double total_ms, bool succeeded = true) {
@@ -118,18 +115,17 @@ TEST(SolverCombinations, OfSequencesLeaveTheSlowOneToThoseWhoAsk) {
   options.linear_solvers = {"dense_normal_cholesky"};
   options.residuals = {"plane_to_plane"};
   options.associations = {"projective"};
-  EXPECT_THAT(
-      Titles(options),
-      ::testing::ElementsAre("projective plane_to_plane ceres_per_point (dense_normal_cholesky)"));
+  EXPECT_THAT(Titles(options),
+              ElementsAre("projective plane_to_plane ceres_per_point (dense_normal_cholesky)"));
 }
 
 TEST(SolverCombinations, OfSvdAreThoseItTakes) {
   CompareOptions options = OnKnownPairs();
   options.solvers = {"svd"};
-  EXPECT_THAT(Titles(options), ::testing::ElementsAre("known point_to_point svd"));
+  EXPECT_THAT(Titles(options), ElementsAre("known point_to_point svd"));
   options.solvers.clear();
   options.residuals = {"point_to_plane"};
-  EXPECT_THAT(Titles(options), ::testing::Not(::testing::Contains(HasSubstr("svd"))));
+  EXPECT_THAT(Titles(options), Not(::testing::Contains(HasSubstr("svd"))));
 }
 
 TEST(SolverCombinations, ListWhatIsPossible) {

@@ -14,8 +14,6 @@
 namespace surfit::testing {
 namespace {
 
-using ::testing::ElementsAre;
-
 SurfelMap OneSurfel() {
   SurfelMap map;
   Surfel surfel;

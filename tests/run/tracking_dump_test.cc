@@ -4,14 +4,11 @@
 
 #include "registration/three_planes.h"
 #include "surfit/frame/frame_pyramid.h"
-#include "testing/expect_input_error.h"
+#include "testing/matchers.h"
 #include "testing/temp_folder.h"
 
 namespace surfit::testing {
 namespace {
-
-using ::testing::AllOf;
-using ::testing::HasSubstr;
 
 // No field as it is by default.
 SlamOptions OtherOptions() {

@@ -11,7 +11,7 @@
 #include "surfit/core/parallel.h"
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/scene.h"
-#include "testing/expect_input_error.h"
+#include "testing/matchers.h"
 #include "testing/shared_data.h"
 
 namespace surfit::testing {
@@ -301,7 +301,7 @@ TEST(Kinect, RefusesBadOptionsByName) {
   KinectOptions options;
   options.max_depth_m = 0.2;
   ExpectInputError([&] { KinectDepth(Image<float>(640, 480, 1.f), Camera(), 1, options); },
-                   ::testing::HasSubstr("max_depth_m is 0.2, must be above min_depth_m"));
+                   HasSubstr("max_depth_m is 0.2, must be above min_depth_m"));
 }
 
 // The shared recording was made from icl_office by the noise model that ours follows.

@@ -11,7 +11,6 @@
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
 #include "surfit/simulation/scene.h"
-#include "testing/expect_input_error.h"
 #include "testing/matchers.h"
 
 namespace surfit::testing {
@@ -295,8 +294,7 @@ TEST(CameraPath, RefusesBadInput) {
                    ::testing::StrEq("frames is 0, must be at least 1"));
   PathOptions options;
   options.max_turn_deg = 0.1;
-  ExpectInputError([&] { MakePath(wall, 5, 1, options); },
-                   ::testing::HasSubstr("max_turn_deg is 0.1"));
+  ExpectInputError([&] { MakePath(wall, 5, 1, options); }, HasSubstr("max_turn_deg is 0.1"));
 }
 
 }  // namespace

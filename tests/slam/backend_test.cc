@@ -151,7 +151,7 @@ TEST(Backend, TakesEffectSoManyFramesAfterItsTrigger) {
     const auto trigger = std::find_if(run.frames.begin(), run.frames.end(),
                                       [](const PosedFrame& frame) { return frame.keyframe == 1; });
     ASSERT_LT(trigger->index + delay, kFrames);
-    EXPECT_THAT(run.corrected_at, ::testing::ElementsAre(trigger->index + delay));
+    EXPECT_THAT(run.corrected_at, ElementsAre(trigger->index + delay));
   }
 }
 

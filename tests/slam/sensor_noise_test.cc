@@ -11,13 +11,10 @@
 #include "surfit/places/find_loops.h"
 #include "surfit/refinement/refine.h"
 #include "surfit/slam/slam.h"
+#include "testing/matchers.h"
 
 namespace surfit::testing {
 namespace {
-
-using ::testing::Each;
-using ::testing::IsEmpty;
-using ::testing::Not;
 
 constexpr double kOdd = 0.0031;  // 1/m
 

@@ -8,13 +8,10 @@
 #include "slam/simulated_sequence.h"
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
-#include "testing/expect_input_error.h"
 #include "testing/matchers.h"
 
 namespace surfit::testing {
 namespace {
-
-using ::testing::HasSubstr;
 
 // Long enough for drift to outgrow the noise of single poses.
 const SimulatedSequence& KinectRoom(int seed) {

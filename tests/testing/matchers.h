@@ -3,10 +3,25 @@
 #include <gmock/gmock.h>
 
 #include <Eigen/Core>
+#include <ostream>
+#include <string>
 
+#include "surfit/core/error.h"
 #include "surfit/geometry/rigid3.h"
 
 namespace surfit::testing {
+
+// gmock's that many tests use.
+using ::testing::AllOf;
+using ::testing::ContainsRegex;
+using ::testing::Each;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::MatchesRegex;
+using ::testing::Not;
+using ::testing::StartsWith;
+using ::testing::ThrowsMessage;
 
 // EXPECT_THAT(actual, VectorNear(expected, tolerance)): the Euclidean (for a matrix: Frobenius)
 // distance is at most the tolerance. A NaN on either side never matches.
@@ -30,5 +45,25 @@ MATCHER_P3(RigidNear, expected, tolerance_m, tolerance_rad,
                    << arg.Matrix() << "\noff by " << distance_m << " m and " << angle_rad << " rad";
   return distance_m <= tolerance_m && angle_rad <= tolerance_rad;
 }
+
+// Expects that the call throws InputError with a message that the matcher accepts.
+template <typename Call, typename Matcher>
+void ExpectInputError(const Call& call, const Matcher& message) {
+  try {
+    call();
+    ADD_FAILURE() << "no InputError was thrown";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), message);
+  }
+}
+
+// A file that a reader must refuse, and what the message says besides the file's name.
+struct MalformedFile {
+  const char* name;
+  std::string content;
+  const char* message;
+};
+
+inline void PrintTo(const MalformedFile& file, std::ostream* out) { *out << file.name; }
 
 }  // namespace surfit::testing

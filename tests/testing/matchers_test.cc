@@ -7,8 +7,6 @@
 namespace surfit::testing {
 namespace {
 
-using ::testing::Not;
-
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 TEST(VectorNear, HoldsUpToTheTolerance) {

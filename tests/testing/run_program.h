@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "testing/matchers.h"
 #include "testing/temp_folder.h"
 
 namespace surfit::testing {
@@ -75,9 +76,8 @@ class RunningProgram {
 // Bad input: exit code 1, one sentence on stderr, nothing on stdout.
 inline void ExpectRefused(const ProgramResult& result, const std::string& message) {
   EXPECT_EQ(result.exit_code, 1) << message;
-  EXPECT_THAT(result.out, ::testing::IsEmpty()) << message;
-  EXPECT_THAT(result.err, ::testing::AllOf(::testing::MatchesRegex("error: [^\n]*\n"),
-                                           ::testing::HasSubstr(message)));
+  EXPECT_THAT(result.out, IsEmpty()) << message;
+  EXPECT_THAT(result.err, AllOf(MatchesRegex("error: [^\n]*\n"), HasSubstr(message)));
 }
 
 // Runs one of our programs to its end: RunProgram("surfit_evaluate", {"--estimate=" + path}).

@@ -4,14 +4,11 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "testing/matchers.h"
 #include "testing/run_program.h"
 
 namespace surfit::testing {
 namespace {
-
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-using ::testing::StartsWith;
 
 class CompareTool : public ::testing::Test {
  protected:

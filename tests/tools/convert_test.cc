@@ -2,13 +2,12 @@
 
 #include "surfit/io/point_cloud.h"
 #include "surfit/io/sequence.h"
+#include "testing/matchers.h"
 #include "testing/run_program.h"
 #include "testing/sequence_writer.h"
 
 namespace surfit::testing {
 namespace {
-
-using ::testing::HasSubstr;
 
 TEST(ConvertTool, WritesASequenceAsKlg) {
   const TempFolder folder;

@@ -5,13 +5,11 @@
 #include "surfit/core/error.h"
 #include "surfit/io/g2o.h"
 #include "surfit/io/trajectory_files.h"
+#include "testing/matchers.h"
 #include "testing/run_program.h"
 
 namespace surfit::testing {
 namespace {
-
-using ::testing::HasSubstr;
-using ::testing::StartsWith;
 
 // A simulated path that stays in a corner of the room, and an estimate that drifts from its poses.
 class DriftTest : public ::testing::Test {

@@ -9,12 +9,11 @@
 #include "geometry/kd_tree.h"
 #include "surfit/evaluation/map_error.h"
 #include "surfit/io/point_cloud.h"
+#include "testing/matchers.h"
 #include "testing/run_program.h"
 
 namespace surfit::testing {
 namespace {
-
-using ::testing::HasSubstr;
 
 // The triangles at the end of a binary PLY file: a byte 3 and three 32-bit indices each.
 std::vector<std::array<std::uint32_t, 3>> TrianglesOf(const std::string& path) {

@@ -5,13 +5,12 @@
 
 #include "surfit/io/g2o.h"
 #include "surfit/optimization/pose_graph.h"
+#include "testing/matchers.h"
 #include "testing/pose_graphs.h"
 #include "testing/run_program.h"
 
 namespace surfit::testing {
 namespace {
-
-using ::testing::HasSubstr;
 
 TEST(OptimizeTool, LeavesWrongLoopsOutAndWritesGraphAndSummary) {
   const TempFolder folder;

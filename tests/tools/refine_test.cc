@@ -7,12 +7,11 @@
 #include "surfit/io/camera_files.h"
 #include "surfit/io/point_cloud.h"
 #include "surfit/io/trajectory_files.h"
+#include "testing/matchers.h"
 #include "testing/run_program.h"
 
 namespace surfit::testing {
 namespace {
-
-using ::testing::HasSubstr;
 
 constexpr double kOffset = 0.02 / 3;  // 1/m: 2 % at 3 m
 

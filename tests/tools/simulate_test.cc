@@ -19,7 +19,6 @@ namespace surfit::testing {
 namespace {
 
 using Eigen::Vector3d;
-using ::testing::HasSubstr;
 
 constexpr int kFrames = 7;
 constexpr double kUnit_m = 1.0 / 5000;

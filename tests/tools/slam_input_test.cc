@@ -10,6 +10,7 @@
 
 #include "surfit/io/point_cloud.h"
 #include "surfit/io/trajectory_files.h"
+#include "testing/matchers.h"
 #include "tools/slam_tool.h"
 
 namespace surfit::testing {
@@ -17,7 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::EndsWith;
-using ::testing::HasSubstr;
 
 TEST_F(SlamTool, ClosesNoLoopsOfGivenPoses) {
   const ProgramResult result = Slam(Room(), Output(), {"--loop_closure", "--poses=groundtruth"});

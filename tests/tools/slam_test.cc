@@ -8,14 +8,12 @@
 #include <vector>
 
 #include "surfit/io/point_cloud.h"
+#include "testing/matchers.h"
 #include "testing/trace_slices.h"
 #include "tools/slam_tool.h"
 
 namespace surfit::testing {
 namespace {
-
-using ::testing::HasSubstr;
-using ::testing::StartsWith;
 
 TEST_F(SlamTool, WritesTrajectoryMapTablesAndPictures) {
   pictures_ = true;
@@ -73,7 +71,7 @@ TEST_F(SlamTool, GivesTheSameDigestAgainAndAtAnyNumberOfThreads) {
     ASSERT_EQ(Slam(Room(), Output(), {threads}).exit_code, 0);
     digests.push_back(Summary(Output())["digest"]);
   }
-  EXPECT_THAT(digests, ::testing::Each(digests[0]));
+  EXPECT_THAT(digests, Each(digests[0]));
 }
 
 TEST_F(SlamTool, GivesTheSameDigestWithBaseInstructionsAlone) {
