@@ -71,7 +71,27 @@ void PrintOtherClocks(const SlamRunSummary& s) {
   }
 }
 
-void PrintSummary(const SlamRunSummary& s, const std::string& output) {
+void PrintCalibration(const SlamRunSummary& s, const std::string& output) {
+  if (s.calibrations.empty()) return;
+  const RefinementSummary& last = s.calibrations.back().summary;
+  if (!s.calibration) {
+    std::printf("the camera is as given, as far as %zu keyframes tell\n",
+                s.calibrations.back().keyframes);
+    return;
+  }
+  const PinholeCamera& camera = s.calibration->camera;
+  std::printf("the camera is not as given: fx %.1f fy %.1f cx %.1f cy %.1f", camera.fx, camera.fy,
+              camera.cx, camera.cy);
+  if (const Eigen::MatrixXd& covariance = last.calibration_covariance; covariance.size() > 0) {
+    const Eigen::VectorXd sigma = covariance.diagonal().cwiseSqrt();
+    std::printf(" (standard deviations %.1f %.1f %.1f %.1f px)", sigma[0], sigma[1], sigma[2],
+                sigma[3]);
+  }
+  std::printf("; all of it is in %s/camera.yaml\n", output.c_str());
+}
+
+void PrintSummary(const SlamRunSummary& s, const SlamRunOptions& options) {
+  const std::string& output = options.output;
   std::printf("%s: %d frames, %d tracked, %d lost, %d skipped%s\n", output.c_str(), s.frames_total,
               s.frames_tracked, s.frames_lost, s.frames_skipped,
               s.interrupted ? ", interrupted" : "");
@@ -89,7 +109,8 @@ void PrintSummary(const SlamRunSummary& s, const std::string& output) {
     std::printf("the map is full: %lld surfels found no place (--max_map_points)\n",
                 static_cast<long long>(s.refused));
   }
-  if (s.loops.keyframes > 0) PrintLoops(s.loops);
+  if (options.slam.loops.enabled) PrintLoops(s.loops);
+  PrintCalibration(s, output);
   if (s.evaluation && s.evaluation->ate) {
     std::printf("ATE RMSE %.4f m over %.1f %% of the frames\n",
                 s.evaluation->ate->translation_m.rmse, 100 * s.evaluation->coverage);
@@ -144,7 +165,7 @@ int Run(const Options& all) {
   const SlamRunSummary summary = RunSlam(options, interrupted, progress);
   const bool live = options.sequence.format == "watch";
   if (summary.interrupted || live) std::fputc('\n', stderr);  // ends the line of progress
-  PrintSummary(summary, options.output);
+  PrintSummary(summary, options);
   PrintStages(summary, options.offered_fps > 0);
   if (options.keep_views) WriteAndPrintReport({{options.output}, options.output + "/report.html"});
   const bool nothing_tracked = summary.frames_tracked <= 1 && summary.frames_lost > 0;

@@ -9,6 +9,7 @@
 #include "frame/register_color.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
+#include "surfit/core/parallel.h"
 
 namespace surfit {
 namespace {
@@ -117,12 +118,20 @@ RgbdFrame FramePreparer::Prepare(const RawDepth& depth, Image<Rgb8> color) const
 
 void CorrectDepth(const PinholeCamera& camera, const InverseDepthField& field,
                   Image<float>* depth_m) {
-  for (int v = 0; v < depth_m->height(); ++v) {
+  const auto& [c0, c1, c2, c3, c4, c5] = field.coefficients;
+  const auto correct_row = [&, depth_m](int v) {
+    const double y = (v - camera.cy) / camera.fy;
+    const double at_0 = c0 + (c2 + c5 * y) * y, slope = c1 + c4 * y;
+    float* const row = &(*depth_m)(0, v);
     for (int u = 0; u < depth_m->width(); ++u) {
-      const Eigen::Vector3d ray = camera.Ray(u, v);
-      (*depth_m)(u, v) = field.Corrected((*depth_m)(u, v), ray.x(), ray.y());
+      const double x = (u - camera.cx) / camera.fx, z = row[u];
+      const double share = 1 + z * (at_0 + (slope + c3 * x) * x);
+      row[u] = share > InverseDepthField::kLeastInverse * z ? static_cast<float>(z / share) : 0.f;
     }
-  }
+  };
+  ParallelFor(0, depth_m->height(), kRowsPerBlock, [&](int begin, int end) {
+    for (int v = begin; v < end; ++v) correct_row(v);
+  });
 }
 
 }  // namespace surfit

@@ -11,56 +11,127 @@
 namespace surfit {
 namespace {
 
-// A correction in single precision, as it is applied to hundreds of thousands of surfels.
-struct Motion {
-  explicit Motion(const Rigid3d& new_from_old)
-      : rotation(new_from_old.rotation.toRotationMatrix().cast<float>()),
-        translation(new_from_old.translation.cast<float>()),
-        is_identity(rotation == Eigen::Matrix3f::Identity() && translation.isZero(0)) {}
+// Corrections in single precision, as they are applied to hundreds of thousands of surfels.
+class RigidMoves {
+ public:
+  explicit RigidMoves(const FrameCorrections& corrections) {
+    for (std::size_t i = 0; i < corrections.size(); ++i) motions_.emplace_back(corrections[i]);
+  }
 
-  Eigen::Matrix3f rotation;
-  Eigen::Vector3f translation;
-  bool is_identity;
+  bool Moves(std::size_t frame) const { return !motions_[frame].is_identity; }
+  void Move(std::size_t frame, Eigen::Vector3f* position, Eigen::Vector3f* normal) const {
+    const Motion& motion = motions_[frame];
+    *position = motion.rotation * *position + motion.translation;
+    *normal = (motion.rotation * *normal).normalized();
+  }
+
+ private:
+  struct Motion {
+    explicit Motion(const Rigid3d& new_from_old)
+        : rotation(new_from_old.rotation.toRotationMatrix().cast<float>()),
+          translation(new_from_old.translation.cast<float>()),
+          is_identity(rotation == Eigen::Matrix3f::Identity() && translation.isZero(0)) {}
+
+    Eigen::Matrix3f rotation;
+    Eigen::Vector3f translation;
+    bool is_identity;
+  };
+  std::vector<Motion> motions_;
 };
 
-void MoveSurfel(const Motion& motion, int k, SurfelBlock* block) {
-  const Eigen::Vector3f position(block->x[k], block->y[k], block->z[k]);
-  const Eigen::Vector3f normal(block->nx[k], block->ny[k], block->nz[k]);
-  const Eigen::Vector3f p = motion.rotation * position + motion.translation;
-  const Eigen::Vector3f n = (motion.rotation * normal).normalized();
-  block->x[k] = p.x();
-  block->y[k] = p.y();
-  block->z[k] = p.z();
-  block->nx[k] = n.x();
-  block->ny[k] = n.y();
-  block->nz[k] = n.z();
+class RecalibratedMoves {
+ public:
+  RecalibratedMoves(const FrameCorrections& corrections, const Recalibration& recalibration)
+      : recalibration_(recalibration) {
+    CHECK_EQ(corrections.size(), recalibration.world_from_camera.size());
+    for (std::size_t i = 0; i < corrections.size(); ++i) {
+      const Rigid3d& world_from_old = recalibration.world_from_camera[i];
+      frames_.push_back({world_from_old.Inverse(), corrections[i] * world_from_old});
+    }
+  }
+
+  static bool Moves(std::size_t /*frame*/) { return true; }
+  void Move(std::size_t frame, Eigen::Vector3f* position, Eigen::Vector3f* normal) const {
+    constexpr double kLeastDepthM = 0.01;
+    const Frame& f = frames_[frame];
+    const Eigen::Vector3d old_point = f.old_from_world * position->cast<double>();
+    // A surfel that others have pulled out of the first one's view goes with the frame.
+    if (old_point.z() < kLeastDepthM) {
+      *position = (f.world_from_new * old_point).cast<float>();
+      return;
+    }
+    const Eigen::Vector3d old_normal = f.old_from_world.rotation * normal->cast<double>();
+    *position = (f.world_from_new * Moved(old_point)).cast<float>();
+    *normal = (f.world_from_new.rotation * MovedNormal(old_point, old_normal)).cast<float>();
+  }
+
+ private:
+  struct Frame {
+    Rigid3d old_from_world, world_from_new;
+  };
+
+  Eigen::Vector3d Moved(const Eigen::Vector3d& point) const {
+    return Recalibrated(point, recalibration_.from, recalibration_.to);
+  }
+  // Of what two steps in the surface become.
+  Eigen::Vector3d MovedNormal(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) const {
+    const double step_m = 1e-3 * point.z();
+    const Eigen::Vector3d a = step_m * normal.unitOrthogonal(), b = normal.cross(a);
+    const Eigen::Vector3d moved_a = Moved(point + a) - Moved(point - a);
+    return moved_a.cross(Moved(point + b) - Moved(point - b)).normalized();
+  }
+
+  const Recalibration& recalibration_;
+  std::vector<Frame> frames_;
+};
+
+template <typename Moves>
+void MoveSurfel(const Moves& moves, std::size_t frame, int k, SurfelBlock* block) {
+  Eigen::Vector3f position(block->x[k], block->y[k], block->z[k]);
+  Eigen::Vector3f normal(block->nx[k], block->ny[k], block->nz[k]);
+  moves.Move(frame, &position, &normal);
+  block->x[k] = position.x();
+  block->y[k] = position.y();
+  block->z[k] = position.z();
+  block->nx[k] = normal.x();
+  block->ny[k] = normal.y();
+  block->nz[k] = normal.z();
 }
 
 // Returns how many have moved.
-std::size_t MoveBlock(const FrameCorrections& corrections, const std::vector<Motion>& motions,
-                      SurfelBlock* block) {
+template <typename Moves>
+std::size_t MoveBlock(const FrameCorrections& corrections, const Moves& moves, SurfelBlock* block) {
   std::size_t moved = 0;
   for (int k = 0; k < block->count; ++k) {
-    const Motion& motion = motions[corrections.IndexOf(block->first_seen[k])];
-    if (motion.is_identity) continue;
-    MoveSurfel(motion, k, block);
+    const std::size_t frame = corrections.IndexOf(block->first_seen[k]);
+    if (!moves.Moves(frame)) continue;
+    MoveSurfel(moves, frame, k, block);
     ++moved;
   }
   if (moved > 0) BoundPositions(block);
   return moved;
 }
 
-std::size_t MoveCell(const FrameCorrections& corrections, const std::vector<Motion>& motions,
-                     std::int32_t index, SurfelMap* map) {
+template <typename Moves>
+std::size_t MoveCell(const FrameCorrections& corrections, const Moves& moves, std::int32_t index,
+                     SurfelMap* map) {
   SurfelCell& cell = map->cell(index);
   std::size_t moved = 0;
-  for (const std::int32_t b : cell.blocks) {
-    moved += MoveBlock(corrections, motions, &map->block(b));
-  }
+  for (const std::int32_t b : cell.blocks) moved += MoveBlock(corrections, moves, &map->block(b));
   if (moved == 0) return 0;
   cell.bounds = {};
   for (const std::int32_t b : cell.blocks) cell.bounds.Add(map->block(b).bounds);
   return moved;
+}
+
+template <typename Moves>
+MoveReport MoveAll(const FrameCorrections& corrections, const Moves& moves, SurfelMap* map) {
+  MoveReport report;
+  report.moved = ParallelSum(0, map->cell_count(), 1, std::size_t{0}, [&](int cell, int) {
+    return MoveCell(corrections, moves, cell, map);
+  });
+  if (report.moved > 0) report.changed_cell = map->Rehome();
+  return report;
 }
 
 }  // namespace
@@ -76,14 +147,12 @@ std::size_t FrameCorrections::IndexOf(int frame) const {
 }
 
 MoveReport MoveMap(const FrameCorrections& corrections, SurfelMap* map) {
-  std::vector<Motion> motions;
-  for (std::size_t i = 0; i < corrections.size(); ++i) motions.emplace_back(corrections[i]);
-  MoveReport report;
-  report.moved = ParallelSum(0, map->cell_count(), 1, std::size_t{0}, [&](int cell, int) {
-    return MoveCell(corrections, motions, cell, map);
-  });
-  if (report.moved > 0) report.changed_cell = map->Rehome();
-  return report;
+  return MoveAll(corrections, RigidMoves(corrections), map);
+}
+
+MoveReport MoveMap(const FrameCorrections& corrections, const Recalibration& recalibration,
+                   SurfelMap* map) {
+  return MoveAll(corrections, RecalibratedMoves(corrections, recalibration), map);
 }
 
 std::size_t WakeSurfels(int first, int last, int now, SurfelMap* map) {

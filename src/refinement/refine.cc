@@ -162,33 +162,39 @@ std::string ToString(RefinementTermination termination) {
   return NameOf(termination, kRefinementEnds);
 }
 
-RefinementSummary Refine(const RefinementOptions& options, const DepthCalibration& initial,
-                         std::vector<RefinementKeyframe>* keyframes,
+RefinementSummary Refine(const RefinementOptions& options, const DepthCalibration& given,
+                         const DepthCalibration& start, std::vector<RefinementKeyframe>* keyframes,
                          const std::function<void(const RefinementRound&)>& progress) {
   Validate(options);
   RefinementSummary summary;
-  summary.calibration = initial;
+  summary.calibration = start;
   summary.termination = RefinementTermination::kTooFewSurfels;
   if (keyframes->size() < 2) return summary;
-  const JointState given = StateOf(*keyframes, initial);
+  const JointState from = StateOf(*keyframes, start), as_given = StateOf(*keyframes, given);
   if (!FindsCalibration(options)) {
-    RefinePoses(given, options, keyframes, &summary, progress);
+    RefinePoses(as_given, options, keyframes, &summary, progress);
     return summary;
   }
-  summary.before = FitOf(options, *keyframes, given);
-  RefineFrom(given, options, {initial, options.prior}, keyframes, &summary, progress);
+  summary.before = FitOf(options, *keyframes, from);
+  RefineFrom(from, options, {given, options.prior}, keyframes, &summary, progress);
   if (!summary.Succeeded()) return summary;
   const CalibrationChange change =
-      ChangeOf(summary.calibration, initial, summary.calibration_covariance);
+      ChangeOf(summary.calibration, given, summary.calibration_covariance);
   summary.calibration_distance = change.squared_distance;
   summary.calibration_limit = change.Limit(options.calibration_sigmas);
   summary.calibration_kept = change.squared_distance <= summary.calibration_limit;
   if (summary.calibration_kept) {
     const Eigen::MatrixXd covariance = summary.calibration_covariance;
-    RefinePoses(given, options, keyframes, &summary, progress);
+    RefinePoses(as_given, options, keyframes, &summary, progress);
     summary.calibration_covariance = covariance;
   }
   return summary;
+}
+
+RefinementSummary Refine(const RefinementOptions& options, const DepthCalibration& given,
+                         std::vector<RefinementKeyframe>* keyframes,
+                         const std::function<void(const RefinementRound&)>& progress) {
+  return Refine(options, given, given, keyframes, progress);
 }
 
 }  // namespace surfit

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <vector>
 
+#include "run/found_camera.h"
 #include "run/output_files.h"
 #include "run/result_files.h"
 #include "surfit/core/error.h"
@@ -41,32 +42,6 @@ std::optional<std::size_t> PoseAt(const Trajectory& trajectory, double stamp_s) 
   return at - trajectory.begin();
 }
 
-// The field of both corrections, one after the other: the given one by the rays of its own camera,
-// the found one by those of the found camera.
-InverseDepthField Combined(const DepthCalibration& given, const DepthCalibration& found) {
-  const PinholeCamera &a = given.camera, &b = found.camera;
-  InverseDepthField sum =
-      given.field.Substituted(b.fx / a.fx, (b.cx - a.cx) / a.fx, b.fy / a.fy, (b.cy - a.cy) / a.fy);
-  for (std::size_t i = 0; i < InverseDepthField::kSize; ++i) {
-    sum.coefficients[i] += found.field.coefficients[i];
-  }
-  return sum;
-}
-
-// The file's camera with what was found of its undistorted and downsampled images.
-RgbdCamera Calibrated(RgbdCamera camera, const DepthCalibration& given,
-                      const DepthCalibration& found) {
-  const bool mirrored = camera.depth.fy < 0;
-  if (mirrored) camera = Mirrored(camera);
-  PinholeCamera& depth = camera.depth;
-  const double downsample = depth.fx / given.camera.fx;
-  depth.fx = found.camera.fx * downsample;
-  depth.fy = found.camera.fy * downsample;
-  depth.cx = found.camera.cx * downsample;
-  depth.cy = found.camera.cy * downsample;
-  return mirrored ? Mirrored(camera) : camera;
-}
-
 class RefineRun {
  public:
   RefineRun(const RefineRunOptions& options,
@@ -81,8 +56,8 @@ class RefineRun {
     // Frames come with the given field applied.
     summary_.refinement = Refine(options_.refinement, {info_.pinhole, {}}, &keyframes_,
                                  [&](const RefinementRound& round) { Tell(round); });
-    summary_.calibration = {summary_.refinement.calibration.camera,
-                            Combined(summary_.given, summary_.refinement.calibration)};
+    summary_.calibration =
+        OfMeasuredDepth(info_, summary_.given.field, summary_.refinement.calibration);
     if (summary_.refinement.Succeeded()) Apply();
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
     summary_.total_s = elapsed.count();
@@ -140,10 +115,8 @@ class RefineRun {
     const Trajectory refined = CorrectTrajectory(given_, keyframe_poses_, poses);
     TumTrajectoryWriter writer(options_.output + "/trajectory.txt");
     for (const StampedPose& pose : InSourceConvention(refined, info_.mirrored)) writer.Append(pose);
-    WriteCameraYaml(
-        Calibrated(info_.camera, summary_.given, summary_.refinement.calibration),
-        options_.output + "/camera.yaml",
-        info_.mirrored ? Mirrored(summary_.calibration.field) : summary_.calibration.field);
+    WriteFoundCamera(info_, summary_.given.field, summary_.refinement.calibration,
+                     options_.output + "/camera.yaml");
     if (!info_.ground_truth.empty()) {
       summary_.before = EvaluateTrajectory(info_.ground_truth, given_, stamps_s_, {});
       summary_.after = EvaluateTrajectory(info_.ground_truth, refined, stamps_s_, {});

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <vector>
 
+#include "run/found_camera.h"
 #include "run/output_files.h"
 #include "run/result_files.h"
 #include "surfit/core/options.h"
@@ -30,26 +31,6 @@ Json ToJson(const RegisteredCloud& cloud, const std::string& path) {
 Json AteOf(const std::optional<TrajectoryEvaluation>& evaluation) {
   if (!evaluation || !evaluation->ate) return nullptr;
   return evaluation->ate->translation_m.rmse;
-}
-
-Json ToJson(const DepthCalibration& calibration) {
-  const PinholeCamera& c = calibration.camera;
-  return {{"fx", c.fx},
-          {"fy", c.fy},
-          {"cx", c.cx},
-          {"cy", c.cy},
-          {"inverse_depth_field", calibration.field.coefficients}};
-}
-
-Json SigmasOf(const Eigen::MatrixXd& covariance) {
-  if (covariance.size() == 0) return nullptr;
-  const Eigen::VectorXd sigma = covariance.diagonal().cwiseSqrt();
-  const std::vector<double> field(sigma.data() + 4, sigma.data() + sigma.size());
-  return {{"fx", sigma[0]},
-          {"fy", sigma[1]},
-          {"cx", sigma[2]},
-          {"cy", sigma[3]},
-          {"inverse_depth_field", field}};
 }
 
 Json LargestSigmasOf(const std::vector<Eigen::MatrixXd>& pose_covariances) {
@@ -114,12 +95,13 @@ void WriteRefinementJson(const RefineRunSummary& s, const RefineRunOptions& opti
   j["frames_without_pose"] = s.frames_without_pose;
   j["frames_unreadable"] = s.frames_unreadable;
   j["ate_rmse_m"] = {{"before", AteOf(s.before)}, {"after", AteOf(s.after)}};
-  j["calibration"] = {{"before", ToJson(s.given)},
-                      {"after", ToJson(s.calibration)},
-                      {"standard_deviations", SigmasOf(s.refinement.calibration_covariance)},
-                      {"kept", s.refinement.calibration_kept},
-                      {"squared_distance", s.refinement.calibration_distance},
-                      {"limit", s.refinement.calibration_limit}};
+  j["calibration"] = {
+      {"before", ToJson(s.given)},
+      {"after", ToJson(s.calibration)},
+      {"standard_deviations", CalibrationSigmasToJson(s.refinement.calibration_covariance)},
+      {"kept", s.refinement.calibration_kept},
+      {"squared_distance", s.refinement.calibration_distance},
+      {"limit", s.refinement.calibration_limit}};
   j["fit"] = {{"before", ToJson(s.refinement.before)}, {"after", ToJson(s.refinement.after)}};
   j["largest_standard_deviations_of_poses"] = LargestSigmasOf(s.refinement.pose_covariances);
   j["scale"] = "held: nothing in a sequence tells the size of the world";

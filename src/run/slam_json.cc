@@ -1,5 +1,6 @@
 #include <map>
 
+#include "run/found_camera.h"
 #include "run/output_files.h"
 #include "run/result_files.h"
 #include "surfit/core/options.h"
@@ -33,6 +34,19 @@ void SetErrors(const SlamRunSummary& summary, Json* json) {
     j["estimated_time_offset_s"] = summary.time_offset->offset_s;
     j["ate_at_estimated_time_offset_rmse_m"] = summary.time_offset->ate.translation_m.rmse;
   }
+}
+
+Json ToJson(const CalibrationRecord& record) {
+  const RefinementSummary& s = record.summary;
+  return {{"frame", record.frame},
+          {"keyframes", record.keyframes},
+          {"last_keyframe", record.begun_frame},
+          {"termination", ToString(s.termination)},
+          {"as_given", s.calibration_kept},
+          {"found", ToJson(s.calibration)},
+          {"standard_deviations", CalibrationSigmasToJson(s.calibration_covariance)},
+          {"squared_distance", s.calibration_distance},
+          {"limit", s.calibration_limit}};
 }
 
 Json PosesOf(const RunPoses& run) {
@@ -105,6 +119,9 @@ void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
   j["submaps_apart"] = s.loops.submaps_apart;
   j["backend_waits"] = s.loops.waits;
   j["keyframe_views_given_up"] = s.loops.given_up_views;
+  j["calibrations"] = Json::array();
+  for (const CalibrationRecord& record : s.calibrations)
+    j["calibrations"].push_back(ToJson(record));
   j["input_points"] = s.input_points;
   j["input_points_valid"] = s.input_points_valid;
   j["surfels_updated"] = s.updated;

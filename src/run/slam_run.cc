@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "run/digest.h"
+#include "run/found_camera.h"
 #include "run/kept_views.h"
 #include "run/output_files.h"
 #include "run/result_files.h"
@@ -16,6 +17,7 @@
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 #include "surfit/core/trace.h"
+#include "surfit/io/camera_files.h"
 #include "surfit/io/frame_source.h"
 #include "surfit/io/point_cloud.h"
 #include "surfit/io/sequence.h"
@@ -84,7 +86,7 @@ class SlamRun {
       statistics_.CountRead(*result);
       if (result->frame) {
         const FrameReport report = Process(*result);
-        const SlamRunFrame frame = {*result->frame, report, slam_.map(), slam_.info().sensor()};
+        const SlamRunFrame frame = {*result->frame, report, slam_.map(), slam_.slam().sensor()};
         Tell(&frame, progress);
       } else {
         Skip(*result);
@@ -115,7 +117,7 @@ class SlamRun {
     const TraceSlice slice("frame", frame.index);
     FrameReport report = slam_.Process(frame);
     statistics_.CountProcessed(frame, report);
-    if (options_.keep_views) views_.Offer(frame, report, slam_.map(), slam_.info().sensor());
+    if (options_.keep_views) views_.Offer(frame, report, slam_.map(), slam_.slam().sensor());
     double write_ms = 0;
     {
       const StageTimer timer("write", frame.index, &write_ms);
@@ -130,7 +132,7 @@ class SlamRun {
     SlamRunSummary summary = statistics_.Summary(slam_.map().size());
     summary.interrupted = interrupted;
     summary.sensor_latency_s = slam_.info().camera.latency_s;
-    if (slam_.slam().backend()) FinishLoops(&summary);
+    if (slam_.slam().backend()) FinishBackend(&summary);
     summary.digest = Digest(slam_.trajectory(), slam_.map());
     if (!slam_.info().ground_truth.empty()) Evaluate(&summary);
     WriteResults(summary);
@@ -150,12 +152,18 @@ class SlamRun {
     summary->time_offset = EstimateTimeOffset(truth, estimate, {});
   }
 
-  void FinishLoops(SlamRunSummary* summary) {
+  void FinishBackend(SlamRunSummary* summary) {
     const Slam& slam = slam_.slam();
+    const Backend& backend = *slam.backend();
     files_->Rewrite(slam_.trajectory());
-    summary->loops = slam.backend()->counts();
+    summary->loops = backend.counts();
     summary->merged_doubles = static_cast<std::int64_t>(slam.merged_doubles());
-    WriteLoopsCsv(slam.backend()->loops(), Path("loops.csv"));
+    if (options_.slam.loops.enabled) WriteLoopsCsv(backend.loops(), Path("loops.csv"));
+    summary->calibrations = backend.calibrations();
+    if (!backend.is_recalibrated()) return;
+    summary->calibration = *backend.calibration();
+    WriteFoundCamera(slam_.info(), ReadDepthField(options_.sequence, slam_.info().format),
+                     *summary->calibration, Path("camera.yaml"));
   }
 
   // Map, views, poses and pictures.
@@ -164,7 +172,7 @@ class SlamRun {
       const TraceSlice slice("write_map");
       WriteSurfelPly(slam_.map(), Path("map.ply"));
     }
-    const DepthSensor sensor = slam_.info().sensor();
+    const DepthSensor sensor = slam_.slam().sensor();
     const std::vector<KeptView> views = views_.Finish(slam_.map(), sensor);
     KeptViews::Write(views, options_.output);
     const Trajectory truth = TruthDuring(statistics_.stamps_s(), slam_.info().ground_truth);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "slam/calibrator.h"
 #include "slam/correct_frames.h"
 #include "slam/edge_information.h"
 #include "slam/loop_closer.h"
@@ -27,30 +28,46 @@ double Displacement(const Rigid3d& new_from_old, const Eigen::Vector3d& camera) 
 
 }  // namespace
 
-Backend::Backend(const LoopOptions& options, LoopFinder finder)
-    : options_(Validated(options)),
-      thread_(std::make_unique<LoopThread>(options, std::move(finder))) {}
+Backend::Backend(const DepthSensor& sensor, const PreprocessOptions& preprocess,
+                 const LoopOptions& loops, const CalibrationOptions& calibration, LoopFinder finder)
+    : options_(Validated(loops)) {
+  if (loops.enabled) thread_ = std::make_unique<LoopThread>(loops, std::move(finder));
+  if (calibration.enabled) {
+    calibrator_ = std::make_unique<Calibrator>(sensor, preprocess, calibration);
+  }
+}
 
 Backend::~Backend() = default;
 
-std::optional<WorldCorrection> Backend::BeginFrame() {
-  if (!thread_->HasTask() || ++frames_since_start_ < options_.delay_frames) return std::nullopt;
-  counts_.waits += thread_->IsLate();
-  std::optional<WorldCorrection> correction = Apply(thread_->Take());
-  if (!waiting_.empty()) StartTask();
-  return correction;
+// Both count their frames; what is found of the camera is applied to a world at rest.
+std::vector<WorldCorrection> Backend::BeginFrame() {
+  const bool are_loops_due =
+      thread_ && thread_->HasTask() && ++frames_since_start_ >= options_.delay_frames;
+  const bool is_calibration_due = calibrator_ && calibrator_->HasTask() &&
+                                  ++frames_since_calibration_ >= calibrator_->DelayFrames();
+  std::vector<WorldCorrection> corrections;
+  if (are_loops_due) {
+    counts_.waits += thread_->IsLate();
+    if (auto correction = Apply(thread_->Take())) corrections.push_back(*std::move(correction));
+    if (!waiting_.empty()) StartTask();
+  }
+  if (is_calibration_due) {
+    counts_.waits += calibrator_->IsLate();
+    FinishLoops(&corrections);
+    TakeCalibration(&corrections);
+  }
+  return corrections;
 }
 
-void Backend::AddFrame(int index, double stamp_s, const Rigid3d& world_from_camera,
-                       const IcpResult& icp, const FramePyramid& pyramid,
-                       const Image<Rgb8>& color) {
+void Backend::AddFrame(const RgbdFrame& frame, const Rigid3d& world_from_camera,
+                       const IcpResult& icp, const FramePyramid& pyramid) {
   if (begins_submap_) ++submap_;
   if (begins_submap_ || anchor_) ++stretch_;
-  PosedFrame frame = {index, stamp_s, world_from_camera, 0, stretch_};
-  const bool is_keyframe = begins_submap_ || anchor_ || BecomesKeyframe(frame, pyramid);
-  frame.keyframe = static_cast<int>(frame_of_keyframe_.size()) - (is_keyframe ? 0 : 1);
-  frames_.push_back(frame);
-  if (is_keyframe) AddKeyframe(icp, pyramid, color);
+  PosedFrame posed = {frame.index, frame.stamp_s, world_from_camera, 0, stretch_};
+  const bool is_keyframe = begins_submap_ || anchor_ || BecomesKeyframe(posed, pyramid);
+  posed.keyframe = static_cast<int>(frame_of_keyframe_.size()) - (is_keyframe ? 0 : 1);
+  frames_.push_back(posed);
+  if (is_keyframe) AddKeyframe(frame, icp, pyramid);
 }
 
 void Backend::AddFrozenFrame(int index, double stamp_s) {
@@ -66,34 +83,46 @@ bool Backend::BecomesKeyframe(const PosedFrame& frame, const FramePyramid& pyram
 }
 
 // Of the frame added last.
-void Backend::AddKeyframe(const IcpResult& icp, const FramePyramid& pyramid,
-                          const Image<Rgb8>& color) {
-  const PosedFrame& frame = frames_.back();
-  NewKeyframe added = {
-      {frame.index, frame.stamp_s, frame.world_from_camera, {}}, {pyramid, color}, {}};
+void Backend::AddKeyframe(const RgbdFrame& frame, const IcpResult& icp,
+                          const FramePyramid& pyramid) {
+  const PosedFrame& posed = frames_.back();
   const int parent = begins_submap_ ? kNoParent
                      : anchor_      ? *anchor_
                                     : static_cast<int>(parent_of_keyframe_.size()) - 1;
-  if (parent != kNoParent) {
-    PoseGraphEdge edge;
-    edge.a = static_cast<std::size_t>(parent);
-    edge.b = static_cast<std::size_t>(frame.keyframe);
-    edge.a_from_b =
-        frames_[frame_of_keyframe_[parent]].world_from_camera.Inverse() * frame.world_from_camera;
-    const int frames = frame.index - frames_[frame_of_keyframe_[parent]].index;
-    edge.information = anchor_ ? LoopInformation(icp.information, options_.noise)
-                               : OdometryInformation(icp, frames, edge.a_from_b, options_.noise);
-    added.edges.push_back(edge);
-  }
-  last_keyframe_ = added.keyframe;
-  last_keyframe_->view = MakePlaceView(pyramid, {}, options_.views);  // its depth alone
+  const std::optional<PoseGraphEdge> edge = EdgeTo(posed, parent, icp);
+  last_keyframe_ = {posed.index, posed.stamp_s, posed.world_from_camera,
+                    MakePlaceView(pyramid, {}, options_.views)};  // its depth alone
   parent_of_keyframe_.push_back(parent);
   submap_of_keyframe_.push_back(parent == kNoParent ? submap_ : submap_of_keyframe_[parent]);
   frame_of_keyframe_.push_back(static_cast<int>(frames_.size()) - 1);
   begins_submap_ = false;
   anchor_.reset();
-  waiting_.push_back(std::move(added));
-  if (!thread_->HasTask()) StartTask();
+  if (thread_) {
+    NewKeyframe added = {
+        {posed.index, posed.stamp_s, posed.world_from_camera, {}}, {pyramid, frame.color}, {}};
+    if (edge) added.edges.push_back(*edge);
+    waiting_.push_back(std::move(added));
+    if (!thread_->HasTask()) StartTask();
+  }
+  if (calibrator_) {
+    calibrator_->AddKeyframe(frame);
+    if (calibrator_->IsTaskDue()) StartCalibration();
+  }
+}
+
+// Of the pose graph, from the keyframe's parent.
+std::optional<PoseGraphEdge> Backend::EdgeTo(const PosedFrame& keyframe, int parent,
+                                             const IcpResult& icp) const {
+  if (parent == kNoParent) return std::nullopt;
+  const PosedFrame& from = frames_[frame_of_keyframe_[parent]];
+  PoseGraphEdge edge;
+  edge.a = static_cast<std::size_t>(parent);
+  edge.b = static_cast<std::size_t>(keyframe.keyframe);
+  edge.a_from_b = from.world_from_camera.Inverse() * keyframe.world_from_camera;
+  edge.information = anchor_ ? LoopInformation(icp.information, options_.noise)
+                             : OdometryInformation(icp, keyframe.index - from.index, edge.a_from_b,
+                                                   options_.noise);
+  return edge;
 }
 
 void Backend::AfterRelocalization(int keyframe) {
@@ -124,32 +153,82 @@ Relocalization Backend::Find(const ColoredView& view) {
   return thread_->Find(view, KeyframePoses());
 }
 
-std::optional<WorldCorrection> Backend::Finish() {
-  while (thread_->HasTask() || !waiting_.empty()) {
+void Backend::StartCalibration() {
+  frames_since_calibration_ = 0;
+  CalibrationRecord record;
+  record.keyframes = frame_of_keyframe_.size();
+  record.begun_frame = frames_.back().index;
+  calibrations_.push_back(record);
+  calibrator_->StartTask(KeyframePoses(), trajectory());
+}
+
+void Backend::EndCalibration() {
+  if (!calibrator_) return;
+  if (calibrator_->HasTask()) calibrations_.pop_back();
+  calibrator_->End();
+}
+
+std::vector<WorldCorrection> Backend::Finish() {
+  std::vector<WorldCorrection> corrections;
+  FinishLoops(&corrections);
+  if (calibrator_ && calibrator_->HasTask()) TakeCalibration(&corrections);
+  return corrections;
+}
+
+void Backend::FinishLoops(std::vector<WorldCorrection>* corrections) {
+  while (thread_ && (thread_->HasTask() || !waiting_.empty())) {
     if (!thread_->HasTask()) StartTask();
-    if (auto correction = Apply(thread_->Take())) return correction;
+    if (auto correction = Apply(thread_->Take())) corrections->push_back(*std::move(correction));
   }
-  return std::nullopt;
+}
+
+// No loops may be under way. What has been corrected since the task was begun stays so.
+void Backend::TakeCalibration(std::vector<WorldCorrection>* corrections) {
+  const DepthCalibration from = calibrator_->calibration();
+  Calibrator::Outcome outcome = calibrator_->Take();
+  CalibrationRecord& record = calibrations_.back();
+  record.frame = frames_.back().index;
+  record.summary = std::move(outcome.summary);
+  const DepthCalibration& to = calibrator_->calibration();
+  if (AreSame(from, to)) return;
+  const std::vector<Rigid3d> before = KeyframePoses();
+  std::vector<Rigid3d> after;
+  for (std::size_t k = 0; k < outcome.world_from_keyframe.size(); ++k) {
+    after.push_back(before[k] * outcome.world_from_keyframe_before[k].Inverse() *
+                    outcome.world_from_keyframe[k]);
+  }
+  Recalibration recalibration = {from, to, PosesOfIndices(frames_)};
+  WorldCorrection correction = Move(CorrectionsOfKeyframes(after));
+  correction.recalibration = std::move(recalibration);
+  if (thread_) thread_->Recalibrate(before, KeyframePoses());
+  corrections->push_back(std::move(correction));
 }
 
 std::optional<WorldCorrection> Backend::Apply(const LoopOutcome& outcome) {
   UpdateLoops(outcome);
   if (!outcome.optimised) return std::nullopt;
-  const std::vector<Rigid3d> of_keyframes = CorrectionsOfKeyframes(outcome);
+  const std::vector<Rigid3d> of_keyframes = CorrectionsOfKeyframes(outcome.world_from_keyframe);
   double most = 0;
   for (std::size_t k = 0; k < of_keyframes.size(); ++k) {
     most =
         std::max(most, Displacement(of_keyframes[k],
                                     frames_[frame_of_keyframe_[k]].world_from_camera.translation));
   }
-  WorldCorrection correction = {most > options_.min_correction_m,
-                                CorrectionsOfFrames(frames_, frame_of_keyframe_, of_keyframes),
-                                {},
-                                NewlyJoined(outcome)};
-  if (!correction.moves) {
-    correction.corrections = FrameCorrections(0, {Rigid3d()});
-    return correction.joined.empty() ? std::nullopt : std::optional(correction);
+  if (most > options_.min_correction_m) {
+    WorldCorrection correction = Move(of_keyframes);
+    correction.joined = NewlyJoined(outcome);
+    return correction;
   }
+  WorldCorrection correction;
+  correction.joined = NewlyJoined(outcome);
+  return correction.joined.empty() ? std::nullopt : std::optional(correction);
+}
+
+WorldCorrection Backend::Move(const std::vector<Rigid3d>& new_from_old_of_keyframe) {
+  WorldCorrection correction;
+  correction.moves = true;
+  correction.corrections =
+      CorrectionsOfFrames(frames_, frame_of_keyframe_, new_from_old_of_keyframe);
   correction.new_from_old_now = correction.corrections.At(frames_.back().index);
   for (PosedFrame& frame : frames_) {
     frame.world_from_camera = correction.corrections.At(frame.index) * frame.world_from_camera;
@@ -179,18 +258,25 @@ std::vector<int> Backend::NewlyJoined(const LoopOutcome& outcome) const {
 }
 
 // Keyframes that came after the task was begun move with the one that they hang on.
-std::vector<Rigid3d> Backend::CorrectionsOfKeyframes(const LoopOutcome& outcome) const {
+std::vector<Rigid3d> Backend::CorrectionsOfKeyframes(
+    const std::vector<Rigid3d>& world_from_keyframe) const {
   std::vector<Rigid3d> corrections;
   for (std::size_t k = 0; k < frame_of_keyframe_.size(); ++k) {
     const int parent = parent_of_keyframe_[k];
     const Rigid3d& old_pose = frames_[frame_of_keyframe_[k]].world_from_camera;
-    corrections.push_back(k < outcome.world_from_keyframe.size()
-                              ? outcome.world_from_keyframe[k] * old_pose.Inverse()
+    corrections.push_back(k < world_from_keyframe.size()
+                              ? world_from_keyframe[k] * old_pose.Inverse()
                           : parent == kNoParent ? Rigid3d()
                                                 : corrections[parent]);
   }
   return corrections;
 }
+
+const DepthCalibration* Backend::calibration() const {
+  return calibrator_ ? &calibrator_->calibration() : nullptr;
+}
+
+bool Backend::is_recalibrated() const { return calibrator_ && !calibrator_->IsAsGiven(); }
 
 BackendCounts Backend::counts() const {
   BackendCounts counts = counts_;

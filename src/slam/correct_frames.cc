@@ -40,20 +40,31 @@ class KeyframeCorrections {
   const std::vector<Rigid3d>& of_keyframe_;
 };
 
+// A value of each frame for each index from the first one's to the last one's; indices without a
+// frame have that of the frame before.
+template <typename ValueOf>
+std::vector<Rigid3d> OfIndices(const std::vector<PosedFrame>& frames, const ValueOf& value_of) {
+  std::vector<Rigid3d> of_index;
+  for (const PosedFrame& frame : frames) {
+    const std::size_t before = frame.index - frames.front().index;
+    if (of_index.size() < before) of_index.resize(before, of_index.back());
+    of_index.push_back(value_of(frame));
+  }
+  return of_index;
+}
+
 }  // namespace
 
 FrameCorrections CorrectionsOfFrames(const std::vector<PosedFrame>& frames,
                                      const std::vector<int>& frame_of_keyframe,
                                      const std::vector<Rigid3d>& new_from_old_of_keyframe) {
   const KeyframeCorrections of_keyframes(frames, frame_of_keyframe, new_from_old_of_keyframe);
-  const int first = frames.front().index;
-  std::vector<Rigid3d> of_index;
-  for (const PosedFrame& frame : frames) {
-    const std::size_t before = frame.index - first;
-    if (of_index.size() < before) of_index.resize(before, of_index.back());
-    of_index.push_back(of_keyframes.Of(frame));
-  }
-  return {first, std::move(of_index)};
+  return {frames.front().index,
+          OfIndices(frames, [&](const PosedFrame& frame) { return of_keyframes.Of(frame); })};
+}
+
+std::vector<Rigid3d> PosesOfIndices(const std::vector<PosedFrame>& frames) {
+  return OfIndices(frames, [](const PosedFrame& frame) { return frame.world_from_camera; });
 }
 
 }  // namespace surfit

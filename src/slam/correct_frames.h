@@ -15,4 +15,7 @@ FrameCorrections CorrectionsOfFrames(const std::vector<PosedFrame>& frames,
                                      const std::vector<int>& frame_of_keyframe,
                                      const std::vector<Rigid3d>& new_from_old_of_keyframe);
 
+// The poses of all indices from the first frame's to the last one's, likewise.
+std::vector<Rigid3d> PosesOfIndices(const std::vector<PosedFrame>& frames);
+
 }  // namespace surfit

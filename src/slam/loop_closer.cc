@@ -93,6 +93,15 @@ void LoopCloser::Optimise(LoopOutcome* outcome) const {
   }
 }
 
+// What an edge has measured differs from its keyframes' poses by as much as before.
+void LoopCloser::Recalibrate(const std::vector<Rigid3d>& before,
+                             const std::vector<Rigid3d>& after) {
+  for (PoseGraphEdge& edge : graph_.edges) {
+    const Rigid3d error = before[edge.b].Inverse() * before[edge.a] * edge.a_from_b;
+    edge.a_from_b = after[edge.a].Inverse() * after[edge.b] * error;
+  }
+}
+
 Relocalization LoopCloser::Find(const ColoredView& view,
                                 const std::vector<Rigid3d>& world_from_keyframe) {
   const TraceSlice slice("relocalize");

@@ -42,6 +42,10 @@ class LoopCloser {
 
   LoopOutcome Run(LoopTask task);
 
+  // The poses of all keyframes are what another calibration of the camera makes of them; their
+  // relative motions, too.
+  void Recalibrate(const std::vector<Rigid3d>& before, const std::vector<Rigid3d>& after);
+
   // Looks for a view among all keyframes that were added.
   Relocalization Find(const ColoredView& view, const std::vector<Rigid3d>& world_from_keyframe);
 
@@ -82,6 +86,11 @@ class LoopThread {
     return task_.wait_for(std::chrono::seconds(0)) == std::future_status::timeout;
   }
   LoopOutcome Take() { return task_.get(); }
+
+  // None may be under way.
+  void Recalibrate(const std::vector<Rigid3d>& before, const std::vector<Rigid3d>& after) {
+    closer_.Recalibrate(before, after);
+  }
 
   // LoopCloser::Find(), once no task is at work. Its outcome can still be taken.
   Relocalization Find(const ColoredView& view, const std::vector<Rigid3d>& world_from_keyframe) {

@@ -51,13 +51,15 @@ ReferenceView Mapper::Draw(const Rigid3d& world_from_view) {
 // twice as large.
 bool Mapper::UpdateView(const PreparedFrame& frame, const Rigid3d& world_from_predicted,
                         bool must) {
-  const bool is_turn = must || unfused_count_ == 0 || !frame.surface().intensity.empty();
+  const bool is_turn =
+      must || !has_view_ || unfused_count_ == 0 || !frame.surface().intensity.empty();
   const auto shift = [&] {
     return ImageShift(view_.world_from_view.Inverse() * world_from_predicted,
                       view_.view.pyramid.levels.back());
   };
   if (!is_turn && shift() <= options_.max_view_shift) return false;
   view_ = Draw(world_from_predicted);
+  has_view_ = true;
   return true;
 }
 
@@ -68,11 +70,15 @@ FusionReport Mapper::Fuse(const PreparedFrame& frame, const Rigid3d& world_from_
 
 void Mapper::Correct(const WorldCorrection& correction, int frame_index) {
   const int active_frames = options_.fusion.active_frames;
-  if (correction.moves) {
+  if (correction.recalibration) {
+    MoveMap(correction.corrections, *correction.recalibration, &map_);
+    sensor_.camera = correction.recalibration->to.camera;
+    has_view_ = false;
+  } else if (correction.moves) {
     MoveMap(correction.corrections, &map_);
     view_.world_from_view = correction.new_from_old_now * view_.world_from_view;
   }
-  if (correction.moves || active_frames > 0) {
+  if ((correction.moves && !correction.recalibration) || active_frames > 0) {
     DoublesOptions doubles;
     doubles.frames_apart = std::max(active_frames, options_.loops.frames_apart);
     if (!correction.moves) doubles.newer_since = merged_until_;  // before that nothing has changed

@@ -21,6 +21,9 @@ class Mapper {
   // Surfels that became part of others when the map was moved, in all.
   std::size_t merged_doubles() const { return merged_doubles_; }
 
+  // As the camera is seen now.
+  const DepthSensor& sensor() const { return sensor_; }
+
   // What the map shows from a pose.
   ReferenceView Draw(const Rigid3d& world_from_view);
   // What it showed when a view was drawn last for frames to be registered to.
@@ -45,6 +48,7 @@ class Mapper {
   Fusion fusion_;
   SurfelMap map_;
   ReferenceView view_;
+  bool has_view_ = false;  // of today's camera
   int unfused_count_ = 0;  // frames that were held since the last one that was fused
   std::size_t merged_doubles_ = 0;
   int merged_until_ = 0;  // frame before which all doubles of the map are merged

@@ -44,6 +44,18 @@ void LoopOptions::Visit(OptionVisitor& v) {
         ZeroIs("never"), AsFlag());
 }
 
+void CalibrationOptions::Visit(OptionVisitor& v) {
+  v.Group("calibration");
+  v.Add(enabled, "enabled",
+        "calibrate the depth camera by the keyframes while it is tracked: focal lengths, principal "
+        "point and the error of depth over the image",
+        AsFlag("calibrate"), Everyday());
+  v.Add(first_keyframes, "first_keyframes",
+        "keyframes for the first time; then whenever there are half as many more", AtLeast(2));
+  v.Add(max_keyframes, "max_keyframes", "with more, the camera stays as it was found", AtLeast(2));
+  v.AddPart(refinement, "refinement", "how it is found", NoFlags());
+}
+
 void SlamOptions::Visit(OptionVisitor& v) {
   v.AddPart(preprocess, "preprocess", "how depth images become surfaces");
   v.AddPart(icp, "icp", "registration of a frame to the map",
@@ -75,6 +87,7 @@ void SlamOptions::Visit(OptionVisitor& v) {
         "how a frame that would be lost is recovered from the last good one; identity: not at all",
         OneOf(InitializeMethods()), AsFlag());
   v.AddPart(loops, "loops", "loop closure and relocalisation");
+  v.AddPart(calibration, "calibration", "calibration of the depth camera");
 }
 
 }  // namespace surfit

@@ -9,6 +9,7 @@
 #include "surfit/core/options.h"
 #include "surfit/core/trace.h"
 #include "surfit/frame/frame_pyramid.h"
+#include "surfit/frame/prepare_frame.h"
 
 namespace surfit {
 namespace {
@@ -81,7 +82,7 @@ class Slam::Pipeline {
         tracker_(options_, world_from_first_camera),
         mapper_(sensor, options_) {
     sensor.Validate();
-    if (options.loops.enabled) backend_ = std::make_unique<Backend>(options.loops);
+    if (options.loops.enabled || options.calibration.enabled) MakeBackend({});
   }
 
   FrameReport Process(const RgbdFrame& frame, const std::optional<Rigid3d>& given_pose);
@@ -93,7 +94,9 @@ class Slam::Pipeline {
   const Backend* backend() const { return backend_.get(); }
 
  private:
-  void ApplyLoops(int frame_index, StageTimes* times);
+  void MakeBackend(LoopFinder finder);
+  void CorrectWorld(int frame_index, StageTimes* times);
+  RgbdFrame Calibrated(const RgbdFrame& frame) const;
   void Correct(const WorldCorrection& correction, int frame_index);
   Tracked Repeat(const RgbdFrame& frame);
   PreparedFrame Prepare(const RgbdFrame& frame, StageTimes* times) const;
@@ -107,11 +110,11 @@ class Slam::Pipeline {
                                          StageTimes* times);
   bool tracks_frame_to_frame() const { return options_.tracking == "frame_to_frame"; }
 
-  DepthSensor sensor_;
+  DepthSensor sensor_;  // as given
   SlamOptions options_;
   Tracker tracker_;
   Mapper mapper_;
-  std::unique_ptr<Backend> backend_;  // null without loops
+  std::unique_ptr<Backend> backend_;  // null without loops and calibration
   std::function<void(const LostFrame&)> on_lost_;
 };
 
@@ -121,34 +124,50 @@ FrameReport Slam::Pipeline::Process(const RgbdFrame& frame,
   CHECK_EQ(frame.depth_m.height(), sensor_.camera.height);
   CHECK(frame.color.empty() || frame.color.size() == frame.depth_m.size());
   StageTimes times;
-  if (backend_) ApplyLoops(frame.index, &times);
+  if (backend_) CorrectWorld(frame.index, &times);
   if (tracker_.Repeats(frame) && !given_pose) return Report(frame, Repeat(frame), {}, times);
 
-  PreparedFrame prepared = Prepare(frame, &times);
+  if (given_pose && backend_) backend_->EndCalibration();
+  const RgbdFrame* seen = &frame;
+  std::optional<RgbdFrame> calibrated;
+  if (backend_ && backend_->is_recalibrated()) seen = &calibrated.emplace(Calibrated(frame));
+  PreparedFrame prepared = Prepare(*seen, &times);
   const Tracked tracked = given_pose ? Given(*given_pose) : Track(prepared, &times);
   if (!tracked.is_held()) {
     tracker_.Lose();
     return Report(frame, tracked, {}, times);
   }
   if (backend_) {
-    backend_->AddFrame(frame.index, frame.stamp_s, tracked.world_from_camera, tracked.icp,
-                       prepared.view.pyramid, frame.color);
+    backend_->AddFrame(frame, tracked.world_from_camera, tracked.icp, prepared.view.pyramid);
   }
   const std::optional<FusionReport> fused = FuseInTurn(prepared, tracked, &times);
   tracker_.Keep(std::move(prepared), tracked);
   return Report(frame, tracked, fused, times);
 }
 
-// What loops have found, if it takes effect with this frame.
-void Slam::Pipeline::ApplyLoops(int frame_index, StageTimes* times) {
+void Slam::Pipeline::MakeBackend(LoopFinder finder) {
+  backend_ = std::make_unique<Backend>(sensor_, options_.preprocess, options_.loops,
+                                       options_.calibration, std::move(finder));
+}
+
+// By what has been found of loops and the camera, if it takes effect with this frame.
+void Slam::Pipeline::CorrectWorld(int frame_index, StageTimes* times) {
   const StageTimer timer("correct", frame_index, &times->correct_ms);
-  if (const auto correction = backend_->BeginFrame()) Correct(*correction, frame_index);
+  for (const WorldCorrection& correction : backend_->BeginFrame()) Correct(correction, frame_index);
 }
 
 // The map moves as the camera does, so that tracking goes on as if nothing had been.
 void Slam::Pipeline::Correct(const WorldCorrection& correction, int frame_index) {
   if (correction.moves) tracker_.Move(correction.new_from_old_now);
   mapper_.Correct(correction, frame_index);
+}
+
+// The frame by the depth that calibration has found.
+RgbdFrame Slam::Pipeline::Calibrated(const RgbdFrame& frame) const {
+  RgbdFrame calibrated = frame;
+  const DepthCalibration& calibration = *backend_->calibration();
+  CorrectDepth(calibration.camera, calibration.field, &calibrated.depth_m);
+  return calibrated;
 }
 
 Tracked Slam::Pipeline::Repeat(const RgbdFrame& frame) {
@@ -159,7 +178,7 @@ Tracked Slam::Pipeline::Repeat(const RgbdFrame& frame) {
 
 PreparedFrame Slam::Pipeline::Prepare(const RgbdFrame& frame, StageTimes* times) const {
   const StageTimer timer("preprocess", frame.index, &times->preprocess_ms);
-  FramePyramid pyramid = PreprocessDepth(frame.depth_m, sensor_, options_.preprocess);
+  FramePyramid pyramid = PreprocessDepth(frame.depth_m, mapper_.sensor(), options_.preprocess);
   if (options_.icp.error_model.UsesIntensities()) AddIntensity(frame.color, &pyramid);
   return {frame, {std::move(pyramid), frame.color}};
 }
@@ -213,7 +232,8 @@ std::optional<Tracked> Slam::Pipeline::FindAgain(const PreparedFrame& frame) {
 
 // By a keyframe that shows the same place, and from there against the map.
 std::optional<Tracked> Slam::Pipeline::Relocalize(const PreparedFrame& frame) {
-  if (!backend_ || tracker_.lost_count() % kRelocalizeStride != 0) return std::nullopt;
+  if (!options_.loops.enabled || tracker_.lost_count() % kRelocalizeStride != 0)
+    return std::nullopt;
   if (!tracker_.HasEnoughDepth(frame)) return std::nullopt;
   const Relocalization found = backend_->Find(frame.view);
   if (!found.found()) return std::nullopt;
@@ -233,7 +253,7 @@ std::optional<Tracked> Slam::Pipeline::Confirm(const PreparedFrame& frame,
 
 bool Slam::Pipeline::IsNewMapDue(const PreparedFrame& frame) const {
   const int after = options_.loops.new_map_after;
-  return backend_ && after > 0 && tracker_.lost_count() + 1 >= after &&
+  return options_.loops.enabled && after > 0 && tracker_.lost_count() + 1 >= after &&
          tracker_.HasEnoughDepth(frame);
 }
 
@@ -251,14 +271,14 @@ std::optional<FusionReport> Slam::Pipeline::FuseInTurn(const PreparedFrame& fram
 }
 
 void Slam::Pipeline::UseLoopFinder(LoopFinder finder) {
-  CHECK(backend_ && backend_->frames().empty());
-  backend_ = std::make_unique<Backend>(options_.loops, std::move(finder));
+  CHECK(options_.loops.enabled && backend_->frames().empty());
+  MakeBackend(std::move(finder));
 }
 
 void Slam::Pipeline::Finish() {
   if (!backend_ || backend_->frames().empty()) return;
-  while (const auto correction = backend_->Finish()) {
-    Correct(*correction, backend_->frames().back().index);
+  for (const WorldCorrection& correction : backend_->Finish()) {
+    Correct(correction, backend_->frames().back().index);
   }
 }
 
@@ -287,6 +307,8 @@ void Slam::Finish() { pipeline_->Finish(); }
 const SurfelMap& Slam::map() const { return pipeline_->mapper().map(); }
 
 std::size_t Slam::merged_doubles() const { return pipeline_->mapper().merged_doubles(); }
+
+const DepthSensor& Slam::sensor() const { return pipeline_->mapper().sensor(); }
 
 const Backend* Slam::backend() const { return pipeline_->backend(); }
 

@@ -86,6 +86,19 @@ TEST(InverseDepthField, AddsToInverseDepth) {
   EXPECT_EQ(InverseDepthField{{-0.5}}.Corrected(3, 0.1, 0.2), 0);  // no positive depth
 }
 
+TEST(Recalibrated, KeepsPixelAndMeasuredDepth) {
+  const DepthCalibration a = {{640, 480, 520, 515, 318, 241, {}}, kField};
+  const DepthCalibration b = {{640, 480, 530, 531, 325, 236, {}}, {{0.02, -0.01, 0, 0.01, 0, 0}}};
+  const double u = 100, v = 400;
+  const float measured_m = 2.5;
+  const auto point_of = [&](const DepthCalibration& calibration) {
+    const Eigen::Vector3d ray = calibration.camera.Ray(u, v);
+    return Eigen::Vector3d(ray * calibration.field.Corrected(measured_m, ray.x(), ray.y()));
+  };
+  EXPECT_LT((Recalibrated(point_of(a), a, b) - point_of(b)).norm(), 1e-6);
+  EXPECT_LT((Recalibrated(point_of(a), a, a) - point_of(a)).norm(), 1e-14);
+}
+
 TEST(InverseDepthField, IsTheSameByOtherRays) {
   const double x_scale = 0.9, x_shift = 0.02, y_scale = 1.2, y_shift = -0.1;
   const InverseDepthField other = kField.Substituted(x_scale, x_shift, y_scale, y_shift);

@@ -114,6 +114,42 @@ TEST(MoveMap, LeavesAMapAloneThatNothingMoves) {
   ExpectSameMap(map, before);
 }
 
+// A slanted plane as a camera measures it: the other calibration tilts and shifts it.
+TEST(MoveMap, ShowsASurfaceByAnotherCalibration) {
+  const DepthCalibration from = {{160, 120, 131, 131, 79.5, 59.5, {}}, {{0.01, 0, 0.02, 0, 0, 0}}};
+  const DepthCalibration to = {{160, 120, 135, 134, 77, 61, {}}, {{0, -0.03, 0, 0, 0, 0}}};
+  const Rigid3d world_from_camera = Turn(0.4, {1, 2, 3});
+  const Rigid3d correction = Turn(-0.1, {0.1, 0, 0.2});
+  // Inverse depth is linear in the pixels: a plane is one by both.
+  const auto point_at = [](const DepthCalibration& calibration, double u, double v) {
+    const Eigen::Vector3d ray = calibration.camera.Ray(u, v);
+    return Eigen::Vector3d(ray /
+                           (0.5 + 0.001 * u - 0.0005 * v + calibration.field.At(ray.x(), ray.y())));
+  };
+  const auto surfel_at = [&](const DepthCalibration& calibration, const Rigid3d& pose, int u,
+                             int v) {
+    const Eigen::Vector3d point = point_at(calibration, u, v);
+    const Eigen::Vector3d along_u = point_at(calibration, u + 1, v) - point;
+    const Eigen::Vector3d along_v = point_at(calibration, u, v + 1) - point;
+    Surfel surfel = SurfelOfFrame(u);
+    surfel.position_in_world = (pose * point).cast<float>();
+    surfel.normal_in_world = (pose.rotation * -along_u.cross(along_v).normalized()).cast<float>();
+    return surfel;
+  };
+  SurfelMap map;
+  for (int u = 0; u < 160; u += 10) map.Append(surfel_at(from, world_from_camera, u, u / 2));
+  const std::size_t size = map.size();
+  MoveMap({0, {correction}}, {from, to, {world_from_camera}}, &map);
+  EXPECT_EQ(map.size(), size);
+  ExpectConsistent(map);
+  for (const std::int32_t id : map.Ids()) {
+    const int u = map[id].first_seen;
+    const Surfel expected = surfel_at(to, correction * world_from_camera, u, u / 2);
+    EXPECT_LT((map[id].position_in_world - expected.position_in_world).norm(), 1e-5);
+    EXPECT_LT((map[id].normal_in_world - expected.normal_in_world).norm(), 1e-4);
+  }
+}
+
 TEST(MoveMapThreads, GiveTheSameMap) {
   SurfelMap expected = RandomMap(5000);
   {

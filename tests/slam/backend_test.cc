@@ -83,6 +83,19 @@ LoopOptions Enabled() {
   return options;
 }
 
+CalibrationOptions NoCalibration() {
+  CalibrationOptions options;
+  options.enabled = false;
+  return options;
+}
+
+RgbdFrame Stamped(int index, double stamp_s) {
+  RgbdFrame frame;
+  frame.index = index;
+  frame.stamp_s = stamp_s;
+  return frame;
+}
+
 struct BackendRun {
   std::vector<PosedFrame> frames;
   BackendCounts counts;
@@ -92,20 +105,22 @@ struct BackendRun {
 // Drives the backend as Slam does: what enters moves all that comes after.
 BackendRun RunBackend(const LoopOptions& options, const LoopFinder& finder) {
   const std::vector<Rigid3d> odometry = DriftingPoses();
-  Backend backend(options, finder);
+  Backend backend({}, {}, options, NoCalibration(), finder);
   BackendRun run;
   Rigid3d new_from_old;
   const FramePyramid pyramid = FlatPyramid();
-  const auto take = [&](const std::optional<WorldCorrection>& correction, int frame) {
-    if (!correction || !correction->moves) return;
-    new_from_old = correction->new_from_old_now * new_from_old;
-    run.corrected_at.push_back(frame);
+  const auto take = [&](const std::vector<WorldCorrection>& corrections, int frame) {
+    for (const WorldCorrection& correction : corrections) {
+      if (!correction.moves) continue;
+      new_from_old = correction.new_from_old_now * new_from_old;
+      run.corrected_at.push_back(frame);
+    }
   };
   for (int i = 0; i < kFrames; ++i) {
     take(backend.BeginFrame(), i);
-    backend.AddFrame(i, 0.03 * i, new_from_old * odometry[i], GoodIcp(), pyramid, {});
+    backend.AddFrame(Stamped(i, 0.03 * i), new_from_old * odometry[i], GoodIcp(), pyramid);
   }
-  while (const auto correction = backend.Finish()) take(correction, kFrames);
+  take(backend.Finish(), kFrames);
   run.frames = backend.frames();
   run.counts = backend.counts();
   return run;
@@ -171,20 +186,21 @@ TEST(Backend, LeavesOutAWrongLoop) {
 }
 
 TEST(Backend, JoinsAMapBegunApart) {
-  Backend backend(Enabled(), [](int source, const auto&, const auto&) {
+  const auto finder = [](int source, const auto&, const auto&) {
     if (source != 1) return std::vector<LoopAttempt>();
     return std::vector<LoopAttempt>{Loop(1, 0, {Eigen::Quaterniond::Identity(), {0, 0, 0.5}})};
-  });
+  };
+  Backend backend({}, {}, Enabled(), NoCalibration(), finder);
   const FramePyramid pyramid = FlatPyramid();
-  backend.AddFrame(0, 0, TruePose(0), {}, pyramid, {});
+  backend.AddFrame(Stamped(0, 0), TruePose(0), {}, pyramid);
   const Rigid3d apart = backend.BeginSubmap(TruePose(0));
   EXPECT_GT((apart.translation - TruePose(0).translation).norm(), 0.9 * Backend::kSubmapDistance);
-  backend.AddFrame(50, 1.5, apart, {}, pyramid, {});
+  backend.AddFrame(Stamped(50, 1.5), apart, {}, pyramid);
   EXPECT_EQ(backend.counts().submaps, 2u);
   EXPECT_EQ(backend.counts().submaps_apart, 1u);
-  std::size_t corrections = 0;
-  while (const auto correction = backend.Finish()) corrections += correction->moves;
-  EXPECT_EQ(corrections, 1u);
+  const std::vector<WorldCorrection> corrections = backend.Finish();
+  ASSERT_EQ(corrections.size(), 1u);
+  EXPECT_TRUE(corrections[0].moves);
   EXPECT_EQ(backend.counts().submaps_apart, 0u);
   EXPECT_THAT(backend.frames()[0].world_from_camera, RigidNear(TruePose(0), 1e-9, 1e-9));
   EXPECT_THAT(

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Makes docs/accuracy.md: what each part of the tracking and mapping buys, as the error of the
 # trajectory without it, or with it where it is off by default. On two idle cores it takes about
-# twenty minutes; on busy ones longer, with the same errors.
+# half an hour; on busy ones longer, with the same errors.
 #
 #   tools/scripts/accuracy.sh [--quick] [--tools=DIR] [--output=FILE] [DATA]
 #
@@ -33,6 +33,7 @@ fi
 # The rows: a name, and flags of surfit_slam.
 rows=(
   "default|"
+  "the camera as given, not calibrated|--nocalibrate"
   "point-to-plane residual|--residual=point_to_plane"
   "plane-to-plane residual (GICP)|--residual=plane_to_plane"
   "point-to-point residual|--residual=point_to_point"
@@ -61,7 +62,7 @@ rows=(
   "frame to frame|--tracking=frame_to_frame"
   "frame to frame, point-to-plane residual|--tracking=frame_to_frame --residual=point_to_plane"
 )
-recorded=("seven_scenes_kitchen --last=199" icl_office icl_office_kinect)
+recorded=(tum_fr1_desk "seven_scenes_kitchen --last=199" icl_office icl_office_kinect)
 seeds=(1 2 3 4 5) frames=100 downsample=2
 if [[ $quick ]]; then
   rows=("${rows[0]}" "frame to frame|--tracking=frame_to_frame")

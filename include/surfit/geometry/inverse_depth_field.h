@@ -1,8 +1,11 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <cmath>
 #include <cstddef>
+
+#include "surfit/geometry/pinhole_camera.h"
 
 namespace surfit {
 
@@ -13,6 +16,8 @@ namespace surfit {
 // errors of calibration are errors of the disparity, which is proportional to inverse depth.
 struct InverseDepthField {
   static constexpr std::size_t kSize = 6;
+  static constexpr double kLeastInverse =
+      1e-3;  // 1/m: what comes to lie beyond a kilometre is missing
 
   std::array<double, kSize> coefficients = {};
 
@@ -59,10 +64,29 @@ struct InverseDepthField {
     }
     return true;
   }
-
- private:
-  static constexpr double kLeastInverse = 1e-3;  // 1/m: a kilometre
 };
+
+// What self-calibration may change of an undistorted depth camera.
+struct DepthCalibration {
+  PinholeCamera camera;     // size in px, fx fy cx cy; no distortion
+  InverseDepthField field;  // by the rays of this camera
+};
+
+inline bool AreSame(const DepthCalibration& a, const DepthCalibration& b) {
+  return a.camera.fx == b.camera.fx && a.camera.fy == b.camera.fy && a.camera.cx == b.camera.cx &&
+         a.camera.cy == b.camera.cy && a.field.coefficients == b.field.coefficients;
+}
+
+// Where a point in the camera's frame, in metres, that was measured by one calibration lies by
+// another one: its pixel and its measured depth are the same.
+inline Eigen::Vector3d Recalibrated(const Eigen::Vector3d& point, const DepthCalibration& from,
+                                    const DepthCalibration& to) {
+  const Eigen::Vector2d pixel = from.camera.Project(point);
+  const Eigen::Vector3d ray = to.camera.Ray(pixel.x(), pixel.y());
+  const double inverse =
+      1 / point.z() - from.field.At(point.x() / point.z(), point.y() / point.z());
+  return ray / (inverse + to.field.At(ray.x(), ray.y()));
+}
 
 // The same before points mirrored by S (mirror.h): at the ray (x, -y).
 inline InverseDepthField Mirrored(const InverseDepthField& field) {

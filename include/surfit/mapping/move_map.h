@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "surfit/geometry/inverse_depth_field.h"
 #include "surfit/geometry/rigid3.h"
 #include "surfit/mapping/surfel_map.h"
 
@@ -27,6 +28,12 @@ class FrameCorrections {
   std::vector<Rigid3d> new_from_old_world_;
 };
 
+// A calibration that has changed: what was measured by one is seen by the other.
+struct Recalibration {
+  DepthCalibration from, to;
+  std::vector<Rigid3d> world_from_camera;  // of each of the corrections' frames, before these
+};
+
 // What became of a map that was moved.
 struct MoveReport {
   std::size_t moved = 0;         // surfels whose frame's correction is not the identity
@@ -36,6 +43,11 @@ struct MoveReport {
 // Moves each surfel rigidly with the frame that saw it first: later frames were registered to it.
 // The same map and corrections give the same map bit for bit at any number of threads. Ids change.
 MoveReport MoveMap(const FrameCorrections& corrections, SurfelMap* map);
+
+// The same where the calibration has changed as well: each surfel keeps its pixel and measured
+// depth in the frame that saw it first.
+MoveReport MoveMap(const FrameCorrections& corrections, const Recalibration& recalibration,
+                   SurfelMap* map);
 
 // Raises the last sight of the surfels that were last seen from frame `first` to `last` to frame
 // `now`, so that what is known to be near again is active: see FusionOptions::active_frames.

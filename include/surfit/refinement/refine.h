@@ -7,17 +7,10 @@
 #include <vector>
 
 #include "surfit/geometry/inverse_depth_field.h"
-#include "surfit/geometry/pinhole_camera.h"
 #include "surfit/refinement/keyframes.h"
 #include "surfit/registration/error_model.h"
 
 namespace surfit {
-
-// What self-calibration may change of an undistorted depth camera.
-struct DepthCalibration {
-  PinholeCamera camera;  // size in px, fx fy cx cy; no distortion
-  InverseDepthField field;
-};
 
 class OptionVisitor;
 
@@ -154,9 +147,14 @@ struct RefinementSummary {
 // motion between keyframes counts, too (JointPrior): tracking with a wrong calibration would be
 // wrong.
 //
-// The same input gives the same output at any number of threads. `progress` is called after each
-// round.
-RefinementSummary Refine(const RefinementOptions& options, const DepthCalibration& initial,
+// The poses may have been tracked with another calibration than the given one, which the prior is
+// about: `start`. The same input gives the same output at any number of threads. `progress` is
+// called after each round.
+RefinementSummary Refine(const RefinementOptions& options, const DepthCalibration& given,
+                         const DepthCalibration& start, std::vector<RefinementKeyframe>* keyframes,
+                         const std::function<void(const RefinementRound&)>& progress);
+// From the given calibration.
+RefinementSummary Refine(const RefinementOptions& options, const DepthCalibration& given,
                          std::vector<RefinementKeyframe>* keyframes,
                          const std::function<void(const RefinementRound&)>& progress);
 

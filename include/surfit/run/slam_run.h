@@ -78,7 +78,10 @@ struct SlamRunSummary {
   int frames_fused = 0;    // into the map, of the tracked ones
   int frames_skipped = 0;  // could not be read
   int frames_dropped = 0;  // offered, but not taken in time: not in frames_total
-  BackendCounts loops;     // all zero without loops
+  BackendCounts loops;     // all zero without loops and calibration
+  std::vector<CalibrationRecord> calibrations;  // of the depth camera, in their order
+  // Of the frames as they were given; the last that was found, or none where they are right.
+  std::optional<DepthCalibration> calibration;
   // Tracked by their shapes alone though intensities were asked for, for want of colour or texture.
   int frames_without_intensities = 0;
   bool interrupted = false;
@@ -108,13 +111,13 @@ struct SlamRunSummary {
 };
 
 // Runs SLAM over a sequence and writes into the output folder: trajectory.txt (TUM format, in the
-// source's convention; as corrected by loops in the end), trajectory_online.txt (as each pose was
-// at its time), frames.csv, loops.csv, map.ply, summary.json, poses.json, views/ and the pictures.
-// A sequence of format watch is followed until its end (WatchFolder()).
-// Frames that cannot be read are skipped and counted. When `interrupted` becomes true the frame at
-// work, or else the first one, is finished and everything is written. `progress` is called after
-// every frame; its time is none of the frames'.
-// Throws InputError for bad options, or a sequence that cannot be read at all.
+// source's convention; as corrected in the end by loops and calibration), trajectory_online.txt (as
+// each pose was at its time), frames.csv, loops.csv, map.ply, summary.json, poses.json, views/ and
+// the pictures; where the depth camera was found to be another one than given, camera.yaml. A
+// sequence of format watch is followed until its end (WatchFolder()). Frames that cannot be read
+// are skipped and counted. When `interrupted` becomes true the frame at work, or else the first
+// one, is finished and everything is written. `progress` is called after every frame; its time is
+// none of the frames'. Throws InputError for bad options, or a sequence that cannot be read at all.
 SlamRunSummary RunSlam(const SlamRunOptions& options, const std::atomic<bool>& interrupted,
                        const std::function<void(const SlamRunProgress&)>& progress);
 

@@ -13,6 +13,7 @@
 #include "surfit/places/find_loops.h"
 #include "surfit/places/keyframe.h"
 #include "surfit/places/place_index.h"
+#include "surfit/refinement/refine.h"
 #include "surfit/registration/far_registration.h"
 
 namespace surfit {
@@ -34,6 +35,15 @@ struct EdgeNoise {
 
   void Visit(OptionVisitor& visitor);
 };
+
+// Few surfels and rounds: a camera has few numbers, and is found again soon.
+inline RefinementOptions CoarseRefinementOptions() {
+  RefinementOptions options;
+  options.cells_across = 40;
+  options.max_rounds = 3;
+  options.kernel_growth = 2;
+  return options;
+}
 
 // Of loops: wrong ones are left out.
 inline PoseGraphOptions RobustPoseGraphOptions() {
@@ -71,6 +81,19 @@ struct LoopOptions {
   void Visit(OptionVisitor& visitor);
 };
 
+// How the depth camera is calibrated while it is tracked: by Refine() of all keyframes so far, when
+// there are first_keyframes, and each time there are half as many more. What n keyframes tell takes
+// effect n + n^2 / 20 frames later, however long it takes: the same on every machine. What is no
+// other than the given calibration, as far as the covariance tells, changes nothing.
+struct CalibrationOptions {
+  bool enabled = true;
+  int first_keyframes = 4;
+  int max_keyframes = 45;  // beyond this the camera stays as it was found
+  RefinementOptions refinement = CoarseRefinementOptions();
+
+  void Visit(OptionVisitor& visitor);
+};
+
 // A frame that has a pose, and what it hangs on.
 struct PosedFrame {
   int index = 0;
@@ -92,16 +115,26 @@ struct LoopRecord {
   bool in_graph = false;  // accepted, and consistent with the others when last looked at
 };
 
+class Calibrator;
 class LoopThread;
 struct LoopOutcome;
 struct NewKeyframe;
 
-// What changes in the world when loops have been closed.
+// What changes in the world when loops have been closed, or the camera has been calibrated.
 struct WorldCorrection {
-  bool moves = false;            // else the corrections are all the identity
-  FrameCorrections corrections;  // of what the frames saw
-  Rigid3d new_from_old_now;      // of the camera, and of frames to come
-  std::vector<int> joined;       // the earlier keyframes' frames of new loops
+  bool moves = false;                            // else the corrections are all the identity
+  FrameCorrections corrections{0, {Rigid3d()}};  // of what the frames saw
+  Rigid3d new_from_old_now;                      // of the camera, and of frames to come
+  std::vector<int> joined;                       // the earlier keyframes' frames of new loops
+  std::optional<Recalibration> recalibration;  // frames are seen by another calibration from now on
+};
+
+// A calibration that was found while the camera was tracked.
+struct CalibrationRecord {
+  std::size_t keyframes = 0;
+  int begun_frame = 0;  // the last of them
+  int frame = 0;        // the last one before it took effect
+  RefinementSummary summary;
 };
 
 // What the backend has done.
@@ -118,24 +151,29 @@ struct BackendCounts {
   std::size_t given_up_views = 0;  // of keyframes, for want of LoopOptions::max_view_bytes
 };
 
-// Closes loops while the camera is tracked: chooses keyframes, looks for loops and optimises the
-// pose graph on a thread of its own, one task at a time, where there may be more than one. What
-// comes of a task takes effect LoopOptions::delay_frames frames after it was begun, at any number
-// of threads.
+// Keeps the frames' poses and chooses keyframes while the camera is tracked. With loops enabled,
+// looks for them and optimises the pose graph; with calibration enabled, finds the depth camera's:
+// each on a thread of its own, one task at a time, where there may be more than one. What comes of
+// a task takes effect a number of frames after it was begun that no machine has a say in.
 class Backend {
  public:
-  // Throws InputError for bad options.
-  explicit Backend(const LoopOptions& options, LoopFinder finder = {});
+  // The sensor is as given. Throws InputError for bad options.
+  Backend(const DepthSensor& sensor, const PreprocessOptions& preprocess, const LoopOptions& loops,
+          const CalibrationOptions& calibration, LoopFinder finder = {});
   ~Backend();
 
-  // To be called before each frame: what takes effect there.
-  std::optional<WorldCorrection> BeginFrame();
+  // To be called before each frame: what takes effect there, one after the other.
+  std::vector<WorldCorrection> BeginFrame();
 
-  // To be called after each frame that has a pose: it may become a keyframe.
-  void AddFrame(int index, double stamp_s, const Rigid3d& world_from_camera, const IcpResult& icp,
-                const FramePyramid& pyramid, const Image<Rgb8>& color);
+  // To be called after each frame that has a pose: it may become a keyframe. The frame is as it was
+  // measured, the pyramid as it is by calibration().
+  void AddFrame(const RgbdFrame& frame, const Rigid3d& world_from_camera, const IcpResult& icp,
+                const FramePyramid& pyramid);
   // The same of a frame at the last one's pose, which never becomes one.
   void AddFrozenFrame(int index, double stamp_s);
+
+  // Leaves the camera as it was found so far.
+  void EndCalibration();
 
   // Looks for a view among all keyframes; waits for the task under way.
   Relocalization Find(const ColoredView& view);
@@ -146,8 +184,13 @@ class Backend {
   static constexpr double kSubmapDistance = 50;  // metres
   Rigid3d BeginSubmap(const Rigid3d& world_from_last);
 
-  // What is still to be done after the last frame, and to take effect; nothing once all has.
-  std::optional<WorldCorrection> Finish();
+  // What is still to be done after the last frame, and to take effect, one after the other.
+  std::vector<WorldCorrection> Finish();
+
+  // What frames are to be seen by, null without calibration; and how it was found.
+  const DepthCalibration* calibration() const;
+  bool is_recalibrated() const;  // that is not as given
+  const std::vector<CalibrationRecord>& calibrations() const { return calibrations_; }
 
   BackendCounts counts() const;
   const std::vector<LoopRecord>& loops() const { return loops_; }
@@ -158,13 +201,21 @@ class Backend {
 
  private:
   bool BecomesKeyframe(const PosedFrame& frame, const FramePyramid& pyramid) const;
-  void AddKeyframe(const IcpResult& icp, const FramePyramid& pyramid, const Image<Rgb8>& color);
+  void AddKeyframe(const RgbdFrame& frame, const IcpResult& icp, const FramePyramid& pyramid);
+  std::optional<PoseGraphEdge> EdgeTo(const PosedFrame& keyframe, int parent,
+                                      const IcpResult& icp) const;
   std::vector<Rigid3d> KeyframePoses() const;
   void StartTask();
+  void StartCalibration();
+  void FinishLoops(std::vector<WorldCorrection>* corrections);
+  void TakeCalibration(std::vector<WorldCorrection>* corrections);
   std::optional<WorldCorrection> Apply(const LoopOutcome& outcome);
+  // Moves all frames by those of keyframes.
+  WorldCorrection Move(const std::vector<Rigid3d>& new_from_old_of_keyframe);
   void UpdateLoops(const LoopOutcome& outcome);
   std::vector<int> NewlyJoined(const LoopOutcome& outcome) const;
-  std::vector<Rigid3d> CorrectionsOfKeyframes(const LoopOutcome& outcome) const;
+  std::vector<Rigid3d> CorrectionsOfKeyframes(
+      const std::vector<Rigid3d>& world_from_keyframe) const;
   std::size_t SubmapsApart() const;
 
   LoopOptions options_;
@@ -174,9 +225,12 @@ class Backend {
   std::vector<int> submap_of_keyframe_;
   std::optional<Keyframe> last_keyframe_;  // with a view to measure overlap by
   std::vector<NewKeyframe> waiting_;       // for a task
-  std::unique_ptr<LoopThread> thread_;
-  int frames_since_start_ = 0;  // of its task
-  std::optional<int> anchor_;   // keyframe that the next frame is joined to
+  std::unique_ptr<LoopThread> thread_;     // null without loops
+  int frames_since_start_ = 0;             // of its task
+  std::unique_ptr<Calibrator> calibrator_;
+  int frames_since_calibration_ = 0;  // of its task
+  std::vector<CalibrationRecord> calibrations_;
+  std::optional<int> anchor_;  // keyframe that the next frame is joined to
   bool begins_submap_ = true;
   int stretch_ = -1;
   int submap_ = -1;

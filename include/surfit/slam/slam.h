@@ -57,6 +57,7 @@ struct SlamOptions {
   // InitializeOptions::method; identity: not at all. It is believed only if the map agrees.
   std::string initialize = "features";
   LoopOptions loops;
+  CalibrationOptions calibration;
   void Visit(OptionVisitor& visitor);
 };
 
@@ -122,7 +123,8 @@ class Slam {
   // Tracks and fuses the next frame. The frame's size must be the sensor's.
   FrameReport Process(const RgbdFrame& frame);
 
-  // Fuses the next frame at a known pose.
+  // Fuses the next frame at a known pose. From then on the camera stays as it was found: it is not
+  // calibrated by poses that must not move.
   FrameReport ProcessAt(const RgbdFrame& frame, const Rigid3d& world_from_camera);
 
   // To be called with each frame that tracking loses.
@@ -132,13 +134,16 @@ class Slam {
   // enabled.
   void UseLoopFinder(LoopFinder finder);
 
-  // Takes in what is still being found out about loops. To be called after the last frame.
+  // Takes in what is still being found out about loops and the camera. To be called after the last
+  // frame.
   void Finish();
 
   const SurfelMap& map() const;
   // Surfels that became part of others when the map was moved, in all.
   std::size_t merged_doubles() const;
-  // Null unless loops are enabled.
+  // The sensor as the last frame was seen by: with the camera that calibration has found.
+  const DepthSensor& sensor() const;
+  // Null unless loops or calibration are enabled.
   const Backend* backend() const;
 
  private:

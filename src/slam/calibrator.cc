@@ -1,0 +1,137 @@
+#include "slam/calibrator.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "surfit/core/parallel.h"
+#include "surfit/core/trace.h"
+#include "surfit/refinement/keyframes.h"
+
+namespace surfit {
+namespace {
+
+// Of keyframes every n-th column and row is kept: there are far more pixels than surfels.
+constexpr int kStride = 2;
+
+// So many cells of surfels, in a row and in a column, share one error: what the model leaves out is
+// the same in large parts of an image, and few keyframes see few places.
+constexpr int kSharedCells = 4;
+
+DepthSensor Subsampled(DepthSensor sensor) {
+  sensor.camera = sensor.camera.Subsampled(kStride);
+  return sensor;
+}
+
+DepthCalibration Subsampled(DepthCalibration calibration) {
+  calibration.camera = calibration.camera.Subsampled(kStride);
+  return calibration;
+}
+
+Image<float> Subsampled(const Image<float>& depth_m) {
+  Image<float> few((depth_m.width() + kStride - 1) / kStride,
+                   (depth_m.height() + kStride - 1) / kStride);
+  for (int v = 0; v < few.height(); ++v) {
+    for (int u = 0; u < few.width(); ++u) few(u, v) = depth_m(kStride * u, kStride * v);
+  }
+  return few;
+}
+
+// The calibration of the whole images from that of subsampled ones.
+void ScaleUp(const PinholeCamera& whole, RefinementSummary* summary) {
+  PinholeCamera& camera = summary->calibration.camera;
+  camera.width = whole.width;
+  camera.height = whole.height;
+  for (double* px : {&camera.fx, &camera.fy, &camera.cx, &camera.cy}) *px *= kStride;
+  if (Eigen::MatrixXd& covariance = summary->calibration_covariance; covariance.size() > 0) {
+    covariance.topRows<4>() *= kStride;
+    covariance.leftCols<4>() *= kStride;
+  }
+}
+
+}  // namespace
+
+Calibrator::Calibrator(const DepthSensor& sensor, const PreprocessOptions& preprocess,
+                       const CalibrationOptions& options)
+    : camera_(sensor.camera),
+      sensor_(Subsampled(sensor)),
+      preprocess_(preprocess),
+      options_(options),
+      given_{sensor.camera, {}},
+      calibration_(given_),
+      next_count_(options.first_keyframes) {
+  RefinementOptions& refinement = options_.refinement;
+  const int cell_px = std::max(1, sensor_.camera.width / refinement.cells_across);
+  refinement.correlation_px = std::max(refinement.correlation_px, kSharedCells * cell_px);
+}
+
+void Calibrator::AddKeyframe(const RgbdFrame& frame) {
+  if (next_count_ == 0) return;
+  auto kept = std::make_shared<RgbdFrame>();
+  kept->index = frame.index;
+  kept->stamp_s = frame.stamp_s;
+  kept->depth_m = Subsampled(frame.depth_m);
+  frames_.push_back(std::move(kept));
+}
+
+void Calibrator::StartTask(std::vector<Rigid3d> world_from_keyframe, const Trajectory& trajectory) {
+  std::vector<CameraMotion> motions;
+  for (const auto& frame : frames_) motions.push_back(MotionAt(trajectory, frame->stamp_s));
+  task_keyframes_ = static_cast<int>(frames_.size());
+  next_count_ += next_count_ / 2;
+  Frames frames = frames_;
+  if (next_count_ > static_cast<std::size_t>(options_.max_keyframes)) {
+    next_count_ = 0;  // the task's copy is the last
+    frames_.clear();
+  }
+  const bool is_beside = ThreadCount() > 1;
+  task_ = std::async(is_beside ? std::launch::async : std::launch::deferred,
+                     [this, is_beside, frames = std::move(frames), motions = std::move(motions),
+                      poses = std::move(world_from_keyframe), start = calibration_]() mutable {
+                       Outcome outcome;
+                       const auto run = [&] {
+                         outcome = Run(frames, motions, std::move(poses), start);
+                       };
+                       is_beside ? RunInSpareTime(run) : run();
+                       return outcome;
+                     });
+}
+
+Calibrator::Outcome Calibrator::Run(const Frames& frames, const std::vector<CameraMotion>& motions,
+                                    std::vector<Rigid3d> world_from_keyframe,
+                                    const DepthCalibration& start) const {
+  const TraceSlice slice("calibrate");
+  std::vector<RefinementKeyframe> keyframes;
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    keyframes.push_back({world_from_keyframe[k],
+                         MakeKeyframeImages(AtMiddleOfReadout(*frames[k], sensor_, motions[k]),
+                                            sensor_, preprocess_)});
+  }
+  Outcome outcome;
+  outcome.summary = Refine(options_.refinement, Subsampled(given_), Subsampled(start), &keyframes,
+                           [](const RefinementRound&) {});
+  ScaleUp(camera_, &outcome.summary);
+  outcome.world_from_keyframe_before = std::move(world_from_keyframe);
+  for (const RefinementKeyframe& keyframe : keyframes) {
+    outcome.world_from_keyframe.push_back(keyframe.world_from_camera);
+  }
+  return outcome;
+}
+
+bool Calibrator::IsLate() const {
+  return task_.wait_for(std::chrono::seconds(0)) == std::future_status::timeout;
+}
+
+void Calibrator::End() {
+  task_ = {};
+  next_count_ = 0;
+  frames_.clear();
+}
+
+Calibrator::Outcome Calibrator::Take() {
+  Outcome outcome = task_.get();
+  calibration_ = outcome.summary.calibration;
+  return outcome;
+}
+
+}  // namespace surfit

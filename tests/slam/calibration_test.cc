@@ -1,0 +1,128 @@
+// Calibration of the depth camera while it is tracked, with the exact truth.
+#include <gtest/gtest.h>
+
+#include "mapping/same_map.h"
+#include "slam/simulated_sequence.h"
+#include "surfit/core/parallel.h"
+#include "surfit/frame/prepare_frame.h"
+
+namespace surfit::testing {
+namespace {
+
+constexpr int kCalibratedFrames = 120;
+
+// Half the size of a Kinect's images.
+PinholeCamera TrueCamera() { return {320, 240, 262.5, 262.5, 159.5, 119.5, {}}; }
+
+SimulatedSequence Room(std::uint64_t seed) {
+  return Simulate("room", seed, kCalibratedFrames, Sensor::kKinect, TrueCamera());
+}
+
+// As a sensor gives it whose focal length, centre and depth are not what its user takes them to be.
+SimulatedSequence WronglyGiven(std::uint64_t seed) {
+  SimulatedSequence sequence = Room(seed);
+  for (RgbdFrame& frame : sequence.frames) {
+    CorrectDepth(sequence.camera, {{0, 0.02, 0, 0, 0, 0}}, &frame.depth_m);
+  }
+  sequence.camera.fx *= 1.01;
+  sequence.camera.fy *= 1.01;
+  sequence.camera.cx += 1;
+  return sequence;
+}
+
+struct CalibratedRun {
+  double rms_m = 0;  // of the final positions
+  bool is_recalibrated = false;
+  DepthCalibration found;
+  std::vector<CalibrationRecord> calibrations;
+  Trajectory trajectory;
+  SurfelMap map;
+};
+
+CalibratedRun CalibratedRunOf(const SimulatedSequence& sequence) {
+  Slam slam({sequence.camera, {}}, SlamOptions(), sequence.world_from_camera[0]);
+  for (const RgbdFrame& frame : sequence.frames) slam.Process(frame);
+  slam.Finish();
+  CalibratedRun run;
+  const Backend& backend = *slam.backend();
+  run.is_recalibrated = backend.is_recalibrated();
+  run.found = *backend.calibration();
+  run.calibrations = backend.calibrations();
+  run.trajectory = backend.trajectory();
+  run.map = slam.map();
+  double squares = 0;
+  for (std::size_t i = 0; i < run.trajectory.size(); ++i) {
+    squares += (run.trajectory[i].world_from_camera.translation -
+                sequence.world_from_camera[i].translation)
+                   .squaredNorm();
+  }
+  run.rms_m = std::sqrt(squares / static_cast<double>(run.trajectory.size()));
+  return run;
+}
+
+double UncalibratedRms(const SimulatedSequence& sequence) {
+  SlamOptions options;
+  options.calibration.enabled = false;
+  return ErrorsOf(RunSlam(sequence, options, sequence.world_from_camera[0]),
+                  sequence.world_from_camera)
+      .rms_m;
+}
+
+TEST(SlamCalibration, LeavesARightCameraAsItIs) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    const SimulatedSequence room = Room(seed);
+    const CalibratedRun run = CalibratedRunOf(room);
+    EXPECT_FALSE(run.is_recalibrated) << seed;
+    EXPECT_GE(run.calibrations.size(), 2u) << seed;
+    EXPECT_EQ(run.found.camera.fx, room.camera.fx);
+    EXPECT_NEAR(run.rms_m, UncalibratedRms(room), 1e-12) << seed;
+  }
+}
+
+TEST(SlamCalibration, FindsACameraThatIsWrong) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    const SimulatedSequence room = WronglyGiven(seed);
+    const CalibratedRun run = CalibratedRunOf(room);
+    ASSERT_TRUE(run.is_recalibrated) << seed;
+    EXPECT_LT(run.rms_m, UncalibratedRms(room) / 2) << seed;
+    // Each number within three of its standard deviations.
+    const Eigen::VectorXd sigma =
+        run.calibrations.back().summary.calibration_covariance.diagonal().cwiseSqrt();
+    const PinholeCamera &found = run.found.camera, truth = TrueCamera();
+    const std::array<double, 4> errors = {found.fx - truth.fx, found.fy - truth.fy,
+                                          found.cx - truth.cx, found.cy - truth.cy};
+    for (int i = 0; i < 10; ++i) {
+      const double error =
+          i < 4 ? errors[i] : run.found.field.coefficients[i - 4] + (i == 5) * 0.02;
+      EXPECT_LT(std::abs(error), 3 * sigma[i]) << "seed " << seed << ", number " << i;
+    }
+  }
+}
+
+TEST(SlamCalibration, EndsWhereAPoseIsGiven) {
+  const SimulatedSequence room = WronglyGiven(1);
+  Slam slam({room.camera, {}}, SlamOptions(), {});
+  for (std::size_t i = 0; i < room.frames.size(); ++i) {
+    slam.ProcessAt(room.frames[i], room.world_from_camera[i]);
+  }
+  slam.Finish();
+  EXPECT_TRUE(slam.backend()->calibrations().empty());
+  EXPECT_EQ(slam.sensor().camera.fx, room.camera.fx);
+  EXPECT_EQ(slam.backend()->trajectory().back().world_from_camera.Matrix(),
+            room.world_from_camera.back().Matrix());
+}
+
+TEST(SlamCalibrationThreads, FindTheSameBitForBit) {
+  const SimulatedSequence room = WronglyGiven(1);
+  std::vector<CalibratedRun> runs;
+  for (const int threads : {1, 2}) {
+    const ThreadLimit limit(threads);
+    runs.push_back(CalibratedRunOf(room));
+  }
+  EXPECT_EQ(runs[0].found.camera.fx, runs[1].found.camera.fx);
+  EXPECT_EQ(runs[0].found.field.coefficients, runs[1].found.field.coefficients);
+  ExpectSameMap(runs[0].map, runs[1].map);
+}
+
+}  // namespace
+}  // namespace surfit::testing

@@ -1,0 +1,118 @@
+#!/usr/bin/env python3
+"""Tells which poses agree best with what colour images alone show, without any depth:
+
+    tools/scripts/epipolar_error.py --camera=525,525,312,240 --center=-0.025,0,0 \\
+        'DATA/seven_scenes_kitchen/*.color.jpg' given='DATA/seven_scenes_kitchen/*.pose.txt' \\
+        found=out/trajectory.txt
+
+Images are those of a pattern, in their order, 30 a second; NAME=POSES is a TUM trajectory whose stamps
+count from the first image, or a pattern of files with one 4 x 4 matrix for each image. All images that
+lie GAP apart are matched (SIFT, ratio test), and wrong matches left out by the essential matrix that
+fits the matches themselves best (RANSAC). What is left must lie on the epipolar lines of the poses:
+the table has the median over pairs of the median distance of a pair, in pixels. --camera is the colour
+camera's fx,fy,cx,cy, --center where it stands in the depth camera, whose poses they are, in metres.
+Needs Debian's python3-opencv.
+"""
+
+import argparse
+import glob
+import sys
+
+import cv2
+import numpy as np
+
+FPS = 30
+GAPS = (20, 50, 100, 200)
+STRIDE = 10
+MIN_MATCHES = 40
+MAX_MATCH_ERROR_PX = 3
+
+
+def read_poses(path, count):
+    """One (rotation, translation) for each image, None where there is none."""
+    files = sorted(glob.glob(path))
+    if len(files) > 1:
+        matrices = [np.loadtxt(file) for file in files]
+        return [(m[:3, :3], m[:3, 3]) for m in matrices[:count]]
+    poses = [None] * count
+    for row in np.loadtxt(path):
+        index = round(row[0] * FPS)
+        if abs(row[0] * FPS - index) > 0.7:  # a stamp may be less the sensor's latency
+            sys.exit(f"{path}: stamp {row[0]} is none of {FPS} frames a second")
+        x, y, z, w = row[4:8]
+        rotation = np.array(
+            [[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+             [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+             [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
+        if 0 <= index < count:
+            poses[index] = (rotation, row[1:4])
+    return poses
+
+
+def matched_rays(a, b, camera):
+    """Rays (x, y, 1) of points that two images share, or None."""
+    (points_a, descriptors_a), (points_b, descriptors_b) = a, b
+    pairs = cv2.BFMatcher().knnMatch(descriptors_a, descriptors_b, k=2)
+    good = [best for best, second in pairs if best.distance < 0.7 * second.distance]
+    if len(good) < MIN_MATCHES:
+        return None
+    focal, center = np.array(camera[:2]), np.array(camera[2:])
+    rays_a = (np.float64([points_a[m.queryIdx].pt for m in good]) - center) / focal
+    rays_b = (np.float64([points_b[m.trainIdx].pt for m in good]) - center) / focal
+    _, mask = cv2.findEssentialMat(rays_a, rays_b, np.eye(3), method=cv2.RANSAC, prob=0.999,
+                                   threshold=MAX_MATCH_ERROR_PX / camera[0])
+    if mask is None or mask.sum() < MIN_MATCHES:
+        return None
+    kept = mask.ravel() > 0
+    ones = np.ones((kept.sum(), 1))
+    return np.hstack([rays_a[kept], ones]), np.hstack([rays_b[kept], ones])
+
+
+def epipolar_distance_px(rays_a, rays_b, pose_a, pose_b, center, focal):
+    (rotation_a, at_a), (rotation_b, at_b) = pose_a, pose_b
+    way = rotation_b.T @ (at_a + rotation_a @ center - at_b - rotation_b @ center)
+    x, y, z = way / np.linalg.norm(way)
+    essential = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]]) @ rotation_b.T @ rotation_a
+    lines_b, lines_a = rays_a @ essential.T, rays_b @ essential
+    off = np.abs(np.sum(rays_b * lines_b, axis=1))
+    inverse = [1 / np.linalg.norm(lines[:, :2], axis=1) for lines in (lines_a, lines_b)]
+    return focal * np.median(off * (inverse[0] + inverse[1]) / 2)
+
+
+def main():
+    parser = argparse.ArgumentParser(usage=__doc__)
+    parser.add_argument("--camera", required=True)
+    parser.add_argument("--center", default="0,0,0")
+    parser.add_argument("images")
+    parser.add_argument("poses", nargs="+")
+    options = parser.parse_args()
+    camera = [float(value) for value in options.camera.split(",")]
+    center = np.array([float(value) for value in options.center.split(",")])
+    files = sorted(glob.glob(options.images))
+    if not files:
+        sys.exit(f"{options.images}: no such images")
+    named = dict(argument.split("=", 1) for argument in options.poses)
+    poses = {name: read_poses(path, len(files)) for name, path in named.items()}
+
+    sift = cv2.SIFT_create(1500)
+    features = {i: sift.detectAndCompute(cv2.imread(files[i], cv2.IMREAD_GRAYSCALE), None)
+                for i in range(0, len(files), STRIDE)}
+    print("gap   pairs  " + "  ".join(f"{name:>10}" for name in poses))
+    for gap in GAPS:
+        errors = {name: [] for name in poses}
+        for i in range(0, len(files) - gap, STRIDE):
+            if any(of[i] is None or of[i + gap] is None for of in poses.values()):
+                continue
+            rays = matched_rays(features[i], features[i + gap], camera)
+            if rays is None:
+                continue
+            for name, of in poses.items():
+                errors[name].append(
+                    epipolar_distance_px(*rays, of[i], of[i + gap], center, camera[0]))
+        pairs = len(next(iter(errors.values())))
+        medians = [np.median(of) if of else float("nan") for of in errors.values()]
+        print(f"{gap:3d}  {pairs:6d}  " + "  ".join(f"{value:10.2f}" for value in medians))
+
+
+if __name__ == "__main__":
+    main()
