@@ -2,6 +2,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <array>
 #include <filesystem>
 
 #include "bindings/bind.h"
@@ -34,9 +35,10 @@ void BindProcess(py::class_<SlamSession>* slam) {
 }
 
 void BindResults(py::class_<SlamSession>* slam) {
-  slam->def_property_readonly("trajectory", &SlamSession::TrajectoryRows,
-                              "N x 8, a row for each frame with a pose: stamp tx ty tz qx qy qz "
-                              "qw, world from camera, metres, as corrected by loops so far");
+  slam->def_property_readonly(
+      "trajectory", &SlamSession::TrajectoryRows,
+      "N x 8, a row for each frame with a pose: stamp tx ty tz qx qy qz "
+      "qw, world from camera, metres, as corrected by loops and calibration so far");
   slam->def_property_readonly("poses", &SlamSession::Poses,
                               "N x 4 x 4, world from camera, metres, of the same frames");
   slam->def_property_readonly("mirrored", &SlamSession::mirrored,
@@ -46,7 +48,19 @@ void BindResults(py::class_<SlamSession>* slam) {
       "digest", &SlamSession::DigestOfResult,
       "of trajectory and map: equal digests, equal results bit for bit, with surfit_slam as well");
   slam->def("finish", &SlamSession::Finish,
-            "Takes in what is still being found out about loops: after the last frame.");
+            "Takes in what is still being found out about loops and the camera: after the last "
+            "frame.");
+  slam->def_property_readonly(
+      "calibration",
+      [](SlamSession& session) -> std::optional<std::array<double, 10>> {
+        const std::optional<DepthCalibration> found = session.FoundCalibration();
+        if (!found) return std::nullopt;
+        const PinholeCamera& c = found->camera;
+        const auto& [c0, c1, c2, c3, c4, c5] = found->field.coefficients;
+        return std::array<double, 10>{c.fx, c.fy, c.cx, c.cy, c0, c1, c2, c3, c4, c5};
+      },
+      "fx fy cx cy in px, and c0 to c5 in 1/m of the correction of inverse depth, by which the "
+      "depth camera was found to see while it was tracked; None while it is as given");
   slam->def("surfels", &SlamSession::Surfels, "The map as it is now, copied once.");
   slam->def(
       "write_trajectory",
@@ -69,7 +83,8 @@ void BindSlam(py::module_& module) {
       module, "Slam",
       "Dense SLAM by point-based fusion: each frame is registered to what the map predicts, and "
       "fused into the map at the pose found. With options.loops.enabled the map and the "
-      "trajectory follow the poses that closed loops correct.");
+      "trajectory follow the poses that closed loops correct; with options.calibration.enabled, "
+      "the default, they and the camera follow what the keyframes tell of it.");
   slam.def(py::init([](const SlamOptions& options, const std::optional<CameraChoice>& camera,
                        const PrepareOptions& prepare, std::optional<Rigid3d> initial_pose) {
              std::optional<RgbdCamera> rgbd_camera;

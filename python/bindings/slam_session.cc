@@ -86,6 +86,14 @@ void SlamSession::Finish() {
   });
 }
 
+std::optional<DepthCalibration> SlamSession::FoundCalibration() {
+  return Locked([&]() -> std::optional<DepthCalibration> {
+    const Backend* backend = slam_ ? slam_->backend() : nullptr;
+    if (!backend || !backend->is_recalibrated()) return std::nullopt;
+    return *backend->calibration();
+  });
+}
+
 Trajectory SlamSession::CurrentTrajectory() const {
   return slam_ && slam_->backend() ? slam_->backend()->trajectory() : trajectory_;
 }

@@ -31,6 +31,8 @@ class SlamSession {
 
   // See Slam::Finish().
   void Finish();
+  // By which the last frame was seen, where that is not as given.
+  std::optional<DepthCalibration> FoundCalibration();
 
   pybind11::array_t<double> TrajectoryRows();
   pybind11::array_t<double> Poses();

@@ -64,6 +64,18 @@ def test_options_reach_the_pipeline(room, tmp_path):
     assert slam.digest == summary["digest"]
 
 
+def test_tells_the_camera_that_it_found(room, tmp_path):
+    assert slam_over(surfit.Sequence(room)).calibration is None
+    path = tmp_path / "tilted"
+    run_tool("surfit_simulate", f"--output={path}", "--frames=60", "--downsample=2",
+             "--sensor=kinect", "--inverse_depth_distortion=0.03,0,0,0,0")
+    slam = slam_over(surfit.Sequence(path))
+    slam.finish()
+    fx, fy, cx, cy, *field = slam.calibration
+    assert fx == pytest.approx(262.5, rel=0.01) and fx / fy == pytest.approx(1, rel=0.005)
+    assert field[1] == pytest.approx(-0.03, abs=0.01)
+
+
 def test_files_of_images_with_y_up_give_the_programs_digest_and_files(tmp_path):
     path = tmp_path / "y_up"
     run_tool("surfit_simulate", f"--output={path}", "--frames=6", "--image_y_up",

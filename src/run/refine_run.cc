@@ -4,7 +4,6 @@
 #include <chrono>
 #include <vector>
 
-#include "run/found_camera.h"
 #include "run/output_files.h"
 #include "run/result_files.h"
 #include "surfit/core/error.h"

@@ -2,7 +2,6 @@
 #include <cmath>
 #include <vector>
 
-#include "run/found_camera.h"
 #include "run/output_files.h"
 #include "run/result_files.h"
 #include "surfit/core/options.h"

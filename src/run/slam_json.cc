@@ -1,6 +1,5 @@
 #include <map>
 
-#include "run/found_camera.h"
 #include "run/output_files.h"
 #include "run/result_files.h"
 #include "surfit/core/options.h"

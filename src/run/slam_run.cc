@@ -6,7 +6,6 @@
 #include <memory>
 
 #include "run/digest.h"
-#include "run/found_camera.h"
 #include "run/kept_views.h"
 #include "run/output_files.h"
 #include "run/result_files.h"
