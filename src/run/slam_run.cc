@@ -16,7 +16,6 @@
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 #include "surfit/core/trace.h"
-#include "surfit/io/camera_files.h"
 #include "surfit/io/frame_source.h"
 #include "surfit/io/point_cloud.h"
 #include "surfit/io/sequence.h"
@@ -72,6 +71,7 @@ class SlamRun {
       : options_(options),
         statistics_(options.slam),
         source_(OpenSource(options, interrupted)),
+        given_field_(ReadDepthField(options.sequence, source_->info().format)),
         slam_(options, source_->info()) {
     PrepareOutputFolder(options.output, RunFileNames());
     if (!options.trace.empty()) trace_ = std::make_unique<TraceRecorder>(options.trace);
@@ -161,8 +161,7 @@ class SlamRun {
     summary->calibrations = backend.calibrations();
     if (!backend.is_recalibrated()) return;
     summary->calibration = *backend.calibration();
-    WriteFoundCamera(slam_.info(), ReadDepthField(options_.sequence, slam_.info().format),
-                     *summary->calibration, Path("camera.yaml"));
+    WriteFoundCamera(slam_.info(), given_field_, *summary->calibration, Path("camera.yaml"));
   }
 
   // Map, views, poses and pictures.
@@ -191,6 +190,7 @@ class SlamRun {
   RunStatistics statistics_;
   std::unique_ptr<TraceRecorder> trace_;  // outlives the source, which decodes on another thread
   std::unique_ptr<FrameSource> source_;
+  InverseDepthField given_field_;  // that frames come with
   SequenceSlam slam_;
   std::unique_ptr<RunFiles> files_;
   KeptViews views_;

@@ -78,6 +78,7 @@ void Mapper::Correct(const WorldCorrection& correction, int frame_index) {
     MoveMap(correction.corrections, &map_);
     view_.world_from_view = correction.new_from_old_now * view_.world_from_view;
   }
+  // A calibration moves neighbours alike: it puts no surfels on others.
   if ((correction.moves && !correction.recalibration) || active_frames > 0) {
     DoublesOptions doubles;
     doubles.frames_apart = std::max(active_frames, options_.loops.frames_apart);

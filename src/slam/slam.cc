@@ -96,10 +96,10 @@ class Slam::Pipeline {
  private:
   void MakeBackend(LoopFinder finder);
   void CorrectWorld(int frame_index, StageTimes* times);
-  RgbdFrame Calibrated(const RgbdFrame& frame) const;
+  const RgbdFrame& Calibrated(const RgbdFrame& frame);
   void Correct(const WorldCorrection& correction, int frame_index);
   Tracked Repeat(const RgbdFrame& frame);
-  PreparedFrame Prepare(const RgbdFrame& frame, StageTimes* times) const;
+  PreparedFrame Prepare(const RgbdFrame& frame, StageTimes* times);
   Tracked Track(const PreparedFrame& frame, StageTimes* times);
   Tracked TrackFromPrediction(const PreparedFrame& frame, StageTimes* times);
   std::optional<Tracked> FindAgain(const PreparedFrame& frame);
@@ -115,6 +115,7 @@ class Slam::Pipeline {
   Tracker tracker_;
   Mapper mapper_;
   std::unique_ptr<Backend> backend_;  // null without loops and calibration
+  RgbdFrame calibrated_;              // the frame at work, by what calibration has found
   std::function<void(const LostFrame&)> on_lost_;
 };
 
@@ -128,10 +129,7 @@ FrameReport Slam::Pipeline::Process(const RgbdFrame& frame,
   if (tracker_.Repeats(frame) && !given_pose) return Report(frame, Repeat(frame), {}, times);
 
   if (given_pose && backend_) backend_->EndCalibration();
-  const RgbdFrame* seen = &frame;
-  std::optional<RgbdFrame> calibrated;
-  if (backend_ && backend_->is_recalibrated()) seen = &calibrated.emplace(Calibrated(frame));
-  PreparedFrame prepared = Prepare(*seen, &times);
+  PreparedFrame prepared = Prepare(frame, &times);
   const Tracked tracked = given_pose ? Given(*given_pose) : Track(prepared, &times);
   if (!tracked.is_held()) {
     tracker_.Lose();
@@ -162,25 +160,27 @@ void Slam::Pipeline::Correct(const WorldCorrection& correction, int frame_index)
   mapper_.Correct(correction, frame_index);
 }
 
-// The frame by the depth that calibration has found.
-RgbdFrame Slam::Pipeline::Calibrated(const RgbdFrame& frame) const {
-  RgbdFrame calibrated = frame;
-  const DepthCalibration& calibration = *backend_->calibration();
-  CorrectDepth(calibration.camera, calibration.field, &calibrated.depth_m);
-  return calibrated;
-}
-
 Tracked Slam::Pipeline::Repeat(const RgbdFrame& frame) {
   Tracked tracked = tracker_.Repeat();
   if (backend_ && tracked.is_held()) backend_->AddFrozenFrame(frame.index, frame.stamp_s);
   return tracked;
 }
 
-PreparedFrame Slam::Pipeline::Prepare(const RgbdFrame& frame, StageTimes* times) const {
+PreparedFrame Slam::Pipeline::Prepare(const RgbdFrame& frame, StageTimes* times) {
   const StageTimer timer("preprocess", frame.index, &times->preprocess_ms);
-  FramePyramid pyramid = PreprocessDepth(frame.depth_m, mapper_.sensor(), options_.preprocess);
-  if (options_.icp.error_model.UsesIntensities()) AddIntensity(frame.color, &pyramid);
-  return {frame, {std::move(pyramid), frame.color}};
+  const RgbdFrame& seen = Calibrated(frame);
+  FramePyramid pyramid = PreprocessDepth(seen.depth_m, mapper_.sensor(), options_.preprocess);
+  if (options_.icp.error_model.UsesIntensities()) AddIntensity(seen.color, &pyramid);
+  return {seen, {std::move(pyramid), seen.color}};
+}
+
+// The frame by the depth that calibration has found.
+const RgbdFrame& Slam::Pipeline::Calibrated(const RgbdFrame& frame) {
+  if (!backend_ || !backend_->is_recalibrated()) return frame;
+  calibrated_ = frame;
+  const DepthCalibration& calibration = *backend_->calibration();
+  CorrectDepth(calibration.camera, calibration.field, &calibrated_.depth_m);
+  return calibrated_;
 }
 
 // Where all that was known of the camera has failed for long, a new map begins.

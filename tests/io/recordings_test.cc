@@ -11,6 +11,26 @@
 namespace surfit::testing {
 namespace {
 
+// Three frames of NumberedDepth() and, by their coding, NumberedColor().
+void ExpectNumberedFrames(const std::vector<ReadResult>& results, const std::string& color_coding) {
+  ASSERT_EQ(results.size(), 3u);
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(results[i].frame) << results[i].error;
+    EXPECT_DOUBLE_EQ(results[i].stamp_s, 5 + 0.1 * i);
+    const auto raw = NumberedDepth(i);
+    for (std::size_t k = 0; k < raw.size(); ++k)
+      ASSERT_FLOAT_EQ(results[i].frame->depth_m[k], raw[k] * 0.001f);
+    const Image<Rgb8>& read = results[i].frame->color;
+    if (color_coding == "none") {
+      EXPECT_TRUE(read.empty());
+    } else if (color_coding == ".jpg") {
+      EXPECT_NEAR(read(16, 12).g, 20, 2);
+    } else {
+      EXPECT_EQ(read, NumberedColor(i));
+    }
+  }
+}
+
 class KlgTest : public ::testing::Test {
  protected:
   KlgTest() { folder_.Write("a.klg.yaml", SmallCameraYaml()); }
@@ -29,22 +49,7 @@ TEST_F(KlgTest, ReadsEveryCodingOfTheSameFrames) {
       EXPECT_EQ(source->info().format, "klg");
       EXPECT_TRUE(source->info().warnings.empty());
       const auto results = ReadAll(source.get());
-      ASSERT_EQ(results.size(), 3u);
-      for (int i = 0; i < 3; ++i) {
-        ASSERT_TRUE(results[i].frame) << results[i].error;
-        EXPECT_DOUBLE_EQ(results[i].stamp_s, 5 + 0.1 * i);
-        const auto raw = NumberedDepth(i);
-        for (std::size_t k = 0; k < raw.size(); ++k)
-          ASSERT_FLOAT_EQ(results[i].frame->depth_m[k], raw[k] * 0.001f);
-        const Image<Rgb8>& read = results[i].frame->color;
-        if (color == "none") {
-          EXPECT_TRUE(read.empty());
-        } else if (color == ".jpg") {
-          EXPECT_NEAR(read(16, 12).g, 20, 2);
-        } else {
-          EXPECT_EQ(read, NumberedColor(i));
-        }
-      }
+      ASSERT_NO_FATAL_FAILURE(ExpectNumberedFrames(results, color));
     }
   }
 }
@@ -185,22 +190,7 @@ TEST_F(SensTest, ReadsEveryCodingOfTheSameFrames) {
     for (const char* color : {"", ".png", ".jpg", "none"}) {
       encoder_.color_coding = color;
       const auto results = ReadAll(Open(encoder_.File(3)).get());
-      ASSERT_EQ(results.size(), 3u);
-      for (int i = 0; i < 3; ++i) {
-        ASSERT_TRUE(results[i].frame) << results[i].error;
-        EXPECT_DOUBLE_EQ(results[i].stamp_s, 5 + 0.1 * i);
-        const auto raw = NumberedDepth(i);
-        for (std::size_t k = 0; k < raw.size(); ++k)
-          ASSERT_FLOAT_EQ(results[i].frame->depth_m[k], raw[k] * 0.001f);
-        const Image<Rgb8>& read = results[i].frame->color;
-        if (encoder_.color_coding == "none") {
-          EXPECT_TRUE(read.empty());
-        } else if (encoder_.color_coding == ".jpg") {
-          EXPECT_NEAR(read(16, 12).g, 20, 2);
-        } else {
-          EXPECT_EQ(read, NumberedColor(i));
-        }
-      }
+      ASSERT_NO_FATAL_FAILURE(ExpectNumberedFrames(results, encoder_.color_coding));
     }
   }
 }
