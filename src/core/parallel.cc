@@ -20,9 +20,9 @@ namespace surfit {
 
 namespace {
 
-// ThreadSanitizer sees nothing of oneTBB: its prebuilt library is not instrumented, and so this file,
-// which alone includes its headers, is not either. A fence states the order that oneTBB imposes; in
-// other builds it is nothing.
+// ThreadSanitizer sees nothing of oneTBB: its prebuilt library is not instrumented, and so this
+// file, which alone includes its headers, is not either. A fence states the order that oneTBB
+// imposes; in other builds it is nothing.
 class SanitizerFence {
  public:
 #if defined(SURFIT_THREAD_SANITIZER)
