@@ -11,7 +11,7 @@ namespace py = pybind11;
 
 namespace surfit::python {
 
-static_assert(FieldCount<PinholeCamera>() == 7 && FieldCount<RgbdCamera>() == 9,
+static_assert(FieldCount<PinholeCamera>() == 7 && FieldCount<RgbdCamera>() == 11,
               "each field must be an attribute");
 
 void BindCamera(py::module_& module) {
@@ -29,6 +29,8 @@ void BindCamera(py::module_& module) {
 
   BindOptions<DepthNoise>(module, "DepthNoise",
                           "Noise of a depth sensor, constant in inverse depth.");
+  BindOptions<CalibrationPrior>(module, "CalibrationPrior",
+                                "What is known of a calibration: standard deviations.");
   BindPlain<RgbdCamera>(module, "RgbdCamera",
                         "A depth sensor: a depth camera with a colour camera beside it.")
       .def_readwrite("depth", &RgbdCamera::depth, "the depth camera")
@@ -46,9 +48,13 @@ void BindCamera(py::module_& module) {
       .def_readwrite("latency_s", &RgbdCamera::latency_s,
                      "how long before its stamp the middle of a depth frame's exposure and readout "
                      "lies, seconds")
+      .def_readwrite("color_latency_s", &RgbdCamera::color_latency_s,
+                     "how much longer the middle of a colour frame's exposure and readout lies "
+                     "before its stamp, seconds")
       .def_readwrite("readout_s", &RgbdCamera::readout_s,
                      "of a rolling shutter: from the first row that is read, at the top, to the "
-                     "last, seconds; 0: none");
+                     "last, seconds; 0: none")
+      .def_readwrite("prior", &RgbdCamera::prior, "what is known of the other numbers");
 
   module.def("camera_preset", &CameraPreset, py::arg("name"),
              "The camera of a well-known data set: see camera_preset_names().");

@@ -29,7 +29,9 @@ class FrameMaker {
   // Throws InputError for a bad camera or bad options.
   FrameMaker(const RgbdCamera& camera, const PrepareOptions& options);
 
-  DepthSensor sensor() const { return {preparer_.pinhole(), camera_.noise}; }
+  DepthSensor sensor() const {
+    return {preparer_.pinhole(), camera_.noise, camera_.readout_s, camera_.prior};
+  }
   bool mirrored() const { return mirrored_; }
 
   // Arrays as for DepthOf() and ColorOf(). Holds the GIL only while it reads them. Throws

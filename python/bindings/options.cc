@@ -45,7 +45,7 @@ void BindLoopOptions(py::module_& m) {
   BindOptions<EdgeNoise>(m, "EdgeNoiseOptions", "Errors that registrations do not know of.");
   BindOptions<PoseGraphOptions>(m, "PoseGraphOptions", "How a pose graph is optimised.");
   BindOptions<LoopOptions>(m, "LoopOptions", "How loops are closed.");
-  BindOptions<CalibrationPrior>(m, "CalibrationPrior", "What is known of a given calibration.");
+  BindOptions<PriorOptions>(m, "PriorOptions", "What is known of a given calibration.");
   BindOptions<RefinementOptions>(m, "RefinementOptions", "How keyframes are refined.");
   BindOptions<CalibrationOptions>(m, "CalibrationOptions",
                                   "How the depth camera is calibrated while it is tracked.");

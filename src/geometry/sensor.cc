@@ -21,12 +21,38 @@ void DepthNoise::Validate(const std::string& what) const {
   }
 }
 
+void CalibrationPrior::Visit(OptionVisitor& v) {
+  v.Add(focal_share, "focal_share", "standard deviation of the given fx and fy, as a share of them",
+        ZeroIs("unknown"));
+  v.Add(aspect_share, "aspect_share", "and of the given fx / fy", ZeroIs("unknown"));
+  v.Add(center_px, "center_px", "and of the given cx and cy", ZeroIs("unknown"), InUnit("px"));
+  v.Add(inverse_depth_sigma, "inverse_depth_sigma", "and of the given correction of inverse depth",
+        ZeroIs("unknown"), InUnit("1/m"));
+  v.Add(latency_s, "latency_s", "and of the given latency of depth", ZeroIs("unknown"));
+  v.Add(color_latency_s, "color_latency_s", "and of the given latency of colour beyond depth's",
+        ZeroIs("unknown"));
+  v.Add(readout_s, "readout_s", "and of the given readout of a rolling shutter", ZeroIs("unknown"));
+  v.Add(color_translation_m, "color_translation_m",
+        "and of where the colour camera is beside the depth camera", ZeroIs("unknown"));
+  v.Add(color_rotation_rad, "color_rotation_rad", "and of how it is turned against it",
+        ZeroIs("unknown"));
+}
+
+void CalibrationPrior::Validate(const std::string& what) const {
+  try {
+    surfit::Validate(*this);
+  } catch (const InputError& error) {
+    throw InputError(Concat(what, ": ", error.what()));
+  }
+}
+
 void DepthSensor::Validate() const {
   camera.Validate("camera");
   noise.Validate("sensor");
   if (!(readout_s >= 0 && readout_s <= 1)) {
     throw InputError(Concat("sensor: readout_s is ", readout_s, ", must be from 0 to 1 (s)"));
   }
+  prior.Validate("sensor: prior");
 }
 
 void RgbdCamera::Validate(const std::string& what) const {
@@ -40,12 +66,16 @@ void RgbdCamera::Validate(const std::string& what) const {
   positive("depth_units_per_metre", depth_units_per_metre);
   noise.Validate(what);
   positive("frames_per_second", frames_per_second);
-  if (!(std::abs(latency_s) <= 1)) {
-    throw InputError(Concat(what, ": latency_s is ", latency_s, ", must be from -1 to 1 (s)"));
-  }
+  const auto within_a_second = [&](const char* field, double value) {
+    if (!(std::abs(value) <= 1))
+      throw InputError(Concat(what, ": ", field, " is ", value, ", must be from -1 to 1 (s)"));
+  };
+  within_a_second("latency_s", latency_s);
+  within_a_second("color_latency_s", color_latency_s);
   if (!(readout_s >= 0 && readout_s <= 1)) {
     throw InputError(Concat(what, ": readout_s is ", readout_s, ", must be from 0 to 1 (s)"));
   }
+  prior.Validate(what + ": prior");
   if (!color_from_depth.translation.allFinite() ||
       !color_from_depth.rotation.coeffs().allFinite()) {
     throw InputError(Concat(what, ": color_from_depth must be finite"));

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "surfit/core/error.h"
+#include "surfit/core/options.h"
 #include "surfit/io/camera_files.h"
 
 namespace surfit {
@@ -49,6 +50,35 @@ class Node {
   std::string name_;
 };
 
+// The numbers of a table by their names.
+class Numbers : public OptionVisitor {
+ public:
+  std::vector<std::pair<std::string, double*>> all;
+
+ private:
+  void Visit(const Option& option, const OptionValue& value) override {
+    all.emplace_back(option.name, std::get<double*>(value));
+  }
+};
+
+Numbers NumbersOf(CalibrationPrior* prior) {
+  Numbers numbers;
+  prior->Visit(numbers);
+  return numbers;
+}
+
+CalibrationPrior ReadPrior(const Node& node) {
+  CalibrationPrior prior;
+  std::vector<std::string> names;
+  const Numbers numbers = NumbersOf(&prior);
+  for (const auto& [name, number] : numbers.all) names.push_back(name);
+  node.RequireKeysAmong(names);
+  for (const auto& [name, number] : numbers.all) {
+    if (node[name].Exists()) *number = node[name].Number();
+  }
+  return prior;
+}
+
 PinholeCamera ReadPinhole(const Node& node) {
   node.RequireKeysAmong({"width", "height", "fx", "fy", "cx", "cy", "distortion"});
   PinholeCamera camera;
@@ -75,17 +105,21 @@ Rigid3d ReadTransform(const Node& node, const std::string& name) {
 RgbdCamera ReadCamera(const Node& root, const std::string& path) {
   root.RequireKeysAmong({"depth_camera", "color_camera", "color_from_depth",
                          "depth_units_per_metre", "inverse_depth_sigma", "inverse_depth_field",
-                         "frames_per_second", "latency_s", "readout_s"});
+                         "frames_per_second", "latency_s", "color_latency_s", "readout_s",
+                         "prior"});
   RgbdCamera camera;
   if (!root["depth_camera"].Exists()) throw InputError(path + ": depth_camera is missing");
   camera.depth = ReadPinhole(root["depth_camera"]);
   camera.depth_units_per_metre = root["depth_units_per_metre"].Number();
-  if (root["inverse_depth_sigma"].Exists())
-    camera.noise.inverse_depth_sigma = root["inverse_depth_sigma"].Number();
-  if (root["frames_per_second"].Exists())
-    camera.frames_per_second = root["frames_per_second"].Number();
-  if (root["latency_s"].Exists()) camera.latency_s = root["latency_s"].Number();
-  if (root["readout_s"].Exists()) camera.readout_s = root["readout_s"].Number();
+  const auto read = [&](const char* key, double* number) {
+    if (root[key].Exists()) *number = root[key].Number();
+  };
+  read("inverse_depth_sigma", &camera.noise.inverse_depth_sigma);
+  read("frames_per_second", &camera.frames_per_second);
+  read("latency_s", &camera.latency_s);
+  read("color_latency_s", &camera.color_latency_s);
+  read("readout_s", &camera.readout_s);
+  if (root["prior"].Exists()) camera.prior = ReadPrior(root["prior"]);
   camera.color_is_registered = !root["color_camera"].Exists();
   if (!camera.color_is_registered) camera.color = ReadPinhole(root["color_camera"]);
   if (root["color_from_depth"].Exists()) {
@@ -126,6 +160,18 @@ void WriteField(cv::FileStorage& file, const InverseDepthField& field) {
        << "[:";
   for (const double c : field.coefficients) file << c;
   file << "]";
+}
+
+// Unless it is that of a camera.yaml without any.
+void WritePrior(cv::FileStorage& file, CalibrationPrior prior) {
+  CalibrationPrior usual;
+  const Numbers numbers = NumbersOf(&prior), defaults = NumbersOf(&usual);
+  const auto is_same = [](const auto& a, const auto& b) { return *a.second == *b.second; };
+  if (std::equal(numbers.all.begin(), numbers.all.end(), defaults.all.begin(), is_same)) return;
+  file << "prior"
+       << "{:";
+  for (const auto& [name, number] : numbers.all) file << name << *number;
+  file << "}";
 }
 
 // What `read` makes of the file's root.
@@ -172,7 +218,10 @@ void WriteCameraYaml(const RgbdCamera& camera, const std::string& path,
     file << "inverse_depth_sigma" << camera.noise.inverse_depth_sigma;
     if (!field.IsZero()) WriteField(file, field);
     file << "frames_per_second" << camera.frames_per_second;
-    file << "latency_s" << camera.latency_s << "readout_s" << camera.readout_s;
+    file << "latency_s" << camera.latency_s;
+    if (camera.color_latency_s != 0) file << "color_latency_s" << camera.color_latency_s;
+    file << "readout_s" << camera.readout_s;
+    WritePrior(file, camera.prior);
   } catch (const cv::Exception& error) {
     throw InputError(path + " cannot be written: " + error.err);
   }

@@ -55,7 +55,8 @@ void RequireSizeOf(const RgbdCamera& camera, const FrameImages& images) {
 }
 
 FrameStamps MomentsOf(const FrameStamps& stamps, const RgbdCamera& camera) {
-  return {stamps.depth_s - camera.latency_s, stamps.color_s - camera.latency_s};
+  return {stamps.depth_s - camera.latency_s,
+          stamps.color_s - camera.latency_s - camera.color_latency_s};
 }
 
 RgbdFrame MakeFrame(const RgbdCamera& camera, const FramePreparer& preparer, FrameImages images,

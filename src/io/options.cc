@@ -62,6 +62,9 @@ void SequenceOptions::Visit(OptionVisitor& v) {
   v.Add(latency_s, "latency_s",
         "how long before its stamp the middle of a depth frame's exposure and readout lies",
         InUnit("s"), AsFlag());
+  v.Add(color_latency_s, "color_latency_s",
+        "how much longer the middle of a colour frame's exposure and readout lies before its stamp",
+        InUnit("s"), AsFlag());
   v.Add(readout_s, "readout_s",
         "of a rolling shutter: from the first row that is read, at the top, to the last",
         InUnit("s"), AsFlag());

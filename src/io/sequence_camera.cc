@@ -180,6 +180,7 @@ RgbdCamera ResolveCamera(const SequenceOptions& options, const std::string& form
   if (options.inverse_depth_sigma) camera.noise.inverse_depth_sigma = *options.inverse_depth_sigma;
   if (options.frames_per_second) camera.frames_per_second = *options.frames_per_second;
   if (options.latency_s) camera.latency_s = *options.latency_s;
+  if (options.color_latency_s) camera.color_latency_s = *options.color_latency_s;
   if (options.readout_s) camera.readout_s = *options.readout_s;
   OverrideColor(options, &camera);
   ValidateFigures(camera);

@@ -7,15 +7,33 @@
 
 namespace surfit {
 
-void CalibrationPrior::Visit(OptionVisitor& v) {
-  v.Add(focal_share, "focal_share", "standard deviation of the given fx and fy, as a share of them",
-        ZeroIs("unknown"), AsFlag("prior_focal_share"));
-  v.Add(aspect_share, "aspect_share", "and of the given fx / fy", ZeroIs("unknown"),
-        AsFlag("prior_aspect_share"));
-  v.Add(center_px, "center_px", "and of the given cx and cy", ZeroIs("unknown"), InUnit("px"),
+void PriorOptions::Visit(OptionVisitor& v) {
+  v.Add(focal_share, "focal_share",
+        "standard deviation of the given fx and fy, as a share of them, 0 = unknown; empty: what "
+        "is known of the sensor, as for the next ones",
+        AsFlag("prior_focal_share"));
+  v.Add(aspect_share, "aspect_share", "and of the given fx / fy", AsFlag("prior_aspect_share"));
+  v.Add(center_px, "center_px", "and of the given cx and cy", InUnit("px"),
         AsFlag("prior_center_px"));
   v.Add(inverse_depth_sigma, "inverse_depth_sigma", "and of the given correction of inverse depth",
-        ZeroIs("unknown"), InUnit("1/m"), AsFlag("prior_inverse_depth"));
+        InUnit("1/m"), AsFlag("prior_inverse_depth"));
+  v.Check([this] { Validate(Over({})); });
+}
+
+CalibrationPrior PriorOptions::Over(CalibrationPrior sensor) const {
+  sensor.focal_share = focal_share.value_or(sensor.focal_share);
+  sensor.aspect_share = aspect_share.value_or(sensor.aspect_share);
+  sensor.center_px = center_px.value_or(sensor.center_px);
+  sensor.inverse_depth_sigma = inverse_depth_sigma.value_or(sensor.inverse_depth_sigma);
+  return sensor;
+}
+
+void PriorOptions::Complete(const CalibrationPrior& sensor) {
+  const CalibrationPrior prior = Over(sensor);
+  focal_share = prior.focal_share;
+  aspect_share = prior.aspect_share;
+  center_px = prior.center_px;
+  inverse_depth_sigma = prior.inverse_depth_sigma;
 }
 
 void RefinementOptions::Visit(OptionVisitor& v) {

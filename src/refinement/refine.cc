@@ -176,7 +176,7 @@ RefinementSummary Refine(const RefinementOptions& options, const DepthCalibratio
     return summary;
   }
   summary.before = FitOf(options, *keyframes, from);
-  RefineFrom(from, options, {given, options.prior}, keyframes, &summary, progress);
+  RefineFrom(from, options, {given, options.prior.Over({})}, keyframes, &summary, progress);
   if (!summary.Succeeded()) return summary;
   const CalibrationChange change =
       ChangeOf(summary.calibration, given, summary.calibration_covariance);

@@ -68,6 +68,7 @@ class RefineRun {
   void ReadKeyframes() {
     const auto source = ReadAhead(OpenSequence(options_.sequence), kReadAhead);
     info_ = source->info();
+    options_.refinement.prior.Complete(info_.camera.prior);
     summary_.given.camera = info_.pinhole;
     summary_.given.field = ReadDepthField(options_.sequence, info_.format);
     given_ = InSourceConvention(ReadTumTrajectory(options_.trajectory), info_.mirrored);
@@ -142,7 +143,7 @@ class RefineRun {
     WriteSurfelPly(slam.map(), options_.output + "/map.ply");
   }
 
-  const RefineRunOptions& options_;
+  RefineRunOptions options_;
   const std::function<void(const std::string&)>& progress_;
   SequenceInfo info_;
   Trajectory given_;

@@ -61,6 +61,7 @@ Calibrator::Calibrator(const DepthSensor& sensor, const PreprocessOptions& prepr
       calibration_(given_),
       next_count_(options.first_keyframes) {
   RefinementOptions& refinement = options_.refinement;
+  refinement.prior.Complete(sensor.prior);
   const int cell_px = std::max(1, sensor_.camera.width / refinement.cells_across);
   refinement.correlation_px = std::max(refinement.correlation_px, kSharedCells * cell_px);
 }

@@ -93,6 +93,33 @@ TEST(CameraYaml, ReadsWhatItWrites) {
   EXPECT_LT((read.color_from_depth.Matrix() - camera.color_from_depth.Matrix()).norm(), 1e-15);
 }
 
+std::array<double, 9> Numbers(const CalibrationPrior& prior) {
+  const auto& [focal, aspect, center, depth, latency, color_latency, readout, translation,
+               rotation] = prior;
+  return {focal, aspect, center, depth, latency, color_latency, readout, translation, rotation};
+}
+
+// Also what is written only where it is not the default.
+TEST(CameraYaml, KeepsColorsLatencyAndThePrior) {
+  TempFolder folder;
+  RgbdCamera camera = SomeCamera();
+  camera.color_latency_s = -0.0117;
+  camera.prior = {0.011, 0.0012, 5.3, 0.021, 0.012, 0.023, 0.0034, 0.0056, 0.013};
+  WriteCameraYaml(camera, folder / "camera.yaml");
+  const RgbdCamera read = ReadCameraYaml(folder / "camera.yaml");
+  EXPECT_EQ(read.color_latency_s, camera.color_latency_s);
+  EXPECT_EQ(Numbers(read.prior), Numbers(camera.prior));
+  EXPECT_NE(Numbers(read.prior), Numbers(CalibrationPrior()));
+}
+
+TEST(CameraYaml, TakesTheUsualPriorWhereItTellsNone) {
+  TempFolder folder;
+  WriteCameraYaml(SomeCamera(), folder / "camera.yaml");
+  const RgbdCamera read = ReadCameraYaml(folder / "camera.yaml");
+  EXPECT_EQ(read.color_latency_s, 0);
+  EXPECT_EQ(Numbers(read.prior), Numbers(CalibrationPrior()));
+}
+
 TEST(CameraYaml, KeepsADepthFieldBesideTheCamera) {
   TempFolder folder;
   const InverseDepthField field = {{-0.0067, 0.001, -0.002, 0.003, -0.004, 0.005}};
@@ -146,6 +173,9 @@ TEST(CameraYaml, NamesFileAndKeyOfWhatIsWrong) {
   ExpectErrorAfterReplacing("5000.", "0.", "depth_units_per_metre is 0");
   ExpectErrorAfterReplacing("5000.", "5000.\ninverse_depth_sigma: 0.", "inverse_depth_sigma is 0");
   ExpectErrorAfterReplacing("5000.", "5000.\nlatency_s: 20.", "latency_s is 20, must be from -1");
+  ExpectErrorAfterReplacing("5000.", "5000.\ncolor_latency_s: 2.", "color_latency_s is 2, must");
+  ExpectErrorAfterReplacing("5000.", "5000.\nprior: { focal_share: -1. }", "focal_share is -1");
+  ExpectErrorAfterReplacing("5000.", "5000.\nprior: { focus: 1. }", "'focus' is no known key");
 }
 
 TEST(CameraYaml, NamesAFileThatCannotBeReadOrWritten) {

@@ -42,6 +42,17 @@ TEST(FrameStamps, TakeTheLatencyFromTheCamerasFileUnlessItIsGiven) {
   EXPECT_DOUBLE_EQ(SecondFrame(options).stamp_s, 5.103);
 }
 
+TEST(FrameStamps, OfColorAreEarlierByItsOwnLatencyToo) {
+  const TempFolder folder;
+  WriteTumSequence(folder, 3);
+  SequenceOptions options;
+  options.path = folder.path();
+  options.latency_s = 0.02;
+  options.color_latency_s = 0.007;
+  EXPECT_DOUBLE_EQ(SecondFrame(options).stamp_s, 5.083);
+  EXPECT_DOUBLE_EQ(SecondFrame(options).color_stamp_s, 5.073);
+}
+
 TEST(FrameStamps, OfAFrameThatCannotBeReadAreTheSame) {
   const TempFolder folder;
   WriteTumSequence(folder, 3);

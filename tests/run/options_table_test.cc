@@ -4,6 +4,7 @@
 #include <set>
 
 #include "core/field_count.h"
+#include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/evaluation/map_error.h"
 #include "surfit/evaluation/trajectory_evaluation.h"
@@ -64,8 +65,34 @@ TYPED_TEST(OptionTables, NameEveryFieldOnce) { ExpectAll<TypeParam>(FieldCount<T
 TEST(SequenceTable, NamesEveryField) {
   auto [path, format, camera, intrinsics, distortion, depth_units_per_metre, inverse_depth_sigma,
         color_intrinsics, color_distortion, color_from_depth, frames_per_second, latency_s,
-        readout_s, first, last, stride, prepare] = SequenceOptions();
-  ExpectAll<SequenceOptions>(17);
+        color_latency_s, readout_s, first, last, stride, prepare] = SequenceOptions();
+  ExpectAll<SequenceOptions>(18);
+}
+
+TEST(PriorTable, NamesEveryField) {
+  [[maybe_unused]] auto [focal_share, aspect_share, center_px, inverse_depth_sigma] =
+      PriorOptions();
+  ExpectAll<PriorOptions>(4);
+}
+
+TEST(PriorOptions, TakeFromTheSensorWhatIsNotGiven) {
+  const CalibrationPrior sensor = {0.03, 0.004, 7, 0.05, 0.06};
+  PriorOptions options;
+  options.aspect_share = 0;
+  options.center_px = 2.5;
+  const CalibrationPrior prior = options.Over(sensor);
+  EXPECT_EQ(prior.focal_share, 0.03);
+  EXPECT_EQ(prior.aspect_share, 0);
+  EXPECT_EQ(prior.center_px, 2.5);
+  EXPECT_EQ(prior.inverse_depth_sigma, 0.05);
+  EXPECT_EQ(prior.latency_s, 0.06);
+  options.Complete(sensor);
+  EXPECT_EQ(options.focal_share, 0.03);
+  EXPECT_EQ(options.aspect_share, 0);
+  EXPECT_EQ(options.center_px, 2.5);
+  EXPECT_EQ(options.inverse_depth_sigma, 0.05);
+  options.focal_share = -0.1;
+  EXPECT_THROW(Validate(options), InputError);
 }
 
 TEST(DefaultOptions, AreValid) {

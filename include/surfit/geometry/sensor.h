@@ -25,12 +25,37 @@ struct DepthNoise {
   void Validate(const std::string& what) const;
 };
 
+// What is known of a calibration as a user is given it: standard deviations of its errors, about
+// which it is right; 0 = nothing is known. Factory calibrations and presets of a series are off by
+// about a percent; pixels are square to a thousandth; a structured-light sensor's depth is off by
+// about one step of disparity, which is 1 px / (0.075 m * 580 px) for a Kinect v1 (Khoshelham and
+// Elberink 2012). The defaults are a Kinect v1's; other sensors' stand with CameraPreset().
+struct CalibrationPrior {
+  double focal_share = 0.01;          // of fx and of fy
+  double aspect_share = 0.001;        // of fx / fy
+  double center_px = 5;               // of cx and of cy
+  double inverse_depth_sigma = 0.02;  // 1/m: of each coefficient of InverseDepthField
+  // Of the times of RgbdCamera.
+  double latency_s = 0.01;
+  double color_latency_s = 0.02;
+  double readout_s = 0.003;
+  // Of color_from_depth, or of what a driver registers colour to depth with.
+  double color_translation_m = 0.005;
+  double color_rotation_rad = 0.01;
+
+  void Visit(OptionVisitor& visitor);
+
+  // Throws InputError naming `what`, the field, its value and the constraint.
+  void Validate(const std::string& what) const;
+};
+
 // What the pixels of a depth image are: how they see, and how well. Given once, where a program
 // begins; every stage takes it from there, or from the FrameLevel that it works on.
 struct DepthSensor {
   PinholeCamera camera;  // undistorted
   DepthNoise noise;
   double readout_s = 0;  // of a rolling shutter: RgbdCamera
+  CalibrationPrior prior = {};
 
   // Throws InputError naming the field, its value and the constraint.
   void Validate() const;
@@ -52,10 +77,14 @@ struct RgbdCamera {
   // the end, and transfer and computation add some milliseconds. 0 where stamps are of the moment
   // itself.
   double latency_s = 0;
+  // How much earlier than colour's stamp less latency_s the middle of its exposure and readout
+  // really lies: the colour camera's own delay, beyond depth's.
+  double color_latency_s = 0;
   // From the first row that a rolling shutter reads, at the top, to the last. Kinect v1 and Xtion:
   // 1/30 s, as their sensor (Aptina MT9M001) reads rows all the time between two frames. 0: all
   // rows are of one moment.
   double readout_s = 0;
+  CalibrationPrior prior = {};
 
   // Throws InputError naming `what`, the field, its value and the constraint.
   void Validate(const std::string& what) const;

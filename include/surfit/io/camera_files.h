@@ -25,10 +25,12 @@ std::vector<std::string> CameraPresetNames();
 //   inverse_depth_field: [ c0, c1, c2, c3, c4, c5 ]      1/m: ReadInverseDepthField()
 //   frames_per_second: 30.
 //   latency_s: 0.02                          how long before its stamp a depth frame was measured
+//   color_latency_s: 0.01                    and how much longer a colour frame
 //   readout_s: 0.033                         of a rolling shutter
+//   prior: { focal_share: 0.01, ... }        any fields of CalibrationPrior
 // depth_camera and depth_units_per_metre must stand; distortion is zero, color_from_depth the
-// identity, and inverse_depth_sigma, frames_per_second, latency_s and readout_s the RgbdCamera's
-// defaults where they do not. A key that is none of these is an error, for it is a misspelt one.
+// identity, and the others the RgbdCamera's defaults where they do not. A key that is none of these
+// is an error, for it is a misspelt one.
 // Throws InputError naming the file, the key, the value and the constraint.
 RgbdCamera ReadCameraYaml(const std::string& path);
 
@@ -36,7 +38,8 @@ RgbdCamera ReadCameraYaml(const std::string& path);
 // Throws InputError as ReadCameraYaml() does.
 InverseDepthField ReadInverseDepthField(const std::string& path);
 
-// Writes such a file, without a field that is zero. Throws InputError naming the file if it cannot
+// Writes such a file, without a field or a color_latency_s that is zero and a prior that is the
+// default. Throws InputError naming the file if it cannot
 // be written.
 void WriteCameraYaml(const RgbdCamera& camera, const std::string& path,
                      const InverseDepthField& field = {});

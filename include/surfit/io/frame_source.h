@@ -19,7 +19,7 @@ struct SequenceInfo {
   RgbdCamera camera;
   PinholeCamera pinhole;  // of the frames that Next() returns: undistorted, downsampled, fy > 0
   // What the depth of these frames is.
-  DepthSensor sensor() const { return {pinhole, camera.noise, camera.readout_s}; }
+  DepthSensor sensor() const { return {pinhole, camera.noise, camera.readout_s, camera.prior}; }
   int frame_count = 0;  // how many frames Next() will attempt; -1: as many as will come (watch)
   // The files' image y axis points up (fy < 0). Frames and ground truth are then mirrored by
   // S = diag(1, -1, 1) when read: camera and world, poses become S pose S. Whoever writes poses

@@ -38,6 +38,7 @@ struct SequenceOptions {
   std::optional<Rigid3d> color_from_depth;
   std::optional<double> frames_per_second;  // stamps of files that have none
   std::optional<double> latency_s;          // RgbdCamera; for files with stamps of a clock only
+  std::optional<double> color_latency_s;    // RgbdCamera
   std::optional<double> readout_s;          // RgbdCamera
 
   int first = 0;   // index of the first frame, from 0 over all that the folder lists

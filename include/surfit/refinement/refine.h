@@ -3,10 +3,12 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "surfit/geometry/inverse_depth_field.h"
+#include "surfit/geometry/sensor.h"
 #include "surfit/refinement/keyframes.h"
 #include "surfit/registration/error_model.h"
 
@@ -14,15 +16,15 @@ namespace surfit {
 
 class OptionVisitor;
 
-// What is known of a given calibration: standard deviations of its errors, about which it is right;
-// 0 = nothing is known. Factory calibrations and presets of a series are off by about a percent;
-// pixels are square to a thousandth; a structured-light sensor's depth is off by about one step of
-// disparity, which is 1 px / (0.075 m * 580 px) for a Kinect v1 (Khoshelham and Elberink 2012).
-struct CalibrationPrior {
-  double focal_share = 0.01;          // of fx and of fy
-  double aspect_share = 0.001;        // of fx / fy
-  double center_px = 5;               // of cx and of cy
-  double inverse_depth_sigma = 0.02;  // 1/m: of each coefficient of InverseDepthField
+// What is known of the given calibration, where that is not what the sensor says
+// (RgbdCamera::prior).
+struct PriorOptions {
+  std::optional<double> focal_share, aspect_share, center_px, inverse_depth_sigma;
+
+  // The sensor's prior, but for what is given here.
+  CalibrationPrior Over(CalibrationPrior sensor) const;
+  // Gives what is not given yet, as the sensor has it.
+  void Complete(const CalibrationPrior& sensor);
 
   void Visit(OptionVisitor& visitor);
 };
@@ -34,7 +36,7 @@ struct RefinementOptions {
   bool free_intrinsics = true;    // fx fy cx cy
   bool free_depth_offset = true;  // of inverse depth: c0 of InverseDepthField
   bool free_depth_field = true;   // its other coefficients
-  CalibrationPrior prior;
+  PriorOptions prior;             // what is not given: CalibrationPrior's defaults
 
   // A keyframe's image has so many columns of square cells; it has at most one surfel in each.
   int cells_across = 120;
