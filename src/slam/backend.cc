@@ -31,7 +31,7 @@ double Displacement(const Rigid3d& new_from_old, const Eigen::Vector3d& camera) 
 Backend::Backend(const DepthSensor& sensor, const PreprocessOptions& preprocess,
                  const LoopOptions& loops, const CalibrationOptions& calibration, LoopFinder finder)
     : options_(Validated(loops)) {
-  if (loops.enabled) thread_ = std::make_unique<LoopThread>(loops, std::move(finder));
+  if (loops.enabled) closer_ = std::make_unique<LoopCloser>(loops, std::move(finder));
   if (calibration.enabled) {
     calibrator_ = std::make_unique<Calibrator>(sensor, preprocess, calibration);
   }
@@ -41,18 +41,16 @@ Backend::~Backend() = default;
 
 // Both count their frames; what is found of the camera is applied to a world at rest.
 std::vector<WorldCorrection> Backend::BeginFrame() {
-  const bool are_loops_due =
-      thread_ && thread_->HasTask() && ++frames_since_start_ >= options_.delay_frames;
-  const bool is_calibration_due = calibrator_ && calibrator_->HasTask() &&
-                                  ++frames_since_calibration_ >= calibrator_->DelayFrames();
+  const bool are_loops_due = closer_ && closer_->task().IsDueAfterStep();
+  const bool is_calibration_due = calibrator_ && calibrator_->task().IsDueAfterStep();
   std::vector<WorldCorrection> corrections;
   if (are_loops_due) {
-    counts_.waits += thread_->IsLate();
-    if (auto correction = Apply(thread_->Take())) corrections.push_back(*std::move(correction));
+    counts_.waits += closer_->task().IsAtWork();
+    TakeLoops(&corrections);
     if (!waiting_.empty()) StartTask();
   }
   if (is_calibration_due) {
-    counts_.waits += calibrator_->IsLate();
+    counts_.waits += calibrator_->task().IsAtWork();
     FinishLoops(&corrections);
     TakeCalibration(&corrections);
   }
@@ -97,12 +95,12 @@ void Backend::AddKeyframe(const RgbdFrame& frame, const IcpResult& icp,
   frame_of_keyframe_.push_back(static_cast<int>(frames_.size()) - 1);
   begins_submap_ = false;
   anchor_.reset();
-  if (thread_) {
+  if (closer_) {
     NewKeyframe added = {
         {posed.index, posed.stamp_s, posed.world_from_camera, {}}, {pyramid, frame.color}, {}};
     if (edge) added.edges.push_back(*edge);
     waiting_.push_back(std::move(added));
-    if (!thread_->HasTask()) StartTask();
+    if (!closer_->task().IsUnderWay()) StartTask();
   }
   if (calibrator_) {
     calibrator_->AddKeyframe(frame);
@@ -143,18 +141,15 @@ std::vector<Rigid3d> Backend::KeyframePoses() const {
 }
 
 void Backend::StartTask() {
-  frames_since_start_ = 0;
-  LoopTask task = {std::move(waiting_), KeyframePoses()};
+  closer_->Start({std::move(waiting_), KeyframePoses()});
   waiting_.clear();
-  thread_->Start(std::move(task));
 }
 
 Relocalization Backend::Find(const ColoredView& view) {
-  return thread_->Find(view, KeyframePoses());
+  return closer_->Find(view, KeyframePoses());
 }
 
 void Backend::StartCalibration() {
-  frames_since_calibration_ = 0;
   CalibrationRecord record;
   record.keyframes = frame_of_keyframe_.size();
   record.begun_frame = frames_.back().index;
@@ -164,21 +159,21 @@ void Backend::StartCalibration() {
 
 void Backend::EndCalibration() {
   if (!calibrator_) return;
-  if (calibrator_->HasTask()) calibrations_.pop_back();
+  if (calibrator_->task().IsUnderWay()) calibrations_.pop_back();
   calibrator_->End();
 }
 
 std::vector<WorldCorrection> Backend::Finish() {
   std::vector<WorldCorrection> corrections;
   FinishLoops(&corrections);
-  if (calibrator_ && calibrator_->HasTask()) TakeCalibration(&corrections);
+  if (calibrator_ && calibrator_->task().IsUnderWay()) TakeCalibration(&corrections);
   return corrections;
 }
 
 void Backend::FinishLoops(std::vector<WorldCorrection>* corrections) {
-  while (thread_ && (thread_->HasTask() || !waiting_.empty())) {
-    if (!thread_->HasTask()) StartTask();
-    if (auto correction = Apply(thread_->Take())) corrections->push_back(*std::move(correction));
+  while (closer_ && (closer_->task().IsUnderWay() || !waiting_.empty())) {
+    if (!closer_->task().IsUnderWay()) StartTask();
+    TakeLoops(corrections);
   }
 }
 
@@ -200,13 +195,14 @@ void Backend::TakeCalibration(std::vector<WorldCorrection>* corrections) {
   Recalibration recalibration = {from, to, PosesOfIndices(frames_)};
   WorldCorrection correction = Move(CorrectionsOfKeyframes(after));
   correction.recalibration = std::move(recalibration);
-  if (thread_) thread_->Recalibrate(before, KeyframePoses());
+  if (closer_) closer_->Recalibrate(before, KeyframePoses());
   corrections->push_back(std::move(correction));
 }
 
-std::optional<WorldCorrection> Backend::Apply(const LoopOutcome& outcome) {
+void Backend::TakeLoops(std::vector<WorldCorrection>* corrections) {
+  const LoopOutcome outcome = closer_->task().Take();
   UpdateLoops(outcome);
-  if (!outcome.optimised) return std::nullopt;
+  if (!outcome.optimised) return;
   const std::vector<Rigid3d> of_keyframes = CorrectionsOfKeyframes(outcome.world_from_keyframe);
   double most = 0;
   for (std::size_t k = 0; k < of_keyframes.size(); ++k) {
@@ -214,14 +210,10 @@ std::optional<WorldCorrection> Backend::Apply(const LoopOutcome& outcome) {
         std::max(most, Displacement(of_keyframes[k],
                                     frames_[frame_of_keyframe_[k]].world_from_camera.translation));
   }
-  if (most > options_.min_correction_m) {
-    WorldCorrection correction = Move(of_keyframes);
-    correction.joined = NewlyJoined(outcome);
-    return correction;
-  }
   WorldCorrection correction;
+  if (most > options_.min_correction_m) correction = Move(of_keyframes);
   correction.joined = NewlyJoined(outcome);
-  return correction.joined.empty() ? std::nullopt : std::optional(correction);
+  if (correction.moves || !correction.joined.empty()) corrections->push_back(std::move(correction));
 }
 
 WorldCorrection Backend::Move(const std::vector<Rigid3d>& new_from_old_of_keyframe) {

@@ -1,10 +1,8 @@
 #include "slam/calibrator.h"
 
 #include <algorithm>
-#include <chrono>
 #include <utility>
 
-#include "surfit/core/parallel.h"
 #include "surfit/core/trace.h"
 #include "surfit/refinement/keyframes.h"
 
@@ -17,6 +15,10 @@ constexpr int kStride = 2;
 // So many cells of surfels, in a row and in a column, share one error: what the model leaves out is
 // the same in large parts of an image, and few keyframes see few places.
 constexpr int kSharedCells = 4;
+
+// From the beginning of a task until it takes effect: two cores that track 30 frames a second have
+// done it by then. Keyframes see one another the more often the more there are.
+int DelayFrames(int keyframes) { return keyframes + keyframes * keyframes / 20; }
 
 DepthSensor Subsampled(DepthSensor sensor) {
   sensor.camera = sensor.camera.Subsampled(kStride);
@@ -78,24 +80,19 @@ void Calibrator::AddKeyframe(const RgbdFrame& frame) {
 void Calibrator::StartTask(std::vector<Rigid3d> world_from_keyframe, const Trajectory& trajectory) {
   std::vector<CameraMotion> motions;
   for (const auto& frame : frames_) motions.push_back(MotionAt(trajectory, frame->stamp_s));
-  task_keyframes_ = static_cast<int>(frames_.size());
   next_count_ += next_count_ / 2;
   Frames frames = frames_;
   if (next_count_ > static_cast<std::size_t>(options_.max_keyframes)) {
     next_count_ = 0;  // the task's copy is the last
     frames_.clear();
   }
-  const bool is_beside = ThreadCount() > 1;
-  task_ = std::async(is_beside ? std::launch::async : std::launch::deferred,
-                     [this, is_beside, frames = std::move(frames), motions = std::move(motions),
-                      poses = std::move(world_from_keyframe), start = calibration_]() mutable {
-                       Outcome outcome;
-                       const auto run = [&] {
-                         outcome = Run(frames, motions, std::move(poses), start);
-                       };
-                       is_beside ? RunInSpareTime(run) : run();
-                       return outcome;
-                     });
+  // Before the frames move into the task.
+  const int delay_frames = DelayFrames(static_cast<int>(frames.size()));
+  task_.Start(delay_frames,
+              [this, frames = std::move(frames), motions = std::move(motions),
+               poses = std::move(world_from_keyframe), start = calibration_]() mutable {
+                return Run(frames, motions, std::move(poses), start);
+              });
 }
 
 Calibrator::Outcome Calibrator::Run(const Frames& frames, const std::vector<CameraMotion>& motions,
@@ -119,10 +116,6 @@ Calibrator::Outcome Calibrator::Run(const Frames& frames, const std::vector<Came
   return outcome;
 }
 
-bool Calibrator::IsLate() const {
-  return task_.wait_for(std::chrono::seconds(0)) == std::future_status::timeout;
-}
-
 void Calibrator::End() {
   task_ = {};
   next_count_ = 0;
@@ -130,7 +123,7 @@ void Calibrator::End() {
 }
 
 Calibrator::Outcome Calibrator::Take() {
-  Outcome outcome = task_.get();
+  Outcome outcome = task_.Take();
   calibration_ = outcome.summary.calibration;
   return outcome;
 }

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <future>
 #include <memory>
 #include <vector>
 
+#include "surfit/core/parallel.h"
 #include "surfit/frame/preprocess.h"
 #include "surfit/frame/rgbd_frame.h"
 #include "surfit/frame/rolling_shutter.h"
@@ -13,10 +13,14 @@
 
 namespace surfit {
 
-// Calibrates the depth camera by the keyframes so far, on a thread of its own, one task at a time,
-// in time that tracking leaves; where only one thread may compute, when the outcome is asked for.
+// Calibrates the depth camera by the keyframes so far, beside tracking.
 class Calibrator {
  public:
+  struct Outcome {
+    RefinementSummary summary;
+    std::vector<Rigid3d> world_from_keyframe_before, world_from_keyframe;
+  };
+
   // The sensor as given.
   Calibrator(const DepthSensor& sensor, const PreprocessOptions& preprocess,
              const CalibrationOptions& options);
@@ -29,22 +33,14 @@ class Calibrator {
   void AddKeyframe(const RgbdFrame& frame);
   // There are as many keyframes as a task waits for, and none is under way.
   bool IsTaskDue() const {
-    return !task_.valid() && next_count_ > 0 && frames_.size() >= next_count_;
+    return !task_.IsUnderWay() && next_count_ > 0 && frames_.size() >= next_count_;
   }
   // Begins it with the poses of all keyframes so far; trajectory has all frames, for the motion
   // during their readout.
   void StartTask(std::vector<Rigid3d> world_from_keyframe, const Trajectory& trajectory);
 
-  bool HasTask() const { return task_.valid(); }
-  // From the beginning of the task until it takes effect: two cores that track 30 frames a second
-  // have done it by then. Keyframes see one another the more often the more there are.
-  int DelayFrames() const { return task_keyframes_ + task_keyframes_ * task_keyframes_ / 20; }
-  bool IsLate() const;
-  struct Outcome {
-    RefinementSummary summary;
-    std::vector<Rigid3d> world_from_keyframe_before, world_from_keyframe;
-  };
-  // Waits for it. The calibration is then what it found.
+  SpareTimeTask<Outcome>& task() { return task_; }
+  // Of the task; the calibration is then what it found.
   Outcome Take();
 
   // Gives up the task and begins no other.
@@ -60,10 +56,9 @@ class Calibrator {
   PreprocessOptions preprocess_;
   CalibrationOptions options_;
   DepthCalibration given_, calibration_;
-  Frames frames_;              // keyframes, until no task needs them
-  std::size_t next_count_;     // of keyframes, for the next task; 0 = there is none
-  int task_keyframes_ = 0;     // of the task begun last
-  std::future<Outcome> task_;  // last: it is waited for before the others go
+  Frames frames_;                // keyframes, until no task needs them
+  std::size_t next_count_;       // of keyframes, for the next task; 0 = there is none
+  SpareTimeTask<Outcome> task_;  // last: it is waited for before the others go
 };
 
 }  // namespace surfit

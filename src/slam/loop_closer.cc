@@ -33,6 +33,11 @@ LoopCloser::LoopCloser(const LoopOptions& options, LoopFinder finder)
       finder_(finder ? std::move(finder) : OwnFinder(options.find)),
       index_(options.places) {}
 
+void LoopCloser::Start(LoopTask task) {
+  task_.Start(options_.delay_frames,
+              [this, started = std::move(task)]() mutable { return Run(std::move(started)); });
+}
+
 LoopOutcome LoopCloser::Run(LoopTask task) {
   const TraceSlice slice("close_loops");
   LoopOutcome outcome;
@@ -104,6 +109,7 @@ void LoopCloser::Recalibrate(const std::vector<Rigid3d>& before,
 
 Relocalization LoopCloser::Find(const ColoredView& view,
                                 const std::vector<Rigid3d>& world_from_keyframe) {
+  task_.Wait();
   const TraceSlice slice("relocalize");
   for (std::size_t k = 0; k < keyframes_.size(); ++k) {
     keyframes_[k].world_from_camera = world_from_keyframe[k];

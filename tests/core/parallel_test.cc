@@ -13,6 +13,7 @@
 
 #include "surfit/core/error.h"
 #include "testing/matchers.h"
+#include "testing/threads.h"
 
 namespace surfit::testing {
 namespace {
@@ -43,13 +44,11 @@ TEST(ParallelFor, OfNothingDoesNothing) {
 
 TEST(ParallelSum, IsTheSameBitForBitAtAnyNumberOfThreads) {
   const std::vector<float> numbers = RandomNumbers(100003);
-  std::vector<float> sums;
-  for (const int threads : {1, 2, 4}) {
-    ThreadLimit limit(threads);
-    sums.push_back(ParallelSum(0, 100003, 100, 0.f, [&](int begin, int end) {
+  const auto sums = AtThreads({1, 2, 4}, [&] {
+    return ParallelSum(0, 100003, 100, 0.f, [&](int begin, int end) {
       return std::accumulate(numbers.begin() + begin, numbers.begin() + end, 0.f);
-    }));
-  }
+    });
+  });
   EXPECT_EQ(sums[0], sums[1]);
   EXPECT_EQ(sums[0], sums[2]);
 }
@@ -103,6 +102,49 @@ TEST(RunInSpareTime, ThrowsOn) {
   std::thread([] {
     EXPECT_THROW(RunInSpareTime([] { throw InputError("bad"); }), InputError);
   }).join();
+}
+
+TEST(SpareTimeTask, IsDueAfterItsStepsAtAnyNumberOfThreads) {
+  for (const int threads : {1, 2}) {
+    ThreadLimit limit(threads);
+    SpareTimeTask<int> task;
+    EXPECT_FALSE(task.IsDueAfterStep());
+    task.Start(2, [] { return 7; });
+    EXPECT_TRUE(task.IsUnderWay());
+    EXPECT_FALSE(task.IsDueAfterStep());
+    EXPECT_TRUE(task.IsDueAfterStep());
+    EXPECT_EQ(task.Take(), 7);
+    EXPECT_FALSE(task.IsUnderWay() || task.IsDueAfterStep());
+  }
+}
+
+TEST(SpareTimeTask, RunsBesideItsUserWhereThereAreThreads) {
+  ThreadLimit limit(2);
+  std::promise<void> go_on;
+  SpareTimeTask<std::thread::id> task;
+  task.Start(1, [&] {
+    go_on.get_future().wait();
+    return std::this_thread::get_id();
+  });
+  EXPECT_TRUE(task.IsAtWork());
+  go_on.set_value();
+  task.Wait();
+  EXPECT_FALSE(task.IsAtWork());
+  EXPECT_NE(task.Take(), std::this_thread::get_id());
+}
+
+TEST(SpareTimeTask, RunsWhenAskedForWhereThereIsOneThread) {
+  ThreadLimit limit(1);
+  SpareTimeTask<std::thread::id> task;
+  task.Start(1, [] { return std::this_thread::get_id(); });
+  EXPECT_FALSE(task.IsAtWork());
+  EXPECT_EQ(task.Take(), std::this_thread::get_id());
+}
+
+TEST(SpareTimeTask, ThrowsOn) {
+  SpareTimeTask<int> task;
+  task.Start(1, []() -> int { throw InputError("bad"); });
+  EXPECT_THROW(task.Take(), InputError);
 }
 
 TEST(RunInBackground, RunsOnAnotherThread) {

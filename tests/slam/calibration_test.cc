@@ -1,10 +1,12 @@
 // Calibration of the depth camera while it is tracked, with the exact truth.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "mapping/same_map.h"
 #include "slam/simulated_sequence.h"
-#include "surfit/core/parallel.h"
 #include "surfit/frame/prepare_frame.h"
+#include "testing/threads.h"
 
 namespace surfit::testing {
 namespace {
@@ -116,12 +118,13 @@ TEST(SlamCalibration, EndsWhereAPoseIsGiven) {
 
 TEST(SlamCalibrationThreads, FindTheSameBitForBit) {
   const SimulatedSequence room = WronglyGiven(SmallRoom());
-  std::vector<CalibratedRun> runs;
-  for (const int threads : {1, 2}) {
-    const ThreadLimit limit(threads);
-    runs.push_back(CalibratedRunOf(room));
-  }
+  const auto runs = AtThreads({1, 2}, [&] { return CalibratedRunOf(room); });
   EXPECT_TRUE(runs[0].is_recalibrated);
+  for (const CalibrationRecord& record : runs[0].calibrations) {
+    const int count = static_cast<int>(record.keyframes);
+    const int last_without = record.begun_frame + count + count * count / 20 - 1;
+    EXPECT_EQ(record.frame, std::min(last_without, kCalibratedFrames - 1));
+  }
   EXPECT_EQ(runs[0].found.camera.fx, runs[1].found.camera.fx);
   EXPECT_EQ(runs[0].found.field.coefficients, runs[1].found.field.coefficients);
   ExpectSameMap(runs[0].map, runs[1].map);

@@ -116,7 +116,7 @@ struct LoopRecord {
 };
 
 class Calibrator;
-class LoopThread;
+class LoopCloser;
 struct LoopOutcome;
 struct NewKeyframe;
 
@@ -207,9 +207,9 @@ class Backend {
   std::vector<Rigid3d> KeyframePoses() const;
   void StartTask();
   void StartCalibration();
+  void TakeLoops(std::vector<WorldCorrection>* corrections);
   void FinishLoops(std::vector<WorldCorrection>* corrections);
   void TakeCalibration(std::vector<WorldCorrection>* corrections);
-  std::optional<WorldCorrection> Apply(const LoopOutcome& outcome);
   // Moves all frames by those of keyframes.
   WorldCorrection Move(const std::vector<Rigid3d>& new_from_old_of_keyframe);
   void UpdateLoops(const LoopOutcome& outcome);
@@ -225,10 +225,8 @@ class Backend {
   std::vector<int> submap_of_keyframe_;
   std::optional<Keyframe> last_keyframe_;  // with a view to measure overlap by
   std::vector<NewKeyframe> waiting_;       // for a task
-  std::unique_ptr<LoopThread> thread_;     // null without loops
-  int frames_since_start_ = 0;             // of its task
+  std::unique_ptr<LoopCloser> closer_;     // null without loops
   std::unique_ptr<Calibrator> calibrator_;
-  int frames_since_calibration_ = 0;  // of its task
   std::vector<CalibrationRecord> calibrations_;
   std::optional<int> anchor_;  // keyframe that the next frame is joined to
   bool begins_submap_ = true;
