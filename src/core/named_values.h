@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -45,13 +44,6 @@ T ValueOf(const char* field, const std::string& name, const NamedValue<T> (&choi
     if (name == choice.name) return choice.value;
   }
   throw InputError(Concat(field, " is '", name, "', must be one of: ", Listed(NamesOf(choices))));
-}
-
-// Throws InputError "<field> is '<name>', must be one of: ..." for a name that is none of them.
-inline void RequireName(const char* field, const std::string& name,
-                        const std::vector<std::string>& known) {
-  if (std::find(known.begin(), known.end(), name) != known.end()) return;
-  throw InputError(Concat(field, " is '", name, "', must be one of: ", Listed(known)));
 }
 
 }  // namespace surfit

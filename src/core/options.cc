@@ -1,5 +1,6 @@
 #include "surfit/core/options.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/named_values.h"

@@ -17,10 +17,6 @@ constexpr NamedValue<RobustKernelType> kTypes[] = {
 
 std::vector<std::string> RobustKernelNames() { return NamesOf(kTypes); }
 
-RobustKernelType RobustKernelTypeFromName(const std::string& name) {
-  return ValueOf("kernel", name, kTypes);
-}
-
 std::string ToString(RobustKernelType type) { return NameOf(type, kTypes); }
 
 static std::string OptionToText(const RobustKernelType& type) { return ToString(type); }

@@ -3,7 +3,6 @@
 
 #include "io/folder.h"
 #include "surfit/core/error.h"
-#include "surfit/io/camera_files.h"
 #include "surfit/io/klg_writer.h"
 #include "surfit/io/sequence.h"
 

@@ -13,7 +13,6 @@
 #include "mapping/posed_camera.h"
 #include "mapping/sightings.h"
 #include "mapping/surfel_choice.h"
-#include "surfit/core/error.h"
 #include "surfit/core/lanes.h"
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"

@@ -7,7 +7,6 @@
 
 #include "mapping/band_canvas.h"
 #include "mapping/bands.h"
-#include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 

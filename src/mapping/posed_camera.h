@@ -22,11 +22,6 @@ struct PosedCamera {
         cx(static_cast<float>(camera.cx)),
         cy(static_cast<float>(camera.cy)) {}
 
-  // The point that a pixel sees at a depth.
-  Eigen::Vector3f PointAt(int u, int v, float depth) const {
-    return {depth * ((static_cast<float>(u) - cx) / fx),
-            depth * ((static_cast<float>(v) - cy) / fy), depth};
-  }
   Eigen::Vector3f PointInWorld(const Eigen::Vector3f& point_in_camera) const {
     return world_rotation * point_in_camera + world_translation;
   }

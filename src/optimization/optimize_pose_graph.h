@@ -105,9 +105,6 @@ class LoopWeights {
     return weights;
   }
 
-  // No loop's error is above the truncation from the start: all weights stay 1.
-  bool AllFit() const { return all_fit_; }
-
  private:
   static constexpr double kGrowth = 1.4;
 
@@ -120,7 +117,7 @@ class LoopWeights {
 
   double max_squared_error_;
   double mu_ = 0;
-  bool all_fit_ = false;
+  bool all_fit_ = false;  // no error is above the truncation from the start: all weights stay 1
 };
 
 // Every weight is 0 or 1.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "surfit/core/error.h"
 #include "surfit/core/options.h"
 
 namespace surfit {

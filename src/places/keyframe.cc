@@ -1,12 +1,10 @@
 #include "surfit/places/keyframe.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
 #include "places/orb_features.h"
-#include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/frame/frame_pyramid.h"
 

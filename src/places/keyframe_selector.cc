@@ -1,6 +1,5 @@
 #include <algorithm>
 
-#include "surfit/core/error.h"
 #include "surfit/places/keyframe.h"
 
 namespace surfit {

@@ -10,7 +10,6 @@
 #include <random>
 #include <utility>
 
-#include "surfit/core/error.h"
 #include "surfit/core/options.h"
 
 namespace surfit {

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "geometry/kd_tree.h"
-#include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 #include "surfit/registration/register_clouds.h"

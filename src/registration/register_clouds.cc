@@ -4,7 +4,6 @@
 #include <memory>
 
 #include "registration/icp_level.h"
-#include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/registration/association.h"
 #include "surfit/registration/pose_solver.h"

@@ -3,7 +3,6 @@
 #include "report/page.h"
 #include "report/report_data.h"
 #include "surfit/core/atomic_file.h"
-#include "surfit/core/error.h"
 #include "surfit/core/options.h"
 
 namespace surfit {

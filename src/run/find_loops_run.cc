@@ -6,7 +6,6 @@
 #include "run/output_files.h"
 #include "run/posed_views.h"
 #include "run/result_files.h"
-#include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 #include "surfit/places/place_index.h"

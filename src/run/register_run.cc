@@ -8,7 +8,6 @@
 #include "run/posed_views.h"
 #include "run/result_files.h"
 #include "surfit/core/atomic_file.h"
-#include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 #include "surfit/io/point_cloud.h"

@@ -1,7 +1,5 @@
 #include "slam/correct_frames.h"
 
-#include <utility>
-
 namespace surfit {
 namespace {
 

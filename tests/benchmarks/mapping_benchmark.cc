@@ -13,6 +13,10 @@ const MappedRoom& Room() {
   return *room;
 }
 
+void Threads(benchmark::internal::Benchmark* benchmark) {
+  benchmark->ArgName("threads")->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
+}
+
 void ModelRendererRender(benchmark::State& state) {
   const MappedRoom& room = Room();
   const ThreadLimit limit(static_cast<int>(state.range(0)));
@@ -22,12 +26,7 @@ void ModelRendererRender(benchmark::State& state) {
   }
   state.counters["surfels"] = static_cast<double>(room.map.size());
 }
-BENCHMARK(ModelRendererRender)
-    ->ArgName("threads")
-    ->Arg(1)
-    ->Arg(2)
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime();
+BENCHMARK(ModelRendererRender)->Apply(Threads);
 
 // The same frame into a copy of the map each time; copying is not counted.
 void FusionFuse(benchmark::State& state) {
@@ -42,12 +41,7 @@ void FusionFuse(benchmark::State& state) {
   }
   state.counters["surfels"] = static_cast<double>(room.map.size());
 }
-BENCHMARK(FusionFuse)
-    ->ArgName("threads")
-    ->Arg(1)
-    ->Arg(2)
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime();
+BENCHMARK(FusionFuse)->Apply(Threads);
 
 // The same view and frame where the map goes on elsewhere, to so many millions of surfels: the time
 // must not follow these.

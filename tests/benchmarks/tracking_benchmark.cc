@@ -11,15 +11,7 @@
 namespace surfit::testing {
 namespace {
 
-PinholeCamera FullCamera() {
-  PinholeCamera camera;
-  camera.width = 640;
-  camera.height = 480;
-  camera.fx = camera.fy = 525;
-  camera.cx = 319.5;
-  camera.cy = 239.5;
-  return camera;
-}
+PinholeCamera FullCamera() { return {640, 480, 525, 525, 319.5, 239.5, {}}; }
 
 // Depth of the default room at full resolution.
 const Image<float>& RoomDepth() {
@@ -30,6 +22,10 @@ const Image<float>& RoomDepth() {
   return depth_m;
 }
 
+void Threads(benchmark::internal::Benchmark* benchmark) {
+  benchmark->ArgName("threads")->Arg(1)->Arg(2)->UseRealTime()->Unit(benchmark::kMillisecond);
+}
+
 void Preprocess(benchmark::State& state) {
   const Image<float>& depth_m = RoomDepth();
   const ThreadLimit limit(static_cast<int>(state.range(0)));
@@ -37,12 +33,7 @@ void Preprocess(benchmark::State& state) {
     benchmark::DoNotOptimize(PreprocessDepth(depth_m, {FullCamera(), {}}, PreprocessOptions()));
   }
 }
-BENCHMARK(Preprocess)
-    ->ArgName("threads")
-    ->Arg(1)
-    ->Arg(2)
-    ->UseRealTime()
-    ->Unit(benchmark::kMillisecond);
+BENCHMARK(Preprocess)->Apply(Threads);
 
 Rigid3d Motion() { return {QuaternionExp<double>({0.005, -0.01, 0.002}), {0.01, 0.005, -0.01}}; }
 
@@ -103,10 +94,6 @@ void LinearizeProjective(benchmark::State& state, ResidualType residual) {
   for (auto _ : state) {
     benchmark::DoNotOptimize(Linearize(association, Motion(), residual, ErrorModel().kernel));
   }
-}
-
-void Threads(benchmark::internal::Benchmark* benchmark) {
-  benchmark->ArgName("threads")->Arg(1)->Arg(2)->UseRealTime()->Unit(benchmark::kMillisecond);
 }
 
 BENCHMARK(FindProjectivePairs)->Apply(Threads);

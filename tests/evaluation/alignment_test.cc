@@ -52,12 +52,8 @@ TEST(AlignPoints, IsAMinimumUnderNoise) {
   for (Eigen::Vector3d& point : target) point += RandomVector(0.3, &rng);
   const Rigid3d best = AlignPoints(source, target).target_from_source;
   const double least = SumOfSquares(best, source, target);
-  for (int i = 0; i < 6; ++i) {
-    for (const double step : {-1e-4, 1e-4}) {
-      Rigid3d::Vector6 increment = Rigid3d::Vector6::Zero();
-      increment[i] = step;
-      EXPECT_GT(SumOfSquares(LeftIncrement<double>(increment, best), source, target), least);
-    }
+  for (const auto& increment : EachDirection(1e-4, 1e-4)) {
+    EXPECT_GT(SumOfSquares(LeftIncrement<double>(increment, best), source, target), least);
   }
 }
 

@@ -6,9 +6,9 @@
 #include <limits>
 
 #include "surfit/core/error.h"
-#include "surfit/core/parallel.h"
 #include "testing/matchers.h"
 #include "testing/random_pose.h"
+#include "testing/threads.h"
 
 namespace surfit::testing {
 namespace {
@@ -123,11 +123,8 @@ TEST(MapError, LeavesOutPointsThatAreNotFinite) {
 
 TEST(MapError, IsTheSameAtAnyNumberOfThreads) {
   const Cloud map = RandomPoints(20000, 1, 1), reference = RandomPoints(30000, 1, 2);
-  std::vector<MapError> errors;
-  for (const int threads : {1, 4}) {
-    ThreadLimit limit(threads);
-    errors.push_back(ComputeMapError(map, reference, {}, {0.03}));
-  }
+  const auto errors =
+      AtThreads({1, 4}, [&] { return ComputeMapError(map, reference, {}, {0.03}); });
   EXPECT_EQ(errors[0].accuracy_m.mean, errors[1].accuracy_m.mean);
   EXPECT_EQ(errors[0].accuracy_m.rmse, errors[1].accuracy_m.rmse);
   EXPECT_EQ(errors[0].completeness, errors[1].completeness);

@@ -6,6 +6,7 @@
 
 #include "frame/plane_images.h"
 #include "surfit/frame/preprocess.h"
+#include "testing/pixels.h"
 
 namespace surfit::testing {
 namespace {
@@ -45,12 +46,10 @@ Image<float> RoughDepth(std::uint64_t seed) {
   std::normal_distribution<double> noise(0, DepthNoise().inverse_depth_sigma);
   std::uniform_int_distribution<int> dice(0, 9);
   Image<float> depth_m(61, 43);
-  for (int v = 0; v < depth_m.height(); ++v) {
-    for (int u = 0; u < depth_m.width(); ++u) {
-      const double step = (u + v) % 17 > 11 ? 0.1 : 0;
-      const double inverse = 0.4 + 0.001 * u + step + noise(rng);
-      depth_m(u, v) = dice(rng) == 0 ? 0.f : static_cast<float>(1 / inverse);
-    }
+  for (const auto [u, v] : PixelsOf(depth_m)) {
+    const double step = (u + v) % 17 > 11 ? 0.1 : 0;
+    const double inverse = 0.4 + 0.001 * u + step + noise(rng);
+    depth_m(u, v) = dice(rng) == 0 ? 0.f : static_cast<float>(1 / inverse);
   }
   return depth_m;
 }
@@ -61,13 +60,11 @@ TEST(FilterDepth, AgreesWithItsDefinitionInDoublePrecision) {
     PreprocessOptions options;
     options.filter_radius_px = radius;
     const Image<float> filtered = FilterDepth(depth_m, DepthNoise(), options);
-    for (int v = 0; v < depth_m.height(); ++v) {
-      for (int u = 0; u < depth_m.width(); ++u) {
-        if (depth_m(u, v) == 0) continue;
-        const double expected = 1 / FilteredInverseDepth(depth_m, u, v, options);
-        ASSERT_NEAR(filtered(u, v), expected, kRelativeTolerance * expected)
-            << radius << " px, at " << u << ", " << v;
-      }
+    for (const auto [u, v] : PixelsOf(depth_m)) {
+      if (depth_m(u, v) == 0) continue;
+      const double expected = 1 / FilteredInverseDepth(depth_m, u, v, options);
+      ASSERT_NEAR(filtered(u, v), expected, kRelativeTolerance * expected)
+          << radius << " px, at " << u << ", " << v;
     }
   }
 }
@@ -113,16 +110,15 @@ TEST(FilterDepth, PlanesStayAsTheyAre) {
     const Image<float> depth_m = PlaneDepth(plane, camera);
     const Image<float> filtered = FilterDepth(depth_m, DepthNoise(), options);
     int compared = 0;
-    for (int v = radius; v < camera.height - radius; ++v) {
-      for (int u = radius; u < camera.width - radius; ++u) {
-        bool whole = true;
-        for (const int dv : {-radius, radius}) {
-          for (const int du : {-radius, radius}) whole &= depth_m(u + du, v + dv) > 0;
-        }
-        if (!whole) continue;
-        ++compared;
-        ASSERT_NEAR(filtered(u, v), depth_m(u, v), kRelativeTolerance * depth_m(u, v));
+    for (const auto [u, v] :
+         Pixels(radius, camera.width - radius, radius, camera.height - radius)) {
+      bool whole = true;
+      for (const int dv : {-radius, radius}) {
+        for (const int du : {-radius, radius}) whole &= depth_m(u + du, v + dv) > 0;
       }
+      if (!whole) continue;
+      ++compared;
+      ASSERT_NEAR(filtered(u, v), depth_m(u, v), kRelativeTolerance * depth_m(u, v));
     }
     EXPECT_GT(compared, 2000);
   }
@@ -157,13 +153,11 @@ TEST(FilterDepth, SidesOfAStepDoNotMix) {
   std::mt19937_64 rng(9);
   std::uniform_real_distribution<double> noise(-step / 8, step / 8);
   Image<float> near_side(40, 30, 0.f), far_side(40, 30, 0.f), both(40, 30);
-  for (int v = 0; v < 30; ++v) {
-    for (int u = 0; u < 40; ++u) {
-      const bool is_near = u + v / 3 < 20;
-      const double inverse = 0.5 + (is_near ? step : 0) + noise(rng);
-      both(u, v) = static_cast<float>(1 / inverse);
-      (is_near ? near_side : far_side)(u, v) = both(u, v);
-    }
+  for (const auto [u, v] : PixelsOf(40, 30)) {
+    const bool is_near = u + v / 3 < 20;
+    const double inverse = 0.5 + (is_near ? step : 0) + noise(rng);
+    both(u, v) = static_cast<float>(1 / inverse);
+    (is_near ? near_side : far_side)(u, v) = both(u, v);
   }
   const Image<float> filtered = FilterDepth(both, DepthNoise(), options);
   const Image<float> filtered_near = FilterDepth(near_side, DepthNoise(), options);

@@ -7,6 +7,7 @@
 #include "frame/plane_images.h"
 #include "surfit/frame/preprocess.h"
 #include "testing/matchers.h"
+#include "testing/pixels.h"
 
 namespace surfit::testing {
 namespace {
@@ -20,17 +21,15 @@ TEST(VertexMap, VerticesLieOnTheRaysOfTheirPixels) {
   const VectorImage vertex = VertexMap(depth_m, camera);
   ASSERT_EQ(vertex.width(), camera.width);
   ASSERT_EQ(vertex.height(), camera.height);
-  for (int v = 0; v < camera.height; ++v) {
-    for (int u = 0; u < camera.width; ++u) {
-      const double z = depth_m(u, v);
-      EXPECT_EQ(vertex.z(u, v), depth_m(u, v));
-      // (u - cx) / fx < 1: cx, the difference, 1 / fx and two products are rounded.
-      const Eigen::Vector3d point = vertex(u, v).cast<double>();
-      EXPECT_LT((point - z * camera.Ray(u, v)).norm(), 6 * kFloatRounding * z);
-      // The same in pixels, seen from z.
-      const Eigen::Vector2d pixel = camera.Project(point);
-      EXPECT_LT((pixel - Eigen::Vector2d(u, v)).norm(), 6 * kFloatRounding * camera.fx);
-    }
+  for (const auto [u, v] : PixelsOf(camera)) {
+    const double z = depth_m(u, v);
+    EXPECT_EQ(vertex.z(u, v), depth_m(u, v));
+    // (u - cx) / fx < 1: cx, the difference, 1 / fx and two products are rounded.
+    const Eigen::Vector3d point = vertex(u, v).cast<double>();
+    EXPECT_LT((point - z * camera.Ray(u, v)).norm(), 6 * kFloatRounding * z);
+    // The same in pixels, seen from z.
+    const Eigen::Vector2d pixel = camera.Project(point);
+    EXPECT_LT((pixel - Eigen::Vector2d(u, v)).norm(), 6 * kFloatRounding * camera.fx);
   }
 }
 
@@ -38,9 +37,7 @@ TEST(VertexMap, IsZeroWhereDepthIsMissing) {
   Image<float> depth_m(9, 7, 0.f);
   depth_m(4, 3) = 2.f;
   const VectorImage vertex = VertexMap(depth_m, SmallCamera());
-  for (int v = 0; v < 7; ++v) {
-    for (int u = 0; u < 9; ++u) EXPECT_EQ(vertex(u, v).isZero(0.f), u != 4 || v != 3);
-  }
+  for (const auto [u, v] : PixelsOf(9, 7)) EXPECT_EQ(vertex(u, v).isZero(0.f), u != 4 || v != 3);
 }
 
 VectorImage Normals(const Image<float>& depth_m, const PinholeCamera& camera,
@@ -61,13 +58,11 @@ TEST(NormalMap, IsExactOnPlanes) {
     const Image<float> depth_m = PlaneDepth(plane, camera);
     const VectorImage normal = Normals(depth_m, camera);
     int seen = 0;
-    for (int v = 1; v < camera.height - 1; ++v) {
-      for (int u = 1; u < camera.width - 1; ++u) {
-        if (depth_m(u, v) == 0 || plane.Slant(camera.Ray(u, v)) > 1.3) continue;
-        ++seen;
-        ASSERT_THAT(normal(u, v).cast<double>(), VectorNear(plane.normal, NormalTolerance(camera)))
-            << u << ", " << v;
-      }
+    for (const auto [u, v] : Pixels(1, camera.width - 1, 1, camera.height - 1)) {
+      if (depth_m(u, v) == 0 || plane.Slant(camera.Ray(u, v)) > 1.3) continue;
+      ++seen;
+      ASSERT_THAT(normal(u, v).cast<double>(), VectorNear(plane.normal, NormalTolerance(camera)))
+          << u << ", " << v;
     }
     EXPECT_GT(seen, 1000);
   }
@@ -95,11 +90,9 @@ Image<float> RoughDepth(const PinholeCamera& camera) {
   std::normal_distribution<double> noise(0, 0.001);
   std::uniform_int_distribution<int> dice(0, 60);
   Image<float> depth_m(camera.width, camera.height);
-  for (int v = 0; v < camera.height; ++v) {
-    for (int u = 0; u < camera.width; ++u) {
-      const double inverse = 0.5 + 0.004 * u - 0.002 * v + (u + 2 * v > 130 ? 0.5 : 0) + noise(rng);
-      depth_m(u, v) = dice(rng) == 0 ? 0.f : static_cast<float>(1 / inverse);
-    }
+  for (const auto [u, v] : PixelsOf(camera)) {
+    const double inverse = 0.5 + 0.004 * u - 0.002 * v + (u + 2 * v > 130 ? 0.5 : 0) + noise(rng);
+    depth_m(u, v) = dice(rng) == 0 ? 0.f : static_cast<float>(1 / inverse);
   }
   return depth_m;
 }
@@ -143,26 +136,23 @@ TEST(NormalMap, AgreesWithLinesFittedInDoublePrecision) {
     options.normal_radius_px = radius;
     const VectorImage normal = Normals(depth_m, camera, options);
     std::array<int, 2> seen = {0, 0};  // without, with a normal
-    for (int v = 0; v < camera.height; ++v) {
-      for (int u = 0; u < camera.width; ++u) {
-        bool close = false;
-        const auto slope_u = FittedSlope(depth_m, u, v, 1, 0, camera.fx, options, &close);
-        const auto slope_v = FittedSlope(depth_m, u, v, 0, 1, camera.fy, options, &close);
-        if (close) continue;
-        const bool expected = depth_m(u, v) > 0 && slope_u && slope_v;
-        ++seen[expected];
-        ASSERT_EQ(!normal(u, v).isZero(0.f), expected) << u << ", " << v;
-        if (!expected) continue;
-        // Three points of the fitted plane span it.
-        const double r = 1.0 / depth_m(u, v), h = 1e-3;
-        const Eigen::Vector3d x = camera.Ray(u, v) / r;
-        const Eigen::Vector3d x_u = camera.Ray(u + h, v) / (r + h * *slope_u);
-        const Eigen::Vector3d x_v = camera.Ray(u, v + h) / (r + h * *slope_v);
-        const Eigen::Vector3d across = -(x_u - x).cross(x_v - x).normalized();
-        // Doubles of size 2 differ by 1e-3 / 60 here: 1e-10 is lost.
-        ASSERT_THAT(normal(u, v).cast<double>(),
-                    VectorNear(across, NormalTolerance(camera) + 1e-9));
-      }
+    for (const auto [u, v] : PixelsOf(camera)) {
+      bool close = false;
+      const auto slope_u = FittedSlope(depth_m, u, v, 1, 0, camera.fx, options, &close);
+      const auto slope_v = FittedSlope(depth_m, u, v, 0, 1, camera.fy, options, &close);
+      if (close) continue;
+      const bool expected = depth_m(u, v) > 0 && slope_u && slope_v;
+      ++seen[expected];
+      ASSERT_EQ(!normal(u, v).isZero(0.f), expected) << u << ", " << v;
+      if (!expected) continue;
+      // Three points of the fitted plane span it.
+      const double r = 1.0 / depth_m(u, v), h = 1e-3;
+      const Eigen::Vector3d x = camera.Ray(u, v) / r;
+      const Eigen::Vector3d x_u = camera.Ray(u + h, v) / (r + h * *slope_u);
+      const Eigen::Vector3d x_v = camera.Ray(u, v + h) / (r + h * *slope_v);
+      const Eigen::Vector3d across = -(x_u - x).cross(x_v - x).normalized();
+      // Doubles of size 2 differ by 1e-3 / 60 here: 1e-10 is lost.
+      ASSERT_THAT(normal(u, v).cast<double>(), VectorNear(across, NormalTolerance(camera) + 1e-9));
     }
     EXPECT_GT(seen[0], 500);
     EXPECT_GT(seen[1], 2000);
@@ -173,14 +163,12 @@ TEST(NormalMap, HasUnitNormalsThatFaceTheCameraOrNone) {
   const PinholeCamera camera = SmallCamera();
   const Image<float> depth_m = RoughDepth(camera);
   const VectorImage normal = Normals(depth_m, camera);
-  for (int v = 0; v < camera.height; ++v) {
-    for (int u = 0; u < camera.width; ++u) {
-      const Eigen::Vector3d n = normal(u, v).cast<double>();
-      if (n.isZero(0)) continue;
-      EXPECT_GT(depth_m(u, v), 0);
-      EXPECT_NEAR(n.norm(), 1, 6 * kFloatRounding);
-      EXPECT_LT(n.dot(camera.Ray(u, v)), 0);
-    }
+  for (const auto [u, v] : PixelsOf(camera)) {
+    const Eigen::Vector3d n = normal(u, v).cast<double>();
+    if (n.isZero(0)) continue;
+    EXPECT_GT(depth_m(u, v), 0);
+    EXPECT_NEAR(n.norm(), 1, 6 * kFloatRounding);
+    EXPECT_LT(n.dot(camera.Ray(u, v)), 0);
   }
 }
 
@@ -193,18 +181,15 @@ TEST(NormalMap, DoesNotReachAcrossADepthEdge) {
   far_plane.distance_m = -3;
   Image<float> depth_m = PlaneDepth(near_plane, camera);
   const Image<float> far_depth_m = PlaneDepth(far_plane, camera);
-  for (int v = 0; v < camera.height; ++v) {
-    for (int u = 50; u < camera.width; ++u) depth_m(u, v) = far_depth_m(u, v);
-  }
+  for (const auto [u, v] : Pixels(50, camera.width, 0, camera.height))
+    depth_m(u, v) = far_depth_m(u, v);
   const VectorImage normal = Normals(depth_m, camera);
-  for (int v = 1; v < camera.height - 1; ++v) {
-    for (int u = 1; u < camera.width - 1; ++u) {
-      if (u == 49 || u == 50) {
-        EXPECT_TRUE(normal(u, v).isZero(0.f)) << u << ", " << v;
-      } else {
-        const Eigen::Vector3d expected = (u < 50 ? near_plane : far_plane).normal;
-        EXPECT_THAT(normal(u, v).cast<double>(), VectorNear(expected, NormalTolerance(camera)));
-      }
+  for (const auto [u, v] : Pixels(1, camera.width - 1, 1, camera.height - 1)) {
+    if (u == 49 || u == 50) {
+      EXPECT_TRUE(normal(u, v).isZero(0.f)) << u << ", " << v;
+    } else {
+      const Eigen::Vector3d expected = (u < 50 ? near_plane : far_plane).normal;
+      EXPECT_THAT(normal(u, v).cast<double>(), VectorNear(expected, NormalTolerance(camera)));
     }
   }
 }
@@ -217,20 +202,16 @@ TEST(DropNormalsAtEdges, LeavesThoseThatTheSurfaceItselfShows) {
     surface.camera = camera;
     surface.vertex = VertexMap(RoughDepth(camera), camera);
     surface.normal = VectorImage(camera.width, camera.height);
-    for (int v = 0; v < camera.height; ++v) {
-      for (int u = 0; u < camera.width; ++u) surface.normal.Set(u, v, {0.6f, 0, -0.8f});
-    }
+    for (const auto [u, v] : PixelsOf(camera)) surface.normal.Set(u, v, {0.6f, 0, -0.8f});
     const VectorImage own = NormalMap(surface.vertex, surface.sensor(), {});
     DropNormalsAtEdges({}, &surface);
     std::array<int, 2> seen = {0, 0};
-    for (int v = 0; v < camera.height; ++v) {
-      for (int u = 0; u < camera.width; ++u) {
-        const bool dropped = own(u, v).isZero(0.f);
-        ++seen[dropped];
-        const Eigen::Vector3f expected =
-            dropped ? Eigen::Vector3f(0, 0, 0) : Eigen::Vector3f(0.6f, 0, -0.8f);
-        ASSERT_EQ(surface.normal(u, v), expected) << u << ", " << v;
-      }
+    for (const auto [u, v] : PixelsOf(camera)) {
+      const bool dropped = own(u, v).isZero(0.f);
+      ++seen[dropped];
+      const Eigen::Vector3f expected =
+          dropped ? Eigen::Vector3f(0, 0, 0) : Eigen::Vector3f(0.6f, 0, -0.8f);
+      ASSERT_EQ(surface.normal(u, v), expected) << u << ", " << v;
     }
     EXPECT_GT(seen[0], 50);
     EXPECT_GT(seen[1], 50);
@@ -240,10 +221,7 @@ TEST(DropNormalsAtEdges, LeavesThoseThatTheSurfaceItselfShows) {
 // The slope of 2 K + 1 equally noisy values has the variance sigma^2 / sum k^2 = sigma^2 / 28 for
 // K = 3. On a plane that faces the camera at depth z, n_x = f z r_u to first order.
 TEST(NormalMap, NoiseIsThatOfALeastSquaresSlope) {
-  PinholeCamera camera = SmallCamera();
-  camera.width = camera.height = 400;
-  camera.fx = camera.fy = 60;
-  camera.cx = camera.cy = 199.5;
+  PinholeCamera camera = {400, 400, 60, 60, 199.5, 199.5, {}};
   const PreprocessOptions options;
   const double sigma = 0.05 * DepthNoise().inverse_depth_sigma, z = 1.6;
   std::mt19937_64 rng(11);

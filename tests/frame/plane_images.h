@@ -5,6 +5,7 @@
 
 #include "surfit/core/image.h"
 #include "surfit/geometry/pinhole_camera.h"
+#include "testing/pixels.h"
 
 namespace surfit::testing {
 
@@ -12,16 +13,7 @@ namespace surfit::testing {
 constexpr double kFloatRounding = 1.0 / (1 << 24);
 
 // An odd little camera: 74 x 62 deg, no number is round, no two are equal.
-inline PinholeCamera SmallCamera() {
-  PinholeCamera camera;
-  camera.width = 96;
-  camera.height = 72;
-  camera.fx = 63.7;
-  camera.fy = 60.3;
-  camera.cx = 48.3;
-  camera.cy = 35.1;
-  return camera;
-}
+inline PinholeCamera SmallCamera() { return {96, 72, 63.7, 60.3, 48.3, 35.1, {}}; }
 
 // The length of the ray at depth 1 through the farthest corner of SmallCamera().
 constexpr double kLongestRay = 1.42;
@@ -58,11 +50,9 @@ inline std::vector<Plane> ManyPlanes() {
 // Exact depth of the plane, rounded to float; 0 where it is not in front of the camera.
 inline Image<float> PlaneDepth(const Plane& plane, const PinholeCamera& camera) {
   Image<float> depth_m(camera.width, camera.height);
-  for (int v = 0; v < camera.height; ++v) {
-    for (int u = 0; u < camera.width; ++u) {
-      const double inverse = plane.InverseDepth(camera.Ray(u, v));
-      depth_m(u, v) = inverse > 0.02 ? static_cast<float>(1 / inverse) : 0.f;
-    }
+  for (const auto [u, v] : PixelsOf(camera)) {
+    const double inverse = plane.InverseDepth(camera.Ray(u, v));
+    depth_m(u, v) = inverse > 0.02 ? static_cast<float>(1 / inverse) : 0.f;
   }
   return depth_m;
 }

@@ -4,6 +4,7 @@
 
 #include "frame/lens.h"
 #include "testing/matchers.h"
+#include "testing/pixels.h"
 
 namespace surfit::testing {
 namespace {
@@ -60,22 +61,18 @@ TEST(FramePreparer, FloatsAreMetresAndWhatIsNoDepthIsMissing) {
 TEST(FramePreparer, DownsamplingKeepsEveryNthPixelAndItsRay) {
   Image<std::uint16_t> raw(5, 3);
   Image<Rgb8> color(5, 3);
-  for (int v = 0; v < 3; ++v) {
-    for (int u = 0; u < 5; ++u) {
-      raw(u, v) = static_cast<std::uint16_t>(1000 + 10 * v + u);
-      color(u, v) = {static_cast<std::uint8_t>(u), static_cast<std::uint8_t>(v), 7};
-    }
+  for (const auto [u, v] : PixelsOf(5, 3)) {
+    raw(u, v) = static_cast<std::uint16_t>(1000 + 10 * v + u);
+    color(u, v) = {static_cast<std::uint8_t>(u), static_cast<std::uint8_t>(v), 7};
   }
   const FramePreparer preparer(SmallRgbdCamera(), Options(2));
   const RgbdFrame frame = preparer.Prepare(raw, color);
   ASSERT_EQ(frame.depth_m.width(), 3);
   ASSERT_EQ(frame.depth_m.height(), 2);
-  for (int v = 0; v < 2; ++v) {
-    for (int u = 0; u < 3; ++u) {
-      EXPECT_EQ(frame.depth_m(u, v), raw(2 * u, 2 * v) / 1000.f);
-      EXPECT_EQ(frame.color(u, v), color(2 * u, 2 * v));
-      EXPECT_EQ(preparer.pinhole().Ray(u, v), SmallRgbdCamera().depth.Ray(2 * u, 2 * v));
-    }
+  for (const auto [u, v] : PixelsOf(3, 2)) {
+    EXPECT_EQ(frame.depth_m(u, v), raw(2 * u, 2 * v) / 1000.f);
+    EXPECT_EQ(frame.color(u, v), color(2 * u, 2 * v));
+    EXPECT_EQ(preparer.pinhole().Ray(u, v), SmallRgbdCamera().depth.Ray(2 * u, 2 * v));
   }
 }
 
@@ -90,35 +87,31 @@ TEST(FramePreparer, UndoesLensDistortion) {
   const Lens<double> lens(camera.depth);
   Image<std::uint16_t> raw(640, 480);
   Image<Rgb8> color(640, 480);
-  for (int v = 0; v < 480; ++v) {
-    for (int u = 0; u < 640; ++u) {
-      // The ray that the lens images at (u, v), by fixed-point iteration.
-      Eigen::Vector3d ray = camera.depth.Ray(u, v);
-      for (int i = 0; i < 30; ++i) {
-        const LensPixel<double> pixel = lens.Project(ray);
-        ray.x() += (u - pixel.u) / camera.depth.fx;
-        ray.y() += (v - pixel.v) / camera.depth.fy;
-      }
-      raw(u, v) = static_cast<std::uint16_t>(std::lround(10000 * depth_of_ray(ray)));
-      color(u, v).r = static_cast<std::uint8_t>(std::lround(red_of_ray(ray)));
+  for (const auto [u, v] : PixelsOf(640, 480)) {
+    // The ray that the lens images at (u, v), by fixed-point iteration.
+    Eigen::Vector3d ray = camera.depth.Ray(u, v);
+    for (int i = 0; i < 30; ++i) {
+      const LensPixel<double> pixel = lens.Project(ray);
+      ray.x() += (u - pixel.u) / camera.depth.fx;
+      ray.y() += (v - pixel.v) / camera.depth.fy;
     }
+    raw(u, v) = static_cast<std::uint16_t>(std::lround(10000 * depth_of_ray(ray)));
+    color(u, v).r = static_cast<std::uint8_t>(std::lround(red_of_ray(ray)));
   }
   const FramePreparer preparer(camera, Options(1));
   EXPECT_FALSE(preparer.pinhole().HasDistortion());
   const RgbdFrame frame = preparer.Prepare(raw, color);
   int seen = 0;
-  for (int v = 0; v < 480; ++v) {
-    for (int u = 0; u < 640; ++u) {
-      if (frame.depth_m(u, v) == 0) continue;
-      ++seen;
-      const Eigen::Vector3d ray = preparer.pinhole().Ray(u, v);
-      // The nearest pixel is at most half a pixel off in u and in v; the lens shrinks the picture
-      // by at most 1.4, so the ray is off by 0.5 * 1.4 / 516 in each: 1.5 times that in depth.
-      EXPECT_NEAR(frame.depth_m(u, v), depth_of_ray(ray), 1.5 * 0.5 * 1.4 / 516 + 1e-4);
-      // Two roundings to whole steps, half a step each, and a gradient of 0.2 steps a pixel whose
-      // tap is within 1/512 pixel.
-      EXPECT_NEAR(frame.color(u, v).r, red_of_ray(ray), 1.01);
-    }
+  for (const auto [u, v] : PixelsOf(640, 480)) {
+    if (frame.depth_m(u, v) == 0) continue;
+    ++seen;
+    const Eigen::Vector3d ray = preparer.pinhole().Ray(u, v);
+    // The nearest pixel is at most half a pixel off in u and in v; the lens shrinks the picture
+    // by at most 1.4, so the ray is off by 0.5 * 1.4 / 516 in each: 1.5 times that in depth.
+    EXPECT_NEAR(frame.depth_m(u, v), depth_of_ray(ray), 1.5 * 0.5 * 1.4 / 516 + 1e-4);
+    // Two roundings to whole steps, half a step each, and a gradient of 0.2 steps a pixel whose
+    // tap is within 1/512 pixel.
+    EXPECT_NEAR(frame.color(u, v).r, red_of_ray(ray), 1.01);
   }
   EXPECT_GT(seen, 640 * 480 * 9 / 10);
 }

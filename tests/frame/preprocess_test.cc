@@ -9,9 +9,9 @@
 #include "frame/lens.h"
 #include "frame/plane_images.h"
 #include "surfit/core/options.h"
-#include "surfit/core/parallel.h"
 #include "surfit/geometry/sensor.h"
 #include "testing/matchers.h"
+#include "testing/threads.h"
 
 namespace surfit::testing {
 namespace {
@@ -21,12 +21,7 @@ void ExpectSame(const VectorImage& a, const VectorImage& b) {
 }
 
 PinholeCamera QuarterCamera() {
-  PinholeCamera camera = SmallCamera();
-  camera.width = 320;
-  camera.height = 240;
-  camera.cx = 160.4;
-  camera.cy = 118.7;
-  camera.fx = camera.fy = 260;
+  PinholeCamera camera = {320, 240, 260, 260, 160.4, 118.7, {}};
   return camera;
 }
 
@@ -58,13 +53,11 @@ TEST(PreprocessDepth, IsItsPartsInOrder) {
 TEST(PreprocessDepth, IsTheSameAtAnyNumberOfThreads) {
   const PinholeCamera camera = QuarterCamera();
   const Image<float> depth_m = NoisyDepth(camera);
-  const auto preprocess = [&](int threads) {
-    const ThreadLimit limit(threads);
+  const auto pyramids = AtThreads({1, 2, 4}, [&] {
     return PreprocessDepth(depth_m, {camera, {}}, PreprocessOptions());
-  };
-  const FramePyramid expected = preprocess(1);
-  for (const int threads : {2, 4}) {
-    const FramePyramid pyramid = preprocess(threads);
+  });
+  const FramePyramid& expected = pyramids[0];
+  for (const FramePyramid& pyramid : pyramids) {
     ASSERT_EQ(pyramid.levels.size(), expected.levels.size());
     for (std::size_t i = 0; i < expected.levels.size(); ++i) {
       ExpectSame(pyramid.levels[i].vertex, expected.levels[i].vertex);

@@ -10,6 +10,7 @@
 #include "surfit/frame/frame_pyramid.h"
 #include "surfit/frame/preprocess.h"
 #include "testing/matchers.h"
+#include "testing/pixels.h"
 
 namespace surfit::testing {
 namespace {
@@ -30,9 +31,8 @@ FrameLevel TwoBlocks(const std::array<float, 8>& depth_m) {
   Image<float> image(4, 2);
   std::copy(depth_m.begin(), depth_m.end(), image.begin());
   FrameLevel level = LevelOf(image, camera);
-  for (int v = 0; v < 2; ++v) {
-    for (int u = 0; u < 4; ++u) level.normal.Set(u, v, {0, 0, image(u, v) > 0 ? -1.f : 0.f});
-  }
+  for (const auto [u, v] : PixelsOf(4, 2))
+    level.normal.Set(u, v, {0, 0, image(u, v) > 0 ? -1.f : 0.f});
   return level;
 }
 
@@ -87,13 +87,11 @@ FrameLevel RoughLevel(int width, int height) {
   std::uniform_real_distribution<float> step(0, 0.2f);
   Image<float> depth_m(width, height);
   level.normal = VectorImage(width, height);
-  for (int v = 0; v < height; ++v) {
-    for (int u = 0; u < width; ++u) {
-      const float inverse = 0.6f + 0.002f * noise(rng) + (dice(rng) < 3 ? step(rng) : 0.f);
-      depth_m(u, v) = dice(rng) < 2 ? 0.f : 1.f / inverse;
-      const Eigen::Vector3f n(noise(rng), noise(rng), noise(rng));
-      if (dice(rng) > 0) level.normal.Set(u, v, n.normalized());
-    }
+  for (const auto [u, v] : PixelsOf(width, height)) {
+    const float inverse = 0.6f + 0.002f * noise(rng) + (dice(rng) < 3 ? step(rng) : 0.f);
+    depth_m(u, v) = dice(rng) < 2 ? 0.f : 1.f / inverse;
+    const Eigen::Vector3f n(noise(rng), noise(rng), noise(rng));
+    if (dice(rng) > 0) level.normal.Set(u, v, n.normalized());
   }
   level.vertex = VertexMap(depth_m, level.camera);
   return level;
@@ -138,17 +136,15 @@ TEST(HalfResolution, AgreesWithItsDefinitionInDoublePrecisionAtAnyWidth) {
     const FrameLevel coarse = HalfResolution(fine, options);
     ASSERT_EQ(coarse.vertex.width(), width / 2);
     ASSERT_EQ(coarse.vertex.height(), 11);
-    for (int v = 0; v < 11; ++v) {
-      for (int u = 0; u < width / 2; ++u) {
-        const BlockMean mean = MeanOfBlock(fine, u, v, options);
-        if (mean.close) continue;
-        ASSERT_NEAR(coarse.vertex.z(u, v), mean.depth_m, kMeanTolerance * mean.depth_m);
-        const double norm = mean.normal_sum.norm();
-        const Eigen::Vector3d normal = norm > 0 ? mean.normal_sum / norm : mean.normal_sum;
-        // Three roundings of sums of up to four unit vectors, more where these all but cancel.
-        ASSERT_THAT(coarse.normal(u, v).cast<double>(),
-                    VectorNear(normal, 4 * kMeanTolerance * (1 + 1 / std::max(norm, 1e-3))));
-      }
+    for (const auto [u, v] : PixelsOf(width / 2, 11)) {
+      const BlockMean mean = MeanOfBlock(fine, u, v, options);
+      if (mean.close) continue;
+      ASSERT_NEAR(coarse.vertex.z(u, v), mean.depth_m, kMeanTolerance * mean.depth_m);
+      const double norm = mean.normal_sum.norm();
+      const Eigen::Vector3d normal = norm > 0 ? mean.normal_sum / norm : mean.normal_sum;
+      // Three roundings of sums of up to four unit vectors, more where these all but cancel.
+      ASSERT_THAT(coarse.normal(u, v).cast<double>(),
+                  VectorNear(normal, 4 * kMeanTolerance * (1 + 1 / std::max(norm, 1e-3))));
     }
   }
 }
@@ -156,13 +152,7 @@ TEST(HalfResolution, AgreesWithItsDefinitionInDoublePrecisionAtAnyWidth) {
 // A plane is linear in inverse depth, and the block's mean is the value at its centre, where the
 // binned camera has its pixel: planes stay exact on every level.
 TEST(BuildPyramid, PlanesStayExactOnEveryLevel) {
-  PinholeCamera camera = SmallCamera();
-  camera.width = 336;
-  camera.height = 240;
-  camera.cx = 165.2;
-  camera.cy = 121.9;
-  camera.fx = 240;
-  camera.fy = 235;
+  PinholeCamera camera = {336, 240, 240, 235, 165.2, 121.9, {}};
   const Plane plane = TiltedPlane(0.6, 2.5);
   const FramePyramid pyramid =
       BuildPyramid(LevelOf(PlaneDepth(plane, camera), camera), PreprocessOptions());
@@ -178,17 +168,15 @@ TEST(BuildPyramid, PlanesStayExactOnEveryLevel) {
     EXPECT_NEAR(level.camera.cy, expected.cy, 1e-9);
     ASSERT_EQ(level.vertex.width(), expected.width);
     ASSERT_EQ(level.normal.height(), expected.height);
-    for (int v = 1; v < expected.height - 1; ++v) {
-      for (int u = 1; u < expected.width - 1; ++u) {
-        const Eigen::Vector3d x = level.vertex(u, v).cast<double>();
-        const double z = 1 / plane.InverseDepth(expected.Ray(u, v));
-        // Eight roundings a level.
-        const double tolerance = kMeanTolerance * static_cast<double>(i + 1);
-        ASSERT_THAT(x, VectorNear(z * expected.Ray(u, v), tolerance * x.norm()));
-        // The finest level's normals (normal_map_test.cc), averaged.
-        const double normal_tolerance = 6 * camera.fx * 2 * kFloatRounding * kLongestRay;
-        ASSERT_THAT(level.normal(u, v).cast<double>(), VectorNear(plane.normal, normal_tolerance));
-      }
+    for (const auto [u, v] : Pixels(1, expected.width - 1, 1, expected.height - 1)) {
+      const Eigen::Vector3d x = level.vertex(u, v).cast<double>();
+      const double z = 1 / plane.InverseDepth(expected.Ray(u, v));
+      // Eight roundings a level.
+      const double tolerance = kMeanTolerance * static_cast<double>(i + 1);
+      ASSERT_THAT(x, VectorNear(z * expected.Ray(u, v), tolerance * x.norm()));
+      // The finest level's normals (normal_map_test.cc), averaged.
+      const double normal_tolerance = 6 * camera.fx * 2 * kFloatRounding * kLongestRay;
+      ASSERT_THAT(level.normal(u, v).cast<double>(), VectorNear(plane.normal, normal_tolerance));
     }
   }
 }

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "surfit/core/lanes.h"
+#include "testing/pixels.h"
 
 namespace surfit::testing {
 namespace {
@@ -21,15 +22,12 @@ BilinearTap TapAtPixel(float u, float v, int width, int height) {
 
 TEST(SampleBilinear, IsExactAtPixelCentresAndOnTheBorder) {
   Image<Rgb8> image(4, 3);
-  for (int v = 0; v < 3; ++v) {
-    for (int u = 0; u < 4; ++u) image(u, v) = {static_cast<std::uint8_t>(50 * u + 3 * v), 255, 0};
-  }
-  for (int v = 0; v < 3; ++v) {
-    for (int u = 0; u < 4; ++u) {
-      const float centre_u = static_cast<float>(u), centre_v = static_cast<float>(v);
-      EXPECT_EQ(SampleBilinear(image, TapAtPixel(centre_u, centre_v, 4, 3)), image(u, v))
-          << u << " " << v;
-    }
+  for (const auto [u, v] : PixelsOf(4, 3))
+    image(u, v) = {static_cast<std::uint8_t>(50 * u + 3 * v), 255, 0};
+  for (const auto [u, v] : PixelsOf(4, 3)) {
+    const float centre_u = static_cast<float>(u), centre_v = static_cast<float>(v);
+    EXPECT_EQ(SampleBilinear(image, TapAtPixel(centre_u, centre_v, 4, 3)), image(u, v))
+        << u << " " << v;
   }
   EXPECT_EQ(SampleBilinear(image, TapAtPixel(-0.4f, 2.4f, 4, 3)), image(0, 2));
   EXPECT_EQ(SampleBilinear(image, TapAtPixel(1.5f, 0.5f, 4, 3)).r, 77);  // 76.5 rounded
@@ -77,10 +75,8 @@ constexpr double kColorTolerance = 0.503;
 
 Image<Rgb8> Ramps(const PinholeCamera& camera) {
   Image<Rgb8> ramps(camera.width, camera.height);
-  for (int v = 0; v < camera.height; ++v) {
-    for (int u = 0; u < camera.width; ++u) {
-      ramps(u, v) = {static_cast<std::uint8_t>(u), static_cast<std::uint8_t>(v), 99};
-    }
+  for (const auto [u, v] : PixelsOf(camera)) {
+    ramps(u, v) = {static_cast<std::uint8_t>(u), static_cast<std::uint8_t>(v), 99};
   }
   return ramps;
 }
@@ -100,18 +96,16 @@ Eigen::Vector2d ExpectedPixel(const RgbdCamera& c, int u, int v, double depth) {
 int CheckAgainstExpectedPixels(const RgbdCamera& camera, const Image<float>& depth_m,
                                const Image<Rgb8>& registered) {
   int seen = 0;
-  for (int v = 0; v < depth_m.height(); ++v) {
-    for (int u = 0; u < depth_m.width(); ++u) {
-      const Rgb8 color = registered(u, v);
-      const Eigen::Vector2d pixel = ExpectedPixel(camera, u, v, depth_m(u, v));
-      const bool inside = pixel.x() > 0 && pixel.y() > 0 && pixel.x() < camera.color.width - 1 &&
-                          pixel.y() < camera.color.height - 1;
-      if (!inside) continue;
-      ++seen;
-      EXPECT_EQ(color.b, 99);
-      EXPECT_NEAR(color.r, pixel.x(), kColorTolerance);
-      EXPECT_NEAR(color.g, pixel.y(), kColorTolerance);
-    }
+  for (const auto [u, v] : PixelsOf(depth_m)) {
+    const Rgb8 color = registered(u, v);
+    const Eigen::Vector2d pixel = ExpectedPixel(camera, u, v, depth_m(u, v));
+    const bool inside = pixel.x() > 0 && pixel.y() > 0 && pixel.x() < camera.color.width - 1 &&
+                        pixel.y() < camera.color.height - 1;
+    if (!inside) continue;
+    ++seen;
+    EXPECT_EQ(color.b, 99);
+    EXPECT_NEAR(color.r, pixel.x(), kColorTolerance);
+    EXPECT_NEAR(color.g, pixel.y(), kColorTolerance);
   }
   return seen;
 }

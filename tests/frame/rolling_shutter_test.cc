@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "testing/pixels.h"
+
 namespace surfit {
 namespace {
 
@@ -54,13 +56,11 @@ double Difference(const Image<float>& a, const Image<float>& b) {
   constexpr int kMargin = 8;
   double sum = 0;
   int count = 0;
-  for (int v = kMargin; v < kHeight - kMargin; ++v) {
-    for (int u = kMargin; u < kWidth - kMargin; ++u) {
-      EXPECT_GT(a(u, v), 0) << u << ' ' << v;
-      const double difference = 1. / a(u, v) - 1. / b(u, v);
-      sum += difference * difference;
-      ++count;
-    }
+  for (const auto [u, v] : testing::Pixels(kMargin, kWidth - kMargin, kMargin, kHeight - kMargin)) {
+    EXPECT_GT(a(u, v), 0) << u << ' ' << v;
+    const double difference = 1. / a(u, v) - 1. / b(u, v);
+    sum += difference * difference;
+    ++count;
   }
   return std::sqrt(sum / count);
 }

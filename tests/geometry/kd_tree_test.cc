@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <random>
 
-#include "surfit/core/parallel.h"
 #include "testing/matchers.h"
 #include "testing/random_pose.h"
+#include "testing/threads.h"
 
 namespace surfit::testing {
 namespace {
@@ -137,11 +137,7 @@ TEST(KdTree, TakesDegenerateClouds) {
 
 TEST(KdTree, IsTheSameAtAnyNumberOfThreads) {
   const Points points = RandomPoints(30000, 1, 1);
-  std::vector<std::vector<std::uint32_t>> orders;
-  for (const int threads : {1, 4}) {
-    const ThreadLimit limit(threads);
-    orders.push_back(KdTree(points).order());
-  }
+  const auto orders = AtThreads({1, 4}, [&] { return KdTree(points).order(); });
   EXPECT_EQ(orders[0], orders[1]);
 }
 

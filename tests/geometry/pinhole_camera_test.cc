@@ -7,16 +7,7 @@
 namespace surfit::testing {
 namespace {
 
-PinholeCamera TestCamera() {
-  PinholeCamera camera;
-  camera.width = 641;
-  camera.height = 480;
-  camera.fx = 500;
-  camera.fy = 510;
-  camera.cx = 320.5;
-  camera.cy = 239;
-  return camera;
-}
+PinholeCamera TestCamera() { return {641, 480, 500, 510, 320.5, 239, {}}; }
 
 TEST(PinholeCamera, RayInvertsProject) {
   const PinholeCamera camera = TestCamera();

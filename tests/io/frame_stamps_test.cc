@@ -17,8 +17,7 @@ RgbdFrame SecondFrame(const SequenceOptions& options) {
 TEST(FrameStamps, AreDepthsLessTheLatency) {
   const TempFolder folder;
   WriteTumSequence(folder, 3);
-  SequenceOptions options;
-  options.path = folder.path();
+  SequenceOptions options = Options(folder);
   options.latency_s = 0.02;
   const auto source = OpenSequence(options);
   EXPECT_EQ(source->info().camera.latency_s, 0.02);
@@ -35,8 +34,7 @@ TEST(FrameStamps, TakeTheLatencyFromTheCamerasFileUnlessItIsGiven) {
   RgbdCamera camera = ReadCameraYaml(folder / "camera.yaml");
   camera.latency_s = 0.05;
   WriteCameraYaml(camera, folder / "camera.yaml");
-  SequenceOptions options;
-  options.path = folder.path();
+  SequenceOptions options = Options(folder);
   EXPECT_DOUBLE_EQ(SecondFrame(options).stamp_s, 5.053);
   options.latency_s = 0;
   EXPECT_DOUBLE_EQ(SecondFrame(options).stamp_s, 5.103);
@@ -57,8 +55,7 @@ TEST(FrameStamps, OfAFrameThatCannotBeReadAreTheSame) {
   const TempFolder folder;
   WriteTumSequence(folder, 3);
   std::filesystem::remove(folder / "depth/001.png");
-  SequenceOptions options;
-  options.path = folder.path();
+  SequenceOptions options = Options(folder);
   options.latency_s = 0.02;
   const auto results = ReadAll(OpenSequence(options).get());
   EXPECT_FALSE(results[1].frame);
@@ -74,8 +71,7 @@ TEST(FrameStamps, ThatAreTheFramesNumbersHaveNoLatency) {
     WriteDepth(folder / (stem + ".depth.png"), NumberedDepth(i));
     folder.Write(stem + ".pose.txt", "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
   }
-  SequenceOptions options;
-  options.path = folder.path();
+  SequenceOptions options = Options(folder);
   options.camera = "tum_fr1";
   options.intrinsics = {31, 30, 15.5, 11.5};
   options.depth_units_per_metre = 1000;
@@ -97,8 +93,7 @@ TEST(FrameStamps, OfScanNetsFilesAreDepthsAndThePosesToo) {
   SensEncoder encoder;
   encoder.registered = true;
   encoder.depth_delay_us = 7000;
-  SequenceOptions options;
-  options.path = folder.Write("a.sens", encoder.File(3));
+  const SequenceOptions options = OptionsOf(folder.Write("a.sens", encoder.File(3)));
   const RgbdFrame frame = SecondFrame(options);
   EXPECT_DOUBLE_EQ(frame.stamp_s, 5.107);
   EXPECT_DOUBLE_EQ(frame.color_stamp_s, 5.1);
@@ -109,12 +104,10 @@ TEST(FrameStamps, OfScanNetsFilesAreDepthsAndThePosesToo) {
 TEST(FrameStamps, OfKlgFilesHaveALatencyWhichConvertingTakesOffOnce) {
   const TempFolder folder;
   WriteTumSequence(folder, 3);
-  SequenceOptions options;
-  options.path = folder.path();
+  SequenceOptions options = Options(folder);
   options.latency_s = 0.02;
   WriteKlg(OpenSequence(options).get(), folder / "a.klg", {});
-  SequenceOptions converted;
-  converted.path = folder / "a.klg";
+  SequenceOptions converted = OptionsOf(folder / "a.klg");
   EXPECT_DOUBLE_EQ(SecondFrame(converted).stamp_s, 5.083);
   EXPECT_DOUBLE_EQ(SecondFrame(converted).color_stamp_s, 5.083);
   converted.latency_s = 0.01;

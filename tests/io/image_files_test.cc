@@ -3,6 +3,7 @@
 #include <random>
 
 #include "testing/matchers.h"
+#include "testing/pixels.h"
 #include "testing/sequence_writer.h"
 #include "testing/temp_folder.h"
 
@@ -20,11 +21,9 @@ Image<std::uint16_t> SomeDepth() {
 
 Image<Rgb8> SomeColor() {
   Image<Rgb8> color(37, 23);
-  for (int v = 0; v < 23; ++v) {
-    for (int u = 0; u < 37; ++u) {
-      color(u, v) = {static_cast<std::uint8_t>(200 - u), static_cast<std::uint8_t>(9 * v),
-                     static_cast<std::uint8_t>(3 * u)};
-    }
+  for (const auto [u, v] : PixelsOf(37, 23)) {
+    color(u, v) = {static_cast<std::uint8_t>(200 - u), static_cast<std::uint8_t>(9 * v),
+                   static_cast<std::uint8_t>(3 * u)};
   }
   return color;
 }
@@ -63,11 +62,9 @@ TEST(ReadColorImage, GivesTheSameJpegPixelsAsOpenCv) {
   WriteColor(folder / "color.jpg", SomeColor());
   const Image<Rgb8> read = ReadColorImage(folder / "color.jpg");
   const cv::Mat bgr = cv::imread(folder / "color.jpg");
-  for (int v = 0; v < read.height(); ++v) {
-    for (int u = 0; u < read.width(); ++u) {
-      const auto& p = bgr.at<cv::Vec3b>(v, u);
-      EXPECT_EQ(read(u, v), (Rgb8{p[2], p[1], p[0]}));
-    }
+  for (const auto [u, v] : PixelsOf(read)) {
+    const auto& p = bgr.at<cv::Vec3b>(v, u);
+    EXPECT_EQ(read(u, v), (Rgb8{p[2], p[1], p[0]}));
   }
 }
 

@@ -70,11 +70,9 @@ std::string Mutated(std::string bytes, Random* random) {
 
 // Reads all that can be read; refusing is fine. Returns whether any frame could.
 bool ReadAsFarAsPossible(const std::string& path) {
-  SequenceOptions options;
-  options.path = path;
   bool any = false;
   try {
-    for (const ReadResult& result : ReadAll(OpenSequence(options).get()))
+    for (const ReadResult& result : ReadAll(OpenSequence(OptionsOf(path)).get()))
       any = any || result.frame.has_value();
   } catch (const InputError& error) {
     EXPECT_STRNE(error.what(), "");

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "io/image_sequence.h"
-#include "surfit/io/camera_files.h"
 #include "surfit/io/sequence.h"
 #include "testing/matchers.h"
 #include "testing/sequence_writer.h"

@@ -128,88 +128,78 @@ std::string Vertices(const std::string& format, const std::string& count) {
 constexpr char kB[] = "binary_little_endian 1.0", kA[] = "ascii 1.0";
 const std::string kRow = LittleEndian(1.f, 2.f, 3.f);
 
-INSTANTIATE_TEST_SUITE_P(
-    Header, MalformedPly,
-    ::testing::Values(
-        MalformedFile{"Empty", "", "not a PLY file"},
-        MalformedFile{"Png", "\x89PNG\r\n", "not a PLY file"},
-        MalformedFile{"Plyx", "plyx\n", "not a PLY file"},
-        MalformedFile{"OnlyMagic", "ply\n", "no end_header"},
-        MalformedFile{"NoEnd", "ply\nformat ascii 1.0\nelement vertex 1", "no end_header"},
-        MalformedFile{"NoFormat", "ply\nelement vertex 0\n" + std::string(kXyz) + "end_header\n",
-                      "no format"},
-        MalformedFile{"BigEndian", Vertices("binary_big_endian 1.0", "0"),
-                      ":2: the format must be"},
-        MalformedFile{"Version2", Vertices("ascii 2.0", "0"), ":2: the format must be"},
-        MalformedFile{"NoVertex", Header(kA, ""), "no element 'vertex'"},
-        MalformedFile{"NoX", Header(kA, "element vertex 0\nproperty float y\nproperty float z\n"),
-                      "must have x, y and z"},
-        MalformedFile{"XIsAList",
-                      Header(kA,
-                             "element vertex 0\nproperty list int float x\nproperty float y\n"
-                             "property float z\n"),
-                      "must have x, y and z"},
-        MalformedFile{"NegativeCount", Vertices(kB, "-1"), ":3: the count is '-1'"},
-        MalformedFile{"FractionalCount", Vertices(kB, "1.5"), ":3: the count is '1.5'"},
-        MalformedFile{"OverflowingCount", Vertices(kB, "99999999999999999999"), ":3: the count is"},
-        MalformedFile{"ElementWithoutCount", Header(kA, "element vertex\n"), ":3: 'element'"},
-        MalformedFile{"PropertyFirst", Header(kA, "property float x\n"),
-                      ":3: 'property' is misplaced"},
-        MalformedFile{"UnknownType", Header(kA, "element vertex 1\nproperty real x\n"),
-                      ":4: unknown type 'real'"},
-        MalformedFile{"ShortList", Header(kA, "element vertex 1\nproperty list int x\n"),
-                      ":4: a property must be"},
-        MalformedFile{"UnknownWord", Header(kA, "vertices 3\n"), ":3: 'vertices' is misplaced"}),
-    [](const auto& test) { return test.param.name; });
+const std::vector<MalformedFile> kMalformedPlyHeader = {
+    {"Empty", "", "not a PLY file"},
+    {"Png", "\x89PNG\r\n", "not a PLY file"},
+    {"Plyx", "plyx\n", "not a PLY file"},
+    {"OnlyMagic", "ply\n", "no end_header"},
+    {"NoEnd", "ply\nformat ascii 1.0\nelement vertex 1", "no end_header"},
+    {"NoFormat", "ply\nelement vertex 0\n" + std::string(kXyz) + "end_header\n", "no format"},
+    {"BigEndian", Vertices("binary_big_endian 1.0", "0"), ":2: the format must be"},
+    {"Version2", Vertices("ascii 2.0", "0"), ":2: the format must be"},
+    {"NoVertex", Header(kA, ""), "no element 'vertex'"},
+    {"NoX", Header(kA, "element vertex 0\nproperty float y\nproperty float z\n"),
+     "must have x, y and z"},
+    {"XIsAList",
+     Header(kA,
+            "element vertex 0\nproperty list int float x\nproperty float y\n"
+            "property float z\n"),
+     "must have x, y and z"},
+    {"NegativeCount", Vertices(kB, "-1"), ":3: the count is '-1'"},
+    {"FractionalCount", Vertices(kB, "1.5"), ":3: the count is '1.5'"},
+    {"OverflowingCount", Vertices(kB, "99999999999999999999"), ":3: the count is"},
+    {"ElementWithoutCount", Header(kA, "element vertex\n"), ":3: 'element'"},
+    {"PropertyFirst", Header(kA, "property float x\n"), ":3: 'property' is misplaced"},
+    {"UnknownType", Header(kA, "element vertex 1\nproperty real x\n"), ":4: unknown type 'real'"},
+    {"ShortList", Header(kA, "element vertex 1\nproperty list int x\n"), ":4: a property must be"},
+    {"UnknownWord", Header(kA, "vertices 3\n"), ":3: 'vertices' is misplaced"},
+};
 
-INSTANTIATE_TEST_SUITE_P(
-    Body, MalformedPly,
-    ::testing::Values(
-        MalformedFile{"NoBody", Vertices(kB, "1"),
-                      "element 'vertex': the file is too short for 1 row"},
-        MalformedFile{"Truncated", Vertices(kB, "2") + kRow + kRow.substr(0, 11),
-                      "too short for 2"},
-        // Refused by arithmetic: 2^63 - 1 rows could neither be allocated nor counted in bytes.
-        MalformedFile{"HugeCount", Vertices(kB, "9223372036854775807") + kRow, "too short for"},
-        MalformedFile{"HugeCountAscii", Vertices(kA, "9223372036854775807") + "1 2 3\n",
-                      "too short"},
-        MalformedFile{"HugeOtherElement",
-                      Header(kB,
-                             "element face 9000000000000000000\nproperty list uchar int i\n"
-                             "element vertex 1\n" +
-                                 std::string(kXyz)) +
-                          kRow,
-                      "element 'face': the file is too short"},
-        MalformedFile{"HugeList",
-                      Header(kB, "element face 1\nproperty list uint double i\nelement vertex 1\n" +
-                                     std::string(kXyz)) +
-                          LittleEndian(0xffffffffu) + kRow,
-                      "element 'face': row 0: the file ends too early"},
-        MalformedFile{"NegativeList",
-                      Header(kB, "element face 1\nproperty list int double i\nelement vertex 1\n" +
-                                     std::string(kXyz)) +
-                          LittleEndian(-1) + kRow,
-                      "element 'face': row 0: the length of list 'i' is -1"},
-        MalformedFile{"FractionalList",
-                      Header(kA, "element face 1\nproperty list float int i\nelement vertex 1\n" +
-                                     std::string(kXyz)) +
-                          "1.5 1\n1 2 3\n",
-                      "element 'face': row 0: the length of list 'i' is 1.5"},
-        MalformedFile{"TruncatedAfterList",
-                      Header(kB, "element face 1\nproperty list uchar uchar i\nelement vertex 1\n" +
-                                     std::string(kXyz)) +
-                          LittleEndian(std::uint8_t{5}) + std::string(5, 'x') + kRow.substr(1),
-                      "element 'vertex': the file is too short"},
-        MalformedFile{"AsciiTruncated", Vertices(kA, "2") + "1.25 2.25 3.25\n4 5",
-                      "row 1: a number is missing"},
-        MalformedFile{"AsciiShortRow", Vertices(kA, "2") + "1 2\n3 4 5 6\n", "row 0: a number is"},
-        MalformedFile{"AsciiLongRow", Vertices(kA, "2") + "1 2 3 4\n5 6\n",
-                      "row 0: there are more"},
-        MalformedFile{"AsciiWord", Vertices(kA, "1") + "1 two 3\n",
-                      "row 0: a number is missing or"},
-        MalformedFile{"AsciiSuffix", Vertices(kA, "1") + "1 2m 3\n",
-                      "row 0: a number is missing or"}),
-    [](const auto& test) { return test.param.name; });
+INSTANTIATE_TEST_SUITE_P(Header, MalformedPly, ::testing::ValuesIn(kMalformedPlyHeader),
+                         [](const auto& test) { return test.param.name; });
+
+const std::vector<MalformedFile> kMalformedPlyBody = {
+    {"NoBody", Vertices(kB, "1"), "element 'vertex': the file is too short for 1 row"},
+    {"Truncated", Vertices(kB, "2") + kRow + kRow.substr(0, 11), "too short for 2"},
+    // Refused by arithmetic: 2^63 - 1 rows could neither be allocated nor counted in bytes.
+    {"HugeCount", Vertices(kB, "9223372036854775807") + kRow, "too short for"},
+    {"HugeCountAscii", Vertices(kA, "9223372036854775807") + "1 2 3\n", "too short"},
+    {"HugeOtherElement",
+     Header(kB,
+            "element face 9000000000000000000\nproperty list uchar int i\n"
+            "element vertex 1\n" +
+                std::string(kXyz)) +
+         kRow,
+     "element 'face': the file is too short"},
+    {"HugeList",
+     Header(kB,
+            "element face 1\nproperty list uint double i\nelement vertex 1\n" + std::string(kXyz)) +
+         LittleEndian(0xffffffffu) + kRow,
+     "element 'face': row 0: the file ends too early"},
+    {"NegativeList",
+     Header(kB,
+            "element face 1\nproperty list int double i\nelement vertex 1\n" + std::string(kXyz)) +
+         LittleEndian(-1) + kRow,
+     "element 'face': row 0: the length of list 'i' is -1"},
+    {"FractionalList",
+     Header(kA,
+            "element face 1\nproperty list float int i\nelement vertex 1\n" + std::string(kXyz)) +
+         "1.5 1\n1 2 3\n",
+     "element 'face': row 0: the length of list 'i' is 1.5"},
+    {"TruncatedAfterList",
+     Header(kB,
+            "element face 1\nproperty list uchar uchar i\nelement vertex 1\n" + std::string(kXyz)) +
+         LittleEndian(std::uint8_t{5}) + std::string(5, 'x') + kRow.substr(1),
+     "element 'vertex': the file is too short"},
+    {"AsciiTruncated", Vertices(kA, "2") + "1.25 2.25 3.25\n4 5", "row 1: a number is missing"},
+    {"AsciiShortRow", Vertices(kA, "2") + "1 2\n3 4 5 6\n", "row 0: a number is"},
+    {"AsciiLongRow", Vertices(kA, "2") + "1 2 3 4\n5 6\n", "row 0: there are more"},
+    {"AsciiWord", Vertices(kA, "1") + "1 two 3\n", "row 0: a number is missing or"},
+    {"AsciiSuffix", Vertices(kA, "1") + "1 2m 3\n", "row 0: a number is missing or"},
+};
+
+INSTANTIATE_TEST_SUITE_P(Body, MalformedPly, ::testing::ValuesIn(kMalformedPlyBody),
+                         [](const auto& test) { return test.param.name; });
 
 TEST(Ply, NamesAFileThatCannotBeRead) {
   EXPECT_THAT([] { ReadPly("/no/such.ply"); },

@@ -6,6 +6,7 @@
 
 #include "surfit/io/sequence.h"
 #include "testing/matchers.h"
+#include "testing/pixels.h"
 #include "testing/sequence_writer.h"
 #include "testing/shared_data.h"
 
@@ -151,12 +152,10 @@ TEST(RecordedSequences, KitchenHasItsInvalidCodesRemovedAndItsOwnColorCamera) {
   const cv::Mat bgr = cv::imread(stem + ".color.jpg");
   const RgbdFrame& frame = *results[0].frame;
   int invalid_codes = 0;
-  for (int v = 0; v < 480; ++v) {
-    for (int u = 0; u < 640; ++u) {
-      const int counts = raw.at<std::uint16_t>(v, u);
-      invalid_codes += counts == 65535;
-      EXPECT_EQ(frame.depth_m(u, v), counts == 65535 ? 0.f : counts / 1000.f);
-    }
+  for (const auto [u, v] : PixelsOf(640, 480)) {
+    const int counts = raw.at<std::uint16_t>(v, u);
+    invalid_codes += counts == 65535;
+    EXPECT_EQ(frame.depth_m(u, v), counts == 65535 ? 0.f : counts / 1000.f);
   }
   EXPECT_GT(invalid_codes, 0);
   // Colour pixel = 525/585 (depth pixel - centre) + centre + (-8, 0), ABOUT.md says about 0.90:

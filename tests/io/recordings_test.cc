@@ -2,7 +2,6 @@
 
 #include <limits>
 
-#include "surfit/io/camera_files.h"
 #include "surfit/io/klg_writer.h"
 #include "surfit/io/sequence.h"
 #include "testing/matchers.h"
@@ -102,9 +101,7 @@ class KlgWriterTest : public ::testing::Test {
  protected:
   KlgWriterTest() { WriteTumSequence(folder_, 4); }
   std::unique_ptr<FrameSource> Open(const std::string& path) {
-    SequenceOptions options;
-    options.path = path;
-    return OpenSequence(options);
+    return OpenSequence(OptionsOf(path));
   }
   KlgSummary Write(const KlgOptions& options) {
     return WriteKlg(Open(folder_.path()).get(), folder_ / "a.klg", options);
@@ -159,8 +156,7 @@ TEST_F(KlgWriterTest, CountsWhatItLeavesOut) {
   WriteDepth(folder_ / "depth/001.png", far);
   WriteDepth(folder_ / "depth/003.tiff", Image<float>(32, 24, 65.535f));
   std::filesystem::rename(folder_ / "depth/003.tiff", folder_ / "depth/003.png");
-  SequenceOptions options;
-  options.path = folder_.path();
+  SequenceOptions options = Options(folder_);
   options.prepare.max_depth_m = 100;
   const KlgSummary summary = WriteKlg(OpenSequence(options).get(), folder_ / "a.klg", {});
   EXPECT_EQ(summary.frames_written, 3);

@@ -2,6 +2,7 @@
 
 #include "mapping/brute_force_fusion.h"
 #include "mapping/random_surfel.h"
+#include "testing/pixels.h"
 #include "testing/random_pose.h"
 
 namespace surfit::testing {
@@ -12,14 +13,12 @@ PinholeCamera TinyCamera() { return {20, 15, 100, 100, 9.3, 7.1, {}}; }
 // About 1 m away with holes; normals that need not fit.
 FrameWithSurface RandomFrame(std::mt19937_64* rng) {
   FrameWithSurface f = BlankFrame(TinyCamera(), 12);
-  for (int v = 0; v < f.frame.depth_m.height(); ++v) {
-    for (int u = 0; u < f.frame.depth_m.width(); ++u) {
-      f.frame.color(u, v) = RandomColor(rng);
-      const float chance = Uniform(0, 1, rng);
-      const double depth_m = chance < 0.02f ? 0 : Uniform(0.97f, 1.03f, rng);
-      const Eigen::Vector3d normal = RandomNormal(0.6f, rng).cast<double>();
-      if (depth_m > 0) SetPixel(u, v, depth_m, chance < 0.1f ? normal * 0 : normal, &f);
-    }
+  for (const auto [u, v] : PixelsOf(f.frame.depth_m)) {
+    f.frame.color(u, v) = RandomColor(rng);
+    const float chance = Uniform(0, 1, rng);
+    const double depth_m = chance < 0.02f ? 0 : Uniform(0.97f, 1.03f, rng);
+    const Eigen::Vector3d normal = RandomNormal(0.6f, rng).cast<double>();
+    if (depth_m > 0) SetPixel(u, v, depth_m, chance < 0.1f ? normal * 0 : normal, &f);
   }
   return f;
 }

@@ -9,12 +9,13 @@
 #include "mapping/plane_frame.h"
 #include "mapping/same_map.h"
 #include "surfit/core/options.h"
-#include "surfit/core/parallel.h"
 #include "surfit/frame/preprocess.h"
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
 #include "surfit/simulation/scene.h"
 #include "testing/matchers.h"
+#include "testing/pixels.h"
+#include "testing/threads.h"
 
 namespace surfit::testing {
 namespace {
@@ -121,10 +122,8 @@ TEST(Fusion, NoiseFallsWithTheSquareRootOfTheFrames) {
     std::normal_distribution<double> noise(0, kSigma);
     for (int n = 1; n <= kFrames; ++n) {
       FrameWithSurface f = BlankFrame(camera, n);
-      for (int v = 0; v < camera.height; ++v) {
-        for (int u = 0; u < camera.width; ++u) {
-          SetPixel(u, v, 2 + noise(rng), {0, 0, -1}, &f);
-        }
+      for (const auto [u, v] : PixelsOf(camera)) {
+        SetPixel(u, v, 2 + noise(rng), {0, 0, -1}, &f);
       }
       Fuse(f, {}, &fusion, &map);
       if (n != 1 && n != 4 && n != 16 && n != kFrames) continue;
@@ -151,15 +150,13 @@ TEST(Fusion, NewSurfelsStandForThePointsBesideThem) {
   EXPECT_EQ(report.added + report.covered_points, 40 * 30);
   EXPECT_GE(report.added, 20 * 15);      // even rows and columns
   EXPECT_LE(report.added, 2 * 20 * 15);  // and odd ones, where rounding says so
-  for (int v = 0; v < camera.height; ++v) {
-    for (int u = 0; u < camera.width; ++u) {
-      const Eigen::Vector3f point = (2 * camera.Ray(u, v)).cast<float>();
-      float nearest = 1;
-      for (const std::int32_t id : map.Ids()) {
-        nearest = std::min(nearest, (map[id].position_in_world - point).norm());
-      }
-      EXPECT_LE(nearest, 1.0001f * std::sqrt(2.f) * 0.002f);
+  for (const auto [u, v] : PixelsOf(camera)) {
+    const Eigen::Vector3f point = (2 * camera.Ray(u, v)).cast<float>();
+    float nearest = 1;
+    for (const std::int32_t id : map.Ids()) {
+      nearest = std::min(nearest, (map[id].position_in_world - point).norm());
     }
+    EXPECT_LE(nearest, 1.0001f * std::sqrt(2.f) * 0.002f);
   }
 }
 
@@ -234,16 +231,14 @@ TEST(FusionThreads, MapsAreTheSameBitForBitAtAnyNumberOfThreads) {
     frames.push_back(RenderFrame(scene, camera, path[i].world_from_camera, i));
     pyramids.push_back(PreprocessDepth(frames.back().depth_m, {camera, {}}, {}));
   }
-  std::vector<SurfelMap> maps;
-  for (const int threads : {1, 2, 4}) {
-    const ThreadLimit limit(threads);
+  const auto maps = AtThreads({1, 2, 4}, [&] {
     Fusion fusion({});
     SurfelMap map;
     for (int i = 0; i < 5; ++i) {
       fusion.Fuse(frames[i], pyramids[i].levels[0], path[i].world_from_camera, &map);
     }
-    maps.push_back(map);
-  }
+    return map;
+  });
   // More than a few cells, so that threads share the work.
   EXPECT_GT(maps[0].cell_count(), 10);
   ExpectSameMap(maps[1], maps[0]);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "testing/matchers.h"
+#include "testing/pixels.h"
 
 namespace surfit::testing {
 namespace {
@@ -15,11 +16,9 @@ FrameLevel Surface(const PinholeCamera& camera, const Eigen::Vector3f& normal, f
                      VectorImage(camera.width, camera.height),
                      VectorImage(camera.width, camera.height),
                      {}};
-  for (int v = 0; v < camera.height; ++v) {
-    for (int u = 0; u < camera.width; ++u) {
-      surface.vertex.Set(u, v, (depth_m * camera.Ray(u, v)).cast<float>());
-      surface.normal.Set(u, v, normal);
-    }
+  for (const auto [u, v] : PixelsOf(camera)) {
+    surface.vertex.Set(u, v, (depth_m * camera.Ray(u, v)).cast<float>());
+    surface.normal.Set(u, v, normal);
   }
   return surface;
 }
@@ -126,11 +125,9 @@ TEST(FreeDepths, EndAMarginAndFourSigmasBeforeTheNearestDepthAround) {
   frame.depth_m(2, 2) = 2;
   const Image<float> free_depth_m = FreeDepths(frame.depth_m, {}, {});
   const float near = 2 - 0.05f - 0.032f, far = 3 - 0.05f - 0.072f;
-  for (int v = 0; v < camera.height; ++v) {
-    for (int u = 0; u < camera.width; ++u) {
-      const bool beside = std::abs(u - 2) <= 1 && std::abs(v - 2) <= 1;
-      EXPECT_NEAR(free_depth_m(u, v), beside ? near : far, 3 * kRounding);
-    }
+  for (const auto [u, v] : PixelsOf(camera)) {
+    const bool beside = std::abs(u - 2) <= 1 && std::abs(v - 2) <= 1;
+    EXPECT_NEAR(free_depth_m(u, v), beside ? near : far, 3 * kRounding);
   }
 }
 
@@ -139,10 +136,8 @@ TEST(FreeDepths, BesideAMissingDepthNothingIsFree) {
   RgbdFrame frame = FrameOf(camera, 3);
   frame.depth_m(6, 0) = 0;
   const Image<float> free_depth_m = FreeDepths(frame.depth_m, {}, {});
-  for (int v = 0; v < camera.height; ++v) {
-    for (int u = 0; u < camera.width; ++u) {
-      EXPECT_EQ(free_depth_m(u, v) == 0, u >= 5 && v <= 1);
-    }
+  for (const auto [u, v] : PixelsOf(camera)) {
+    EXPECT_EQ(free_depth_m(u, v) == 0, u >= 5 && v <= 1);
   }
 }
 

@@ -8,9 +8,10 @@
 
 #include "mapping/random_surfel.h"
 #include "surfit/core/options.h"
-#include "surfit/core/parallel.h"
 #include "testing/matchers.h"
+#include "testing/pixels.h"
 #include "testing/random_pose.h"
+#include "testing/threads.h"
 
 namespace surfit::testing {
 namespace {
@@ -24,27 +25,25 @@ TEST(ModelRenderer, WritesTheDiscThatTheIndexNames) {
   const Image<Rgb8> colors = ColorsOf(view, map);
   EXPECT_EQ(view.surface.camera.width, camera.width);
   EXPECT_EQ(view.world_from_view.Matrix(), world_from_view.Matrix());
-  for (int v = 0; v < camera.height; ++v) {
-    for (int u = 0; u < camera.width; ++u) {
-      const std::int32_t i = view.surfel_index(u, v);
-      const Eigen::Vector3d vertex = view.surface.vertex(u, v).cast<double>();
-      const Eigen::Vector3f normal = view.surface.normal(u, v);
-      if (i == ModelView::kNoSurfel) {
-        EXPECT_TRUE(vertex.isZero(0) && normal.isZero(0));
-        EXPECT_EQ(colors(u, v), Rgb8());
-        continue;
-      }
-      EXPECT_EQ(colors(u, v), map.Color(i));
-      EXPECT_NEAR(normal.norm(), 1, 1e-6);
-      EXPECT_LT(normal.dot(view.surface.vertex(u, v)), 0) << "seen from behind";
-      // The vertex is on its pixel's ray, which is linear in it, so this holds to rounding. Against
-      // the plane: positions of up to 5 m in single precision, times a few.
-      EXPECT_THAT(camera.Project(vertex), VectorNear(Eigen::Vector2d(u, v), 1e-4));
-      const Eigen::Vector3d in_world = world_from_view * vertex;
-      const Eigen::Vector3d gap = in_world - map[i].position_in_world.cast<double>();
-      EXPECT_NEAR(map[i].normal_in_world.cast<double>().dot(gap), 0, 1e-5);
-      EXPECT_LE(gap.norm(), RenderOptions().radius_share * map[i].radius_m + 1e-5);
+  for (const auto [u, v] : PixelsOf(camera)) {
+    const std::int32_t i = view.surfel_index(u, v);
+    const Eigen::Vector3d vertex = view.surface.vertex(u, v).cast<double>();
+    const Eigen::Vector3f normal = view.surface.normal(u, v);
+    if (i == ModelView::kNoSurfel) {
+      EXPECT_TRUE(vertex.isZero(0) && normal.isZero(0));
+      EXPECT_EQ(colors(u, v), Rgb8());
+      continue;
     }
+    EXPECT_EQ(colors(u, v), map.Color(i));
+    EXPECT_NEAR(normal.norm(), 1, 1e-6);
+    EXPECT_LT(normal.dot(view.surface.vertex(u, v)), 0) << "seen from behind";
+    // The vertex is on its pixel's ray, which is linear in it, so this holds to rounding. Against
+    // the plane: positions of up to 5 m in single precision, times a few.
+    EXPECT_THAT(camera.Project(vertex), VectorNear(Eigen::Vector2d(u, v), 1e-4));
+    const Eigen::Vector3d in_world = world_from_view * vertex;
+    const Eigen::Vector3d gap = in_world - map[i].position_in_world.cast<double>();
+    EXPECT_NEAR(map[i].normal_in_world.cast<double>().dot(gap), 0, 1e-5);
+    EXPECT_LE(gap.norm(), RenderOptions().radius_share * map[i].radius_m + 1e-5);
   }
 }
 
@@ -86,13 +85,11 @@ TEST(ModelRenderer, ForgetsTheViewBefore) {
 template <typename Change>
 void AppendWall(float depth_m, float confidence, const PinholeCamera& camera, SurfelMap* map,
                 const Change& change) {
-  for (int v = 0; v < camera.height; ++v) {
-    for (int u = 0; u < camera.width; ++u) {
-      Surfel surfel = Disc((depth_m * camera.Ray(u, v)).cast<float>(), {0, 0, -1},
-                           std::sqrt(2.f) * depth_m / 60, confidence);
-      change(&surfel);
-      map->Append(surfel);
-    }
+  for (const auto [u, v] : PixelsOf(camera)) {
+    Surfel surfel = Disc((depth_m * camera.Ray(u, v)).template cast<float>(), {0, 0, -1},
+                         std::sqrt(2.f) * depth_m / 60, confidence);
+    change(&surfel);
+    map->Append(surfel);
   }
 }
 
@@ -167,10 +164,8 @@ TEST(ModelRenderer, AWallMadeFromPixelsHasNoHoles) {
     Rigid3d pose(QuaternionExp<double>({0, 0, 10 * step}),
                  Eigen::Vector3d(step, step / 2, 5 * step));
     const ModelView view = ModelRenderer({}).Render(map, {camera, {}}, pose);
-    for (int v = 12; v < 36; ++v) {
-      for (int u = 16; u < 48; ++u) {
-        EXPECT_NE(view.surfel_index(u, v), ModelView::kNoSurfel) << step << " " << u << " " << v;
-      }
+    for (const auto [u, v] : Pixels(16, 48, 12, 36)) {
+      EXPECT_NE(view.surfel_index(u, v), ModelView::kNoSurfel) << step << " " << u << " " << v;
     }
   }
 }
@@ -189,11 +184,9 @@ TEST(ModelRendererThreads, ViewsAreTheSameBitForBitAtAnyNumberOfThreads) {
   std::mt19937_64 rng(4);
   const Rigid3d pose = RandomPose(2, 2, &rng);
   const SurfelMap map = RandomDiscs(60000, 0.1f, pose, &rng);
-  std::vector<ModelView> views;
-  for (const int threads : {1, 2, 4}) {
-    const ThreadLimit limit(threads);
-    views.push_back(ModelRenderer({}).Render(map, {SmallCamera(), {}}, pose));
-  }
+  const auto views = AtThreads({1, 2, 4}, [&] {
+    return ModelRenderer({}).Render(map, {SmallCamera(), {}}, pose);
+  });
   for (const ModelView& view : views) {
     EXPECT_TRUE(view.surfel_index == views[0].surfel_index);
     EXPECT_TRUE(view.surface.vertex.x == views[0].surface.vertex.x &&

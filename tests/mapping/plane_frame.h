@@ -9,6 +9,7 @@
 #include "surfit/frame/rgbd_frame.h"
 #include "surfit/geometry/rigid3.h"
 #include "surfit/mapping/fusion.h"
+#include "testing/pixels.h"
 
 namespace surfit::testing {
 
@@ -42,10 +43,8 @@ inline FrameWithSurface WallFrame(const PinholeCamera& camera, const Rigid3d& wo
   FrameWithSurface f = BlankFrame(camera, index);
   const Eigen::Vector3d normal = world_from_camera.rotation.conjugate() * Eigen::Vector3d(0, 0, -1);
   const double distance = depth_m - world_from_camera.translation.z();
-  for (int v = 0; v < camera.height; ++v) {
-    for (int u = 0; u < camera.width; ++u) {
-      SetPixel(u, v, -distance / normal.dot(camera.Ray(u, v)), normal, &f);
-    }
+  for (const auto [u, v] : PixelsOf(camera)) {
+    SetPixel(u, v, -distance / normal.dot(camera.Ray(u, v)), normal, &f);
   }
   return f;
 }

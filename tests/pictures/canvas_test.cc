@@ -7,6 +7,7 @@
 #include "pictures/axes.h"
 #include "pictures/map_views.h"
 #include "testing/matchers.h"
+#include "testing/pixels.h"
 
 namespace surfit::testing {
 namespace {
@@ -52,13 +53,11 @@ struct Ink {
 
 Ink InkOf(const Image<Rgb8>& image) {
   Ink ink;
-  for (int v = 0; v < image.height(); ++v) {
-    for (int u = 0; u < image.width(); ++u) {
-      if (image(u, v).r >= 128) continue;
-      ink.left = std::min(ink.left, u), ink.right = std::max(ink.right, u);
-      ink.top = std::min(ink.top, v), ink.bottom = std::max(ink.bottom, v);
-      ++ink.count;
-    }
+  for (const auto [u, v] : PixelsOf(image)) {
+    if (image(u, v).r >= 128) continue;
+    ink.left = std::min(ink.left, u), ink.right = std::max(ink.right, u);
+    ink.top = std::min(ink.top, v), ink.bottom = std::max(ink.bottom, v);
+    ++ink.count;
   }
   return ink;
 }

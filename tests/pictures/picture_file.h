@@ -8,6 +8,7 @@
 #include <string>
 
 #include "surfit/core/image.h"
+#include "testing/pixels.h"
 
 namespace surfit::testing {
 
@@ -16,11 +17,9 @@ inline Image<Rgb8> ReadPicture(const std::string& path) {
   const cv::Mat bgr = cv::imread(path, cv::IMREAD_COLOR);
   if (bgr.empty()) ADD_FAILURE() << path << " is no picture";
   Image<Rgb8> image(bgr.cols, bgr.rows);
-  for (int v = 0; v < bgr.rows; ++v) {
-    for (int u = 0; u < bgr.cols; ++u) {
-      const auto& pixel = bgr.at<cv::Vec3b>(v, u);
-      image(u, v) = {pixel[2], pixel[1], pixel[0]};
-    }
+  for (const auto [u, v] : PixelsOf(bgr.cols, bgr.rows)) {
+    const auto& pixel = bgr.at<cv::Vec3b>(v, u);
+    image(u, v) = {pixel[2], pixel[1], pixel[0]};
   }
   return image;
 }

@@ -3,9 +3,10 @@
 #include <gmock/gmock.h>
 
 #include "pictures/picture_file.h"
-#include "surfit/core/parallel.h"
 #include "testing/matchers.h"
+#include "testing/pixels.h"
 #include "testing/temp_folder.h"
+#include "testing/threads.h"
 
 namespace surfit::testing {
 namespace {
@@ -89,16 +90,14 @@ TEST(DustConfidence, IsThreeOrATenthOfWhatTheMapHas) {
 
 TEST(WriteMapPictures, IsTheSameAtAnyNumberOfThreads) {
   const TempFolder folder;
-  std::vector<std::string> bytes;
-  for (const int threads : {1, 3}) {
-    ThreadLimit limit(threads);
+  const auto bytes = AtThreads({1, 3}, [&] {
     WriteMapPictures(Wall(), Trajectory(2), folder.path());
     std::string all;
     for (const char* name : kNames) {
       all += ReadBytes(folder / ("map_" + std::string(name) + ".png"));
     }
-    bytes.push_back(all);
-  }
+    return all;
+  });
   EXPECT_TRUE(bytes[0] == bytes[1]);
 }
 
@@ -166,9 +165,8 @@ TEST(WriteTwoCloudPicture, CloudsThatCoincideMingle) {
   WriteTwoCloudPicture(source, target, folder / "p.png");
   const Image<Rgb8> picture = ReadPicture(folder / "p.png");
   int blue = 0, orange = 0;
-  for (int v = 326; v < 426; ++v) {
-    for (int u = 350; u < 450; ++u) ++(picture(u, v).b > picture(u, v).r ? blue : orange);
-  }
+  for (const auto [u, v] : Pixels(350, 450, 326, 426))
+    ++(picture(u, v).b > picture(u, v).r ? blue : orange);
   EXPECT_GT(blue, 1000);  // of 10000, half and half but for mixed pixels
   EXPECT_GT(orange, 1000);
 }

@@ -5,8 +5,9 @@
 #include <cmath>
 #include <random>
 
-#include "surfit/core/parallel.h"
 #include "testing/matchers.h"
+#include "testing/pixels.h"
+#include "testing/threads.h"
 
 namespace surfit::testing {
 namespace {
@@ -44,11 +45,9 @@ TEST(RenderSurfels, DiscThatFacesTheCameraFillsACircle) {
   // two squares, so none is nearer to 20.05^2 = 402.0025 than 1.
   map.Append(MakeSurfel({0, 0, 2}, kTowardsCamera, 0.401f));
   const Image<std::int32_t> seen = Render(map);
-  for (int v = 0; v < 101; ++v) {
-    for (int u = 0; u < 101; ++u) {
-      const int distance2 = (u - 50) * (u - 50) + (v - 50) * (v - 50);
-      EXPECT_EQ(seen(u, v), distance2 <= 402 ? 0 : kNothing) << u << ", " << v;
-    }
+  for (const auto [u, v] : PixelsOf(101, 101)) {
+    const int distance2 = (u - 50) * (u - 50) + (v - 50) * (v - 50);
+    EXPECT_EQ(seen(u, v), distance2 <= 402 ? 0 : kNothing) << u << ", " << v;
   }
 }
 
@@ -67,17 +66,15 @@ TEST(RenderSurfels, TiltedDiscsCoverThePixelsWhoseRaysMeetThem) {
     const Image<std::int32_t> seen = Render(map);
     const Eigen::Vector3d c = position.cast<double>(), n = normal.cast<double>();
     const Eigen::Vector2d center = TestView().camera.Project(c);
-    for (int v = 0; v < 101; ++v) {
-      for (int u = 0; u < 101; ++u) {
-        if ((Eigen::Vector2d(u, v) - center).cwiseAbs().maxCoeff() < 0.6) continue;
-        const Eigen::Vector3d ray = TestView().camera.Ray(u, v);
-        const double distance = (n.dot(c) / n.dot(ray) * ray - c).norm();
-        const bool in_front = n.dot(ray) < 0;
-        // Numbers of a few metres in single precision, times at most about 10 for the slant.
-        if (std::abs(distance - radius) < 1e-4) continue;
-        covered += in_front && distance < radius;
-        EXPECT_EQ(seen(u, v), in_front && distance < radius ? 0 : kNothing) << u << ", " << v;
-      }
+    for (const auto [u, v] : PixelsOf(101, 101)) {
+      if ((Eigen::Vector2d(u, v) - center).cwiseAbs().maxCoeff() < 0.6) continue;
+      const Eigen::Vector3d ray = TestView().camera.Ray(u, v);
+      const double distance = (n.dot(c) / n.dot(ray) * ray - c).norm();
+      const bool in_front = n.dot(ray) < 0;
+      // Numbers of a few metres in single precision, times at most about 10 for the slant.
+      if (std::abs(distance - radius) < 1e-4) continue;
+      covered += in_front && distance < radius;
+      EXPECT_EQ(seen(u, v), in_front && distance < radius ? 0 : kNothing) << u << ", " << v;
     }
   }
   EXPECT_GT(covered, 1000);
@@ -151,11 +148,7 @@ TEST(RenderSurfels, IsTheSameAtAnyNumberOfThreads) {
     const Eigen::Vector3f position(uniform(rng), uniform(rng), 2 + 0.1f * uniform(rng));
     map.Append(MakeSurfel(position, {uniform(rng), uniform(rng), -1}, 0.02f));
   }
-  std::vector<Image<std::int32_t>> images;
-  for (const int threads : {1, 2, 4}) {
-    ThreadLimit limit(threads);
-    images.push_back(Render(map));
-  }
+  const auto images = AtThreads({1, 2, 4}, [&] { return Render(map); });
   EXPECT_EQ(images[0], images[1]);
   EXPECT_EQ(images[0], images[2]);
 }
@@ -163,12 +156,10 @@ TEST(RenderSurfels, IsTheSameAtAnyNumberOfThreads) {
 TEST(RenderPoints, PointCoversASquareAndTheNearerWins) {
   const std::vector<Eigen::Vector3f> points = {{0, 0, 1}, {0.02f, 0, 2}};  // at 50, 51
   const Image<std::int32_t> seen = RenderPoints(points, 3, TestView());
-  for (int v = 0; v < 101; ++v) {
-    for (int u = 0; u < 101; ++u) {
-      const bool row = std::abs(v - 50) <= 1;
-      const int expected = row && std::abs(u - 50) <= 1 ? 0 : row && u == 52 ? 1 : kNothing;
-      EXPECT_EQ(seen(u, v), expected) << u << ", " << v;
-    }
+  for (const auto [u, v] : PixelsOf(101, 101)) {
+    const bool row = std::abs(v - 50) <= 1;
+    const int expected = row && std::abs(u - 50) <= 1 ? 0 : row && u == 52 ? 1 : kNothing;
+    EXPECT_EQ(seen(u, v), expected) << u << ", " << v;
   }
 }
 

@@ -5,6 +5,7 @@
 #include "pictures/picture_file.h"
 #include "surfit/pictures/pictures.h"
 #include "testing/matchers.h"
+#include "testing/pixels.h"
 #include "testing/temp_folder.h"
 
 namespace surfit::testing {
@@ -31,12 +32,10 @@ struct Extent {
 // Of the pixels of that colour in the left view, whose box is (90, 110) to (790, 820).
 Extent FindExtent(const Image<Rgb8>& picture, Rgb8 color) {
   Extent extent;
-  for (int v = 110; v < 820; ++v) {
-    for (int u = 90; u < 790; ++u) {
-      if (picture(u, v) != color) continue;
-      extent.left = std::min(extent.left, u), extent.right = std::max(extent.right, u);
-      extent.top = std::min(extent.top, v), extent.bottom = std::max(extent.bottom, v);
-    }
+  for (const auto [u, v] : Pixels(90, 790, 110, 820)) {
+    if (picture(u, v) != color) continue;
+    extent.left = std::min(extent.left, u), extent.right = std::max(extent.right, u);
+    extent.top = std::min(extent.top, v), extent.bottom = std::max(extent.bottom, v);
   }
   return extent;
 }

@@ -124,15 +124,11 @@ TEST(Relocalize, FindsNothingInAnotherRoom) {
 }
 
 TEST(FindLoopsOptions, RefuseWhatMakesNoSense) {
-  FindLoopsOptions options;
-  options.min_gap = 0;
-  ExpectInputError([&] { Validate(options); }, HasSubstr("min_gap is 0, must be at least 1"));
-  options = {};
-  options.max_near_m = -1;
-  ExpectInputError([&] { Validate(options); }, HasSubstr("max_near_m is -1"));
-  RelocalizeOptions relocalize;
-  relocalize.max_candidates = 0;
-  ExpectInputError([&] { Validate(relocalize); }, HasSubstr("max_candidates is 0"));
+  const auto expect_refused = ExpectOptionsRefused<FindLoopsOptions>;
+  expect_refused([](auto& o) { o.min_gap = 0; }, "min_gap is 0, must be at least 1");
+  expect_refused([](auto& o) { o.max_near_m = -1; }, "max_near_m is -1");
+  ExpectOptionsRefused<RelocalizeOptions>([](auto& o) { o.max_candidates = 0; },
+                                          "max_candidates is 0");
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "surfit/core/options.h"
 #include "surfit/frame/frame_pyramid.h"
 #include "testing/matchers.h"
+#include "testing/pixels.h"
 
 namespace surfit::testing {
 
@@ -18,9 +19,7 @@ struct Wall {
   Image<Rgb8> color = Image<Rgb8>(320, 240, Rgb8{100, 100, 100});
 
   Wall() {
-    for (int v = 0; v < 120; ++v) {
-      for (int u = 0; u < 160; ++u) color(u, v) = Rgb8();
-    }
+    for (const auto [u, v] : PixelsOf(160, 120)) color(u, v) = Rgb8();
   }
 };
 
@@ -97,12 +96,9 @@ TEST(MakePlaceView, LiftsFeaturesOntoTheSurface) {
 }
 
 TEST(PlaceViewOptions, RefuseWhatMakesNoSense) {
-  PlaceViewOptions options;
-  options.max_width = 79;
-  ExpectInputError([&] { Validate(options); }, HasSubstr("max_width is 79"));
-  options = {};
-  options.max_features = 47;
-  ExpectInputError([&] { Validate(options); }, HasSubstr("max_features is 47"));
+  const auto expect_refused = ExpectOptionsRefused<PlaceViewOptions>;
+  expect_refused([](auto& o) { o.max_width = 79; }, "max_width is 79");
+  expect_refused([](auto& o) { o.max_features = 47; }, "max_features is 47");
 }
 
 FrameLevel WallAt(float depth_m) {
@@ -162,11 +158,7 @@ TEST(OverlapShare, CountsWhatIsInTheImageAndNotHidden) {
 }
 
 TEST(KeyframeOptions, RefuseWhatMakesNoSense) {
-  const auto expect_refused = [](auto change, const char* message) {
-    KeyframeOptions options;
-    change(options);
-    ExpectInputError([&] { Validate(options); }, HasSubstr(message));
-  };
+  const auto expect_refused = ExpectOptionsRefused<KeyframeOptions>;
   Validate(KeyframeOptions());
   expect_refused([](auto& o) { o.max_distance_m = 0; }, "max_distance_m is 0, must be positive");
   expect_refused([](auto& o) { o.max_angle_rad = -1; }, "max_angle_rad is -1, must be positive");

@@ -113,11 +113,7 @@ TEST(PlaceIndex, FindsPlacesOfARoom) {
 }
 
 TEST(PlaceIndexOptions, RefuseWhatMakesNoSense) {
-  const auto expect_refused = [](auto change, const char* message) {
-    PlaceIndexOptions options;
-    change(options);
-    ExpectInputError([&] { Validate(options); }, HasSubstr(message));
-  };
+  const auto expect_refused = ExpectOptionsRefused<PlaceIndexOptions>;
   Validate(PlaceIndexOptions());
   expect_refused([](auto& o) { o.tables = 0; }, "tables is 0, must be from 1 to 64");
   expect_refused([](auto& o) { o.bits = 21; }, "bits is 21, must be from 1 to 20");

@@ -2,9 +2,10 @@
 
 #include "places/simulated_places.h"
 #include "surfit/core/options.h"
-#include "surfit/core/parallel.h"
 #include "surfit/places/find_loops.h"
 #include "testing/matchers.h"
+#include "testing/pixels.h"
+#include "testing/threads.h"
 
 namespace surfit::testing {
 namespace {
@@ -123,15 +124,13 @@ PlaceView StripedWall(double shift_m) {
   constexpr double kDepthM = 2, kPeriodM = 0.1;
   Image<float> depth_m(320, 240, static_cast<float>(kDepthM));
   Image<Rgb8> color(320, 240);
-  for (int v = 0; v < 240; ++v) {
-    for (int u = 0; u < 320; ++u) {
-      // A step in depth across the stripes' direction holds all but the way along.
-      if (v > 160) depth_m(u, v) = 1.6f;
-      const double x_m = PlaceCamera().Ray(u, v).x() * depth_m(u, v) + shift_m;
-      const double wave = std::sin(2 * M_PI * x_m / kPeriodM);
-      const auto grey = static_cast<std::uint8_t>(128 + std::lround(80 * wave));
-      color(u, v) = {grey, grey, grey};
-    }
+  for (const auto [u, v] : PixelsOf(320, 240)) {
+    // A step in depth across the stripes' direction holds all but the way along.
+    if (v > 160) depth_m(u, v) = 1.6f;
+    const double x_m = PlaceCamera().Ray(u, v).x() * depth_m(u, v) + shift_m;
+    const double wave = std::sin(2 * M_PI * x_m / kPeriodM);
+    const auto grey = static_cast<std::uint8_t>(128 + std::lround(80 * wave));
+    color(u, v) = {grey, grey, grey};
   }
   return MakePlaceView(PreprocessDepth(depth_m, {PlaceCamera(), {}}, PreprocessOptions()), color,
                        PlaceViewOptions());
@@ -146,11 +145,8 @@ TEST(VerifyLoop, RefusesWhatRepeats) {
 TEST(VerifyLoop, IsTheSameAtAnyNumberOfThreads) {
   const RoomOfKeyframes& room = MakeRoomOfKeyframes(2);
   const PlaceView view = SeeNearby(room, 3, NearbyPose()).view;
-  std::vector<FarVerdict> verdicts;
-  for (const int threads : {1, 2, 4}) {
-    const ThreadLimit limit(threads);
-    verdicts.push_back(VerifyLoop(view, room.keyframes[3].view, kOptions));
-  }
+  const auto verdicts =
+      AtThreads({1, 2, 4}, [&] { return VerifyLoop(view, room.keyframes[3].view, kOptions); });
   ASSERT_TRUE(verdicts[0].accepted());
   for (const FarVerdict& verdict : verdicts) {
     EXPECT_EQ(verdict.target_from_source.Matrix(), verdicts[0].target_from_source.Matrix());
@@ -160,11 +156,7 @@ TEST(VerifyLoop, IsTheSameAtAnyNumberOfThreads) {
 }
 
 TEST(VerifyLoopOptions, RefuseWhatMakesNoSense) {
-  const auto expect_refused = [](auto change, const char* message) {
-    VerifyLoopOptions options;
-    change(options);
-    ExpectInputError([&] { Validate(options); }, HasSubstr(message));
-  };
+  const auto expect_refused = ExpectOptionsRefused<VerifyLoopOptions>;
   Validate(VerifyLoopOptions());
   expect_refused([](auto& o) { o.min_agreeing_features = 3; }, "min_agreeing_features is 3");
   expect_refused([](auto& o) { o.fit.min_inlier_share = 2; }, "min_inlier_share is 2");

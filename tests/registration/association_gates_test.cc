@@ -9,6 +9,7 @@
 #include "surfit/simulation/render.h"
 #include "surfit/simulation/scene.h"
 #include "testing/matchers.h"
+#include "testing/pixels.h"
 
 namespace surfit::testing {
 
@@ -26,9 +27,7 @@ class AssociationTest : public ::testing::Test {
  protected:
   AssociationTest() {
     SetPoint(&source_, 3, 2, 1, kFacing);
-    for (int v = 0; v < 6; ++v) {
-      for (int u = 0; u < 8; ++u) SetPoint(&target_, u, v, 1, kFacing);
-    }
+    for (const auto [u, v] : PixelsOf(8, 6)) SetPoint(&target_, u, v, 1, kFacing);
   }
   PairBuffer Collect(const Rigid3d& pose, const AssociationGates& gates = kOff,
                      NeededNormals normals = NeededNormals::kTarget) const {
@@ -245,35 +244,33 @@ TEST_F(RowFinderTest, InstructionsGiveTheSamePairs) {
 TEST_F(RowFinderTest, FindsThePairsThatTheDefinitionHas) {
   const PairBuffer found = Association().Collect(pose_);
   int next = 0, expected = 0, doubtful = 0;
-  for (int v = 0; v < kCamera.height; ++v) {
-    for (int u = 0; u < kCamera.width; ++u) {
-      const Eigen::Vector3d s = source_.vertex(u, v).cast<double>();
-      const Eigen::Vector3d m = pose_.rotation * source_.normal(u, v).cast<double>();
-      if (!(s.z() > 0) || m.isZero(0)) continue;
-      const Eigen::Vector3d p = pose_ * s;
-      const double x = kCamera.fx * p.x() / p.z() + kCamera.cx + 0.5;
-      const double y = kCamera.fy * p.y() / p.z() + kCamera.cy + 0.5;
-      if (!(p.z() > 0) || x < 0 || y < 0 || x >= kCamera.width || y >= kCamera.height) continue;
-      const Eigen::Vector3d q = target_.vertex(x, y).cast<double>();
-      const Eigen::Vector3d n = target_.normal(x, y).cast<double>();
-      const double distance_m = (p - q).norm(), cosine = m.dot(n);
-      const double min_cosine = std::cos(gates_.max_normal_angle_rad);
-      if (!(q.z() > 0) || n.isZero(0)) continue;
-      if (distance_m > gates_.max_distance_m || cosine < min_cosine) continue;
-      ++expected;
-      if (next < found.size && (found.p(next).cast<double>() - p).norm() < 1e-5) {
-        const bool same_pixel = (found.q(next).cast<double>() - q).isZero(0);
-        doubtful += same_pixel ? 0 : 1;
-        if (same_pixel) {
-          EXPECT_LT((found.n(next).cast<double>() - n).norm(), 1e-6);
-          EXPECT_LT((found.m(next).cast<double>() - m).norm(), 1e-5);
-          const double sigma_m = error_model_.Sigma(s.z(), {});
-          EXPECT_NEAR(found.information[next] * sigma_m * sigma_m, 1, 1e-5);
-        }
-        ++next;
-      } else {
-        ++doubtful;
+  for (const auto [u, v] : PixelsOf(kCamera)) {
+    const Eigen::Vector3d s = source_.vertex(u, v).cast<double>();
+    const Eigen::Vector3d m = pose_.rotation * source_.normal(u, v).cast<double>();
+    if (!(s.z() > 0) || m.isZero(0)) continue;
+    const Eigen::Vector3d p = pose_ * s;
+    const double x = kCamera.fx * p.x() / p.z() + kCamera.cx + 0.5;
+    const double y = kCamera.fy * p.y() / p.z() + kCamera.cy + 0.5;
+    if (!(p.z() > 0) || x < 0 || y < 0 || x >= kCamera.width || y >= kCamera.height) continue;
+    const Eigen::Vector3d q = target_.vertex(x, y).cast<double>();
+    const Eigen::Vector3d n = target_.normal(x, y).cast<double>();
+    const double distance_m = (p - q).norm(), cosine = m.dot(n);
+    const double min_cosine = std::cos(gates_.max_normal_angle_rad);
+    if (!(q.z() > 0) || n.isZero(0)) continue;
+    if (distance_m > gates_.max_distance_m || cosine < min_cosine) continue;
+    ++expected;
+    if (next < found.size && (found.p(next).cast<double>() - p).norm() < 1e-5) {
+      const bool same_pixel = (found.q(next).cast<double>() - q).isZero(0);
+      doubtful += same_pixel ? 0 : 1;
+      if (same_pixel) {
+        EXPECT_LT((found.n(next).cast<double>() - n).norm(), 1e-6);
+        EXPECT_LT((found.m(next).cast<double>() - m).norm(), 1e-5);
+        const double sigma_m = error_model_.Sigma(s.z(), {});
+        EXPECT_NEAR(found.information[next] * sigma_m * sigma_m, 1, 1e-5);
       }
+      ++next;
+    } else {
+      ++doubtful;
     }
   }
   EXPECT_EQ(next, found.size);

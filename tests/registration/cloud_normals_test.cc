@@ -3,11 +3,10 @@
 #include <cmath>
 #include <random>
 
-#include "surfit/core/error.h"
-#include "surfit/core/parallel.h"
 #include "surfit/registration/register_clouds.h"
 #include "testing/matchers.h"
 #include "testing/random_pose.h"
+#include "testing/threads.h"
 
 namespace surfit::testing {
 namespace {
@@ -160,11 +159,8 @@ TEST(CloudNormals, AreMissingWhereThereIsNoPlane) {
 
 TEST(CloudNormals, IsTheSameAtAnyNumberOfThreads) {
   const Points points = Rectangle(1, 1, 5000, 0.002);
-  std::vector<CloudNormals> results;
-  for (const int threads : {1, 4}) {
-    const ThreadLimit limit(threads);
-    results.push_back(EstimateCloudNormals(points, WithoutDepthNoise(), {}));
-  }
+  const auto results =
+      AtThreads({1, 4}, [&] { return EstimateCloudNormals(points, WithoutDepthNoise(), {}); });
   EXPECT_EQ(results[0].normals, results[1].normals);
   EXPECT_EQ(results[0].deviation_m, results[1].deviation_m);
 }

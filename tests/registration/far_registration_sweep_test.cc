@@ -1,7 +1,6 @@
 // Registers frames 90 apart from where image features and shapes say, and counts how that ends.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <deque>
 #include <functional>
@@ -18,6 +17,7 @@
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
 #include "surfit/simulation/scene.h"
+#include "testing/pixels.h"
 #include "testing/shared_data.h"
 
 namespace surfit::testing {
@@ -56,23 +56,21 @@ double TrueOverlap(const FrameLevel& source, const FrameLevel& target,
   const ErrorModel error_model;
   const DepthNoise noise;
   int valid = 0, seen = 0;
-  for (int v = 0; v < source.vertex.height(); ++v) {
-    for (int u = 0; u < source.vertex.width(); ++u) {
-      if (!(source.vertex.z(u, v) > 0)) continue;
-      ++valid;
-      const Eigen::Vector3d point = target_from_source * source.vertex(u, v).cast<double>();
-      if (!(point.z() > 0)) continue;
-      const Eigen::Vector2d pixel = target.camera.Project(point);
-      const auto x = std::lround(pixel.x()), y = std::lround(pixel.y());
-      if (x < 0 || y < 0 || x >= target.camera.width || y >= target.camera.height) continue;
-      const auto at_u = static_cast<int>(x), at_v = static_cast<int>(y);
-      const Eigen::Vector3d surface = target.vertex(at_u, at_v).cast<double>();
-      const Eigen::Vector3d normal = target.normal(at_u, at_v).cast<double>();
-      if (!(surface.z() > 0) || normal.isZero(0)) continue;
-      const double sigma_m =
-          std::hypot(error_model.Sigma(point.z(), noise), noise.SigmaZ(surface.z()));
-      seen += std::abs(normal.dot(point - surface)) <= kFreeSpaceSigmas * sigma_m;
-    }
+  for (const auto [u, v] : PixelsOf(source.vertex)) {
+    if (!(source.vertex.z(u, v) > 0)) continue;
+    ++valid;
+    const Eigen::Vector3d point = target_from_source * source.vertex(u, v).cast<double>();
+    if (!(point.z() > 0)) continue;
+    const Eigen::Vector2d pixel = target.camera.Project(point);
+    const auto x = std::lround(pixel.x()), y = std::lround(pixel.y());
+    if (x < 0 || y < 0 || x >= target.camera.width || y >= target.camera.height) continue;
+    const auto at_u = static_cast<int>(x), at_v = static_cast<int>(y);
+    const Eigen::Vector3d surface = target.vertex(at_u, at_v).cast<double>();
+    const Eigen::Vector3d normal = target.normal(at_u, at_v).cast<double>();
+    if (!(surface.z() > 0) || normal.isZero(0)) continue;
+    const double sigma_m =
+        std::hypot(error_model.Sigma(point.z(), noise), noise.SigmaZ(surface.z()));
+    seen += std::abs(normal.dot(point - surface)) <= kFreeSpaceSigmas * sigma_m;
   }
   return valid > 0 ? static_cast<double>(seen) / valid : 0;
 }

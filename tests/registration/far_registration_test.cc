@@ -4,8 +4,8 @@
 
 #include "registration/simulated_views.h"
 #include "surfit/core/options.h"
-#include "surfit/core/parallel.h"
 #include "testing/matchers.h"
+#include "testing/threads.h"
 
 namespace surfit::testing {
 namespace {
@@ -94,21 +94,13 @@ TEST(RegisterFar, FailsWithoutDepth) {
 }
 
 TEST(RegisterFar, GivesTheSameWithOneThreadAndWithTwo) {
-  std::vector<FarVerdict> results;
-  for (const int threads : {1, 2}) {
-    const ThreadLimit limit(threads);
-    results.push_back(Registered(FarViews(), "features"));
-  }
+  const auto results = AtThreads({1, 2}, [&] { return Registered(FarViews(), "features"); });
   EXPECT_EQ(results[0].icp.target_from_source.Matrix(), results[1].icp.target_from_source.Matrix());
   EXPECT_EQ(results[0].lead, results[1].lead);
 }
 
 TEST(InitializeOptions, RefuseWhatMakesNoSense) {
-  const auto expect_refused = [](auto change, const char* message) {
-    InitializeOptions options;
-    change(options);
-    ExpectInputError([&] { Validate(options); }, HasSubstr(message));
-  };
+  const auto expect_refused = ExpectOptionsRefused<InitializeOptions>;
   Validate(InitializeOptions());
   expect_refused([](auto& o) { o.method = "magic"; },
                  "method is 'magic', must be one of: identity, so3, features");

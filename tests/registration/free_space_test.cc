@@ -3,6 +3,7 @@
 #include "registration/simulated_views.h"
 #include "registration/view_fit.h"
 #include "surfit/registration/icp.h"
+#include "testing/pixels.h"
 
 namespace surfit::testing {
 namespace {
@@ -13,12 +14,10 @@ FrameLevel Wall(double left_depth_m, double right_depth_m, int left_columns) {
   level.camera = {40, 30, 40, 40, 19.5, 14.5, {}};
   level.vertex = VectorImage(40, 30);
   level.normal = VectorImage(40, 30);
-  for (int v = 0; v < 30; ++v) {
-    for (int u = 0; u < 40; ++u) {
-      const double depth_m = u < left_columns ? left_depth_m : right_depth_m;
-      level.vertex.Set(u, v, (depth_m * level.camera.Ray(u, v)).cast<float>());
-      level.normal.Set(u, v, {0, 0, -1});
-    }
+  for (const auto [u, v] : PixelsOf(40, 30)) {
+    const double depth_m = u < left_columns ? left_depth_m : right_depth_m;
+    level.vertex.Set(u, v, (depth_m * level.camera.Ray(u, v)).cast<float>());
+    level.normal.Set(u, v, {0, 0, -1});
   }
   return level;
 }

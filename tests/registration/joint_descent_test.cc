@@ -12,6 +12,7 @@
 #include "surfit/geometry/rigid3.h"
 #include "surfit/registration/far_registration.h"
 #include "testing/matchers.h"
+#include "testing/pixels.h"
 
 namespace surfit::testing {
 
@@ -47,10 +48,8 @@ TEST(LinearizeJointly, HasTheRowsOfTheBrightness) {
   source.vertex = VectorImage(160, 120);
   source.vertex.Set(u, v, only);
   Image<float>& brightness = views.target_brightness[0].value;
-  for (int y = 0; y < 120; ++y) {
-    for (int x = 0; x < 160; ++x) {
-      brightness(x, y) = kSlopeU * static_cast<float>(x) + kSlopeV * static_cast<float>(y);
-    }
+  for (const auto [x, y] : PixelsOf(160, 120)) {
+    brightness(x, y) = kSlopeU * static_cast<float>(x) + kSlopeV * static_cast<float>(y);
   }
   const Matrix6d added =
       LinearizeJointly(views.Source(), views.Target(), 0.1, true, Rigid3d()).hessian -

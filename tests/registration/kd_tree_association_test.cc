@@ -3,9 +3,9 @@
 #include <cmath>
 #include <random>
 
-#include "surfit/core/parallel.h"
 #include "surfit/registration/association.h"
 #include "testing/random_pose.h"
+#include "testing/threads.h"
 
 namespace surfit::testing {
 namespace {
@@ -163,13 +163,11 @@ TEST(KdTreeAssociation, TakesTheValidPointsOfAFrame) {
 
 TEST(KdTreeAssociation, IsTheSameAtAnyNumberOfThreads) {
   const PointSet source = RandomSet(20000, 1), target = RandomSet(20000, 2);
-  std::vector<PairList> pairs;
-  for (const int threads : {1, 4}) {
-    const ThreadLimit limit(threads);
+  const auto pairs = AtThreads({1, 4}, [&] {
     const KdTreeAssociation association = Make(source, target, {});
     PairsOf(association, SomePose(4));
-    pairs.push_back(PairsOf(association, SomePose()));
-  }
+    return PairsOf(association, SomePose());
+  });
   EXPECT_EQ(pairs[0], pairs[1]);
 }
 

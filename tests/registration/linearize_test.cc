@@ -4,9 +4,9 @@
 #include "registration/icp_level.h"
 #include "registration/random_correspondences.h"
 #include "registration/simulated_views.h"
-#include "surfit/core/parallel.h"
 #include "surfit/registration/association.h"
 #include "testing/matchers.h"
+#include "testing/threads.h"
 
 namespace surfit::testing {
 namespace {
@@ -156,14 +156,12 @@ TEST_F(LinearizeAssociation, SumsWhatCollectLists) {
 }
 
 TEST_F(LinearizeAssociation, IsTheSameAtAnyNumberOfThreads) {
-  const auto linearize = [&](int threads) {
-    const ThreadLimit limit(threads);
+  const auto systems = AtThreads({1, 2, 4}, [&] {
     return Linearize(association_, views_.target_from_source, ResidualType::kPointToPlane,
                      error_model_.kernel);
-  };
-  const NormalSystem expected = linearize(1);
-  for (const int threads : {2, 4}) {
-    const NormalSystem actual = linearize(threads);
+  });
+  const NormalSystem& expected = systems[0];
+  for (const NormalSystem& actual : systems) {
     EXPECT_TRUE(actual.hessian == expected.hessian);
     EXPECT_TRUE(actual.right_side == expected.right_side);
     EXPECT_EQ(actual.weighted_square_sum, expected.weighted_square_sum);

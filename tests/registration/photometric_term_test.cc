@@ -13,7 +13,8 @@
 #include "registration/intensity_finder.h"
 #include "registration/simulated_views.h"
 #include "registration/view_level.h"
-#include "surfit/core/parallel.h"
+#include "testing/pixels.h"
+#include "testing/threads.h"
 
 namespace surfit::testing {
 namespace {
@@ -52,18 +53,16 @@ TEST_F(PhotometricTermTest, TakesThePointsWhereIntensityChanges) {
   const FrameLevel& source = Source();
   const IntensityPairs pairs = Term().Collect(Rigid3d());
   int next = 0;
-  for (int v = 1; v < 119; ++v) {
-    for (int u = 1; u < 159; ++u) {
-      const Image<float>& image = source.intensity;
-      const double slope = std::hypot(image(u + 1, v) - image(u - 1, v),  //
-                                      image(u, v + 1) - image(u, v - 1));
-      const bool taken = next < pairs.size && pairs.px[next] == source.vertex.x(u, v) &&
-                         pairs.py[next] == source.vertex.y(u, v);
-      if (taken) ++next;
-      if (std::abs(slope / 2 - model_.intensity_sigma) < 1e-6) continue;
-      const bool known = source.normal.z(u, v) < 0 && Target().vertex.z(u, v) > 0;
-      ASSERT_EQ(taken, known && slope / 2 > model_.intensity_sigma) << u << " " << v;
-    }
+  for (const auto [u, v] : Pixels(1, 159, 1, 119)) {
+    const Image<float>& image = source.intensity;
+    const double slope = std::hypot(image(u + 1, v) - image(u - 1, v),  //
+                                    image(u, v + 1) - image(u, v - 1));
+    const bool taken = next < pairs.size && pairs.px[next] == source.vertex.x(u, v) &&
+                       pairs.py[next] == source.vertex.y(u, v);
+    if (taken) ++next;
+    if (std::abs(slope / 2 - model_.intensity_sigma) < 1e-6) continue;
+    const bool known = source.normal.z(u, v) < 0 && Target().vertex.z(u, v) > 0;
+    ASSERT_EQ(taken, known && slope / 2 > model_.intensity_sigma) << u << " " << v;
   }
   EXPECT_EQ(next, pairs.size);
 }
@@ -203,16 +202,14 @@ TEST_F(LinearizeIntensity, SumsWhatCollectLists) {
 }
 
 TEST_F(LinearizeIntensity, IsTheSameAtAnyNumberOfThreads) {
-  const auto linearize = [&](int threads) {
-    const ThreadLimit limit(threads);
+  const auto systems = AtThreads({1, 2, 4}, [&] {
     const PhotometricTerm term = Term();
     PhotometricSystem both = Linearize(term, Rigid3d());
     both += Linearize(term.Collect(Rigid3d()), term);
     return both;
-  };
-  const PhotometricSystem expected = linearize(1);
-  for (const int threads : {2, 4}) {
-    const PhotometricSystem actual = linearize(threads);
+  });
+  const PhotometricSystem& expected = systems[0];
+  for (const PhotometricSystem& actual : systems) {
     EXPECT_TRUE(actual.hessian == expected.hessian);
     EXPECT_TRUE(actual.right_side == expected.right_side);
     EXPECT_EQ(actual.cost, expected.cost);

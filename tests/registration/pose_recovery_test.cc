@@ -5,6 +5,7 @@
 #include "surfit/registration/icp.h"
 #include "surfit/registration/pose_solver.h"
 #include "testing/matchers.h"
+#include "testing/random_pose.h"
 
 namespace surfit::testing {
 namespace {
@@ -42,17 +43,13 @@ TEST_P(PoseRecovery, FromEveryDirection) {
   options.max_iterations = 20;
   options.min_relative_rmse_change = 0;
   options.min_increment = 1e-7;
-  for (int i = 0; i < 6; ++i) {
-    for (const double size : {-1.0, 1.0}) {
-      Vector6d perturbation = Vector6d::Zero();
-      perturbation[i] = size * (i < 3 ? 0.5 * M_PI / 180 : 0.01);
-      const IcpResult result =
-          Register(source, target, LeftIncrement(perturbation, target_from_source), options);
-      EXPECT_TRUE(result.Succeeded());
-      EXPECT_THAT(result.target_from_source, RigidNear(target_from_source, kExactToM, kExactToRad))
-          << "component " << i << ", " << size;
-      EXPECT_LT(result.rmse_m, kExactToM);
-    }
+  for (const Vector6d& perturbation : EachDirection(0.5 * M_PI / 180, 0.01)) {
+    const IcpResult result =
+        Register(source, target, LeftIncrement(perturbation, target_from_source), options);
+    EXPECT_TRUE(result.Succeeded());
+    EXPECT_THAT(result.target_from_source, RigidNear(target_from_source, kExactToM, kExactToRad))
+        << perturbation.transpose();
+    EXPECT_LT(result.rmse_m, kExactToM);
   }
 }
 

@@ -4,9 +4,9 @@
 
 #include <random>
 
-#include "surfit/core/parallel.h"
 #include "testing/matchers.h"
 #include "testing/random_pose.h"
+#include "testing/threads.h"
 
 namespace surfit::testing {
 namespace {
@@ -43,18 +43,14 @@ PointSet Moved(PointSet set, const Rigid3d& pose) {
 // rounding in p' = R p + t would be common to all and stays below 2.4e-7.
 TEST(RegisterClouds, FindsEachDegreeOfFreedomExactly) {
   const PointSet target = Corner(0, 1), corner = Corner(0, 2);
-  for (int axis = 0; axis < 6; ++axis) {
-    for (const double sign : {-1., 1.}) {
-      Vector6d motion = Vector6d::Zero();
-      motion[axis] = sign * (axis < 3 ? 0.05 : 0.1);
-      const Rigid3d truth = LeftIncrement<double>(motion, Rigid3d());
-      RegisterCloudsOptions options;
-      options.icp.max_iterations = 30;
-      const IcpResult result =
-          RegisterClouds(Moved(corner, truth.Inverse()), target, Rigid3d(), options);
-      EXPECT_TRUE(result.Succeeded());
-      EXPECT_THAT(result.target_from_source, RigidNear(truth, 1e-6, 1e-6));
-    }
+  RegisterCloudsOptions options;
+  options.icp.max_iterations = 30;
+  for (const Vector6d& motion : EachDirection(0.05, 0.1)) {
+    const Rigid3d truth = LeftIncrement<double>(motion, Rigid3d());
+    const IcpResult result =
+        RegisterClouds(Moved(corner, truth.Inverse()), target, Rigid3d(), options);
+    EXPECT_TRUE(result.Succeeded());
+    EXPECT_THAT(result.target_from_source, RigidNear(truth, 1e-6, 1e-6));
   }
 }
 
@@ -100,11 +96,8 @@ TEST(RegisterClouds, SaysWhenTooFewPointsMeet) {
 
 TEST(RegisterClouds, IsTheSameAtAnyNumberOfThreads) {
   const Rigid3d moved(QuaternionExp<double>({0.02, 0.01, 0}), {0.05, 0, 0.02});
-  std::vector<IcpResult> results;
-  for (const int threads : {1, 4}) {
-    const ThreadLimit limit(threads);
-    results.push_back(RegisterClouds(Corner(0.002, 1), Corner(0.002, 2), moved, {}));
-  }
+  const auto results = AtThreads(
+      {1, 4}, [&] { return RegisterClouds(Corner(0.002, 1), Corner(0.002, 2), moved, {}); });
   EXPECT_EQ(results[0].target_from_source.Matrix(), results[1].target_from_source.Matrix());
   EXPECT_EQ(results[0].information, results[1].information);
 }

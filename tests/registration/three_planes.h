@@ -8,6 +8,7 @@
 #include "surfit/frame/frame_pyramid.h"
 #include "surfit/geometry/rigid3.h"
 #include "surfit/registration/pose_solver.h"
+#include "testing/pixels.h"
 
 namespace surfit::testing {
 
@@ -18,16 +19,7 @@ inline std::vector<std::string> PointToPlaneSolverNames() {
   return names;
 }
 
-inline PinholeCamera CornerCamera() {
-  PinholeCamera camera;
-  camera.width = 160;
-  camera.height = 120;
-  camera.fx = 131.3;
-  camera.fy = 130.1;
-  camera.cx = 79.3;
-  camera.cy = 60.2;
-  return camera;
-}
+inline PinholeCamera CornerCamera() { return {160, 120, 131.3, 130.1, 79.3, 60.2, {}}; }
 
 // A camera 1.9 m from the corner of three planes, all of which it sees.
 inline Rigid3d PoseBeforeTheCorner() {
@@ -47,19 +39,17 @@ inline FrameLevel RenderCorner(const Rigid3d& world_from_camera, int planes = 3)
   level.vertex = VectorImage(level.camera.width, level.camera.height);
   level.normal = VectorImage(level.camera.width, level.camera.height);
   const Eigen::Matrix3d rotation = world_from_camera.rotation.toRotationMatrix();
-  for (int v = 0; v < level.camera.height; ++v) {
-    for (int u = 0; u < level.camera.width; ++u) {
-      const Eigen::Vector3d ray = rotation * level.camera.Ray(u, v);
-      double depth_m = std::numeric_limits<double>::infinity();
-      int nearest = -1;
-      for (int i = 0; i < planes; ++i) {
-        const double t = -world_from_camera.translation[i] / ray[i];
-        if (t > 0 && t < depth_m) depth_m = t, nearest = i;
-      }
-      if (nearest < 0) continue;
-      level.vertex.Set(u, v, (depth_m * level.camera.Ray(u, v)).cast<float>());
-      level.normal.Set(u, v, rotation.row(nearest).transpose().cast<float>());  // into the room
+  for (const auto [u, v] : PixelsOf(level.camera)) {
+    const Eigen::Vector3d ray = rotation * level.camera.Ray(u, v);
+    double depth_m = std::numeric_limits<double>::infinity();
+    int nearest = -1;
+    for (int i = 0; i < planes; ++i) {
+      const double t = -world_from_camera.translation[i] / ray[i];
+      if (t > 0 && t < depth_m) depth_m = t, nearest = i;
     }
+    if (nearest < 0) continue;
+    level.vertex.Set(u, v, (depth_m * level.camera.Ray(u, v)).cast<float>());
+    level.normal.Set(u, v, rotation.row(nearest).transpose().cast<float>());  // into the room
   }
   return level;
 }
@@ -71,15 +61,7 @@ inline FramePyramid OneLevel(FrameLevel level) {
 }
 
 // An 8 x 6 image with round numbers: u = 8 x/z + 3, v = 8 y/z + 2.
-inline PinholeCamera TinyCamera() {
-  PinholeCamera camera;
-  camera.width = 8;
-  camera.height = 6;
-  camera.fx = camera.fy = 8;
-  camera.cx = 3;
-  camera.cy = 2;
-  return camera;
-}
+inline PinholeCamera TinyCamera() { return {8, 6, 8, 8, 3, 2, {}}; }
 
 inline FrameLevel EmptyLevel() {
   FrameLevel level;

@@ -11,6 +11,7 @@
 #include "surfit/run/refine_run.h"
 #include "surfit/run/revisits.h"
 #include "surfit/run/slam_run.h"
+#include "testing/pixels.h"
 #include "testing/shared_data.h"
 #include "testing/temp_folder.h"
 
@@ -129,12 +130,10 @@ std::vector<Eigen::Vector3f> ExactSurface(SequenceOptions options) {
     const std::optional<Rigid3d> pose = InterpolatePose(info.ground_truth, read->stamp_s);
     if (!read->frame || !pose) continue;
     const Image<float>& depth_m = read->frame->depth_m;
-    for (int v = 0; v < depth_m.height(); ++v) {
-      for (int u = 0; u < depth_m.width(); ++u) {
-        if (!(depth_m(u, v) > 0)) continue;
-        const Eigen::Vector3d point = info.pinhole.Ray(u, v) * depth_m(u, v);
-        points.push_back((*pose * point).cast<float>());
-      }
+    for (const auto [u, v] : PixelsOf(depth_m)) {
+      if (!(depth_m(u, v) > 0)) continue;
+      const Eigen::Vector3d point = info.pinhole.Ray(u, v) * depth_m(u, v);
+      points.push_back((*pose * point).cast<float>());
     }
   }
   return points;

@@ -97,15 +97,7 @@ TEST(InitialPose, TakesNumbersInTheSourcesConvention) {
 
 constexpr int kWidth = 32, kHeight = 24;
 
-PinholeCamera Camera() {
-  PinholeCamera camera;
-  camera.width = kWidth;
-  camera.height = kHeight;
-  camera.fx = camera.fy = 30;
-  camera.cx = 15.5;
-  camera.cy = 11.5;
-  return camera;
-}
+PinholeCamera Camera() { return {kWidth, kHeight, 30, 30, 15.5, 11.5, {}}; }
 
 RgbdFrame Frame(int index, bool with_color) {
   RgbdFrame frame;

@@ -5,6 +5,7 @@
 #include "registration/three_planes.h"
 #include "surfit/frame/frame_pyramid.h"
 #include "testing/matchers.h"
+#include "testing/pixels.h"
 #include "testing/temp_folder.h"
 
 namespace surfit::testing {
@@ -44,11 +45,9 @@ Rigid3d Motion() { return {QuaternionExp<double>({0.02, -0.03, 0.01}), {0.01, 0.
 Image<Rgb8> Stripes(int shift_px) {
   const PinholeCamera camera = CornerCamera();
   Image<Rgb8> color(camera.width, camera.height);
-  for (int v = 0; v < camera.height; ++v) {
-    for (int u = 0; u < camera.width; ++u) {
-      const auto value = static_cast<std::uint8_t>(100 + 12 * ((u + v / 2 + shift_px) % 13));
-      color(u, v) = {value, static_cast<std::uint8_t>(value / 2), value};
-    }
+  for (const auto [u, v] : PixelsOf(camera)) {
+    const auto value = static_cast<std::uint8_t>(100 + 12 * ((u + v / 2 + shift_px) % 13));
+    color(u, v) = {value, static_cast<std::uint8_t>(value / 2), value};
   }
   return color;
 }

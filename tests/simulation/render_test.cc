@@ -8,27 +8,19 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "surfit/core/error.h"
-#include "surfit/core/parallel.h"
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/scene.h"
 #include "testing/matchers.h"
+#include "testing/pixels.h"
 #include "testing/shared_data.h"
+#include "testing/threads.h"
 
 namespace surfit::testing {
 namespace {
 
 using Eigen::Vector3d;
 
-PinholeCamera TestCamera() {
-  PinholeCamera camera;
-  camera.width = 80;
-  camera.height = 60;
-  camera.fx = 65;
-  camera.fy = 66;
-  camera.cx = 39;
-  camera.cy = 30.5;
-  return camera;
-}
+PinholeCamera TestCamera() { return {80, 60, 65, 66, 39, 30.5, {}}; }
 
 // Looks along world y, x right, z up.
 Rigid3d LookAlongY(const Vector3d& position) {
@@ -50,18 +42,16 @@ TEST(Render, DepthOfASphereIsThatOfTheQuadraticFormula) {
   const PinholeCamera camera = TestCamera();
   const Rendering image = Render(MakeScene("sphere"), camera, LookAlongY(eye));
   int on_sphere = 0;
-  for (int v = 0; v < camera.height; ++v) {
-    for (int u = 0; u < camera.width; ++u) {
-      const Vector3d ray = camera.Ray(u, v);
-      const Vector3d d(ray.x(), ray.z(), -ray.y()), o = eye - center;
-      const double b = d.dot(o) / d.dot(d), c = (o.dot(o) - 0.25) / d.dot(d);
-      if (b * b - c <= 0) continue;
-      ++on_sphere;
-      const double z = -b - std::sqrt(b * b - c);
-      // Near the rim the root amplifies the 1e-10 m at which the iteration stops.
-      const double rim = 1e-10 / std::sqrt(b * b - c);
-      EXPECT_NEAR(image.depth_m(u, v), z, DepthTolerance(z) + rim);
-    }
+  for (const auto [u, v] : PixelsOf(camera)) {
+    const Vector3d ray = camera.Ray(u, v);
+    const Vector3d d(ray.x(), ray.z(), -ray.y()), o = eye - center;
+    const double b = d.dot(o) / d.dot(d), c = (o.dot(o) - 0.25) / d.dot(d);
+    if (b * b - c <= 0) continue;
+    ++on_sphere;
+    const double z = -b - std::sqrt(b * b - c);
+    // Near the rim the root amplifies the 1e-10 m at which the iteration stops.
+    const double rim = 1e-10 / std::sqrt(b * b - c);
+    EXPECT_NEAR(image.depth_m(u, v), z, DepthTolerance(z) + rim);
   }
   EXPECT_GT(on_sphere, 500);
 }
@@ -76,30 +66,26 @@ class RenderEveryScene : public ::testing::TestWithParam<std::string> {
 TEST_P(RenderEveryScene, AgreesWithSingleRaysAgainstAllObjects) {
   const Rigid3d pose = path_[7].world_from_camera;
   const Rendering image = Render(scene_, camera_, pose);
-  for (int v = 0; v < camera_.height; ++v) {
-    for (int u = 0; u < camera_.width; ++u) {
-      const Vector3d ray = pose.rotation.toRotationMatrix() * camera_.Ray(u, v);
-      const auto hit = scene_.Intersect(pose.translation, ray);
-      ASSERT_EQ(image.surface(u, v), hit ? Rendering::SurfaceOf(*hit) : Rendering::kNothing);
-      if (!hit) continue;
-      EXPECT_EQ(image.depth_m(u, v), static_cast<float>(hit->t));
-      const Vector3d normal = pose.rotation * image.normal(u, v).cast<double>();
-      EXPECT_LT((normal - hit->normal_in_world).norm(), 1e-6);
-    }
+  for (const auto [u, v] : PixelsOf(camera_)) {
+    const Vector3d ray = pose.rotation.toRotationMatrix() * camera_.Ray(u, v);
+    const auto hit = scene_.Intersect(pose.translation, ray);
+    ASSERT_EQ(image.surface(u, v), hit ? Rendering::SurfaceOf(*hit) : Rendering::kNothing);
+    if (!hit) continue;
+    EXPECT_EQ(image.depth_m(u, v), static_cast<float>(hit->t));
+    const Vector3d normal = pose.rotation * image.normal(u, v).cast<double>();
+    EXPECT_LT((normal - hit->normal_in_world).norm(), 1e-6);
   }
 }
 
 TEST_P(RenderEveryScene, PixelsLieOnTheSurface) {
   for (const StampedPose& pose : path_) {
     const Rendering image = Render(scene_, camera_, pose.world_from_camera);
-    for (int v = 0; v < camera_.height; ++v) {
-      for (int u = 0; u < camera_.width; ++u) {
-        const double z = image.depth_m(u, v);
-        if (z == 0) continue;
-        const Vector3d point = pose.world_from_camera * (z * camera_.Ray(u, v));
-        // The float depth times the longest ray, 1.3; iterated shapes add 1e-10.
-        ASSERT_LT(std::abs(scene_.Distance(point)), 1.3 * DepthTolerance(z) + 1e-9);
-      }
+    for (const auto [u, v] : PixelsOf(camera_)) {
+      const double z = image.depth_m(u, v);
+      if (z == 0) continue;
+      const Vector3d point = pose.world_from_camera * (z * camera_.Ray(u, v));
+      // The float depth times the longest ray, 1.3; iterated shapes add 1e-10.
+      ASSERT_LT(std::abs(scene_.Distance(point)), 1.3 * DepthTolerance(z) + 1e-9);
     }
   }
 }
@@ -111,30 +97,25 @@ TEST_P(RenderEveryScene, ReprojectsExactlyBetweenPoses) {
   const Rendering image = Render(scene_, camera_, a);
   const Rigid3d b_from_a = b.Inverse() * a;
   int seen = 0, same = 0;
-  for (int v = 0; v < camera_.height; ++v) {
-    for (int u = 0; u < camera_.width; ++u) {
-      if (image.depth_m(u, v) == 0) continue;
-      const Vector3d in_b = b_from_a * (image.depth_m(u, v) * camera_.Ray(u, v));
-      if (in_b.z() < 0.1) continue;
-      const auto hit = scene_.Intersect(b.translation, b.rotation * (in_b / in_b.z()));
-      ASSERT_TRUE(hit.has_value());
-      // Float rounding moves the point by 1e-6 m at most (8 m); seen at a slant of up to 89.9 deg
-      // that is 1e-3 m of depth.
-      EXPECT_LT(hit->t, in_b.z() + 1e-3);
-      ++seen;
-      if (std::abs(hit->t - in_b.z()) < 1e-5) ++same;
-    }
+  for (const auto [u, v] : PixelsOf(camera_)) {
+    if (image.depth_m(u, v) == 0) continue;
+    const Vector3d in_b = b_from_a * (image.depth_m(u, v) * camera_.Ray(u, v));
+    if (in_b.z() < 0.1) continue;
+    const auto hit = scene_.Intersect(b.translation, b.rotation * (in_b / in_b.z()));
+    ASSERT_TRUE(hit.has_value());
+    // Float rounding moves the point by 1e-6 m at most (8 m); seen at a slant of up to 89.9 deg
+    // that is 1e-3 m of depth.
+    EXPECT_LT(hit->t, in_b.z() + 1e-3);
+    ++seen;
+    if (std::abs(hit->t - in_b.z()) < 1e-5) ++same;
   }
   EXPECT_GT(seen, 1000);
   EXPECT_GT(same, 0.7 * seen);
 }
 
 TEST_P(RenderEveryScene, IsTheSameAtAnyNumberOfThreads) {
-  std::vector<Rendering> images;
-  for (const int threads : {1, 3}) {
-    ThreadLimit limit(threads);
-    images.push_back(Render(MakeScene(GetParam()), camera_, path_[3].world_from_camera));
-  }
+  const auto images = AtThreads(
+      {1, 3}, [&] { return Render(MakeScene(GetParam()), camera_, path_[3].world_from_camera); });
   EXPECT_TRUE(images[0].depth_m == images[1].depth_m);
   EXPECT_TRUE(images[0].color == images[1].color);
   EXPECT_TRUE(images[0].surface == images[1].surface);
@@ -160,23 +141,13 @@ TEST(RenderFrame, HasTheImagesOfTheRendering) {
 
 constexpr double kConstant_m = 351.3;
 
-PinholeCamera Camera() {
-  PinholeCamera camera;
-  camera.width = 640;
-  camera.height = 480;
-  camera.fx = camera.fy = 525;
-  camera.cx = 319.5;
-  camera.cy = 239.5;
-  return camera;
-}
+PinholeCamera Camera() { return {640, 480, 525, 525, 319.5, 239.5, {}}; }
 
 // The plane whose disparity is a u + b v + c steps.
 Image<float> PlaneDepth(double a, double b, double c) {
   Image<float> depth(640, 480);
-  for (int v = 0; v < 480; ++v) {
-    for (int u = 0; u < 640; ++u) {
-      depth(u, v) = static_cast<float>(kConstant_m / (a * u + b * v + c));
-    }
+  for (const auto [u, v] : PixelsOf(640, 480)) {
+    depth(u, v) = static_cast<float>(kConstant_m / (a * u + b * v + c));
   }
   return depth;
 }
@@ -189,11 +160,9 @@ struct Moments {
 // Of the error in disparity steps, over pixels away from the border.
 Moments DisparityError(const Image<float>& exact, const Image<float>& measured) {
   std::vector<double> errors;
-  for (int v = 4; v < 476; ++v) {
-    for (int u = 4; u < 636; ++u) {
-      if (measured(u, v) == 0) continue;
-      errors.push_back(kConstant_m / measured(u, v) - kConstant_m / exact(u, v));
-    }
+  for (const auto [u, v] : Pixels(4, 636, 4, 476)) {
+    if (measured(u, v) == 0) continue;
+    errors.push_back(kConstant_m / measured(u, v) - kConstant_m / exact(u, v));
   }
   Moments moments;
   moments.count = static_cast<int>(errors.size());
@@ -241,23 +210,19 @@ TEST(Kinect, IsMissingNearFarAndAtGrazingAngles) {
 TEST(Kinect, IsMissingBeyond80DegreesOfIncidence) {
   const PinholeCamera camera = Camera();
   Image<float> floor(640, 480, 0.f);
-  for (int v = 280; v < 480; ++v) {
-    for (int u = 0; u < 640; ++u) {
-      floor(u, v) = static_cast<float>(0.3 * camera.fy / (v - camera.cy));
-    }
+  for (const auto [u, v] : Pixels(0, 640, 280, 480)) {
+    floor(u, v) = static_cast<float>(0.3 * camera.fy / (v - camera.cy));
   }
   const Image<float> measured = KinectDepth(floor, camera, 1);
-  for (int v = 282; v < 478; ++v) {
-    for (int u = 0; u < 640; ++u) {
-      const Eigen::Vector3d ray = camera.Ray(u, v);
-      const double angle_deg = std::acos(ray.y() / ray.norm()) * 180 / M_PI;
-      // Float depth and one-sided differences at the border: far below 0.1 deg.
-      if (angle_deg < 79.9 && floor(u, v) > 0.42) {
-        EXPECT_GT(measured(u, v), 0) << u << " " << v;
-      }
-      if (angle_deg > 80.1) {
-        EXPECT_EQ(measured(u, v), 0) << u << " " << v;
-      }
+  for (const auto [u, v] : Pixels(0, 640, 282, 478)) {
+    const Eigen::Vector3d ray = camera.Ray(u, v);
+    const double angle_deg = std::acos(ray.y() / ray.norm()) * 180 / M_PI;
+    // Float depth and one-sided differences at the border: far below 0.1 deg.
+    if (angle_deg < 79.9 && floor(u, v) > 0.42) {
+      EXPECT_GT(measured(u, v), 0) << u << " " << v;
+    }
+    if (angle_deg > 80.1) {
+      EXPECT_EQ(measured(u, v), 0) << u << " " << v;
     }
   }
 }
@@ -267,14 +232,12 @@ TEST(Kinect, DoesNotMixDepthsAcrossAStep) {
   for (int v = 0; v < 480; ++v) std::fill(step.row(v) + 320, step.row(v) + 640, 2.f);
   const Image<float> measured = KinectDepth(step, Camera(), 1);
   // A step of disparity is z^2 / 351.3; rounding and noise of 6 sd move by at most 1.5 of them.
-  for (int v = 0; v < 480; ++v) {
-    for (int u = 0; u < 640; ++u) {
-      if (u == 319 || u == 320) {
-        EXPECT_EQ(measured(u, v), 0) << "a step looks like a surface seen at a grazing angle";
-      } else {
-        const double z = step(u, v);
-        EXPECT_NEAR(measured(u, v), z, 1.6 * z * z / kConstant_m);
-      }
+  for (const auto [u, v] : PixelsOf(640, 480)) {
+    if (u == 319 || u == 320) {
+      EXPECT_EQ(measured(u, v), 0) << "a step looks like a surface seen at a grazing angle";
+    } else {
+      const double z = step(u, v);
+      EXPECT_NEAR(measured(u, v), z, 1.6 * z * z / kConstant_m);
     }
   }
 }
@@ -287,11 +250,7 @@ TEST(Kinect, KeepsMissingPixelsMissing) {
 
 TEST(Kinect, DependsOnTheSeedAndNotOnTheThreads) {
   const Image<float> depth = PlaneDepth(0.05, 0.031, 110);
-  std::vector<Image<float>> images;
-  for (const int threads : {1, 2, 5}) {
-    ThreadLimit limit(threads);
-    images.push_back(KinectDepth(depth, Camera(), 7));
-  }
+  const auto images = AtThreads({1, 2, 5}, [&] { return KinectDepth(depth, Camera(), 7); });
   EXPECT_TRUE(images[0] == images[1]);
   EXPECT_TRUE(images[0] == images[2]);
   EXPECT_FALSE(images[0] == KinectDepth(depth, Camera(), 8));

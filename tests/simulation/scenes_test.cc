@@ -235,12 +235,8 @@ TEST(CameraPath, LeadsThroughThreeRoomsAndBack) {
 // The share of frames in which at least 80 % of the pixels between 0.4 and 4.5 m lie on one or two
 // flat faces.
 double PlanarShare(const Scene& scene, const Trajectory& path) {
-  PinholeCamera camera;  // every eighth pixel of 640 x 480
-  camera.width = 80;
-  camera.height = 60;
-  camera.fx = camera.fy = 525.0 / 8;
-  camera.cx = 39.5;
-  camera.cy = 29.5;
+  PinholeCamera camera = {80,   60,   525.0 / 8, 525.0 / 8,
+                          39.5, 29.5, {}};  // every eighth pixel of 640 x 480
   int planar = 0, frames = 0;
   for (std::size_t i = 0; i < path.size(); i += 4, ++frames) {
     const Rendering image = RenderGeometry(scene, camera, path[i].world_from_camera);

@@ -7,9 +7,11 @@
 #include <cmath>
 
 #include "slam/edge_information.h"
-#include "surfit/core/parallel.h"
+#include "slam/simulated_sequence.h"
 #include "surfit/slam/slam.h"
 #include "testing/matchers.h"
+#include "testing/pixels.h"
+#include "testing/threads.h"
 
 namespace surfit::testing {
 namespace {
@@ -38,11 +40,9 @@ std::vector<Rigid3d> DriftingPoses() {
 FramePyramid FlatPyramid() {
   const PinholeCamera camera = {32, 24, 30, 30, 15.5, 11.5, {}};
   FrameLevel level = {camera, {}, VectorImage(32, 24), VectorImage(32, 24), {}};
-  for (int v = 0; v < 24; ++v) {
-    for (int u = 0; u < 32; ++u) {
-      level.vertex.Set(u, v, (2 * camera.Ray(u, v)).cast<float>());
-      level.normal.Set(u, v, {0, 0, -1});
-    }
+  for (const auto [u, v] : PixelsOf(32, 24)) {
+    level.vertex.Set(u, v, (2 * camera.Ray(u, v)).cast<float>());
+    level.normal.Set(u, v, {0, 0, -1});
   }
   FramePyramid pyramid;
   pyramid.levels.push_back(level);
@@ -209,18 +209,8 @@ TEST(Backend, JoinsAMapBegunApart) {
 }
 
 TEST(BackendThreads, GiveTheSamePoses) {
-  const auto poses = [](int threads) {
-    const ThreadLimit limit(threads);
-    return RunBackend(Enabled(), TrueLoops).frames;
-  };
-  const std::vector<PosedFrame> expected = poses(1);
-  for (const int threads : {2, 4}) {
-    const std::vector<PosedFrame> frames = poses(threads);
-    ASSERT_EQ(frames.size(), expected.size());
-    for (std::size_t i = 0; i < frames.size(); ++i) {
-      EXPECT_EQ(frames[i].world_from_camera.Matrix(), expected[i].world_from_camera.Matrix()) << i;
-    }
-  }
+  const auto runs = AtThreads({1, 2, 4}, [] { return RunBackend(Enabled(), TrueLoops).frames; });
+  for (const std::vector<PosedFrame>& frames : runs) ExpectSamePoses(frames, runs[0]);
 }
 
 constexpr int kBetween = 12;

@@ -6,7 +6,7 @@
 
 #include "mapping/same_map.h"
 #include "slam/simulated_sequence.h"
-#include "surfit/core/parallel.h"
+#include "testing/threads.h"
 
 namespace surfit::testing {
 namespace {
@@ -92,18 +92,9 @@ TEST(SlamLoops, ALongLossBeginsANewMapBesideTheFirst) {
 
 TEST(SlamLoopsThreads, GiveTheSameResult) {
   const SimulatedSequence sequence = KidnappedAndBack(40, 6, 10);
-  const auto run = [&](int threads) {
-    const ThreadLimit limit(threads);
-    return RunLoops(sequence, WithLoops());
-  };
-  const LoopRun expected = run(1);
-  const LoopRun other = run(2);
-  ExpectSameMap(other.map, expected.map);
-  ASSERT_EQ(other.frames.size(), expected.frames.size());
-  for (std::size_t i = 0; i < other.frames.size(); ++i) {
-    EXPECT_EQ(other.frames[i].world_from_camera.Matrix(),
-              expected.frames[i].world_from_camera.Matrix());
-  }
+  const auto runs = AtThreads({1, 2}, [&] { return RunLoops(sequence, WithLoops()); });
+  ExpectSameMap(runs[1].map, runs[0].map);
+  ExpectSamePoses(runs[1].frames, runs[0].frames);
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -81,6 +83,15 @@ inline PoseErrors ErrorsOf(const SlamRun& run, const std::vector<Rigid3d>& truth
   }
   errors.rms_m = std::sqrt(square_sum / static_cast<double>(run.reports.size()));
   return errors;
+}
+
+// Expects the poses of two lists of frames to be the same bit for bit.
+template <typename Frame>
+void ExpectSamePoses(const std::vector<Frame>& a, const std::vector<Frame>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_EQ(a[i].world_from_camera.Matrix(), b[i].world_from_camera.Matrix()) << i;
+  }
 }
 
 // Frames of a room by an ideal sensor.

@@ -7,8 +7,8 @@
 #include "mapping/same_map.h"
 #include "slam/simulated_sequence.h"
 #include "surfit/core/options.h"
-#include "surfit/core/parallel.h"
 #include "testing/matchers.h"
+#include "testing/threads.h"
 
 namespace surfit::testing {
 namespace {
@@ -90,11 +90,8 @@ TEST(Slam, TracksByShapesWhatHasNoColor) {
   for (RgbdFrame& frame : room.frames) frame.color = {};
   const SlamRun run = RunSlam(room, WithIntensities(), room.world_from_camera[0]);
   ExpectAllTracked(run);
-  for (std::size_t i = 0; i < run.reports.size(); ++i) {
-    EXPECT_EQ(run.reports[i].icp.intensity_count, 0);
-    EXPECT_EQ(run.reports[i].world_from_camera.Matrix(),
-              IdealRun().reports[i].world_from_camera.Matrix());
-  }
+  for (const FrameReport& report : run.reports) EXPECT_EQ(report.icp.intensity_count, 0);
+  ExpectSamePoses(run.reports, IdealRun().reports);
 }
 
 TEST(Slam, TheFirstFrameStandsAtTheInitialPoseAndBecomesTheMap) {
@@ -230,17 +227,10 @@ TEST(Slam, TheMotionDoesNotDependOnTheInitialPose) {
 
 TEST(SlamThreads, RunsAreTheSameBitForBitAtAnyNumberOfThreads) {
   const SimulatedSequence room = SimulateRoom(1, 8, Sensor::kKinect);
-  std::vector<SlamRun> runs;
-  for (const int threads : {1, 1, 2, 4}) {
-    const ThreadLimit limit(threads);
-    runs.push_back(RunSlam(room, SlamOptions(), {}));
-  }
+  const auto runs = AtThreads({1, 1, 2, 4}, [&] { return RunSlam(room, SlamOptions(), {}); });
   for (const SlamRun& run : runs) {
     ExpectSameMap(run.map, runs[0].map);
-    for (std::size_t i = 0; i < run.reports.size(); ++i) {
-      EXPECT_EQ(run.reports[i].world_from_camera.Matrix(),
-                runs[0].reports[i].world_from_camera.Matrix());
-    }
+    ExpectSamePoses(run.reports, runs[0].reports);
   }
 }
 

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include <Eigen/Core>
+#include <functional>
 #include <ostream>
 #include <string>
 
@@ -55,6 +55,14 @@ void ExpectInputError(const Call& call, const Matcher& message) {
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), message);
   }
+}
+
+// Expects that options which are changed so are refused with a message that says this.
+template <typename Options>
+void ExpectOptionsRefused(const std::function<void(Options&)>& change, const std::string& message) {
+  Options options;
+  change(options);
+  ExpectInputError([&] { Validate(options); }, HasSubstr(message));
 }
 
 // A file that a reader must refuse, and what the message says besides the file's name.

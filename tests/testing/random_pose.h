@@ -1,6 +1,7 @@
 #pragma once
 
 #include <random>
+#include <vector>
 
 #include "surfit/geometry/rigid3.h"
 
@@ -17,6 +18,17 @@ inline Eigen::Vector3d RandomVector(double size, std::mt19937_64* rng) {
 inline Rigid3d RandomPose(double size_rad, double size_m, std::mt19937_64* rng) {
   const Eigen::Quaterniond rotation = QuaternionExp<double>(RandomVector(size_rad, rng));
   return {rotation, RandomVector(size_m, rng)};
+}
+
+// Increments both ways along each of the three turns and the three shifts.
+inline std::vector<Rigid3d::Vector6> EachDirection(double turn_rad, double shift_m) {
+  std::vector<Rigid3d::Vector6> increments;
+  for (int axis = 0; axis < 6; ++axis) {
+    const double size = axis < 3 ? turn_rad : shift_m;
+    for (const double step : {-size, size})
+      increments.push_back(step * Rigid3d::Vector6::Unit(axis));
+  }
+  return increments;
 }
 
 }  // namespace surfit::testing

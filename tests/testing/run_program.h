@@ -86,4 +86,10 @@ inline ProgramResult RunProgram(const std::string& name,
   return RunningProgram(name, arguments).Wait();
 }
 
+// Expects that it did what it was asked for.
+inline ProgramResult Succeeded(const ProgramResult& result) {
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  return result;
+}
+
 }  // namespace surfit::testing

@@ -33,12 +33,13 @@ inline void WriteColor(const std::string& path, const Image<Rgb8>& color,
   cv::imwrite(path, bgr, parameters);
 }
 
-// How the sequence in a folder is opened.
-inline SequenceOptions Options(const TempFolder& folder) {
+// How the sequence in a folder or file is opened.
+inline SequenceOptions OptionsOf(const std::string& path) {
   SequenceOptions options;
-  options.path = folder.path();
+  options.path = path;
   return options;
 }
+inline SequenceOptions Options(const TempFolder& folder) { return OptionsOf(folder.path()); }
 
 // Small images that tell their frame: depth between 1 and 2 m at 1000 counts a metre, red the
 // frame's number.

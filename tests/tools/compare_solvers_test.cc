@@ -25,9 +25,8 @@ class CompareTool : public ::testing::Test {
 };
 
 TEST_F(CompareTool, ComparesAllSolversOverKnownPairs) {
-  const ProgramResult result =
-      Compare({"--synthetic_points=2000", "--rotations_deg=1,10", "--translations_m=0.01,0.1"});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const ProgramResult result = Succeeded(
+      Compare({"--synthetic_points=2000", "--rotations_deg=1,10", "--translations_m=0.01,0.1"}));
   EXPECT_THAT(result.out, HasSubstr("ceres_per_point (sparse_normal_cholesky)"));
   const nlohmann::json rows = Rows();
   ASSERT_EQ(rows.size(), 33u);
@@ -58,10 +57,9 @@ TEST_F(CompareTool, ComparesAllSolversOverKnownPairs) {
 // Noise of 1 cm on each of 2000 points leaves the pose 1 cm / sqrt(2000) off, turns about the
 // origin 3 m away add a few times as much.
 TEST_F(CompareTool, KeepsToNoiseOverKnownPairs) {
-  const ProgramResult result = Compare(
-      {"--synthetic_points=2000", "--noise_m=0.01", "--rotations_deg=5", "--translations_m=0.1",
-       "--solvers=svd,closed_form_ldlt,ceres", "--residuals=point_to_point", "--threads=1,2"});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  Succeeded(Compare({"--synthetic_points=2000", "--noise_m=0.01", "--rotations_deg=5",
+                     "--translations_m=0.1", "--solvers=svd,closed_form_ldlt,ceres",
+                     "--residuals=point_to_point", "--threads=1,2"}));
   const nlohmann::json rows = Rows();
   ASSERT_EQ(rows.size(), 6u);
   for (const auto& row : rows) {
@@ -77,13 +75,9 @@ TEST_F(CompareTool, KeepsToNoiseOverKnownPairs) {
 
 TEST_F(CompareTool, ComparesOverPairsOfFrames) {
   const std::string room = own_ / "room";
-  ASSERT_EQ(
-      RunProgram("surfit_simulate", {"--output=" + room, "--frames=6", "--downsample=4"}).exit_code,
-      0);
-  const ProgramResult result =
-      Compare({"--sequence=" + room, "--pairs=2", "--gap=2", "--rotations_deg=1,45",
-               "--translations_m=0.01,1", "--solvers=closed_form_ldlt,ceres"});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  Succeeded(RunProgram("surfit_simulate", {"--output=" + room, "--frames=6", "--downsample=4"}));
+  Succeeded(Compare({"--sequence=" + room, "--pairs=2", "--gap=2", "--rotations_deg=1,45",
+                     "--translations_m=0.01,1", "--solvers=closed_form_ldlt,ceres"}));
   const nlohmann::json rows = Rows();
   ASSERT_EQ(rows.size(), 2u * 4 * 2);
   for (const auto& row : rows) {
@@ -99,13 +93,10 @@ TEST_F(CompareTool, ComparesOverPairsOfFrames) {
 
 TEST_F(CompareTool, ComparesSlamOverASequence) {
   const std::string room = own_ / "room";
-  ASSERT_EQ(
-      RunProgram("surfit_simulate", {"--output=" + room, "--frames=4", "--downsample=4"}).exit_code,
-      0);
-  const ProgramResult result =
+  Succeeded(RunProgram("surfit_simulate", {"--output=" + room, "--frames=4", "--downsample=4"}));
+  Succeeded(
       Compare({"--sequence=" + room, "--pairs=0", "--slam", "--solvers=closed_form_ldlt,ceres",
-               "--residuals=point_to_plane", "--associations=projective"});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+               "--residuals=point_to_plane", "--associations=projective"}));
   const auto json = nlohmann::json::parse(ReadBytes(Output() + "/comparison.json"));
   EXPECT_TRUE(json["rows"].empty());
   const auto& rows = json["slam"];
@@ -127,19 +118,14 @@ TEST_F(CompareTool, ComparesSlamOverASequence) {
 
 TEST_F(CompareTool, ComparesOverTwoClouds) {
   const std::string room = own_ / "room";
-  ASSERT_EQ(
-      RunProgram("surfit_simulate", {"--output=" + room, "--frames=1", "--downsample=4"}).exit_code,
-      0);
-  ASSERT_EQ(RunProgram("surfit_slam",
-                       {"--sequence=" + room, "--output=" + (own_ / "slam"), "--nopictures"})
-                .exit_code,
-            0);
+  Succeeded(RunProgram("surfit_simulate", {"--output=" + room, "--frames=1", "--downsample=4"}));
+  Succeeded(RunProgram("surfit_slam",
+                       {"--sequence=" + room, "--output=" + (own_ / "slam"), "--nopictures"}));
   const std::string cloud = own_ / "slam" + "/map.ply";
   const std::vector<std::string> flags = {"--source=" + cloud, "--target=" + cloud,
                                           "--solvers=closed_form_ldlt", "--rotations_deg=1",
                                           "--translations_m=0.02"};
-  const ProgramResult unknown = Compare(flags);
-  ASSERT_EQ(unknown.exit_code, 0) << unknown.err;
+  Succeeded(Compare(flags));
   for (const auto& row : Rows()) {
     EXPECT_EQ(row["association"], "kd_tree");
     EXPECT_TRUE(row["converged_share"].is_null());
@@ -148,7 +134,7 @@ TEST_F(CompareTool, ComparesOverTwoClouds) {
   }
   std::vector<std::string> with_truth = flags;
   with_truth.push_back("--truth=0,0,0,0,0,0,1");
-  ASSERT_EQ(Compare(with_truth).exit_code, 0);
+  Succeeded(Compare(with_truth));
   for (const auto& row : Rows()) {
     SCOPED_TRACE(row.dump());
     if (row["residual"] == "point_to_point") continue;  // slides along surfaces slowly
@@ -158,16 +144,14 @@ TEST_F(CompareTool, ComparesOverTwoClouds) {
   // A flag wins over what clouds have by default.
   std::vector<std::string> strict = flags;
   strict.push_back("--max_distance_m=0.0001");
-  ASSERT_EQ(Compare(strict).exit_code, 0);
+  Succeeded(Compare(strict));
   for (const auto& row : Rows()) EXPECT_EQ(row["termination"], "too_few_inliers");
 }
 
 // Pairs at most 0.1 mm apart are too few; frames of too large residuals are lost after all.
 TEST_F(CompareTool, ReplaysWhatTrackingLost) {
   const std::string room = own_ / "room";
-  ASSERT_EQ(
-      RunProgram("surfit_simulate", {"--output=" + room, "--frames=3", "--downsample=4"}).exit_code,
-      0);
+  Succeeded(RunProgram("surfit_simulate", {"--output=" + room, "--frames=3", "--downsample=4"}));
   const std::pair<const char*, const char*> cases[] = {
       {"--max_distance_m=0.0001", "too_few_inliers"}, {"--max_rmse_m=1e-6", "converged"}};
   for (const auto& [flag, termination] : cases) {
@@ -177,8 +161,7 @@ TEST_F(CompareTool, ReplaysWhatTrackingLost) {
                                          "--nopictures", "--dump_failures=" + lost})
                   .exit_code,
               2);
-    const ProgramResult result = Compare({"--replay=" + lost + "/frame-000001"});
-    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const ProgramResult result = Succeeded(Compare({"--replay=" + lost + "/frame-000001"}));
     EXPECT_THAT(result.out, HasSubstr(std::string("ending in ") + termination));
     const nlohmann::json rows = Rows();
     ASSERT_EQ(rows.size(), 42u);

@@ -12,14 +12,11 @@ namespace {
 TEST(ConvertTool, WritesASequenceAsKlg) {
   const TempFolder folder;
   WriteTumSequence(folder, 5);
-  const ProgramResult result =
+  const ProgramResult result = Succeeded(
       RunProgram("surfit_convert", {"--sequence=" + folder.path(), "--stride=2", "--jpeg_quality=0",
-                                    "--output=" + (folder / "a.klg")});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+                                    "--output=" + (folder / "a.klg")}));
   EXPECT_THAT(result.out, HasSubstr("a.klg: 3 frames, 0 skipped, 0 depths"));
-  SequenceOptions options;
-  options.path = folder / "a.klg";
-  const auto frames = ReadAll(OpenSequence(options).get());
+  const auto frames = ReadAll(OpenSequence(OptionsOf(folder / "a.klg")).get());
   ASSERT_EQ(frames.size(), 3u);
   EXPECT_EQ(frames[2].frame->color, NumberedColor(4));
   EXPECT_DOUBLE_EQ(frames[2].stamp_s, 5.403);
@@ -32,8 +29,7 @@ TEST(ConvertTool, WritesCloudsAsPcdAndPly) {
   std::string from = folder / "map.ply";
   for (const char* name : {"a.pcd", "b.ply"}) {
     const ProgramResult result =
-        RunProgram("surfit_convert", {"--cloud=" + from, "--output=" + (folder / name)});
-    ASSERT_EQ(result.exit_code, 0) << result.err;
+        Succeeded(RunProgram("surfit_convert", {"--cloud=" + from, "--output=" + (folder / name)}));
     EXPECT_THAT(result.out, HasSubstr(": 1 points"));
     from = folder / name;
     const PointCloud read = ReadPointCloud(from);
@@ -47,9 +43,8 @@ TEST(ConvertTool, WritesCloudsAsPcdAndPly) {
 TEST(ConvertTool, WritesTrajectoriesAsKittiPoses) {
   const TempFolder folder;
   const std::string path = folder.Write("t.txt", "1.5 7 8 9 0 0 0 1\n");
-  const ProgramResult result =
-      RunProgram("surfit_convert", {"--trajectory=" + path, "--output=" + (folder / "poses.txt")});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  Succeeded(
+      RunProgram("surfit_convert", {"--trajectory=" + path, "--output=" + (folder / "poses.txt")}));
   EXPECT_THAT(ReadBytes(folder / "poses.txt"), HasSubstr("0.000000000 1.000000000 9.000000000\n"));
 }
 

@@ -50,8 +50,7 @@ class EvaluateTest : public ::testing::Test {
 
 TEST_F(EvaluateTest, PrintsTheFiguresOfTheLiftedSquare) {
   Write(kSquare, kLifted);
-  const ProgramResult result = Evaluate({});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const ProgramResult result = Succeeded(Evaluate({}));
   const auto json = nlohmann::json::parse(result.out);
   // Second order in h, as derived with the square.
   EXPECT_NEAR(json.at("ate_rmse_m"), kLift_m / 4, kLift_m * kLift_m);
@@ -67,8 +66,7 @@ TEST_F(EvaluateTest, PrintsTheFiguresOfTheLiftedSquare) {
 TEST_F(EvaluateTest, TakesTheStepFromTheFlags) {
   Write(kSquare, kLifted);
   for (const char* unit : {"frames", "seconds"}) {
-    const ProgramResult result = Evaluate({"--delta=2", Concat("--delta_unit=", unit)});
-    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const ProgramResult result = Succeeded(Evaluate({"--delta=2", Concat("--delta_unit=", unit)}));
     const auto json = nlohmann::json::parse(result.out);
     EXPECT_EQ(json.at("rpe_pairs"), 2);
     EXPECT_NEAR(json.at("rpe_translation_rmse_m"), kLift_m * std::sqrt(1. / 2), 1e-12);
@@ -92,8 +90,7 @@ TEST_F(EvaluateTest, TellsATimeOffsetBesideThePlainError) {
   EXPECT_TRUE(plain.at("time_offset_s").is_null());
   EXPECT_TRUE(plain.at("ate_at_time_offset_rmse_m").is_null());
   for (const char* offset : {"-0.02", "estimate"}) {
-    const ProgramResult result = Evaluate({Concat("--time_offset_s=", offset)});
-    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const ProgramResult result = Succeeded(Evaluate({Concat("--time_offset_s=", offset)}));
     const auto json = nlohmann::json::parse(result.out);
     EXPECT_EQ(json.at("ate_rmse_m"), plain.at("ate_rmse_m"));
     EXPECT_NEAR(json.at("time_offset_s"), -0.02, 2e-4);
@@ -106,8 +103,7 @@ TEST_F(EvaluateTest, TellsATimeOffsetBesideThePlainError) {
 
 TEST_F(EvaluateTest, ReportsNoStepAsNull) {
   Write(kSquare, kLifted);
-  const ProgramResult result = Evaluate({"--delta=10"});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const ProgramResult result = Succeeded(Evaluate({"--delta=10"}));
   EXPECT_TRUE(nlohmann::json::parse(result.out).at("rpe_translation_rmse_m").is_null());
   EXPECT_THAT(result.err, HasSubstr("no two poses are apart by 10 frames"));
 }
@@ -117,8 +113,7 @@ TEST_F(EvaluateTest, CoverageIsOfTheListedFrames) {
   EXPECT_EQ(nlohmann::json::parse(Evaluate({}).out).at("ate_coverage"), 0.75);
   const std::string frames = folder_.Write(
       "rgb.txt", "1305031453.004 a.png\n1305031454.004 b.png\n1305031455.004 c.png\n");
-  const ProgramResult result = Evaluate({"--frames=" + frames});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const ProgramResult result = Succeeded(Evaluate({"--frames=" + frames}));
   EXPECT_EQ(nlohmann::json::parse(result.out).at("ate_coverage"), 1);
 }
 
@@ -162,16 +157,14 @@ TEST_F(EvaluateTest, RefusesBadFlags) {
 TEST_F(EvaluateTest, TakesNamesThatAreNoUtf8) {
   Write(kSquare, kLifted);
   const ProgramResult result =
-      Evaluate({"--frames=" + folder_.Write("\xff.txt", "1305031453 a.png\n")});
-  EXPECT_EQ(result.exit_code, 0) << result.err;
+      Succeeded(Evaluate({"--frames=" + folder_.Write("\xff.txt", "1305031453 a.png\n")}));
   EXPECT_NO_THROW(nlohmann::json::parse(result.out));
 }
 
 TEST_F(EvaluateTest, TakesAFlagfile) {
   Write(kSquare, kLifted);
   const std::string flags = folder_.Write("flags", "--delta=2\n--max_difference_s=0.02\n");
-  const ProgramResult result = Evaluate({"--flagfile=" + flags});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const ProgramResult result = Succeeded(Evaluate({"--flagfile=" + flags}));
   EXPECT_EQ(nlohmann::json::parse(result.out).at("options").at("max_difference_s"), 0.02);
 }
 
@@ -187,8 +180,7 @@ TEST_F(EvaluateTest, RefusesAFlagfileThatItDoesNotUnderstand) {
 }
 
 TEST(EvaluateHelp, ShowsEveryDefault) {
-  const ProgramResult result = RunProgram("surfit_evaluate", {"--help"});
-  EXPECT_EQ(result.exit_code, 0);
+  const ProgramResult result = Succeeded(RunProgram("surfit_evaluate", {"--help"}));
   EXPECT_THAT(result.out, AllOf(HasSubstr("--max_difference_s=0.01"), HasSubstr("--delta=1"),
                                 HasSubstr("--delta_unit=frames")));
 }
@@ -198,10 +190,9 @@ TEST(EvaluateSharedData, ReadsMotionCaptureAndCountsFrames) {
   SURFIT_REQUIRE_SHARED_DATA("tum_fr1_desk_9");
   const std::string folder = SharedData("tum_fr1_desk_9");
   const ProgramResult result =
-      RunProgram("surfit_evaluate",
-                 {"--groundtruth=" + folder + "/groundtruth.txt",
-                  "--estimate=" + folder + "/groundtruth.txt", "--frames=" + folder + "/rgb.txt"});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+      Succeeded(RunProgram("surfit_evaluate", {"--groundtruth=" + folder + "/groundtruth.txt",
+                                               "--estimate=" + folder + "/groundtruth.txt",
+                                               "--frames=" + folder + "/rgb.txt"}));
   const auto json = nlohmann::json::parse(result.out);
   EXPECT_LT(json.at("ate_max_m"), 1e-9);
   EXPECT_EQ(json.at("poses_expected"), 9);
@@ -236,8 +227,7 @@ class EvaluateMapTest : public ::testing::Test {
 };
 
 TEST_F(EvaluateMapTest, PrintsAccuracyAndCompletenessAsJson) {
-  const ProgramResult result = Evaluate({});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const ProgramResult result = Succeeded(Evaluate({}));
   const auto json = nlohmann::json::parse(result.out);
   EXPECT_EQ(json.at("accuracy_mean_m"), (2 * 0.0078125 + 0.5) / 3);
   EXPECT_EQ(json.at("accuracy_median_m"), 0.0078125);
@@ -250,8 +240,7 @@ TEST_F(EvaluateMapTest, PrintsAccuracyAndCompletenessAsJson) {
 
 // At 0.5 m, inclusive, the third point counts too; the fourth is sqrt(0.25^2 + 0.5^2) m away.
 TEST_F(EvaluateMapTest, TakesTheDistanceOfCompletenessFromTheFlag) {
-  const ProgramResult result = Evaluate({"--completeness_distance_m=0.5"});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const ProgramResult result = Succeeded(Evaluate({"--completeness_distance_m=0.5"}));
   EXPECT_EQ(nlohmann::json::parse(result.out).at("completeness"), 0.75);
 }
 
@@ -270,8 +259,8 @@ TEST_F(EvaluateMapTest, TakesTheMapToTheReferenceAsTheTrajectoryIs) {
   }
   WriteSurfelPly(map, folder_ / "map.ply");
   EXPECT_GT(nlohmann::json::parse(Evaluate({}).out).at("accuracy_median_m"), 1);
-  const ProgramResult result = Evaluate({"--estimate=" + estimate, "--groundtruth=" + truth});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const ProgramResult result =
+      Succeeded(Evaluate({"--estimate=" + estimate, "--groundtruth=" + truth}));
   const auto json = nlohmann::json::parse(result.out);
   EXPECT_NEAR(json.at("accuracy_max_m"), 0.0078125, 1e-6);  // single precision at 1 m
   EXPECT_EQ(json.at("completeness"), 0.75);

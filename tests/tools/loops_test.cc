@@ -17,8 +17,7 @@ class DriftTest : public ::testing::Test {
   DriftTest(int frames, double drift_m, const std::vector<std::string>& flags) {
     std::vector<std::string> all = {"--output=" + sequence_, Concat("--frames=", frames)};
     all.insert(all.end(), flags.begin(), flags.end());
-    const ProgramResult simulated = RunProgram("surfit_simulate", all);
-    EXPECT_EQ(simulated.exit_code, 0) << simulated.err;
+    Succeeded(RunProgram("surfit_simulate", all));
     Trajectory poses = ReadTumTrajectory(sequence_ + "/groundtruth.txt");
     TumTrajectoryWriter writer(estimate_);
     for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -44,8 +43,7 @@ class FindLoopsTest : public DriftTest {
 
 TEST_F(FindLoopsTest, FindsRightLoopsAndWritesThem) {
   const ProgramResult result =
-      Find({"--run=" + run_, "--loop_gap=15", "--revisit_gap=15", "--threads=1"});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+      Succeeded(Find({"--run=" + run_, "--loop_gap=15", "--revisit_gap=15", "--threads=1"}));
   EXPECT_THAT(result.out, HasSubstr("60 frames (0 left out"));
   EXPECT_THAT(result.out, HasSubstr("wrong loops accepted: 0"));
   const PoseGraph graph = ReadG2o(folder_.path() + "/loops/loops.g2o").graph;
@@ -83,8 +81,7 @@ class EvaluateRevisitsTest : public DriftTest {
 // Frames 20 to 40 apart have drifted by 20 to 40 mm.
 TEST_F(EvaluateRevisitsTest, TellsWhichPosesLaySurfacesOverEachOther) {
   const ProgramResult result =
-      Evaluate({"--min_gap=20", "--max_distance_m=1", "--max_angle_deg=40"});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+      Succeeded(Evaluate({"--min_gap=20", "--max_distance_m=1", "--max_angle_deg=40"}));
   const auto json = nlohmann::json::parse(result.out);
   EXPECT_GT(json.at("pairs"), 5);
   EXPECT_EQ(json.at("unregistered"), 0);

@@ -68,8 +68,7 @@ PointCloud HalfSphere() {
 TEST(MeshTool, MeshesTheSimulatedRoom) {
   const TempFolder folder;
   const auto run = [](const char* program, const std::vector<std::string>& flags) {
-    const ProgramResult result = RunProgram(program, flags);
-    ASSERT_EQ(result.exit_code, 0) << program << ": " << result.err;
+    Succeeded(RunProgram(program, flags));
   };
   run("surfit_simulate", {"--output=" + (folder / "room"), "--frames=40", "--downsample=2"});
   run("surfit_slam", {"--sequence=" + (folder / "room"), "--output=" + (folder / "out"),
@@ -128,10 +127,8 @@ TEST(MeshTool, LeavesGapsThatNoSurfelReaches) {
   PointCloud cloud = TornPlane();
   const auto mesh = [&] {
     WritePly(cloud, folder / "plane.ply");
-    const ProgramResult result = RunProgram(
-        "surfit_mesh",
-        {"--map=" + (folder / "plane.ply"), "--output=" + (folder / "mesh.ply"), "--cell_m=0.004"});
-    ASSERT_EQ(result.exit_code, 0) << result.err;
+    Succeeded(RunProgram("surfit_mesh", {"--map=" + (folder / "plane.ply"),
+                                         "--output=" + (folder / "mesh.ply"), "--cell_m=0.004"}));
   };
   mesh();
   EXPECT_GT(CountInTheMiddle(folder / "mesh.ply"), 0u);
@@ -146,10 +143,9 @@ TEST(MeshTool, EndsWhereThePointsDo) {
   const TempFolder folder;
   WritePly(HalfSphere(), folder / "half.ply");
   for (const char* name : {"a.ply", "b.ply"}) {
-    const ProgramResult result = RunProgram(
-        "surfit_mesh",
-        {"--map=" + (folder / "half.ply"), "--output=" + (folder / name), "--cell_m=0.02"});
-    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const ProgramResult result =
+        Succeeded(RunProgram("surfit_mesh", {"--map=" + (folder / "half.ply"),
+                                             "--output=" + (folder / name), "--cell_m=0.02"}));
     EXPECT_THAT(result.out, HasSubstr("20000 points, 0 not finite"));
   }
   EXPECT_TRUE(ReadBytes(folder / "a.ply") == ReadBytes(folder / "b.ply"));
@@ -167,10 +163,8 @@ TEST(MeshTool, EndsWhereThePointsDo) {
 TEST(MeshTool, WritesObj) {
   const TempFolder folder;
   WritePly(HalfSphere(), folder / "half.ply");
-  const ProgramResult result = RunProgram(
-      "surfit_mesh",
-      {"--map=" + (folder / "half.ply"), "--cell_m=0.05", "--output=" + (folder / "mesh.obj")});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  Succeeded(RunProgram("surfit_mesh", {"--map=" + (folder / "half.ply"), "--cell_m=0.05",
+                                       "--output=" + (folder / "mesh.obj")}));
   std::istringstream file(ReadBytes(folder / "mesh.obj"));
   std::string line, word;
   double x = 0, y = 0, z = 0, red = 0;

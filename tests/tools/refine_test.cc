@@ -8,14 +8,13 @@
 #include "surfit/io/point_cloud.h"
 #include "surfit/io/trajectory_files.h"
 #include "testing/matchers.h"
+#include "testing/pixels.h"
 #include "testing/run_program.h"
 
 namespace surfit::testing {
 namespace {
 
 constexpr double kOffset = 0.02 / 3;  // 1/m: 2 % at 3 m
-
-void ExpectDone(const ProgramResult& result) { EXPECT_EQ(result.exit_code, 0) << result.err; }
 
 // Simulates a sequence whose depth is off, at every downsample-th pixel of 640 x 480.
 void Simulate(const std::string& folder, int frames, int downsample, int seed,
@@ -27,16 +26,15 @@ void Simulate(const std::string& folder, int frames, int downsample, int seed,
                                     "--surface_grid_m=0.05",
                                     "--inverse_depth_offset=" + std::to_string(offset_per_m)};
   flags.insert(flags.end(), more.begin(), more.end());
-  ExpectDone(RunProgram("surfit_simulate", flags));
+  Succeeded(RunProgram("surfit_simulate", flags));
 }
 
 TEST(RefineTool, RefinesASimulatedRunAndWritesWhatReadersTake) {
   const TempFolder folder;
   Simulate(folder / "in", 60, 4, 7);
-  ExpectDone(RunProgram("surfit_slam", {"--sequence=" + folder / "in", "--output=" + folder / "out",
-                                        "--pictures=false", "--last=55"}));
-  const ProgramResult result = RunProgram("surfit_refine", {"--run=" + folder / "out"});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  Succeeded(RunProgram("surfit_slam", {"--sequence=" + folder / "in", "--output=" + folder / "out",
+                                       "--pictures=false", "--last=55"}));
+  const ProgramResult result = Succeeded(RunProgram("surfit_refine", {"--run=" + folder / "out"}));
   EXPECT_THAT(result.out, HasSubstr("ATE RMSE, mm"));
   EXPECT_THAT(result.out, HasSubstr("scale is held"));
 
@@ -59,9 +57,9 @@ TEST(RefineTool, RefinesASimulatedRunAndWritesWhatReadersTake) {
 TEST(RefineTool, KnowsTheRunsFramesByTheirMoments) {
   const TempFolder folder;
   Simulate(folder / "in", 20, 4, 7);
-  ExpectDone(RunProgram("surfit_slam", {"--sequence=" + folder / "in", "--output=" + folder / "out",
-                                        "--pictures=false", "--latency_s=0.02"}));
-  ExpectDone(RunProgram("surfit_refine", {"--run=" + folder / "out", "--max_rounds=1"}));
+  Succeeded(RunProgram("surfit_slam", {"--sequence=" + folder / "in", "--output=" + folder / "out",
+                                       "--pictures=false", "--latency_s=0.02"}));
+  Succeeded(RunProgram("surfit_refine", {"--run=" + folder / "out", "--max_rounds=1"}));
   const std::string refined = folder / "out/refined";
   const Trajectory before = ReadTumTrajectory(folder / "out/trajectory.txt");
   const Trajectory after = ReadTumTrajectory(refined + "/trajectory.txt");
@@ -77,7 +75,7 @@ TEST(RefineTool, FindsAWrongCalibrationAndAThirdOfTheErrorIsLeft) {
     Simulate(folder / "in", 300, 2, seed);
     const double focal = 262.5;
     const std::string wrong = std::to_string(1.01 * focal);
-    ExpectDone(RunProgram(
+    Succeeded(RunProgram(
         "surfit_slam", {"--sequence=" + folder / "in", "--output=" + folder / "out", "--refine",
                         "--intrinsics=" + wrong + "," + wrong + ",159.75,119.75", "--map_period=1",
                         "--pictures=false"}));
@@ -101,9 +99,9 @@ TEST(RefineTool, KeepsARightCalibrationAndTheErrorDoesNotGrow) {
   for (const int seed : {4, 7, 11}) {
     const TempFolder folder;
     Simulate(folder / "in", 300, 2, seed, 0);
-    ExpectDone(RunProgram("surfit_slam",
-                          {"--sequence=" + folder / "in", "--refine", "--output=" + folder / "out",
-                           "--map_period=1", "--pictures=false"}));
+    Succeeded(RunProgram("surfit_slam",
+                         {"--sequence=" + folder / "in", "--refine", "--output=" + folder / "out",
+                          "--map_period=1", "--pictures=false"}));
     const auto json = nlohmann::json::parse(ReadBytes(folder / "out/refined/refinement.json"));
     const double before = json["ate_rmse_m"]["before"], after = json["ate_rmse_m"]["after"];
     std::printf("seed %d: squared distance %.1f of %.1f, ATE %.2f -> %.2f mm\n", seed,
@@ -121,21 +119,19 @@ TEST(RefineTool, FindsHowTheErrorOfDepthVariesOverTheImage) {
     const TempFolder folder;
     Simulate(folder / "in", 300, 2, seed, kOffset,
              {"--inverse_depth_distortion=0.002,-0.002,0.008,0.002,0.006"});
-    ExpectDone(RunProgram("surfit_slam", {"--sequence=" + folder / "in",
-                                          "--output=" + folder / "out", "--pictures=false"}));
-    ExpectDone(RunProgram("surfit_refine", {"--run=" + folder / "out", "--free_depth_field"}));
+    Succeeded(RunProgram("surfit_slam", {"--sequence=" + folder / "in",
+                                         "--output=" + folder / "out", "--pictures=false"}));
+    Succeeded(RunProgram("surfit_refine", {"--run=" + folder / "out", "--free_depth_field"}));
     const std::string refined = folder / "out/refined";
     const auto json = nlohmann::json::parse(ReadBytes(refined + "/refinement.json"));
     const double before = json["ate_rmse_m"]["before"], after = json["ate_rmse_m"]["after"];
     const PinholeCamera camera = ReadCameraYaml(refined + "/camera.yaml").depth;
     const InverseDepthField found = ReadInverseDepthField(refined + "/camera.yaml");
     double largest = 0;  // error of depth at 3 m, as a share, over the image
-    for (int v = 0; v < camera.height; ++v) {
-      for (int u = 0; u < camera.width; ++u) {
-        const Eigen::Vector3d ray = camera.Ray(u, v);
-        const double left = found.At(ray.x(), ray.y()) + error.At(ray.x(), ray.y());
-        largest = std::max(largest, 3 * std::abs(left));
-      }
+    for (const auto [u, v] : PixelsOf(camera)) {
+      const Eigen::Vector3d ray = camera.Ray(u, v);
+      const double left = found.At(ray.x(), ray.y()) + error.At(ray.x(), ray.y());
+      largest = std::max(largest, 3 * std::abs(left));
     }
     std::printf("seed %d: depth at 3 m off by up to %.3f %%, ATE %.1f -> %.2f mm\n", seed,
                 100 * largest, 1000 * before, 1000 * after);

@@ -82,8 +82,7 @@ class RegisterTool : public ::testing::Test {
 constexpr double kTolerance_rad = 4e-4, kTolerance_m = 1e-3;
 
 TEST_F(RegisterTool, FindsThePoseAndWritesIt) {
-  const ProgramResult result = Register(Source(), Target());
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const ProgramResult result = Succeeded(Register(Source(), Target()));
   EXPECT_THAT(result.out,
               AllOf(HasSubstr("source: 12000 points, normals from 0.0"),
                     ContainsRegex("iter 0: avg loss = [0-9.]+e[-+][0-9]+, inlier count = [0-9]+\n"),
@@ -124,8 +123,8 @@ TEST_F(RegisterTool, TakesNormalsOfTheFilesAndLeavesOutWhatIsNotFinite) {
   target.points.push_back({kNan, 0, 0});
   target.normals.push_back({0, 0, 1});
   WritePly(target, Target());
-  const ProgramResult result = Register(Source(), Target(), {"--max_normal_angle_deg=0"});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const ProgramResult result =
+      Succeeded(Register(Source(), Target(), {"--max_normal_angle_deg=0"}));
   EXPECT_THAT(result.out, HasSubstr("target: 12000 points, 1 more not finite, 1 without normal\n"));
   EXPECT_THAT(ParseTransform(ReadBytes(Output("transform.txt"))),
               RigidNear(Truth(), kTolerance_m, kTolerance_rad));
@@ -135,11 +134,10 @@ TEST_F(RegisterTool, RegistersByEachResidualAndSolver) {
   for (const char* flag :
        {"--residual=symmetric_point_to_plane", "--residual=plane_to_plane", "--solver=ceres",
         "--solver=tiny", "--solver=closed_form_qr", "--reciprocal", "--levels=1"}) {
-    const ProgramResult result = Register(Source(), Target(), {flag});
-    ASSERT_EQ(result.exit_code, 0) << flag << "\n" << result.err;
+    SCOPED_TRACE(flag);
+    Succeeded(Register(Source(), Target(), {flag}));
     EXPECT_THAT(ParseTransform(ReadBytes(Output("transform.txt"))),
-                RigidNear(Truth(), kTolerance_m, kTolerance_rad))
-        << flag;
+                RigidNear(Truth(), kTolerance_m, kTolerance_rad));
   }
 }
 
@@ -174,9 +172,8 @@ class AlignTool : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new TempFolder;
-    const ProgramResult result =
-        RunProgram("surfit_simulate", {"--output=" + Room(), "--frames=6", "--downsample=4"});
-    ASSERT_EQ(result.exit_code, 0) << result.err;
+    Succeeded(
+        RunProgram("surfit_simulate", {"--output=" + Room(), "--frames=6", "--downsample=4"}));
   }
   static void TearDownTestSuite() {
     delete folder_;
@@ -196,8 +193,7 @@ class AlignTool : public ::testing::Test {
 TempFolder* AlignTool::folder_ = nullptr;
 
 TEST_F(AlignTool, PrintsEachIterationAndWritesCloudsAndPictures) {
-  const ProgramResult result = Align(Room(), {"--source=0", "--target=2"});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const ProgramResult result = Succeeded(Align(Room(), {"--source=0", "--target=2"}));
   EXPECT_THAT(result.out,
               AllOf(ContainsRegex("iter 0: avg loss = [0-9.]+e[-+][0-9]+, inlier count = [0-9]+\n"),
                     HasSubstr("converged: "), HasSubstr("pose error: ")));
@@ -246,8 +242,7 @@ TEST_F(AlignTool, RefusesBadInputInOneSentence) {
 
 TEST_F(AlignTool, StartsFromFeaturesAndSaysWhatVerifiedTheFit) {
   for (const char* initialize : {"--initialize=so3", "--initialize=features"}) {
-    const ProgramResult result = Align(Room(), {"--source=0", "--target=5", initialize});
-    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const ProgramResult result = Succeeded(Align(Room(), {"--source=0", "--target=5", initialize}));
     EXPECT_THAT(result.out, ContainsRegex("verified by: overlap share 0\\.[0-9]+, correlation of "
                                           "brightness 0\\.[0-9]+"));
     // 14 mm a frame before, and less than a pixel (8 mm at 1 m) after
@@ -270,9 +265,9 @@ TEST_F(AlignTool, SaysThatLargeMotionsFailed) {
 // recorded poses are themselves centimetres off at that distance.
 TEST_F(AlignTool, FeaturesReachFramesFarApart) {
   SURFIT_REQUIRE_SHARED_DATA("seven_scenes_kitchen");
-  const ProgramResult result = Align(SharedData("seven_scenes_kitchen"),
-                                     {"--source=10", "--target=100", "--initialize=features"});
-  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const ProgramResult result =
+      Succeeded(Align(SharedData("seven_scenes_kitchen"),
+                      {"--source=10", "--target=100", "--initialize=features"}));
   EXPECT_THAT(result.out, ContainsRegex("pose error: 0\\.0[0-5]"));
 }
 

@@ -13,6 +13,7 @@
 #include "surfit/simulation/render.h"
 #include "surfit/simulation/scene.h"
 #include "testing/matchers.h"
+#include "testing/pixels.h"
 #include "testing/run_program.h"
 
 namespace surfit::testing {
@@ -50,7 +51,7 @@ class SimulateTest : public ::testing::Test {
 };
 
 TEST_F(SimulateTest, WritesTheRenderedFramesAsATumFolder) {
-  ASSERT_EQ(Simulate("room", {"--sensor=ideal", "--seed=3"}).exit_code, 0);
+  Succeeded(Simulate("room", {"--sensor=ideal", "--seed=3"}));
   const auto source = Open("room");
   EXPECT_EQ(source->info().format, "tum");
   EXPECT_EQ(source->info().frame_count, kFrames);
@@ -72,7 +73,7 @@ TEST_F(SimulateTest, WritesTheRenderedFramesAsATumFolder) {
 }
 
 TEST_F(SimulateTest, KinectDepthHasHolesAndSteps) {
-  ASSERT_EQ(Simulate("room", {"--sensor=kinect"}).exit_code, 0);
+  Succeeded(Simulate("room", {"--sensor=kinect"}));
   const auto read = Open("room")->Next();
   ASSERT_TRUE(read && read->frame);
   int missing = 0;
@@ -93,8 +94,8 @@ TEST_F(SimulateTest, KinectDepthHasHolesAndSteps) {
 // The convention of ICL-NUIM: u = fx x/z + cx, v = fy y/z + cy with fy < 0, in a camera and a world
 // that are mirrored. Mapping both by S = diag(1, -1, 1) must give the ordinary scene back.
 TEST_F(SimulateTest, ImageYUpIsTheMirroredWorldOfTheSamePictures) {
-  ASSERT_EQ(Simulate("up", {"--seed=1", "--sensor=ideal", "--image_y_up"}).exit_code, 0);
-  ASSERT_EQ(Simulate("down", {"--seed=1", "--sensor=ideal"}).exit_code, 0);
+  Succeeded(Simulate("up", {"--seed=1", "--sensor=ideal", "--image_y_up"}));
+  Succeeded(Simulate("down", {"--seed=1", "--sensor=ideal"}));
   const PinholeCamera camera = ReadCameraYaml(folder_ / "up/camera.yaml").depth;
   EXPECT_LT(camera.fy, 0);
   EXPECT_EQ(ReadBytes(folder_ / "up/groundtruth.txt"),
@@ -111,16 +112,13 @@ TEST_F(SimulateTest, ImageYUpIsTheMirroredWorldOfTheSamePictures) {
     const std::string file = std::to_string(i) + ".png";
     EXPECT_EQ(ReadBytes(folder_ / ("up/rgb/" + file)), name->second);
     const cv::Mat depth = cv::imread(folder_ / ("up/depth/" + file), cv::IMREAD_UNCHANGED);
-    for (int v = 0; v < depth.rows; ++v) {
-      for (int u = 0; u < depth.cols; ++u) {
-        const double z = depth.at<std::uint16_t>(v, u) * kUnit_m;
-        const Vector3d point_in_camera(z * (u - camera.cx) / camera.fx,
-                                       z * (v - camera.cy) / camera.fy, z);
-        const Vector3d point_in_mirrored_world = mirrored[i].world_from_camera * point_in_camera;
-        // Half a unit of depth along a ray of length 1.3.
-        EXPECT_LT(std::abs(scene.Distance(mirror * point_in_mirrored_world)),
-                  0.65 * kUnit_m + 1e-6);
-      }
+    for (const auto [u, v] : PixelsOf(depth.cols, depth.rows)) {
+      const double z = depth.at<std::uint16_t>(v, u) * kUnit_m;
+      const Vector3d point_in_camera(z * (u - camera.cx) / camera.fx,
+                                     z * (v - camera.cy) / camera.fy, z);
+      const Vector3d point_in_mirrored_world = mirrored[i].world_from_camera * point_in_camera;
+      // Half a unit of depth along a ray of length 1.3.
+      EXPECT_LT(std::abs(scene.Distance(mirror * point_in_mirrored_world)), 0.65 * kUnit_m + 1e-6);
     }
     EXPECT_THAT(Mirrored(mirrored[i].world_from_camera),
                 RigidNear(upright[i].world_from_camera, 4e-9, 8e-9));
@@ -128,8 +126,8 @@ TEST_F(SimulateTest, ImageYUpIsTheMirroredWorldOfTheSamePictures) {
 }
 
 TEST_F(SimulateTest, ImageYUpReadsBackAsTheOrdinarySequence) {
-  ASSERT_EQ(Simulate("up", {"--image_y_up"}).exit_code, 0);
-  ASSERT_EQ(Simulate("down", {}).exit_code, 0);
+  Succeeded(Simulate("up", {"--image_y_up"}));
+  Succeeded(Simulate("down", {}));
   const auto up = Open("up"), down = Open("down");
   EXPECT_EQ(up->info().format, "icl_nuim");
   EXPECT_TRUE(up->info().mirrored);
@@ -146,7 +144,7 @@ TEST_F(SimulateTest, ImageYUpReadsBackAsTheOrdinarySequence) {
 }
 
 TEST_F(SimulateTest, SurfaceIsExactAndDense) {
-  ASSERT_EQ(Simulate("room", {"--seed=2", "--sensor=ideal", "--surface_grid_m=0.02"}).exit_code, 0);
+  Succeeded(Simulate("room", {"--seed=2", "--sensor=ideal", "--surface_grid_m=0.02"}));
   const PointCloud surface = ReadPly(folder_ / "room/surface.ply");
   ASSERT_EQ(surface.normals.size(), surface.points.size());
   ASSERT_EQ(surface.colors.size(), surface.points.size());
@@ -179,17 +177,17 @@ TEST_F(SimulateTest, SurfaceIsExactAndDense) {
 }
 
 TEST_F(SimulateTest, SameSeedSameFilesAtAnyNumberOfThreads) {
-  ASSERT_EQ(Simulate("a", {"--threads=1"}).exit_code, 0);
-  ASSERT_EQ(Simulate("b", {"--threads=3"}).exit_code, 0);
-  ASSERT_EQ(Simulate("c", {"--seed=2"}).exit_code, 0);
+  Succeeded(Simulate("a", {"--threads=1"}));
+  Succeeded(Simulate("b", {"--threads=3"}));
+  Succeeded(Simulate("c", {"--seed=2"}));
   EXPECT_TRUE(Files("a") == Files("b"));
   EXPECT_NE(Files("a")["surface.ply"], Files("c")["surface.ply"]);
   EXPECT_NE(Files("a")["groundtruth.txt"], Files("c")["groundtruth.txt"]);
 }
 
 TEST_F(SimulateTest, ReplacesAFormerSimulationAndNothingElse) {
-  ASSERT_EQ(Simulate("room", {"--image_y_up"}).exit_code, 0);
-  ASSERT_EQ(Simulate("room", {}).exit_code, 0);
+  Succeeded(Simulate("room", {"--image_y_up"}));
+  Succeeded(Simulate("room", {}));
   EXPECT_EQ(Files("room").count("simulated.gt.freiburg"), 0u);
   folder_.Write("mine/thesis.tex", "irreplaceable");
   const ProgramResult refused = Simulate("mine", {});
@@ -200,21 +198,17 @@ TEST_F(SimulateTest, ReplacesAFormerSimulationAndNothingElse) {
 
 TEST_F(SimulateTest, AddsAFieldToInverseDepth) {
   const InverseDepthField error = {{0.006, 0.002, -0.003, 0.008, 0.004, 0.006}};
-  ASSERT_EQ(Simulate("exact", {"--sensor=ideal"}).exit_code, 0);
-  ASSERT_EQ(Simulate("off", {"--sensor=ideal", "--inverse_depth_offset=0.006",
-                             "--inverse_depth_distortion=0.002,-0.003,0.008,0.004,0.006"})
-                .exit_code,
-            0);
+  Succeeded(Simulate("exact", {"--sensor=ideal"}));
+  Succeeded(Simulate("off", {"--sensor=ideal", "--inverse_depth_offset=0.006",
+                             "--inverse_depth_distortion=0.002,-0.003,0.008,0.004,0.006"}));
   const auto source = Open("exact");
   const PinholeCamera camera = source->info().pinhole;
   const Image<float> exact = source->Next()->frame->depth_m;
   const Image<float> off = Open("off")->Next()->frame->depth_m;
-  for (int v = 0; v < camera.height; ++v) {
-    for (int u = 0; u < camera.width; ++u) {
-      const Eigen::Vector3d ray = camera.Ray(u, v);
-      // Both files have steps of kUnit_m.
-      EXPECT_NEAR(off(u, v), error.Corrected(exact(u, v), ray.x(), ray.y()), 1.1 * kUnit_m);
-    }
+  for (const auto [u, v] : PixelsOf(camera)) {
+    const Eigen::Vector3d ray = camera.Ray(u, v);
+    // Both files have steps of kUnit_m.
+    EXPECT_NEAR(off(u, v), error.Corrected(exact(u, v), ray.x(), ray.y()), 1.1 * kUnit_m);
   }
 }
 
@@ -240,8 +234,7 @@ TEST_F(SimulateTest, RefusesBadFlagsByName) {
 }
 
 TEST_F(SimulateTest, HelpListsTheFlagsWithTheirDefaults) {
-  const ProgramResult help = RunProgram("surfit_simulate", {"--help"});
-  EXPECT_EQ(help.exit_code, 0);
+  const ProgramResult help = Succeeded(RunProgram("surfit_simulate", {"--help"}));
   for (const char* const flag : {"--output", "--scene=room", "--frames=200", "--seed", "--sensor",
                                  "--surface_grid_m=0.005"}) {
     EXPECT_THAT(help.out, HasSubstr(flag));

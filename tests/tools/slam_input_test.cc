@@ -41,8 +41,8 @@ TEST_F(SlamTool, UsesGroundTruthForNothingButTheEvaluation) {
   for (std::size_t i = 0; i < poses.size(); ++i) file << stamps[i] << poses[i] << '\n';
   file.close();
 
-  ASSERT_EQ(Slam(Room(), Output("true")).exit_code, 0);
-  ASSERT_EQ(Slam(copy, Output("shuffled")).exit_code, 0);
+  Succeeded(Slam(Room(), Output("true")));
+  Succeeded(Slam(copy, Output("shuffled")));
   EXPECT_EQ(ReadBytes(Output("true") + "/trajectory.txt"),
             ReadBytes(Output("shuffled") + "/trajectory.txt"));
   const nlohmann::json right = Summary(Output("true")), wrong = Summary(Output("shuffled"));
@@ -53,9 +53,8 @@ TEST_F(SlamTool, UsesGroundTruthForNothingButTheEvaluation) {
 // Only stamps change, and with them what the truth says: the sensor's latency is evaluated with the
 // poses, and told beside it what they would be without.
 TEST_F(SlamTool, StampsPosesWithTheMomentThatTheyHoldFor) {
-  ASSERT_EQ(Slam(Room(), Output("plain")).exit_code, 0);
-  const ProgramResult result = Slam(Room(), Output("late"), {"--latency_s=0.02"});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  Succeeded(Slam(Room(), Output("plain")));
+  const ProgramResult result = Succeeded(Slam(Room(), Output("late"), {"--latency_s=0.02"}));
   EXPECT_EQ(ReadBytes(Output("plain") + "/map.ply"), ReadBytes(Output("late") + "/map.ply"));
   for (const char* name : {"/trajectory.txt", "/trajectory_online.txt"}) {
     const Trajectory plain = ReadTumTrajectory(Output("plain") + name);
@@ -77,8 +76,8 @@ TEST_F(SlamTool, StampsPosesWithTheMomentThatTheyHoldFor) {
 
 TEST_F(SlamTool, WritesTheTrajectoryOfAnImageWithYUpInItsOwnConvention) {
   const std::string mirrored = Simulate("mirrored", {"--image_y_up"});
-  ASSERT_EQ(Slam(Room(), Output("down")).exit_code, 0);
-  ASSERT_EQ(Slam(mirrored, Output("up")).exit_code, 0);
+  Succeeded(Slam(Room(), Output("down")));
+  Succeeded(Slam(mirrored, Output("up")));
   // The same images of the same room: inside, all but the stamps is the same.
   EXPECT_EQ(ReadBytes(Output("down") + "/map.ply"), ReadBytes(Output("up") + "/map.ply"));
   // Its own ground truth is met without a reflection ...
@@ -86,10 +85,8 @@ TEST_F(SlamTool, WritesTheTrajectoryOfAnImageWithYUpInItsOwnConvention) {
   for (const auto& entry : fs::directory_iterator(mirrored)) {
     if (entry.path().extension() == ".freiburg") truth = entry.path();
   }
-  const ProgramResult evaluation =
-      RunProgram("surfit_evaluate",
-                 {"--groundtruth=" + truth, "--estimate=" + Output("up") + "/trajectory.txt"});
-  ASSERT_EQ(evaluation.exit_code, 0) << evaluation.err;
+  Succeeded(RunProgram("surfit_evaluate", {"--groundtruth=" + truth,
+                                           "--estimate=" + Output("up") + "/trajectory.txt"}));
   // ... as well as the other one's (9 decimals are written).
   EXPECT_NEAR(Summary(Output("up"))["ate_rmse_m"], Summary(Output("down"))["ate_rmse_m"], 1e-6);
   EXPECT_NE(ReadBytes(Output("down") + "/trajectory.txt"),
@@ -103,8 +100,7 @@ TEST_F(SlamTool, SkipsAndCountsWhatCannotBeRead) {
   std::sort(depths.begin(), depths.end());
   fs::resize_file(depths[10], fs::file_size(depths[10]) / 2);
   fs::remove(depths[20]);
-  const ProgramResult result = Slam(copy, Output());
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const ProgramResult result = Succeeded(Slam(copy, Output()));
   EXPECT_THAT(result.err, HasSubstr(depths[10].filename().string()));
   EXPECT_THAT(result.err, HasSubstr(depths[20].filename().string()));
   const nlohmann::json summary = Summary(Output());
@@ -127,8 +123,7 @@ TEST_F(SlamTool, EndsEarlyButWholeOnSigintAndSigterm) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     program.Signal(signal);
-    const ProgramResult result = program.Wait();
-    ASSERT_EQ(result.exit_code, 0) << result.err;
+    Succeeded(program.Wait());
     const nlohmann::json summary = Summary(output);
     EXPECT_EQ(summary["interrupted"], true);
     EXPECT_LT(summary["frames_total"], 10000);
@@ -163,8 +158,7 @@ TEST_F(SlamTool, FollowsAFolderThatIsBeingFilled) {
   }
   copy(3, 6);
   live.Write("done", "");
-  const ProgramResult result = program.Wait();
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  Succeeded(program.Wait());
   const nlohmann::json summary = Summary(Output());
   EXPECT_EQ(summary["frames_total"], 6);
   EXPECT_EQ(summary["frames_tracked"], 6);
@@ -172,13 +166,13 @@ TEST_F(SlamTool, FollowsAFolderThatIsBeingFilled) {
 }
 
 TEST_F(SlamTool, FusesAlongGivenPoses) {
-  ASSERT_EQ(Slam(Room(), Output(), {"--poses=groundtruth"}).exit_code, 0);
+  Succeeded(Slam(Room(), Output(), {"--poses=groundtruth"}));
   // The files of truth and estimate have 9 decimals at least.
   EXPECT_LT(Summary(Output())["ate_rmse_m"], 1e-8);
 }
 
 TEST_F(SlamTool, BeginsAtTheInitialPose) {
-  ASSERT_EQ(Slam(Room(), Output(), {"--initial_pose=1,2,3,0.6,0,0,0.8", "--last=2"}).exit_code, 0);
+  Succeeded(Slam(Room(), Output(), {"--initial_pose=1,2,3,0.6,0,0,0.8", "--last=2"}));
   for (const std::string& line : Lines(Output() + "/trajectory.txt")) {
     if (line[0] == '#') continue;
     EXPECT_THAT(line, EndsWith(" 1.000000000 2.000000000 3.000000000 0.600000000 0.000000000 "

@@ -17,8 +17,7 @@ namespace {
 
 TEST_F(SlamTool, WritesTrajectoryMapTablesAndPictures) {
   pictures_ = true;
-  const ProgramResult result = Slam(Room(), Output());
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const ProgramResult result = Succeeded(Slam(Room(), Output()));
   EXPECT_THAT(result.out, HasSubstr("ATE RMSE"));
   const nlohmann::json summary = Summary(Output());
   EXPECT_EQ(summary["frames_total"], kFrames);
@@ -51,7 +50,7 @@ TEST_F(SlamTool, WritesTrajectoryMapTablesAndPictures) {
 }
 
 TEST_F(SlamTool, SaysWhatItDidAboutLoops) {
-  ASSERT_EQ(Slam(Room(), Output(), {"--loop_closure"}).exit_code, 0);
+  Succeeded(Slam(Room(), Output(), {"--loop_closure"}));
   const nlohmann::json summary = Summary(Output());
   EXPECT_GE(summary["keyframes"], 1);
   for (const char* key : {"loops_proposed", "loops_accepted", "loops_refused", "relocalisations",
@@ -68,14 +67,14 @@ TEST_F(SlamTool, SaysWhatItDidAboutLoops) {
 TEST_F(SlamTool, GivesTheSameDigestAgainAndAtAnyNumberOfThreads) {
   std::vector<std::string> digests;
   for (const char* threads : {"--threads=1", "--threads=2", "--threads=2", "--threads=4"}) {
-    ASSERT_EQ(Slam(Room(), Output(), {threads}).exit_code, 0);
+    Succeeded(Slam(Room(), Output(), {threads}));
     digests.push_back(Summary(Output())["digest"]);
   }
   EXPECT_THAT(digests, Each(digests[0]));
 }
 
 TEST_F(SlamTool, GivesTheSameDigestWithBaseInstructionsAlone) {
-  ASSERT_EQ(Slam(Room(), Output()).exit_code, 0);
+  Succeeded(Slam(Room(), Output()));
   const nlohmann::json best = Summary(Output());
   setenv("SURFIT_INSTRUCTIONS", "base", 1);
   const int exit_code = Slam(Room(), Output()).exit_code;
@@ -87,8 +86,7 @@ TEST_F(SlamTool, GivesTheSameDigestWithBaseInstructionsAlone) {
 TEST_F(SlamTool, TracesEveryStageOfEveryFrame) {
   const std::string trace = Output() + "/trace.json";
   const ProgramResult result =
-      Slam(Room(), Output(), {"--trace=" + trace, "--threads=2", "--map_period=3"});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+      Succeeded(Slam(Room(), Output(), {"--trace=" + trace, "--threads=2", "--map_period=3"}));
   const std::vector<Slice> slices = ReadSlices(trace);
   ExpectNesting(slices);
   std::map<std::pair<std::string, int>, int> counts;
@@ -114,7 +112,7 @@ TEST_F(SlamTool, TracksAlikeWithEverySolver) {
   std::vector<double> errors_m;
   for (const char* solver : {"--solver=closed_form_ldlt", "--solver=closed_form_lu",
                              "--solver=closed_form_qr", "--solver=ceres", "--solver=tiny"}) {
-    ASSERT_EQ(Slam(Room(), Output(), {solver, "--last=9"}).exit_code, 0);
+    Succeeded(Slam(Room(), Output(), {solver, "--last=9"}));
     errors_m.push_back(Summary(Output())["ate_rmse_m"]);
   }
   // They solve the same problem; their sums differ in the seventh digit (single against double
@@ -130,15 +128,14 @@ TEST_F(SlamTool, TracksAlikeWithEverySolver) {
 // An angle is a flag in degrees; a gate that differs in its last digit lets other pairs through,
 // now and then.
 TEST_F(SlamTool, TheDefaultGateIsTheLibrarysToTheLastBit) {
-  ASSERT_EQ(Slam(Room(), Output(), {"--last=1"}).exit_code, 0);
+  Succeeded(Slam(Room(), Output(), {"--last=1"}));
   const std::string degrees = Summary(Output())["options"]["max_normal_angle_deg"];
   EXPECT_EQ(std::stod(degrees) * (3.14159265358979323846 / 180),
             SlamOptions().icp.gates.max_normal_angle_rad);
 }
 
 TEST_F(SlamTool, HelpNamesEverydayFlagsWithTheirDefaultsOnTwoScreens) {
-  const ProgramResult result = RunProgram("surfit_slam", {"--help"});
-  EXPECT_EQ(result.exit_code, 0);
+  const ProgramResult result = Succeeded(RunProgram("surfit_slam", {"--help"}));
   for (const char* text : {"--sequence", "--output", "--downsample=1", "--solver=closed_form_ldlt",
                            "--flagfile", "--helpon=GROUP"}) {
     EXPECT_THAT(result.out, HasSubstr(text));
@@ -157,7 +154,7 @@ TEST_F(SlamTool, HelpOnAGroupOrOnAllNamesFurtherFlags) {
 }
 
 TEST_F(SlamTool, RecordsAllFlagsThoseOfItsPresetIncluded) {
-  ASSERT_EQ(Slam(Room(), Output(), {"--last=1", "--kernel_width=2.5"}).exit_code, 0);
+  Succeeded(Slam(Room(), Output(), {"--last=1", "--kernel_width=2.5"}));
   const auto options = Summary(Output())["options"];
   EXPECT_EQ(options["kernel_width"], "2.5");
   EXPECT_EQ(options["residual"], SlamOptions().icp.residual);
@@ -166,10 +163,9 @@ TEST_F(SlamTool, RecordsAllFlagsThoseOfItsPresetIncluded) {
 
 TEST_F(SlamTool, TakesFramesAsACameraOffersThem) {
   constexpr double kSlowFps = 2;  // that a busy machine keeps up with under sanitizers
-  ASSERT_EQ(Slam(Room(), Output("free")).exit_code, 0);
+  Succeeded(Slam(Room(), Output("free")));
   const ProgramResult result =
-      Slam(Room(), Output(), {"--offered_fps=" + std::to_string(kSlowFps)});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+      Succeeded(Slam(Room(), Output(), {"--offered_fps=" + std::to_string(kSlowFps)}));
   EXPECT_THAT(result.out, HasSubstr("latency"));
   const nlohmann::json summary = Summary(Output()), free = Summary(Output("free"));
   EXPECT_EQ(summary["frames_dropped"], 0);
@@ -181,7 +177,7 @@ TEST_F(SlamTool, TakesFramesAsACameraOffersThem) {
 }
 
 TEST_F(SlamTool, CountsFramesThatAreNotTakenInTime) {
-  ASSERT_EQ(Slam(Room(), Output(), {"--offered_fps=100000"}).exit_code, 0);
+  Succeeded(Slam(Room(), Output(), {"--offered_fps=100000"}));
   const nlohmann::json summary = Summary(Output());
   EXPECT_GT(summary["frames_dropped"], 0);
   EXPECT_EQ(summary["frames_dropped"].get<int>() + summary["frames_total"].get<int>(), kFrames);

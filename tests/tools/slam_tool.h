@@ -48,8 +48,7 @@ class SlamTool : public ::testing::Test {
     const std::string path = folder_->path() + "/" + name;
     flags.insert(flags.begin(), {"--output=" + path, "--frames=" + std::to_string(kFrames),
                                  "--sensor=kinect", "--downsample=4"});
-    const ProgramResult result = RunProgram("surfit_simulate", flags);
-    EXPECT_EQ(result.exit_code, 0) << result.err;
+    Succeeded(RunProgram("surfit_simulate", flags));
     return path;
   }
   static std::string Room() { return folder_->path() + "/room"; }

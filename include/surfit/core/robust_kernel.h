@@ -27,8 +27,6 @@ struct RobustKernel {
 
 // "none", "huber", "tukey", "geman_mcclure", "student_t", in this order.
 std::vector<std::string> RobustKernelNames();
-// Throws InputError that lists the names for an unknown one.
-RobustKernelType RobustKernelTypeFromName(const std::string& name);
 std::string ToString(RobustKernelType type);
 
 }  // namespace surfit

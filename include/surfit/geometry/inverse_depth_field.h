@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <cmath>
 #include <cstddef>
 
 #include "surfit/geometry/pinhole_camera.h"
@@ -55,12 +54,6 @@ struct InverseDepthField {
   bool IsZero() const {
     for (const double c : coefficients) {
       if (c != 0) return false;
-    }
-    return true;
-  }
-  bool IsFinite() const {
-    for (const double c : coefficients) {
-      if (!std::isfinite(c)) return false;
     }
     return true;
   }
