@@ -38,6 +38,67 @@ RgbdCamera SevenScenes() {
   return rgbd;
 }
 
+// Sensors as they come, without a calibration of their own. Their priors tell how far one of the
+// series may be off; docs/understand.md has a table of where each number is from. What has no
+// source is marked as assumed.
+
+// PrimeSense's sensor, registered by OpenNI. TUM's three calibrated ones have focal lengths that
+// are off from the driver's 525 by -1.5, -0.8 and 2.3 %, ratios by 0.4 % and centres by 9 px (root
+// mean squares); depth is off by a few centimetres (Boehm 2014, 18 sensors): a step of disparity.
+RgbdCamera PrimeSense() {
+  RgbdCamera rgbd = Registered(Vga(525, 525, 319.5, 239.5), 1000);
+  rgbd.latency_s = 0.02;
+  rgbd.readout_s = kKinectReadout_s;
+  rgbd.prior.focal_share = 0.017;
+  rgbd.prior.aspect_share = 0.004;
+  rgbd.prior.center_px = 9;
+  return rgbd;
+}
+
+// A sensor whose images are of one moment, stamped at it (assumed, to 10 ms).
+RgbdCamera GlobalShutter(const PinholeCamera& camera, double inverse_depth_sigma,
+                         const CalibrationPrior& prior) {
+  RgbdCamera rgbd = Registered(camera, 1000);
+  rgbd.noise.inverse_depth_sigma = inverse_depth_sigma;
+  rgbd.prior = prior;
+  rgbd.prior.latency_s = 0.01;
+  rgbd.prior.readout_s = 0.0005;
+  return rgbd;
+}
+
+// The intrinsics of the device that libfreenect2's users pass on; another's centre is 2 px and 5 px
+// from it, and the image's middle 1 px and 6 px. Noise of 4 mm and errors of 20 mm, both at 2 m,
+// and the focal length: assumed.
+RgbdCamera KinectV2() {
+  const PinholeCamera camera = {
+      512, 424, 365.456, 365.456, 254.878, 205.395, {0.0905474, -0.26819, 0, 0, 0.0950862}};
+  return GlobalShutter(camera, 0.001, {0.005, 0.001, 4, 0.005});
+}
+
+// A factory calibration (Azure Kinect Sensor SDK, issue 1617) for narrow, unbinned images that are
+// undistorted, as its polynomials are not OpenCV's five. Depth is off by 11 mm and 0.1 % (data
+// sheet; Toelgyessy et al., Sensors 2021, up to 3.5 m): by 13 mm at 2 m. Noise of 4 mm at 2 m, how
+// far others are from this one: assumed.
+RgbdCamera AzureKinect() {
+  return GlobalShutter({640, 576, 503.8, 503.7, 321.5, 329.0, {}}, 0.001, {0.005, 0.001, 5, 0.003});
+}
+
+// Stereo of 848 x 480, with a noise of disparity of 0.1 px (as in BAD SLAM). Z is right to `share`
+// at `range_m`. Factory calibrations of three D435 have focal lengths of 422.7, 424.2 and 426.8 px,
+// and a D455's centre is 8 px and 10 px from the image's.
+RgbdCamera RealSense(double focal_px, double baseline_m, double share, double range_m) {
+  return GlobalShutter({848, 480, focal_px, focal_px, 423.5, 239.5, {}},
+                       0.1 / (focal_px * baseline_m), {0.005, 0.001, 6, share / range_m});
+}
+
+// Reads its rows one after the other, in half a frame's time or so: assumed.
+RgbdCamera RealSenseD415() {
+  RgbdCamera rgbd = RealSense(665.5, 0.055, 0.02, 2);  // 65 degrees across
+  rgbd.readout_s = 1. / 60;
+  rgbd.prior.readout_s = 1. / 120;
+  return rgbd;
+}
+
 struct Preset {
   std::string name;
   RgbdCamera camera;
@@ -55,6 +116,13 @@ const std::vector<Preset>& Presets() {
       {"redwood", Registered(Vga(525, 525, 319.5, 239.5), 1000)},
       {"replica", Registered({1200, 680, 600, 600, 599.5, 339.5, {}}, 6553.5)},
       {"klg", Registered(Vga(528, 528, 320, 240), 1000)},
+      {"kinect_v1", PrimeSense()},
+      {"xtion", PrimeSense()},
+      {"kinect_v2", KinectV2()},
+      {"azure_kinect", AzureKinect()},
+      {"realsense_d415", RealSenseD415()},
+      {"realsense_d435", RealSense(424, 0.05, 0.02, 2)},
+      {"realsense_d455", RealSense(424, 0.095, 0.02, 4)},
   };
   return *presets;
 }

@@ -124,4 +124,49 @@ Trajectory MakePath(const Scene& scene, int frames, std::uint64_t seed,
   return best;
 }
 
+SmoothPath::SmoothPath(Trajectory poses) : poses_(std::move(poses)) {
+  CHECK(!poses_.empty());
+  const std::size_t count = poses_.size();
+  for (const StampedPose& pose : poses_) {
+    const Eigen::Quaterniond& q = pose.world_from_camera.rotation;
+    Knot knot;
+    knot << pose.world_from_camera.translation, q.coeffs();
+    // Of the two quaternions of a rotation the one on the side of that before.
+    if (!values_.empty() && knot.tail<4>().dot(values_.back().tail<4>()) < 0) knot.tail<4>() *= -1;
+    values_.push_back(knot);
+  }
+  // The second derivatives m: continuous slopes make, with steps h before and after,
+  //   h0 m0 + 2 (h0 + h1) m1 + h1 m2 = 6 ((y2 - y1) / h1 - (y1 - y0) / h0),
+  // and m is zero at both ends: a tridiagonal system (Thomas).
+  second_derivatives_.assign(count, Knot::Zero());
+  std::vector<double> above(count, 0);
+  const auto step = [&](std::size_t i) { return poses_[i + 1].stamp_s - poses_[i].stamp_s; };
+  const auto slope = [&](std::size_t i) -> Knot { return (values_[i + 1] - values_[i]) / step(i); };
+  for (std::size_t i = 0; i + 1 < count; ++i) CHECK_GT(step(i), 0);
+  std::vector<Knot>& m = second_derivatives_;
+  for (std::size_t i = 1; i + 1 < count; ++i) {
+    const double h0 = step(i - 1), h1 = step(i), pivot = 2 * (h0 + h1) - h0 * above[i - 1];
+    above[i] = h1 / pivot;
+    m[i] = (6 * (slope(i) - slope(i - 1)) - h0 * m[i - 1]) / pivot;
+  }
+  for (std::size_t i = count - 1; i-- > 1;) m[i] -= above[i] * m[i + 1];
+}
+
+Rigid3d SmoothPath::At(double stamp_s) const {
+  const auto next =
+      std::lower_bound(poses_.begin(), poses_.end(), stamp_s,
+                       [](const StampedPose& pose, double stamp) { return pose.stamp_s < stamp; });
+  if (next != poses_.end() && next->stamp_s == stamp_s) return next->world_from_camera;
+  if (poses_.size() == 1) return poses_[0].world_from_camera;
+  const auto last = static_cast<std::ptrdiff_t>(poses_.size()) - 1;
+  const auto i = std::clamp<std::ptrdiff_t>(next - poses_.begin() - 1, 0, last - 1);
+  const double h = poses_[i + 1].stamp_s - poses_[i].stamp_s;
+  const double a = (poses_[i + 1].stamp_s - stamp_s) / h, b = 1 - a;
+  // Beyond an end, where the second derivative is zero, straight on.
+  const auto cubic = [](double x) { return x < 0 ? -x : x * x * x - x; };
+  const Knot bend = cubic(a) * second_derivatives_[i] + cubic(b) * second_derivatives_[i + 1];
+  const Knot value = a * values_[i] + b * values_[i + 1] + h * h / 6 * bend;
+  return {Eigen::Quaterniond(Eigen::Vector4d(value.tail<4>())).normalized(), value.head<3>()};
+}
+
 }  // namespace surfit

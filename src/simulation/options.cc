@@ -1,6 +1,8 @@
 // The options of this room.
 #include "surfit/core/options.h"
 
+#include <algorithm>
+
 #include "surfit/core/error.h"
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
@@ -21,6 +23,30 @@ void KinectOptions::Visit(OptionVisitor& v) {
   v.Check([this] {
     if (max_depth_m > min_depth_m) return;
     throw InputError(Concat("max_depth_m is ", max_depth_m, ", must be above min_depth_m"));
+  });
+}
+
+void ColorOptions::Visit(OptionVisitor& v) {
+  v.Add(color_readout_s, "color_readout_s",
+        "of colour's rolling shutter: from the first row that is read, at the top, to the last",
+        Between(0, 1), InUnit("s"), AsFlag());
+  v.Add(exposure_s, "exposure_s", "colour gathers light for so long: blur", Between(0, 1),
+        InUnit("s"), AsFlag());
+  v.Add(exposure_samples, "exposure_samples",
+        "moments of the exposure whose light is rendered and averaged", Between(1, 1000), AsFlag());
+  v.Add(auto_exposure_lag_s, "auto_exposure_lag_s",
+        "the exposure follows the image's brightness with this time constant", AtLeast(0),
+        ZeroIs("fixed"), AsFlag());
+  v.Add(auto_white_balance_lag_s, "auto_white_balance_lag_s",
+        "and the gains of the channels its tint", AtLeast(0), ZeroIs("fixed"), AsFlag());
+  v.Add(channel_gains, "channel_gains",
+        "what red,green,blue are multiplied by besides; empty = 1,1,1", AsFlag());
+  v.Check([this] {
+    const bool are_positive =
+        std::all_of(channel_gains.begin(), channel_gains.end(), [](double g) { return g > 0; });
+    if ((channel_gains.empty() || channel_gains.size() == 3) && are_positive) return;
+    throw InputError(Concat("channel_gains is ", OptionToText(channel_gains),
+                            ", must be three positive numbers"));
   });
 }
 

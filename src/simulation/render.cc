@@ -16,11 +16,6 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-struct SurfacePoint {
-  SceneHit hit;
-  Vector3d point_in_world;
-};
-
 // IEC 61966-2-1, tabulated: linear light in [0, 1] to 8 bits.
 std::uint8_t ToSrgb(float linear) {
   static const auto table = [] {
@@ -35,76 +30,8 @@ std::uint8_t ToSrgb(float linear) {
   return table[std::lround(std::clamp(linear, 0.f, 1.f) * (table.size() - 1))];
 }
 
-struct Sphere {
-  Vector3d center;
-  double radius;
-};
-
-Sphere BoundingSphere(const std::vector<SurfacePoint>& points) {
-  Eigen::AlignedBox3d box;
-  for (const SurfacePoint& point : points) box.extend(point.point_in_world);
-  return {box.center(), box.diagonal().norm() / 2};
-}
-
-// The objects that can stand between the light and the points.
-std::vector<int> Occluders(const Scene& scene, const PointLight& light, const Sphere& points) {
-  const Vector3d to_points = points.center - light.position_in_world;
-  const double distance = to_points.norm();
-  const double half_angle =
-      distance > points.radius ? std::asin(points.radius / distance) : static_cast<double>(M_PI);
-  return scene.ObjectsInCone(light.position_in_world, to_points / distance, half_angle,
-                             distance + points.radius);
-}
-
-bool InShadow(const Scene& scene, const SurfacePoint& point, const Vector3d& to_light,
-              const std::vector<int>& occluders) {
-  constexpr double kOffSurface_m = 1e-4;
-  const Vector3d start = point.point_in_world + kOffSurface_m * point.hit.normal_in_world;
-  return scene.Intersect(start, to_light, occluders, 1.0).has_value();
-}
-
-float Daylight(const Vector3d& normal_in_world) {
-  return 0.26f + 0.1f * static_cast<float>(normal_in_world.z());
-}
-
-// Light per unit reflectance; falls off slower than 1/r^2, as light in a room with pale walls does.
-float LightFrom(const PointLight& light, const Vector3d& normal, const Vector3d& to_light) {
-  constexpr double kReach_m = 2.5;
-  const double distance = to_light.norm();
-  const double cosine = normal.dot(to_light) / distance;
-  const double relative = distance / kReach_m;
-  return cosine <= 0 ? 0.f
-                     : static_cast<float>(light.intensity * cosine / (1 + relative * relative));
-}
-
-// The colours of points that lie near to each other: reflectance times light, the light being soft
-// daylight from all around, brighter from above, and point lights with Lambert's law and shadows;
-// a fixed exposure, sRGB.
-std::vector<Rgb8> Shade(const Scene& scene, const std::vector<SurfacePoint>& points) {
-  if (points.empty()) return {};
-  std::vector<float> light_sum;
-  for (const SurfacePoint& point : points) {
-    light_sum.push_back(Daylight(point.hit.normal_in_world) +
-                        scene.objects()[point.hit.object].glow);
-  }
-  const Sphere sphere = BoundingSphere(points);
-  for (const PointLight& light : scene.lights) {
-    const std::vector<int> occluders =
-        light.casts_shadows ? Occluders(scene, light, sphere) : std::vector<int>();
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const Vector3d to_light = light.position_in_world - points[i].point_in_world;
-      const float amount = LightFrom(light, points[i].hit.normal_in_world, to_light);
-      if (amount > 0 && !InShadow(scene, points[i], to_light, occluders)) light_sum[i] += amount;
-    }
-  }
-  std::vector<Rgb8> colors;
-  colors.reserve(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Vector3f radiance =
-        light_sum[i] * scene.Reflectance(points[i].hit, points[i].point_in_world);
-    colors.push_back({ToSrgb(radiance.x()), ToSrgb(radiance.y()), ToSrgb(radiance.z())});
-  }
-  return colors;
+Rgb8 ToSrgb(const Vector3f& light) {
+  return {ToSrgb(light.x()), ToSrgb(light.y()), ToSrgb(light.z())};
 }
 
 // Small enough that few objects reach into a tile, large enough to be worth asking which.
@@ -118,6 +45,10 @@ struct View {
 
   Vector3d RayInWorld(double u, double v) const { return rotation * camera.Ray(u, v); }
 };
+
+View ViewFrom(const Scene& scene, const PinholeCamera& camera, const Rigid3d& world_from_camera) {
+  return {scene, camera, world_from_camera, world_from_camera.rotation.toRotationMatrix()};
+}
 
 struct Tile {
   int u_begin, u_end, v_begin, v_end;
@@ -172,48 +103,106 @@ std::vector<PixelHit> TraceTile(const View& view, const Tile& tile) {
   return hits;
 }
 
-void RenderTile(const View& view, const Tile& tile, Rendering* rendering) {
-  const std::vector<PixelHit> hits = TraceTile(view, tile);
-  std::vector<SurfacePoint> points;
-  points.reserve(hits.size());
+// What is drawn: the images that are not empty.
+struct SceneImages {
+  Rendering rendering;
+  LightImage light;
+};
+
+void DrawGeometry(const View& view, const std::vector<PixelHit>& hits, Rendering* rendering) {
   for (const auto& [u, v, hit] : hits) {
-    const Vector3d point = view.world_from_camera.translation + hit.t * view.RayInWorld(u, v);
-    points.push_back({hit, point});
     rendering->depth_m(u, v) = static_cast<float>(hit.t);
     const Vector3d normal = view.rotation.transpose() * hit.normal_in_world;
     rendering->normal.Set(u, v, normal.cast<float>());
     rendering->surface(u, v) = Rendering::SurfaceOf(hit);
   }
-  if (rendering->color.empty()) return;
-  const std::vector<Rgb8> colors = Shade(view.scene, points);
-  for (std::size_t i = 0; i < hits.size(); ++i) rendering->color(hits[i].u, hits[i].v) = colors[i];
 }
 
-// Fills the colours if there is an image for them.
-Rendering Render(const Scene& scene, const PinholeCamera& camera, const Rigid3d& world_from_camera,
-                 Image<Rgb8> color) {
+void DrawTile(const View& view, const Tile& tile, SceneImages* images) {
+  const std::vector<PixelHit> hits = TraceTile(view, tile);
+  Rendering& rendering = images->rendering;
+  if (!rendering.depth_m.empty()) DrawGeometry(view, hits, &rendering);
+  if (rendering.color.empty() && images->light.empty()) return;
+  std::vector<ScenePoint> points;
+  points.reserve(hits.size());
+  for (const auto& [u, v, hit] : hits) {
+    points.push_back({hit, view.world_from_camera.translation + hit.t * view.RayInWorld(u, v)});
+  }
+  const std::vector<Vector3f> light = view.scene.Light(points);
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    const auto& [u, v, hit] = hits[i];
+    if (!rendering.color.empty()) rendering.color(u, v) = ToSrgb(light[i]);
+    if (!images->light.empty()) images->light(u, v) = light[i];
+  }
+}
+
+Rendering BlankGeometry(const PinholeCamera& camera) {
+  return {Image<float>(camera.width, camera.height, 0.f), Image<Rgb8>(),
+          VectorImage(camera.width, camera.height),
+          Image<std::int32_t>(camera.width, camera.height, Rendering::kNothing)};
+}
+
+void Draw(const Scene& scene, const PinholeCamera& camera, const Rigid3d& world_from_camera,
+          SceneImages* images) {
   camera.Validate("camera");
-  Rendering rendering{Image<float>(camera.width, camera.height, 0.f), std::move(color),
-                      VectorImage(camera.width, camera.height),
-                      Image<std::int32_t>(camera.width, camera.height, Rendering::kNothing)};
-  const View view{scene, camera, world_from_camera, world_from_camera.rotation.toRotationMatrix()};
+  const View view = ViewFrom(scene, camera, world_from_camera);
   const std::vector<Tile> tiles = Tiles(camera);
   ParallelFor(0, static_cast<int>(tiles.size()), 8, [&](int begin, int end) {
-    for (int i = begin; i < end; ++i) RenderTile(view, tiles[i], &rendering);
+    for (int i = begin; i < end; ++i) DrawTile(view, tiles[i], images);
   });
-  return rendering;
+}
+
+// Each row by itself, in tiles that are as long as two or four of the others.
+void DrawRows(const Scene& scene, const PinholeCamera& camera, const PoseOfRow& world_from_camera,
+              SceneImages* images) {
+  constexpr int kTile = 32;
+  camera.Validate("camera");
+  ParallelFor(0, camera.height, 4, [&](int begin, int end) {
+    for (int v = begin; v < end; ++v) {
+      const View view = ViewFrom(scene, camera, world_from_camera(v));
+      for (int u = 0; u < camera.width; u += kTile) {
+        DrawTile(view, {u, std::min(u + kTile, camera.width), v, v + 1}, images);
+      }
+    }
+  });
 }
 
 }  // namespace
 
 Rendering Render(const Scene& scene, const PinholeCamera& camera,
                  const Rigid3d& world_from_camera) {
-  return Render(scene, camera, world_from_camera, Image<Rgb8>(camera.width, camera.height));
+  SceneImages images = {BlankGeometry(camera), {}};
+  images.rendering.color = Image<Rgb8>(camera.width, camera.height);
+  Draw(scene, camera, world_from_camera, &images);
+  return std::move(images.rendering);
 }
 
 Rendering RenderGeometry(const Scene& scene, const PinholeCamera& camera,
                          const Rigid3d& world_from_camera) {
-  return Render(scene, camera, world_from_camera, Image<Rgb8>());
+  SceneImages images = {BlankGeometry(camera), {}};
+  Draw(scene, camera, world_from_camera, &images);
+  return std::move(images.rendering);
+}
+
+Rendering RenderRows(const Scene& scene, const PinholeCamera& camera,
+                     const PoseOfRow& world_from_camera) {
+  SceneImages images = {BlankGeometry(camera), {}};
+  DrawRows(scene, camera, world_from_camera, &images);
+  return std::move(images.rendering);
+}
+
+LightImage RenderLight(const Scene& scene, const PinholeCamera& camera,
+                       const PoseOfRow& world_from_camera) {
+  SceneImages images = {{}, LightImage(camera.width, camera.height, Vector3f::Zero())};
+  DrawRows(scene, camera, world_from_camera, &images);
+  return std::move(images.light);
+}
+
+Image<Rgb8> Developed(const LightImage& light, const Vector3f& gains) {
+  Image<Rgb8> color(light.width(), light.height());
+  std::transform(light.begin(), light.end(), color.begin(),
+                 [&](const Vector3f& l) { return ToSrgb(Vector3f(gains.cwiseProduct(l))); });
+  return color;
 }
 
 RgbdFrame RenderFrame(const Scene& scene, const PinholeCamera& camera,

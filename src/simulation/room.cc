@@ -8,7 +8,6 @@
 
 #include "simulation/item.h"
 #include "simulation/random.h"
-#include "simulation/textures.h"
 
 namespace surfit {
 namespace {
@@ -107,8 +106,10 @@ void AddBareWall(const RoomPlan& room, int wall) {
   Line(room, wall,
        {{1.0, [=](const Item& at) { AddDoor(at, random); }}, {0.8, shelf}, {0.6, crate}});
   const double length = room.WallLength(wall);
-  for (double share = 0.2; share < 0.85; share += 0.05) {
+  double share = 0.2;
+  while (share < 0.85) {
     room.WallFrame(wall).Target({share * length, 0, random->Uniform(0.3, 1.2)});
+    share += 0.05;
   }
 }
 

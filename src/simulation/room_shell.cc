@@ -1,7 +1,6 @@
 #include <cmath>
 
 #include "simulation/room.h"
-#include "simulation/textures.h"
 
 namespace surfit {
 namespace {

@@ -8,6 +8,52 @@ namespace surfit {
 
 using Eigen::Vector3d;
 
+namespace {
+
+struct Sphere {
+  Vector3d center;
+  double radius;
+};
+
+Sphere BoundingSphere(const std::vector<ScenePoint>& points) {
+  Eigen::AlignedBox3d box;
+  for (const ScenePoint& point : points) box.extend(point.point_in_world);
+  return {box.center(), box.diagonal().norm() / 2};
+}
+
+// The objects that can stand between the light and the points.
+std::vector<int> Occluders(const Scene& scene, const PointLight& light, const Sphere& points) {
+  const Vector3d to_points = points.center - light.position_in_world;
+  const double distance = to_points.norm();
+  const double half_angle =
+      distance > points.radius ? std::asin(points.radius / distance) : static_cast<double>(M_PI);
+  return scene.ObjectsInCone(light.position_in_world, to_points / distance, half_angle,
+                             distance + points.radius);
+}
+
+bool InShadow(const Scene& scene, const ScenePoint& point, const Vector3d& to_light,
+              const std::vector<int>& occluders) {
+  constexpr double kOffSurface_m = 1e-4;
+  const Vector3d start = point.point_in_world + kOffSurface_m * point.hit.normal_in_world;
+  return scene.Intersect(start, to_light, occluders, 1.0).has_value();
+}
+
+float Daylight(const Vector3d& normal_in_world) {
+  return 0.26f + 0.1f * static_cast<float>(normal_in_world.z());
+}
+
+// Light per unit reflectance; falls off slower than 1/r^2, as light in a room with pale walls does.
+float LightFrom(const PointLight& light, const Vector3d& normal, const Vector3d& to_light) {
+  constexpr double kReach_m = 2.5;
+  const double distance = to_light.norm();
+  const double cosine = normal.dot(to_light) / distance;
+  const double relative = distance / kReach_m;
+  return cosine <= 0 ? 0.f
+                     : static_cast<float>(light.intensity * cosine / (1 + relative * relative));
+}
+
+}  // namespace
+
 void Scene::Add(ShapePtr shape, const Rigid3d& world_from_object, Texture texture, float glow) {
   placements_.push_back({world_from_object.rotation.conjugate().toRotationMatrix(),
                          world_from_object.translation, shape->BoundingRadius()});
@@ -77,6 +123,31 @@ Eigen::Vector3f Scene::Reflectance(const SceneHit& hit, const Vector3d& point_in
   const Placement& place = placements_[hit.object];
   return objects_[hit.object].texture(place.object_from_world *
                                       (point_in_world - place.center_in_world));
+}
+
+std::vector<Eigen::Vector3f> Scene::Light(const std::vector<ScenePoint>& points) const {
+  if (points.empty()) return {};
+  std::vector<float> light_sum;
+  light_sum.reserve(points.size());
+  for (const ScenePoint& point : points) {
+    light_sum.push_back(Daylight(point.hit.normal_in_world) + objects_[point.hit.object].glow);
+  }
+  const Sphere sphere = BoundingSphere(points);
+  for (const PointLight& light : lights) {
+    const std::vector<int> occluders =
+        light.casts_shadows ? Occluders(*this, light, sphere) : std::vector<int>();
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Vector3d to_light = light.position_in_world - points[i].point_in_world;
+      const float amount = LightFrom(light, points[i].hit.normal_in_world, to_light);
+      if (amount > 0 && !InShadow(*this, points[i], to_light, occluders)) light_sum[i] += amount;
+    }
+  }
+  std::vector<Eigen::Vector3f> reflected;
+  reflected.reserve(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    reflected.emplace_back(light_sum[i] * Reflectance(points[i].hit, points[i].point_in_world));
+  }
+  return reflected;
 }
 
 }  // namespace surfit

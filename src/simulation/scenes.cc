@@ -3,7 +3,6 @@
 
 #include "simulation/item.h"
 #include "simulation/room.h"
-#include "simulation/textures.h"
 #include "surfit/core/error.h"
 #include "surfit/simulation/scene.h"
 

@@ -1,11 +1,10 @@
-#include "simulation/textures.h"
-
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <vector>
 
+#include "simulation/item.h"
 #include "simulation/random.h"
 
 namespace surfit {
@@ -140,7 +139,7 @@ Texture Poster(double width_m, double height_m, std::uint64_t seed) {
   return [=](const Vector3d& p) {
     const Vector2d point(p.x(), p.z());
     constexpr double kFrame_m = 0.02;
-    if ((half - point.cwiseAbs()).minCoeff() < kFrame_m) return frame;
+    if ((half - point.cwiseAbs()).minCoeff() < kFrame_m) return Color(frame);
     Color color = background;
     for (const Figure& figure : figures) {
       if (figure.Covers(point)) color = figure.color;

@@ -8,17 +8,64 @@ namespace surfit::testing {
 namespace {
 
 TEST(CameraPreset, EveryNameGivesAValidCamera) {
-  EXPECT_EQ(CameraPresetNames().size(), 8u);
+  EXPECT_EQ(CameraPresetNames().size(), 15u);
   for (const std::string& name : CameraPresetNames()) {
     EXPECT_NO_THROW(CameraPreset(name).Validate(name));
   }
 }
 
 // Of Kinects and Xtions that are stamped on arrival; nothing tells of the others' stamps.
-TEST(CameraPreset, OnlyTumsHaveALatency) {
+TEST(CameraPreset, OnlyTumsAndTheirSensorsHaveALatency) {
   for (const std::string& name : CameraPresetNames()) {
-    EXPECT_EQ(CameraPreset(name).latency_s, name.rfind("tum_", 0) == 0 ? 0.02 : 0) << name;
+    const bool is_stamped_on_arrival =
+        name.rfind("tum_", 0) == 0 || name == "kinect_v1" || name == "xtion";
+    EXPECT_EQ(CameraPreset(name).latency_s, is_stamped_on_arrival ? 0.02 : 0) << name;
   }
+}
+
+std::array<double, 9> Numbers(const CalibrationPrior& prior) {
+  const auto& [focal, aspect, center, depth, latency, color_latency, readout, translation,
+               rotation] = prior;
+  return {focal, aspect, center, depth, latency, color_latency, readout, translation, rotation};
+}
+
+// What a data set's own calibration is known to: its results stay as they were.
+TEST(CameraPreset, OfDataSetsHaveTheUsualPrior) {
+  for (const char* const name :
+       {"tum_fr1", "tum_fr2", "tum_fr3", "icl_nuim", "seven_scenes", "redwood", "replica", "klg"}) {
+    EXPECT_EQ(Numbers(CameraPreset(name).prior), Numbers(CalibrationPrior())) << name;
+  }
+}
+
+// TUM's three calibrated sensors are within three standard deviations of their series, and what is
+// known of it is no wider than they show.
+TEST(CameraPreset, KnowsHowFarPrimeSensesSensorsDiffer) {
+  const RgbdCamera series = CameraPreset("kinect_v1");
+  double focal = 0, aspect = 0, center = 0;  // mean squares, in variances
+  for (const char* const name : {"tum_fr1", "tum_fr2", "tum_fr3"}) {
+    const PinholeCamera one = CameraPreset(name).depth;
+    const double fx = (one.fx / series.depth.fx - 1) / series.prior.focal_share;
+    const double fy = (one.fy / series.depth.fy - 1) / series.prior.focal_share;
+    const double cx = (one.cx - series.depth.cx) / series.prior.center_px;
+    const double cy = (one.cy - series.depth.cy) / series.prior.center_px;
+    const double ratio = (one.fx / one.fy - 1) / series.prior.aspect_share;
+    for (const double sigmas : {fx, fy, cx, cy, ratio}) EXPECT_LT(std::abs(sigmas), 3) << name;
+    focal += (fx * fx + fy * fy) / 6;
+    center += (cx * cx + cy * cy) / 6;
+    aspect += ratio * ratio / 3;
+  }
+  for (const double mean_square : {focal, aspect, center}) EXPECT_NEAR(mean_square, 1, 0.15);
+}
+
+// Inverse depth off by what the makers and testers tell.
+TEST(CameraPreset, KnowsTheErrorsOfDepthThatDataSheetsTell) {
+  const auto error_m = [](const char* name, double z_m) {
+    return CameraPreset(name).prior.inverse_depth_sigma * z_m * z_m;
+  };
+  EXPECT_NEAR(error_m("realsense_d415", 2), 0.02 * 2, 1e-12);
+  EXPECT_NEAR(error_m("realsense_d435", 2), 0.02 * 2, 1e-12);
+  EXPECT_NEAR(error_m("realsense_d455", 4), 0.02 * 4, 1e-12);
+  EXPECT_NEAR(error_m("azure_kinect", 2), 0.011 + 0.001 * 2, 0.002);
 }
 
 TEST(CameraPreset, AnUnknownNameListsTheKnownOnes) {
@@ -91,12 +138,6 @@ TEST(CameraYaml, ReadsWhatItWrites) {
   EXPECT_EQ(read.latency_s, camera.latency_s);
   // Numbers are written with 17 digits; reading normalises the quaternion: a rounding error.
   EXPECT_LT((read.color_from_depth.Matrix() - camera.color_from_depth.Matrix()).norm(), 1e-15);
-}
-
-std::array<double, 9> Numbers(const CalibrationPrior& prior) {
-  const auto& [focal, aspect, center, depth, latency, color_latency, readout, translation,
-               rotation] = prior;
-  return {focal, aspect, center, depth, latency, color_latency, readout, translation, rotation};
 }
 
 // Also what is written only where it is not the default.

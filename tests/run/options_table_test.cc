@@ -55,8 +55,8 @@ using AllOptions = ::testing::Types<
     PlaceIndexOptions, VerifyLoopOptions, FindLoopsOptions, RelocalizeOptions, EdgeNoise,
     PoseGraphOptions, LoopOptions, SlamOptions, CalibrationPrior, RefinementOptions, MatchOptions,
     RelativePoseErrorOptions, TrajectoryEvaluationOptions, MapErrorOptions, KlgOptions,
-    KinectOptions, PathOptions, ReportOptions, SlamRunOptions, AlignRunOptions, RegisterRunOptions,
-    RefineRunOptions, RevisitOptions, FindLoopsRunOptions, CompareOptions>;
+    KinectOptions, ColorOptions, PathOptions, ReportOptions, SlamRunOptions, AlignRunOptions,
+    RegisterRunOptions, RefineRunOptions, RevisitOptions, FindLoopsRunOptions, CompareOptions>;
 TYPED_TEST_SUITE(OptionTables, AllOptions);
 
 TYPED_TEST(OptionTables, NameEveryFieldOnce) { ExpectAll<TypeParam>(FieldCount<TypeParam>()); }

@@ -25,25 +25,34 @@ struct SimulatedSequence {
 
 enum class Sensor { kIdeal, kKinect };
 
+// By a camera as it is in truth; stamps are those of its images, late by its latency.
 inline SimulatedSequence Simulate(const std::string& name, std::uint64_t seed, int frames,
-                                  Sensor sensor, const PinholeCamera& camera = SimulatedCamera()) {
+                                  Sensor sensor, const RgbdCamera& camera,
+                                  const ColorOptions& color = {}) {
   const Scene scene = MakeScene(name, seed);
+  const Trajectory path = MakePath(scene, frames, seed);
+  const MovingCamera moving(scene, camera, path, color);
   SimulatedSequence sequence;
-  sequence.camera = camera;
-  for (const StampedPose& pose : MakePath(scene, frames, seed)) {
-    const int index = static_cast<int>(sequence.frames.size());
-    Rendering image = Render(scene, sequence.camera, pose.world_from_camera);
+  sequence.camera = camera.depth;
+  for (int i = 0; i < frames; ++i) {
+    Rendering image = moving.Frame(i);
     RgbdFrame frame;
-    frame.index = index;
-    frame.stamp_s = pose.stamp_s;
-    frame.depth_m = sensor == Sensor::kIdeal
-                        ? std::move(image.depth_m)
-                        : KinectDepth(image.depth_m, sequence.camera, seed + index);
+    frame.index = i;
+    frame.stamp_s = frame.color_stamp_s = path[i].stamp_s + camera.latency_s;
+    frame.depth_m = sensor == Sensor::kIdeal ? std::move(image.depth_m)
+                                             : KinectDepth(image.depth_m, camera.depth, seed + i);
     frame.color = std::move(image.color);
     sequence.frames.push_back(std::move(frame));
-    sequence.world_from_camera.push_back(pose.world_from_camera);
+    sequence.world_from_camera.push_back(path[i].world_from_camera);
   }
   return sequence;
+}
+
+inline SimulatedSequence Simulate(const std::string& name, std::uint64_t seed, int frames,
+                                  Sensor sensor, const PinholeCamera& camera = SimulatedCamera()) {
+  RgbdCamera plain;
+  plain.depth = camera;
+  return Simulate(name, seed, frames, sensor, plain);
 }
 
 inline SimulatedSequence SimulateRoom(std::uint64_t seed, int frames, Sensor sensor) {

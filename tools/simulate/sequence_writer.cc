@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <iomanip>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -75,8 +76,8 @@ void WritePoses(const Trajectory& trajectory, const std::string& path) {
 }  // namespace
 
 SequenceWriter::SequenceWriter(const std::string& folder, SequenceLayout layout,
-                               const RgbdCamera& camera)
-    : folder_(folder), layout_(layout), camera_(camera) {
+                               const RgbdCamera& camera, double latency_s)
+    : folder_(folder), layout_(layout), camera_(camera), latency_s_(latency_s) {
   MakeEmptyFolder(folder);
   const bool mirrored = layout == SequenceLayout::kIclNuim;
   WriteCameraYaml(mirrored ? Mirrored(camera) : camera, folder + "/camera.yaml");
@@ -88,7 +89,7 @@ double SequenceWriter::StampOf(int i, double stamp_s) const {
 
 std::string SequenceWriter::NameOf(int i, double stamp_s) const {
   if (layout_ == SequenceLayout::kIclNuim) return std::to_string(i);
-  return std::to_string(stamp_s);  // six decimals
+  return std::to_string(ImageStamp(stamp_s));  // six decimals
 }
 
 void SequenceWriter::WriteLists(const Trajectory& world_from_camera) const {
@@ -101,11 +102,11 @@ void SequenceWriter::WriteLists(const Trajectory& world_from_camera) const {
     poses.push_back({StampOf(frame, pose.stamp_s),
                      icl ? Mirrored(pose.world_from_camera) : pose.world_from_camera});
     const std::string name = NameOf(frame, pose.stamp_s);
-    const std::string color = name + " rgb/" + name + ".png";
-    const std::string depth = name + " depth/" + name + ".png";
+    const std::string color = Concat(name, " rgb/", name, ".png");
+    const std::string depth = Concat(name, " depth/", name, ".png");
     color_list += color + "\n";
     depth_list += depth + "\n";
-    pairs += (icl ? depth + " " + color : color + " " + depth) + "\n";
+    pairs += icl ? Concat(depth, " ", color, "\n") : Concat(color, " ", depth, "\n");
   }
   const auto write = [&](const char* name, const std::string& text) {
     WriteFileAtomically(folder_ + "/" + name, [&](std::ostream& out) { out << text; });
@@ -118,6 +119,24 @@ void SequenceWriter::WriteLists(const Trajectory& world_from_camera) const {
     write("rgb.txt", color_list);
     write("depth.txt", depth_list);
   }
+}
+
+void SequenceWriter::WriteTruth(const Trajectory& world_from_camera,
+                                const SequenceTruth& truth) const {
+  const bool mirrored = layout_ == SequenceLayout::kIclNuim;
+  WriteCameraYaml(mirrored ? Mirrored(truth.camera) : truth.camera, folder_ + "/truth_camera.yaml",
+                  mirrored ? Mirrored(truth.field) : truth.field);
+  WriteFileAtomically(folder_ + "/truth_color.txt", [&](std::ostream& out) {
+    out << "# image, middle of exposure and readout in the time of groundtruth.txt (s), exposure "
+           "(s), readout (s), gains of red, green and blue\n"
+        << std::setprecision(std::numeric_limits<double>::max_digits10);
+    for (std::size_t i = 0; i < world_from_camera.size(); ++i) {
+      const Eigen::Vector3f& gain = truth.gains[i];
+      out << "rgb/" << NameOf(static_cast<int>(i), world_from_camera[i].stamp_s) << ".png "
+          << truth.color_moments_s[i] << " " << truth.exposure_s << " " << truth.color_readout_s
+          << " " << gain.x() << " " << gain.y() << " " << gain.z() << "\n";
+    }
+  });
 }
 
 void SequenceWriter::WriteFrame(int i, double stamp_s, const Image<Rgb8>& color,

@@ -17,15 +17,15 @@ bool SurfaceSampler::IsFirstInItsCube(const Eigen::Vector3d& point_in_world) {
 }
 
 void SurfaceSampler::Add(const Rendering& rendering, const Image<float>& measured_depth_m,
-                         const PinholeCamera& camera, const Rigid3d& world_from_camera) {
+                         const PinholeCamera& camera, const PoseOfRow& world_from_camera) {
   for (int v = 0; v < camera.height; ++v) {
+    const Rigid3d pose = world_from_camera(v);
     for (int u = 0; u < camera.width; ++u) {
       if (measured_depth_m(u, v) == 0) continue;
-      const Eigen::Vector3d point =
-          world_from_camera * (rendering.depth_m(u, v) * camera.Ray(u, v));
+      const Eigen::Vector3d point = pose * (rendering.depth_m(u, v) * camera.Ray(u, v));
       if (!IsFirstInItsCube(point)) continue;
-      cloud_.points.push_back(point.cast<float>());
-      cloud_.normals.push_back(world_from_camera.rotation.cast<float>() * rendering.normal(u, v));
+      cloud_.points.emplace_back(point.cast<float>());
+      cloud_.normals.push_back(pose.rotation.cast<float>() * rendering.normal(u, v));
       cloud_.colors.push_back(rendering.color(u, v));
     }
   }

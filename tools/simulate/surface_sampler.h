@@ -15,9 +15,9 @@ class SurfaceSampler {
  public:
   explicit SurfaceSampler(double grid_m) : grid_m_(grid_m) {}
 
-  // Adds what is exact in `rendering` where the sensor measured anything.
+  // Adds what is exact in `rendering` where the sensor measured anything, each row by its pose.
   void Add(const Rendering& rendering, const Image<float>& measured_depth_m,
-           const PinholeCamera& camera, const Rigid3d& world_from_camera);
+           const PinholeCamera& camera, const PoseOfRow& world_from_camera);
 
   const PointCloud& cloud() const { return cloud_; }
 

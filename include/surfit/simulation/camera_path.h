@@ -1,6 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
+#include <vector>
 
 #include "surfit/geometry/trajectory.h"
 #include "surfit/simulation/scene.h"
@@ -30,5 +32,25 @@ struct PathOptions {
 // frames < 1.
 Trajectory MakePath(const Scene& scene, int frames, std::uint64_t seed,
                     const PathOptions& options = {});
+
+// A path between its poses, with continuous accelerations: a natural cubic spline through the
+// positions, and one through the quaternions, which are brought to unit length. Before the first
+// and after the last pose it goes on as it was going.
+class SmoothPath {
+ public:
+  // Stamps must rise; there must be a pose.
+  explicit SmoothPath(Trajectory poses);
+
+  // At a stamp of a pose that pose, bit for bit.
+  Rigid3d At(double stamp_s) const;
+
+  const Trajectory& poses() const { return poses_; }
+
+ private:
+  using Knot = Eigen::Matrix<double, 7, 1>;  // position in metres, quaternion xyzw
+
+  Trajectory poses_;
+  std::vector<Knot> values_, second_derivatives_;
+};
 
 }  // namespace surfit

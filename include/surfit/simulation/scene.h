@@ -77,6 +77,12 @@ struct SceneHit {
   int face = Shape::kCurved;
 };
 
+// The point of the scene where a ray meets it.
+struct ScenePoint {
+  SceneHit hit;
+  Eigen::Vector3d point_in_world;
+};
+
 // Solids with colours, in metres, z up, and how they are lit and filmed.
 class Scene {
  public:
@@ -99,6 +105,11 @@ class Scene {
   double Distance(const Eigen::Vector3d& point_in_world) const;
 
   Eigen::Vector3f Reflectance(const SceneHit& hit, const Eigen::Vector3d& point_in_world) const;
+
+  // Linear light, red green blue, from points that lie near to each other: reflectance times the
+  // light that falls there, which is soft daylight from all around, brighter from above, and point
+  // lights with Lambert's law and shadows.
+  std::vector<Eigen::Vector3f> Light(const std::vector<ScenePoint>& points) const;
 
   std::vector<PointLight> lights;
   Eigen::AlignedBox3d camera_space;    // where a camera path may lead ...
