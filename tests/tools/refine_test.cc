@@ -69,6 +69,24 @@ TEST(RefineTool, KnowsTheRunsFramesByTheirMoments) {
   EXPECT_EQ(ReadCameraYaml(refined + "/camera.yaml").latency_s, 0.02);
 }
 
+TEST(RefineTool, TakesTheSensorsPriorUnlessAFlagSaysOtherwise) {
+  const TempFolder folder;
+  Simulate(folder / "in", 20, 4, 7);
+  RgbdCamera sensor = ReadCameraYaml(folder / "in/camera.yaml");
+  sensor.prior.focal_share = 1e-6;
+  sensor.prior.center_px = 1e-6;
+  WriteCameraYaml(sensor, folder / "in/camera.yaml");
+  Succeeded(RunProgram("surfit_slam", {"--sequence=" + folder / "in", "--output=" + folder / "out",
+                                       "--pictures=false"}));
+  Succeeded(RunProgram("surfit_refine",
+                       {"--run=" + folder / "out", "--max_rounds=1", "--prior_center_px=3"}));
+  const auto json = nlohmann::json::parse(ReadBytes(folder / "out/refined/refinement.json"));
+  EXPECT_EQ(json["options"]["prior_focal_share"], "1e-06");
+  EXPECT_EQ(json["options"]["prior_center_px"], "3");
+  EXPECT_EQ(json["options"]["prior_aspect_share"], "0.001");
+  EXPECT_EQ(ReadCameraYaml(folder / "out/refined/camera.yaml").prior.focal_share, 1e-6);
+}
+
 TEST(RefineTool, FindsAWrongCalibrationAndAThirdOfTheErrorIsLeft) {
   for (const int seed : {4, 7, 11}) {
     const TempFolder folder;
