@@ -48,6 +48,11 @@ class SurfelTexture {
     }
     return true;
   }
+  // The surfel's own numbers as one block [d a_1 a_2], to be eliminated together.
+  template <typename T>
+  bool operator()(const T* pose, const T* calibration, const T* numbers, T* residuals) const {
+    return (*this)(pose, calibration, numbers, numbers + 1, residuals);
+  }
 
  private:
   template <typename T>

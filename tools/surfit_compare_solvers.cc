@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "common/console.h"
+#include "common/recorded_run.h"
 #include "common/tool_main.h"
 #include "surfit/registration/register_clouds.h"
 #include "surfit/run/compare_solvers.h"
@@ -32,14 +33,16 @@ std::string Cell(const char* format, const std::optional<double>& value, double 
 void PrintTable(const std::vector<ComparisonRow>& rows) {
   std::vector<std::vector<std::string>> table = {
       {"association", "residual", "solver", "threads", "points", "runs", "build ms", "linearize ms",
-       "solve ms", "total ms", "iterations", "final cost", "error deg", "error mm", "converged",
-       "ended mostly as"}};
+       "solve ms", "total ms", "iterations", "iteration ms", "memory MB", "final cost", "error deg",
+       "error mm", "converged", "ended mostly as"}};
   for (const ComparisonRow& row : rows) {
     table.push_back(
         {row.combination.association, row.combination.residual, row.combination.SolverTitle(),
          std::to_string(row.threads), std::to_string(row.points), std::to_string(row.runs),
          Cell("%.2f", row.build_ms), Cell("%.2f", row.linearize_ms), Cell("%.2f", row.solve_ms),
-         Cell("%.2f", row.total_ms), Cell("%.4g", row.iterations), Cell("%.5g", row.final_cost),
+         Cell("%.2f", row.total_ms), Cell("%.4g", row.iterations), Cell("%.1f", row.iteration_ms),
+         Cell("%.1f", row.memory_bytes, 1e-6),
+         Cell(row.iteration_ms ? "%.9g" : "%.5g", row.final_cost),
          Cell("%.2g", row.rotation_error_deg), Cell("%.2g", row.translation_error_m, 1000),
          Cell("%.0f %%", row.converged_share, 100),
          row.termination.empty() ? "-" : row.termination});
@@ -81,9 +84,12 @@ int main(int argc, char** argv) {
   return surfit::tools::ToolMain(
       argc, argv,
       "compares pose solvers, residuals and associations from starts around the truth: times, "
-      "iterations, final errors and the share that converged",
+      "iterations, final errors and the share that converged; or the solvers of joint refinement",
       surfit::TableOf(&options), [&] { return surfit::tools::Run(options); },
       [&] {
+        if (!options.run.empty()) {
+          surfit::tools::TakeRecordedFlags(options.run, surfit::TableOf(&options.sequence));
+        }
         const bool clouds = !options.source.empty() || !options.target.empty();
         if (clouds) options.icp = surfit::RegisterCloudsOptions::DefaultIcp();
       });

@@ -5,6 +5,7 @@
 
 #include "common/console.h"
 #include "common/json.h"
+#include "common/recorded_run.h"
 #include "common/tool_main.h"
 #include "surfit/core/error.h"
 #include "surfit/core/parallel.h"
@@ -15,12 +16,23 @@ namespace {
 
 struct Options {
   RevisitOptions revisits;
+  std::string run;
   int threads = 2;
 
   void Visit(OptionVisitor& v) {
     v.AddPart(revisits, "revisits", "what is compared");
+    v.Add(run, "run",
+          "output folder of surfit_slam: its trajectory is the estimate, its summary.json says "
+          "which sequence it read and how, and its camera.yaml what camera it found, where flags "
+          "do not",
+          Everyday());
     v.Add(threads, "threads", "threads that compute at the same time", Between(1, 1024),
           Everyday());
+  }
+  void TakeWhatTheRunRead() {
+    if (run.empty()) return;
+    TakeRecordedFlags(run, TableOf(&revisits.sequence), {"stride"});
+    revisits.estimate = run + "/trajectory.txt";
   }
 };
 
@@ -51,7 +63,8 @@ int Run(const Options& options) {
   SetAgreement("estimate", report.estimate, &json);
   PrintJson(json);
   std::cerr << report.pairs << " pairs of frames of the same place, " << report.unregistered
-            << " of them not registered" << std::endl;
+            << " of them not registered, seen by " << NameOfCamera(options.revisits.sequence)
+            << std::endl;
   if (report.unregistered == report.pairs) return kAlgorithmFailed;
   PrintSummary("ground truth", report.ground_truth);
   PrintSummary("estimate", report.estimate);
@@ -69,5 +82,6 @@ int main(int argc, char** argv) {
       "compares an estimated trajectory and the sequence's own poses where the camera returns to "
       "where it was: how far apart the surfaces of both visits lie, and how far dense ICP goes "
       "from the relative pose. Prints JSON on stdout and a summary on stderr.",
-      surfit::TableOf(&options), [&] { return surfit::tools::Run(options); });
+      surfit::TableOf(&options), [&] { return surfit::tools::Run(options); },
+      [&] { options.TakeWhatTheRunRead(); });
 }

@@ -6,6 +6,7 @@
 
 #include "common/console.h"
 #include "common/outcomes.h"
+#include "common/recorded_run.h"
 #include "common/tool_main.h"
 #include "surfit/core/error.h"
 #include "surfit/run/slam_run.h"
@@ -143,7 +144,7 @@ void PrintStages(const SlamRunSummary& s, bool offered) {
 // Of the run that has just been written.
 int Refine(const SlamRunOptions& run) {
   RefineRunOptions options;
-  options.sequence = run.sequence;
+  options.sequence = WithFoundCamera(run.sequence, run.output);
   options.trajectory = run.output + "/trajectory.txt";
   options.output = run.output + "/refined";
   options.preprocess = run.slam.preprocess;

@@ -1,5 +1,6 @@
 #include "surfit/core/parallel.h"
 
+#include <dlfcn.h>
 #include <glog/logging.h>
 #include <sys/resource.h>
 #include <tbb/global_control.h>
@@ -36,6 +37,24 @@ class SanitizerFence {
  private:
   char address_ = 0;
 };
+
+// Sets a library's number of threads and returns the former one; 0 where it is not loaded.
+int SetThreads(const char* getter, const char* setter, int count) {
+  const auto get = reinterpret_cast<int (*)()>(dlsym(RTLD_DEFAULT, getter));
+  const auto set = reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, setter));
+  if (get == nullptr || set == nullptr) return 0;
+  const int former = get();
+  set(count);
+  return former;
+}
+
+int SetOpenMpThreads(int count) {
+  return SetThreads("omp_get_max_threads", "omp_set_num_threads", count);
+}
+
+int SetOpenBlasThreads(int count) {
+  return SetThreads("openblas_get_num_threads", "openblas_set_num_threads", count);
+}
 
 }  // namespace
 
@@ -103,6 +122,14 @@ void RunInBackground(std::function<void()> task) {
     fork.Acquire();
     task();
   });
+}
+
+SingleThreadedLibraries::SingleThreadedLibraries()
+    : openmp_threads_(SetOpenMpThreads(1)), openblas_threads_(SetOpenBlasThreads(1)) {}
+
+SingleThreadedLibraries::~SingleThreadedLibraries() {
+  if (openblas_threads_ > 0) SetOpenBlasThreads(openblas_threads_);
+  if (openmp_threads_ > 0) SetOpenMpThreads(openmp_threads_);
 }
 
 }  // namespace surfit

@@ -42,8 +42,8 @@ void SequenceOptions::Visit(OptionVisitor& v) {
   v.Add(camera, "camera",
         "camera preset, of a data set (tum_fr1, tum_fr2, tum_fr3, icl_nuim, seven_scenes, redwood, "
         "replica, klg) or a sensor (kinect_v1, xtion, kinect_v2, azure_kinect, realsense_d415, "
-        "realsense_d435, realsense_d455); empty: the sequence's camera.yaml, else what the "
-        "recording tells, else the format's "
+        "realsense_d435, realsense_d455), or a camera.yaml; empty: the sequence's camera.yaml, "
+        "else what the recording tells, else the format's "
         "usual camera",
         Everyday());
   v.Add(intrinsics, "intrinsics", "the depth camera's fx,fy,cx,cy", InUnit("px"), AsFlag());

@@ -2,6 +2,7 @@
 
 #include <glog/logging.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -119,9 +120,9 @@ std::string DefaultWarning(const std::string& path, const PinholeCamera& camera)
 // The camera before any figure of the options.
 RgbdCamera BaseCamera(const SequenceOptions& options, const std::string& format,
                       std::vector<std::string>* warnings) {
-  if (!options.camera.empty()) return CameraPreset(options.camera);
   const std::string yaml = CameraFile(options, format);
   if (!yaml.empty()) return ReadCameraYaml(yaml);
+  if (!options.camera.empty()) return CameraPreset(options.camera);
   if (format == "sens") return ReadSensCamera(options.path);
   if (format == "redwood" || format == "watch") return RedwoodCamera(options.path);
   if (format == "replica") return ReplicaCamera(options.path);
@@ -197,10 +198,15 @@ void DropLatency(const SequenceOptions& options, RgbdCamera* camera) {
 }
 
 std::string CameraFile(const SequenceOptions& options, const std::string& format) {
+  if (std::filesystem::path(options.camera).extension() == ".yaml") return options.camera;
   if (!options.camera.empty()) return "";
   // A folder's camera.yaml; of a file F.klg it is F.klg.yaml.
   const std::string yaml = options.path + (IsFileFormat(format) ? ".yaml" : "/camera.yaml");
   return IsFile(yaml) ? yaml : "";
+}
+
+std::string NameOfCamera(const SequenceOptions& options) {
+  return options.camera.empty() ? "the sequence's own camera" : "the camera " + options.camera;
 }
 
 InverseDepthField ReadDepthField(const SequenceOptions& options, const std::string& format) {

@@ -1,49 +1,13 @@
 #include <ceres/solver.h>
-#include <dlfcn.h>
 
 #include "core/named_values.h"
 #include "cost_functions/analytic_relative_pose.h"
 #include "optimization/optimize_pose_graph.h"
 #include "optimization/pose_graph_names.h"
+#include "surfit/core/parallel.h"
 
 namespace surfit {
 namespace {
-
-// Sets a library's number of threads and returns the former one; 0 where it is not loaded.
-int SetThreads(const char* getter, const char* setter, int count) {
-  const auto get = reinterpret_cast<int (*)()>(dlsym(RTLD_DEFAULT, getter));
-  const auto set = reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, setter));
-  if (get == nullptr || set == nullptr) return 0;
-  const int former = get();
-  set(count);
-  return former;
-}
-
-int SetOpenMpThreads(int count) {
-  return SetThreads("omp_get_max_threads", "omp_set_num_threads", count);
-}
-
-int SetOpenBlasThreads(int count) {
-  return SetThreads("openblas_get_num_threads", "openblas_set_num_threads", count);
-}
-
-// While it lives, OpenMP's loops that begin on this thread (CHOLMOD's) and OpenBLAS, where they are
-// loaded, use one thread, so that sums have the same order on every machine. Debian's own BLAS
-// has one anyway.
-class SingleThreadedBlas {
- public:
-  SingleThreadedBlas()
-      : openmp_threads_(SetOpenMpThreads(1)), openblas_threads_(SetOpenBlasThreads(1)) {}
-  ~SingleThreadedBlas() {
-    if (openblas_threads_ > 0) SetOpenBlasThreads(openblas_threads_);
-    if (openmp_threads_ > 0) SetOpenMpThreads(openmp_threads_);
-  }
-  SingleThreadedBlas(const SingleThreadedBlas&) = delete;
-  SingleThreadedBlas& operator=(const SingleThreadedBlas&) = delete;
-
- private:
-  int openmp_threads_, openblas_threads_;
-};
 
 ceres::Problem::Options OwnedByUs() {
   ceres::Problem::Options options;
@@ -101,7 +65,7 @@ PoseGraphProblem::PoseGraphProblem(const PoseGraph& graph,
 
 PoseGraphTermination PoseGraphProblem::Minimize(const PoseGraphOptions& options,
                                                 double initial_radius, PoseGraphSummary* summary) {
-  const SingleThreadedBlas single_threaded;
+  const SingleThreadedLibraries single_threaded;
   ceres::Solver::Summary solved;
   const auto before = poses_;
   ceres::Solver::Options solver_options = SolverOptions(options);

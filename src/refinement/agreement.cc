@@ -1,11 +1,10 @@
-#include "refinement/agreement.h"
-
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "refinement/joint_state.h"
+#include "refinement/shared_surfels.h"
 
 namespace surfit {
 

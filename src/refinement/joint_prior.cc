@@ -1,5 +1,9 @@
+#include <ceres/normal_prior.h>
+
+#include <Eigen/Cholesky>
+
+#include "cost_functions/kernel_loss.h"
 #include "cost_functions/pose_manifold.h"
-#include "cost_functions/robust_kernel.h"
 #include "refinement/joint_solver.h"
 
 namespace surfit {
@@ -14,6 +18,15 @@ PoseInformation InformationOf(double sigma_m, double sigma_rad) {
   information.diagonal().head<3>().setConstant(1 / (sigma_rad * sigma_rad));
   information.diagonal().tail<3>().setConstant(1 / (sigma_m * sigma_m));
   return information;
+}
+
+// A matrix A of A^T A = information, which may be singular: it is P^T L D L^T P.
+ceres::Matrix RootOf(const ReducedSystem::CalibrationMatrix& information) {
+  using Matrix = ReducedSystem::CalibrationMatrix;
+  const Eigen::LDLT<Matrix> ldlt(information);
+  const CalibrationRow roots = ldlt.vectorD().cwiseMax(0).cwiseSqrt();
+  const Matrix upper = ldlt.matrixU(), order = ldlt.transpositionsP() * Matrix::Identity();
+  return roots.asDiagonal() * upper * order;
 }
 
 // One edge at the poses of a state.
@@ -46,7 +59,8 @@ JointPrior::JointPrior(const std::vector<Rigid3d>& world_from_camera, double sig
                        double sigma_rad) {
   const PoseInformation information = InformationOf(sigma_m, sigma_rad);
   for (std::size_t k = 1; k < world_from_camera.size(); ++k) {
-    edges_.emplace_back(world_from_camera[k - 1].Inverse() * world_from_camera[k], information);
+    edges_.push_back(std::make_unique<AnalyticRelativePose>(
+        world_from_camera[k - 1].Inverse() * world_from_camera[k], information));
   }
 }
 
@@ -62,6 +76,9 @@ JointPrior::JointPrior(const DepthCalibration& given, const CalibrationPrior& pr
   CalibrationRow aspect = CalibrationRow::Zero();
   aspect.head<2>() << 1 / camera.fx, -1 / camera.fy;
   information_ += information(prior.aspect_share) * aspect * aspect.transpose();
+  if (!information_.isZero(0)) {
+    residuals_ = std::make_unique<ceres::NormalPrior>(RootOf(information_), given_);
+  }
 }
 
 CalibrationRow JointPrior::ChangeOf(const DepthCalibration& calibration) const {
@@ -79,7 +96,7 @@ double JointPrior::Rho(const JointState& state) const {
     PoseToBlock(state.world_from_camera[k + 1], b);
     const double* poses[] = {a, b};
     Eigen::Matrix<double, 6, 1> residual;
-    edges_[k].Evaluate(poses, residual.data(), nullptr);
+    edges_[k]->Evaluate(poses, residual.data(), nullptr);
     rho += weight_ * EvaluateKernel(kKernel, residual.squaredNorm()).rho;
   }
   return rho;
@@ -92,7 +109,7 @@ void JointPrior::AddTo(const JointState& state, ReducedSystem* system) const {
   system->rho += weight_ * change.dot(information_ * change);
   for (std::size_t k = 0; k < edges_.size(); ++k) {
     const EdgeRows rows =
-        RowsOf(edges_[k], state.world_from_camera[k], state.world_from_camera[k + 1]);
+        RowsOf(*edges_[k], state.world_from_camera[k], state.world_from_camera[k + 1]);
     const KernelValue<double> kernel = EvaluateKernel(kKernel, rows.residual.squaredNorm());
     const double weight = weight_ * kernel.slope;
     const auto a = rows.jacobian.leftCols<kPoseTangentSize>();
@@ -104,6 +121,21 @@ void JointPrior::AddTo(const JointState& state, ReducedSystem* system) const {
     system->gradient.segment<2 * kPoseTangentSize>(kPoseTangentSize * first) +=
         weight * rows.jacobian.transpose() * rows.residual;
     system->rho += weight_ * kernel.rho;
+  }
+}
+
+void JointPrior::AddTo(const std::vector<double*>& poses, double* calibration,
+                       std::vector<std::unique_ptr<ceres::LossFunction>>* losses,
+                       ceres::Problem* problem) const {
+  const auto weighted = [&](std::unique_ptr<ceres::LossFunction> loss) {
+    losses->push_back(
+        std::make_unique<ceres::ScaledLoss>(loss.release(), weight_, ceres::TAKE_OWNERSHIP));
+    return losses->back().get();
+  };
+  if (residuals_) problem->AddResidualBlock(residuals_.get(), weighted(nullptr), calibration);
+  for (std::size_t k = 0; k < edges_.size(); ++k) {
+    problem->AddResidualBlock(edges_[k].get(), weighted(std::make_unique<KernelLoss>(kKernel)),
+                              poses[k], poses[k + 1]);
   }
 }
 

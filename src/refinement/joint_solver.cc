@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/named_values.h"
 #include "refinement/joint_state.h"
 #include "refinement/reduced_factor.h"
+#include "registration/pair_solver.h"
 
 namespace surfit {
 namespace {
 
-// Far below the rounds': some directions hardly matter to the cost.
-constexpr double kLeastChange = 1e-6;
 // A step counts if the cost falls by more than this share of what the model promised.
 constexpr double kLeastGain = 1e-3;
 
@@ -52,28 +52,30 @@ JointState Moved(JointState state, const Eigen::VectorXd& increments) {
 // The cost of a state, and its quadratic model there.
 class JointCost {
  public:
-  JointCost(const SharedSurfels& shared, const JointPrior& prior, const JointKernels& kernels,
-            std::size_t pose_count)
-      : shared_(shared), prior_(prior), kernels_(kernels), pattern_(shared, pose_count) {}
+  JointCost(const JointProblem& problem, std::size_t pose_count)
+      : problem_(problem), pattern_(problem.shared, pose_count) {}
 
   const BlockPattern& pattern() const { return pattern_; }
   double RhoAt(const JointState& state) const {
-    return FitOf(shared_, state, kernels_).rho + prior_.Rho(state);
+    return FitOf(problem_.shared, state, problem_.kernels).rho + problem_.prior.Rho(state);
   }
   ReducedSystem ModelAt(const JointState& state) const {
-    ReducedSystem system = Reduce(shared_, pattern_, state, kernels_);
-    prior_.AddTo(state, &system);
+    ReducedSystem system = Reduce(problem_.shared, pattern_, state, problem_.kernels);
+    problem_.prior.AddTo(state, &system);
     return system;
   }
 
  private:
-  const SharedSurfels& shared_;
-  const JointPrior& prior_;
-  JointKernels kernels_;
+  const JointProblem& problem_;
   BlockPattern pattern_;
 };
 
+constexpr NamedValue<decltype(&MinimizeJointly)> kSolvers[] = {{"reduced", &MinimizeReduced},
+                                                               {"ceres", &MinimizeWithCeres}};
+
 }  // namespace
+
+std::vector<std::string> RefinementSolverNames() { return NamesOf(kSolvers); }
 
 std::vector<bool> HeldCalibration(const RefinementOptions& options) {
   std::vector<bool> held(kCalibrationSize, !options.free_depth_field);
@@ -82,27 +84,40 @@ std::vector<bool> HeldCalibration(const RefinementOptions& options) {
   return held;
 }
 
-int MinimizeJointly(const SharedSurfels& shared, const JointPrior& prior,
-                    const JointKernels& kernels, const RefinementOptions& options,
-                    JointState* state) {
-  const JointCost cost(shared, prior, kernels, state->world_from_camera.size());
+JointReport MinimizeJointly(const JointProblem& problem, const RefinementOptions& options,
+                            JointState* state) {
+  return ValueOf("solver", options.solver, kSolvers)(problem, options, state);
+}
+
+JointReport MinimizeReduced(const JointProblem& problem, const RefinementOptions& options,
+                            JointState* state) {
+  const Stopwatch solving;
+  const JointCost cost(problem, state->world_from_camera.size());
   ReducedFactor factor(cost.pattern(), HeldCalibration(options));
+  JointReport report;
+  const Stopwatch linearizing;
   ReducedSystem model = cost.ModelAt(*state);
-  if (!std::isfinite(model.rho)) return kNoSolution;
+  report.linearize_ms = linearizing.Milliseconds();
+  if (!std::isfinite(model.rho)) return {kNoSolution};
+  report.costs.push_back(model.rho / 2);
   Damping damping;
-  int steps = 0;
-  while (steps < options.max_iterations) {
-    ++steps;
+  while (report.iterations < options.max_iterations) {
+    ++report.iterations;
     if (!factor.Factorize(model, damping.value())) {
       damping.Reject();
       continue;
     }
     const ReducedStep step = factor.Solve(model.gradient);
     const JointState moved = Moved(*state, step.increments);
-    const double change = model.rho - cost.RhoAt(moved), gain = change / step.rho_decrease;
+    const double rho = cost.RhoAt(moved);
+    const double change = model.rho - rho, gain = change / step.rho_decrease;
     const bool accepted = gain > kLeastGain;  // not if one of them is no number
-    if (accepted) *state = moved;
-    if (std::abs(change) <= kLeastChange * model.rho || steps == options.max_iterations) break;
+    if (accepted) {
+      *state = moved;
+      report.costs.push_back(rho / 2);
+    }
+    const bool ends = std::abs(change) <= options.min_relative_step_change * model.rho;
+    if (ends || report.iterations == options.max_iterations) break;
     if (accepted) {
       damping.Accept(gain);
       model = cost.ModelAt(*state);
@@ -110,7 +125,8 @@ int MinimizeJointly(const SharedSurfels& shared, const JointPrior& prior,
       damping.Reject();
     }
   }
-  return steps;
+  report.solve_ms = solving.Milliseconds();
+  return report;
 }
 
 }  // namespace surfit

@@ -73,10 +73,20 @@ void RefinementOptions::Visit(OptionVisitor& v) {
         "observation_angle_rad shrinks to this share with a kept one", Positive(), Between(0, 1));
   v.Add(kept_kernel_share, "kept_kernel_share", "and the robust kernel's width to this", Positive(),
         Between(0, 1));
+  v.Add(solver, "solver",
+        "solver of a round; reduced: surfels eliminated by hand; ceres: Ceres over a residual "
+        "block for each observation",
+        OneOf(RefinementSolverNames()), AsFlag());
+  v.Add(linear_solver, "linear_solver",
+        "how ceres solves for poses and calibration: by a sparse factorisation or conjugate "
+        "gradients",
+        OneOf(RefinementLinearSolverNames()), AsFlag());
   v.Add(max_rounds, "max_rounds", "rounds of choosing surfels and solving for all at most",
         Between(1, 1000), AsFlag());
   v.Add(max_iterations, "max_iterations", "iterations of Levenberg-Marquardt in each round",
         Between(1, 1000));
+  v.Add(min_relative_step_change, "min_relative_step_change",
+        "iterations of a round end where the cost changes by a smaller share", AtLeast(0));
   v.Add(min_relative_cost_change, "min_relative_cost_change",
         "rounds end where the cost changes by a smaller share", AtLeast(0));
   v.Add(kernel_growth, "kernel_growth",

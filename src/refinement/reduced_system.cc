@@ -7,7 +7,6 @@
 
 #include "cost_functions/robust_kernel.h"
 #include "refinement/joint_rows.h"
-#include "refinement/surfel_sight.h"
 #include "surfit/core/parallel.h"
 
 namespace surfit {

@@ -4,7 +4,6 @@
 #include <optional>
 
 #include "core/named_values.h"
-#include "refinement/agreement.h"
 #include "refinement/joint_solver.h"
 #include "refinement/reduced_factor.h"
 #include "surfit/core/error.h"
@@ -31,7 +30,7 @@ std::optional<RefinementTermination> RunRound(const RefinementOptions& options,
   const JointFit before = FitOf(shared, *state, kernels);
   round->before = Agreement(before);
   prior->SetWeight(VarianceOf(before, shared, *state, options));
-  round->iterations = MinimizeJointly(shared, *prior, kernels, options, state);
+  round->iterations = MinimizeJointly({shared, *prior, kernels}, options, state).iterations;
   if (round->iterations == kNoSolution) return RefinementTermination::kFailed;
   round->after = Agreement(FitOf(shared, *state, kernels));
   round->calibration = state->calibration;

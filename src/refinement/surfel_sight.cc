@@ -1,8 +1,7 @@
-#include "refinement/surfel_sight.h"
-
 #include <Eigen/Cholesky>
 
 #include "cost_functions/robust_kernel.h"
+#include "refinement/reduced_system.h"
 
 namespace surfit {
 namespace {

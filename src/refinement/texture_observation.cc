@@ -3,8 +3,8 @@
 
 #include "refinement/joint_rows.h"
 #include "refinement/joint_state.h"
+#include "refinement/reduced_system.h"
 #include "refinement/shared_surfels.h"
-#include "refinement/surfel_sight.h"
 #include "registration/view_level.h"
 #include "surfit/core/parallel.h"
 

@@ -1,6 +1,5 @@
 #include <ceres/autodiff_cost_function.h>
 #include <ceres/evaluation_callback.h>
-#include <ceres/loss_function.h>
 #include <ceres/problem.h>
 #include <ceres/solver.h>
 
@@ -9,7 +8,7 @@
 #include <utility>
 
 #include "core/named_values.h"
-#include "cost_functions/robust_kernel.h"
+#include "cost_functions/kernel_loss.h"
 #include "registration/functor_batch.h"
 #include "registration/pair_solver.h"
 #include "registration/reduced_cost.h"
@@ -104,22 +103,6 @@ class ReducedCeresSolver final : public PairSolver<ReducedCeresSolver> {
     report->build_ms = building.Milliseconds();
     return problem.Solve<S>(ceres::DENSE_QR, options().min_relative_cost_change, report);
   }
-};
-
-// A kernel as Ceres' loss. Its second derivative is given as zero: Ceres leaves negative ones out
-// of the step as well, and rho is concave.
-class KernelLoss final : public ceres::LossFunction {
- public:
-  explicit KernelLoss(const RobustKernel& kernel) : kernel_(kernel) {}
-  void Evaluate(double s, double rho[3]) const override {
-    const KernelValue<double> value = EvaluateKernel(kernel_, s);
-    rho[0] = value.rho;
-    rho[1] = value.slope;
-    rho[2] = 0;
-  }
-
- private:
-  RobustKernel kernel_;
 };
 
 class PerPointCeresSolver final : public PairSolver<PerPointCeresSolver> {

@@ -10,11 +10,14 @@ namespace {
 void RequireSource(const CompareOptions& options) {
   const bool clouds = !options.source.empty() || !options.target.empty();
   const int sources = (options.synthetic_points != 0 ? 1 : 0) +
-                      (options.sequence.path.empty() ? 0 : 1) + (clouds ? 1 : 0) +
-                      (options.replay.empty() ? 0 : 1);
+                      (options.sequence.path.empty() && options.run.empty() ? 0 : 1) +
+                      (clouds ? 1 : 0) + (options.replay.empty() ? 0 : 1);
   if (sources != 1) {
-    throw InputError(Concat("synthetic_points, sequence, source with target, and replay: ", sources,
-                            " of them are set, must be one"));
+    throw InputError(Concat("synthetic_points, sequence or run, source with target, and replay: ",
+                            sources, " of them are set, must be one"));
+  }
+  if (!options.run.empty() && options.sequence.path.empty()) {
+    throw InputError(Concat("run is '", options.run, "', must have its sequence"));
   }
   if (clouds && (options.source.empty() || options.target.empty())) {
     throw InputError("source and target are two clouds: both must be set");
@@ -39,6 +42,9 @@ void CheckTogether(const CompareOptions& options) {
   if (options.pairs == 0 && !options.slam) throw InputError("pairs is 0, must be positive");
   if (options.slam && options.sequence.path.empty())
     throw InputError("slam is set, must have a sequence");
+  if (options.slam && !options.run.empty()) {
+    throw InputError(Concat("slam is set, must not be with run, '", options.run, "'"));
+  }
   if (!options.truth.empty()) {
     ParsePose("truth", options.truth);
     if (options.source.empty())
@@ -47,6 +53,9 @@ void CheckTogether(const CompareOptions& options) {
   }
   RequireGrid("rotations_deg", options.rotations_deg, 180);
   RequireGrid("translations_m", options.translations_m, 100);
+  if (options.max_keyframes == 1) {
+    throw InputError("max_keyframes is 1, must be 0 (no limit) or at least 2");
+  }
   if (options.threads.empty()) throw InputError("threads is empty, must have a number");
   for (const int count : options.threads) {
     if (count < 1 || count > 1024) {
@@ -81,16 +90,23 @@ void CompareOptions::Visit(OptionVisitor& v) {
         "compare on a frame that tracking lost: a folder frame-XXXXXX of surfit_slam "
         "--dump_failures, with its own start and options of registration",
         AsFlag());
+  v.Add(run, "run",
+        "compare the solvers of joint refinement on the keyframes of a run: an output folder of "
+        "surfit_slam, whose summary.json says which sequence it read and how, where flags do not",
+        Everyday());
+  v.Add(max_keyframes, "max_keyframes", "keyframes of the run at most", ZeroIs("no limit"),
+        AsFlag());
   v.Group("comparison");
   v.Add(output, "output", "folder for tables and pictures; made if missing", Required(),
         Everyday());
   v.Add(solvers, "solvers",
-        "pose solvers, with commas between them; empty = all, of which ceres_per_point on known "
-        "pairs only",
+        "pose solvers (with run: reduced, ceres), with commas between them; empty = all, of which "
+        "ceres_per_point on known pairs only",
         Everyday());
-  v.Add(linear_solvers, "linear_solvers", "linear solvers of ceres_per_point; empty = all",
-        AsFlag());
-  v.Add(residuals, "residuals", "residuals; empty = all", Everyday());
+  v.Add(linear_solvers, "linear_solvers",
+        "linear solvers of ceres_per_point (with run: of ceres); empty = all", AsFlag());
+  v.Add(residuals, "residuals", "residuals (with run: planes, planes_and_textures); empty = all",
+        Everyday());
   v.Add(associations, "associations", "associations; empty = all that the data allows", AsFlag());
   v.Add(threads, "threads", "numbers of threads that compute at the same time, a row for each",
         Everyday());

@@ -20,6 +20,7 @@ PoseProblems ProblemsOf(const CompareOptions& options) {
   if (options.synthetic_points > 0) return KnownPairsProblems(options);
   if (!options.source.empty()) return CloudProblems(options);
   if (!options.replay.empty()) return ReplayProblems(options);
+  if (!options.run.empty()) return RefinementProblems(options);
   return FramePairProblems(options);
 }
 
@@ -95,6 +96,12 @@ class ComparisonRun {
 std::vector<std::string> NotesOf(const CompareOptions& options,
                                  const std::vector<ComparedRuns>& all) {
   std::vector<std::string> notes;
+  if (!options.run.empty()) {
+    notes.emplace_back(
+        "memory is the most that was resident while a solver built and solved, beyond what was "
+        "before");
+    return notes;
+  }
   bool slow = false;
   for (const ComparedRuns& runs : all) slow = slow || IsSlow(runs.combination);
   if (slow) {
@@ -126,7 +133,9 @@ Comparison CompareSolvers(const CompareOptions& given, const std::atomic<bool>& 
                           const std::function<void(const CompareProgress&)>& progress) {
   Validate(given);
   CompareOptions options = given;
-  if (!options.replay.empty()) options.rotations_deg = options.translations_m = {0};
+  if (!options.replay.empty() || !options.run.empty()) {
+    options.rotations_deg = options.translations_m = {0};
+  }
   const ThreadLimit limit(*std::max_element(options.threads.begin(), options.threads.end()));
   ComparisonRun run(options, interrupted, progress);
   PrepareOutputFolder(options.output,

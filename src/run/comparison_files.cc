@@ -75,6 +75,8 @@ Json ToJson(const ComparisonRow& row) {
           {"solve_ms", ToJson(row.solve_ms)},
           {"total_ms", row.total_ms},
           {"iterations", row.iterations},
+          {"iteration_ms", ToJson(row.iteration_ms)},
+          {"memory_bytes", ToJson(row.memory_bytes)},
           {"final_cost", ToJson(row.final_cost)},
           {"rotation_error_deg", ToJson(row.rotation_error_deg)},
           {"translation_error_m", ToJson(row.translation_error_m)},

@@ -49,6 +49,7 @@ Json DataOf(const std::vector<ComparedRuns>& all, const std::vector<std::string>
     rows.push_back(row);
   }
   return {{"known_pairs", options.synthetic_points > 0},
+          {"refinement", !options.run.empty()},
           {"rotations_deg", options.rotations_deg},
           {"translations_m", options.translations_m},
           {"max_rotation_error_deg", options.max_rotation_error_deg},

@@ -82,6 +82,8 @@ ComparisonRow RowOf(const ComparedRuns& compared) {
   row.solve_ms = median([](auto& outcome) { return outcome.solve_ms; });
   row.total_ms = median([](auto& outcome) { return outcome.total_ms; }).value_or(0);
   row.iterations = median([](auto& outcome) { return outcome.iterations; }).value_or(0);
+  row.iteration_ms = median([](auto& outcome) { return outcome.iteration_ms; });
+  row.memory_bytes = median([](auto& outcome) { return outcome.memory_bytes; });
   row.final_cost = Median(good, [](auto& run) { return Optional(run.outcome.final_cost); });
   row.rotation_error_deg = Median(good, [](auto& run) { return run.rotation_error_deg; });
   row.translation_error_m = Median(good, [](auto& run) { return run.translation_error_m; });

@@ -12,6 +12,9 @@
 namespace surfit {
 
 inline constexpr char kKnownAssociation[] = "known";
+// Of joint refinement.
+inline constexpr char kPlaneResidual[] = "planes";
+inline constexpr char kTexturedResidual[] = "planes_and_textures";
 
 // The combinations that the options ask for, residual by residual. Throws InputError that lists
 // what is possible for unknown names, and for solvers and residuals that were both named and do not
@@ -49,7 +52,8 @@ struct SolveOutcome {
   std::optional<double> build_ms, linearize_ms, solve_ms;  // medians of the finest level's solves
   double total_ms = 0;
   double final_cost = 0;
-  std::vector<double> losses;  // m^2, weighted mean of |r|^2 at each iteration
+  std::vector<double> losses;  // m^2, weighted mean of |r|^2 at each iteration; of refinement costs
+  std::optional<double> iteration_ms, memory_bytes;  // of refinement: ComparisonRow
 };
 
 // Two surfaces, and how to solve for the motion between them.
@@ -65,11 +69,12 @@ struct PoseProblems {
   std::function<PoseProblem(int)> make;
 };
 
-// Of the options' synthetic_points, sequence, clouds, or replay.
+// Of the options' synthetic_points, sequence, clouds, replay, or run.
 PoseProblems KnownPairsProblems(const CompareOptions& options);
 PoseProblems FramePairProblems(const CompareOptions& options);
 PoseProblems CloudProblems(const CompareOptions& options);
 PoseProblems ReplayProblems(const CompareOptions& options);
+PoseProblems RefinementProblems(const CompareOptions& options);  // starts are all alike
 
 // Two frames.
 PoseProblem FramePairProblem(FramePyramid source, FramePyramid target,

@@ -10,6 +10,7 @@
 #include "surfit/io/frame_source.h"
 #include "surfit/io/sequence.h"
 #include "surfit/registration/far_registration.h"
+#include "surfit/run/refine_run.h"
 
 namespace surfit {
 
@@ -53,5 +54,18 @@ PosedPair ReadPosedPair(const SequenceOptions& options, int source, int target,
 // points within the default gates.
 std::optional<double> MedianSurfaceDistance(const FrameLevel& source, const FrameLevel& target,
                                             const Rigid3d& target_from_source);
+
+// The keyframes of a run, as refinement needs them.
+struct RunKeyframes {
+  SequenceInfo info;
+  Trajectory trajectory;           // of the run, in the convention of the sequence's frames
+  std::vector<double> stamps_s;    // of all frames
+  std::vector<std::size_t> poses;  // of the trajectory: the keyframes'
+  std::vector<RefinementKeyframe> keyframes;
+  int frames_without_pose = 0, frames_unreadable = 0;  // of those read
+};
+
+// Reads them. Throws InputError for files that cannot be read, or a trajectory of other frames.
+RunKeyframes ReadRunKeyframes(const RefineRunOptions& options);
 
 }  // namespace surfit

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "run/output_files.h"
+#include "run/posed_views.h"
 #include "run/result_files.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
@@ -41,6 +42,11 @@ std::optional<std::size_t> PoseAt(const Trajectory& trajectory, double stamp_s) 
   return at - trajectory.begin();
 }
 
+// As of the middle of its readout.
+RgbdFrame Unrolled(const RgbdFrame& frame, const SequenceInfo& info, const Trajectory& trajectory) {
+  return AtMiddleOfReadout(frame, info.sensor(), MotionAt(trajectory, frame.stamp_s));
+}
+
 class RefineRun {
  public:
   RefineRun(const RefineRunOptions& options,
@@ -53,10 +59,10 @@ class RefineRun {
     PrepareOutputFolder(options_.output,
                         {"trajectory.txt", "map.ply", "camera.yaml", "refinement.json"});
     // Frames come with the given field applied.
-    summary_.refinement = Refine(options_.refinement, {info_.pinhole, {}}, &keyframes_,
+    summary_.refinement = Refine(options_.refinement, {run_.info.pinhole, {}}, &run_.keyframes,
                                  [&](const RefinementRound& round) { Tell(round); });
     summary_.calibration =
-        OfMeasuredDepth(info_, summary_.given.field, summary_.refinement.calibration);
+        OfMeasuredDepth(run_.info, summary_.given.field, summary_.refinement.calibration);
     if (summary_.refinement.Succeeded()) Apply();
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
     summary_.total_s = elapsed.count();
@@ -66,40 +72,16 @@ class RefineRun {
 
  private:
   void ReadKeyframes() {
-    const auto source = ReadAhead(OpenSequence(options_.sequence), kReadAhead);
-    info_ = source->info();
-    options_.refinement.prior.Complete(info_.camera.prior);
-    summary_.given.camera = info_.pinhole;
-    summary_.given.field = ReadDepthField(options_.sequence, info_.format);
-    given_ = InSourceConvention(ReadTumTrajectory(options_.trajectory), info_.mirrored);
-    summary_.poses = given_.size();
-    const std::vector<std::size_t> chosen =
-        ChooseKeyframes(given_, options_.keyframe_translation_m, options_.keyframe_rotation_rad,
-                        options_.max_keyframes);
-    while (const std::optional<ReadResult> read = source->Next()) {
-      stamps_s_.push_back(read->stamp_s);
-      const std::optional<std::size_t> pose = PoseAt(given_, read->stamp_s);
-      if (!pose) ++summary_.frames_without_pose;
-      if (!read->frame) ++summary_.frames_unreadable;
-      if (!pose || !read->frame || !std::binary_search(chosen.begin(), chosen.end(), *pose)) {
-        continue;
-      }
-      keyframe_poses_.push_back(*pose);
-      keyframes_.push_back({given_[*pose].world_from_camera,
-                            MakeKeyframeImages(Unrolled(*read->frame, given_), info_.sensor(),
-                                               options_.preprocess)});
-    }
-    summary_.keyframes = keyframes_.size();
-    if (keyframes_.empty()) {
-      throw InputError(Concat(options_.trajectory, " has no pose at a stamp of a frame of ",
-                              options_.sequence.path));
-    }
-    progress_(Concat(keyframes_.size(), " keyframes of ", given_.size(), " poses"));
-  }
-
-  // As of the middle of its readout.
-  RgbdFrame Unrolled(const RgbdFrame& frame, const Trajectory& trajectory) const {
-    return AtMiddleOfReadout(frame, info_.sensor(), MotionAt(trajectory, frame.stamp_s));
+    run_ = ReadRunKeyframes(options_);
+    options_.refinement.prior.Complete(run_.info.camera.prior);
+    summary_.given.camera = run_.info.pinhole;
+    summary_.given.field = ReadDepthField(options_.sequence, run_.info.format);
+    summary_.poses = run_.trajectory.size();
+    summary_.keyframes = run_.keyframes.size();
+    summary_.frames_without_pose = run_.frames_without_pose;
+    summary_.frames_unreadable = run_.frames_unreadable;
+    progress_(Concat(summary_.keyframes, " keyframes of ", summary_.poses, " poses, seen by ",
+                     NameOfCamera(options_.sequence)));
   }
 
   void Tell(const RefinementRound& round) {
@@ -110,18 +92,20 @@ class RefineRun {
 
   void Apply() {
     std::vector<Rigid3d> poses;
-    for (const RefinementKeyframe& keyframe : keyframes_)
+    for (const RefinementKeyframe& keyframe : run_.keyframes)
       poses.push_back(keyframe.world_from_camera);
-    const Trajectory refined = CorrectTrajectory(given_, keyframe_poses_, poses);
+    const Trajectory refined = CorrectTrajectory(run_.trajectory, run_.poses, poses);
     TumTrajectoryWriter writer(options_.output + "/trajectory.txt");
-    for (const StampedPose& pose : InSourceConvention(refined, info_.mirrored)) writer.Append(pose);
-    WriteFoundCamera(info_, summary_.given.field, summary_.refinement.calibration,
+    for (const StampedPose& pose : InSourceConvention(refined, run_.info.mirrored))
+      writer.Append(pose);
+    WriteFoundCamera(run_.info, summary_.given.field, summary_.refinement.calibration,
                      options_.output + "/camera.yaml");
-    if (!info_.ground_truth.empty()) {
-      summary_.before = EvaluateTrajectory(info_.ground_truth, given_, stamps_s_, {});
-      summary_.after = EvaluateTrajectory(info_.ground_truth, refined, stamps_s_, {});
+    if (!run_.info.ground_truth.empty()) {
+      summary_.before =
+          EvaluateTrajectory(run_.info.ground_truth, run_.trajectory, run_.stamps_s, {});
+      summary_.after = EvaluateTrajectory(run_.info.ground_truth, refined, run_.stamps_s, {});
     }
-    keyframes_.clear();
+    run_.keyframes.clear();
     FuseMap(refined);
   }
 
@@ -130,12 +114,12 @@ class RefineRun {
     const DepthCalibration& calibration = summary_.refinement.calibration;
     SlamOptions options;
     options.preprocess = options_.preprocess;
-    Slam slam({calibration.camera, info_.camera.noise, 0}, options, {});
+    Slam slam({calibration.camera, run_.info.camera.noise, 0}, options, {});
     const auto source = ReadAhead(OpenSequence(options_.sequence), kReadAhead);
     while (std::optional<ReadResult> read = source->Next()) {
       const std::optional<std::size_t> pose = PoseAt(refined, read->stamp_s);
       if (!pose || !read->frame) continue;
-      RgbdFrame frame = Unrolled(*read->frame, refined);
+      RgbdFrame frame = Unrolled(*read->frame, run_.info, refined);
       CorrectDepth(calibration.camera, calibration.field, &frame.depth_m);
       slam.ProcessAt(frame, refined[*pose].world_from_camera);
     }
@@ -145,15 +129,39 @@ class RefineRun {
 
   RefineRunOptions options_;
   const std::function<void(const std::string&)>& progress_;
-  SequenceInfo info_;
-  Trajectory given_;
-  std::vector<double> stamps_s_;             // of all frames
-  std::vector<std::size_t> keyframe_poses_;  // indices of given_
-  std::vector<RefinementKeyframe> keyframes_;
+  RunKeyframes run_;
   RefineRunSummary summary_;
 };
 
 }  // namespace
+
+RunKeyframes ReadRunKeyframes(const RefineRunOptions& options) {
+  const auto source = ReadAhead(OpenSequence(options.sequence), kReadAhead);
+  RunKeyframes run;
+  run.info = source->info();
+  run.trajectory = ReadEstimate(options.trajectory, run.info);
+  const std::vector<std::size_t> chosen =
+      ChooseKeyframes(run.trajectory, options.keyframe_translation_m, options.keyframe_rotation_rad,
+                      options.max_keyframes);
+  while (const std::optional<ReadResult> read = source->Next()) {
+    run.stamps_s.push_back(read->stamp_s);
+    const std::optional<std::size_t> pose = PoseAt(run.trajectory, read->stamp_s);
+    if (!pose) ++run.frames_without_pose;
+    if (!read->frame) ++run.frames_unreadable;
+    if (!pose || !read->frame || !std::binary_search(chosen.begin(), chosen.end(), *pose)) {
+      continue;
+    }
+    run.poses.push_back(*pose);
+    run.keyframes.push_back({run.trajectory[*pose].world_from_camera,
+                             MakeKeyframeImages(Unrolled(*read->frame, run.info, run.trajectory),
+                                                run.info.sensor(), options.preprocess)});
+  }
+  if (run.keyframes.empty()) {
+    throw InputError(Concat(options.trajectory, " has no pose at a stamp of a frame of ",
+                            options.sequence.path));
+  }
+  return run;
+}
 
 RefineRunSummary RunRefinement(const RefineRunOptions& options,
                                const std::function<void(const std::string&)>& progress) {

@@ -3,6 +3,7 @@
 #include "core/named_values.h"
 #include "run/pose_problem.h"
 #include "surfit/core/error.h"
+#include "surfit/refinement/refine.h"
 #include "surfit/registration/pose_solver.h"
 
 namespace surfit {
@@ -18,6 +19,24 @@ std::vector<std::string> Chosen(const char* option, const std::vector<std::strin
     throw InputError(Concat(option, " has '", name, "', must be of: ", Listed(all)));
   }
   return named.empty() ? all : named;
+}
+
+std::vector<SolverCombination> OfRefinement(const CompareOptions& options) {
+  std::vector<SolverCombination> combinations;
+  for (const std::string& residual :
+       Chosen("residuals", options.residuals, {kPlaneResidual, kTexturedResidual})) {
+    for (const std::string& solver : Chosen("solvers", options.solvers, RefinementSolverNames())) {
+      if (solver == "reduced") {
+        combinations.push_back({solver, "", residual, kKnownAssociation});
+        continue;
+      }
+      for (const std::string& linear_solver :
+           Chosen("linear_solvers", options.linear_solvers, RefinementLinearSolverNames())) {
+        combinations.push_back({solver, linear_solver, residual, kKnownAssociation});
+      }
+    }
+  }
+  return combinations;
 }
 
 std::vector<std::string> ChosenSolvers(const CompareOptions& options) {
@@ -59,6 +78,7 @@ std::string SolverCombination::SolverTitle() const {
 bool IsSlow(const SolverCombination& combination) { return combination.solver == kPerPoint; }
 
 std::vector<SolverCombination> SolverCombinations(const CompareOptions& options) {
+  if (!options.run.empty()) return OfRefinement(options);
   const std::vector<std::string> solvers = ChosenSolvers(options);
   const std::vector<std::string> linear_solvers =
       Chosen("linear_solvers", options.linear_solvers, LinearSolverNames());

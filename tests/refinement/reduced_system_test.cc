@@ -15,7 +15,6 @@
 #include "refinement/joint_state.h"
 #include "refinement/random_surfels.h"
 #include "refinement/reduced_factor.h"
-#include "refinement/surfel_sight.h"
 #include "surfit/core/parallel.h"
 
 namespace surfit::testing {

@@ -176,6 +176,44 @@ TEST_F(CompareTool, ReplaysWhatTrackingLost) {
   }
 }
 
+// Planes and textures by reduced, and by ceres with two linear solvers. Huber's kernel is convex:
+// with others single surfels have several minima.
+TEST_F(CompareTool, ComparesTheSolversOfRefinement) {
+  const std::string room = own_ / "room", run = own_ / "slam";
+  ASSERT_EQ(RunProgram("surfit_simulate", {"--output=" + room, "--frames=40", "--downsample=4"})
+                .exit_code,
+            0);
+  ASSERT_EQ(RunProgram("surfit_slam", {"--sequence=" + room, "--output=" + run, "--nopictures"})
+                .exit_code,
+            0);
+  const ProgramResult result =
+      Compare({"--run=" + run, "--max_keyframes=5", "--kernel=huber", "--kernel_width=1.5"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const nlohmann::json rows = Rows();
+  ASSERT_EQ(rows.size(), 6u);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const auto &row = rows[i], &first = rows[i - i % 3];
+    SCOPED_TRACE(row.dump());
+    EXPECT_EQ(row["solver"], i % 3 == 0 ? "reduced" : "ceres");
+    EXPECT_EQ(row["residual"], i < 3 ? "planes" : "planes_and_textures");
+    EXPECT_EQ(row["termination"], "converged");
+    EXPECT_EQ(row["points"], first["points"]);
+    EXPECT_GT(row["points"], 1000);
+    EXPECT_GT(row["iterations"], 1);
+    EXPECT_GT(row["iteration_ms"], 0);
+    // Ceres keeps the derivatives of each, by a pose, the calibration and a displacement.
+    if (i % 3 != 0) {
+      EXPECT_GT(row["memory_bytes"], 17 * sizeof(double) * row["points"].get<double>());
+    }
+    // All end where a step changes the cost by less than a millionth, some such steps from the
+    // least.
+    const double cost = first["final_cost"];
+    EXPECT_NEAR(row["final_cost"], cost, 2e-5 * cost);
+  }
+  EXPECT_GT(rows[3]["points"], rows[0]["points"]);
+  EXPECT_THAT(ReadBytes(Output() + "/comparison.html"), HasSubstr("\"refinement\":true"));
+}
+
 TEST_F(CompareTool, RefusesBadInputInOneSentence) {
   const std::pair<std::vector<std::string>, const char*> cases[] = {
       {{}, "0 of them are set, must be one"},
@@ -192,6 +230,7 @@ TEST_F(CompareTool, RefusesBadInputInOneSentence) {
       {{"--source=a.ply", "--target=b.ply"}, "a.ply"},
       {{"--synthetic_points=10", "--truth=0,0,0,0,0,0,1"}, "must be empty without source"},
       {{"--synthetic_points=10", "--slam"}, "slam is set, must have a sequence"},
+      {{"--run=nowhere"}, "nowhere/summary.json cannot be read"},
       {{"--replay=nowhere"}, "cannot read 'nowhere/frame.json': No such file"},
   };
   for (const auto& [flags, message] : cases) ExpectRefused(Compare(flags), message);

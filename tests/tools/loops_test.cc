@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "surfit/core/error.h"
+#include "surfit/io/camera_files.h"
 #include "surfit/io/g2o.h"
 #include "surfit/io/trajectory_files.h"
 #include "testing/matchers.h"
@@ -93,6 +94,32 @@ TEST_F(EvaluateRevisitsTest, TellsWhichPosesLaySurfacesOverEachOther) {
   EXPECT_GT(estimate.at("icp_translation_median_m"), 0.5 * kDrift_m - 0.005);
   EXPECT_LT(estimate.at("icp_translation_max_m"), kDrift_m + 0.005);
   EXPECT_THAT(result.err, HasSubstr("dense ICP goes"));
+}
+
+TEST_F(EvaluateRevisitsTest, SeesByTheCameraThatTheRunFound) {
+  const nlohmann::json summary = {
+      {"options", {{"sequence", sequence_}, {"stride", "1"}, {"downsample", "2"}}}};
+  WriteBytes(run_ + "/summary.json", summary.dump());
+  const auto evaluate = [&](const std::string& flag) {
+    return RunProgram("surfit_evaluate_revisits", {"--run=" + run_, "--min_gap=20", flag,
+                                                   "--max_distance_m=1", "--max_angle_deg=40"});
+  };
+  const ProgramResult own = evaluate("--stride=5");
+  ASSERT_EQ(own.exit_code, 0) << own.err;
+  EXPECT_THAT(own.err, HasSubstr("seen by the sequence's own camera"));
+  RgbdCamera found = ReadCameraYaml(sequence_ + "/camera.yaml");
+  found.depth.fx *= 1.1;
+  found.depth.fy *= 1.1;
+  WriteCameraYaml(found, run_ + "/camera.yaml");
+  const ProgramResult result = evaluate("--stride=5");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("seen by the camera " + run_ + "/camera.yaml"));
+  // A tenth off, it lays exact surfaces apart.
+  const auto median = [](const ProgramResult& of) {
+    return nlohmann::json::parse(of.out).at("groundtruth").at("surface_median_m").get<double>();
+  };
+  EXPECT_GT(median(result), 2 * median(own));
+  EXPECT_EQ(evaluate("--camera=").out, own.out);
 }
 
 TEST_F(EvaluateRevisitsTest, FailsWhereNothingIsSeenAgain) {

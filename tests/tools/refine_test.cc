@@ -158,6 +158,41 @@ TEST(RefineTool, FindsHowTheErrorOfDepthVariesOverTheImage) {
   }
 }
 
+// The depth camera's fx that refinement started from.
+double GivenFx(const std::string& run, const std::vector<std::string>& more,
+               std::string* messages) {
+  std::vector<std::string> flags = {"--run=" + run,          "--max_rounds=1",
+                                    "--cells_across=40",     "--nofree_intrinsics",
+                                    "--nofree_depth_offset", "--nofree_depth_field"};
+  flags.insert(flags.end(), more.begin(), more.end());
+  const ProgramResult result = Succeeded(RunProgram("surfit_refine", flags));
+  *messages = result.err;
+  const auto json = nlohmann::json::parse(ReadBytes(run + "/refined/refinement.json"));
+  return json["calibration"]["before"]["fx"];
+}
+
+TEST(RefineTool, SeesByTheCameraThatTheRunFound) {
+  const TempFolder folder;
+  const std::string run = folder / "out";
+  Simulate(folder / "in", 20, 4, 7, 0);
+  Succeeded(RunProgram("surfit_slam",
+                       {"--sequence=" + folder / "in", "--output=" + run, "--pictures=false",
+                        "--nocalibrate", "--intrinsics=132,132,79.5,59.5"}));
+  std::string messages;
+  EXPECT_EQ(GivenFx(run, {}, &messages), 132);  // nothing was found: as the run was given
+  EXPECT_THAT(messages, HasSubstr("seen by the sequence's own camera"));
+
+  RgbdCamera found = ReadCameraYaml(folder / "in/camera.yaml");
+  found.depth.fx = 131;
+  WriteCameraYaml(found, run + "/camera.yaml");
+  EXPECT_EQ(GivenFx(run, {}, &messages), 131);
+  EXPECT_THAT(messages, HasSubstr("seen by the camera " + run + "/camera.yaml"));
+  // What the command line says wins.
+  EXPECT_EQ(GivenFx(run, {"--intrinsics=130,130,79.5,59.5"}, &messages), 130);
+  EXPECT_EQ(GivenFx(run, {"--camera="}, &messages), 132);
+  EXPECT_THAT(messages, HasSubstr("seen by the sequence's own camera"));
+}
+
 TEST(RefineTool, RefusesBadInput) {
   const TempFolder folder;
   EXPECT_EQ(RunProgram("surfit_refine", {}).exit_code, 1);

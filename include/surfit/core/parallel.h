@@ -98,4 +98,18 @@ class SpareTimeTask {
 // is 1: nothing would run it before the caller waits. The task must not throw.
 void RunInBackground(std::function<void()> task);
 
+// While it lives, OpenMP's loops that begin on this thread (CHOLMOD's) and OpenBLAS, where they are
+// loaded, use one thread, so that sums have the same order on every machine. Debian's own BLAS
+// has one anyway.
+class SingleThreadedLibraries {
+ public:
+  SingleThreadedLibraries();
+  ~SingleThreadedLibraries();
+  SingleThreadedLibraries(const SingleThreadedLibraries&) = delete;
+  SingleThreadedLibraries& operator=(const SingleThreadedLibraries&) = delete;
+
+ private:
+  int openmp_threads_, openblas_threads_;  // before; 0 where not loaded
+};
+
 }  // namespace surfit

@@ -20,10 +20,10 @@ struct SequenceOptions {
   // auto, tum, icl_nuim, seven_scenes, redwood, replica, klg, sens, or watch (RunSlam() only).
   std::string format = "auto";
 
-  // A preset's name (see CameraPreset()). If empty: the folder's camera.yaml (of a file
-  // F.klg: F.klg.yaml), else what the recording tells (tum: the head of rgb.txt or depth.txt, which
-  // names freiburg1, 2 or 3; redwood: camera_intrinsic.json or intrinsic.json; replica:
-  // cam_params.json; sens: its header), else the format's usual camera.
+  // A preset's name (see CameraPreset()), or a camera.yaml by its path. If empty: the folder's
+  // camera.yaml (of a file F.klg: F.klg.yaml), else what the recording tells (tum: the head of
+  // rgb.txt or depth.txt, which names freiburg1, 2 or 3; redwood: camera_intrinsic.json or
+  // intrinsic.json; replica: cam_params.json; sens: its header), else the format's usual camera.
   std::string camera;
 
   // What takes the place of that camera's figures. After intrinsics from here, the image size is
@@ -50,6 +50,9 @@ struct SequenceOptions {
   void Visit(OptionVisitor& visitor);
 };
 
+// "the camera NAME", or "the sequence's own camera".
+std::string NameOfCamera(const SequenceOptions& options);
+
 // Opens a folder of images, or a recording in one file, as a sequence. Stamps are of depth: those
 // of TUM folders, .klg and .sens files, in seconds, less the camera's latency; frame numbers in
 // ICL-NUIM's (as in *.gt.freiburg), index / frames_per_second where files have none. Frames are
@@ -59,9 +62,10 @@ struct SequenceOptions {
 std::unique_ptr<FrameSource> OpenSequence(const SequenceOptions& options);
 
 // The correction of depth that a sequence of this format comes with: the inverse_depth_field of its
-// camera.yaml (of a file F.klg: F.klg.yaml), zero where that has none or options.camera names a
-// preset. OpenSequence() and WatchFolder() apply it to every frame; it holds for frames as they
-// give them, mirrored if the file's image y axis points up. Throws InputError naming file and key.
+// camera.yaml (of a file F.klg: F.klg.yaml) or of the one that options.camera names, zero where
+// that has none or options.camera names a preset. OpenSequence() and WatchFolder() apply it to
+// every frame; it holds for frames as they give them, mirrored if the file's image y axis points
+// up. Throws InputError naming file and key.
 InverseDepthField ReadDepthField(const SequenceOptions& options, const std::string& format);
 
 // The frames of a folder that is being filled (by a phone or a recorder), each as soon as its files

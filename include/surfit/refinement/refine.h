@@ -29,6 +29,14 @@ struct PriorOptions {
   void Visit(OptionVisitor& visitor);
 };
 
+// "reduced": normal equations of poses and calibration alone, the surfels' own numbers eliminated
+// by hand; "ceres": a problem of Ceres with an autodiff residual block for each observation. Both
+// minimise the same cost.
+std::vector<std::string> RefinementSolverNames();
+// How Ceres solves for poses and calibration: "sparse_schur", by a sparse factorisation
+// (SuiteSparse's where Ceres has it), or "iterative_schur", by conjugate gradients.
+std::vector<std::string> RefinementLinearSolverNames();
+
 // How keyframes are refined.
 struct RefinementOptions {
   // What of the calibration is found as well. Depth as a whole keeps its scale: nothing in a
@@ -65,8 +73,16 @@ struct RefinementOptions {
   double kept_angle_share = 1. / 3;
   double kept_kernel_share = 0.5;
 
+  // Of a round: one of RefinementSolverNames(), and of "ceres" one of
+  // RefinementLinearSolverNames().
+  std::string solver = "reduced";
+  std::string linear_solver = "sparse_schur";
+
   int max_rounds = 15;      // of making surfels and moving all
   int max_iterations = 10;  // of Levenberg-Marquardt, in each round
+  // And these end when one changes the cost by less than this share: far below the rounds', as some
+  // directions hardly matter to the cost.
+  double min_relative_step_change = 1e-6;
   // Rounds end when one lowers the cost of its observations by less than this share.
   double min_relative_cost_change = 1e-4;
   // The robust kernel's width is this many times its own in the first round, and half as many in

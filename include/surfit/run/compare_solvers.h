@@ -16,8 +16,8 @@ namespace surfit {
 
 class OptionVisitor;
 
-// What to compare, and on what: exactly one of synthetic_points, sequence, the two clouds and
-// replay.
+// What to compare, and on what: exactly one of synthetic_points, sequence, the two clouds, replay
+// and run.
 struct CompareOptions {
   int synthetic_points = 0;  // so many known pairs; 0 = none
   double noise_m = 0;        // standard deviation of each coordinate of their targets
@@ -33,6 +33,12 @@ struct CompareOptions {
   // A frame's folder that surfit_slam kept (SlamRunOptions::dump_failures). It starts at the pose
   // that tracking started at, with tracking's options in place of preprocess and icp.
   std::string replay;
+
+  // Folder of a run of surfit_slam over the sequence: a round of joint refinement of its keyframes
+  // (Refine()) is solved to the least cost, from the run's poses, with the surfels and the kernel
+  // of a last round. Keyframes are RefineRunOptions', at most so many (0 = no limit).
+  std::string run;
+  int max_keyframes = 120;
 
   std::string output;  // folder for tables and pictures; made if missing
 
@@ -58,9 +64,9 @@ struct CompareOptions {
 // One way to solve for a pose.
 struct SolverCombination {
   std::string solver;
-  std::string linear_solver;  // of ceres_per_point, else empty
+  std::string linear_solver;  // of ceres_per_point, and of refinement's ceres; else empty
   std::string residual;
-  std::string association;  // "known" for known pairs
+  std::string association;  // "known" for known pairs, and of refinement
 
   // "solver", or "solver (linear_solver)".
   std::string SolverTitle() const;
@@ -71,15 +77,18 @@ struct SolverCombination {
 // cost and errors are empty then, as is what does not apply.
 struct ComparisonRow {
   SolverCombination combination;
-  int points = 0;  // of the source, on the finest level
+  int points = 0;  // of the source, on the finest level; observations of refinement
   int threads = 0;
   int runs = 0;
   std::optional<double> build_ms;      // of a solve: what Ceres is given
   std::optional<double> linearize_ms;  // once; with the association where both are done at once
   std::optional<double> solve_ms;      // of a solve, without build_ms
   double total_ms = 0;                 // from the start to the final pose, all included
-  double iterations = 0;               // steps of ICP or, over known pairs, linearisations
-  std::optional<double> final_cost;    // 1/2 sum of rho(s)
+  double iterations = 0;  // steps of ICP or, over known pairs, linearisations; steps of refinement
+  // Of refinement: solve_ms by iterations, and the most memory that is resident while it builds and
+  // solves, beyond what is before.
+  std::optional<double> iteration_ms, memory_bytes;
+  std::optional<double> final_cost;  // 1/2 sum of rho(s)
   std::optional<double> rotation_error_deg, translation_error_m;
   std::optional<double> converged_share;  // of all runs
   std::string termination;  // the most frequent one of all runs; empty over known pairs

@@ -108,8 +108,9 @@ surfit.showBasins = (rows, data) => {
 surfit.showLosses = (rows, data) => {
   const widest = 9, narrowest = 1.5;
   const titles = [...surfit.groupBy(rows, (row) => row.title).keys()];
-  surfit.byId('losses-title').textContent = `Loss at each iteration, from a start ${
-    data.start.rotation_deg} deg and ${data.start.translation_m} m off`;
+  surfit.byId('losses-title').textContent = data.refinement ? 'Cost at each iteration'
+    : `Loss at each iteration, from a start ${data.start.rotation_deg} deg and ${
+      data.start.translation_m} m off`;
   for (const [title, group] of surfit.groupBy(rows, surfit.groupOf)) {
     const lines = group.map((row) => {
       const i = titles.indexOf(row.title);
@@ -118,7 +119,7 @@ surfit.showLosses = (rows, data) => {
         { borderWidth: narrowest + (widest - narrowest) * i / Math.max(1, titles.length - 1) });
     });
     surfit.addChart(surfit.byId('loss-charts'), title, lines, {
-      x: surfit.axis('iteration'), y: surfit.axis('m²', { type: 'logarithmic' }), className: 'chart high' });
+      x: surfit.axis('iteration'), y: surfit.axis(data.refinement ? 'cost' : 'm²', { type: 'logarithmic' }), className: 'chart high' });
   }
 };
 
@@ -141,7 +142,7 @@ surfit.showFigures = (rows) => {
   const data = JSON.parse(document.querySelector('script.comparison').textContent);
   const once = data.rows.filter((row) => row.threads === data.rows[0].threads);  // results are the same
   surfit.byId('headline').textContent = data.notes.map((note) => `Note: ${note}.`).join(' ');
-  surfit.byId('times-note').hidden = data.known_pairs;
+  surfit.byId('times-note').hidden = data.known_pairs || data.refinement;
   surfit.showTimes(data.rows);
   surfit.showBasins(once, data);
   surfit.showLosses(once, data);

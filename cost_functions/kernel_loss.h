@@ -1,0 +1,25 @@
+#pragma once
+
+#include <ceres/loss_function.h>
+
+#include "cost_functions/robust_kernel.h"
+
+namespace surfit {
+
+// A kernel as Ceres' loss. Its second derivative is given as zero: Ceres leaves negative ones out
+// of the step as well, and rho is concave.
+class KernelLoss final : public ceres::LossFunction {
+ public:
+  explicit KernelLoss(const RobustKernel& kernel) : kernel_(kernel) {}
+  void Evaluate(double s, double rho[3]) const override {
+    const KernelValue<double> value = EvaluateKernel(kernel_, s);
+    rho[0] = value.rho;
+    rho[1] = value.slope;
+    rho[2] = 0;
+  }
+
+ private:
+  RobustKernel kernel_;
+};
+
+}  // namespace surfit

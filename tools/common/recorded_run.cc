@@ -1,0 +1,83 @@
+#include "common/recorded_run.h"
+
+#include <gflags/gflags.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "surfit/core/error.h"
+
+namespace surfit::tools {
+namespace {
+
+// What a camera.yaml tells.
+constexpr std::array kFlagsOfCamera = {
+    "camera",           "intrinsics",          "distortion",
+    "depth_scale",      "inverse_depth_sigma", "color_intrinsics",
+    "color_distortion", "color_from_depth",    "fps",
+    "latency_s",        "color_latency_s",     "readout_s"};
+
+bool IsOfCamera(const std::string& flag) {
+  return std::find(kFlagsOfCamera.begin(), kFlagsOfCamera.end(), flag) != kFlagsOfCamera.end();
+}
+
+// Empty if the run found none.
+std::string FoundCamera(const std::string& run) {
+  const std::string path = run + "/camera.yaml";
+  return std::filesystem::is_regular_file(path) ? path : "";
+}
+
+nlohmann::json OptionsIn(const std::string& path) {
+  std::ifstream file(path);
+  if (!file) throw InputError(path + " cannot be read");
+  const nlohmann::json json = nlohmann::json::parse(file, nullptr, /*allow_exceptions=*/false);
+  if (!json.is_object() || !json.contains("options") || !json["options"].is_object()) {
+    throw InputError(path + " is no summary of a run: it has no options");
+  }
+  return json["options"];
+}
+
+// Whether a program has the flag, and the command line has not set it.
+bool IsDefault(const std::string& name) {
+  gflags::CommandLineFlagInfo flag;
+  return gflags::GetCommandLineFlagInfo(name.c_str(), &flag) && flag.is_default;
+}
+
+}  // namespace
+
+void TakeRecordedFlags(const std::string& run, const OptionTable& sequence,
+                       const std::set<std::string>& left_out) {
+  const std::string summary_json = run + "/summary.json";
+  const nlohmann::json recorded = OptionsIn(summary_json);
+  const std::string camera = IsDefault("camera") ? FoundCamera(run) : "";
+  for (const auto& [name, present] : TableFlags(sequence)) {
+    if (!IsDefault(name) || !recorded.contains(name) || left_out.count(name) > 0) continue;
+    if (!camera.empty() && IsOfCamera(name)) continue;
+    const nlohmann::json& value = recorded[name];
+    if (!value.is_string() ||
+        gflags::SetCommandLineOption(name.c_str(), value.get<std::string>().c_str()).empty()) {
+      throw InputError(Concat(summary_json, ": options: ", name, " is ", value.dump(), ", which --",
+                              name, " does not take"));
+    }
+  }
+  if (!camera.empty()) gflags::SetCommandLineOption("camera", camera.c_str());
+}
+
+SequenceOptions WithFoundCamera(const SequenceOptions& sequence, const std::string& run) {
+  const std::string camera = FoundCamera(run);
+  if (camera.empty()) return sequence;
+  SequenceOptions found;
+  found.path = sequence.path;
+  found.format = sequence.format;
+  found.camera = camera;
+  found.first = sequence.first;
+  found.last = sequence.last;
+  found.stride = sequence.stride;
+  found.prepare = sequence.prepare;
+  return found;
+}
+
+}  // namespace surfit::tools
