@@ -114,8 +114,9 @@ void FitCriteria::Visit(OptionVisitor& v) {
   v.Add(max_free_space_share, "max_free_space_share", "of points in front of that surface",
         Share());
   v.Add(needs_color, "needs_color", "both views must show colours");
-  v.Add(min_value_correlation, "min_value_correlation", "of the images", Share());
-  v.Add(min_detail_correlation, "min_detail_correlation", "of their edges and texture", Share());
+  v.Add(min_value_correlation, "min_value_correlation", "of the images", Between(-1, 1));
+  v.Add(min_detail_correlation, "min_detail_correlation", "of their edges and texture",
+        Between(-1, 1));
   v.Add(min_inlier_share, "min_inlier_share", "of the points that overlap", Share());
   v.Add(max_rmse_m, "max_rmse_m", "of the residuals", Positive());
   v.Add(max_sigma_m, "max_sigma_m", "of the translation in its least certain direction",

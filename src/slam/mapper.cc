@@ -18,7 +18,8 @@ double MeanDepth(const Image<float>& depth_m) {
   return count > 0 ? sum / static_cast<double>(count) : 0;
 }
 
-// How far a motion moves the middle of an image of what the level shows, as a share of its width.
+}  // namespace
+
 double ImageShift(const Rigid3d& motion, const FrameLevel& level) {
   const double depth_m = MeanDepth(level.vertex.z);
   if (depth_m == 0) return std::numeric_limits<double>::infinity();
@@ -26,8 +27,6 @@ double ImageShift(const Rigid3d& motion, const FrameLevel& level) {
   const PinholeCamera& camera = level.camera;
   return camera.fx / camera.width * (turn_rad + motion.translation.norm() / depth_m);
 }
-
-}  // namespace
 
 Mapper::Mapper(const DepthSensor& sensor, const SlamOptions& options)
     : options_(options), sensor_(sensor), renderer_(options.render), fusion_(options.fusion) {}
@@ -63,12 +62,20 @@ bool Mapper::UpdateView(const PreparedFrame& frame, const Rigid3d& world_from_pr
   return true;
 }
 
+bool Mapper::IsTurnToFuse(const PreparedFrame& frame, const Rigid3d& world_from_camera) const {
+  return unfused_count_ + 1 >= options_.map_period ||
+         ImageShift(world_from_fused_.Inverse() * world_from_camera,
+                    frame.view.pyramid.levels.back()) > options_.max_view_shift;
+}
+
 FusionReport Mapper::Fuse(const PreparedFrame& frame, const Rigid3d& world_from_camera) {
   unfused_count_ = 0;
+  world_from_fused_ = world_from_camera;
   return fusion_.Fuse(frame.images, frame.surface(), world_from_camera, &map_);
 }
 
 void Mapper::Correct(const WorldCorrection& correction, int frame_index) {
+  if (correction.moves) world_from_fused_ = correction.new_from_old_now * world_from_fused_;
   const int active_frames = options_.fusion.active_frames;
   if (correction.recalibration) {
     MoveMap(correction.corrections, *correction.recalibration, &map_);

@@ -9,6 +9,9 @@
 
 namespace surfit {
 
+// How far a motion moves the middle of an image of what the level shows, as a share of its width.
+double ImageShift(const Rigid3d& motion, const FrameLevel& level);
+
 // Keeps the map: fuses frames into it, draws the views that frames are registered to, in turns,
 // and moves it where loops have been closed.
 class Mapper {
@@ -32,8 +35,9 @@ class Mapper {
   // view() shows little of what the frame is expected to see. Returns whether it did.
   bool UpdateView(const PreparedFrame& frame, const Rigid3d& world_from_predicted, bool must);
 
-  // Of SlamOptions::map_period frames that are held one has its turn to be fused.
-  bool IsTurnToFuse() const { return unfused_count_ + 1 >= options_.map_period; }
+  // Of SlamOptions::map_period frames that are held one has its turn to be fused, and one that
+  // sees much that the last did not.
+  bool IsTurnToFuse(const PreparedFrame& frame, const Rigid3d& world_from_camera) const;
   FusionReport Fuse(const PreparedFrame& frame, const Rigid3d& world_from_camera);
   void Skip() { ++unfused_count_; }
 
@@ -48,8 +52,9 @@ class Mapper {
   Fusion fusion_;
   SurfelMap map_;
   ReferenceView view_;
-  bool has_view_ = false;  // of today's camera
-  int unfused_count_ = 0;  // frames that were held since the last one that was fused
+  bool has_view_ = false;     // of today's camera
+  int unfused_count_ = 0;     // frames that were held since the last one that was fused
+  Rigid3d world_from_fused_;  // of that one
   std::size_t merged_doubles_ = 0;
   int merged_until_ = 0;  // frame before which all doubles of the map are merged
 };

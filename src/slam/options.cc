@@ -69,7 +69,7 @@ void SlamOptions::Visit(OptionVisitor& v) {
         "fuse every n-th tracked frame, and draw the map anew for every n-th; 1 = for all",
         AtLeast(1), Everyday());
   v.Add(max_view_shift, "max_view_shift",
-        "draw the map anew where the image is expected to have moved by more, as a share of its "
+        "draw the map anew, and fuse, where the image has moved by more since, as a share of its "
         "width",
         AtLeast(0), AsFlag());
   v.Add(min_turn_eigenvalue, "min_turn_eigenvalue",
@@ -82,6 +82,9 @@ void SlamOptions::Visit(OptionVisitor& v) {
       OneOf({"constant_velocity", "constant_pose", "so3"}), AsFlag());
   v.Add(min_inlier_share, "min_inlier_share", "a frame with a smaller share of inliers is lost",
         Share(), AsFlag());
+  v.Add(sure_inlier_share, "sure_inlier_share",
+        "a frame with a smaller share of inliers is looked for by `initialize` as well", Share(),
+        AsFlag());
   v.Add(max_rmse_m, "max_rmse_m", "a frame with larger residuals is lost", Positive(), AsFlag());
   v.Add(initialize, "initialize",
         "how a frame that would be lost is recovered from the last good one; identity: not at all",

@@ -102,6 +102,7 @@ class Slam::Pipeline {
   PreparedFrame Prepare(const RgbdFrame& frame, StageTimes* times);
   Tracked Track(const PreparedFrame& frame, StageTimes* times);
   Tracked TrackFromPrediction(const PreparedFrame& frame, StageTimes* times);
+  bool IsFar(const PreparedFrame& frame, const Rigid3d& world_from_camera) const;
   std::optional<Tracked> FindAgain(const PreparedFrame& frame);
   std::optional<Tracked> Relocalize(const PreparedFrame& frame);
   std::optional<Tracked> Confirm(const PreparedFrame& frame, const Rigid3d& world_from_found);
@@ -195,7 +196,7 @@ Tracked Slam::Pipeline::Track(const PreparedFrame& frame, StageTimes* times) {
 }
 
 // Registers the frame from where the camera is expected, to what is expected to be seen there;
-// where that fails, looks for it from afar.
+// where that fails or is in doubt, looks for it from afar.
 Tracked Slam::Pipeline::TrackFromPrediction(const PreparedFrame& frame, StageTimes* times) {
   const int index = frame.images.index;
   Rigid3d world_from_predicted;
@@ -210,10 +211,12 @@ Tracked Slam::Pipeline::TrackFromPrediction(const PreparedFrame& frame, StageTim
   const ReferenceView& reference = tracks_frame_to_frame() ? tracker_.last() : mapper_.view();
   const StageTimer timer("track", index, &times->track_ms);
   Tracked tracked = tracker_.Track(frame, reference, world_from_predicted);
-  if (!tracked.is_held()) {
-    std::optional<Tracked> found = FindAgain(frame);
-    if (!found) found = Relocalize(frame);
-    if (found) tracked = *std::move(found);
+  if (tracker_.IsDoubtful(tracked) || IsFar(frame, world_from_predicted) ||
+      IsFar(frame, tracked.world_from_camera)) {
+    tracked = tracker_.Better(std::move(tracked), FindAgain(frame));
+    if (!tracked.is_held()) {
+      if (std::optional<Tracked> found = Relocalize(frame)) tracked = *std::move(found);
+    }
   }
   if (!tracked.is_held() && on_lost_) {
     on_lost_({index, frame.view.pyramid, reference.view.pyramid, frame.images.color,
@@ -222,6 +225,12 @@ Tracked Slam::Pipeline::TrackFromPrediction(const PreparedFrame& frame, StageTim
   }
   tracked.has_own_view = has_own_view;
   return tracked;
+}
+
+// Farther from the last frame than tracking surely follows.
+bool Slam::Pipeline::IsFar(const PreparedFrame& frame, const Rigid3d& world_from_camera) const {
+  const Rigid3d motion = tracker_.last().world_from_view.Inverse() * world_from_camera;
+  return ImageShift(motion, frame.view.pyramid.levels.back()) > options_.max_view_shift;
 }
 
 // From the last good frame as far as the views tell, and from there against the map.
@@ -262,7 +271,7 @@ std::optional<FusionReport> Slam::Pipeline::FuseInTurn(const PreparedFrame& fram
                                                        const Tracked& tracked, StageTimes* times) {
   const bool must = tracked.state == FrameState::kFirst || tracked.state == FrameState::kGiven ||
                     tracked.found_again || tracker_.needs_all();
-  if (!must && !mapper_.IsTurnToFuse()) {
+  if (!must && !mapper_.IsTurnToFuse(frame, tracked.world_from_camera)) {
     mapper_.Skip();
     return std::nullopt;
   }

@@ -9,8 +9,25 @@
 namespace surfit {
 namespace {
 
-// Of lost frames every fifth is looked for: that takes as long as tracking tens of frames.
+// Of lost frames the first five are looked for, and then every fifth: that takes as long as
+// tracking tens of frames.
 constexpr int kSearchStride = 5;
+
+// What two views must show to be looked at in the map: its surfaces are to agree in any case, and
+// motion blurs colours.
+FitCriteria ShapesAlone() {
+  FitCriteria fit = InitializeOptions::FrameCriteria();
+  fit.min_value_correlation = fit.min_detail_correlation = -1;
+  return fit;
+}
+
+// As a pose found forwards and one found backwards must.
+bool Agree(const Tracked& a, const Tracked& b) {
+  const FitCriteria criteria;
+  const Rigid3d between = a.world_from_camera.Inverse() * b.world_from_camera;
+  return between.translation.norm() <= criteria.max_disagreement_m &&
+         RotationAngle(between.rotation) <= criteria.max_disagreement_rad;
+}
 
 }  // namespace
 
@@ -80,12 +97,25 @@ bool Tracker::IsBelievable(const IcpResult& icp) const {
          icp.rmse_m <= options_.max_rmse_m;
 }
 
+bool Tracker::IsDoubtful(const Tracked& tracked) const {
+  return needs_search_ || !tracked.is_held() ||
+         tracked.icp.inlier_share < options_.sure_inlier_share;
+}
+
+Tracked Tracker::Better(Tracked tracked, std::optional<Tracked> found) const {
+  if (found) return tracked.is_held() && Agree(tracked, *found) ? tracked : *std::move(found);
+  if (lost_count_ > 0 && options_.initialize != "identity") tracked.state = FrameState::kLost;
+  return tracked;
+}
+
 std::optional<Rigid3d> Tracker::FindFromLast(const PreparedFrame& frame) const {
-  if (options_.initialize == "identity" || lost_count_ % kSearchStride != 0) return std::nullopt;
+  if (options_.initialize == "identity") return std::nullopt;
+  if (lost_count_ >= kSearchStride && lost_count_ % kSearchStride != 0) return std::nullopt;
   if (!HasEnoughDepth(frame)) return std::nullopt;
   const TraceSlice slice("find_again", frame.images.index);
   InitializeOptions initialization;
   initialization.method = options_.initialize;
+  initialization.fit = ShapesAlone();
   const FarVerdict found = RegisterFar(frame.view, last_.view, initialization, FarIcpOptions());
   if (!found.accepted()) return std::nullopt;
   return last_.world_from_view * found.target_from_source;
@@ -104,6 +134,7 @@ void Tracker::Keep(PreparedFrame frame, const Tracked& tracked) {
   const bool is_next = has_started_ && lost_count_ == 0 && !tracked.found_again;
   last_from_next_ =
       is_next ? last_.world_from_view.Inverse() * tracked.world_from_camera : Rigid3d();
+  needs_search_ = tracked.found_again;
   is_poorly_held_ =
       !tracked.icp.iterations.empty() && tracked.icp.eigenvalues[0] < options_.min_turn_eigenvalue;
   if (options_.tracking == "frame_to_frame" || options_.initialize != "identity" ||

@@ -61,8 +61,15 @@ class Tracker {
   Tracked Track(const PreparedFrame& frame, const ReferenceView& reference,
                 const Rigid3d& world_from_predicted) const;
 
-  // Where a frame may be that tracking would lose, as far as it and the last one tell; nothing
-  // unless it is this frame's turn to be looked for.
+  // Lost, after a loss or a jump, or held by so few inliers that it may be at a wrong pose.
+  bool IsDoubtful(const Tracked& tracked) const;
+  // Where a doubtful frame is, by tracking and from afar: from afar, where they do not agree. A
+  // wrong pose near the last one may have as many inliers. After a loss tracking starts at no known
+  // place, and is not believed alone.
+  Tracked Better(Tracked tracked, std::optional<Tracked> found) const;
+
+  // Where a doubtful frame may be, as far as it and the last one tell; nothing unless it is this
+  // frame's turn to be looked for.
   std::optional<Rigid3d> FindFromLast(const PreparedFrame& frame) const;
   // A frame that was found there, if the reference agrees.
   std::optional<Tracked> Confirm(const PreparedFrame& frame, const ReferenceView& reference,
@@ -70,7 +77,10 @@ class Tracker {
 
   // One of both is to be called with each outcome but of a frame that repeats the last.
   void Keep(PreparedFrame frame, const Tracked& tracked);
-  void Lose() { ++lost_count_; }
+  void Lose() {
+    ++lost_count_;
+    needs_search_ = true;
+  }
 
   // The world has been corrected.
   void Move(const Rigid3d& new_from_old_world);
@@ -83,6 +93,7 @@ class Tracker {
   const SlamOptions& options_;
   bool has_started_ = false;
   int lost_count_ = 0;
+  bool needs_search_ = false;    // the last frame was lost, or came with a jump
   bool is_poorly_held_ = false;  // the last frame, by SlamOptions::min_turn_eigenvalue
   ReferenceView last_;
   Rigid3d last_from_next_;     // motion that the motion model expects

@@ -25,16 +25,17 @@ struct SimulatedSequence {
 
 enum class Sensor { kIdeal, kKinect };
 
-// By a camera as it is in truth; stamps are those of its images, late by its latency.
+// Each stride-th frame, by a camera as it is in truth; stamps are those of its images, late by its
+// latency.
 inline SimulatedSequence Simulate(const std::string& name, std::uint64_t seed, int frames,
                                   Sensor sensor, const RgbdCamera& camera,
-                                  const ColorOptions& color = {}) {
+                                  const ColorOptions& color = {}, int stride = 1) {
   const Scene scene = MakeScene(name, seed);
   const Trajectory path = MakePath(scene, frames, seed);
   const MovingCamera moving(scene, camera, path, color);
   SimulatedSequence sequence;
   sequence.camera = camera.depth;
-  for (int i = 0; i < frames; ++i) {
+  for (int i = 0; i < frames; i += stride) {
     Rendering image = moving.Frame(i);
     RgbdFrame frame;
     frame.index = i;
@@ -49,10 +50,11 @@ inline SimulatedSequence Simulate(const std::string& name, std::uint64_t seed, i
 }
 
 inline SimulatedSequence Simulate(const std::string& name, std::uint64_t seed, int frames,
-                                  Sensor sensor, const PinholeCamera& camera = SimulatedCamera()) {
+                                  Sensor sensor, const PinholeCamera& camera = SimulatedCamera(),
+                                  int stride = 1) {
   RgbdCamera plain;
   plain.depth = camera;
-  return Simulate(name, seed, frames, sensor, plain);
+  return Simulate(name, seed, frames, sensor, plain, {}, stride);
 }
 
 inline SimulatedSequence SimulateRoom(std::uint64_t seed, int frames, Sensor sensor) {

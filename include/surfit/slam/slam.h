@@ -40,8 +40,8 @@ struct SlamOptions {
   // which the next are registered to as well. Views of one place hardly differ at 30 Hz. 1: all.
   // Where intensities count every frame gets its own.
   int map_period = 2;
-  // A frame that the camera is expected to have moved farther for since that view, as a share of
-  // the image's width at the scene's mean depth, gets its own in any case.
+  // A frame that the camera has moved farther for since that view or that fusion, as a share of the
+  // image's width at the scene's mean depth, gets its own or is fused in any case.
   double max_view_shift = 0.1;
   // After a frame whose data hold a direction of motion less than this (the smallest of
   // IcpResult::eigenvalues), every frame is fused, has its own view and is registered with all
@@ -53,6 +53,9 @@ struct SlamOptions {
   // A registration is believed if so many of the points find a partner with such a residual.
   double min_inlier_share = 0.3;
   double max_rmse_m = 0.03;
+  // One with a smaller share of inliers is looked for from afar as well, by `initialize`: the pose
+  // with clearly more inliers counts.
+  double sure_inlier_share = 0.4;
   // How a frame that tracking would lose is found from the last good one, however far it is: see
   // InitializeOptions::method; identity: not at all. It is believed only if the map agrees.
   std::string initialize = "features";
