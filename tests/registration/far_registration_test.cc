@@ -106,7 +106,8 @@ TEST(InitializeOptions, RefuseWhatMakesNoSense) {
                  "method is 'magic', must be one of: identity, so3, features");
   expect_refused([](auto& o) { o.fit.min_overlap_share = 1.1; },
                  "min_overlap_share is 1.1, must be from 0 to 1");
-  expect_refused([](auto& o) { o.fit.min_value_correlation = -1; }, "min_value_correlation is -1");
+  expect_refused([](auto& o) { o.fit.min_value_correlation = -1.5; },
+                 "min_value_correlation is -1.5");
   expect_refused([](auto& o) { o.fit.min_detail_correlation = 2; }, "min_detail_correlation is 2");
   expect_refused([](auto& o) { o.fit.min_lead = -1; }, "min_lead is -1, must be from 0 to 1");
   expect_refused([](auto& o) { o.free_space_growth = 0.5; },

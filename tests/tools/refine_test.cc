@@ -137,8 +137,9 @@ TEST(RefineTool, FindsHowTheErrorOfDepthVariesOverTheImage) {
     const TempFolder folder;
     Simulate(folder / "in", 300, 2, seed, kOffset,
              {"--inverse_depth_distortion=0.002,-0.002,0.008,0.002,0.006"});
-    Succeeded(RunProgram("surfit_slam", {"--sequence=" + folder / "in",
-                                         "--output=" + folder / "out", "--pictures=false"}));
+    Succeeded(
+        RunProgram("surfit_slam", {"--sequence=" + folder / "in", "--output=" + folder / "out",
+                                   "--pictures=false", "--nocalibrate"}));
     Succeeded(RunProgram("surfit_refine", {"--run=" + folder / "out", "--free_depth_field"}));
     const std::string refined = folder / "out/refined";
     const auto json = nlohmann::json::parse(ReadBytes(refined + "/refinement.json"));
