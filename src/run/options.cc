@@ -36,7 +36,7 @@ void SlamRunOptions::Visit(OptionVisitor& v) {
         Between(1, 1000));
   v.Add(offered_fps, "offered_fps",
         "offer frames at this rate, as a camera does; those not taken in time are dropped and "
-        "counted",
+        "counted, and only lost ones are looked for (sure_inlier_share is 0)",
         ZeroIs("as fast as they are processed"), AsFlag());
   v.Add(pictures, "pictures", "write pictures of map and trajectory", AsFlag());
   v.Add(keep_views, "keep_views",

@@ -202,7 +202,10 @@ SlamRunSummary RunSlam(const SlamRunOptions& options, const std::atomic<bool>& i
                        const std::function<void(const SlamRunProgress&)>& progress) {
   Validate(options);
   const ThreadLimit limit(options.threads);
-  return SlamRun(options, interrupted).Run(interrupted, progress);
+  SlamRunOptions run = options;
+  // While a doubtful frame is looked for, the camera moves on: the next would be far, too.
+  if (options.offered_fps > 0) run.slam.sure_inlier_share = 0;
+  return SlamRun(run, interrupted).Run(interrupted, progress);
 }
 
 }  // namespace surfit

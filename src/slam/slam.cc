@@ -211,8 +211,9 @@ Tracked Slam::Pipeline::TrackFromPrediction(const PreparedFrame& frame, StageTim
   const ReferenceView& reference = tracks_frame_to_frame() ? tracker_.last() : mapper_.view();
   const StageTimer timer("track", index, &times->track_ms);
   Tracked tracked = tracker_.Track(frame, reference, world_from_predicted);
-  if (tracker_.IsDoubtful(tracked) || IsFar(frame, world_from_predicted) ||
-      IsFar(frame, tracked.world_from_camera)) {
+  const bool is_far = tracker_.doubts() && (IsFar(frame, world_from_predicted) ||
+                                            IsFar(frame, tracked.world_from_camera));
+  if (is_far || tracker_.IsDoubtful(tracked)) {
     tracked = tracker_.Better(std::move(tracked), FindAgain(frame));
     if (!tracked.is_held()) {
       if (std::optional<Tracked> found = Relocalize(frame)) tracked = *std::move(found);

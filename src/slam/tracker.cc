@@ -98,24 +98,25 @@ bool Tracker::IsBelievable(const IcpResult& icp) const {
 }
 
 bool Tracker::IsDoubtful(const Tracked& tracked) const {
-  return needs_search_ || !tracked.is_held() ||
-         tracked.icp.inlier_share < options_.sure_inlier_share;
+  return !tracked.is_held() ||
+         (doubts() && (needs_search_ || tracked.icp.inlier_share < options_.sure_inlier_share));
 }
 
 Tracked Tracker::Better(Tracked tracked, std::optional<Tracked> found) const {
   if (found) return tracked.is_held() && Agree(tracked, *found) ? tracked : *std::move(found);
-  if (lost_count_ > 0 && options_.initialize != "identity") tracked.state = FrameState::kLost;
+  if (doubts() && lost_count_ > 0) tracked.state = FrameState::kLost;
   return tracked;
 }
 
 std::optional<Rigid3d> Tracker::FindFromLast(const PreparedFrame& frame) const {
   if (options_.initialize == "identity") return std::nullopt;
-  if (lost_count_ >= kSearchStride && lost_count_ % kSearchStride != 0) return std::nullopt;
+  const bool is_soon = doubts() && lost_count_ < kSearchStride;
+  if (!is_soon && lost_count_ % kSearchStride != 0) return std::nullopt;
   if (!HasEnoughDepth(frame)) return std::nullopt;
   const TraceSlice slice("find_again", frame.images.index);
   InitializeOptions initialization;
   initialization.method = options_.initialize;
-  initialization.fit = ShapesAlone();
+  if (doubts()) initialization.fit = ShapesAlone();
   const FarVerdict found = RegisterFar(frame.view, last_.view, initialization, FarIcpOptions());
   if (!found.accepted()) return std::nullopt;
   return last_.world_from_view * found.target_from_source;

@@ -61,6 +61,10 @@ class Tracker {
   Tracked Track(const PreparedFrame& frame, const ReferenceView& reference,
                 const Rigid3d& world_from_predicted) const;
 
+  // Whether frames are looked for from afar that are not lost.
+  bool doubts() const {
+    return options_.sure_inlier_share > 0 && options_.initialize != "identity";
+  }
   // Lost, after a loss or a jump, or held by so few inliers that it may be at a wrong pose.
   bool IsDoubtful(const Tracked& tracked) const;
   // Where a doubtful frame is, by tracking and from afar: from afar, where they do not agree. A

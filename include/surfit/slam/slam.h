@@ -53,8 +53,9 @@ struct SlamOptions {
   // A registration is believed if so many of the points find a partner with such a residual.
   double min_inlier_share = 0.3;
   double max_rmse_m = 0.03;
-  // One with a smaller share of inliers is looked for from afar as well, by `initialize`: the pose
-  // with clearly more inliers counts.
+  // One with a smaller share of inliers, or farther away than max_view_shift, is looked for from
+  // afar as well, by `initialize`, and so is what follows a jump or a loss. 0: only lost frames
+  // are.
   double sure_inlier_share = 0.4;
   // How a frame that tracking would lose is found from the last good one, however far it is: see
   // InitializeOptions::method; identity: not at all. It is believed only if the map agrees.
