@@ -201,7 +201,10 @@ JointReport MinimizeWithCeres(const JointProblem& problem, const RefinementOptio
   const Stopwatch solving;
   const ceres::Solver::Summary summary = rows.Minimize(SolverOptions(options));
   report.solve_ms = solving.Milliseconds();
-  if (!summary.IsSolutionUsable()) return {kNoSolution};
+  if (!summary.IsSolutionUsable()) {
+    report.iterations = kNoSolution;
+    return report;
+  }
   rows.TakeState(state);
   report.iterations = summary.num_linear_solves;
   report.linearize_ms = 1000 * summary.jacobian_evaluation_time_in_seconds /

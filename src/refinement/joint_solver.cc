@@ -98,7 +98,10 @@ JointReport MinimizeReduced(const JointProblem& problem, const RefinementOptions
   const Stopwatch linearizing;
   ReducedSystem model = cost.ModelAt(*state);
   report.linearize_ms = linearizing.Milliseconds();
-  if (!std::isfinite(model.rho)) return {kNoSolution};
+  if (!std::isfinite(model.rho)) {
+    report.iterations = kNoSolution;
+    return report;
+  }
   report.costs.push_back(model.rho / 2);
   Damping damping;
   while (report.iterations < options.max_iterations) {

@@ -40,8 +40,7 @@ RgbdCamera ReadCameraYaml(const std::string& path);
 InverseDepthField ReadInverseDepthField(const std::string& path);
 
 // Writes such a file, without a field or a color_latency_s that is zero and a prior that is the
-// default. Throws InputError naming the file if it cannot
-// be written.
+// default. Throws InputError naming the file if it cannot be written.
 void WriteCameraYaml(const RgbdCamera& camera, const std::string& path,
                      const InverseDepthField& field = {});
 

@@ -25,7 +25,8 @@ struct SlamRunOptions {
   int threads = 2;                        // that compute at the same time
   int queue_capacity = 8;                 // frames that are read ahead, or offered and kept
   // Frames are offered at this rate, as a camera does (OfferFrames()), which shows whether they can
-  // all be taken in time; 0 = as fast as they are processed.
+  // all be taken in time, and only lost ones are looked for from afar (slam.sure_inlier_share is
+  // taken as 0); 0 = as fast as they are processed.
   double offered_fps = 0;
   bool pictures = true;
   bool keep_views = false;  // pictures of a few frames beside the model's views, for WriteReport()
