@@ -53,6 +53,8 @@ void BindFrameReport(py::module_& module) {
           "(the first of a map apart), or lost: no pose, nothing fused")
       .def_property_readonly("world_from_camera", &PoseOfReport, "4 x 4, metres; None if lost")
       .def_readonly("has_own_view", &FrameReport::has_own_view, "the map was drawn for it")
+      .def_readonly("is_held_out", &FrameReport::is_held_out,
+                    "it is left out of the map (SlamOptions.hold_out)")
       .def_readonly("is_fused", &FrameReport::is_fused, "into the map")
       .def_readonly("found_again", &FrameReport::found_again, "tracked after a jump")
       .def_readonly("icp", &FrameReport::icp, "of a tracked or lost frame")

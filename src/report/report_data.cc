@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <filesystem>
 
 #include "core/read_file.h"
 #include "run/output_files.h"
@@ -134,6 +135,10 @@ Json ReadRun(const std::string& folder, std::size_t max_points) {
   Json run;
   run["label"] = folder;
   run["summary"] = ReadJson(folder + "/summary.json");
+  const std::string judged_views = folder + "/views.json";
+  if (std::filesystem::exists(judged_views)) {
+    run["summary"]["judged_views"] = ReadJson(judged_views);
+  }
   run["frames"] = ReadFile(folder + "/frames.csv");
   const std::string poses = folder + "/poses.json";
   run["poses"] = ReadJson(poses);

@@ -38,8 +38,9 @@ std::string EncodeBase64(const std::vector<T>& values) {
 nlohmann::ordered_json PackMap(const std::vector<Surfel>& surfels, std::size_t max_points);
 
 // All that the page shows of one run, read from its output folder: label (the folder), summary
-// (summary.json), frames (the text of frames.csv), poses (poses.json) with its views' pictures as
-// data URLs, and map (PackMap). Throws InputError naming the file that is missing or broken.
+// (summary.json, with judged_views where surfit_evaluate_views wrote views.json), frames (the text
+// of frames.csv), poses (poses.json) with its views' pictures as data URLs, and map (PackMap).
+// Throws InputError naming the file that is missing or broken.
 nlohmann::ordered_json ReadRun(const std::string& folder, std::size_t max_points);
 
 }  // namespace surfit

@@ -3,11 +3,13 @@
 
 #include "run/pose_problem.h"
 #include "run/posed_views.h"
+#include "run/view_files.h"
 #include "surfit/core/error.h"
 #include "surfit/run/refine_run.h"
 #include "surfit/run/register_run.h"
 #include "surfit/run/revisits.h"
 #include "surfit/run/slam_run.h"
+#include "surfit/run/view_evaluation.h"
 
 namespace surfit {
 namespace {
@@ -116,6 +118,21 @@ void RevisitOptions::Visit(OptionVisitor& v) {
   v.Add(max_angle_rad, "max_angle_rad", "angle between the two cameras at most", Positive(),
         Everyday());
   v.AddPart(preprocess, "preprocess", "how depth images become surfaces", NoFlags());
+}
+
+void ViewEvaluationOptions::Visit(OptionVisitor& v) {
+  v.AddPart(sequence, "sequence", "as the run read it");
+  v.Group("views");
+  v.Add(run, "run",
+        "output folder of surfit_slam; its summary.json says which sequence it read and how, and "
+        "its camera.yaml what camera it found, where flags do not",
+        Required(), Everyday());
+  v.Add(output, "output", "folder for the results, made if missing; empty: the run's", Everyday());
+  v.Add(every, "every", "judge by every n-th frame; a run with --hold_out by what it held out",
+        AtLeast(1), Everyday());
+  v.Add(pictures, "pictures", "write pictures of so many views, the worst first",
+        Between(0, kMostViewPictures), Everyday());
+  v.Add(threads, Threads());
 }
 
 void FindLoopsRunOptions::Visit(OptionVisitor& v) {

@@ -3,6 +3,7 @@
 #include <iomanip>
 
 #include "run/kept_views.h"
+#include "run/view_files.h"
 #include "surfit/core/error.h"
 #include "surfit/geometry/sensor.h"
 
@@ -24,6 +25,7 @@ std::vector<std::string> RunFileNames() {
                                     "camera.yaml",
                                     "report.html"};
   for (const std::string& name : KeptViews::FileNames()) names.push_back(name);
+  for (const std::string& name : ViewFileNames()) names.push_back(name);
   return names;
 }
 

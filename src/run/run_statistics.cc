@@ -50,6 +50,7 @@ void RunStatistics::CountProcessed(const RgbdFrame& frame, const FrameReport& re
     return;
   }
   ++summary_.frames_tracked;
+  if (report.is_held_out) summary_.held_out_frames.push_back(report.index);
   if (IsRegistered(report.state) && options_.icp.error_model.UsesIntensities() &&
       report.icp.intensity_count == 0) {
     ++summary_.frames_without_intensities;

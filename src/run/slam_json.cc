@@ -104,6 +104,7 @@ void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
   j["frames_tracked"] = s.frames_tracked;
   j["frames_lost"] = s.frames_lost;
   j["frames_fused"] = s.frames_fused;
+  j["held_out_frames"] = s.held_out_frames;
   j["frames_skipped"] = s.frames_skipped;
   j["frames_dropped"] = s.frames_dropped;
   j["frames_without_intensities"] = s.frames_without_intensities;

@@ -1,6 +1,7 @@
 // The options of this room.
 #include "surfit/core/options.h"
 
+#include "surfit/core/error.h"
 #include "surfit/registration/far_registration.h"
 #include "surfit/slam/slam.h"
 
@@ -89,8 +90,15 @@ void SlamOptions::Visit(OptionVisitor& v) {
   v.Add(initialize, "initialize",
         "how a frame that would be lost is recovered from the last good one; identity: not at all",
         OneOf(InitializeMethods()), AsFlag());
+  v.Add(hold_out, "hold_out",
+        "leave the last of so many frames out of the map, to judge it by (surfit_evaluate_views)",
+        ZeroIs("none"), AsFlag(), Everyday());
   v.AddPart(loops, "loops", "loop closure and relocalisation");
   v.AddPart(calibration, "calibration", "calibration of the depth camera");
+  v.Check([this] {
+    if (hold_out != 1) return;
+    throw InputError("hold_out is 1, must be 0 (none) or at least 2");
+  });
 }
 
 }  // namespace surfit

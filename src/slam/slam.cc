@@ -107,6 +107,7 @@ class Slam::Pipeline {
   std::optional<Tracked> Relocalize(const PreparedFrame& frame);
   std::optional<Tracked> Confirm(const PreparedFrame& frame, const Rigid3d& world_from_found);
   bool IsNewMapDue(const PreparedFrame& frame) const;
+  bool IsHeldOut(const Tracked& tracked) const;
   std::optional<FusionReport> FuseInTurn(const PreparedFrame& frame, const Tracked& tracked,
                                          StageTimes* times);
   bool tracks_frame_to_frame() const { return options_.tracking == "frame_to_frame"; }
@@ -117,6 +118,7 @@ class Slam::Pipeline {
   Mapper mapper_;
   std::unique_ptr<Backend> backend_;  // null without loops and calibration
   RgbdFrame calibrated_;              // the frame at work, by what calibration has found
+  int frame_count_ = 0;               // the frame at work included
   std::function<void(const LostFrame&)> on_lost_;
 };
 
@@ -126,6 +128,7 @@ FrameReport Slam::Pipeline::Process(const RgbdFrame& frame,
   CHECK_EQ(frame.depth_m.height(), sensor_.camera.height);
   CHECK(frame.color.empty() || frame.color.size() == frame.depth_m.size());
   StageTimes times;
+  ++frame_count_;
   if (backend_) CorrectWorld(frame.index, &times);
   if (tracker_.Repeats(frame) && !given_pose) return Report(frame, Repeat(frame), {}, times);
 
@@ -139,9 +142,23 @@ FrameReport Slam::Pipeline::Process(const RgbdFrame& frame,
   if (backend_) {
     backend_->AddFrame(frame, tracked.world_from_camera, tracked.icp, prepared.view.pyramid);
   }
-  const std::optional<FusionReport> fused = FuseInTurn(prepared, tracked, &times);
+  const bool is_held_out = IsHeldOut(tracked);
+  std::optional<FusionReport> fused;
+  if (is_held_out) {
+    mapper_.Skip();
+  } else {
+    fused = FuseInTurn(prepared, tracked, &times);
+  }
   tracker_.Keep(std::move(prepared), tracked);
-  return Report(frame, tracked, fused, times);
+  FrameReport report = Report(frame, tracked, fused, times);
+  report.is_held_out = is_held_out;
+  return report;
+}
+
+// Without a frame that begins a map there would be none.
+bool Slam::Pipeline::IsHeldOut(const Tracked& tracked) const {
+  const bool begins_map = !tracker_.has_started() || tracked.state == FrameState::kNewMap;
+  return options_.hold_out > 0 && !begins_map && frame_count_ % options_.hold_out == 0;
 }
 
 void Slam::Pipeline::MakeBackend(LoopFinder finder) {

@@ -151,6 +151,14 @@ TEST_F(WriteReportTest, HoldsTheRunAndSaysHowMuchOfTheMap) {
   EXPECT_THAT(page, HasSubstr("index,state\\n0,first\\n"));
 }
 
+TEST_F(WriteReportTest, TellsHowTheViewsWereJudged) {
+  WriteReport(options_);
+  EXPECT_THAT(ReadBytes(options_.output), Not(HasSubstr("judged_views")));
+  folder_.Write("run/views.json", R"({"psnr_covered_db": 21.5})");
+  WriteReport(options_);
+  EXPECT_THAT(ReadBytes(options_.output), HasSubstr(R"("judged_views":{"psnr_covered_db":21.5})"));
+}
+
 TEST_F(WriteReportTest, NoTextOfTheRunEndsItsElement) {
   WriteReport(options_);
   const std::string page = ReadBytes(options_.output);

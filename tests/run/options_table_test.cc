@@ -15,6 +15,7 @@
 #include "surfit/run/register_run.h"
 #include "surfit/run/revisits.h"
 #include "surfit/run/slam_run.h"
+#include "surfit/run/view_evaluation.h"
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
 
@@ -56,7 +57,8 @@ using AllOptions = ::testing::Types<
     PoseGraphOptions, LoopOptions, SlamOptions, CalibrationPrior, RefinementOptions, MatchOptions,
     RelativePoseErrorOptions, TrajectoryEvaluationOptions, MapErrorOptions, KlgOptions,
     KinectOptions, ColorOptions, PathOptions, ReportOptions, SlamRunOptions, AlignRunOptions,
-    RegisterRunOptions, RefineRunOptions, RevisitOptions, FindLoopsRunOptions, CompareOptions>;
+    RegisterRunOptions, RefineRunOptions, RevisitOptions, FindLoopsRunOptions,
+    ViewEvaluationOptions, CompareOptions>;
 TYPED_TEST_SUITE(OptionTables, AllOptions);
 
 TYPED_TEST(OptionTables, NameEveryFieldOnce) { ExpectAll<TypeParam>(FieldCount<TypeParam>()); }

@@ -21,7 +21,7 @@ END
   local program
   # Not surfit_mesh: whether it is there depends on Open3D.
   for program in slam refine report align register compare_solvers evaluate evaluate_map \
-    evaluate_revisits find_loops convert optimize simulate; do
+    evaluate_revisits evaluate_views find_loops convert optimize simulate; do
     printf '\n## surfit_%s\n\n' "$program"
     "$programs/surfit_$program" --helpfull |
       sed -n '/^Options from/q; s/^Options of \(.*\):$/### \1\n/p; /^ /s/^/  /p; /^$/p' |

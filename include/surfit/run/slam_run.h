@@ -76,10 +76,11 @@ struct SlamRunSummary {
   int frames_total = 0;    // read or attempted
   int frames_tracked = 0;  // with a pose: all but lost and skipped ones
   int frames_lost = 0;
-  int frames_fused = 0;    // into the map, of the tracked ones
-  int frames_skipped = 0;  // could not be read
-  int frames_dropped = 0;  // offered, but not taken in time: not in frames_total
-  BackendCounts loops;     // all zero without loops and calibration
+  int frames_fused = 0;              // into the map, of the tracked ones
+  std::vector<int> held_out_frames;  // indices of tracked ones that SlamOptions::hold_out left out
+  int frames_skipped = 0;            // could not be read
+  int frames_dropped = 0;            // offered, but not taken in time: not in frames_total
+  BackendCounts loops;               // all zero without loops and calibration
   std::vector<CalibrationRecord> calibrations;  // of the depth camera, in their order
   // Of the frames as they were given; the last that was found, or none where they are right.
   std::optional<DepthCalibration> calibration;

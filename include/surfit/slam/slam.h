@@ -62,6 +62,10 @@ struct SlamOptions {
   std::string initialize = "features";
   LoopOptions loops;
   CalibrationOptions calibration;
+  // The last of so many frames is tracked, but never fused: the map can be judged by it. A frame
+  // that begins a map is fused. 0: all frames are.
+  int hold_out = 0;
+
   void Visit(OptionVisitor& visitor);
 };
 
@@ -97,6 +101,7 @@ struct FrameReport {
   bool found_again = false;   // tracked after a jump, by SlamOptions::initialize
   bool has_own_view = false;  // the map was drawn for it, unless it is not to be tracked against
   bool is_fused = false;      // into the map
+  bool is_held_out = false;   // tracked, but not to be fused: SlamOptions::hold_out
   IcpResult icp;              // of a tracked or lost frame
   FusionReport fusion;        // of a fused frame
   StageTimes times;

@@ -1,0 +1,178 @@
+#include "surfit/run/view_evaluation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "run/output_files.h"
+#include "run/view_files.h"
+#include "surfit/core/error.h"
+#include "surfit/core/options.h"
+#include "surfit/core/parallel.h"
+#include "surfit/evaluation/error_statistics.h"
+#include "surfit/evaluation/image_error.h"
+#include "surfit/geometry/trajectory.h"
+#include "surfit/io/frame_source.h"
+#include "surfit/io/point_cloud.h"
+#include "surfit/mapping/model_renderer.h"
+
+namespace surfit {
+namespace {
+
+constexpr int kReadAhead = 4;
+
+// What a run has left of itself.
+struct RecordedRun {
+  SurfelMap map;
+  Trajectory trajectory;
+  std::map<int, Rigid3d> world_from_camera;  // by the frame's index
+  std::set<int> held_out;                    // frames
+};
+
+void ReadPoses(const std::string& path, RecordedRun* run) {
+  const Json json = ReadJson(path);
+  try {
+    for (const Json& row : json.at("poses")) {
+      const auto number = [&](int i) { return row.at(i).get<double>(); };
+      const Eigen::Quaterniond rotation(number(8), number(5), number(6), number(7));
+      const Rigid3d pose(rotation.normalized(), {number(2), number(3), number(4)});
+      run->trajectory.push_back({number(1), pose});
+      run->world_from_camera[row.at(0).get<int>()] = pose;
+    }
+  } catch (const Json::exception& error) {
+    throw InputError(Concat(path, ": incomplete: ", error.what()));
+  }
+}
+
+RecordedRun ReadRecordedRun(const std::string& folder) {
+  RecordedRun run;
+  ReadPoses(folder + "/poses.json", &run);
+  const Json summary = ReadJson(folder + "/summary.json");
+  for (const Json& frame : summary.value("held_out_frames", Json::array())) {
+    if (frame.is_number_integer()) run.held_out.insert(frame.get<int>());
+  }
+  run.map.Append(ReadSurfelPly(folder + "/map.ply"));
+  return run;
+}
+
+PixelMask MaskOf(const Image<Rgb8>& color) {
+  PixelMask mask(color.width(), color.height());
+  std::transform(color.begin(), color.end(), mask.begin(),
+                 [](Rgb8 pixel) { return static_cast<std::uint8_t>(pixel != Rgb8()); });
+  return mask;
+}
+
+void CompareColor(const Image<Rgb8>& frame, const ModelView& drawn, const Image<Rgb8>& drawn_color,
+                  ViewError* error) {
+  const PixelMask all = MaskOf(frame);
+  PixelMask covered = all;
+  for (std::size_t i = 0; i < covered.size(); ++i) {
+    if (drawn.surfel_index[i] == ModelView::kNoSurfel) covered[i] = 0;
+  }
+  error->psnr_db = Psnr(drawn_color, frame, all);
+  error->psnr_covered_db = Psnr(drawn_color, frame, covered);
+  const Image<float> similarity = StructuralSimilarity(drawn_color, frame);
+  error->ssim = MeanOf(similarity, all);
+  error->ssim_covered = MeanOf(similarity, covered);
+  const auto pixels = static_cast<double>(std::max<std::size_t>(1, CountOf(all)));
+  error->coverage = static_cast<double>(CountOf(covered)) / pixels;
+}
+
+void CompareDepth(const Image<float>& frame_m, const Image<float>& drawn_m, ViewError* error) {
+  std::vector<double> errors_m;
+  for (std::size_t i = 0; i < frame_m.size(); ++i) {
+    if (frame_m[i] > 0 && drawn_m[i] > 0) errors_m.push_back(std::abs(frame_m[i] - drawn_m[i]));
+  }
+  if (errors_m.empty()) return;
+  const ErrorStatistics statistics = Summarize(std::move(errors_m));
+  error->depth_error_median_m = statistics.median;
+  error->depth_error_mean_m = statistics.mean;
+}
+
+ViewError MeanOf(const std::vector<JudgedView>& views) {
+  ViewError mean;
+  for (const auto field : {&ViewError::psnr_covered_db, &ViewError::ssim_covered,
+                           &ViewError::psnr_db, &ViewError::ssim, &ViewError::coverage,
+                           &ViewError::depth_error_median_m, &ViewError::depth_error_mean_m}) {
+    for (const JudgedView& view : views) mean.*field += view.error.*field;
+    mean.*field /= static_cast<double>(views.size());
+  }
+  return mean;
+}
+
+class Judge {
+ public:
+  explicit Judge(const ViewEvaluationOptions& options)
+      : options_(options),
+        folder_(options.output.empty() ? options.run : options.output),
+        run_(ReadRecordedRun(options.run)),
+        source_(ReadAhead(OpenSequence(options.sequence), kReadAhead)) {
+    PrepareOutputFolder(folder_, ViewFileNames());
+    result_.held_out = !run_.held_out.empty();
+  }
+
+  ViewEvaluation Evaluate(const std::function<void(int)>& progress) {
+    WorstViews worst(options_.pictures);
+    while (const std::optional<ReadResult> read = source_->Next()) {
+      const auto pose = run_.world_from_camera.find(read->index);
+      if (!read->frame || pose == run_.world_from_camera.end() || !IsNext(read->index)) continue;
+      if (read->frame->color.empty()) {
+        ++result_.without_color;
+        continue;
+      }
+      worst.Offer(Compare(*read->frame, pose->second));
+      progress(static_cast<int>(result_.views.size()));
+    }
+    if (result_.views.empty()) {
+      throw InputError(Concat(options_.run, ": no frame with colour and a pose to be judged by"));
+    }
+    result_.mean = MeanOf(result_.views);
+    result_.worst_view = worst.Write(folder_);
+    WriteViewFiles(result_, folder_);
+    return result_;
+  }
+
+ private:
+  bool IsNext(int frame) {
+    if (result_.held_out) return run_.held_out.count(frame) > 0;
+    return posed_count_++ % options_.every == 0;
+  }
+
+  ComparedView Compare(const RgbdFrame& frame, const Rigid3d& world_from_camera) {
+    const DepthSensor sensor = source_->info().sensor();
+    const auto at_color = InterpolatePose(run_.trajectory, frame.color_stamp_s);
+    const ModelView of_depth = renderer_.Render(run_.map, sensor, world_from_camera);
+    const ModelView of_color =
+        renderer_.Render(run_.map, sensor, at_color.value_or(world_from_camera));
+    const Image<Rgb8> drawn = ColorsOf(of_color, run_.map);
+    JudgedView view;
+    view.frame = frame.index;
+    CompareColor(frame.color, of_color, drawn, &view.error);
+    CompareDepth(frame.depth_m, of_depth.surface.vertex.z, &view.error);
+    result_.views.push_back(view);
+    return {view, frame.color, drawn};
+  }
+
+  const ViewEvaluationOptions& options_;
+  const std::string folder_;
+  const RecordedRun run_;
+  const std::unique_ptr<FrameSource> source_;
+  ModelRenderer renderer_{RenderOptions()};
+  int posed_count_ = 0;  // frames that have one
+  ViewEvaluation result_;
+};
+
+}  // namespace
+
+ViewEvaluation EvaluateViews(const ViewEvaluationOptions& options,
+                             const std::function<void(int views)>& progress) {
+  Validate(options);
+  const ThreadLimit limit(options.threads);
+  return Judge(options).Evaluate(progress);
+}
+
+}  // namespace surfit

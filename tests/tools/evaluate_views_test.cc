@@ -1,0 +1,108 @@
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "tools/slam_tool.h"
+
+namespace surfit::testing {
+namespace {
+
+class EvaluateViewsTool : public SlamTool {
+ protected:
+  // A copy of the room whose colour images of these frames are all red.
+  std::string RoomWithRed(const std::vector<int>& frames) const {
+    const std::string copy = CopyOfRoom();
+    const std::vector<std::string> rows = Lines(copy + "/associations.txt");
+    for (const int frame : frames) {
+      std::istringstream row(rows[frame]);
+      std::string stamp, color;
+      row >> stamp >> color;
+      cv::Mat image = cv::imread(copy + "/" + color);
+      image = cv::Scalar(0, 0, 255);
+      cv::imwrite(copy + "/" + color, image);
+    }
+    return copy;
+  }
+  static ProgramResult Judge(const std::string& run, std::vector<std::string> flags = {}) {
+    flags.insert(flags.begin(), "--run=" + run);
+    return RunProgram("surfit_evaluate_views", flags);
+  }
+  static nlohmann::json Views(const std::string& folder) {
+    return nlohmann::json::parse(ReadBytes(folder + "/views.json"));
+  }
+};
+
+TEST_F(EvaluateViewsTool, FramesThatAreHeldOutNeverReachTheMap) {
+  const std::vector<std::string> flags = {"--hold_out=5", "--map_period=1", "--nocalibrate"};
+  Succeeded(Slam(Room(), Output(), flags));
+  EXPECT_THAT(Summary(Output())["held_out_frames"], ElementsAre(4, 9, 14, 19));
+  EXPECT_EQ(Summary(Output())["frames_tracked"], kFrames);
+  EXPECT_EQ(Summary(Output())["frames_fused"], kFrames - 4);
+  Succeeded(Slam(RoomWithRed({4, 9, 14, 19}), Output("red"), flags));
+  EXPECT_EQ(ReadBytes(Output() + "/map.ply"), ReadBytes(Output("red") + "/map.ply"));
+  Succeeded(Slam(own_.path() + "/copy", Output("fused"), {"--map_period=1", "--nocalibrate"}));
+  EXPECT_NE(ReadBytes(Output() + "/map.ply"), ReadBytes(Output("fused") + "/map.ply"));
+}
+
+TEST_F(EvaluateViewsTool, JudgesHeldOutFramesAlone) {
+  Succeeded(Slam(Room(), Output(), {"--hold_out=5"}));
+  const ProgramResult result = Succeeded(Judge(Output(), {"--every=1"}));
+  EXPECT_THAT(result.out, HasSubstr("4 frames that are not in the map"));
+  const std::vector<std::string> rows = Lines(Output() + "/views.csv");
+  ASSERT_EQ(rows.size(), 5u);
+  for (int i = 0; i < 4; ++i) EXPECT_THAT(rows[i + 1], StartsWith(std::to_string(5 * i + 4) + ","));
+  const nlohmann::json views = Views(Output());
+  EXPECT_EQ(views["frames"], 4);
+  EXPECT_EQ(views["held_out"], true);
+  // A simulated room without exposure: far from noise, and next to complete.
+  EXPECT_GT(views["psnr_covered_db"], 18);
+  EXPECT_GE(views["psnr_covered_db"], views["psnr_db"]);
+  EXPECT_GT(views["ssim_covered"], 0.6);
+  EXPECT_GT(views["coverage"], 0.9);
+  EXPECT_LT(views["depth_error_median_m"], 0.01);
+  EXPECT_GE(views["depth_error_mean_m"], views["depth_error_median_m"]);
+}
+
+TEST_F(EvaluateViewsTool, JudgesEveryNthFrameIntoAFolderOfItsOwn) {
+  Succeeded(Slam(Room(), Output()));
+  const ProgramResult result =
+      Succeeded(Judge(Output(), {"--every=8", "--pictures=2", "--output=" + Output("judged")}));
+  EXPECT_THAT(result.out, HasSubstr("the map was made of these frames"));
+  EXPECT_EQ(Views(Output("judged"))["frames"], 3);
+  EXPECT_FALSE(std::filesystem::exists(Output() + "/views.json"));
+  EXPECT_FALSE(std::filesystem::exists(Output("judged") + "/view_pictures/02.png"));
+  const cv::Mat picture = cv::imread(Output("judged") + "/view_pictures/00.png");
+  EXPECT_EQ(picture.cols, 3 * 160);
+  EXPECT_EQ(picture.rows, 120 + 28);
+  // By threads nothing changes, and a new run removes what its folder was judged.
+  Succeeded(Judge(Output(), {"--every=8", "--threads=1"}));
+  EXPECT_EQ(Views(Output()), Views(Output("judged")));
+  Succeeded(Slam(Room(), Output()));
+  EXPECT_FALSE(std::filesystem::exists(Output() + "/views.json"));
+}
+
+// Black all over would be (0, 0, 0) where nothing is compared; frames in red are far from any map.
+TEST_F(EvaluateViewsTool, PutsTheWorstViewFirst) {
+  Succeeded(Slam(RoomWithRed({14}), Output(), {"--hold_out=5"}));
+  Succeeded(Judge(Output()));
+  const std::vector<std::string> rows = Lines(Output() + "/views.csv");
+  const auto psnr = [&](int row) { return std::stod(rows[row].substr(rows[row].find(',') + 1)); };
+  for (const int other : {1, 2, 4}) EXPECT_LT(psnr(3), psnr(other) - 3);
+  const cv::Mat worst = cv::imread(Output() + "/view_pictures/00.png");
+  EXPECT_EQ(worst.at<cv::Vec3b>(100, 80), cv::Vec3b(0, 0, 255));
+}
+
+TEST_F(EvaluateViewsTool, RefusesWhatCannotBeJudged) {
+  ExpectRefused(RunProgram("surfit_evaluate_views", {}), "--run");
+  ExpectRefused(Judge(Output("none")), "summary.json cannot be read");
+  Succeeded(Slam(Room(), Output(), {"--last=3"}));
+  ExpectRefused(Judge(Output(), {"--every=0"}), "--every is 0, must be at least 1");
+  std::filesystem::remove(Output() + "/map.ply");
+  ExpectRefused(Judge(Output()), "map.ply");
+  ExpectRefused(Slam(Room(), Output(), {"--hold_out=1"}), "hold_out is 1");
+}
+
+}  // namespace
+}  // namespace surfit::testing

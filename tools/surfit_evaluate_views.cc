@@ -1,0 +1,55 @@
+// Tells how much the map of a run looks like what its camera saw.
+
+#include <iostream>
+
+#include "common/console.h"
+#include "common/recorded_run.h"
+#include "common/tool_main.h"
+#include "surfit/core/error.h"
+#include "surfit/run/view_evaluation.h"
+
+namespace surfit::tools {
+namespace {
+
+void Print(const ViewEvaluation& evaluation) {
+  const ViewError& mean = evaluation.mean;
+  std::printf(
+      "%zu frames%s: PSNR %.2f dB over covered pixels, %.2f dB over all; SSIM %.3f and "
+      "%.3f; %.1f %% covered; depth off by %.1f mm (median), %.1f mm (mean)\n",
+      evaluation.views.size(), evaluation.held_out ? " that are not in the map" : "",
+      mean.psnr_covered_db, mean.psnr_db, mean.ssim_covered, mean.ssim, 100 * mean.coverage,
+      1000 * mean.depth_error_median_m, 1000 * mean.depth_error_mean_m);
+  if (evaluation.without_color > 0) {
+    std::printf("%d frames have no colour and are left out\n", evaluation.without_color);
+  }
+  if (!evaluation.held_out) {
+    std::printf("the map was made of these frames: surfit_slam --hold_out=10 leaves some out\n");
+  }
+  if (!evaluation.worst_view.empty()) std::printf("worst: %s\n", evaluation.worst_view.c_str());
+}
+
+int Run(const ViewEvaluationOptions& options) {
+  ProgressLine line;
+  const ViewEvaluation evaluation =
+      EvaluateViews(options, [&](int views) { line.Show(Concat("view ", views), false); });
+  line.Show(Concat("view ", evaluation.views.size()), true);
+  Print(evaluation);
+  return kDone;
+}
+
+}  // namespace
+}  // namespace surfit::tools
+
+int main(int argc, char** argv) {
+  surfit::ViewEvaluationOptions options;
+  return surfit::tools::ToolMain(
+      argc, argv,
+      "draws the map of a run of surfit_slam from the poses of frames and compares it with these: "
+      "PSNR, SSIM, error of depth, and how much is covered. Frames that the run held out "
+      "(--hold_out) are judged alone.",
+      surfit::TableOf(&options), [&] { return surfit::tools::Run(options); },
+      [&] {
+        surfit::tools::RequireFlag("run", options.run);
+        surfit::tools::TakeRecordedFlags(options.run, surfit::TableOf(&options.sequence));
+      });
+}
