@@ -2,7 +2,6 @@
 
 #include <dlfcn.h>
 #include <glog/logging.h>
-#include <sys/resource.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
@@ -11,6 +10,7 @@
 #include <opencv2/core/utility.hpp>
 #include <utility>
 
+#include "core/spare_time_loops.h"
 #include "surfit/core/error.h"
 
 #if defined(SURFIT_THREAD_SANITIZER)
@@ -92,6 +92,7 @@ void ParallelFor(int begin, int end, int grain, const std::function<void(int, in
     for (int block = 0; block < blocks; ++block) run_block(block);
     return;
   }
+  if (RunLoopInSpareTime(blocks, run_block)) return;
   static SanitizerFence fork, join;
   const auto run_fenced_block = [&](int block) {
     fork.Acquire();
@@ -101,15 +102,6 @@ void ParallelFor(int begin, int end, int grain, const std::function<void(int, in
   fork.Release();
   tbb::parallel_for(0, blocks, run_fenced_block);
   join.Acquire();
-}
-
-void RunInSpareTime(const std::function<void()>& task) {
-#ifdef __linux__
-  constexpr int kThisThread = 0, kLeastPriority = 19;
-  setpriority(PRIO_PROCESS, kThisThread, kLeastPriority);  // on Linux a thread has its own
-#endif
-  tbb::task_arena alone(1);
-  alone.execute(task);
 }
 
 void RunInBackground(std::function<void()> task) {

@@ -117,7 +117,7 @@ Calibrator::Outcome Calibrator::Run(const Frames& frames, const std::vector<Came
 }
 
 void Calibrator::End() {
-  task_ = {};
+  task_.Drop();
   next_count_ = 0;
   frames_.clear();
 }

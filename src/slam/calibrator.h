@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "surfit/core/parallel.h"
+#include "surfit/core/spare_time.h"
 #include "surfit/frame/preprocess.h"
 #include "surfit/frame/rgbd_frame.h"
 #include "surfit/frame/rolling_shutter.h"

@@ -1,14 +1,12 @@
 #include "surfit/core/parallel.h"
 
 #include <gmock/gmock.h>
-#include <sys/resource.h>
 
 #include <atomic>
 #include <chrono>
 #include <future>
 #include <numeric>
 #include <random>
-#include <set>
 #include <thread>
 
 #include "surfit/core/error.h"
@@ -72,79 +70,6 @@ TEST(ThreadLimit, RefusesNonsense) {
   EXPECT_THROW(ThreadLimit(0), InputError);
   EXPECT_THROW(ThreadLimit(-3), InputError);
   EXPECT_THROW(ThreadLimit(100000), InputError);
-}
-
-TEST(RunInSpareTime, KeepsItsLoopsOnItsOwnThread) {
-  ThreadLimit limit(4);
-  std::thread([] {
-    std::set<std::thread::id> ids;
-    RunInSpareTime([&] {
-      ParallelFor(0, 64, 1, [&](int, int) {
-        ids.insert(std::this_thread::get_id());  // unguarded, as there is no other thread
-        std::this_thread::sleep_for(std::chrono::microseconds(100));
-      });
-    });
-    EXPECT_THAT(ids, ElementsAre(std::this_thread::get_id()));
-  }).join();
-}
-
-#ifdef __linux__
-TEST(RunInSpareTime, LowersThePriorityOfItsThreadAlone) {
-  const int before = getpriority(PRIO_PROCESS, 0);
-  int of_thread = 0;
-  std::thread([&] { RunInSpareTime([&] { of_thread = getpriority(PRIO_PROCESS, 0); }); }).join();
-  EXPECT_EQ(of_thread, 19);
-  EXPECT_EQ(getpriority(PRIO_PROCESS, 0), before);
-}
-#endif
-
-TEST(RunInSpareTime, ThrowsOn) {
-  std::thread([] {
-    EXPECT_THROW(RunInSpareTime([] { throw InputError("bad"); }), InputError);
-  }).join();
-}
-
-TEST(SpareTimeTask, IsDueAfterItsStepsAtAnyNumberOfThreads) {
-  for (const int threads : {1, 2}) {
-    ThreadLimit limit(threads);
-    SpareTimeTask<int> task;
-    EXPECT_FALSE(task.IsDueAfterStep());
-    task.Start(2, [] { return 7; });
-    EXPECT_TRUE(task.IsUnderWay());
-    EXPECT_FALSE(task.IsDueAfterStep());
-    EXPECT_TRUE(task.IsDueAfterStep());
-    EXPECT_EQ(task.Take(), 7);
-    EXPECT_FALSE(task.IsUnderWay() || task.IsDueAfterStep());
-  }
-}
-
-TEST(SpareTimeTask, RunsBesideItsUserWhereThereAreThreads) {
-  ThreadLimit limit(2);
-  std::promise<void> go_on;
-  SpareTimeTask<std::thread::id> task;
-  task.Start(1, [&] {
-    go_on.get_future().wait();
-    return std::this_thread::get_id();
-  });
-  EXPECT_TRUE(task.IsAtWork());
-  go_on.set_value();
-  task.Wait();
-  EXPECT_FALSE(task.IsAtWork());
-  EXPECT_NE(task.Take(), std::this_thread::get_id());
-}
-
-TEST(SpareTimeTask, RunsWhenAskedForWhereThereIsOneThread) {
-  ThreadLimit limit(1);
-  SpareTimeTask<std::thread::id> task;
-  task.Start(1, [] { return std::this_thread::get_id(); });
-  EXPECT_FALSE(task.IsAtWork());
-  EXPECT_EQ(task.Take(), std::this_thread::get_id());
-}
-
-TEST(SpareTimeTask, ThrowsOn) {
-  SpareTimeTask<int> task;
-  task.Start(1, []() -> int { throw InputError("bad"); });
-  EXPECT_THROW(task.Take(), InputError);
 }
 
 TEST(RunInBackground, RunsOnAnotherThread) {

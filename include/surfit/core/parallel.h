@@ -1,10 +1,7 @@
 #pragma once
 
-#include <chrono>
 #include <functional>
-#include <future>
 #include <memory>
-#include <utility>
 #include <vector>
 
 namespace surfit {
@@ -49,50 +46,6 @@ T ParallelSum(int begin, int end, int grain, T zero, const Body& body) {
   for (const T& value : partial) sum += value;
   return sum;
 }
-
-// For a thread of one's own beside the bounded set: runs the task on it with the parallel loops in
-// it on this thread alone, so that they keep no other thread from its work, and on Linux from then
-// on only in time that no other thread wants. What it throws is thrown on.
-void RunInSpareTime(const std::function<void()>& task);
-
-// A task on a thread of its own, one at a time, in spare time; where only one thread may compute,
-// when its result is asked for. The result is due after a number of steps of who began it, so that
-// no machine has a say in when it takes effect. Going, it waits for the task.
-template <typename Result>
-class SpareTimeTask {
- public:
-  // None may be under way.
-  template <typename Task>
-  void Start(int due_after_steps, Task task) {
-    steps_left_ = due_after_steps;
-    const bool is_beside = ThreadCount() > 1;
-    const auto launch = is_beside ? std::launch::async : std::launch::deferred;
-    result_ = std::async(launch, [is_beside, task = std::move(task)]() mutable {
-      Result result;
-      const auto run = [&] { result = task(); };
-      is_beside ? RunInSpareTime(run) : run();
-      return result;
-    });
-  }
-
-  // A task was begun whose result has not been taken.
-  bool IsUnderWay() const { return result_.valid(); }
-  // Counts one step: whether there is a result that is due.
-  bool IsDueAfterStep() { return IsUnderWay() && --steps_left_ <= 0; }
-  // Its result is to be waited for.
-  bool IsAtWork() const {
-    return IsUnderWay() && result_.wait_for(std::chrono::seconds(0)) == std::future_status::timeout;
-  }
-  void Wait() const {
-    if (IsUnderWay()) result_.wait();
-  }
-  // Waits for it; throws on what the task has thrown.
-  Result Take() { return result_.get(); }
-
- private:
-  std::future<Result> result_;
-  int steps_left_ = 0;
-};
 
 // Runs the task on another thread of the bounded set, soon. Must not be called when ThreadCount()
 // is 1: nothing would run it before the caller waits. The task must not throw.

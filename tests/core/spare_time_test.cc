@@ -1,0 +1,222 @@
+#include "surfit/core/spare_time.h"
+
+#include <gmock/gmock.h>
+#include <sys/resource.h>
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <future>
+#include <set>
+#include <thread>
+#include <vector>
+
+#include "surfit/core/error.h"
+#include "testing/matchers.h"
+
+namespace surfit::testing {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// The threads that do a loop's blocks.
+std::set<std::thread::id> ThreadsOfLoop() {
+  std::set<std::thread::id> ids;  // unguarded, as one does them after the other
+  ParallelFor(0, 64, 1, [&](int, int) {
+    ids.insert(std::this_thread::get_id());
+    std::this_thread::sleep_for(std::chrono::microseconds(100));
+  });
+  return ids;
+}
+
+TEST(SpareTime, DoesLoopsOneBlockAfterTheOtherOnAnotherThread) {
+  ThreadLimit limit(4);
+  SpareTime spare_time;
+  std::thread([&] {
+    std::set<std::thread::id> ids;
+    spare_time.Run([&] { ids = ThreadsOfLoop(); });
+    EXPECT_EQ(ids.size(), 1u);
+    EXPECT_EQ(ids.count(std::this_thread::get_id()), 0u);
+  }).join();
+}
+
+TEST(SpareTime, DoesLoopsWithinLoops) {
+  ThreadLimit limit(2);
+  SpareTime spare_time;
+  std::atomic<int> count = 0;
+  spare_time.Run([&] {
+    ParallelFor(0, 8, 1, [&](int, int) { ParallelFor(0, 8, 1, [&](int, int) { ++count; }); });
+  });
+  EXPECT_EQ(count, 64);
+}
+
+#ifdef __linux__
+TEST(SpareTime, IsOfLeastPriorityInItsLoopsAlone) {
+  ThreadLimit limit(2);
+  const int before = getpriority(PRIO_PROCESS, 0);
+  std::thread([&] {
+    SpareTime spare_time;
+    int of_task = -1, after = -1;
+    std::set<int> of_loop;
+    spare_time.Run([&] {
+      of_task = getpriority(PRIO_PROCESS, 0);
+      ParallelFor(0, 8, 1, [&](int, int) { of_loop.insert(getpriority(PRIO_PROCESS, 0)); });
+      after = getpriority(PRIO_PROCESS, 0);
+    });
+    EXPECT_EQ(of_task, before);
+    EXPECT_THAT(of_loop, ElementsAre(19));
+    EXPECT_EQ(after, before);
+  }).join();
+}
+
+TEST(SpareTime, LeavesNoLoopToLeastPriorityOnceItIsAwaited) {
+  ThreadLimit limit(2);
+  const int before = getpriority(PRIO_PROCESS, 0);
+  SpareTime spare_time;
+  std::promise<void> in_loop;
+  std::vector<int> of_loop(64), of_next_loop(64);
+  auto task = std::async(std::launch::async, [&] {
+    spare_time.Run([&] {
+      ParallelFor(0, 64, 1, [&](int i, int) {
+        if (i == 0) in_loop.set_value();
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        of_loop[i] = getpriority(PRIO_PROCESS, 0);
+      });
+      ParallelFor(0, 64, 1, [&](int i, int) { of_next_loop[i] = getpriority(PRIO_PROCESS, 0); });
+    });
+  });
+  in_loop.get_future().wait();
+  spare_time.Await();
+  task.get();
+  EXPECT_EQ(of_loop.front(), 19);
+  EXPECT_EQ(of_loop.back(), before);
+  EXPECT_THAT(of_next_loop, Each(before));
+}
+#endif
+
+// Spins on this thread until it has computed for so long.
+void Compute(double milliseconds) {
+  const auto now_ms = [] {
+    timespec now{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
+  };
+  const double end_ms = now_ms() + milliseconds;
+  while (now_ms() < end_ms) {
+  }
+}
+
+// Two threads for each core that leave no time to others.
+class BusyMachine {
+ public:
+  BusyMachine() {
+    for (unsigned i = 0; i < 2 * std::max(1u, std::thread::hardware_concurrency()); ++i) {
+      threads_.emplace_back([this] {
+        while (!end_) Compute(1);
+      });
+    }
+  }
+  ~BusyMachine() {
+    end_ = true;
+    for (std::thread& thread : threads_) thread.join();
+  }
+
+ private:
+  std::atomic<bool> end_ = false;
+  std::vector<std::thread> threads_;
+};
+
+// A thread of least priority gets a seventieth of what one of usual priority does: whoever waited
+// for it would wait that much longer than for a thread of their own.
+TEST(SpareTimeTask, IsNotWaitedForAtLeastPriorityOnABusyMachine) {
+  ThreadLimit limit(2);
+  const auto work = [] {
+    for (int loop = 0; loop < 20; ++loop) ParallelFor(0, 20, 1, [](int, int) { Compute(0.5); });
+    return 0;
+  };
+  const auto seconds = [&](const auto& run) {
+    const auto start = Clock::now();
+    run();
+    return std::chrono::duration<double>(Clock::now() - start).count();
+  };
+  const BusyMachine busy;
+  const double own_s = seconds([&] { std::async(std::launch::async, work).get(); });
+  const double waited_s = seconds([&] {
+    SpareTimeTask<int> task;
+    task.Start(1, work);
+    task.Take();
+  });
+  EXPECT_LT(waited_s, 5 * own_s + 1);
+}
+
+TEST(SpareTime, ThrowsOn) {
+  ThreadLimit limit(2);
+  EXPECT_THROW(SpareTime().Run([] { throw InputError("bad"); }), InputError);
+  EXPECT_THROW(SpareTime().Run([] {
+    ParallelFor(0, 8, 1, [](int i, int) {
+      if (i == 3) throw InputError("bad");
+    });
+  }),
+               InputError);
+}
+
+TEST(SpareTimeTask, IsWaitedForWhenItGoes) {
+  ThreadLimit limit(2);
+  std::atomic<bool> done = false;
+  {
+    SpareTimeTask<int> task;
+    task.Start(1, [&] {
+      ParallelFor(0, 8, 1,
+                  [](int, int) { std::this_thread::sleep_for(std::chrono::milliseconds(1)); });
+      done = true;
+      return 0;
+    });
+  }
+  EXPECT_TRUE(done);
+}
+
+TEST(SpareTimeTask, IsDueAfterItsStepsAtAnyNumberOfThreads) {
+  for (const int threads : {1, 2}) {
+    ThreadLimit limit(threads);
+    SpareTimeTask<int> task;
+    EXPECT_FALSE(task.IsDueAfterStep());
+    task.Start(2, [] { return 7; });
+    EXPECT_TRUE(task.IsUnderWay());
+    EXPECT_FALSE(task.IsDueAfterStep());
+    EXPECT_TRUE(task.IsDueAfterStep());
+    EXPECT_EQ(task.Take(), 7);
+    EXPECT_FALSE(task.IsUnderWay() || task.IsDueAfterStep());
+  }
+}
+
+TEST(SpareTimeTask, RunsBesideItsUserWhereThereAreThreads) {
+  ThreadLimit limit(2);
+  std::promise<void> go_on;
+  SpareTimeTask<std::thread::id> task;
+  task.Start(1, [&] {
+    go_on.get_future().wait();
+    return std::this_thread::get_id();
+  });
+  EXPECT_TRUE(task.IsAtWork());
+  go_on.set_value();
+  task.Wait();
+  EXPECT_FALSE(task.IsAtWork());
+  EXPECT_NE(task.Take(), std::this_thread::get_id());
+}
+
+TEST(SpareTimeTask, RunsWhenAskedForWhereThereIsOneThread) {
+  ThreadLimit limit(1);
+  SpareTimeTask<std::thread::id> task;
+  task.Start(1, [] { return std::this_thread::get_id(); });
+  EXPECT_FALSE(task.IsAtWork());
+  EXPECT_EQ(task.Take(), std::this_thread::get_id());
+}
+
+TEST(SpareTimeTask, ThrowsOn) {
+  SpareTimeTask<int> task;
+  task.Start(1, []() -> int { throw InputError("bad"); });
+  EXPECT_THROW(task.Take(), InputError);
+}
+
+}  // namespace
+}  // namespace surfit::testing
