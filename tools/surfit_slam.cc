@@ -169,8 +169,11 @@ int Run(const Options& all) {
   PrintSummary(summary, options);
   PrintStages(summary, options.offered_fps > 0);
   if (options.keep_views) WriteAndPrintReport({{options.output}, options.output + "/report.html"});
-  const bool nothing_tracked = summary.frames_tracked <= 1 && summary.frames_lost > 0;
-  if (nothing_tracked && !summary.interrupted) return kAlgorithmFailed;
+  if (!summary.MostFramesHaveAPose() && !summary.interrupted) {
+    std::fprintf(stderr, "failed: only %d of %d frames have a pose\n", summary.frames_tracked,
+                 summary.frames_total);
+    return kAlgorithmFailed;
+  }
   return all.refine ? Refine(options) : kDone;
 }
 

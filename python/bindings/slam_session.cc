@@ -128,11 +128,11 @@ std::string SlamSession::DigestOfResult() {
 
 void SlamSession::WriteTrajectory(const std::string& path) {
   Locked([&] {
-    TumTrajectoryWriter writer(path);
-    for (const StampedPose& pose : CurrentTrajectory()) {
-      writer.Append(
-          {pose.stamp_s, mirrored_ ? Mirrored(pose.world_from_camera) : pose.world_from_camera});
+    Trajectory trajectory = CurrentTrajectory();
+    for (StampedPose& pose : trajectory) {
+      if (mirrored_) pose.world_from_camera = Mirrored(pose.world_from_camera);
     }
+    WriteTumTrajectory(trajectory, path);
   });
 }
 

@@ -1,10 +1,14 @@
 #include "surfit/core/atomic_file.h"
 
-#include <cerrno>
-#include <filesystem>
-#include <fstream>
-#include <system_error>
+#include <fcntl.h>
+#include <unistd.h>
 
+#include <atomic>
+#include <cerrno>
+#include <cstdio>
+#include <filesystem>
+
+#include "core/new_file.h"
 #include "surfit/core/error.h"
 
 namespace surfit {
@@ -12,40 +16,63 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void ThrowCannotWrite(const std::string& path, const std::error_code& reason) {
-  throw InputError(Concat("cannot write '", path, "': ", reason.message()));
+void Fill(int file, const std::string& path, bool to_disk,
+          const std::function<void(std::ostream&)>& write) {
+  if (file < 0) ThrowCannotWrite(path);
+  FileBuffer buffer(file);
+  std::ostream stream(&buffer);
+  write(stream);
+  if (!buffer.Close(to_disk)) ThrowCannotWrite(path);
 }
 
-std::error_code LastError() { return {errno, std::generic_category()}; }
+// One that no other process or thread has; those of processes that were killed may be there still.
+std::string MakePartial(const std::string& path, int* file) {
+  static std::atomic<int> count{0};
+  std::string partial;
+  do {
+    partial = Concat(path, kPartialMark, getpid(), "-", count++);
+    *file = MakeNewFile(partial);
+  } while (*file < 0 && errno == EEXIST);
+  if (*file < 0) ThrowCannotWrite(path);
+  return partial;
+}
 
-void WriteDirectly(const std::string& path, const std::function<void(std::ostream&)>& write) {
-  errno = 0;
-  std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  if (!file) ThrowCannotWrite(path, LastError());
-  write(file);
-  file.close();
-  if (!file) ThrowCannotWrite(path, LastError());
+// So that the new name is on the disk as well. A folder that may not be read is left to the system.
+void FlushFolderOf(const std::string& path) {
+  const fs::path folder = fs::path(path).parent_path();
+  const int opened =
+      open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (opened < 0) return;
+  fsync(opened);
+  close(opened);
+}
+
+void Replace(const std::string& path, const std::function<void(std::ostream&)>& write) {
+  int file = -1;
+  const std::string partial = MakePartial(path, &file);
+  try {
+    Fill(file, path, /*to_disk=*/true, write);
+    if (std::rename(partial.c_str(), path.c_str()) != 0) ThrowCannotWrite(path);
+  } catch (...) {
+    unlink(partial.c_str());
+    throw;
+  }
+  FlushFolderOf(path);
 }
 
 }  // namespace
 
 void WriteFileAtomically(const std::string& path, const std::function<void(std::ostream&)>& write) {
-  const fs::file_status status = fs::status(path);
+  std::error_code none;
+  const bool is_link = fs::is_symlink(fs::symlink_status(path, none));
+  const fs::file_status status = fs::status(path, none);
   if (fs::exists(status) && !fs::is_regular_file(status)) {
-    WriteDirectly(path, write);
-    return;
+    Fill(OpenSpecialFile(path), path, /*to_disk=*/false, write);
+  } else if (is_link) {
+    throw InputError(Concat("cannot write '", path, "': it is a link, must be a file or nothing"));
+  } else {
+    Replace(path, write);
   }
-  const std::string target = fs::exists(status) ? fs::canonical(path).string() : path;
-  const std::string partial = target + ".partial";
-  std::error_code error;
-  try {
-    WriteDirectly(partial, write);
-  } catch (...) {
-    fs::remove(partial, error);
-    throw;
-  }
-  fs::rename(partial, target, error);
-  if (error) ThrowCannotWrite(path, error);
 }
 
 }  // namespace surfit

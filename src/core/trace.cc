@@ -4,11 +4,13 @@
 
 #include <atomic>
 #include <cstdio>
-#include <fstream>
+#include <exception>
 #include <map>
 #include <mutex>
+#include <sstream>
 #include <thread>
 
+#include "surfit/core/appended_file.h"
 #include "surfit/core/error.h"
 
 namespace surfit {
@@ -17,35 +19,49 @@ class TraceFile {
  public:
   using Clock = std::chrono::steady_clock;
 
-  explicit TraceFile(const std::string& path) : path_(path), file_(path), start_(Clock::now()) {
-    file_ << '[';
+  explicit TraceFile(const std::string& path) : file_(path), start_(Clock::now()) {
+    text_ << '[';
     ThreadNumber();  // the recorder's own thread is the first
-    RequireWritten();
+    Write();
   }
 
   void Add(const char* name, int frame, Clock::time_point begin, Clock::time_point end) {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (closed_) return;
     const int thread = ThreadNumber();
-    file_ << ",\n"
+    text_ << ",\n"
           << R"({"name":")" << name << R"(","ph":"X","pid":1,"tid":)" << thread << R"(,"ts":)"
           << Microseconds(begin - start_) << R"(,"dur":)" << Microseconds(end - begin);
-    if (frame != TraceSlice::kNoFrame) file_ << R"(,"args":{"frame":)" << frame << '}';
-    file_ << '}';
+    if (frame != TraceSlice::kNoFrame) text_ << R"(,"args":{"frame":)" << frame << '}';
+    text_ << '}';
+    if (text_.tellp() > kPiece) WriteUnlessItFailed();
   }
 
   void Close() {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (closed_) return;
     closed_ = true;
-    file_ << "\n]\n";
-    RequireWritten();
+    if (failure_) std::rethrow_exception(failure_);
+    text_ << "\n]\n";
+    Write();
   }
 
  private:
-  void RequireWritten() {
-    file_.flush();
-    if (!file_) throw InputError(path_ + ": cannot be written");
+  static constexpr std::streamoff kPiece = 1 << 16;  // bytes
+
+  void Write() {
+    file_.Append(text_.str());
+    text_.str("");
+  }
+
+  // What is measured goes on; Close() tells.
+  void WriteUnlessItFailed() {
+    try {
+      if (!failure_) Write();
+    } catch (const InputError&) {
+      failure_ = std::current_exception();
+    }
+    text_.str("");
   }
 
   // To the nanosecond, so that slices nest in the file as they did in time.
@@ -63,16 +79,17 @@ class TraceFile {
         threads_.emplace(std::this_thread::get_id(), static_cast<int>(threads_.size()) + 1);
     const int number = thread->second;
     if (is_new) {
-      file_ << (number == 1 ? "\n" : ",\n") << R"({"name":"thread_name","ph":"M","pid":1,"tid":)"
+      text_ << (number == 1 ? "\n" : ",\n") << R"({"name":"thread_name","ph":"M","pid":1,"tid":)"
             << number << R"(,"args":{"name":")"
             << (number == 1 ? std::string("main") : Concat("worker ", number - 1)) << R"("}})";
     }
     return number;
   }
 
-  const std::string path_;
   std::mutex mutex_;  // guards all that changes
-  std::ofstream file_;
+  AppendedFile file_;
+  std::ostringstream text_;  // that is still to be written
+  std::exception_ptr failure_;
   const Clock::time_point start_;
   std::map<std::thread::id, int> threads_;
   bool closed_ = false;

@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "core/read_file.h"
+#include "io/folder.h"
+#include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/io/camera_files.h"
@@ -29,6 +31,7 @@ class Node {
   double Number() const {
     if (!Exists()) throw InputError(name_ + " is missing");
     if (!node_.isInt() && !node_.isReal()) throw InputError(name_ + " must be a number");
+    if (!std::isfinite(node_.real())) throw InputError(name_ + " must be a finite number");
     return node_.real();
   }
   int Integer() const {
@@ -174,13 +177,29 @@ void WritePrior(cv::FileStorage& file, CalibrationPrior prior) {
   file << "}";
 }
 
+// OpenCV reads lists and maps within others by recursion: a camera has a dozen.
+std::string ReadShallowText(const std::string& path) {
+  constexpr std::size_t kMost = 1 << 16;  // bytes, of which 360 levels can be indented
+  constexpr int kMostOpened = 200;
+  if (!HasFile(path)) throw InputError(path + " does not exist");
+  std::string text = ReadFile(path, kMost);
+  int opened = 0;
+  for (std::size_t i = 0; i + 1 < text.size(); ++i) {
+    const char c = text[i];
+    opened += c == '[' || c == '{' || c == '<' || (c == '-' && text[i + 1] == ' ');
+  }
+  if (opened <= kMostOpened) return text;
+  throw InputError(
+      Concat(path, " has ", opened, " lists and maps, must have at most ", kMostOpened));
+}
+
 // What `read` makes of the file's root.
 template <typename Read>
 auto WithFile(const std::string& path, const Read& read) {
-  if (!std::filesystem::is_regular_file(path)) throw InputError(path + " does not exist");
+  const std::string text = ReadShallowText(path);
   cv::FileStorage file;
   try {
-    file.open(path, cv::FileStorage::READ);
+    file.open(text, cv::FileStorage::READ | cv::FileStorage::MEMORY);
     if (!file.isOpened()) throw InputError(path + " cannot be read");
     return read(Node(file.root(), path));
   } catch (const cv::Exception& error) {
@@ -205,10 +224,9 @@ InverseDepthField ReadInverseDepthField(const std::string& path) {
 
 void WriteCameraYaml(const RgbdCamera& camera, const std::string& path,
                      const InverseDepthField& field) {
-  cv::FileStorage file;
+  std::string text;
   try {
-    if (!file.open(path, cv::FileStorage::WRITE | cv::FileStorage::FORMAT_YAML))
-      throw InputError(path + " cannot be written");
+    cv::FileStorage file(".yaml", cv::FileStorage::WRITE | cv::FileStorage::MEMORY);
     WritePinhole(file, "depth_camera", camera.depth);
     if (!camera.color_is_registered) {
       WritePinhole(file, "color_camera", camera.color);
@@ -222,9 +240,11 @@ void WriteCameraYaml(const RgbdCamera& camera, const std::string& path,
     if (camera.color_latency_s != 0) file << "color_latency_s" << camera.color_latency_s;
     file << "readout_s" << camera.readout_s;
     WritePrior(file, camera.prior);
+    text = file.releaseAndGetString();
   } catch (const cv::Exception& error) {
     throw InputError(path + " cannot be written: " + error.err);
   }
+  WriteFileAtomically(path, [&](std::ostream& out) { out << text; });
 }
 
 }  // namespace surfit

@@ -59,6 +59,13 @@ bool IsFile(const std::string& path) {
   return fs::is_regular_file(path, none);
 }
 
+bool HasFile(const std::string& path) {
+  std::error_code none;
+  if (fs::is_regular_file(path, none)) return true;
+  if (!fs::exists(fs::symlink_status(path, none))) return false;
+  throw InputError(path + " is no regular file, must be one or missing");
+}
+
 bool EndsWith(const std::string& name, const std::string& ending) {
   return name.size() >= ending.size() &&
          name.compare(name.size() - ending.size(), ending.size(), ending) == 0;

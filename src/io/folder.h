@@ -11,6 +11,9 @@ std::vector<std::string> NamesIn(const std::string& folder);
 
 bool IsFolder(const std::string& path);
 bool IsFile(const std::string& path);
+// The same, for a file that may be missing, but then altogether: throws InputError naming the path
+// where something else has its name, a folder, a pipe or a link to nothing.
+bool HasFile(const std::string& path);
 bool EndsWith(const std::string& name, const std::string& ending);
 
 // The value of the first run of digits in a file's name, if any: 12 for frame-000012.color.png.

@@ -1,6 +1,5 @@
 #include "surfit/io/g2o.h"
 
-#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <iomanip>
@@ -19,24 +18,19 @@ namespace {
 
 constexpr std::size_t kPoseWords = 7, kInformationWords = 21;
 
-double NumberOf(std::string_view word) {
-  double value = 0;
-  const char* const end = word.data() + word.size();
-  const auto [parsed, error] = std::from_chars(word.data(), end, value);
-  if (error != std::errc() || parsed != end || !std::isfinite(value)) {
-    throw InputError(Concat("'", word, "' is not a finite number"));
-  }
-  return value;
-}
-
 Rigid3d ParsePose(const std::string_view* words) {
   double v[kPoseWords];
-  for (std::size_t i = 0; i < kPoseWords; ++i) v[i] = NumberOf(words[i]);
-  const Eigen::Quaterniond rotation(v[6], v[3], v[4], v[5]);
-  if (std::abs(rotation.norm() - 1) > kQuaternionNormTolerance) {
-    throw InputError(Concat("the norm of the quaternion is ", rotation.norm(), ", must be 1"));
-  }
-  return {rotation.normalized(), {v[0], v[1], v[2]}};
+  for (std::size_t i = 0; i < kPoseWords; ++i) v[i] = FiniteNumber(words[i]);
+  return RigidFromNumbers(v);
+}
+
+// A standard deviation of less than 1e-15 is none.
+double InformationOf(std::string_view word) {
+  constexpr double kMost = 1e30;
+  const double value = FiniteNumber(word);
+  if (std::abs(value) <= kMost) return value;
+  throw InputError(
+      Concat("an entry of the information matrix is ", word, ", must be at most 1e30"));
 }
 
 // From the order (translation, rotation) to ours.
@@ -45,7 +39,7 @@ Eigen::Matrix<double, 6, 6> ParseInformation(const std::string_view* words) {
   for (int i = 0; i < 6; ++i) {
     for (int j = i; j < 6; ++j) {
       const int row = (i + 3) % 6, column = (j + 3) % 6;
-      information(row, column) = information(column, row) = NumberOf(*words++);
+      information(row, column) = information(column, row) = InformationOf(*words++);
     }
   }
   if (!IsInformation(information)) {
@@ -149,7 +143,7 @@ void WriteEdge(const PoseGraph& graph, const PoseGraphEdge& edge, std::ostream& 
 }  // namespace
 
 G2oFile ReadG2o(const std::string& path) {
-  const std::string text = ReadFile(path);
+  const std::string text = ReadFileOrPipe(path);
   G2oReader reader;
   int line_number = 0;
   G2oFile file;

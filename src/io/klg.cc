@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/repeated_warning.h"
 #include "io/frame_bytes.h"
 #include "io/image_files.h"
 #include "io/recording.h"
@@ -188,6 +189,7 @@ OpenedRecording OpenKlg(const std::string& path, ImageSize size) {
 KlgSummary WriteKlg(FrameSource* source, const std::string& path, const KlgOptions& options) {
   Validate(options);
   KlgSummary summary;
+  RepeatedWarning skipped("frames skipped");
   WriteFileAtomically(path, [&](std::ostream& out) {
     Put(std::int32_t{0}, out);  // their number, once it is known
     while (const auto result = source->Next()) {
@@ -195,7 +197,7 @@ KlgSummary WriteKlg(FrameSource* source, const std::string& path, const KlgOptio
         WriteFrame(*result->frame, options, out, &summary);
         ++summary.frames_written;
       } else {
-        LOG(WARNING) << "frame " << result->index << " skipped: " << result->error;
+        skipped.Tell(Concat("frame ", result->index, " skipped: ", result->error));
         ++summary.frames_skipped;
       }
     }

@@ -15,17 +15,18 @@ namespace {
 
 FrameStamps BothAt(double stamp_s) { return {stamp_s, stamp_s}; }
 
-// The images of a folder by number.
-std::map<long, std::string> NumberedImages(const std::string& folder) {
+// The images of a folder by number. Of two with one number the one with the shorter name counts.
+std::map<long, std::string> NumberedImages(const std::string& folder, const TwiceCall& twice) {
   std::map<long, std::string> images;
   for (const std::string& name : NamesIn(folder)) {
     const auto number = NumberInName(name);
     for (const char* ending : {".png", ".jpg", ".jpeg", ".pgm", ".ppm", ".tif", ".tiff"}) {
       if (!number || !EndsWith(name, ending)) continue;
       const auto [it, is_new] = images.emplace(*number, name);
-      if (!is_new)
-        throw InputError(Concat(folder, ": ", it->second, " and ", name, " are both number ",
-                                *number, ", must be one image a number"));
+      if (is_new) continue;
+      twice(Concat(folder, ": ", it->second, " and ", name, " are both number ", *number,
+                   ", must be one image a number"));
+      if (name.size() < it->second.size()) it->second = name;
     }
   }
   return images;
@@ -88,8 +89,15 @@ std::string FindColorFolder(const std::string& folder) {
 
 std::vector<FrameFiles> ListNumberedFrames(const std::string& depth_folder,
                                            const std::string& color_folder) {
-  const auto depth = NumberedImages(depth_folder);
-  const auto color = color_folder.empty() ? depth : NumberedImages(color_folder);
+  return ListNumberedFrames(depth_folder, color_folder,
+                            [](const std::string& error) { throw InputError(error); });
+}
+
+std::vector<FrameFiles> ListNumberedFrames(const std::string& depth_folder,
+                                           const std::string& color_folder,
+                                           const TwiceCall& twice) {
+  const auto depth = NumberedImages(depth_folder, twice);
+  const auto color = color_folder.empty() ? depth : NumberedImages(color_folder, twice);
   std::map<long, FrameFiles> frames;
   for (const auto& [number, name] : color) frames[number];
   for (const auto& [number, name] : depth) frames[number];
@@ -121,7 +129,7 @@ SequenceFiles ListRedwoodSequence(const std::string& folder, double frames_per_s
   files.frames = ListNumberedFrames(folder + "/depth", FindColorFolder(folder));
   for (std::size_t i = 0; i < files.frames.size(); ++i)
     files.frames[i].stamps = BothAt(static_cast<double>(i) / frames_per_second);
-  if (IsFile(folder + "/trajectory.log"))
+  if (HasFile(folder + "/trajectory.log"))
     files.ground_truth = ReadLog(folder + "/trajectory.log", frames_per_second);
   return files;
 }
@@ -142,7 +150,7 @@ SequenceFiles ListSevenScenesSequence(const std::string& folder, double frames_p
     const std::string color_path = color_ending.empty() ? "" : stem + color_ending;
     files.frames.push_back({BothAt(stamp_s), stem + ".depth.png", color_path});
     const std::string pose_path = stem + ".pose.txt";
-    if (!IsFile(pose_path)) continue;
+    if (!HasFile(pose_path)) continue;
     const Rigid3d world_from_camera = ParseRigid(ReadTextRows(pose_path), 0, pose_path);
     files.ground_truth.push_back({stamp_s, world_from_camera});
   }

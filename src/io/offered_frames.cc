@@ -1,10 +1,9 @@
-#include <glog/logging.h>
-
 #include <chrono>
 #include <thread>
 #include <utility>
 #include <vector>
 
+#include "core/repeated_warning.h"
 #include "surfit/core/error.h"
 #include "surfit/io/frame_source.h"
 
@@ -56,7 +55,7 @@ class OfferedFrames final : public FrameSource {
   int DropOldFrames() {
     int dropped = 0;
     while (next_ + capacity_ < frames_.size() && TimeOf(next_ + capacity_) < Clock::now()) {
-      LOG(WARNING) << "frame " << frames_[next_].index << " was dropped: it was not taken in time";
+      late_.Tell(Concat("frame ", frames_[next_].index, " was dropped: it was not taken in time"));
       frames_[next_++].frame.reset();
       ++dropped;
     }
@@ -70,6 +69,7 @@ class OfferedFrames final : public FrameSource {
   bool is_read_ = false;
   Clock::time_point start_;  // when the first frame is offered
   std::size_t next_ = 0;     // of frames_
+  RepeatedWarning late_{"frames dropped"};
 };
 
 }  // namespace

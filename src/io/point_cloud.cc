@@ -63,10 +63,10 @@ PointCloud ParsePly(std::string_view file, const std::string& path) {
 
 }  // namespace
 
-PointCloud ReadPly(const std::string& path) { return ParsePly(ReadFile(path), path); }
+PointCloud ReadPly(const std::string& path) { return ParsePly(ReadFileOrPipe(path), path); }
 
 PointCloud ReadPointCloud(const std::string& path) {
-  const std::string file = ReadFile(path);
+  const std::string file = ReadFileOrPipe(path);
   const bool is_ply = SplitWords(std::string_view(file).substr(0, file.find('\n'))) == Words{"ply"};
   return is_ply ? ParsePly(file, path) : ParsePcd(file, path);
 }

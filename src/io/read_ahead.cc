@@ -38,6 +38,7 @@ class ReadAheadSource : public FrameSource {
     StartProducerIfIdle();
     if (queue_.empty() && !producing_ && !ended_) ReadOne(&lock);
     changed_.wait(lock, [&] { return !queue_.empty() || ended_; });
+    if (queue_.empty() && failure_) std::rethrow_exception(failure_);
     if (queue_.empty()) return std::nullopt;
     Item item = std::move(queue_.front());
     queue_.pop_front();
@@ -76,7 +77,12 @@ class ReadAheadSource : public FrameSource {
     }
     lock->lock();
     ended_ = !item.result;
-    if (item.result || item.exception) queue_.push_back(std::move(item));
+    try {
+      if (item.result || item.exception) queue_.push_back(std::move(item));
+    } catch (...) {  // no memory is left
+      ended_ = true;
+      failure_ = std::current_exception();
+    }
   }
 
   const std::unique_ptr<FrameSource> source_;
@@ -88,6 +94,7 @@ class ReadAheadSource : public FrameSource {
   bool producing_ = false;  // a task is under way
   bool ended_ = false;      // the source has nothing more
   bool stop_ = false;
+  std::exception_ptr failure_;  // of the queue itself
 };
 
 }  // namespace

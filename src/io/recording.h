@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -93,6 +94,11 @@ std::unique_ptr<Recording> MakeFolderRecording(std::vector<FrameFiles> frames);
 // two images of a folder have the same number.
 std::vector<FrameFiles> ListNumberedFrames(const std::string& depth_folder,
                                            const std::string& color_folder);
+
+// The same, but calls `twice` with a sentence where two images have the same number.
+using TwiceCall = std::function<void(const std::string&)>;
+std::vector<FrameFiles> ListNumberedFrames(const std::string& depth_folder,
+                                           const std::string& color_folder, const TwiceCall& twice);
 
 // The folder of colour beside depth/: color/, rgb/ or image/ of `folder`, or "" without one.
 std::string FindColorFolder(const std::string& folder);

@@ -22,7 +22,7 @@ namespace {
 PinholeCamera ReadOpen3dCamera(const std::string& path) {
   PinholeCamera camera;
   try {
-    const auto json = nlohmann::json::parse(ReadFile(path));
+    const auto json = nlohmann::json::parse(ReadJsonText(path));
     const auto matrix = json.at("intrinsic_matrix").get<std::vector<double>>();
     camera.width = json.at("width").get<int>();
     camera.height = json.at("height").get<int>();
@@ -49,7 +49,7 @@ RgbdCamera RosDefault() {
 RgbdCamera RedwoodCamera(const std::string& folder) {
   RgbdCamera camera = CameraPreset("redwood");
   for (const char* name : {"/camera_intrinsic.json", "/intrinsic.json"}) {
-    if (!IsFile(folder + name)) continue;
+    if (!HasFile(folder + name)) continue;
     camera.depth = ReadOpen3dCamera(folder + name);
     break;
   }
@@ -59,7 +59,7 @@ RgbdCamera RedwoodCamera(const std::string& folder) {
 RgbdCamera ReadCamParams(const std::string& path) {
   RgbdCamera camera;
   try {
-    const auto json = nlohmann::json::parse(ReadFile(path)).at("camera");
+    const auto json = nlohmann::json::parse(ReadJsonText(path)).at("camera");
     camera.depth.width = json.at("w").get<int>();
     camera.depth.height = json.at("h").get<int>();
     camera.depth.fx = json.at("fx").get<double>();
@@ -78,7 +78,7 @@ RgbdCamera ReadCamParams(const std::string& path) {
 // the preset `replica`. Throws InputError naming the file if it is malformed.
 RgbdCamera ReplicaCamera(const std::string& folder) {
   for (const char* name : {"/cam_params.json", "/../cam_params.json"}) {
-    if (IsFile(folder + name)) return ReadCamParams(folder + name);
+    if (HasFile(folder + name)) return ReadCamParams(folder + name);
   }
   return CameraPreset("replica");
 }
@@ -102,7 +102,7 @@ std::string PresetInHead(const std::string& list) {
 std::optional<RgbdCamera> TumCamera(const std::string& folder) {
   for (const char* name : {"/rgb.txt", "/depth.txt"}) {
     const std::string list = folder + name;
-    const std::string preset = IsFile(list) ? PresetInHead(list) : "";
+    const std::string preset = HasFile(list) ? PresetInHead(list) : "";
     if (preset.empty()) continue;
     LOG(INFO) << list << " names the recording: its camera is the preset " << preset;
     return CameraPreset(preset);
@@ -202,7 +202,7 @@ std::string CameraFile(const SequenceOptions& options, const std::string& format
   if (!options.camera.empty()) return "";
   // A folder's camera.yaml; of a file F.klg it is F.klg.yaml.
   const std::string yaml = options.path + (IsFileFormat(format) ? ".yaml" : "/camera.yaml");
-  return IsFile(yaml) ? yaml : "";
+  return HasFile(yaml) ? yaml : "";
 }
 
 std::string NameOfCamera(const SequenceOptions& options) {

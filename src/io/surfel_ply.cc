@@ -59,7 +59,7 @@ void WriteSurfelPly(const SurfelMap& map, const std::string& path) {
 }
 
 std::vector<Surfel> ReadSurfelPly(const std::string& path) {
-  const std::string file = ReadFile(path);
+  const std::string file = ReadFileOrPipe(path);
   const PlyHeader header = ParsePlyHeader(file, path);
   const PlyElement& vertices = FindPlyElement(header, "vertex", path);
   Columns columns;

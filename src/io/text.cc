@@ -26,18 +26,53 @@ std::vector<TextRow> ReadTextRows(const std::string& path) {
   return rows;
 }
 
-double ParseNumber(const std::string& text, const std::string& place) {
+double FiniteNumber(std::string_view word) {
   double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
-    throw InputError(Concat(place, ": '", text, "' is not a finite number"));
+  const char* const end = word.data() + word.size();
+  const auto [parsed, error] = std::from_chars(word.data(), end, value);
+  if (error != std::errc() || parsed != end || !std::isfinite(value)) {
+    throw InputError(Concat("'", word, "' is not a finite number"));
+  }
   return value;
+}
+
+double ParseNumber(const std::string& text, const std::string& place) {
+  try {
+    return FiniteNumber(text);
+  } catch (const InputError& error) {
+    throw InputError(Concat(place, ": ", error.what()));
+  }
+}
+
+static void RequireNear(const Eigen::Vector3d& position) {
+  constexpr double kFarthest_m = 1e9;
+  const double farthest_m = position.cwiseAbs().maxCoeff();
+  if (farthest_m <= kFarthest_m) return;
+  throw InputError(
+      Concat("a coordinate is ", farthest_m, " m, must be at most ", kFarthest_m, " m"));
+}
+
+Rigid3d RigidFromNumbers(const double* numbers) {
+  constexpr double kTolerance = 0.01;
+  const double* const q = numbers + 3;
+  const Eigen::Vector3d translation(numbers[0], numbers[1], numbers[2]);
+  const Eigen::Quaterniond rotation(q[3], q[0], q[1], q[2]);
+  if (!(std::abs(rotation.norm() - 1) <= kTolerance)) {
+    throw InputError(Concat("the norm of the quaternion is ", rotation.norm(), ", must be 1"));
+  }
+  RequireNear(translation);
+  return {rotation.normalized(), translation};
 }
 
 Rigid3d RigidFromMatrix(const Eigen::Matrix4d& matrix, const std::string& place) {
   const Eigen::Matrix3d r = matrix.topLeftCorner<3, 3>();
   if (!((r * r.transpose() - Eigen::Matrix3d::Identity()).norm() < 0.01 && r.determinant() > 0))
     throw InputError(place + ": the matrix is not a rigid transform");
+  try {
+    RequireNear(matrix.topRightCorner<3, 1>());
+  } catch (const InputError& error) {
+    throw InputError(Concat(place, ": ", error.what()));
+  }
   return Rigid3d(r, matrix.topRightCorner<3, 1>());
 }
 

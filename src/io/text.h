@@ -19,14 +19,19 @@ struct TextRow {
 // spaces, tabs or commas. Throws InputError naming the file if it cannot be read.
 std::vector<TextRow> ReadTextRows(const std::string& path);
 
-// How far from 1 the length of a quaternion in a file may be: files have four or more decimals.
-inline constexpr double kQuaternionNormTolerance = 0.01;
+// The word as a finite number. Throws InputError naming it.
+double FiniteNumber(std::string_view word);
 
-// The column as a finite number. Throws InputError naming place and text.
+// The same. Throws InputError naming place and text.
 double ParseNumber(const std::string& text, const std::string& place);
 
+// The rigid transform tx ty tz qx qy qz qw, m. Throws InputError unless the quaternion has length 1
+// (to 1 %, as files of few decimals have it), and no coordinate is beyond a million kilometres, of
+// which the squares that errors are made of could not be told apart.
+Rigid3d RigidFromNumbers(const double* numbers);
+
 // The rigid transform of a 4 x 4 matrix. Throws InputError naming the place unless its upper left
-// is a rotation (to 1 %, as files of few decimals have it).
+// is a rotation (to 1 %), and its translation as above.
 Rigid3d RigidFromMatrix(const Eigen::Matrix4d& matrix, const std::string& place);
 
 // The rigid transform in the rows [first, first + 4) of a text file, a 4 x 4 matrix. Throws

@@ -4,13 +4,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <iomanip>
 #include <locale>
 #include <string_view>
-#include <system_error>
 
 #include "core/read_file.h"
 #include "io/text.h"
@@ -21,7 +19,7 @@ namespace surfit {
 namespace {
 
 constexpr std::string_view kSeparators = " \t,\r";
-// Files carry 4 or more decimals of a unit quaternion; anything further off is another column.
+constexpr const char* kHead = "# timestamp tx ty tz qx qy qz qw\n";
 
 // The next column of the line, which is removed from it; empty at the end.
 std::string_view TakeColumn(std::string_view* line) {
@@ -31,37 +29,22 @@ std::string_view TakeColumn(std::string_view* line) {
   return column;
 }
 
-double NumberIn(std::string_view column) {
-  double value = 0;
-  const char* const end = column.data() + column.size();
-  const auto [parsed, error] = std::from_chars(column.data(), end, value);
-  if (error != std::errc() || parsed != end || !std::isfinite(value)) {
-    throw InputError(Concat("'", column, "' is not a finite number"));
-  }
-  return value;
-}
-
 StampedPose ParsePose(std::string_view line) {
   std::array<double, 8> v;
   std::size_t count = 0;
   for (std::string_view column; !(column = TakeColumn(&line)).empty(); ++count) {
-    const double value = NumberIn(column);
+    const double value = FiniteNumber(column);
     if (count < v.size()) v[count] = value;
   }
   if (count != v.size()) throw InputError(Concat(count, " columns, must be 8"));
-  const Eigen::Quaterniond rotation(v[7], v[4], v[5], v[6]);  // w first here, last in the file
-  const double norm = rotation.norm();
-  if (std::abs(norm - 1) > kQuaternionNormTolerance) {
-    throw InputError(Concat("the norm of the quaternion is ", norm, ", must be 1"));
-  }
-  return {v[0], Rigid3d(rotation.normalized(), {v[1], v[2], v[3]})};
+  return {v[0], RigidFromNumbers(&v[1])};
 }
 
 // Calls parse(line) for each line that is neither empty nor a comment, and adds file and line
 // number to the message of an InputError that it throws.
 template <typename Parse>
 void ForEachLine(const std::string& path, const Parse& parse) {
-  const std::string text = ReadFile(path);
+  const std::string text = ReadFileOrPipe(path);
   int line_number = 0;
   for (std::string_view rest = text; !rest.empty();) {
     ++line_number;
@@ -84,6 +67,19 @@ void AppendFixed(double value, int decimals, std::string* line) {
   line->append(text.data(), result.ptr);
 }
 
+std::string LineOf(const StampedPose& pose) {
+  const Eigen::Vector3d& t = pose.world_from_camera.translation;
+  const Eigen::Vector4d& q = pose.world_from_camera.rotation.coeffs();  // x y z w, as in the file
+  CHECK(std::isfinite(pose.stamp_s) && t.allFinite() && q.allFinite());
+  std::string line;
+  AppendFixed(pose.stamp_s, 6, &line);
+  for (const double value : {t.x(), t.y(), t.z(), q[0], q[1], q[2], q[3]}) {
+    line += ' ';
+    AppendFixed(value, 9, &line);
+  }
+  return line + '\n';
+}
+
 }  // namespace
 
 Trajectory ReadTumTrajectory(const std::string& path) {
@@ -98,37 +94,23 @@ Trajectory ReadTumTrajectory(const std::string& path) {
 std::vector<double> ReadTumStamps(const std::string& path) {
   std::vector<double> stamps_s;
   ForEachLine(path,
-              [&](std::string_view line) { stamps_s.push_back(NumberIn(TakeColumn(&line))); });
+              [&](std::string_view line) { stamps_s.push_back(FiniteNumber(TakeColumn(&line))); });
   std::sort(stamps_s.begin(), stamps_s.end());
   return stamps_s;
 }
 
-TumTrajectoryWriter::TumTrajectoryWriter(const std::string& path)
-    : path_(path), file_(path, std::ios::binary | std::ios::trunc) {
-  Write("# timestamp tx ty tz qx qy qz qw\n");
+void WriteTumTrajectory(const Trajectory& trajectory, const std::string& path) {
+  WriteFileAtomically(path, [&](std::ostream& out) {
+    out << kHead;
+    for (const StampedPose& pose : trajectory) out << LineOf(pose);
+  });
 }
 
-void TumTrajectoryWriter::Append(const StampedPose& pose) {
-  const Eigen::Vector3d& t = pose.world_from_camera.translation;
-  const Eigen::Vector4d& q = pose.world_from_camera.rotation.coeffs();  // x y z w, as in the file
-  CHECK(std::isfinite(pose.stamp_s) && t.allFinite() && q.allFinite());
-  std::string line;
-  AppendFixed(pose.stamp_s, 6, &line);
-  for (const double value : {t.x(), t.y(), t.z(), q[0], q[1], q[2], q[3]}) {
-    line += ' ';
-    AppendFixed(value, 9, &line);
-  }
-  line += '\n';
-  Write(line);
+TumTrajectoryWriter::TumTrajectoryWriter(const std::string& path) : file_(path) {
+  file_.Append(kHead);
 }
 
-void TumTrajectoryWriter::Write(const std::string& line) {
-  file_ << line << std::flush;
-  if (!file_) {
-    const std::error_code reason(errno, std::generic_category());
-    throw InputError(Concat("cannot write '", path_, "': ", reason.message()));
-  }
-}
+void TumTrajectoryWriter::Append(const StampedPose& pose) { file_.Append(LineOf(pose)); }
 
 void WriteKittiTrajectory(const Trajectory& trajectory, const std::string& path) {
   WriteFileAtomically(path, [&](std::ostream& out) {

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <filesystem>
 
 #include "io/folder.h"
 #include "io/recording.h"
@@ -17,9 +18,14 @@ struct StampedFile {
   std::string path;
 };
 
+// A list names files of its own folder: it may come from anywhere.
 StampedFile ParseStampedFile(const TextRow& row, int column, const std::string& folder) {
-  return {ParseNumber(row.columns[column], row.place),
-          FollowTextLink(folder + "/" + row.columns[column + 1])};
+  const std::string& name = row.columns[column + 1];
+  const std::filesystem::path normal = std::filesystem::path(name).lexically_normal();
+  if (normal.is_absolute() || *normal.begin() == "..") {
+    throw InputError(Concat(row.place, ": '", name, "' leaves the folder of the sequence"));
+  }
+  return {ParseNumber(row.columns[column], row.place), FollowTextLink(folder + "/" + name)};
 }
 
 void RequireColumns(const TextRow& row, std::size_t count, const char* meaning) {
@@ -51,7 +57,7 @@ std::vector<double> Stamps(const std::vector<StampedFile>& files) {
 std::vector<FrameFiles> PairByTime(const std::string& folder) {
   const auto depth = ReadStampedFiles(folder, "depth.txt");
   std::vector<FrameFiles> frames;
-  if (!IsFile(folder + "/rgb.txt")) {
+  if (!HasFile(folder + "/rgb.txt")) {
     for (const StampedFile& file : depth)
       frames.push_back({{file.stamp_s, file.stamp_s}, file.path, ""});
     return frames;
@@ -80,9 +86,10 @@ std::vector<FrameFiles> ReadAssociations(const std::string& folder) {
 }
 
 Trajectory ReadGroundTruth(const std::string& folder) {
-  if (IsFile(folder + "/groundtruth.txt")) return ReadTumTrajectory(folder + "/groundtruth.txt");
+  if (HasFile(folder + "/groundtruth.txt")) return ReadTumTrajectory(folder + "/groundtruth.txt");
   for (const std::string& name : NamesIn(folder)) {
-    if (EndsWith(name, ".gt.freiburg")) return ReadTumTrajectory(Concat(folder, "/", name));
+    const std::string path = Concat(folder, "/", name);
+    if (EndsWith(name, ".gt.freiburg") && HasFile(path)) return ReadTumTrajectory(path);
   }
   return {};
 }
@@ -92,7 +99,7 @@ Trajectory ReadGroundTruth(const std::string& folder) {
 SequenceFiles ListTumSequence(const std::string& folder) {
   SequenceFiles files;
   files.frames =
-      IsFile(folder + "/associations.txt") ? ReadAssociations(folder) : PairByTime(folder);
+      HasFile(folder + "/associations.txt") ? ReadAssociations(folder) : PairByTime(folder);
   std::stable_sort(
       files.frames.begin(), files.frames.end(),
       [](const FrameFiles& a, const FrameFiles& b) { return a.stamps.depth_s < b.stamps.depth_s; });
@@ -102,7 +109,7 @@ SequenceFiles ListTumSequence(const std::string& folder) {
 }
 
 SequenceFiles ListIclNuimSequence(const std::string& folder) {
-  if (IsFile(folder + "/associations.txt") || IsFile(folder + "/depth.txt"))
+  if (HasFile(folder + "/associations.txt") || HasFile(folder + "/depth.txt"))
     return ListTumSequence(folder);
   return {ListNumberedFrames(folder + "/depth", folder + "/rgb"), ReadGroundTruth(folder),
           /*has_clock=*/false};

@@ -1,3 +1,5 @@
+#include <glog/logging.h>
+
 #include <chrono>
 #include <deque>
 #include <map>
@@ -51,12 +53,16 @@ class WatchedFolder {
   std::optional<std::string> color_folder_;  // once known; empty: frames without colour
   std::map<long, FrameFiles> waiting_;       // by number
   std::set<long> taken_;
+  std::set<std::string> told_;                  // of images with one number
   std::optional<Clock::time_point> first_try_;  // of the first frame that waits
 };
 
 void WatchedFolder::List() {
   const std::string color_folder = color_folder_ ? *color_folder_ : FindColorFolder(path_);
-  for (FrameFiles& files : ListNumberedFrames(path_ + "/depth", color_folder)) {
+  const auto tell = [this](const std::string& twice) {
+    if (told_.insert(twice).second) LOG(WARNING) << twice;
+  };
+  for (FrameFiles& files : ListNumberedFrames(path_ + "/depth", color_folder, tell)) {
     const long number = static_cast<long>(files.stamps.depth_s);
     if (taken_.count(number) > 0) continue;
     files.stamps.depth_s = files.stamps.color_s = static_cast<double>(number) / frames_per_second_;

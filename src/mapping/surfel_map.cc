@@ -44,8 +44,8 @@ std::int32_t SurfelMap::CellAt(const Eigen::Vector3f& position_in_world) {
 
 void SurfelMap::AddBlock(std::int32_t cell) {
   if (free_blocks_.empty()) {
-    free_blocks_.push_back(static_cast<std::int32_t>(blocks_.size()));
     blocks_.emplace_back();
+    free_blocks_.push_back(static_cast<std::int32_t>(blocks_.size()) - 1);
   }
   const std::int32_t added = free_blocks_.back();
   free_blocks_.pop_back();
@@ -76,13 +76,19 @@ std::int32_t SurfelMap::Append(const Surfel& surfel) {
 }
 
 void SurfelMap::Append(const std::vector<Surfel>& surfels) {
-  std::vector<std::int32_t> ids(surfels.size());
-  std::transform(surfels.begin(), surfels.end(), ids.begin(),
-                 [this](const Surfel& surfel) { return Place(surfel); });
-  constexpr int kGrain = 512;
-  ParallelFor(0, static_cast<int>(ids.size()), kGrain, [&](int begin, int end) {
+  std::vector<std::int32_t> ids;
+  ids.reserve(surfels.size());
+  const auto write = [&](int begin, int end) {
     for (int i = begin; i < end; ++i) block(BlockOf(ids[i])).Write(PlaceOf(ids[i]), surfels[i]);
-  });
+  };
+  try {
+    for (const Surfel& surfel : surfels) ids.push_back(Place(surfel));
+  } catch (...) {  // no memory is left: those that found a place are whole all the same
+    write(0, static_cast<int>(ids.size()));
+    throw;
+  }
+  constexpr int kGrain = 512;
+  ParallelFor(0, static_cast<int>(ids.size()), kGrain, write);
 }
 
 void SurfelMap::Merge(std::int32_t id, const SurfelObservation& observation, float max_confidence) {

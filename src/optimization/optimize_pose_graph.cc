@@ -1,6 +1,7 @@
 #include "optimization/optimize_pose_graph.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <optional>
 
@@ -144,6 +145,7 @@ PoseGraphSummary OptimizePoseGraph(const PoseGraphOptions& options, PoseGraph* g
   summary.initial_cost = CountedCost(problem.SquaredErrors(), {});
   summary.termination = Solve(*graph, options, &problem, &summary);
   summary.final_cost = CountedCost(problem.SquaredErrors(), summary.outlier_edges);
+  if (!std::isfinite(summary.final_cost)) summary.termination = PoseGraphTermination::kFailed;
   if (summary.Succeeded()) TakePoses(problem, chained.held, graph);
   return summary;
 }

@@ -6,7 +6,7 @@
 
 #include "registration/pair_solver.h"
 #include "run/comparison_files.h"
-#include "run/output_files.h"
+#include "run/output_folder.h"
 #include "run/pose_problem.h"
 #include "run/tracking_dump.h"
 #include "surfit/core/error.h"
@@ -138,8 +138,8 @@ Comparison CompareSolvers(const CompareOptions& given, const std::atomic<bool>& 
   }
   const ThreadLimit limit(*std::max_element(options.threads.begin(), options.threads.end()));
   ComparisonRun run(options, interrupted, progress);
-  PrepareOutputFolder(options.output,
-                      {"comparison.csv", "comparison.json", "comparison.html", "slam.csv"});
+  const OutputFolder owned(options.output,
+                           {"comparison.csv", "comparison.json", "comparison.html", "slam.csv"});
   const std::vector<ComparedRuns> all = run.Run();
   Comparison comparison;
   for (const ComparedRuns& runs : all) {

@@ -3,7 +3,7 @@
 #include <memory>
 #include <utility>
 
-#include "run/output_files.h"
+#include "run/output_folder.h"
 #include "run/posed_views.h"
 #include "run/result_files.h"
 #include "surfit/core/options.h"
@@ -193,7 +193,7 @@ FindLoopsRunResult RunFindLoops(const FindLoopsRunOptions& options,
   const ThreadLimit limit(options.threads);
   const std::unique_ptr<FrameSource> source = OpenSequence(options.sequence);
   LoopRun run(options, source->info());
-  PrepareOutputFolder(options.output, {"loops.csv", "loops.g2o"});
+  const OutputFolder owned(options.output, {"loops.csv", "loops.g2o"});
   int done = 0;
   while (const std::optional<ReadResult> read = source->Next()) {
     run.Process(*read);

@@ -1,7 +1,5 @@
 #include "run/output_files.h"
 
-#include <filesystem>
-
 #include "core/read_file.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
@@ -9,27 +7,15 @@
 
 namespace surfit {
 
-void PrepareOutputFolder(const std::string& folder, const std::vector<std::string>& former_files) {
-  namespace fs = std::filesystem;
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error || !fs::is_directory(folder)) {
-    throw InputError(Concat(folder, ": cannot make the output folder: ", error.message()));
-  }
-  for (const std::string& name : former_files) {
-    fs::remove(fs::path(folder) / name, error);
-    if (error) {
-      throw InputError(Concat(folder, "/", name, ": cannot be replaced: ", error.message()));
-    }
-  }
-}
-
 Json ReadJson(const std::string& path) {
+  Json json;
   try {
-    return Json::parse(ReadFile(path));
+    json = Json::parse(ReadJsonText(path));
   } catch (const Json::exception& error) {
     throw InputError(Concat(path, ": not valid JSON: ", error.what()));
   }
+  if (!json.is_object()) throw InputError(Concat(path, " must be a JSON object"));
+  return json;
 }
 
 void WriteJson(const Json& json, const std::string& path, int indent) {

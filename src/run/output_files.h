@@ -15,11 +15,7 @@ namespace surfit {
 // Keys stay in the order in which they are set.
 using Json = nlohmann::ordered_json;
 
-// Makes the output folder if it is missing, and removes a former run's files from it.
-// Throws InputError naming the folder or file if that fails.
-void PrepareOutputFolder(const std::string& folder, const std::vector<std::string>& former_files);
-
-// Throws InputError naming the file if it cannot be read or is no JSON.
+// Throws InputError naming the file if it cannot be read or is no JSON object.
 Json ReadJson(const std::string& path);
 
 // Writes a JSON file, indented unless indent is -1. What is no UTF-8 (a file's name may be

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "run/output_files.h"
+#include "run/output_folder.h"
 #include "run/posed_views.h"
 #include "run/result_files.h"
 #include "surfit/core/error.h"
@@ -56,8 +57,9 @@ class RefineRun {
   RefineRunSummary Run() {
     const auto start = std::chrono::steady_clock::now();
     ReadKeyframes();
-    PrepareOutputFolder(options_.output,
-                        {"trajectory.txt", "map.ply", "camera.yaml", "refinement.json"});
+    const OutputFolder owned(options_.output,
+                             {"trajectory.txt", "map.ply", "camera.yaml", "refinement.json"},
+                             {options_.trajectory, options_.sequence.camera});
     // Frames come with the given field applied.
     summary_.refinement = Refine(options_.refinement, {run_.info.pinhole, {}}, &run_.keyframes,
                                  [&](const RefinementRound& round) { Tell(round); });
@@ -95,9 +97,8 @@ class RefineRun {
     for (const RefinementKeyframe& keyframe : run_.keyframes)
       poses.push_back(keyframe.world_from_camera);
     const Trajectory refined = CorrectTrajectory(run_.trajectory, run_.poses, poses);
-    TumTrajectoryWriter writer(options_.output + "/trajectory.txt");
-    for (const StampedPose& pose : InSourceConvention(refined, run_.info.mirrored))
-      writer.Append(pose);
+    WriteTumTrajectory(InSourceConvention(refined, run_.info.mirrored),
+                       options_.output + "/trajectory.txt");
     WriteFoundCamera(run_.info, summary_.given.field, summary_.refinement.calibration,
                      options_.output + "/camera.yaml");
     if (!run_.info.ground_truth.empty()) {

@@ -5,6 +5,7 @@
 
 #include "run/cloud_file.h"
 #include "run/output_files.h"
+#include "run/output_folder.h"
 #include "run/posed_views.h"
 #include "run/result_files.h"
 #include "surfit/core/atomic_file.h"
@@ -70,7 +71,7 @@ AlignRunResult RunAlign(const AlignRunOptions& options) {
   const ThreadLimit limit(options.threads);
   const PosedPair pair = ReadPosedPair(options.sequence, options.source, options.target,
                                        options.preprocess, options.icp.error_model);
-  PrepareOutputFolder(options.output, {"before.ply", "after.ply", "before.png", "after.png"});
+  const OutputFolder owned(options.output, {"before.ply", "after.ply", "before.png", "after.png"});
 
   AlignRunResult result;
   result.registration =
@@ -96,8 +97,8 @@ RegisterRunResult RunRegister(const RegisterRunOptions& options) {
       ReadCloudFile(options.target, options.sensor, options.normals, floor_sigma_m);
   result.source = source.about;
   result.target = target.about;
-  PrepareOutputFolder(options.output, {"transform.txt", "registration.json", "aligned.ply",
-                                       "before.png", "after.png"});
+  const OutputFolder owned(options.output, {"transform.txt", "registration.json", "aligned.ply",
+                                            "before.png", "after.png"});
   result.icp = RegisterClouds(source.points, target.points, Rigid3d(), options.registration);
   const PointCloud aligned = Moved(source.cloud, result.icp.target_from_source);
   WriteTransform(result.icp.target_from_source, options.output + "/transform.txt");

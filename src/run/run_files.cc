@@ -1,10 +1,10 @@
 #include "run/run_files.h"
 
 #include <iomanip>
+#include <sstream>
 
 #include "run/kept_views.h"
 #include "run/view_files.h"
-#include "surfit/core/error.h"
 #include "surfit/geometry/sensor.h"
 
 namespace surfit {
@@ -34,12 +34,11 @@ RunFiles::RunFiles(const std::string& folder, bool mirrored)
       trajectory_path_(folder + "/trajectory.txt"),
       trajectory_(trajectory_path_),
       online_(folder + "/trajectory_online.txt"),
-      csv_path_(folder + "/frames.csv"),
-      csv_(csv_path_) {
-  csv_ << "index,stamp_s,state,fused,termination,iterations,inliers,inlier_share,rmse_m,"
-          "smallest_eigenvalue,points,merged_points,merged,added,removed,"
-          "decode_ms,preprocess_ms,predict_ms,track_ms,fuse_ms,correct_ms,frame_ms\n";
-  Flush();
+      csv_(folder + "/frames.csv") {
+  csv_.Append(
+      "index,stamp_s,state,fused,termination,iterations,inliers,inlier_share,rmse_m,"
+      "smallest_eigenvalue,points,merged_points,merged,added,removed,"
+      "decode_ms,preprocess_ms,predict_ms,track_ms,fuse_ms,correct_ms,frame_ms\n");
 }
 
 void RunFiles::Write(const FrameReport& report, double decode_ms, double frame_ms) {
@@ -50,37 +49,33 @@ void RunFiles::Write(const FrameReport& report, double decode_ms, double frame_m
     online_.Append(stamped);
   }
   const bool registered = !report.icp.iterations.empty();
-  csv_ << report.index << ',' << std::fixed << std::setprecision(6) << report.stamp_s << ','
-       << ToString(report.state) << ',' << report.is_fused << ','
-       << (registered ? ToString(report.icp.termination) : "") << ',' << report.icp.step_count
-       << ',' << report.icp.inlier_count << ',' << report.icp.inlier_share << ','
-       << report.icp.rmse_m << ',' << std::scientific << report.icp.eigenvalues[0] << ','
-       << std::fixed << report.fusion.input_points << ',' << report.fusion.merged_points << ','
-       << report.fusion.merged << ',' << report.fusion.added << ',' << report.fusion.removed << ','
-       << std::setprecision(3) << decode_ms << ',' << report.times.preprocess_ms << ','
-       << report.times.predict_ms << ',' << report.times.track_ms << ',' << report.times.fuse_ms
-       << ',' << report.times.correct_ms << ',' << frame_ms << '\n';
-  Flush();
+  std::ostringstream row;
+  row << report.index << ',' << std::fixed << std::setprecision(6) << report.stamp_s << ','
+      << ToString(report.state) << ',' << report.is_fused << ','
+      << (registered ? ToString(report.icp.termination) : "") << ',' << report.icp.step_count << ','
+      << report.icp.inlier_count << ',' << report.icp.inlier_share << ',' << report.icp.rmse_m
+      << ',' << std::scientific << report.icp.eigenvalues[0] << ',' << std::fixed
+      << report.fusion.input_points << ',' << report.fusion.merged_points << ','
+      << report.fusion.merged << ',' << report.fusion.added << ',' << report.fusion.removed << ','
+      << std::setprecision(3) << decode_ms << ',' << report.times.preprocess_ms << ','
+      << report.times.predict_ms << ',' << report.times.track_ms << ',' << report.times.fuse_ms
+      << ',' << report.times.correct_ms << ',' << frame_ms << '\n';
+  csv_.Append(row.str());
 }
 
 void RunFiles::WriteSkipped(const ReadResult& result, double frame_ms) {
-  csv_ << result.index << ',' << std::fixed << std::setprecision(6) << result.stamp_s
-       << ",skipped,0,,0,0,0,0,0,0,0,0,0,0," << std::setprecision(3) << result.decode_ms
-       << ",0,0,0,0,0," << frame_ms << '\n';
-  Flush();
+  std::ostringstream row;
+  row << result.index << ',' << std::fixed << std::setprecision(6) << result.stamp_s
+      << ",skipped,0,,0,0,0,0,0,0,0,0,0,0," << std::setprecision(3) << result.decode_ms
+      << ",0,0,0,0,0," << frame_ms << '\n';
+  csv_.Append(row.str());
 }
 
-void RunFiles::Rewrite(const Trajectory& corrected) {
-  trajectory_ = TumTrajectoryWriter(trajectory_path_);
-  for (const StampedPose& pose : corrected) {
-    trajectory_.Append(
-        {pose.stamp_s, mirrored_ ? Mirrored(pose.world_from_camera) : pose.world_from_camera});
+void RunFiles::Rewrite(Trajectory corrected) const {
+  for (StampedPose& pose : corrected) {
+    if (mirrored_) pose.world_from_camera = Mirrored(pose.world_from_camera);
   }
-}
-
-void RunFiles::Flush() {
-  csv_.flush();
-  if (!csv_) throw InputError(csv_path_ + ": cannot be written");
+  WriteTumTrajectory(corrected, trajectory_path_);
 }
 
 }  // namespace surfit

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <fstream>
 #include <string>
 #include <vector>
 
+#include "surfit/core/appended_file.h"
 #include "surfit/io/frame_source.h"
 #include "surfit/io/trajectory_files.h"
 #include "surfit/slam/slam.h"
@@ -24,17 +24,14 @@ class RunFiles {
   // A frame that could not be read.
   void WriteSkipped(const ReadResult& result, double frame_ms);
 
-  // Writes trajectory.txt anew.
-  void Rewrite(const Trajectory& corrected);
+  // Writes trajectory.txt anew, as the last that is done.
+  void Rewrite(Trajectory corrected) const;
 
  private:
-  void Flush();
-
   bool mirrored_;
   std::string trajectory_path_;
   TumTrajectoryWriter trajectory_, online_;
-  std::string csv_path_;
-  std::ofstream csv_;
+  AppendedFile csv_;
 };
 
 }  // namespace surfit

@@ -1,7 +1,6 @@
 #include "run/sequence_slam.h"
 
-#include <glog/logging.h>
-
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <optional>
@@ -52,7 +51,7 @@ FrameReport SequenceSlam::Process(const RgbdFrame& frame) {
 FrameReport SequenceSlam::ProcessAtTruePose(const RgbdFrame& frame) {
   const std::optional<Rigid3d> pose = InterpolatePose(info_.ground_truth, frame.stamp_s);
   if (pose) return slam_->ProcessAt(frame, *pose);
-  LOG(WARNING) << "frame " << frame.index << " has no true pose within reach: not fused";
+  without_pose_.Tell(Concat("frame ", frame.index, " has no true pose within reach: not fused"));
   FrameReport report;
   report.index = frame.index;
   report.stamp_s = frame.stamp_s;
@@ -62,6 +61,15 @@ FrameReport SequenceSlam::ProcessAtTruePose(const RgbdFrame& frame) {
 void SequenceSlam::Finish() {
   slam_->Finish();
   if (slam_->backend()) trajectory_ = slam_->backend()->trajectory();
+}
+
+// The backend may have the frame already that SLAM has ended in.
+void SequenceSlam::FinishEarly() {
+  if (!slam_->backend()) return;
+  const Trajectory corrected = slam_->backend()->trajectory();
+  const std::size_t count = std::min(corrected.size(), frames_.size());
+  trajectory_.assign(corrected.begin(), corrected.begin() + static_cast<std::ptrdiff_t>(count));
+  frames_.resize(count);
 }
 
 }  // namespace surfit

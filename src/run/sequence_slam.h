@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/repeated_warning.h"
 #include "surfit/geometry/trajectory.h"
 #include "surfit/io/frame_source.h"
 #include "surfit/run/slam_run.h"
@@ -22,6 +23,8 @@ class SequenceSlam {
   FrameReport Process(const RgbdFrame& frame);
   // Takes in the last loops, and corrects the trajectory by all of them.
   void Finish();
+  // The trajectory of the frames so far, as it is, where SLAM has ended within a frame.
+  void FinishEarly();
 
   const SequenceInfo& info() const { return info_; }
   const SurfelMap& map() const { return slam_->map(); }
@@ -39,6 +42,7 @@ class SequenceSlam {
   std::unique_ptr<Slam> slam_;
   Trajectory trajectory_;
   std::vector<int> frames_;
+  RepeatedWarning without_pose_{"frames without a true pose"};
 };
 
 }  // namespace surfit

@@ -109,6 +109,7 @@ void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
   j["frames_dropped"] = s.frames_dropped;
   j["frames_without_intensities"] = s.frames_without_intensities;
   j["interrupted"] = s.interrupted;
+  j["failure"] = s.failure.empty() ? Json() : Json(s.failure);
   j["keyframes"] = s.loops.keyframes;
   j["loops_proposed"] = s.loops.loops_proposed;
   j["loops_accepted"] = s.loops.loops_accepted;
@@ -149,6 +150,22 @@ void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
   j["options"] = FlagValues(options);
   j["digest"] = s.digest;
   WriteJson(j, path);
+}
+
+std::map<std::string, std::string> RecordedFlags(const std::string& summary_json) {
+  const Json json = ReadJson(summary_json);
+  if (!json.contains("options") || !json["options"].is_object()) {
+    throw InputError(summary_json + " is no summary of a run: it has no options");
+  }
+  std::map<std::string, std::string> flags;
+  for (const auto& [name, value] : json["options"].items()) {
+    if (!value.is_string()) {
+      throw InputError(
+          Concat(summary_json, ": options: ", name, " is ", value.dump(), ", must be a text"));
+    }
+    flags[name] = value;
+  }
+  return flags;
 }
 
 void WritePosesJson(const RunPoses& run, const std::string& path) {

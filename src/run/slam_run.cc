@@ -1,15 +1,18 @@
 #include "surfit/run/slam_run.h"
 
-#include <glog/logging.h>
 #include <sys/resource.h>
 
 #include <memory>
 
+#include "core/repeated_warning.h"
 #include "run/digest.h"
+#include "run/failures.h"
 #include "run/kept_views.h"
 #include "run/output_files.h"
+#include "run/output_folder.h"
 #include "run/result_files.h"
 #include "run/run_files.h"
+#include "run/run_results.h"
 #include "run/run_statistics.h"
 #include "run/sequence_slam.h"
 #include "surfit/core/error.h"
@@ -17,9 +20,7 @@
 #include "surfit/core/parallel.h"
 #include "surfit/core/trace.h"
 #include "surfit/io/frame_source.h"
-#include "surfit/io/point_cloud.h"
 #include "surfit/io/sequence.h"
-#include "surfit/pictures/pictures.h"
 
 namespace surfit {
 namespace {
@@ -41,28 +42,6 @@ std::int64_t PeakRssBytes() {
   return static_cast<std::int64_t>(usage.ru_maxrss) * 1024;
 }
 
-// The ground truth from the first to the last of these stamps, with what it takes to interpolate.
-Trajectory TruthDuring(const std::vector<double>& stamps_s, const Trajectory& ground_truth) {
-  const double kMarginSeconds = MatchOptions().max_gap_s;
-  Trajectory truth;
-  for (const StampedPose& pose : ground_truth) {
-    if (pose.stamp_s >= stamps_s.front() - kMarginSeconds &&
-        pose.stamp_s <= stamps_s.back() + kMarginSeconds) {
-      truth.push_back(pose);
-    }
-  }
-  return truth;
-}
-
-Trajectory AlignedWithTruth(Trajectory trajectory,
-                            const std::optional<TrajectoryEvaluation>& evaluation) {
-  if (!evaluation || !evaluation->ate) return trajectory;
-  for (StampedPose& pose : trajectory) {
-    pose.world_from_camera = evaluation->ate->alignment.target_from_source * pose.world_from_camera;
-  }
-  return trajectory;
-}
-
 // A run in progress: frames from the source go through SLAM, and what it makes of them to the
 // statistics and files.
 class SlamRun {
@@ -72,13 +51,26 @@ class SlamRun {
         statistics_(options.slam),
         source_(OpenSource(options, interrupted)),
         given_field_(ReadDepthField(options.sequence, source_->info().format)),
-        slam_(options, source_->info()) {
-    PrepareOutputFolder(options.output, RunFileNames());
+        slam_(options, source_->info()),
+        folder_(options.output, RunFileNames(), {options.sequence.camera}) {
     if (!options.trace.empty()) trace_ = std::make_unique<TraceRecorder>(options.trace);
     files_ = std::make_unique<RunFiles>(options.output, source_->info().mirrored);
   }
 
+  // What ends the run early does not take with it what there is.
   SlamRunSummary Run(const std::atomic<bool>& interrupted, const ProgressCall& progress) {
+    failures_.Try([&] { ProcessFrames(interrupted, progress); });
+    if (!slam_.HasBegun()) {
+      throw InputError(failures_.any() ? failures_.text()
+                                       : options_.sequence.path + ": no frame could be read");
+    }
+    SlamRunSummary summary = Finish(interrupted);
+    if (failures_.any()) throw InputError(failures_.text());
+    return summary;
+  }
+
+ private:
+  void ProcessFrames(const std::atomic<bool>& interrupted, const ProgressCall& progress) {
     while (!interrupted || !slam_.HasBegun()) {  // an interrupted run has one frame at least
       const std::optional<ReadResult> result = source_->Next();
       if (!result) break;
@@ -92,11 +84,8 @@ class SlamRun {
         Tell(nullptr, progress);
       }
     }
-    if (!slam_.HasBegun()) throw InputError(options_.sequence.path + ": no frame could be read");
-    return Finish(interrupted);
   }
 
- private:
   // Whoever is told may take their time, and pause.
   void Tell(const SlamRunFrame* frame, const ProgressCall& progress) {
     statistics_.LeaveOut([&] {
@@ -106,7 +95,7 @@ class SlamRun {
   }
 
   void Skip(const ReadResult& result) {
-    LOG(WARNING) << "frame " << result.index << " skipped: " << result.error;
+    skipped_.Tell(Concat("frame ", result.index, " skipped: ", result.error));
     statistics_.CountSkipped();
     files_->WriteSkipped(result, statistics_.CompleteFrame());
   }
@@ -114,7 +103,9 @@ class SlamRun {
   FrameReport Process(const ReadResult& result) {
     const RgbdFrame& frame = *result.frame;
     const TraceSlice slice("frame", frame.index);
+    is_whole_ = false;
     FrameReport report = slam_.Process(frame);
+    is_whole_ = true;
     statistics_.CountProcessed(frame, report);
     if (options_.keep_views) views_.Offer(frame, report, slam_.map(), slam_.slam().sensor());
     double write_ms = 0;
@@ -127,18 +118,23 @@ class SlamRun {
   }
 
   SlamRunSummary Finish(bool interrupted) {
-    slam_.Finish();
-    SlamRunSummary summary = statistics_.Summary(slam_.map().size());
+    if (!is_whole_ || !failures_.Try([&] { slam_.Finish(); })) {
+      failures_.Try([&] { slam_.FinishEarly(); });
+    }
+    SlamRunSummary summary;
+    failures_.Try([&] { summary = statistics_.Summary(slam_.map().size()); });
     summary.interrupted = interrupted;
     summary.sensor_latency_s = slam_.info().camera.latency_s;
     if (slam_.slam().backend()) FinishBackend(&summary);
-    summary.digest = Digest(slam_.trajectory(), slam_.map());
-    if (!slam_.info().ground_truth.empty()) Evaluate(&summary);
-    WriteResults(summary);
-    if (trace_) trace_->Close();
+    failures_.Try([&] { summary.digest = Digest(slam_.trajectory(), slam_.map()); });
+    if (!slam_.info().ground_truth.empty()) failures_.Try([&] { Evaluate(&summary); });
+    WriteRunResults({slam_, views_, statistics_.stamps_s(), summary.evaluation, options_},
+                    &failures_);
+    if (trace_) failures_.Try([&] { trace_->Close(); });
     summary.peak_rss_bytes = PeakRssBytes();
     summary.total_s = statistics_.elapsed_s();
-    WriteSummaryJson(summary, options_, Path("summary.json"));
+    summary.failure = failures_.text();
+    failures_.Try([&] { WriteSummaryJson(summary, options_, Path("summary.json")); });
     return summary;
   }
 
@@ -154,34 +150,18 @@ class SlamRun {
   void FinishBackend(SlamRunSummary* summary) {
     const Slam& slam = slam_.slam();
     const Backend& backend = *slam.backend();
-    files_->Rewrite(slam_.trajectory());
+    failures_.Try([&] { files_->Rewrite(slam_.trajectory()); });
     summary->loops = backend.counts();
     summary->merged_doubles = static_cast<std::int64_t>(slam.merged_doubles());
-    if (options_.slam.loops.enabled) WriteLoopsCsv(backend.loops(), Path("loops.csv"));
+    if (options_.slam.loops.enabled) {
+      failures_.Try([&] { WriteLoopsCsv(backend.loops(), Path("loops.csv")); });
+    }
     summary->calibrations = backend.calibrations();
     if (!backend.is_recalibrated()) return;
     summary->calibration = *backend.calibration();
-    WriteFoundCamera(slam_.info(), given_field_, *summary->calibration, Path("camera.yaml"));
-  }
-
-  // Map, views, poses and pictures.
-  void WriteResults(const SlamRunSummary& summary) const {
-    {
-      const TraceSlice slice("write_map");
-      WriteSurfelPly(slam_.map(), Path("map.ply"));
-    }
-    const DepthSensor sensor = slam_.slam().sensor();
-    const std::vector<KeptView> views = views_.Finish(slam_.map(), sensor);
-    KeptViews::Write(views, options_.output);
-    const Trajectory truth = TruthDuring(statistics_.stamps_s(), slam_.info().ground_truth);
-    WritePosesJson(
-        {sensor.camera, slam_.trajectory(), slam_.frames(), truth, summary.evaluation, views},
-        Path("poses.json"));
-    if (!options_.pictures) return;
-    const TraceSlice slice("write_pictures");
-    WriteMapPictures(slam_.map(), slam_.trajectory(), options_.output);
-    WriteTrajectoryPicture(AlignedWithTruth(slam_.trajectory(), summary.evaluation), truth,
-                           Path("trajectory.png"));
+    failures_.Try([&] {
+      WriteFoundCamera(slam_.info(), given_field_, *summary->calibration, Path("camera.yaml"));
+    });
   }
 
   std::string Path(const char* name) const { return options_.output + "/" + name; }
@@ -192,8 +172,12 @@ class SlamRun {
   std::unique_ptr<FrameSource> source_;
   InverseDepthField given_field_;  // that frames come with
   SequenceSlam slam_;
+  OutputFolder folder_;
   std::unique_ptr<RunFiles> files_;
   KeptViews views_;
+  RepeatedWarning skipped_{"frames skipped"};
+  Failures failures_;
+  bool is_whole_ = true;  // no frame has ended within its processing
 };
 
 }  // namespace

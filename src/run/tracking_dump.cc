@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "run/output_files.h"
+#include "run/output_folder.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/frame/frame_pyramid.h"
@@ -82,7 +83,7 @@ FramePyramid ReadView(const DepthSensor& sensor, const PreprocessOptions& option
 
 void WriteTrackingDump(const LostFrame& lost, const SlamOptions& options,
                        const std::string& folder) {
-  PrepareOutputFolder(folder, {"frame.json", "source.ply", "target.ply"});
+  const OutputFolder owned(folder, {"frame.json", "source.ply", "target.ply"});
   const FrameLevel &source = lost.source.levels.front(), &target = lost.target.levels.front();
   WriteView(source, lost.source_color, folder + "/source.ply");
   WriteView(target, lost.target_color, folder + "/target.ply");

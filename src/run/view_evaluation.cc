@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "run/output_files.h"
+#include "run/output_folder.h"
 #include "run/view_files.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
@@ -110,8 +111,8 @@ class Judge {
       : options_(options),
         folder_(options.output.empty() ? options.run : options.output),
         run_(ReadRecordedRun(options.run)),
-        source_(ReadAhead(OpenSequence(options.sequence), kReadAhead)) {
-    PrepareOutputFolder(folder_, ViewFileNames());
+        source_(ReadAhead(OpenSequence(options.sequence), kReadAhead)),
+        owned_(folder_, ViewFileNames()) {
     result_.held_out = !run_.held_out.empty();
   }
 
@@ -161,6 +162,7 @@ class Judge {
   const std::string folder_;
   const RecordedRun run_;
   const std::unique_ptr<FrameSource> source_;
+  const OutputFolder owned_;
   ModelRenderer renderer_{RenderOptions()};
   int posed_count_ = 0;  // frames that have one
   ViewEvaluation result_;

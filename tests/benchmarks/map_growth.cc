@@ -17,7 +17,7 @@
 
 #include "benchmarks/mapped_room.h"
 #include "pictures/axes.h"
-#include "run/output_files.h"
+#include "run/output_folder.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
 #include "surfit/mapping/model_renderer.h"
@@ -123,7 +123,7 @@ int Run(int argc, char** argv) {
   const int millions = argc > 2 ? std::atoi(argv[2]) : 10;
   if (millions < 2) throw InputError(Concat("millions is ", argv[2], ", must be at least 2"));
   const double max_bytes = argc > 3 ? std::atof(argv[3]) : 1e9;
-  PrepareOutputFolder(output, {kCsv, kPicture});
+  const OutputFolder owned(output, {kCsv, kPicture});
   const Growth growth = Grow(millions);
   WriteCsv(growth, output + "/" + kCsv);
   WritePicture(growth, output + "/" + kPicture);

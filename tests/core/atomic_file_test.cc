@@ -1,6 +1,7 @@
 #include "surfit/core/atomic_file.h"
 
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include "surfit/core/error.h"
 #include "testing/matchers.h"
@@ -63,13 +64,37 @@ TEST(WriteFileAtomically, ReportsAFullDisk) {
   EXPECT_TRUE(fs::is_character_file("/dev/full"));  // written to, not replaced
 }
 
-TEST(WriteFileAtomically, FollowsASymbolicLink) {
+TEST(WriteFileAtomically, RefusesASymbolicLink) {
   const TempFolder dir;
   const std::string target = dir.Write("target.txt", "old");
   fs::create_symlink(target, dir / "link.txt");
-  WriteFileAtomically(dir / "link.txt", [](std::ostream& out) { out << "new"; });
-  EXPECT_EQ(ReadBytes(target), "new");
+  ExpectInputError(
+      [&] { WriteFileAtomically(dir / "link.txt", [](std::ostream& out) { out << "new"; }); },
+      HasSubstr("link.txt': it is a link"));
+  EXPECT_EQ(ReadBytes(target), "old");
   EXPECT_TRUE(fs::is_symlink(dir / "link.txt"));
+}
+
+TEST(WriteFileAtomically, FollowsNoLinkOfTheNameOfAnUnfinishedFile) {
+  const TempFolder dir;
+  const std::string target = dir.Write("target.txt", "old");
+  for (int i = 0; i < 1000; ++i) {
+    fs::create_symlink(target, dir / Concat("a.txt.partial-", getpid(), "-", i));
+  }
+  fs::create_symlink(target, dir / "a.txt.partial");
+  WriteFileAtomically(dir / "a.txt", [](std::ostream& out) { out << "new"; });
+  EXPECT_EQ(ReadBytes(target), "old");
+  EXPECT_EQ(ReadBytes(dir / "a.txt"), "new");
+}
+
+TEST(WriteFileAtomically, GoesBackToWhatWasWritten) {
+  const TempFolder dir;
+  WriteFileAtomically(dir / "a.txt", [](std::ostream& out) {
+    out << "0 of " << std::string(100000, 'x');
+    out.seekp(0);
+    out << '7';
+  });
+  EXPECT_EQ(ReadBytes(dir / "a.txt"), "7 of " + std::string(100000, 'x'));
 }
 
 }  // namespace

@@ -1,6 +1,9 @@
 #include "surfit/io/camera_files.h"
 
+#include <sys/stat.h>
+
 #include "testing/matchers.h"
+#include "testing/sequence_writer.h"
 #include "testing/shared_data.h"
 #include "testing/temp_folder.h"
 
@@ -219,11 +222,45 @@ TEST(CameraYaml, NamesFileAndKeyOfWhatIsWrong) {
   ExpectErrorAfterReplacing("5000.", "5000.\nprior: { focus: 1. }", "'focus' is no known key");
 }
 
+TEST(CameraYaml, RefusesWhatIsNotFiniteNestedTooDeeplyOrTooLong) {
+  const TempFolder dir;
+  const std::string path = dir.path() + "/camera.yaml";
+  const auto refuse = [&](const std::string& text, const std::string& message) {
+    WriteBytes(path, "%YAML:1.0\n---\n" + text);
+    ExpectInputError([&] { ReadCameraYaml(path); }, AllOf(HasSubstr(path), HasSubstr(message)));
+    ExpectInputError([&] { ReadInverseDepthField(path); }, HasSubstr(path));
+  };
+  refuse("depth_camera: " + std::string(100000, '['), "is too large");
+  refuse("depth_camera: " + std::string(50000, '['), "lists and maps, must have at most 200");
+  refuse("depth_camera: x'" + std::string(50000, '{'), "lists and maps, must have at most 200");
+  std::string dashes = "depth_camera:\n  ";
+  for (int i = 0; i < 20000; ++i) dashes += "- ";
+  refuse(dashes + "1\n", "lists and maps, must have at most 200");
+  WriteBytes(path, "%YAML:1.0\n---\ninverse_depth_field: [ .Nan, 0., 0., 0., 0., 0. ]\n");
+  ExpectInputError([&] { ReadInverseDepthField(path); }, HasSubstr("inverse_depth_field must be"));
+}
+
+TEST(CameraYaml, OfAFolderIsAFileOrMissing) {
+  for (const bool is_pipe : {false, true}) {
+    const TempFolder folder;
+    WriteTumSequence(folder, 2);
+    const std::string path = folder.path() + "/camera.yaml";
+    std::filesystem::remove(path);
+    if (is_pipe) {
+      ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+    } else {
+      std::filesystem::create_directory(path);
+    }
+    ExpectInputError([&] { OpenSequence(Options(folder)); },
+                     HasSubstr("camera.yaml is no regular file"));
+  }
+}
+
 TEST(CameraYaml, NamesAFileThatCannotBeReadOrWritten) {
   ExpectInputError([] { ReadCameraYaml("/nowhere/camera.yaml"); },
                    HasSubstr("/nowhere/camera.yaml does not exist"));
   ExpectInputError([] { WriteCameraYaml(SomeCamera(), "/nowhere/camera.yaml"); },
-                   HasSubstr("/nowhere/camera.yaml cannot be written"));
+                   HasSubstr("cannot write '/nowhere/camera.yaml'"));
 }
 
 }  // namespace

@@ -103,6 +103,10 @@ TEST(G2o, RefusesBadFilesByLineAndConstraint) {
   refuse("EDGE_SE3:QUAT 7 8 0 0 0 0 0 0 1 1", "EDGE_SE3:QUAT has 11 words, must have 31");
   refuse("EDGE_SE3:QUAT 7 8 0 0 0 0 0 0 1 -1" + kIdentity.substr(2),
          "the information matrix must be positive semidefinite");
+  refuse("EDGE_SE3:QUAT 7 8 1e160 0 0 0 0 0 1" + kIdentity,
+         "a coordinate is 1e+160 m, must be at most 1e+09 m");
+  refuse("EDGE_SE3:QUAT 7 8 0 0 0 0 0 0 1 1e160" + kIdentity.substr(2),
+         "an entry of the information matrix is 1e160, must be at most 1e30");
   refuse("FIX 9", "there is no vertex of the id 9");
   const std::string flat = folder.Write("flat.g2o", "VERTEX_SE2 0 0 0 0\n");
   ExpectInputError([&] { ReadG2o(flat); }, HasSubstr("flat.g2o has no lines VERTEX_SE3:QUAT"));

@@ -77,6 +77,19 @@ TEST(TumTrajectoryWriter, NamesAFileThatCannotBeWritten) {
                   AllOf(HasSubstr("/no/such/folder/t.txt"), HasSubstr("No such file"))));
 }
 
+TEST(WriteTumTrajectory, WritesWhatTheWriterDoesAsAWhole) {
+  const TempFolder dir;
+  const Trajectory trajectory = {{1.5, Rigid3d()},
+                                 {2, Rigid3d(Eigen::Quaterniond(0, 0, 1, 0), {1, 2, 3})}};
+  {
+    TumTrajectoryWriter writer(dir / "a.txt");
+    for (const StampedPose& pose : trajectory) writer.Append(pose);
+  }
+  WriteTumTrajectory(trajectory, dir / "b.txt");
+  EXPECT_EQ(ReadBytes(dir / "a.txt"), ReadBytes(dir / "b.txt"));
+  ExpectInputError([] { WriteTumTrajectory({}, "/nowhere/t.txt"); }, HasSubstr("/nowhere/t.txt"));
+}
+
 TEST(ReadTumTrajectory, ReadsBackWhatIsWritten) {
   const TempFolder dir;
   const Trajectory written = RandomTrajectory(50);
@@ -138,6 +151,7 @@ TEST(ReadTumTrajectory, NamesFileAndLineOfWhatItCannotRead) {
   expect_error("2 0 0 1.5z 0 0 0 1", "'1.5z' is not a finite number");
   expect_error("2 0 0 nan 0 0 0 1", "'nan' is not a finite number");
   expect_error("2 0 0 1e999 0 0 0 1", "'1e999' is not a finite number");
+  expect_error("2 0 0 -1e300 0 0 0 1", "a coordinate is 1e+300 m, must be at most 1e+09 m");
   expect_error("2 0 0 0 0 0 0 0", "the norm of the quaternion is 0, must be 1");
   expect_error("2 0 0 0 0 0 1 1", "the norm of the quaternion is 1.41421, must be 1");
 }

@@ -114,6 +114,20 @@ TEST(TumSequence, NamesFileAndLineOfMalformedLists) {
   ExpectInputError(open, HasSubstr("groundtruth.txt:1"));
 }
 
+TEST(TumSequence, ReadsNothingOutsideItsFolder) {
+  for (const std::string name : {"/dev/zero", "../depth/001.png", "depth/../../001.png"}) {
+    const TempFolder folder;
+    WriteTumSequence(folder, 3);
+    folder.Write("depth.txt", "5 depth/000.png\n5.1 " + name + "\n");
+    ExpectInputError([&] { OpenSequence(Options(folder)); },
+                     HasSubstr("depth.txt:2: '" + name + "' leaves the folder of the sequence"));
+  }
+  const TempFolder folder;
+  WriteTumSequence(folder, 3);
+  folder.Write("depth.txt", "5 rgb/../depth/000.png\n");
+  EXPECT_NO_THROW(OpenSequence(Options(folder)));
+}
+
 TEST(TumSequence, NamesAMissingList) {
   TempFolder folder;
   WriteTumSequence(folder, 2);

@@ -175,6 +175,11 @@ TEST_F(WriteReportTest, RefusesWhatIsNoRun) {
   options_.runs.push_back(folder_.path());
   ExpectInputError([&] { WriteReport(options_); }, HasSubstr("summary.json"));
   EXPECT_FALSE(std::filesystem::exists(options_.output));
+  options_.runs.pop_back();
+  folder_.Write("run/summary.json", "[]");
+  ExpectInputError([&] { WriteReport(options_); }, HasSubstr("summary.json must be a JSON object"));
+  folder_.Write("run/summary.json", std::string(100000, '[') + std::string(100000, ']'));
+  ExpectInputError([&] { WriteReport(options_); }, HasSubstr("summary.json is nested too deeply"));
 }
 
 }  // namespace

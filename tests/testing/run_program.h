@@ -21,11 +21,13 @@ struct ProgramResult {
   std::string err;     // and to stderr
 };
 
-// One of our programs (by its name in the build's tools folder), running as a process of its own.
+// One of our programs (by its name in the build's tools folder), or the one at a path from the root
+// on, running as a process of its own.
 class RunningProgram {
  public:
   RunningProgram(const std::string& name, std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), std::string(SURFIT_TOOLS_DIR) + "/" + name);
+    arguments.insert(arguments.begin(),
+                     name[0] == '/' ? name : std::string(SURFIT_TOOLS_DIR) + "/" + name);
     std::vector<char*> argv;
     for (std::string& argument : arguments) argv.push_back(argument.data());
     argv.push_back(nullptr);
@@ -84,6 +86,12 @@ inline void ExpectRefused(const ProgramResult& result, const std::string& messag
 inline ProgramResult RunProgram(const std::string& name,
                                 const std::vector<std::string>& arguments) {
   return RunningProgram(name, arguments).Wait();
+}
+
+// Runs commands of the shell, of which ours are in the folder $tools.
+inline ProgramResult RunShell(const std::string& commands) {
+  return RunProgram("/bin/sh",
+                    {"-c", "tools='" + std::string(SURFIT_TOOLS_DIR) + "'\n" + commands});
 }
 
 // Expects that it did what it was asked for.

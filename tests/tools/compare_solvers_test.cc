@@ -230,7 +230,7 @@ TEST_F(CompareTool, RefusesBadInputInOneSentence) {
       {{"--source=a.ply", "--target=b.ply"}, "a.ply"},
       {{"--synthetic_points=10", "--truth=0,0,0,0,0,0,1"}, "must be empty without source"},
       {{"--synthetic_points=10", "--slam"}, "slam is set, must have a sequence"},
-      {{"--run=nowhere"}, "nowhere/summary.json cannot be read"},
+      {{"--run=nowhere"}, "cannot read 'nowhere/summary.json'"},
       {{"--replay=nowhere"}, "cannot read 'nowhere/frame.json': No such file"},
   };
   for (const auto& [flags, message] : cases) ExpectRefused(Compare(flags), message);

@@ -96,7 +96,7 @@ TEST_F(EvaluateViewsTool, PutsTheWorstViewFirst) {
 
 TEST_F(EvaluateViewsTool, RefusesWhatCannotBeJudged) {
   ExpectRefused(RunProgram("surfit_evaluate_views", {}), "--run");
-  ExpectRefused(Judge(Output("none")), "summary.json cannot be read");
+  ExpectRefused(Judge(Output("none")), "none/summary.json': No such file");
   Succeeded(Slam(Room(), Output(), {"--last=3"}));
   ExpectRefused(Judge(Output(), {"--every=0"}), "--every is 0, must be at least 1");
   std::filesystem::remove(Output() + "/map.ply");

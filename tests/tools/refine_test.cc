@@ -198,7 +198,7 @@ TEST(RefineTool, RefusesBadInput) {
   const TempFolder folder;
   EXPECT_EQ(RunProgram("surfit_refine", {}).exit_code, 1);
   ExpectRefused(RunProgram("surfit_refine", {"--run=" + folder / "none"}),
-                "none/summary.json cannot be read");
+                "none/summary.json': No such file");
   WriteBytes(folder / "summary.json", "{}");
   ExpectRefused(RunProgram("surfit_refine", {"--run=" + folder.path()}), "it has no options");
 }

@@ -221,6 +221,7 @@ TEST_F(SlamTool, RefusesBadInputInOneSentence) {
       {{"--camera=magic"}, "magic"},
       {{"--first=9999"}, "9999"},
       {{"--max_iterations=0"}, "max_iterations is 0"},
+      {{"--max_normal_angle_deg=-1"}, "--max_normal_angle_deg is -1, must be zero (off)"},
       {{"--output=/dev/null/x"}, "/dev/null/x"},
       {{"--trace=/dev/null/t"}, "/dev/null/t"},
       {{"--sequence=/nonexistent"}, "/nonexistent"},

@@ -1,5 +1,6 @@
 #include "common/console.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -45,10 +46,20 @@ std::atomic<bool> interrupted{false};
 
 }  // namespace
 
+void PrepareStreams() {
+  constexpr int kStreams[] = {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO};
+  for (const int stream : kStreams) {
+    if (fcntl(stream, F_GETFD) < 0) open("/dev/null", O_RDWR);  // takes the least free number
+  }
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
+}
+
 const std::atomic<bool>& CatchInterruptions() {
   const auto note = [](int) { interrupted = true; };
-  std::signal(SIGINT, note);
-  std::signal(SIGTERM, note);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    if (std::signal(signal, note) == SIG_IGN) std::signal(signal, SIG_IGN);
+  }
   return interrupted;
 }
 

@@ -25,8 +25,14 @@ class ProgressLine {
 // together, the others end together. All rows have the same number of cells.
 std::string TextTable(const std::vector<std::vector<std::string>>& rows, std::size_t left_columns);
 
-// From now on SIGINT (Ctrl-C) and SIGTERM set the flag that is returned instead of ending the
-// program, so that it can finish what it writes.
+// Opens stdin, stdout and stderr that the program was started without on /dev/null: else the next
+// files that it opens would be taken for them. And what is written to a closed pipe, or beyond the
+// largest size that files may have, fails where it is written instead of ending the program.
+void PrepareStreams();
+
+// From now on SIGINT (Ctrl-C), SIGTERM and SIGHUP (the terminal is gone) set the flag that is
+// returned instead of ending the program, so that it can finish what it writes. Those that whoever
+// started the program wants to be ignored, as nohup does, stay so.
 const std::atomic<bool>& CatchInterruptions();
 
 }  // namespace surfit::tools

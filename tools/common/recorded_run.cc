@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
-#include <fstream>
-#include <nlohmann/json.hpp>
+#include <map>
 
 #include "surfit/core/error.h"
+#include "surfit/run/slam_run.h"
 
 namespace surfit::tools {
 namespace {
@@ -30,16 +30,6 @@ std::string FoundCamera(const std::string& run) {
   return std::filesystem::is_regular_file(path) ? path : "";
 }
 
-nlohmann::json OptionsIn(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) throw InputError(path + " cannot be read");
-  const nlohmann::json json = nlohmann::json::parse(file, nullptr, /*allow_exceptions=*/false);
-  if (!json.is_object() || !json.contains("options") || !json["options"].is_object()) {
-    throw InputError(path + " is no summary of a run: it has no options");
-  }
-  return json["options"];
-}
-
 // Whether a program has the flag, and the command line has not set it.
 bool IsDefault(const std::string& name) {
   gflags::CommandLineFlagInfo flag;
@@ -51,16 +41,15 @@ bool IsDefault(const std::string& name) {
 void TakeRecordedFlags(const std::string& run, const OptionTable& sequence,
                        const std::set<std::string>& left_out) {
   const std::string summary_json = run + "/summary.json";
-  const nlohmann::json recorded = OptionsIn(summary_json);
+  const std::map<std::string, std::string> recorded = RecordedFlags(summary_json);
   const std::string camera = IsDefault("camera") ? FoundCamera(run) : "";
   for (const auto& [name, present] : TableFlags(sequence)) {
-    if (!IsDefault(name) || !recorded.contains(name) || left_out.count(name) > 0) continue;
+    const auto value = recorded.find(name);
+    if (!IsDefault(name) || value == recorded.end() || left_out.count(name) > 0) continue;
     if (!camera.empty() && IsOfCamera(name)) continue;
-    const nlohmann::json& value = recorded[name];
-    if (!value.is_string() ||
-        gflags::SetCommandLineOption(name.c_str(), value.get<std::string>().c_str()).empty()) {
-      throw InputError(Concat(summary_json, ": options: ", name, " is ", value.dump(), ", which --",
-                              name, " does not take"));
+    if (gflags::SetCommandLineOption(name.c_str(), value->second.c_str()).empty()) {
+      throw InputError(Concat(summary_json, ": options: ", name, " is '", value->second,
+                              "', which --", name, " does not take"));
     }
   }
   if (!camera.empty()) gflags::SetCommandLineOption("camera", camera.c_str());

@@ -3,11 +3,16 @@
 #include <gflags/gflags.h>
 #include <glog/logging.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <iostream>
+#include <new>
 #include <vector>
 
+#include "common/console.h"
 #include "common/flags.h"
 #include "surfit/core/error.h"
 
@@ -72,8 +77,49 @@ std::string Help(const std::vector<FlagHelp>& flags) {
 
 }  // namespace
 
+namespace {
+
+// The flags of our programs that name what is written, and what is read.
+constexpr std::array kOutputs = {"output", "summary", "trace", "dump_failures"};
+constexpr std::array kInputs = {"sequence",    "graph", "cloud",  "trajectory", "estimate",
+                                "groundtruth", "map",   "source", "target",     "reference"};
+
+// Whether the flag is one of those, and has a path, no number of a frame.
+template <std::size_t kCount>
+bool IsPathOf(const std::array<const char*, kCount>& names, const FlagHelp& flag) {
+  const bool is_number = flag.default_value.find_first_not_of("0123456789") == std::string::npos;
+  return !is_number && std::find(names.begin(), names.end(), flag.name) != names.end();
+}
+
+// No file or folder that a flag names to be read may be one that is written. The flags have their
+// present values as defaults.
+void RequireInputsKept(const std::vector<FlagHelp>& flags) {
+  namespace fs = std::filesystem;
+  for (const FlagHelp& output : flags) {
+    if (!IsPathOf(kOutputs, output)) continue;
+    for (const FlagHelp& input : flags) {
+      std::error_code none;
+      if (IsPathOf(kInputs, input) &&
+          fs::equivalent(input.default_value, output.default_value, none)) {
+        throw InputError(Concat("--", output.name, " is '", output.default_value, "', which --",
+                                input.name, " reads, must be another"));
+      }
+    }
+  }
+}
+
+// Results that are not taken are none: the disk is full, or the pipe closed.
+void RequireOutputTaken() {
+  std::cout.flush();
+  const bool failed = std::fflush(stdout) != 0 || std::ferror(stdout) != 0 || !std::cout;
+  if (failed) throw InputError("stdout cannot be written");
+}
+
+}  // namespace
+
 int ToolMain(int argc, char** argv, const std::string& summary, const OptionTable& options,
              const std::function<int()>& run, const std::function<void()>& prepare) {
+  PrepareStreams();
   try {
     const std::string path = argv[0];
     FLAGS_logtostderr = true;
@@ -91,7 +137,13 @@ int ToolMain(int argc, char** argv, const std::string& summary, const OptionTabl
       flags.Apply();
     }
     flags.Check();
-    return run();
+    RequireInputsKept(flags.Described());
+    const int exit_code = run();
+    RequireOutputTaken();
+    return exit_code;
+  } catch (const std::bad_alloc&) {
+    std::cerr << "error: memory is exhausted" << std::endl;
+    return kBadInput;
   } catch (const std::exception& error) {
     std::cerr << "error: " << error.what() << std::endl;
     return kBadInput;

@@ -68,11 +68,6 @@ cv::Mat ToUnits(const Image<float>& depth_m, double units_per_metre) {
   return units;
 }
 
-void WritePoses(const Trajectory& trajectory, const std::string& path) {
-  TumTrajectoryWriter writer(path);
-  for (const StampedPose& pose : trajectory) writer.Append(pose);
-}
-
 }  // namespace
 
 SequenceWriter::SequenceWriter(const std::string& folder, SequenceLayout layout,
@@ -112,9 +107,9 @@ void SequenceWriter::WriteLists(const Trajectory& world_from_camera) const {
     WriteFileAtomically(folder_ + "/" + name, [&](std::ostream& out) { out << text; });
   };
   write("associations.txt", pairs);
-  WritePoses(poses, folder_ + "/groundtruth.txt");
+  WriteTumTrajectory(poses, folder_ + "/groundtruth.txt");
   if (icl) {
-    WritePoses(poses, folder_ + "/simulated.gt.freiburg");
+    WriteTumTrajectory(poses, folder_ + "/simulated.gt.freiburg");
   } else {
     write("rgb.txt", color_list);
     write("depth.txt", depth_list);

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <fstream>
 #include <string>
 #include <vector>
 
+#include "surfit/core/appended_file.h"
 #include "surfit/geometry/trajectory.h"
 
 namespace surfit {
@@ -20,20 +20,21 @@ Trajectory ReadTumTrajectory(const std::string& path);
 // Throws InputError naming the file, and the line where one is at fault.
 std::vector<double> ReadTumStamps(const std::string& path);
 
-// Writes a trajectory pose by pose: single spaces, stamps with 6 and poses with 9 decimals.
+// Writes a trajectory as a whole or not at all: single spaces, stamps with 6 and poses with 9
+// decimals. Throws InputError naming the file if it cannot be written.
+void WriteTumTrajectory(const Trajectory& trajectory, const std::string& path);
+
+// Writes such a file pose by pose.
 class TumTrajectoryWriter {
  public:
   // Begins a new file. Throws InputError naming the file if it cannot be written.
   explicit TumTrajectoryWriter(const std::string& path);
-  // Adds one line and flushes it, so that the file is complete whatever happens later.
-  // Throws InputError naming the file if it cannot be written.
+  // Adds one line, so that the file is complete whatever happens later, also where the disk is
+  // full. Throws InputError naming the file if it cannot be written.
   void Append(const StampedPose& pose);
 
  private:
-  void Write(const std::string& line);
-
-  std::string path_;
-  std::ofstream file_;
+  AppendedFile file_;
 };
 
 // Writes the poses as KITTI's odometry benchmark has them, atomically: a line a pose, the upper 3 x

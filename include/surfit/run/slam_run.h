@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -87,6 +88,7 @@ struct SlamRunSummary {
   // Tracked by their shapes alone though intensities were asked for, for want of colour or texture.
   int frames_without_intensities = 0;
   bool interrupted = false;
+  std::string failure;                  // what has ended the run early, or was not written
   std::int64_t input_points = 0;        // pixels after downsampling, of all frames read
   std::int64_t input_points_valid = 0;  // of those, with depth
   std::int64_t updated = 0, added = 0, removed = 0;  // surfels, summed over all frames
@@ -109,6 +111,9 @@ struct SlamRunSummary {
   // write.
   std::vector<StageStatistics> stages;
   std::int64_t peak_rss_bytes = 0;
+  // Where fewer have one, what there is is in doubt.
+  bool MostFramesHaveAPose() const { return 2 * frames_tracked >= frames_total; }
+
   std::string digest;  // of trajectory and map: equal digests, equal results bit for bit
 };
 
@@ -119,8 +124,15 @@ struct SlamRunSummary {
 // sequence of format watch is followed until its end (WatchFolder()). Frames that cannot be read
 // are skipped and counted. When `interrupted` becomes true the frame at work, or else the first
 // one, is finished and everything is written. `progress` is called after every frame; its time is
-// none of the frames'. Throws InputError for bad options, or a sequence that cannot be read at all.
+// none of the frames'. What goes wrong once a frame was processed (no memory is left, the disk is
+// full, the sequence cannot be read on) ends the run, too: what there is is written as far as it
+// can be, and told. Throws InputError then, and for bad options, an output folder that another run
+// is writing into, or a sequence that cannot be read at all.
 SlamRunSummary RunSlam(const SlamRunOptions& options, const std::atomic<bool>& interrupted,
                        const std::function<void(const SlamRunProgress&)>& progress);
+
+// The flags that a run was given, by name, as its summary.json has them. Throws InputError naming
+// the file if it cannot be read or is no such file.
+std::map<std::string, std::string> RecordedFlags(const std::string& summary_json);
 
 }  // namespace surfit

@@ -1,0 +1,71 @@
+#include "run/run_results.h"
+
+#include <string>
+
+#include "run/result_files.h"
+#include "surfit/core/trace.h"
+#include "surfit/io/point_cloud.h"
+#include "surfit/pictures/pictures.h"
+
+namespace surfit {
+namespace {
+
+// The ground truth from the first to the last of these stamps, with what it takes to interpolate.
+Trajectory TruthDuring(const std::vector<double>& stamps_s, const Trajectory& ground_truth) {
+  const double kMarginSeconds = MatchOptions().max_gap_s;
+  Trajectory truth;
+  for (const StampedPose& pose : ground_truth) {
+    if (pose.stamp_s >= stamps_s.front() - kMarginSeconds &&
+        pose.stamp_s <= stamps_s.back() + kMarginSeconds) {
+      truth.push_back(pose);
+    }
+  }
+  return truth;
+}
+
+Trajectory AlignedWithTruth(Trajectory trajectory,
+                            const std::optional<TrajectoryEvaluation>& evaluation) {
+  if (!evaluation || !evaluation->ate) return trajectory;
+  for (StampedPose& pose : trajectory) {
+    pose.world_from_camera = evaluation->ate->alignment.target_from_source * pose.world_from_camera;
+  }
+  return trajectory;
+}
+
+void WriteViews(const RunOutcome& run, const DepthSensor& sensor, std::vector<KeptView>* views) {
+  *views = run.views.Finish(run.slam.map(), sensor);
+  KeptViews::Write(*views, run.options.output);
+}
+
+void WritePictures(const RunOutcome& run, const Trajectory& truth, Failures* failures) {
+  const TraceSlice slice("write_pictures");
+  const std::string& folder = run.options.output;
+  failures->Try([&] { WriteMapPictures(run.slam.map(), run.slam.trajectory(), folder); });
+  failures->Try([&] {
+    WriteTrajectoryPicture(AlignedWithTruth(run.slam.trajectory(), run.evaluation), truth,
+                           folder + "/trajectory.png");
+  });
+}
+
+}  // namespace
+
+void WriteRunResults(const RunOutcome& run, Failures* failures) {
+  const std::string& folder = run.options.output;
+  failures->Try([&] {
+    const TraceSlice slice("write_map");
+    WriteSurfelPly(run.slam.map(), folder + "/map.ply");
+  });
+  const DepthSensor sensor = run.slam.slam().sensor();
+  std::vector<KeptView> views;
+  failures->Try([&] { WriteViews(run, sensor, &views); });
+  Trajectory truth;
+  failures->Try([&] { truth = TruthDuring(run.stamps_s, run.slam.info().ground_truth); });
+  failures->Try([&] {
+    WritePosesJson(
+        {sensor.camera, run.slam.trajectory(), run.slam.frames(), truth, run.evaluation, views},
+        folder + "/poses.json");
+  });
+  if (run.options.pictures) WritePictures(run, truth, failures);
+}
+
+}  // namespace surfit

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "run/failures.h"
+#include "run/kept_views.h"
+#include "run/sequence_slam.h"
+#include "surfit/evaluation/trajectory_evaluation.h"
+#include "surfit/run/slam_run.h"
+
+namespace surfit {
+
+// What a run has come to.
+struct RunOutcome {
+  const SequenceSlam& slam;
+  const KeptViews& views;
+  const std::vector<double>& stamps_s;  // of all frames, those that could not be read included
+  const std::optional<TrajectoryEvaluation>& evaluation;
+  const SlamRunOptions& options;
+};
+
+// Writes map, views, poses and pictures into the output folder, each whatever becomes of the
+// others.
+void WriteRunResults(const RunOutcome& run, Failures* failures);
+
+}  // namespace surfit
