@@ -1,7 +1,8 @@
 // Every call of the system that a short run makes is let fail once: see fault_library.cc.
 #include <gmock/gmock.h>
 
-#include <fstream>
+#include <chrono>
+#include <thread>
 
 #include "surfit/io/g2o.h"
 #include "surfit/io/point_cloud.h"
@@ -67,17 +68,21 @@ class FaultTest : public SlamTool {
       EXPECT_NO_THROW(nlohmann::json::parse(ReadBytes(Output() + name))) << name;
       ++count;
     }
+    return count;
+  }
+
+  void ExpectNothingUnfinished() const {
     for (const auto& entry : fs::directory_iterator(Output())) {
       EXPECT_THAT(entry.path().string(), Not(HasSubstr(".partial")));
       EXPECT_THAT(entry.path().string(), Not(HasSubstr(".lock")));
     }
-    return count;
   }
 
   // After the first frame no more than one of three results may be missing, and never in silence.
   void ExpectSaved(const ProgramResult& result, const std::string& what) const {
     if (!fs::exists(Output())) return;
     const int results = CountWholeResults();
+    ExpectNothingUnfinished();
     if (CountPoses(Output() + "/trajectory.txt") == 0) return;
     EXPECT_GE(results, 2) << what << ": " << result.err;
     if (results < 3 || CountPoses(Output() + "/trajectory.txt") < kFramesRun) {
@@ -141,6 +146,20 @@ TEST_F(FaultTest, SlamSkipsFramesAndRefusesListsThatCannotBeRead) {
   }
   EXPECT_GE(skipped, 2 * kFramesRun - 2);
   EXPECT_GE(refused, 2);
+}
+
+TEST_F(FaultTest, SlamLeavesWholeFilesWheneverItIsKilled) {
+  for (int wait_ms = 0; wait_ms < 600; wait_ms += 30) {
+    {
+      RunningProgram program("surfit_slam", {"--sequence=" + Room(), "--output=" + Output(),
+                                             "--nopictures", "--threads=2"});
+      std::this_thread::sleep_for(std::chrono::milliseconds(wait_ms));
+    }  // kills it
+    if (fs::exists(Output())) CountWholeResults();
+  }
+  Succeeded(Slam(Room(), Output()));
+  EXPECT_EQ(CountWholeResults(), 3);
+  ExpectNothingUnfinished();
 }
 
 // The older file stays unless the new one is there as a whole.

@@ -62,6 +62,30 @@ TEST(OptimizeTool, GivesTheSameBytesAtAnyNumberOfThreadsAndTheSameCostWithEveryB
   unsetenv("OPENBLAS_NUM_THREADS");
 }
 
+TEST(OptimizeTool, KeepsWhatItReads) {
+  const TempFolder folder;
+  WriteG2o(MakeGrid(3).graph, folder / "a.g2o");
+  std::filesystem::create_hard_link(folder / "a.g2o", folder / "same.g2o");
+  const std::string before = ReadBytes(folder / "a.g2o");
+  for (const char* flag : {"--output=", "--summary="}) {
+    for (const char* name : {"a.g2o", "same.g2o"}) {
+      ExpectRefused(
+          RunProgram("surfit_optimize", {"--graph=" + folder / "a.g2o", flag + folder / name}),
+          "which --graph reads, must be another");
+    }
+  }
+  EXPECT_EQ(ReadBytes(folder / "a.g2o"), before);
+}
+
+TEST(OptimizeTool, SaysWhereItsOutputIsNotTaken) {
+  const TempFolder folder;
+  WriteG2o(MakeGrid(3).graph, folder / "a.g2o");
+  const ProgramResult result =
+      RunShell("$tools/surfit_optimize --graph=" + folder / "a.g2o" + " >/dev/full");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("stdout cannot be written"));
+}
+
 TEST(OptimizeTool, RefusesBadInput) {
   EXPECT_EQ(RunProgram("surfit_optimize", {}).exit_code, 1);
   ExpectRefused(RunProgram("surfit_optimize", {"--graph=a", "--sparse_backend=b"}),

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <map>
 #include <optional>
+#include <sstream>
 
 #include "surfit/core/error.h"
 
@@ -30,8 +31,15 @@ std::string Trimmed(const std::string& line) {
 }
 
 void AppendLines(const std::string& path, std::vector<std::string>* arguments) {
+  constexpr std::streamsize kMost = 1 << 20;  // bytes
   std::ifstream file(path);
-  for (std::string line; std::getline(file, line);) {
+  std::string text(kMost, '\0');
+  file.read(text.data(), kMost);
+  if (!file.eof())
+    throw InputError(Concat("flagfile '", path, "' cannot be read, or is too large"));
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
     const std::string flag = Trimmed(line);
     if (flag.empty() || flag[0] == '#') continue;
     if (IsFlagFileFlag(flag) || FlagFileOf(flag)) {
@@ -39,7 +47,6 @@ void AppendLines(const std::string& path, std::vector<std::string>* arguments) {
     }
     arguments->push_back(flag);
   }
-  if (!file.eof()) throw InputError(Concat("flagfile '", path, "' cannot be read"));
 }
 
 using FlagValue = std::variant<bool, std::int32_t, std::uint64_t, double, std::string>;
