@@ -2,6 +2,7 @@
 
 #include "run/output_files.h"
 #include "run/result_files.h"
+#include "surfit/core/error.h"
 #include "surfit/core/options.h"
 
 namespace surfit {
