@@ -8,6 +8,7 @@
 
 #include "mapping/bands.h"
 #include "mapping/block_lanes.h"
+#include "mapping/frame_colors.h"
 #include "mapping/measured_points.h"
 #include "mapping/merge_gate.h"
 #include "mapping/posed_camera.h"
@@ -72,8 +73,8 @@ struct Fusion::Workspace {
   int ActiveSince() const;
   bool MayBeDormant(const SurfelBounds& bounds) const;
   void MarkDormant(SurfelBlock* block) const;
-  std::vector<Surfel> NewSurfels(const PosedCamera& camera);
-  Surfel NewSurfel(const PosedCamera& camera, int pixel) const;
+  std::vector<Surfel> NewSurfels(const PosedCamera& camera, const FrameColors& colors);
+  Surfel NewSurfel(const PosedCamera& camera, const FrameColors& colors, int pixel) const;
   void MergePoints(SurfelMap* map) const;
   void MergePoints(const std::vector<Candidate>& of_cell, SurfelMap* map) const;
 
@@ -102,20 +103,22 @@ Fusion::~Fusion() = default;
 int Fusion::ActiveSince() const { return workspace_->ActiveSince(); }
 
 FusionReport Fusion::Fuse(const RgbdFrame& frame, const FrameLevel& surface,
-                          const Rigid3d& world_from_camera, SurfelMap* map) {
+                          const Rigid3d& world_from_camera, const FrameMotion& motion,
+                          SurfelMap* map) {
   CHECK_EQ(frame.depth_m.width(), surface.camera.width);
   CHECK_EQ(frame.depth_m.height(), surface.camera.height);
   const PosedCamera camera(surface.camera, world_from_camera);
   Workspace& work = *workspace_;
   work.Begin(frame, surface);
+  const FrameColors colors(frame, camera, motion);
   work.FindCandidates(camera, map);
   FusionReport report;
   work.choice.SetCandidates(camera.width, camera.height, &work.candidates);
   report.input_points = work.choice.ChooseAll(work.points);
   const Sightings::Counts merged =
-      work.sightings.Gather(frame, work.points, work.weights, camera, work.choice);
+      work.sightings.Gather(frame, colors, work.points, work.weights, camera, work.choice);
   work.MergePoints(map);
-  std::vector<Surfel> added = work.NewSurfels(camera);
+  std::vector<Surfel> added = work.NewSurfels(camera, colors);
   report.merged_points = merged.points;
   report.merged = merged.surfels;
   report.covered_points =
@@ -207,20 +210,27 @@ void Fusion::Workspace::FindCandidates(const PosedCamera& camera, SurfelMap* map
   });
 }
 
-std::vector<Surfel> Fusion::Workspace::NewSurfels(const PosedCamera& camera) {
+std::vector<Surfel> Fusion::Workspace::NewSurfels(const PosedCamera& camera,
+                                                  const FrameColors& colors) {
   std::vector<Surfel> added;
   for (const std::vector<int>& of_band : choice.ChooseNew(points)) {
-    for (const int pixel : of_band) added.push_back(NewSurfel(camera, pixel));
+    for (const int pixel : of_band) added.push_back(NewSurfel(camera, colors, pixel));
   }
   return added;
 }
 
-Surfel Fusion::Workspace::NewSurfel(const PosedCamera& camera, int pixel) const {
+Surfel Fusion::Workspace::NewSurfel(const PosedCamera& camera, const FrameColors& colors,
+                                    int pixel) const {
   const MeasuredPoint& point = points[pixel];
   Surfel surfel;
   surfel.position_in_world = camera.PointInWorld(point.position());
   surfel.normal_in_world = camera.world_rotation * point.normal();
-  surfel.color = frame->color.empty() ? Rgb8{128, 128, 128} : frame->color[pixel];
+  surfel.color = {128, 128, 128};
+  if (!frame->color.empty()) {
+    const SeenColor seen = colors.At(point.position(), point.normal());
+    if (seen.weight > 0.f) surfel.color = ToRgb8(seen.color);
+    surfel.color_weight = seen.weight;
+  }
   surfel.radius_m = point.radius_m;
   surfel.confidence = weights[pixel];
   surfel.at_edge = point.at_edge;

@@ -268,7 +268,8 @@ SurfelObservation AsObservation(const Surfel& seen, float max_radius_m) {
   observation.normal_in_world = seen.normal_in_world;
   observation.radius_m = seen.radius_m;
   observation.color = {1.f * seen.color.r, 1.f * seen.color.g, 1.f * seen.color.b};
-  observation.weight = observation.color_weight = seen.confidence;
+  observation.color_weight = seen.color_weight;
+  observation.weight = seen.confidence;
   const bool has_shape = !seen.at_edge && seen.radius_m < max_radius_m;
   observation.shape_weight = has_shape ? seen.confidence : 0;
   observation.at_edge = seen.at_edge;

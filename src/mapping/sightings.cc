@@ -14,7 +14,7 @@ constexpr int kPixelsSoon = 24;
 
 }  // namespace
 
-Sightings::Counts Sightings::Gather(const RgbdFrame& frame,
+Sightings::Counts Sightings::Gather(const RgbdFrame& frame, const FrameColors& colors,
                                     const std::vector<MeasuredPoint>& points,
                                     const Image<float>& weights, const PosedCamera& camera,
                                     const SurfelChoice& choice) {
@@ -25,9 +25,16 @@ Sightings::Counts Sightings::Gather(const RgbdFrame& frame,
     ForEachBit(choosing, [&](int k) {
       const int pixel = candidate.pixel + (k / 3 - 1) * width + k % 3 - 1;
       sum.Add(points[pixel], weights[pixel]);
-      if (has_color) sum.AddColor(frame.color[pixel], weights[pixel]);
     });
-    return sum.Observation(camera);
+    SurfelObservation seen = sum.Observation(camera);
+    if (has_color) {
+      const Patch& patch = candidate.patch;
+      const SeenColor color =
+          colors.At({patch.x, patch.y, patch.z}, {patch.nx, patch.ny, patch.nz});
+      seen.color = color.color;
+      seen.color_weight = color.weight;
+    }
+    return seen;
   };
   in_band_.resize(BandCount(camera.height));
   return ParallelSum(0, camera.height, kBandRows, Counts(), [&](int begin, int end) {

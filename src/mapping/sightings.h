@@ -3,6 +3,7 @@
 #include <cstring>
 #include <vector>
 
+#include "mapping/frame_colors.h"
 #include "mapping/measured_points.h"
 #include "mapping/posed_camera.h"
 #include "mapping/surfel_choice.h"
@@ -31,19 +32,11 @@ class PointAverage {
     at_edge_ &= point.at_edge;
   }
 
-  void AddColor(Rgb8 color, float weight) {
-    const float bytes[] = {static_cast<float>(color.r), static_cast<float>(color.g),
-                           static_cast<float>(color.b)};
-    for (int i = 0; i < 3; ++i) color_[i] += weight * bytes[i];
-    color_weight_ += weight;
-  }
-
   // There must be a point; all of them have colours or none has.
   SurfelObservation Observation(const PosedCamera& camera) const {
     SurfelObservation seen;
     seen.weight = weight_;
-    seen.color = Eigen::Vector3f(color_[0], color_[1], color_[2]) * (1.f / weight_);
-    seen.color_weight = color_weight_;
+    seen.color_weight = 0;
     seen.at_edge = at_edge_;
     seen.shape_weight = shape_weight_;
     if (shape_weight_ == 0.f) return seen;
@@ -59,8 +52,8 @@ class PointAverage {
  private:
   const float max_radius_m_;
   float radius_m_;
-  float weight_ = 0, shape_weight_ = 0, color_weight_ = 0;
-  float patch_[6] = {}, color_[3] = {};
+  float weight_ = 0, shape_weight_ = 0;
+  float patch_[6] = {};
   bool at_edge_ = true;
 };
 
@@ -83,8 +76,9 @@ class Sightings {
   // Averages the points of each candidate that was chosen, and tells it so: what it is given stays
   // until the next frame. In the order of the image, as gathering them surfel by surfel would wait
   // for memory half of the time.
-  Counts Gather(const RgbdFrame& frame, const std::vector<MeasuredPoint>& points,
-                const Image<float>& weights, const PosedCamera& camera, const SurfelChoice& choice);
+  Counts Gather(const RgbdFrame& frame, const FrameColors& colors,
+                const std::vector<MeasuredPoint>& points, const Image<float>& weights,
+                const PosedCamera& camera, const SurfelChoice& choice);
 
  private:
   const float max_radius_ratio_;

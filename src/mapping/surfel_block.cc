@@ -5,12 +5,6 @@
 namespace surfit {
 namespace {
 
-std::uint8_t ToByte(std::uint16_t value) {
-  return static_cast<std::uint8_t>(std::min(255, (value + 128) >> 8));
-}
-
-std::uint16_t FromByte(std::uint8_t value) { return static_cast<std::uint16_t>(value << 8); }
-
 std::uint64_t Bit(int k) { return std::uint64_t{1} << k; }
 
 }  // namespace
@@ -41,10 +35,11 @@ Surfel SurfelBlock::operator[](int k) const {
   s.first_seen = first_seen[k];
   s.last_seen = last_seen[k];
   s.at_edge = (at_edge & Bit(k)) != 0;
+  s.color_weight = ColorWeight(k);
   return s;
 }
 
-Rgb8 SurfelBlock::Color(int k) const { return {ToByte(red[k]), ToByte(green[k]), ToByte(blue[k])}; }
+Rgb8 SurfelBlock::Color(int k) const { return ToRgb8(FineColor(k)); }
 
 void SurfelBlock::Write(int k, const Surfel& s) {
   x[k] = s.position_in_world.x();
@@ -53,9 +48,7 @@ void SurfelBlock::Write(int k, const Surfel& s) {
   nx[k] = s.normal_in_world.x();
   ny[k] = s.normal_in_world.y();
   nz[k] = s.normal_in_world.z();
-  red[k] = FromByte(s.color.r);
-  green[k] = FromByte(s.color.g);
-  blue[k] = FromByte(s.color.b);
+  SetColor(k, Eigen::Vector3f(s.color.r, s.color.g, s.color.b), s.color_weight);
   radius_m[k] = s.radius_m;
   confidence[k] = s.confidence;
   first_seen[k] = s.first_seen;

@@ -8,6 +8,7 @@
 #include "pictures/coloring.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
+#include "surfit/mapping/blended_view.h"
 
 namespace surfit {
 namespace {
@@ -40,15 +41,15 @@ std::string DepthJpeg(const Image<float>& depth_m, const ColorScale& scale) {
 
 KeptView MakeView(const RgbdFrame& frame, const SurfelMap& map, const DepthSensor& sensor,
                   const Rigid3d& world_from_camera, const char* why) {
-  const ModelView model = ModelRenderer(RenderOptions()).Render(map, sensor, world_from_camera);
+  const BlendedView model = DrawBlended(map, sensor, world_from_camera);
   const ColorScale scale = ScaleOf(frame.depth_m);
   KeptView view = {frame.index, frame.stamp_s, why, {}};
   if (!frame.color.empty()) {
     view.pictures.push_back({"input_color", EncodeJpeg(frame.color, kQuality)});
-    view.pictures.push_back({"model_color", EncodeJpeg(ColorsOf(model, map), kQuality)});
+    view.pictures.push_back({"model_color", EncodeJpeg(model.color, kQuality)});
   }
   view.pictures.push_back({"input_depth", DepthJpeg(frame.depth_m, scale)});
-  view.pictures.push_back({"model_depth", DepthJpeg(model.surface.vertex.z, scale)});
+  view.pictures.push_back({"model_depth", DepthJpeg(model.depth_m, scale)});
   return view;
 }
 

@@ -6,7 +6,6 @@
 
 #include "surfit/frame/rgbd_frame.h"
 #include "surfit/geometry/sensor.h"
-#include "surfit/mapping/model_renderer.h"
 #include "surfit/mapping/surfel_map.h"
 #include "surfit/slam/slam.h"
 

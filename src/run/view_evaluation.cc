@@ -10,6 +10,7 @@
 
 #include "run/output_files.h"
 #include "run/output_folder.h"
+#include "run/rolled_view.h"
 #include "run/view_files.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
@@ -19,7 +20,7 @@
 #include "surfit/geometry/trajectory.h"
 #include "surfit/io/frame_source.h"
 #include "surfit/io/point_cloud.h"
-#include "surfit/mapping/model_renderer.h"
+#include "surfit/mapping/blended_view.h"
 
 namespace surfit {
 namespace {
@@ -67,16 +68,15 @@ PixelMask MaskOf(const Image<Rgb8>& color) {
   return mask;
 }
 
-void CompareColor(const Image<Rgb8>& frame, const ModelView& drawn, const Image<Rgb8>& drawn_color,
-                  ViewError* error) {
+void CompareColor(const Image<Rgb8>& frame, const BlendedView& drawn, ViewError* error) {
   const PixelMask all = MaskOf(frame);
   PixelMask covered = all;
   for (std::size_t i = 0; i < covered.size(); ++i) {
-    if (drawn.surfel_index[i] == ModelView::kNoSurfel) covered[i] = 0;
+    if (!(drawn.depth_m[i] > 0)) covered[i] = 0;
   }
-  error->psnr_db = Psnr(drawn_color, frame, all);
-  error->psnr_covered_db = Psnr(drawn_color, frame, covered);
-  const Image<float> similarity = StructuralSimilarity(drawn_color, frame);
+  error->psnr_db = Psnr(drawn.color, frame, all);
+  error->psnr_covered_db = Psnr(drawn.color, frame, covered);
+  const Image<float> similarity = StructuralSimilarity(drawn.color, frame);
   error->ssim = MeanOf(similarity, all);
   error->ssim_covered = MeanOf(similarity, covered);
   const auto pixels = static_cast<double>(std::max<std::size_t>(1, CountOf(all)));
@@ -145,17 +145,18 @@ class Judge {
 
   ComparedView Compare(const RgbdFrame& frame, const Rigid3d& world_from_camera) {
     const DepthSensor sensor = source_->info().sensor();
-    const auto at_color = InterpolatePose(run_.trajectory, frame.color_stamp_s);
-    const ModelView of_depth = renderer_.Render(run_.map, sensor, world_from_camera);
-    const ModelView of_color =
-        renderer_.Render(run_.map, sensor, at_color.value_or(world_from_camera));
-    const Image<Rgb8> drawn = ColorsOf(of_color, run_.map);
+    const CameraMotion motion = MotionAt(run_.trajectory, frame.stamp_s);
+    const BlendedView drawn =
+        DrawBlended(run_.map, {WithRollMargin(sensor.camera), sensor.noise}, world_from_camera);
+    const double offset_s = frame.color_stamp_s - frame.stamp_s;
+    const BlendedView of_color = Rolled(drawn, sensor.camera, motion, {offset_s, sensor.readout_s});
+    const BlendedView of_depth = Rolled(drawn, sensor.camera, motion, {0, sensor.readout_s});
     JudgedView view;
     view.frame = frame.index;
-    CompareColor(frame.color, of_color, drawn, &view.error);
-    CompareDepth(frame.depth_m, of_depth.surface.vertex.z, &view.error);
+    CompareColor(frame.color, of_color, &view.error);
+    CompareDepth(frame.depth_m, of_depth.depth_m, &view.error);
     result_.views.push_back(view);
-    return {view, frame.color, drawn};
+    return {view, frame.color, of_color.color};
   }
 
   const ViewEvaluationOptions& options_;
@@ -163,7 +164,6 @@ class Judge {
   const RecordedRun run_;
   const std::unique_ptr<FrameSource> source_;
   const OutputFolder owned_;
-  ModelRenderer renderer_{RenderOptions()};
   int posed_count_ = 0;  // frames that have one
   ViewEvaluation result_;
 };

@@ -68,10 +68,12 @@ bool Mapper::IsTurnToFuse(const PreparedFrame& frame, const Rigid3d& world_from_
                     frame.view.pyramid.levels.back()) > options_.max_view_shift;
 }
 
-FusionReport Mapper::Fuse(const PreparedFrame& frame, const Rigid3d& world_from_camera) {
+FusionReport Mapper::Fuse(const PreparedFrame& frame, const Rigid3d& world_from_camera,
+                          const CameraMotion& motion) {
   unfused_count_ = 0;
   world_from_fused_ = world_from_camera;
-  return fusion_.Fuse(frame.images, frame.surface(), world_from_camera, &map_);
+  return fusion_.Fuse(frame.images, frame.surface(), world_from_camera, {motion, sensor_.readout_s},
+                      &map_);
 }
 
 void Mapper::Correct(const WorldCorrection& correction, int frame_index) {

@@ -38,7 +38,8 @@ class Mapper {
   // Of SlamOptions::map_period frames that are held one has its turn to be fused, and one that
   // sees much that the last did not.
   bool IsTurnToFuse(const PreparedFrame& frame, const Rigid3d& world_from_camera) const;
-  FusionReport Fuse(const PreparedFrame& frame, const Rigid3d& world_from_camera);
+  FusionReport Fuse(const PreparedFrame& frame, const Rigid3d& world_from_camera,
+                    const CameraMotion& motion);
   void Skip() { ++unfused_count_; }
 
   void Correct(const WorldCorrection& correction, int frame_index);

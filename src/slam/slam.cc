@@ -108,6 +108,7 @@ class Slam::Pipeline {
   std::optional<Tracked> Confirm(const PreparedFrame& frame, const Rigid3d& world_from_found);
   bool IsNewMapDue(const PreparedFrame& frame) const;
   bool IsHeldOut(const Tracked& tracked) const;
+  CameraMotion MotionTo(const PreparedFrame& frame, const Tracked& tracked) const;
   std::optional<FusionReport> FuseInTurn(const PreparedFrame& frame, const Tracked& tracked,
                                          StageTimes* times);
   bool tracks_frame_to_frame() const { return options_.tracking == "frame_to_frame"; }
@@ -119,6 +120,7 @@ class Slam::Pipeline {
   std::unique_ptr<Backend> backend_;  // null without loops and calibration
   RgbdFrame calibrated_;              // the frame at work, by what calibration has found
   int frame_count_ = 0;               // the frame at work included
+  double last_stamp_s_ = 0;           // of the last frame that was held
   std::function<void(const LostFrame&)> on_lost_;
 };
 
@@ -150,6 +152,7 @@ FrameReport Slam::Pipeline::Process(const RgbdFrame& frame,
     fused = FuseInTurn(prepared, tracked, &times);
   }
   tracker_.Keep(std::move(prepared), tracked);
+  last_stamp_s_ = frame.stamp_s;
   FrameReport report = Report(frame, tracked, fused, times);
   report.is_held_out = is_held_out;
   return report;
@@ -294,7 +297,16 @@ std::optional<FusionReport> Slam::Pipeline::FuseInTurn(const PreparedFrame& fram
     return std::nullopt;
   }
   const StageTimer timer("fuse", frame.images.index, &times->fuse_ms);
-  return mapper_.Fuse(frame, tracked.world_from_camera);
+  return mapper_.Fuse(frame, tracked.world_from_camera, MotionTo(frame, tracked));
+}
+
+// From the last frame, if that was the one before.
+CameraMotion Slam::Pipeline::MotionTo(const PreparedFrame& frame, const Tracked& tracked) const {
+  constexpr double kMaxGap_s = 0.1;
+  const double seconds = frame.images.stamp_s - last_stamp_s_;
+  const bool follows = tracker_.has_started() && tracker_.lost_count() == 0 && seconds < kMaxGap_s;
+  if (!follows || tracked.found_again) return {};
+  return MotionOver(tracker_.last().world_from_view.Inverse() * tracked.world_from_camera, seconds);
 }
 
 void Slam::Pipeline::UseLoopFinder(LoopFinder finder) {

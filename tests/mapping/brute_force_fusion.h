@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "mapping/frame_colors.h"
 #include "mapping/plane_frame.h"
 #include "surfit/mapping/fusion.h"
 
@@ -205,27 +206,54 @@ class BruteForceFusion {
     return taken;
   }
 
+  // By bilinear interpolation where the point is seen, in a frame that was taken at one moment.
+  SeenColor ColorAt(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) const {
+    const PinholeCamera& camera = f_.surface.camera;
+    const Eigen::Vector2d at = camera.Project(point);
+    if (at.x() <= -0.5 || at.y() <= -0.5 || at.x() >= width_ - 0.5 || at.y() >= height_ - 0.5) {
+      return {};
+    }
+    const double u = std::clamp(at.x(), 0., width_ - 1.), v = std::clamp(at.y(), 0., height_ - 1.);
+    Eigen::Vector3d color = Eigen::Vector3d::Zero();
+    for (int q = 0; q < width_ * height_; ++q) {
+      const double share =
+          std::max(0., 1 - std::fabs(u - q % width_)) * std::max(0., 1 - std::fabs(v - q / width_));
+      const Rgb8 c = f_.frame.color[q];
+      color += share * Eigen::Vector3d(c.r, c.g, c.b);
+    }
+    const double fineness = camera.fx / point.z() / 500;
+    const double cosine = std::fabs(normal.dot(point.normalized()));
+    return {color.cast<float>(), static_cast<float>(fineness * fineness * cosine)};
+  }
+
   Surfel NewSurfel(int pixel) const {
+    const SeenColor seen = ColorAt(Vertex(pixel), Normal(pixel));
     return {(world_from_camera_ * Vertex(pixel)).cast<float>(),
             (world_from_camera_.rotation * Normal(pixel)).cast<float>(),
-            f_.frame.color(pixel % width_, pixel / width_),
+            ToRgb8(seen.color),
             static_cast<float>(Radius(pixel)),
             1,
             f_.frame.index,
             f_.frame.index,
-            AtEdge(pixel)};
+            AtEdge(pixel),
+            seen.weight};
   }
 
-  SurfelObservation Average(const std::vector<int>& pixels, float surfel_radius_m) {
-    Eigen::Vector3d position = Eigen::Vector3d::Zero(), normal = position, color = position;
+  SurfelObservation Average(const std::vector<int>& pixels, const Surfel& surfel) {
+    const float surfel_radius_m = surfel.radius_m;
+    Eigen::Vector3d position = Eigen::Vector3d::Zero(), normal = position;
     SurfelObservation seen;
-    seen.weight = seen.color_weight = static_cast<float>(pixels.size());
+    seen.weight = static_cast<float>(pixels.size());
+    const Rigid3d camera_from_world = world_from_camera_.Inverse();
+    const SeenColor color =
+        ColorAt(camera_from_world * surfel.position_in_world.cast<double>(),
+                camera_from_world.rotation * surfel.normal_in_world.cast<double>());
+    seen.color = color.color;
+    seen.color_weight = color.weight;
     seen.shape_weight = 0;
     seen.radius_m = surfel_radius_m * options_.max_radius_ratio;
     seen.at_edge = true;
     for (const int pixel : pixels) {
-      const Rgb8 c = f_.frame.color(pixel % width_, pixel / width_);
-      color += Eigen::Vector3d(c.r, c.g, c.b) / pixels.size();
       seen.at_edge &= AtEdge(pixel);
       const bool fine = Positive(options_.max_radius_ratio * surfel_radius_m - Radius(pixel));
       if (!fine || AtEdge(pixel)) continue;
@@ -234,7 +262,6 @@ class BruteForceFusion {
       normal += world_from_camera_.rotation * Normal(pixel);
       seen.radius_m = std::min(seen.radius_m, static_cast<float>(Radius(pixel)));
     }
-    seen.color = color.cast<float>();
     seen.position_in_world = (position / seen.shape_weight).cast<float>();
     seen.normal_in_world = (normal / seen.shape_weight).cast<float>();
     return seen;
@@ -253,7 +280,7 @@ class BruteForceFusion {
     for (const int i : map->Ids()) {
       if (pixels_of[i].empty()) continue;
       ++report.merged;
-      map->Merge(i, Average(pixels_of[i], (*map)[i].radius_m), options_.max_confidence);
+      map->Merge(i, Average(pixels_of[i], (*map)[i]), options_.max_confidence);
       map->block(i / SurfelBlock::kCapacity).last_seen[i % SurfelBlock::kCapacity] = f_.frame.index;
     }
     for (const int i : map->Ids()) {

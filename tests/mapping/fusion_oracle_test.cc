@@ -36,6 +36,7 @@ SurfelMap RandomMap(int count, const Rigid3d& world_from_camera, std::mt19937_64
     s.color = RandomColor(rng);
     s.radius_m = Uniform(0.005f, 0.02f, rng);
     s.confidence = Uniform(1, 199.5f, rng);
+    s.color_weight = WeightByte::ToFloat(static_cast<std::uint8_t>(150 + i % 40));
     s.first_seen = s.last_seen = 11;
     s.at_edge = i % 3 == 0;
     map.Append(s);
@@ -49,7 +50,9 @@ void ExpectNear(const Surfel& a, const Surfel& b) {
   constexpr float kTolerance = 4e-6f;
   EXPECT_LT((a.position_in_world - b.position_in_world).norm(), kTolerance);
   EXPECT_LT((a.normal_in_world - b.normal_in_world).norm(), kTolerance);
-  EXPECT_EQ(a.color, b.color);
+  // A position that is off by 4e-6 m is by 4e-4 px: 0.1 of a step at most, and then rounded.
+  EXPECT_LE((ColorAsVector(a.color) - ColorAsVector(b.color)).lpNorm<Eigen::Infinity>(), 1);
+  EXPECT_NEAR(a.color_weight, b.color_weight, a.color_weight / 7);  // may be the next byte
   EXPECT_NEAR(a.radius_m, b.radius_m, kTolerance * b.radius_m);
   EXPECT_EQ(a.confidence, b.confidence);
   EXPECT_EQ(a.first_seen, b.first_seen);

@@ -37,6 +37,7 @@ inline Surfel RandomSurfel(std::mt19937_64* rng) {
   s.first_seen = static_cast<std::int32_t>((*rng)() % 50);
   s.last_seen = s.first_seen + static_cast<std::int32_t>((*rng)() % 50);
   s.at_edge = (*rng)() % 2 == 0;
+  s.color_weight = WeightByte::ToFloat(static_cast<std::uint8_t>(140 + (*rng)() % 50));
   return s;
 }
 
@@ -89,7 +90,7 @@ inline SurfelObservation RandomObservation(std::mt19937_64* rng) {
 inline Eigen::Vector3d StoredColor(const SurfelMap& map, std::int32_t id) {
   const SurfelBlock& block = map.block(id / SurfelBlock::kCapacity);
   const int k = id % SurfelBlock::kCapacity;
-  return Eigen::Vector3d(block.red[k], block.green[k], block.blue[k]) / 256;
+  return block.FineColor(k).cast<double>();
 }
 
 }  // namespace surfit::testing

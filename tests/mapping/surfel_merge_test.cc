@@ -25,15 +25,18 @@ TEST(Merge, IsTheWeightedAverage) {
         (w * q.position_in_world.cast<double>() + a * p.position_in_world.cast<double>()) / (w + a);
     const Eigen::Vector3d normal =
         (w * q.normal_in_world.cast<double>() + a * p.normal_in_world.cast<double>()).normalized();
+    const double wc = q.color_weight, ac = p.color_weight;
     const Eigen::Vector3d color =
-        (w * ColorAsVector(q.color) + a * p.color.cast<double>()) / (w + a);
+        (wc * ColorAsVector(q.color) + ac * p.color.cast<double>()) / (wc + ac);
     // A difference of up to 6, its product with the share (itself rounded twice) and a sum: not
     // more than five roundings of 6 on each axis.
     EXPECT_THAT(map[0].position_in_world.cast<double>(), VectorNear(position, 30 * kUlp * 2));
     EXPECT_THAT(map[0].normal_in_world.cast<double>(), VectorNear(normal, 10 * kUlp * 2));
     EXPECT_NEAR(map[0].normal_in_world.norm(), 1, 4 * kUlp);
-    // Rounded to the next of 256 parts of a byte's step, on each of three channels.
-    EXPECT_THAT(StoredColor(map, 0), VectorNear(color, std::sqrt(3) * 0.501 / 256));
+    // Rounded to the next of 32 parts of a byte's step, on each of three channels.
+    EXPECT_THAT(StoredColor(map, 0), VectorNear(color, std::sqrt(3) * 0.501 / 32));
+    EXPECT_LE(map[0].color_weight, (wc + ac) * (1 + kUlp));
+    EXPECT_GE(map[0].color_weight, (wc + ac) * 8 / 9);
     EXPECT_EQ(map[0].radius_m, std::min(q.radius_m, p.radius_m));
     EXPECT_NEAR(map[0].confidence, w + a, (w + a) * kUlp);
     EXPECT_EQ(map[0].first_seen, q.first_seen);
@@ -53,10 +56,10 @@ TEST(Merge, WithoutShapeWeightKeepsTheShapeAndTakesColorAndWeight) {
   EXPECT_EQ(map[0].normal_in_world, q.normal_in_world);
   EXPECT_EQ(map[0].radius_m, q.radius_m);
   EXPECT_FLOAT_EQ(map[0].confidence, q.confidence + p.weight);
-  const double share = p.weight / (1. * q.confidence + p.weight);
+  const double share = p.color_weight / (1. * q.color_weight + p.color_weight);
   const Eigen::Vector3d color =
       ColorAsVector(q.color) + share * (p.color.cast<double>() - ColorAsVector(q.color));
-  EXPECT_THAT(StoredColor(map, 0), VectorNear(color, std::sqrt(3) * 0.501 / 256));
+  EXPECT_THAT(StoredColor(map, 0), VectorNear(color, std::sqrt(3) * 0.501 / 32));
 }
 
 TEST(Merge, OneObservationWithinASurfaceIsEnough) {
@@ -116,16 +119,14 @@ TEST(Merge, EqualWeightsGiveTheArithmeticMean) {
   std::mt19937_64 rng(5);
   SurfelMap map;
   Surfel first = RandomSurfel(&rng);
-  first.confidence = 1;
+  first.confidence = first.color_weight = 1;
   map.Append(first);
   Eigen::Vector3d position_sum = first.position_in_world.cast<double>();
-  Eigen::Vector3d color_sum = ColorAsVector(first.color);
   float smallest = first.radius_m;
   for (int n = 2; n <= kCount; ++n) {
     SurfelObservation seen = RandomObservation(&rng);
     seen.weight = seen.shape_weight = seen.color_weight = 1;
     position_sum += seen.position_in_world.cast<double>();
-    color_sum += seen.color.cast<double>();
     smallest = std::min(smallest, seen.radius_m);
     map.Merge(0, seen, kNoCap);
   }
@@ -133,16 +134,82 @@ TEST(Merge, EqualWeightsGiveTheArithmeticMean) {
   EXPECT_EQ(map[0].radius_m, smallest);
   // Merge n rounds by e and damps older errors by (n - 1) / n, so that n E_n = (n - 1) E_(n-1) +
   // n e and E_N <= e (N + 1) / 2. For positions of up to 3 m, e is about 3 roundings of 3 m on each
-  // axis; for colours 1/512 of a byte's step.
+  // axis.
   constexpr double kGrowth = (kCount + 1) / 2.;
   EXPECT_THAT(map[0].position_in_world.cast<double>(),
               VectorNear(position_sum / kCount, std::sqrt(3) * 9 * kUlp * kGrowth));
-  EXPECT_THAT(StoredColor(map, 0),
-              VectorNear(color_sum / kCount, std::sqrt(3) * 0.51 / 256 * kGrowth));
 }
 
-// The stored colour moves as long as share * difference is at least half of 1/256: at the cap of
-// 200 it comes within 201 / 512 of a byte's step, which rounds to the byte.
+// Sums of weights up to 8 are exact in a byte: as many as the first eight colours are averaged.
+TEST(Merge, TheFirstColorsOfEqualWeightGiveTheirMean) {
+  std::mt19937_64 rng(6);
+  SurfelMap map;
+  Surfel first = RandomSurfel(&rng);
+  first.color_weight = 1;
+  map.Append(first);
+  Eigen::Vector3d sum = ColorAsVector(first.color);
+  for (int n = 2; n <= 8; ++n) {
+    SurfelObservation seen = RandomObservation(&rng);
+    seen.color_weight = 1;
+    sum += seen.color.cast<double>();
+    map.Merge(0, seen, kNoCap);
+    EXPECT_EQ(map[0].color_weight, n);
+    EXPECT_THAT(StoredColor(map, 0), VectorNear(sum / n, std::sqrt(3) * 0.51 / 32 * n));
+  }
+}
+
+// The sum of weights of 1 stays at 16, and each further colour counts for a seventeenth.
+TEST(Merge, ColorsGoOnChangingHoweverManyThereWere) {
+  SurfelMap map;
+  Surfel s = Disc({0, 0, 1}, {0, 0, -1}, 0.01f, 1);
+  s.color = {0, 100, 0};
+  map.Append(s);
+  SurfelObservation seen;
+  seen.normal_in_world = {0, 0, -1};
+  seen.color = {0, 100, 0};
+  for (int i = 0; i < 1000; ++i) map.Merge(0, seen, kNoCap);
+  EXPECT_EQ(map[0].color_weight, 16);
+  seen.color = {200, 100, 0};
+  for (int i = 0; i < 48; ++i) map.Merge(0, seen, kNoCap);
+  EXPECT_NEAR(map.Color(0).r, 200 * (1 - std::pow(16. / 17, 48)), 1);
+}
+
+// Coarse colours of weight 1/100 hardly change one of weight 1, and one replaces them.
+TEST(Merge, SharpColorsCountForMost) {
+  for (const bool sharp_first : {true, false}) {
+    SurfelMap map;
+    Surfel s = Disc({0, 0, 1}, {0, 0, -1}, 0.01f, 1);
+    s.color = sharp_first ? Rgb8{200, 0, 0} : Rgb8{0, 0, 0};
+    s.color_weight = sharp_first ? 1 : 0.01f;
+    map.Append(s);
+    SurfelObservation seen;
+    seen.normal_in_world = {0, 0, -1};
+    seen.color_weight = sharp_first ? 0.01f : 1;
+    seen.color = {sharp_first ? 0.f : 200.f, 0, 0};
+    map.Merge(0, seen, kNoCap);
+    EXPECT_NEAR(map.Color(0).r, 198, 1);
+  }
+}
+
+TEST(WeightByte, IsRightToAnEighth) {
+  EXPECT_EQ(WeightByte::ToFloat(WeightByte::From(0)), 0);
+  float before = 0;
+  for (float weight = 1.1e-6f; weight < 2000; weight *= 1.013f) {
+    const float stored = WeightByte::ToFloat(WeightByte::From(weight));
+    EXPECT_LE(stored, weight);
+    EXPECT_GE(stored, weight * 8 / 9);
+    EXPECT_GE(stored, before);
+    before = stored;
+  }
+  for (const float weight : {1.f, 1.5f, 2.f, 7.f, 0.25f}) {
+    EXPECT_EQ(WeightByte::ToFloat(WeightByte::From(weight)), weight);
+  }
+  EXPECT_GT(WeightByte::ToFloat(WeightByte::From(1e-30f)), 0);
+  EXPECT_GT(WeightByte::ToFloat(WeightByte::From(1e30f)), 2000);
+}
+
+// The stored colour moves as long as share * difference is at least half of 1/32: with a share of a
+// seventeenth or more it comes within 17 / 64 of a byte's step, which rounds to the byte.
 TEST(Merge, AColorAtTheCapStillComesToTheObservedByte) {
   for (const int goal : {0, 255}) {
     SurfelMap map;

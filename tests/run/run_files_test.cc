@@ -114,7 +114,7 @@ SurfelMap Map() {
   surfel.position_in_world = {0, 0, 1};
   surfel.normal_in_world = {0, 0, -1};
   surfel.color = {20, 40, 200};
-  surfel.radius_m = 0.2f;
+  surfel.radius_m = 0.05f;
   surfel.confidence = 20;
   map.Append(surfel);
   return map;

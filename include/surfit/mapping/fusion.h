@@ -7,6 +7,7 @@
 
 #include "surfit/frame/frame_pyramid.h"
 #include "surfit/frame/rgbd_frame.h"
+#include "surfit/frame/rolling_shutter.h"
 #include "surfit/geometry/rigid3.h"
 #include "surfit/mapping/surfel_map.h"
 
@@ -41,6 +42,12 @@ struct FusionOptions {
   void Visit(OptionVisitor& visitor);
 };
 
+// How a frame's camera moved while it took the images.
+struct FrameMotion {
+  CameraMotion camera;
+  double readout_s = 0;  // of both images' rows
+};
+
 // What the fusion of one frame did.
 struct FusionReport {
   int input_points = 0;    // pixels with depth and a normal, their own or a neighbour's
@@ -66,9 +73,14 @@ class Fusion {
   // Merges the measured depth of the frame, whose noise averages out in the map, with the normals
   // of `surface`, its filtered vertex and normal map, which tells the noise. Points at depth edges
   // have none: they take that of a neighbour whose plane they lie in. They complete the map, but
-  // move no surfel. The result does not depend on the number of threads.
+  // move no surfel. Surfels take the frame's colours where they lie, at the moment when their row
+  // of the colour image was read. The result does not depend on the number of threads.
   FusionReport Fuse(const RgbdFrame& frame, const FrameLevel& surface,
-                    const Rigid3d& world_from_camera, SurfelMap* map);
+                    const Rigid3d& world_from_camera, const FrameMotion& motion, SurfelMap* map);
+  FusionReport Fuse(const RgbdFrame& frame, const FrameLevel& surface,
+                    const Rigid3d& world_from_camera, SurfelMap* map) {
+    return Fuse(frame, surface, world_from_camera, {}, map);
+  }
 
   // The surfels that were last seen in this frame or later are active after the last one.
   int ActiveSince() const;

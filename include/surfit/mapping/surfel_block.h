@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 
 #include "surfit/core/image.h"
@@ -19,6 +20,40 @@ struct Surfel {
   std::int32_t first_seen = 0;  // frame index
   std::int32_t last_seen = 0;   // frame index
   bool at_edge = false;         // no observation yet but at depth edges
+  float color_weight = 0;       // sum of the weights of its colours; 0 without any
+};
+
+// The nearest colour, of 8-bit steps.
+inline Rgb8 ToRgb8(const Eigen::Vector3f& color) {
+  const auto byte = [](float value) {
+    return static_cast<std::uint8_t>(std::min(std::max(value, 0.f), 255.f) + 0.5f);
+  };
+  return {byte(color.x()), byte(color.y()), byte(color.z())};
+}
+
+// A weight from 2^-20 to 2^11 as a byte: five bits of a power of two, three of what is between,
+// rounded down by an eighth at most; 0 is none. So a sum of equal weights ends at 16 of them, and
+// an average by it goes on with a share of a seventeenth.
+class WeightByte {
+ public:
+  static std::uint8_t From(float weight) {
+    if (!(weight > 0.f)) return 0;
+    std::uint32_t bits;
+    std::memcpy(&bits, &weight, sizeof(bits));
+    return static_cast<std::uint8_t>(std::clamp(bits >> kDropped, kOffset + 1, kOffset + 255) -
+                                     kOffset);
+  }
+  static float ToFloat(std::uint8_t byte) {
+    if (byte == 0) return 0.f;
+    const std::uint32_t bits = (byte + kOffset) << kDropped;
+    float weight;
+    std::memcpy(&weight, &bits, sizeof(weight));
+    return weight;
+  }
+
+ private:
+  static constexpr std::uint32_t kDropped = 20;               // of the 23 bits between two powers
+  static constexpr std::uint32_t kOffset = (127u - 20u) * 8;  // the first bits of 2^-20
 };
 
 // What a frame has measured of a surfel: the average of its points there.
@@ -28,9 +63,9 @@ struct SurfelObservation {
   Eigen::Vector3f normal_in_world = Eigen::Vector3f::Zero();    // not longer than one
   float radius_m = 0;                                           // the least
   float shape_weight = 1;                                       // the sum of their weights, or 0
-  // Of all points.
+  // Of what the frame shows where the surfel lies.
   Eigen::Vector3f color = Eigen::Vector3f::Zero();  // sRGB, in 8-bit steps
-  float color_weight = 1;                           // 0 without colours, else the weight
+  float color_weight = 1;                           // 0 without a colour
   float weight = 1;                                 // a, the sum
   bool at_edge = false;                             // at depth edges, with normals of neighbours
 };
@@ -67,11 +102,16 @@ struct SurfelBlock {
   float radius_m[kCapacity] = {};
   float confidence[kCapacity] = {};
   std::int32_t first_seen[kCapacity] = {}, last_seen[kCapacity] = {};  // frame index
-  // sRGB in 1/256 of an 8-bit step.
+  // sRGB in 1/256 of an 8-bit step, of which the three last bits are other things: together, those
+  // of blue first, the WeightByte of the colour.
   std::uint16_t red[kCapacity] = {}, green[kCapacity] = {}, blue[kCapacity] = {};
 
   Surfel operator[](int k) const;
   Rgb8 Color(int k) const;
+  // In 8-bit steps, finer than these; and the weight that it has.
+  Eigen::Vector3f FineColor(int k) const;
+  float ColorWeight(int k) const;
+  void SetColor(int k, const Eigen::Vector3f& color, float weight);
 
   // Writes surfel k. Different ones may be written at the same time.
   void Write(int k, const Surfel& surfel);
@@ -83,12 +123,34 @@ struct SurfelBlock {
   // The weighted average of surfel k with an observation of weight a: position, normal and colour
   // become (w q + a p) / (w + a), w the confidence; the normal is unit again, the radius the
   // smaller of both, and w becomes w + a, but at most max_confidence. Position and normal follow
-  // the observation's only by its shape_weight, and the colour by its color_weight; without any
-  // they stay, and so does the radius. The bounds stay as they are.
+  // the observation's only by its shape_weight; without any they stay, and so does the radius. The
+  // colour is averaged likewise by the weights of colours. The bounds stay as they are.
   void Merge(int k, const SurfelObservation& observation, float max_confidence);
 };
 
 // Here, as fusion does it hundreds of thousands of times a frame.
+inline Eigen::Vector3f SurfelBlock::FineColor(int k) const {
+  constexpr int kBits = ~7;
+  return Eigen::Vector3f(static_cast<float>(red[k] & kBits), static_cast<float>(green[k] & kBits),
+                         static_cast<float>(blue[k] & kBits)) /
+         256.f;
+}
+
+inline float SurfelBlock::ColorWeight(int k) const {
+  const int byte = (blue[k] & 7) | (green[k] & 7) << 3 | (red[k] & 3) << 6;
+  return WeightByte::ToFloat(static_cast<std::uint8_t>(byte));
+}
+
+inline void SurfelBlock::SetColor(int k, const Eigen::Vector3f& color, float weight) {
+  const unsigned byte = WeightByte::From(weight);
+  const auto packed = [](float value, unsigned bits) {
+    return static_cast<std::uint16_t>(static_cast<unsigned>(32.f * value + 0.5f) << 3 | bits);
+  };
+  red[k] = packed(color.x(), byte >> 6);
+  green[k] = packed(color.y(), byte >> 3 & 7u);
+  blue[k] = packed(color.z(), byte & 7u);
+}
+
 inline void SurfelBlock::Merge(int k, const SurfelObservation& seen, float max_confidence) {
   // (w q + a p) / (w + a) = q + a / (w + a) (p - q)
   const float inverse_sum = 1.f / (confidence[k] + seen.weight);
@@ -105,14 +167,11 @@ inline void SurfelBlock::Merge(int k, const SurfelObservation& seen, float max_c
     nz[k] = n.z();
     radius_m[k] = std::min(radius_m[k], seen.radius_m);
   }
-  const float share = seen.color_weight * inverse_sum;
-  const auto mix = [share](std::uint16_t* old, float byte) {
-    const float value = *old;
-    *old = static_cast<std::uint16_t>(value + share * (256.f * byte - value) + 0.5f);
-  };
-  mix(&red[k], seen.color.x());
-  mix(&green[k], seen.color.y());
-  mix(&blue[k], seen.color.z());
+  if (seen.color_weight > 0.f) {
+    const float sum = ColorWeight(k) + seen.color_weight;
+    const Eigen::Vector3f before = FineColor(k);
+    SetColor(k, before + seen.color_weight / sum * (seen.color - before), sum);
+  }
   if (!seen.at_edge) at_edge &= ~(std::uint64_t{1} << k);
   confidence[k] = std::min(confidence[k] + seen.weight, max_confidence);
 }

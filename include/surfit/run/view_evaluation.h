@@ -45,12 +45,13 @@ struct ViewEvaluation {
   std::string worst_view;  // its picture, empty without one
 };
 
-// Draws the map of a run from the poses of frames and compares it with these: depth from the pose,
-// colour from where the camera was when the colour image was taken. Pixels that the colour camera
-// does not see, (0, 0, 0), are not compared. Writes views.json (the means), views.csv (each view)
-// and view_pictures/: frame, map and their difference side by side, the worst first, by
-// psnr_covered_db. `progress` is called with the views done. Throws InputError for bad options,
-// files that cannot be read, or a run without a frame to be judged by.
+// Draws the map of a run (DrawBlended()) from the poses of frames and compares it with these. Each
+// row is shown from where the camera was when it was read: rows one after the other, colour at its
+// own stamp. Pixels that the colour camera does not see, (0, 0, 0), are not compared. Writes
+// views.json (the means), views.csv (each view) and view_pictures/: frame, map and their difference
+// side by side, the worst first, by psnr_covered_db. `progress` is called with the views done.
+// Throws InputError for bad options, files that cannot be read, or a run without a frame to be
+// judged by.
 ViewEvaluation EvaluateViews(const ViewEvaluationOptions& options,
                              const std::function<void(int views)>& progress);
 
