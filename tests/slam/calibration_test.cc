@@ -122,7 +122,7 @@ TEST(SlamCalibrationThreads, FindTheSameBitForBit) {
   EXPECT_TRUE(runs[0].is_recalibrated);
   for (const CalibrationRecord& record : runs[0].calibrations) {
     const int count = static_cast<int>(record.keyframes);
-    const int last_without = record.begun_frame + count + count * count / 20 - 1;
+    const int last_without = record.begun_frame + 1 + count / 2 + count * count / 40 - 1;
     EXPECT_EQ(record.frame, std::min(last_without, kCalibratedFrames - 1));
   }
   EXPECT_EQ(runs[0].found.camera.fx, runs[1].found.camera.fx);
