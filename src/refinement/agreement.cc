@@ -36,6 +36,7 @@ Eigen::MatrixXd ModelErrorOf(const DepthCalibration& calibration, const std::vec
   sigma.setConstant(options.model_error_share / kDepth_m);  // of inverse depth
   sigma.head<kFieldBegin>() =
       options.model_error_share * Eigen::Vector4d(camera.fx, camera.fy, camera.fx, camera.fy);
+  sigma[kReadout] = options.model_error_share;  // s
   for (int i = 0; i < kCalibrationSize; ++i) {
     if (held[i]) sigma[i] = 0;
   }

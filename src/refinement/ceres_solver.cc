@@ -47,6 +47,7 @@ class AllRows {
  public:
   AllRows(const JointProblem& joint, const RefinementOptions& options, const JointState& state)
       : joint_(joint),
+        image_rows_(state.calibration.camera.height),
         poses_(state.world_from_camera.size()),
         numbers_(joint.shared.surfels.size()),
         plane_loss_(joint.kernels.plane),
@@ -133,7 +134,8 @@ class AllRows {
     for (std::size_t i = surfel.begin; i < surfel.end; ++i) {
       const PlaneObservation& o = joint_.shared.observations[i];
       planes_.emplace_back(o.u, o.v, o.inverse_depth, 1. / o.inverse_sigma, surfel.point_in_world,
-                           surfel.normal_in_world);
+                           surfel.normal_in_world,
+                           MotionOf(o, joint_.shared.readouts[o.keyframe], image_rows_));
       if (textured) {
         Add(&planes_.back(), o.keyframe, s, &plane_loss_, &textured_plane_costs_);
       } else {
@@ -157,6 +159,7 @@ class AllRows {
   }
 
   const JointProblem& joint_;
+  int image_rows_;
   std::vector<std::array<double, kPoseSize>> poses_;
   std::array<double, kCalibrationSize> calibration_;
   std::vector<std::array<double, kTexturedUnknowns>> numbers_;

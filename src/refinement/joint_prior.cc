@@ -69,6 +69,7 @@ JointPrior::JointPrior(const DepthCalibration& given, const CalibrationPrior& pr
   const auto information = [](double sigma) { return sigma > 0 ? 1 / (sigma * sigma) : 0; };
   const PinholeCamera& camera = given.camera;
   information_.diagonal().setConstant(information(prior.inverse_depth_sigma));
+  information_(kReadout, kReadout) = information(prior.readout_s);
   information_.diagonal().head<kFieldBegin>() << information(prior.focal_share * camera.fx),
       information(prior.focal_share * camera.fy), information(prior.center_px),
       information(prior.center_px);

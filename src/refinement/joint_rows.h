@@ -37,18 +37,23 @@ struct JointRow {
 
 // PlaneInverseDepth of one observation of a surfel from one pose with one calibration, all that
 // does not depend on the surfel's displacement worked out: with N = n . R e and D = n . (p - t),
-//   r(d) = (1/z_measured + c - N / (D + d)) / sigma.
+//   r(d) = (1/z_measured + c - N / (D + d)) / sigma,
+// e and t being those of the moment of the pixel's row.
 class PlaneSight {
  public:
   PlaneSight(const PlaneObservation& observation, const SharedSurfel& surfel,
              const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation,
-             const DepthCalibration& calibration)
-      : ray_(calibration.camera.Ray(observation.u, observation.v)),
+             const RowMotion& motion, const DepthCalibration& calibration)
+      : motion_(motion),
+        later_(calibration.readout_s - motion.readout_s),
+        ray_(calibration.camera.Ray(observation.u, observation.v)),
         normal_in_camera_(rotation.transpose() * surfel.normal_in_world),
+        normal_at_row_(normal_in_camera_ + later_ * normal_in_camera_.cross(motion.turn)),
         corrected_(observation.inverse_depth + calibration.field.At(ray_.x(), ray_.y())),
         inverse_sigma_(observation.inverse_sigma),
-        along_ray_(normal_in_camera_.dot(ray_)),
-        from_camera_(surfel.normal_in_world.dot(surfel.point_in_world - translation)) {}
+        along_ray_(normal_at_row_.dot(ray_)),
+        from_camera_(surfel.normal_in_world.dot(surfel.point_in_world - translation) -
+                     later_ * normal_in_camera_.dot(motion.way)) {}
 
   double Residual(double displacement) const {
     return (corrected_ - PlaneInverse(displacement)) * inverse_sigma_;
@@ -62,23 +67,27 @@ class PlaneSight {
   }
 
   // With D standing for D + d:
-  //   dr/dw = -(R e x n) / D,  dr/dv = -1/z_plane n / D,
-  //   dr/dx = dc/dx - n_x / D, n in the camera's frame, dx/dfx = -x / fx, dx/dcx = -1 / fx.
+  //   dr/dw = -(R (ray + dT flow) x n) / D,  dr/dv = -1/z_plane n / D,
+  //   dr/dx = dc/dx - m_x / D, dx/dfx = -x / fx, dx/dcx = -1 / fx,
+  //   dr/dT = -(n . flow) / D, flow = turn x ray + way / z_plane,
+  // n in the camera's frame in the last two lines, and m = n + dT n x turn, as n . e = m . ray.
   JointRow Row(double displacement, const Eigen::Vector3d& normal_in_world,
                const Eigen::Matrix3d& rotation, const DepthCalibration& calibration) const {
     const double inverse_distance = 1 / (from_camera_ + displacement);
     const double x = ray_.x(), y = ray_.y();
     const auto& c = calibration.field.coefficients;
-    const double by_x = c[1] + 2 * c[3] * x + c[4] * y - normal_in_camera_.x() * inverse_distance;
-    const double by_y = c[2] + c[4] * x + 2 * c[5] * y - normal_in_camera_.y() * inverse_distance;
+    const double by_x = c[1] + 2 * c[3] * x + c[4] * y - normal_at_row_.x() * inverse_distance;
+    const double by_y = c[2] + c[4] * x + 2 * c[5] * y - normal_at_row_.y() * inverse_distance;
+    const Eigen::Vector3d flow = motion_.turn.cross(ray_) + PlaneInverse(displacement) * motion_.way;
     const PinholeCamera& camera = calibration.camera;
     JointRow row;
     row.residual = Residual(displacement);
-    row.by_pose << (rotation * ray_).cross(normal_in_world),
+    row.by_pose << (rotation * (ray_ + later_ * flow)).cross(normal_in_world),
         PlaneInverse(displacement) * normal_in_world;
     row.by_pose *= -inverse_distance * inverse_sigma_;
     row.by_calibration << -by_x * x / camera.fx, -by_y * y / camera.fy, -by_x / camera.fx,
-        -by_y / camera.fy, 1, x, y, x * x, x * y, y * y;
+        -by_y / camera.fy, 1, x, y, x * x, x * y, y * y,
+        -normal_in_camera_.dot(flow) * inverse_distance;
     row.by_calibration *= inverse_sigma_;
     row.by_displacement = ByDisplacement(displacement);
     return row;
@@ -89,10 +98,20 @@ class PlaneSight {
     return along_ray_ / (from_camera_ + displacement);
   }
 
-  Eigen::Vector3d ray_, normal_in_camera_;
+  RowMotion motion_;
+  double later_;  // dT, s
+  Eigen::Vector3d ray_, normal_in_camera_, normal_at_row_;
   double corrected_, inverse_sigma_;
   double along_ray_, from_camera_;  // N, D
 };
+
+// The motion of the row of an observation, in a keyframe's image of so many rows.
+inline RowMotion MotionOf(const PlaneObservation& observation, const KeyframeReadout& readout,
+                          int rows) {
+  const double share = (observation.v + 0.5) / rows - 0.5;
+  return {share * readout.motion.turn_rad_per_s, share * readout.motion.velocity_m_per_s,
+          readout.readout_s};
+}
 
 // SurfelTexture of one observation of a surfel from one pose with one calibration, all that does
 // not depend on the surfel's own numbers worked out.
@@ -173,7 +192,7 @@ class TextureSight {
     JointRow row;
     row.by_pose << turned.cross(from_camera_[j] + displacement * normal_in_world), -turned;
     row.by_calibration << tap.slope_u * p.x() / p.z(), tap.slope_v * p.y() / p.z(), tap.slope_u,
-        tap.slope_v, 0, 0, 0, 0, 0, 0;
+        tap.slope_v, 0, 0, 0, 0, 0, 0, 0;
     row.by_displacement = slope.dot(normal_in_camera_);
     return row;
   }

@@ -81,6 +81,7 @@ std::vector<bool> HeldCalibration(const RefinementOptions& options) {
   std::vector<bool> held(kCalibrationSize, !options.free_depth_field);
   std::fill_n(held.begin(), kFieldBegin, !options.free_intrinsics);
   held[kFieldBegin] = !options.free_depth_offset;
+  held[kReadout] = !options.free_readout;
   return held;
 }
 

@@ -64,7 +64,7 @@ struct JointReport {
   double solve_ms = 0;      // all but building
 };
 
-// Which of the calibration's ten numbers are not to change.
+// Which of the calibration's eleven numbers are not to change.
 std::vector<bool> HeldCalibration(const RefinementOptions& options);
 
 // Moves poses, but for the first, and the free calibration to the least cost, by

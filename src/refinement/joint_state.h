@@ -38,12 +38,14 @@ inline void CalibrationToBlock(const DepthCalibration& calibration, double* bloc
   block[0] = camera.fx, block[1] = camera.fy, block[2] = camera.cx, block[3] = camera.cy;
   std::copy(calibration.field.coefficients.begin(), calibration.field.coefficients.end(),
             block + kFieldBegin);
+  block[kReadout] = calibration.readout_s;
 }
 
 inline void CalibrationFromBlock(const double* block, DepthCalibration* calibration) {
   PinholeCamera& camera = calibration->camera;
   camera.fx = block[0], camera.fy = block[1], camera.cx = block[2], camera.cy = block[3];
-  std::copy(block + kFieldBegin, block + kCalibrationSize, calibration->field.coefficients.begin());
+  std::copy(block + kFieldBegin, block + kReadout, calibration->field.coefficients.begin());
+  calibration->readout_s = block[kReadout];
 }
 
 // The robust kernels of all residuals. Those of texture have the photometric weight W in their
@@ -106,12 +108,12 @@ RefinementFit Agreement(const JointFit& fit);
 double VarianceOf(const JointFit& fit, const SharedSurfels& shared, const JointState& state,
                   const RefinementOptions& options);
 
-// The covariance that RefinementOptions::model_error_share stands for, 10 x 10 and diagonal: zero
+// The covariance that RefinementOptions::model_error_share stands for, 11 x 11 and diagonal: zero
 // of what is held.
 Eigen::MatrixXd ModelErrorOf(const DepthCalibration& calibration, const std::vector<bool>& held,
                              const RefinementOptions& options);
 
-// The squared distance of a calibration from another by its covariance (10 x 10, zero of what was
+// The squared distance of a calibration from another by its covariance (11 x 11, zero of what was
 // held), and the number of those that were free.
 struct CalibrationChange {
   double squared_distance = 0;

@@ -47,8 +47,9 @@ std::vector<std::size_t> MovedPoses(const Trajectory& trajectory, double min_tra
 
 }  // namespace
 
-KeyframeImages MakeKeyframeImages(const RgbdFrame& frame, const DepthSensor& sensor,
-                                  const PreprocessOptions& options) {
+KeyframeImages MakeKeyframeImages(const RgbdFrame& measured, const DepthSensor& sensor,
+                                  const CameraMotion& motion, const PreprocessOptions& options) {
+  const RgbdFrame frame = AtMiddleOfReadout(measured, sensor, motion);
   PreprocessOptions finest = options;
   finest.pyramid_levels = 1;
   FramePyramid pyramid = PreprocessDepth(frame.depth_m, sensor, finest);
@@ -57,6 +58,7 @@ KeyframeImages MakeKeyframeImages(const RgbdFrame& frame, const DepthSensor& sen
   const int width = sensor.camera.width, height = sensor.camera.height;
   KeyframeImages images;
   images.noise = sensor.noise;
+  images.readout = {motion, sensor.readout_s};
   images.inverse_depth = Image<float>(width, height, 0.f);
   images.slope_u = images.slope_v =
       Image<float>(width, height, std::numeric_limits<float>::quiet_NaN());

@@ -17,6 +17,7 @@ void PriorOptions::Visit(OptionVisitor& v) {
         AsFlag("prior_center_px"));
   v.Add(inverse_depth_sigma, "inverse_depth_sigma", "and of the given correction of inverse depth",
         InUnit("1/m"), AsFlag("prior_inverse_depth"));
+  v.Add(readout_s, "readout_s", "and of the given readout", InUnit("s"), AsFlag("prior_readout_s"));
   v.Check([this] { Validate(Over({})); });
 }
 
@@ -25,6 +26,7 @@ CalibrationPrior PriorOptions::Over(CalibrationPrior sensor) const {
   sensor.aspect_share = aspect_share.value_or(sensor.aspect_share);
   sensor.center_px = center_px.value_or(sensor.center_px);
   sensor.inverse_depth_sigma = inverse_depth_sigma.value_or(sensor.inverse_depth_sigma);
+  sensor.readout_s = readout_s.value_or(sensor.readout_s);
   return sensor;
 }
 
@@ -34,6 +36,7 @@ void PriorOptions::Complete(const CalibrationPrior& sensor) {
   aspect_share = prior.aspect_share;
   center_px = prior.center_px;
   inverse_depth_sigma = prior.inverse_depth_sigma;
+  readout_s = prior.readout_s;
 }
 
 void RefinementOptions::Visit(OptionVisitor& v) {
@@ -45,6 +48,8 @@ void RefinementOptions::Visit(OptionVisitor& v) {
         "estimate as well how the error of inverse depth varies over the image: a quadratic "
         "polynomial",
         Everyday());
+  v.Add(free_readout, "free_readout",
+        "estimate the readout of a rolling shutter as well, where the camera moves", Everyday());
   v.AddPart(prior, "prior", "what is known of the given calibration");
   v.Add(cells_across, "cells_across",
         "columns of square cells of a keyframe's image, with at most one surfel in each",
@@ -68,7 +73,7 @@ void RefinementOptions::Visit(OptionVisitor& v) {
         "this many standard deviations",
         AtLeast(0));
   v.Add(model_error_share, "model_error_share",
-        "error of the model, as a share of focal length and depth", AtLeast(0));
+        "error of the model, as a share of focal length, depth and a second of readout", AtLeast(0));
   v.Add(kept_angle_share, "kept_angle_share",
         "observation_angle_rad shrinks to this share with a kept one", Positive(), Between(0, 1));
   v.Add(kept_kernel_share, "kept_kernel_share", "and the robust kernel's width to this", Positive(),

@@ -134,12 +134,23 @@ JointPrior PriorOf(const JointState& given, const RefinementOptions& options) {
 }
 
 bool FindsCalibration(const RefinementOptions& options) {
-  return options.free_intrinsics || options.free_depth_offset || options.free_depth_field;
+  return options.free_intrinsics || options.free_depth_offset || options.free_depth_field ||
+         options.free_readout;
+}
+
+// The options without what these keyframes cannot tell.
+RefinementOptions ThatTell(RefinementOptions options,
+                           const std::vector<RefinementKeyframe>& keyframes) {
+  options.free_readout &= std::any_of(
+      keyframes.begin(), keyframes.end(),
+      [](const RefinementKeyframe& k) { return !k.images.readout.motion.IsZero(); });
+  return options;
 }
 
 // The options with which poses alone are refined.
 RefinementOptions OfPoses(RefinementOptions options) {
   options.free_intrinsics = options.free_depth_offset = options.free_depth_field = false;
+  options.free_readout = false;
   options.observation_angle_rad *= options.kept_angle_share;
   options.error_model.kernel.width *= options.kept_kernel_share;
   return options;
@@ -161,10 +172,11 @@ std::string ToString(RefinementTermination termination) {
   return NameOf(termination, kRefinementEnds);
 }
 
-RefinementSummary Refine(const RefinementOptions& options, const DepthCalibration& given,
+RefinementSummary Refine(const RefinementOptions& all_options, const DepthCalibration& given,
                          const DepthCalibration& start, std::vector<RefinementKeyframe>* keyframes,
                          const std::function<void(const RefinementRound&)>& progress) {
-  Validate(options);
+  Validate(all_options);
+  const RefinementOptions options = ThatTell(all_options, *keyframes);
   RefinementSummary summary;
   summary.calibration = start;
   summary.termination = RefinementTermination::kTooFewSurfels;

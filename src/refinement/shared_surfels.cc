@@ -180,6 +180,9 @@ SharedSurfels MakeSharedSurfels(const std::vector<RefinementKeyframe>& keyframes
     }
   });
   SharedSurfels shared;
+  for (const RefinementKeyframe& keyframe : keyframes) {
+    shared.readouts.push_back(keyframe.images.readout);
+  }
   for (std::size_t i = 0; i < planes.size(); ++i) {
     if (static_cast<int>(seen[i].size()) < options.min_observations) continue;
     SharedSurfel surfel;

@@ -45,6 +45,7 @@ struct SharedSurfels {
   std::vector<SharedSurfel> surfels;
   std::vector<PlaneObservation> observations;
   std::vector<TextureObservation> textures;
+  std::vector<KeyframeReadout> readouts;  // of the keyframes
 };
 
 // The pixel of a keyframe that sees a surfel: within the image and the gates.

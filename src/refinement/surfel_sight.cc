@@ -65,16 +65,20 @@ Eigen::Vector2d MeanDifferences(const std::vector<TextureSight>& textures, doubl
 
 SurfelSight::SurfelSight(const SharedSurfels& shared, const SharedSurfel& surfel,
                          const PlacedPoses& placed) {
-  const auto place = [&](const auto& observation, auto* sights) {
-    sights->emplace_back(observation, surfel, placed.rotations[observation.keyframe],
-                         placed.state.world_from_camera[observation.keyframe].translation,
-                         placed.state.calibration);
-  };
+  const DepthCalibration& calibration = placed.state.calibration;
+  const std::vector<Rigid3d>& poses = placed.state.world_from_camera;
   planes_.reserve(surfel.end - surfel.begin);
-  for (std::size_t i = surfel.begin; i < surfel.end; ++i) place(shared.observations[i], &planes_);
+  for (std::size_t i = surfel.begin; i < surfel.end; ++i) {
+    const PlaneObservation& seen = shared.observations[i];
+    planes_.emplace_back(
+        seen, surfel, placed.rotations[seen.keyframe], poses[seen.keyframe].translation,
+        MotionOf(seen, shared.readouts[seen.keyframe], calibration.camera.height), calibration);
+  }
   textures_.reserve(surfel.textures_end - surfel.textures_begin);
   for (std::size_t i = surfel.textures_begin; i < surfel.textures_end; ++i) {
-    place(shared.textures[i], &textures_);
+    const TextureObservation& seen = shared.textures[i];
+    textures_.emplace_back(seen, surfel, placed.rotations[seen.keyframe],
+                           poses[seen.keyframe].translation, calibration);
   }
 }
 

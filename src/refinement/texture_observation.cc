@@ -63,7 +63,9 @@ bool MeasuresPlane(const Eigen::Vector2d& at, const SharedSurfel& surfel,
   seen.inverse_sigma =
       static_cast<float>(InversePlaneSigma(model, keyframe.images.noise, seen.inverse_depth));
   const PlaneSight sight(seen, surfel, keyframe.world_from_camera.rotation.toRotationMatrix(),
-                         keyframe.world_from_camera.translation, calibration);
+                         keyframe.world_from_camera.translation,
+                         MotionOf(seen, keyframe.images.readout, calibration.camera.height),
+                         calibration);
   return std::abs(sight.Residual(0)) <= ErrorModel::kInlierSigmas;
 }
 

@@ -136,6 +136,7 @@ RgbdCamera Calibrated(RgbdCamera camera, const DepthCalibration& given,
   depth.fy = found.camera.fy * downsample;
   depth.cx = found.camera.cx * downsample;
   depth.cy = found.camera.cy * downsample;
+  camera.readout_s = found.readout_s;
   return mirrored ? Mirrored(camera) : camera;
 }
 
@@ -143,7 +144,7 @@ RgbdCamera Calibrated(RgbdCamera camera, const DepthCalibration& given,
 
 DepthCalibration OfMeasuredDepth(const SequenceInfo& info, const InverseDepthField& given_field,
                                  const DepthCalibration& found) {
-  return {found.camera, Combined({info.pinhole, given_field}, found)};
+  return {found.camera, Combined({info.pinhole, given_field}, found), found.readout_s};
 }
 
 void WriteFoundCamera(const SequenceInfo& info, const InverseDepthField& given_field,
@@ -160,18 +161,21 @@ Json ToJson(const DepthCalibration& calibration) {
           {"fy", c.fy},
           {"cx", c.cx},
           {"cy", c.cy},
-          {"inverse_depth_field", calibration.field.coefficients}};
+          {"inverse_depth_field", calibration.field.coefficients},
+          {"readout_s", calibration.readout_s}};
 }
 
 Json CalibrationSigmasToJson(const Eigen::MatrixXd& covariance) {
   if (covariance.size() == 0) return nullptr;
   const Eigen::VectorXd sigma = covariance.diagonal().cwiseSqrt();
-  const std::vector<double> field(sigma.data() + 4, sigma.data() + sigma.size());
+  const double* const field = sigma.data() + 4;
+  const double* const readout = field + InverseDepthField::kSize;
   return {{"fx", sigma[0]},
           {"fy", sigma[1]},
           {"cx", sigma[2]},
           {"cy", sigma[3]},
-          {"inverse_depth_field", field}};
+          {"inverse_depth_field", std::vector<double>(field, readout)},
+          {"readout_s", *readout}};
 }
 
 }  // namespace surfit

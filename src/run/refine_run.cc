@@ -43,11 +43,6 @@ std::optional<std::size_t> PoseAt(const Trajectory& trajectory, double stamp_s) 
   return at - trajectory.begin();
 }
 
-// As of the middle of its readout.
-RgbdFrame Unrolled(const RgbdFrame& frame, const SequenceInfo& info, const Trajectory& trajectory) {
-  return AtMiddleOfReadout(frame, info.sensor(), MotionAt(trajectory, frame.stamp_s));
-}
-
 class RefineRun {
  public:
   RefineRun(const RefineRunOptions& options,
@@ -61,7 +56,8 @@ class RefineRun {
                              {"trajectory.txt", "map.ply", "camera.yaml", "refinement.json"},
                              {options_.trajectory, options_.sequence.camera});
     // Frames come with the given field applied.
-    summary_.refinement = Refine(options_.refinement, {run_.info.pinhole, {}}, &run_.keyframes,
+    const DepthCalibration given = {run_.info.pinhole, {}, run_.info.camera.readout_s};
+    summary_.refinement = Refine(options_.refinement, given, &run_.keyframes,
                                  [&](const RefinementRound& round) { Tell(round); });
     summary_.calibration =
         OfMeasuredDepth(run_.info, summary_.given.field, summary_.refinement.calibration);
@@ -77,6 +73,7 @@ class RefineRun {
     run_ = ReadRunKeyframes(options_);
     options_.refinement.prior.Complete(run_.info.camera.prior);
     summary_.given.camera = run_.info.pinhole;
+    summary_.given.readout_s = run_.info.camera.readout_s;
     summary_.given.field = ReadDepthField(options_.sequence, run_.info.format);
     summary_.poses = run_.trajectory.size();
     summary_.keyframes = run_.keyframes.size();
@@ -113,6 +110,8 @@ class RefineRun {
   void FuseMap(const Trajectory& refined) {
     progress_("fusing the map");
     const DepthCalibration& calibration = summary_.refinement.calibration;
+    DepthSensor sensor = run_.info.sensor();
+    sensor.readout_s = calibration.readout_s;
     SlamOptions options;
     options.preprocess = options_.preprocess;
     Slam slam({calibration.camera, run_.info.camera.noise, 0}, options, {});
@@ -120,7 +119,8 @@ class RefineRun {
     while (std::optional<ReadResult> read = source->Next()) {
       const std::optional<std::size_t> pose = PoseAt(refined, read->stamp_s);
       if (!pose || !read->frame) continue;
-      RgbdFrame frame = Unrolled(*read->frame, run_.info, refined);
+      RgbdFrame frame =
+          AtMiddleOfReadout(*read->frame, sensor, MotionAt(refined, read->frame->stamp_s));
       CorrectDepth(calibration.camera, calibration.field, &frame.depth_m);
       slam.ProcessAt(frame, refined[*pose].world_from_camera);
     }
@@ -154,8 +154,9 @@ RunKeyframes ReadRunKeyframes(const RefineRunOptions& options) {
     }
     run.poses.push_back(*pose);
     run.keyframes.push_back({run.trajectory[*pose].world_from_camera,
-                             MakeKeyframeImages(Unrolled(*read->frame, run.info, run.trajectory),
-                                                run.info.sensor(), options.preprocess)});
+                             MakeKeyframeImages(*read->frame, run.info.sensor(),
+                                                MotionAt(run.trajectory, read->frame->stamp_s),
+                                                options.preprocess)});
   }
   if (run.keyframes.empty()) {
     throw InputError(Concat(options.trajectory, " has no pose at a stamp of a frame of ",

@@ -64,7 +64,7 @@ Calibrator::Calibrator(const DepthSensor& sensor, const PreprocessOptions& prepr
       sensor_(Subsampled(sensor)),
       preprocess_(preprocess),
       options_(options),
-      given_{sensor.camera, {}},
+      given_{sensor.camera, {}, sensor.readout_s},
       calibration_(given_),
       next_count_(options.first_keyframes) {
   RefinementOptions& refinement = options_.refinement;
@@ -107,8 +107,7 @@ Calibrator::Outcome Calibrator::Run(const Frames& frames, const std::vector<Came
   std::vector<RefinementKeyframe> keyframes;
   for (std::size_t k = 0; k < frames.size(); ++k) {
     keyframes.push_back({world_from_keyframe[k],
-                         MakeKeyframeImages(AtMiddleOfReadout(*frames[k], sensor_, motions[k]),
-                                            sensor_, preprocess_)});
+                         MakeKeyframeImages(*frames[k], sensor_, motions[k], preprocess_)});
   }
   Outcome outcome;
   outcome.summary = Refine(options_.refinement, Subsampled(given_), Subsampled(start), &keyframes,

@@ -39,9 +39,11 @@ double CeresCost(const RandomProblem& problem) {
     const SharedSurfel& surfel = problem.shared.surfels[s];
     for (std::size_t i = surfel.begin; i < surfel.end; ++i) {
       const PlaneObservation& o = problem.shared.observations[i];
+      const RowMotion motion = MotionOf(o, problem.shared.readouts[o.keyframe],
+                                        problem.state.calibration.camera.height);
       ceres_problem.AddResidualBlock(
           new Plane(new PlaneInverseDepth(o.u, o.v, o.inverse_depth, 1. / o.inverse_sigma,
-                                          surfel.point_in_world, surfel.normal_in_world)),
+                                          surfel.point_in_world, surfel.normal_in_world, motion)),
           nullptr, poses[o.keyframe].data(), calibration.data(), &displacements[s]);
     }
     for (std::size_t i = surfel.textures_begin; i < surfel.textures_end; ++i) {
@@ -53,7 +55,7 @@ double CeresCost(const RandomProblem& problem) {
           textures[s].data());
     }
   }
-  // Only the offset of inverse depth is free: the other nine are held.
+  // Only the offset of inverse depth is free: the other ten are held.
   std::vector<int> held(kCalibrationSize);
   for (int i = 0; i < kCalibrationSize; ++i) held[i] = i;
   held.erase(held.begin() + kFieldBegin);
@@ -78,7 +80,7 @@ TEST(MinimizeJointly, ReachesTheCostOfCeresOverAllRows) {
     problem.state.calibration.field.coefficients[0] += 0.005;
     const JointKernels none = {{RobustKernelType::kNone, 1}, {RobustKernelType::kNone, 1}};
     RefinementOptions options;
-    options.free_intrinsics = options.free_depth_field = false;
+    options.free_intrinsics = options.free_depth_field = options.free_readout = false;
     options.max_iterations = 100;
     const Rigid3d first = problem.state.world_from_camera[0];
     const double before = FitOf(problem.shared, problem.state, none).rho / 2;

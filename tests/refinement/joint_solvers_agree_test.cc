@@ -37,6 +37,7 @@ RandomProblem WrongStart(bool textured) {
 RefinementOptions ToConvergence(bool free_calibration) {
   RefinementOptions options;
   options.free_intrinsics = options.free_depth_offset = options.free_depth_field = free_calibration;
+  options.free_readout = free_calibration;
   options.max_iterations = 200;
   options.min_relative_step_change = 1e-12;
   return options;

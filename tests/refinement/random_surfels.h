@@ -59,7 +59,8 @@ inline void AddTexture(double noise_sigmas, std::mt19937_64* random, SharedSurfe
 inline RandomProblem MakeRandomProblem(int poses, int surfels, double noise_sigmas,
                                        int reach = std::numeric_limits<int>::max()) {
   constexpr float kInverseSigma = 400;  // m
-  std::mt19937_64 random(5);
+  constexpr double kReadout_s = 0.02;
+  std::mt19937_64 random(5), motions(6);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> unit(-1, 1);
   RandomProblem problem;
@@ -70,6 +71,7 @@ inline RandomProblem MakeRandomProblem(int poses, int surfels, double noise_sigm
   calibration.camera.fy = 264;
   calibration.camera.cx = 158;
   calibration.camera.cy = 121;
+  calibration.readout_s = kReadout_s;
   calibration.field.coefficients = {0.004, -0.002, 0.003, 0.001, 0.002, -0.001};
   for (int k = 0; k < poses; ++k) {
     Rigid3d pose;
@@ -77,6 +79,9 @@ inline RandomProblem MakeRandomProblem(int poses, int surfels, double noise_sigm
         QuaternionExp<double>(0.3 * Eigen::Vector3d(unit(random), unit(random), unit(random)));
     pose.translation = 0.5 * Eigen::Vector3d(unit(random), unit(random), unit(random));
     problem.state.world_from_camera.push_back(pose);
+    const CameraMotion motion = {{unit(motions), unit(motions), unit(motions)},
+                                 {unit(motions), unit(motions), unit(motions)}};
+    problem.shared.readouts.push_back({motion, kReadout_s});
   }
   for (int s = 0; s < surfels; ++s) {
     SharedSurfel surfel;

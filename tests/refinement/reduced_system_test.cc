@@ -70,9 +70,11 @@ class FullMaker {
   void AddPlane(std::size_t s, const SurfelNumbers& best, std::size_t i) {
     const SharedSurfel& surfel = problem_.shared.surfels[s];
     const PlaneObservation& o = problem_.shared.observations[i];
-    const PlaneFunctor functor(new PlaneInverseDepth(o.u, o.v, o.inverse_depth,
-                                                     1. / o.inverse_sigma, surfel.point_in_world,
-                                                     surfel.normal_in_world));
+    const RowMotion motion = MotionOf(o, problem_.shared.readouts[o.keyframe],
+                                      problem_.state.calibration.camera.height);
+    const PlaneFunctor functor(
+        new PlaneInverseDepth(o.u, o.v, o.inverse_depth, 1. / o.inverse_sigma,
+                              surfel.point_in_world, surfel.normal_in_world, motion));
     Add(functor, o.keyframe, s, best.displacement, nullptr, kernels_.plane);
   }
 
@@ -129,8 +131,11 @@ constexpr double kOfReduction = 1e-8;
 // Of all pairs of poses about half share a surfel.
 class ReducedSystemOfKernel : public ::testing::TestWithParam<RobustKernelType> {
  protected:
+  // At another readout than the images were brought to one moment by.
+  ReducedSystemOfKernel() { problem_.state.calibration.readout_s += 0.01; }
+
   const JointKernels kernels_ = {{GetParam(), 1.5}, {GetParam(), 0.7}};
-  const RandomProblem problem_ = MakeRandomProblem(8, 80, 1, 2);
+  RandomProblem problem_ = MakeRandomProblem(8, 80, 1, 2);
   const BlockPattern pattern_ = {problem_.shared, 8};
 };
 

@@ -184,7 +184,7 @@ Recording Record(int count, double offset_per_m, double pose_error_m, double pos
     const Rigid3d error = k == 0 ? Rigid3d() : RandomPose(pose_error_rad, pose_error_m, &random);
     recording.truth.push_back(pose);
     recording.keyframes.push_back(
-        {pose * error, MakeKeyframeImages(frame, {TrueCamera(), {}}, PreprocessOptions())});
+        {pose * error, MakeKeyframeImages(frame, {TrueCamera(), {}}, {}, PreprocessOptions())});
   }
   return recording;
 }
@@ -266,7 +266,7 @@ TEST(Refine, HoldsWhatIsNotFree) {
   ASSERT_TRUE(summary.Succeeded()) << ToString(summary.termination);
   EXPECT_EQ(summary.calibration.camera.fx, TrueCamera().fx);
   EXPECT_TRUE(summary.calibration.field.IsZero());
-  EXPECT_EQ(summary.calibration_covariance, Eigen::MatrixXd::Zero(10, 10));
+  EXPECT_EQ(summary.calibration_covariance, Eigen::MatrixXd::Zero(11, 11));
   EXPECT_EQ(recording.keyframes[0].world_from_camera.Matrix(), first.Matrix());
   EXPECT_NE(recording.keyframes[1].world_from_camera.Matrix(), recording.truth[1].Matrix());
 }

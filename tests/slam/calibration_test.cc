@@ -95,6 +95,7 @@ TEST(SlamCalibration, FindsACameraThatIsWrong) {
     const PinholeCamera &found = run.found.camera, truth = TrueCamera();
     const std::array<double, 4> errors = {found.fx - truth.fx, found.fy - truth.fy,
                                           found.cx - truth.cx, found.cy - truth.cy};
+    EXPECT_LT(std::abs(run.found.readout_s), 3 * sigma[10]) << seed;
     for (int i = 0; i < 10; ++i) {
       const double error =
           i < 4 ? errors[i] : run.found.field.coefficients[i - 4] + (i == 5) * 0.02;

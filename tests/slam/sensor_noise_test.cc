@@ -138,7 +138,7 @@ TEST(SensorNoise, IsTheUnitOfRefinement) {
     std::vector<RefinementKeyframe> keyframes;
     for (std::size_t i = 0; i < room.frames.size(); i += 6) {
       keyframes.push_back({room.world_from_camera[i],
-                           MakeKeyframeImages(room.frames[i], {room.camera, {kOdd}}, {})});
+                           MakeKeyframeImages(room.frames[i], {room.camera, {kOdd}}, {}, {})});
       EXPECT_EQ(keyframes.back().images.noise.inverse_depth_sigma, kOdd);
       keyframes.back().images.noise.inverse_depth_sigma = sigma;
     }

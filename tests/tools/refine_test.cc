@@ -87,6 +87,29 @@ TEST(RefineTool, TakesTheSensorsPriorUnlessAFlagSaysOtherwise) {
   EXPECT_EQ(ReadCameraYaml(folder / "out/refined/camera.yaml").prior.focal_share, 1e-6);
 }
 
+// A rolling shutter of which camera.yaml says nothing.
+TEST(RefineTool, FindsTheReadout) {
+  const double readout_s = 0.033;
+  for (const int seed : {4, 7, 11}) {
+    const TempFolder folder;
+    Simulate(folder / "in", 150, 4, seed, 0, {"--readout_s=" + std::to_string(readout_s)});
+    Succeeded(RunProgram("surfit_slam", {"--sequence=" + folder / "in", "--nocalibrate",
+                                         "--output=" + folder / "out", "--pictures=false"}));
+    Succeeded(
+        RunProgram("surfit_refine", {"--run=" + folder / "out", "--prior_readout_s=0.03"}));
+    const auto json = nlohmann::json::parse(ReadBytes(folder / "out/refined/refinement.json"));
+    const double found = json["calibration"]["after"]["readout_s"];
+    const double sigma = json["calibration"]["standard_deviations"]["readout_s"];
+    const double before = json["ate_rmse_m"]["before"], after = json["ate_rmse_m"]["after"];
+    std::printf("seed %d: readout %.1f +- %.1f ms, ATE %.2f -> %.2f mm\n", seed, 1000 * found,
+                1000 * sigma, 1000 * before, 1000 * after);
+    EXPECT_NEAR(found, readout_s, 3 * sigma);
+    EXPECT_LT(sigma, readout_s / 10);
+    EXPECT_LT(after, before);
+    EXPECT_NEAR(ReadCameraYaml(folder / "out/refined/camera.yaml").readout_s, found, 1e-9);
+  }
+}
+
 TEST(RefineTool, FindsAWrongCalibrationAndAThirdOfTheErrorIsLeft) {
   for (const int seed : {4, 7, 11}) {
     const TempFolder folder;

@@ -63,6 +63,7 @@ void AddCalibrationRows(const RefineRunSummary& s, std::vector<Row>* rows) {
     add(Concat("inverse depth c", i, ", 1/m"), a.field.coefficients[i], b.field.coefficients[i],
         static_cast<int>(4 + i));
   }
+  add("readout, s", a.readout_s, b.readout_s, static_cast<int>(4 + InverseDepthField::kSize));
 }
 
 // Whether the calibration is another one, and how it was told.

@@ -63,11 +63,13 @@ struct InverseDepthField {
 struct DepthCalibration {
   PinholeCamera camera;     // size in px, fx fy cx cy; no distortion
   InverseDepthField field;  // by the rays of this camera
+  double readout_s = 0;     // of a rolling shutter: RgbdCamera
 };
 
 inline bool AreSame(const DepthCalibration& a, const DepthCalibration& b) {
   return a.camera.fx == b.camera.fx && a.camera.fy == b.camera.fy && a.camera.cx == b.camera.cx &&
-         a.camera.cy == b.camera.cy && a.field.coefficients == b.field.coefficients;
+         a.camera.cy == b.camera.cy && a.field.coefficients == b.field.coefficients &&
+         a.readout_s == b.readout_s;
 }
 
 // Where a point in the camera's frame, in metres, that was measured by one calibration lies by

@@ -6,18 +6,28 @@
 #include "surfit/core/image.h"
 #include "surfit/frame/preprocess.h"
 #include "surfit/frame/rgbd_frame.h"
+#include "surfit/frame/rolling_shutter.h"
 #include "surfit/geometry/rigid3.h"
 #include "surfit/geometry/trajectory.h"
 
 namespace surfit {
 
-// One frame's images as refinement needs them, all of one size: none depends on the calibration.
+// How the rows of a rolling shutter's image were brought to the middle of its readout: by the
+// camera's motion, as if that took so long.
+struct KeyframeReadout {
+  CameraMotion motion;
+  double readout_s = 0;
+};
+
+// One frame's images as refinement needs them, all of one size: none depends on the calibration,
+// but for its readout as given.
 struct KeyframeImages {
   Image<float> inverse_depth;  // 1/m, as measured; 0 = missing
   Image<float> slope_u,
       slope_v;             // of inverse depth along rows and columns, 1/m per px; NaN = missing
   DepthNoise noise;        // of the depth
   Image<float> intensity;  // from 0 to 1, smoothed; NaN where unknown; empty without colours
+  KeyframeReadout readout;
 };
 
 // A frame whose pose is refined.
@@ -26,13 +36,14 @@ struct RefinementKeyframe {
   KeyframeImages images;
 };
 
-// The images of a frame of that sensor. The slopes are those of the surface that the normals of
+// The images of a frame of that sensor, as of the middle of its readout while the camera moved so.
+// The slopes are those of the surface that the normals of
 // preprocessing tell, over a window: with the plane n . X = d, 1/z = n . ray / d, so that 1/z
 // grows by n_x / (fx d) per column and n_y / (fy d) per row. Inverse depth itself is not filtered:
 // the errors of its pixels are independent, as the covariance takes them to be, and nothing is
 // smoothed where a surface bends.
 KeyframeImages MakeKeyframeImages(const RgbdFrame& frame, const DepthSensor& sensor,
-                                  const PreprocessOptions& options);
+                                  const CameraMotion& motion, const PreprocessOptions& options);
 
 // Whether the camera has moved from one pose to the other by more than these.
 bool HasMoved(const Rigid3d& a, const Rigid3d& b, double min_translation_m,

@@ -19,7 +19,7 @@ class OptionVisitor;
 // What is known of the given calibration, where that is not what the sensor says
 // (RgbdCamera::prior).
 struct PriorOptions {
-  std::optional<double> focal_share, aspect_share, center_px, inverse_depth_sigma;
+  std::optional<double> focal_share, aspect_share, center_px, inverse_depth_sigma, readout_s;
 
   // The sensor's prior, but for what is given here.
   CalibrationPrior Over(CalibrationPrior sensor) const;
@@ -44,6 +44,7 @@ struct RefinementOptions {
   bool free_intrinsics = true;    // fx fy cx cy
   bool free_depth_offset = true;  // of inverse depth: c0 of InverseDepthField
   bool free_depth_field = true;   // its other coefficients
+  bool free_readout = true;       // of a rolling shutter, where keyframes have a motion
   PriorOptions prior;             // what is not given: CalibrationPrior's defaults
 
   // A keyframe's image has so many columns of square cells; it has at most one surfel in each.
@@ -65,7 +66,7 @@ struct RefinementOptions {
   double calibration_sigmas = 3;
   // What the model leaves out (steps of disparity, bent surfaces, depth that is wrong at edges)
   // shifts what is found, however many pixels agree: fx fy cx cy by about this share of the focal
-  // length, depth by this share of 3 m. It is part of the calibration's covariance.
+  // length, depth by this share of 3 m, the readout by this share of a second. It is part of the calibration's covariance.
   double model_error_share = 0.0005;
   // And with it, observation_angle_rad and the kernel's width are these shares of themselves: what
   // is left over of single pixels is about half a sigma. What bends, or is next to a surface, would
@@ -129,8 +130,8 @@ struct RefinementRound {
 struct RefinementSummary {
   RefinementTermination termination = RefinementTermination::kFailed;
   DepthCalibration calibration;  // as it was given where refinement failed, or where it is kept
-  // Of fx fy cx cy [px] and c0 .. c5 [1/m], 10 x 10, zero of those that were held; empty where
-  // refinement failed. From the size of what is left over in the end, the errors of surfels that
+  // Of fx fy cx cy [px], c0 .. c5 [1/m] and the readout [s], 11 x 11, zero of those that were held;
+  // empty where refinement failed. From the size of what is left over in the end, the errors of surfels that
   // are correlation_px apart being independent, and from the error of the model.
   Eigen::MatrixXd calibration_covariance;
   // The squared distance, by this covariance, of the calibration that was found from the given one,
