@@ -31,6 +31,7 @@ struct ViewError {
   double depth_error_median_m = 0, depth_error_mean_m = 0;
 };
 
+// A view of the map, and how far it is from the frame.
 struct JudgedView {
   int frame = 0;  // index
   ViewError error;
