@@ -74,7 +74,7 @@ TEST(SequenceTable, NamesEveryField) {
 TEST(PriorTable, NamesEveryField) {
   [[maybe_unused]] auto [focal_share, aspect_share, center_px, inverse_depth_sigma, readout_s] =
       PriorOptions();
-  ExpectAll<PriorOptions>(4);
+  ExpectAll<PriorOptions>(5);
 }
 
 TEST(PriorOptions, TakeFromTheSensorWhatIsNotGiven) {
