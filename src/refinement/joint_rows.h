@@ -78,7 +78,8 @@ class PlaneSight {
     const auto& c = calibration.field.coefficients;
     const double by_x = c[1] + 2 * c[3] * x + c[4] * y - normal_at_row_.x() * inverse_distance;
     const double by_y = c[2] + c[4] * x + 2 * c[5] * y - normal_at_row_.y() * inverse_distance;
-    const Eigen::Vector3d flow = motion_.turn.cross(ray_) + PlaneInverse(displacement) * motion_.way;
+    const Eigen::Vector3d flow =
+        motion_.turn.cross(ray_) + PlaneInverse(displacement) * motion_.way;
     const PinholeCamera& camera = calibration.camera;
     JointRow row;
     row.residual = Residual(displacement);

@@ -73,7 +73,8 @@ void RefinementOptions::Visit(OptionVisitor& v) {
         "this many standard deviations",
         AtLeast(0));
   v.Add(model_error_share, "model_error_share",
-        "error of the model, as a share of focal length, depth and a second of readout", AtLeast(0));
+        "error of the model, as a share of focal length, depth and a second of readout",
+        AtLeast(0));
   v.Add(kept_angle_share, "kept_angle_share",
         "observation_angle_rad shrinks to this share with a kept one", Positive(), Between(0, 1));
   v.Add(kept_kernel_share, "kept_kernel_share", "and the robust kernel's width to this", Positive(),

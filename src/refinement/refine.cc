@@ -141,9 +141,9 @@ bool FindsCalibration(const RefinementOptions& options) {
 // The options without what these keyframes cannot tell.
 RefinementOptions ThatTell(RefinementOptions options,
                            const std::vector<RefinementKeyframe>& keyframes) {
-  options.free_readout &= std::any_of(
-      keyframes.begin(), keyframes.end(),
-      [](const RefinementKeyframe& k) { return !k.images.readout.motion.IsZero(); });
+  options.free_readout &=
+      std::any_of(keyframes.begin(), keyframes.end(),
+                  [](const RefinementKeyframe& k) { return !k.images.readout.motion.IsZero(); });
   return options;
 }
 

@@ -153,10 +153,10 @@ RunKeyframes ReadRunKeyframes(const RefineRunOptions& options) {
       continue;
     }
     run.poses.push_back(*pose);
-    run.keyframes.push_back({run.trajectory[*pose].world_from_camera,
-                             MakeKeyframeImages(*read->frame, run.info.sensor(),
-                                                MotionAt(run.trajectory, read->frame->stamp_s),
-                                                options.preprocess)});
+    run.keyframes.push_back(
+        {run.trajectory[*pose].world_from_camera,
+         MakeKeyframeImages(*read->frame, run.info.sensor(),
+                            MotionAt(run.trajectory, read->frame->stamp_s), options.preprocess)});
   }
   if (run.keyframes.empty()) {
     throw InputError(Concat(options.trajectory, " has no pose at a stamp of a frame of ",

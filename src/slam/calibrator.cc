@@ -106,8 +106,8 @@ Calibrator::Outcome Calibrator::Run(const Frames& frames, const std::vector<Came
   const TraceSlice slice("calibrate");
   std::vector<RefinementKeyframe> keyframes;
   for (std::size_t k = 0; k < frames.size(); ++k) {
-    keyframes.push_back({world_from_keyframe[k],
-                         MakeKeyframeImages(*frames[k], sensor_, motions[k], preprocess_)});
+    keyframes.push_back(
+        {world_from_keyframe[k], MakeKeyframeImages(*frames[k], sensor_, motions[k], preprocess_)});
   }
   Outcome outcome;
   outcome.summary = Refine(options_.refinement, Subsampled(given_), Subsampled(start), &keyframes,

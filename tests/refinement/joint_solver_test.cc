@@ -39,8 +39,8 @@ double CeresCost(const RandomProblem& problem) {
     const SharedSurfel& surfel = problem.shared.surfels[s];
     for (std::size_t i = surfel.begin; i < surfel.end; ++i) {
       const PlaneObservation& o = problem.shared.observations[i];
-      const RowMotion motion = MotionOf(o, problem.shared.readouts[o.keyframe],
-                                        problem.state.calibration.camera.height);
+      const RowMotion motion =
+          MotionOf(o, problem.shared.readouts[o.keyframe], problem.state.calibration.camera.height);
       ceres_problem.AddResidualBlock(
           new Plane(new PlaneInverseDepth(o.u, o.v, o.inverse_depth, 1. / o.inverse_sigma,
                                           surfel.point_in_world, surfel.normal_in_world, motion)),

@@ -70,11 +70,11 @@ class FullMaker {
   void AddPlane(std::size_t s, const SurfelNumbers& best, std::size_t i) {
     const SharedSurfel& surfel = problem_.shared.surfels[s];
     const PlaneObservation& o = problem_.shared.observations[i];
-    const RowMotion motion = MotionOf(o, problem_.shared.readouts[o.keyframe],
-                                      problem_.state.calibration.camera.height);
-    const PlaneFunctor functor(
-        new PlaneInverseDepth(o.u, o.v, o.inverse_depth, 1. / o.inverse_sigma,
-                              surfel.point_in_world, surfel.normal_in_world, motion));
+    const RowMotion motion =
+        MotionOf(o, problem_.shared.readouts[o.keyframe], problem_.state.calibration.camera.height);
+    const PlaneFunctor functor(new PlaneInverseDepth(o.u, o.v, o.inverse_depth,
+                                                     1. / o.inverse_sigma, surfel.point_in_world,
+                                                     surfel.normal_in_world, motion));
     Add(functor, o.keyframe, s, best.displacement, nullptr, kernels_.plane);
   }
 

@@ -95,8 +95,7 @@ TEST(RefineTool, FindsTheReadout) {
     Simulate(folder / "in", 150, 4, seed, 0, {"--readout_s=" + std::to_string(readout_s)});
     Succeeded(RunProgram("surfit_slam", {"--sequence=" + folder / "in", "--nocalibrate",
                                          "--output=" + folder / "out", "--pictures=false"}));
-    Succeeded(
-        RunProgram("surfit_refine", {"--run=" + folder / "out", "--prior_readout_s=0.03"}));
+    Succeeded(RunProgram("surfit_refine", {"--run=" + folder / "out", "--prior_readout_s=0.03"}));
     const auto json = nlohmann::json::parse(ReadBytes(folder / "out/refined/refinement.json"));
     const double found = json["calibration"]["after"]["readout_s"];
     const double sigma = json["calibration"]["standard_deviations"]["readout_s"];

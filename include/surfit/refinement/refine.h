@@ -66,7 +66,8 @@ struct RefinementOptions {
   double calibration_sigmas = 3;
   // What the model leaves out (steps of disparity, bent surfaces, depth that is wrong at edges)
   // shifts what is found, however many pixels agree: fx fy cx cy by about this share of the focal
-  // length, depth by this share of 3 m, the readout by this share of a second. It is part of the calibration's covariance.
+  // length, depth by this share of 3 m, the readout by this share of a second. It is part of the
+  // calibration's covariance.
   double model_error_share = 0.0005;
   // And with it, observation_angle_rad and the kernel's width are these shares of themselves: what
   // is left over of single pixels is about half a sigma. What bends, or is next to a surface, would
@@ -131,8 +132,8 @@ struct RefinementSummary {
   RefinementTermination termination = RefinementTermination::kFailed;
   DepthCalibration calibration;  // as it was given where refinement failed, or where it is kept
   // Of fx fy cx cy [px], c0 .. c5 [1/m] and the readout [s], 11 x 11, zero of those that were held;
-  // empty where refinement failed. From the size of what is left over in the end, the errors of surfels that
-  // are correlation_px apart being independent, and from the error of the model.
+  // empty where refinement failed. From the size of what is left over in the end, the errors of
+  // surfels that are correlation_px apart being independent, and from the error of the model.
   Eigen::MatrixXd calibration_covariance;
   // The squared distance, by this covariance, of the calibration that was found from the given one,
   // and beyond which the given one is not kept. Both 0 if nothing was free.
