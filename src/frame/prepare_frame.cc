@@ -118,14 +118,14 @@ RgbdFrame FramePreparer::Prepare(const RawDepth& depth, Image<Rgb8> color) const
 
 void CorrectDepth(const PinholeCamera& camera, const InverseDepthField& field,
                   Image<float>* depth_m) {
-  const auto& [c0, c1, c2, c3, c4, c5] = field.coefficients;
+  const auto& c = field.coefficients;
   const auto correct_row = [&, depth_m](int v) {
     const double y = (v - camera.cy) / camera.fy;
-    const double at_0 = c0 + (c2 + c5 * y) * y, slope = c1 + c4 * y;
+    const double at_0 = c[0] + (c[2] + c[5] * y) * y, slope = c[1] + c[4] * y;
     float* const row = &(*depth_m)(0, v);
     for (int u = 0; u < depth_m->width(); ++u) {
       const double x = (u - camera.cx) / camera.fx, z = row[u];
-      const double share = 1 + z * (at_0 + (slope + c3 * x) * x);
+      const double share = 1 + z * (at_0 + (slope + c[3] * x) * x);
       row[u] = share > InverseDepthField::kLeastInverse * z ? static_cast<float>(z / share) : 0.f;
     }
   };

@@ -1,10 +1,13 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <opencv2/core.hpp>
 #include <vector>
 
 #include "core/read_file.h"
 #include "io/folder.h"
+#include "io/text.h"
+#include "io/yaml.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
@@ -13,43 +16,50 @@
 namespace surfit {
 namespace {
 
-// One node of the file with the words to complain about it.
+// One node of the file, if it is there, with the words to complain about it.
 class Node {
  public:
-  Node(const cv::FileNode& node, const std::string& name) : node_(node), name_(name) {}
+  Node(const YamlNode* node, const std::string& name) : node_(node), name_(name) {}
 
-  bool Exists() const { return !node_.empty() && !node_.isNone(); }
-  Node operator[](const std::string& key) const { return Node(node_[key], name_ + ": " + key); }
+  bool Exists() const { return node_ != nullptr && node_->kind != YamlNode::Kind::kNothing; }
+  Node operator[](const std::string& key) const {
+    return Node(node_ == nullptr ? nullptr : node_->Find(key), name_ + ": " + key);
+  }
 
   void RequireKeysAmong(const std::vector<std::string>& known) const {
-    if (!node_.isMap()) throw InputError(name_ + " must be a map of keys to values");
-    for (const std::string& key : node_.keys()) {
+    if (!Exists() || node_->kind != YamlNode::Kind::kMap)
+      throw InputError(name_ + " must be a map of keys to values");
+    for (const std::string& key : node_->keys) {
       if (std::find(known.begin(), known.end(), key) == known.end())
         throw InputError(Concat(name_, ": '", key, "' is no known key"));
     }
   }
   double Number() const {
     if (!Exists()) throw InputError(name_ + " is missing");
-    if (!node_.isInt() && !node_.isReal()) throw InputError(name_ + " must be a number");
-    if (!std::isfinite(node_.real())) throw InputError(name_ + " must be a finite number");
-    return node_.real();
+    if (node_->kind != YamlNode::Kind::kScalar) throw InputError(name_ + " must be a number");
+    try {
+      return FiniteNumber(node_->scalar);
+    } catch (const InputError& error) {
+      throw InputError(Concat(name_, " must be a number: ", error.what()));
+    }
   }
   int Integer() const {
-    if (Exists() && !node_.isInt()) throw InputError(name_ + " must be an integer");
-    return static_cast<int>(Number());
+    const double number = Number();
+    if (number != std::floor(number) || std::abs(number) > std::numeric_limits<int>::max())
+      throw InputError(name_ + " must be an integer");
+    return static_cast<int>(number);
   }
   template <std::size_t kSize>
   std::array<double, kSize> Numbers() const {
-    if (!node_.isSeq() || node_.size() != kSize)
+    if (!Exists() || node_->kind != YamlNode::Kind::kList || node_->values.size() != kSize)
       throw InputError(Concat(name_, " must be a list of ", kSize, " numbers"));
     std::array<double, kSize> numbers;
-    for (std::size_t i = 0; i < kSize; ++i)
-      numbers[i] = Node(node_[static_cast<int>(i)], name_).Number();
+    for (std::size_t i = 0; i < kSize; ++i) numbers[i] = Node(&node_->values[i], name_).Number();
     return numbers;
   }
 
  private:
-  cv::FileNode node_;
+  const YamlNode* node_;
   std::string name_;
 };
 
@@ -177,7 +187,7 @@ void WritePrior(cv::FileStorage& file, CalibrationPrior prior) {
   file << "}";
 }
 
-// OpenCV reads lists and maps within others by recursion: a camera has a dozen.
+// Lists and maps within others are read by recursion: a camera has a dozen.
 std::string ReadShallowText(const std::string& path) {
   constexpr std::size_t kMost = 1 << 16;  // bytes, of which 360 levels can be indented
   constexpr int kMostOpened = 200;
@@ -186,40 +196,26 @@ std::string ReadShallowText(const std::string& path) {
   int opened = 0;
   for (std::size_t i = 0; i + 1 < text.size(); ++i) {
     const char c = text[i];
-    opened += c == '[' || c == '{' || c == '<' || (c == '-' && text[i + 1] == ' ');
+    opened += c == '[' || c == '{' || (c == '-' && text[i + 1] == ' ');
   }
   if (opened <= kMostOpened) return text;
   throw InputError(
       Concat(path, " has ", opened, " lists and maps, must have at most ", kMostOpened));
 }
 
-// What `read` makes of the file's root.
-template <typename Read>
-auto WithFile(const std::string& path, const Read& read) {
-  const std::string text = ReadShallowText(path);
-  cv::FileStorage file;
-  try {
-    file.open(text, cv::FileStorage::READ | cv::FileStorage::MEMORY);
-    if (!file.isOpened()) throw InputError(path + " cannot be read");
-    return read(Node(file.root(), path));
-  } catch (const cv::Exception& error) {
-    throw InputError(path + " is not a YAML file as OpenCV reads it: " + error.err);
-  }
-}
-
 }  // namespace
 
 RgbdCamera ReadCameraYaml(const std::string& path) {
-  return WithFile(path, [&](const Node& root) { return ReadCamera(root, path); });
+  const YamlNode root = ParseYaml(ReadShallowText(path), path);
+  return ReadCamera(Node(&root, path), path);
 }
 
 InverseDepthField ReadInverseDepthField(const std::string& path) {
-  return WithFile(path, [](const Node& root) {
-    InverseDepthField field;
-    const Node node = root["inverse_depth_field"];
-    if (node.Exists()) field.coefficients = node.Numbers<InverseDepthField::kSize>();
-    return field;
-  });
+  const YamlNode root = ParseYaml(ReadShallowText(path), path);
+  InverseDepthField field;
+  const Node node = Node(&root, path)["inverse_depth_field"];
+  if (node.Exists()) field.coefficients = node.Numbers<InverseDepthField::kSize>();
+  return field;
 }
 
 void WriteCameraYaml(const RgbdCamera& camera, const std::string& path,

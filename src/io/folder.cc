@@ -3,11 +3,15 @@
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
+#include <limits>
 
 #include "core/read_file.h"
 #include "surfit/core/error.h"
 
 namespace surfit {
+
+namespace fs = std::filesystem;
+
 namespace {
 
 bool HasNameEnding(const std::string& folder, const std::string& ending) {
@@ -36,9 +40,15 @@ std::string DetectFolderFormat(const std::string& folder) {
       "(seven_scenes), depth/ (redwood), results/ with traj.txt (replica)"));
 }
 
-}  // namespace
+// How many folders above that of a sequence its relative path leads to; many if it is absolute.
+int Beyond(const fs::path& path) {
+  if (path.is_absolute()) return std::numeric_limits<int>::max();
+  int above = 0;
+  for (const fs::path& part : path.lexically_normal()) above += part == "..";
+  return above;
+}
 
-namespace fs = std::filesystem;
+}  // namespace
 
 std::vector<std::string> NamesIn(const std::string& folder) {
   std::vector<std::string> names;
@@ -80,14 +90,19 @@ std::optional<long> NumberInName(const std::string& name) {
   return number;
 }
 
-std::string FollowTextLink(const std::string& path) {
+std::string FollowTextLink(const std::string& folder, const std::string& name) {
   constexpr std::uintmax_t kLongestLink = 4096;
-  const fs::path folder = fs::path(path).parent_path();
-  if (!IsFile(folder.string()) || fs::file_size(folder) > kLongestLink) return path;
-  std::string target = ReadFile(folder.string());
+  const fs::path path = fs::path(folder) / name, link = path.parent_path();
+  if (!IsFile(link.string()) || fs::file_size(link) > kLongestLink) return path.string();
+  std::string target = ReadFile(link.string());
   while (!target.empty() && (target.back() == '\n' || target.back() == '\r')) target.pop_back();
-  const fs::path linked = folder.parent_path() / target;
-  return IsFolder(linked.string()) ? (linked / fs::path(path).filename()).string() : path;
+  const fs::path at_sequence = fs::path(name).parent_path().parent_path() / target;
+  if (Beyond(at_sequence) > 1) {
+    throw InputError(Concat(link.string(), ": the link to '", target,
+                            "' leads beyond the folders beside the sequence's"));
+  }
+  const fs::path linked = fs::path(folder) / at_sequence;
+  return IsFolder(linked.string()) ? (linked / path.filename()).string() : path.string();
 }
 
 const std::vector<std::string>& SequenceFormats() {

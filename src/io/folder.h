@@ -19,10 +19,12 @@ bool EndsWith(const std::string& name, const std::string& ending);
 // The value of the first run of digits in a file's name, if any: 12 for frame-000012.color.png.
 std::optional<long> NumberInName(const std::string& name);
 
-// The path after following its folder if this is a link written out as text: where links are
-// unknown (archives, some file systems, git without them), a link to a folder becomes a small file
-// that holds the folder's relative path.
-std::string FollowTextLink(const std::string& path);
+// The path of a file that a sequence's list names, relative to its folder, after following the
+// file's folder if this is a link written out as text: where links are unknown (archives, some file
+// systems, git without them), a link to a folder becomes a small file that holds the folder's
+// relative path. Data sets share images so. Throws InputError naming the link if it leads beyond
+// the folders beside the sequence's.
+std::string FollowTextLink(const std::string& folder, const std::string& name);
 
 // The names that a sequence's format may have: tum, icl_nuim, seven_scenes, redwood,
 // replica (folders), klg and sens (files), watch (a folder that is being filled).

@@ -23,8 +23,8 @@ struct ImageSize {
 // cannot ask for all memory.
 void RequireUsualSize(ImageSize size, const std::string& path);
 
-// Image files of any kind that OpenCV reads. All throw InputError naming the file if it is
-// missing, truncated, damaged (as far as its kind can tell) or of another kind.
+// Image files: PNG, JPEG, TIFF, PGM or PPM, of a gigabyte at most. All throw InputError naming the
+// file if it is missing, truncated, damaged (as far as its kind can tell) or of another kind.
 
 // 16-bit counts or 32-bit float metres of one channel.
 RawDepth ReadDepthImage(const std::string& path);
@@ -37,15 +37,19 @@ Image<Rgb8> DecodeColorImage(const std::string& bytes, const std::string& path);
 
 bool IsJpeg(const std::string& bytes);
 
-// The size that the header claims. Throws InputError naming `path` if it has none, or an absurd
-// one.
+// The size that the header of an image of any of these kinds claims. Throws InputError naming
+// `path` if it is none of them, or claims an absurd size or more pixels than so few bytes can hold.
+ImageSize ClaimedSize(const std::string& bytes, const std::string& path);
+
+// The same of a JPEG, however many bytes of it there are.
 ImageSize JpegSize(const std::string& bytes, const std::string& path);
 
 // Throws InputError naming `path` unless the picture is whole: decoders make up what is missing of
 // a truncated or damaged one and only warn, and here a warning is an error.
 Image<Rgb8> DecodeJpeg(const std::string& bytes, const std::string& path);
 
-// quality from 1 to 100; colour is kept at full resolution.
+// quality from 1 to 100; colour is kept at full resolution. Throws InputError, as where memory is
+// missing.
 std::string EncodeJpeg(const Image<Rgb8>& image, int quality);
 
 bool IsPng(const std::string& bytes);
@@ -54,8 +58,8 @@ bool IsPng(const std::string& bytes);
 // checksums right (PNG specification, 5.3), so that no decoder gets to guess.
 void RequireWholePng(const std::string& bytes, const std::string& path);
 
-// The size that the header of such a file claims. Throws InputError naming `path` if it has none,
-// or an absurd one.
+// The size that the header of such a file claims, however many bytes of it there are. Throws
+// InputError naming `path` if it has none, or an absurd one.
 ImageSize PngSize(const std::string& bytes, const std::string& path);
 
 }  // namespace surfit

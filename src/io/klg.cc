@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <new>
 #include <optional>
 #include <utility>
 
@@ -130,6 +131,7 @@ std::string Deflated(const std::string& raw) {
   std::string bytes(size, '\0');
   const int result = compress(reinterpret_cast<Bytef*>(bytes.data()), &size,
                               reinterpret_cast<const Bytef*>(raw.data()), raw.size());
+  if (result == Z_MEM_ERROR) throw std::bad_alloc();
   CHECK_EQ(result, Z_OK);
   bytes.resize(size < raw.size() ? size : 0);
   return bytes;

@@ -170,6 +170,39 @@ void ValidateFigures(RgbdCamera camera) {
   }
 }
 
+// A folder's camera.yaml; of a file F.klg it is F.klg.yaml.
+std::string OwnCameraFile(const SequenceOptions& options, const std::string& format) {
+  return options.path + (IsFileFormat(format) ? ".yaml" : "/camera.yaml");
+}
+
+std::string DepthFigures(const RgbdCamera& camera) {
+  const PinholeCamera& c = camera.depth;
+  std::string text = Concat(c.fx, " ", c.fy, " ", c.cx, " ", c.cy, " px");
+  if (c.HasDistortion()) {
+    text += ", distorted by";
+    for (const double number : c.distortion) text += Concat(" ", number);
+  }
+  return Concat(text, ", ", camera.depth_units_per_metre, " units of depth a metre");
+}
+
+// What the user should know where the sequence's own file tells another camera. It may be no
+// camera's at all, which is why another one is given.
+void AddOverrideWarning(const SequenceOptions& options, const std::string& own,
+                        const RgbdCamera& camera, std::vector<std::string>* warnings) {
+  std::string told;
+  try {
+    if (HasFile(own)) told = DepthFigures(ReadCameraYaml(own));
+  } catch (const InputError& error) {
+    told = error.what();
+  }
+  const std::string taken = DepthFigures(camera);
+  if (told.empty() || told == taken) return;
+  const bool is_named = !options.camera.empty() && !options.intrinsics;
+  warnings->push_back(Concat("the depth camera is ", taken, ", as ",
+                             is_named ? options.camera + " says" : "given", "; ", own, " says ",
+                             told));
+}
+
 }  // namespace
 
 RgbdCamera ResolveCamera(const SequenceOptions& options, const std::string& format,
@@ -185,6 +218,7 @@ RgbdCamera ResolveCamera(const SequenceOptions& options, const std::string& form
   if (options.readout_s) camera.readout_s = *options.readout_s;
   OverrideColor(options, &camera);
   ValidateFigures(camera);
+  AddOverrideWarning(options, OwnCameraFile(options, format), camera, warnings);
   return camera;
 }
 
@@ -200,8 +234,7 @@ void DropLatency(const SequenceOptions& options, RgbdCamera* camera) {
 std::string CameraFile(const SequenceOptions& options, const std::string& format) {
   if (std::filesystem::path(options.camera).extension() == ".yaml") return options.camera;
   if (!options.camera.empty()) return "";
-  // A folder's camera.yaml; of a file F.klg it is F.klg.yaml.
-  const std::string yaml = options.path + (IsFileFormat(format) ? ".yaml" : "/camera.yaml");
+  const std::string yaml = OwnCameraFile(options, format);
   return HasFile(yaml) ? yaml : "";
 }
 

@@ -25,7 +25,7 @@ StampedFile ParseStampedFile(const TextRow& row, int column, const std::string& 
   if (normal.is_absolute() || *normal.begin() == "..") {
     throw InputError(Concat(row.place, ": '", name, "' leaves the folder of the sequence"));
   }
-  return {ParseNumber(row.columns[column], row.place), FollowTextLink(folder + "/" + name)};
+  return {ParseNumber(row.columns[column], row.place), FollowTextLink(folder, name)};
 }
 
 void RequireColumns(const TextRow& row, std::size_t count, const char* meaning) {

@@ -222,6 +222,51 @@ TEST(CameraYaml, NamesFileAndKeyOfWhatIsWrong) {
   ExpectErrorAfterReplacing("5000.", "5000.\nprior: { focus: 1. }", "'focus' is no known key");
 }
 
+TEST(CameraYaml, MayHaveBlocksCommentsQuotesAndLinesWithinBrackets) {
+  const TempFolder folder;
+  const std::string path = folder.Write("camera.yaml",
+                                        "# as by hand\r\n"
+                                        "depth_camera:   # in blocks\n"
+                                        "  width: 640\n"
+                                        "  height: 480\n\n"
+                                        "  'fx': 525\n"
+                                        "  \"fy\": 5.26e+2\n"
+                                        "  cx: 319.5\n"
+                                        "  cy: 239.5\n"
+                                        "  distortion:\n"
+                                        "  - 0.1\n"
+                                        "  - -.2\n"
+                                        "  - 0\n"
+                                        "  - 0\n"
+                                        "  - 0\n"
+                                        "inverse_depth_field: [ 1., 2.,  # three\n"
+                                        "3, 4,\n"
+                                        "  5, 6 ]\n"
+                                        "depth_units_per_metre: 1000.\n"
+                                        "...\n"
+                                        "after the end");
+  const RgbdCamera camera = ReadCameraYaml(path);
+  EXPECT_EQ(camera.depth.fx, 525);
+  EXPECT_EQ(camera.depth.fy, 526);
+  EXPECT_EQ(camera.depth.distortion, (std::array<double, 5>{0.1, -0.2, 0, 0, 0}));
+  EXPECT_EQ(camera.depth_units_per_metre, 1000);
+  EXPECT_THAT(ReadInverseDepthField(path).coefficients, ElementsAre(1, 2, 3, 4, 5, 6));
+}
+
+TEST(CameraYaml, TellsTheLineOfWhatIsNoYaml) {
+  ExpectErrorAfterReplacing("5000.", "5000.\n latency_s: 0.", "camera.yaml:7 is not YAML");
+  ExpectErrorAfterReplacing("5000.", "5000. 1.", "must be a number");
+  ExpectErrorAfterReplacing("5000.", "[ 5000. ] 1.", ":6 is not YAML as a camera needs it: it has");
+  ExpectErrorAfterReplacing("0., 0., 0. ],", "0. 0., 0. ],", "must be a list of 3 numbers");
+  ExpectErrorAfterReplacing("fx: 525., fy", "fx: 525. fy", "fx must be a number");
+  ExpectErrorAfterReplacing("1. ] }", "1. ]", "it has no comma between values");
+  ExpectErrorAfterReplacing("fx: 525.", "fx: 525., fx: 525.", "the key 'fx' once more");
+  ExpectErrorAfterReplacing("5000.\n", "'5000.\n", "it ends within quotation marks");
+  std::string many = "5000.";
+  for (int i = 0; i < 200; ++i) many += "\nkey" + std::to_string(i) + ": 1";
+  ExpectErrorAfterReplacing("5000.", many, "it has too many keys");
+}
+
 TEST(CameraYaml, RefusesWhatIsNotFiniteNestedTooDeeplyOrTooLong) {
   const TempFolder dir;
   const std::string path = dir.path() + "/camera.yaml";
@@ -236,6 +281,7 @@ TEST(CameraYaml, RefusesWhatIsNotFiniteNestedTooDeeplyOrTooLong) {
   std::string dashes = "depth_camera:\n  ";
   for (int i = 0; i < 20000; ++i) dashes += "- ";
   refuse(dashes + "1\n", "lists and maps, must have at most 200");
+  refuse("depth_camera:\n   : 1.\n", ":4 is not YAML as a camera needs it: it has no key");
   WriteBytes(path, "%YAML:1.0\n---\ninverse_depth_field: [ .Nan, 0., 0., 0., 0., 0. ]\n");
   ExpectInputError([&] { ReadInverseDepthField(path); }, HasSubstr("inverse_depth_field must be"));
 }

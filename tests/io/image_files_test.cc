@@ -2,8 +2,10 @@
 
 #include <random>
 
+#include "testing/largest_allocation.h"
 #include "testing/matchers.h"
 #include "testing/pixels.h"
+#include "testing/recordings.h"
 #include "testing/sequence_writer.h"
 #include "testing/temp_folder.h"
 
@@ -106,6 +108,43 @@ void ExpectTruncatedDepthIsRefusedOrWhole(const std::string& path) {
     }
   }
   EXPECT_GT(refused, static_cast<int>(bytes.size()) - 10);
+}
+
+// A few bytes that claim 256 million pixels, before any memory is taken for them.
+TEST(DecodeDepthImage, RefusesMorePixelsThanBytesCanHold) {
+  const auto entry = [](int tag, int type, int value) {
+    return LittleEndian(static_cast<std::int16_t>(tag), static_cast<std::int16_t>(type), 1, value);
+  };
+  const std::string tiff = "II*" + LittleEndian('\0', 8, std::int16_t{2});
+  std::string png = EncodedBytes(NumberedColor(0), ".png"),
+              jpeg = EncodedBytes(NumberedColor(0), ".jpg");
+  png.replace(16, 8, std::string("\0\0\x3E\x80\0\0\x3E\x80", 8));
+  jpeg.replace(jpeg.find("\xFF\xC0") + 5, 4, "\x3E\x80\x3E\x80");
+  for (const std::string& bytes : {std::string("P5 16000#\n 16000 65535\n"),
+                                   tiff + entry(256, 3, 16000) + entry(257, 4, 16000), png, jpeg}) {
+    ResetLargestAllocation();
+    ExpectInputError([&] { ClaimedSize(bytes, "a.png"); }, HasSubstr("cannot hold 16000 x 16000"));
+    EXPECT_THROW(DecodeDepthImage(bytes, "a.png"), InputError);
+    EXPECT_THROW(DecodeColorImage(bytes, "a.png"), InputError);
+    EXPECT_LT(LargestAllocation(), 1u << 20);
+  }
+  ExpectInputError([&] { ClaimedSize(tiff + entry(256, 16, 1) + entry(257, 4, 1), "a.tiff"); },
+                   HasSubstr("its size is odd"));
+}
+
+TEST(DecodeColorImage, RefusesOtherKinds) {
+  for (const char* kind : {".bmp", ".webp", ".ras"}) {
+    ExpectInputError([&] { DecodeColorImage(EncodedBytes(NumberedColor(0), kind), "a.png"); },
+                     HasSubstr("neither PNG, JPEG, TIFF, PGM nor PPM"));
+  }
+}
+
+// As little as there may be: nothing but black, in one bit a pixel.
+TEST(ReadColorImage, GivesAPngOfOneBitAPixel) {
+  const TempFolder folder;
+  cv::imwrite(folder / "black.png", cv::Mat(480, 640, CV_8UC1, cv::Scalar(0)),
+              {cv::IMWRITE_PNG_BILEVEL, 1, cv::IMWRITE_PNG_COMPRESSION, 9});
+  EXPECT_EQ(ReadColorImage(folder / "black.png"), Image<Rgb8>(640, 480));
 }
 
 TEST(DecodeDepthImage, RefusesTruncatedDepth) {

@@ -120,6 +120,25 @@ TEST_F(OpenSequenceTest, ThePresetBeatsTheFolderAndFiguresBeatBoth) {
   EXPECT_FLOAT_EQ(source->Next()->frame->depth_m(15, 11), (1000 + (11 * 32 + 15) % 7) / 2000.f);
 }
 
+TEST_F(OpenSequenceTest, TellsWhereTheFolderSaysOtherwise) {
+  const std::string own = folder_.path() + "/camera.yaml says 31 30 15.5 11.5 px, 1000 units";
+  const auto warnings = [&] { return OpenSequence(options_)->info().warnings; };
+  options_.intrinsics = {31, 30, 15.5, 11.5};
+  EXPECT_THAT(warnings(), IsEmpty());
+  options_.intrinsics = {29, 28, 15, 11};
+  EXPECT_THAT(warnings(),
+              ElementsAre(AllOf(HasSubstr("the depth camera is 29 28 15 11 px"), HasSubstr(own))));
+  options_.intrinsics.reset();
+  options_.depth_units_per_metre = 500;
+  EXPECT_THAT(warnings(), Contains(AllOf(HasSubstr("500 units"), HasSubstr(own))));
+  options_.depth_units_per_metre.reset();
+  options_.camera = folder_.Write("other.yaml", SmallCameraYaml(33));
+  EXPECT_THAT(warnings(), ElementsAre(AllOf(HasSubstr("33 15.5 11.5 px"),
+                                            HasSubstr("other.yaml says"), HasSubstr(own))));
+  folder_.Write("camera.yaml", "no camera at all");
+  EXPECT_THAT(warnings(), ElementsAre(HasSubstr("camera.yaml says")));
+}
+
 TEST_F(OpenSequenceTest, WithoutAnyCameraATumFolderIsReadWithAWarning) {
   std::filesystem::remove(folder_ / "camera.yaml");
   for (int i = 0; i < 10; ++i) {
@@ -187,8 +206,8 @@ TEST_F(OpenSequenceTest, AnAbsurdDepthScaleIsWarnedAbout) {
   EXPECT_TRUE(OpenSequence(options_)->info().warnings.empty());
   options_.depth_units_per_metre = 10000;
   EXPECT_THAT(OpenSequence(options_)->info().warnings,
-              ElementsAre(AllOf(HasSubstr("depth/000.png"), HasSubstr("0.1003 m at 10000 units"),
-                                HasSubstr("more likely 1000"))));
+              Contains(AllOf(HasSubstr("depth/000.png"), HasSubstr("0.1003 m at 10000 units"),
+                             HasSubstr("more likely 1000"))));
 }
 
 // The warning about an image whose valid depth is mostly `count`, beside invalid codes.

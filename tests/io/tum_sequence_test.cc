@@ -94,6 +94,31 @@ TEST(TumSequence, FollowsAFolderLinkWrittenAsText) {
   EXPECT_EQ(results[1].frame->color, NumberedColor(1));
 }
 
+TEST(TumSequence, FollowsAFolderLinkToTheFolderBeside) {
+  const TempFolder folders;
+  TempFolder images, folder;
+  WriteTumSequence(images, 2);
+  WriteTumSequence(folder, 2);
+  std::filesystem::remove_all(folder / "rgb");
+  std::filesystem::rename(images.path(), folders / "images");
+  std::filesystem::rename(folder.path(), folders / "sequence");
+  folders.Write("sequence/rgb", "../images/rgb\n");
+  const auto results = ReadAll(OpenSequence(OptionsOf(folders / "sequence")).get());
+  ASSERT_EQ(results.size(), 2u);
+  EXPECT_EQ(results[1].frame->color, NumberedColor(1));
+}
+
+TEST(TumSequence, FollowsNoFolderLinkFarther) {
+  for (const std::string target : {"/", "../..", "depth/../../../depth", "../../depth", "/proc"}) {
+    const TempFolder folder;
+    WriteTumSequence(folder, 2);
+    std::filesystem::remove_all(folder / "rgb");
+    folder.Write("rgb", target + "\n");
+    ExpectInputError([&] { OpenSequence(Options(folder)); },
+                     HasSubstr("/rgb: the link to '" + target + "' leads beyond"));
+  }
+}
+
 TEST(TumSequence, NamesFileAndLineOfMalformedLists) {
   TempFolder folder;
   WriteTumSequence(folder, 2);

@@ -17,7 +17,7 @@ RgbdCamera CameraPreset(const std::string& name);
 
 std::vector<std::string> CameraPresetNames();
 
-// A camera as YAML (OpenCV FileStorage):
+// A camera as YAML (as OpenCV's FileStorage writes it):
 //   depth_camera: { width, height, fx, fy, cx, cy, distortion: [ k1, k2, p1, p2, k3 ] }   pixels
 //   color_camera: { the same keys }          only where colour is not registered to depth
 //   color_from_depth: { translation_m: [ x, y, z ], rotation_xyzw: [ x, y, z, w ] }
