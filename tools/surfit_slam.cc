@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdio>
+#include <iostream>
 #include <memory>
 
 #include "common/console.h"
@@ -89,6 +90,7 @@ void PrintCalibration(const SlamRunSummary& s, const std::string& output) {
                 sigma[3]);
   }
   std::printf("; all of it is in %s/camera.yaml\n", output.c_str());
+  if (!s.calibration_doubt.empty()) std::cerr << "warning: " << s.calibration_doubt << std::endl;
 }
 
 void PrintSummary(const SlamRunSummary& s, const SlamRunOptions& options) {

@@ -4,9 +4,12 @@
 #include <chrono>
 #include <vector>
 
+#include "core/repeated_warning.h"
+#include "run/failures.h"
 #include "run/output_files.h"
 #include "run/output_folder.h"
 #include "run/posed_views.h"
+#include "run/prior_doubt.h"
 #include "run/result_files.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
@@ -61,10 +64,13 @@ class RefineRun {
                                  [&](const RefinementRound& round) { Tell(round); });
     summary_.calibration =
         OfMeasuredDepth(run_.info, summary_.given.field, summary_.refinement.calibration);
-    if (summary_.refinement.Succeeded()) Apply();
+    if (summary_.refinement.Succeeded()) failures_.Try([&] { Apply(); });
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
     summary_.total_s = elapsed.count();
-    WriteRefinementJson(summary_, options_, options_.output + "/refinement.json");
+    summary_.failure = failures_.text();
+    failures_.Try(
+        [&] { WriteRefinementJson(summary_, options_, options_.output + "/refinement.json"); });
+    if (failures_.any()) throw InputError(failures_.text());
     return summary_;
   }
 
@@ -90,21 +96,30 @@ class RefineRun {
   }
 
   void Apply() {
+    const std::string doubt = DoubtOfGiven(run_.info.sensor(), summary_.refinement.calibration);
+    if (!doubt.empty()) progress_("warning: " + doubt);
     std::vector<Rigid3d> poses;
     for (const RefinementKeyframe& keyframe : run_.keyframes)
       poses.push_back(keyframe.world_from_camera);
     const Trajectory refined = CorrectTrajectory(run_.trajectory, run_.poses, poses);
-    WriteTumTrajectory(InSourceConvention(refined, run_.info.mirrored),
-                       options_.output + "/trajectory.txt");
-    WriteFoundCamera(run_.info, summary_.given.field, summary_.refinement.calibration,
-                     options_.output + "/camera.yaml");
-    if (!run_.info.ground_truth.empty()) {
-      summary_.before =
-          EvaluateTrajectory(run_.info.ground_truth, run_.trajectory, run_.stamps_s, {});
-      summary_.after = EvaluateTrajectory(run_.info.ground_truth, refined, run_.stamps_s, {});
-    }
+    failures_.Try([&] {
+      WriteTumTrajectory(InSourceConvention(refined, run_.info.mirrored),
+                         options_.output + "/trajectory.txt");
+    });
+    failures_.Try([&] {
+      WriteFoundCamera(run_.info, summary_.given.field, summary_.refinement.calibration,
+                       options_.output + "/camera.yaml");
+    });
+    failures_.Try([&] { Evaluate(refined); });
     run_.keyframes.clear();
     FuseMap(refined);
+  }
+
+  void Evaluate(const Trajectory& refined) {
+    const Trajectory& truth = run_.info.ground_truth;
+    if (truth.empty()) return;
+    summary_.before = EvaluateTrajectory(truth, run_.trajectory, run_.stamps_s, {});
+    summary_.after = EvaluateTrajectory(truth, refined, run_.stamps_s, {});
   }
 
   void FuseMap(const Trajectory& refined) {
@@ -115,9 +130,11 @@ class RefineRun {
     SlamOptions options;
     options.preprocess = options_.preprocess;
     Slam slam({calibration.camera, run_.info.camera.noise, 0}, options, {});
+    RepeatedWarning skipped("frames skipped");
     const auto source = ReadAhead(OpenSequence(options_.sequence), kReadAhead);
     while (std::optional<ReadResult> read = source->Next()) {
       const std::optional<std::size_t> pose = PoseAt(refined, read->stamp_s);
+      if (!read->frame) skipped.Tell(Concat("frame ", read->index, " skipped: ", read->error));
       if (!pose || !read->frame) continue;
       RgbdFrame frame =
           AtMiddleOfReadout(*read->frame, sensor, MotionAt(refined, read->frame->stamp_s));
@@ -132,6 +149,7 @@ class RefineRun {
   const std::function<void(const std::string&)>& progress_;
   RunKeyframes run_;
   RefineRunSummary summary_;
+  Failures failures_;  // what is refined is saved as far as it can be
 };
 
 }  // namespace
@@ -144,11 +162,15 @@ RunKeyframes ReadRunKeyframes(const RefineRunOptions& options) {
   const std::vector<std::size_t> chosen =
       ChooseKeyframes(run.trajectory, options.keyframe_translation_m, options.keyframe_rotation_rad,
                       options.max_keyframes);
+  RepeatedWarning skipped("frames skipped");
   while (const std::optional<ReadResult> read = source->Next()) {
     run.stamps_s.push_back(read->stamp_s);
     const std::optional<std::size_t> pose = PoseAt(run.trajectory, read->stamp_s);
     if (!pose) ++run.frames_without_pose;
-    if (!read->frame) ++run.frames_unreadable;
+    if (!read->frame) {
+      skipped.Tell(Concat("frame ", read->index, " skipped: ", read->error));
+      ++run.frames_unreadable;
+    }
     if (!pose || !read->frame || !std::binary_search(chosen.begin(), chosen.end(), *pose)) {
       continue;
     }

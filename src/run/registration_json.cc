@@ -108,6 +108,7 @@ void WriteRefinementJson(const RefineRunSummary& s, const RefineRunOptions& opti
   for (const RefinementRound& round : s.refinement.rounds) j["rounds"].push_back(ToJson(round));
   j["map_points"] = s.map_points;
   j["total_s"] = s.total_s;
+  j["failure"] = s.failure.empty() ? Json() : Json(s.failure);
   j["options"] = FlagValues(options);
   WriteJson(j, path);
 }

@@ -121,6 +121,7 @@ void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
   j["submaps_apart"] = s.loops.submaps_apart;
   j["backend_waits"] = s.loops.waits;
   j["keyframe_views_given_up"] = s.loops.given_up_views;
+  j["calibration_doubt"] = s.calibration_doubt.empty() ? Json() : Json(s.calibration_doubt);
   j["calibrations"] = Json::array();
   for (const CalibrationRecord& record : s.calibrations)
     j["calibrations"].push_back(ToJson(record));

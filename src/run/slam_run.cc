@@ -10,6 +10,7 @@
 #include "run/kept_views.h"
 #include "run/output_files.h"
 #include "run/output_folder.h"
+#include "run/prior_doubt.h"
 #include "run/result_files.h"
 #include "run/run_files.h"
 #include "run/run_results.h"
@@ -159,6 +160,7 @@ class SlamRun {
     summary->calibrations = backend.calibrations();
     if (!backend.is_recalibrated()) return;
     summary->calibration = *backend.calibration();
+    summary->calibration_doubt = DoubtOfGiven(slam_.info().sensor(), *summary->calibration);
     failures_.Try([&] {
       WriteFoundCamera(slam_.info(), given_field_, *summary->calibration, Path("camera.yaml"));
     });

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "surfit/core/error.h"
+#include "testing/busy_machine.h"
 #include "testing/matchers.h"
 
 namespace surfit::testing {
@@ -93,38 +94,6 @@ TEST(SpareTime, LeavesNoLoopToLeastPriorityOnceItIsAwaited) {
   EXPECT_THAT(of_next_loop, Each(before));
 }
 #endif
-
-// Spins on this thread until it has computed for so long.
-void Compute(double milliseconds) {
-  const auto now_ms = [] {
-    timespec now{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
-  };
-  const double end_ms = now_ms() + milliseconds;
-  while (now_ms() < end_ms) {
-  }
-}
-
-// Two threads for each core that leave no time to others.
-class BusyMachine {
- public:
-  BusyMachine() {
-    for (unsigned i = 0; i < 2 * std::max(1u, std::thread::hardware_concurrency()); ++i) {
-      threads_.emplace_back([this] {
-        while (!end_) Compute(1);
-      });
-    }
-  }
-  ~BusyMachine() {
-    end_ = true;
-    for (std::thread& thread : threads_) thread.join();
-  }
-
- private:
-  std::atomic<bool> end_ = false;
-  std::vector<std::thread> threads_;
-};
 
 // A thread of least priority gets a seventieth of what one of usual priority does: whoever waited
 // for it would wait that much longer than for a thread of their own.

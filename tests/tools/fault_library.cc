@@ -3,6 +3,7 @@
 // is the seventh write to a file in the folder F, and likewise of open, read, rename, fsync, and of
 // memory (malloc: blocks of 64 kB and more, from the first file in the folder on). `short` stands
 // for a write of which half is done, which is no failure. The file M is made when it comes to that.
+// With slow:20 each write to such a file, and bringing it to the disk, takes 20 ms.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/syscall.h>
@@ -68,6 +69,13 @@ bool Fails(const char* kind, bool is_in_folder, int error) {
   return true;
 }
 
+// As on a slow disk.
+void WaitForDisk(bool is_in_folder) {
+  constexpr useconds_t kMillisecond_us = 1000;
+  if (!is_in_folder || std::strcmp("slow", fault.kind.data()) != 0) return;
+  usleep(static_cast<useconds_t>(fault.at) * kMillisecond_us);
+}
+
 template <typename Function>
 Function Next(const char* name) {
   return reinterpret_cast<Function>(dlsym(RTLD_NEXT, name));
@@ -92,6 +100,7 @@ int open(const char* path, int flags, ...) {
 ssize_t write(int file, const void* bytes, std::size_t size) {
   static const auto next = Next<ssize_t (*)(int, const void*, std::size_t)>("write");
   const bool is_in_folder = fault.at != 0 && IsInFolder(file);
+  WaitForDisk(is_in_folder);
   if (Fails("write", is_in_folder, ENOSPC)) return -1;
   if (size > 1 && Fails("short", is_in_folder, 0)) size /= 2;
   return next(file, bytes, size);
@@ -110,7 +119,9 @@ int rename(const char* from, const char* to) {
 }
 
 int fsync(int file) {
-  if (fault.at != 0 && Fails("fsync", IsInFolder(file), EIO)) return -1;
+  const bool is_in_folder = fault.at != 0 && IsInFolder(file);
+  WaitForDisk(is_in_folder);
+  if (Fails("fsync", is_in_folder, EIO)) return -1;
   static const auto next = Next<int (*)(int)>("fsync");
   return next(file);
 }

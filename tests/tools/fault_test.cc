@@ -1,54 +1,25 @@
-// Every call of the system that a short run makes is let fail once: see fault_library.cc.
+// Every call of the system that a short run of surfit_slam makes is let fail once.
 #include <gmock/gmock.h>
 
 #include <chrono>
 #include <thread>
 
-#include "surfit/io/g2o.h"
 #include "surfit/io/point_cloud.h"
 #include "surfit/io/trajectory_files.h"
-#include "testing/matchers.h"
-#include "testing/pose_graphs.h"
-#include "tools/slam_tool.h"
+#include "tools/fault_tool.h"
 
 namespace surfit::testing {
 namespace {
 
 namespace fs = std::filesystem;
 
-const std::string kLibrary = std::string(SURFIT_TOOLS_DIR) + "/libsurfit_fault.so";
-
-class FaultTest : public SlamTool {
+class SlamFaultTest : public FaultTest {
  protected:
   static constexpr int kFramesRun = 4;
 
-  void SetUp() override {
-    if (!fs::exists(kLibrary)) GTEST_SKIP() << "no library of faults in this build";
-  }
-
-  // Runs a program with the n-th call of a kind failing; nothing if it makes fewer.
-  std::optional<ProgramResult> RunWithFault(const std::string& kind, int n,
-                                            const std::string& folder,
-                                            const std::string& command) const {
-    const std::string mark = own_.path() + "/mark";
-    fs::remove(mark);
-    fs::remove_all(Output());
-    const ProgramResult result =
-        RunShell("export SURFIT_FAULT=" + kind + ":" + std::to_string(n) + " SURFIT_FAULT_FOLDER=" +
-                 fs::weakly_canonical(folder).string() + " SURFIT_FAULT_MARK=" + mark +
-                 "\nLD_PRELOAD=" + kLibrary + " exec $tools/" + command);
-    if (!fs::exists(mark)) return std::nullopt;
-    EXPECT_LT(result.exit_code, 128) << kind << " " << n << ": " << result.err;
-    if (result.exit_code == 1) {
-      EXPECT_THAT(result.err, HasSubstr("error: ")) << kind << " " << n;
-    }
-    return result;
-  }
-
   std::string SlamCommand() const {
     return "surfit_slam --nopictures --threads=1 --last=" + std::to_string(kFramesRun - 1) +
-           " --sequence=" + fs::weakly_canonical(Room()).string() +
-           " --output=" + fs::weakly_canonical(Output()).string();
+           " --sequence=" + WholePath(Room()) + " --output=" + WholePath(Output());
   }
 
   // Each file is whole, if it is there. Returns how many of the results are.
@@ -103,21 +74,21 @@ class FaultTest : public SlamTool {
   }
 };
 
-TEST_F(FaultTest, SlamSavesWhatItCanWhicheverWriteFails) {
+TEST_F(SlamFaultTest, SlamSavesWhatItCanWhicheverWriteFails) {
   EXPECT_GT(ExpectSavedWhicheverFails("write"), 3 * kFramesRun);
 }
 
-TEST_F(FaultTest, SlamSavesWhatItCanWhicheverFileCannotBeMade) {
+TEST_F(SlamFaultTest, SlamSavesWhatItCanWhicheverFileCannotBeMade) {
   EXPECT_GE(ExpectSavedWhicheverFails("open"), 7);
   EXPECT_GE(ExpectSavedWhicheverFails("rename"), 4);
   EXPECT_GE(ExpectSavedWhicheverFails("fsync"), 4);
 }
 
-TEST_F(FaultTest, SlamSavesWhatItCanWhicheverMemoryIsMissing) {
+TEST_F(SlamFaultTest, SlamSavesWhatItCanWhicheverMemoryIsMissing) {
   EXPECT_GT(ExpectSavedWhicheverFails("malloc"), 20);
 }
 
-TEST_F(FaultTest, SlamTakesWritesThatAreDoneByHalves) {
+TEST_F(SlamFaultTest, SlamTakesWritesThatAreDoneByHalves) {
   Succeeded(RunShell("$tools/" + SlamCommand()));
   const std::string digest = Summary(Output())["digest"], map = ReadBytes(Output() + "/map.ply");
   for (int n = 1;; ++n) {
@@ -130,7 +101,7 @@ TEST_F(FaultTest, SlamTakesWritesThatAreDoneByHalves) {
   }
 }
 
-TEST_F(FaultTest, SlamSkipsFramesAndRefusesListsThatCannotBeRead) {
+TEST_F(SlamFaultTest, SlamSkipsFramesAndRefusesListsThatCannotBeRead) {
   int skipped = 0, refused = 0;
   for (int n = 1;; ++n) {
     const auto result = RunWithFault("read", n, Room(), SlamCommand());
@@ -148,7 +119,7 @@ TEST_F(FaultTest, SlamSkipsFramesAndRefusesListsThatCannotBeRead) {
   EXPECT_GE(refused, 2);
 }
 
-TEST_F(FaultTest, SlamLeavesWholeFilesWheneverItIsKilled) {
+TEST_F(SlamFaultTest, SlamLeavesWholeFilesWheneverItIsKilled) {
   for (int wait_ms = 0; wait_ms < 600; wait_ms += 30) {
     {
       RunningProgram program("surfit_slam", {"--sequence=" + Room(), "--output=" + Output(),
@@ -160,26 +131,6 @@ TEST_F(FaultTest, SlamLeavesWholeFilesWheneverItIsKilled) {
   Succeeded(Slam(Room(), Output()));
   EXPECT_EQ(CountWholeResults(), 3);
   ExpectNothingUnfinished();
-}
-
-// The older file stays unless the new one is there as a whole.
-TEST_F(FaultTest, OptimizeKeepsTheOlderFileWhicheverCallFails) {
-  const std::string folder = own_.path() + "/graph", output = folder + "/out.g2o";
-  fs::create_directory(folder);
-  WriteG2o(MakeGrid(3).graph, own_.path() + "/a.g2o");
-  const std::string command = "surfit_optimize --graph=" + own_.path() +
-                              "/a.g2o --output=" + fs::weakly_canonical(output).string();
-  Succeeded(RunShell("$tools/" + command));
-  const std::string whole = ReadBytes(output);
-  for (const char* kind : {"open", "write", "rename", "fsync"}) {
-    for (int n = 1;; ++n) {
-      WriteBytes(output, "older");
-      const auto result = RunWithFault(kind, n, folder, command);
-      if (!result) break;
-      EXPECT_EQ(ReadBytes(output), result->exit_code == 0 ? whole : "older") << kind << n;
-      EXPECT_EQ(std::distance(fs::directory_iterator(folder), fs::directory_iterator()), 1);
-    }
-  }
 }
 
 }  // namespace

@@ -25,6 +25,21 @@ TEST_F(SlamTool, ClosesNoLoopsOfGivenPoses) {
   EXPECT_THAT(result.err, HasSubstr("poses is 'groundtruth'"));
 }
 
+// The sensor's focal lengths are 131.25 px.
+TEST_F(SlamTool, TellsThatTheIntrinsicsAreHardlyThoseOfTheSensor) {
+  const std::string walk = Simulate("walk", {"--frames=150", "--downsample=4"});
+  const ProgramResult right = Succeeded(Slam(walk, Output("right")));
+  EXPECT_THAT(right.err, Not(HasSubstr("warning: ")));
+  EXPECT_TRUE(Summary(Output("right"))["calibration_doubt"].is_null());
+  for (const std::string focal : {"82", "245"}) {
+    const ProgramResult wrong =
+        Slam(walk, Output(focal), {"--intrinsics=" + focal + "," + focal + ",79.9,59.9"});
+    EXPECT_THAT(wrong.err, AllOf(HasSubstr("/camera.yaml says 131.25 131.25"),
+                                 HasSubstr("warning: the camera that was found is too far")));
+    EXPECT_TRUE(Summary(Output(focal))["calibration_doubt"].is_string());
+  }
+}
+
 TEST_F(SlamTool, UsesGroundTruthForNothingButTheEvaluation) {
   const std::string copy = CopyOfRoom();
   std::vector<std::string> lines = Lines(copy + "/groundtruth.txt");

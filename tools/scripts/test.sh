@@ -28,4 +28,4 @@ bash "$scripts/build.sh" tsan thread_tests
 sanitized tsan
 bash "$scripts/build.sh" release
 echo "Running the tests under release, without the sweeps over whole sequences, which take minutes"
-ctest --preset release --parallel "$(nproc)" --label-exclude "sweep|fuzz" </dev/null
+ctest --preset release --parallel "$(nproc)" --label-exclude "sweep|fuzz|soak" </dev/null

@@ -45,12 +45,14 @@ struct RefineRunSummary {
   std::optional<TrajectoryEvaluation> before, after;
   std::size_t map_points = 0;
   double total_s = 0;
+  std::string failure;  // what was not written
 };
 
 // Refines the keyframes of a run and, as the options say, the camera's calibration; moves the other
 // poses along, and fuses the map anew. Writes trajectory.txt, map.ply, camera.yaml and
 // refinement.json, the first three only where refinement succeeded.
 // Throws InputError for bad options, files that cannot be read, or a trajectory of other frames.
+// What goes wrong once it is refined is thrown, too, when all else is written.
 RefineRunSummary RunRefinement(const RefineRunOptions& options,
                                const std::function<void(const std::string&)>& progress);
 

@@ -85,6 +85,7 @@ struct SlamRunSummary {
   std::vector<CalibrationRecord> calibrations;  // of the depth camera, in their order
   // Of the frames as they were given; the last that was found, or none where they are right.
   std::optional<DepthCalibration> calibration;
+  std::string calibration_doubt;  // a sentence where that is hardly the sensor that was given
   // Tracked by their shapes alone though intensities were asked for, for want of colour or texture.
   int frames_without_intensities = 0;
   bool interrupted = false;

@@ -1,0 +1,90 @@
+// Every call of the system that a short run of surfit_refine makes is let fail once.
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "surfit/io/camera_files.h"
+#include "surfit/io/point_cloud.h"
+#include "surfit/io/trajectory_files.h"
+#include "tools/fault_tool.h"
+
+namespace surfit::testing {
+namespace {
+
+namespace fs = std::filesystem;
+
+class RefineFaultTest : public FaultTest {
+ protected:
+  static constexpr int kFramesRun = 6;
+
+  void SetUp() override {
+    FaultTest::SetUp();
+    Succeeded(
+        Slam(Room(), own_.path() + "/run", {"--stride=4", "--downsample=2", "--nocalibrate"}));
+  }
+
+  std::string RefineCommand() const {
+    return "surfit_refine --max_rounds=1 --threads=1 --keyframe_translation_m=0.02 --run=" +
+           WholePath(own_.path() + "/run") + " --sequence=" + WholePath(Room()) +
+           " --output=" + WholePath(Output());
+  }
+
+  // How many of the four results are there, each as a whole.
+  int CountWholeResults() const {
+    const auto is_there = [&](const char* name) { return fs::exists(Output() + name); };
+    int count = 0;
+    if (is_there("/trajectory.txt")) {
+      EXPECT_EQ(ReadTumTrajectory(Output() + "/trajectory.txt").size(), kFramesRun);
+      ++count;
+    }
+    if (is_there("/camera.yaml")) {
+      EXPECT_NO_THROW(ReadCameraYaml(Output() + "/camera.yaml"));
+      ++count;
+    }
+    if (is_there("/map.ply")) {
+      EXPECT_GT(ReadSurfelPly(Output() + "/map.ply").size(), 1000u);
+      ++count;
+    }
+    if (is_there("/refinement.json")) {
+      EXPECT_NO_THROW(nlohmann::json::parse(ReadBytes(Output() + "/refinement.json")));
+      ++count;
+    }
+    return count;
+  }
+
+  // Once it is refined no more than one of the results may be missing, and never in silence.
+  // Returns how often such a call is made.
+  int ExpectSavedWhicheverFails(const std::string& kind, const std::string& folder) const {
+    for (int n = 1;; ++n) {
+      const auto result = RunWithFault(kind, n, folder, RefineCommand());
+      if (!result) return n - 1;
+      const int count = fs::exists(Output()) ? CountWholeResults() : 0;
+      const std::string what = kind + " " + std::to_string(n) + ": " + result->err;
+      EXPECT_EQ(count == 4, result->exit_code == 0) << what;
+      EXPECT_THAT(count, ::testing::AnyOf(0, 3, 4)) << what;
+      if (count != 3 || !fs::exists(Output() + "/refinement.json")) continue;
+      const auto json = nlohmann::json::parse(ReadBytes(Output() + "/refinement.json"));
+      EXPECT_TRUE(json["failure"].is_string()) << what;
+    }
+  }
+};
+
+TEST_F(RefineFaultTest, SavesWhatItCanWhicheverWriteFails) {
+  EXPECT_GE(ExpectSavedWhicheverFails("write", Output()), 4);
+  EXPECT_GE(ExpectSavedWhicheverFails("open", Output()), 4);
+  EXPECT_GE(ExpectSavedWhicheverFails("rename", Output()), 4);
+  EXPECT_GE(ExpectSavedWhicheverFails("fsync", Output()), 4);
+}
+
+// What is refined is that of the frames that can be read.
+TEST_F(RefineFaultTest, SavesWhatItCanWhicheverReadFails) {
+  EXPECT_GT(ExpectSavedWhicheverFails("read", Room()), 4 * kFramesRun);
+}
+
+TEST_F(RefineFaultTest, SavesWhatItCanWhicheverMemoryIsMissing) {
+  EXPECT_GT(ExpectSavedWhicheverFails("malloc", Output()), 20);
+}
+
+}  // namespace
+}  // namespace surfit::testing

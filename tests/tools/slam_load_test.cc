@@ -1,0 +1,88 @@
+// surfit_slam where the machine has little to give. Whoever hangs is ended by a watchdog.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <sstream>
+
+#include "testing/busy_machine.h"
+#include "testing/matchers.h"
+#include "tools/slam_tool.h"
+
+namespace surfit::testing {
+namespace {
+
+class SlamLoad : public SlamTool {
+ protected:
+  static constexpr int kFramesRun = 150;
+
+  static void SetUpTestSuite() {
+    SlamTool::SetUpTestSuite();
+    Simulate("walk", {"--frames=" + std::to_string(kFramesRun), "--downsample=8"});
+  }
+
+  // Runs it with loops and calibration; `setting` goes before the program.
+  void Run(const std::string& output, int threads, const std::string& setting = "") const {
+    constexpr int kHung = 124;
+    const ProgramResult result =
+        RunShell("timeout --kill-after=1 240 " + setting + " $tools/surfit_slam --nopictures " +
+                 "--loop_closure --threads=" + std::to_string(threads) +
+                 " --sequence=" + folder_->path() + "/walk --output=" + Output(output));
+    ASSERT_NE(result.exit_code, kHung) << "it hung";
+    Succeeded(result);
+    EXPECT_EQ(Summary(Output(output))["frames_tracked"], kFramesRun);
+    EXPECT_GE(Summary(Output(output))["calibrations"].size(), 1u);
+  }
+
+  // The column of frames.csv, one number a frame.
+  std::vector<double> Times(const std::string& output, const std::string& name) const {
+    const std::vector<std::string> lines = Lines(Output(output) + "/frames.csv");
+    const auto cells = [](const std::string& line) {
+      std::vector<std::string> words;
+      std::istringstream stream(line);
+      for (std::string word; std::getline(stream, word, ',');) words.push_back(word);
+      return words;
+    };
+    const std::vector<std::string> header = cells(lines.at(0));
+    const auto column = std::find(header.begin(), header.end(), name) - header.begin();
+    std::vector<double> times;
+    for (std::size_t i = 1; i < lines.size(); ++i)
+      times.push_back(std::stod(cells(lines[i]).at(static_cast<std::size_t>(column))));
+    return times;
+  }
+  double LongestWait_ms(const std::string& output) const {
+    const std::vector<double> times = Times(output, "correct_ms");
+    return *std::max_element(times.begin(), times.end());
+  }
+};
+
+// With one thread the frame at which a result is due does all of the task itself.
+TEST_F(SlamLoad, LetsNoFrameWaitLongerThanTheTaskTakesOnABusyMachine) {
+  const BusyMachine busy;
+  Run("one", 1);
+  Run("two", 2);
+  EXPECT_GT(LongestWait_ms("one"), 5);
+  EXPECT_LT(LongestWait_ms("two"), 3 * LongestWait_ms("one") + 500);
+  EXPECT_EQ(Summary(Output("one"))["digest"], Summary(Output("two"))["digest"]);
+}
+
+TEST_F(SlamLoad, EndsOnOneCore) {
+  Run("all", 2);
+  Run("one", 2, "taskset --cpu-list $(taskset -cp $$ | sed 's/.*[ ,-]//')");
+  EXPECT_EQ(Summary(Output("all"))["digest"], Summary(Output("one"))["digest"]);
+}
+
+TEST_F(SlamLoad, EndsWithASlowDisk) {
+  const std::string library = std::string(SURFIT_TOOLS_DIR) + "/libsurfit_fault.so";
+  if (!std::filesystem::exists(library)) GTEST_SKIP() << "no library of faults in this build";
+  constexpr double kWrite_ms = 20;
+  Run("quick", 2);
+  Run("slow", 2,
+      "env LD_PRELOAD=" + library + " SURFIT_FAULT=slow:20 SURFIT_FAULT_MARK=" + Output("mark") +
+          " SURFIT_FAULT_FOLDER=" + std::filesystem::weakly_canonical(own_.path()).string());
+  EXPECT_EQ(Summary(Output("quick"))["digest"], Summary(Output("slow"))["digest"]);
+  // Each frame is written to three files.
+  EXPECT_GT(Summary(Output("slow"))["total_s"], 3e-3 * kWrite_ms * kFramesRun);
+}
+
+}  // namespace
+}  // namespace surfit::testing

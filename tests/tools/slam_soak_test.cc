@@ -1,0 +1,89 @@
+// surfit_slam over a recording that is played there and back for hours.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <chrono>
+#include <iomanip>
+#include <thread>
+
+#include "testing/matchers.h"
+#include "tools/slam_tool.h"
+
+namespace surfit::testing {
+namespace {
+
+namespace fs = std::filesystem;
+
+// How much memory a run takes when it has done so many frames.
+struct Sample {
+  int frames = 0;
+  std::size_t bytes = 0;
+};
+
+class SlamSoak : public SlamTool {
+ protected:
+  static constexpr int kFramesThere = 120;
+
+  // A recording of so many frames at 30 Hz: the room there and back, over and over.
+  std::string ThereAndBack(int frames) const {
+    const std::string walk =
+        Simulate("walk", {"--frames=" + std::to_string(kFramesThere), "--downsample=8"});
+    std::vector<std::string> rows;
+    for (const std::string& line : Lines(walk + "/associations.txt")) {
+      if (line[0] != '#') rows.push_back(line);
+    }
+    fs::remove(walk + "/groundtruth.txt");
+    std::ofstream file(walk + "/associations.txt");
+    for (int i = 0; i < frames; ++i) {
+      const int phase = i % (2 * kFramesThere - 2);
+      std::istringstream row(rows[std::min(phase, 2 * kFramesThere - 2 - phase)]);
+      std::string stamp, color, depth;
+      row >> stamp >> color >> stamp >> depth;
+      file << std::fixed << std::setprecision(6) << i / 30. << " " << color << " " << i / 30. << " "
+           << depth << "\n";
+    }
+    return walk;
+  }
+
+  // Ten samples a second.
+  std::vector<Sample> Run(int frames) const {
+    const std::string sequence = ThereAndBack(frames);
+    RunningProgram program("surfit_slam", {"--sequence=" + sequence, "--output=" + Output(),
+                                           "--nopictures", "--threads=2"});
+    const std::string path = Output() + "/trajectory_online.txt";
+    std::vector<Sample> samples;
+    while (program.IsRunning()) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+      std::error_code none;
+      const auto size = fs::exists(path, none) ? fs::file_size(path, none) : 0;
+      samples.push_back({static_cast<int>(size / 90), program.ResidentBytes()});
+    }
+    Succeeded(program.Wait());
+    return samples;
+  }
+
+  // Poses and figures of frames are kept, in a few hundred bytes a frame.
+  void ExpectFlatMemoryAndNoLostFrame(int frames) const {
+    constexpr double kBytesOfFrame = 400, kNoise = 8e6;
+    std::size_t early = 0, late = 0;
+    for (const Sample& sample : Run(frames)) {
+      if (sample.frames < frames / 4) continue;
+      (2 * sample.frames < frames ? early : late) =
+          std::max(2 * sample.frames < frames ? early : late, sample.bytes);
+    }
+    EXPECT_EQ(Summary(Output())["frames_tracked"], frames);
+    EXPECT_EQ(CountPoses(Output() + "/trajectory.txt"), frames);
+    ASSERT_GT(early, 0u);
+    EXPECT_LT(static_cast<double>(late),
+              static_cast<double>(early) + kBytesOfFrame * frames * 3 / 4 + kNoise);
+    std::cout << frames << " frames: " << early / 1000000 << " MB in the second quarter, "
+              << late / 1000000 << " MB in the second half\n";
+  }
+};
+
+TEST_F(SlamSoak, LosesNothingIn2000Frames) { ExpectFlatMemoryAndNoLostFrame(2000); }
+
+TEST_F(SlamSoak, LosesNothingIn100000Frames) { ExpectFlatMemoryAndNoLostFrame(100000); }
+
+}  // namespace
+}  // namespace surfit::testing
