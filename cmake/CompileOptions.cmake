@@ -9,7 +9,8 @@ function(surfit_compile_options target)
     # processor and AddressSanitizer tell null, aligned vector loads tell misalignment.
     target_compile_options(${target} PRIVATE -fsanitize=${SURFIT_SANITIZE}
       -fno-sanitize=null,alignment,vptr -fno-sanitize-recover=all -fno-omit-frame-pointer
-      -Wno-maybe-uninitialized)  # instrumented code misleads it, within <regex> for one
+      $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>  # instrumented code misleads it, within <regex> for one
+      $<$<BOOL:${SURFIT_BUILD_FUZZERS}>:-fsanitize=fuzzer-no-link>)
     target_link_options(${target} PUBLIC -fsanitize=${SURFIT_SANITIZE})
     # Eigen would change its allocator under AddressSanitizer and disagree with prebuilt libraries.
     target_compile_definitions(${target} PUBLIC EIGEN_MALLOC_ALREADY_ALIGNED=1)

@@ -1,0 +1,77 @@
+// What the fuzzers are fed with, where they are not built: the kept files, and mutations of them.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <sstream>
+
+#include "fuzz/targets.h"
+#include "testing/matchers.h"
+#include "testing/mutations.h"
+
+namespace surfit::testing {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<std::string> KeptFiles(const std::string& target) {
+  std::vector<std::string> files;
+  for (const auto& entry : fs::directory_iterator(Concat(SURFIT_FUZZ_CORPUS, "/", target))) {
+    files.push_back(ReadBytes(entry.path().string()));
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+std::string NameOf(const ::testing::TestParamInfo<FuzzTarget>& info) { return info.param.name; }
+
+class FuzzCorpus : public ::testing::TestWithParam<FuzzTarget> {
+ protected:
+  // As with other readers' files: a mutation is read or refused, and memory stays in proportion.
+  void ReadMutations(int count) const {
+    const std::vector<std::string> files = KeptFiles(GetParam().name);
+    const FuzzedReader reader(GetParam());
+    Random random(7);
+    int taken = 0;
+    for (int i = 0; i < count; ++i) {
+      taken += reader.Takes(Mutated(files[Below(files.size(), &random)], &random)) ? 1 : 0;
+    }
+    EXPECT_LT(taken, count);
+  }
+};
+
+TEST(FuzzTargets, AreThoseThatAreFuzzed) {
+  std::istringstream words(SURFIT_FUZZ_TARGETS);
+  std::vector<std::string> fuzzed;
+  for (std::string word; words >> word;) fuzzed.push_back(word);
+  std::vector<std::string> targets;
+  for (const FuzzTarget& target : FuzzTargets()) targets.push_back(target.name);
+  EXPECT_EQ(targets, fuzzed);
+}
+
+// Mutations of files that are all refused would not get far.
+TEST_P(FuzzCorpus, HoldsAWholeFile) {
+  const FuzzedReader reader(GetParam());
+  const std::vector<std::string> files = KeptFiles(GetParam().name);
+  int taken = 0;
+  std::size_t size = 0;
+  for (const std::string& bytes : files) {
+    taken += reader.Takes(bytes) ? 1 : 0;
+    size += bytes.size();
+  }
+  EXPECT_GE(taken, 1);
+  EXPECT_LE(size, 20000u);
+}
+
+TEST_P(FuzzCorpus, IsReadOrRefusedWhateverChanges) { ReadMutations(100); }
+
+INSTANTIATE_TEST_SUITE_P(Readers, FuzzCorpus, ::testing::ValuesIn(FuzzTargets()), NameOf);
+
+class ThousandsOfMutations : public FuzzCorpus {};
+
+TEST_P(ThousandsOfMutations, AreReadOrRefused) { ReadMutations(5000); }
+
+INSTANTIATE_TEST_SUITE_P(Readers, ThousandsOfMutations, ::testing::ValuesIn(FuzzTargets()), NameOf);
+
+}  // namespace
+}  // namespace surfit::testing
