@@ -41,6 +41,7 @@ FrameReport Report(const RgbdFrame& frame, const Tracked& tracked,
   report.world_from_camera = tracked.world_from_camera;
   report.found_again = tracked.found_again;
   report.has_own_view = tracked.has_own_view;
+  report.moving_share = tracked.moving_share;
   report.icp = tracked.icp;
   report.is_fused = fused.has_value();
   if (fused) report.fusion = *fused;
@@ -97,12 +98,16 @@ class Slam::Pipeline {
   void MakeBackend(LoopFinder finder);
   void CorrectWorld(int frame_index, StageTimes* times);
   const RgbdFrame& Calibrated(const RgbdFrame& frame);
+  const RgbdFrame& AtRest(const RgbdFrame& frame, const CellMask& moving);
+  PreparedFrame AtRest(PreparedFrame frame, const CellMask& moving);
   void Correct(const WorldCorrection& correction, int frame_index);
   Tracked Repeat(const RgbdFrame& frame);
   PreparedFrame Prepare(const RgbdFrame& frame, StageTimes* times);
   Tracked Track(const PreparedFrame& frame, StageTimes* times);
   Tracked TrackFromPrediction(const PreparedFrame& frame, StageTimes* times);
   bool IsFar(const PreparedFrame& frame, const Rigid3d& world_from_camera) const;
+  Tracked SearchFor(const PreparedFrame& frame, Tracked tracked);
+  std::optional<Tracked> ConfirmProposal(const PreparedFrame& frame, const Tracked& tracked);
   std::optional<Tracked> FindAgain(const PreparedFrame& frame);
   std::optional<Tracked> Relocalize(const PreparedFrame& frame);
   std::optional<Tracked> Confirm(const PreparedFrame& frame, const Rigid3d& world_from_found);
@@ -119,6 +124,7 @@ class Slam::Pipeline {
   Mapper mapper_;
   std::unique_ptr<Backend> backend_;  // null without loops and calibration
   RgbdFrame calibrated_;              // the frame at work, by what calibration has found
+  RgbdFrame calibrated_rest_, rest_;  // the same, and the frame as given, without what moves
   int frame_count_ = 0;               // the frame at work included
   double last_stamp_s_ = 0;           // of the last frame that was held
   std::function<void(const LostFrame&)> on_lost_;
@@ -135,14 +141,17 @@ FrameReport Slam::Pipeline::Process(const RgbdFrame& frame,
   if (tracker_.Repeats(frame) && !given_pose) return Report(frame, Repeat(frame), {}, times);
 
   if (given_pose && backend_) backend_->EndCalibration();
-  PreparedFrame prepared = Prepare(frame, &times);
-  const Tracked tracked = given_pose ? Given(*given_pose) : Track(prepared, &times);
+  PreparedFrame whole = Prepare(frame, &times);
+  const Tracked tracked = given_pose ? Given(*given_pose) : Track(whole, &times);
   if (!tracked.is_held()) {
     tracker_.Lose();
     return Report(frame, tracked, {}, times);
   }
+  tracker_.Remember(whole, tracked);
+  PreparedFrame prepared = AtRest(std::move(whole), tracked.moving);
   if (backend_) {
-    backend_->AddFrame(frame, tracked.world_from_camera, tracked.icp, prepared.view.pyramid);
+    backend_->AddFrame(AtRest(frame, tracked.moving), tracked.world_from_camera, tracked.icp,
+                       prepared.view.pyramid);
   }
   const bool is_held_out = IsHeldOut(tracked);
   std::optional<FusionReport> fused;
@@ -204,12 +213,29 @@ const RgbdFrame& Slam::Pipeline::Calibrated(const RgbdFrame& frame) {
   return calibrated_;
 }
 
+// The frame as given without what moves.
+const RgbdFrame& Slam::Pipeline::AtRest(const RgbdFrame& frame, const CellMask& moving) {
+  if (moving.empty()) return frame;
+  rest_ = frame;
+  rest_.depth_m = Without(std::move(rest_.depth_m), moving);
+  return rest_;
+}
+
+PreparedFrame Slam::Pipeline::AtRest(PreparedFrame frame, const CellMask& moving) {
+  if (moving.empty()) return frame;
+  calibrated_rest_ = frame.images;
+  calibrated_rest_.depth_m = Without(std::move(calibrated_rest_.depth_m), moving);
+  frame.view.pyramid = Without(std::move(frame.view.pyramid), moving);
+  return {calibrated_rest_, std::move(frame.view)};
+}
+
 // Where all that was known of the camera has failed for long, a new map begins.
 Tracked Slam::Pipeline::Track(const PreparedFrame& frame, StageTimes* times) {
   if (!tracker_.has_started()) return tracker_.Start(frame);
   Tracked tracked = TrackFromPrediction(frame, times);
-  if (!tracked.is_held() && IsNewMapDue(frame)) {
+  if (!tracked.is_held() && !tracker_.has_proposal() && IsNewMapDue(frame)) {
     tracked.state = FrameState::kNewMap;
+    tracked.moving = {};
     tracked.world_from_camera = backend_->BeginSubmap(tracker_.last().world_from_view);
   }
   return tracked;
@@ -233,11 +259,10 @@ Tracked Slam::Pipeline::TrackFromPrediction(const PreparedFrame& frame, StageTim
   Tracked tracked = tracker_.Track(frame, reference, world_from_predicted);
   const bool is_far = tracker_.doubts() && (IsFar(frame, world_from_predicted) ||
                                             IsFar(frame, tracked.world_from_camera));
-  if (is_far || tracker_.IsDoubtful(tracked)) {
-    tracked = tracker_.Better(std::move(tracked), FindAgain(frame));
-    if (!tracked.is_held()) {
-      if (std::optional<Tracked> found = Relocalize(frame)) tracked = *std::move(found);
-    }
+  if (std::optional<Tracked> confirmed = ConfirmProposal(frame, tracked)) {
+    tracked = *std::move(confirmed);
+  } else if (is_far || tracker_.IsDoubtful(tracked)) {
+    tracked = SearchFor(frame, std::move(tracked));
   }
   if (!tracked.is_held() && on_lost_) {
     on_lost_({index, frame.view.pyramid, reference.view.pyramid, frame.images.color,
@@ -246,6 +271,30 @@ Tracked Slam::Pipeline::TrackFromPrediction(const PreparedFrame& frame, StageTim
   }
   tracked.has_own_view = has_own_view;
   return tracked;
+}
+
+// A doubtful frame from afar. What is found without being sure is proposed, and lost.
+Tracked Slam::Pipeline::SearchFor(const PreparedFrame& frame, Tracked tracked) {
+  tracked = tracker_.Better(std::move(tracked), FindAgain(frame));
+  if (!tracked.is_held()) {
+    if (std::optional<Tracked> found = Relocalize(frame)) tracked = *std::move(found);
+  }
+  if (tracked.is_held() && tracker_.NeedsConfirmation(frame, tracked)) {
+    tracker_.Propose(frame, tracked);
+    tracked.state = FrameState::kLost;
+  } else if (tracked.is_held() && tracked.keyframe >= 0) {
+    backend_->AfterRelocalization(tracked.keyframe);
+  }
+  return tracked;
+}
+
+// A frame that was tracked from where the one before was found, if that was not sure.
+std::optional<Tracked> Slam::Pipeline::ConfirmProposal(const PreparedFrame& frame,
+                                                       const Tracked& tracked) {
+  if (!tracker_.has_proposal()) return std::nullopt;
+  std::optional<Tracked> confirmed = tracker_.ConfirmProposal(frame, tracked);
+  if (confirmed && confirmed->keyframe >= 0) backend_->AfterRelocalization(confirmed->keyframe);
+  return confirmed;
 }
 
 // Farther from the last frame than tracking surely follows.
@@ -271,7 +320,7 @@ std::optional<Tracked> Slam::Pipeline::Relocalize(const PreparedFrame& frame) {
   std::optional<Tracked> tracked = Confirm(frame, found.world_from_camera);
   if (!tracked) return std::nullopt;
   tracked->state = FrameState::kRelocalized;
-  backend_->AfterRelocalization(found.keyframe);
+  tracked->keyframe = found.keyframe;
   return tracked;
 }
 

@@ -21,18 +21,26 @@ FitCriteria ShapesAlone() {
   return fit;
 }
 
+bool AreWithin(double way_m, double turn_rad, const Rigid3d& a, const Rigid3d& b) {
+  const Rigid3d between = a.Inverse() * b;
+  return between.translation.norm() <= way_m && RotationAngle(between.rotation) <= turn_rad;
+}
+
 // As a pose found forwards and one found backwards must.
 bool Agree(const Tracked& a, const Tracked& b) {
   const FitCriteria criteria;
-  const Rigid3d between = a.world_from_camera.Inverse() * b.world_from_camera;
-  return between.translation.norm() <= criteria.max_disagreement_m &&
-         RotationAngle(between.rotation) <= criteria.max_disagreement_rad;
+  return AreWithin(criteria.max_disagreement_m, criteria.max_disagreement_rad, a.world_from_camera,
+                   b.world_from_camera);
 }
+
+// What the map says and what another view says, which is as exact as one frame is: a wrong pose is
+// off by more.
+bool AreOnePlace(const Rigid3d& a, const Rigid3d& b) { return AreWithin(0.05, 0.05, a, b); }
 
 }  // namespace
 
 Tracker::Tracker(const SlamOptions& options, const Rigid3d& world_from_first_camera)
-    : options_(options), last_{{}, world_from_first_camera} {}
+    : options_(options), belief_(options), last_{{}, world_from_first_camera, {}} {}
 
 bool Tracker::Repeats(const RgbdFrame& frame) {
   const bool repeats = has_started_ && frame.depth_m == last_depth_m_;
@@ -48,6 +56,7 @@ bool Tracker::HasEnoughDepth(const PreparedFrame& frame) const {
 }
 
 Rigid3d Tracker::Predict(const PreparedFrame& frame) const {
+  if (proposal_) return proposal_->view.world_from_view;
   if (options_.motion_model == "so3") {
     const ViewPair views = {frame.view.pyramid, frame.view.color, last_.view.pyramid,
                             last_.view.color};
@@ -81,30 +90,61 @@ Tracked Tracker::Track(const PreparedFrame& frame, const ReferenceView& referenc
 
 Tracked Tracker::RegisterTo(const ReferenceView& reference, const PreparedFrame& frame,
                             const Rigid3d& world_from_start, const IcpOptions& icp_options) const {
+  const Rigid3d start = reference.world_from_view.Inverse() * world_from_start;
+  const IcpResult icp = Register(frame.view.pyramid, reference.view.pyramid, start, icp_options);
+  Tracked tracked = Judge(reference, frame, icp, icp_options);
+  if (tracked.is_held()) return tracked;
+  // Something may have come before most of the view, and led the registration astray.
+  IcpResult none;
+  none.target_from_source = start;
+  const Tracked hidden = Judge(reference, frame, none, icp_options);
+  if (!hidden.is_held()) return tracked;
+  const Tracked again = Judge(reference, frame, hidden.icp, icp_options);
+  return again.is_held() ? again : tracked;
+}
+
+// Compares the views at a pose. Where something moves, the frame is registered once more without
+// it.
+Tracked Tracker::Judge(const ReferenceView& reference, const PreparedFrame& frame,
+                       const IcpResult& icp, const IcpOptions& icp_options) const {
+  const FramePyramid& model = reference.view.pyramid;
+  const auto compare_at = [&](const Rigid3d& model_from_frame) {
+    return CompareViews(frame.surface(), frame.images.color, model.levels.front(), reference.grey,
+                        icp_options.error_model, model_from_frame);
+  };
   Tracked tracked;
-  tracked.icp = Register(frame.view.pyramid, reference.view.pyramid,
-                         reference.world_from_view.Inverse() * world_from_start, icp_options);
+  tracked.icp = icp;
+  ViewComparison views = compare_at(icp.target_from_source);
+  tracked.moving =
+      regions_.Find(frame.surface(), views, reference.world_from_view * icp.target_from_source);
+  if (!tracked.moving.empty()) {
+    tracked.icp = Register(Without(frame.view.pyramid, tracked.moving), model,
+                           icp.target_from_source, icp_options);
+    views = compare_at(tracked.icp.target_from_source);
+  }
   tracked.world_from_camera = reference.world_from_view * tracked.icp.target_from_source;
-  if (!IsBelievable(tracked.icp)) return tracked;
+  const int moving = views.CountInFront(tracked.moving);
+  tracked.moving_share = views.points > 0 ? static_cast<double>(moving) / views.points : 0;
+  tracked.verdict = belief_.Judge(tracked.icp, views, moving);
+  if (tracked.verdict == Verdict::kRefuted) return tracked;
   tracked.state =
       tracked.icp.free_directions.empty() ? FrameState::kTracked : FrameState::kDegenerate;
   return tracked;
 }
 
-bool Tracker::IsBelievable(const IcpResult& icp) const {
-  const bool is_degenerate = icp.termination == Termination::kSingularSystem;
-  return (icp.Succeeded() || is_degenerate) && icp.inlier_share >= options_.min_inlier_share &&
-         icp.rmse_m <= options_.max_rmse_m;
-}
-
 bool Tracker::IsDoubtful(const Tracked& tracked) const {
-  return !tracked.is_held() ||
+  return !tracked.is_held() || tracked.verdict == Verdict::kDoubtful || lost_count_ > 0 ||
          (doubts() && (needs_search_ || tracked.icp.inlier_share < options_.sure_inlier_share));
 }
 
 Tracked Tracker::Better(Tracked tracked, std::optional<Tracked> found) const {
-  if (found) return tracked.is_held() && Agree(tracked, *found) ? tracked : *std::move(found);
-  if (doubts() && lost_count_ > 0) tracked.state = FrameState::kLost;
+  if (found) {
+    if (!tracked.is_held() || !Agree(tracked, *found)) return *std::move(found);
+    tracked.verdict = Verdict::kBelieved;
+    tracked.has_second = true;
+    return tracked;
+  }
+  if (tracked.verdict == Verdict::kDoubtful) tracked.state = FrameState::kLost;
   return tracked;
 }
 
@@ -126,11 +166,50 @@ std::optional<Tracked> Tracker::Confirm(const PreparedFrame& frame, const Refere
                                         const Rigid3d& world_from_found) const {
   Tracked tracked = RegisterTo(reference, frame, world_from_found, options_.icp);
   if (!tracked.is_held()) return std::nullopt;
-  tracked.found_again = true;
+  if (tracked.verdict == Verdict::kDoubtful) {
+    if (!AreOnePlace(tracked.world_from_camera, world_from_found)) return std::nullopt;
+    tracked.verdict = Verdict::kBelieved;
+  }
+  tracked.found_again = tracked.has_second = true;
   return tracked;
 }
 
+void Tracker::Propose(const PreparedFrame& frame, const Tracked& tracked) {
+  ColoredView rest = {Without(frame.view.pyramid, tracked.moving), frame.view.color};
+  proposal_ = {{std::move(rest), tracked.world_from_camera, {}}, tracked};
+}
+
+bool Tracker::NeedsConfirmation(const PreparedFrame& frame, const Tracked& tracked) const {
+  if (lost_count_ == 0 && !tracked.found_again) return false;
+  if (!tracked.has_second) return true;  // tracking started at no known place
+  const Rigid3d motion = last_.world_from_view.Inverse() * tracked.world_from_camera;
+  return lost_count_ >= kSearchStride ||
+         !Belief::IsPossible(motion, frame.images.stamp_s - last_stamp_s_);
+}
+
+std::optional<Tracked> Tracker::ConfirmProposal(const PreparedFrame& frame,
+                                                const Tracked& tracked) {
+  Proposal proposal = *std::move(proposal_);
+  proposal_.reset();
+  if (!tracked.is_held() || tracked.verdict != Verdict::kBelieved) return std::nullopt;
+  const PreparedFrame rest = {frame.images,
+                              {Without(frame.view.pyramid, tracked.moving), frame.view.color}};
+  const Tracked from_there =
+      RegisterTo(proposal.view, rest, tracked.world_from_camera, options_.icp);
+  if (!from_there.is_held() ||
+      !AreOnePlace(from_there.world_from_camera, tracked.world_from_camera)) {
+    return std::nullopt;
+  }
+  Tracked confirmed = tracked;
+  confirmed.found_again = true;
+  confirmed.keyframe = proposal.tracked.keyframe;
+  if (confirmed.keyframe >= 0) confirmed.state = FrameState::kRelocalized;
+  return confirmed;
+}
+
 void Tracker::Keep(PreparedFrame frame, const Tracked& tracked) {
+  proposal_.reset();
+  last_stamp_s_ = frame.images.stamp_s;
   // The way over lost frames is not one frame's motion, nor is a jump.
   const bool is_next = has_started_ && lost_count_ == 0 && !tracked.found_again;
   last_from_next_ =
@@ -149,6 +228,10 @@ void Tracker::Keep(PreparedFrame frame, const Tracked& tracked) {
 
 void Tracker::Move(const Rigid3d& new_from_old_world) {
   last_.world_from_view = new_from_old_world * last_.world_from_view;
+  regions_.Move(new_from_old_world);
+  if (proposal_) {
+    proposal_->view.world_from_view = new_from_old_world * proposal_->view.world_from_view;
+  }
 }
 
 }  // namespace surfit

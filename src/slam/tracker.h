@@ -2,6 +2,8 @@
 
 #include <optional>
 
+#include "slam/belief.h"
+#include "slam/moving_regions.h"
 #include "surfit/frame/rgbd_frame.h"
 #include "surfit/registration/far_registration.h"
 #include "surfit/slam/slam.h"
@@ -20,15 +22,21 @@ struct PreparedFrame {
 struct ReferenceView {
   ColoredView view;  // its colours are the map's only where intensities count
   Rigid3d world_from_view;
+  Image<float> grey;  // brightness of the model's cells (ViewGrid), 0 where unknown; may be empty
 };
 
 // What came of tracking a frame.
 struct Tracked {
   FrameState state = FrameState::kLost;
-  Rigid3d world_from_camera;  // meaningless if lost
-  IcpResult icp;              // of a frame that was registered, or failed to be
-  bool found_again = false;   // after a jump
-  bool has_own_view = false;  // the map was drawn for it
+  Rigid3d world_from_camera;             // meaningless if lost
+  IcpResult icp;                         // of a frame that was registered, or failed to be
+  bool found_again = false;              // after a jump
+  bool has_second = false;               // found from afar as well
+  int keyframe = -1;                     // that it was relocalised by
+  bool has_own_view = false;             // the map was drawn for it
+  Verdict verdict = Verdict::kBelieved;  // of a frame that was registered
+  CellMask moving;                       // not registered, and not to be fused
+  double moving_share = 0;               // of the points
 
   bool is_held() const { return state != FrameState::kLost; }
 };
@@ -79,6 +87,20 @@ class Tracker {
   std::optional<Tracked> Confirm(const PreparedFrame& frame, const ReferenceView& reference,
                                  const Rigid3d& world_from_found) const;
 
+  // After a long loss, and where no hand moves a camera so far, one frame is not enough: the next
+  // must be found from there, and from this one likewise. Whether this outcome is such a one.
+  bool NeedsConfirmation(const PreparedFrame& frame, const Tracked& tracked) const;
+  void Propose(const PreparedFrame& frame, const Tracked& tracked);
+  bool has_proposal() const { return proposal_.has_value(); }
+  // What was proposed, at the pose of a frame that was tracked from there and agrees; nothing if it
+  // does not. There is no proposal afterwards.
+  std::optional<Tracked> ConfirmProposal(const PreparedFrame& frame, const Tracked& tracked);
+
+  // Each frame that is held, with what moves in it.
+  void Remember(const PreparedFrame& frame, const Tracked& tracked) {
+    regions_.Remember(frame.surface(), tracked.moving, tracked.world_from_camera,
+                      frame.images.stamp_s);
+  }
   // One of both is to be called with each outcome but of a frame that repeats the last.
   void Keep(PreparedFrame frame, const Tracked& tracked);
   void Lose() {
@@ -92,14 +114,25 @@ class Tracker {
  private:
   Tracked RegisterTo(const ReferenceView& reference, const PreparedFrame& frame,
                      const Rigid3d& world_from_start, const IcpOptions& icp_options) const;
-  bool IsBelievable(const IcpResult& icp) const;
+  Tracked Judge(const ReferenceView& reference, const PreparedFrame& frame, const IcpResult& icp,
+                const IcpOptions& icp_options) const;
+
+  // Where a lost frame may have been.
+  struct Proposal {
+    ReferenceView view;
+    Tracked tracked;
+  };
 
   const SlamOptions& options_;
+  Belief belief_;
+  MovingRegions regions_;
+  std::optional<Proposal> proposal_;  // of the last frame
   bool has_started_ = false;
   int lost_count_ = 0;
   bool needs_search_ = false;    // the last frame was lost, or came with a jump
   bool is_poorly_held_ = false;  // the last frame, by SlamOptions::min_turn_eigenvalue
   ReferenceView last_;
+  double last_stamp_s_ = 0;
   Rigid3d last_from_next_;     // motion that the motion model expects
   Image<float> last_depth_m_;  // of the last frame, held or not
 };

@@ -102,6 +102,8 @@ struct FrameReport {
   bool has_own_view = false;  // the map was drawn for it, unless it is not to be tracked against
   bool is_fused = false;      // into the map
   bool is_held_out = false;   // tracked, but not to be fused: SlamOptions::hold_out
+  double moving_share = 0;    // of its points, those that move by themselves: neither tracked nor
+                              // fused
   IcpResult icp;              // of a tracked or lost frame
   FusionReport fusion;        // of a fused frame
   StageTimes times;

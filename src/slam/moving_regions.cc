@@ -1,0 +1,267 @@
+#include "slam/moving_regions.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace surfit {
+namespace {
+
+// What the camera saw is remembered five times a second, for ten seconds: what has come and stays
+// is part of the scene after that.
+constexpr double kBetweenSights_s = 0.2;
+constexpr std::size_t kMostSights = 50;
+// Of all cells a region has so many at least; less is noise at edges.
+constexpr double kLeastShare = 0.01;
+// Of a region's points that were in view some moment ago, so many were seen through; or so many of
+// its cells moved a frame ago.
+constexpr double kLeastSeenThrough = 0.5, kLeastMoved = 0.3;
+// As far behind a surfel as Fusion must see to know that it is not there.
+constexpr double kMargin_m = 0.05, kMarginSigmas = 4;
+
+// A line of cells is what a depth edge leaves, not a thing.
+bool IsCore(const Image<Side>& sides, int u, int v) {
+  constexpr int kLeastNeighbours = 6;
+  if (u < 1 || v < 1 || u + 1 >= sides.width() || v + 1 >= sides.height()) return false;
+  int count = 0;
+  for (int dv = -1; dv <= 1; ++dv) {
+    for (int du = -1; du <= 1; ++du) count += sides(u + du, v + dv) == Side::kInFront;
+  }
+  return sides(u, v) == Side::kInFront && count > kLeastNeighbours;
+}
+
+// What a region can be made of, and what of it is passed on to the next frame: not what is merely
+// beside.
+enum : std::uint8_t { kNone, kBeside, kCore };
+
+// Takes the cells of a region, from one of them on: core, and a few cells beside it, no farther
+// apart in depth than the parts of one thing.
+std::vector<int> Grow(int first, const FrameLevel& frame, const CellMask& kinds, CellMask* left) {
+  constexpr float kSamePart = 0.04f;  // of the depth
+  constexpr int kMostBeside = 4;
+  const ViewGrid grid(frame.camera);
+  const auto depth_m = [&](int cell) {
+    return frame.vertex.z(grid.Pixel(cell % grid.width), grid.Pixel(cell / grid.width));
+  };
+  std::vector<int> cells = {first}, beside = {0};  // how far from a core
+  (*left)[first] = kNone;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const int cell = cells[i], u = cell % grid.width;
+    const auto take = [&](int next) {
+      if (next < 0 || next >= static_cast<int>(left->size()) || (*left)[next] == kNone) return;
+      if (std::abs(depth_m(next) - depth_m(cell)) > kSamePart * depth_m(cell)) return;
+      const int distance = kinds[next] == kCore ? 0 : beside[i] + 1;
+      if (distance > kMostBeside) return;
+      (*left)[next] = kNone;
+      cells.push_back(next);
+      beside.push_back(distance);
+    };
+    take(cell - grid.width);
+    take(cell + grid.width);
+    if (u > 0) take(cell - 1);
+    if (u + 1 < grid.width) take(cell + 1);
+  }
+  return cells;
+}
+
+// The cells, and what is beside.
+void Mark(const std::vector<int>& cells, const CellMask& kinds, CellMask* mask) {
+  constexpr int kBeyond = 2;
+  const int width = mask->width(), height = mask->height();
+  for (const int cell : cells) {
+    const int u = cell % width, v = cell / width;
+    for (int y = std::max(0, v - kBeyond); y <= std::min(height - 1, v + kBeyond); ++y) {
+      for (int x = std::max(0, u - kBeyond); x <= std::min(width - 1, u + kBeyond); ++x) {
+        (*mask)(x, y) = std::max((*mask)(x, y), static_cast<std::uint8_t>(kBeside));
+      }
+    }
+    (*mask)[cell] = std::max((*mask)[cell], kinds[cell]);
+  }
+}
+
+bool IsMasked(const CellMask& mask, double scale, int u, int v) {
+  const int x = std::min(mask.width() - 1, static_cast<int>(u * scale));
+  const int y = std::min(mask.height() - 1, static_cast<int>(v * scale));
+  return mask(x, y) != 0;
+}
+
+// Where the points of a region lie to what was seen.
+struct SightCount {
+  int seen = 0;     // in view, and not hidden
+  int through = 0;  // of these, those that the camera saw through
+};
+
+}  // namespace
+
+// What was seen at a moment, of the cells.
+struct MovingRegions::Sight {
+  double stamp_s = 0;
+  Rigid3d world_from_camera;
+  PinholeCamera camera;
+  DepthNoise noise;
+  Image<float> depth_m;
+  CellMask moving;  // of the last frame only
+
+  // The cell that shows a point of the camera's frame, or -1.
+  int CellOf(const Eigen::Vector3d& point) const {
+    if (!(point.z() > 0)) return -1;
+    const ViewGrid grid(camera);
+    const Eigen::Vector2d pixel = camera.Project(point);
+    const double x = std::floor((pixel.x() + 0.5) / grid.step);
+    const double y = std::floor((pixel.y() + 0.5) / grid.step);
+    const bool is_inside = x >= 0 && y >= 0 && x < grid.width && y < grid.height;
+    return is_inside ? static_cast<int>(y) * grid.width + static_cast<int>(x) : -1;
+  }
+
+  double Margin(double depth) const { return kMargin_m + kMarginSigmas * noise.SigmaZ(depth); }
+
+  SightCount Count(const std::vector<Eigen::Vector3d>& points_in_world) const {
+    SightCount count;
+    const Rigid3d camera_from_world = world_from_camera.Inverse();
+    for (const Eigen::Vector3d& point_in_world : points_in_world) {
+      const Eigen::Vector3d point = camera_from_world * point_in_world;
+      const int cell = CellOf(point);
+      if (cell < 0) continue;
+      const double depth = depth_m[cell], margin_m = Margin(depth);
+      count.seen += depth > point.z() - margin_m;
+      count.through += depth > point.z() + margin_m;
+    }
+    return count;
+  }
+};
+
+MovingRegions::MovingRegions() = default;
+MovingRegions::~MovingRegions() = default;
+
+CellMask MovingRegions::Find(const FrameLevel& frame, const ViewComparison& comparison,
+                             const Rigid3d& world_from_camera) const {
+  const Image<Side>& sides = comparison.sides;
+  const CellMask moved = MovedBefore(frame, sides, world_from_camera);
+  CellMask kinds(sides.width(), sides.height(), kNone);
+  for (int v = 0; v < sides.height(); ++v) {
+    for (int u = 0; u < sides.width(); ++u) {
+      if (sides(u, v) == Side::kInFront || sides(u, v) == Side::kUnknown) kinds(u, v) = kBeside;
+      const bool has_moved = !moved.empty() && moved(u, v) != kNone;
+      if (has_moved || IsCore(sides, u, v)) kinds(u, v) = kCore;
+    }
+  }
+  CellMask left = kinds, moving;
+  for (int i = 0; i < static_cast<int>(left.size()); ++i) {
+    if (left[i] != kCore) continue;
+    const std::vector<int> cells = Grow(i, frame, kinds, &left);
+    if (!Moves(cells, frame, kinds, moved, world_from_camera)) continue;
+    if (moving.empty()) moving = CellMask(sides.width(), sides.height(), kNone);
+    Mark(cells, kinds, &moving);
+  }
+  return moving;
+}
+
+bool MovingRegions::Moves(const std::vector<int>& cells, const FrameLevel& frame,
+                          const CellMask& kinds, const CellMask& moved,
+                          const Rigid3d& world_from_camera) const {
+  const ViewGrid grid(frame.camera);
+  const auto size = static_cast<double>(cells.size());
+  if (size < kLeastShare * grid.width * grid.height) return false;
+  std::vector<Eigen::Vector3d> points_in_world;
+  int moved_count = 0, core_count = 0;
+  for (const int cell : cells) {
+    const int u = grid.Pixel(cell % grid.width), v = grid.Pixel(cell / grid.width);
+    points_in_world.push_back(world_from_camera * frame.vertex(u, v).cast<double>());
+    moved_count += !moved.empty() && moved[cell] != kNone;
+    core_count += kinds[cell] == kCore;
+  }
+  if (moved_count >= kLeastMoved * core_count) return true;
+  return std::any_of(sights_.begin(), sights_.end(), [&](const Sight& sight) {
+    const SightCount count = sight.Count(points_in_world);
+    return count.through >= kLeastShare * grid.width * grid.height &&
+           count.through >= kLeastSeenThrough * count.seen;
+  });
+}
+
+// Where the model shows nothing, what moves is told from what rests beside it by an earlier sight.
+CellMask MovingRegions::MovedBefore(const FrameLevel& frame, const Image<Side>& sides,
+                                    const Rigid3d& world_from_camera) const {
+  constexpr double kSameThing_m = 0.15;
+  if (!last_) return {};
+  const ViewGrid grid(frame.camera);
+  const Rigid3d last_from_now = last_->world_from_camera.Inverse() * world_from_camera;
+  CellMask moved(grid.width, grid.height, kNone);
+  for (int v = 0; v < grid.height; ++v) {
+    for (int u = 0; u < grid.width; ++u) {
+      if (sides(u, v) != Side::kInFront && sides(u, v) != Side::kUnknown) continue;
+      const Eigen::Vector3d point =
+          last_from_now * frame.vertex(grid.Pixel(u), grid.Pixel(v)).cast<double>();
+      const int cell = last_->CellOf(point);
+      if (cell < 0 || last_->moving[cell] == kNone) continue;
+      if (std::abs(last_->depth_m[cell] - point.z()) > kSameThing_m) continue;
+      if (sides(u, v) == Side::kUnknown && WasThere(last_->world_from_camera * point)) continue;
+      moved(u, v) = kCore;
+    }
+  }
+  return moved;
+}
+
+// In the last sight but one, which is some tenths of a second old.
+bool MovingRegions::WasThere(const Eigen::Vector3d& point_in_world) const {
+  if (sights_.size() < 2) return false;
+  const SightCount count = (sights_.rbegin() + 1)->Count({point_in_world});
+  return count.seen > 0 && count.through == 0;
+}
+
+void MovingRegions::Remember(const FrameLevel& frame, const CellMask& moving,
+                             const Rigid3d& world_from_camera, double stamp_s) {
+  const bool is_due = sights_.empty() || stamp_s >= sights_.back().stamp_s + kBetweenSights_s;
+  last_.reset();
+  if (!is_due && moving.empty()) return;
+  const ViewGrid grid(frame.camera);
+  Sight sight = {
+      stamp_s, world_from_camera, frame.camera, frame.noise, Image<float>(grid.width, grid.height),
+      {}};
+  for (int v = 0; v < grid.height; ++v) {
+    for (int u = 0; u < grid.width; ++u) {
+      sight.depth_m(u, v) = frame.vertex.z(grid.Pixel(u), grid.Pixel(v));
+    }
+  }
+  if (!moving.empty()) {
+    last_ = std::make_unique<Sight>(sight);
+    last_->moving = moving;
+  }
+  if (!is_due) return;
+  if (sights_.size() == kMostSights) sights_.pop_front();
+  sights_.push_back(std::move(sight));
+}
+
+void MovingRegions::Move(const Rigid3d& new_from_old_world) {
+  for (Sight& sight : sights_) {
+    sight.world_from_camera = new_from_old_world * sight.world_from_camera;
+  }
+  if (last_) last_->world_from_camera = new_from_old_world * last_->world_from_camera;
+}
+
+Image<float> Without(Image<float> depth_m, const CellMask& moving) {
+  if (moving.empty()) return depth_m;
+  const double scale = static_cast<double>(moving.width()) / depth_m.width();
+  for (int v = 0; v < depth_m.height(); ++v) {
+    for (int u = 0; u < depth_m.width(); ++u) {
+      if (IsMasked(moving, scale, u, v)) depth_m(u, v) = 0;
+    }
+  }
+  return depth_m;
+}
+
+FramePyramid Without(FramePyramid pyramid, const CellMask& moving) {
+  if (moving.empty()) return pyramid;
+  for (FrameLevel& level : pyramid.levels) {
+    const double scale = static_cast<double>(moving.width()) / level.vertex.width();
+    for (int v = 0; v < level.vertex.height(); ++v) {
+      for (int u = 0; u < level.vertex.width(); ++u) {
+        if (!IsMasked(moving, scale, u, v)) continue;
+        level.vertex.Set(u, v, Eigen::Vector3f::Zero());
+        level.normal.Set(u, v, Eigen::Vector3f::Zero());
+      }
+    }
+  }
+  return pyramid;
+}
+
+}  // namespace surfit

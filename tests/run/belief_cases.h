@@ -1,0 +1,200 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "surfit/geometry/trajectory.h"
+#include "surfit/io/sequence.h"
+#include "surfit/simulation/camera_path.h"
+#include "surfit/simulation/render.h"
+#include "surfit/slam/slam.h"
+#include "testing/shared_data.h"
+
+namespace surfit::testing {
+
+// Frames in memory with the true poses of those that have one.
+struct Recording {
+  DepthSensor sensor;
+  std::vector<RgbdFrame> frames;
+  std::vector<std::optional<Rigid3d>> truth;
+  // How far the poses of a run over all frames are from the truth in the end, both beginning alike;
+  // of the kitchen it is a map that another system made of the same depth.
+  double drift_m = 0, drift_rad = 0;
+
+  void Add(const Recording& other, std::size_t i) {
+    frames.push_back(other.frames[i]);
+    truth.push_back(other.truth[i]);
+  }
+};
+
+inline Recording Recorded(const std::string& name, int downsample = 2, int stride = 1) {
+  constexpr double kTurn_rad = 3 * kRadPerDeg;
+  SequenceOptions options;
+  options.path = SharedData(name);
+  options.stride = stride;
+  options.prepare.downsample = downsample;
+  const auto source = OpenSequence(options);
+  Recording recording;
+  recording.sensor = source->info().sensor();
+  if (name == "tum_fr1_desk") recording.drift_m = 0.06, recording.drift_rad = kTurn_rad;
+  if (name == "seven_scenes_kitchen") recording.drift_m = 0.13, recording.drift_rad = kTurn_rad;
+  while (std::optional<ReadResult> read = source->Next()) {
+    if (!read->frame) continue;
+    recording.truth.push_back(InterpolatePose(source->info().ground_truth, read->stamp_s));
+    recording.frames.push_back(*std::move(read->frame));
+  }
+  return recording;
+}
+
+inline Recording Every(const Recording& all, int stride) {
+  Recording kept;
+  kept.sensor = all.sensor, kept.drift_m = all.drift_m, kept.drift_rad = all.drift_rad;
+  for (std::size_t i = 0; i < all.frames.size(); i += stride) kept.Add(all, i);
+  return kept;
+}
+
+// Parts of a recording one after the other, in one thirtieth of a second a frame: at each seam the
+// camera is somewhere else all at once.
+inline Recording Joined(const Recording& all, const std::vector<std::pair<int, int>>& parts) {
+  Recording joined;
+  joined.sensor = all.sensor, joined.drift_m = all.drift_m, joined.drift_rad = all.drift_rad;
+  for (const auto& [begin, end] : parts) {
+    for (int i = begin; i < end && i < static_cast<int>(all.frames.size()); ++i) {
+      joined.Add(all, i);
+      RgbdFrame& frame = joined.frames.back();
+      frame.index = static_cast<int>(joined.frames.size()) - 1;
+      frame.stamp_s = frame.color_stamp_s = frame.index / 30.;
+    }
+  }
+  return joined;
+}
+
+// A bumpy textured thing before the camera that hides a share of the view from frame `begin` on.
+// It sways by 0.15 m to both sides, and goes where the camera goes.
+inline Recording Hidden(Recording recording, double share, int begin) {
+  const PinholeCamera& camera = recording.sensor.camera;
+  constexpr double kDistance_m = 0.55;
+  const double half_x_m = std::sqrt(share) / 2 * camera.width / camera.fx * kDistance_m;
+  const double half_y_m = std::sqrt(share) / 2 * camera.height / camera.fy * kDistance_m;
+  for (int i = begin; i < static_cast<int>(recording.frames.size()); ++i) {
+    RgbdFrame& frame = recording.frames[i];
+    const double phase = 2 * M_PI * i / 60, shift_m = 0.15 * std::sin(phase);
+    const double distance_m = kDistance_m + 0.05 * std::sin(1.3 * phase);
+    for (int v = 0; v < camera.height; ++v) {
+      for (int u = 0; u < camera.width; ++u) {
+        const Eigen::Vector3d ray = camera.Ray(u, v);
+        const double x = ray.x() * distance_m - shift_m, y = ray.y() * distance_m;
+        if (std::abs(x) > half_x_m || std::abs(y) > half_y_m) continue;
+        const double bump = std::sin(25 * x) * std::cos(20 * y);
+        frame.depth_m(u, v) = static_cast<float>(distance_m + 0.04 * bump);
+        const auto grey = static_cast<std::uint8_t>(130 + 60 * bump + 40 * std::sin(110 * x));
+        frame.color(u, v) = {grey, static_cast<std::uint8_t>(255 - grey), 90};
+      }
+    }
+  }
+  return recording;
+}
+
+inline Texture Stripes(double period_m) {
+  return [period_m](const Eigen::Vector3d& point) {
+    const bool is_light = std::sin(2 * M_PI * point.z() / period_m) > 0;
+    return is_light ? Eigen::Vector3f(0.7f, 0.2f, 0.15f) : Eigen::Vector3f(0.15f, 0.2f, 0.5f);
+  };
+}
+
+// Somebody who stands on the floor there: 1.75 m tall.
+inline void AddPerson(const Eigen::Vector2d& at, double stride_m, Scene* scene) {
+  const auto add = [&](const ShapePtr& shape, double x, double z, double period_m) {
+    const Eigen::Vector3d place(at.x() + x, at.y(), z);
+    scene->Add(shape, Rigid3d(Eigen::Quaterniond::Identity(), place), Stripes(period_m));
+  };
+  add(MakeSphere(0.12), 0, 1.63, 0.09);
+  add(MakeCapsule(0.2, 0.5), 0, 0.95, 0.13);
+  add(MakeCapsule(0.09, 0.7), stride_m, 0.1, 0.2);
+  add(MakeCapsule(0.09, 0.7), -stride_m, 0.1, 0.2);
+}
+
+// A Kinect in a furnished room; from frame `people_from` on somebody walks to and fro before it.
+inline Recording Simulated(std::uint64_t seed, int frames, int people_from) {
+  Recording recording;
+  recording.sensor.camera = {320, 240, 262.5, 262.5, 159.5, 119.5, {}};
+  const PinholeCamera& camera = recording.sensor.camera;
+  const Scene room = MakeScene("room", seed);
+  for (const StampedPose& pose : MakePath(room, frames, seed)) {
+    const int i = static_cast<int>(recording.frames.size());
+    Scene scene = room;
+    const Rigid3d& world_from_camera = pose.world_from_camera;
+    if (i >= people_from) {
+      const double phase = 2 * M_PI * i / 90;
+      const Eigen::Vector3d at = world_from_camera * Eigen::Vector3d(0.7 * std::sin(phase), 0,
+                                                                     1.3 + 0.3 * std::cos(phase));
+      AddPerson(at.head<2>(), 0.2 * std::sin(4 * phase), &scene);
+    }
+    RgbdFrame frame = RenderFrame(scene, camera, world_from_camera, i, pose.stamp_s);
+    frame.depth_m = KinectDepth(frame.depth_m, camera, (seed << 32) + i);
+    recording.frames.push_back(std::move(frame));
+    recording.truth.emplace_back(world_from_camera);
+  }
+  return recording;
+}
+
+// What became of frames that have a true pose. A pose is right within 10 cm and 5 degrees, and the
+// recording's drift: a map that has drifted makes no pose wrong that fits it.
+struct Verdicts {
+  int frames = 0;
+  int believed = 0;  // called tracked, or anything else but lost
+  int wrong = 0;     // of these, those whose pose is not right
+  int missed = 0;    // called lost, though the pose that was found is right
+  double max_m = 0;  // of those believed
+
+  double CalledRight() const {
+    const int right = believed - wrong + missed;
+    return right > 0 ? static_cast<double>(believed - wrong) / right : 1;
+  }
+  Verdicts& operator+=(const Verdicts& other) {
+    frames += other.frames, believed += other.believed, wrong += other.wrong;
+    missed += other.missed, max_m = std::max(max_m, other.max_m);
+    return *this;
+  }
+};
+
+inline const SlamOptions& DefaultSlam() {
+  static const SlamOptions options;
+  return options;
+}
+
+// Online: each pose as it is at its time. Slam begins at the truth.
+inline Verdicts Judge(const Recording& recording, const SlamOptions& options = DefaultSlam()) {
+  constexpr double kRight_m = 0.1, kRight_rad = 5 * kRadPerDeg;
+  Slam slam(recording.sensor, options, recording.truth.at(0).value());
+  Verdicts verdicts;
+  for (std::size_t i = 0; i < recording.frames.size(); ++i) {
+    const FrameReport report = slam.Process(recording.frames[i]);
+    if (!recording.truth[i]) continue;
+    const Rigid3d error = recording.truth[i]->Inverse() * report.world_from_camera;
+    const bool is_right = error.translation.norm() <= kRight_m + recording.drift_m &&
+                          RotationAngle(error.rotation) <= kRight_rad + recording.drift_rad;
+    const bool is_believed = report.state != FrameState::kLost;
+    ++verdicts.frames;
+    verdicts.believed += is_believed;
+    verdicts.wrong += is_believed && !is_right;
+    verdicts.missed += !is_believed && is_right;
+    if (is_believed) verdicts.max_m = std::max(verdicts.max_m, error.translation.norm());
+  }
+  return verdicts;
+}
+
+// A row of the table of docs/understand.md.
+inline void Print(const std::string& name, const Verdicts& verdicts) {
+  std::printf("| %s | %d | %d | %d | %d | %.1f | %.0f |\n", name.c_str(), verdicts.frames,
+              verdicts.believed, verdicts.wrong, verdicts.missed, 100 * verdicts.CalledRight(),
+              1e3 * verdicts.max_m);
+  std::fflush(stdout);
+}
+
+}  // namespace surfit::testing

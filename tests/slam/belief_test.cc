@@ -1,0 +1,179 @@
+#include "slam/belief.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "slam/moving_regions.h"
+#include "slam/simulated_sequence.h"
+#include "slam/view_comparison.h"
+#include "surfit/frame/prepare_frame.h"
+#include "surfit/frame/preprocess.h"
+#include "testing/matchers.h"
+
+namespace surfit::testing {
+namespace {
+
+IcpResult GoodFit() {
+  IcpResult icp;
+  icp.termination = Termination::kConverged;
+  icp.inlier_share = 0.8;
+  icp.rmse_m = 0.003;
+  return icp;
+}
+
+ViewComparison Views(int in_front, int behind, double alike = 0.9) {
+  ViewComparison views;
+  views.points = views.compared = 1000;
+  views.in_front = in_front;
+  views.behind = behind;
+  views.alike = alike;
+  return views;
+}
+
+TEST(Belief, FollowsWhatSurfacesAndImagesSay) {
+  const SlamOptions options;
+  const Belief belief(options);
+  EXPECT_EQ(belief.Judge(GoodFit(), Views(20, 20), 0), Verdict::kBelieved);
+  EXPECT_EQ(belief.Judge(GoodFit(), Views(100, 80), 0), Verdict::kDoubtful);
+  EXPECT_EQ(belief.Judge(GoodFit(), Views(200, 100), 0), Verdict::kRefuted);
+  EXPECT_EQ(belief.Judge(GoodFit(), Views(20, 20, 0.4), 0), Verdict::kDoubtful);
+  EXPECT_EQ(belief.Judge(GoodFit(), Views(20, 20, 0.1), 0), Verdict::kRefuted);
+  EXPECT_EQ(belief.Judge(GoodFit(), Views(100, 80, 0.4), 0), Verdict::kRefuted);
+}
+
+TEST(Belief, WhatMovesSpeaksAgainstNoPoseButTheRestMustAgree) {
+  const SlamOptions options;
+  const Belief belief(options);
+  EXPECT_EQ(belief.Judge(GoodFit(), Views(400, 20), 390), Verdict::kBelieved);
+  EXPECT_EQ(belief.Judge(GoodFit(), Views(400, 20), 0), Verdict::kRefuted);
+  EXPECT_EQ(belief.Judge(GoodFit(), Views(400, 100), 390), Verdict::kRefuted);
+}
+
+TEST(Belief, ARegistrationThatFailedIsRefuted) {
+  const SlamOptions options;
+  const Belief belief(options);
+  IcpResult icp = GoodFit();
+  icp.inlier_share = 0.9 * options.min_inlier_share;
+  EXPECT_EQ(belief.Judge(icp, Views(0, 0), 0), Verdict::kRefuted);
+  icp = GoodFit();
+  icp.rmse_m = 1.1 * options.max_rmse_m;
+  EXPECT_EQ(belief.Judge(icp, Views(0, 0), 0), Verdict::kRefuted);
+  icp = GoodFit();
+  icp.termination = Termination::kTooFewInliers;
+  EXPECT_EQ(belief.Judge(icp, Views(0, 0), 0), Verdict::kRefuted);
+}
+
+TEST(Belief, KnowsHowFarAHandMovesACamera) {
+  const auto motion = [](double way_m, double turn_rad) {
+    const Eigen::Quaterniond turn(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitY()));
+    return Rigid3d(turn, Eigen::Vector3d(way_m, 0, 0));
+  };
+  EXPECT_TRUE(Belief::IsPossible(motion(0.15, 0.3), 1. / 30));
+  EXPECT_FALSE(Belief::IsPossible(motion(1, 0), 1. / 30));
+  EXPECT_FALSE(Belief::IsPossible(motion(0, 1), 1. / 30));
+  EXPECT_TRUE(Belief::IsPossible(motion(1, 1), 1));
+}
+
+FrameLevel SurfaceOf(const RgbdFrame& frame) {
+  const FramePyramid pyramid = PreprocessDepth(frame.depth_m, {SimulatedCamera(), {}}, {});
+  return pyramid.levels.front();
+}
+
+// Brightness of the cells of a frame.
+Image<float> GreyOfCells(const Image<Rgb8>& color) {
+  const ViewGrid grid(SimulatedCamera());
+  Image<float> grey(grid.width, grid.height);
+  for (int v = 0; v < grid.height; ++v) {
+    for (int u = 0; u < grid.width; ++u) grey(u, v) = GreyOf(color(grid.Pixel(u), grid.Pixel(v)));
+  }
+  return grey;
+}
+
+// Two frames of a simulated room, 10 frames apart, with the truth between them.
+TEST(ViewComparison, FewPointsContradictTheRightPoseAndManyAWrongOne) {
+  const SimulatedSequence& room = IdealRoom();
+  const RgbdFrame &model = room.frames[0], &frame = room.frames[10];
+  const Rigid3d model_from_frame = room.world_from_camera[0].Inverse() * room.world_from_camera[10];
+  const auto compare = [&](const Rigid3d& pose) {
+    return CompareViews(SurfaceOf(frame), frame.color, SurfaceOf(model), GreyOfCells(model.color),
+                        ErrorModel(), pose);
+  };
+  const ViewComparison right = compare(model_from_frame);
+  EXPECT_GT(right.compared, 0.6 * right.points);
+  EXPECT_LT(right.in_front + right.behind, 0.05 * right.compared);
+  EXPECT_GT(right.alike, 0.8);
+  const Rigid3d shift(Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.15, 0.1, 0.2));
+  const ViewComparison wrong = compare(shift * model_from_frame);
+  EXPECT_GT(wrong.in_front + wrong.behind, 0.3 * wrong.compared);
+}
+
+// A frame with a ball of 0.25 m radius before the camera.
+RgbdFrame WithBall(int i, double across_m) {
+  const Rigid3d& world_from_camera = IdealRoom().world_from_camera[i];
+  Scene scene = MakeScene("room", 1);
+  const Eigen::Vector3d place = world_from_camera * Eigen::Vector3d(across_m, 0, 0.9);
+  scene.Add(MakeSphere(0.25), Rigid3d(Eigen::Quaterniond::Identity(), place),
+            [](const Eigen::Vector3d&) { return Eigen::Vector3f(0.6f, 0.3f, 0.2f); });
+  RgbdFrame frame = RenderFrame(scene, SimulatedCamera(), world_from_camera, i, i / 30.);
+  frame.color_stamp_s = frame.stamp_s;
+  return frame;
+}
+
+// The moving share of the cells of frame 20, of which the model does not know the ball; `before` is
+// what the camera saw 15 frames earlier.
+double MovingShare(const RgbdFrame& before, const RgbdFrame& now) {
+  const SimulatedSequence& room = IdealRoom();
+  const Rigid3d &then = room.world_from_camera[5], &here = room.world_from_camera[20];
+  MovingRegions regions;
+  regions.Remember(SurfaceOf(before), {}, then, 5 / 30.);
+  const FrameLevel frame = SurfaceOf(now);
+  const ViewComparison views =
+      CompareViews(frame, {}, SurfaceOf(room.frames[20]), {}, ErrorModel(), Rigid3d());
+  const CellMask moving = regions.Find(frame, views, here);
+  return static_cast<double>(moving.size() - std::count(moving.begin(), moving.end(), 0)) /
+         views.points;
+}
+
+TEST(MovingRegions, AreWhatTheCameraSawThroughAMomentAgo) {
+  const SimulatedSequence& room = IdealRoom();
+  const double arrived = MovingShare(room.frames[5], WithBall(20, 0));
+  EXPECT_GT(arrived, 0.1);
+  EXPECT_LT(arrived, 0.5);
+  EXPECT_GT(MovingShare(WithBall(5, 0.3), WithBall(20, 0)), 0.1);
+  EXPECT_EQ(MovingShare(room.frames[5], room.frames[20]), 0);
+}
+
+// What the model does not show, but the camera saw at the same place, is new, and does not move.
+TEST(MovingRegions, AreNotWhatIsMerelyNew) {
+  const SimulatedSequence& room = IdealRoom();
+  const Eigen::Vector3d place = room.world_from_camera[20] * Eigen::Vector3d(0, 0, 0.9);
+  const Eigen::Vector3d in_camera = room.world_from_camera[5].Inverse() * place;
+  Scene scene = MakeScene("room", 1);
+  scene.Add(MakeSphere(0.25), Rigid3d(Eigen::Quaterniond::Identity(), place),
+            [](const Eigen::Vector3d&) { return Eigen::Vector3f(0.6f, 0.3f, 0.2f); });
+  ASSERT_GT(in_camera.z(), 0.5);
+  EXPECT_EQ(
+      MovingShare(RenderFrame(scene, SimulatedCamera(), room.world_from_camera[5], 5, 5 / 30.),
+                  RenderFrame(scene, SimulatedCamera(), room.world_from_camera[20], 20, 20 / 30.)),
+      0);
+}
+
+// From frame 6 on a ball swings before the camera, at up to 0.6 m/s.
+TEST(Slam, WhatMovesIsNeitherTrackedNorFused) {
+  const SimulatedSequence& room = IdealRoom();
+  Slam slam({room.camera, {}}, SlamOptions(), room.world_from_camera[0]);
+  for (int i = 0; i < 25; ++i) {
+    const bool has_ball = i >= 6;
+    const FrameReport report =
+        slam.Process(has_ball ? WithBall(i, 0.2 * std::sin(0.1 * i)) : room.frames[i]);
+    ASSERT_NE(report.state, FrameState::kLost) << i;
+    EXPECT_THAT(report.world_from_camera,
+                RigidNear(room.world_from_camera[i], kPixelAt2m, kPixelRad))
+        << i;
+    EXPECT_EQ(report.moving_share > 0.1, has_ball) << i;
+  }
+}
+
+}  // namespace
+}  // namespace surfit::testing
