@@ -125,7 +125,9 @@ std::string FormatPlyHeader(const std::vector<PlyElement>& elements) {
   for (const PlyElement& element : elements) {
     text += Concat("element ", element.name, " ", element.count, "\n");
     for (const PlyProperty& property : element.properties) {
-      text += Concat("property ", PlyName(property.type), " ", property.name, "\n");
+      text += "property ";
+      if (property.count_type) text += Concat("list ", PlyName(*property.count_type), " ");
+      text += Concat(PlyName(property.type), " ", property.name, "\n");
     }
   }
   return text + "end_header\n";

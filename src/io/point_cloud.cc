@@ -29,10 +29,10 @@ Rgb8 Color(const double* row, const PlyColumns& c) {
   return {byte(0), byte(1), byte(2)};
 }
 
-std::optional<std::size_t> FindRadiusColumn(const PlyElement& element) {
+std::optional<std::size_t> FindColumn(const PlyElement& element, std::string_view name) {
   for (std::size_t c = 0; c < element.properties.size(); ++c) {
     const PlyProperty& property = element.properties[c];
-    if (property.name == "radius" && !property.count_type) return c;
+    if (property.name == name && !property.count_type) return c;
   }
   return std::nullopt;
 }
@@ -44,19 +44,22 @@ PointCloud ParsePly(std::string_view file, const std::string& path) {
   if (!points) throw InputError(Concat(path, ": element 'vertex' must have x, y and z"));
   const auto normals = FindPlyColumns(vertices, {"nx", "ny", "nz"});
   const auto colors = FindColorColumns(vertices);
-  const auto radius = FindRadiusColumn(vertices);
+  const auto radius = FindColumn(vertices, "radius");
+  const auto confidence = FindColumn(vertices, "confidence");
   PointCloud cloud;
   const auto begin = [&] {
     cloud.points.reserve(vertices.count);
     if (normals) cloud.normals.reserve(vertices.count);
     if (colors) cloud.colors.reserve(vertices.count);
     if (radius) cloud.radii_m.reserve(vertices.count);
+    if (confidence) cloud.confidences.reserve(vertices.count);
   };
   ReadPlyElement(file, header, "vertex", path, begin, [&](const double* row) {
     cloud.points.push_back(VectorAt(row, *points));
     if (normals) cloud.normals.push_back(VectorAt(row, *normals));
     if (colors) cloud.colors.push_back(Color(row, *colors));
     if (radius) cloud.radii_m.push_back(static_cast<float>(row[*radius]));
+    if (confidence) cloud.confidences.push_back(static_cast<float>(row[*confidence]));
   });
   return cloud;
 }
@@ -75,6 +78,7 @@ std::size_t RemoveNonFinite(PointCloud* cloud) {
   CHECK(cloud->normals.empty() || cloud->normals.size() == cloud->points.size());
   CHECK(cloud->colors.empty() || cloud->colors.size() == cloud->points.size());
   CHECK(cloud->radii_m.empty() || cloud->radii_m.size() == cloud->points.size());
+  CHECK(cloud->confidences.empty() || cloud->confidences.size() == cloud->points.size());
   const std::size_t count = cloud->points.size();
   std::size_t kept = 0;
   for (std::size_t i = 0; i < count; ++i) {
@@ -83,12 +87,14 @@ std::size_t RemoveNonFinite(PointCloud* cloud) {
     if (!cloud->normals.empty()) cloud->normals[kept] = cloud->normals[i];
     if (!cloud->colors.empty()) cloud->colors[kept] = cloud->colors[i];
     if (!cloud->radii_m.empty()) cloud->radii_m[kept] = cloud->radii_m[i];
+    if (!cloud->confidences.empty()) cloud->confidences[kept] = cloud->confidences[i];
     ++kept;
   }
   cloud->points.resize(kept);
   if (!cloud->normals.empty()) cloud->normals.resize(kept);
   if (!cloud->colors.empty()) cloud->colors.resize(kept);
   if (!cloud->radii_m.empty()) cloud->radii_m.resize(kept);
+  if (!cloud->confidences.empty()) cloud->confidences.resize(kept);
   return count - kept;
 }
 
@@ -96,6 +102,7 @@ void WritePly(const PointCloud& cloud, const std::string& path) {
   CHECK(cloud.normals.empty() || cloud.normals.size() == cloud.points.size());
   CHECK(cloud.colors.empty() || cloud.colors.size() == cloud.points.size());
   CHECK(cloud.radii_m.empty() || cloud.radii_m.size() == cloud.points.size());
+  CHECK(cloud.confidences.empty() || cloud.confidences.size() == cloud.points.size());
   std::vector<PlyProperty> properties;
   const auto add = [&](const PlyNames& names, PlyType type) {
     for (const char* name : names) properties.push_back({name, type});
@@ -104,6 +111,7 @@ void WritePly(const PointCloud& cloud, const std::string& path) {
   if (!cloud.normals.empty()) add({"nx", "ny", "nz"}, PlyType::kFloat32);
   if (!cloud.colors.empty()) add({"red", "green", "blue"}, PlyType::kUint8);
   if (!cloud.radii_m.empty()) properties.push_back({"radius", PlyType::kFloat32});
+  if (!cloud.confidences.empty()) properties.push_back({"confidence", PlyType::kFloat32});
   WritePlyVertices(path, cloud.points.size(), properties, [&](std::size_t i, PlyRow* row) {
     for (const float value : cloud.points[i]) row->Put(value);
     if (!cloud.normals.empty()) {
@@ -114,6 +122,7 @@ void WritePly(const PointCloud& cloud, const std::string& path) {
       for (const std::uint8_t value : {c.r, c.g, c.b}) row->Put(value);
     }
     if (!cloud.radii_m.empty()) row->Put(cloud.radii_m[i]);
+    if (!cloud.confidences.empty()) row->Put(cloud.confidences[i]);
   });
 }
 

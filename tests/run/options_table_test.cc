@@ -9,6 +9,7 @@
 #include "surfit/evaluation/map_error.h"
 #include "surfit/evaluation/trajectory_evaluation.h"
 #include "surfit/io/klg_writer.h"
+#include "surfit/mesh/mesh_surfels.h"
 #include "surfit/report/write_report.h"
 #include "surfit/run/compare_solvers.h"
 #include "surfit/run/refine_run.h"
@@ -58,7 +59,7 @@ using AllOptions = ::testing::Types<
     RelativePoseErrorOptions, TrajectoryEvaluationOptions, MapErrorOptions, KlgOptions,
     KinectOptions, ColorOptions, PathOptions, ReportOptions, SlamRunOptions, AlignRunOptions,
     RegisterRunOptions, RefineRunOptions, RevisitOptions, FindLoopsRunOptions,
-    ViewEvaluationOptions, CompareOptions>;
+    ViewEvaluationOptions, MeshOptions, CompareOptions>;
 TYPED_TEST_SUITE(OptionTables, AllOptions);
 
 TYPED_TEST(OptionTables, NameEveryFieldOnce) { ExpectAll<TypeParam>(FieldCount<TypeParam>()); }

@@ -91,62 +91,22 @@ TEST(MeshTool, MeshesTheSimulatedRoom) {
   const double reach_m = std::hypot(0.02, 2 * 0.01);
   surface.radii_m.assign(surface.points.size(), 0.01f);
   WritePly(surface, folder / "exact.ply");
-  mesh("exact.ply", "trimmed.ply", {"--cell_m=0.02", "--trim_distance_m=0.05"});
-  mesh("exact.ply", "loose.ply",
-       {"--cell_m=0.02", "--trim_distance_m=0.05", "--support_radii=1e6"});
+  mesh("exact.ply", "trimmed.ply", {"--cell_m=0.02"});
   EXPECT_EQ(ShareFartherThan(reach_m, folder / "trimmed.ply", surface.points), 0);
-  // So there is something to trim.
-  EXPECT_GT(ShareFartherThan(reach_m, folder / "loose.ply", surface.points), 0);
 }
 
-// Points 5 mm apart on z = 0, but for |x| < 15 mm.
-PointCloud TornPlane() {
-  PointCloud cloud;
-  for (int i = -40; i <= 40; ++i) {
-    for (int j = -40; j <= 40; ++j) {
-      if (std::abs(i) < 3) continue;
-      cloud.points.push_back({0.005f * static_cast<float>(i), 0.005f * static_cast<float>(j), 0});
-      cloud.normals.push_back({0, 0, 1});
-    }
-  }
-  return cloud;
-}
-
-// How many corners and centres of the mesh are farther than two radii from all points, sideways.
-std::size_t CountInTheMiddle(const std::string& path) {
-  const auto samples = SamplesOf(path);
-  return std::count_if(samples.begin(), samples.end(), [](const Eigen::Vector3f& p) {
-    return std::abs(p.x()) < 0.005f - 1e-6f && std::abs(p.y()) < 0.2f;
-  });
-}
-
-// All of the gap is within 15 mm of points, less than the trimming distance, but discs of 5 mm
-// leave a third of it empty at twice their radius.
-TEST(MeshTool, LeavesGapsThatNoSurfelReaches) {
-  const TempFolder folder;
-  PointCloud cloud = TornPlane();
-  const auto mesh = [&] {
-    WritePly(cloud, folder / "plane.ply");
-    Succeeded(RunProgram("surfit_mesh", {"--map=" + (folder / "plane.ply"),
-                                         "--output=" + (folder / "mesh.ply"), "--cell_m=0.004"}));
-  };
-  mesh();
-  EXPECT_GT(CountInTheMiddle(folder / "mesh.ply"), 0u);
-  cloud.radii_m.assign(cloud.points.size(), 0.005f);
-  mesh();
-  EXPECT_EQ(CountInTheMiddle(folder / "mesh.ply"), 0u);
-  EXPECT_GT(SamplesOf(folder / "mesh.ply").size(), 1000u);
-}
-
-// A Poisson surface is closed: without trimming it would go on below z = 0.
-TEST(MeshTool, EndsWhereThePointsDo) {
+TEST(MeshTool, EndsWhereThePointsDoAndSaysWhatItMade) {
   const TempFolder folder;
   WritePly(HalfSphere(), folder / "half.ply");
   for (const char* name : {"a.ply", "b.ply"}) {
-    const ProgramResult result =
-        Succeeded(RunProgram("surfit_mesh", {"--map=" + (folder / "half.ply"),
-                                             "--output=" + (folder / name), "--cell_m=0.02"}));
+    const ProgramResult result = Succeeded(
+        RunProgram("surfit_mesh",
+                   {"--map=" + (folder / "half.ply"), "--output=" + (folder / name),
+                    "--cell_m=0.02", std::string("--threads=") + (name[0] == 'a' ? "1" : "2")}));
     EXPECT_THAT(result.out, HasSubstr("20000 points, 0 not finite"));
+    EXPECT_THAT(result.out, HasSubstr(" triangles in 1 pieces, "));
+    EXPECT_THAT(result.out, HasSubstr("half of the points are within 0."));
+    EXPECT_THAT(result.err, HasSubstr("done in "));
   }
   EXPECT_TRUE(ReadBytes(folder / "a.ply") == ReadBytes(folder / "b.ply"));
   const auto samples = SamplesOf(folder / "a.ply");
@@ -187,10 +147,10 @@ TEST(MeshTool, RefusesBadInput) {
     flags.push_back("--map=" + (folder / map));
     ExpectRefused(RunProgram("surfit_mesh", flags), message);
   };
-  expect("half.ply", {"--output=a.stl"}, "--output is a.stl, must end in .ply or .obj");
+  expect("half.ply", {"--output=a.stl"}, "a.stl, must end in .ply, .obj or .glb");
   expect("half.ply", {"--cell_m=0"}, "cell_m is 0, must be positive");
-  expect("half.ply", {"--cell_m=0.0001"}, "cell_m is 0.0001, must be at least");
-  expect("half.ply", {"--cell_m=5"}, "the map is smaller than one cell");
+  expect("half.ply", {"--cell_m=1e-9"}, "too far for cells of this size");
+  expect("half.ply", {"--min_piece_m=5"}, "the map supports no triangle");
   expect("half.ply", {"--trim_distance_m=-1"}, "trim_distance_m is -1, must be positive");
   expect("half.ply", {"--support_radii=0"}, "support_radii is 0, must be positive");
   expect("points.ply", {}, "the map has no points with normals");

@@ -21,7 +21,7 @@ packages=(
   # the libraries and the programs
   libeigen3-dev libceres-dev libgoogle-glog-dev libgflags-dev libopencv-dev libtbb-dev
   nlohmann-json3-dev
-  libturbojpeg0-dev zlib1g-dev liblzf-dev
+  libturbojpeg0-dev zlib1g-dev liblzf-dev libmeshoptimizer-dev
   # what reports hold
   libjs-three libjs-chart.js
   # CMake looks for these at once
@@ -34,8 +34,6 @@ test_packages=(
   doxygen help2man dpkg-dev
   # the Python module
   python3-dev pybind11-dev python3-numpy python3-matplotlib
-  # surfit_mesh, which is left out where this is missing
-  libopen3d-dev
   # the tests
   libbenchmark-dev python3-pytest
   xvfb xdotool imagemagick

@@ -10,18 +10,17 @@ print_page() {
   cat <<'END'
 # Options
 
-All flags of all programs but `surfit_mesh`, which is built only where Open3D is: each with its
-default, group by group. `--help` of a program shows the everyday ones, `--helpon=GROUP` those of a
-group, `--helpfull` all. `--flagfile=F` reads flags from a file, one a line; `#` begins a comment.
+All flags of all programs: each with its default, group by group. `--help` of a program shows the
+everyday ones, `--helpon=GROUP` those of a group, `--helpfull` all. `--flagfile=F` reads flags from
+a file, one a line; `#` begins a comment.
 In C++ and Python options have more fields than there are flags: see the structs' headers.
 
 `tools/scripts/options_page.sh build/release/tools > docs/options.md` makes this page; a test holds
 it to what the programs say.
 END
   local program
-  # Not surfit_mesh: whether it is there depends on Open3D.
   for program in slam refine report align register compare_solvers evaluate evaluate_map \
-    evaluate_revisits evaluate_views find_loops convert optimize simulate; do
+    evaluate_revisits evaluate_views find_loops convert mesh optimize simulate; do
     printf '\n## surfit_%s\n\n' "$program"
     "$programs/surfit_$program" --helpfull |
       sed -n '/^Options from/q; s/^Options of \(.*\):$/### \1\n/p; /^ /s/^/  /p; /^$/p' |

@@ -10,19 +10,21 @@
 
 namespace surfit {
 
-// Points with optional normals, colours and radii: each of these is empty or of the points' size.
+// Points with optional normals, colours, radii and confidences: each of these is empty or of the
+// points' size.
 struct PointCloud {
   std::vector<Eigen::Vector3f> points;  // metres
   std::vector<Eigen::Vector3f> normals;
   std::vector<Rgb8> colors;
-  std::vector<float> radii_m = {};  // of surfels
+  std::vector<float> radii_m = {};      // of surfels
+  std::vector<float> confidences = {};  // of surfels
 };
 
 // Reads the element `vertex` of a PLY file, ascii or binary little endian: x y z of any scalar
 // type, nx ny nz where there are all three, red green blue where there are all three as uchar,
-// radius. Everything else in the file is skipped. Coordinates come as they are, NaN included.
-// Throws InputError naming the file and what is wrong with it. A count that the file is too short
-// for is refused before any memory is taken for it.
+// radius, confidence. Everything else in the file is skipped. Coordinates come as they are, NaN
+// included. Throws InputError naming the file and what is wrong with it. A count that the file is
+// too short for is refused before any memory is taken for it.
 PointCloud ReadPly(const std::string& path);
 
 // Reads a PLY file or, where the first line is not `ply`, a PCD file (Point Cloud Data 0.7: ascii,

@@ -1,0 +1,42 @@
+#include "surfit/mesh/triangle_mesh.h"
+
+#include <glog/logging.h>
+
+#include <limits>
+
+namespace surfit {
+namespace {
+
+constexpr std::uint32_t kGone = std::numeric_limits<std::uint32_t>::max();
+
+// Moves what stays to its new place; `place` is kGone where it does not, and else not above.
+template <typename T>
+void Move(const std::vector<std::uint32_t>& place, std::size_t count, std::vector<T>* values) {
+  if (values->empty()) return;
+  for (std::size_t i = 0; i < place.size(); ++i)
+    if (place[i] != kGone) (*values)[place[i]] = (*values)[i];
+  values->resize(count);
+}
+
+}  // namespace
+
+void KeepTriangles(const std::vector<std::uint8_t>& kept, TriangleMesh* mesh) {
+  CHECK_EQ(kept.size(), mesh->triangles.size());
+  std::vector<std::uint32_t> place(mesh->vertices.size(), kGone);
+  std::size_t triangles = 0;
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    if (kept[i] == 0) continue;
+    for (const std::uint32_t v : mesh->triangles[i]) place[v] = 0;
+    mesh->triangles[triangles++] = mesh->triangles[i];
+  }
+  mesh->triangles.resize(triangles);
+  std::uint32_t vertices = 0;
+  for (std::uint32_t& at : place) at = at == kGone ? kGone : vertices++;
+  Move(place, vertices, &mesh->vertices);
+  Move(place, vertices, &mesh->normals);
+  Move(place, vertices, &mesh->colors);
+  for (TriangleMesh::Triangle& t : mesh->triangles)
+    for (std::uint32_t& v : t) v = place[v];
+}
+
+}  // namespace surfit

@@ -1,0 +1,122 @@
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "surfit/core/error.h"
+#include "surfit/io/point_cloud.h"
+#include "surfit/mesh/triangle_mesh.h"
+#include "testing/matchers.h"
+#include "testing/temp_folder.h"
+
+namespace surfit::testing {
+namespace {
+
+using ::testing::ElementsAre;
+
+// Two triangles of a square.
+TriangleMesh Square() {
+  TriangleMesh mesh;
+  mesh.vertices = {{0, 0, 1}, {0.5f, 0, 1}, {0.5f, 0.25f, 1}, {0, 0.25f, 1}};
+  mesh.normals.assign(4, {0, 0, -1});
+  mesh.colors = {{0, 0, 0}, {255, 0, 0}, {10, 128, 255}, {1, 2, 3}};
+  mesh.triangles = {{0, 2, 1}, {0, 3, 2}};
+  return mesh;
+}
+
+TEST(MeshFiles, PlyHasWhatWasWritten) {
+  const TempFolder folder;
+  const TriangleMesh mesh = Square();
+  WriteMesh(mesh, folder / "mesh.ply");
+  const PointCloud read = ReadPly(folder / "mesh.ply");
+  EXPECT_EQ(read.points, mesh.vertices);
+  EXPECT_EQ(read.normals, mesh.normals);
+  EXPECT_EQ(read.colors, mesh.colors);
+  const std::string file = ReadBytes(folder / "mesh.ply");
+  EXPECT_THAT(file,
+              HasSubstr("element face 2\nproperty list uchar int vertex_indices\nend_header"));
+  for (int i = 0; i < 2; ++i) {
+    const char* row = &file[file.size() - 13 * (2 - i)];
+    std::array<std::uint32_t, 3> triangle;
+    std::memcpy(&triangle, row + 1, sizeof(triangle));
+    EXPECT_EQ(row[0], 3);
+    EXPECT_EQ(triangle, mesh.triangles[i]);
+  }
+}
+
+TEST(MeshFiles, ObjCountsFromOneAndHasColorsBesidePositions) {
+  const TempFolder folder;
+  WriteMesh(Square(), folder / "mesh.obj");
+  std::istringstream file(ReadBytes(folder / "mesh.obj"));
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(file, line);) lines.push_back(line);
+  ASSERT_EQ(lines.size(), 10u);
+  EXPECT_EQ(lines[2], "v 0.50000 0.25000 1.00000 0.0392 0.5020 1.0000");
+  EXPECT_EQ(lines[4], "vn 0.0000 0.0000 -1.0000");
+  EXPECT_EQ(lines[8], "f 1//1 3//3 2//2");
+  EXPECT_EQ(lines[9], "f 1//1 4//4 3//3");
+}
+
+std::uint32_t WordAt(const std::string& file, std::size_t at) {
+  std::uint32_t word;
+  std::memcpy(&word, &file.at(at), sizeof(word));
+  return word;
+}
+
+// By the specification's table of the header and of chunks.
+TEST(MeshFiles, GlbHasItsPartsWhereItsHeaderSays) {
+  const TempFolder folder;
+  const TriangleMesh mesh = Square();
+  WriteMesh(mesh, folder / "mesh.glb");
+  const std::string file = ReadBytes(folder / "mesh.glb");
+  EXPECT_EQ(file.substr(0, 4), "glTF");
+  EXPECT_EQ(WordAt(file, 4), 2u);
+  EXPECT_EQ(WordAt(file, 8), file.size());
+  const std::uint32_t json_size = WordAt(file, 12);
+  EXPECT_EQ(json_size % 4, 0u);
+  EXPECT_EQ(file.substr(16, 4), "JSON");
+  EXPECT_EQ(file.substr(20 + json_size + 4, 4), std::string("BIN\0", 4));
+  const auto json = nlohmann::json::parse(file.substr(20, json_size));
+  const std::string binary = file.substr(20 + json_size + 8);
+  EXPECT_EQ(json["buffers"][0]["byteLength"], binary.size());
+  const auto& primitive = json["meshes"][0]["primitives"][0];
+  const auto bytes = [&](int accessor) {
+    const auto& view = json["bufferViews"][json["accessors"][accessor]["bufferView"].get<int>()];
+    return binary.substr(view["byteOffset"].get<int>(), view["byteLength"].get<int>());
+  };
+  const std::string vertices = bytes(primitive["attributes"]["POSITION"]);
+  ASSERT_EQ(vertices.size(), 4 * 12u);
+  EXPECT_EQ(std::memcmp(vertices.data(), mesh.vertices.data(), vertices.size()), 0);
+  const std::string indices = bytes(primitive["indices"]);
+  ASSERT_EQ(indices.size(), 2 * 12u);
+  EXPECT_EQ(std::memcmp(indices.data(), mesh.triangles.data(), indices.size()), 0);
+  EXPECT_THAT(json["accessors"][0]["max"], ElementsAre(0.5, 0.25, 1));
+  // sRGB 128 is 0.2158605 of the linear scale.
+  const std::string colors = bytes(primitive["attributes"]["COLOR_0"]);
+  ASSERT_EQ(colors.size(), 4 * 8u);
+  EXPECT_EQ(WordAt(colors, 2 * 8) >> 16,
+            static_cast<std::uint32_t>(std::lround(0.2158605 * 65535)));
+}
+
+TEST(MeshFiles, RefusesOtherEndingsAndFoldersThatAreNotThere) {
+  const TempFolder folder;
+  EXPECT_THAT([&] { WriteMesh(Square(), folder / "mesh.stl"); },
+              ThrowsMessage<InputError>(HasSubstr("must end in .ply, .obj or .glb")));
+  EXPECT_THAT([&] { WriteMesh(Square(), folder.path() + "/none/mesh.ply"); },
+              ThrowsMessage<InputError>(HasSubstr("none/mesh.ply")));
+}
+
+TEST(TriangleMesh, KeepsTheVerticesOfTrianglesThatStay) {
+  TriangleMesh mesh = Square();
+  KeepTriangles({0, 1}, &mesh);
+  EXPECT_THAT(mesh.triangles, ElementsAre(TriangleMesh::Triangle{0, 2, 1}));
+  EXPECT_THAT(mesh.vertices, ElementsAre(Eigen::Vector3f(0, 0, 1), Eigen::Vector3f(0.5f, 0.25f, 1),
+                                         Eigen::Vector3f(0, 0.25f, 1)));
+  EXPECT_THAT(mesh.colors, ElementsAre(Rgb8{0, 0, 0}, Rgb8{10, 128, 255}, Rgb8{1, 2, 3}));
+  EXPECT_EQ(mesh.normals.size(), 3u);
+}
+
+}  // namespace
+}  // namespace surfit::testing

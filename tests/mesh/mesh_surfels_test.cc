@@ -1,0 +1,280 @@
+#include "surfit/mesh/mesh_surfels.h"
+
+#include <gmock/gmock.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <random>
+
+#include "surfit/core/error.h"
+#include "testing/matchers.h"
+#include "testing/threads.h"
+
+namespace surfit::testing {
+namespace {
+
+// Surfels of a surface whose places, heights and normals are random.
+class NoisySurfels {
+ public:
+  NoisySurfels(float noise_m, float tilt) : height_(0, noise_m), tilt_(0, tilt) {}
+
+  void Add(const Eigen::Vector3f& point, const Eigen::Vector3f& normal, float radius_m) {
+    const Eigen::Vector3f tilted =
+        normal + Eigen::Vector3f(tilt_(random_), tilt_(random_), tilt_(random_));
+    cloud.points.push_back(point + height_(random_) * normal);
+    cloud.normals.push_back(tilted.normalized());
+    cloud.colors.push_back({200, 100, 50});
+    cloud.radii_m.push_back(radius_m);
+    cloud.confidences.push_back(10);
+  }
+  float Uniform(float low, float high) {
+    return std::uniform_real_distribution<float>(low, high)(random_);
+  }
+
+  PointCloud cloud;
+
+ private:
+  std::mt19937_64 random_{1};
+  std::normal_distribution<float> height_, tilt_;
+};
+
+constexpr float kSphereRadius = 0.3f;
+
+// A whole sphere, 40000 surfels about 5 mm apart.
+PointCloud Sphere(float noise_m, float tilt) {
+  NoisySurfels surfels(noise_m, tilt);
+  const int count = 40000;
+  for (int i = 0; i < count; ++i) {  // a spiral of even steps in z
+    const float z = 2 * (static_cast<float>(i) + 0.5f) / count - 1, r = std::sqrt(1 - z * z);
+    const float angle = 2.3999632f * static_cast<float>(i);
+    const Eigen::Vector3f normal(r * std::cos(angle), r * std::sin(angle), z);
+    surfels.Add(kSphereRadius * normal, normal, 0.005f);
+  }
+  return surfels.cloud;
+}
+
+// A square of 1 m x 1 m on z = 0, seen from above, surfels 5 mm apart, but for a disc of this
+// radius in its middle.
+PointCloud TornPlane(float noise_m, float tilt, float hole_m) {
+  NoisySurfels surfels(noise_m, tilt);
+  for (float x = -0.5f; x < 0.5f; x += 0.005f) {
+    for (float y = -0.5f; y < 0.5f; y += 0.005f) {
+      const Eigen::Vector3f point(x + surfels.Uniform(0, 0.005f), y + surfels.Uniform(0, 0.005f),
+                                  0);
+      if (point.norm() >= hole_m) surfels.Add(point, Eigen::Vector3f::UnitZ(), 0.005f);
+    }
+  }
+  return surfels.cloud;
+}
+
+TriangleMesh Mesh(const PointCloud& cloud, const MeshOptions& options, MeshSummary* summary) {
+  return MeshSurfels(cloud, options, summary);
+}
+TriangleMesh Mesh(const PointCloud& cloud, const MeshOptions& options = {}) {
+  MeshSummary summary;
+  return Mesh(cloud, options, &summary);
+}
+
+struct MeshTriangle {
+  Eigen::Vector3f center, normal;
+};
+std::vector<MeshTriangle> TrianglesOf(const TriangleMesh& mesh) {
+  std::vector<MeshTriangle> triangles;
+  for (const auto& t : mesh.triangles) {
+    const Eigen::Vector3f &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]],
+                          &c = mesh.vertices[t[2]];
+    triangles.push_back({(a + b + c) / 3, (b - a).cross(c - a).normalized()});
+  }
+  return triangles;
+}
+
+// By how many triangles each edge is shared, whichever way they go round it: +1 and -1 from either.
+std::map<std::pair<std::uint32_t, std::uint32_t>, std::pair<int, int>> EdgesOf(
+    const TriangleMesh& mesh) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::pair<int, int>> edges;
+  for (const auto& t : mesh.triangles) {
+    for (int i = 0; i < 3; ++i) {
+      const std::uint32_t from = t[i], to = t[(i + 1) % 3];
+      auto& [forward, backward] = edges[std::minmax(from, to)];
+      ++(from < to ? forward : backward);
+    }
+  }
+  return edges;
+}
+
+TEST(MeshSurfels, MakesAClosedSphereOfExactSurfels) {
+  const TriangleMesh mesh = Mesh(Sphere(0, 0));
+  const auto edges = EdgesOf(mesh);
+  for (const auto& [edge, count] : edges) ASSERT_EQ(count, std::make_pair(1, 1));
+  // Euler's formula: vertices - edges + faces = 2.
+  EXPECT_EQ(mesh.vertices.size() + mesh.triangles.size(), edges.size() + 2);
+  // Weights that fall to zero at 2 cells and a half = 20 mm average planes up to 0.02^2 / (2 * 0.3)
+  // = 0.7 mm above the sphere, by (1 - d^2 / s^2)^2 a quarter of that; smoothing, twice, over as
+  // much again.
+  const float most_m = 0.0007f;
+  for (const Eigen::Vector3f& vertex : mesh.vertices)
+    ASSERT_NEAR(vertex.norm(), kSphereRadius, most_m);
+  for (const MeshTriangle& triangle : TrianglesOf(mesh))
+    ASSERT_GT(triangle.normal.dot(triangle.center.normalized()), 0.9f);
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    ASSERT_GT(mesh.normals[i].dot(mesh.vertices[i].normalized()), 0.99f);
+    ASSERT_EQ(mesh.colors[i], (Rgb8{200, 100, 50}));
+  }
+}
+
+// Noise of 2 mm and of 0.1 on each axis of normals comes out as less than half of that: among about
+// 20 surfels that smooth each other it would be less than a quarter, but for what the sphere's
+// curvature adds.
+TEST(MeshSurfels, HalvesTheNoiseOfASphere) {
+  const float noise_m = 0.002f, tilt = 0.1f;
+  const TriangleMesh mesh = Mesh(Sphere(noise_m, tilt));
+  double squares = 0, tilt_squares = 0;
+  const auto triangles = TrianglesOf(mesh);
+  for (const MeshTriangle& triangle : triangles) {
+    const Eigen::Vector3f outward = triangle.center.normalized();
+    squares += std::pow(triangle.center.norm() - kSphereRadius, 2);
+    tilt_squares += (triangle.normal - outward).squaredNorm();
+  }
+  const auto count = static_cast<double>(triangles.size());
+  std::printf("distance %.5f m rms, normals %.4f rms\n", std::sqrt(squares / count),
+              std::sqrt(tilt_squares / count));
+  EXPECT_LT(std::sqrt(squares / count), noise_m / 2);
+  EXPECT_LT(std::sqrt(tilt_squares / count), std::sqrt(2.) * tilt / 2);
+}
+
+TEST(MeshSurfels, LeavesTheHoleOfAPlaneAndNothingElse) {
+  const float noise_m = 0.002f, hole_m = 0.1f;
+  const TriangleMesh mesh = Mesh(TornPlane(noise_m, 0.1f, hole_m));
+  double squares = 0, area = 0;
+  for (const auto& t : mesh.triangles) {
+    const Eigen::Vector3f &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]],
+                          &c = mesh.vertices[t[2]];
+    area += (b - a).cross(c - a).norm() / 2;
+    const Eigen::Vector3f center = (a + b + c) / 3;
+    // Two radii of a surfel.
+    ASSERT_GT(center.head<2>().norm(), hole_m - 0.01f);
+    squares += center.z() * center.z();
+  }
+  EXPECT_LT(std::sqrt(squares / static_cast<double>(mesh.triangles.size())), noise_m / 3);
+  // Both borders are off by at most two radii.
+  EXPECT_NEAR(area, 1 - M_PI * hole_m * hole_m, 4 * 0.01 + 2 * M_PI * hole_m * 0.01);
+}
+
+TEST(MeshSurfels, IsTheSameAtAnyNumberOfThreads) {
+  const PointCloud cloud = Sphere(0.002f, 0.1f);
+  MeshOptions options;
+  options.max_triangles = 5000;
+  const auto meshes = AtThreads({1, 2, 4}, [&] { return Mesh(cloud, options); });
+  for (const TriangleMesh& mesh : meshes) {
+    EXPECT_EQ(mesh.vertices, meshes[0].vertices);
+    EXPECT_EQ(mesh.normals, meshes[0].normals);
+    EXPECT_EQ(mesh.colors, meshes[0].colors);
+    EXPECT_EQ(mesh.triangles, meshes[0].triangles);
+  }
+}
+
+// A patch of 5 cm beside the plane.
+TEST(MeshSurfels, CountsTheLoosePiecesThatItDrops) {
+  PointCloud cloud = TornPlane(0, 0, 0);
+  NoisySurfels loose(0, 0);
+  for (float x = 0; x < 0.05f; x += 0.005f)
+    for (float y = 0; y < 0.05f; y += 0.005f)
+      loose.Add({1 + x, y, 0.3f}, Eigen::Vector3f::UnitX(), 0.005f);
+  cloud.points.insert(cloud.points.end(), loose.cloud.points.begin(), loose.cloud.points.end());
+  cloud.normals.resize(cloud.points.size(), Eigen::Vector3f::UnitZ());
+  cloud.colors.resize(cloud.points.size());
+  cloud.radii_m.resize(cloud.points.size(), 0.005f);
+  cloud.confidences.resize(cloud.points.size(), 10);
+  MeshSummary summary;
+  const TriangleMesh mesh = Mesh(cloud, {}, &summary);
+  EXPECT_EQ(summary.pieces_dropped, 1u);
+  EXPECT_GT(summary.triangles_dropped, 0u);
+  EXPECT_EQ(summary.pieces, 1u);
+  for (const Eigen::Vector3f& vertex : mesh.vertices) EXPECT_LT(vertex.x(), 0.6f);
+  MeshOptions all;
+  all.min_piece_m = 0;
+  const TriangleMesh with_it = Mesh(cloud, all, &summary);
+  EXPECT_EQ(summary.pieces_dropped, 0u);
+  EXPECT_EQ(summary.pieces, 2u);
+  EXPECT_GT(with_it.triangles.size(), mesh.triangles.size());
+}
+
+// Between planes that face the same way, 3 cm apart, the field changes its sign once more.
+TEST(MeshSurfels, MakesNothingBetweenLayers) {
+  PointCloud cloud = TornPlane(0, 0, 0);
+  const PointCloud other = cloud;
+  for (const Eigen::Vector3f& point : other.points) {
+    cloud.points.push_back(point + Eigen::Vector3f(0, 0, 0.03f));
+    cloud.normals.push_back(Eigen::Vector3f::UnitZ());
+    cloud.colors.push_back({});
+    cloud.radii_m.push_back(0.005f);
+    cloud.confidences.push_back(10);
+  }
+  const TriangleMesh mesh = Mesh(cloud);
+  std::size_t lower = 0, upper = 0;
+  for (const Eigen::Vector3f& vertex : mesh.vertices)
+    ++(std::abs(vertex.z()) < 0.002f           ? lower
+       : std::abs(vertex.z() - 0.03f) < 0.002f ? upper
+                                               : lower);
+  for (const Eigen::Vector3f& vertex : mesh.vertices)
+    ASSERT_LT(std::min(std::abs(vertex.z()), std::abs(vertex.z() - 0.03f)), 0.002f);
+  EXPECT_GT(lower, 1000u);
+  EXPECT_GT(upper, 1000u);
+}
+
+TEST(MeshSurfels, HasAsFewTrianglesAsAsked) {
+  MeshOptions options;
+  MeshSummary summary;
+  options.max_triangles = 2000;
+  const TriangleMesh mesh = Mesh(Sphere(0, 0), options, &summary);
+  EXPECT_LE(mesh.triangles.size(), 2000u);
+  EXPECT_GT(mesh.triangles.size(), 1000u);
+  EXPECT_GT(summary.triangles_found, 10000u);
+  // A sphere of 2000 triangles has sides of a = 36 mm: their middles are a^2 / (6 R) = 0.7 mm below
+  // it, beside the 0.7 mm that the finer mesh may be off.
+  EXPECT_GT(summary.decimation_m, 0);
+  EXPECT_LT(summary.decimation_m, 0.003);
+  for (const MeshTriangle& triangle : TrianglesOf(mesh))
+    ASSERT_NEAR(triangle.center.norm(), kSphereRadius, 0.004);
+}
+
+// Between surfels that are farther apart than two of their radii, but not than trim_distance_m,
+// there is mesh only where nothing tells the radii.
+TEST(MeshSurfels, ReachesAsFarAsRadiiDo) {
+  PointCloud cloud = TornPlane(0, 0, 0.015f);
+  MeshOptions options;
+  options.cell_m = 0.004;
+  const auto count_in_hole = [&] {
+    const TriangleMesh mesh = Mesh(cloud, options);
+    return std::count_if(mesh.vertices.begin(), mesh.vertices.end(),
+                         [](const Eigen::Vector3f& v) { return v.head<2>().norm() < 0.004f; });
+  };
+  EXPECT_EQ(count_in_hole(), 0);
+  cloud.radii_m.clear();
+  cloud.confidences.clear();
+  EXPECT_GT(count_in_hole(), 0);
+}
+
+TEST(MeshSurfels, RefusesBadInput) {
+  PointCloud cloud = TornPlane(0, 0, 0);
+  const auto expect = [&](const MeshOptions& options, const char* message) {
+    EXPECT_THAT([&] { Mesh(cloud, options); }, ThrowsMessage<InputError>(HasSubstr(message)));
+  };
+  MeshOptions options;
+  options.cell_m = 0;
+  expect(options, "cell_m is 0, must be positive");
+  options.cell_m = 1e-9;
+  expect(options, "too far for cells of this size");
+  options = {};
+  options.min_piece_m = 5;
+  expect(options, "supports no triangle");
+  cloud.normals.assign(cloud.points.size(), Eigen::Vector3f::Zero());
+  expect({}, "no points with normals");
+  cloud.normals.clear();
+  expect({}, "no points with normals");
+}
+
+}  // namespace
+}  // namespace surfit::testing
