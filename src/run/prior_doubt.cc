@@ -7,7 +7,7 @@
 namespace surfit {
 
 std::string DoubtOfGiven(const DepthSensor& given, const DepthCalibration& found) {
-  constexpr double kLimit = 29.6;  // of chi square with 10 degrees of freedom, 1 in 1000
+  constexpr double kLimit = 23.2;  // of chi square with 10 degrees of freedom, 1 in 100
   const PinholeCamera &a = given.camera, &b = found.camera;
   const CalibrationPrior& prior = given.prior;
   double squared_distance = 0;
