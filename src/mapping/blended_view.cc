@@ -16,11 +16,13 @@ namespace {
 
 constexpr float kThickness_m = 0.03f;  // of a surface
 
-// How large splats are drawn, in radii, and in pixels at most.
-RenderOptions SplatOptions(float radius_share, int max_half_window_px) {
+constexpr int kMostHalfWindow_px = 127;  // that a Disc has room for
+
+// How large splats are drawn, in radii.
+RenderOptions SplatOptions(float radius_share) {
   RenderOptions options;
   options.radius_share = radius_share;
-  options.max_half_window_px = max_half_window_px;
+  options.max_half_window_px = kMostHalfWindow_px;
   return options;
 }
 
@@ -128,8 +130,8 @@ std::vector<DiscList> Splats(const SurfelMap& map, const PosedCamera& camera,
 BlendedView DrawBlended(const SurfelMap& map, const DepthSensor& sensor,
                         const Rigid3d& world_from_view) {
   const PosedCamera camera(sensor.camera, world_from_view);
-  const std::vector<DiscList> splats = Splats(map, camera, SplatOptions(2, 16));
-  const std::vector<DiscList> fillers = Splats(map, camera, SplatOptions(4, 32));
+  const std::vector<DiscList> splats = Splats(map, camera, SplatOptions(2));
+  const std::vector<DiscList> fillers = Splats(map, camera, SplatOptions(4));
   BlendedView view = {Image<Rgb8>(camera.width, camera.height),
                       Image<float>(camera.width, camera.height)};
   ParallelFor(0, BandCount(camera.height), 1, [&](int band, int) {

@@ -228,7 +228,7 @@ Surfel Fusion::Workspace::NewSurfel(const PosedCamera& camera, const FrameColors
   surfel.color = {128, 128, 128};
   if (!frame->color.empty()) {
     const SeenColor seen = colors.At(point.position(), point.normal());
-    if (seen.weight > 0.f) surfel.color = ToRgb8(seen.color);
+    surfel.color = ToRgb8(seen.color);  // black where it is not seen
     surfel.color_weight = seen.weight;
   }
   surfel.radius_m = point.radius_m;

@@ -7,6 +7,7 @@
 #include "pictures/map_views.h"
 #include "pictures/splat_renderer.h"
 #include "surfit/core/error.h"
+#include "surfit/mapping/blended_view.h"
 #include "surfit/pictures/pictures.h"
 
 namespace surfit {
@@ -43,6 +44,27 @@ Image<Rgb8> Color(const SurfelMap& map, const SurfelColoring& coloring, const Pi
   });
 }
 
+SurfelMap Shown(const SurfelMap& map, const std::vector<std::uint8_t>& shown) {
+  std::vector<Surfel> surfels;
+  for (const std::int32_t id : map.Ids()) {
+    if (shown[id]) surfels.push_back(map[id]);
+  }
+  SurfelMap copy;
+  copy.Append(surfels);
+  return copy;
+}
+
+// The surfels' own colours, blended for people to look at.
+Image<Rgb8> Blended(const SurfelMap& map, const PictureView& view) {
+  const BlendedView drawn =
+      DrawBlended(map, {view.camera, DepthNoise()}, view.camera_from_world.Inverse());
+  Image<Rgb8> picture = drawn.color;
+  for (std::size_t i = 0; i < picture.size(); ++i) {
+    if (!(drawn.depth_m[i] > 0)) picture[i] = PictureSheet::kPaper;
+  }
+  return picture;
+}
+
 void DrawHeader(const SurfelColoring& coloring, const std::string& count, Image<Rgb8>* image) {
   const double right = image->width() - 40;
   DrawText(image, {16, 28}, coloring.title, {30});
@@ -64,6 +86,17 @@ void WriteSheet(const SurfelMap& map, const SurfelColoring& coloring, const std:
     sheet.DrawCaption(i, rendered.views[i].label);
   }
   DrawHeader(coloring, count, sheet.image());
+  WritePng(*sheet.image(), path);
+}
+
+void WriteColorSheet(const SurfelMap& map, const std::string& count,
+                     const std::array<PictureView, 4>& views, const std::string& path) {
+  PictureSheet sheet(2, 2);
+  for (int i = 0; i < 4; ++i) {
+    sheet.SetCell(i, Blended(map, views[i]));
+    sheet.DrawCaption(i, views[i].label);
+  }
+  DrawHeader(ColorByColor(map), count, sheet.image());
   WritePng(*sheet.image(), path);
 }
 
@@ -104,7 +137,7 @@ void WriteMapPictures(const SurfelMap& map, const Trajectory& camera_path,
   const std::string some = Concat(count, " of ", map.size(), " surfels, those of confidence ",
                                   std::round(100 * least) / 100, " and more");
   const RenderedViews trusted = Render(map, shown, views);
-  WriteSheet(map, ColorByColor(map), some, trusted, prefix + "color.png");
+  WriteColorSheet(Shown(map, shown), some, views, prefix + "color.png");
   WriteSheet(map, ColorByNormal(map), some, trusted, prefix + "normals.png");
   WriteSheet(map, ColorByLastSeen(map), some, trusted, prefix + "last_seen.png");
 

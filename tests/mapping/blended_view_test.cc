@@ -130,7 +130,6 @@ std::optional<Eigen::Vector3d> BlendedAt(const SurfelMap& map, const PinholeCame
   return sum / weights;
 }
 
-// Splats of at most 16 px.
 TEST(DrawBlended, DoesWhatBruteForceDoes) {
   std::mt19937_64 rng(3);
   SurfelMap map;
