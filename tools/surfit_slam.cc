@@ -35,7 +35,17 @@ struct Options {
   }
 };
 
+void ShowFinalMap(const SlamRunProgress& progress) {
+  static ProgressLine line;
+  char text[200];
+  std::snprintf(text, sizeof(text), "fused anew along the final poses: %d/%d  map %.2f M surfels",
+                progress.frames_fused_anew, progress.frames_done,
+                static_cast<double>(progress.map_points) * 1e-6);
+  line.Show(text, progress.frames_fused_anew == progress.frames_done);
+}
+
 void ShowProgress(const SlamRunProgress& progress) {
+  if (progress.frames_fused_anew > 0) return ShowFinalMap(progress);
   static ProgressLine line;
   const double fps = progress.frames_done / progress.elapsed_s;
   const double million_surfels = static_cast<double>(progress.map_points) * 1e-6;
@@ -123,6 +133,9 @@ void PrintSummary(const SlamRunSummary& s, const SlamRunOptions& options) {
                 s.evaluation->matched, s.evaluation->expected);
   } else {
     std::printf("ATE unknown: no ground truth\n");
+  }
+  if (s.final_map_s) {
+    std::printf("the map was fused anew along the final poses in %.1f s\n", *s.final_map_s);
   }
   std::printf("%.1f s in all\n", s.total_s);
 }

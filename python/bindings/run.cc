@@ -18,7 +18,8 @@ void BindRunProgress(py::module_& module) {
       .def_readonly("frames_done", &SlamRunProgress::frames_done, "frames")
       .def_readonly("frames_total", &SlamRunProgress::frames_total, "frames")
       .def_readonly("map_points", &SlamRunProgress::map_points, "surfels")
-      .def_readonly("elapsed_s", &SlamRunProgress::elapsed_s, "since the run began");
+      .def_readonly("elapsed_s", &SlamRunProgress::elapsed_s, "since the run began")
+      .def_readonly("frames_fused_anew", &SlamRunProgress::frames_fused_anew, "of the final map");
 }
 
 void BindRunSummary(py::module_& module) {
@@ -45,6 +46,8 @@ void BindRunSummary(py::module_& module) {
       .def_readonly("ate_without_latency", &Summary::ate_without_latency,
                     "the absolute error if poses had the files' stamps; None without ground truth")
       .def_readonly("total_s", &Summary::total_s, "wall time")
+      .def_readonly("final_map_s", &Summary::final_map_s,
+                    "of it to fuse the map anew; None where it was not")
       .def_readonly("peak_rss_bytes", &Summary::peak_rss_bytes, "of the process")
       .def_readonly("digest", &Summary::digest, "of trajectory and map: see Slam.digest");
 }
@@ -84,7 +87,8 @@ void BindRun(py::module_& module) {
       },
       py::arg("options"), py::arg("progress") = py::none(),
       "Runs SLAM over a sequence and writes what surfit_slam writes. progress is called with a "
-      "SlamRunProgress after every frame. An exception there, or Ctrl-C, ends the run after the "
+      "SlamRunProgress after every frame, and after every one of the final map. An exception "
+      "there, or Ctrl-C, ends the run after the "
       "frame at work; the files are written, and the exception goes on.");
 }
 

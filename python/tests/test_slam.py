@@ -17,9 +17,9 @@ def slam_over(sequence, slam=None):
 
 @pytest.fixture(scope="module")
 def program(room, tmp_path_factory):
-    """What the program makes of the room: output folder and summary."""
+    """What the program makes of the room: output folder and summary; the map as it came to be."""
     output = tmp_path_factory.mktemp("program") / "out"
-    return output, run_surfit_slam(room, output)
+    return output, run_surfit_slam(room, output, "--nofinal_map")
 
 
 def test_a_sequence_gives_the_programs_digest(room, program):
@@ -108,9 +108,12 @@ def test_run_slam_does_what_the_program_does(room, program, tmp_path):
     options = surfit.SlamRunOptions(output=str(tmp_path / "out"), pictures=False)
     options.sequence.path = room
     states = []
-    summary = surfit.run_slam(options, lambda state: states.append(state.frames_done))
+    summary = surfit.run_slam(
+        options, lambda state: states.append((state.frames_done, state.frames_fused_anew)))
     assert summary.digest == program[1]["digest"]
-    assert states == list(range(1, FRAMES + 1))
+    numbers = range(1, FRAMES + 1)
+    assert states == [(i, 0) for i in numbers] + [(FRAMES, i) for i in numbers]
+    assert summary.final_map_s > 0
     assert summary.evaluation.ate.translation_m.rmse == pytest.approx(
         program[1]["ate_rmse_m"], rel=1e-12)
 

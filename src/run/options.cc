@@ -40,6 +40,10 @@ void SlamRunOptions::Visit(OptionVisitor& v) {
         "offer frames at this rate, as a camera does; those not taken in time are dropped and "
         "counted, and only lost ones are looked for (sure_inlier_share is 0)",
         ZeroIs("as fast as they are processed"), AsFlag());
+  v.Add(final_map, "final_map",
+        "in the end read the sequence once more, and fuse the map anew along the final poses, by "
+        "the calibration that was found",
+        AsFlag());
   v.Add(pictures, "pictures", "write pictures of map and trajectory", AsFlag());
   v.Add(keep_views, "keep_views",
         "write report.html: map and trajectory in 3D, plots, views, options", AsFlag("report"),

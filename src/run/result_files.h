@@ -23,7 +23,8 @@ void WriteSummaryJson(const SlamRunSummary& summary, const SlamRunOptions& optio
 // Where a run's cameras were, in the frame of its map.
 struct RunPoses {
   const PinholeCamera& camera;
-  const Trajectory& trajectory;    // as estimated
+  const DepthCalibration* calibration;  // that was found, of the frames as they are read; or null
+  const Trajectory& trajectory;         // as estimated
   const std::vector<int>& frames;  // of the trajectory's poses: the frames' indices
   const Trajectory& truth;         // in its own world; empty if unknown
   const std::optional<TrajectoryEvaluation>& evaluation;
@@ -32,6 +33,8 @@ struct RunPoses {
 
 // Writes, in metres and in the frame of map.ply (trajectory.txt is in the sequence's own):
 //   camera          width height fx fy cx cy, pixels
+//   calibration     what the run found of the frames as they are read: fx fy cx cy, pixels,
+//                   inverse_depth_field, 1/m, readout_s; null where the camera is as given
 //   poses           of each tracked frame: index stamp_s tx ty tz qx qy qz qw, camera-to-world
 //   truth           positions of the ground truth, moved onto the estimate as for ATE: stamp_s tx
 //                   ty tz; null where unknown, or where nothing says how to move it

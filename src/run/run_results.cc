@@ -33,14 +33,14 @@ Trajectory AlignedWithTruth(Trajectory trajectory,
 }
 
 void WriteViews(const RunOutcome& run, const DepthSensor& sensor, std::vector<KeptView>* views) {
-  *views = run.views.Finish(run.slam.map(), sensor);
+  *views = run.views.Finish(run.map, sensor);
   KeptViews::Write(*views, run.options.output);
 }
 
 void WritePictures(const RunOutcome& run, const Trajectory& truth, Failures* failures) {
   const TraceSlice slice("write_pictures");
   const std::string& folder = run.options.output;
-  failures->Try([&] { WriteMapPictures(run.slam.map(), run.slam.trajectory(), folder); });
+  failures->Try([&] { WriteMapPictures(run.map, run.slam.trajectory(), folder); });
   failures->Try([&] {
     WriteTrajectoryPicture(AlignedWithTruth(run.slam.trajectory(), run.evaluation), truth,
                            folder + "/trajectory.png");
@@ -53,7 +53,7 @@ void WriteRunResults(const RunOutcome& run, Failures* failures) {
   const std::string& folder = run.options.output;
   failures->Try([&] {
     const TraceSlice slice("write_map");
-    WriteSurfelPly(run.slam.map(), folder + "/map.ply");
+    WriteSurfelPly(run.map, folder + "/map.ply");
   });
   const DepthSensor sensor = run.slam.slam().sensor();
   std::vector<KeptView> views;
@@ -61,9 +61,11 @@ void WriteRunResults(const RunOutcome& run, Failures* failures) {
   Trajectory truth;
   failures->Try([&] { truth = TruthDuring(run.stamps_s, run.slam.info().ground_truth); });
   failures->Try([&] {
-    WritePosesJson(
-        {sensor.camera, run.slam.trajectory(), run.slam.frames(), truth, run.evaluation, views},
-        folder + "/poses.json");
+    const Backend* backend = run.slam.slam().backend();
+    const bool is_recalibrated = backend && backend->is_recalibrated();
+    WritePosesJson({sensor.camera, is_recalibrated ? backend->calibration() : nullptr,
+                    run.slam.trajectory(), run.slam.frames(), truth, run.evaluation, views},
+                   folder + "/poses.json");
   });
   if (run.options.pictures) WritePictures(run, truth, failures);
 }

@@ -14,6 +14,7 @@ namespace surfit {
 // What a run has come to.
 struct RunOutcome {
   const SequenceSlam& slam;
+  const SurfelMap& map;
   const KeptViews& views;
   const std::vector<double>& stamps_s;  // of all frames, those that could not be read included
   const std::optional<TrajectoryEvaluation>& evaluation;

@@ -138,6 +138,7 @@ void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
   j["sensor_latency_s"] = s.sensor_latency_s;
   SetErrors(s, &j);
   j["total_s"] = s.total_s;
+  j["final_map_s"] = s.final_map_s ? Json(*s.final_map_s) : Json();
   j["frame_ms"] = ToJson(s.frame);
   j["latency_ms"] = options.offered_fps > 0 ? ToJson(s.latency) : Json();
   j["stage_ms"] = Json::object();
@@ -173,6 +174,7 @@ std::map<std::string, std::string> RecordedFlags(const std::string& summary_json
 void WritePosesJson(const RunPoses& run, const std::string& path) {
   Json j;
   j["camera"] = CameraToJson(run.camera);
+  j["calibration"] = run.calibration ? ToJson(*run.calibration) : Json();
   j["poses"] = PosesOf(run);
   j["truth"] = nullptr;
   j["errors_m"] = nullptr;

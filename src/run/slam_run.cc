@@ -2,11 +2,16 @@
 
 #include <sys/resource.h>
 
+#include <chrono>
+#include <map>
 #include <memory>
+#include <optional>
+#include <set>
 
 #include "core/repeated_warning.h"
 #include "run/digest.h"
 #include "run/failures.h"
+#include "run/final_map.h"
 #include "run/kept_views.h"
 #include "run/output_files.h"
 #include "run/output_folder.h"
@@ -65,7 +70,7 @@ class SlamRun {
       throw InputError(failures_.any() ? failures_.text()
                                        : options_.sequence.path + ": no frame could be read");
     }
-    SlamRunSummary summary = Finish(interrupted);
+    SlamRunSummary summary = Finish(interrupted, progress);
     if (failures_.any()) throw InputError(failures_.text());
     return summary;
   }
@@ -91,7 +96,7 @@ class SlamRun {
   void Tell(const SlamRunFrame* frame, const ProgressCall& progress) {
     statistics_.LeaveOut([&] {
       progress({statistics_.frames_done(), slam_.info().frame_count,
-                slam_.HasBegun() ? slam_.map().size() : 0, statistics_.elapsed_s(), frame});
+                slam_.HasBegun() ? slam_.map().size() : 0, statistics_.elapsed_s(), 0, frame});
     });
   }
 
@@ -108,6 +113,8 @@ class SlamRun {
     FrameReport report = slam_.Process(frame);
     is_whole_ = true;
     statistics_.CountProcessed(frame, report);
+    if (report.is_held_out || report.state == FrameState::kFrozen) left_out_.insert(report.index);
+    if (!report.moving.empty()) moving_[report.index] = report.moving;
     if (options_.keep_views) views_.Offer(frame, report, slam_.map(), slam_.slam().sensor());
     double write_ms = 0;
     {
@@ -118,18 +125,20 @@ class SlamRun {
     return report;
   }
 
-  SlamRunSummary Finish(bool interrupted) {
+  SlamRunSummary Finish(const std::atomic<bool>& interrupted, const ProgressCall& progress) {
     if (!is_whole_ || !failures_.Try([&] { slam_.Finish(); })) {
       failures_.Try([&] { slam_.FinishEarly(); });
     }
     SlamRunSummary summary;
-    failures_.Try([&] { summary = statistics_.Summary(slam_.map().size()); });
+    failures_.Try([&] { FuseFinalMap(interrupted, progress); });
+    failures_.Try([&] { summary = statistics_.Summary(map().size()); });
+    summary.final_map_s = final_map_s_;
     summary.interrupted = interrupted;
     summary.sensor_latency_s = slam_.info().camera.latency_s;
     if (slam_.slam().backend()) FinishBackend(&summary);
     failures_.Try([&] { summary.digest = Digest(slam_.trajectory(), slam_.map()); });
     if (!slam_.info().ground_truth.empty()) failures_.Try([&] { Evaluate(&summary); });
-    WriteRunResults({slam_, views_, statistics_.stamps_s(), summary.evaluation, options_},
+    WriteRunResults({slam_, map(), views_, statistics_.stamps_s(), summary.evaluation, options_},
                     &failures_);
     if (trace_) failures_.Try([&] { trace_->Close(); });
     summary.peak_rss_bytes = PeakRssBytes();
@@ -138,6 +147,28 @@ class SlamRun {
     failures_.Try([&] { WriteSummaryJson(summary, options_, Path("summary.json")); });
     return summary;
   }
+
+  // Not of a run that has ended early, nor of frames that are gone.
+  void FuseFinalMap(const std::atomic<bool>& interrupted, const ProgressCall& progress) {
+    if (!options_.final_map || options_.sequence.format == "watch" || !is_whole_ || interrupted ||
+        failures_.any()) {
+      return;
+    }
+    const TraceSlice slice("final_map");
+    const auto start = std::chrono::steady_clock::now();
+    const Backend* backend = slam_.slam().backend();
+    const bool is_recalibrated = backend && backend->is_recalibrated();
+    final_map_ = FuseAnew({options_.sequence, options_.slam, slam_.trajectory(), slam_.frames(),
+                           left_out_, moving_, is_recalibrated ? backend->calibration() : nullptr},
+                          interrupted, [&](int frames, std::size_t points) {
+                            progress({statistics_.frames_done(), slam_.info().frame_count, points,
+                                      statistics_.elapsed_s(), frames});
+                          });
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+    if (final_map_) final_map_s_ = elapsed.count();
+  }
+
+  const SurfelMap& map() const { return final_map_ ? *final_map_ : slam_.map(); }
 
   void Evaluate(SlamRunSummary* summary) const {
     const Trajectory& truth = slam_.info().ground_truth;
@@ -179,6 +210,10 @@ class SlamRun {
   KeptViews views_;
   RepeatedWarning skipped_{"frames skipped"};
   Failures failures_;
+  std::set<int> left_out_;                     // frames that are not to be in the map
+  std::map<int, Image<std::uint8_t>> moving_;  // FrameReport::moving, by frame
+  std::optional<SurfelMap> final_map_;
+  std::optional<double> final_map_s_;
   bool is_whole_ = true;  // no frame has ended within its processing
 };
 

@@ -17,6 +17,7 @@
 #include "surfit/core/parallel.h"
 #include "surfit/evaluation/error_statistics.h"
 #include "surfit/evaluation/image_error.h"
+#include "surfit/frame/prepare_frame.h"
 #include "surfit/geometry/trajectory.h"
 #include "surfit/io/frame_source.h"
 #include "surfit/io/point_cloud.h"
@@ -31,8 +32,9 @@ constexpr int kReadAhead = 4;
 struct RecordedRun {
   SurfelMap map;
   Trajectory trajectory;
-  std::map<int, Rigid3d> world_from_camera;  // by the frame's index
-  std::set<int> held_out;                    // frames
+  std::map<int, Rigid3d> world_from_camera;     // by the frame's index
+  std::optional<DepthCalibration> calibration;  // that the run found
+  std::set<int> held_out;                       // frames
 };
 
 void ReadPoses(const std::string& path, RecordedRun* run) {
@@ -44,6 +46,13 @@ void ReadPoses(const std::string& path, RecordedRun* run) {
       const Rigid3d pose(rotation.normalized(), {number(2), number(3), number(4)});
       run->trajectory.push_back({number(1), pose});
       run->world_from_camera[row.at(0).get<int>()] = pose;
+    }
+    const Json& found = json.at("calibration");
+    if (!found.is_null()) {
+      run->calibration.emplace();
+      run->calibration->camera = CameraFromJson(json.at("camera"));
+      found.at("inverse_depth_field").get_to(run->calibration->field.coefficients);
+      run->calibration->readout_s = found.at("readout_s");
     }
   } catch (const Json::exception& error) {
     throw InputError(Concat(path, ": incomplete: ", error.what()));
@@ -143,8 +152,24 @@ class Judge {
     return posed_count_++ % options_.every == 0;
   }
 
+  // As the run saw frames in the end.
+  DepthSensor Sensor() const {
+    DepthSensor sensor = source_->info().sensor();
+    if (run_.calibration) {
+      sensor.camera = run_.calibration->camera;
+      sensor.readout_s = run_.calibration->readout_s;
+    }
+    return sensor;
+  }
+  Image<float> Measured(Image<float> depth_m) const {
+    if (run_.calibration) {
+      CorrectDepth(run_.calibration->camera, run_.calibration->field, &depth_m);
+    }
+    return depth_m;
+  }
+
   ComparedView Compare(const RgbdFrame& frame, const Rigid3d& world_from_camera) {
-    const DepthSensor sensor = source_->info().sensor();
+    const DepthSensor sensor = Sensor();
     const CameraMotion motion = MotionAt(run_.trajectory, frame.stamp_s);
     const BlendedView drawn =
         DrawBlended(run_.map, {WithRollMargin(sensor.camera), sensor.noise}, world_from_camera);
@@ -154,7 +179,7 @@ class Judge {
     JudgedView view;
     view.frame = frame.index;
     CompareColor(frame.color, of_color, &view.error);
-    CompareDepth(frame.depth_m, of_depth.depth_m, &view.error);
+    CompareDepth(Measured(frame.depth_m), of_depth.depth_m, &view.error);
     result_.views.push_back(view);
     return {view, frame.color, of_color.color};
   }

@@ -42,6 +42,7 @@ FrameReport Report(const RgbdFrame& frame, const Tracked& tracked,
   report.found_again = tracked.found_again;
   report.has_own_view = tracked.has_own_view;
   report.moving_share = tracked.moving_share;
+  report.moving = tracked.moving;
   report.icp = tracked.icp;
   report.is_fused = fused.has_value();
   if (fused) report.fusion = *fused;

@@ -83,6 +83,31 @@ TEST_F(EvaluateViewsTool, JudgesEveryNthFrameIntoAFolderOfItsOwn) {
   EXPECT_FALSE(std::filesystem::exists(Output() + "/views.json"));
 }
 
+// What the run found of the camera moves pixels, and the depth that frames have measured.
+TEST_F(EvaluateViewsTool, DrawsAndMeasuresByTheCameraThatTheRunFound) {
+  Succeeded(Slam(Room(), Output(), {"--hold_out=5", "--nocalibrate"}));
+  const std::string path = Output() + "/poses.json";
+  nlohmann::json poses = nlohmann::json::parse(ReadBytes(path));
+  EXPECT_EQ(poses["calibration"], nullptr);
+  Succeeded(Judge(Output()));
+  const nlohmann::json as_given = Views(Output());
+  poses["calibration"] = poses["camera"];
+  poses["calibration"]["readout_s"] = 0;
+  poses["calibration"]["inverse_depth_field"] = {-0.02, 0, 0, 0, 0, 0};
+  std::ofstream(path) << poses;
+  Succeeded(Judge(Output()));
+  const nlohmann::json farther = Views(Output());
+  EXPECT_EQ(farther["psnr_db"], as_given["psnr_db"]);
+  // -0.02 1/m are 20 mm at 1 m, 80 mm at 2 m.
+  EXPECT_GT(farther["depth_error_median_m"], 0.02);
+  EXPECT_LT(farther["depth_error_median_m"], 0.3);
+  poses["calibration"]["inverse_depth_field"][0] = 0;
+  poses["camera"]["cx"] = 12 + poses["camera"]["cx"].get<double>();
+  std::ofstream(path) << poses;
+  Succeeded(Judge(Output()));
+  EXPECT_LT(Views(Output())["psnr_covered_db"], as_given["psnr_covered_db"].get<double>() - 3);
+}
+
 // Black all over would be (0, 0, 0) where nothing is compared; frames in red are far from any map.
 TEST_F(EvaluateViewsTool, PutsTheWorstViewFirst) {
   Succeeded(Slam(RoomWithRed({14}), Output(), {"--hold_out=5"}));

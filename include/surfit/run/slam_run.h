@@ -29,6 +29,9 @@ struct SlamRunOptions {
   // all be taken in time, and only lost ones are looked for from afar (slam.sure_inlier_share is
   // taken as 0); 0 = as fast as they are processed.
   double offered_fps = 0;
+  // In the end the sequence is read once more and the map fused anew, along the final poses and by
+  // the calibration that was found, unless frames come from a folder that is watched.
+  bool final_map = true;
   bool pictures = true;
   bool keep_views = false;  // pictures of a few frames beside the model's views, for WriteReport()
   std::string trace;  // file for the times of all stages and threads (TraceRecorder); empty = none
@@ -54,6 +57,7 @@ struct SlamRunProgress {
   int frames_total = 0;  // -1: as many as will come
   std::size_t map_points = 0;
   double elapsed_s = 0;
+  int frames_fused_anew = 0;            // of the final map
   const SlamRunFrame* frame = nullptr;  // of the last frame, unless that could not be read
 };
 
@@ -106,6 +110,7 @@ struct SlamRunSummary {
   std::optional<AbsoluteTrajectoryError> ate_without_latency;
   std::optional<TimeOffset> time_offset;
   double total_s = 0;
+  std::optional<double> final_map_s;  // that fusing the map anew took; none where it was not
   TimeStatistics frame;    // between the completions of consecutive frames, less the time waited
   TimeStatistics latency;  // from a frame being offered to its completion; 0 where none is
   // decode (which reads ahead, beside the others), preprocess, predict, track, fuse, correct,
@@ -115,7 +120,8 @@ struct SlamRunSummary {
   // Where fewer have one, what there is is in doubt.
   bool MostFramesHaveAPose() const { return 2 * frames_tracked >= frames_total; }
 
-  std::string digest;  // of trajectory and map: equal digests, equal results bit for bit
+  // Of trajectory and map, before that is fused anew: equal digests, equal results bit for bit.
+  std::string digest;
 };
 
 // Runs SLAM over a sequence and writes into the output folder: trajectory.txt (TUM format, in the
@@ -124,11 +130,12 @@ struct SlamRunSummary {
 // the pictures; where the depth camera was found to be another one than given, camera.yaml. A
 // sequence of format watch is followed until its end (WatchFolder()). Frames that cannot be read
 // are skipped and counted. When `interrupted` becomes true the frame at work, or else the first
-// one, is finished and everything is written. `progress` is called after every frame; its time is
-// none of the frames'. What goes wrong once a frame was processed (no memory is left, the disk is
-// full, the sequence cannot be read on) ends the run, too: what there is is written as far as it
-// can be, and told. Throws InputError then, and for bad options, an output folder that another run
-// is writing into, or a sequence that cannot be read at all.
+// one, is finished and everything is written. `progress` is called after every frame, and
+// for every frame of the final map; its time is none of the frames'. What goes wrong once a frame
+// was processed (no memory is left, the disk is full, the sequence cannot be read on) ends the run,
+// too: what there is is written as far as it can be, and told. Throws InputError then, and for bad
+// options, an output folder that another run is writing into, or a sequence that cannot be read at
+// all.
 SlamRunSummary RunSlam(const SlamRunOptions& options, const std::atomic<bool>& interrupted,
                        const std::function<void(const SlamRunProgress&)>& progress);
 

@@ -104,8 +104,10 @@ struct FrameReport {
   bool is_held_out = false;   // tracked, but not to be fused: SlamOptions::hold_out
   double moving_share = 0;    // of its points, those that move by themselves: neither tracked nor
                               // fused
-  IcpResult icp;              // of a tracked or lost frame
-  FusionReport fusion;        // of a fused frame
+  Image<std::uint8_t>
+      moving;           // where they are: cells of the image, not 0; empty where nothing moves
+  IcpResult icp;        // of a tracked or lost frame
+  FusionReport fusion;  // of a fused frame
   StageTimes times;
 };
 

@@ -1,0 +1,73 @@
+#include "run/final_map.h"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "slam/moving_regions.h"
+#include "surfit/frame/frame_pyramid.h"
+#include "surfit/frame/prepare_frame.h"
+#include "surfit/frame/rolling_shutter.h"
+#include "surfit/io/frame_source.h"
+#include "surfit/mapping/fusion.h"
+
+namespace surfit {
+namespace {
+
+constexpr int kReadAhead = 4;
+
+class FinalMap {
+ public:
+  FinalMap(const KnownSequence& known, const SequenceInfo& info)
+      : known_(known), sensor_(info.sensor()), fusion_(known.slam.fusion) {
+    if (!known.calibration) return;
+    sensor_.camera = known.calibration->camera;
+    sensor_.readout_s = known.calibration->readout_s;
+  }
+
+  void Fuse(RgbdFrame frame, const Rigid3d& world_from_camera) {
+    const CameraMotion motion = MotionAt(known_.trajectory, frame.stamp_s);
+    if (known_.calibration) {
+      CorrectDepth(sensor_.camera, known_.calibration->field, &frame.depth_m);
+    }
+    const auto moving = known_.moving.find(frame.index);
+    if (moving != known_.moving.end()) {
+      frame.depth_m = Without(std::move(frame.depth_m), moving->second);
+    }
+    Image<Rgb8> color = std::move(frame.color);
+    frame = AtMiddleOfReadout(frame, sensor_, motion);
+    frame.color = std::move(color);
+    const FramePyramid pyramid = PreprocessDepth(frame.depth_m, sensor_, known_.slam.preprocess);
+    fusion_.Fuse(frame, pyramid.levels.front(), world_from_camera, {motion, sensor_.readout_s},
+                 &map_);
+  }
+
+  SurfelMap& map() { return map_; }
+
+ private:
+  const KnownSequence& known_;
+  DepthSensor sensor_;
+  Fusion fusion_;
+  SurfelMap map_;
+};
+
+}  // namespace
+
+std::optional<SurfelMap> FuseAnew(const KnownSequence& known, const std::atomic<bool>& interrupted,
+                                  const FinalMapProgress& progress) {
+  const auto source = ReadAhead(OpenSequence(known.sequence), kReadAhead);
+  FinalMap final_map(known, source->info());
+  int frames = 0;
+  while (std::optional<ReadResult> read = source->Next()) {
+    if (interrupted) return std::nullopt;
+    if (!read->frame) continue;
+    const auto at = std::lower_bound(known.frames.begin(), known.frames.end(), read->index);
+    if (at == known.frames.end() || *at != read->index || known.left_out.count(*at) > 0) continue;
+    final_map.Fuse(*std::move(read->frame),
+                   known.trajectory[at - known.frames.begin()].world_from_camera);
+    progress(++frames, final_map.map().size());
+  }
+  return std::move(final_map.map());
+}
+
+}  // namespace surfit

@@ -1,0 +1,95 @@
+#include "run/final_map.h"
+
+#include <gmock/gmock.h>
+
+#include "testing/matchers.h"
+#include "testing/pixels.h"
+#include "testing/sequence_writer.h"
+#include "testing/temp_folder.h"
+
+namespace surfit::testing {
+namespace {
+
+// Four frames of a wall at 1 m, by a camera that stands still.
+class FinalMap : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    WriteTumSequence(folder_, 4);
+    for (int i = 0; i < 4; ++i) {
+      WriteDepth(folder_ / Format("depth/%03d.png", i), Image<std::uint16_t>(32, 24, 1000));
+      trajectory_.push_back({5.003 + 0.1 * i, Rigid3d()});
+    }
+    sequence_ = Options(folder_);
+  }
+
+  std::optional<SurfelMap> Fused(const DepthCalibration* calibration = nullptr,
+                                 bool interrupted = false) {
+    return FuseAnew({sequence_, slam_, trajectory_, frames_, left_out_, moving_, calibration},
+                    interrupted, [&](int frames, std::size_t points) {
+                      frames_done_ = frames;
+                      points_ = points;
+                    });
+  }
+
+  TempFolder folder_;
+  SequenceOptions sequence_;
+  SlamOptions slam_;
+  Trajectory trajectory_;
+  std::vector<int> frames_ = {0, 1, 2, 3};
+  std::set<int> left_out_;
+  std::map<int, Image<std::uint8_t>> moving_;
+  int frames_done_ = 0;
+  std::size_t points_ = 0;
+};
+
+TEST_F(FinalMap, IsOfAllFramesThatHaveAPoseAndAreNotLeftOut) {
+  frames_ = {0, 2, 3};
+  trajectory_.erase(trajectory_.begin() + 1);
+  trajectory_[1].world_from_camera.translation.z() = 0.01;
+  left_out_ = {3};
+  const std::optional<SurfelMap> map = Fused();
+  EXPECT_EQ(frames_done_, 2);
+  EXPECT_EQ(points_, map->size());
+  ASSERT_GT(map->size(), 100u);
+  double z = 0;
+  for (const std::int32_t id : map->Ids()) {
+    const Surfel surfel = (*map)[id];
+    EXPECT_NE(surfel.last_seen, 1);
+    EXPECT_LE(surfel.last_seen, 2);
+    z += surfel.position_in_world.z() / static_cast<double>(map->size());
+  }
+  EXPECT_NEAR(z, 1.005, 0.002);  // of the two poses
+}
+
+TEST_F(FinalMap, IsMeasuredByTheCalibrationThatWasFound) {
+  const auto centre_and_depth = [](const SurfelMap& map) {
+    Eigen::Vector3f mean = Eigen::Vector3f::Zero();
+    for (const std::int32_t id : map.Ids()) mean += map[id].position_in_world;
+    return Eigen::Vector3f(mean / static_cast<float>(map.size()));
+  };
+  DepthCalibration found = {{32, 24, 31, 30, 15.5 + 3.1, 11.5, {}}, {{1 / 1.25 - 1}}, 0};
+  const Eigen::Vector3f given = centre_and_depth(*Fused());
+  const Eigen::Vector3f corrected = centre_and_depth(*Fused(&found));
+  EXPECT_NEAR(given.z(), 1, 1e-5);
+  EXPECT_NEAR(corrected.z(), 1.25, 1e-5);
+  // 3.1 px of 31 are a tenth of the depth; each surfel stands within a pixel of its place.
+  EXPECT_NEAR(corrected.x() - given.x(), -0.125, 0.01);
+}
+
+// The left half of all images moves.
+TEST_F(FinalMap, LeavesOutWhatMoves) {
+  Image<std::uint8_t> left(8, 6);
+  for (const auto [u, v] : PixelsOf(left)) left(u, v) = u < 4;
+  for (int frame = 0; frame < 4; ++frame) moving_[frame] = left;
+  const std::optional<SurfelMap> map = Fused();
+  ASSERT_GT(map->size(), 50u);
+  for (const std::int32_t id : map->Ids()) EXPECT_GE((*map)[id].position_in_world.x(), 0);
+}
+
+TEST_F(FinalMap, IsNoneWhereItIsInterrupted) {
+  EXPECT_FALSE(Fused(nullptr, true).has_value());
+  EXPECT_EQ(frames_done_, 0);
+}
+
+}  // namespace
+}  // namespace surfit::testing
