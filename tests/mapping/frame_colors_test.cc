@@ -110,6 +110,13 @@ TEST(Fusion, NeverMapsABlackBorder) {
   Fusion fusion({});
   SurfelMap map;
   Fuse(first, {}, &fusion, &map);
+  int unseen = 0;
+  for (const std::int32_t id : map.Ids()) {
+    if (map[id].color_weight > 0) continue;
+    EXPECT_EQ(map.Color(id), Rgb8());  // black, until a colour is seen
+    ++unseen;
+  }
+  EXPECT_GT(unseen, 0);
   Fuse(second, {}, &fusion, &map);
   for (const std::int32_t id : map.Ids()) EXPECT_EQ(map.Color(id), (Rgb8{100, 150, 200}));
 }

@@ -1,0 +1,57 @@
+#!/usr/bin/env python3
+"""Puts a frame beside what maps of several runs show from its pose:
+
+    surfit_slam --sequence=DIR --output=before --hold_out=10 --nofinal_map
+    surfit_slam --sequence=DIR --output=after --hold_out=10
+    for run in before after; do surfit_evaluate_views --run=$run --pictures=100; done
+    tools/scripts/look_pictures.py --frame=99 --output=looks.jpg before after
+
+From left to right: the frame, and the view of each run, which must be among its view_pictures.
+Needs Debian's python3-opencv.
+"""
+
+import argparse
+import csv
+import sys
+
+import cv2
+import numpy as np
+
+HEADER_PX = 28  # the caption above view_pictures
+
+
+def view_of(run, frame):
+    """The frame and the map's view of it, from the picture of the judged view."""
+    with open(f"{run}/views.csv", encoding="utf-8") as file:
+        views = list(csv.DictReader(file))
+    # Pictures are numbered from the worst on.
+    views.sort(key=lambda view: float(view["psnr_covered_db"]))
+    for rank, view in enumerate(views):
+        if int(view["frame"]) != frame:
+            continue
+        picture = cv2.imread(f"{run}/view_pictures/{rank:02d}.png")
+        if picture is None:
+            break
+        width = picture.shape[1] // 3
+        return picture[HEADER_PX:, :width], picture[HEADER_PX:, width:2 * width]
+    sys.exit(f"error: {run} has no picture of frame {frame}")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--frame", type=int, required=True)
+    parser.add_argument("--output", required=True)
+    parser.add_argument("--width", type=int, default=1500, help="of the whole picture, px")
+    parser.add_argument("runs", nargs="+")
+    args = parser.parse_args()
+    views = [view_of(run, args.frame) for run in args.runs]
+    row = np.hstack([views[0][0]] + [view for _, view in views])
+    height = round(row.shape[0] * args.width / row.shape[1])
+    row = cv2.resize(row, (args.width, height), interpolation=cv2.INTER_AREA)
+    if not cv2.imwrite(args.output, row):
+        sys.exit(f"error: cannot write {args.output}")
+
+
+if __name__ == "__main__":
+    main()
