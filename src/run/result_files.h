@@ -25,8 +25,8 @@ struct RunPoses {
   const PinholeCamera& camera;
   const DepthCalibration* calibration;  // that was found, of the frames as they are read; or null
   const Trajectory& trajectory;         // as estimated
-  const std::vector<int>& frames;  // of the trajectory's poses: the frames' indices
-  const Trajectory& truth;         // in its own world; empty if unknown
+  const std::vector<int>& frames;       // of the trajectory's poses: the frames' indices
+  const Trajectory& truth;              // in its own world; empty if unknown
   const std::optional<TrajectoryEvaluation>& evaluation;
   const std::vector<KeptView>& views;
 };
