@@ -49,7 +49,7 @@ def main():
     row = np.hstack([views[0][0]] + [view for _, view in views])
     height = round(row.shape[0] * args.width / row.shape[1])
     row = cv2.resize(row, (args.width, height), interpolation=cv2.INTER_AREA)
-    if not cv2.imwrite(args.output, row):
+    if not cv2.imwrite(args.output, row, [cv2.IMWRITE_JPEG_QUALITY, 85]):
         sys.exit(f"error: cannot write {args.output}")
 
 
