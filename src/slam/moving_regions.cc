@@ -34,27 +34,23 @@ bool IsCore(const Image<Side>& sides, int u, int v) {
 // beside.
 enum : std::uint8_t { kNone, kBeside, kCore };
 
-// Takes the cells of a region, from one of them on: core, and a few cells beside it, no farther
-// apart in depth than the parts of one thing.
-std::vector<int> Grow(int first, const FrameLevel& frame, const CellMask& kinds, CellMask* left) {
+// Takes the cells of a region, from one of them on: core or beside, no farther apart in depth than
+// the parts of one thing.
+std::vector<int> Grow(int first, const FrameLevel& frame, CellMask* left) {
   constexpr float kSamePart = 0.04f;  // of the depth
-  constexpr int kMostBeside = 4;
   const ViewGrid grid(frame.camera);
   const auto depth_m = [&](int cell) {
     return frame.vertex.z(grid.Pixel(cell % grid.width), grid.Pixel(cell / grid.width));
   };
-  std::vector<int> cells = {first}, beside = {0};  // how far from a core
+  std::vector<int> cells = {first};
   (*left)[first] = kNone;
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const int cell = cells[i], u = cell % grid.width;
     const auto take = [&](int next) {
       if (next < 0 || next >= static_cast<int>(left->size()) || (*left)[next] == kNone) return;
       if (std::abs(depth_m(next) - depth_m(cell)) > kSamePart * depth_m(cell)) return;
-      const int distance = kinds[next] == kCore ? 0 : beside[i] + 1;
-      if (distance > kMostBeside) return;
       (*left)[next] = kNone;
       cells.push_back(next);
-      beside.push_back(distance);
     };
     take(cell - grid.width);
     take(cell + grid.width);
@@ -148,8 +144,9 @@ CellMask MovingRegions::Find(const FrameLevel& frame, const ViewComparison& comp
   CellMask left = kinds, moving;
   for (int i = 0; i < static_cast<int>(left.size()); ++i) {
     if (left[i] != kCore) continue;
-    const std::vector<int> cells = Grow(i, frame, kinds, &left);
+    std::vector<int> cells = Grow(i, frame, &left);
     if (!Moves(cells, frame, kinds, moved, world_from_camera)) continue;
+    DropWhatRests(frame, sides, world_from_camera, &cells);
     if (moving.empty()) moving = CellMask(sides.width(), sides.height(), kNone);
     Mark(cells, kinds, &moving);
   }
@@ -178,7 +175,7 @@ bool MovingRegions::Moves(const std::vector<int>& cells, const FrameLevel& frame
   });
 }
 
-// Where the model shows nothing, what moves is told from what rests beside it by an earlier sight.
+// What was in front a frame ago need not be where the model shows something.
 CellMask MovingRegions::MovedBefore(const FrameLevel& frame, const Image<Side>& sides,
                                     const Rigid3d& world_from_camera) const {
   constexpr double kSameThing_m = 0.15;
@@ -194,18 +191,36 @@ CellMask MovingRegions::MovedBefore(const FrameLevel& frame, const Image<Side>& 
       const int cell = last_->CellOf(point);
       if (cell < 0 || last_->moving[cell] == kNone) continue;
       if (std::abs(last_->depth_m[cell] - point.z()) > kSameThing_m) continue;
-      if (sides(u, v) == Side::kUnknown && WasThere(last_->world_from_camera * point)) continue;
       moved(u, v) = kCore;
     }
   }
   return moved;
 }
 
-// In the last sight but one, which is some tenths of a second old.
-bool MovingRegions::WasThere(const Eigen::Vector3d& point_in_world) const {
-  if (sights_.size() < 2) return false;
-  const SightCount count = (sights_.rbegin() + 1)->Count({point_in_world});
-  return count.seen > 0 && count.through == 0;
+// Where the model shows nothing, a surface may belong to what moves, or lie beside it. It rests if
+// the last sight but one, some tenths of a second old, shows it at the same place.
+void MovingRegions::DropWhatRests(const FrameLevel& frame, const Image<Side>& sides,
+                                  const Rigid3d& world_from_camera, std::vector<int>* cells) const {
+  constexpr double kSame_m = 0.015, kSameSigmas = 3, kResting = 0.8, kLeastSeen = 0.2;
+  if (sights_.size() < 2) return;
+  const Sight& sight = *(sights_.rbegin() + 1);
+  const ViewGrid grid(frame.camera);
+  const Rigid3d sight_from_now = sight.world_from_camera.Inverse() * world_from_camera;
+  int unknown = 0, seen = 0, resting = 0;
+  for (const int cell : *cells) {
+    if (sides[cell] != Side::kUnknown) continue;
+    ++unknown;
+    const int u = grid.Pixel(cell % grid.width), v = grid.Pixel(cell / grid.width);
+    const Eigen::Vector3d point = sight_from_now * frame.vertex(u, v).cast<double>();
+    const int there = sight.CellOf(point);
+    if (there < 0 || !(sight.depth_m[there] > 0)) continue;
+    const double margin_m = kSame_m + kSameSigmas * sight.noise.SigmaZ(point.z());
+    ++seen;
+    resting += std::abs(sight.depth_m[there] - point.z()) < margin_m;
+  }
+  if (seen < kLeastSeen * unknown || resting < kResting * seen) return;
+  const auto is_unknown = [&](int cell) { return sides[cell] == Side::kUnknown; };
+  cells->erase(std::remove_if(cells->begin(), cells->end(), is_unknown), cells->end());
 }
 
 void MovingRegions::Remember(const FrameLevel& frame, const CellMask& moving,

@@ -38,7 +38,8 @@ class MovingRegions {
   // The cells that show what moved in the last frame; empty if nothing did.
   CellMask MovedBefore(const FrameLevel& frame, const Image<Side>& sides,
                        const Rigid3d& world_from_camera) const;
-  bool WasThere(const Eigen::Vector3d& point_in_world) const;
+  void DropWhatRests(const FrameLevel& frame, const Image<Side>& sides,
+                     const Rigid3d& world_from_camera, std::vector<int>* cells) const;
   bool Moves(const std::vector<int>& cells, const FrameLevel& frame, const CellMask& kinds,
              const CellMask& moved, const Rigid3d& world_from_camera) const;
 
