@@ -1,5 +1,8 @@
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <string_view>
 
 #include "core/read_file.h"
@@ -22,19 +25,26 @@ std::size_t Column(const PlyElement& element, std::string_view name, const std::
   throw InputError(Concat(path, ": is not a surfel map: 'vertex' has no property ", name));
 }
 
+// What is beyond the type's range becomes its end, what is no number 0.
+template <typename T>
+T WithinRange(double value) {
+  const double low = std::numeric_limits<T>::min(), high = std::numeric_limits<T>::max();
+  return std::isnan(value) ? T{0} : static_cast<T>(std::clamp(value, low, high));
+}
+
 Surfel FromRow(const double* row, const Columns& c) {
   const auto vector = [&](int k) -> Eigen::Vector3f {
     return Eigen::Vector3d(row[c[k]], row[c[k + 1]], row[c[k + 2]]).cast<float>();
   };
-  const auto byte = [&](int k) { return static_cast<std::uint8_t>(row[c[k]]); };
+  const auto byte = [&](int k) { return WithinRange<std::uint8_t>(row[c[k]]); };
   Surfel s;
   s.position_in_world = vector(0);
   s.normal_in_world = vector(3);
   s.color = {byte(6), byte(7), byte(8)};
   s.radius_m = static_cast<float>(row[c[9]]);
   s.confidence = static_cast<float>(row[c[10]]);
-  s.first_seen = static_cast<std::int32_t>(row[c[11]]);
-  s.last_seen = static_cast<std::int32_t>(row[c[12]]);
+  s.first_seen = WithinRange<std::int32_t>(row[c[11]]);
+  s.last_seen = WithinRange<std::int32_t>(row[c[12]]);
   return s;
 }
 
