@@ -123,6 +123,7 @@ class Judge {
         source_(ReadAhead(OpenSequence(options.sequence), kReadAhead)),
         owned_(folder_, ViewFileNames()) {
     result_.held_out = !run_.held_out.empty();
+    RequireCameraOfFrames();
   }
 
   ViewEvaluation Evaluate(const std::function<void(int)>& progress) {
@@ -150,6 +151,15 @@ class Judge {
   bool IsNext(int frame) {
     if (result_.held_out) return run_.held_out.count(frame) > 0;
     return posed_count_++ % options_.every == 0;
+  }
+
+  void RequireCameraOfFrames() const {
+    if (!run_.calibration) return;
+    const PinholeCamera &found = run_.calibration->camera, &frames = source_->info().pinhole;
+    if (found.width == frames.width && found.height == frames.height) return;
+    throw InputError(Concat(options_.run, "/poses.json: the camera has ", found.width, " x ",
+                            found.height, " pixels, must have ", frames.width, " x ", frames.height,
+                            " as the frames"));
   }
 
   // As the run saw frames in the end.
