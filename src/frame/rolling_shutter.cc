@@ -2,143 +2,210 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <vector>
 
+#include "surfit/core/lanes.h"
 #include "surfit/core/parallel.h"
 
 namespace surfit {
 namespace {
 
-// Motion moves pixels by a few pixels, and neighbours almost alike: each pass brings the pixel that
-// moves to a place nearer by two orders of magnitude.
-constexpr int kPasses = 2;
-
 // Second differences of inverse depth beyond that many sigmas are edges: those of noise have 2.4.
-constexpr float kMaxBendSigmas = 6;
+constexpr double kMaxBendSigmas = 6;
 
-struct PixelPlace {
-  float u, v;
+// Nothing moves towards the camera so fast: numbers stay finite.
+constexpr double kMinScale = 0.1;
+
+// How far the pixels of an image move to where they are in the middle of the readout, what their
+// depth is multiplied by, and inverse depth before: 0 where there is none. What has none moves as
+// what is far away.
+struct MovedPixels {
+  Image<float> du, dv, scale, inverse_depth;
 };
 
-struct MovedPixel {
-  float u, v, depth_m;
-};
+std::vector<float> ColumnsOf(int width) {
+  std::vector<float> columns(width);
+  std::iota(columns.begin(), columns.end(), 0.f);
+  return columns;
+}
 
-// Where the pixels of an image are in the middle of the readout.
-class MovedPixels {
+// X + tau (turn x X + velocity), divided by the depth z of X, in row v.
+template <typename V>
+void MoveRow(const Image<float>& depth_m, const DepthSensor& sensor, const CameraMotion& motion,
+             const std::vector<float>& columns, int v, MovedPixels* moved) {
+  const PinholeCamera& camera = sensor.camera;
+  const int width = depth_m.width();
+  const double tau = ((v + 0.5) / depth_m.height() - 0.5) * sensor.readout_s;
+  const Eigen::Vector3d turn = tau * motion.turn_rad_per_s, way = tau * motion.velocity_m_per_s;
+  const V y = (v - camera.cy) / camera.fy;
+  for (int u = 0; u < width; u += V::kCount) {
+    const int count = width - u;
+    const V x = (V::LoadUpTo(columns.data() + u, count) - camera.cx) * (1 / camera.fx);
+    const V z = V::LoadUpTo(depth_m.row(v) + u, count);
+    const V inverse = Select(z > V(0.), V(1.) / z, 0.);
+    const V scale = Max(kMinScale, y * turn.x() - x * turn.y() + inverse * way.z() + 1.);
+    const V moved_x = x + turn.y() - y * turn.z() + inverse * way.x();
+    const V moved_y = y + x * turn.z() - turn.x() + inverse * way.y();
+    ((moved_x / scale - x) * camera.fx).StoreUpTo(moved->du.row(v) + u, count);
+    ((moved_y / scale - y) * camera.fy).StoreUpTo(moved->dv.row(v) + u, count);
+    scale.StoreUpTo(moved->scale.row(v) + u, count);
+    inverse.StoreUpTo(moved->inverse_depth.row(v) + u, count);
+  }
+}
+
+MovedPixels MovePixels(const Image<float>& depth_m, const DepthSensor& sensor,
+                       const CameraMotion& motion) {
+  MovedPixels moved;
+  for (Image<float>* image : {&moved.du, &moved.dv, &moved.scale, &moved.inverse_depth}) {
+    image->Resize(depth_m.width(), depth_m.height());
+  }
+  const std::vector<float> columns = ColumnsOf(depth_m.width());
+  ParallelFor(0, depth_m.height(), kRowsPerBlock, [&](int begin, int end) {
+    WithInstructions([&](auto instructions) {
+      using V = Lanes<float, decltype(instructions)>;
+      for (int v = begin; v < end; ++v) MoveRow<V>(depth_m, sensor, motion, columns, v, &moved);
+    });
+  });
+  return moved;
+}
+
+// Finds for the pixels of a row the nearest pixels that move there, and with them the depth there.
+template <typename V>
+class OriginFinder {
  public:
-  MovedPixels(const Image<float>& depth_m, const DepthSensor& sensor, const CameraMotion& motion)
-      : depth_m_(depth_m),
-        fx_(static_cast<float>(sensor.camera.fx)),
-        fy_(static_cast<float>(sensor.camera.fy)),
-        cx_(static_cast<float>(sensor.camera.cx)),
-        cy_(static_cast<float>(sensor.camera.cy)),
-        seconds_per_row_(static_cast<float>(sensor.readout_s / depth_m.height())),
-        turn_(motion.turn_rad_per_s.cast<float>()),
-        velocity_(motion.velocity_m_per_s.cast<float>()) {}
+  OriginFinder(const MovedPixels& moved, const std::vector<float>& columns, double max_bend)
+      : moved_(moved), columns_(columns), max_bend_(max_bend) {}
 
-  // X + tau (turn x X + velocity), divided by the depth z of X; the depth is 0 where that is
-  // missing.
-  MovedPixel operator()(int u, int v) const {
-    const float z = depth_m_(u, v);
-    const float tau = (static_cast<float>(v) + 0.5f) * seconds_per_row_ - middle_s();
-    const float x = (static_cast<float>(u) - cx_) / fx_, y = (static_cast<float>(v) - cy_) / fy_;
-    const float inverse = z > 0 ? 1 / z : 0;
-    const float moved_x = x + tau * (turn_.y() - turn_.z() * y + velocity_.x() * inverse);
-    const float moved_y = y + tau * (turn_.z() * x - turn_.x() + velocity_.y() * inverse);
-    const float scale = 1 + tau * (turn_.x() * y - turn_.y() * x + velocity_.z() * inverse);
-    return {fx_ * moved_x / scale + cx_, fy_ * moved_y / scale + cy_, z * scale};
+  // Depth in metres, 0 = missing; the indices of those pixels, -1 outside the image, where wanted.
+  void FindRow(int v, float* depth_m, std::int32_t* origin) const {
+    for (int u = 0; u < width_; u += V::kCount) {
+      const int count = std::min(width_ - u, V::kCount);
+      std::int32_t pixels[V::kCount];
+      FindLanes(u, v, count, pixels).StoreUpTo(depth_m + u, count);
+      if (origin != nullptr) std::copy_n(pixels, count, origin + u);
+    }
   }
 
  private:
-  float middle_s() const { return 0.5f * seconds_per_row_ * static_cast<float>(depth_m_.height()); }
+  using Mask = typename V::Mask;
 
-  const Image<float>& depth_m_;
-  float fx_, fy_, cx_, cy_, seconds_per_row_;
-  Eigen::Vector3f turn_, velocity_;
+  // Pixels and those beside them.
+  struct Neighbours {
+    V u, v, du, dv, scale, inverse, left, right, above, below;
+  };
+
+  // A pixel moves the farther, the more rows it is away from the middle: its origin at v0 is where
+  // v0 + dv(v) rows(v0) / rows(v) = v.
+  V FindLanes(int u, int v, int count, std::int32_t* pixels) const {
+    const float rows = static_cast<float>(v) + 0.5f - 0.5f * static_cast<float>(height_);
+    const V at_u = V::LoadUpTo(columns_.data() + u, count), at_v(v);
+    const V dv = V::LoadUpTo(moved_.dv.row(v) + u, count);
+    const V share = V(1.) / Max(kMinScale, dv * (rows == 0 ? 0 : 1 / rows) + 1.);
+    const V from_u = at_u + 0.5 - V::LoadUpTo(moved_.du.row(v) + u, count) * share;
+    const V from_v = at_v + 0.5 - dv * share;
+    const Mask inside = (from_u >= V(0.)) & (from_v >= V(0.)) & (from_u < V(width_)) &
+                        (from_v < V(height_));
+    const Neighbours near = Gather(Select(inside, from_u, 0.), Select(inside, from_v, 0.));
+    Select(inside, near.v * width_ + near.u, -1.).StoreTruncated(pixels);
+    const V inverse = near.inverse +
+                      (at_u - near.du - near.u) * Slope(near.left, near.inverse, near.right) +
+                      (at_v - near.dv - near.v) * Slope(near.above, near.inverse, near.below);
+    const Mask has_depth = inside & (near.inverse > V(0.)) & (inverse > V(0.));
+    return Select(has_depth, near.scale / inverse, 0.);
+  }
+
+  Neighbours Gather(const V& from_u, const V& from_v) const {
+    std::int32_t column[V::kCount], row[V::kCount];
+    from_u.StoreTruncated(column);
+    from_v.StoreTruncated(row);
+    Neighbours near;
+    const float* const inverse = moved_.inverse_depth.data();
+    for (int k = 0; k < V::kCount; ++k) {
+      const int at = row[k] * width_ + column[k];
+      near.u.v[k] = static_cast<float>(column[k]);
+      near.v.v[k] = static_cast<float>(row[k]);
+      near.du.v[k] = moved_.du[at];
+      near.dv.v[k] = moved_.dv[at];
+      near.scale.v[k] = moved_.scale[at];
+      near.inverse.v[k] = inverse[at];
+      near.left.v[k] = inverse[column[k] > 0 ? at - 1 : at];
+      near.right.v[k] = inverse[column[k] + 1 < width_ ? at + 1 : at];
+      near.above.v[k] = inverse[row[k] > 0 ? at - width_ : at];
+      near.below.v[k] = inverse[row[k] + 1 < height_ ? at + width_ : at];
+    }
+    return near;
+  }
+
+  // By how much inverse depth grows from one pixel to the next, by those on both sides; 0 where
+  // they do not continue a surface.
+  V Slope(const V& before, const V& here, const V& after) const {
+    const Mask continues = (before > V(0.)) & (after > V(0.)) &
+                           (abs(before + after - here * 2.) <= max_bend_);
+    return Select(continues, (after - before) * 0.5, 0.);
+  }
+
+  const MovedPixels& moved_;
+  const std::vector<float>& columns_;
+  V max_bend_;
+  int width_ = moved_.du.width(), height_ = moved_.du.height();
 };
 
-// Where in the image, in parts of a pixel, what lies at (u, v) in the middle of the readout was
-// seen.
-PixelPlace OriginOf(const MovedPixels& moved, int width, int height, int u, int v) {
-  PixelPlace at = {static_cast<float>(u), static_cast<float>(v)};
-  for (int pass = 0; pass < kPasses; ++pass) {
-    const int near_u = std::clamp(static_cast<int>(at.u + 0.5f), 0, width - 1);
-    const int near_v = std::clamp(static_cast<int>(at.v + 0.5f), 0, height - 1);
-    const MovedPixel there = moved(near_u, near_v);
-    at.u = static_cast<float>(u) - (there.u - static_cast<float>(near_u));
-    at.v = static_cast<float>(v) - (there.v - static_cast<float>(near_v));
-  }
-  return at;
-}
-
-// By how much inverse depth grows from one pixel to the next, by those on both sides; 0 where they
-// do not continue a surface.
-float SlopeBetween(float before_m, float here_m, float after_m, float max_bend) {
-  if (!(before_m > 0 && after_m > 0)) return 0;
-  const float before = 1 / before_m, here = 1 / here_m, after = 1 / after_m;
-  return std::abs(before + after - 2 * here) <= max_bend ? (after - before) / 2 : 0;
-}
-
-// The share by which inverse depth differs from a pixel's at a place near it, on the same surface.
-float GrowthNear(const Image<float>& depth_m, int u, int v, PixelPlace at, float max_bend) {
-  if (u < 1 || v < 1 || u + 1 >= depth_m.width() || v + 1 >= depth_m.height()) return 0;
-  const float here = depth_m(u, v);
-  return here * ((at.u - static_cast<float>(u)) *
-                     SlopeBetween(depth_m(u - 1, v), here, depth_m(u + 1, v), max_bend) +
-                 (at.v - static_cast<float>(v)) *
-                     SlopeBetween(depth_m(u, v - 1), here, depth_m(u, v + 1), max_bend));
-}
-
 }  // namespace
-
-CameraMotion MotionOver(const Rigid3d& first_from_second, double seconds) {
-  if (!(seconds > 0)) return {};
-  const Eigen::Vector3d turn = QuaternionLog(first_from_second.rotation);
-  // Halfway, as the second camera is by half the turn.
-  const Eigen::Vector3d way = QuaternionExp<double>(-0.5 * turn) * first_from_second.translation;
-  return {turn / seconds, way / seconds};
-}
-
-CameraMotion MotionAt(const Trajectory& trajectory, double stamp_s, double max_gap_s) {
-  constexpr double kSameStamp = 1e-5;  // s; files have 6 decimals
-  const auto at =
-      std::lower_bound(trajectory.begin(), trajectory.end(), stamp_s - kSameStamp,
-                       [](const StampedPose& pose, double stamp) { return pose.stamp_s < stamp; });
-  if (at == trajectory.end() || at->stamp_s > stamp_s + kSameStamp) return {};
-  auto first = at, last = at;
-  if (at != trajectory.begin() && at->stamp_s - std::prev(at)->stamp_s <= max_gap_s) --first;
-  if (std::next(at) != trajectory.end() && std::next(at)->stamp_s - at->stamp_s <= max_gap_s)
-    ++last;
-  return MotionOver(first->world_from_camera.Inverse() * last->world_from_camera,
-                    last->stamp_s - first->stamp_s);
-}
 
 RgbdFrame AtMiddleOfReadout(const RgbdFrame& frame, const DepthSensor& sensor,
                             const CameraMotion& motion) {
   if (sensor.readout_s == 0 || motion.IsZero()) return frame;
   const int width = frame.depth_m.width(), height = frame.depth_m.height();
-  const MovedPixels moved(frame.depth_m, sensor, motion);
+  const MovedPixels moved = MovePixels(frame.depth_m, sensor, motion);
+  const std::vector<float> columns = ColumnsOf(width);
   RgbdFrame result = {frame.index, frame.stamp_s, frame.color_stamp_s, {}, {}};
+  Image<std::int32_t> origin;
   result.depth_m.Resize(width, height);
-  if (!frame.color.empty()) result.color.Resize(width, height);
-  const auto max_bend = kMaxBendSigmas * static_cast<float>(sensor.noise.inverse_depth_sigma);
-  const auto fill = [&](int u, int v) {
-    const PixelPlace at = OriginOf(moved, width, height, u, v);
-    const int from_u = static_cast<int>(std::floor(at.u + 0.5f));
-    const int from_v = static_cast<int>(std::floor(at.v + 0.5f));
-    const bool inside = from_u >= 0 && from_v >= 0 && from_u < width && from_v < height;
-    if (!result.color.empty()) result.color(u, v) = inside ? frame.color(from_u, from_v) : Rgb8{};
-    result.depth_m(u, v) = 0;
-    if (!inside || frame.depth_m(from_u, from_v) == 0) return;
-    const float growth = GrowthNear(frame.depth_m, from_u, from_v, at, max_bend);
-    result.depth_m(u, v) = std::max(0.f, moved(from_u, from_v).depth_m / (1 + growth));
-  };
+  if (!frame.color.empty()) origin.Resize(width, height);
   ParallelFor(0, height, kRowsPerBlock, [&](int begin, int end) {
-    for (int v = begin; v < end; ++v) {
-      for (int u = 0; u < width; ++u) fill(u, v);
-    }
+    WithInstructions([&](auto instructions) {
+      using V = Lanes<float, decltype(instructions)>;
+      const OriginFinder<V> finder(moved, columns,
+                                   kMaxBendSigmas * sensor.noise.inverse_depth_sigma);
+      for (int v = begin; v < end; ++v) {
+        finder.FindRow(v, result.depth_m.row(v), origin.empty() ? nullptr : origin.row(v));
+      }
+    });
   });
+  result.color.Resize(origin.width(), origin.height());
+  std::transform(origin.begin(), origin.end(), result.color.begin(),
+                 [&](std::int32_t from) { return from < 0 ? Rgb8() : frame.color[from]; });
   return result;
+}
+
+Rigid3d ReadoutCorrection(const FrameLevel& surface, double readout_s, const CameraMotion& expected,
+                          const CameraMotion& found, double seconds) {
+  using Matrix6d = Eigen::Matrix<double, 6, 6>;
+  Matrix6d a_sum = Matrix6d::Zero(), b_sum = Matrix6d::Zero();
+  const int height = surface.camera.height;
+  for (int v = 0; v < height; ++v) {
+    Matrix6d row = Matrix6d::Zero();
+    for (int u = 0; u < surface.camera.width; ++u) {
+      const Eigen::Vector3d point = surface.vertex(u, v).cast<double>();
+      const Eigen::Vector3d normal = surface.normal(u, v).cast<double>();
+      if (!(normal.dot(point) < 0)) continue;
+      Eigen::Matrix<double, 6, 1> a;
+      a << point.cross(normal), normal;
+      a /= surface.noise.SigmaZ(point.z());
+      row += a * a.transpose();
+    }
+    a_sum += row;
+    b_sum += ((v + 0.5) / height - 0.5) * readout_s * row;
+  }
+  Eigen::Matrix<double, 6, 1> motion;
+  motion << found.turn_rad_per_s - expected.turn_rad_per_s,
+      found.velocity_m_per_s - expected.velocity_m_per_s;
+  const Eigen::Matrix<double, 6, 1> change =
+      -(a_sum + b_sum / seconds).fullPivLu().solve(b_sum * motion);
+  if (!change.allFinite()) return {};
+  return {QuaternionExp<double>(change.head<3>()), change.tail<3>()};
 }
 
 }  // namespace surfit

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "surfit/frame/frame_pyramid.h"
+#include "surfit/frame/rolling_shutter.h"
 
 namespace surfit {
 namespace {

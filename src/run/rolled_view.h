@@ -1,6 +1,6 @@
 #pragma once
 
-#include "surfit/frame/rolling_shutter.h"
+#include "surfit/frame/camera_motion.h"
 #include "surfit/geometry/pinhole_camera.h"
 #include "surfit/mapping/blended_view.h"
 

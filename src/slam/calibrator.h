@@ -6,7 +6,7 @@
 #include "surfit/core/spare_time.h"
 #include "surfit/frame/preprocess.h"
 #include "surfit/frame/rgbd_frame.h"
-#include "surfit/frame/rolling_shutter.h"
+#include "surfit/frame/camera_motion.h"
 #include "surfit/geometry/trajectory.h"
 #include "surfit/refinement/refine.h"
 #include "surfit/slam/backend.h"

@@ -97,6 +97,7 @@ void Mapper::Correct(const WorldCorrection& correction, int frame_index) {
   if (correction.recalibration) {
     MoveMap(correction.corrections, *correction.recalibration, &map_);
     sensor_.camera = correction.recalibration->to.camera;
+    sensor_.readout_s = correction.recalibration->to.readout_s;
     has_view_ = false;
   } else if (correction.moves) {
     MoveMap(correction.corrections, &map_);

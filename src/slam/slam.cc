@@ -10,6 +10,7 @@
 #include "surfit/core/trace.h"
 #include "surfit/frame/frame_pyramid.h"
 #include "surfit/frame/prepare_frame.h"
+#include "surfit/frame/rolling_shutter.h"
 
 namespace surfit {
 namespace {
@@ -98,12 +99,12 @@ class Slam::Pipeline {
  private:
   void MakeBackend(LoopFinder finder);
   void CorrectWorld(int frame_index, StageTimes* times);
-  const RgbdFrame& Calibrated(const RgbdFrame& frame);
+  const RgbdFrame& AsSeen(const RgbdFrame& frame, const CameraMotion& motion);
   const RgbdFrame& AtRest(const RgbdFrame& frame, const CellMask& moving);
   PreparedFrame AtRest(PreparedFrame frame, const CellMask& moving);
   void Correct(const WorldCorrection& correction, int frame_index);
   Tracked Repeat(const RgbdFrame& frame);
-  PreparedFrame Prepare(const RgbdFrame& frame, StageTimes* times);
+  PreparedFrame Prepare(const RgbdFrame& frame, const CameraMotion& motion, StageTimes* times);
   Tracked Track(const PreparedFrame& frame, StageTimes* times);
   Tracked TrackFromPrediction(const PreparedFrame& frame, StageTimes* times);
   bool IsFar(const PreparedFrame& frame, const Rigid3d& world_from_camera) const;
@@ -114,7 +115,6 @@ class Slam::Pipeline {
   std::optional<Tracked> Confirm(const PreparedFrame& frame, const Rigid3d& world_from_found);
   bool IsNewMapDue(const PreparedFrame& frame) const;
   bool IsHeldOut(const Tracked& tracked) const;
-  CameraMotion MotionTo(const PreparedFrame& frame, const Tracked& tracked) const;
   std::optional<FusionReport> FuseInTurn(const PreparedFrame& frame, const Tracked& tracked,
                                          StageTimes* times);
   bool tracks_frame_to_frame() const { return options_.tracking == "frame_to_frame"; }
@@ -124,10 +124,9 @@ class Slam::Pipeline {
   Tracker tracker_;
   Mapper mapper_;
   std::unique_ptr<Backend> backend_;  // null without loops and calibration
-  RgbdFrame calibrated_;              // the frame at work, by what calibration has found
-  RgbdFrame calibrated_rest_, rest_;  // the same, and the frame as given, without what moves
+  RgbdFrame seen_;                    // the frame at work, if it is not taken as it comes
+  RgbdFrame seen_rest_, rest_;        // the same, and the frame as given, without what moves
   int frame_count_ = 0;               // the frame at work included
-  double last_stamp_s_ = 0;           // of the last frame that was held
   std::function<void(const LostFrame&)> on_lost_;
 };
 
@@ -142,7 +141,9 @@ FrameReport Slam::Pipeline::Process(const RgbdFrame& frame,
   if (tracker_.Repeats(frame) && !given_pose) return Report(frame, Repeat(frame), {}, times);
 
   if (given_pose && backend_) backend_->EndCalibration();
-  PreparedFrame whole = Prepare(frame, &times);
+  const CameraMotion motion = given_pose ? tracker_.MotionTo(frame.stamp_s, Given(*given_pose))
+                                         : tracker_.expected_motion();
+  PreparedFrame whole = Prepare(frame, motion, &times);
   const Tracked tracked = given_pose ? Given(*given_pose) : Track(whole, &times);
   if (!tracked.is_held()) {
     tracker_.Lose();
@@ -162,7 +163,6 @@ FrameReport Slam::Pipeline::Process(const RgbdFrame& frame,
     fused = FuseInTurn(prepared, tracked, &times);
   }
   tracker_.Keep(std::move(prepared), tracked);
-  last_stamp_s_ = frame.stamp_s;
   FrameReport report = Report(frame, tracked, fused, times);
   report.is_held_out = is_held_out;
   return report;
@@ -197,21 +197,29 @@ Tracked Slam::Pipeline::Repeat(const RgbdFrame& frame) {
   return tracked;
 }
 
-PreparedFrame Slam::Pipeline::Prepare(const RgbdFrame& frame, StageTimes* times) {
+PreparedFrame Slam::Pipeline::Prepare(const RgbdFrame& frame, const CameraMotion& motion,
+                                      StageTimes* times) {
   const StageTimer timer("preprocess", frame.index, &times->preprocess_ms);
-  const RgbdFrame& seen = Calibrated(frame);
+  const RgbdFrame& seen = AsSeen(frame, motion);
   FramePyramid pyramid = PreprocessDepth(seen.depth_m, mapper_.sensor(), options_.preprocess);
   if (options_.icp.error_model.UsesIntensities()) AddIntensity(seen.color, &pyramid);
-  return {seen, {std::move(pyramid), seen.color}};
+  return {seen, {std::move(pyramid), seen.color}, motion};
 }
 
-// The frame by the depth that calibration has found.
-const RgbdFrame& Slam::Pipeline::Calibrated(const RgbdFrame& frame) {
-  if (!backend_ || !backend_->is_recalibrated()) return frame;
-  calibrated_ = frame;
-  const DepthCalibration& calibration = *backend_->calibration();
-  CorrectDepth(calibration.camera, calibration.field, &calibrated_.depth_m);
-  return calibrated_;
+// The frame by the depth that calibration has found, in the middle of its readout. Its colours stay
+// where they are: they are looked up by the motion of their rows.
+const RgbdFrame& Slam::Pipeline::AsSeen(const RgbdFrame& frame, const CameraMotion& motion) {
+  const bool is_recalibrated = backend_ && backend_->is_recalibrated();
+  const bool moves = mapper_.sensor().readout_s > 0 && !motion.IsZero();
+  if (!is_recalibrated && !moves) return frame;
+  seen_ = {frame.index, frame.stamp_s, frame.color_stamp_s, frame.depth_m, {}};
+  if (is_recalibrated) {
+    const DepthCalibration& calibration = *backend_->calibration();
+    CorrectDepth(calibration.camera, calibration.field, &seen_.depth_m);
+  }
+  if (moves) seen_ = AtMiddleOfReadout(seen_, mapper_.sensor(), motion);
+  seen_.color = frame.color;
+  return seen_;
 }
 
 // The frame as given without what moves.
@@ -224,10 +232,10 @@ const RgbdFrame& Slam::Pipeline::AtRest(const RgbdFrame& frame, const CellMask& 
 
 PreparedFrame Slam::Pipeline::AtRest(PreparedFrame frame, const CellMask& moving) {
   if (moving.empty()) return frame;
-  calibrated_rest_ = frame.images;
-  calibrated_rest_.depth_m = Without(std::move(calibrated_rest_.depth_m), moving);
+  seen_rest_ = frame.images;
+  seen_rest_.depth_m = Without(std::move(seen_rest_.depth_m), moving);
   frame.view.pyramid = Without(std::move(frame.view.pyramid), moving);
-  return {calibrated_rest_, std::move(frame.view)};
+  return {seen_rest_, std::move(frame.view), frame.motion};
 }
 
 // Where all that was known of the camera has failed for long, a new map begins.
@@ -271,6 +279,10 @@ Tracked Slam::Pipeline::TrackFromPrediction(const PreparedFrame& frame, StageTim
               tracked.icp});
   }
   tracked.has_own_view = has_own_view;
+  if (tracked.is_held()) {
+    tracked.world_from_camera =
+        tracker_.PoseByItsMotion(frame, mapper_.sensor().readout_s, tracked);
+  }
   return tracked;
 }
 
@@ -347,16 +359,8 @@ std::optional<FusionReport> Slam::Pipeline::FuseInTurn(const PreparedFrame& fram
     return std::nullopt;
   }
   const StageTimer timer("fuse", frame.images.index, &times->fuse_ms);
-  return mapper_.Fuse(frame, tracked.world_from_camera, MotionTo(frame, tracked));
-}
-
-// From the last frame, if that was the one before.
-CameraMotion Slam::Pipeline::MotionTo(const PreparedFrame& frame, const Tracked& tracked) const {
-  constexpr double kMaxGap_s = 0.1;
-  const double seconds = frame.images.stamp_s - last_stamp_s_;
-  const bool follows = tracker_.has_started() && tracker_.lost_count() == 0 && seconds < kMaxGap_s;
-  if (!follows || tracked.found_again) return {};
-  return MotionOver(tracker_.last().world_from_view.Inverse() * tracked.world_from_camera, seconds);
+  return mapper_.Fuse(frame, tracked.world_from_camera,
+                      tracker_.MotionTo(frame.images.stamp_s, tracked));
 }
 
 void Slam::Pipeline::UseLoopFinder(LoopFinder finder) {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "surfit/core/trace.h"
+#include "surfit/frame/rolling_shutter.h"
 #include "surfit/registration/far_registration.h"
 
 namespace surfit {
@@ -12,6 +13,12 @@ namespace {
 // Of lost frames the first five are looked for, and then every fifth: that takes as long as
 // tracking tens of frames.
 constexpr int kSearchStride = 5;
+
+// Over more time a hand does not move steadily.
+constexpr double kMaxMotion_s = 0.1;
+
+// A level that is coarse enough to be summed up in next to no time.
+constexpr std::size_t kReadoutLevel = 3;
 
 // What two views must show to be looked at in the map: its surfaces are to agree in any case, and
 // motion blurs colours.
@@ -67,6 +74,13 @@ Rigid3d Tracker::Predict(const PreparedFrame& frame) const {
   return last_.world_from_view * last_from_next_;
 }
 
+CameraMotion Tracker::MotionTo(double stamp_s, const Tracked& tracked) const {
+  const double seconds = stamp_s - last_stamp_s_;
+  const bool follows = has_started_ && lost_count_ == 0 && seconds < kMaxMotion_s;
+  if (!follows || tracked.found_again) return {};
+  return MotionOver(last_.world_from_view.Inverse() * tracked.world_from_camera, seconds);
+}
+
 Tracked Tracker::Start(const PreparedFrame& frame) const {
   Tracked tracked;
   tracked.state = HasEnoughDepth(frame) ? FrameState::kFirst : FrameState::kLost;
@@ -86,6 +100,18 @@ Tracked Tracker::Track(const PreparedFrame& frame, const ReferenceView& referenc
   IcpOptions icp_options = options_.icp;
   if (is_poorly_held_) icp_options.min_source_rows = 0;
   return RegisterTo(reference, frame, world_from_predicted, icp_options);
+}
+
+Rigid3d Tracker::PoseByItsMotion(const PreparedFrame& frame, double readout_s,
+                                 const Tracked& tracked) const {
+  const double stamp_s = frame.images.stamp_s;
+  const CameraMotion motion = MotionTo(stamp_s, tracked);
+  const bool is_free = !tracked.icp.free_directions.empty();
+  if (readout_s == 0 || motion.IsZero() || is_free) return tracked.world_from_camera;
+  const std::vector<FrameLevel>& levels = frame.view.pyramid.levels;
+  return tracked.world_from_camera *
+         ReadoutCorrection(levels[std::min(kReadoutLevel, levels.size() - 1)], readout_s,
+                           frame.motion, motion, stamp_s - last_stamp_s_);
 }
 
 Tracked Tracker::RegisterTo(const ReferenceView& reference, const PreparedFrame& frame,
@@ -193,7 +219,8 @@ std::optional<Tracked> Tracker::ConfirmProposal(const PreparedFrame& frame,
   proposal_.reset();
   if (!tracked.is_held() || tracked.verdict != Verdict::kBelieved) return std::nullopt;
   const PreparedFrame rest = {frame.images,
-                              {Without(frame.view.pyramid, tracked.moving), frame.view.color}};
+                              {Without(frame.view.pyramid, tracked.moving), frame.view.color},
+                              frame.motion};
   const Tracked from_there =
       RegisterTo(proposal.view, rest, tracked.world_from_camera, options_.icp);
   if (!from_there.is_held() ||
@@ -209,11 +236,12 @@ std::optional<Tracked> Tracker::ConfirmProposal(const PreparedFrame& frame,
 
 void Tracker::Keep(PreparedFrame frame, const Tracked& tracked) {
   proposal_.reset();
-  last_stamp_s_ = frame.images.stamp_s;
   // The way over lost frames is not one frame's motion, nor is a jump.
   const bool is_next = has_started_ && lost_count_ == 0 && !tracked.found_again;
   last_from_next_ =
       is_next ? last_.world_from_view.Inverse() * tracked.world_from_camera : Rigid3d();
+  motion_ = MotionTo(frame.images.stamp_s, tracked);
+  last_stamp_s_ = frame.images.stamp_s;
   needs_search_ = tracked.found_again;
   is_poorly_held_ =
       !tracked.icp.iterations.empty() && tracked.icp.eigenvalues[0] < options_.min_turn_eigenvalue;

@@ -5,6 +5,7 @@
 #include "slam/belief.h"
 #include "slam/moving_regions.h"
 #include "surfit/frame/rgbd_frame.h"
+#include "surfit/frame/camera_motion.h"
 #include "surfit/registration/far_registration.h"
 #include "surfit/slam/slam.h"
 
@@ -12,8 +13,9 @@ namespace surfit {
 
 // A frame as tracking and fusion take it.
 struct PreparedFrame {
-  const RgbdFrame& images;
+  const RgbdFrame& images;  // its depth brought to the middle of the readout
   ColoredView view;
+  CameraMotion motion;      // by which
 
   const FrameLevel& surface() const { return view.pyramid.levels.front(); }
 };
@@ -61,6 +63,10 @@ class Tracker {
   bool HasEnoughDepth(const PreparedFrame& frame) const;
   // Where the camera is expected.
   Rigid3d Predict(const PreparedFrame& frame) const;
+  // How it moves, as far as the last frames tell.
+  CameraMotion expected_motion() const { return lost_count_ > 0 ? CameraMotion() : motion_; }
+  // How it has moved from the last frame, if that was the one before.
+  CameraMotion MotionTo(double stamp_s, const Tracked& tracked) const;
 
   // Each of these is the outcome of a frame: the first one with enough depth, one that repeats the
   // last, and one that is registered to a reference from where it is expected.
@@ -68,6 +74,9 @@ class Tracker {
   Tracked Repeat() const;
   Tracked Track(const PreparedFrame& frame, const ReferenceView& reference,
                 const Rigid3d& world_from_predicted) const;
+  // Its pose once the motion during its readout is the one that it tells, not the expected one.
+  Rigid3d PoseByItsMotion(const PreparedFrame& frame, double readout_s,
+                          const Tracked& tracked) const;
 
   // Whether frames are looked for from afar that are not lost.
   bool doubts() const {
@@ -133,6 +142,7 @@ class Tracker {
   bool is_poorly_held_ = false;  // the last frame, by SlamOptions::min_turn_eigenvalue
   ReferenceView last_;
   double last_stamp_s_ = 0;
+  CameraMotion motion_;        // to the last frame
   Rigid3d last_from_next_;     // motion that the motion model expects
   Image<float> last_depth_m_;  // of the last frame, held or not
 };

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "surfit/frame/camera_motion.h"
 #include "testing/pixels.h"
 
 namespace surfit {
@@ -104,6 +105,73 @@ TEST(RollingShutter, MissingDepthStaysMissing) {
   const RgbdFrame mended = AtMiddleOfReadout(rolling, kSensor, kMotion);
   EXPECT_THAT(std::vector<float>(mended.depth_m.begin(), mended.depth_m.end()),
               ::testing::Each(0.f));
+}
+
+// The pose that registers, to first order, what is left of the motion after a wrong one was taken
+// out: the least squares of n . (d applied to X + tau (motion - taken)(X)).
+Rigid3d PoseRegistering(const FrameLevel& surface, const CameraMotion& taken) {
+  Eigen::Matrix<double, 6, 6> a_sum = Eigen::Matrix<double, 6, 6>::Zero();
+  Eigen::Matrix<double, 6, 1> b_sum = Eigen::Matrix<double, 6, 1>::Zero();
+  for (const auto [u, v] : testing::Pixels(0, kWidth, 0, kHeight)) {
+    const Eigen::Vector3d point = surface.vertex(u, v).cast<double>();
+    const Eigen::Vector3d normal = surface.normal(u, v).cast<double>();
+    const double tau = ((v + 0.5) / kHeight - 0.5) * kReadout_s;
+    const Eigen::Vector3d turn = tau * (kMotion.turn_rad_per_s - taken.turn_rad_per_s);
+    const Eigen::Vector3d way = tau * (kMotion.velocity_m_per_s - taken.velocity_m_per_s);
+    Eigen::Matrix<double, 6, 1> a;
+    a << point.cross(normal), normal;
+    const double weight = std::pow(surface.noise.SigmaZ(point.z()), -2);
+    a_sum += weight * a * a.transpose();
+    b_sum += weight * a * normal.dot(turn.cross(point) + way);
+  }
+  // Rows lie where they would with less motion, so the pose makes up for it.
+  const Eigen::Matrix<double, 6, 1> d = a_sum.ldlt().solve(b_sum);
+  return {QuaternionExp<double>(d.head<3>()), d.tail<3>()};
+}
+
+// A frame of a room's floor and walls, in the middle of the readout.
+FrameLevel SurfaceAt(const Rigid3d& world_from_camera) {
+  FrameLevel surface = {kSensor.camera, {}, VectorImage(kWidth, kHeight),
+                        VectorImage(kWidth, kHeight), {}};
+  for (const auto [u, v] : testing::Pixels(0, kWidth, 0, kHeight)) {
+    const Eigen::Vector3d ray = kSensor.camera.Ray(u, v);
+    const Eigen::Vector3d point = DepthAt(world_from_camera, ray) * ray;
+    const Eigen::Vector3d world = world_from_camera * point;
+    const int axis = std::abs(world.x() - 1.2) < 1e-9 ? 0 : std::abs(world.y() - 0.9) < 1e-9 ? 1 : 2;
+    surface.vertex.Set(u, v, point.cast<float>());
+    surface.normal.Set(
+        u, v,
+        (world_from_camera.rotation.conjugate() * -Eigen::Vector3d::Unit(axis)).cast<float>());
+  }
+  return surface;
+}
+
+TEST(ReadoutCorrection, LeavesATenthOfWhatAWrongMotionDoesToAPose) {
+  const double seconds = 1. / 30;
+  const Rigid3d world_from_camera = PoseAfter(seconds);  // since the last frame, at the identity
+  const FrameLevel surface = SurfaceAt(world_from_camera);
+  const CameraMotion half = {0.5 * kMotion.turn_rad_per_s, 0.5 * kMotion.velocity_m_per_s};
+  for (const CameraMotion& taken : {CameraMotion(), half}) {
+    const Rigid3d registered = world_from_camera * PoseRegistering(surface, taken);
+    const Rigid3d corrected =
+        registered * ReadoutCorrection(surface, kReadout_s, taken, MotionOver(registered, seconds),
+                                       seconds);
+    const Rigid3d before = world_from_camera.Inverse() * registered;
+    const Rigid3d after = world_from_camera.Inverse() * corrected;
+    EXPECT_GT(before.translation.norm(), 1e-3);
+    EXPECT_LT(after.translation.norm(), 0.1 * before.translation.norm());
+    EXPECT_LT(RotationAngle(after.rotation), 0.1 * RotationAngle(before.rotation));
+  }
+}
+
+TEST(ReadoutCorrection, ChangesNothingWhereTheMotionWasExpectedOrNothingIsHeld) {
+  const FrameLevel surface = SurfaceAt({});
+  const Rigid3d same = ReadoutCorrection(surface, kReadout_s, kMotion, kMotion, 1. / 30);
+  EXPECT_EQ(same.Matrix(), Rigid3d().Matrix());
+  const FrameLevel empty = {kSensor.camera, {}, VectorImage(kWidth, kHeight),
+                            VectorImage(kWidth, kHeight), {}};
+  EXPECT_EQ(ReadoutCorrection(empty, kReadout_s, {}, kMotion, 1. / 30).Matrix(),
+            Rigid3d().Matrix());
 }
 
 TEST(CameraMotion, IsThatOfASteadyTrajectory) {

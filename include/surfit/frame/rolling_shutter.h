@@ -1,29 +1,11 @@
 #pragma once
 
-#include <Eigen/Core>
-
+#include "surfit/frame/camera_motion.h"
+#include "surfit/frame/frame_pyramid.h"
 #include "surfit/frame/rgbd_frame.h"
 #include "surfit/geometry/sensor.h"
-#include "surfit/geometry/trajectory.h"
 
 namespace surfit {
-
-// How a camera moves, as it sees it itself: a point X that stands still moves by
-// -(turn x X + velocity) a second.
-struct CameraMotion {
-  Eigen::Vector3d turn_rad_per_s = Eigen::Vector3d::Zero();
-  Eigen::Vector3d velocity_m_per_s = Eigen::Vector3d::Zero();
-
-  bool IsZero() const { return turn_rad_per_s.isZero(0) && velocity_m_per_s.isZero(0); }
-};
-
-// The steady motion that takes the camera from one pose to the next within so many seconds; none
-// unless these are positive.
-CameraMotion MotionOver(const Rigid3d& first_from_second, double seconds);
-
-// The motion along a trajectory at the time of one of its poses: from the pose before to the one
-// after, of which both, or one, are at most max_gap_s away; else none.
-CameraMotion MotionAt(const Trajectory& trajectory, double stamp_s, double max_gap_s = 0.1);
 
 // The frame as a global shutter would have seen it in the middle of the readout. A rolling shutter
 // reads row v of h rows (v + 0.5) / h - 0.5 of the readout later than that, by the time tau. In the
@@ -34,5 +16,14 @@ CameraMotion MotionAt(const Trajectory& trajectory, double stamp_s, double max_g
 // frame without motion or readout.
 RgbdFrame AtMiddleOfReadout(const RgbdFrame& frame, const DepthSensor& sensor,
                             const CameraMotion& motion);
+
+// By how much the pose of a frame is to change that was brought to the middle of its readout by an
+// expected motion m and then registered: by its pose the camera has moved with m' since the last
+// frame, `seconds` ago. By m' its points X lie at X + tau (m' - m)(X) instead, and the pose, and m'
+// with it, depend on that. All agree at the pose x exp(d) with
+//   (A + B / seconds) d = -B (m' - m),   A = sum w a a^T,  B = sum w tau a a^T,  a = (X x n, n),
+// points weighted by their noise. Returns exp(d); the identity where the surface does not hold it.
+Rigid3d ReadoutCorrection(const FrameLevel& surface, double readout_s, const CameraMotion& expected,
+                          const CameraMotion& found, double seconds);
 
 }  // namespace surfit

@@ -7,7 +7,7 @@
 
 #include "surfit/frame/frame_pyramid.h"
 #include "surfit/frame/rgbd_frame.h"
-#include "surfit/frame/rolling_shutter.h"
+#include "surfit/frame/camera_motion.h"
 #include "surfit/geometry/rigid3.h"
 #include "surfit/mapping/surfel_map.h"
 

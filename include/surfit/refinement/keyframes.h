@@ -6,7 +6,7 @@
 #include "surfit/core/image.h"
 #include "surfit/frame/preprocess.h"
 #include "surfit/frame/rgbd_frame.h"
-#include "surfit/frame/rolling_shutter.h"
+#include "surfit/frame/camera_motion.h"
 #include "surfit/geometry/rigid3.h"
 #include "surfit/geometry/trajectory.h"
 

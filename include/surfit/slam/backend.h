@@ -82,8 +82,8 @@ struct LoopOptions {
 };
 
 // How the depth camera is calibrated while it is tracked: by Refine() of all keyframes so far, when
-// there are first_keyframes, and each time there are half as many more. What n keyframes tell takes
-// effect n + n^2 / 20 frames later, however long it takes: the same on every machine. What is no
+// there are first_keyframes, and each time there are a quarter more. What n keyframes tell takes
+// effect 1 + n/2 + n^2/40 frames later, however long it takes: the same on every machine. What is no
 // other than the given calibration, as far as the covariance tells, changes nothing.
 struct CalibrationOptions {
   bool enabled = true;
