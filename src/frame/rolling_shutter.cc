@@ -105,8 +105,8 @@ class OriginFinder {
     const V share = V(1.) / Max(kMinScale, dv * (rows == 0 ? 0 : 1 / rows) + 1.);
     const V from_u = at_u + 0.5 - V::LoadUpTo(moved_.du.row(v) + u, count) * share;
     const V from_v = at_v + 0.5 - dv * share;
-    const Mask inside = (from_u >= V(0.)) & (from_v >= V(0.)) & (from_u < V(width_)) &
-                        (from_v < V(height_));
+    const Mask inside =
+        (from_u >= V(0.)) & (from_v >= V(0.)) & (from_u < V(width_)) & (from_v < V(height_));
     const Neighbours near = Gather(Select(inside, from_u, 0.), Select(inside, from_v, 0.));
     Select(inside, near.v * width_ + near.u, -1.).StoreTruncated(pixels);
     const V inverse = near.inverse +
@@ -141,8 +141,8 @@ class OriginFinder {
   // By how much inverse depth grows from one pixel to the next, by those on both sides; 0 where
   // they do not continue a surface.
   V Slope(const V& before, const V& here, const V& after) const {
-    const Mask continues = (before > V(0.)) & (after > V(0.)) &
-                           (abs(before + after - here * 2.) <= max_bend_);
+    const Mask continues =
+        (before > V(0.)) & (after > V(0.)) & (abs(before + after - here * 2.) <= max_bend_);
     return Select(continues, (after - before) * 0.5, 0.);
   }
 

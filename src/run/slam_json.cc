@@ -46,7 +46,9 @@ Json ToJson(const CalibrationRecord& record) {
           {"found", ToJson(s.calibration)},
           {"standard_deviations", CalibrationSigmasToJson(s.calibration_covariance)},
           {"squared_distance", s.calibration_distance},
-          {"limit", s.calibration_limit}};
+          {"limit", s.calibration_limit},
+          {"color_latency_s", record.color_latency.latency_s},
+          {"color_latency_standard_deviation", record.color_latency.sigma_s}};
 }
 
 Json PosesOf(const RunPoses& run) {

@@ -189,11 +189,13 @@ class SlamRun {
       failures_.Try([&] { WriteLoopsCsv(backend.loops(), Path("loops.csv")); });
     }
     summary->calibrations = backend.calibrations();
-    if (!backend.is_recalibrated()) return;
+    if (!backend.is_recalibrated() && backend.color_latency_s() == 0) return;
     summary->calibration = *backend.calibration();
     summary->calibration_doubt = DoubtOfGiven(slam_.info().sensor(), *summary->calibration);
     failures_.Try([&] {
-      WriteFoundCamera(slam_.info(), given_field_, *summary->calibration, Path("camera.yaml"));
+      SequenceInfo info = slam_.info();
+      info.camera.color_latency_s += backend.color_latency_s();
+      WriteFoundCamera(info, given_field_, *summary->calibration, Path("camera.yaml"));
     });
   }
 

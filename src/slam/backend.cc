@@ -184,6 +184,7 @@ void Backend::TakeCalibration(std::vector<WorldCorrection>* corrections) {
   CalibrationRecord& record = calibrations_.back();
   record.frame = frames_.back().index;
   record.summary = std::move(outcome.summary);
+  record.color_latency = outcome.color_latency;
   const DepthCalibration& to = calibrator_->calibration();
   if (AreSame(from, to)) return;
   const std::vector<Rigid3d> before = KeyframePoses();
@@ -267,6 +268,8 @@ std::vector<Rigid3d> Backend::CorrectionsOfKeyframes(
 const DepthCalibration* Backend::calibration() const {
   return calibrator_ ? &calibrator_->calibration() : nullptr;
 }
+
+double Backend::color_latency_s() const { return calibrator_ ? calibrator_->color_latency_s() : 0; }
 
 bool Backend::is_recalibrated() const { return calibrator_ && !calibrator_->IsAsGiven(); }
 

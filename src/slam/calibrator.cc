@@ -35,11 +35,11 @@ DepthCalibration Subsampled(DepthCalibration calibration) {
   return calibration;
 }
 
-Image<float> Subsampled(const Image<float>& depth_m) {
-  Image<float> few((depth_m.width() + kStride - 1) / kStride,
-                   (depth_m.height() + kStride - 1) / kStride);
+template <typename T>
+Image<T> Subsampled(const Image<T>& image) {
+  Image<T> few((image.width() + kStride - 1) / kStride, (image.height() + kStride - 1) / kStride);
   for (int v = 0; v < few.height(); ++v) {
-    for (int u = 0; u < few.width(); ++u) few(u, v) = depth_m(kStride * u, kStride * v);
+    for (int u = 0; u < few.width(); ++u) few(u, v) = image(kStride * u, kStride * v);
   }
   return few;
 }
@@ -78,7 +78,9 @@ void Calibrator::AddKeyframe(const RgbdFrame& frame) {
   auto kept = std::make_shared<RgbdFrame>();
   kept->index = frame.index;
   kept->stamp_s = frame.stamp_s;
+  kept->color_stamp_s = frame.color_stamp_s;
   kept->depth_m = Subsampled(frame.depth_m);
+  kept->color = Subsampled(frame.color);
   frames_.push_back(std::move(kept));
 }
 
@@ -112,12 +114,25 @@ Calibrator::Outcome Calibrator::Run(const Frames& frames, const std::vector<Came
   Outcome outcome;
   outcome.summary = Refine(options_.refinement, Subsampled(given_), Subsampled(start), &keyframes,
                            [](const RefinementRound&) {});
+  outcome.color_latency = LatencyOf(frames, keyframes, outcome.summary.calibration);
   ScaleUp(camera_, &outcome.summary);
   outcome.world_from_keyframe_before = std::move(world_from_keyframe);
   for (const RefinementKeyframe& keyframe : keyframes) {
     outcome.world_from_keyframe.push_back(keyframe.world_from_camera);
   }
   return outcome;
+}
+
+// By the calibration of the images that are kept.
+ColorLatency Calibrator::LatencyOf(const Frames& frames,
+                                   const std::vector<RefinementKeyframe>& keyframes,
+                                   const DepthCalibration& calibration) const {
+  std::vector<ColoredKeyframe> colored;
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    if (frames[k]->color.empty()) continue;
+    colored.push_back({keyframes[k], frames[k]->color_stamp_s - frames[k]->stamp_s});
+  }
+  return EstimateColorLatency(colored, calibration.camera, sensor_.prior.color_latency_s);
 }
 
 void Calibrator::End() {
@@ -129,6 +144,7 @@ void Calibrator::End() {
 Calibrator::Outcome Calibrator::Take() {
   Outcome outcome = task_.Take();
   calibration_ = outcome.summary.calibration;
+  color_latency_s_ = outcome.color_latency.latency_s;
   return outcome;
 }
 

@@ -4,10 +4,11 @@
 #include <vector>
 
 #include "surfit/core/spare_time.h"
+#include "surfit/frame/camera_motion.h"
 #include "surfit/frame/preprocess.h"
 #include "surfit/frame/rgbd_frame.h"
-#include "surfit/frame/camera_motion.h"
 #include "surfit/geometry/trajectory.h"
+#include "surfit/refinement/color_latency.h"
 #include "surfit/refinement/refine.h"
 #include "surfit/slam/backend.h"
 
@@ -18,6 +19,7 @@ class Calibrator {
  public:
   struct Outcome {
     RefinementSummary summary;
+    ColorLatency color_latency;
     std::vector<Rigid3d> world_from_keyframe_before, world_from_keyframe;
   };
 
@@ -28,6 +30,8 @@ class Calibrator {
   // What frames are to be seen by.
   const DepthCalibration& calibration() const { return calibration_; }
   bool IsAsGiven() const { return AreSame(calibration_, given_); }
+  // By how much colour is earlier than frames have it.
+  double color_latency_s() const { return color_latency_s_; }
 
   // A keyframe as it was measured; frames are copied.
   void AddKeyframe(const RgbdFrame& frame);
@@ -50,12 +54,15 @@ class Calibrator {
   using Frames = std::vector<std::shared_ptr<const RgbdFrame>>;
   Outcome Run(const Frames& frames, const std::vector<CameraMotion>& motions,
               std::vector<Rigid3d> world_from_keyframe, const DepthCalibration& start) const;
+  ColorLatency LatencyOf(const Frames& frames, const std::vector<RefinementKeyframe>& keyframes,
+                         const DepthCalibration& calibration) const;
 
   PinholeCamera camera_;  // as given
   DepthSensor sensor_;    // likewise, of the images that are kept
   PreprocessOptions preprocess_;
   CalibrationOptions options_;
   DepthCalibration given_, calibration_;
+  double color_latency_s_ = 0;
   Frames frames_;                // keyframes, until no task needs them
   std::size_t next_count_;       // of keyframes, for the next task; 0 = there is none
   SpareTimeTask<Outcome> task_;  // last: it is waited for before the others go

@@ -206,13 +206,15 @@ PreparedFrame Slam::Pipeline::Prepare(const RgbdFrame& frame, const CameraMotion
   return {seen, {std::move(pyramid), seen.color}, motion};
 }
 
-// The frame by the depth that calibration has found, in the middle of its readout. Its colours stay
-// where they are: they are looked up by the motion of their rows.
+// The frame by the depth that calibration has found, in the middle of its readout, with its colours
+// as of the moment that was found. They stay where they are: they are looked up by the motion of
+// their rows.
 const RgbdFrame& Slam::Pipeline::AsSeen(const RgbdFrame& frame, const CameraMotion& motion) {
   const bool is_recalibrated = backend_ && backend_->is_recalibrated();
+  const double color_latency_s = backend_ ? backend_->color_latency_s() : 0;
   const bool moves = mapper_.sensor().readout_s > 0 && !motion.IsZero();
-  if (!is_recalibrated && !moves) return frame;
-  seen_ = {frame.index, frame.stamp_s, frame.color_stamp_s, frame.depth_m, {}};
+  if (!is_recalibrated && !moves && color_latency_s == 0) return frame;
+  seen_ = {frame.index, frame.stamp_s, frame.color_stamp_s - color_latency_s, frame.depth_m, {}};
   if (is_recalibrated) {
     const DepthCalibration& calibration = *backend_->calibration();
     CorrectDepth(calibration.camera, calibration.field, &seen_.depth_m);

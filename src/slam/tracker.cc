@@ -218,9 +218,8 @@ std::optional<Tracked> Tracker::ConfirmProposal(const PreparedFrame& frame,
   Proposal proposal = *std::move(proposal_);
   proposal_.reset();
   if (!tracked.is_held() || tracked.verdict != Verdict::kBelieved) return std::nullopt;
-  const PreparedFrame rest = {frame.images,
-                              {Without(frame.view.pyramid, tracked.moving), frame.view.color},
-                              frame.motion};
+  const PreparedFrame rest = {
+      frame.images, {Without(frame.view.pyramid, tracked.moving), frame.view.color}, frame.motion};
   const Tracked from_there =
       RegisterTo(proposal.view, rest, tracked.world_from_camera, options_.icp);
   if (!from_there.is_held() ||

@@ -4,8 +4,8 @@
 
 #include "slam/belief.h"
 #include "slam/moving_regions.h"
-#include "surfit/frame/rgbd_frame.h"
 #include "surfit/frame/camera_motion.h"
+#include "surfit/frame/rgbd_frame.h"
 #include "surfit/registration/far_registration.h"
 #include "surfit/slam/slam.h"
 
@@ -15,7 +15,7 @@ namespace surfit {
 struct PreparedFrame {
   const RgbdFrame& images;  // its depth brought to the middle of the readout
   ColoredView view;
-  CameraMotion motion;      // by which
+  CameraMotion motion;  // by which
 
   const FrameLevel& surface() const { return view.pyramid.levels.front(); }
 };

@@ -131,13 +131,15 @@ Rigid3d PoseRegistering(const FrameLevel& surface, const CameraMotion& taken) {
 
 // A frame of a room's floor and walls, in the middle of the readout.
 FrameLevel SurfaceAt(const Rigid3d& world_from_camera) {
-  FrameLevel surface = {kSensor.camera, {}, VectorImage(kWidth, kHeight),
-                        VectorImage(kWidth, kHeight), {}};
+  FrameLevel surface = {
+      kSensor.camera, {}, VectorImage(kWidth, kHeight), VectorImage(kWidth, kHeight), {}};
   for (const auto [u, v] : testing::Pixels(0, kWidth, 0, kHeight)) {
     const Eigen::Vector3d ray = kSensor.camera.Ray(u, v);
     const Eigen::Vector3d point = DepthAt(world_from_camera, ray) * ray;
     const Eigen::Vector3d world = world_from_camera * point;
-    const int axis = std::abs(world.x() - 1.2) < 1e-9 ? 0 : std::abs(world.y() - 0.9) < 1e-9 ? 1 : 2;
+    const int axis = std::abs(world.x() - 1.2) < 1e-9   ? 0
+                     : std::abs(world.y() - 0.9) < 1e-9 ? 1
+                                                        : 2;
     surface.vertex.Set(u, v, point.cast<float>());
     surface.normal.Set(
         u, v,
@@ -154,8 +156,8 @@ TEST(ReadoutCorrection, LeavesATenthOfWhatAWrongMotionDoesToAPose) {
   for (const CameraMotion& taken : {CameraMotion(), half}) {
     const Rigid3d registered = world_from_camera * PoseRegistering(surface, taken);
     const Rigid3d corrected =
-        registered * ReadoutCorrection(surface, kReadout_s, taken, MotionOver(registered, seconds),
-                                       seconds);
+        registered *
+        ReadoutCorrection(surface, kReadout_s, taken, MotionOver(registered, seconds), seconds);
     const Rigid3d before = world_from_camera.Inverse() * registered;
     const Rigid3d after = world_from_camera.Inverse() * corrected;
     EXPECT_GT(before.translation.norm(), 1e-3);
@@ -168,8 +170,8 @@ TEST(ReadoutCorrection, ChangesNothingWhereTheMotionWasExpectedOrNothingIsHeld) 
   const FrameLevel surface = SurfaceAt({});
   const Rigid3d same = ReadoutCorrection(surface, kReadout_s, kMotion, kMotion, 1. / 30);
   EXPECT_EQ(same.Matrix(), Rigid3d().Matrix());
-  const FrameLevel empty = {kSensor.camera, {}, VectorImage(kWidth, kHeight),
-                            VectorImage(kWidth, kHeight), {}};
+  const FrameLevel empty = {
+      kSensor.camera, {}, VectorImage(kWidth, kHeight), VectorImage(kWidth, kHeight), {}};
   EXPECT_EQ(ReadoutCorrection(empty, kReadout_s, {}, kMotion, 1. / 30).Matrix(),
             Rigid3d().Matrix());
 }

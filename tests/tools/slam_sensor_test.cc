@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "surfit/io/camera_files.h"
 #include "testing/matchers.h"
 #include "testing/run_program.h"
 #include "testing/temp_folder.h"
@@ -12,9 +13,11 @@ namespace surfit::testing {
 namespace {
 
 // A simulated Kinect's walk through a room, at 320 x 240 pixels.
-void SimulateRoom(const std::string& folder, int seed, std::vector<std::string> sensor) {
-  sensor.insert(sensor.begin(), {"--output=" + folder, "--frames=150", "--downsample=2",
-                                 "--seed=" + std::to_string(seed), "--surface_grid_m=0.05"});
+void SimulateRoom(const std::string& folder, int seed, int frames,
+                  std::vector<std::string> sensor) {
+  sensor.insert(sensor.begin(),
+                {"--output=" + folder, "--frames=" + std::to_string(frames), "--downsample=2",
+                 "--seed=" + std::to_string(seed), "--surface_grid_m=0.05"});
   Succeeded(RunProgram("surfit_simulate", sensor));
 }
 
@@ -28,14 +31,83 @@ nlohmann::json SummaryOf(const std::string& sequence, const std::string& output,
 TEST(SlamSensor, AFifthOfTheErrorIsLeftOfARollingShutterThatIsKnown) {
   for (const int seed : {4, 11}) {
     const TempFolder folder;
-    SimulateRoom(folder / "in", seed, {"--readout_s=0.033", "--known=readout_s"});
+    SimulateRoom(folder / "in", seed, 150, {"--readout_s=0.033", "--known=readout_s"});
     const auto ate_mm = [&](const std::string& name, const std::string& flag) -> double {
       return 1000 * SummaryOf(folder / "in", folder / name, {"--nocalibrate", flag})["ate_rmse_m"]
                         .get<double>();
     };
-    const double ignored = ate_mm("ignored", "--readout_s=0"), known = ate_mm("known", "--stride=1");
+    const double ignored = ate_mm("ignored", "--readout_s=0"),
+                 known = ate_mm("known", "--stride=1");
     std::printf("seed %d: ATE %.2f -> %.2f mm\n", seed, ignored, known);
     EXPECT_LT(known, ignored / 5) << seed;
+  }
+}
+
+// Colour that is taken with depth, or earlier with the same stamp.
+TEST(SlamSensor, FindsHowMuchEarlierColourWasTaken) {
+  for (const double latency_s : {0., 0.02}) {
+    const TempFolder folder;
+    SimulateRoom(folder / "in", 4, 150, {"--color_latency_s=" + std::to_string(latency_s)});
+    const nlohmann::json last = SummaryOf(folder / "in", folder / "out", {})["calibrations"].back();
+    const double found_s = last["color_latency_s"];
+    const double sigma_s = last["color_latency_standard_deviation"];
+    std::printf("%.0f ms: found %.1f +- %.1f ms\n", 1000 * latency_s, 1000 * found_s,
+                1000 * sigma_s);
+    EXPECT_LT(sigma_s, 0.003);
+    if (latency_s == 0) {
+      EXPECT_EQ(found_s, 0);  // as given
+    } else {
+      EXPECT_NEAR(found_s, latency_s, 3 * sigma_s);
+      EXPECT_EQ(ReadCameraYaml(folder / "out/camera.yaml").color_latency_s, found_s);
+    }
+  }
+}
+
+// Within three standard deviations of the truth.
+void ExpectFound(const nlohmann::json& found, const nlohmann::json& sigma, double truth,
+                 const std::string& what) {
+  EXPECT_NEAR(found.get<double>(), truth, 3 * sigma.get<double>()) << what;
+}
+
+// Of the undistorted camera, by a calibration and its standard deviations in JSON.
+void ExpectTrueCalibration(const nlohmann::json& found, const nlohmann::json& sigma) {
+  const std::vector<std::pair<const char*, double>> truth = {
+      {"fx", 262.5}, {"fy", 262.5}, {"cx", 159.75}, {"cy", 119.75}, {"readout_s", 0.033}};
+  for (const auto& [name, value] : truth) ExpectFound(found[name], sigma[name], value, name);
+  const auto &field = found["inverse_depth_field"], &field_sigma = sigma["inverse_depth_field"];
+  for (int i = 0; i < 6; ++i) {
+    ExpectFound(field[i], field_sigma[i], i == 1 ? -0.015 : 0, "field " + std::to_string(i));
+  }
+}
+
+// Focal length, centre, depth, readout and colour's latency, of which camera.yaml says nothing but
+// that the readout is not known.
+TEST(SlamSensorSweep, FindsASensorThatIsWrongInAll) {
+  for (const int seed : {2, 3, 4, 5, 11}) {
+    SCOPED_TRACE(seed);
+    const TempFolder folder;
+    SimulateRoom(folder / "in", seed, 300,
+                 {"--readout_s=0.033", "--color_readout_s=0.033", "--color_latency_s=0.02",
+                  "--given_focal_error=0.01,0.01", "--given_center_error=2,-1.5",
+                  "--inverse_depth_distortion=0.015,0,0,0,0"});
+    RgbdCamera given = ReadCameraYaml(folder / "in/camera.yaml");
+    given.prior.readout_s = 0.03;
+    WriteCameraYaml(given, folder / "in/camera.yaml");
+    const double wrong_m =
+        SummaryOf(folder / "in", folder / "wrong", {"--nocalibrate"})["ate_rmse_m"];
+    const nlohmann::json summary = SummaryOf(folder / "in", folder / "out", {});
+    Succeeded(RunProgram("surfit_refine", {"--run=" + folder / "out"}));
+    const auto refined = nlohmann::json::parse(ReadBytes(folder / "out/refined/refinement.json"));
+    const double found_m = summary["ate_rmse_m"], refined_m = refined["ate_rmse_m"]["after"];
+    std::printf("seed %d: ATE %.2f -> %.2f mm, refined %.2f mm\n", seed, 1000 * wrong_m,
+                1000 * found_m, 1000 * refined_m);
+    const nlohmann::json last = summary["calibrations"].back();
+    ExpectTrueCalibration(last["found"], last["standard_deviations"]);
+    ExpectFound(last["color_latency_s"], last["color_latency_standard_deviation"], 0.02, "colour");
+    ExpectTrueCalibration(refined["calibration"]["after"],
+                          refined["calibration"]["standard_deviations"]);
+    EXPECT_LT(found_m, wrong_m / 3);
+    EXPECT_LT(refined_m, found_m);
   }
 }
 

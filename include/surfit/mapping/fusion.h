@@ -5,9 +5,9 @@
 #include <memory>
 #include <string>
 
+#include "surfit/frame/camera_motion.h"
 #include "surfit/frame/frame_pyramid.h"
 #include "surfit/frame/rgbd_frame.h"
-#include "surfit/frame/camera_motion.h"
 #include "surfit/geometry/rigid3.h"
 #include "surfit/mapping/surfel_map.h"
 

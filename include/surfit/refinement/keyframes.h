@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "surfit/core/image.h"
+#include "surfit/frame/camera_motion.h"
 #include "surfit/frame/preprocess.h"
 #include "surfit/frame/rgbd_frame.h"
-#include "surfit/frame/camera_motion.h"
 #include "surfit/geometry/rigid3.h"
 #include "surfit/geometry/trajectory.h"
 

@@ -13,6 +13,7 @@
 #include "surfit/places/find_loops.h"
 #include "surfit/places/keyframe.h"
 #include "surfit/places/place_index.h"
+#include "surfit/refinement/color_latency.h"
 #include "surfit/refinement/refine.h"
 #include "surfit/registration/far_registration.h"
 
@@ -83,8 +84,8 @@ struct LoopOptions {
 
 // How the depth camera is calibrated while it is tracked: by Refine() of all keyframes so far, when
 // there are first_keyframes, and each time there are a quarter more. What n keyframes tell takes
-// effect 1 + n/2 + n^2/40 frames later, however long it takes: the same on every machine. What is no
-// other than the given calibration, as far as the covariance tells, changes nothing.
+// effect 1 + n/2 + n^2/40 frames later, however long it takes: the same on every machine. What is
+// no other than the given calibration, as far as the covariance tells, changes nothing.
 struct CalibrationOptions {
   bool enabled = true;
   int first_keyframes = 4;
@@ -135,6 +136,7 @@ struct CalibrationRecord {
   int begun_frame = 0;  // the last of them
   int frame = 0;        // the last one before it took effect
   RefinementSummary summary;
+  ColorLatency color_latency;  // beyond the given one
 };
 
 // What the backend has done.
@@ -190,6 +192,8 @@ class Backend {
   // What frames are to be seen by, null without calibration; and how it was found.
   const DepthCalibration* calibration() const;
   bool is_recalibrated() const;  // that is not as given
+  // By how much colour is earlier than frames have it.
+  double color_latency_s() const;
   const std::vector<CalibrationRecord>& calibrations() const { return calibrations_; }
 
   BackendCounts counts() const;
