@@ -3,7 +3,7 @@
 #include <gflags/gflags.h>
 #include <glog/logging.h>
 
-#include "common/flags.h"
+#include "common/command_line.h"
 #include "common/recorded_run.h"
 #include "io/image_files.h"
 #include "report/report_data.h"

@@ -21,5 +21,12 @@ touch "$folder/one file"
 expect "--output=" --outp
 expect "--max_rmse_m=" --sequence = x --max_rm
 expect "$folder/one file" --sequence = "$folder/on"
-expect "" --no_such_flag
+expect "" --zzzzzz
+expect "closed_form_ldlt closed_form_lu closed_form_qr" --solver = closed_form
+expect "point_to_point point_to_plane" --residual = point
+expect "icl_nuim" --camera = icl
+expect "$folder/one file" --camera = "$folder/on"  # a preset or a file
+expect "--view" --vie
+expect "--noview" --novie
+expect "map" --help = ma
 [[ $(complete -p surfit_evaluate) == "complete -F _surfit surfit_evaluate" ]]

@@ -162,20 +162,46 @@ TEST_F(SlamTool, TheDefaultGateIsTheLibrarysToTheLastBit) {
 TEST_F(SlamTool, HelpNamesEverydayFlagsWithTheirDefaultsOnTwoScreens) {
   const ProgramResult result = Succeeded(RunProgram("surfit_slam", {"--help"}));
   for (const char* text : {"--sequence", "--output", "--downsample=1", "--solver=closed_form_ldlt",
-                           "--flagfile", "--helpon=GROUP"}) {
+                           "--flagfile", "--help=GROUP"}) {
     EXPECT_THAT(result.out, HasSubstr(text));
   }
   EXPECT_LE(std::count(result.out.begin(), result.out.end(), '\n'), 2 * 30);
 }
 
 TEST_F(SlamTool, HelpOnAGroupOrOnAllNamesFurtherFlags) {
-  const ProgramResult group = RunProgram("surfit_slam", {"--helpon=map"});
-  EXPECT_THAT(group.out, AllOf(HasSubstr("--duplicate_share=0.7"), Not(HasSubstr("--sequence"))));
-  EXPECT_THAT(RunProgram("surfit_slam", {"--helpfull"}).out,
-              AllOf(HasSubstr("--duplicate_share=0.7"), HasSubstr("--sequence")));
-  const ProgramResult none = RunProgram("surfit_slam", {"--helpon=magic"});
-  EXPECT_EQ(none.exit_code, 1);
-  EXPECT_THAT(none.err, HasSubstr("error: --helpon is 'magic', must be one of: sequence, "));
+  for (const char* flag : {"--help=map", "--helpon=map"}) {
+    EXPECT_THAT(Succeeded(RunProgram("surfit_slam", {flag})).out,
+                AllOf(HasSubstr("--duplicate_share=0.7"), Not(HasSubstr("--sequence"))));
+  }
+  for (const char* flag : {"--help=all", "--helpfull"}) {
+    EXPECT_THAT(Succeeded(RunProgram("surfit_slam", {flag})).out,
+                AllOf(HasSubstr("--duplicate_share=0.7"), HasSubstr("--sequence")));
+  }
+  ExpectRefused(RunProgram("surfit_slam", {"--help=magic"}),
+                "--help is 'magic', must be one of: all, sequence, ");
+}
+
+TEST_F(SlamTool, AnswersShortQuestions) {
+  EXPECT_EQ(Succeeded(RunProgram("surfit_slam", {"-h"})).out,
+            Succeeded(RunProgram("surfit_slam", {"--help"})).out);
+  EXPECT_THAT(Succeeded(RunProgram("surfit_slam", {"--version"})).out,
+              MatchesRegex("surfit_slam [0-9]+.[0-9]+.[0-9]+\n"));
+  for (const char* program : {"surfit_slam", "surfit_convert", "surfit_evaluate"}) {
+    ExpectRefused(RunProgram(program, {}), std::string(program) + " --help shows what it takes\n");
+  }
+}
+
+TEST_F(SlamTool, NamesTheFlagThatWasMeant) {
+  const auto expect_meant = [](const std::string& argument, const std::string& meant) {
+    ExpectRefused(RunProgram("surfit_slam", {argument}), ", did you mean " + meant + "?\n");
+  };
+  expect_meant("--sequenc=x", "--sequence");
+  expect_meant("--oupput=x", "--output");
+  expect_meant("--noveiw", "--noview");
+  expect_meant("--intr=1,2,3,4", "--intrinsics");  // the only one that begins so
+  EXPECT_THAT(RunProgram("surfit_slam", {"--zzzzzz=1"}).err, Not(HasSubstr("did you mean")));
+  const std::string folder = own_.path();
+  ExpectRefused(RunProgram("surfit_slam", {folder}), "did you mean --sequence=" + folder + "?\n");
 }
 
 TEST_F(SlamTool, RecordsAllFlagsThoseOfItsPresetIncluded) {

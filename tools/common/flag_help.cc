@@ -12,7 +12,8 @@ constexpr std::size_t kWidth = 80;   // columns of a line
 constexpr std::size_t kIndent = 26;  // of what is said of a flag
 constexpr std::size_t kFew = 20;     // flags that need no groups
 
-const FlagHelp kFlagFile = {"flagfile", "", "read flags from this file, one a line", "", true};
+const FlagHelp kFlagFile = {"flagfile", "", "read flags from this file, one a line", "", true,
+                            false,      {}};
 
 std::string Text(const FlagHelp& flag) {
   std::string text = "  --" + flag.name + "=";
@@ -74,7 +75,7 @@ std::string EverydayHelp(const std::vector<FlagHelp>& flags) {
   if (flags.size() <= kFew) return "Options:\n" + Texts(flags, all) + Text(kFlagFile);
   const auto everyday = [](const FlagHelp& flag) { return flag.everyday; };
   return "Everyday options:\n" + Texts(flags, everyday) + Text(kFlagFile) +
-         "\nMore: --helpon=GROUP, of " + Listed(Groups(flags)) + ";\n--helpfull for all.\n";
+         "\nMore: --help=GROUP, of " + Listed(Groups(flags)) + ";\n--help=all for all.\n";
 }
 
 std::string FullHelp(const std::vector<FlagHelp>& flags) {
@@ -87,9 +88,21 @@ std::string FullHelp(const std::vector<FlagHelp>& flags) {
 std::string GroupHelp(const std::vector<FlagHelp>& flags, const std::string& group) {
   const std::vector<std::string> groups = Groups(flags);
   if (std::find(groups.begin(), groups.end(), group) == groups.end()) {
-    throw InputError(Concat("--helpon is '", group, "', must be one of: ", Listed(groups)));
+    throw InputError(Concat("--help is '", group, "', must be one of: all, ", Listed(groups)));
   }
   return Section(flags, group);
+}
+
+std::string CompletionWords(const std::vector<FlagHelp>& flags) {
+  std::string words = "--help\n--help=all\n--version\n--flagfile=\n";
+  for (const std::string& group : Groups(flags)) {
+    if (!group.empty() && flags.size() > kFew) words += "--help=" + group + "\n";
+  }
+  for (const FlagHelp& flag : flags) {
+    words += "--" + flag.name + (flag.is_switch ? "\n--no" + flag.name : "=") + "\n";
+    for (const std::string& choice : flag.choices) words += "--" + flag.name + "=" + choice + "\n";
+  }
+  return words;
 }
 
 }  // namespace surfit::tools

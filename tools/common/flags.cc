@@ -2,52 +2,13 @@
 
 #include <gflags/gflags.h>
 
-#include <fstream>
 #include <map>
-#include <optional>
-#include <sstream>
 
 #include "surfit/core/error.h"
+#include "surfit/io/camera_files.h"
 
 namespace surfit::tools {
 namespace {
-
-bool IsFlagFileFlag(const std::string& argument) {
-  return argument == "--flagfile" || argument == "-flagfile";
-}
-
-// The file of --flagfile=F.
-std::optional<std::string> FlagFileOf(const std::string& argument) {
-  const std::size_t equals = argument.find('=');
-  if (equals == argument.npos || !IsFlagFileFlag(argument.substr(0, equals))) return std::nullopt;
-  return argument.substr(equals + 1);
-}
-
-std::string Trimmed(const std::string& line) {
-  constexpr const char* kSpace = " \t\r";
-  const std::size_t first = line.find_first_not_of(kSpace);
-  if (first == line.npos) return "";
-  return line.substr(first, line.find_last_not_of(kSpace) + 1 - first);
-}
-
-void AppendLines(const std::string& path, std::vector<std::string>* arguments) {
-  constexpr std::streamsize kMost = 1 << 20;  // bytes
-  std::ifstream file(path);
-  std::string text(kMost, '\0');
-  file.read(text.data(), kMost);
-  if (!file.eof())
-    throw InputError(Concat("flagfile '", path, "' cannot be read, or is too large"));
-  text.resize(static_cast<std::size_t>(file.gcount()));
-  std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);) {
-    const std::string flag = Trimmed(line);
-    if (flag.empty() || flag[0] == '#') continue;
-    if (IsFlagFileFlag(flag) || FlagFileOf(flag)) {
-      throw InputError(Concat("flagfile '", path, "' says ", flag, ", must not name another one"));
-    }
-    arguments->push_back(flag);
-  }
-}
 
 using FlagValue = std::variant<bool, std::int32_t, std::uint64_t, double, std::string>;
 
@@ -117,20 +78,6 @@ bool IsSet(const std::string& flag) {
 
 }  // namespace
 
-std::vector<std::string> ExpandFlagFiles(const std::vector<std::string>& arguments) {
-  std::vector<std::string> expanded;
-  for (std::size_t i = 0; i < arguments.size(); ++i) {
-    const bool next_is_file = IsFlagFileFlag(arguments[i]) && i + 1 < arguments.size();
-    const auto path = next_is_file ? arguments[++i] : FlagFileOf(arguments[i]);
-    if (path) {
-      AppendLines(*path, &expanded);
-    } else {
-      expanded.push_back(arguments[i]);
-    }
-  }
-  return expanded;
-}
-
 Flags::Flags(OptionTable table) : table_(std::move(table)) {
   ForEachFlag(table_, [&](const Option& option, const OptionValue& value) {
     const FlagValue now = ValueOf(option, value);
@@ -171,8 +118,10 @@ void Flags::Check() const {
 std::vector<FlagHelp> Flags::Described() const {
   std::vector<FlagHelp> flags;
   ForEachFlag(table_, [&](const Option& option, const OptionValue& value) {
-    flags.push_back(
-        {option.flag, FlagText(option, value), option.Help(), option.group, option.everyday});
+    const bool is_switch = std::holds_alternative<bool*>(value);
+    flags.push_back({option.flag, FlagText(option, value), option.Help(), option.group,
+                     option.everyday, is_switch,
+                     option.flag == "camera" ? CameraPresetNames() : option.choices});
   });
   return flags;
 }

@@ -10,16 +10,12 @@
 
 namespace surfit::tools {
 
-// The arguments with each --flagfile=F (or --flagfile F) replaced by the lines of F, one flag a
-// line, without empty lines and # comments. gflags' own reader passes over flags that it does not
-// know; as arguments they are refused, wherever they stand. Throws InputError naming a file that
-// cannot be read, or that names another one.
-std::vector<std::string> ExpandFlagFiles(const std::vector<std::string>& arguments);
-
 // What help says of one flag.
 struct FlagHelp {
   std::string name, default_value, help, group;
   bool everyday = false;
+  bool is_switch = false;            // --name or --noname
+  std::vector<std::string> choices;  // what it may be, or usually is
 };
 
 // Everyday flags and how to see the others, or all flags where these are few.
@@ -28,6 +24,10 @@ std::string EverydayHelp(const std::vector<FlagHelp>& flags);
 std::string FullHelp(const std::vector<FlagHelp>& flags);
 // Throws InputError that lists the groups if there is no such one.
 std::string GroupHelp(const std::vector<FlagHelp>& flags, const std::string& group);
+
+// What completes a command line, one a line: --name= of each flag, --name and --noname of a switch,
+// and --name=value for each of the choices.
+std::string CompletionWords(const std::vector<FlagHelp>& flags);
 
 // The flags of a program: those that its table of options names. Their defaults are the values that
 // the options have when the flags are made.

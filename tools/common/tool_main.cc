@@ -6,77 +6,17 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <iostream>
 #include <new>
 #include <vector>
 
+#include "common/command_line.h"
 #include "common/console.h"
 #include "common/flags.h"
 #include "surfit/core/error.h"
 
-namespace google {
-// gflags' exit function: exported by the library for its own tests, declared in no header.
-extern void (*gflags_exitfunc)(int);
-}  // namespace google
-
 namespace surfit::tools {
-namespace {
-
-// gflags prints and then exits on a bad flag; this exception takes the place of its exit.
-struct GflagsExit {};
-
-// Parses the flags; throws InputError with gflags' own sentence for a bad one.
-void ParseFlags(int argc, char** argv) {
-  std::vector<std::string> arguments = ExpandFlagFiles({argv, argv + argc});
-  std::vector<char*> pointers;
-  pointers.reserve(arguments.size() + 1);
-  for (std::string& argument : arguments) pointers.push_back(argument.data());
-  pointers.push_back(nullptr);
-  argc = static_cast<int>(arguments.size());
-  argv = pointers.data();
-  char* text = nullptr;
-  std::size_t size = 0;
-  std::FILE* const terminal = stderr;
-  stderr = open_memstream(&text, &size);
-  google::gflags_exitfunc = [](int) { throw GflagsExit(); };
-  bool failed = false;
-  try {
-    gflags::ParseCommandLineNonHelpFlags(&argc, &argv, /*remove_flags=*/true);
-  } catch (const GflagsExit&) {
-    failed = true;
-  }
-  std::fclose(stderr);
-  stderr = terminal;
-  std::string message(text, size);
-  std::free(text);
-  if (failed) {
-    if (message.rfind("ERROR: ", 0) == 0) message = message.substr(7);
-    while (!message.empty() && message.back() == '\n') message.pop_back();
-    throw InputError(message);
-  }
-  if (argc > 1)
-    throw InputError(Concat("unexpected argument '", argv[1], "', flags begin with --"));
-}
-
-bool FlagIsSet(const char* name) {
-  std::string value;
-  return gflags::GetCommandLineOption(name, &value) && value == "true";
-}
-
-// The help that is asked for; nothing if none is.
-std::string Help(const std::vector<FlagHelp>& flags) {
-  std::string group;
-  gflags::GetCommandLineOption("helpon", &group);
-  if (!group.empty()) return GroupHelp(flags, group);
-  if (FlagIsSet("helpfull")) return FullHelp(flags);
-  if (FlagIsSet("help") || FlagIsSet("helpshort")) return EverydayHelp(flags);
-  return "";
-}
-
-}  // namespace
-
 namespace {
 
 // The flags of our programs that name what is written, and what is read.
@@ -120,15 +60,16 @@ void RequireOutputTaken() {
 int ToolMain(int argc, char** argv, const std::string& summary, const OptionTable& options,
              const std::function<int()>& run, const std::function<void()>& prepare) {
   PrepareStreams();
+  const std::string program = std::filesystem::path(argv[0]).filename().string();
   try {
-    const std::string path = argv[0];
     FLAGS_logtostderr = true;
     google::InitGoogleLogging(argv[0]);
     const Flags flags(options);
-    ParseFlags(argc, argv);
-    const std::string help = Help(flags.Described());
-    if (!help.empty()) {
-      std::cout << path.substr(path.find_last_of('/') + 1) << ": " << summary << "\n\n" << help;
+    ParseCommandLine(argc, argv, flags.Described());
+    const std::string text = AskedFor(program, summary, flags.Described());
+    if (!text.empty()) {
+      std::cout << text;
+      RequireOutputTaken();
       return kDone;
     }
     flags.Apply();
@@ -145,7 +86,8 @@ int ToolMain(int argc, char** argv, const std::string& summary, const OptionTabl
     std::cerr << "error: memory is exhausted" << std::endl;
     return kBadInput;
   } catch (const std::exception& error) {
-    std::cerr << "error: " << error.what() << std::endl;
+    const std::string hint = argc > 1 ? "" : "; " + program + " --help shows what it takes";
+    std::cerr << "error: " << error.what() << hint << std::endl;
     return kBadInput;
   }
 }

@@ -14,8 +14,9 @@ enum ExitCode { kDone = 0, kBadInput = 1, kAlgorithmFailed = 2 };
 // What the user has set goes into the options before prepare(), which may change them by what it
 // finds there, and once more after it: a flag that is given wins. Then values are checked, and
 // run() gives the exit code. InputError, bad flags and any other exception print "error: ..." on
-// stderr and give kBadInput, and so does an output that is one of the inputs. --help, --helpfull
-// and --helpon=GROUP print on stdout.
+// stderr and give kBadInput, and so does an output that is one of the inputs. -h, --help,
+// --help=all,
+// --help=GROUP and --version print on stdout.
 int ToolMain(int argc, char** argv, const std::string& summary, const OptionTable& options,
              const std::function<int()>& run, const std::function<void()>& prepare = {});
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes a program's manual page of its --helpfull: man_page.sh PROGRAM VERSION OUTPUT.gz
+# Makes a program's manual page of its --help=all: man_page.sh PROGRAM VERSION OUTPUT.gz
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 help=$("$1" --help)

@@ -36,7 +36,7 @@ test_packages=(
   python3-dev pybind11-dev python3-numpy python3-matplotlib
   # the tests
   libbenchmark-dev python3-pytest
-  xvfb xdotool imagemagick
+  xvfb xdotool imagemagick zsh
   chromium chromium-driver python3-selenium python3-pil
 )
 [[ $group == programs ]] || packages+=("${test_packages[@]}")

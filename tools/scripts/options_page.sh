@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Prints docs/options.md: every flag of every program, as its --helpfull has it.
+# Prints docs/options.md: every flag of every program, as its --help=all has it.
 #   options_page.sh PROGRAMS_FOLDER > docs/options.md
 #   options_page.sh PROGRAMS_FOLDER --compare=docs/options.md    exits with 1 if that is out of date
 set -euo pipefail
@@ -11,7 +11,7 @@ print_page() {
 # Options
 
 All flags of all programs: each with its default, group by group. `--help` of a program shows the
-everyday ones, `--helpon=GROUP` those of a group, `--helpfull` all. `--flagfile=F` reads flags from
+everyday ones, `--help=GROUP` those of a group, `--help=all` all. `--flagfile=F` reads flags from
 a file, one a line; `#` begins a comment.
 In C++ and Python options have more fields than there are flags: see the structs' headers.
 
@@ -22,7 +22,7 @@ END
   for program in slam refine report align register compare_solvers evaluate evaluate_map \
     evaluate_revisits evaluate_views find_loops convert mesh optimize simulate; do
     printf '\n## surfit_%s\n\n' "$program"
-    "$programs/surfit_$program" --helpfull |
+    "$programs/surfit_$program" --help=all |
       sed -n '/^Options from/q; s/^Options of \(.*\):$/### \1\n/p; /^ /s/^/  /p; /^$/p' |
       sed '1{/^$/d}' | cat -s
   done
