@@ -50,6 +50,8 @@ int main(int argc, char** argv) {
       surfit::TableOf(&options), [&] { return surfit::tools::Run(options); },
       [&] {
         surfit::tools::RequireFlag("run", options.run);
-        surfit::tools::TakeRecordedFlags(options.run, surfit::TableOf(&options.sequence));
+        // What the run found of the camera stands in its poses.json.
+        surfit::tools::TakeRecordedFlags(options.run, surfit::TableOf(&options.sequence), {},
+                                         surfit::tools::RecordedCamera::kGiven);
       });
 }

@@ -27,6 +27,7 @@ class FinalMap {
 
   void Fuse(RgbdFrame frame, const Rigid3d& world_from_camera) {
     const CameraMotion motion = MotionAt(known_.trajectory, frame.stamp_s);
+    frame.color_stamp_s -= known_.color_latency_s;
     if (known_.calibration) {
       CorrectDepth(sensor_.camera, known_.calibration->field, &frame.depth_m);
     }

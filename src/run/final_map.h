@@ -27,6 +27,7 @@ struct KnownSequence {
   // What moves in frames, FrameReport::moving, by their indices.
   const std::map<int, Image<std::uint8_t>>& moving;
   const DepthCalibration* calibration = nullptr;  // that was found; null: as given
+  double color_latency_s = 0;  // by how much colour was found to be earlier than frames have it
 };
 
 // Called with the frames that are done, and the surfels that the map has of them.

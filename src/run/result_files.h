@@ -29,12 +29,14 @@ struct RunPoses {
   const Trajectory& truth;              // in its own world; empty if unknown
   const std::optional<TrajectoryEvaluation>& evaluation;
   const std::vector<KeptView>& views;
+  double color_latency_s = 0;  // that was found beyond the given one
 };
 
 // Writes, in metres and in the frame of map.ply (trajectory.txt is in the sequence's own):
 //   camera          width height fx fy cx cy, pixels
 //   calibration     what the run found of the frames as they are read: fx fy cx cy, pixels,
 //                   inverse_depth_field, 1/m, readout_s; null where the camera is as given
+//   color_latency_s by how much colour was found to be earlier than the frames have it
 //   poses           of each tracked frame: index stamp_s tx ty tz qx qy qz qw, camera-to-world
 //   truth           positions of the ground truth, moved onto the estimate as for ATE: stamp_s tx
 //                   ty tz; null where unknown, or where nothing says how to move it

@@ -63,9 +63,10 @@ void WriteRunResults(const RunOutcome& run, Failures* failures) {
   failures->Try([&] {
     const Backend* backend = run.slam.slam().backend();
     const bool is_recalibrated = backend && backend->is_recalibrated();
-    WritePosesJson({sensor.camera, is_recalibrated ? backend->calibration() : nullptr,
-                    run.slam.trajectory(), run.slam.frames(), truth, run.evaluation, views},
-                   folder + "/poses.json");
+    WritePosesJson(
+        {sensor.camera, is_recalibrated ? backend->calibration() : nullptr, run.slam.trajectory(),
+         run.slam.frames(), truth, run.evaluation, views, backend ? backend->color_latency_s() : 0},
+        folder + "/poses.json");
   });
   if (run.options.pictures) WritePictures(run, truth, failures);
 }

@@ -177,6 +177,7 @@ void WritePosesJson(const RunPoses& run, const std::string& path) {
   Json j;
   j["camera"] = CameraToJson(run.camera);
   j["calibration"] = run.calibration ? ToJson(*run.calibration) : Json();
+  j["color_latency_s"] = run.color_latency_s;
   j["poses"] = PosesOf(run);
   j["truth"] = nullptr;
   j["errors_m"] = nullptr;

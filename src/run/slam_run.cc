@@ -159,7 +159,8 @@ class SlamRun {
     const Backend* backend = slam_.slam().backend();
     const bool is_recalibrated = backend && backend->is_recalibrated();
     final_map_ = FuseAnew({options_.sequence, options_.slam, slam_.trajectory(), slam_.frames(),
-                           left_out_, moving_, is_recalibrated ? backend->calibration() : nullptr},
+                           left_out_, moving_, is_recalibrated ? backend->calibration() : nullptr,
+                           backend ? backend->color_latency_s() : 0},
                           interrupted, [&](int frames, std::size_t points) {
                             progress({statistics_.frames_done(), slam_.info().frame_count, points,
                                       statistics_.elapsed_s(), frames});

@@ -34,6 +34,7 @@ struct RecordedRun {
   Trajectory trajectory;
   std::map<int, Rigid3d> world_from_camera;     // by the frame's index
   std::optional<DepthCalibration> calibration;  // that the run found
+  double color_latency_s = 0;                   // likewise, beyond the given one
   std::set<int> held_out;                       // frames
 };
 
@@ -47,6 +48,7 @@ void ReadPoses(const std::string& path, RecordedRun* run) {
       run->trajectory.push_back({number(1), pose});
       run->world_from_camera[row.at(0).get<int>()] = pose;
     }
+    run->color_latency_s = json.value("color_latency_s", 0.);
     const Json& found = json.at("calibration");
     if (!found.is_null()) {
       run->calibration.emplace();
@@ -183,7 +185,7 @@ class Judge {
     const CameraMotion motion = MotionAt(run_.trajectory, frame.stamp_s);
     const BlendedView drawn =
         DrawBlended(run_.map, {WithRollMargin(sensor.camera), sensor.noise}, world_from_camera);
-    const double offset_s = frame.color_stamp_s - frame.stamp_s;
+    const double offset_s = frame.color_stamp_s - run_.color_latency_s - frame.stamp_s;
     const BlendedView of_color = Rolled(drawn, sensor.camera, motion, {offset_s, sensor.readout_s});
     const BlendedView of_depth = Rolled(drawn, sensor.camera, motion, {0, sensor.readout_s});
     JudgedView view;

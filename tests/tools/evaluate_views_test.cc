@@ -101,11 +101,36 @@ TEST_F(EvaluateViewsTool, DrawsAndMeasuresByTheCameraThatTheRunFound) {
   // -0.02 1/m are 20 mm at 1 m, 80 mm at 2 m.
   EXPECT_GT(farther["depth_error_median_m"], 0.02);
   EXPECT_LT(farther["depth_error_median_m"], 0.3);
+  // The run's camera.yaml says the same once more: it must not count twice.
+  std::ofstream(Output() + "/camera.yaml")
+      << ReadBytes(Room() + "/camera.yaml") << "inverse_depth_field: [-0.02, 0., 0., 0., 0., 0.]\n";
+  Succeeded(Judge(Output()));
+  EXPECT_EQ(Views(Output()), farther);
   poses["calibration"]["inverse_depth_field"][0] = 0;
   poses["camera"]["cx"] = 12 + poses["camera"]["cx"].get<double>();
   std::ofstream(path) << poses;
   Succeeded(Judge(Output()));
   EXPECT_LT(Views(Output())["psnr_covered_db"], as_given["psnr_covered_db"].get<double>() - 3);
+}
+
+// Colours of a quarter of a second before are of another place; a file that tells nothing, as those
+// from before it was estimated, means that it is as given.
+TEST_F(EvaluateViewsTool, ComparesColorsAsOfTheMomentThatTheRunFound) {
+  Succeeded(Slam(Room(), Output(), {"--hold_out=5", "--nocalibrate"}));
+  const std::string path = Output() + "/poses.json";
+  nlohmann::json poses = nlohmann::json::parse(ReadBytes(path));
+  EXPECT_EQ(poses["color_latency_s"], 0);
+  Succeeded(Judge(Output()));
+  const nlohmann::json as_given = Views(Output());
+  poses.erase("color_latency_s");
+  std::ofstream(path) << poses;
+  Succeeded(Judge(Output()));
+  EXPECT_EQ(Views(Output()), as_given);
+  poses["color_latency_s"] = 0.25;
+  std::ofstream(path) << poses;
+  Succeeded(Judge(Output()));
+  EXPECT_LT(Views(Output())["psnr_covered_db"], as_given["psnr_covered_db"].get<double>() - 1);
+  EXPECT_EQ(Views(Output())["depth_error_median_m"], as_given["depth_error_median_m"]);
 }
 
 // Black all over would be (0, 0, 0) where nothing is compared; frames in red are far from any map.

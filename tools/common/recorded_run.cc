@@ -39,10 +39,11 @@ bool IsDefault(const std::string& name) {
 }  // namespace
 
 void TakeRecordedFlags(const std::string& run, const OptionTable& sequence,
-                       const std::set<std::string>& left_out) {
+                       const std::set<std::string>& left_out, RecordedCamera wanted) {
   const std::string summary_json = run + "/summary.json";
   const std::map<std::string, std::string> recorded = RecordedFlags(summary_json);
-  const std::string camera = IsDefault("camera") ? FoundCamera(run) : "";
+  const bool wants_found = wanted == RecordedCamera::kFound && IsDefault("camera");
+  const std::string camera = wants_found ? FoundCamera(run) : "";
   for (const auto& [name, present] : TableFlags(sequence)) {
     const auto value = recorded.find(name);
     if (!IsDefault(name) || value == recorded.end() || left_out.count(name) > 0) continue;

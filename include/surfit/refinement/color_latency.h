@@ -20,9 +20,9 @@ struct ColoredKeyframe {
   double color_after_s = 0;
 };
 
-// Of keyframes that have intensities, by one camera. A surface point that two
-// keyframes see has the same colour in both, but for exposure: with its places X in one camera and
-// Y in the other, both moving as KeyframeReadout tells, and images I, J,
+// Of keyframes that have intensities, by one camera. A surface point that two keyframes see has the
+// same colour in both, but for exposure: with its places X in one camera and Y in the other, both
+// moving as KeyframeReadout tells, and images I, J,
 //   I(pi(X - t m(X))) = gain J(pi(Y - s n(Y))) + offset,
 //   t = color_after_s - latency, s likewise,
 // with m(X) = turn x X + velocity. Gauss-Newton over the latency, with a gain and an offset for
