@@ -128,8 +128,8 @@ void ViewEvaluationOptions::Visit(OptionVisitor& v) {
   v.AddPart(sequence, "sequence", "as the run read it");
   v.Group("views");
   v.Add(run, "run",
-        "output folder of surfit_slam; its summary.json says which sequence it read and how, and "
-        "its camera.yaml what camera it found, where flags do not",
+        "output folder of surfit_slam; its summary.json says which sequence it read and how, where "
+        "flags do not, and its poses.json what camera it found",
         Required(), Everyday());
   v.Add(output, "output", "folder for the results, made if missing; empty: the run's", Everyday());
   v.Add(every, "every", "judge by every n-th frame; a run with --hold_out by what it held out",

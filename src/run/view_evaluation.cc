@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <utility>
 
-#include "run/output_files.h"
 #include "run/output_folder.h"
+#include "run/recorded_run.h"
 #include "run/rolled_view.h"
 #include "run/view_files.h"
 #include "surfit/core/error.h"
@@ -27,50 +25,6 @@ namespace surfit {
 namespace {
 
 constexpr int kReadAhead = 4;
-
-// What a run has left of itself.
-struct RecordedRun {
-  SurfelMap map;
-  Trajectory trajectory;
-  std::map<int, Rigid3d> world_from_camera;     // by the frame's index
-  std::optional<DepthCalibration> calibration;  // that the run found
-  double color_latency_s = 0;                   // likewise, beyond the given one
-  std::set<int> held_out;                       // frames
-};
-
-void ReadPoses(const std::string& path, RecordedRun* run) {
-  const Json json = ReadJson(path);
-  try {
-    for (const Json& row : json.at("poses")) {
-      const auto number = [&](int i) { return row.at(i).get<double>(); };
-      const Eigen::Quaterniond rotation(number(8), number(5), number(6), number(7));
-      const Rigid3d pose(rotation.normalized(), {number(2), number(3), number(4)});
-      run->trajectory.push_back({number(1), pose});
-      run->world_from_camera[row.at(0).get<int>()] = pose;
-    }
-    run->color_latency_s = json.value("color_latency_s", 0.);
-    const Json& found = json.at("calibration");
-    if (!found.is_null()) {
-      run->calibration.emplace();
-      run->calibration->camera = CameraFromJson(json.at("camera"));
-      found.at("inverse_depth_field").get_to(run->calibration->field.coefficients);
-      run->calibration->readout_s = found.at("readout_s");
-    }
-  } catch (const Json::exception& error) {
-    throw InputError(Concat(path, ": incomplete: ", error.what()));
-  }
-}
-
-RecordedRun ReadRecordedRun(const std::string& folder) {
-  RecordedRun run;
-  ReadPoses(folder + "/poses.json", &run);
-  const Json summary = ReadJson(folder + "/summary.json");
-  for (const Json& frame : summary.value("held_out_frames", Json::array())) {
-    if (frame.is_number_integer()) run.held_out.insert(frame.get<int>());
-  }
-  run.map.Append(ReadSurfelPly(folder + "/map.ply"));
-  return run;
-}
 
 PixelMask MaskOf(const Image<Rgb8>& color) {
   PixelMask mask(color.width(), color.height());
@@ -124,19 +78,21 @@ class Judge {
         run_(ReadRecordedRun(options.run)),
         source_(ReadAhead(OpenSequence(options.sequence), kReadAhead)),
         owned_(folder_, ViewFileNames()) {
+    map_.Append(ReadSurfelPly(options.run + "/map.ply"));
     result_.held_out = !run_.held_out.empty();
-    RequireCameraOfFrames();
+    RequireCameraOfFrames(run_, options.run, source_->info().pinhole);
   }
 
   ViewEvaluation Evaluate(const std::function<void(int)>& progress) {
     WorstViews worst(options_.pictures);
-    while (const std::optional<ReadResult> read = source_->Next()) {
+    while (std::optional<ReadResult> read = source_->Next()) {
       const auto pose = run_.world_from_camera.find(read->index);
       if (!read->frame || pose == run_.world_from_camera.end() || !IsNext(read->index)) continue;
       if (read->frame->color.empty()) {
         ++result_.without_color;
         continue;
       }
+      run_.Correct(&*read->frame);
       worst.Offer(Compare(*read->frame, pose->second));
       progress(static_cast<int>(result_.views.size()));
     }
@@ -155,43 +111,18 @@ class Judge {
     return posed_count_++ % options_.every == 0;
   }
 
-  void RequireCameraOfFrames() const {
-    if (!run_.calibration) return;
-    const PinholeCamera &found = run_.calibration->camera, &frames = source_->info().pinhole;
-    if (found.width == frames.width && found.height == frames.height) return;
-    throw InputError(Concat(options_.run, "/poses.json: the camera has ", found.width, " x ",
-                            found.height, " pixels, must have ", frames.width, " x ", frames.height,
-                            " as the frames"));
-  }
-
-  // As the run saw frames in the end.
-  DepthSensor Sensor() const {
-    DepthSensor sensor = source_->info().sensor();
-    if (run_.calibration) {
-      sensor.camera = run_.calibration->camera;
-      sensor.readout_s = run_.calibration->readout_s;
-    }
-    return sensor;
-  }
-  Image<float> Measured(Image<float> depth_m) const {
-    if (run_.calibration) {
-      CorrectDepth(run_.calibration->camera, run_.calibration->field, &depth_m);
-    }
-    return depth_m;
-  }
-
   ComparedView Compare(const RgbdFrame& frame, const Rigid3d& world_from_camera) {
-    const DepthSensor sensor = Sensor();
+    const DepthSensor sensor = run_.SensorOf(source_->info());
     const CameraMotion motion = MotionAt(run_.trajectory, frame.stamp_s);
     const BlendedView drawn =
-        DrawBlended(run_.map, {WithRollMargin(sensor.camera), sensor.noise}, world_from_camera);
-    const double offset_s = frame.color_stamp_s - run_.color_latency_s - frame.stamp_s;
+        DrawBlended(map_, {WithRollMargin(sensor.camera), sensor.noise}, world_from_camera);
+    const double offset_s = frame.color_stamp_s - frame.stamp_s;
     const BlendedView of_color = Rolled(drawn, sensor.camera, motion, {offset_s, sensor.readout_s});
     const BlendedView of_depth = Rolled(drawn, sensor.camera, motion, {0, sensor.readout_s});
     JudgedView view;
     view.frame = frame.index;
     CompareColor(frame.color, of_color, &view.error);
-    CompareDepth(Measured(frame.depth_m), of_depth.depth_m, &view.error);
+    CompareDepth(frame.depth_m, of_depth.depth_m, &view.error);
     result_.views.push_back(view);
     return {view, frame.color, of_color.color};
   }
@@ -199,6 +130,7 @@ class Judge {
   const ViewEvaluationOptions& options_;
   const std::string folder_;
   const RecordedRun run_;
+  SurfelMap map_;
   const std::unique_ptr<FrameSource> source_;
   const OutputFolder owned_;
   int posed_count_ = 0;  // frames that have one
