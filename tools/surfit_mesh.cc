@@ -4,24 +4,45 @@
 #include <filesystem>
 
 #include "common/console.h"
+#include "common/recorded_run.h"
 #include "common/tool_main.h"
 #include "surfit/core/error.h"
 #include "surfit/core/parallel.h"
+#include "surfit/io/sequence.h"
 #include "surfit/mesh/mesh_surfels.h"
+#include "surfit/mesh/texture_mesh.h"
+#include "surfit/run/texture_frames.h"
 
 namespace surfit::tools {
 namespace {
 
 struct Options {
-  std::string map, output;
+  std::string run, map, output;
   MeshOptions mesh;
+  TextureOptions texture;
+  SequenceOptions sequence;
   int threads = 2;
 
   void Visit(OptionVisitor& v) {
-    v.Add(map, "map", "the map, a PLY or PCD file with points and normals", Required(), AsFlag());
-    v.Add(output, "output", "the mesh to write, .ply, .obj or .glb", Required(), AsFlag());
+    v.Add(
+        run, "run",
+        "output folder of surfit_slam: its map, and OBJ and glTF get a picture of the frames that "
+        "its summary.json tells of",
+        AsFlag(), Everyday());
+    v.Add(map, "map", "the map, a PLY or PCD file with points and normals; empty: the run's",
+          AsFlag(), Everyday());
+    v.Add(output, "output", "the mesh to write, .ply, .obj or .glb", Required(), AsFlag(),
+          Everyday());
     v.AddPart(mesh, "mesh", "how fine it is, and how far it reaches");
-    v.Add(threads, "threads", "threads that compute at the same time", Between(1, 1024), AsFlag());
+    v.AddPart(texture, "texture", "what picture it gets");
+    v.AddPart(sequence, "sequence", "as the run read it", OptionalPart());
+    v.Add(threads, "threads", "threads that compute at the same time", Between(1, 1024), AsFlag(),
+          Everyday());
+  }
+
+  bool HasTexture() const {
+    return !run.empty() && texture.max_texture_px > 0 &&
+           std::filesystem::path(output).extension() != ".ply";
   }
 };
 
@@ -46,6 +67,40 @@ void Print(const Options& options, const PointCloud& cloud, std::size_t not_fini
       1e3 * summary.median_distance_m, 1e3 * summary.p90_distance_m, 100 * (1 - summary.covered));
 }
 
+void Print(const MeshTexture& texture, const TextureSummary& summary) {
+  std::printf(
+      "picture: %d x %d texels, %.2f to a pixel's side, of %d of %d frames in %zu charts; %zu "
+      "triangles that no frame shows have the map's colours\n",
+      texture.image.width(), texture.image.height(), summary.pixel_share, summary.frames_shown,
+      summary.frames, summary.charts, summary.triangles_unseen);
+}
+
+// Where the run is, and how its frames are read.
+void Prepare(Options* options) {
+  if (options->run.empty()) {
+    RequireFlag("map or --run", options->map);
+    return;
+  }
+  if (options->map.empty()) options->map = options->run + "/map.ply";
+  TakeRecordedFlags(options->run, TableOf(&options->sequence), {}, RecordedCamera::kGiven);
+}
+
+MeshTexture MakeTexture(const Options& options, const TriangleMesh& mesh, ProgressLine* progress,
+                        TextureSummary* summary) {
+  const TextureFrames frames =
+      TextureFramesOf(options.run, options.sequence, options.texture.max_texture_frames);
+  const char* stage = "looking at frames, ";
+  const auto shown = [&](const auto& visit) {
+    int count = 0;
+    frames([&](const TextureFrame& frame) {
+      progress->Show(Concat(stage, ++count), false);
+      visit(frame);
+    });
+    stage = "painting the picture, frame ";
+  };
+  return TextureMesh(mesh, shown, options.texture, summary);
+}
+
 int Run(const Options& options) {
   RequireMeshEnding(options.output);
   const ThreadLimit limit(options.threads);
@@ -58,9 +113,17 @@ int Run(const Options& options) {
     progress.Show(Concat(static_cast<int>(100 * share), " %  ", stage), false);
   };
   const TriangleMesh mesh = MeshSurfels(cloud, options.mesh, &summary, show);
-  WriteMesh(mesh, options.output);
+  MeshTexture texture;
+  TextureSummary texture_summary;
+  if (options.HasTexture()) {
+    texture = MakeTexture(options, mesh, &progress, &texture_summary);
+    WriteMesh(mesh, texture, options.output);
+  } else {
+    WriteMesh(mesh, options.output);
+  }
   progress.Show(Concat("done in ", static_cast<int>(progress.elapsed_s()), " s"), true);
   Print(options, cloud, not_finite, mesh, summary);
+  if (options.HasTexture()) Print(texture, texture_summary);
   return kDone;
 }
 
@@ -68,9 +131,12 @@ int Run(const Options& options) {
 }  // namespace surfit::tools
 
 int main(int argc, char** argv) {
+  surfit::tools::Options options;
   return surfit::tools::ToolMain(
       argc, argv,
       "makes a triangle mesh with colours of a map: the surface of its surfels, smoothed by their "
-      "noise and confidence, with holes where nothing was seen",
-      surfit::tools::Run);
+      "noise and confidence, with holes where nothing was seen. OBJ and glTF of a run of "
+      "surfit_slam get a picture of its sharpest frames",
+      surfit::TableOf(&options), [&] { return surfit::tools::Run(options); },
+      [&] { surfit::tools::Prepare(&options); });
 }

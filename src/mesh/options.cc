@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "surfit/mesh/mesh_surfels.h"
+#include "surfit/mesh/texture_mesh.h"
 
 namespace surfit {
 
@@ -24,6 +25,21 @@ void MeshOptions::Visit(OptionVisitor& v) {
         Positive(), AsFlag());
   v.Add(trim_distance_m, "trim_distance_m",
         "nothing farther than this from all points of the map is kept", Positive(), AsFlag());
+}
+
+void TextureOptions::Visit(OptionVisitor& v) {
+  v.Group("texture");
+  v.Add(max_texture_px, "max_texture_px",
+        "sides of the picture at most; phones take 4096, and some viewers no more than 8192",
+        ZeroIs("none: colours of vertices"), Between(0, 16384), AsFlag(), Everyday());
+  v.Add(max_texture_frames, "max_texture_frames",
+        "frames that are looked at: of equal parts of the run the ones that moved least",
+        ZeroIs("all"), AsFlag());
+  v.Add(least_sharpness, "least_sharpness",
+        "of the frame that a triangle has, as a share of that of its sharpest", Share(), AsFlag());
+  v.Add(seam_cost, "seam_cost",
+        "share of its sharpness that a triangle gives up to have a neighbour's frame", AtLeast(0),
+        AsFlag());
 }
 
 }  // namespace surfit

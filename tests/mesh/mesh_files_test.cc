@@ -5,8 +5,10 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "io/image_files.h"
 #include "surfit/core/error.h"
 #include "surfit/io/point_cloud.h"
+#include "surfit/mesh/texture_mesh.h"
 #include "surfit/mesh/triangle_mesh.h"
 #include "testing/matchers.h"
 #include "testing/temp_folder.h"
@@ -98,6 +100,85 @@ TEST(MeshFiles, GlbHasItsPartsWhereItsHeaderSays) {
   ASSERT_EQ(colors.size(), 4 * 8u);
   EXPECT_EQ(WordAt(colors, 2 * 8) >> 16,
             static_cast<std::uint32_t>(std::lround(0.2158605 * 65535)));
+}
+
+// The square with a picture of two halves; corners 0 and 2 are two places each.
+MeshTexture TwoHalves() {
+  MeshTexture texture;
+  texture.vertices = {0, 2, 1, 0, 3, 2};
+  texture.places = {{0.25f, 0.125f}, {0.5f, 0.75f}, {0.5f, 0.125f},
+                    {0.5f, 0.25f},   {0.5f, 1},     {1, 1}};
+  texture.triangles = {{0, 1, 2}, {3, 4, 5}};
+  texture.image = Image<Rgb8>(64, 32, {255, 255, 255});
+  for (int v = 0; v < 32; ++v) std::fill_n(texture.image.row(v), 32, Rgb8{200, 40, 10});
+  return texture;
+}
+
+void ExpectTwoHalves(const Image<Rgb8>& image) {
+  ASSERT_EQ(image.width(), 64);
+  ASSERT_EQ(image.height(), 32);
+  EXPECT_NEAR(image(5, 20).r, 200, 3);
+  EXPECT_NEAR(image(5, 20).g, 40, 3);
+  EXPECT_NEAR(image(60, 20).g, 255, 3);
+}
+
+// From an OBJ file to its MTL, and from that to the picture.
+TEST(MeshFiles, ObjNamesItsMaterialAndThatItsPicture) {
+  const TempFolder folder;
+  WriteMesh(Square(), TwoHalves(), folder / "a.room.obj");
+  std::istringstream file(ReadBytes(folder / "a.room.obj"));
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(file, line);) lines.push_back(line);
+  ASSERT_EQ(lines.size(), 1 + 4 + 4 + 6 + 1 + 2u);
+  EXPECT_EQ(lines[0], "mtllib a.room.mtl");
+  EXPECT_EQ(lines[3], "v 0.50000 0.25000 1.00000");
+  EXPECT_EQ(lines[9], "vt 0.250000 0.875000");  // v is up
+  EXPECT_EQ(lines[15], "usemtl frames");
+  EXPECT_EQ(lines[16], "f 1/1/1 3/2/3 2/3/2");
+  EXPECT_EQ(lines[17], "f 1/4/1 4/5/4 3/6/3");
+  const std::string material = ReadBytes(folder / "a.room.mtl");
+  EXPECT_THAT(material, StartsWith("newmtl frames\n"));
+  EXPECT_THAT(material, HasSubstr("\nmap_Kd a.room.jpg\n"));
+  ExpectTwoHalves(ReadColorImage(folder / "a.room.jpg"));
+}
+
+TEST(MeshFiles, GlbHasThePictureInIt) {
+  const TempFolder folder;
+  const MeshTexture texture = TwoHalves();
+  WriteMesh(Square(), texture, folder / "mesh.glb");
+  const std::string file = ReadBytes(folder / "mesh.glb");
+  EXPECT_EQ(WordAt(file, 8), file.size());
+  const std::uint32_t json_size = WordAt(file, 12);
+  const auto json = nlohmann::json::parse(file.substr(20, json_size));
+  const std::string binary = file.substr(20 + json_size + 8);
+  const auto view = [&](int i) {
+    const auto& range = json["bufferViews"][i];
+    return binary.substr(range["byteOffset"].get<int>(), range["byteLength"].get<int>());
+  };
+  const auto& primitive = json["meshes"][0]["primitives"][0];
+  EXPECT_FALSE(primitive["attributes"].contains("COLOR_0"));
+  const auto bytes = [&](const nlohmann::json& accessor) {
+    return view(json["accessors"][accessor.get<int>()]["bufferView"]);
+  };
+  const std::string places = bytes(primitive["attributes"]["TEXCOORD_0"]);
+  ASSERT_EQ(places.size(), 6 * 8u);
+  EXPECT_EQ(std::memcmp(places.data(), texture.places.data(), places.size()), 0);
+  const std::string positions = bytes(primitive["attributes"]["POSITION"]);
+  ASSERT_EQ(positions.size(), 6 * 12u);
+  const Eigen::Vector3f second = Square().vertices[2];
+  EXPECT_EQ(std::memcmp(&positions[12], second.data(), 12), 0);
+  const std::string indices = bytes(primitive["indices"]);
+  EXPECT_EQ(std::memcmp(indices.data(), texture.triangles.data(), indices.size()), 0);
+  const auto& material = json["materials"][0]["pbrMetallicRoughness"];
+  const int source = json["textures"][material["baseColorTexture"]["index"].get<int>()]["source"];
+  EXPECT_EQ(json["images"][source]["mimeType"], "image/jpeg");
+  ExpectTwoHalves(DecodeJpeg(view(json["images"][source]["bufferView"]), "picture"));
+}
+
+TEST(MeshFiles, PlyHasNoPicture) {
+  const TempFolder folder;
+  EXPECT_THAT([&] { WriteMesh(Square(), TwoHalves(), folder / "mesh.ply"); },
+              ThrowsMessage<InputError>(HasSubstr("mesh.ply, must end in .obj or .glb")));
 }
 
 TEST(MeshFiles, RefusesOtherEndingsAndFoldersThatAreNotThere) {

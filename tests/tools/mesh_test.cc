@@ -11,6 +11,7 @@
 #include "surfit/io/point_cloud.h"
 #include "testing/matchers.h"
 #include "testing/run_program.h"
+#include "tools/slam_tool.h"
 
 namespace surfit::testing {
 namespace {
@@ -135,6 +136,45 @@ TEST(MeshTool, WritesObj) {
   EXPECT_NEAR(red, 200 / 255., 0.01);
 }
 
+class RunMeshTool : public SlamTool {
+ protected:
+  ProgramResult Mesh(const std::string& run, const std::string& name,
+                     std::vector<std::string> flags = {}) const {
+    flags.insert(flags.begin(), {"--run=" + run, "--output=" + Output(name)});
+    return RunProgram("surfit_mesh", flags);
+  }
+};
+
+TEST_F(RunMeshTool, HasAPictureOfTheRunsFrames) {
+  Succeeded(Slam(Room(), Output(), {"--hold_out=5"}));
+  const ProgramResult result = Succeeded(Mesh(Output(), "a.obj", {"--threads=1"}));
+  EXPECT_THAT(result.out, HasSubstr(" of 20 frames in "));  // all but those held out
+  Succeeded(Mesh(Output(), "b.obj", {"--threads=2"}));
+  EXPECT_EQ(ReadBytes(Output("a.jpg")), ReadBytes(Output("b.jpg")));
+  EXPECT_EQ(Lines(Output("a.obj")).size(), Lines(Output("b.obj")).size());
+  EXPECT_EQ(Lines(Output("a.obj"))[0], "mtllib a.mtl");
+  EXPECT_THAT(Succeeded(Mesh(Output(), "c.glb", {"--max_texture_frames=4"})).out,
+              HasSubstr(" of 4 frames in "));
+  EXPECT_THAT(ReadBytes(Output("c.glb")), HasSubstr("image/jpeg"));
+  // Without one.
+  EXPECT_THAT(Succeeded(Mesh(Output(), "d.obj", {"--max_texture_px=0"})).out,
+              Not(HasSubstr("picture")));
+  EXPECT_FALSE(std::filesystem::exists(Output("d.jpg")));
+  EXPECT_THAT(Succeeded(Mesh(Output(), "e.ply")).out, Not(HasSubstr("picture")));
+}
+
+TEST_F(RunMeshTool, RefusesRunsAndPicturesThatCannotBe) {
+  ExpectRefused(Mesh(Output("none"), "a.obj"), "none/summary.json': No such file");
+  Succeeded(Slam(Room(), Output(), {"--last=3"}));
+  ExpectRefused(Mesh(Output(), "a.obj", {"--max_texture_px=20"}), "too small for the mesh's");
+  ExpectRefused(Mesh(Output(), "a.obj", {"--max_texture_px=-1"}), "max_texture_px is -1");
+  ExpectRefused(Mesh(Output(), "a.obj", {"--sequence=" + Output("none")}), "none");
+  std::filesystem::remove(Output() + "/poses.json");
+  ExpectRefused(Mesh(Output(), "a.obj"), "poses.json");
+  std::filesystem::remove(Output() + "/map.ply");
+  ExpectRefused(Mesh(Output(), "a.ply"), "map.ply");
+}
+
 TEST(MeshTool, RefusesBadInput) {
   const TempFolder folder;
   PointCloud cloud = HalfSphere();
@@ -154,6 +194,7 @@ TEST(MeshTool, RefusesBadInput) {
   expect("half.ply", {"--trim_distance_m=-1"}, "trim_distance_m is -1, must be positive");
   expect("half.ply", {"--support_radii=0"}, "support_radii is 0, must be positive");
   expect("points.ply", {}, "the map has no points with normals");
+  ExpectRefused(RunProgram("surfit_mesh", {"--output=" + (folder / "mesh.ply")}), "--map");
 }
 
 }  // namespace

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "surfit/mesh/triangle_mesh.h"
+
+namespace surfit {
+
+// The triangle beyond each side of each triangle: side k goes from corner k to the next one.
+// kNone where there is none, or more than one.
+class TriangleNeighbors {
+ public:
+  static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+
+  explicit TriangleNeighbors(const std::vector<TriangleMesh::Triangle>& triangles);
+
+  const std::array<std::uint32_t, 3>& Of(std::uint32_t triangle) const { return beyond_[triangle]; }
+
+ private:
+  std::vector<std::array<std::uint32_t, 3>> beyond_;
+};
+
+}  // namespace surfit
