@@ -57,9 +57,16 @@ void Print(const Options& options, const PointCloud& cloud, std::size_t not_fini
     std::printf("; %zu pieces smaller than %g m left out, with %zu triangles",
                 summary.pieces_dropped, options.mesh.min_piece_m, summary.triangles_dropped);
   }
-  if (summary.triangles_found > mesh.triangles.size()) {
+  if (summary.decimation_m > 0) {
     std::printf("; of %zu triangles, which moved the surface by %.2f mm", summary.triangles_found,
                 1e3 * summary.decimation_m);
+  }
+  if (options.mesh.watertight) {
+    std::printf(
+        "; watertight: %zu holes filled with %zu triangles where nothing was seen, the longest rim "
+        "%.2f m, %zu triangles cut out",
+        summary.holes_filled, summary.triangles_added, summary.longest_rim_m,
+        summary.triangles_cut);
   }
   std::printf(
       "; half of the points are within %.2f mm of the mesh, 90 %% within %.2f mm, %.1f %% "

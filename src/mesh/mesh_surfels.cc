@@ -5,6 +5,7 @@
 #include <mutex>
 
 #include "geometry/kd_tree.h"
+#include "mesh/close_holes.h"
 #include "mesh/distance_field.h"
 #include "mesh/extract_surface.h"
 #include "mesh/reduce_mesh.h"
@@ -150,6 +151,7 @@ TriangleMesh MeshSurfels(const PointCloud& cloud, const MeshOptions& options, Me
     done(0);
     summary->decimation_m = Decimate(options.max_triangles, &mesh);
   }
+  if (options.watertight) CloseHoles(summary, &mesh);
   return mesh;
 }
 

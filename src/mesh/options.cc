@@ -14,6 +14,9 @@ void MeshOptions::Visit(OptionVisitor& v) {
         Positive(), AsFlag(), Everyday());
   v.Add(max_triangles, "max_triangles", "triangles at most: flat parts get larger ones",
         ZeroIs("no limit"), AsFlag(), Everyday());
+  v.Add(watertight, "watertight",
+        "fill all holes, with triangles that are made up; a sheet gets a back", AsFlag(),
+        Everyday());
   v.Add(min_piece_m, "min_piece_m", "loose pieces that are smaller across are left out",
         ZeroIs("none"), AsFlag(), Everyday());
   v.Add(normal_noise_rad, "normal_noise_rad",

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <map>
 
 #include "geometry/kd_tree.h"
 #include "surfit/evaluation/map_error.h"
@@ -119,6 +120,29 @@ TEST(MeshTool, EndsWhereThePointsDoAndSaysWhatItMade) {
   const Rgb8 color = ReadPly(folder / "a.ply").colors.at(0);
   EXPECT_NEAR(color.r, 200, 2);
   EXPECT_NEAR(color.b, 50, 2);
+}
+
+// The half sphere and the disc below it hold 2 / 3 pi r^3.
+TEST(MeshTool, ClosesTheHalfSphere) {
+  const TempFolder folder;
+  WritePly(HalfSphere(), folder / "half.ply");
+  const ProgramResult result = Succeeded(
+      RunProgram("surfit_mesh", {"--map=" + (folder / "half.ply"), "--output=" + (folder / "a.ply"),
+                                 "--cell_m=0.02", "--watertight"}));
+  EXPECT_THAT(result.out, HasSubstr("; watertight: 1 holes filled with "));
+  const std::vector<Eigen::Vector3f> vertices = ReadPly(folder / "a.ply").points;
+  double volume = 0;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> sides;
+  for (const auto& t : TrianglesOf(folder / "a.ply")) {
+    volume += vertices[t[0]].dot(vertices[t[1]].cross(vertices[t[2]])) / 6;
+    for (int k = 0; k < 3; ++k) ++sides[{t[k], t[(k + 1) % 3]}];
+  }
+  for (const auto& [side, count] : sides) {
+    ASSERT_EQ(count, 1);
+    ASSERT_EQ(sides.count({side.second, side.first}), 1u);
+  }
+  // The mesh ends within a cell and two radii below z = 0.
+  EXPECT_NEAR(volume, 2. / 3 * M_PI * 0.125, 0.05 * 0.26);
 }
 
 TEST(MeshTool, WritesObj) {

@@ -24,6 +24,8 @@ struct MeshOptions {
   double trim_distance_m = 0.02;
   double min_piece_m = 0.1;       // loose pieces that are smaller across are left out; 0 = none
   std::size_t max_triangles = 0;  // 0 = no limit
+  // Fills all holes, besides max_triangles: each edge is one of two triangles.
+  bool watertight = false;
 
   void Visit(OptionVisitor& visitor);
 };
@@ -34,6 +36,10 @@ struct MeshSummary {
   std::size_t pieces = 0;                                 // that are left
   std::size_t triangles_found = 0;                        // of these pieces, before decimation
   double decimation_m = 0;                                // that these have moved the surface by
+  // Of a watertight mesh: what was made up where nothing was seen, the length of the longest rim of
+  // a hole, and triangles that were cut out where more than two met at an edge.
+  std::size_t holes_filled = 0, triangles_added = 0, triangles_cut = 0;
+  double longest_rim_m = 0;
   // From the points to the mesh before it, along its normals: half and nine tenths are no farther.
   // Of points with mesh within 3 cells, the share of which is `covered`.
   double median_distance_m = 0, p90_distance_m = 0, covered = 0;
