@@ -103,6 +103,22 @@ void PrintCalibration(const SlamRunSummary& s, const std::string& output) {
   if (!s.calibration_doubt.empty()) std::cerr << "warning: " << s.calibration_doubt << std::endl;
 }
 
+void WarnOfMotion(const SlamRunSummary& s) {
+  if (s.frames_apart > 0) {
+    std::fprintf(
+        stderr,
+        "warning: in %d frames parts of the view move apart: the camera may be seen "
+        "against something that moves, and then its poses are wrong (apart in frames.csv)\n",
+        s.frames_apart);
+  }
+  if (20 * s.frames_with_motion <= s.frames_total && s.frames_lost_in_motion == 0) return;
+  std::fprintf(
+      stderr,
+      "warning: in %d frames more than a tenth of the view moves by itself: it is left out "
+      "of tracking and map; %d frames were lost there\n",
+      s.frames_with_motion, s.frames_lost_in_motion);
+}
+
 void PrintSummary(const SlamRunSummary& s, const SlamRunOptions& options) {
   const std::string& output = options.output;
   std::printf("%s: %d frames, %d tracked, %d lost, %d skipped%s\n", output.c_str(), s.frames_total,
@@ -123,6 +139,7 @@ void PrintSummary(const SlamRunSummary& s, const SlamRunOptions& options) {
                 static_cast<long long>(s.refused));
   }
   if (options.slam.loops.enabled) PrintLoops(s.loops);
+  WarnOfMotion(s);
   PrintCalibration(s, output);
   if (s.evaluation && s.evaluation->ate) {
     std::printf("ATE RMSE %.4f m over %.1f %% of the frames\n",

@@ -28,6 +28,12 @@ void BindRunSummary(py::module_& module) {
       .def_readonly("frames_total", &Summary::frames_total, "read or attempted")
       .def_readonly("frames_tracked", &Summary::frames_tracked, "all but lost and skipped ones")
       .def_readonly("frames_lost", &Summary::frames_lost, "not registered")
+      .def_readonly("frames_with_motion", &Summary::frames_with_motion,
+                    "tracked ones, of whose points more than a tenth move by themselves")
+      .def_readonly("frames_lost_in_motion", &Summary::frames_lost_in_motion,
+                    "lost ones, where such a one is the last that was tracked")
+      .def_readonly("frames_apart", &Summary::frames_apart,
+                    "of whose views parts move apart: the camera may be seen against what moves")
       .def_readonly("frames_fused", &Summary::frames_fused, "into the map")
       .def_readonly("frames_skipped", &Summary::frames_skipped, "that could not be read")
       .def_readonly("frames_dropped", &Summary::frames_dropped, "offered, but not taken in time")

@@ -37,7 +37,7 @@ RunFiles::RunFiles(const std::string& folder, bool mirrored)
       csv_(folder + "/frames.csv") {
   csv_.Append(
       "index,stamp_s,state,fused,termination,iterations,inliers,inlier_share,rmse_m,"
-      "smallest_eigenvalue,moving_share,points,merged_points,merged,added,removed,"
+      "smallest_eigenvalue,moving_share,apart,points,merged_points,merged,added,removed,"
       "decode_ms,preprocess_ms,predict_ms,track_ms,fuse_ms,correct_ms,frame_ms\n");
 }
 
@@ -55,7 +55,7 @@ void RunFiles::Write(const FrameReport& report, double decode_ms, double frame_m
       << (registered ? ToString(report.icp.termination) : "") << ',' << report.icp.step_count << ','
       << report.icp.inlier_count << ',' << report.icp.inlier_share << ',' << report.icp.rmse_m
       << ',' << std::scientific << report.icp.eigenvalues[0] << ',' << std::fixed
-      << report.moving_share << ',' << report.fusion.input_points << ','
+      << report.moving_share << ',' << report.is_apart << ',' << report.fusion.input_points << ','
       << report.fusion.merged_points << ',' << report.fusion.merged << ',' << report.fusion.added
       << ',' << report.fusion.removed << ',' << std::setprecision(3) << decode_ms << ','
       << report.times.preprocess_ms << ',' << report.times.predict_ms << ','
@@ -67,7 +67,7 @@ void RunFiles::Write(const FrameReport& report, double decode_ms, double frame_m
 void RunFiles::WriteSkipped(const ReadResult& result, double frame_ms) {
   std::ostringstream row;
   row << result.index << ',' << std::fixed << std::setprecision(6) << result.stamp_s
-      << ",skipped,0,,0,0,0,0,0,0,0,0,0,0,0," << std::setprecision(3) << result.decode_ms
+      << ",skipped,0,,0,0,0,0,0,0,0,0,0,0,0,0," << std::setprecision(3) << result.decode_ms
       << ",0,0,0,0,0," << frame_ms << '\n';
   csv_.Append(row.str());
 }

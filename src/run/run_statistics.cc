@@ -10,6 +10,8 @@
 namespace surfit {
 namespace {
 
+constexpr double kMuchMoves = 0.1;  // of a frame's points
+
 double Sum(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.);
 }
@@ -45,11 +47,15 @@ void RunStatistics::CountProcessed(const RgbdFrame& frame, const FrameReport& re
   const std::int64_t valid_points = CountValid(frame.depth_m);
   summary_.input_points += static_cast<std::int64_t>(frame.depth_m.size());
   summary_.input_points_valid += valid_points;
+  summary_.frames_apart += report.is_apart;
   if (report.state == FrameState::kLost) {
     ++summary_.frames_lost;
+    summary_.frames_lost_in_motion += much_moves_;
     return;
   }
   ++summary_.frames_tracked;
+  much_moves_ = report.moving_share > kMuchMoves;
+  summary_.frames_with_motion += much_moves_;
   if (report.is_held_out) summary_.held_out_frames.push_back(report.index);
   if (IsRegistered(report.state) && options_.icp.error_model.UsesIntensities() &&
       report.icp.intensity_count == 0) {

@@ -51,6 +51,7 @@ class RunStatistics {
   const Clock::time_point start_ = Clock::now();
   Clock::time_point last_completion_ = start_, taken_ = start_;
   SlamRunSummary summary_;
+  bool much_moves_ = false;  // in the last tracked frame
   std::vector<double> stamps_s_, frame_ms_, latency_ms_, match_shares_;
   std::array<std::vector<double>, kStages.size()> stages_ms_;
 };

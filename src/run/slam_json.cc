@@ -106,6 +106,9 @@ void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
   j["frames_total"] = s.frames_total;
   j["frames_tracked"] = s.frames_tracked;
   j["frames_lost"] = s.frames_lost;
+  j["frames_with_motion"] = s.frames_with_motion;
+  j["frames_lost_in_motion"] = s.frames_lost_in_motion;
+  j["frames_apart"] = s.frames_apart;
   j["frames_fused"] = s.frames_fused;
   j["held_out_frames"] = s.held_out_frames;
   j["frames_skipped"] = s.frames_skipped;

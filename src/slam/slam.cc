@@ -43,6 +43,7 @@ FrameReport Report(const RgbdFrame& frame, const Tracked& tracked,
   report.found_again = tracked.found_again;
   report.has_own_view = tracked.has_own_view;
   report.moving_share = tracked.moving_share;
+  report.is_apart = tracked.is_apart;
   report.moving = tracked.moving;
   report.icp = tracked.icp;
   report.is_fused = fused.has_value();
@@ -144,7 +145,8 @@ FrameReport Slam::Pipeline::Process(const RgbdFrame& frame,
   const CameraMotion motion = given_pose ? tracker_.MotionTo(frame.stamp_s, Given(*given_pose))
                                          : tracker_.expected_motion();
   PreparedFrame whole = Prepare(frame, motion, &times);
-  const Tracked tracked = given_pose ? Given(*given_pose) : Track(whole, &times);
+  const Tracked tracked =
+      given_pose ? Given(*given_pose) : tracker_.Checked(whole, Track(whole, &times));
   if (!tracked.is_held()) {
     tracker_.Lose();
     return Report(frame, tracked, {}, times);

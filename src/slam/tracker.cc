@@ -233,6 +233,20 @@ std::optional<Tracked> Tracker::ConfirmProposal(const PreparedFrame& frame,
   return confirmed;
 }
 
+Tracked Tracker::Checked(const PreparedFrame& frame, Tracked tracked) {
+  const double stamp_s = frame.images.stamp_s;
+  if (!doubts() || !tracked.is_held()) return tracked;
+  if (!features_.IsDue(stamp_s) && !tracked.found_again) return tracked;
+  const Rigid3d& pose = tracked.world_from_camera;
+  const FeatureMotion motion =
+      features_.Check({FeaturesAtRest(frame.view, tracked.moving, options_.icp.error_model), pose,
+                       MotionOver(last_.world_from_view.Inverse() * pose, stamp_s - last_stamp_s_)},
+                      stamp_s);
+  tracked.is_apart = motion.IsApart();
+  if (motion.IsRefuted()) tracked.state = FrameState::kLost;
+  return tracked;
+}
+
 void Tracker::Keep(PreparedFrame frame, const Tracked& tracked) {
   proposal_.reset();
   // The way over lost frames is not one frame's motion, nor is a jump.
@@ -256,6 +270,7 @@ void Tracker::Keep(PreparedFrame frame, const Tracked& tracked) {
 void Tracker::Move(const Rigid3d& new_from_old_world) {
   last_.world_from_view = new_from_old_world * last_.world_from_view;
   regions_.Move(new_from_old_world);
+  features_.Move(new_from_old_world);
   if (proposal_) {
     proposal_->view.world_from_view = new_from_old_world * proposal_->view.world_from_view;
   }

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "slam/belief.h"
+#include "slam/feature_watch.h"
 #include "slam/moving_regions.h"
 #include "surfit/frame/camera_motion.h"
 #include "surfit/frame/rgbd_frame.h"
@@ -39,6 +40,7 @@ struct Tracked {
   Verdict verdict = Verdict::kBelieved;  // of a frame that was registered
   CellMask moving;                       // not registered, and not to be fused
   double moving_share = 0;               // of the points
+  bool is_apart = false;                 // FrameReport::is_apart
 
   bool is_held() const { return state != FrameState::kLost; }
 };
@@ -105,6 +107,9 @@ class Tracker {
   // does not. There is no proposal afterwards.
   std::optional<Tracked> ConfirmProposal(const PreparedFrame& frame, const Tracked& tracked);
 
+  // Asks the images whether a frame that is held is where it is said to be: else it is lost.
+  Tracked Checked(const PreparedFrame& frame, Tracked tracked);
+
   // Each frame that is held, with what moves in it.
   void Remember(const PreparedFrame& frame, const Tracked& tracked) {
     regions_.Remember(frame.surface(), tracked.moving, tracked.world_from_camera,
@@ -135,6 +140,7 @@ class Tracker {
   const SlamOptions& options_;
   Belief belief_;
   MovingRegions regions_;
+  FeatureWatch features_;
   std::optional<Proposal> proposal_;  // of the last frame
   bool has_started_ = false;
   int lost_count_ = 0;

@@ -119,11 +119,22 @@ inline void AddPerson(const Eigen::Vector2d& at, double stride_m, Scene* scene) 
   add(MakeCapsule(0.09, 0.7), -stride_m, 0.1, 0.2);
 }
 
-// A Kinect in a furnished room; from frame `people_from` on somebody walks to and fro before it.
-inline Recording Simulated(std::uint64_t seed, int frames, int people_from) {
+inline RgbdFrame KinectFrame(const Scene& scene, const PinholeCamera& camera,
+                             const StampedPose& pose, std::uint64_t seed, int index) {
+  RgbdFrame frame = RenderFrame(scene, camera, pose.world_from_camera, index, pose.stamp_s);
+  frame.depth_m = KinectDepth(frame.depth_m, camera, (seed << 32) + index);
+  return frame;
+}
+
+inline Recording SimulatedKinect() {
   Recording recording;
   recording.sensor.camera = {320, 240, 262.5, 262.5, 159.5, 119.5, {}};
-  const PinholeCamera& camera = recording.sensor.camera;
+  return recording;
+}
+
+// A Kinect in a furnished room; from frame `people_from` on somebody walks to and fro before it.
+inline Recording Simulated(std::uint64_t seed, int frames, int people_from) {
+  Recording recording = SimulatedKinect();
   const Scene room = MakeScene("room", seed);
   for (const StampedPose& pose : MakePath(room, frames, seed)) {
     const int i = static_cast<int>(recording.frames.size());
@@ -135,11 +146,32 @@ inline Recording Simulated(std::uint64_t seed, int frames, int people_from) {
                                                                      1.3 + 0.3 * std::cos(phase));
       AddPerson(at.head<2>(), 0.2 * std::sin(4 * phase), &scene);
     }
-    RgbdFrame frame = RenderFrame(scene, camera, world_from_camera, i, pose.stamp_s);
-    frame.depth_m = KinectDepth(frame.depth_m, camera, (seed << 32) + i);
-    recording.frames.push_back(std::move(frame));
+    recording.frames.push_back(KinectFrame(scene, recording.sensor.camera, pose, seed, i));
     recording.truth.emplace_back(world_from_camera);
   }
+  return recording;
+}
+
+// A Kinect that is carried from a room into another of the same style, with things of the same
+// kinds, and back: no pose in the other one is right.
+inline Recording InTwoRooms(std::uint64_t seed, std::uint64_t other_seed) {
+  constexpr int kHere = 40, kThere = 30, kBack = 20;
+  Recording recording = SimulatedKinect();
+  const auto add = [&](std::uint64_t room_seed, int begin, int end, double beside_m) {
+    const Scene room = MakeScene("room", room_seed);
+    const Trajectory path = MakePath(room, kHere, room_seed);
+    for (int i = begin; i < end; ++i) {
+      const int index = static_cast<int>(recording.frames.size());
+      const Rigid3d& truth = path[i].world_from_camera;
+      recording.frames.push_back(
+          KinectFrame(room, recording.sensor.camera, {index / 30., truth}, seed, index));
+      recording.truth.emplace_back(
+          Rigid3d(truth.rotation, truth.translation + Eigen::Vector3d(beside_m, 0, 0)));
+    }
+  };
+  add(seed, 0, kHere, 0);
+  add(other_seed, 0, kThere, 100);
+  add(seed, kHere - kBack, kHere, 0);
   return recording;
 }
 
@@ -149,6 +181,7 @@ struct Verdicts {
   int frames = 0;
   int believed = 0;  // called tracked, or anything else but lost
   int wrong = 0;     // of these, those whose pose is not right
+  int apart = 0;     // frames that were told to show two motions
   int missed = 0;    // called lost, though the pose that was found is right
   double max_m = 0;  // of those believed
 
@@ -158,6 +191,7 @@ struct Verdicts {
   }
   Verdicts& operator+=(const Verdicts& other) {
     frames += other.frames, believed += other.believed, wrong += other.wrong;
+    apart += other.apart;
     missed += other.missed, max_m = std::max(max_m, other.max_m);
     return *this;
   }
@@ -175,6 +209,7 @@ inline Verdicts Judge(const Recording& recording, const SlamOptions& options = D
   Verdicts verdicts;
   for (std::size_t i = 0; i < recording.frames.size(); ++i) {
     const FrameReport report = slam.Process(recording.frames[i]);
+    verdicts.apart += report.is_apart;
     if (!recording.truth[i]) continue;
     const Rigid3d error = recording.truth[i]->Inverse() * report.world_from_camera;
     const bool is_right = error.translation.norm() <= kRight_m + recording.drift_m &&
@@ -191,9 +226,9 @@ inline Verdicts Judge(const Recording& recording, const SlamOptions& options = D
 
 // A row of the table of docs/understand.md.
 inline void Print(const std::string& name, const Verdicts& verdicts) {
-  std::printf("| %s | %d | %d | %d | %d | %.1f | %.0f |\n", name.c_str(), verdicts.frames,
+  std::printf("| %s | %d | %d | %d | %d | %.1f | %.0f | %d |\n", name.c_str(), verdicts.frames,
               verdicts.believed, verdicts.wrong, verdicts.missed, 100 * verdicts.CalledRight(),
-              1e3 * verdicts.max_m);
+              1e3 * verdicts.max_m, verdicts.apart);
   std::fflush(stdout);
 }
 

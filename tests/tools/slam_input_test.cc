@@ -40,6 +40,38 @@ TEST_F(SlamTool, TellsThatTheIntrinsicsAreHardlyThoseOfTheSensor) {
   }
 }
 
+// A textured board, 0.6 m before the camera, hides a quarter of the view from frame 8 on, and
+// sways.
+void HoldABoardBeforeTheCamera(const std::string& sequence) {
+  constexpr int kFrom = 8, kDepth = 3000;  // of TUM's 5000 a metre
+  int i = 0;
+  for (const std::string& line : Lines(sequence + "/associations.txt")) {
+    if (line[0] == '#' || i++ < kFrom) continue;
+    std::istringstream row(line);
+    std::string stamp, color_file, depth_file;
+    row >> stamp >> color_file >> stamp >> depth_file;
+    cv::Mat color = cv::imread(sequence + "/" + color_file);
+    cv::Mat depth = cv::imread(sequence + "/" + depth_file, cv::IMREAD_UNCHANGED);
+    const cv::Rect board(3 * i - 8, depth.rows / 4, depth.cols / 2, depth.rows / 2);
+    depth(board) = kDepth;
+    cv::Mat texture(board.size(), CV_8UC3);
+    cv::randu(texture, 0, 255);
+    texture.copyTo(color(board));
+    cv::imwrite(sequence + "/" + color_file, color);
+    cv::imwrite(sequence + "/" + depth_file, depth);
+  }
+}
+
+TEST_F(SlamTool, TellsThatMuchOfTheViewMovesByItself) {
+  const std::string copy = CopyOfRoom();
+  HoldABoardBeforeTheCamera(copy);
+  const ProgramResult still = Succeeded(Slam(Room(), Output("still")));
+  EXPECT_THAT(still.err, Not(HasSubstr("moves by itself")));
+  EXPECT_EQ(Summary(Output("still"))["frames_with_motion"], 0);
+  EXPECT_THAT(Slam(copy, Output()).err, HasSubstr("more than a tenth of the view moves by itself"));
+  EXPECT_GE(Summary(Output())["frames_with_motion"], kFrames / 2);
+}
+
 TEST_F(SlamTool, UsesGroundTruthForNothingButTheEvaluation) {
   const std::string copy = CopyOfRoom();
   std::vector<std::string> lines = Lines(copy + "/groundtruth.txt");

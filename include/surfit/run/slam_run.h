@@ -81,7 +81,10 @@ struct SlamRunSummary {
   int frames_total = 0;    // read or attempted
   int frames_tracked = 0;  // with a pose: all but lost and skipped ones
   int frames_lost = 0;
-  int frames_fused = 0;              // into the map, of the tracked ones
+  int frames_with_motion = 0;  // tracked ones, of whose points more than a tenth move by themselves
+  int frames_lost_in_motion = 0;  // lost ones, where such a one is the last that was tracked
+  int frames_apart = 0;  // of whose views parts move apart (FrameReport::is_apart), lost or not
+  int frames_fused = 0;  // into the map, of the tracked ones
   std::vector<int> held_out_frames;  // indices of tracked ones that SlamOptions::hold_out left out
   int frames_skipped = 0;            // could not be read
   int frames_dropped = 0;            // offered, but not taken in time: not in frames_total

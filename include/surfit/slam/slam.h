@@ -106,6 +106,9 @@ struct FrameReport {
   bool is_held_out = false;   // tracked, but not to be fused: SlamOptions::hold_out
   double moving_share = 0;    // of its points, those that move by themselves: neither tracked nor
                               // fused
+  // The images were asked, and parts of them have moved apart: the camera may be seen against
+  // something that moves. Where most of them speak against the pose, it is lost.
+  bool is_apart = false;
   Image<std::uint8_t>
       moving;           // where they are: cells of the image, not 0; empty where nothing moves
   IcpResult icp;        // of a tracked or lost frame

@@ -1,6 +1,6 @@
 'use strict';
 // Figures of every frame: one chart for all runs where they compare, one per run where values are stacked.
-surfit.states = ['skipped', 'lost', 'frozen', 'degenerate', 'tracked', 'given', 'first'];
+surfit.states = ['skipped', 'lost', 'frozen', 'degenerate', 'tracked', 'given', 'first', 'relocalised', 'new_map'];
 surfit.stages = ['decode', 'preprocess', 'predict', 'track', 'fuse'];
 
 // Sizes of the map after each frame.
@@ -9,8 +9,8 @@ surfit.mapSizes = (frames) => {
   return frames.added.map((added, i) => (size += added - frames.removed[i]));
 };
 
-// A figure of registration; NaN for frames that were not registered.
-surfit.ofRegistration = (frames, column, unit = 1) => frames[column].map(
+// A figure of registration; NaN for frames that were not registered, nothing where the run is older than it.
+surfit.ofRegistration = (frames, column, unit = 1) => (frames[column] || []).map(
   (value, i) => (frames.termination[i] ? unit * value : NaN));
 
 surfit.sharedCharts = [
@@ -19,6 +19,8 @@ surfit.sharedCharts = [
   { title: 'inliers', unit: 'points', of: (frames) => surfit.ofRegistration(frames, 'inliers') },
   { title: 'RMSE of registration', unit: 'mm',
     of: (frames) => surfit.ofRegistration(frames, 'rmse_m', 1000) },
+  { title: 'share of the view that moves by itself', unit: '%',
+    of: (frames) => surfit.ofRegistration(frames, 'moving_share', 100) },
   { title: 'surfels in the map', unit: '', of: surfit.mapSizes },
   { title: 'time per frame', unit: 'ms', of: (frames) => frames.frame_ms },
 ];
