@@ -2,6 +2,7 @@
 
 #include "run/output_files.h"
 #include "run/result_files.h"
+#include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
 
@@ -51,15 +52,18 @@ Json ToJson(const CalibrationRecord& record) {
           {"color_latency_standard_deviation", record.color_latency.sigma_s}};
 }
 
-Json PosesOf(const RunPoses& run) {
-  Json poses = Json::array();
+// A row of each frame. There may be hundreds of thousands, which as a tree of JSON would take more
+// memory than all else that is kept of them.
+void WritePoses(const RunPoses& run, std::ostream& out) {
+  out << '[';
   for (std::size_t i = 0; i < run.trajectory.size(); ++i) {
     const StampedPose& pose = run.trajectory[i];
     const Eigen::Vector3d& t = pose.world_from_camera.translation;
     const Eigen::Quaterniond& q = pose.world_from_camera.rotation;
-    poses.push_back({run.frames[i], pose.stamp_s, t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()});
+    const Json row = {run.frames[i], pose.stamp_s, t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()};
+    out << (i > 0 ? "," : "") << row;
   }
-  return poses;
+  out << ']';
 }
 
 Json TruthOf(const RunPoses& run, const Rigid3d& estimated_from_true) {
@@ -181,7 +185,6 @@ void WritePosesJson(const RunPoses& run, const std::string& path) {
   j["camera"] = CameraToJson(run.camera);
   j["calibration"] = run.calibration ? ToJson(*run.calibration) : Json();
   j["color_latency_s"] = run.color_latency_s;
-  j["poses"] = PosesOf(run);
   j["truth"] = nullptr;
   j["errors_m"] = nullptr;
   if (run.evaluation && run.evaluation->ate) {
@@ -190,7 +193,15 @@ void WritePosesJson(const RunPoses& run, const std::string& path) {
     j["errors_m"] = ErrorsOf(run, estimated_from_true);
   }
   j["views"] = ViewsOf(run);
-  WriteJson(j, path, -1);
+  WriteFileAtomically(path, [&](std::ostream& out) {
+    out << '{';
+    for (const auto& [key, value] : j.items()) {
+      out << Json(key) << ':' << value.dump(-1, ' ', false, Json::error_handler_t::replace) << ',';
+    }
+    out << "\"poses\":";
+    WritePoses(run, out);
+    out << "}\n";
+  });
 }
 
 }  // namespace surfit
