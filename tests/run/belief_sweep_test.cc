@@ -114,17 +114,20 @@ TEST(BeliefSweepPeople, WalkBeforeTheCamera) {
   ExpectFewMistakes(sum, kCalledRightWhereThingsMove);
 }
 
-// A camera that is carried into a room that looks like the one before, and back.
+// A camera that is carried into a room that looks like the one before, and back: what is found then
+// counts once the next frame agrees.
 TEST(BeliefSweepRooms, AreToldApart) {
   Verdicts sum;
   for (const int seed : {2, 3, 4, 5}) {
     for (const int other : {seed + 1, seed + 5}) {
-      sum += Row("room " + std::to_string(seed) + " and " + std::to_string(other),
-                 InTwoRooms(seed, other));
+      const std::string name = "room " + std::to_string(seed) + " and " + std::to_string(other);
+      const Verdicts verdicts = Row(name, InTwoRooms(seed, other));
+      EXPECT_EQ(verdicts.wrong, 0) << name;
+      EXPECT_LE(verdicts.missed, 1) << name;
+      sum += verdicts;
     }
   }
   Print("rooms", sum);
-  ExpectFewMistakes(sum, kCalledRight);
 }
 
 }  // namespace
