@@ -54,10 +54,11 @@ SurfelMap Shown(const SurfelMap& map, const std::vector<std::uint8_t>& shown) {
   return copy;
 }
 
-// The surfels' own colours, blended for people to look at.
+// The surfels' own colours, blended for people to look at. No sensor looks from there: by its noise
+// at this distance a table and the floor beneath would be one surface.
 Image<Rgb8> Blended(const SurfelMap& map, const PictureView& view) {
-  const BlendedView drawn =
-      DrawBlended(map, {view.camera, DepthNoise()}, view.camera_from_world.Inverse());
+  const DepthNoise none = {0};
+  const BlendedView drawn = DrawBlended(map, {view.camera, none}, view.camera_from_world.Inverse());
   Image<Rgb8> picture = drawn.color;
   for (std::size_t i = 0; i < picture.size(); ++i) {
     if (!(drawn.depth_m[i] > 0)) picture[i] = PictureSheet::kPaper;

@@ -72,6 +72,36 @@ TEST(WriteMapPictures, HidesDustButInTheConfidence) {
   EXPECT_NEAR(middle.b, 84, 1);
 }
 
+// A floor does not shine through the table above it, however far away the view from above is.
+TEST(WriteMapPictures, HidesWhatLiesBeneath) {
+  SurfelMap map;
+  Surfel surfel;
+  surfel.normal_in_world = {0, -1, 0};
+  surfel.confidence = 20;
+  for (const auto& [height, color] : {std::pair(0.f, kGreen), {0.7f, Rgb8{200, 10, 10}}}) {
+    for (int i = -40; i <= 40; ++i) {
+      for (int j = -40; j <= 40; ++j) {
+        surfel.position_in_world = {0.025f * i, height, 0.025f * j};
+        surfel.radius_m = 0.02f;
+        surfel.color = color;
+        map.Append(surfel);
+      }
+    }
+  }
+  Rigid3d camera;
+  camera.translation = {0, -1, -3};
+  const TempFolder folder;
+  WriteMapPictures(map, {{0, camera}}, folder.path());
+  const Image<Rgb8> picture = ReadPicture(folder / "map_color.png");
+  int green = 0, red = 0;
+  for (const auto [u, v] : PixelsOf(kWidth / 2, kHeight / 2)) {
+    green += picture(u, v) == kGreen;
+    red += picture(u, v).r > picture(u, v).g + 10;
+  }
+  EXPECT_GT(green, 10000);
+  EXPECT_EQ(red, 0);
+}
+
 void SetConfidence(float confidence, SurfelMap* map) {
   for (const std::int32_t id : map->Ids()) {
     map->block(id / SurfelBlock::kCapacity).confidence[id % SurfelBlock::kCapacity] = confidence;
