@@ -1,4 +1,4 @@
-# Runs DOXYGEN on WORK/Doxyfile and fails on its warnings. Of members only the names may say it all;
+# Runs DOXYGEN on WORK/Doxyfile and fails on its warnings, or without a front page. Of members only the names may say it all;
 # every class and struct has a comment.
 cmake_minimum_required(VERSION 3.25)
 
@@ -8,3 +8,7 @@ list(FILTER warnings EXCLUDE REGEX "warning: Member .* is not documented")
 foreach(warning ${warnings})
   message(SEND_ERROR "${warning}")
 endforeach()
+file(READ "${WORK}/html/index.html" front_page)
+if(NOT front_page MATCHES "find_package" OR NOT front_page MATCHES "classsurfit_1_1Slam.html")
+  message(SEND_ERROR "the front page says nothing of the libraries")
+endif()
