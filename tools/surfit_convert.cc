@@ -1,9 +1,11 @@
 // Converts sequences, maps and trajectories to what other programs read.
 
 #include <cstdio>
+#include <filesystem>
 
 #include "common/tool_main.h"
 #include "surfit/core/error.h"
+#include "surfit/io/camera_files.h"
 #include "surfit/io/frame_source.h"
 #include "surfit/io/klg_writer.h"
 #include "surfit/io/point_cloud.h"
@@ -16,6 +18,7 @@ namespace {
 struct Options {
   SequenceOptions sequence;
   std::string cloud, trajectory, output;
+  bool make_camera_yaml = false;
   KlgOptions klg;
 
   void Visit(OptionVisitor& v) {
@@ -27,8 +30,11 @@ struct Options {
     v.Group("output");
     v.Add(output, "output",
           "the file to write: .klg of a sequence; .pcd or .ply of a cloud; of a trajectory the "
-          "poses in KITTI's format",
-          Required(), Everyday());
+          "poses in KITTI's format; of a camera its camera.yaml, if empty the sequence's own",
+          Everyday());
+    v.Add(make_camera_yaml, "make_camera_yaml",
+          "of a sequence write the camera that it is read with as a camera.yaml, to be filled in",
+          Everyday());
     v.AddPart(klg, "klg", "how .klg is written");
   }
 };
@@ -50,6 +56,25 @@ void ConvertSequence(const Options& options) {
   std::printf("%s: %d frames, %d skipped, %lld depths beyond 65.534 m left out\n",
               options.output.c_str(), summary.frames_written, summary.frames_skipped,
               static_cast<long long>(summary.depths_beyond));
+}
+
+// Where the sequence's own camera.yaml is looked for.
+std::string OwnCameraFile(const std::string& sequence) {
+  return std::filesystem::is_directory(sequence) ? sequence + "/camera.yaml" : sequence + ".yaml";
+}
+
+void MakeCameraYaml(const Options& options) {
+  const bool own = options.output.empty();
+  const std::string path = own ? OwnCameraFile(options.sequence.path) : options.output;
+  RequireEnding(path, EndsWith(path, ".yaml"), ".yaml");
+  if (own && std::filesystem::exists(path)) {
+    throw InputError(path + " exists: it is the sequence's camera; name another file as --output");
+  }
+  const auto source = OpenSequence(options.sequence);
+  const SequenceInfo& info = source->info();
+  WriteCameraYaml(info.camera, path, ReadDepthField(options.sequence, info.format));
+  std::printf("%s: %s%s\n", path.c_str(), info.assumed.c_str(),
+              info.camera_is_guessed ? "; replace what is guessed by your camera's numbers" : "");
 }
 
 void ConvertCloud(const Options& options) {
@@ -75,6 +100,13 @@ int Run(const Options& options) {
       !options.sequence.path.empty() + !options.cloud.empty() + !options.trajectory.empty();
   if (inputs != 1)
     throw InputError(Concat(inputs, " of --sequence, --cloud and --trajectory are set, must be 1"));
+  if (options.make_camera_yaml && options.sequence.path.empty())
+    throw InputError("--make_camera_yaml needs a --sequence");
+  if (options.make_camera_yaml) {
+    MakeCameraYaml(options);
+    return kDone;
+  }
+  RequireFlag("output", options.output);
   if (!options.sequence.path.empty()) ConvertSequence(options);
   if (!options.cloud.empty()) ConvertCloud(options);
   if (!options.trajectory.empty()) ConvertTrajectory(options);
@@ -87,6 +119,7 @@ int Run(const Options& options) {
 int main(int argc, char** argv) {
   return surfit::tools::ToolMain(argc, argv,
                                  "converts a sequence to .klg (with its camera as .klg.yaml), a "
-                                 "map or cloud to PCD or PLY, or a trajectory to KITTI's poses",
+                                 "map or cloud to PCD or PLY, or a trajectory to KITTI's poses; "
+                                 "writes a sequence's camera as camera.yaml",
                                  surfit::tools::Run);
 }

@@ -26,6 +26,19 @@ Image<Pixel> ImageOf(const Dense<T>& array) {
   return image;
 }
 
+// Other integers, as Pillow reads 16-bit PNG. Throws InputError for a value that is no such count.
+Image<std::uint16_t> CountsOf(const Dense<std::int64_t>& array) {
+  Image<std::uint16_t> counts;
+  counts.Resize(static_cast<int>(array.shape(1)), static_cast<int>(array.shape(0)));
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    const std::int64_t count = array.data()[i];
+    if (count < 0 || count > 65535)
+      throw InputError(Concat("depth has a count of ", count, ", must be from 0 to 65535"));
+    counts[i] = static_cast<std::uint16_t>(count);
+  }
+  return counts;
+}
+
 std::string TypeOf(const py::array& array) { return py::str(array.dtype()); }
 
 StampedPose PoseOfRow(const double* row, const char* what, py::ssize_t index) {
@@ -50,9 +63,11 @@ RawDepth DepthOf(const py::array& depth) {
   if (py::isinstance<py::array_t<std::uint16_t>>(depth)) {
     return ImageOf<std::uint16_t>(Dense<std::uint16_t>(depth));
   }
-  if (depth.dtype().kind() == 'f') return ImageOf<float>(Dense<float>(depth));
+  const char kind = depth.dtype().kind();
+  if (kind == 'f') return ImageOf<float>(Dense<float>(depth));
+  if (kind == 'i' || kind == 'u') return CountsOf(Dense<std::int64_t>(depth));
   throw InputError(Concat("depth is of type ", TypeOf(depth),
-                          ", must be uint16 (counts) or floating-point (metres)"));
+                          ", must be integer (counts) or floating-point (metres)"));
 }
 
 Image<Rgb8> ColorOf(const py::object& color) {

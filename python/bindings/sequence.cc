@@ -106,6 +106,14 @@ void BindSequence(py::module_& module) {
           [](const Sequence& sequence) { return RowsOf(sequence.info().ground_truth); },
           "N x 8: stamp tx ty tz qx qy qz qw, world from camera, mirrored if so; for evaluation")
       .def_property_readonly(
+          "assumed", [](const Sequence& sequence) { return sequence.info().assumed; },
+          "what is taken for granted, in two lines: format, sizes, registration of colour; depth "
+          "camera and scale, and where they are from")
+      .def("__repr__",
+           [](const Sequence& sequence) {
+             return "<surfit.Sequence: " + sequence.info().assumed + ">";
+           })
+      .def_property_readonly(
           "warnings", [](const Sequence& sequence) { return sequence.info().warnings; },
           "what the user should know: doubtful camera, depth scale")
       .def_property_readonly("skipped", &Sequence::skipped,

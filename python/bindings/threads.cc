@@ -37,6 +37,7 @@ void BindErrors() {
   // Warnings go to stderr, without glog's remark that nobody set it up, and to no files.
   if (!google::IsGoogleLoggingInitialized()) {
     FLAGS_logtostderr = true;
+    FLAGS_minloglevel = google::GLOG_WARNING;  // what is taken for granted is Sequence.assumed
     google::InitGoogleLogging("surfit");
   }
 }

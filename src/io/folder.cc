@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/read_file.h"
+#include "io/text.h"
 #include "surfit/core/error.h"
 
 namespace surfit {
@@ -88,6 +89,15 @@ std::optional<long> NumberInName(const std::string& name) {
   const auto result = std::from_chars(&name[first], name.data() + name.size(), number);
   if (result.ec != std::errc()) return std::nullopt;
   return number;
+}
+
+std::optional<double> StampInName(const std::string& name) {
+  const std::string stem = name.substr(0, name.rfind('.'));
+  const std::size_t first = stem.find_first_of("0123456789"), point = stem.find('.');
+  if (first == stem.npos || point == stem.npos || point + 1 == stem.size()) return std::nullopt;
+  if (stem.find_first_not_of("0123456789", first) != point) return std::nullopt;
+  if (stem.find_first_not_of("0123456789", point + 1) != stem.npos) return std::nullopt;
+  return FiniteNumber(std::string_view(stem).substr(first));
 }
 
 std::string FollowTextLink(const std::string& folder, const std::string& name) {

@@ -19,6 +19,10 @@ bool EndsWith(const std::string& name, const std::string& ending);
 // The value of the first run of digits in a file's name, if any: 12 for frame-000012.color.png.
 std::optional<long> NumberInName(const std::string& name);
 
+// The time that a file's name is, in seconds: 1763820000.134 for 1763820000.134.png, whatever
+// stands before it. Nothing for whole numbers.
+std::optional<double> StampInName(const std::string& name);
+
 // The path of a file that a sequence's list names, relative to its folder, after following the
 // file's folder if this is a link written out as text: where links are unknown (archives, some file
 // systems, git without them), a link to a folder becomes a small file that holds the folder's

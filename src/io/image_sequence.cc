@@ -47,7 +47,9 @@ void RequireSizeOf(const RgbdCamera& camera, const FrameImages& images) {
       images.depth);
   if (images.color.empty()) return;
   if (camera.color_is_registered) {
-    RequireSize(images.color, camera.depth, "depth, to which colour is registered",
+    RequireSize(images.color, camera.depth,
+                "depth, to which colour is registered; else tell the camera of its own that it "
+                "has: color_camera and color_from_depth in a camera.yaml, or color_intrinsics",
                 images.color_name);
   } else {
     RequireSize(images.color, camera.color, "the colour camera", images.color_name);

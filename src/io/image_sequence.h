@@ -40,15 +40,17 @@ class ImageSequence : public FrameSource {
   std::size_t next_ = 0;
 };
 
-// Adds to the camera, ground truth and warnings in `info` what only an image tells: the camera's
-// sizes where they are unknown, doubts about the depth scale, and with them the frames' camera.
-// Mirrors the ground truth where the camera is, and logs the warnings. Returns what prepares the
-// frames. Throws InputError naming the image whose size is not the camera's.
-FramePreparer CompleteInfo(const FrameImages& first, const PrepareOptions& options,
+// Adds to the camera, ground truth and warnings in `info` what only images tell: the camera's sizes
+// where they are unknown, doubts about the depth scale and the registration of colour, and with
+// them the frames' camera. Mirrors the ground truth where the camera is, and logs what is assumed
+// and the warnings. Returns what prepares the frames. Throws InputError naming the image whose size
+// is not the camera's; of all images but the first no size is looked at.
+FramePreparer CompleteInfo(const std::vector<FrameImages>& first, const PrepareOptions& options,
                            SequenceInfo* info);
 
-// A sentence of warning if the median of the valid depth is hardly that of a scene before a depth
-// camera, with the scale in common use that would make it one. Depth in metres has no scale.
+// A sentence of warning if the median of the valid depth, or nearly all of it, is hardly that of a
+// scene before a depth camera, with the scale in common use that would make it one. Depth in metres
+// has no scale.
 std::optional<std::string> DepthScaleWarning(const RawDepth& depth, double depth_units_per_metre,
                                              const std::string& path);
 

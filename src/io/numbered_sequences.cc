@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <map>
@@ -9,27 +10,71 @@
 #include "io/recording.h"
 #include "io/text.h"
 #include "surfit/core/error.h"
+#include "surfit/geometry/trajectory.h"
+#include "surfit/io/trajectory_files.h"
 
 namespace surfit {
 namespace {
 
 FrameStamps BothAt(double stamp_s) { return {stamp_s, stamp_s}; }
 
+bool IsImage(const std::string& name) {
+  constexpr std::array kEndings = {".png", ".jpg", ".jpeg", ".pgm", ".ppm", ".tif", ".tiff"};
+  return std::any_of(kEndings.begin(), kEndings.end(),
+                     [&](const char* ending) { return EndsWith(name, ending); });
+}
+
 // The images of a folder by number. Of two with one number the one with the shorter name counts.
 std::map<long, std::string> NumberedImages(const std::string& folder, const TwiceCall& twice) {
   std::map<long, std::string> images;
   for (const std::string& name : NamesIn(folder)) {
     const auto number = NumberInName(name);
-    for (const char* ending : {".png", ".jpg", ".jpeg", ".pgm", ".ppm", ".tif", ".tiff"}) {
-      if (!number || !EndsWith(name, ending)) continue;
-      const auto [it, is_new] = images.emplace(*number, name);
-      if (is_new) continue;
-      twice(Concat(folder, ": ", it->second, " and ", name, " are both number ", *number,
-                   ", must be one image a number"));
-      if (name.size() < it->second.size()) it->second = name;
-    }
+    if (!number || !IsImage(name)) continue;
+    const auto [it, is_new] = images.emplace(*number, name);
+    if (is_new) continue;
+    twice(Concat(folder, ": ", it->second, " and ", name, " are both number ", *number,
+                 ", must be one image a number"));
+    if (name.size() < it->second.size()) it->second = name;
   }
   return images;
+}
+
+// The images of a folder by time, if all names are times; else nothing.
+std::map<double, std::string> StampedImages(const std::string& folder) {
+  std::map<double, std::string> images;
+  for (const std::string& name : NamesIn(folder)) {
+    if (!IsImage(name)) continue;
+    const auto stamp_s = StampInName(name);
+    if (!stamp_s) return {};
+    images[*stamp_s] = Concat(folder, "/", name);
+  }
+  return images;
+}
+
+std::vector<double> Stamps(const std::map<double, std::string>& images) {
+  std::vector<double> stamps_s;
+  stamps_s.reserve(images.size());
+  for (const auto& [stamp_s, path] : images) stamps_s.push_back(stamp_s);
+  return stamps_s;
+}
+
+// Each depth image with the colour image of about the same time; colour may be missing altogether.
+std::vector<FrameFiles> PairStamped(const std::map<double, std::string>& depth,
+                                    const std::string& color_folder) {
+  constexpr double kMaxDifference_s = 0.02;
+  std::vector<FrameFiles> frames;
+  if (color_folder.empty()) {
+    for (const auto& [stamp_s, path] : depth) frames.push_back({BothAt(stamp_s), path, ""});
+    return frames;
+  }
+  const auto color = StampedImages(color_folder);
+  const std::vector<double> color_s = Stamps(color), depth_s = Stamps(depth);
+  for (const auto [c, d] : MatchStamps(color_s, depth_s, kMaxDifference_s)) {
+    frames.push_back({{depth_s[d], color_s[c]}, depth.at(depth_s[d]), color.at(color_s[c])});
+  }
+  if (!frames.empty()) return frames;
+  throw InputError(Concat("no image in ", color_folder, " has a name within ", kMaxDifference_s,
+                          " s of those of depth, which are times in seconds"));
 }
 
 // The image of this number, or the name it should have: another folder's with our ending.
@@ -126,6 +171,14 @@ std::unique_ptr<Recording> MakeFolderRecording(std::vector<FrameFiles> frames) {
 
 SequenceFiles ListRedwoodSequence(const std::string& folder, double frames_per_second) {
   SequenceFiles files;
+  const auto stamped = StampedImages(folder + "/depth");
+  if (!stamped.empty()) {
+    files.frames = PairStamped(stamped, FindColorFolder(folder));
+    files.has_clock = true;
+    if (HasFile(folder + "/groundtruth.txt"))
+      files.ground_truth = ReadTumTrajectory(folder + "/groundtruth.txt");
+    return files;
+  }
   files.frames = ListNumberedFrames(folder + "/depth", FindColorFolder(folder));
   for (std::size_t i = 0; i < files.frames.size(); ++i)
     files.frames[i].stamps = BothAt(static_cast<double>(i) / frames_per_second);

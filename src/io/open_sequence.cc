@@ -43,17 +43,22 @@ std::vector<int> SelectFrames(int count, const SequenceOptions& options) {
   return indices;
 }
 
-// The first frame that can be read; throws the first one's error if none can.
-FrameImages ReadFirstImages(const Recording& recording, const std::vector<int>& indices) {
+// The first frame that can be read, and some that follow; throws the first one's error if none can.
+std::vector<FrameImages> ReadFirstImages(const Recording& recording,
+                                         const std::vector<int>& indices) {
+  constexpr std::size_t kImages = 8, kApart = 15;
+  std::vector<FrameImages> images;
   std::string first_error;
-  for (const int index : indices) {
+  for (std::size_t i = 0; i < indices.size() && images.size() < kImages;
+       i += images.empty() ? 1 : kApart) {
     try {
-      return recording.Read(index);
+      images.push_back(recording.Read(indices[i]));
     } catch (const InputError& error) {
       if (first_error.empty()) first_error = error.what();
     }
   }
-  throw InputError("no frame can be read: " + first_error);
+  if (images.empty()) throw InputError("no frame can be read: " + first_error);
+  return images;
 }
 
 }  // namespace
@@ -69,7 +74,7 @@ std::unique_ptr<FrameSource> OpenSequence(const SequenceOptions& options) {
   if (IsFileFormat(info.format) != IsFile(options.path))
     throw InputError(Concat(options.path, " is a ", IsFile(options.path) ? "file" : "folder",
                             ", which ", info.format, " is not"));
-  info.camera = ResolveCamera(options, info.format, &info.warnings);
+  ResolveCamera(options, &info);
 
   OpenedRecording opened = OpenRecording(info.format, options.path, info.camera);
   if (!opened.has_clock) DropLatency(options, &info.camera);

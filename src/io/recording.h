@@ -75,7 +75,9 @@ SequenceFiles ListIclNuimSequence(const std::string& folder);
 SequenceFiles ListSevenScenesSequence(const std::string& folder, double frames_per_second);
 
 // Numbered images in depth/ and color/, rgb/ or image/ (or no colour), poses in trajectory.log;
-// stamps are position / frames_per_second, and the log's first number is that position.
+// stamps are position / frames_per_second, and the log's first number is that position. Where all
+// names in depth/ are times in seconds (1763820000.134.png), these are the stamps, colour is paired
+// by time, and poses are those of groundtruth.txt.
 SequenceFiles ListRedwoodSequence(const std::string& folder, double frames_per_second);
 
 // results/frameN.jpg and results/depthN.png with poses in traj.txt, as rendered for NICE-SLAM;

@@ -1,7 +1,6 @@
 #include "io/sequence_camera.h"
 
-#include <glog/logging.h>
-
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -46,14 +45,27 @@ RgbdCamera RosDefault() {
   return camera;
 }
 
-RgbdCamera RedwoodCamera(const std::string& folder) {
+// A camera and where it is from.
+struct ToldCamera {
+  RgbdCamera camera;
+  std::string from;
+  bool is_guessed = false;
+};
+
+ToldCamera Preset(const std::string& name, const std::string& why = "") {
+  return {CameraPreset(name), "the preset " + name + why};
+}
+
+ToldCamera Guessed(const RgbdCamera& camera) { return {camera, "GUESSED", true}; }
+
+ToldCamera RedwoodCamera(const std::string& folder) {
   RgbdCamera camera = CameraPreset("redwood");
   for (const char* name : {"/camera_intrinsic.json", "/intrinsic.json"}) {
     if (!HasFile(folder + name)) continue;
     camera.depth = ReadOpen3dCamera(folder + name);
-    break;
+    return {camera, folder + name + " (the depth scale is Redwood's)"};
   }
-  return camera;
+  return Guessed(camera);
 }
 
 RgbdCamera ReadCamParams(const std::string& path) {
@@ -76,11 +88,21 @@ RgbdCamera ReadCamParams(const std::string& path) {
 
 // cam_params.json of the folder, or of the one above it (as NICE-SLAM's download has it), or else
 // the preset `replica`. Throws InputError naming the file if it is malformed.
-RgbdCamera ReplicaCamera(const std::string& folder) {
+ToldCamera ReplicaCamera(const std::string& folder) {
   for (const char* name : {"/cam_params.json", "/../cam_params.json"}) {
-    if (HasFile(folder + name)) return ReadCamParams(folder + name);
+    if (HasFile(folder + name)) return {ReadCamParams(folder + name), folder + name};
   }
-  return CameraPreset("replica");
+  return Preset("replica");
+}
+
+// Frames that are merely numbered may be of any camera; poses have the data set's own name.
+ToldCamera IclNuimCamera(const SequenceOptions& options) {
+  const auto names = NamesIn(options.path);
+  const bool is_named = std::any_of(names.begin(), names.end(), [](const std::string& name) {
+    return EndsWith(name, ".gt.freiburg");
+  });
+  if (is_named || options.format != "auto") return Preset("icl_nuim");
+  return Guessed(CameraPreset("icl_nuim"));
 }
 
 // The preset of the camera that the head of a list names, as in TUM's downloads:
@@ -99,40 +121,39 @@ std::string PresetInHead(const std::string& list) {
 }
 
 // Nothing if the folder's lists do not name their camera.
-std::optional<RgbdCamera> TumCamera(const std::string& folder) {
+std::optional<ToldCamera> TumCamera(const std::string& folder) {
   for (const char* name : {"/rgb.txt", "/depth.txt"}) {
     const std::string list = folder + name;
     const std::string preset = HasFile(list) ? PresetInHead(list) : "";
     if (preset.empty()) continue;
-    LOG(INFO) << list << " names the recording: its camera is the preset " << preset;
-    return CameraPreset(preset);
+    return Preset(preset, ", by the recording's name in " + list);
   }
   return std::nullopt;
 }
 
-std::string DefaultWarning(const std::string& path, const PinholeCamera& camera) {
-  return Concat(path, " does not name its camera: assuming a usual one, ", camera.fx, " ",
-                camera.fy, " ", camera.cx, " ", camera.cy,
-                " without distortion; name a preset (TUM's: ",
-                "tum_fr1, tum_fr2, tum_fr3) or give intrinsics");
+std::string GuessWarning(const std::string& path, const RgbdCamera& camera) {
+  std::string text =
+      Concat(path, " does not name its camera, which is GUESSED: ", DepthFigures(camera),
+             ". With a wrong one poses and map are bent. ");
+  if (camera.depth.fy < 0) text += "It is ICL-NUIM's, whose images are mirrored. ";
+  return text +
+         "Give the camera's own numbers in a camera.yaml (surfit_convert --make_camera_yaml writes "
+         "one to fill in) or as intrinsics and depth_scale, or name a preset as camera";
 }
 
 // The camera before any figure of the options.
-RgbdCamera BaseCamera(const SequenceOptions& options, const std::string& format,
-                      std::vector<std::string>* warnings) {
+ToldCamera BaseCamera(const SequenceOptions& options, const std::string& format) {
   const std::string yaml = CameraFile(options, format);
-  if (!yaml.empty()) return ReadCameraYaml(yaml);
-  if (!options.camera.empty()) return CameraPreset(options.camera);
-  if (format == "sens") return ReadSensCamera(options.path);
+  if (!yaml.empty()) return {ReadCameraYaml(yaml), yaml};
+  if (!options.camera.empty()) return Preset(options.camera);
+  if (format == "sens") return {ReadSensCamera(options.path), "the file's head"};
   if (format == "redwood" || format == "watch") return RedwoodCamera(options.path);
   if (format == "replica") return ReplicaCamera(options.path);
-  if (format != "tum" && format != "klg") return CameraPreset(format);
-  if (format == "tum") {
-    if (const auto camera = TumCamera(options.path)) return *camera;
-  }
-  RgbdCamera camera = format == "klg" ? CameraPreset("klg") : RosDefault();
-  if (!options.intrinsics) warnings->push_back(DefaultWarning(options.path, camera.depth));
-  return camera;
+  if (format == "icl_nuim") return IclNuimCamera(options);
+  if (format == "klg") return Guessed(CameraPreset("klg"));
+  if (format != "tum") return Preset(format);
+  const auto camera = TumCamera(options.path);
+  return camera ? *camera : Guessed(RosDefault());
 }
 
 void SetIntrinsics(const std::array<double, 4>& values, PinholeCamera* camera) {
@@ -175,14 +196,12 @@ std::string OwnCameraFile(const SequenceOptions& options, const std::string& for
   return options.path + (IsFileFormat(format) ? ".yaml" : "/camera.yaml");
 }
 
-std::string DepthFigures(const RgbdCamera& camera) {
-  const PinholeCamera& c = camera.depth;
-  std::string text = Concat(c.fx, " ", c.fy, " ", c.cx, " ", c.cy, " px");
-  if (c.HasDistortion()) {
-    text += ", distorted by";
-    for (const double number : c.distortion) text += Concat(" ", number);
-  }
-  return Concat(text, ", ", camera.depth_units_per_metre, " units of depth a metre");
+// Where the camera is from once the options' figures are in.
+std::string OriginWithFigures(const SequenceOptions& options, const ToldCamera& base) {
+  const bool scale = options.depth_units_per_metre.has_value();
+  if (options.intrinsics && scale) return "as given";
+  if (options.intrinsics) return "as given, the depth scale " + base.from;
+  return base.from + (scale ? ", the depth scale as given" : "");
 }
 
 // What the user should know where the sequence's own file tells another camera. It may be no
@@ -205,9 +224,29 @@ void AddOverrideWarning(const SequenceOptions& options, const std::string& own,
 
 }  // namespace
 
-RgbdCamera ResolveCamera(const SequenceOptions& options, const std::string& format,
-                         std::vector<std::string>* warnings) {
-  RgbdCamera camera = BaseCamera(options, format, warnings);
+std::string DepthFigures(const RgbdCamera& camera) {
+  const PinholeCamera& c = camera.depth;
+  std::string text = Concat(c.fx, " ", c.fy, " ", c.cx, " ", c.cy, " px");
+  if (c.HasDistortion()) {
+    text += ", distorted by";
+    for (const double number : c.distortion) text += Concat(" ", number);
+  }
+  return Concat(text, ", ", camera.depth_units_per_metre, " units of depth a metre");
+}
+
+std::string PresetsOfSize(int width, int height) {
+  std::string text;
+  for (const std::string& name : CameraPresetNames()) {
+    const PinholeCamera camera = CameraPreset(name).depth;
+    if (camera.width != width || camera.height != height) continue;
+    text += (text.empty() ? "" : ", ") + name;
+  }
+  return text;
+}
+
+void ResolveCamera(const SequenceOptions& options, SequenceInfo* info) {
+  const ToldCamera base = BaseCamera(options, info->format);
+  RgbdCamera camera = base.camera;
   if (options.intrinsics) SetIntrinsics(*options.intrinsics, &camera.depth);
   if (options.distortion) camera.depth.distortion = *options.distortion;
   if (options.depth_units_per_metre) camera.depth_units_per_metre = *options.depth_units_per_metre;
@@ -218,8 +257,11 @@ RgbdCamera ResolveCamera(const SequenceOptions& options, const std::string& form
   if (options.readout_s) camera.readout_s = *options.readout_s;
   OverrideColor(options, &camera);
   ValidateFigures(camera);
-  AddOverrideWarning(options, OwnCameraFile(options, format), camera, warnings);
-  return camera;
+  info->camera = camera;
+  info->camera_from = OriginWithFigures(options, base);
+  info->camera_is_guessed = base.is_guessed && !options.intrinsics;
+  if (info->camera_is_guessed) info->warnings.push_back(GuessWarning(options.path, camera));
+  AddOverrideWarning(options, OwnCameraFile(options, info->format), camera, &info->warnings);
 }
 
 void DropLatency(const SequenceOptions& options, RgbdCamera* camera) {

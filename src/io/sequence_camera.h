@@ -8,11 +8,17 @@
 
 namespace surfit {
 
-// The camera that the options, the folder and the format give, in this order; fy < 0 is kept. A
-// camera of width 0 and height 0 takes its size from the images. Appends what the user should know.
-// Throws InputError naming the option or file at fault.
-RgbdCamera ResolveCamera(const SequenceOptions& options, const std::string& format,
-                         std::vector<std::string>* warnings);
+// Gives a sequence whose format is known the camera that the options, the folder and the format
+// tell, in this order; fy < 0 is kept. A camera of width 0 and height 0 takes its size from the
+// images. Tells where it is from, and appends what the user should know. Throws InputError naming
+// the option or file at fault.
+void ResolveCamera(const SequenceOptions& options, SequenceInfo* info);
+
+// "525 525 319.5 239.5 px, 1000 units of depth a metre", and distortion if there is any.
+std::string DepthFigures(const RgbdCamera& camera);
+
+// The presets whose images have this size, for a sentence.
+std::string PresetsOfSize(int width, int height);
 
 // Makes the latency zero, for a recording whose stamps are no clock's. Throws InputError if the
 // options ask for one.

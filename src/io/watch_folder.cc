@@ -112,7 +112,7 @@ class WatchSource : public FrameSource {
       : options_(options),
         info_(std::move(info)),
         folder_(std::move(folder)),
-        preparer_(CompleteInfo(WaitForImages(), options.prepare, &info_)) {}
+        preparer_(CompleteInfo({WaitForImages()}, options.prepare, &info_)) {}
 
   const SequenceInfo& info() const override { return info_; }
 
@@ -179,7 +179,7 @@ std::unique_ptr<FrameSource> WatchFolder(const SequenceOptions& options,
   SequenceInfo info;
   info.format = "watch";
   info.frame_count = -1;
-  info.camera = ResolveCamera(options, info.format, &info.warnings);
+  ResolveCamera(options, &info);
   DropLatency(options, &info.camera);
   WatchedFolder folder(options.path, info.camera.frames_per_second, stop);
   return CorrectedSource(std::make_unique<WatchSource>(options, std::move(info), std::move(folder)),

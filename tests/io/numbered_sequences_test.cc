@@ -150,6 +150,85 @@ TEST(RedwoodSequence, NamesTwoImagesOfOneNumber) {
                    HasSubstr("0000001.jpg and 0000001.png are both number 1"));
 }
 
+TEST(RedwoodSequence, SaysLoudlyThatTheCameraIsGuessed) {
+  TempFolder folder;
+  WriteColor(folder / "color/1.png", NumberedColor(1, 640, 480));
+  WriteDepth(folder / "depth/1.png", NumberedDepth(1, 640, 480));
+  SequenceOptions options = Options(folder);
+  const SequenceInfo guessed = OpenSequence(options)->info();
+  EXPECT_TRUE(guessed.camera_is_guessed);
+  EXPECT_THAT(guessed.warnings,
+              ElementsAre(AllOf(HasSubstr("does not name its camera, which is GUESSED: 525 525"),
+                                HasSubstr("1000 units of depth a metre"))));
+  EXPECT_THAT(guessed.assumed, AllOf(HasSubstr("format redwood, 1 frames, depth 640 x 480, colour "
+                                               "registered to depth\n"),
+                                     HasSubstr("GUESSED")));
+  options.camera = "kinect_v1";
+  EXPECT_FALSE(OpenSequence(options)->info().camera_is_guessed);
+  EXPECT_EQ(OpenSequence(options)->info().camera_from, "the preset kinect_v1");
+  options.camera = "";
+  options.intrinsics = {500, 500, 320, 240};
+  EXPECT_THAT(OpenSequence(options)->info().warnings, IsEmpty());
+  EXPECT_EQ(OpenSequence(options)->info().camera_from, "as given, the depth scale GUESSED");
+}
+
+TEST(RedwoodSequence, NamesPresetsWhereImagesAreOfAnotherSizeThanTheGuess) {
+  TempFolder folder;
+  WriteDepth(folder / "depth/1.png", NumberedDepth(1, 848, 480));
+  ExpectInputError([&] { OpenSequence(Options(folder)); },
+                   AllOf(HasSubstr("depth/1.png is 848 x 480 pixels, and nothing names its camera"),
+                         HasSubstr("of this size: realsense_d415, realsense_d435")));
+}
+
+// Numbers of ICL-NUIM's kind without its poses.
+TEST(IclNuimSequence, IsAGuessWithoutPosesOfItsName) {
+  TempFolder folder;
+  WriteColor(folder / "rgb/0.png", NumberedColor(1, 640, 480));
+  WriteDepth(folder / "depth/0.png", Image<std::uint16_t>(640, 480, 9000));
+  SequenceOptions options = Options(folder);
+  EXPECT_THAT(OpenSequence(options)->info().warnings, ElementsAre(HasSubstr("mirrored")));
+  options.format = "icl_nuim";
+  EXPECT_THAT(OpenSequence(options)->info().warnings, IsEmpty());
+}
+
+// As recorders of ROS and RealSense name images: by their times, colour a little after depth.
+TEST(RedwoodSequence, TakesTimesAsNames) {
+  TempFolder folder;
+  for (int i = 0; i < 3; ++i) {
+    WriteDepth(folder / Format("depth/1763820000.%d34.png", i + 1), NumberedDepth(i));
+    WriteColor(folder / Format("color/1763820000.%d45.png", i + 1), NumberedColor(i));
+  }
+  WriteColor(folder / "color/1763820000.167.png", NumberedColor(99));
+  folder.Write("camera.yaml", SmallCameraYaml());
+  folder.Write("groundtruth.txt", "1763820000.2 1 2 3 0 0 0 1\n");
+  const auto source = OpenSequence(Options(folder));
+  EXPECT_EQ(source->info().ground_truth.size(), 1u);
+  const auto results = ReadAll(source.get());
+  ASSERT_EQ(results.size(), 3u);
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(results[i].frame) << results[i].error;
+    EXPECT_NEAR(results[i].stamp_s, 1763820000.134 + 0.1 * i, 1e-6);
+    EXPECT_NEAR(results[i].frame->color_stamp_s, 1763820000.145 + 0.1 * i, 1e-6);
+    EXPECT_EQ(results[i].frame->color(3, 3).r, i);
+  }
+  std::filesystem::remove_all(folder / "color");
+  EXPECT_EQ(OpenSequence(Options(folder))->info().frame_count, 3);
+  WriteColor(folder / "color/1763829999.5.png", NumberedColor(1));
+  ExpectInputError([&] { OpenSequence(Options(folder)); }, HasSubstr("within 0.02 s of those"));
+}
+
+TEST(RedwoodSequence, TakesPgmAndPpm) {
+  TempFolder folder;
+  WriteColor(folder / "rgb/7.ppm", NumberedColor(7));
+  WriteDepth(folder / "depth/7.pgm", NumberedDepth(7));
+  folder.Write("camera.yaml", SmallCameraYaml());
+  const auto results = ReadAll(OpenSequence(Options(folder)).get());
+  ASSERT_EQ(results.size(), 1u);
+  ASSERT_TRUE(results[0].frame) << results[0].error;
+  EXPECT_EQ(results[0].frame->color(3, 3).r, 7);
+  EXPECT_FLOAT_EQ(results[0].frame->depth_m(0, 0), 1.07F);
+}
+
 TEST(RedwoodSequence, NamesWhatIsMalformed) {
   TempFolder folder;
   WriteRedwood(folder, 2, "color");

@@ -153,10 +153,23 @@ TEST_F(OpenSequenceTest, WithoutAnyCameraATumFolderIsReadWithAWarning) {
   EXPECT_TRUE(OpenSequence(options_)->info().warnings.empty());
 }
 
+TEST_F(OpenSequenceTest, TellsInTwoLinesWhatIsTakenForGranted) {
+  EXPECT_EQ(OpenSequence(options_)->info().assumed,
+            "format tum, 10 frames, depth 32 x 24, colour registered to depth\n"
+            "depth camera 31 30 15.5 11.5 px, 1000 units of depth a metre: " +
+                folder_.path() + "/camera.yaml");
+  options_.color_intrinsics = {31, 30, 15.5, 11.5};
+  options_.depth_units_per_metre = 1100;
+  EXPECT_THAT(OpenSequence(options_)->info().assumed,
+              AllOf(HasSubstr("colour of its own camera, 32 x 24\n"), HasSubstr("1100 units"),
+                    HasSubstr("camera.yaml, the depth scale as given")));
+}
+
 TEST_F(OpenSequenceTest, AColorCameraOfItsOwnIsRegistered) {
   for (int i = 0; i < 10; ++i)
     WriteColor(folder_ / Format("rgb/%03d.png", i), NumberedColor(i, 64, 48));
   ExpectError("rgb/000.png is 64 x 48 pixels, must be 32 x 24 as depth, to which colour");
+  ExpectError("color_camera and color_from_depth in a camera.yaml, or color_intrinsics");
   options_.color_intrinsics = {62, 60, 31, 23};
   options_.color_from_depth = Rigid3d(Eigen::Quaterniond::Identity(), {0.5, 0, 0});
   const auto source = OpenSequence(options_);
@@ -238,6 +251,19 @@ TEST(DepthScaleWarning, TakesTumsDepthForTumsUpToFiveMetres) {
   }
   // 6.4 m at TUM's scale, 4.9 m at Replica's, 3.2 m in tenths of millimetres
   EXPECT_THAT(Warning(32000, 1000), HasSubstr("more likely 10000, "));
+}
+
+// A room of 1 to 5 m at a fifth of its size: the median may be a table's, the nearest may not.
+TEST(DepthScaleWarning, DoubtsThatAllIsNearerThanSensorsMeasure) {
+  const auto warning = [](double scale) {
+    Image<std::uint16_t> depth(100, 10);
+    for (int v = 0; v < 10; ++v) {
+      for (int u = 0; u < 100; ++u) depth(u, v) = static_cast<std::uint16_t>(1000 + 40 * u);
+    }
+    return DepthScaleWarning(depth, scale, "d.png").value_or("");
+  };
+  EXPECT_EQ(warning(1000), "");
+  EXPECT_THAT(warning(5000), HasSubstr("more likely 1000"));
 }
 
 TEST(DepthScaleWarning, IsSilentWhereNoScaleFitsBetterUnlessAbsurd) {

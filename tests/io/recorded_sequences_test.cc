@@ -42,6 +42,34 @@ TEST(RecordedSequences, TumFr1Desk) {
   }
 }
 
+// The whole beginning of each, and later ones where the camera turns fast.
+TEST(RecordedSequences, AreReadWithoutAnyDoubt) {
+  for (const char* name :
+       {"tum_fr1_desk", "icl_office", "icl_office_kinect", "seven_scenes_kitchen"}) {
+    SURFIT_REQUIRE_SHARED_DATA(name);
+    for (const int first : {0, 60}) {
+      SequenceOptions options = Options(name);
+      options.first = first;
+      EXPECT_THAT(OpenSequence(options)->info().warnings, IsEmpty()) << name << ", " << first;
+    }
+  }
+}
+
+// 7-Scenes' colour is its own camera's: taken as registered it is too large by a tenth.
+TEST(RecordedSequences, ColorThatIsNotRegisteredIsDoubted) {
+  SURFIT_REQUIRE_SHARED_DATA("seven_scenes_kitchen");
+  for (const int first : {0, 200, 500}) {
+    SequenceOptions options = Options("seven_scenes_kitchen");
+    options.camera = "redwood";
+    options.intrinsics = {585, 585, 320, 240};
+    options.first = first;
+    EXPECT_THAT(OpenSequence(options)->info().warnings,
+                Contains(AllOf(HasSubstr("edges of colour do not lie where depth jumps"),
+                               AnyOf(HasSubstr("colour 89 %"), HasSubstr("colour 92 %")))))
+        << first;
+  }
+}
+
 TEST(RecordedSequences, TumsDownloadNamesItsCamera) {
   SURFIT_REQUIRE_SHARED_DATA("tum_fr1_desk");
   const auto source = OpenSequence(Options("tum_fr1_desk", 0));

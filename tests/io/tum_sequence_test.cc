@@ -278,7 +278,8 @@ TEST_F(TumCamera, IsToldInALine) {
   ::testing::internal::CaptureStderr();
   OpenSequence(options_);
   const std::string log = ::testing::internal::GetCapturedStderr();
-  EXPECT_THAT(log, HasSubstr("rgb.txt names the recording: its camera is the preset tum_fr2"));
+  EXPECT_THAT(log, HasSubstr(": the preset tum_fr2, by the recording's name in " + folder_.path() +
+                             "/rgb.txt\n"));
   EXPECT_EQ(log.find("preset"), log.rfind("preset"));
 }
 

@@ -8,6 +8,7 @@
 
 #include <csignal>
 #include <fstream>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -88,11 +89,21 @@ class RunningProgram {
   pid_t pid_ = -1;
 };
 
+// What a program says on stderr but for the notes of what it takes for granted of a sequence.
+inline std::string WithoutNotes(const std::string& err) {
+  std::string text;
+  std::istringstream lines(err);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.rfind("note: ", 0) != 0) text += line + "\n";
+  }
+  return text;
+}
+
 // Bad input: exit code 1, one sentence on stderr, nothing on stdout.
 inline void ExpectRefused(const ProgramResult& result, const std::string& message) {
   EXPECT_EQ(result.exit_code, 1) << message;
   EXPECT_THAT(result.out, IsEmpty()) << message;
-  EXPECT_THAT(result.err, AllOf(MatchesRegex("error: [^\n]*\n"), HasSubstr(message)));
+  EXPECT_THAT(WithoutNotes(result.err), AllOf(MatchesRegex("error: [^\n]*\n"), HasSubstr(message)));
 }
 
 // Runs one of our programs to its end: RunProgram("surfit_evaluate", {"--estimate=" + path}).

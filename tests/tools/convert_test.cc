@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include "surfit/io/camera_files.h"
 #include "surfit/io/point_cloud.h"
 #include "surfit/io/sequence.h"
 #include "testing/matchers.h"
@@ -20,6 +21,29 @@ TEST(ConvertTool, WritesASequenceAsKlg) {
   ASSERT_EQ(frames.size(), 3u);
   EXPECT_EQ(frames[2].frame->color, NumberedColor(4));
   EXPECT_DOUBLE_EQ(frames[2].stamp_s, 5.403);
+}
+
+TEST(ConvertTool, MakesACameraYamlOfWhatIsTakenForGranted) {
+  const TempFolder folder;
+  WriteColor(folder / "color/1.png", NumberedColor(1, 640, 480));
+  WriteDepth(folder / "depth/1.png", NumberedDepth(1, 640, 480));
+  const std::string sequence = "--sequence=" + folder.path();
+  const ProgramResult made =
+      Succeeded(RunProgram("surfit_convert", {sequence, "--make_camera_yaml"}));
+  EXPECT_THAT(made.out, AllOf(HasSubstr("/camera.yaml: format redwood, 1 frames"),
+                              HasSubstr("replace what is guessed")));
+  EXPECT_THAT(made.err, HasSubstr("warning: " + folder.path() + " does not name its camera"));
+  const auto info = OpenSequence(OptionsOf(folder.path()))->info();
+  EXPECT_EQ(info.camera_from, folder.path() + "/camera.yaml");
+  EXPECT_EQ(info.camera.depth.fx, 525);
+  EXPECT_EQ(info.camera.depth.width, 640);
+  EXPECT_THAT(info.warnings, IsEmpty());
+  ExpectRefused(RunProgram("surfit_convert", {sequence, "--make_camera_yaml"}),
+                "camera.yaml exists");
+  Succeeded(
+      RunProgram("surfit_convert", {sequence, "--make_camera_yaml", "--intrinsics=500,501,3,4",
+                                    "--output=" + (folder / "other.yaml")}));
+  EXPECT_EQ(ReadCameraYaml(folder / "other.yaml").depth.fy, 501);
 }
 
 TEST(ConvertTool, WritesCloudsAsPcdAndPly) {
@@ -52,7 +76,9 @@ TEST(ConvertTool, RefusesBadInput) {
   const auto expect = [](std::vector<std::string> flags, const char* message) {
     ExpectRefused(RunProgram("surfit_convert", std::move(flags)), message);
   };
-  expect({}, "--output is missing, must be set");
+  expect({}, "0 of --sequence, --cloud and --trajectory are set, must be 1; surfit_convert --help");
+  expect({"--cloud=b"}, "--output is missing, must be set");
+  expect({"--cloud=b", "--make_camera_yaml"}, "--make_camera_yaml needs a --sequence");
   expect({"--output=a"}, "0 of --sequence, --cloud and --trajectory are set, must be 1");
   expect({"--output=a", "--cloud=b", "--trajectory=c"}, "2 of --sequence, --cloud");
   expect({"--output=a.ply", "--sequence=b"}, "--output is a.ply, must end in .klg");

@@ -48,6 +48,13 @@ void RequireInputsKept(const std::vector<FlagHelp>& flags) {
   }
 }
 
+// What stands before a line of the log: what it is, and of our own faults where.
+void WriteKind(std::ostream& line, const google::LogMessageInfo& message, void*) {
+  const char kind = message.severity[0];
+  line << (kind == 'I' ? "note:" : kind == 'W' ? "warning:" : "fault:");
+  if (kind != 'I' && kind != 'W') line << ' ' << message.filename << ':' << message.line_number;
+}
+
 // Results that are not taken are none: the disk is full, or the pipe closed.
 void RequireOutputTaken() {
   std::cout.flush();
@@ -63,7 +70,7 @@ int ToolMain(int argc, char** argv, const std::string& summary, const OptionTabl
   const std::string program = std::filesystem::path(argv[0]).filename().string();
   try {
     FLAGS_logtostderr = true;
-    google::InitGoogleLogging(argv[0]);
+    google::InitGoogleLogging(argv[0], &WriteKind);
     const Flags flags(options);
     ParseCommandLine(argc, argv, flags.Described());
     const std::string text = AskedFor(program, summary, flags.Described());

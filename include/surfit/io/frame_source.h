@@ -17,6 +17,11 @@ struct SequenceInfo {
   // As the files have it, fy < 0 included. Its latency is what frames are earlier than their files'
   // stamps: 0 where these are none of a clock, but made of the frames' numbers.
   RgbdCamera camera;
+  std::string camera_from;         // the file, preset or option that tells it
+  bool camera_is_guessed = false;  // nothing tells it: it is a usual one
+  // What is taken for granted, logged already, in two lines: format, frames, sizes and whether
+  // colour is registered; the depth camera with its scale, and where it is from.
+  std::string assumed;
   PinholeCamera pinhole;  // of the frames that Next() returns: undistorted, downsampled, fy > 0
   // What the depth of these frames is.
   DepthSensor sensor() const { return {pinhole, camera.noise, camera.readout_s, camera.prior}; }
@@ -29,7 +34,7 @@ struct SequenceInfo {
   // are none. Poses that belong to the frames have their stamps; others (motion capture) the
   // files', which need not equal the frames'.
   Trajectory ground_truth;
-  // What the user should know, logged already: doubtful camera, depth scale.
+  // What the user should know, logged already: doubtful camera, depth scale, registration.
   std::vector<std::string> warnings;
 };
 
