@@ -17,10 +17,16 @@ write_basic_package_version_file("${PROJECT_BINARY_DIR}/surfit-config-version.cm
 install(FILES "${PROJECT_BINARY_DIR}/surfit-config.cmake" "${PROJECT_BINARY_DIR}/surfit-config-version.cmake"
   DESTINATION "${SURFIT_CMAKE_DIR}" COMPONENT dev)
 
-# A static library needs what only CMake's package tells; a shared one brings it along.
+# A shared library brings along what it links; a static one says so, for `pkg-config --static`.
 if(BUILD_SHARED_LIBS)
-  file(RELATIVE_PATH SURFIT_PREFIX_FROM_PC "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/")
-  configure_file(cmake/surfit.pc.in "${PROJECT_BINARY_DIR}/surfit.pc" @ONLY)
-  install(FILES "${PROJECT_BINARY_DIR}/surfit.pc"
-    DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig" COMPONENT dev)
+  set(SURFIT_PC_REQUIRES "")
+  set(SURFIT_PC_LIBS "")
+else()
+  set(SURFIT_PC_REQUIRES "libglog libturbojpeg liblzf zlib tbb")
+  set(SURFIT_PC_LIBS "-lceres -lopencv_features2d -lopencv_imgcodecs -lopencv_imgproc \
+-lopencv_core -lmeshoptimizer -ldl -pthread")
 endif()
+file(RELATIVE_PATH SURFIT_PREFIX_FROM_PC "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/")
+configure_file(cmake/surfit.pc.in "${PROJECT_BINARY_DIR}/surfit.pc" @ONLY)
+install(FILES "${PROJECT_BINARY_DIR}/surfit.pc"
+  DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig" COMPONENT dev)

@@ -37,6 +37,17 @@ if(libraries MATCHES "plplot|turbojpeg|imgcodecs")
   message(FATAL_ERROR "surfit::registration brings ${CMAKE_MATCH_0}:\n${libraries}")
 endif()
 
+# By pkg-config: of static libraries all that these need, so that nothing of them is missing.
+find_program(PKG_CONFIG pkg-config REQUIRED)
+file(GLOB archives "${prefix}/lib/libsurfit_*.a")
+set(ENV{PKG_CONFIG_PATH} "${prefix}/lib/pkgconfig")
+execute_process(COMMAND "${PKG_CONFIG}" --static --cflags --libs surfit
+  OUTPUT_VARIABLE flags OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+separate_arguments(flags)
+run("${COMPILER}" -std=c++17 "${CMAKE_CURRENT_LIST_DIR}/main.cc" -o "${WORK}/by_pkg_config"
+  -Wl,--whole-archive ${archives} -Wl,--no-whole-archive ${flags} "-Wl,-rpath,${prefix}/lib")
+run("${WORK}/by_pkg_config")
+
 file(GLOB programs "${prefix}/bin/*")
 foreach(program ${programs})
   execute_process(COMMAND "${program}" --help OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
