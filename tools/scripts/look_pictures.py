@@ -7,6 +7,10 @@
     tools/scripts/look_pictures.py --frame=99 --output=looks.jpg before after
 
 From left to right: the frame, and the view of each run, which must be among its view_pictures.
+Without --frame, the views from above of the runs' map_color.png:
+
+    tools/scripts/look_pictures.py --output=maps.jpg before after
+
 Needs Debian's python3-opencv.
 """
 
@@ -18,6 +22,8 @@ import cv2
 import numpy as np
 
 HEADER_PX = 28  # the caption above view_pictures
+# Of map_color.png: the title, and the first of its four cells without the caption below.
+TITLE_PX, CELL_WIDTH_PX, CELL_HEIGHT_PX = 76, 800, 600
 
 
 def view_of(run, frame):
@@ -37,16 +43,26 @@ def view_of(run, frame):
     sys.exit(f"error: {run} has no picture of frame {frame}")
 
 
+def map_from_above(run):
+    picture = cv2.imread(f"{run}/map_color.png")
+    if picture is None:
+        sys.exit(f"error: {run} has no map_color.png")
+    return picture[TITLE_PX:TITLE_PX + CELL_HEIGHT_PX, :CELL_WIDTH_PX]
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--frame", type=int, required=True)
+    parser.add_argument("--frame", type=int)
     parser.add_argument("--output", required=True)
     parser.add_argument("--width", type=int, default=1500, help="of the whole picture, px")
     parser.add_argument("runs", nargs="+")
     args = parser.parse_args()
-    views = [view_of(run, args.frame) for run in args.runs]
-    row = np.hstack([views[0][0]] + [view for _, view in views])
+    if args.frame is None:
+        row = np.hstack([map_from_above(run) for run in args.runs])
+    else:
+        views = [view_of(run, args.frame) for run in args.runs]
+        row = np.hstack([views[0][0]] + [view for _, view in views])
     height = round(row.shape[0] * args.width / row.shape[1])
     row = cv2.resize(row, (args.width, height), interpolation=cv2.INTER_AREA)
     if not cv2.imwrite(args.output, row, [cv2.IMWRITE_JPEG_QUALITY, 85]):
