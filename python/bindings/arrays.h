@@ -15,7 +15,7 @@ namespace surfit::python {
 // "(480, 640)".
 std::string ShapeOf(const pybind11::array& array);
 
-// From a height x width array of uint16 (counts) or of a floating-point type (metres). Throws
+// From a height x width array of integers (counts) or of a floating-point type (metres). Throws
 // InputError naming shape or type for any other.
 RawDepth DepthOf(const pybind11::array& depth);
 

@@ -22,5 +22,9 @@ void BindFrameReport(pybind11::module_& module);
 void BindSurfels(pybind11::module_& module);
 void BindSlam(pybind11::module_& module);
 void BindRun(pybind11::module_& module);
+void BindRefinement(pybind11::module_& module);
+void BindMapEvaluation(pybind11::module_& module);
+void BindMesh(pybind11::module_& module);
+void BindPoseGraph(pybind11::module_& module);
 
 }  // namespace surfit::python

@@ -18,7 +18,7 @@ namespace surfit::python {
 namespace {
 
 void BindErrors(py::module_& module) {
-  py::class_<ErrorStatistics>(module, "ErrorStatistics", "What is said of a set of errors.")
+  BindReport<ErrorStatistics>(module, "ErrorStatistics", "What is said of a set of errors.")
       .def_readonly("count", &ErrorStatistics::count, "how many")
       .def_readonly("rmse", &ErrorStatistics::rmse, "root mean square")
       .def_readonly("mean", &ErrorStatistics::mean, "mean")
@@ -26,7 +26,7 @@ void BindErrors(py::module_& module) {
       .def_readonly("p90", &ErrorStatistics::p90, "90 % of the errors are at most this")
       .def_readonly("max", &ErrorStatistics::max, "largest");
 
-  py::class_<AbsoluteTrajectoryError>(
+  BindReport<AbsoluteTrajectoryError>(
       module, "AbsoluteTrajectoryError",
       "How far camera centres are off, once the estimate is placed as well as a rigid motion can.")
       .def_readonly("translation_m", &AbsoluteTrajectoryError::translation_m, "metres")
@@ -41,7 +41,7 @@ void BindErrors(py::module_& module) {
           },
           "False on a straight path: other rotations fit as well, with the same error");
 
-  py::class_<RelativePoseError>(module, "RelativePoseError", "Drift over a fixed interval.")
+  BindReport<RelativePoseError>(module, "RelativePoseError", "Drift over a fixed interval.")
       .def_readonly("translation_m", &RelativePoseError::translation_m, "metres")
       .def_readonly("rotation_deg", &RelativePoseError::rotation_deg, "degrees");
 }
@@ -58,7 +58,7 @@ std::vector<double> StampsOf(const std::optional<std::vector<double>>& stamps_s,
 
 void BindEvaluation(py::module_& module) {
   BindErrors(module);
-  py::class_<TrajectoryEvaluation>(module, "TrajectoryEvaluation",
+  BindReport<TrajectoryEvaluation>(module, "TrajectoryEvaluation",
                                    "All that is said of an estimated trajectory.")
       .def_readonly("expected", &TrajectoryEvaluation::expected,
                     "frames that should have a pose: those that the ground truth knows")

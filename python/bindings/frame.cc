@@ -66,7 +66,7 @@ void BindFrame(py::module_& module) {
            py::arg("color"), py::arg("depth"), py::arg("camera"), py::arg("stamp_s") = 0.,
            py::arg("index") = 0, py::arg("prepare") = PrepareOptions(),
            "From a height x width x 3 array of uint8 (red first) or None, and a height x width "
-           "array of uint16 (counts of 1 / depth_units_per_metre; 0 and 65535 are missing) or "
+           "array of integers (counts of 1 / depth_units_per_metre; 0 and 65535 are missing) or "
            "floating-point numbers (metres). stamp_s is when they came: the camera's latency is "
            "taken "
            "off it. The camera is a PinholeCamera, an RgbdCamera or a "

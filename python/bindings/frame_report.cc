@@ -2,6 +2,7 @@
 #include <pybind11/stl.h>
 
 #include "bindings/bind.h"
+#include "bindings/options_class.h"
 #include "bindings/pose_caster.h"
 #include "surfit/slam/slam.h"
 
@@ -11,7 +12,7 @@ namespace surfit::python {
 namespace {
 
 void BindFusionReport(py::module_& module) {
-  py::class_<FusionReport>(module, "FusionReport", "What the fusion of one frame did.")
+  BindReport<FusionReport>(module, "FusionReport", "What the fusion of one frame did.")
       .def_readonly("input_points", &FusionReport::input_points, "pixels with depth and normal")
       .def_readonly("merged_points", &FusionReport::merged_points, "of those, that met a surfel")
       .def_readonly("covered_points", &FusionReport::covered_points,
@@ -24,7 +25,7 @@ void BindFusionReport(py::module_& module) {
 }
 
 void BindStageTimes(py::module_& module) {
-  py::class_<StageTimes>(module, "StageTimes", "Wall time spent in each stage, milliseconds.")
+  BindReport<StageTimes>(module, "StageTimes", "Wall time spent in each stage, milliseconds.")
       .def_readonly("preprocess_ms", &StageTimes::preprocess_ms, "depth filter, normals, pyramid")
       .def_readonly("predict_ms", &StageTimes::predict_ms, "drawing the map")
       .def_readonly("track_ms", &StageTimes::track_ms, "registration")
@@ -42,7 +43,7 @@ std::optional<Rigid3d> PoseOfReport(const FrameReport& report) {
 void BindFrameReport(py::module_& module) {
   BindFusionReport(module);
   BindStageTimes(module);
-  py::class_<FrameReport>(module, "FrameReport", "What became of one frame.")
+  BindReport<FrameReport>(module, "FrameReport", "What became of one frame.")
       .def_readonly("index", &FrameReport::index, "the frame's")
       .def_readonly("stamp_s", &FrameReport::stamp_s, "the frame's")
       .def_property_readonly(

@@ -3,6 +3,7 @@
 #include <pybind11/stl.h>
 
 #include "bindings/bind.h"
+#include "bindings/options_class.h"
 #include "bindings/pose_caster.h"
 #include "surfit/registration/far_registration.h"
 #include "surfit/registration/icp.h"
@@ -13,7 +14,7 @@ namespace surfit::python {
 namespace {
 
 void BindIteration(py::module_& module) {
-  py::class_<IcpIteration>(module, "IcpIteration",
+  BindReport<IcpIteration>(module, "IcpIteration",
                            "The state of a level before a step or, its last one, after all.")
       .def_readonly("level", &IcpIteration::level, "0 is the finest")
       .def_readonly("average_loss", &IcpIteration::average_loss, "m^2, weighted mean of |r|^2")
@@ -25,7 +26,7 @@ void BindIteration(py::module_& module) {
 
 void BindIcpResult(py::module_& module) {
   BindIteration(module);
-  py::class_<IcpResult>(module, "IcpResult",
+  BindReport<IcpResult>(module, "IcpResult",
                         "The outcome of a registration. Unless it succeeded, the pose must not be "
                         "used.")
       .def_property_readonly("succeeded", &IcpResult::Succeeded, "whether the pose may be used")
@@ -52,7 +53,7 @@ void BindIcpResult(py::module_& module) {
       .def_readonly("free_space_share", &IcpResult::free_space_share,
                     "of points in space that the other view saw through; 0 unless limited");
 
-  py::class_<FarVerdict>(module, "AlignResult",
+  BindReport<FarVerdict>(module, "AlignResult",
                          "A registration of frames and what speaks for it; numbers are 0 where "
                          "they were not looked at. Unless it was accepted, the pose must not be "
                          "used.")

@@ -22,6 +22,10 @@ PYBIND11_MODULE(_surfit, module) {
   BindSurfels(module);
   BindSlam(module);
   BindRun(module);
+  BindRefinement(module);
+  BindMapEvaluation(module);
+  BindMesh(module);
+  BindPoseGraph(module);
   module.attr("__version__") = SURFIT_VERSION;
   module.attr("__name__") = name;
 }

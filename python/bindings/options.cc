@@ -1,9 +1,13 @@
 // The classes of options. What is a part of another one comes first.
 #include "bindings/bind.h"
 #include "bindings/options_class.h"
+#include "surfit/evaluation/map_error.h"
 #include "surfit/evaluation/trajectory_evaluation.h"
+#include "surfit/mesh/mesh_surfels.h"
 #include "surfit/registration/register_clouds.h"
+#include "surfit/run/refine_run.h"
 #include "surfit/run/slam_run.h"
+#include "surfit/run/view_evaluation.h"
 
 namespace py = pybind11;
 
@@ -72,6 +76,11 @@ void BindAllOptions(py::module_& m) {
   BindOptions<RenderOptions>(m, "RenderOptions", "How the map is drawn for tracking.");
   BindOptions<SlamOptions>(m, "SlamOptions", "How the camera is tracked and the map is made.");
   BindOptions<SlamRunOptions>(m, "SlamRunOptions", "What a run is to do.");
+  BindOptions<RefineRunOptions>(m, "RefineRunOptions", "What is refined, and with which frames.");
+  BindOptions<ViewEvaluationOptions>(m, "ViewEvaluationOptions",
+                                     "Which run is judged by its views, and by which of them.");
+  BindOptions<MapErrorOptions>(m, "MapErrorOptions", "How a map is compared with its reference.");
+  BindOptions<MeshOptions>(m, "MeshOptions", "How fine a mesh is, how smooth, how far it reaches.");
 }
 
 }  // namespace surfit::python

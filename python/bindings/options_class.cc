@@ -2,6 +2,7 @@
 
 #include <pybind11/eigen.h>
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <vector>
@@ -117,6 +118,16 @@ void Set(const std::string& name, const Field& field, const py::object& value) {
   }
 }
 
+std::string ReprOf(const py::object& object, const std::function<bool(py::handle)>& shown) {
+  std::string text;
+  for (const auto& [name, value] : PropertiesOf(object)) {
+    if (!shown(value)) continue;
+    text += (text.empty() ? "" : ", ") + name.cast<std::string>() + "=" +
+            py::repr(value).cast<std::string>();
+  }
+  return py::type::of(object).attr("__name__").cast<std::string>() + "(" + text + ")";
+}
+
 }  // namespace
 
 void AddFieldType(std::type_index type, FieldType field_type) {
@@ -150,18 +161,35 @@ void AddProperties(py::object options_class, const OptionTable& defaults,
   defaults(visitor);
 }
 
-std::string ReprOfOptions(const py::object& options) {
-  const py::type type = py::type::of(options);
+py::dict PropertiesOf(const py::object& object) {
   const py::object property = py::module_::import("builtins").attr("property");
-  std::string text;
-  for (const auto& item : type.attr("__dict__").attr("items")()) {
+  const py::object copy = py::module_::import("copy").attr("copy");
+  py::dict properties;
+  for (const auto& item : py::type::of(object).attr("__dict__").attr("items")()) {
     const auto name_and_member = item.cast<py::tuple>();
     if (!py::isinstance(name_and_member[1], property)) continue;
-    const auto name = name_and_member[0].cast<std::string>();
-    text += (text.empty() ? "" : ", ") + name + "=" +
-            py::repr(options.attr(name.c_str())).cast<std::string>();
+    const py::object name = name_and_member[0];
+    const py::object value = object.attr(name);
+    // Parts of options are references, which would end with the whole.
+    properties[name] = py::hasattr(value, "__copy__") ? copy(value) : value;
   }
-  return type.attr("__name__").cast<std::string>() + "(" + text + ")";
+  return properties;
+}
+
+std::string ReprOfOptions(const py::object& options) {
+  return ReprOf(options, [](const py::handle&) { return true; });
+}
+
+std::string ReprOfReport(const py::object& report) {
+  return ReprOf(report, [](const py::handle& value) {
+    return value.is_none() || py::isinstance<py::bool_>(value) || py::isinstance<py::int_>(value) ||
+           py::isinstance<py::float_>(value) || py::isinstance<py::str>(value);
+  });
+}
+
+py::tuple ReductionOf(const py::object& report) {
+  return py::make_tuple(py::module_::import("types").attr("SimpleNamespace"), py::tuple(),
+                        PropertiesOf(report));
 }
 
 void SetOptions(const py::kwargs& values, py::object options) {

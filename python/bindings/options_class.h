@@ -15,6 +15,26 @@ namespace surfit::python {
 // "Name(a=1, b='x')", of all properties of the object's class.
 std::string ReprOfOptions(const pybind11::object& options);
 
+// "Name(a=1, b='x')", of the properties that are a number, a text, a switch or None: the others may
+// be long.
+std::string ReprOfReport(const pybind11::object& report);
+
+// The properties by their names, copied.
+pybind11::dict PropertiesOf(const pybind11::object& object);
+
+// What pickle is to do: the same properties come back as a types.SimpleNamespace.
+pybind11::tuple ReductionOf(const pybind11::object& report);
+
+// What a program says of a frame, a run, ...: Python can print it and, as plain numbers, keep it.
+template <typename T>
+pybind11::class_<T> BindReport(pybind11::module_& module, const char* name, const char* doc) {
+  pybind11::class_<T> report(module, name, doc);
+  report.def("__repr__", &ReprOfReport);
+  report.def("__reduce__", &ReductionOf,
+             "Pickled, it comes back as a types.SimpleNamespace of the same attributes.");
+  return report;
+}
+
 // Sets the named options. Throws TypeError for a name that is none.
 void SetOptions(const pybind11::kwargs& values, pybind11::object options);
 
@@ -32,18 +52,46 @@ void AddFieldType(std::type_index type, FieldType field_type);
 void AddProperties(pybind11::object options_class, const OptionTable& defaults,
                    const std::function<OptionTable(pybind11::handle)>& table_of);
 
-// A plain struct as a Python class that is made from keywords; its attributes are added later.
+// A struct of options as a part of nothing but its class: it may lack what is required, as that may
+// be set later.
 template <typename T>
-pybind11::class_<T> BindPlain(pybind11::module_& module, const char* name, const char* doc) {
+struct NamedOptions {
+  T* options;
+  std::string name;
+
+  void Visit(OptionVisitor& v) { v.AddPart(*options, Option(name, "", OptionalPart())); }
+};
+
+// Throws InputError naming class, option, value and constraint.
+template <typename T>
+void RequireValues(T* options, const std::string& name) {
+  NamedOptions<T> named = {options, name};
+  ValidateTable(TableOf(&named));
+}
+
+// A plain struct as a Python class that is made from keywords, which `check` may refuse; its
+// attributes are added later.
+template <typename T>
+pybind11::class_<T> BindPlain(
+    pybind11::module_& module, const char* name, const char* doc,
+    void (*check)(T*, const std::string&) = [](T*, const std::string&) {}) {
   namespace py = pybind11;
   py::class_<T> plain(module, name, doc);
-  plain.def(py::init([](const py::kwargs& values) {
+  plain.def(py::init([name, check](const py::kwargs& values) {
               T options;
               SetOptions(values, py::cast(&options, py::return_value_policy::reference));
+              check(&options, name);
               return options;
             }),
             "Defaults, but for the options named.");
   plain.def("__repr__", &ReprOfOptions);
+  plain.def(py::pickle([](const py::object& options) { return PropertiesOf(options); },
+                       [](const py::dict& values) {
+                         T options;
+                         SetOptions(py::kwargs(values),
+                                    py::cast(&options, py::return_value_policy::reference));
+                         return options;
+                       }));
   plain.def("__copy__", [](const T& options) { return T(options); });
   plain.def(
       "__deepcopy__", [](const T& options, const py::dict&) { return T(options); },
@@ -63,7 +111,7 @@ pybind11::class_<T> BindPlain(pybind11::module_& module, const char* name, const
 template <typename T>
 void BindOptions(pybind11::module_& module, const char* name, const char* doc) {
   namespace py = pybind11;
-  py::class_<T> options_class = BindPlain<T>(module, name, doc);
+  py::class_<T> options_class = BindPlain<T>(module, name, doc, &RequireValues<T>);
   T defaults;
   AddProperties(options_class, TableOf(&defaults),
                 [](py::handle options) { return TableOf(options.cast<T*>()); });

@@ -14,7 +14,7 @@ namespace surfit::python {
 namespace {
 
 void BindRunProgress(py::module_& module) {
-  py::class_<SlamRunProgress>(module, "SlamRunProgress", "How far a run has come.")
+  BindReport<SlamRunProgress>(module, "SlamRunProgress", "How far a run has come.")
       .def_readonly("frames_done", &SlamRunProgress::frames_done, "frames")
       .def_readonly("frames_total", &SlamRunProgress::frames_total, "frames")
       .def_readonly("map_points", &SlamRunProgress::map_points, "surfels")
@@ -24,7 +24,7 @@ void BindRunProgress(py::module_& module) {
 
 void BindRunSummary(py::module_& module) {
   using Summary = SlamRunSummary;
-  py::class_<Summary>(module, "SlamRunSummary", "The outcome of a run: see summary.json for times.")
+  BindReport<Summary>(module, "SlamRunSummary", "The outcome of a run: see summary.json for times.")
       .def_readonly("frames_total", &Summary::frames_total, "read or attempted")
       .def_readonly("frames_tracked", &Summary::frames_tracked, "all but lost and skipped ones")
       .def_readonly("frames_lost", &Summary::frames_lost, "not registered")

@@ -81,3 +81,11 @@ def test_a_plane_becomes_surfels_of_the_plane():
     np.testing.assert_array_equal(surfels.color, [[200, 100, 50]] * len(surfels))
     assert surfels.first_seen.dtype == np.int32 and (surfels.last_seen == 0).all()
     assert (surfels.radius_m > 0).all() and (surfels.confidence > 0).all()
+
+
+def test_depth_may_be_any_integers():
+    camera = surfit.PinholeCamera(width=64, height=48, fx=60, fy=60, cx=31.5, cy=23.5)
+    counts = np.arange(64 * 48, dtype=np.uint16).reshape(48, 64) + 5000
+    wanted = surfit.Frame(None, counts, camera).depth_m
+    for integer in (np.int32, np.int64, np.uint32):  # Pillow reads 16-bit PNG as int32
+        assert np.array_equal(surfit.Frame(None, counts.astype(integer), camera).depth_m, wanted)

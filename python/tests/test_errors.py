@@ -15,7 +15,8 @@ COLOR = np.ones((48, 64, 3), np.uint8)
 @pytest.mark.parametrize("color, depth, message", [
     (None, DEPTH[:40], "depth is 64 x 40 pixels, must be 64 x 48"),
     (None, DEPTH[..., None], r"depth has shape \(48, 64, 1\), must be \(height, width\)"),
-    (None, DEPTH.astype(np.int32), "depth is of type int32, must be uint16"),
+    (None, DEPTH.astype(bool), "depth is of type bool, must be integer"),
+    (None, np.full((48, 64), -1, np.int32), "depth has a count of -1, must be from 0 to 65535"),
     (COLOR[:, :60], DEPTH, "color is 60 x 48 pixels, must be 64 x 48"),
     (COLOR[..., 0], DEPTH, r"color has shape \(48, 64\), must be \(height, width, 3\)"),
     (COLOR.astype(np.float32), DEPTH, "color is of type float32, must be uint8"),

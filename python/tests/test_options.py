@@ -2,6 +2,7 @@
 
 import copy
 import inspect
+import pickle
 
 import pytest
 
@@ -63,3 +64,24 @@ def test_optional_fields_are_none_or_values():
     assert options.intrinsics == [1, 2, 3, 4] and options.distortion is None
     with pytest.raises(TypeError):
         options.intrinsics = [1, 2, 3]
+
+
+def test_bad_values_are_refused_at_construction():
+    with pytest.raises(ValueError, match="SlamOptions.tracking is 'x', must be one of: "):
+        surfit.SlamOptions(tracking="x")
+    with pytest.raises(ValueError, match="IcpOptions.max_iterations is -1, must be "):
+        surfit.IcpOptions(max_iterations=-1)
+    surfit.SlamRunOptions(threads=1)  # what is required may come later
+
+
+@pytest.mark.parametrize("cls", CLASSES, ids=lambda cls: cls.__name__)
+def test_pickle_keeps_all(cls):
+    options = cls()
+    assert repr(pickle.loads(pickle.dumps(options))) == repr(options)
+
+
+def test_pickle_keeps_nested_values():
+    options = surfit.SlamOptions(tracking="frame_to_frame")
+    options.icp.error_model.kernel.width = 4.5
+    loaded = pickle.loads(pickle.dumps(options))
+    assert loaded.icp.error_model.kernel.width == 4.5 and loaded.tracking == "frame_to_frame"

@@ -1,0 +1,129 @@
+// Pose graphs.
+#include <pybind11/eigen.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "bindings/arrays.h"
+#include "bindings/bind.h"
+#include "bindings/options_class.h"
+#include "bindings/pose_caster.h"
+#include "surfit/core/error.h"
+#include "surfit/io/g2o.h"
+
+namespace py = pybind11;
+
+namespace surfit::python {
+namespace {
+
+std::size_t IndexOf(const PoseGraph& graph, std::int64_t id) {
+  const auto pose = std::find_if(graph.poses.begin(), graph.poses.end(),
+                                 [&](const PoseGraphPose& p) { return p.id == id; });
+  if (pose == graph.poses.end()) throw InputError(Concat("no pose has id ", id));
+  return static_cast<std::size_t>(pose - graph.poses.begin());
+}
+
+void AddEdge(PoseGraph* graph, std::int64_t a, std::int64_t b, const Rigid3d& a_from_b,
+             const py::object& information, bool loop) {
+  PoseGraphEdge edge = {IndexOf(*graph, a), IndexOf(*graph, b), a_from_b};
+  if (!information.is_none()) {
+    const auto rows =
+        py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(information);
+    if (!rows) throw py::error_already_set();
+    if (rows.ndim() != 2 || rows.shape(0) != 6 || rows.shape(1) != 6)
+      throw InputError(Concat("information has shape ", ShapeOf(rows), ", must be (6, 6)"));
+    for (int i = 0; i < 36; ++i) edge.information(i / 6, i % 6) = rows.data()[i];
+  }
+  edge.loop = loop;
+  graph->edges.push_back(edge);
+}
+
+py::array_t<double> PosesOf(const PoseGraph& graph) {
+  py::array_t<double> poses(
+      {static_cast<py::ssize_t>(graph.poses.size()), py::ssize_t{4}, py::ssize_t{4}});
+  for (std::size_t i = 0; i < graph.poses.size(); ++i)
+    WriteMatrix(graph.poses[i].world_from_pose, poses.mutable_data() + 16 * i);
+  return poses;
+}
+
+std::vector<std::int64_t> IdsOf(const PoseGraph& graph) {
+  std::vector<std::int64_t> ids;
+  for (const PoseGraphPose& pose : graph.poses) ids.push_back(pose.id);
+  return ids;
+}
+
+void BindGraphSummary(py::module_& module) {
+  using Summary = PoseGraphSummary;
+  BindReport<Summary>(module, "PoseGraphSummary", "The outcome of an optimisation.")
+      .def_property_readonly("succeeded", &Summary::Succeeded, "whether the poses were moved")
+      .def_property_readonly(
+          "termination", [](const Summary& s) { return ToString(s.termination); },
+          "converged, max_iterations; or failed")
+      .def_readonly("sparse_backend", &Summary::sparse_backend, "the solver of sparse systems")
+      .def_readonly("given_cost", &Summary::given_cost, "as it came, all edges")
+      .def_readonly("initial_cost", &Summary::initial_cost, "where it began, all edges")
+      .def_readonly("final_cost", &Summary::final_cost, "in the end, of the edges that count")
+      .def_readonly("round_count", &Summary::round_count, "solves")
+      .def_readonly("held_count", &Summary::held_count, "poses that were not moved")
+      .def_readonly("loop_count", &Summary::loop_count, "edges that may be wrong")
+      .def_readonly("outlier_edges", &Summary::outlier_edges,
+                    "loops left out as wrong: indices of edges in their order")
+      .def_readonly("initialize_ms", &Summary::initialize_ms, "wall time")
+      .def_readonly("solve_ms", &Summary::solve_ms, "wall time");
+}
+
+}  // namespace
+
+void BindPoseGraph(py::module_& module) {
+  BindGraphSummary(module);
+  py::class_<PoseGraph>(module, "PoseGraph", "Poses and what was measured between them.")
+      .def(py::init<>(), "Without poses.")
+      .def_static(
+          "read", [](const std::filesystem::path& path) { return ReadG2o(path.string()).graph; },
+          py::arg("path"),
+          "Reads a .g2o file; edges between ids that do not follow one another "
+          "are loops.")
+      .def(
+          "write",
+          [](const PoseGraph& graph, const std::filesystem::path& path) {
+            WriteG2o(graph, path.string());
+          },
+          py::arg("path"), "Writes a .g2o file.")
+      .def(
+          "add_pose",
+          [](PoseGraph& graph, std::int64_t id, const Rigid3d& world_from_pose, bool fixed) {
+            graph.poses.push_back({id, world_from_pose, fixed});
+          },
+          py::arg("id"), py::arg("world_from_pose"), py::arg("fixed") = false,
+          "Adds a pose, 4 x 4; fixed: it is known, and never moved.")
+      .def(
+          "add_edge",
+          [](PoseGraph& graph, std::int64_t a, std::int64_t b, const Rigid3d& a_from_b,
+             const py::object& information,
+             bool loop) { AddEdge(&graph, a, b, a_from_b, information, loop); },
+          py::arg("a"), py::arg("b"), py::arg("a_from_b"), py::arg("information") = py::none(),
+          py::arg("loop") = false,
+          "Adds a measurement between the poses of two ids, 4 x 4. information is 6 x 6, of the "
+          "left increment (rotation, translation), as IcpResult's; the identity if None. A loop "
+          "may be wrong.")
+      .def_property_readonly("ids", &IdsOf, "of the poses, in their order")
+      .def_property_readonly("poses", &PosesOf, "N x 4 x 4, world from pose, metres")
+      .def_property_readonly(
+          "edge_count", [](const PoseGraph& graph) { return graph.edges.size(); }, "measurements")
+      .def_property_readonly("cost", &Cost, "half the sum of the squared errors of all edges")
+      .def(
+          "optimize",
+          [](PoseGraph& graph, const PoseGraphOptions& options) {
+            const py::gil_scoped_release release;
+            return OptimizePoseGraph(options, &graph);
+          },
+          py::arg("options") = PoseGraphOptions(), "Moves the poses to the least cost.")
+      .def("__repr__", [](const PoseGraph& graph) {
+        return Concat("<surfit.PoseGraph of ", graph.poses.size(), " poses and ",
+                      graph.edges.size(), " edges>");
+      });
+}
+
+}  // namespace surfit::python

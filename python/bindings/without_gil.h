@@ -1,0 +1,32 @@
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include <optional>
+
+namespace surfit::python {
+
+// Runs `work` while other Python threads run, with a function that calls `progress`, unless that
+// is None, with the values it is given. Its first exception is raised when the work is done.
+template <typename Work>
+auto WithoutGil(const pybind11::object& progress, const Work& work) {
+  namespace py = pybind11;
+  std::optional<py::error_already_set> error;
+  const auto call = [&](const auto&... values) {
+    if (progress.is_none()) return;
+    const py::gil_scoped_acquire acquire;
+    try {
+      if (!error) progress(values...);
+    } catch (const py::error_already_set& raised) {
+      error = raised;
+    }
+  };
+  auto result = [&] {
+    const py::gil_scoped_release release;
+    return work(call);
+  }();
+  if (error) throw py::error_already_set(*error);
+  return result;
+}
+
+}  // namespace surfit::python
