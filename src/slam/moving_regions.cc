@@ -130,9 +130,9 @@ MovingRegions::MovingRegions() = default;
 MovingRegions::~MovingRegions() = default;
 
 CellMask MovingRegions::Find(const FrameLevel& frame, const ViewComparison& comparison,
-                             const Rigid3d& world_from_camera) const {
+                             const Rigid3d& world_from_camera, double stamp_s) const {
   const Image<Side>& sides = comparison.sides;
-  const CellMask moved = MovedBefore(frame, sides, world_from_camera);
+  const CellMask moved = MovedBefore(frame, sides, world_from_camera, stamp_s);
   CellMask kinds(sides.width(), sides.height(), kNone);
   for (int v = 0; v < sides.height(); ++v) {
     for (int u = 0; u < sides.width(); ++u) {
@@ -177,9 +177,11 @@ bool MovingRegions::Moves(const std::vector<int>& cells, const FrameLevel& frame
 
 // What was in front a frame ago need not be where the model shows something.
 CellMask MovingRegions::MovedBefore(const FrameLevel& frame, const Image<Side>& sides,
-                                    const Rigid3d& world_from_camera) const {
-  constexpr double kSameThing_m = 0.15;
+                                    const Rigid3d& world_from_camera, double stamp_s) const {
+  constexpr double kSameThing_m = 0.15, kMost_m = 0.45, kMetresPerSecond = 1.5;
   if (!last_) return {};
+  const double same_m =
+      std::clamp(kMetresPerSecond * (stamp_s - last_->stamp_s), kSameThing_m, kMost_m);
   const ViewGrid grid(frame.camera);
   const Rigid3d last_from_now = last_->world_from_camera.Inverse() * world_from_camera;
   CellMask moved(grid.width, grid.height, kNone);
@@ -190,7 +192,7 @@ CellMask MovingRegions::MovedBefore(const FrameLevel& frame, const Image<Side>& 
           last_from_now * frame.vertex(grid.Pixel(u), grid.Pixel(v)).cast<double>();
       const int cell = last_->CellOf(point);
       if (cell < 0 || last_->moving[cell] == kNone) continue;
-      if (std::abs(last_->depth_m[cell] - point.z()) > kSameThing_m) continue;
+      if (std::abs(last_->depth_m[cell] - point.z()) > same_m) continue;
       moved(u, v) = kCore;
     }
   }

@@ -24,7 +24,7 @@ class MovingRegions {
 
   // In a frame, by what CompareViews() says of it.
   CellMask Find(const FrameLevel& frame, const ViewComparison& comparison,
-                const Rigid3d& world_from_camera) const;
+                const Rigid3d& world_from_camera, double stamp_s) const;
 
   // A frame that has a pose, and what Find() found in it: the next ones are compared with it.
   void Remember(const FrameLevel& frame, const CellMask& moving, const Rigid3d& world_from_camera,
@@ -37,7 +37,7 @@ class MovingRegions {
 
   // The cells that show what moved in the last frame; empty if nothing did.
   CellMask MovedBefore(const FrameLevel& frame, const Image<Side>& sides,
-                       const Rigid3d& world_from_camera) const;
+                       const Rigid3d& world_from_camera, double stamp_s) const;
   void DropWhatRests(const FrameLevel& frame, const Image<Side>& sides,
                      const Rigid3d& world_from_camera, std::vector<int>* cells) const;
   bool Moves(const std::vector<int>& cells, const FrameLevel& frame, const CellMask& kinds,

@@ -142,7 +142,8 @@ Tracked Tracker::Judge(const ReferenceView& reference, const PreparedFrame& fram
   tracked.icp = icp;
   ViewComparison views = compare_at(icp.target_from_source);
   tracked.moving =
-      regions_.Find(frame.surface(), views, reference.world_from_view * icp.target_from_source);
+      regions_.Find(frame.surface(), views, reference.world_from_view * icp.target_from_source,
+                    frame.images.stamp_s);
   if (!tracked.moving.empty()) {
     tracked.icp = Register(Without(frame.view.pyramid, tracked.moving), model,
                            icp.target_from_source, icp_options);

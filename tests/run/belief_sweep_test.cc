@@ -100,12 +100,12 @@ INSTANTIATE_TEST_SUITE_P(Recordings, BeliefSweep,
                          ::testing::Values("tum_fr1_desk", "seven_scenes_kitchen", "icl_office",
                                            "icl_office_kinect"));
 
-// At strides of 1 and 3: every eighth frame of somebody so near shows them elsewhere altogether.
+// Somebody who walks before the camera, up to 0.27 s from frame to frame.
 TEST(BeliefSweepPeople, WalkBeforeTheCamera) {
   Verdicts sum;
   for (const int seed : {2, 3}) {
     const Recording room = Simulated(seed, 120, 30);
-    for (const int stride : {1, 3}) {
+    for (const int stride : {1, 3, 8}) {
       sum += Row("people " + std::to_string(seed) + " every " + std::to_string(stride),
                  Every(room, stride));
     }

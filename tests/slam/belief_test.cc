@@ -130,7 +130,7 @@ double MovingShare(const RgbdFrame& before, const RgbdFrame& now) {
   const FrameLevel frame = SurfaceOf(now);
   const ViewComparison views =
       CompareViews(frame, {}, SurfaceOf(room.frames[20]), {}, ErrorModel(), Rigid3d());
-  const CellMask moving = regions.Find(frame, views, here);
+  const CellMask moving = regions.Find(frame, views, here, 20 / 30.);
   return static_cast<double>(moving.size() - std::count(moving.begin(), moving.end(), 0)) /
          views.points;
 }

@@ -62,10 +62,10 @@ class SlamSoak : public SlamTool {
     return samples;
   }
 
-  // Poses and figures of all frames are kept, and in the end written as JSON: about a kilobyte a
-  // frame, whose images have 24.
+  // Poses and figures of all frames are kept: 40 numbers of each, in lists that grow by as much as
+  // they have.
   void ExpectFlatMemoryAndNoLostFrame(int frames) const {
-    constexpr double kBytesOfFrame = 2000, kNoise = 8e6;
+    constexpr double kBytesOfFrame = 600, kNoise = 8e6;
     std::size_t early = 0, late = 0;
     for (const Sample& sample : Run(frames)) {
       if (sample.frames < frames / 4) continue;
