@@ -19,7 +19,6 @@ namespace {
 struct Options {
   SlamRunOptions run;
   bool view = false;
-  bool refine = false;
 
   void Visit(OptionVisitor& v) {
     v.AddPart(run, "run", "the run");
@@ -28,12 +27,13 @@ struct Options {
           "show the run in a window: frame, model, map and camera path; without a display the run "
           "says so and goes on",
           Everyday());
-    v.Add(refine, "refine",
-          "in the end refine the keyframes' poses, the map and the camera's calibration, to the "
-          "folder refined in the output's; surfit_refine has more options",
-          Everyday());
   }
 };
+
+void ShowRefinement(const SlamRunProgress& progress) {
+  static ProgressLine line;
+  line.Show(Concat("poses and camera refined: round ", progress.refinement_rounds), false);
+}
 
 void ShowFinalMap(const SlamRunProgress& progress) {
   static ProgressLine line;
@@ -46,6 +46,7 @@ void ShowFinalMap(const SlamRunProgress& progress) {
 
 void ShowProgress(const SlamRunProgress& progress) {
   if (progress.frames_fused_anew > 0) return ShowFinalMap(progress);
+  if (progress.refinement_rounds > 0) return ShowRefinement(progress);
   static ProgressLine line;
   const double fps = progress.frames_done / progress.elapsed_s;
   const double million_surfels = static_cast<double>(progress.map_points) * 1e-6;
@@ -83,18 +84,35 @@ void PrintOtherClocks(const SlamRunSummary& s) {
   }
 }
 
+const CalibrationRecord& LastCalibration(const SlamRunSummary& s) {
+  const bool is_refined = s.refinement && s.refinement->record.summary.Succeeded();
+  return is_refined ? s.refinement->record : s.calibrations.back();
+}
+
+void PrintRefinement(const SlamRunSummary& s) {
+  if (!s.refinement) return;
+  const CalibrationRecord& record = s.refinement->record;
+  if (record.summary.Succeeded()) {
+    std::printf("poses were refined by %zu keyframes in %.1f s\n", record.keyframes,
+                s.refinement->seconds);
+  } else {
+    std::printf("poses were not refined: %s, %zu keyframes\n",
+                ToString(record.summary.termination).c_str(), record.keyframes);
+  }
+}
+
 void PrintCalibration(const SlamRunSummary& s, const std::string& output) {
   if (s.calibrations.empty()) return;
-  const RefinementSummary& last = s.calibrations.back().summary;
+  const CalibrationRecord& last = LastCalibration(s);
   if (!s.calibration) {
-    std::printf("the camera is as given, as far as %zu keyframes tell\n",
-                s.calibrations.back().keyframes);
+    std::printf("the camera is as given, as far as %zu keyframes tell\n", last.keyframes);
     return;
   }
   const PinholeCamera& camera = s.calibration->camera;
   std::printf("the camera is not as given: fx %.1f fy %.1f cx %.1f cy %.1f", camera.fx, camera.fy,
               camera.cx, camera.cy);
-  if (const Eigen::MatrixXd& covariance = last.calibration_covariance; covariance.size() > 0) {
+  if (const Eigen::MatrixXd& covariance = last.summary.calibration_covariance;
+      covariance.size() > 0) {
     const Eigen::VectorXd sigma = covariance.diagonal().cwiseSqrt();
     std::printf(" (standard deviations %.1f %.1f %.1f %.1f px)", sigma[0], sigma[1], sigma[2],
                 sigma[3]);
@@ -151,6 +169,7 @@ void PrintSummary(const SlamRunSummary& s, const SlamRunOptions& options) {
   } else {
     std::printf("ATE unknown: no ground truth\n");
   }
+  PrintRefinement(s);
   if (s.final_map_s) {
     std::printf("the map was fused anew along the final poses in %.1f s\n", *s.final_map_s);
   }
@@ -173,22 +192,8 @@ void PrintStages(const SlamRunSummary& s, bool offered) {
               s.latency.median_ms, s.latency.p95_ms);
 }
 
-// Of the run that has just been written.
-int Refine(const SlamRunOptions& run) {
-  RefineRunOptions options;
-  options.sequence = WithFoundCamera(run.sequence, run.output);
-  options.trajectory = run.output + "/trajectory.txt";
-  options.output = run.output + "/refined";
-  options.preprocess = run.slam.preprocess;
-  options.threads = run.threads;
-  return RefineAndPrint(options);
-}
-
 int Run(const Options& all) {
   const SlamRunOptions& options = all.run;
-  if (all.refine && options.sequence.format == "watch") {
-    throw InputError("refine reads the sequence once more, which format 'watch' cannot");
-  }
   const std::atomic<bool>& interrupted = CatchInterruptions();
   const std::unique_ptr<LiveView> view = all.view ? LiveView::Open(interrupted) : nullptr;
   const auto progress = [&](const SlamRunProgress& now) {
@@ -206,7 +211,7 @@ int Run(const Options& all) {
                  summary.frames_total);
     return kAlgorithmFailed;
   }
-  return all.refine ? Refine(options) : kDone;
+  return kDone;
 }
 
 }  // namespace

@@ -124,6 +124,8 @@ void RefineFrom(const JointState& given, const RefinementOptions& options, Joint
   TakePoses(given, keyframes);
   JointState state = given;
   summary->termination = RunRounds(options, keyframes, &prior, &state, &summary->rounds, progress);
+  // Noise may tell less than none.
+  state.calibration.readout_s = std::max(0., state.calibration.readout_s);
   summary->calibration = state.calibration;
   if (summary->Succeeded()) SetAgreement(options, *keyframes, &prior, state, summary);
 }

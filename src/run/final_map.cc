@@ -1,10 +1,8 @@
 #include "run/final_map.h"
 
-#include <algorithm>
 #include <memory>
 #include <utility>
 
-#include "slam/moving_regions.h"
 #include "surfit/frame/frame_pyramid.h"
 #include "surfit/frame/prepare_frame.h"
 #include "surfit/frame/rolling_shutter.h"
@@ -13,8 +11,6 @@
 
 namespace surfit {
 namespace {
-
-constexpr int kReadAhead = 4;
 
 class FinalMap {
  public:
@@ -30,10 +26,6 @@ class FinalMap {
     frame.color_stamp_s -= known_.color_latency_s;
     if (known_.calibration) {
       CorrectDepth(sensor_.camera, known_.calibration->field, &frame.depth_m);
-    }
-    const auto moving = known_.moving.find(frame.index);
-    if (moving != known_.moving.end()) {
-      frame.depth_m = Without(std::move(frame.depth_m), moving->second);
     }
     Image<Rgb8> color = std::move(frame.color);
     frame = AtMiddleOfReadout(frame, sensor_, motion);
@@ -56,18 +48,16 @@ class FinalMap {
 
 std::optional<SurfelMap> FuseAnew(const KnownSequence& known, const std::atomic<bool>& interrupted,
                                   const FinalMapProgress& progress) {
-  const auto source = ReadAhead(OpenSequence(known.sequence), kReadAhead);
+  const auto source = OpenAgain(known.sequence);
   FinalMap final_map(known, source->info());
   int frames = 0;
-  while (std::optional<ReadResult> read = source->Next()) {
-    if (interrupted) return std::nullopt;
-    if (!read->frame) continue;
-    const auto at = std::lower_bound(known.frames.begin(), known.frames.end(), read->index);
-    if (at == known.frames.end() || *at != read->index || known.left_out.count(*at) > 0) continue;
-    final_map.Fuse(*std::move(read->frame),
-                   known.trajectory[at - known.frames.begin()].world_from_camera);
-    progress(++frames, final_map.map().size());
-  }
+  const bool all =
+      ReadKnownFrames(known, source.get(), interrupted, [&](std::size_t pose, RgbdFrame frame) {
+        if (known.left_out.count(frame.index) > 0) return;
+        final_map.Fuse(std::move(frame), known.trajectory[pose].world_from_camera);
+        progress(++frames, final_map.map().size());
+      });
+  if (!all) return std::nullopt;
   return std::move(final_map.map());
 }
 

@@ -40,6 +40,11 @@ void SlamRunOptions::Visit(OptionVisitor& v) {
         "offer frames at this rate, as a camera does; those not taken in time are dropped and "
         "counted, and only lost ones are looked for (sure_inlier_share is 0)",
         ZeroIs("as fast as they are processed"), AsFlag());
+  v.Add(
+      refine, "refine",
+      "in the end, before the final map, refine poses and camera jointly by keyframes of the whole "
+      "sequence, where the camera was found not to be as given; surfit_refine has more options",
+      AsFlag(), Everyday());
   v.Add(final_map, "final_map",
         "in the end read the sequence once more, and fuse the map anew along the final poses, by "
         "the calibration that was found",

@@ -6,6 +6,7 @@
 
 #include "core/repeated_warning.h"
 #include "run/failures.h"
+#include "run/known_sequence.h"
 #include "run/output_files.h"
 #include "run/output_folder.h"
 #include "run/posed_views.h"
@@ -28,7 +29,6 @@
 namespace surfit {
 namespace {
 
-constexpr int kReadAhead = 4;
 constexpr double kSameStamp = 1e-5;  // s; trajectories have 6 decimals
 
 Trajectory InSourceConvention(Trajectory trajectory, bool mirrored) {
@@ -131,7 +131,7 @@ class RefineRun {
     options.preprocess = options_.preprocess;
     Slam slam({calibration.camera, run_.info.camera.noise, 0}, options, {});
     RepeatedWarning skipped("frames skipped");
-    const auto source = ReadAhead(OpenSequence(options_.sequence), kReadAhead);
+    const auto source = OpenAgain(options_.sequence);
     while (std::optional<ReadResult> read = source->Next()) {
       const std::optional<std::size_t> pose = PoseAt(refined, read->stamp_s);
       if (!read->frame) skipped.Tell(Concat("frame ", read->index, " skipped: ", read->error));
@@ -155,7 +155,7 @@ class RefineRun {
 }  // namespace
 
 RunKeyframes ReadRunKeyframes(const RefineRunOptions& options) {
-  const auto source = ReadAhead(OpenSequence(options.sequence), kReadAhead);
+  const auto source = OpenAgain(options.sequence);
   RunKeyframes run;
   run.info = source->info();
   run.trajectory = ReadEstimate(options.trajectory, run.info);

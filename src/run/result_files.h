@@ -23,10 +23,11 @@ void WriteSummaryJson(const SlamRunSummary& summary, const SlamRunOptions& optio
 // Where a run's cameras were, in the frame of its map.
 struct RunPoses {
   const PinholeCamera& camera;
-  const DepthCalibration* calibration;  // that was found, of the frames as they are read; or null
-  const Trajectory& trajectory;         // as estimated
-  const std::vector<int>& frames;       // of the trajectory's poses: the frames' indices
-  const Trajectory& truth;              // in its own world; empty if unknown
+  // That was found, of the frames as they are read; none: as given.
+  const std::optional<DepthCalibration>& calibration;
+  const Trajectory& trajectory;    // as estimated
+  const std::vector<int>& frames;  // of the trajectory's poses: the frames' indices
+  const Trajectory& truth;         // in its own world; empty if unknown
   const std::optional<TrajectoryEvaluation>& evaluation;
   const std::vector<KeptView>& views;
   double color_latency_s = 0;  // that was found beyond the given one

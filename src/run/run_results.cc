@@ -55,18 +55,15 @@ void WriteRunResults(const RunOutcome& run, Failures* failures) {
     const TraceSlice slice("write_map");
     WriteSurfelPly(run.map, folder + "/map.ply");
   });
-  const DepthSensor sensor = run.slam.slam().sensor();
+  const DepthSensor sensor = run.slam.sensor();
   std::vector<KeptView> views;
   failures->Try([&] { WriteViews(run, sensor, &views); });
   Trajectory truth;
   failures->Try([&] { truth = TruthDuring(run.stamps_s, run.slam.info().ground_truth); });
   failures->Try([&] {
-    const Backend* backend = run.slam.slam().backend();
-    const bool is_recalibrated = backend && backend->is_recalibrated();
-    WritePosesJson(
-        {sensor.camera, is_recalibrated ? backend->calibration() : nullptr, run.slam.trajectory(),
-         run.slam.frames(), truth, run.evaluation, views, backend ? backend->color_latency_s() : 0},
-        folder + "/poses.json");
+    WritePosesJson({sensor.camera, run.slam.calibration(), run.slam.trajectory(), run.slam.frames(),
+                    truth, run.evaluation, views, run.slam.color_latency_s()},
+                   folder + "/poses.json");
   });
   if (run.options.pictures) WritePictures(run, truth, failures);
 }

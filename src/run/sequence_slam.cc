@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdio>
 #include <optional>
+#include <utility>
 
 #include "run/posed_views.h"
 #include "run/tracking_dump.h"
@@ -60,7 +61,10 @@ FrameReport SequenceSlam::ProcessAtTruePose(const RgbdFrame& frame) {
 
 void SequenceSlam::Finish() {
   slam_->Finish();
-  if (slam_->backend()) trajectory_ = slam_->backend()->trajectory();
+  const Backend* backend = slam_->backend();
+  if (!backend) return;
+  trajectory_ = backend->trajectory();
+  TakeCalibration();
 }
 
 // The backend may have the frame already that SLAM has ended in.
@@ -70,6 +74,28 @@ void SequenceSlam::FinishEarly() {
   const std::size_t count = std::min(corrected.size(), frames_.size());
   trajectory_.assign(corrected.begin(), corrected.begin() + static_cast<std::ptrdiff_t>(count));
   frames_.resize(count);
+  TakeCalibration();
+}
+
+void SequenceSlam::TakeCalibration() {
+  if (slam_->backend()->is_recalibrated()) calibration_ = *slam_->backend()->calibration();
+}
+
+void SequenceSlam::Improve(RefinedSequence refined) {
+  trajectory_ = std::move(refined.trajectory);
+  calibration_ = refined.calibration;
+}
+
+double SequenceSlam::color_latency_s() const {
+  return slam_->backend() ? slam_->backend()->color_latency_s() : 0;
+}
+
+DepthSensor SequenceSlam::sensor() const {
+  DepthSensor sensor = info_.sensor();
+  if (!calibration_) return sensor;
+  sensor.camera = calibration_->camera;
+  sensor.readout_s = calibration_->readout_s;
+  return sensor;
 }
 
 }  // namespace surfit

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/repeated_warning.h"
+#include "run/final_refinement.h"
 #include "surfit/geometry/trajectory.h"
 #include "surfit/io/frame_source.h"
 #include "surfit/run/slam_run.h"
@@ -25,6 +27,8 @@ class SequenceSlam {
   void Finish();
   // The trajectory of the frames so far, as it is, where SLAM has ended within a frame.
   void FinishEarly();
+  // In the end: what is known better by now.
+  void Improve(RefinedSequence refined);
 
   const SequenceInfo& info() const { return info_; }
   const SurfelMap& map() const { return slam_->map(); }
@@ -32,9 +36,16 @@ class SequenceSlam {
   const Trajectory& trajectory() const { return trajectory_; }
   // The indices of the frames whose poses the trajectory has.
   const std::vector<int>& frames() const { return frames_; }
+  // That was found of the frames as they are read, in the end; none: as given.
+  const std::optional<DepthCalibration>& calibration() const { return calibration_; }
+  // By how much colour was found to be earlier than frames have it.
+  double color_latency_s() const;
+  // Of frames by that calibration.
+  DepthSensor sensor() const;
 
  private:
   void Begin(double stamp_s);
+  void TakeCalibration();
   FrameReport ProcessAtTruePose(const RgbdFrame& frame);
 
   const SlamRunOptions& options_;
@@ -42,6 +53,7 @@ class SequenceSlam {
   std::unique_ptr<Slam> slam_;
   Trajectory trajectory_;
   std::vector<int> frames_;
+  std::optional<DepthCalibration> calibration_;
   RepeatedWarning without_pose_{"frames without a true pose"};
 };
 

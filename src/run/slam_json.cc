@@ -134,6 +134,12 @@ void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
   j["calibrations"] = Json::array();
   for (const CalibrationRecord& record : s.calibrations)
     j["calibrations"].push_back(ToJson(record));
+  j["refinement"] = nullptr;
+  if (s.refinement) {
+    j["refinement"] = ToJson(s.refinement->record);
+    j["refinement"]["rounds"] = s.refinement->record.summary.rounds.size();
+    j["refinement"]["seconds"] = s.refinement->seconds;
+  }
   j["input_points"] = s.input_points;
   j["input_points_valid"] = s.input_points_valid;
   j["surfels_updated"] = s.updated;

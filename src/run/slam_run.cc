@@ -7,11 +7,13 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "core/repeated_warning.h"
 #include "run/digest.h"
 #include "run/failures.h"
 #include "run/final_map.h"
+#include "run/final_refinement.h"
 #include "run/kept_views.h"
 #include "run/output_files.h"
 #include "run/output_folder.h"
@@ -95,8 +97,9 @@ class SlamRun {
   // Whoever is told may take their time, and pause.
   void Tell(const SlamRunFrame* frame, const ProgressCall& progress) {
     statistics_.LeaveOut([&] {
-      progress({statistics_.frames_done(), slam_.info().frame_count,
-                slam_.HasBegun() ? slam_.map().size() : 0, statistics_.elapsed_s(), 0, frame});
+      SlamRunProgress now = Progress();
+      now.frame = frame;
+      progress(now);
     });
   }
 
@@ -129,12 +132,16 @@ class SlamRun {
     if (!is_whole_ || !failures_.Try([&] { slam_.Finish(); })) {
       failures_.Try([&] { slam_.FinishEarly(); });
     }
+    failures_.Try([&] { Improve(interrupted, progress); });
     SlamRunSummary summary;
-    failures_.Try([&] { FuseFinalMap(interrupted, progress); });
     failures_.Try([&] { summary = statistics_.Summary(map().size()); });
+    if (final_map_) summary.refinement = refinement_;
     summary.final_map_s = final_map_s_;
     summary.interrupted = interrupted;
     summary.sensor_latency_s = slam_.info().camera.latency_s;
+    if (slam_.slam().backend() || summary.refinement) {
+      failures_.Try([&] { files_->Rewrite(slam_.trajectory()); });
+    }
     if (slam_.slam().backend()) FinishBackend(&summary);
     failures_.Try([&] { summary.digest = Digest(slam_.trajectory(), slam_.map()); });
     if (!slam_.info().ground_truth.empty()) failures_.Try([&] { Evaluate(&summary); });
@@ -149,24 +156,69 @@ class SlamRun {
   }
 
   // Not of a run that has ended early, nor of frames that are gone.
-  void FuseFinalMap(const std::atomic<bool>& interrupted, const ProgressCall& progress) {
+  void Improve(const std::atomic<bool>& interrupted, const ProgressCall& progress) {
     if (!options_.final_map || options_.sequence.format == "watch" || !is_whole_ || interrupted ||
         failures_.any()) {
       return;
     }
+    std::optional<RefinedSequence> refined;
+    if (options_.refine &&
+        slam_.calibration()) {  // else tracking has seen more than keyframes tell
+      refined = Refine(Known(slam_.trajectory(), slam_.calibration()), interrupted, progress);
+    }
+    if (interrupted) return;
+    FuseFinalMap(refined ? Known(refined->trajectory, refined->calibration)
+                         : Known(slam_.trajectory(), slam_.calibration()),
+                 interrupted, progress);
+    if (final_map_ && refined) slam_.Improve(std::move(*refined));
+  }
+
+  std::optional<RefinedSequence> Refine(const KnownSequence& known,
+                                        const std::atomic<bool>& interrupted,
+                                        const ProgressCall& progress) {
+    const auto start = std::chrono::steady_clock::now();
+    SlamRunProgress now = Progress();
+    std::optional<RefinedSequence> refined =
+        RefineKnown(known, slam_.info().pinhole, interrupted, [&](const RefinementRound&) {
+          ++now.refinement_rounds;
+          now.elapsed_s = statistics_.elapsed_s();
+          progress(now);
+        });
+    if (!refined) return refined;
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+    const int last = slam_.frames().back();
+    refinement_ = {{refined->keyframes, last, last, refined->summary, {}}, elapsed.count()};
+    return refined;
+  }
+
+  void FuseFinalMap(const KnownSequence& known, const std::atomic<bool>& interrupted,
+                    const ProgressCall& progress) {
     const TraceSlice slice("final_map");
     const auto start = std::chrono::steady_clock::now();
-    const Backend* backend = slam_.slam().backend();
-    const bool is_recalibrated = backend && backend->is_recalibrated();
-    final_map_ = FuseAnew({options_.sequence, options_.slam, slam_.trajectory(), slam_.frames(),
-                           left_out_, moving_, is_recalibrated ? backend->calibration() : nullptr,
-                           backend ? backend->color_latency_s() : 0},
-                          interrupted, [&](int frames, std::size_t points) {
-                            progress({statistics_.frames_done(), slam_.info().frame_count, points,
-                                      statistics_.elapsed_s(), frames});
-                          });
+    SlamRunProgress now = Progress();
+    final_map_ = FuseAnew(known, interrupted, [&](int frames, std::size_t points) {
+      now.frames_fused_anew = frames;
+      now.map_points = points;
+      now.elapsed_s = statistics_.elapsed_s();
+      progress(now);
+    });
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
     if (final_map_) final_map_s_ = elapsed.count();
+  }
+
+  KnownSequence Known(const Trajectory& trajectory,
+                      const std::optional<DepthCalibration>& calibration) const {
+    return {options_.sequence, options_.slam, trajectory,  slam_.frames(),
+            left_out_,         moving_,       calibration, slam_.color_latency_s()};
+  }
+
+  SlamRunProgress Progress() const {
+    SlamRunProgress now;
+    now.frames_done = statistics_.frames_done();
+    now.frames_total = slam_.info().frame_count;
+    now.map_points = slam_.HasBegun() ? slam_.map().size() : 0;
+    now.elapsed_s = statistics_.elapsed_s();
+    return now;
   }
 
   const SurfelMap& map() const { return final_map_ ? *final_map_ : slam_.map(); }
@@ -190,8 +242,9 @@ class SlamRun {
       failures_.Try([&] { WriteLoopsCsv(backend.loops(), Path("loops.csv")); });
     }
     summary->calibrations = backend.calibrations();
-    if (!backend.is_recalibrated() && backend.color_latency_s() == 0) return;
-    summary->calibration = *backend.calibration();
+    const std::optional<DepthCalibration>& found = slam_.calibration();
+    if (!found && backend.color_latency_s() == 0) return;
+    summary->calibration = found ? *found : *backend.calibration();
     summary->calibration_doubt = DoubtOfGiven(slam_.info().sensor(), *summary->calibration);
     failures_.Try([&] {
       SequenceInfo info = slam_.info();
@@ -215,6 +268,7 @@ class SlamRun {
   Failures failures_;
   std::set<int> left_out_;                     // frames that are not to be in the map
   std::map<int, Image<std::uint8_t>> moving_;  // FrameReport::moving, by frame
+  std::optional<FinalRefinement> refinement_;
   std::optional<SurfelMap> final_map_;
   std::optional<double> final_map_s_;
   bool is_whole_ = true;  // no frame has ended within its processing

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "refinement/subsampled.h"
 #include "surfit/core/trace.h"
 #include "surfit/refinement/keyframes.h"
 
@@ -30,11 +31,6 @@ DepthSensor Subsampled(DepthSensor sensor) {
   return sensor;
 }
 
-DepthCalibration Subsampled(DepthCalibration calibration) {
-  calibration.camera = calibration.camera.Subsampled(kStride);
-  return calibration;
-}
-
 template <typename T>
 Image<T> Subsampled(const Image<T>& image) {
   Image<T> few((image.width() + kStride - 1) / kStride, (image.height() + kStride - 1) / kStride);
@@ -42,18 +38,6 @@ Image<T> Subsampled(const Image<T>& image) {
     for (int u = 0; u < few.width(); ++u) few(u, v) = image(kStride * u, kStride * v);
   }
   return few;
-}
-
-// The calibration of the whole images from that of subsampled ones.
-void ScaleUp(const PinholeCamera& whole, RefinementSummary* summary) {
-  PinholeCamera& camera = summary->calibration.camera;
-  camera.width = whole.width;
-  camera.height = whole.height;
-  for (double* px : {&camera.fx, &camera.fy, &camera.cx, &camera.cy}) *px *= kStride;
-  if (Eigen::MatrixXd& covariance = summary->calibration_covariance; covariance.size() > 0) {
-    covariance.topRows<4>() *= kStride;
-    covariance.leftCols<4>() *= kStride;
-  }
 }
 
 }  // namespace
@@ -112,10 +96,10 @@ Calibrator::Outcome Calibrator::Run(const Frames& frames, const std::vector<Came
         {world_from_keyframe[k], MakeKeyframeImages(*frames[k], sensor_, motions[k], preprocess_)});
   }
   Outcome outcome;
-  outcome.summary = Refine(options_.refinement, Subsampled(given_), Subsampled(start), &keyframes,
-                           [](const RefinementRound&) {});
+  outcome.summary = Refine(options_.refinement, Subsampled(given_, kStride),
+                           Subsampled(start, kStride), &keyframes, [](const RefinementRound&) {});
   outcome.color_latency = LatencyOf(frames, keyframes, outcome.summary.calibration);
-  ScaleUp(camera_, &outcome.summary);
+  ScaleUp(camera_, kStride, &outcome.summary);
   outcome.world_from_keyframe_before = std::move(world_from_keyframe);
   for (const RefinementKeyframe& keyframe : keyframes) {
     outcome.world_from_keyframe.push_back(keyframe.world_from_camera);

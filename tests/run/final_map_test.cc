@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "run/final_refinement.h"
 #include "testing/matchers.h"
 #include "testing/pixels.h"
 #include "testing/sequence_writer.h"
@@ -22,7 +23,7 @@ class FinalMap : public ::testing::Test {
     sequence_ = Options(folder_);
   }
 
-  std::optional<SurfelMap> Fused(const DepthCalibration* calibration = nullptr,
+  std::optional<SurfelMap> Fused(const std::optional<DepthCalibration>& calibration = {},
                                  bool interrupted = false) {
     return FuseAnew(
         {sequence_, slam_, trajectory_, frames_, left_out_, moving_, calibration, color_latency_s_},
@@ -71,7 +72,7 @@ TEST_F(FinalMap, IsMeasuredByTheCalibrationThatWasFound) {
   };
   DepthCalibration found = {{32, 24, 31, 30, 15.5 + 3.1, 11.5, {}}, {{1 / 1.25 - 1}}, 0};
   const Eigen::Vector3f given = centre_and_depth(*Fused());
-  const Eigen::Vector3f corrected = centre_and_depth(*Fused(&found));
+  const Eigen::Vector3f corrected = centre_and_depth(*Fused(found));
   EXPECT_NEAR(given.z(), 1, 1e-5);
   EXPECT_NEAR(corrected.z(), 1.25, 1e-5);
   // 3.1 px of 31 are a tenth of the depth; each surfel stands within a pixel of its place.
@@ -115,8 +116,22 @@ TEST_F(FinalMap, LeavesOutWhatMoves) {
 }
 
 TEST_F(FinalMap, IsNoneWhereItIsInterrupted) {
-  EXPECT_FALSE(Fused(nullptr, true).has_value());
+  EXPECT_FALSE(Fused({}, true).has_value());
   EXPECT_EQ(frames_done_, 0);
+}
+
+TEST_F(FinalMap, HasPosesAsTheyWereWhereOneKeyframeIsAllThatThereIs) {
+  const std::optional<DepthCalibration> found =
+      DepthCalibration{{32, 24, 31, 30, 16, 11.5, {}}, {}, 0};
+  const KnownSequence known = {sequence_, slam_, trajectory_, frames_, left_out_, moving_, found};
+  const auto progress = [](const RefinementRound&) {};
+  const auto refined = RefineKnown(known, found->camera, false, progress);
+  ASSERT_TRUE(refined.has_value());
+  EXPECT_EQ(refined->keyframes, 1u);
+  EXPECT_EQ(refined->summary.termination, RefinementTermination::kTooFewSurfels);
+  EXPECT_EQ(refined->trajectory.size(), trajectory_.size());
+  EXPECT_TRUE(refined->calibration && AreSame(*refined->calibration, *found));
+  EXPECT_FALSE(RefineKnown(known, found->camera, true, progress).has_value());
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ TEST(RefineTool, RefinesASimulatedRunAndWritesWhatReadersTake) {
   const TempFolder folder;
   Simulate(folder / "in", 60, 4, 7);
   Succeeded(RunProgram("surfit_slam", {"--sequence=" + folder / "in", "--output=" + folder / "out",
-                                       "--pictures=false", "--last=55"}));
+                                       "--pictures=false", "--nofinal_map", "--last=55"}));
   const ProgramResult result = Succeeded(RunProgram("surfit_refine", {"--run=" + folder / "out"}));
   EXPECT_THAT(result.out, HasSubstr("ATE RMSE, mm"));
   EXPECT_THAT(result.out, HasSubstr("scale is held"));
@@ -58,7 +58,7 @@ TEST(RefineTool, KnowsTheRunsFramesByTheirMoments) {
   const TempFolder folder;
   Simulate(folder / "in", 20, 4, 7);
   Succeeded(RunProgram("surfit_slam", {"--sequence=" + folder / "in", "--output=" + folder / "out",
-                                       "--pictures=false", "--latency_s=0.02"}));
+                                       "--pictures=false", "--nofinal_map", "--latency_s=0.02"}));
   Succeeded(RunProgram("surfit_refine", {"--run=" + folder / "out", "--max_rounds=1"}));
   const std::string refined = folder / "out/refined";
   const Trajectory before = ReadTumTrajectory(folder / "out/trajectory.txt");
@@ -77,7 +77,7 @@ TEST(RefineTool, TakesTheSensorsPriorUnlessAFlagSaysOtherwise) {
   sensor.prior.center_px = 1e-6;
   WriteCameraYaml(sensor, folder / "in/camera.yaml");
   Succeeded(RunProgram("surfit_slam", {"--sequence=" + folder / "in", "--output=" + folder / "out",
-                                       "--pictures=false"}));
+                                       "--pictures=false", "--nofinal_map"}));
   Succeeded(RunProgram("surfit_refine",
                        {"--run=" + folder / "out", "--max_rounds=1", "--prior_center_px=3"}));
   const auto json = nlohmann::json::parse(ReadBytes(folder / "out/refined/refinement.json"));
@@ -93,8 +93,9 @@ TEST(RefineTool, FindsTheReadout) {
   for (const int seed : {4, 7, 11}) {
     const TempFolder folder;
     Simulate(folder / "in", 150, 4, seed, 0, {"--readout_s=" + std::to_string(readout_s)});
-    Succeeded(RunProgram("surfit_slam", {"--sequence=" + folder / "in", "--nocalibrate",
-                                         "--output=" + folder / "out", "--pictures=false"}));
+    Succeeded(RunProgram("surfit_slam",
+                         {"--sequence=" + folder / "in", "--nocalibrate",
+                          "--output=" + folder / "out", "--pictures=false", "--nofinal_map"}));
     Succeeded(RunProgram("surfit_refine", {"--run=" + folder / "out", "--prior_readout_s=0.03"}));
     const auto json = nlohmann::json::parse(ReadBytes(folder / "out/refined/refinement.json"));
     const double found = json["calibration"]["after"]["readout_s"];
@@ -115,10 +116,10 @@ TEST(RefineTool, FindsAWrongCalibrationAndAThirdOfTheErrorIsLeft) {
     Simulate(folder / "in", 300, 2, seed);
     const double focal = 262.5;
     const std::string wrong = std::to_string(1.01 * focal);
-    Succeeded(RunProgram(
-        "surfit_slam", {"--sequence=" + folder / "in", "--output=" + folder / "out", "--refine",
-                        "--intrinsics=" + wrong + "," + wrong + ",159.75,119.75", "--map_period=1",
-                        "--nocalibrate", "--pictures=false"}));
+    Succeeded(RunProgram("surfit_slam",
+                         {"--sequence=" + folder / "in", "--output=" + folder / "out",
+                          "--nofinal_map", "--intrinsics=" + wrong + "," + wrong + ",159.75,119.75",
+                          "--map_period=1", "--nocalibrate", "--pictures=false"}));
     const auto json = nlohmann::json::parse(ReadBytes(folder / "out/refined/refinement.json"));
     const auto& found = json["calibration"]["after"];
     const double fx = found["fx"], fy = found["fy"], offset = found["inverse_depth_field"][0];
@@ -139,9 +140,10 @@ TEST(RefineTool, KeepsARightCalibrationAndTheErrorDoesNotGrow) {
   for (const int seed : {4, 7, 11}) {
     const TempFolder folder;
     Simulate(folder / "in", 300, 2, seed, 0);
-    Succeeded(RunProgram("surfit_slam",
-                         {"--sequence=" + folder / "in", "--refine", "--output=" + folder / "out",
-                          "--map_period=1", "--pictures=false"}));
+    Succeeded(
+        RunProgram("surfit_slam", {"--sequence=" + folder / "in", "--output=" + folder / "out",
+                                   "--map_period=1", "--nofinal_map", "--pictures=false"}));
+    Succeeded(RunProgram("surfit_refine", {"--run=" + folder / "out"}));
     const auto json = nlohmann::json::parse(ReadBytes(folder / "out/refined/refinement.json"));
     const double before = json["ate_rmse_m"]["before"], after = json["ate_rmse_m"]["after"];
     std::printf("seed %d: squared distance %.1f of %.1f, ATE %.2f -> %.2f mm\n", seed,
@@ -161,7 +163,7 @@ TEST(RefineTool, FindsHowTheErrorOfDepthVariesOverTheImage) {
              {"--inverse_depth_distortion=0.002,-0.002,0.008,0.002,0.006"});
     Succeeded(
         RunProgram("surfit_slam", {"--sequence=" + folder / "in", "--output=" + folder / "out",
-                                   "--pictures=false", "--nocalibrate"}));
+                                   "--pictures=false", "--nofinal_map", "--nocalibrate"}));
     Succeeded(RunProgram("surfit_refine", {"--run=" + folder / "out", "--free_depth_field"}));
     const std::string refined = folder / "out/refined";
     const auto json = nlohmann::json::parse(ReadBytes(refined + "/refinement.json"));
@@ -200,7 +202,7 @@ TEST(RefineTool, SeesByTheCameraThatTheRunFound) {
   Simulate(folder / "in", 20, 4, 7, 0);
   Succeeded(RunProgram("surfit_slam",
                        {"--sequence=" + folder / "in", "--output=" + run, "--pictures=false",
-                        "--nocalibrate", "--intrinsics=132,132,79.5,59.5"}));
+                        "--nofinal_map", "--nocalibrate", "--intrinsics=132,132,79.5,59.5"}));
   std::string messages;
   EXPECT_EQ(GivenFx(run, {}, &messages), 132);  // nothing was found: as the run was given
   EXPECT_THAT(messages, HasSubstr("seen by the sequence's own camera"));

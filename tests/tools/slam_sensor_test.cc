@@ -33,7 +33,8 @@ TEST(SlamSensor, AFifthOfTheErrorIsLeftOfARollingShutterThatIsKnown) {
     const TempFolder folder;
     SimulateRoom(folder / "in", seed, 150, {"--readout_s=0.033", "--known=readout_s"});
     const auto ate_mm = [&](const std::string& name, const std::string& flag) -> double {
-      return 1000 * SummaryOf(folder / "in", folder / name, {"--nocalibrate", flag})["ate_rmse_m"]
+      return 1000 * SummaryOf(folder / "in", folder / name,
+                              {"--nocalibrate", "--nofinal_map", flag})["ate_rmse_m"]
                         .get<double>();
     };
     const double ignored = ate_mm("ignored", "--readout_s=0"),
@@ -61,6 +62,34 @@ TEST(SlamSensor, FindsHowMuchEarlierColourWasTaken) {
       EXPECT_EQ(ReadCameraYaml(folder / "out/camera.yaml").color_latency_s, found_s);
     }
   }
+}
+
+TEST(SlamSensor, RefinesCameraAndPosesInTheEnd) {
+  const TempFolder folder;
+  SimulateRoom(folder / "in", 4, 150,
+               {"--given_center_error=2,-1.5", "--inverse_depth_distortion=0.015,0,0,0,0"});
+  const nlohmann::json refined = SummaryOf(folder / "in", folder / "refined", {"--threads=1"}),
+                       given = SummaryOf(folder / "in", folder / "given", {"--norefine"});
+  SummaryOf(folder / "in", folder / "other", {"--threads=2"});
+  EXPECT_EQ(refined["refinement"]["termination"], "converged");
+  EXPECT_EQ(given["refinement"], nullptr);
+  const double refined_m = refined["ate_rmse_m"], given_m = given["ate_rmse_m"];
+  std::printf("ATE %.2f -> %.2f mm\n", 1000 * given_m, 1000 * refined_m);
+  EXPECT_LT(refined_m, given_m);
+  EXPECT_EQ(ReadCameraYaml(folder / "refined/camera.yaml").depth.fx,
+            refined["refinement"]["found"]["fx"]);
+  for (const char* name : {"/trajectory.txt", "/map.ply", "/camera.yaml"}) {
+    EXPECT_EQ(ReadBytes(folder / "refined" + name), ReadBytes(folder / "other" + name)) << name;
+    EXPECT_NE(ReadBytes(folder / "refined" + name), ReadBytes(folder / "given" + name)) << name;
+  }
+  EXPECT_EQ(ReadBytes(folder / "refined/trajectory_online.txt"),
+            ReadBytes(folder / "given/trajectory_online.txt"));
+}
+
+TEST(SlamSensor, RefinesNothingWhereTheCameraIsAsGiven) {
+  const TempFolder folder;
+  SimulateRoom(folder / "in", 4, 60, {});
+  EXPECT_EQ(SummaryOf(folder / "in", folder / "out", {})["refinement"], nullptr);
 }
 
 // Within three standard deviations of the truth.
@@ -93,19 +122,19 @@ TEST(SlamSensorSweep, FindsASensorThatIsWrongInAll) {
     RgbdCamera given = ReadCameraYaml(folder / "in/camera.yaml");
     given.prior.readout_s = 0.03;
     WriteCameraYaml(given, folder / "in/camera.yaml");
-    const double wrong_m =
-        SummaryOf(folder / "in", folder / "wrong", {"--nocalibrate"})["ate_rmse_m"];
+    const double wrong_m = SummaryOf(folder / "in", folder / "wrong",
+                                     {"--nocalibrate", "--nofinal_map"})["ate_rmse_m"];
     const nlohmann::json summary = SummaryOf(folder / "in", folder / "out", {});
-    Succeeded(RunProgram("surfit_refine", {"--run=" + folder / "out"}));
-    const auto refined = nlohmann::json::parse(ReadBytes(folder / "out/refined/refinement.json"));
-    const double found_m = summary["ate_rmse_m"], refined_m = refined["ate_rmse_m"]["after"];
+    const nlohmann::json& refined = summary["refinement"];
+    const double found_m =
+        SummaryOf(folder / "in", folder / "online", {"--nofinal_map"})["ate_rmse_m"];
+    const double refined_m = summary["ate_rmse_m"];
     std::printf("seed %d: ATE %.2f -> %.2f mm, refined %.2f mm\n", seed, 1000 * wrong_m,
                 1000 * found_m, 1000 * refined_m);
     const nlohmann::json last = summary["calibrations"].back();
     ExpectTrueCalibration(last["found"], last["standard_deviations"]);
     ExpectFound(last["color_latency_s"], last["color_latency_standard_deviation"], 0.02, "colour");
-    ExpectTrueCalibration(refined["calibration"]["after"],
-                          refined["calibration"]["standard_deviations"]);
+    ExpectTrueCalibration(refined["found"], refined["standard_deviations"]);
     EXPECT_LT(found_m, wrong_m / 3);
     EXPECT_LT(refined_m, found_m);
   }

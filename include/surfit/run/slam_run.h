@@ -29,8 +29,12 @@ struct SlamRunOptions {
   // all be taken in time, and only lost ones are looked for from afar (slam.sure_inlier_share is
   // taken as 0); 0 = as fast as they are processed.
   double offered_fps = 0;
-  // In the end the sequence is read once more and the map fused anew, along the final poses and by
-  // the calibration that was found, unless frames come from a folder that is watched.
+  // In the end the sequence is read once more. Where the camera was found to be another one than
+  // given, it is refined jointly with the poses; where it is right as given, tracking has seen more
+  // than keyframes tell. Then the map is fused anew, along the final poses and by the calibration
+  // that was found. Neither is done where frames come from a folder that is watched, and nothing is
+  // refined without a final map.
+  bool refine = true;
   bool final_map = true;
   bool pictures = true;
   bool keep_views = false;  // pictures of a few frames beside the model's views, for WriteReport()
@@ -57,6 +61,7 @@ struct SlamRunProgress {
   int frames_total = 0;  // -1: as many as will come
   std::size_t map_points = 0;
   double elapsed_s = 0;
+  int refinement_rounds = 0;            // in the end
   int frames_fused_anew = 0;            // of the final map
   const SlamRunFrame* frame = nullptr;  // of the last frame, unless that could not be read
 };
@@ -76,6 +81,12 @@ struct StageStatistics {
   double share = 0;  // of the time of all frames
 };
 
+// How poses and calibration were refined in the end.
+struct FinalRefinement {
+  CalibrationRecord record;
+  double seconds = 0;
+};
+
 // The outcome of a run: what summary.json says.
 struct SlamRunSummary {
   int frames_total = 0;    // read or attempted
@@ -90,6 +101,7 @@ struct SlamRunSummary {
   int frames_dropped = 0;            // offered, but not taken in time: not in frames_total
   BackendCounts loops;               // all zero without loops and calibration
   std::vector<CalibrationRecord> calibrations;  // of the depth camera, in their order
+  std::optional<FinalRefinement> refinement;    // none where the camera is as given, or not refined
   // Of the frames as they were given; the last that was found, or none where they are right.
   std::optional<DepthCalibration> calibration;
   std::string calibration_doubt;  // a sentence where that is hardly the sensor that was given
@@ -128,17 +140,17 @@ struct SlamRunSummary {
 };
 
 // Runs SLAM over a sequence and writes into the output folder: trajectory.txt (TUM format, in the
-// source's convention; as corrected in the end by loops and calibration), trajectory_online.txt (as
-// each pose was at its time), frames.csv, loops.csv, map.ply, summary.json, poses.json, views/ and
-// the pictures; where the depth camera was found to be another one than given, camera.yaml. A
-// sequence of format watch is followed until its end (WatchFolder()). Frames that cannot be read
-// are skipped and counted. When `interrupted` becomes true the frame at work, or else the first
-// one, is finished and everything is written. `progress` is called after every frame, and
-// for every frame of the final map; its time is none of the frames'. What goes wrong once a frame
-// was processed (no memory is left, the disk is full, the sequence cannot be read on) ends the run,
-// too: what there is is written as far as it can be, and told. Throws InputError then, and for bad
-// options, an output folder that another run is writing into, or a sequence that cannot be read at
-// all.
+// source's convention; as corrected in the end by loops, calibration and refinement),
+// trajectory_online.txt (as each pose was at its time), frames.csv, loops.csv, map.ply,
+// summary.json, poses.json, views/ and the pictures; where the depth camera was found to be another
+// one than given, camera.yaml. A sequence of format watch is followed until its end
+// (WatchFolder()). Frames that cannot be read are skipped and counted. When `interrupted` becomes
+// true the frame at work, or else the first one, is finished and everything is written. `progress`
+// is called after every frame, after every round of refinement and for every frame of the final
+// map; its time is none of the frames'. What goes wrong once a frame was processed (no memory is
+// left, the disk is full, the sequence cannot be read on) ends the run, too: what there is is
+// written as far as it can be, and told. Throws InputError then, and for bad options, an output
+// folder that another run is writing into, or a sequence that cannot be read at all.
 SlamRunSummary RunSlam(const SlamRunOptions& options, const std::atomic<bool>& interrupted,
                        const std::function<void(const SlamRunProgress&)>& progress);
 
