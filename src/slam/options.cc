@@ -52,7 +52,7 @@ void CalibrationOptions::Visit(OptionVisitor& v) {
         "point and the error of depth over the image",
         AsFlag("calibrate"), Everyday());
   v.Add(first_keyframes, "first_keyframes",
-        "keyframes for the first time; then whenever there are half as many more", AtLeast(2));
+        "keyframes for the first time; then whenever there are a quarter more", AtLeast(2));
   v.Add(max_keyframes, "max_keyframes", "with more, the camera stays as it was found", AtLeast(2));
   v.AddPart(refinement, "refinement", "how it is found", NoFlags());
 }
