@@ -101,8 +101,18 @@ void PrintRefinement(const SlamRunSummary& s) {
   }
 }
 
+void PrintColorLatency(const SlamRunSummary& s, const std::string& output) {
+  if (s.color_latency_s == 0) return;
+  std::printf(
+      "colour was seen %.1f ms %s than its stamps say (standard deviation %.1f ms): in "
+      "%s/camera.yaml\n",
+      1e3 * std::abs(s.color_latency_s), s.color_latency_s > 0 ? "earlier" : "later",
+      1e3 * s.calibrations.back().color_latency.sigma_s, output.c_str());
+}
+
 void PrintCalibration(const SlamRunSummary& s, const std::string& output) {
   if (s.calibrations.empty()) return;
+  PrintColorLatency(s, output);
   const CalibrationRecord& last = LastCalibration(s);
   if (!s.calibration) {
     std::printf("the camera is as given, as far as %zu keyframes tell\n", last.keyframes);

@@ -15,18 +15,11 @@ namespace {
 class FinalMap {
  public:
   FinalMap(const KnownSequence& known, const SequenceInfo& info)
-      : known_(known), sensor_(info.sensor()), fusion_(known.slam.fusion) {
-    if (!known.calibration) return;
-    sensor_.camera = known.calibration->camera;
-    sensor_.readout_s = known.calibration->readout_s;
-  }
+      : known_(known), sensor_(known.found.Of(info.sensor())), fusion_(known.slam.fusion) {}
 
   void Fuse(RgbdFrame frame, const Rigid3d& world_from_camera) {
     const CameraMotion motion = MotionAt(known_.trajectory, frame.stamp_s);
-    frame.color_stamp_s -= known_.color_latency_s;
-    if (known_.calibration) {
-      CorrectDepth(sensor_.camera, known_.calibration->field, &frame.depth_m);
-    }
+    known_.found.Correct(&frame);
     Image<Rgb8> color = std::move(frame.color);
     frame = AtMiddleOfReadout(frame, sensor_, motion);
     frame.color = std::move(color);

@@ -45,7 +45,7 @@ std::optional<Keyframes> ReadKeyframes(const KnownSequence& known,
   const std::vector<std::size_t> chosen =
       ChooseKeyframes(known.trajectory, kTranslation_m, kRotation_rad, kMaxKeyframes);
   DepthSensor sensor = source->info().sensor();
-  if (known.calibration) sensor.readout_s = known.calibration->readout_s;
+  sensor.readout_s = known.found.Of(sensor).readout_s;
   Keyframes read;
   const bool all =
       ReadKnownFrames(known, source, interrupted, [&](std::size_t pose, const RgbdFrame& frame) {
@@ -89,10 +89,11 @@ std::optional<RefinedSequence> RefineKnown(
   RefinedSequence refined;
   refined.keyframes = read->keyframes.size();
   refined.trajectory = known.trajectory;
-  refined.calibration = known.calibration;
+  refined.found = known.found;
   try {
     refined.summary =
-        Refine(options, given, known.calibration ? Subsampled(*known.calibration, stride) : given,
+        Refine(options, given,
+               known.found.calibration ? Subsampled(*known.found.calibration, stride) : given,
                &read->keyframes, tell);
   } catch (const Interrupted&) {
     return std::nullopt;
@@ -101,8 +102,8 @@ std::optional<RefinedSequence> RefineKnown(
   ScaleUp(camera, stride, &refined.summary);
   if (!refined.summary.Succeeded()) return refined;
   refined.trajectory = Corrected(known.trajectory, *read);
-  refined.calibration.reset();
-  if (!is_as_given) refined.calibration = refined.summary.calibration;
+  refined.found.calibration.reset();
+  if (!is_as_given) refined.found.calibration = refined.summary.calibration;
   return refined;
 }
 

@@ -16,7 +16,7 @@ struct RefinedSequence {
   RefinementSummary summary;  // of the frames as they were read
   // As they were where refinement failed.
   Trajectory trajectory;
-  std::optional<DepthCalibration> calibration;  // none: as given
+  FoundSensor found;
 };
 
 // Refines keyframes of the poses that are known in the end, and the calibration from what was

@@ -10,7 +10,7 @@
 #include <set>
 #include <vector>
 
-#include "surfit/geometry/inverse_depth_field.h"
+#include "run/found_sensor.h"
 #include "surfit/geometry/trajectory.h"
 #include "surfit/io/frame_source.h"
 #include "surfit/io/sequence.h"
@@ -27,8 +27,7 @@ struct KnownSequence {
   const std::set<int>& left_out;   // of these frames, those that are not to be in the map
   // What moves in frames, FrameReport::moving, by their indices.
   const std::map<int, Image<std::uint8_t>>& moving;
-  const std::optional<DepthCalibration>& calibration;  // that was found; none: as given
-  double color_latency_s = 0;  // by how much colour was found to be earlier than frames have it
+  FoundSensor found;
 };
 
 // Opens a sequence, reading a few frames ahead.

@@ -2,7 +2,6 @@
 
 #include "run/output_files.h"
 #include "surfit/core/error.h"
-#include "surfit/frame/prepare_frame.h"
 
 namespace surfit {
 namespace {
@@ -17,13 +16,13 @@ void ReadPoses(const std::string& path, RecordedRun* run) {
       run->trajectory.push_back({number(1), pose});
       run->world_from_camera[row.at(0).get<int>()] = pose;
     }
-    run->color_latency_s = json.value("color_latency_s", 0.);
+    run->found.color_latency_s = json.value("color_latency_s", 0.);
     const Json& found = json.at("calibration");
     if (!found.is_null()) {
-      run->calibration.emplace();
-      run->calibration->camera = CameraFromJson(json.at("camera"));
-      found.at("inverse_depth_field").get_to(run->calibration->field.coefficients);
-      run->calibration->readout_s = found.at("readout_s");
+      DepthCalibration& calibration = run->found.calibration.emplace();
+      calibration.camera = CameraFromJson(json.at("camera"));
+      found.at("inverse_depth_field").get_to(calibration.field.coefficients);
+      calibration.readout_s = found.at("readout_s");
     }
   } catch (const Json::exception& error) {
     throw InputError(Concat(path, ": incomplete: ", error.what()));
@@ -31,20 +30,6 @@ void ReadPoses(const std::string& path, RecordedRun* run) {
 }
 
 }  // namespace
-
-DepthSensor RecordedRun::SensorOf(const SequenceInfo& frames) const {
-  DepthSensor sensor = frames.sensor();
-  if (calibration) {
-    sensor.camera = calibration->camera;
-    sensor.readout_s = calibration->readout_s;
-  }
-  return sensor;
-}
-
-void RecordedRun::Correct(RgbdFrame* frame) const {
-  if (calibration) CorrectDepth(calibration->camera, calibration->field, &frame->depth_m);
-  frame->color_stamp_s -= color_latency_s;
-}
 
 RecordedRun ReadRecordedRun(const std::string& folder) {
   RecordedRun run;
@@ -58,8 +43,8 @@ RecordedRun ReadRecordedRun(const std::string& folder) {
 
 void RequireCameraOfFrames(const RecordedRun& run, const std::string& folder,
                            const PinholeCamera& frames) {
-  if (!run.calibration) return;
-  const PinholeCamera& found = run.calibration->camera;
+  if (!run.found.calibration) return;
+  const PinholeCamera& found = run.found.calibration->camera;
   if (found.width == frames.width && found.height == frames.height) return;
   throw InputError(Concat(folder, "/poses.json: the camera has ", found.width, " x ", found.height,
                           " pixels, must have ", frames.width, " x ", frames.height,

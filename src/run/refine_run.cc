@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <chrono>
+#include <map>
+#include <set>
 #include <vector>
 
 #include "core/repeated_warning.h"
 #include "run/failures.h"
+#include "run/final_map.h"
 #include "run/known_sequence.h"
 #include "run/output_files.h"
 #include "run/output_folder.h"
@@ -15,8 +18,6 @@
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
-#include "surfit/frame/prepare_frame.h"
-#include "surfit/frame/rolling_shutter.h"
 #include "surfit/geometry/sensor.h"
 #include "surfit/io/camera_files.h"
 #include "surfit/io/frame_source.h"
@@ -123,26 +124,23 @@ class RefineRun {
   }
 
   void FuseMap(const Trajectory& refined) {
+    Trajectory trajectory;
+    for (const std::size_t pose : run_.read_poses) trajectory.push_back(refined[pose]);
+    SlamOptions slam;
+    slam.preprocess = options_.preprocess;
+    const std::set<int> left_out;
+    const std::map<int, Image<std::uint8_t>> moving;
     progress_("fusing the map");
-    const DepthCalibration& calibration = summary_.refinement.calibration;
-    DepthSensor sensor = run_.info.sensor();
-    sensor.readout_s = calibration.readout_s;
-    SlamOptions options;
-    options.preprocess = options_.preprocess;
-    Slam slam({calibration.camera, run_.info.camera.noise, 0}, options, {});
-    RepeatedWarning skipped("frames skipped");
-    const auto source = OpenAgain(options_.sequence);
-    while (std::optional<ReadResult> read = source->Next()) {
-      const std::optional<std::size_t> pose = PoseAt(refined, read->stamp_s);
-      if (!read->frame) skipped.Tell(Concat("frame ", read->index, " skipped: ", read->error));
-      if (!pose || !read->frame) continue;
-      RgbdFrame frame =
-          AtMiddleOfReadout(*read->frame, sensor, MotionAt(refined, read->frame->stamp_s));
-      CorrectDepth(calibration.camera, calibration.field, &frame.depth_m);
-      slam.ProcessAt(frame, refined[*pose].world_from_camera);
-    }
-    summary_.map_points = slam.map().size();
-    WriteSurfelPly(slam.map(), options_.output + "/map.ply");
+    const std::optional<SurfelMap> map = FuseAnew({options_.sequence,
+                                                   slam,
+                                                   trajectory,
+                                                   run_.frames,
+                                                   left_out,
+                                                   moving,
+                                                   {summary_.refinement.calibration}},
+                                                  false, [](int, std::size_t) {});
+    summary_.map_points = map->size();
+    WriteSurfelPly(*map, options_.output + "/map.ply");
   }
 
   RefineRunOptions options_;
@@ -167,6 +165,10 @@ RunKeyframes ReadRunKeyframes(const RefineRunOptions& options) {
     run.stamps_s.push_back(read->stamp_s);
     const std::optional<std::size_t> pose = PoseAt(run.trajectory, read->stamp_s);
     if (!pose) ++run.frames_without_pose;
+    if (pose && read->frame) {
+      run.read_poses.push_back(*pose);
+      run.frames.push_back(read->index);
+    }
     if (!read->frame) {
       skipped.Tell(Concat("frame ", read->index, " skipped: ", read->error));
       ++run.frames_unreadable;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "run/found_sensor.h"
 #include "run/kept_views.h"
 #include "surfit/evaluation/trajectory_evaluation.h"
 #include "surfit/geometry/trajectory.h"
@@ -23,14 +24,12 @@ void WriteSummaryJson(const SlamRunSummary& summary, const SlamRunOptions& optio
 // Where a run's cameras were, in the frame of its map.
 struct RunPoses {
   const PinholeCamera& camera;
-  // That was found, of the frames as they are read; none: as given.
-  const std::optional<DepthCalibration>& calibration;
+  const FoundSensor& found;        // of the frames as they are read
   const Trajectory& trajectory;    // as estimated
   const std::vector<int>& frames;  // of the trajectory's poses: the frames' indices
   const Trajectory& truth;         // in its own world; empty if unknown
   const std::optional<TrajectoryEvaluation>& evaluation;
   const std::vector<KeptView>& views;
-  double color_latency_s = 0;  // that was found beyond the given one
 };
 
 // Writes, in metres and in the frame of map.ply (trajectory.txt is in the sequence's own):

@@ -55,14 +55,14 @@ void WriteRunResults(const RunOutcome& run, Failures* failures) {
     const TraceSlice slice("write_map");
     WriteSurfelPly(run.map, folder + "/map.ply");
   });
-  const DepthSensor sensor = run.slam.sensor();
+  const DepthSensor sensor = run.slam.found().Of(run.slam.info().sensor());
   std::vector<KeptView> views;
   failures->Try([&] { WriteViews(run, sensor, &views); });
   Trajectory truth;
   failures->Try([&] { truth = TruthDuring(run.stamps_s, run.slam.info().ground_truth); });
   failures->Try([&] {
-    WritePosesJson({sensor.camera, run.slam.calibration(), run.slam.trajectory(), run.slam.frames(),
-                    truth, run.evaluation, views, run.slam.color_latency_s()},
+    WritePosesJson({sensor.camera, run.slam.found(), run.slam.trajectory(), run.slam.frames(),
+                    truth, run.evaluation, views},
                    folder + "/poses.json");
   });
   if (run.options.pictures) WritePictures(run, truth, failures);

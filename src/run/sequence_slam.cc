@@ -40,8 +40,7 @@ void SequenceSlam::Begin(double stamp_s) {
 
 FrameReport SequenceSlam::Process(const RgbdFrame& frame) {
   if (!slam_) Begin(frame.stamp_s);
-  const FrameReport report =
-      options_.poses == "track" ? slam_->Process(frame) : ProcessAtTruePose(frame);
+  FrameReport report = options_.poses == "track" ? slam_->Process(frame) : ProcessAtTruePose(frame);
   if (report.state != FrameState::kLost) {
     trajectory_.push_back({report.stamp_s, report.world_from_camera});
     frames_.push_back(report.index);
@@ -64,7 +63,7 @@ void SequenceSlam::Finish() {
   const Backend* backend = slam_->backend();
   if (!backend) return;
   trajectory_ = backend->trajectory();
-  TakeCalibration();
+  TakeFoundSensor();
 }
 
 // The backend may have the frame already that SLAM has ended in.
@@ -74,28 +73,18 @@ void SequenceSlam::FinishEarly() {
   const std::size_t count = std::min(corrected.size(), frames_.size());
   trajectory_.assign(corrected.begin(), corrected.begin() + static_cast<std::ptrdiff_t>(count));
   frames_.resize(count);
-  TakeCalibration();
+  TakeFoundSensor();
 }
 
-void SequenceSlam::TakeCalibration() {
-  if (slam_->backend()->is_recalibrated()) calibration_ = *slam_->backend()->calibration();
+void SequenceSlam::TakeFoundSensor() {
+  const Backend& backend = *slam_->backend();
+  if (backend.is_recalibrated()) found_.calibration = *backend.calibration();
+  found_.color_latency_s = backend.color_latency_s();
 }
 
 void SequenceSlam::Improve(RefinedSequence refined) {
   trajectory_ = std::move(refined.trajectory);
-  calibration_ = refined.calibration;
-}
-
-double SequenceSlam::color_latency_s() const {
-  return slam_->backend() ? slam_->backend()->color_latency_s() : 0;
-}
-
-DepthSensor SequenceSlam::sensor() const {
-  DepthSensor sensor = info_.sensor();
-  if (!calibration_) return sensor;
-  sensor.camera = calibration_->camera;
-  sensor.readout_s = calibration_->readout_s;
-  return sensor;
+  found_ = refined.found;
 }
 
 }  // namespace surfit

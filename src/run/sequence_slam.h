@@ -1,7 +1,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "core/repeated_warning.h"
@@ -36,16 +35,12 @@ class SequenceSlam {
   const Trajectory& trajectory() const { return trajectory_; }
   // The indices of the frames whose poses the trajectory has.
   const std::vector<int>& frames() const { return frames_; }
-  // That was found of the frames as they are read, in the end; none: as given.
-  const std::optional<DepthCalibration>& calibration() const { return calibration_; }
-  // By how much colour was found to be earlier than frames have it.
-  double color_latency_s() const;
-  // Of frames by that calibration.
-  DepthSensor sensor() const;
+  // Of the frames as they are read, in the end.
+  const FoundSensor& found() const { return found_; }
 
  private:
   void Begin(double stamp_s);
-  void TakeCalibration();
+  void TakeFoundSensor();
   FrameReport ProcessAtTruePose(const RgbdFrame& frame);
 
   const SlamRunOptions& options_;
@@ -53,7 +48,7 @@ class SequenceSlam {
   std::unique_ptr<Slam> slam_;
   Trajectory trajectory_;
   std::vector<int> frames_;
-  std::optional<DepthCalibration> calibration_;
+  FoundSensor found_;
   RepeatedWarning without_pose_{"frames without a true pose"};
 };
 

@@ -189,8 +189,8 @@ std::map<std::string, std::string> RecordedFlags(const std::string& summary_json
 void WritePosesJson(const RunPoses& run, const std::string& path) {
   Json j;
   j["camera"] = CameraToJson(run.camera);
-  j["calibration"] = run.calibration ? ToJson(*run.calibration) : Json();
-  j["color_latency_s"] = run.color_latency_s;
+  j["calibration"] = run.found.calibration ? ToJson(*run.found.calibration) : Json();
+  j["color_latency_s"] = run.found.color_latency_s;
   j["truth"] = nullptr;
   j["errors_m"] = nullptr;
   if (run.evaluation && run.evaluation->ate) {

@@ -162,14 +162,12 @@ class SlamRun {
       return;
     }
     std::optional<RefinedSequence> refined;
-    if (options_.refine &&
-        slam_.calibration()) {  // else tracking has seen more than keyframes tell
-      refined = Refine(Known(slam_.trajectory(), slam_.calibration()), interrupted, progress);
-    }
+    const KnownSequence known = Known(slam_.trajectory(), slam_.found());
+    // Where the camera is as given, tracking has seen more than keyframes tell.
+    if (options_.refine && known.found.calibration) refined = Refine(known, interrupted, progress);
     if (interrupted) return;
-    FuseFinalMap(refined ? Known(refined->trajectory, refined->calibration)
-                         : Known(slam_.trajectory(), slam_.calibration()),
-                 interrupted, progress);
+    FuseFinalMap(refined ? Known(refined->trajectory, refined->found) : known, interrupted,
+                 progress);
     if (final_map_ && refined) slam_.Improve(std::move(*refined));
   }
 
@@ -206,10 +204,9 @@ class SlamRun {
     if (final_map_) final_map_s_ = elapsed.count();
   }
 
-  KnownSequence Known(const Trajectory& trajectory,
-                      const std::optional<DepthCalibration>& calibration) const {
-    return {options_.sequence, options_.slam, trajectory,  slam_.frames(),
-            left_out_,         moving_,       calibration, slam_.color_latency_s()};
+  KnownSequence Known(const Trajectory& trajectory, const FoundSensor& found) const {
+    return {options_.sequence, options_.slam, trajectory, slam_.frames(),
+            left_out_,         moving_,       found};
   }
 
   SlamRunProgress Progress() const {
@@ -242,14 +239,18 @@ class SlamRun {
       failures_.Try([&] { WriteLoopsCsv(backend.loops(), Path("loops.csv")); });
     }
     summary->calibrations = backend.calibrations();
-    const std::optional<DepthCalibration>& found = slam_.calibration();
-    if (!found && backend.color_latency_s() == 0) return;
-    summary->calibration = found ? *found : *backend.calibration();
-    summary->calibration_doubt = DoubtOfGiven(slam_.info().sensor(), *summary->calibration);
+    const DepthSensor given = slam_.info().sensor();
+    summary->calibration = slam_.found().calibration;
+    if (summary->calibration)
+      summary->calibration_doubt = DoubtOfGiven(given, *summary->calibration);
+    summary->color_latency_s = slam_.found().color_latency_s;
+    if (!summary->calibration && summary->color_latency_s == 0) return;
     failures_.Try([&] {
       SequenceInfo info = slam_.info();
-      info.camera.color_latency_s += backend.color_latency_s();
-      WriteFoundCamera(info, given_field_, *summary->calibration, Path("camera.yaml"));
+      info.camera.color_latency_s += summary->color_latency_s;
+      const DepthCalibration as_given = {given.camera, {}, given.readout_s};
+      WriteFoundCamera(info, given_field_, summary->calibration.value_or(as_given),
+                       Path("camera.yaml"));
     });
   }
 

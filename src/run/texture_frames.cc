@@ -53,13 +53,13 @@ TextureFrames TextureFramesOf(const std::string& run_folder, const SequenceOptio
   return [=](const std::function<void(const TextureFrame&)>& visit) {
     const auto source = ReadAhead(OpenSequence(sequence), kFramesAhead);
     RequireCameraOfFrames(*run, run_folder, source->info().pinhole);
-    const DepthSensor sensor = run->SensorOf(source->info());
+    const DepthSensor sensor = run->found.Of(source->info().sensor());
     while (std::optional<ReadResult> read = source->Next()) {
       if (!read->frame || read->frame->color.empty() || chosen.count(read->index) == 0) continue;
       TextureFrame frame = {std::move(*read->frame), sensor.camera,
                             run->world_from_camera.at(read->index),
                             MotionAt(run->trajectory, read->stamp_s), sensor.readout_s};
-      run->Correct(&frame.frame);
+      run->found.Correct(&frame.frame);
       visit(frame);
     }
   };

@@ -92,7 +92,7 @@ class Judge {
         ++result_.without_color;
         continue;
       }
-      run_.Correct(&*read->frame);
+      run_.found.Correct(&*read->frame);
       worst.Offer(Compare(*read->frame, pose->second));
       progress(static_cast<int>(result_.views.size()));
     }
@@ -112,7 +112,7 @@ class Judge {
   }
 
   ComparedView Compare(const RgbdFrame& frame, const Rigid3d& world_from_camera) {
-    const DepthSensor sensor = run_.SensorOf(source_->info());
+    const DepthSensor sensor = run_.found.Of(source_->info().sensor());
     const CameraMotion motion = MotionAt(run_.trajectory, frame.stamp_s);
     const BlendedView drawn =
         DrawBlended(map_, {WithRollMargin(sensor.camera), sensor.noise}, world_from_camera);

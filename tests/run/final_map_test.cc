@@ -25,12 +25,17 @@ class FinalMap : public ::testing::Test {
 
   std::optional<SurfelMap> Fused(const std::optional<DepthCalibration>& calibration = {},
                                  bool interrupted = false) {
-    return FuseAnew(
-        {sequence_, slam_, trajectory_, frames_, left_out_, moving_, calibration, color_latency_s_},
-        interrupted, [&](int frames, std::size_t points) {
-          frames_done_ = frames;
-          points_ = points;
-        });
+    const KnownSequence known = {sequence_,
+                                 slam_,
+                                 trajectory_,
+                                 frames_,
+                                 left_out_,
+                                 moving_,
+                                 {calibration, color_latency_s_}};
+    return FuseAnew(known, interrupted, [&](int frames, std::size_t points) {
+      frames_done_ = frames;
+      points_ = points;
+    });
   }
 
   TempFolder folder_;
@@ -123,14 +128,14 @@ TEST_F(FinalMap, IsNoneWhereItIsInterrupted) {
 TEST_F(FinalMap, HasPosesAsTheyWereWhereOneKeyframeIsAllThatThereIs) {
   const std::optional<DepthCalibration> found =
       DepthCalibration{{32, 24, 31, 30, 16, 11.5, {}}, {}, 0};
-  const KnownSequence known = {sequence_, slam_, trajectory_, frames_, left_out_, moving_, found};
+  const KnownSequence known = {sequence_, slam_, trajectory_, frames_, left_out_, moving_, {found}};
   const auto progress = [](const RefinementRound&) {};
   const auto refined = RefineKnown(known, found->camera, false, progress);
   ASSERT_TRUE(refined.has_value());
   EXPECT_EQ(refined->keyframes, 1u);
   EXPECT_EQ(refined->summary.termination, RefinementTermination::kTooFewSurfels);
   EXPECT_EQ(refined->trajectory.size(), trajectory_.size());
-  EXPECT_TRUE(refined->calibration && AreSame(*refined->calibration, *found));
+  EXPECT_TRUE(refined->found.calibration && AreSame(*refined->found.calibration, *found));
   EXPECT_FALSE(RefineKnown(known, found->camera, true, progress).has_value());
 }
 

@@ -105,6 +105,7 @@ struct SlamRunSummary {
   // Of the frames as they were given; the last that was found, or none where they are right.
   std::optional<DepthCalibration> calibration;
   std::string calibration_doubt;  // a sentence where that is hardly the sensor that was given
+  double color_latency_s = 0;     // that was found beyond the given one
   // Tracked by their shapes alone though intensities were asked for, for want of colour or texture.
   int frames_without_intensities = 0;
   bool interrupted = false;
