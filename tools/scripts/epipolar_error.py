@@ -11,6 +11,11 @@ lie GAP apart are matched (SIFT, ratio test), and wrong matches left out by the 
 fits the matches themselves best (RANSAC). What is left must lie on the epipolar lines of the poses:
 the table has the median over pairs of the median distance of a pair, in pixels. --camera is the colour
 camera's fx,fy,cx,cy, --center where it stands in the depth camera, whose poses they are, in metres.
+
+Poses that were found together with the depth camera's calibration belong to a depth camera that looks
+another way: --fit finds, for each of NAME=POSES, the colour camera's rotation and place in the depth
+camera and its focal length from every other pair of images (least squares, Huber's kernel), and the table
+is of those left.
 Needs Debian's python3-opencv.
 """
 
@@ -68,21 +73,46 @@ def matched_rays(a, b, camera):
     return np.hstack([rays_a[kept], ones]), np.hstack([rays_b[kept], ones])
 
 
-def epipolar_distance_px(rays_a, rays_b, pose_a, pose_b, center, focal):
-    (rotation_a, at_a), (rotation_b, at_b) = pose_a, pose_b
-    way = rotation_b.T @ (at_a + rotation_a @ center - at_b - rotation_b @ center)
+def rotation_matrix(vector):
+    return cv2.Rodrigues(np.asarray(vector, dtype=float))[0]
+
+
+def epipolar_distances_px(pair, mount, focal):
+    """Of each match of a pair (rays a, rays b, poses of a and b), by the mount of colour's camera: its
+    rotation vector and place in the depth camera, and the logarithm of its focal length over `focal`."""
+    rays_a, rays_b, (rotation_a, at_a), (rotation_b, at_b) = pair
+    turn, center, scale = rotation_matrix(mount[:3]), mount[3:6], np.exp(-mount[6])
+    rays_a, rays_b = (rays * [scale, scale, 1] for rays in (rays_a, rays_b))
+    way = turn.T @ rotation_b.T @ (at_a + rotation_a @ center - at_b - rotation_b @ center)
     x, y, z = way / np.linalg.norm(way)
-    essential = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]]) @ rotation_b.T @ rotation_a
+    relative = turn.T @ rotation_b.T @ rotation_a @ turn
+    essential = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]]) @ relative
     lines_b, lines_a = rays_a @ essential.T, rays_b @ essential
-    off = np.abs(np.sum(rays_b * lines_b, axis=1))
+    off = np.sum(rays_b * lines_b, axis=1)
     inverse = [1 / np.linalg.norm(lines[:, :2], axis=1) for lines in (lines_a, lines_b)]
-    return focal * np.median(off * (inverse[0] + inverse[1]) / 2)
+    return focal / scale * off * (inverse[0] + inverse[1]) / 2
+
+
+def fitted_mount(pairs, start, focal):
+    """The mount that pairs of images are best explained by: Gauss-Newton, damped."""
+    mount, steps = start.copy(), np.array([1e-5] * 3 + [1e-5] * 3 + [1e-5])
+    pairs = [(a[::len(a) // 40 + 1], b[::len(b) // 40 + 1], *poses) for a, b, *poses in pairs]
+    for _ in range(10):
+        at = lambda m: np.concatenate([epipolar_distances_px(pair, m, focal) for pair in pairs])
+        residuals = at(mount)
+        jacobian = np.stack([(at(mount + step) - residuals) / step.max() for step in np.diag(steps)], 1)
+        weights = np.minimum(1, 1 / np.maximum(np.abs(residuals), 1e-9))  # Huber, 1 px
+        hessian = jacobian.T @ (weights[:, None] * jacobian)
+        hessian += 1e-6 * np.diag(np.diag(hessian))
+        mount -= np.linalg.solve(hessian, jacobian.T @ (weights * residuals))
+    return mount
 
 
 def main():
     parser = argparse.ArgumentParser(usage=__doc__)
     parser.add_argument("--camera", required=True)
     parser.add_argument("--center", default="0,0,0")
+    parser.add_argument("--fit", action="store_true")
     parser.add_argument("images")
     parser.add_argument("poses", nargs="+")
     options = parser.parse_args()
@@ -97,21 +127,34 @@ def main():
     sift = cv2.SIFT_create(1500)
     features = {i: sift.detectAndCompute(cv2.imread(files[i], cv2.IMREAD_GRAYSCALE), None)
                 for i in range(0, len(files), STRIDE)}
-    print("gap   pairs  " + "  ".join(f"{name:>10}" for name in poses))
+    matched = {gap: [] for gap in GAPS}  # images, and the rays they share
     for gap in GAPS:
-        errors = {name: [] for name in poses}
         for i in range(0, len(files) - gap, STRIDE):
             if any(of[i] is None or of[i + gap] is None for of in poses.values()):
                 continue
             rays = matched_rays(features[i], features[i + gap], camera)
-            if rays is None:
-                continue
-            for name, of in poses.items():
-                errors[name].append(
-                    epipolar_distance_px(*rays, of[i], of[i + gap], center, camera[0]))
-        pairs = len(next(iter(errors.values())))
-        medians = [np.median(of) if of else float("nan") for of in errors.values()]
-        print(f"{gap:3d}  {pairs:6d}  " + "  ".join(f"{value:10.2f}" for value in medians))
+            if rays is not None:
+                matched[gap].append((i, i + gap, *rays))
+    start = np.array([0, 0, 0, *center, 0])
+    medians = {}
+    for name, of in poses.items():
+        pairs = {gap: [(rays_a, rays_b, of[a], of[b]) for a, b, rays_a, rays_b in matches]
+                 for gap, matches in matched.items()}
+        mount = start
+        if options.fit:
+            mount = fitted_mount([pair for of_gap in pairs.values() for pair in of_gap[::2]], start,
+                                 camera[0])
+            pairs = {gap: of_gap[1::2] for gap, of_gap in pairs.items()}
+            print(f"{name}: colour camera turned by {np.degrees(mount[:3]).round(3)} deg, at "
+                  f"{mount[3:6].round(4)} m, focal length {camera[0] * np.exp(mount[6]):.1f} px")
+        medians[name] = {
+            gap: (len(of_gap), np.median([np.median(np.abs(epipolar_distances_px(pair, mount, camera[0])))
+                                          for pair in of_gap] or [np.nan]))
+            for gap, of_gap in pairs.items()}
+    print("gap   pairs  " + "  ".join(f"{name:>10}" for name in poses))
+    for gap in GAPS:
+        count = next(iter(medians.values()))[gap][0]
+        print(f"{gap:3d}  {count:6d}  " + "  ".join(f"{of[gap][1]:10.2f}" for of in medians.values()))
 
 
 if __name__ == "__main__":
