@@ -22,8 +22,8 @@ if(BUILD_SHARED_LIBS)
   set(SURFIT_PC_REQUIRES "")
   set(SURFIT_PC_LIBS "")
 else()
-  set(SURFIT_PC_REQUIRES "libglog libturbojpeg liblzf zlib tbb")
-  set(SURFIT_PC_LIBS "-lceres -lopencv_features2d -lopencv_imgcodecs -lopencv_imgproc \
+  set(SURFIT_PC_REQUIRES "libglog libturbojpeg libpng libtiff-4 liblzf zlib tbb")
+  set(SURFIT_PC_LIBS "-lceres -lopencv_features2d -lopencv_imgproc \
 -lopencv_core -lmeshoptimizer -ldl -pthread")
 endif()
 file(RELATIVE_PATH SURFIT_PREFIX_FROM_PC "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/")

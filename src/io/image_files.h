@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "surfit/core/image.h"
@@ -51,6 +52,10 @@ Image<Rgb8> DecodeJpeg(const std::string& bytes, const std::string& path);
 // quality from 1 to 100; colour is kept at full resolution. Throws InputError, as where memory is
 // missing.
 std::string EncodeJpeg(const Image<Rgb8>& image, int quality);
+
+// Quick to write, a third larger than need be. Throw InputError as EncodeJpeg does.
+std::string EncodePng(const Image<Rgb8>& image);
+std::string EncodePng(const Image<std::uint16_t>& image);
 
 bool IsPng(const std::string& bytes);
 

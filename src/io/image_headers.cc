@@ -3,11 +3,10 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cstdint>
 #include <memory>
 
-#include "io/image_files.h"
+#include "io/image_kinds.h"
 #include "surfit/core/error.h"
 
 namespace surfit {
@@ -45,11 +44,6 @@ class TiffReader {
   bool is_little_;
 };
 
-bool IsTiff(const std::string& bytes) {
-  return bytes.compare(0, 4, std::string("II*\0", 4)) == 0 ||
-         bytes.compare(0, 4, std::string("MM\0*", 4)) == 0;
-}
-
 // At least that of the image and of its tiles. The first directory has two bytes of a count, and
 // entries of twelve: two of tag, two of type, four of a count, the value (TIFF 6.0).
 ImageSize TiffSize(const std::string& bytes, const std::string& path) {
@@ -71,32 +65,6 @@ ImageSize TiffSize(const std::string& bytes, const std::string& path) {
   return {static_cast<int>(width), static_cast<int>(height)};
 }
 
-// PGM and PPM.
-bool IsPnm(const std::string& bytes) {
-  return bytes.size() > 2 && bytes[0] == 'P' &&
-         std::string("2356").find(bytes[1]) != std::string::npos;
-}
-
-// Blanks and comments, to the end of their lines, stand before each number.
-ImageSize PnmSize(const std::string& bytes, const std::string& path) {
-  std::size_t at = 2;
-  const auto next_number = [&] {
-    constexpr int kMost = 1 << 20;
-    while (at < bytes.size() && (std::isspace(BytesOf(bytes)[at]) != 0 || bytes[at] == '#')) {
-      at = bytes[at] == '#' ? bytes.find_first_of("\r\n", at) : at + 1;
-    }
-    if (at >= bytes.size() || std::isdigit(BytesOf(bytes)[at]) == 0) {
-      throw InputError(path + " is truncated or damaged: it has no size");
-    }
-    int number = 0;
-    for (; at < bytes.size() && std::isdigit(BytesOf(bytes)[at]) != 0; ++at)
-      number = std::min(kMost, 10 * number + (bytes[at] - '0'));
-    return number;
-  };
-  const int width = next_number();
-  return {width, next_number()};
-}
-
 // Of a PNG of less than eight bits a pixel.
 int PixelsOfByte(const std::string& bytes) {
   constexpr std::size_t kBitsAt = 24;
@@ -114,6 +82,16 @@ ImageSize SizeByKind(const std::string& bytes, const std::string& path) {
 }
 
 }  // namespace
+
+bool IsTiff(const std::string& bytes) {
+  return bytes.compare(0, 4, std::string("II*\0", 4)) == 0 ||
+         bytes.compare(0, 4, std::string("MM\0*", 4)) == 0;
+}
+
+bool IsPnm(const std::string& bytes) {
+  return bytes.size() > 2 && bytes[0] == 'P' &&
+         std::string("2356").find(bytes[1]) != std::string::npos;
+}
 
 void RequireUsualSize(ImageSize size, const std::string& path) {
   constexpr int kMax = 16384;  // px

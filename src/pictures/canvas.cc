@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "io/image_files.h"
 #include "surfit/core/atomic_file.h"
 
 namespace surfit {
@@ -93,14 +93,8 @@ void FillBox(Image<Rgb8>* image, const PixelBox& box, Rgb8 color) {
 }
 
 void WritePng(const Image<Rgb8>& image, const std::string& path) {
-  const cv::Mat rgb(image.height(), image.width(), CV_8UC3, const_cast<Rgb8*>(image.data()));
-  cv::Mat bgr;
-  cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
-  std::vector<unsigned char> bytes;
-  cv::imencode(".png", bgr, bytes);
-  WriteFileAtomically(path, [&](std::ostream& file) {
-    file.write(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  });
+  const std::string bytes = EncodePng(image);
+  WriteFileAtomically(path, [&](std::ostream& file) { file << bytes; });
 }
 
 }  // namespace surfit

@@ -1,5 +1,7 @@
 #include "io/image_files.h"
 
+#include <zlib.h>
+
 #include <random>
 
 #include "testing/largest_allocation.h"
@@ -28,6 +30,23 @@ Image<Rgb8> SomeColor() {
                    static_cast<std::uint8_t>(3 * u)};
   }
   return color;
+}
+
+Image<Rgb8> ByOpenCv(const std::string& bytes) {
+  const cv::Mat row(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
+  const cv::Mat bgr = cv::imdecode(row, cv::IMREAD_COLOR);
+  Image<Rgb8> image(bgr.cols, bgr.rows);
+  for (const auto [u, v] : PixelsOf(image)) {
+    const auto& pixel = bgr.at<cv::Vec3b>(v, u);
+    image(u, v) = {pixel[2], pixel[1], pixel[0]};
+  }
+  return image;
+}
+
+std::string BigEndian(std::size_t number) {
+  std::string bytes;
+  for (const int shift : {24, 16, 8, 0}) bytes += static_cast<char>(number >> shift);
+  return bytes;
 }
 
 TEST(ReadDepthImage, GivesTheCountsOfPngAndPgm) {
@@ -68,6 +87,33 @@ TEST(ReadColorImage, GivesTheSameJpegPixelsAsOpenCv) {
     const auto& p = bgr.at<cv::Vec3b>(v, u);
     EXPECT_EQ(read(u, v), (Rgb8{p[2], p[1], p[0]}));
   }
+}
+
+// Metres of 0.5 + 0.01 (u + 37 v) in tiles of 16 x 16 pixels, packed by deflate, as GIS programs
+// do.
+TEST(ReadDepthImage, GivesTheMetresOfATiledTiff) {
+  const std::string bytes = ReadBytes(SURFIT_CORPUS_DIR "/tiled_metres.tiff");
+  Image<float> metres(37, 20);
+  for (std::size_t i = 0; i < metres.size(); ++i) metres[i] = 0.5f + 0.01f * static_cast<float>(i);
+  EXPECT_EQ(std::get<Image<float>>(DecodeDepthImage(bytes, "a.tiff")), metres);
+  std::string damaged = bytes;
+  damaged.replace(20, 60, std::string(60, 'x'));
+  EXPECT_THROW(DecodeDepthImage(damaged, "a.tiff"), InputError);
+}
+
+// In its own order, though viewers would turn it upside down: rows of red, green and blue.
+TEST(ReadColorImage, GivesTheRowsOfATiffAsTheyStand) {
+  const Image<Rgb8> image = ReadColorImage(SURFIT_CORPUS_DIR "/upside_down.tiff");
+  ASSERT_EQ(image.height(), 3);
+  EXPECT_EQ(image(0, 0), (Rgb8{255, 0, 0}));
+  EXPECT_EQ(image(1, 1), (Rgb8{0, 255, 0}));
+  EXPECT_EQ(image(3, 2), (Rgb8{0, 0, 255}));
+}
+
+TEST(ReadDepthImage, GivesTheCountsOfTiff) {
+  const TempFolder folder;
+  WriteDepth(folder / "depth.tiff", SomeDepth());
+  EXPECT_EQ(std::get<Image<std::uint16_t>>(ReadDepthImage(folder / "depth.tiff")), SomeDepth());
 }
 
 // Wherever the file ends, and whether the rest is gone or was never written (zeros), the picture
@@ -136,6 +182,105 @@ TEST(DecodeColorImage, RefusesOtherKinds) {
   for (const char* kind : {".bmp", ".webp", ".ras"}) {
     ExpectInputError([&] { DecodeColorImage(EncodedBytes(NumberedColor(0), kind), "a.png"); },
                      HasSubstr("neither PNG, JPEG, TIFF, PGM nor PPM"));
+  }
+}
+
+std::string Chunk(const std::string& type, const std::string& data) {
+  const std::string body = type + data;
+  const auto checksum = crc32(0, reinterpret_cast<const Bytef*>(body.data()), body.size());
+  return BigEndian(data.size()) + body + BigEndian(checksum);
+}
+
+// A PNG of such rows, each with its filter before it (PNG specification, 4 and 7), with other
+// chunks in between.
+std::string Png(ImageSize size, char bits, char type, const std::string& rows,
+                const std::string& chunks = "") {
+  const std::string header =
+      BigEndian(size.width) + BigEndian(size.height) + bits + type + std::string(3, '\0');
+  uLongf count = compressBound(rows.size());
+  std::string packed(count, '\0');
+  compress(reinterpret_cast<Bytef*>(packed.data()), &count,
+           reinterpret_cast<const Bytef*>(rows.data()), rows.size());
+  packed.resize(count);
+  return "\x89PNG\r\n\x1A\n" + Chunk("IHDR", header) + chunks + Chunk("IDAT", packed) +
+         Chunk("IEND", "");
+}
+
+constexpr char kGray = 0, kRgb = 2, kPalette = 3, kRgbAlpha = 6;
+
+// Written by hand, against what OpenCV makes of them.
+TEST(DecodeColorImage, GivesEveryKindOfPngAsOpenCvDoes) {
+  const std::string palette = Chunk("PLTE", "abcdefghijkl");
+  for (const std::string& png :
+       {Png({4, 2}, 2, kPalette, {"\0\x1B\0\xE4", 4}, palette),
+        Png({4, 2}, 2, kPalette, {"\0\x1B\0\xE4", 4}, palette + Chunk("tRNS", {"\0\x80", 2})),
+        Png({4, 2}, 2, kGray, {"\0\x1B\0\xE4", 4}), Png({3, 1}, 8, kGray, {"\0azy", 4}),
+        Png({2, 1}, 16, kGray, {"\0a\xFF\xFFy", 5}), Png({1, 1}, 16, kRgb, {"\0aAbBcC", 7}),
+        Png({1, 2}, 8, kRgbAlpha, {"\0abc\x10\0def\xFF", 10}),
+        Png({2, 1}, 8, kRgb, {"\0abcdef", 7}, Chunk("gAMA", BigEndian(100000))),
+        EncodedBytes(SomeColor(), ".png")}) {
+    EXPECT_EQ(DecodeColorImage(png, "a.png"), ByOpenCv(png));
+  }
+}
+
+TEST(DecodeDepthImage, RefusesPngsOfOtherKinds) {
+  ExpectInputError(
+      [&] {
+        DecodeDepthImage(Png({3, 1}, 8, kGray, {"\0azy", 4}), "a.png");
+      },
+      HasSubstr("a.png has 1 channel(s) of 8 bits"));
+  ExpectInputError(
+      [&] {
+        DecodeDepthImage(Png({1, 1}, 16, kRgb, {"\0aAbBcC", 7}), "a.png");
+      },
+      HasSubstr("a.png has 3 channel(s) of 16 bits"));
+}
+
+// All checksums are right: only the decoder can tell.
+TEST(DecodeImage, RefusesPngsWhoseRowsAreNotWhole) {
+  const std::string two_of_three_rows = {"\0ab\0cd", 6};
+  for (const std::string& png :
+       {Png({2, 3}, 8, kGray, two_of_three_rows), Png({1, 3}, 16, kGray, two_of_three_rows),
+        Png({2, 2}, 8, kGray,
+            {"\x09"
+             "ab\0cd",
+             6}),
+        Png({4, 2}, 2, kPalette, {"\0\0\0\0", 4}),
+        Png({2, 2}, 16, kPalette, std::string(10, '\0'), Chunk("PLTE", "abc"))}) {
+    EXPECT_THROW(DecodeColorImage(png, "a.png"), InputError);
+    EXPECT_THROW(DecodeDepthImage(png, "a.png"), InputError);
+  }
+}
+
+TEST(EncodePng, GivesBackWhatItTook) {
+  EXPECT_EQ(DecodeColorImage(EncodePng(SomeColor()), "a.png"), SomeColor());
+  EXPECT_EQ(ByOpenCv(EncodePng(SomeColor())), SomeColor());
+  EXPECT_EQ(std::get<Image<std::uint16_t>>(DecodeDepthImage(EncodePng(SomeDepth()), "a.png")),
+            SomeDepth());
+  ExpectInputError([] { EncodePng(Image<Rgb8>()); }, HasSubstr("cannot make a PNG of 0 x 0"));
+}
+
+TEST(DecodeColorImage, GivesPgmAndPpmOfTextAndBytes) {
+  const Image<Rgb8> two(2, 1, {255, 0, 102});
+  for (const std::string& bytes :
+       {std::string("P3 2 1 255 255 0 102 255 0 102"),
+        std::string("P3\n# two\n2 1 5 5 0 2 5 0 2\n"), std::string("P6 2 1 255 \xFF\0f\xFF\0f", 17),
+        std::string("P6 2 1 5 \5\0\2\5\0\2", 15),
+        std::string("P6 2 1 65535\n\xFF\xFF\0\0\x66\x66\xFF\xFF\0\0\x66\x66", 25)}) {
+    EXPECT_EQ(DecodeColorImage(bytes, "a.ppm"), two) << bytes;
+  }
+  EXPECT_EQ(DecodeColorImage("P5 1 1 255\nz", "a.pgm"), Image<Rgb8>(1, 1, {'z', 'z', 'z'}));
+  EXPECT_EQ(DecodeColorImage("P2 1 1 255 7", "a.pgm"), Image<Rgb8>(1, 1, {7, 7, 7}));
+}
+
+TEST(DecodeDepthImage, GivesThePgmOfText) {
+  Image<std::uint16_t> expected(1, 2, 7);
+  expected[1] = 59999;
+  EXPECT_EQ(std::get<Image<std::uint16_t>>(DecodeDepthImage("P2 1 2 60000 7 59999", "a.pgm")),
+            expected);
+  for (const char* const bytes : {"P2 2 2 60000 1 2 3", "P2 1 1 70000 1", "P2 1 1 0 1", "P2 1 1",
+                                  "P5 1 1 65535 a", "P5 1 1 65535", "P2 1 1 60000 x "}) {
+    EXPECT_THROW(DecodeDepthImage(bytes, "a.pgm"), InputError) << bytes;
   }
 }
 

@@ -33,7 +33,7 @@ run("${WORK}/build/registration")
 # Whoever registers links no image files and no plots.
 execute_process(COMMAND ldd "${WORK}/build/registration"
   OUTPUT_VARIABLE libraries COMMAND_ERROR_IS_FATAL ANY)
-if(libraries MATCHES "plplot|turbojpeg|imgcodecs")
+if(libraries MATCHES "turbojpeg|libpng|libtiff|imgcodecs")
   message(FATAL_ERROR "surfit::registration brings ${CMAKE_MATCH_0}:\n${libraries}")
 endif()
 

@@ -21,7 +21,7 @@ packages=(
   # the libraries and the programs
   libeigen3-dev libceres-dev libgoogle-glog-dev libgflags-dev libopencv-dev libtbb-dev
   nlohmann-json3-dev
-  libturbojpeg0-dev zlib1g-dev liblzf-dev libmeshoptimizer-dev
+  libturbojpeg0-dev libpng-dev libtiff-dev zlib1g-dev liblzf-dev libmeshoptimizer-dev
   # what reports hold
   libjs-three libjs-chart.js
   # CMake looks for these at once

@@ -1,15 +1,36 @@
 #include "view/window.h"
 
+#include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cstdlib>
-#include <opencv2/highgui.hpp>
-#include <opencv2/imgproc.hpp>
+#include <filesystem>
+
+#include "view/window_calls.h"
 
 namespace surfit::tools {
 namespace {
+
+// Beside the program, as it is built, or where it is installed.
+const WindowCalls* Load() {
+  std::error_code error;
+  const auto folder = std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
+  for (const char* const file : {"surfit_window.so", SURFIT_WINDOW_FROM_PROGRAM}) {
+    void* const library = dlopen((folder / file).c_str(), RTLD_NOW | RTLD_LOCAL);
+    if (library == nullptr) continue;
+    void* const calls = dlsym(library, kWindowCallsName);
+    if (calls != nullptr) return reinterpret_cast<const WindowCalls* (*)()>(calls)();
+  }
+  return nullptr;
+}
+
+// Null where the library is not there.
+const WindowCalls* Calls() {
+  static const WindowCalls* const calls = Load();
+  return calls;
+}
 
 // In the child: exits with 0 if a window can be opened, and does not return.
 [[noreturn]] void TryToOpen() {
@@ -20,7 +41,7 @@ namespace {
   dup2(nowhere, STDERR_FILENO);  // the toolkit's own complaint, of many lines
   try {
     // Not to be taken for the window that is looked for by its name.
-    cv::namedWindow("is there a display?", cv::WINDOW_AUTOSIZE | cv::WINDOW_GUI_NORMAL);
+    Calls()->open("is there a display?");
   } catch (...) {
     _exit(1);
   }
@@ -30,6 +51,11 @@ namespace {
 }  // namespace
 
 std::string Window::WhyNone() {
+  if (Calls() == nullptr) {
+    const char* const reason = dlerror();
+    return std::string("the library surfit_window cannot be loaded: ") +
+           (reason != nullptr ? reason : "it is another's");
+  }
   const pid_t child = fork();
   if (child == 0) TryToOpen();
   int status = -1;
@@ -40,25 +66,23 @@ std::string Window::WhyNone() {
   return std::string("no window can be opened on the display '") + display + "'";
 }
 
-Window::Window(const std::string& title) : name_(title) {
-  cv::namedWindow(name_, cv::WINDOW_AUTOSIZE | cv::WINDOW_GUI_NORMAL);
-}
+Window::Window(const std::string& title) : name_(title) { Calls()->open(name_.c_str()); }
 
 Window::~Window() {
-  if (IsOpen()) cv::destroyWindow(name_);
+  if (IsOpen()) Calls()->close(name_.c_str());
 }
 
-bool Window::IsOpen() const { return cv::getWindowProperty(name_, cv::WND_PROP_VISIBLE) >= 1; }
+bool Window::IsOpen() const { return Calls()->is_open(name_.c_str()); }
 
 void Window::Show(const Image<Rgb8>& image) {
-  const cv::Mat rgb(image.height(), image.width(), CV_8UC3, const_cast<Rgb8*>(image.data()));
-  cv::Mat bgr;
-  cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
-  cv::imshow(name_, bgr);
+  static_assert(sizeof(Rgb8) == 3, "images are shared with the library");
+  Calls()->show(name_.c_str(), &image.data()->r, image.width(), image.height());
 }
 
-void Window::SetTitle(const std::string& title) { cv::setWindowTitle(name_, title); }
+void Window::SetTitle(const std::string& title) {
+  Calls()->set_title(name_.c_str(), title.c_str());
+}
 
-int Window::Key(int wait_ms) { return cv::waitKey(wait_ms); }
+int Window::Key(int wait_ms) { return Calls()->key(wait_ms); }
 
 }  // namespace surfit::tools

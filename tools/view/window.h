@@ -6,7 +6,7 @@
 
 namespace surfit::tools {
 
-// A window on the screen, by OpenCV's highgui. One at a time.
+// A window on the screen, by the library surfit_window, which is loaded here. One at a time.
 class Window {
  public:
   static constexpr int kNoKey = -1;

@@ -1,0 +1,16 @@
+# No program brings more shared libraries than MOST, counted as `ldd PROGRAM | wc -l` does: image
+# files and windows must not drag in databases and toolkits.
+cmake_minimum_required(VERSION 3.25)
+file(GLOB programs "${FOLDER}/surfit_*")
+list(FILTER programs EXCLUDE REGEX "\\.[a-z0-9]+$")
+if(NOT programs)
+  message(FATAL_ERROR "no programs in ${FOLDER}")
+endif()
+foreach(program ${programs})
+  execute_process(COMMAND ldd "${program}" OUTPUT_VARIABLE libraries COMMAND_ERROR_IS_FATAL ANY)
+  string(REGEX MATCHALL "\n" lines "${libraries}")
+  list(LENGTH lines count)
+  if(count GREATER MOST OR libraries MATCHES "gdal|mariadb|poppler|Qt|imgcodecs|highgui")
+    message(SEND_ERROR "${program} brings ${count} libraries, at most ${MOST} may be:\n${libraries}")
+  endif()
+endforeach()
