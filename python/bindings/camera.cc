@@ -11,7 +11,8 @@ namespace py = pybind11;
 
 namespace surfit::python {
 
-static_assert(FieldCount<PinholeCamera>() == 7 && FieldCount<RgbdCamera>() == 11,
+static_assert(FieldCount<PinholeCamera>() == 7 && FieldCount<Disparity>() == 4 &&
+                  FieldCount<RgbdCamera>() == 12,
               "each field must be an attribute");
 
 void BindCamera(py::module_& module) {
@@ -31,6 +32,15 @@ void BindCamera(py::module_& module) {
                           "Noise of a depth sensor, constant in inverse depth.");
   BindOptions<CalibrationPrior>(module, "CalibrationPrior",
                                 "What is known of a calibration: standard deviations.");
+  BindPlain<Disparity>(module, "Disparity",
+                       "How disparities become depth: 1/z = (count - count_at_infinity) / "
+                       "(counts_per_px * focal_px * baseline_m).")
+      .def_readwrite("focal_px", &Disparity::focal_px, "that the disparities were made with")
+      .def_readwrite("baseline_m", &Disparity::baseline_m,
+                     "metres; 0: depth images are no disparities")
+      .def_readwrite("counts_per_px", &Disparity::counts_per_px,
+                     "negative where counts fall with the disparity")
+      .def_readwrite("count_at_infinity", &Disparity::count_at_infinity, "that is no depth's");
   BindPlain<RgbdCamera>(module, "RgbdCamera",
                         "A depth sensor: a depth camera with a colour camera beside it.")
       .def_readwrite("depth", &RgbdCamera::depth, "the depth camera")
@@ -41,7 +51,9 @@ void BindCamera(py::module_& module) {
       .def_readwrite("color_from_depth", &RgbdCamera::color_from_depth,
                      "4 x 4, metres; unused if color_is_registered")
       .def_readwrite("depth_units_per_metre", &RgbdCamera::depth_units_per_metre,
-                     "counts of uint16 depth in a metre")
+                     "counts of uint16 depth in a metre; unused where disparity is given")
+      .def_readwrite("disparity", &RgbdCamera::disparity,
+                     "how depth images of disparities become depth")
       .def_readwrite("noise", &RgbdCamera::noise, "of the depth")
       .def_readwrite("frames_per_second", &RgbdCamera::frames_per_second,
                      "for files without stamps")

@@ -39,6 +39,17 @@ float Metres(float raw, float /*units_per_metre*/, float max_m) {
   return raw > 0 && raw <= max_m ? raw : 0;
 }
 
+bool IsMissing(std::uint16_t raw) { return raw == 0 || raw == kMissing; }
+bool IsMissing(float raw) { return !(raw > 0); }  // NaN too
+
+template <typename T>
+float MetresOf(const Disparity& disparity, T raw, float max_m) {
+  const double inverse = disparity.InverseDepth(raw);
+  if (IsMissing(raw) || !(inverse > 0)) return 0;
+  const auto metres = static_cast<float>(1 / inverse);
+  return metres <= max_m ? metres : 0;
+}
+
 // For each pixel of the undistorted, downsampled image: the index of the nearest pixel of the
 // camera's own image, or -1 where the camera does not see it.
 Image<std::int32_t> NearestPixels(const PinholeCamera& camera, int downsample) {
@@ -58,14 +69,20 @@ Image<std::int32_t> NearestPixels(const PinholeCamera& camera, int downsample) {
 
 // Metres at the given pixels of the raw image; 0 where depth is missing or beyond max_depth_m.
 Image<float> DepthAt(const Image<std::int32_t>& pixels, const RawDepth& raw,
-                     double depth_units_per_metre, double max_depth_m) {
-  const float units = static_cast<float>(depth_units_per_metre);
+                     const RgbdCamera& camera, double max_depth_m) {
+  const float units = static_cast<float>(camera.depth_units_per_metre);
   const float max_m = static_cast<float>(max_depth_m);
   Image<float> depth_m(pixels.width(), pixels.height());
   std::visit(
       [&](const auto& image) {
-        for (std::size_t i = 0; i < pixels.size(); ++i) {
-          depth_m[i] = pixels[i] < 0 ? 0 : Metres(image[pixels[i]], units, max_m);
+        const auto set_all = [&](const auto& metres) {
+          for (std::size_t i = 0; i < pixels.size(); ++i)
+            depth_m[i] = pixels[i] < 0 ? 0 : metres(image[pixels[i]]);
+        };
+        if (camera.disparity.IsGiven()) {
+          set_all([&](auto raw) { return MetresOf(camera.disparity, raw, max_m); });
+        } else {
+          set_all([&](auto raw) { return Metres(raw, units, max_m); });
         }
       },
       raw);
@@ -108,7 +125,7 @@ RgbdFrame FramePreparer::Prepare(const RawDepth& depth, Image<Rgb8> color) const
   const Tables& t = *tables_;
   CHECK(std::visit([&](const auto& image) { return HasSize(image, t.camera.depth); }, depth));
   RgbdFrame frame;
-  frame.depth_m = DepthAt(t.depth_pixels, depth, t.camera.depth_units_per_metre, t.max_depth_m);
+  frame.depth_m = DepthAt(t.depth_pixels, depth, t.camera, t.max_depth_m);
   if (!color.empty()) {
     CHECK(HasSize(color, t.camera.color_is_registered ? t.camera.depth : t.camera.color));
     frame.color = t.color_registration.Apply(std::move(color), frame.depth_m);

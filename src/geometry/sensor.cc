@@ -55,6 +55,17 @@ void DepthSensor::Validate() const {
   prior.Validate("sensor: prior");
 }
 
+void Disparity::Validate(const std::string& what) const {
+  const auto require = [&](bool holds, const char* field, double value, const char* must) {
+    if (!holds || !std::isfinite(value))
+      throw InputError(Concat(what, ": ", field, " is ", value, ", must be finite", must));
+  };
+  require(focal_px > 0, "focal_px", focal_px, " and positive");
+  require(baseline_m > 0, "baseline_m", baseline_m, " and positive");
+  require(counts_per_px != 0, "counts_per_px", counts_per_px, " and not 0");
+  require(true, "count_at_infinity", count_at_infinity, "");
+}
+
 void RgbdCamera::Validate(const std::string& what) const {
   depth.Validate(what + ": depth camera");
   if (!color_is_registered) color.Validate(what + ": color camera");
@@ -64,6 +75,7 @@ void RgbdCamera::Validate(const std::string& what) const {
     }
   };
   positive("depth_units_per_metre", depth_units_per_metre);
+  if (disparity.IsGiven()) disparity.Validate(what + ": disparity");
   noise.Validate(what);
   positive("frames_per_second", frames_per_second);
   const auto within_a_second = [&](const char* field, double value) {

@@ -105,6 +105,18 @@ PinholeCamera ReadPinhole(const Node& node) {
   return camera;
 }
 
+Disparity ReadDisparity(const Node& node, const std::string& name) {
+  node.RequireKeysAmong({"focal_px", "baseline_m", "counts_per_px", "count_at_infinity"});
+  Disparity disparity;
+  disparity.focal_px = node["focal_px"].Number();
+  disparity.baseline_m = node["baseline_m"].Number();
+  if (node["counts_per_px"].Exists()) disparity.counts_per_px = node["counts_per_px"].Number();
+  if (node["count_at_infinity"].Exists())
+    disparity.count_at_infinity = node["count_at_infinity"].Number();
+  disparity.Validate(name);
+  return disparity;
+}
+
 Rigid3d ReadTransform(const Node& node, const std::string& name) {
   node.RequireKeysAmong({"translation_m", "rotation_xyzw"});
   const auto t = node["translation_m"].Numbers<3>();
@@ -117,13 +129,19 @@ Rigid3d ReadTransform(const Node& node, const std::string& name) {
 
 RgbdCamera ReadCamera(const Node& root, const std::string& path) {
   root.RequireKeysAmong({"depth_camera", "color_camera", "color_from_depth",
-                         "depth_units_per_metre", "inverse_depth_sigma", "inverse_depth_field",
-                         "frames_per_second", "latency_s", "color_latency_s", "readout_s",
-                         "prior"});
+                         "depth_units_per_metre", "disparity", "inverse_depth_sigma",
+                         "inverse_depth_field", "frames_per_second", "latency_s", "color_latency_s",
+                         "readout_s", "prior"});
   RgbdCamera camera;
   if (!root["depth_camera"].Exists()) throw InputError(path + ": depth_camera is missing");
   camera.depth = ReadPinhole(root["depth_camera"]);
-  camera.depth_units_per_metre = root["depth_units_per_metre"].Number();
+  if (root["disparity"].Exists()) {
+    if (root["depth_units_per_metre"].Exists())
+      throw InputError(path + ": depth_units_per_metre and disparity exclude each other");
+    camera.disparity = ReadDisparity(root["disparity"], path + ": disparity");
+  } else {
+    camera.depth_units_per_metre = root["depth_units_per_metre"].Number();
+  }
   const auto read = [&](const char* key, double* number) {
     if (root[key].Exists()) *number = root[key].Number();
   };
@@ -153,6 +171,14 @@ void WritePinhole(cv::FileStorage& file, const char* key, const PinholeCamera& c
   for (const double k : camera.distortion) file << k;
   file << "]"
        << "}";
+}
+
+void WriteDisparity(cv::FileStorage& file, const Disparity& disparity) {
+  file << "disparity"
+       << "{:"
+       << "focal_px" << disparity.focal_px << "baseline_m" << disparity.baseline_m
+       << "counts_per_px" << disparity.counts_per_px << "count_at_infinity"
+       << disparity.count_at_infinity << "}";
 }
 
 void WriteTransform(cv::FileStorage& file, const char* key, const Rigid3d& transform) {
@@ -228,7 +254,11 @@ void WriteCameraYaml(const RgbdCamera& camera, const std::string& path,
       WritePinhole(file, "color_camera", camera.color);
       WriteTransform(file, "color_from_depth", camera.color_from_depth);
     }
-    file << "depth_units_per_metre" << camera.depth_units_per_metre;
+    if (camera.disparity.IsGiven()) {
+      WriteDisparity(file, camera.disparity);
+    } else {
+      file << "depth_units_per_metre" << camera.depth_units_per_metre;
+    }
     file << "inverse_depth_sigma" << camera.noise.inverse_depth_sigma;
     if (!field.IsZero()) WriteField(file, field);
     file << "frames_per_second" << camera.frames_per_second;

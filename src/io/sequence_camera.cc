@@ -231,7 +231,12 @@ std::string DepthFigures(const RgbdCamera& camera) {
     text += ", distorted by";
     for (const double number : c.distortion) text += Concat(" ", number);
   }
-  return Concat(text, ", ", camera.depth_units_per_metre, " units of depth a metre");
+  if (!camera.disparity.IsGiven())
+    return Concat(text, ", ", camera.depth_units_per_metre, " units of depth a metre");
+  const Disparity& d = camera.disparity;
+  return Concat(text, ", disparities of ", d.counts_per_px, " units a px from ",
+                d.count_at_infinity, " on, of a baseline of ", d.baseline_m, " m at ", d.focal_px,
+                " px");
 }
 
 std::string PresetsOfSize(int width, int height) {
@@ -249,7 +254,10 @@ void ResolveCamera(const SequenceOptions& options, SequenceInfo* info) {
   RgbdCamera camera = base.camera;
   if (options.intrinsics) SetIntrinsics(*options.intrinsics, &camera.depth);
   if (options.distortion) camera.depth.distortion = *options.distortion;
-  if (options.depth_units_per_metre) camera.depth_units_per_metre = *options.depth_units_per_metre;
+  if (options.depth_units_per_metre) {
+    camera.depth_units_per_metre = *options.depth_units_per_metre;
+    camera.disparity = {};
+  }
   if (options.inverse_depth_sigma) camera.noise.inverse_depth_sigma = *options.inverse_depth_sigma;
   if (options.frames_per_second) camera.frames_per_second = *options.frames_per_second;
   if (options.latency_s) camera.latency_s = *options.latency_s;

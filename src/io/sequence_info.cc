@@ -151,9 +151,11 @@ FramePreparer CompleteInfo(const std::vector<FrameImages>& images, const Prepare
   const FrameImages& first = images[0];
   CompleteCamera(first, info);
   info->assumed = Assumed(first, *info);
-  if (auto warning =
-          DepthScaleWarning(first.depth, info->camera.depth_units_per_metre, first.depth_name))
-    info->warnings.push_back(*warning);
+  if (!info->camera.disparity.IsGiven()) {
+    if (auto warning =
+            DepthScaleWarning(first.depth, info->camera.depth_units_per_metre, first.depth_name))
+      info->warnings.push_back(*warning);
+  }
   if (info->camera.color_is_registered) {
     if (auto doubt = RegistrationDoubt(images, info->camera.depth))
       info->warnings.push_back(*doubt);

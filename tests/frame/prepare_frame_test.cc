@@ -58,6 +58,44 @@ TEST(FramePreparer, FloatsAreMetresAndWhatIsNoDepthIsMissing) {
   EXPECT_EQ(frame.depth_m(0, 1), 1.25f);
 }
 
+// z = f b / d: 500 px * 0.1 m = 50 m px.
+TEST(FramePreparer, DisparitiesBecomeMetres) {
+  RgbdCamera camera = SmallRgbdCamera();
+  camera.disparity = {500, 0.1, 16, 0};
+  Image<std::uint16_t> raw(5, 3, 400);  // 25 px
+  raw(0, 0) = 0;
+  raw(1, 0) = 65535;
+  raw(2, 0) = 99;  // 8.08 m: beyond the limit
+  raw(3, 0) = 101;
+  const RgbdFrame frame = FramePreparer(camera, Options(1)).Prepare(raw, {});
+  EXPECT_EQ(frame.depth_m(0, 0), 0);
+  EXPECT_EQ(frame.depth_m(1, 0), 0);
+  EXPECT_EQ(frame.depth_m(2, 0), 0);
+  EXPECT_FLOAT_EQ(frame.depth_m(3, 0), 50 * 16 / 101.f);
+  EXPECT_EQ(frame.depth_m(4, 0), 2);
+
+  Image<float> pixels(5, 3, 25 * 16);
+  pixels(0, 0) = std::numeric_limits<float>::quiet_NaN();
+  pixels(1, 0) = -3;
+  const RgbdFrame of_floats = FramePreparer(camera, Options(1)).Prepare(pixels, {});
+  EXPECT_EQ(of_floats.depth_m(0, 0), 0);
+  EXPECT_EQ(of_floats.depth_m(1, 0), 0);
+  EXPECT_EQ(of_floats.depth_m(2, 0), 2);
+}
+
+// Kinect v1's: the more, the farther; 2047 is none.
+TEST(FramePreparer, CountsMayFallWithTheDisparity) {
+  RgbdCamera camera = SmallRgbdCamera();
+  camera.disparity = {580, 0.075, -8, 1090};
+  Image<std::uint16_t> raw(5, 3, 1090 - 8 * 20);
+  raw(0, 0) = 2047;
+  raw(1, 0) = 1090;
+  const RgbdFrame frame = FramePreparer(camera, Options(1)).Prepare(raw, {});
+  EXPECT_EQ(frame.depth_m(0, 0), 0);
+  EXPECT_EQ(frame.depth_m(1, 0), 0);
+  EXPECT_FLOAT_EQ(frame.depth_m(2, 0), 580 * 0.075f / 20);
+}
+
 TEST(FramePreparer, DownsamplingKeepsEveryNthPixelAndItsRay) {
   Image<std::uint16_t> raw(5, 3);
   Image<Rgb8> color(5, 3);

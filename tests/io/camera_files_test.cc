@@ -164,6 +164,31 @@ TEST(CameraYaml, TakesTheUsualPriorWhereItTellsNone) {
   EXPECT_EQ(Numbers(read.prior), Numbers(CalibrationPrior()));
 }
 
+TEST(CameraYaml, KeepsTheFormulaOfDisparities) {
+  const TempFolder folder;
+  RgbdCamera camera = CameraPreset("tum_fr1");
+  camera.disparity = {580, 0.075, -8, 1090.5};
+  WriteCameraYaml(camera, folder / "camera.yaml");
+  const Disparity read = ReadCameraYaml(folder / "camera.yaml").disparity;
+  EXPECT_EQ(read.focal_px, 580);
+  EXPECT_EQ(read.baseline_m, 0.075);
+  EXPECT_EQ(read.counts_per_px, -8);
+  EXPECT_EQ(read.count_at_infinity, 1090.5);
+  EXPECT_FALSE(CameraPreset("tum_fr1").disparity.IsGiven());
+
+  const std::string text = ReadBytes(folder / "camera.yaml");
+  const auto refused = [&](const std::string& from, const std::string& to, const char* message) {
+    std::string changed = text;
+    changed.replace(changed.find(from), from.size(), to);
+    WriteBytes(folder / "changed.yaml", changed);
+    ExpectInputError([&] { ReadCameraYaml(folder / "changed.yaml"); }, HasSubstr(message));
+  };
+  refused("disparity:", "depth_units_per_metre: 1000.\ndisparity:", "exclude each other");
+  refused("counts_per_px", "count_per_px", "'count_per_px' is no known key");
+  refused("-8", "0", "disparity: counts_per_px is 0, must be finite and not 0");
+  refused("580", "-580", "disparity: focal_px is -580, must be finite and positive");
+}
+
 TEST(CameraYaml, KeepsADepthFieldBesideTheCamera) {
   TempFolder folder;
   const InverseDepthField field = {{-0.0067, 0.001, -0.002, 0.003, -0.004, 0.005}};

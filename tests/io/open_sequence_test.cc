@@ -48,6 +48,21 @@ TEST_F(OpenSequenceTest, FirstLastAndStrideChooseFrames) {
   EXPECT_THAT(Indices(), ElementsAre(9));
 }
 
+// z = 31 px * 0.1 m * 1000 counts a px / 1000 counts.
+TEST_F(OpenSequenceTest, DisparitiesReachTheFramesAsDepth) {
+  std::string yaml = SmallCameraYaml();
+  const std::string units = "depth_units_per_metre: 1000.";
+  yaml.replace(yaml.find(units), units.size(),
+               "disparity: { focal_px: 31., baseline_m: 0.1, counts_per_px: 1000. }");
+  folder_.Write("camera.yaml", yaml);
+  const auto source = OpenSequence(options_);
+  EXPECT_FLOAT_EQ(source->Next()->frame->depth_m(0, 0), 3.1f);
+  EXPECT_THAT(source->info().warnings, IsEmpty());
+  EXPECT_THAT(source->info().assumed, HasSubstr("a baseline of 0.1 m"));
+  options_.depth_units_per_metre = 500;
+  EXPECT_FLOAT_EQ(OpenSequence(options_)->Next()->frame->depth_m(0, 0), 2.f);
+}
+
 TEST_F(OpenSequenceTest, DownsamplingAndDepthLimitReachTheFrames) {
   options_.prepare.downsample = 4;
   options_.prepare.max_depth_m = 1.002;

@@ -14,7 +14,8 @@ namespace surfit {
 class OptionVisitor;
 
 // Depth along the optical axis as a sensor or file gives it: counts of 1/depth_units_per_metre, 0
-// and 65535 meaning missing, or metres, where what is not finite or not positive is missing.
+// and 65535 meaning missing, or metres, where what is not finite or not positive is missing; or
+// both as disparities, where the camera tells their formula.
 using RawDepth = std::variant<Image<std::uint16_t>, Image<float>>;
 
 // Which pixels and depths of a camera's images are used.

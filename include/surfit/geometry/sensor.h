@@ -25,6 +25,27 @@ struct DepthNoise {
   void Validate(const std::string& what) const;
 };
 
+// How depth images of disparities become depth. With the disparity d = (count - count_at_infinity)
+// / counts_per_px in px, stereo triangulation has z = focal_px baseline_m / d, so that
+//   1 / z = (count - count_at_infinity) / (counts_per_px focal_px baseline_m).
+// Kinect v1's raw counts fall with the disparity: counts_per_px = -8, count_at_infinity about 1090
+// (Khoshelham and Elberink 2012), baseline_m = 0.075. The focal length is that which the
+// disparities were made with, whatever becomes of the camera's.
+struct Disparity {
+  double focal_px = 0;
+  double baseline_m = 0;  // 0: depth images are no disparities
+  double counts_per_px = 1;
+  double count_at_infinity = 0;
+
+  bool IsGiven() const { return baseline_m != 0; }
+  // 1/m; not positive where nothing is told, or beyond infinity.
+  double InverseDepth(double count) const {
+    return (count - count_at_infinity) / (counts_per_px * focal_px * baseline_m);
+  }
+  // Throws InputError naming `what`, the field, its value and the constraint.
+  void Validate(const std::string& what) const;
+};
+
 // What is known of a calibration as a user is given it: standard deviations of its errors, about
 // which it is right; 0 = nothing is known. Factory calibrations and presets of a series are off by
 // about a percent; pixels are square to a thousandth; a structured-light sensor's depth is off by
@@ -68,7 +89,8 @@ struct RgbdCamera {
   // Colour pixels see the same rays as depth pixels; color and color_from_depth are then unused.
   bool color_is_registered = true;
   Rigid3d color_from_depth;
-  double depth_units_per_metre = 5000;
+  double depth_units_per_metre = 5000;  // unused where disparity is given
+  Disparity disparity = {};
   DepthNoise noise;
   double frames_per_second = 30;
   // How long before its stamp the middle of a depth frame's exposure and readout lies. Kinect v1

@@ -22,6 +22,7 @@ std::vector<std::string> CameraPresetNames();
 //   color_camera: { the same keys }          only where colour is not registered to depth
 //   color_from_depth: { translation_m: [ x, y, z ], rotation_xyzw: [ x, y, z, w ] }
 //   depth_units_per_metre: 5000.
+//   disparity: { focal_px: 570., baseline_m: 0.075, counts_per_px: 8. }   in place of the units
 //   inverse_depth_sigma: 0.002               1/m: DepthNoise
 //   inverse_depth_field: [ c0, c1, c2, c3, c4, c5 ]      1/m: ReadInverseDepthField()
 //   frames_per_second: 30.
@@ -29,10 +30,10 @@ std::vector<std::string> CameraPresetNames();
 //   color_latency_s: 0.01                    and how much longer a colour frame
 //   readout_s: 0.033                         of a rolling shutter
 //   prior: { focal_share: 0.01, ... }        any fields of CalibrationPrior
-// depth_camera and depth_units_per_metre must stand; distortion is zero, color_from_depth the
-// identity, and the others the RgbdCamera's defaults where they do not. A key that is none of these
-// is an error, for it is a misspelt one.
-// Throws InputError naming the file, the key, the value and the constraint.
+// depth_camera and depth_units_per_metre (or disparity) must stand; distortion is zero,
+// color_from_depth the identity, and the others the RgbdCamera's defaults where they do not. A key
+// that is none of these is an error, for it is a misspelt one. Throws InputError naming the file,
+// the key, the value and the constraint.
 RgbdCamera ReadCameraYaml(const std::string& path);
 
 // Its inverse_depth_field, what its depth needs to be right; zero where there is none.
