@@ -10,6 +10,7 @@
 #include "core/named_values.h"
 #include "cost_functions/kernel_loss.h"
 #include "registration/functor_batch.h"
+#include "registration/own_residuals.h"
 #include "registration/pair_solver.h"
 #include "registration/reduced_cost.h"
 
@@ -115,23 +116,31 @@ class PerPointCeresSolver final : public PairSolver<PerPointCeresSolver> {
   template <typename S>
   Vector6d Solve(Pairs<S> pairs, const RobustKernel& kernel, const IntensityPairs& intensities,
                  const StepResult&, SolveReport* report) const {
-    return WithFunctorOf(options().residual, [&](const auto& functor) {
-      const Stopwatch building;
-      KernelLoss loss(kernel),
-          intensity_loss(photometric() != nullptr ? photometric()->kernel() : kernel);
-      PoseProblem problem;
-      AddBlocks(MakeBatch(std::move(pairs), functor), functor,
-                kernel.type == RobustKernelType::kNone ? nullptr : &loss, &problem);
-      if (intensities.size > 0) {
-        AddBlocks(MakeBatch(intensities, *photometric()), FunctorOf(photometric()->camera()),
-                  &intensity_loss, &problem);
-      }
-      report->build_ms = building.Milliseconds();
-      return problem.Solve<S>(linear_solver_, options().min_relative_cost_change, report);
-    });
+    const Stopwatch building;
+    KernelLoss loss(kernel),
+        intensity_loss(photometric() != nullptr ? photometric()->kernel() : kernel);
+    PoseProblem problem;
+    AddPairs(std::move(pairs), kernel.type == RobustKernelType::kNone ? nullptr : &loss, &problem);
+    if (intensities.size > 0) {
+      AddBlocks(MakeBatch(intensities, *photometric()), FunctorOf(photometric()->camera()),
+                &intensity_loss, &problem);
+    }
+    report->build_ms = building.Milliseconds();
+    return problem.Solve<S>(linear_solver_, options().min_relative_cost_change, report);
   }
 
  private:
+  template <typename S>
+  void AddPairs(Pairs<S> pairs, ceres::LossFunction* loss, PoseProblem* problem) const {
+    if (const OwnResidual* const own = OwnResidualOf(options().residual)) {
+      for (int i = 0; i < pairs.size; ++i) problem->Add(own->OfPair(pairs, i).release(), loss);
+      return;
+    }
+    WithFunctorOf(options().residual, [&](const auto& functor) {
+      AddBlocks(MakeBatch(std::move(pairs), functor), functor, loss, problem);
+    });
+  }
+
   template <typename Functor, typename S>
   static void AddBlocks(const BatchData<Functor, S>& batch, const Functor& prototype,
                         ceres::LossFunction* loss, PoseProblem* problem) {

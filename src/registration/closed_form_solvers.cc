@@ -3,6 +3,7 @@
 
 #include "cost_functions/robust_kernel.h"
 #include "registration/decompositions.h"
+#include "registration/own_residuals.h"
 #include "registration/pair_solver.h"
 #include "registration/residual_rows.h"
 #include "surfit/core/error.h"
@@ -67,9 +68,7 @@ class QrSolver final : public PairSolver<QrSolver> {
     if (before.observability.Degenerate()) {
       return SolveHeld(before.system, before.observability);
     }
-    AllRows rows = WithRowsOf(options().residual, [&](auto type) {
-      return WeightedRows<decltype(type)>(pairs, kernel, intensities.size);
-    });
+    AllRows rows = RowsOf(pairs, kernel, intensities.size);
     if (intensities.size > 0) SetIntensityRows(intensities, &rows);
     report->linearize_ms = solving.Milliseconds();
     Vector6d increment = SolveByQr(&rows);
@@ -81,6 +80,34 @@ class QrSolver final : public PairSolver<QrSolver> {
   using AllRows = Eigen::Matrix<double, Eigen::Dynamic, kRowColumns>;
 
   // Those of the pairs, and room for more at the end.
+  template <typename S>
+  AllRows RowsOf(const Pairs<S>& pairs, const RobustKernel& kernel, int more) const {
+    if (const OwnResidual* const own = OwnResidualOf(options().residual))
+      return WeightedRows(*own, pairs, kernel, more);
+    return WithRowsOf(options().residual,
+                      [&](auto type) { return WeightedRows<decltype(type)>(pairs, kernel, more); });
+  }
+
+  template <typename S>
+  static AllRows WeightedRows(const OwnResidual& own, const Pairs<S>& pairs,
+                              const RobustKernel& kernel, int more) {
+    const int row_count = own.row_count();
+    RawVector<S> rows(static_cast<std::size_t>(row_count) * kRowColumns * pairs.size);
+    own.FillRows(pairs, 0, pairs.size, rows.data());
+    AllRows all(pairs.size * row_count + more, kRowColumns);
+    for (int i = 0; i < pairs.size; ++i) {
+      auto block = all.middleRows(i * row_count, row_count);
+      for (int k = 0; k < row_count; ++k) {
+        for (int c = 0; c < kRowColumns; ++c)
+          block(k, c) = rows[static_cast<std::size_t>(kRowColumns * k + c) * pairs.size + i];
+      }
+      const double information = pairs.information[i];
+      const double s = information * block.col(kRowColumns - 1).squaredNorm();
+      block *= std::sqrt(information * EvaluateKernel(kernel, s).slope);
+    }
+    return all;
+  }
+
   template <typename Rows, typename S>
   static AllRows WeightedRows(const Pairs<S>& pairs, const RobustKernel& kernel, int more) {
     constexpr int kRows = Rows::kRows;

@@ -96,7 +96,7 @@ inline BatchData<Photometric, float> MakeBatch(const IntensityPairs& pairs,
                                         RawVector<float>(pairs.size, inverse_sigma)});
 }
 
-// Calls f with the functor of a residual, so that its type is known to the compiler.
+// Calls f with the functor of a residual of ours, so that its type is known to the compiler.
 template <typename F>
 auto WithFunctorOf(ResidualType type, const F& f) {
   switch (type) {

@@ -1,10 +1,13 @@
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <memory>
+#include <type_traits>
 #include <vector>
 
 #include "cost_functions/row_sums.h"
 #include "registration/icp_level.h"
+#include "registration/own_residuals.h"
 #include "registration/residual_rows.h"
 #include "surfit/core/parallel.h"
 
@@ -89,9 +92,11 @@ struct PairLanes {
   }
 };
 
-// The system of the pairs [begin, end).
-template <typename Rows, typename S>
-NormalSystem SumPairs(const Pairs<S>& pairs, int begin, int end, const RobustKernel& kernel) {
+// The system of the pairs [begin, end), whose rows set_rows(first, count, pair, rows) gives for as
+// many of them as there are lanes.
+template <int kRows, typename S, typename SetRows>
+NormalSystem SystemOf(const Pairs<S>& pairs, int begin, int end, const RobustKernel& kernel,
+                      double normal_share, const SetRows& set_rows) {
   NormalSystem system;
   RowSums sums;
   WithInstructions([&](auto instructions) {
@@ -101,8 +106,8 @@ NormalSystem SumPairs(const Pairs<S>& pairs, int begin, int end, const RobustKer
         [&](int first, int count, PairLanes<V>* lanes) {
           PairValues<V> pair;
           LoadPairs(pairs, first, count, &pair);
-          V rows[Rows::kRows][kRowColumns];
-          Rows::Evaluate(pair, rows);
+          V rows[kRows][kRowColumns];
+          set_rows(first, count, pair, rows);
           lanes->Add(pair, lanes->rows.Add(rows, pair.information, kernel), count);
         },
         [&](const PairLanes<V>& lanes) { lanes.AddTo(&sums, &system); });
@@ -110,9 +115,40 @@ NormalSystem SumPairs(const Pairs<S>& pairs, int begin, int end, const RobustKer
   AddProducts(sums, &system.hessian, &system.right_side, &system.weighted_square_sum);
   system.cost = 0.5 * sums.rho;
   system.pair_count = end - begin;
-  system.row_count = system.pair_count * Rows::kRows;
-  system.normal_share = Rows::kNormalShare;
+  system.row_count = system.pair_count * kRows;
+  system.normal_share = normal_share;
   return system;
+}
+
+template <typename Rows, typename S>
+NormalSystem SumPairs(const Pairs<S>& pairs, int begin, int end, const RobustKernel& kernel) {
+  return SystemOf<Rows::kRows>(
+      pairs, begin, end, kernel, Rows::kNormalShare,
+      [](int, int, const auto& pair, auto& rows) { Rows::Evaluate(pair, rows); });
+}
+
+template <typename S>
+RawVector<S> RowsOf(const OwnResidual& own, const Pairs<S>& pairs, int begin, int end) {
+  RawVector<S> rows(static_cast<std::size_t>(own.row_count()) * kRowColumns * (end - begin));
+  own.FillRows(pairs, begin, end, rows.data());
+  return rows;
+}
+
+template <int kRows, typename S>
+NormalSystem SumOwnPairs(const OwnResidual& own, const Pairs<S>& pairs, int begin, int end,
+                         const RobustKernel& kernel) {
+  const RawVector<S> all = RowsOf(own, pairs, begin, end);
+  return SystemOf<kRows>(pairs, begin, end, kernel, NormalShareOf(own),
+                         [&](int first, int count, const auto&, auto& rows) {
+                           using V = std::decay_t<decltype(rows[0][0])>;
+                           const S* from = all.data() + first - begin;
+                           for (auto& row : rows) {
+                             for (V& column : row) {
+                               column = V::LoadUpTo(from, count);
+                               from += end - begin;
+                             }
+                           }
+                         });
 }
 
 // The same of intensities.
@@ -140,36 +176,86 @@ PhotometricSystem SumPairs(const IntensityPairs& pairs, int begin, int end,
 }
 
 template <typename S>
-using PairSummer = NormalSystem (*)(const Pairs<S>&, int, int, const RobustKernel&);
+using PairSummer = std::function<NormalSystem(const Pairs<S>&, int, int, const RobustKernel&)>;
+
+template <int kRows, typename S>
+PairSummer<S> OwnPairSummer(const OwnResidual& own) {
+  return [&own](const Pairs<S>& pairs, int begin, int end, const RobustKernel& kernel) {
+    return SumOwnPairs<kRows>(own, pairs, begin, end, kernel);
+  };
+}
 
 template <typename S>
 PairSummer<S> PairSummerOf(ResidualType residual) {
+  if (const OwnResidual* const own = OwnResidualOf(residual)) {
+    static_assert(OwnResidual::kMostRows == 3);
+    if (own->row_count() == 1) return OwnPairSummer<1, S>(*own);
+    return own->row_count() == 2 ? OwnPairSummer<2, S>(*own) : OwnPairSummer<3, S>(*own);
+  }
   return WithRowsOf(residual,
                     [](auto rows) -> PairSummer<S> { return SumPairs<decltype(rows), S>; });
 }
 
-// The median of |r| / sigma; 0 without pairs.
+// |r|^2 / sigma^2 of the pairs [begin, end).
 template <typename Rows, typename S>
-double MedianResidual(const Pairs<S>& pairs) {
-  if (pairs.size == 0) return 0;
-  std::vector<S> residuals(pairs.size);
-  ParallelFor(0, pairs.size, 4096, [&](int begin, int end) {
-    using V = Lanes<S>;
-    for (int i = begin; i < end; i += V::kCount) {
-      const int count = std::min(end - i, V::kCount);
-      PairValues<V> pair;
-      LoadPairs(pairs, i, count, &pair);
-      V rows[Rows::kRows][kRowColumns];
-      Rows::Evaluate(pair, rows);
-      V s(0.);
-      for (int k = 0; k < Rows::kRows; ++k) s += rows[k][6] * rows[k][6];
-      s = s * pair.information;
-      for (int k = 0; k < count; ++k) residuals[i + k] = s[k];
-    }
-  });
-  const auto middle = residuals.begin() + pairs.size / 2;
-  std::nth_element(residuals.begin(), middle, residuals.end());
+void SetSquares(const Pairs<S>& pairs, int begin, int end, S* squares) {
+  using V = Lanes<S>;
+  for (int i = begin; i < end; i += V::kCount) {
+    const int count = std::min(end - i, V::kCount);
+    PairValues<V> pair;
+    LoadPairs(pairs, i, count, &pair);
+    V rows[Rows::kRows][kRowColumns];
+    Rows::Evaluate(pair, rows);
+    V s(0.);
+    for (int k = 0; k < Rows::kRows; ++k) s += rows[k][6] * rows[k][6];
+    (s * pair.information).StoreUpTo(squares + i - begin, count);
+  }
+}
+
+template <typename S>
+void SetSquares(const OwnResidual& own, const Pairs<S>& pairs, int begin, int end, S* squares) {
+  const RawVector<S> rows = RowsOf(own, pairs, begin, end);
+  std::fill(squares, squares + (end - begin), S(0));
+  for (int k = 0; k < own.row_count(); ++k) {
+    const S* const residuals =
+        rows.data() + static_cast<std::size_t>(kRowColumns * k + kRowColumns - 1) * (end - begin);
+    for (int i = 0; i < end - begin; ++i)
+      squares[i] += residuals[i] * residuals[i] * pairs.information[begin + i];
+  }
+}
+
+// The root of the median of what set(begin, end, squares) gives; 0 without pairs.
+template <typename S, typename Set>
+double MedianResidual(int pair_count, const Set& set) {
+  if (pair_count == 0) return 0;
+  std::vector<S> squares(pair_count);
+  ParallelFor(0, pair_count, 4096,
+              [&](int begin, int end) { set(begin, end, squares.data() + begin); });
+  const auto middle = squares.begin() + pair_count / 2;
+  std::nth_element(squares.begin(), middle, squares.end());
   return std::sqrt(static_cast<double>(*middle));
+}
+
+// The sigmas that the residuals have by their median: that of the length of a vector of so many
+// normal errors is known (the root of the median of chi squared).
+template <typename S>
+double ScaleOf(const Pairs<S>& pairs, ResidualType residual) {
+  constexpr double kOfNormalErrors[] = {0.6745, 1.1774, 1.5382};
+  if (const OwnResidual* const own = OwnResidualOf(residual)) {
+    return MedianResidual<S>(pairs.size,
+                             [&](int begin, int end, S* squares) {
+                               SetSquares(*own, pairs, begin, end, squares);
+                             }) /
+           kOfNormalErrors[own->row_count() - 1];
+  }
+  return WithRowsOf(residual, [&](auto rows) {
+    using Rows = decltype(rows);
+    return MedianResidual<S>(pairs.size,
+                             [&](int begin, int end, S* squares) {
+                               SetSquares<Rows>(pairs, begin, end, squares);
+                             }) /
+           kOfNormalErrors[Rows::kRows - 1];
+  });
 }
 
 }  // namespace
@@ -218,13 +304,8 @@ RobustKernel KernelFor(const Pairs<S>& pairs, ResidualType residual,
                        const ErrorModel& error_model) {
   RobustKernel kernel = error_model.kernel;
   if (!error_model.estimate_scale || kernel.type == RobustKernelType::kNone) return kernel;
-  const double scale = WithRowsOf(residual, [&](auto rows) {
-    using Rows = decltype(rows);
-    const double of_normal_errors = Rows::kRows == 1 ? 0.6745 : 1.5382;
-    return MedianResidual<Rows>(pairs) / of_normal_errors;
-  });
   constexpr double kSmallest = 1e-3;  // residuals that vanish leave no scale
-  kernel.width *= std::max(scale, kSmallest);
+  kernel.width *= std::max(ScaleOf(pairs, residual), kSmallest);
   return kernel;
 }
 

@@ -1,6 +1,11 @@
 #include "surfit/registration/pose_solver.h"
 
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
 #include "core/named_values.h"
+#include "registration/own_residuals.h"
 #include "registration/pair_solver.h"
 #include "surfit/registration/error_model.h"
 
@@ -8,23 +13,65 @@ namespace surfit {
 
 namespace {
 
+// In the order of their values.
 constexpr NamedValue<ResidualType> kTypes[] = {
     {"point_to_point", ResidualType::kPointToPoint},
     {"point_to_plane", ResidualType::kPointToPlane},
     {"symmetric_point_to_plane", ResidualType::kSymmetricPointToPlane},
     {"plane_to_plane", ResidualType::kPlaneToPlane}};
 
-}  // namespace
+struct NamedResidual {
+  std::string name;
+  std::unique_ptr<const OwnResidual> residual;
+};
 
-std::vector<std::string> ResidualTypeNames() { return NamesOf(kTypes); }
-
-ResidualType ResidualTypeFromName(const std::string& name) {
-  return ValueOf("residual", name, kTypes);
+// Their types follow the built-in ones.
+std::vector<NamedResidual>& OwnResiduals() {
+  static std::vector<NamedResidual> residuals;
+  return residuals;
 }
 
-std::string ToString(ResidualType type) { return NameOf(type, kTypes); }
+constexpr int kFirstOwn = static_cast<int>(std::size(kTypes));
+
+const NamedResidual* Own(ResidualType type) {
+  const int i = static_cast<int>(type) - kFirstOwn;
+  return i >= 0 ? &OwnResiduals().at(i) : nullptr;
+}
+
+}  // namespace
+
+void RegisterResidual(const std::string& name, std::unique_ptr<const OwnResidual> residual) {
+  const std::vector<std::string> names = ResidualTypeNames();
+  if (name.empty() || std::find(names.begin(), names.end(), name) != names.end()) {
+    throw InputError(Concat("a residual's name is '", name, "', must be none of: ", Listed(names)));
+  }
+  OwnResiduals().push_back({name, std::move(residual)});
+}
+
+const OwnResidual* OwnResidualOf(ResidualType type) {
+  const NamedResidual* const own = Own(type);
+  return own != nullptr ? own->residual.get() : nullptr;
+}
+
+std::vector<std::string> ResidualTypeNames() {
+  std::vector<std::string> names = NamesOf(kTypes);
+  for (const NamedResidual& own : OwnResiduals()) names.push_back(own.name);
+  return names;
+}
+
+ResidualType ResidualTypeFromName(const std::string& name) {
+  const std::vector<std::string> names = ResidualTypeNames();
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found != names.end()) return static_cast<ResidualType>(found - names.begin());
+  throw InputError(Concat("residual is '", name, "', must be one of: ", Listed(names)));
+}
+
+std::string ToString(ResidualType type) {
+  return ResidualTypeNames().at(static_cast<std::size_t>(type));
+}
 
 NeededNormals NormalsNeededBy(ResidualType type) {
+  if (const OwnResidual* const own = OwnResidualOf(type)) return own->needed_normals();
   switch (type) {
     case ResidualType::kPointToPoint:
       return NeededNormals::kNone;

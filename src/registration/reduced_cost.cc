@@ -4,12 +4,15 @@
 
 #include "cost_functions/reduced_batch.h"
 #include "registration/functor_batch.h"
+#include "registration/own_residuals.h"
 
 namespace surfit {
 
 template <typename S>
 std::unique_ptr<ceres::CostFunction> MakeReducedCost(Pairs<S> pairs, ResidualType residual,
                                                      const RobustKernel& kernel) {
+  if (const OwnResidual* const own = OwnResidualOf(residual))
+    return own->Reduced(std::move(pairs), kernel);
   return WithFunctorOf(residual, [&](const auto& functor) -> std::unique_ptr<ceres::CostFunction> {
     return std::make_unique<ReducedBatch<std::decay_t<decltype(functor)>, S>>(
         functor, MakeBatch(std::move(pairs), functor), kernel);

@@ -160,7 +160,7 @@ struct IntensityRows {
   }
 };
 
-// Calls f with the rows of a type, so that it is known to the compiler.
+// Calls f with the rows of a residual of ours, so that it is known to the compiler.
 template <typename F>
 auto WithRowsOf(ResidualType type, const F& f) {
   switch (type) {

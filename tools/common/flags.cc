@@ -78,6 +78,14 @@ bool IsSet(const std::string& flag) {
 
 }  // namespace
 
+bool HasFlag(const OptionTable& table, const std::string& flag) {
+  bool found = false;
+  ForEachFlag(table, [&](const Option& option, const OptionValue&) {
+    found = found || option.flag == flag;
+  });
+  return found;
+}
+
 Flags::Flags(OptionTable table) : table_(std::move(table)) {
   ForEachFlag(table_, [&](const Option& option, const OptionValue& value) {
     const FlagValue now = ValueOf(option, value);

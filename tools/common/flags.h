@@ -29,6 +29,9 @@ std::string GroupHelp(const std::vector<FlagHelp>& flags, const std::string& gro
 // and --name=value for each of the choices.
 std::string CompletionWords(const std::vector<FlagHelp>& flags);
 
+// Whether one of the options has such a flag.
+bool HasFlag(const OptionTable& table, const std::string& flag);
+
 // The flags of a program: those that its table of options names. Their defaults are the values that
 // the options have when the flags are made.
 class Flags {

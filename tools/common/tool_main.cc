@@ -14,6 +14,7 @@
 #include "common/command_line.h"
 #include "common/console.h"
 #include "common/flags.h"
+#include "common/residual_library.h"
 #include "surfit/core/error.h"
 
 namespace surfit::tools {
@@ -21,8 +22,9 @@ namespace {
 
 // The flags of our programs that name what is written, and what is read.
 constexpr std::array kOutputs = {"output", "summary", "trace", "dump_failures"};
-constexpr std::array kInputs = {"sequence",    "graph", "cloud",  "trajectory", "estimate",
-                                "groundtruth", "map",   "source", "target",     "reference"};
+constexpr std::array kInputs = {"sequence",        "graph", "cloud",  "trajectory", "estimate",
+                                "groundtruth",     "map",   "source", "target",     "reference",
+                                "residual_library"};
 
 // Whether the flag is one of those, and has a path, no number of a frame.
 template <std::size_t kCount>
@@ -71,7 +73,8 @@ int ToolMain(int argc, char** argv, const std::string& summary, const OptionTabl
   try {
     FLAGS_logtostderr = true;
     google::InitGoogleLogging(argv[0], &WriteKind);
-    const Flags flags(options);
+    ResidualLibrary residuals;
+    const Flags flags(residuals.With(options));
     ParseCommandLine(argc, argv, flags.Described());
     const std::string text = AskedFor(program, summary, flags.Described());
     if (!text.empty()) {
@@ -80,6 +83,7 @@ int ToolMain(int argc, char** argv, const std::string& summary, const OptionTabl
       return kDone;
     }
     flags.Apply();
+    residuals.Load();
     if (prepare) {
       prepare();
       flags.Apply();

@@ -26,6 +26,10 @@ struct Pairs {
     return {&px, &py, &pz, &qx, &qy, &qz, &nx, &ny, &nz, &mx, &my, &mz, &information};
   }
 
+  std::array<const RawVector<S>*, kArrays> Arrays() const {
+    return {&px, &py, &pz, &qx, &qy, &qz, &nx, &ny, &nz, &mx, &my, &mz, &information};
+  }
+
   // Makes room for so many pairs, at least size, without changing size.
   void SetCapacity(int capacity) {
     for (auto* array : Arrays()) array->resize(capacity);
