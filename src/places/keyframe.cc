@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-#include "places/orb_features.h"
+#include "registration/feature_points.h"
 #include "surfit/core/options.h"
 #include "surfit/frame/frame_pyramid.h"
 
@@ -59,6 +59,16 @@ Image<float> IntensityOf(const PlaceView& view) {
   return intensity;
 }
 
+std::vector<PlaceFeature> FindPlaceFeatures(const Image<Rgb8>& color, const FrameLevel& surface,
+                                            int max_count) {
+  const FeaturePoints found = FindFeatures(color, surface, ErrorModel(), max_count);
+  std::vector<PlaceFeature> features;
+  for (int i = 0; i < found.size(); ++i) {
+    features.push_back({found.points[i].cast<float>(), found.descriptors[i]});
+  }
+  return features;
+}
+
 }  // namespace
 
 std::size_t PlaceView::Bytes() const {
@@ -80,7 +90,7 @@ PlaceView MakePlaceView(const FramePyramid& pyramid, const Image<Rgb8>& color,
   view.noise = surface.noise;
   view.depth = CompactDepth(surface.vertex.z);
   view.intensity = CompactIntensity(color, level);
-  view.features = FindOrbFeatures(color, pyramid.levels.front(), options.max_features);
+  view.features = FindPlaceFeatures(color, pyramid.levels.front(), options.max_features);
   return view;
 }
 

@@ -3,7 +3,6 @@
 #include <glog/logging.h>
 
 #include <algorithm>
-#include <bitset>
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -27,14 +26,6 @@ std::vector<int> ChooseBits(int count, std::mt19937_64* generator) {
   }
   bits.resize(count);
   return bits;
-}
-
-int Hamming(const BinaryDescriptor& a, const BinaryDescriptor& b) {
-  int distance = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    distance += static_cast<int>(std::bitset<64>(a[i] ^ b[i]).count());
-  }
-  return distance;
 }
 
 }  // namespace

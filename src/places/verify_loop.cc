@@ -2,7 +2,6 @@
 #include <iterator>
 #include <utility>
 
-#include "places/orb_features.h"
 #include "registration/feature_points.h"
 #include "registration/register_from.h"
 #include "surfit/core/options.h"
@@ -42,13 +41,13 @@ class ExpandedView {
   bool has_color_;
 };
 
-// Without descriptors.
 FeaturePoints PointsOf(const PlaceView& view, const ErrorModel& error_model) {
   FeaturePoints features;
   for (const PlaceFeature& feature : view.features) {
     features.points.push_back(feature.point.cast<double>());
     features.sigmas_m.push_back(
         SigmaOfFeature(feature.point.z(), {view.camera, view.noise}, error_model));
+    features.descriptors.push_back(feature.descriptor);
   }
   return features;
 }
@@ -57,13 +56,12 @@ FeaturePoints PointsOf(const PlaceView& view, const ErrorModel& error_model) {
 std::vector<Rigid3d> StartsFromFeatures(const PlaceView& source, const PlaceView& target,
                                         const VerifyLoopOptions& options, FarVerdict* verdict) {
   constexpr int kMostPoses = 3, kConsensusTries = 500;
-  const std::vector<FeatureMatch> matches = MatchFeatures(source.features, target.features);
+  const FeaturePoints from = PointsOf(source, options.icp.error_model);
+  const FeaturePoints to = PointsOf(target, options.icp.error_model);
+  const std::vector<FeatureMatch> matches = MatchFeatures(from, to);
   verdict->matches = static_cast<int>(matches.size());
-  const ErrorModel& error_model = options.icp.error_model;
   std::vector<Rigid3d> starts;
-  for (const Consensus& consensus :
-       FindConsensus(PointsOf(source, error_model), PointsOf(target, error_model), matches,
-                     kMostPoses, kConsensusTries)) {
+  for (const Consensus& consensus : FindConsensus(from, to, matches, kMostPoses, kConsensusTries)) {
     const int agreeing = static_cast<int>(consensus.inliers.size());
     verdict->agreeing_features = std::max(verdict->agreeing_features, agreeing);
     if (agreeing >= options.min_agreeing_features) starts.push_back(consensus.target_from_source);

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <iterator>
 #include <opencv2/core.hpp>
 #include <opencv2/features2d.hpp>
@@ -16,48 +17,60 @@ namespace surfit {
 
 namespace {
 
-constexpr int kMaxFeatures = 2000;
-constexpr int kLayersPerOctave = 3;
-constexpr double kMinContrast = 0.015;  // even rooms have little; Lowe's is 0.04
-constexpr double kMaxEdgeRatio = 10;
-constexpr double kBlurSigmaPx = 1.6;
+constexpr int kGridColumns = 8, kGridRows = 6;
+constexpr int kDetectedPerKept = 4;  // before the strongest of each cell are chosen
+constexpr float kScaleFactor = 1.2f;
+constexpr int kScales = 8;
+constexpr int kBorderPx = 15;     // the patch's half width: turned corners wrap into its border
+constexpr int kFastContrast = 7;  // of 255: even rooms have little; OpenCV's is 20
+
 constexpr int kDepthRadiusPx = 2;
 constexpr double kPlaceSigmaPx = 1.5;  // of a feature in an image from elsewhere
-constexpr float kMaxDistanceRatio = 0.95f;
 
-// The square root of a histogram with sum 1, so that its Euclidean length is 1.
-void WriteRootDescriptor(const cv::Mat& descriptor, float* out) {
-  const auto* const in = descriptor.ptr<float>();
-  float sum = 0;
-  for (int i = 0; i < descriptor.cols; ++i) sum += in[i];
-  for (int i = 0; i < descriptor.cols; ++i) out[i] = sum > 0 ? std::sqrt(in[i] / sum) : 0;
+constexpr int kMaxHamming = 70;  // of 256
+constexpr double kMaxRatio = 0.9;
+
+cv::Ptr<cv::ORB> MakeOrb(int max_count) {
+  constexpr int kFirstLevel = 0, kComparedPoints = 2, kPatchPx = 31;
+  return cv::ORB::create(kDetectedPerKept * max_count, kScaleFactor, kScales, kBorderPx,
+                         kFirstLevel, kComparedPoints, cv::ORB::HARRIS_SCORE, kPatchPx,
+                         kFastContrast);
 }
 
-// A row's or a column's largest and second largest cosine.
-struct Nearest {
-  int index = -1;
-  float cosine = -2;
-  float second_cosine = -2;
+// The strongest of each cell, those of equal strength in the order found.
+std::vector<cv::KeyPoint> Spread(std::vector<cv::KeyPoint> keys, const cv::Size& size,
+                                 int max_count) {
+  std::stable_sort(keys.begin(), keys.end(), [](const cv::KeyPoint& a, const cv::KeyPoint& b) {
+    return a.response > b.response;
+  });
+  const int per_cell = std::max(1, max_count / (kGridColumns * kGridRows));
+  std::vector<int> counts(kGridColumns * kGridRows, 0);
+  std::vector<cv::KeyPoint> kept;
+  for (const cv::KeyPoint& key : keys) {
+    const int column = static_cast<int>(key.pt.x) * kGridColumns / size.width;
+    const int row = static_cast<int>(key.pt.y) * kGridRows / size.height;
+    if (counts[row * kGridColumns + column]++ < per_cell) kept.push_back(key);
+    if (static_cast<int>(kept.size()) == max_count) break;
+  }
+  return kept;
+}
 
-  void Offer(int other, float value) {
-    if (value > cosine) {
-      second_cosine = std::exchange(cosine, value);
+// The descriptors that are nearest and second nearest to one.
+struct Nearest {
+  static constexpr int kFarthest = 257;
+  int index = -1;
+  int distance = kFarthest, second_distance = kFarthest;
+
+  void Offer(int other, int other_distance) {
+    if (other_distance < distance) {
+      second_distance = std::exchange(distance, other_distance);
       index = other;
     } else {
-      second_cosine = std::max(second_cosine, value);
+      second_distance = std::min(second_distance, other_distance);
     }
   }
-  bool IsClear() const {
-    const auto distance = [](float value) { return std::sqrt(std::max(0.f, 2 - 2 * value)); };
-    return distance(cosine) < kMaxDistanceRatio * distance(second_cosine);
-  }
+  bool IsClear() const { return distance <= kMaxHamming && distance < kMaxRatio * second_distance; }
 };
-
-// A view of the descriptors; OpenCV's own type has no const one.
-cv::Mat Descriptors(const FeaturePoints& features) {
-  return {features.descriptors.height(), features.descriptors.width(), CV_32F,
-          const_cast<float*>(features.descriptors.data())};
-}
 
 }  // namespace
 
@@ -83,46 +96,42 @@ double SigmaOfFeature(double depth_m, const DepthSensor& sensor, const ErrorMode
 }
 
 FeaturePoints FindFeatures(const Image<Rgb8>& color, const FrameLevel& surface,
-                           const ErrorModel& error_model) {
+                           const ErrorModel& error_model, int max_count) {
   FeaturePoints features;
   if (color.empty()) return features;
   const cv::Mat rgb(color.height(), color.width(), CV_8UC3, const_cast<Rgb8*>(color.data()));
   cv::Mat gray, descriptors;
   cv::cvtColor(rgb, gray, cv::COLOR_RGB2GRAY);
-  const auto detector =
-      cv::SIFT::create(kMaxFeatures, kLayersPerOctave, kMinContrast, kMaxEdgeRatio, kBlurSigmaPx);
+  const cv::Ptr<cv::ORB> orb = MakeOrb(max_count);
   std::vector<cv::KeyPoint> keys;
-  detector->detectAndCompute(gray, cv::noArray(), keys, descriptors);
-  std::vector<int> kept;
+  orb->detect(gray, keys);
+  keys = Spread(std::move(keys), gray.size(), max_count);
+  orb->compute(gray, keys, descriptors);
   for (int i = 0; i < static_cast<int>(keys.size()); ++i) {
     const cv::Point2f place = keys[i].pt;
     const double depth_m = DepthOfFeature(surface.vertex.z, place.x, place.y);
     if (!(depth_m > 0)) continue;
-    kept.push_back(i);
     features.points.emplace_back(surface.camera.Ray(place.x, place.y) * depth_m);
     features.sigmas_m.push_back(SigmaOfFeature(depth_m, surface.sensor(), error_model));
-  }
-  features.descriptors = Image<float>(descriptors.cols, static_cast<int>(kept.size()));
-  for (int row = 0; row < features.size(); ++row) {
-    WriteRootDescriptor(descriptors.row(kept[row]), features.descriptors.row(row));
+    BinaryDescriptor& descriptor = features.descriptors.emplace_back();
+    std::memcpy(descriptor.data(), descriptors.ptr(i), sizeof(descriptor));
   }
   return features;
 }
 
 std::vector<FeatureMatch> MatchFeatures(const FeaturePoints& source, const FeaturePoints& target) {
-  std::vector<FeatureMatch> matches;
-  if (source.size() == 0 || target.size() == 0) return matches;
-  const cv::Mat cosines = Descriptors(source) * Descriptors(target).t();
   std::vector<Nearest> of_source(source.size()), of_target(target.size());
   for (int i = 0; i < source.size(); ++i) {
     for (int j = 0; j < target.size(); ++j) {
-      of_source[i].Offer(j, cosines.at<float>(i, j));
-      of_target[j].Offer(i, cosines.at<float>(i, j));
+      const int distance = Hamming(source.descriptors[i], target.descriptors[j]);
+      of_source[i].Offer(j, distance);
+      of_target[j].Offer(i, distance);
     }
   }
+  std::vector<FeatureMatch> matches;
   for (int i = 0; i < source.size(); ++i) {
     const int j = of_source[i].index;
-    if (of_target[j].index == i && of_source[i].IsClear()) matches.push_back({i, j});
+    if (of_source[i].IsClear() && of_target[j].index == i) matches.push_back({i, j});
   }
   return matches;
 }

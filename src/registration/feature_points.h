@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "surfit/core/image.h"
+#include "surfit/frame/binary_descriptor.h"
 #include "surfit/frame/frame_pyramid.h"
 #include "surfit/geometry/rigid3.h"
 #include "surfit/registration/error_model.h"
@@ -14,7 +15,7 @@ namespace surfit {
 struct FeaturePoints {
   std::vector<Eigen::Vector3d> points;  // in the camera's frame, metres
   std::vector<double> sigmas_m;         // standard deviation of each, in any direction
-  Image<float> descriptors;             // a row for each, of unit length
+  std::vector<BinaryDescriptor> descriptors;
 
   int size() const { return static_cast<int>(points.size()); }
 };
@@ -25,11 +26,11 @@ double DepthOfFeature(const Image<float>& depth_m, double u, double v);
 // Standard deviation in metres, in any direction, of a feature's point at this depth.
 double SigmaOfFeature(double depth_m, const DepthSensor& sensor, const ErrorModel& error_model);
 
-// SIFT features (Lowe 2004) with RootSIFT descriptors (Arandjelovic and Zisserman 2012) of the
-// image, lifted by the depth of the surface that it shares pixels with. Features without depth are
-// left out. None where there is no colour.
+// ORB features (Rublee et al. 2011) of the image, the strongest of each cell of a grid, lifted by
+// the depth of the surface that it shares pixels with. Features without depth are left out. At most
+// `max_count`; none where there is no colour.
 FeaturePoints FindFeatures(const Image<Rgb8>& color, const FrameLevel& surface,
-                           const ErrorModel& error_model);
+                           const ErrorModel& error_model, int max_count);
 
 // Indices of a source and a target feature that look alike.
 struct FeatureMatch {
@@ -37,8 +38,8 @@ struct FeatureMatch {
   int target = 0;
 };
 
-// Features that are each other's nearest, and nearer than 0.95 of the distance to the second
-// nearest. What wrong ones remain is for consensus to tell.
+// Features whose descriptors are each other's nearest, near enough, and nearer than the second
+// nearest by a clear ratio. What wrong ones remain is for consensus to tell.
 std::vector<FeatureMatch> MatchFeatures(const FeaturePoints& source, const FeaturePoints& target);
 
 // A pose, and the matches that agree with it.

@@ -11,6 +11,7 @@
 namespace surfit {
 namespace {
 
+constexpr int kMostFeatures = 2000;
 constexpr int kFeaturePoses = 10;  // that are tried at most
 
 // Poses nearer to each other than this are one.
@@ -120,9 +121,9 @@ double StartSearch::Score(Stage stage, const Rigid3d& pose) const {
 
 std::vector<StartPose> StartSearch::FromFeatures() const {
   const FeaturePoints source =
-      FindFeatures(source_.color, source_.pyramid.levels.front(), error_model_);
+      FindFeatures(source_.color, source_.pyramid.levels.front(), error_model_, kMostFeatures);
   const FeaturePoints target =
-      FindFeatures(target_.color, target_.pyramid.levels.front(), error_model_);
+      FindFeatures(target_.color, target_.pyramid.levels.front(), error_model_, kMostFeatures);
   std::vector<StartPose> poses;
   for (const Consensus& consensus :
        FindConsensus(source, target, MatchFeatures(source, target), kFeaturePoses)) {

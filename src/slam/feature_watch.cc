@@ -8,7 +8,7 @@
 namespace surfit {
 namespace {
 
-constexpr int kMostColumns = 400;
+constexpr int kMostColumns = 400, kMostFeatures = 500;
 // A feature has moved as the poses say within so much beyond its own error, and what the camera
 // moves in the time between depth and colour, or while rows are read out.
 constexpr double kTogether_m = 0.03, kSigmas = 3, kBetweenImages_s = 0.03;
@@ -76,7 +76,7 @@ FeaturePoints FeaturesAtRest(const ColoredView& view, const CellMask& moving,
   const FrameLevel& level = small != levels.end() ? *small : levels.back();
   const FramePyramid at_rest = Without(FramePyramid{{level}}, moving);
   return FindFeatures(Reduced(view.color, view.color.width() / level.camera.width),
-                      at_rest.levels.front(), error_model);
+                      at_rest.levels.front(), error_model, kMostFeatures);
 }
 
 FeatureMotion CompareFeatures(const PosedFeatures& source, const PosedFeatures& target) {

@@ -38,8 +38,8 @@ FeatureMotion CompareFeatures(const PosedFeatures& source, const PosedFeatures& 
 
 // Shapes alone may hold the camera at something near that moves, and the walls behind it slide
 // along themselves: where that is so from the first frame on, nothing has ever been seen through
-// it. The images tell. Looking takes as long as tracking a frame: it is done twice a second in the
-// beginning, and every few seconds later.
+// it. The images tell. They are looked at twice a second in the beginning, and every few seconds
+// later.
 class FeatureWatch {
  public:
   bool IsDue(double stamp_s) const { return was_apart_ || !last_ || stamp_s >= due_s_; }

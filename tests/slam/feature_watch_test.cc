@@ -21,16 +21,12 @@ struct Shared {
   FeaturePoints source, target;
 
   Shared(int posed, int other, int stray) {
-    constexpr int kLength = 32;
     std::mt19937_64 random(1);
     std::uniform_real_distribution<double> place(-1, 1);
     const auto any = [&] { return Eigen::Vector3d(place(random), place(random), place(random)); };
     const int count = posed + other + stray;
-    source.descriptors = Image<float>(kLength, count, 0.f);
     for (int i = 0; i < count; ++i) {
-      Eigen::Map<Eigen::VectorXf> looks(source.descriptors.row(i), kLength);
-      for (float& value : looks) value = static_cast<float>(place(random));
-      looks.normalize();
+      for (std::uint64_t& bits : source.descriptors.emplace_back()) bits = random();
       source.points.push_back(any() + Eigen::Vector3d(0, 0, 2));
       const Eigen::Vector3d& point = source.points.back();
       const Eigen::Vector3d strayed = any() + Eigen::Vector3d(0, 0, 2);

@@ -1,12 +1,12 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "surfit/core/image.h"
+#include "surfit/frame/binary_descriptor.h"
 #include "surfit/frame/frame_pyramid.h"
 #include "surfit/frame/preprocess.h"
 #include "surfit/geometry/rigid3.h"
@@ -15,9 +15,6 @@
 namespace surfit {
 
 class OptionVisitor;
-
-// The 256 bits of an ORB descriptor (Rublee et al. 2011).
-using BinaryDescriptor = std::array<std::uint64_t, 4>;
 
 // A point that can be found again in another image.
 struct PlaceFeature {
