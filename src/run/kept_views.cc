@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <opencv2/imgproc.hpp>
 #include <utility>
 
 #include "io/image_files.h"
+#include "pictures/canvas.h"
 #include "pictures/coloring.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
@@ -68,20 +70,59 @@ std::vector<KeptView> Merge(std::vector<KeptView> views) {
   return merged;
 }
 
-}  // namespace
-
-bool KeptViews::IsNextOfStride() {
-  if (offered_++ % stride_ != 0) return false;
-  if (evenly_spread_.size() == kMostEven) {
-    for (int i = 1; 2 * i < kMostEven; ++i) {
-      evenly_spread_[i] = std::move(evenly_spread_[2 * i]);
-    }
-    evenly_spread_.resize((kMostEven + 1) / 2);
-    stride_ *= 2;
-    // kMostEven is even: this frame is a multiple of the new stride as well.
+// The files of all pictures that Kept, KeptViews or Thumbnails, may write.
+template <typename Kept>
+std::vector<std::string> AllFileNames(const std::vector<std::string>& pictures) {
+  std::vector<std::string> names;
+  for (int view = 0; view < Kept::kMost; ++view) {
+    for (const std::string& picture : pictures) names.push_back(Kept::FileName(view, picture));
   }
-  return true;
+  return names;
 }
+
+template <typename Kept>
+void WritePictures(const std::vector<KeptView>& views, const std::string& folder) {
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    for (const KeptView::Picture& picture : views[i].pictures) {
+      const std::filesystem::path path =
+          folder + "/" + Kept::FileName(static_cast<int>(i), picture.name);
+      std::error_code error;
+      std::filesystem::create_directories(path.parent_path(), error);
+      if (error)
+        throw InputError(
+            Concat(path.parent_path().string(), ": cannot be made: ", error.message()));
+      WriteFileAtomically(path.string(), [&](std::ostream& file) { file << picture.jpeg; });
+    }
+  }
+}
+
+// By which frames of that width become thumbnails.
+int FactorOf(int width) { return std::max(1, width / Thumbnails::kWidth_px); }
+
+Image<Rgb8> Smaller(const Image<Rgb8>& image, int factor) {
+  Image<Rgb8> small((image.width() + factor - 1) / factor, (image.height() + factor - 1) / factor);
+  const cv::Mat whole(image.height(), image.width(), CV_8UC3, const_cast<Rgb8*>(image.data()));
+  cv::Mat target = AsMat(&small);
+  cv::resize(whole, target, target.size(), 0, 0, cv::INTER_AREA);
+  return small;
+}
+
+// Every factor-th pixel: a mean of depths across an edge is none.
+Image<float> EveryOf(const Image<float>& depth_m, int factor) {
+  Image<float> some((depth_m.width() + factor - 1) / factor,
+                    (depth_m.height() + factor - 1) / factor);
+  for (int v = 0; v < some.height(); ++v) {
+    for (int u = 0; u < some.width(); ++u) some(u, v) = depth_m(factor * u, factor * v);
+  }
+  return some;
+}
+
+std::string Small(const Image<Rgb8>& image) {
+  constexpr int kSmallQuality = 75;
+  return EncodeJpeg(image, kSmallQuality);
+}
+
+}  // namespace
 
 void KeptViews::Offer(const RgbdFrame& frame, const FrameReport& report, const SurfelMap& map,
                       const DepthSensor& sensor) {
@@ -93,7 +134,7 @@ void KeptViews::Offer(const RgbdFrame& frame, const FrameReport& report, const S
     first_lost_ = make("first that was lost, the model from the pose before");
     return;
   }
-  if (IsNextOfStride()) evenly_spread_.push_back(make("evenly spread"));
+  if (evenly_spread_.TakesNext()) evenly_spread_.Keep(make("evenly spread"));
   const bool is_degenerate = report.state == FrameState::kDegenerate;
   if (is_degenerate && !first_degenerate_) {
     first_degenerate_ = make("first with directions that the data leaves free");
@@ -107,7 +148,7 @@ void KeptViews::Offer(const RgbdFrame& frame, const FrameReport& report, const S
 }
 
 std::vector<KeptView> KeptViews::Finish(const SurfelMap& map, const DepthSensor& sensor) const {
-  std::vector<KeptView> views = evenly_spread_;
+  std::vector<KeptView> views = evenly_spread_.kept();
   for (const auto* view : {&first_lost_, &first_degenerate_, &worst_}) {
     if (*view) views.push_back(**view);
   }
@@ -119,25 +160,57 @@ std::string KeptViews::FileName(int view, const std::string& picture) {
   return Concat("views/", view, "_", picture, ".jpg");
 }
 
-std::vector<std::string> KeptViews::FileNames() {
-  std::vector<std::string> names;
-  for (int view = 0; view < kMost; ++view) {
-    for (const std::string& picture : PictureNames()) names.push_back(FileName(view, picture));
-  }
-  return names;
-}
+std::vector<std::string> KeptViews::FileNames() { return AllFileNames<KeptViews>(PictureNames()); }
 
 void KeptViews::Write(const std::vector<KeptView>& views, const std::string& folder) {
-  if (views.empty()) return;
-  std::error_code error;
-  std::filesystem::create_directories(folder + "/views", error);
-  if (error) throw InputError(Concat(folder, "/views: cannot be made: ", error.message()));
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    for (const KeptView::Picture& picture : views[i].pictures) {
-      WriteFileAtomically(folder + "/" + FileName(static_cast<int>(i), picture.name),
-                          [&](std::ostream& file) { file << picture.jpeg; });
-    }
+  WritePictures<KeptViews>(views, folder);
+}
+
+void Thumbnails::Offer(const RgbdFrame& frame) {
+  if (!kept_.TakesNext()) return;
+  const int factor = FactorOf(frame.depth_m.width());
+  Kept kept = {frame.index, frame.stamp_s, {}, {}};
+  if (frame.color.empty()) {
+    kept.depth_m = EveryOf(frame.depth_m, factor);
+  } else {
+    kept.color = Smaller(frame.color, factor);
   }
+  kept_.Keep(std::move(kept));
+}
+
+std::vector<KeptView> Thumbnails::Finish(const SurfelMap& map, const DepthSensor& sensor,
+                                         const std::map<int, Rigid3d>& world_from_camera) const {
+  const DepthSensor small = {sensor.camera.Subsampled(FactorOf(sensor.camera.width)), sensor.noise};
+  std::vector<KeptView> thumbnails;
+  for (const Kept& kept : kept_.kept()) {
+    KeptView view = {kept.index, kept.stamp_s, "", {}};
+    const bool has_color = !kept.color.empty();
+    const ColorScale scale = ScaleOf(kept.depth_m);
+    view.pictures.push_back(has_color
+                                ? KeptView::Picture{"input_color", Small(kept.color)}
+                                : KeptView::Picture{"input_depth", DepthJpeg(kept.depth_m, scale)});
+    const auto pose = world_from_camera.find(kept.index);
+    if (pose != world_from_camera.end()) {
+      const BlendedView model = DrawBlended(map, small, pose->second);
+      view.pictures.push_back(
+          has_color ? KeptView::Picture{"model_color", Small(model.color)}
+                    : KeptView::Picture{"model_depth", DepthJpeg(model.depth_m, scale)});
+    }
+    thumbnails.push_back(std::move(view));
+  }
+  return thumbnails;
+}
+
+std::string Thumbnails::FileName(int thumbnail, const std::string& picture) {
+  return Concat("thumbnails/", thumbnail, "_", picture, ".jpg");
+}
+
+std::vector<std::string> Thumbnails::FileNames() {
+  return AllFileNames<Thumbnails>(PictureNames());
+}
+
+void Thumbnails::Write(const std::vector<KeptView>& thumbnails, const std::string& folder) {
+  WritePictures<Thumbnails>(thumbnails, folder);
 }
 
 }  // namespace surfit

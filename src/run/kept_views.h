@@ -1,9 +1,11 @@
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "run/even_share.h"
 #include "surfit/frame/rgbd_frame.h"
 #include "surfit/geometry/sensor.h"
 #include "surfit/mapping/surfel_map.h"
@@ -23,11 +25,9 @@ struct KeptView {
   std::vector<Picture> pictures;  // those of colour only where the frame has colour
 };
 
-// Keeps the views of a few frames of a run whose length nobody knows. Evenly spread: of every
-// stride-th frame, and whenever there are too many, every other is dropped and the stride doubled,
-// so that 5 to 10 remain of 5 frames or more. And those where something happened: the first that
-// was lost (seen from the pose before), the first with free directions, the one of largest RMSE,
-// the last.
+// Keeps the views of a few frames of a run whose length nobody knows. Evenly spread (EvenShare): 5
+// to 10 of 5 frames or more. And those where something happened: the first that was lost (seen from
+// the pose before), the first with free directions, the one of largest RMSE, the last.
 class KeptViews {
  public:
   static constexpr int kMost = 14;
@@ -46,20 +46,44 @@ class KeptViews {
   static void Write(const std::vector<KeptView>& views, const std::string& folder);
 
  private:
-  static constexpr int kMostEven = 10;
   struct Last {
     RgbdFrame frame;
     Rigid3d world_from_camera;
   };
 
-  bool IsNextOfStride();
-
-  std::vector<KeptView> evenly_spread_;
-  int stride_ = 1;
-  int offered_ = 0;
+  EvenShare<KeptView> evenly_spread_{10};
   std::optional<KeptView> first_lost_, first_degenerate_, worst_;
   double worst_rmse_m_ = 0;
   std::optional<Last> last_;  // that was not lost
+};
+
+// Keeps small pictures of frames, 60 to 120 of 60 or more (EvenShare): what a frame saw and, where
+// it has a pose, the map in the end from there. KeptView::why stays empty.
+class Thumbnails {
+ public:
+  static constexpr int kMost = 120;
+  static constexpr int kWidth_px = 320;  // about: frames are made smaller by whole factors
+
+  // To be called with each frame, lost ones, too.
+  void Offer(const RgbdFrame& frame);
+  // In order of their frames, with the poses by the frames' indices.
+  std::vector<KeptView> Finish(const SurfelMap& map, const DepthSensor& sensor,
+                               const std::map<int, Rigid3d>& world_from_camera) const;
+
+  // As those of KeptViews.
+  static std::string FileName(int thumbnail, const std::string& picture);
+  static std::vector<std::string> FileNames();
+  static void Write(const std::vector<KeptView>& thumbnails, const std::string& folder);
+
+ private:
+  struct Kept {
+    int index = 0;
+    double stamp_s = 0;
+    Image<Rgb8> color;  // or none, and
+    Image<float> depth_m;
+  };
+
+  EvenShare<Kept> kept_{kMost};
 };
 
 }  // namespace surfit

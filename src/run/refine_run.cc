@@ -15,6 +15,7 @@
 #include "run/posed_views.h"
 #include "run/prior_doubt.h"
 #include "run/result_files.h"
+#include "run/run_results.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
@@ -57,7 +58,8 @@ class RefineRun {
     const auto start = std::chrono::steady_clock::now();
     ReadKeyframes();
     const OutputFolder owned(options_.output,
-                             {"trajectory.txt", "map.ply", "camera.yaml", "refinement.json"},
+                             {"trajectory.txt", "map.ply", "camera.yaml", "poses.json",
+                              "refinement.json", "report.html"},
                              {options_.trajectory, options_.sequence.camera});
     // Frames come with the given field applied.
     const DepthCalibration given = {run_.info.pinhole, {}, run_.info.camera.readout_s};
@@ -112,6 +114,7 @@ class RefineRun {
                        options_.output + "/camera.yaml");
     });
     failures_.Try([&] { Evaluate(refined); });
+    failures_.Try([&] { WritePoses(refined); });
     run_.keyframes.clear();
     FuseMap(refined);
   }
@@ -121,6 +124,22 @@ class RefineRun {
     if (truth.empty()) return;
     summary_.before = EvaluateTrajectory(truth, run_.trajectory, run_.stamps_s, {});
     summary_.after = EvaluateTrajectory(truth, refined, run_.stamps_s, {});
+  }
+
+  void WritePoses(const Trajectory& refined) {
+    Trajectory trajectory;
+    for (const std::size_t pose : run_.read_poses) trajectory.push_back(refined[pose]);
+    const FoundSensor found = {summary_.refinement.calibration};
+    WritePosesJson({summary_.refinement.calibration.camera,
+                    found,
+                    trajectory,
+                    run_.frames,
+                    TruthDuring(run_.stamps_s, run_.info.ground_truth),
+                    summary_.after,
+                    {},
+                    {},
+                    {}},
+                   options_.output + "/poses.json");
   }
 
   void FuseMap(const Trajectory& refined) {

@@ -30,6 +30,8 @@ struct RunPoses {
   const Trajectory& truth;         // in its own world; empty if unknown
   const std::optional<TrajectoryEvaluation>& evaluation;
   const std::vector<KeptView>& views;
+  const std::vector<KeptView>& thumbnails;
+  const std::vector<KeyframeLink>& keyframes;
 };
 
 // Writes, in metres and in the frame of map.ply (trajectory.txt is in the sequence's own):
@@ -42,6 +44,8 @@ struct RunPoses {
 //                   ty tz; null where unknown, or where nothing says how to move it
 //   errors_m        of each frame with a true pose: index, distance from that position; or null
 //   views           of each KeptView: index, stamp_s, and files: picture's name to path
+//   thumbnails      the same of Thumbnails
+//   keyframes       of each KeyframeLink: frame, parent_frame (-1: none), submap
 // Throws InputError naming the file if it cannot be written.
 void WritePosesJson(const RunPoses& run, const std::string& path);
 

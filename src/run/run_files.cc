@@ -25,6 +25,7 @@ std::vector<std::string> RunFileNames() {
                                     "camera.yaml",
                                     "report.html"};
   for (const std::string& name : KeptViews::FileNames()) names.push_back(name);
+  for (const std::string& name : Thumbnails::FileNames()) names.push_back(name);
   for (const std::string& name : ViewFileNames()) names.push_back(name);
   return names;
 }

@@ -1,5 +1,6 @@
 #include "run/run_results.h"
 
+#include <map>
 #include <string>
 
 #include "run/result_files.h"
@@ -9,19 +10,6 @@
 
 namespace surfit {
 namespace {
-
-// The ground truth from the first to the last of these stamps, with what it takes to interpolate.
-Trajectory TruthDuring(const std::vector<double>& stamps_s, const Trajectory& ground_truth) {
-  const double kMarginSeconds = MatchOptions().max_gap_s;
-  Trajectory truth;
-  for (const StampedPose& pose : ground_truth) {
-    if (pose.stamp_s >= stamps_s.front() - kMarginSeconds &&
-        pose.stamp_s <= stamps_s.back() + kMarginSeconds) {
-      truth.push_back(pose);
-    }
-  }
-  return truth;
-}
 
 Trajectory AlignedWithTruth(Trajectory trajectory,
                             const std::optional<TrajectoryEvaluation>& evaluation) {
@@ -37,6 +25,17 @@ void WriteViews(const RunOutcome& run, const DepthSensor& sensor, std::vector<Ke
   KeptViews::Write(*views, run.options.output);
 }
 
+void WriteThumbnails(const RunOutcome& run, const DepthSensor& sensor,
+                     std::vector<KeptView>* thumbnails) {
+  std::map<int, Rigid3d> poses;
+  const Trajectory& trajectory = run.slam.trajectory();
+  for (std::size_t i = 0; i < trajectory.size(); ++i) {
+    poses[run.slam.frames()[i]] = trajectory[i].world_from_camera;
+  }
+  *thumbnails = run.thumbnails.Finish(run.map, sensor, poses);
+  Thumbnails::Write(*thumbnails, run.options.output);
+}
+
 void WritePictures(const RunOutcome& run, const Trajectory& truth, Failures* failures) {
   const TraceSlice slice("write_pictures");
   const std::string& folder = run.options.output;
@@ -49,6 +48,18 @@ void WritePictures(const RunOutcome& run, const Trajectory& truth, Failures* fai
 
 }  // namespace
 
+Trajectory TruthDuring(const std::vector<double>& stamps_s, const Trajectory& ground_truth) {
+  const double kMarginSeconds = MatchOptions().max_gap_s;
+  Trajectory truth;
+  for (const StampedPose& pose : ground_truth) {
+    if (pose.stamp_s >= stamps_s.front() - kMarginSeconds &&
+        pose.stamp_s <= stamps_s.back() + kMarginSeconds) {
+      truth.push_back(pose);
+    }
+  }
+  return truth;
+}
+
 void WriteRunResults(const RunOutcome& run, Failures* failures) {
   const std::string& folder = run.options.output;
   failures->Try([&] {
@@ -58,11 +69,15 @@ void WriteRunResults(const RunOutcome& run, Failures* failures) {
   const DepthSensor sensor = run.slam.found().Of(run.slam.info().sensor());
   std::vector<KeptView> views;
   failures->Try([&] { WriteViews(run, sensor, &views); });
+  std::vector<KeptView> thumbnails;
+  failures->Try([&] { WriteThumbnails(run, sensor, &thumbnails); });
+  std::vector<KeyframeLink> keyframes;
+  if (run.slam.slam().backend()) keyframes = run.slam.slam().backend()->keyframes();
   Trajectory truth;
   failures->Try([&] { truth = TruthDuring(run.stamps_s, run.slam.info().ground_truth); });
   failures->Try([&] {
     WritePosesJson({sensor.camera, run.slam.found(), run.slam.trajectory(), run.slam.frames(),
-                    truth, run.evaluation, views},
+                    truth, run.evaluation, views, thumbnails, keyframes},
                    folder + "/poses.json");
   });
   if (run.options.pictures) WritePictures(run, truth, failures);

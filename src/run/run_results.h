@@ -16,10 +16,14 @@ struct RunOutcome {
   const SequenceSlam& slam;
   const SurfelMap& map;
   const KeptViews& views;
+  const Thumbnails& thumbnails;
   const std::vector<double>& stamps_s;  // of all frames, those that could not be read included
   const std::optional<TrajectoryEvaluation>& evaluation;
   const SlamRunOptions& options;
 };
+
+// The ground truth from the first to the last of these stamps, with what it takes to interpolate.
+Trajectory TruthDuring(const std::vector<double>& stamps_s, const Trajectory& ground_truth);
 
 // Writes map, views, poses and pictures into the output folder, each whatever becomes of the
 // others.

@@ -88,18 +88,28 @@ Json ErrorsOf(const RunPoses& run, const Rigid3d& estimated_from_true) {
   return errors;
 }
 
-Json ViewsOf(const RunPoses& run) {
+// Kept is KeptViews or Thumbnails.
+template <typename Kept>
+Json ToJson(const std::vector<KeptView>& kept) {
   Json views = Json::array();
-  for (std::size_t i = 0; i < run.views.size(); ++i) {
-    const KeptView& view = run.views[i];
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    const KeptView& view = kept[i];
     Json files = Json::object();
     for (const KeptView::Picture& picture : view.pictures) {
-      files[picture.name] = KeptViews::FileName(static_cast<int>(i), picture.name);
+      files[picture.name] = Kept::FileName(static_cast<int>(i), picture.name);
     }
     views.push_back(
         {{"index", view.index}, {"stamp_s", view.stamp_s}, {"why", view.why}, {"files", files}});
   }
   return views;
+}
+
+Json ToJson(const std::vector<KeyframeLink>& keyframes) {
+  Json rows = Json::array();
+  for (const KeyframeLink& link : keyframes) {
+    rows.push_back({link.frame, link.parent_frame, link.submap});
+  }
+  return rows;
 }
 
 }  // namespace
@@ -198,7 +208,9 @@ void WritePosesJson(const RunPoses& run, const std::string& path) {
     j["truth"] = TruthOf(run, estimated_from_true);
     j["errors_m"] = ErrorsOf(run, estimated_from_true);
   }
-  j["views"] = ViewsOf(run);
+  j["views"] = ToJson<KeptViews>(run.views);
+  j["thumbnails"] = ToJson<Thumbnails>(run.thumbnails);
+  j["keyframes"] = ToJson(run.keyframes);
   WriteFileAtomically(path, [&](std::ostream& out) {
     out << '{';
     for (const auto& [key, value] : j.items()) {

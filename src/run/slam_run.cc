@@ -77,6 +77,8 @@ class SlamRun {
     return summary;
   }
 
+  SlamRunResult result() const { return {map(), slam_.trajectory()}; }
+
  private:
   void ProcessFrames(const std::atomic<bool>& interrupted, const ProgressCall& progress) {
     while (!interrupted || !slam_.HasBegun()) {  // an interrupted run has one frame at least
@@ -85,7 +87,8 @@ class SlamRun {
       statistics_.CountRead(*result);
       if (result->frame) {
         const FrameReport report = Process(*result);
-        const SlamRunFrame frame = {*result->frame, report, slam_.map(), slam_.slam().sensor()};
+        const SlamRunFrame frame = {*result->frame, report, slam_.map(), slam_.slam().sensor(),
+                                    slam_.slam().backend()};
         Tell(&frame, progress);
       } else {
         Skip(*result);
@@ -118,7 +121,10 @@ class SlamRun {
     statistics_.CountProcessed(frame, report);
     if (report.is_held_out || report.state == FrameState::kFrozen) left_out_.insert(report.index);
     if (!report.moving.empty()) moving_[report.index] = report.moving;
-    if (options_.keep_views) views_.Offer(frame, report, slam_.map(), slam_.slam().sensor());
+    if (options_.keep_views) {
+      views_.Offer(frame, report, slam_.map(), slam_.slam().sensor());
+      thumbnails_.Offer(frame);
+    }
     double write_ms = 0;
     {
       const StageTimer timer("write", frame.index, &write_ms);
@@ -145,8 +151,9 @@ class SlamRun {
     if (slam_.slam().backend()) FinishBackend(&summary);
     failures_.Try([&] { summary.digest = Digest(slam_.trajectory(), slam_.map()); });
     if (!slam_.info().ground_truth.empty()) failures_.Try([&] { Evaluate(&summary); });
-    WriteRunResults({slam_, map(), views_, statistics_.stamps_s(), summary.evaluation, options_},
-                    &failures_);
+    WriteRunResults(
+        {slam_, map(), views_, thumbnails_, statistics_.stamps_s(), summary.evaluation, options_},
+        &failures_);
     if (trace_) failures_.Try([&] { trace_->Close(); });
     summary.peak_rss_bytes = PeakRssBytes();
     summary.total_s = statistics_.elapsed_s();
@@ -265,6 +272,7 @@ class SlamRun {
   OutputFolder folder_;
   std::unique_ptr<RunFiles> files_;
   KeptViews views_;
+  Thumbnails thumbnails_;
   RepeatedWarning skipped_{"frames skipped"};
   Failures failures_;
   std::set<int> left_out_;                     // frames that are not to be in the map
@@ -278,13 +286,17 @@ class SlamRun {
 }  // namespace
 
 SlamRunSummary RunSlam(const SlamRunOptions& options, const std::atomic<bool>& interrupted,
-                       const std::function<void(const SlamRunProgress&)>& progress) {
+                       const std::function<void(const SlamRunProgress&)>& progress,
+                       const std::function<void(const SlamRunResult&)>& finished) {
   Validate(options);
   const ThreadLimit limit(options.threads);
   SlamRunOptions run = options;
   // While a doubtful frame is looked for, the camera moves on: the next would be far, too.
   if (options.offered_fps > 0) run.slam.sure_inlier_share = 0;
-  return SlamRun(run, interrupted).Run(interrupted, progress);
+  SlamRun slam(run, interrupted);
+  SlamRunSummary summary = slam.Run(interrupted, progress);
+  if (finished) finished(slam.result());
+  return summary;
 }
 
 }  // namespace surfit

@@ -265,6 +265,17 @@ std::vector<Rigid3d> Backend::CorrectionsOfKeyframes(
   return corrections;
 }
 
+std::vector<KeyframeLink> Backend::keyframes() const {
+  std::vector<KeyframeLink> links;
+  for (std::size_t k = 0; k < frame_of_keyframe_.size(); ++k) {
+    const int parent = parent_of_keyframe_[k];
+    links.push_back({FrameOfKeyframe(static_cast<int>(k)),
+                     parent == kNoParent ? KeyframeLink::kNone : FrameOfKeyframe(parent),
+                     submap_of_keyframe_[k]});
+  }
+  return links;
+}
+
 const DepthCalibration* Backend::calibration() const {
   return calibrator_ ? &calibrator_->calibration() : nullptr;
 }

@@ -191,6 +191,61 @@ TEST(KeptViews, AreKeptWhereSomethingHappens) {
                                 "71 largest RMSE of registration", "199 last"));
 }
 
+TEST(Thumbnails, AreAnEvenShareOfAllFrames) {
+  Thumbnails thumbnails;
+  for (int i = 0; i < 250; ++i) thumbnails.Offer(Frame(i, false));
+  const std::vector<KeptView> kept = thumbnails.Finish(Map(), {Camera(), {}}, {});
+  ASSERT_EQ(kept.size(), 63u);  // every fourth of 250: every other would be 125
+  for (std::size_t i = 0; i < kept.size(); ++i) EXPECT_EQ(kept[i].index, 4 * static_cast<int>(i));
+}
+
+TEST(Thumbnails, ShowTheMapOfTheEndWhereThereIsAPose) {
+  Thumbnails thumbnails;
+  thumbnails.Offer(Frame(3, true));
+  thumbnails.Offer(Frame(4, true));
+  const auto kept = thumbnails.Finish(Map(), {Camera(), {}}, {{4, Rigid3d()}});
+  ASSERT_EQ(kept.size(), 2u);
+  ASSERT_EQ(kept[0].pictures.size(), 1u);
+  EXPECT_EQ(kept[0].pictures[0].name, "input_color");
+  ASSERT_EQ(kept[1].pictures.size(), 2u);
+  const Image<Rgb8> model = DecodeJpeg(kept[1].pictures[1].jpeg, "model");
+  // Far more than JPEG changes: the surfel is blue.
+  EXPECT_GT(model(kWidth / 2, kHeight / 2).b, model(kWidth / 2, kHeight / 2).r + 100);
+}
+
+TEST(Thumbnails, AreSmall) {
+  Thumbnails thumbnails;
+  RgbdFrame frame;
+  frame.depth_m = Image<float>(641, 480, 1.f);
+  frame.color = Image<Rgb8>(641, 480, {200, 100, 50});
+  thumbnails.Offer(frame);
+  const PinholeCamera camera = {641, 480, 500, 500, 320, 239.5, {}};
+  const auto kept = thumbnails.Finish(Map(), {camera, {}}, {{0, Rigid3d()}});
+  ASSERT_EQ(kept.size(), 1u);
+  for (const auto& picture : kept[0].pictures) {
+    const Image<Rgb8> image = DecodeJpeg(picture.jpeg, picture.name);
+    EXPECT_EQ(image.width(), 321) << picture.name;
+    EXPECT_EQ(image.height(), 240) << picture.name;
+  }
+}
+
+TEST(Thumbnails, WriteOnlyFilesThatALaterRunRemoves) {
+  const TempFolder folder;
+  Thumbnails thumbnails;
+  std::map<int, Rigid3d> poses;
+  for (int i = 0; i < Thumbnails::kMost; ++i) {
+    thumbnails.Offer(Frame(i, i % 2 == 0));
+    poses[i] = Rigid3d();
+  }
+  Thumbnails::Write(thumbnails.Finish(Map(), {Camera(), {}}, poses), folder.path());
+  int removed = 0;
+  for (const std::string& name : Thumbnails::FileNames()) {
+    removed += std::filesystem::remove(folder.path() + "/" + name);
+  }
+  EXPECT_EQ(removed, 2 * Thumbnails::kMost);
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path() + "/thumbnails"));
+}
+
 // Each reason's own frame: as many as there can be.
 TEST(KeptViews, WriteOnlyFilesThatALaterRunRemoves) {
   const TempFolder folder;

@@ -208,6 +208,25 @@ TEST(Backend, JoinsAMapBegunApart) {
       RigidNear(TruePose(0) * Rigid3d(Eigen::Quaterniond::Identity(), {0, 0, 0.5}), 1e-6, 1e-6));
 }
 
+// Odometry joins a keyframe to the last one, but for the first of a map, and one that was found
+// again.
+TEST(Backend, TellsHowKeyframesHangTogether) {
+  const auto none = [](int, const auto&, const auto&) { return std::vector<LoopAttempt>(); };
+  Backend backend({}, {}, Enabled(), NoCalibration(), none);
+  const FramePyramid pyramid = FlatPyramid();
+  backend.AddFrame(Stamped(10, 0), TruePose(0), {}, pyramid);
+  backend.AddFrame(Stamped(20, 1), TruePose(kFrames / 2), GoodIcp(), pyramid);
+  backend.AfterRelocalization(0);
+  backend.AddFrame(Stamped(30, 2), TruePose(1), GoodIcp(), pyramid);
+  backend.AddFrame(Stamped(40, 3), backend.BeginSubmap(TruePose(1)), {}, pyramid);
+  std::vector<std::vector<int>> links;
+  for (const KeyframeLink& link : backend.keyframes()) {
+    links.push_back({link.frame, link.parent_frame, link.submap});
+  }
+  EXPECT_THAT(links, ElementsAre(ElementsAre(10, KeyframeLink::kNone, 0), ElementsAre(20, 10, 0),
+                                 ElementsAre(30, 10, 0), ElementsAre(40, KeyframeLink::kNone, 1)));
+}
+
 TEST(BackendThreads, GiveTheSamePoses) {
   const auto runs = AtThreads({1, 2, 4}, [] { return RunBackend(Enabled(), TrueLoops).frames; });
   for (const std::vector<PosedFrame>& frames : runs) ExpectSamePoses(frames, runs[0]);

@@ -30,7 +30,7 @@ class RefineFaultTest : public FaultTest {
            " --output=" + WholePath(Output());
   }
 
-  // How many of the four results are there, each as a whole.
+  // How many of the five results are there, each as a whole.
   int CountWholeResults() const {
     const auto is_there = [&](const char* name) { return fs::exists(Output() + name); };
     int count = 0;
@@ -44,6 +44,11 @@ class RefineFaultTest : public FaultTest {
     }
     if (is_there("/map.ply")) {
       EXPECT_GT(ReadSurfelPly(Output() + "/map.ply").size(), 1000u);
+      ++count;
+    }
+    if (is_there("/poses.json")) {
+      EXPECT_EQ(nlohmann::json::parse(ReadBytes(Output() + "/poses.json"))["poses"].size(),
+                kFramesRun);
       ++count;
     }
     if (is_there("/refinement.json")) {
@@ -61,9 +66,9 @@ class RefineFaultTest : public FaultTest {
       if (!result) return n - 1;
       const int count = fs::exists(Output()) ? CountWholeResults() : 0;
       const std::string what = kind + " " + std::to_string(n) + ": " + result->err;
-      EXPECT_EQ(count == 4, result->exit_code == 0) << what;
-      EXPECT_THAT(count, ::testing::AnyOf(0, 3, 4)) << what;
-      if (count != 3 || !fs::exists(Output() + "/refinement.json")) continue;
+      EXPECT_EQ(count == 5, result->exit_code == 0) << what;
+      EXPECT_THAT(count, ::testing::AnyOf(0, 4, 5)) << what;
+      if (count != 4 || !fs::exists(Output() + "/refinement.json")) continue;
       const auto json = nlohmann::json::parse(ReadBytes(Output() + "/refinement.json"));
       EXPECT_TRUE(json["failure"].is_string()) << what;
     }
@@ -71,10 +76,10 @@ class RefineFaultTest : public FaultTest {
 };
 
 TEST_F(RefineFaultTest, SavesWhatItCanWhicheverWriteFails) {
-  EXPECT_GE(ExpectSavedWhicheverFails("write", Output()), 4);
-  EXPECT_GE(ExpectSavedWhicheverFails("open", Output()), 4);
-  EXPECT_GE(ExpectSavedWhicheverFails("rename", Output()), 4);
-  EXPECT_GE(ExpectSavedWhicheverFails("fsync", Output()), 4);
+  EXPECT_GE(ExpectSavedWhicheverFails("write", Output()), 5);
+  EXPECT_GE(ExpectSavedWhicheverFails("open", Output()), 5);
+  EXPECT_GE(ExpectSavedWhicheverFails("rename", Output()), 5);
+  EXPECT_GE(ExpectSavedWhicheverFails("fsync", Output()), 5);
 }
 
 // What is refined is that of the frames that can be read.

@@ -52,7 +52,8 @@ struct SlamRunFrame {
   const RgbdFrame& frame;
   const FrameReport& report;
   const SurfelMap& map;
-  DepthSensor sensor;  // of the frame
+  DepthSensor sensor;                // of the frame
+  const Backend* backend = nullptr;  // that closes loops; null where there is none
 };
 
 // How far a run has come.
@@ -64,6 +65,13 @@ struct SlamRunProgress {
   int refinement_rounds = 0;            // in the end
   int frames_fused_anew = 0;            // of the final map
   const SlamRunFrame* frame = nullptr;  // of the last frame, unless that could not be read
+};
+
+// What a run has come to, for those who watch: map and trajectory as they are written. What it
+// refers to is gone after the call that is given it.
+struct SlamRunResult {
+  const SurfelMap& map;
+  const Trajectory& trajectory;
 };
 
 // The mean, the median and the 95 % quantile of some times. Frames take turns in what they do: the
@@ -152,8 +160,10 @@ struct SlamRunSummary {
 // left, the disk is full, the sequence cannot be read on) ends the run, too: what there is is
 // written as far as it can be, and told. Throws InputError then, and for bad options, an output
 // folder that another run is writing into, or a sequence that cannot be read at all.
+// `finished` is called, if given, when all is written.
 SlamRunSummary RunSlam(const SlamRunOptions& options, const std::atomic<bool>& interrupted,
-                       const std::function<void(const SlamRunProgress&)>& progress);
+                       const std::function<void(const SlamRunProgress&)>& progress,
+                       const std::function<void(const SlamRunResult&)>& finished = {});
 
 // The flags that a run was given, by name, as its summary.json has them. Throws InputError naming
 // the file if it cannot be read or is no such file.

@@ -139,6 +139,16 @@ struct CalibrationRecord {
   ColorLatency color_latency;  // beyond the given one
 };
 
+// A keyframe's place in the pose graph, by frames' indices.
+struct KeyframeLink {
+  int frame = 0;
+  int parent_frame =
+      kNone;       // the keyframe's that odometry, or finding the camera again, leads from
+  int submap = 0;  // that it was begun in
+
+  static constexpr int kNone = -1;
+};
+
 // What the backend has done.
 struct BackendCounts {
   std::size_t keyframes = 0;
@@ -202,6 +212,7 @@ class Backend {
   const std::vector<PosedFrame>& frames() const { return frames_; }
   Trajectory trajectory() const;
   int FrameOfKeyframe(int keyframe) const { return frames_[frame_of_keyframe_[keyframe]].index; }
+  std::vector<KeyframeLink> keyframes() const;
 
  private:
   bool BecomesKeyframe(const PosedFrame& frame, const FramePyramid& pyramid) const;
