@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "surfit/geometry/trajectory.h"
 #include "surfit/mapping/surfel_block.h"
 
 namespace surfit {
@@ -23,9 +24,12 @@ std::string EncodeBase64(const std::vector<T>& values) {
                       values.size() * sizeof(T));
 }
 
-// At most max_points of the surfels as JSON for the page, evenly spread over their order (files of
-// maps are in order of space), and so that any first part of them is evenly spread too, with base64
-// of little endian arrays:
+// At most max_points of the surfels, evenly spread over their order (files of maps are in order of
+// space), and so that any first part of them is evenly spread too. Those with a coordinate that is
+// not finite are left out.
+std::vector<Surfel> EvenlySpread(const std::vector<Surfel>& surfels, std::size_t max_points);
+
+// EvenlySpread() surfels as JSON for the page, with base64 of little endian arrays:
 //   points, shown        how many there are, and how many of them follow
 //   origin, extent       metres: position = origin + extent * position / 65535
 //   position             3 x uint16 a surfel
@@ -33,14 +37,28 @@ std::string EncodeBase64(const std::vector<T>& values) {
 //   color                3 x uint8
 //   confidence           float32
 //   first_seen, last_seen  int32
-//   radius               median of the shown surfels', metres
-// Surfels with a coordinate that is not finite are left out of `shown`.
+//   max_radius           of the shown surfels, metres
+//   radius               uint16: radius = max_radius * radius / 65535
 nlohmann::ordered_json PackMap(const std::vector<Surfel>& surfels, std::size_t max_points);
 
-// All that the page shows of one run, read from its output folder: label (the folder), summary
-// (summary.json, with judged_views where surfit_evaluate_views wrote views.json), frames (the text
-// of frames.csv), poses (poses.json) with its views' pictures as data URLs, and map (PackMap).
-// Throws InputError naming the file that is missing or broken.
-nlohmann::ordered_json ReadRun(const std::string& folder, std::size_t max_points);
+// Distances as base64 of uint16 in tenths of a millimetre; 65535 for kFarFromMap and more.
+std::string PackDistances(const std::vector<float>& distances_m);
+
+// What the page calls folders: the last parts of their paths, as many as tell them apart.
+std::vector<std::string> ShortNames(const std::vector<std::string>& folders);
+
+// What a folder holds of a run of surfit_slam, or of one that surfit_refine has refined.
+struct ReportedRun {
+  // label (empty); summary (summary.json, with judged_views where surfit_evaluate_views wrote
+  // views.json, or else refinement.json); frames and loops (the texts of frames.csv and loops.csv,
+  // or empty); poses (poses.json) with its pictures as data URLs.
+  nlohmann::ordered_json page;
+  std::vector<Surfel> surfels;  // map.ply
+  Trajectory trajectory;        // of poses.json
+};
+
+// With at most so many thumbnails, evenly spread. Throws InputError naming the file that is missing
+// or broken.
+ReportedRun ReadRun(const std::string& folder, std::size_t max_thumbnails);
 
 }  // namespace surfit

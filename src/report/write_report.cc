@@ -1,9 +1,15 @@
 #include "surfit/report/write_report.h"
 
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "report/compare_runs.h"
 #include "report/page.h"
 #include "report/report_data.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/options.h"
+#include "surfit/geometry/rigid3.h"
 
 namespace surfit {
 namespace {
@@ -26,6 +32,46 @@ std::string ToScriptText(const Json& json) {
   return safe;
 }
 
+// Of all runs together: about 40 kB each, beside about 18 MB of the default number of surfels.
+constexpr std::size_t kMostThumbnails = 120;
+
+// How the worlds of all runs lie in that of the first; none where stamps do not tell.
+std::vector<std::optional<RunAlignment>> AlignWithFirst(const std::vector<ReportedRun>& runs) {
+  std::vector<std::optional<RunAlignment>> alignments = {RunAlignment()};
+  for (std::size_t i = 1; i < runs.size(); ++i) {
+    alignments.push_back(AlignRuns(runs[i].trajectory, runs.front().trajectory));
+  }
+  return alignments;
+}
+
+Json ToJson(const RunAlignment& alignment) {
+  const Rigid3d& pose = alignment.target_from_source;
+  const Eigen::Quaterniond& q = pose.rotation;
+  const Eigen::Vector3d& t = pose.translation;
+  return {{"rotation", {q.x(), q.y(), q.z(), q.w()}},
+          {"translation", {t.x(), t.y(), t.z()}},
+          {"poses", alignment.poses},
+          {"rms_m", alignment.rms_m}};
+}
+
+// The first run is compared with the second, all others with the first.
+void Compare(const std::vector<ReportedRun>& runs, std::size_t max_points,
+             std::vector<Json>* pages) {
+  if (runs.size() < 2) return;
+  const auto alignments = AlignWithFirst(runs);
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (!alignments[i]) continue;
+    (*pages)[i]["first_from_run"] = ToJson(*alignments[i]);
+    const std::size_t other = i == 0 ? 1 : 0;
+    if (!alignments[other]) continue;
+    const Rigid3d other_from_run =
+        alignments[other]->target_from_source.Inverse() * alignments[i]->target_from_source;
+    (*pages)[i]["compared_with"] = (*pages)[other]["label"];
+    (*pages)[i]["map"]["distance"] = PackDistances(DistancesFromMap(
+        EvenlySpread(runs[i].surfels, max_points), other_from_run, runs[other].surfels));
+  }
+}
+
 }  // namespace
 
 void WriteData(const std::string& name, const Json& data, std::ostream* page) {
@@ -45,14 +91,23 @@ void ReportOptions::Visit(OptionVisitor& v) {
 
 std::vector<ReportedMap> WriteReport(const ReportOptions& options) {
   Validate(options);
+  const std::size_t count = options.runs.size(), max_points = options.max_points / count;
+  const std::vector<std::string> names = ShortNames(options.runs);
   std::vector<ReportedMap> maps;
+  std::vector<ReportedRun> runs;
+  std::vector<Json> pages;
+  for (std::size_t i = 0; i < count; ++i) {
+    runs.push_back(ReadRun(options.runs[i], std::max<std::size_t>(1, kMostThumbnails / count)));
+    Json page = std::move(runs[i].page);
+    page["label"] = names[i];
+    page["map"] = PackMap(runs[i].surfels, max_points);
+    maps.push_back({options.runs[i], page["map"]["points"], page["map"]["shown"]});
+    pages.push_back(std::move(page));
+  }
+  Compare(runs, max_points, &pages);
   WriteFileAtomically(options.output, [&](std::ostream& file) {
     file << kReportPage.before_data;
-    for (const std::string& folder : options.runs) {
-      const Json run = ReadRun(folder, options.max_points / options.runs.size());
-      maps.push_back({folder, run["map"]["points"], run["map"]["shown"]});
-      WriteData("run", run, &file);
-    }
+    for (const Json& page : pages) WriteData("run", page, &file);
     file << kReportPage.after_data;
   });
   return maps;

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <limits>
 
+#include "report/compare_runs.h"
 #include "report/report_data.h"
 #include "surfit/io/point_cloud.h"
 #include "surfit/report/write_report.h"
@@ -36,7 +37,8 @@ TEST(PackMap, HoldsEverySurfelOfASmallMap) {
   EXPECT_EQ(packed["shown"], 2);
   EXPECT_EQ(packed["origin"], (std::vector<float>{0, 2, -3}));
   EXPECT_EQ(packed["extent"][0], 1);
-  EXPECT_FLOAT_EQ(packed["radius"].get<float>(), 0.01f);
+  EXPECT_FLOAT_EQ(packed["max_radius"].get<float>(), 0.01f);
+  EXPECT_EQ(packed["radius"], EncodeBase64(std::vector<std::uint16_t>{65535, 65535}));
   // The share of an extent of nothing is 0, rounded: 0.5 is cut off.
   EXPECT_EQ(packed["position"], EncodeBase64(std::vector<std::uint16_t>{0, 0, 0, 65535, 0, 0}));
   EXPECT_EQ(packed["normal"], EncodeBase64(std::vector<std::int8_t>{0, -127, 0, 0, -127, 0}));
@@ -96,6 +98,13 @@ TEST(PackMap, LeavesOutWhatIsNotFinite) {
   EXPECT_EQ(packed["shown"], 2);
 }
 
+TEST(PackMap, HoldsEachRadiusAsAShareOfTheLargest) {
+  auto surfels = Row(2);
+  surfels[1].radius_m = 0.0025f;
+  EXPECT_EQ(PackMap(surfels, 10)["radius"],
+            EncodeBase64(std::vector<std::uint16_t>{65535, 65535 / 4 + 1}));
+}
+
 TEST(PackMap, TakesAnEmptyMap) {
   const auto packed = PackMap({}, 10);
   EXPECT_EQ(packed["shown"], 0);
@@ -121,6 +130,74 @@ TEST(EncodeBase64, WritesNumbersLittleEndian) {
             EncodeBase64(std::string("foof")));
 }
 
+TEST(PackDistances, CountsTenthsOfAMillimetre) {
+  EXPECT_EQ(PackDistances({0, 0.00012f, 0.1f, kFarFromMap}),
+            EncodeBase64(std::vector<std::uint16_t>{0, 1, 1000, 65535}));
+}
+
+TEST(ShortNames, AreTheLastPartsThatDiffer) {
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(ShortNames({"/home/someone/out"}), Names{"out"});
+  EXPECT_EQ(ShortNames({"/a/plane/", "/b/./curved"}), (Names{"plane", "curved"}));
+  EXPECT_EQ(ShortNames({"/a/one/out", "/a/two/out"}), (Names{"one/out", "two/out"}));
+  EXPECT_EQ(ShortNames({"/a/out", "/a/out"}), (Names{"out", "out"}));
+  EXPECT_EQ(ShortNames({"."}), Names{std::filesystem::current_path().filename().string()});
+}
+
+// Every tenth of a second; along a line, or around a corner as well.
+Trajectory Path(int poses, bool turns) {
+  Trajectory path;
+  for (int i = 0; i < poses; ++i) {
+    const Eigen::Vector3d place(0.1 * i, turns && i > poses / 2 ? 0.2 * i : 0, 0);
+    path.push_back({0.1 * i, {Eigen::Quaterniond::Identity(), place}});
+  }
+  return path;
+}
+
+const Rigid3d kElsewhere(Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitZ())),
+                         {1, -2, 3});
+
+Trajectory Moved(Trajectory path, const Rigid3d& by) {
+  for (StampedPose& pose : path) pose.world_from_camera = by * pose.world_from_camera;
+  return path;
+}
+
+// Exact data: what rounding leaves.
+TEST(AlignRuns, FindsTheMotionBetweenTheirWorlds) {
+  for (const bool turns : {true, false}) {  // without, positions leave a turn about the line open
+    const Trajectory path = Path(10, turns);
+    const auto alignment = AlignRuns(path, Moved(path, kElsewhere));
+    ASSERT_TRUE(alignment);
+    EXPECT_EQ(alignment->poses, 10u);
+    EXPECT_LT(alignment->rms_m, 1e-9);
+    EXPECT_LT((alignment->target_from_source.Matrix() - kElsewhere.Matrix()).norm(), 1e-9) << turns;
+  }
+}
+
+TEST(AlignRuns, NeedsThreePosesOfEqualTimes) {
+  EXPECT_FALSE(AlignRuns(Path(2, true), Path(10, true)));
+  Trajectory later = Path(10, true);
+  for (StampedPose& pose : later) pose.stamp_s += 100;
+  EXPECT_FALSE(AlignRuns(later, Path(10, true)));
+}
+
+// The map is a row of discs of 1 cm that face -y, at whole metres along x, y = 2, z = -3.
+TEST(DistancesFromMap, AreFromTheNearestDisc) {
+  std::vector<Surfel> surfels = Row(4);
+  surfels[1].position_in_world += Eigen::Vector3f(0.005f, 0.1f, 0);  // above the disc
+  surfels[2].position_in_world += Eigen::Vector3f(0.04f, 0.04f, 0);  // beside it: 3 and 4 cm
+  surfels[3].position_in_world.y() += 0.6f;
+  const Rigid3d moved(Eigen::Quaterniond::Identity(), {0, 0, 10});
+  for (Surfel& surfel : surfels) surfel.position_in_world.z() -= 10;
+  const std::vector<float> distances = DistancesFromMap(surfels, moved, Row(4));
+  // Of coordinates of 10 m single precision keeps a micrometre.
+  EXPECT_NEAR(distances[0], 0, 2e-6);
+  EXPECT_NEAR(distances[1], 0.1, 2e-6);
+  EXPECT_NEAR(distances[2], 0.05, 2e-6);
+  EXPECT_EQ(distances[3], kFarFromMap);
+  EXPECT_EQ(DistancesFromMap(Row(1), {}, {}), std::vector<float>{kFarFromMap});
+}
+
 // The least that a run's folder holds.
 class WriteReportTest : public ::testing::Test {
  protected:
@@ -131,7 +208,7 @@ class WriteReportTest : public ::testing::Test {
     folder_.Write("run/summary.json", R"({"options": {"sequence": "</script><b>"}})");
     folder_.Write("run/frames.csv", "index,state\n0,first\n");
     folder_.Write("run/poses.json",
-                  R"({"views": [{"index": 0, "files": {"input_color": "v.jpg"}}]})");
+                  R"({"views": [{"index": 0, "files": {"input_color": "v.jpg"}}], "poses": []})");
     folder_.Write("run/v.jpg", "foobar");
     options_.runs = {folder_ / "run"};
     options_.output = folder_ / "report.html";
@@ -166,8 +243,69 @@ TEST_F(WriteReportTest, NoTextOfTheRunEndsItsElement) {
   EXPECT_THAT(page, Not(HasSubstr("</script><b>")));
 }
 
+TEST_F(WriteReportTest, NamesRunsWithoutTheWayToThem) {
+  WriteReport(options_);
+  const std::string page = ReadBytes(options_.output);
+  EXPECT_THAT(page, HasSubstr(R"("label":"run")"));
+  EXPECT_THAT(page, Not(HasSubstr(folder_.path())));
+}
+
+TEST_F(WriteReportTest, HoldsTheLoops) {
+  folder_.Write("run/loops.csv", "source,target,reason\n9,2,poor_fit\n");
+  WriteReport(options_);
+  EXPECT_THAT(ReadBytes(options_.output),
+              HasSubstr(R"("loops":"source,target,reason\n9,2,poor_fit\n")"));
+}
+
+TEST_F(WriteReportTest, ThinsOutThumbnails) {
+  std::string thumbnails;
+  for (int i = 0; i < 200; ++i) {
+    thumbnails += (i > 0 ? "," : "") + (R"({"index":)" + std::to_string(i)) +
+                  R"(,"files":{"input_color":"v.jpg"}})";
+  }
+  folder_.Write("run/poses.json",
+                R"({"views": [], "poses": [], "thumbnails": [)" + thumbnails + "]}");
+  WriteReport(options_);
+  const std::string page = ReadBytes(options_.output);
+  int pictures = 0;
+  for (std::size_t at = 0; (at = page.find("Zm9vYmFy", at)) != std::string::npos; ++at) ++pictures;
+  EXPECT_EQ(pictures, 100);  // every other one
+}
+
+TEST_F(WriteReportTest, TakesARefinedRun) {
+  std::filesystem::remove(folder_ / "run/summary.json");
+  std::filesystem::remove(folder_ / "run/frames.csv");
+  folder_.Write("run/refinement.json", R"({"termination": "converged", "options": {}})");
+  WriteReport(options_);
+  const std::string page = ReadBytes(options_.output);
+  EXPECT_THAT(page, HasSubstr(R"("summary":{"termination":"converged")"));
+  EXPECT_THAT(page, HasSubstr(R"("frames":"")"));
+}
+
+TEST_F(WriteReportTest, ComparesRunsOfEqualTimes) {
+  const char* const poses = R"({"views": [], "poses": [[0, 0, 0, 0, 0, 0, 0, 0, 1],
+      [1, 1, 1, 0, 0, 0, 0, 0, 1], [2, 2, 1, 1, 0, 0, 0, 0, 1]]})";
+  folder_.Write("run/poses.json", poses);
+  WriteReport(options_);
+  EXPECT_THAT(ReadBytes(options_.output), Not(HasSubstr(R"("compared_with":)")));  // one run
+  std::filesystem::copy(folder_ / "run", folder_ / "other");
+  options_.runs.push_back(folder_ / "other");
+  WriteReport(options_);
+  const std::string page = ReadBytes(options_.output);
+  EXPECT_THAT(page, HasSubstr(R"("compared_with":"other")"));
+  EXPECT_THAT(page, HasSubstr(R"("compared_with":"run")"));
+  EXPECT_THAT(page, HasSubstr(R"("distance":"AAA=")"));  // one surfel, where the other's is
+  folder_.Write("other/poses.json", R"({"views": [], "poses": []})");
+  WriteReport(options_);
+  EXPECT_THAT(ReadBytes(options_.output), Not(HasSubstr(R"("compared_with":)")));
+}
+
 TEST_F(WriteReportTest, SaysWhatThePosesLack) {
   folder_.Write("run/poses.json", "{}");
+  ExpectInputError([&] { WriteReport(options_); }, HasSubstr("poses.json: incomplete"));
+  folder_.Write("run/poses.json", R"({"views": [], "poses": [[0, 0, 1e200, 0, 0, 0, 0, 0, 1]]})");
+  ExpectInputError([&] { WriteReport(options_); }, HasSubstr("poses.json: a pose is too far away"));
+  folder_.Write("run/poses.json", R"({"views": [], "poses": [], "thumbnails": 7})");
   ExpectInputError([&] { WriteReport(options_); }, HasSubstr("poses.json: incomplete"));
 }
 

@@ -1,12 +1,22 @@
 """The page of two short simulated runs: nothing missing, nothing fetched, all of it drawn."""
 
 import json
+import pathlib
 
 import pytest
 from report_page import (Page, differing_share, drawn_share, expect_every_mode_drawn, open_browser,
                          run_slam, run_tool, simulate_room)
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
 
 FRAMES = 30
+# One of each kind, between frames of the run.
+LOOPS = """source,target,reason,matches,agreeing_features,inlier_share,rmse_m
+29,0,accepted,40,31,0.36,0.0023
+25,3,contradicts_others,30,12,0.3,0.004
+20,2,free_space_filled,25,10,0.2,0.005
+"""
 
 
 @pytest.fixture(scope="module")
@@ -15,6 +25,9 @@ def runs(tmp_path_factory):
     folder = tmp_path_factory.mktemp("report")
     room = simulate_room(folder, FRAMES)
     run_slam(room, folder / "plane", "--residual=point_to_plane", "--report")
+    (folder / "plane" / "loops.csv").write_text(LOOPS)
+    done = run_tool("surfit_report", f"--run={folder / 'plane'}")
+    assert done.returncode == 0, done.stderr
     run_slam(room, folder / "symmetric")
     return folder
 
@@ -108,6 +121,262 @@ def test_theme_follows_the_button(page):
     before = paper()
     page.click("theme")
     assert paper() != before
+
+
+def place_of_camera(page, frame):
+    """Where a frame's camera is on the canvas, in pixels from its middle, as ActionChains counts."""
+    return page.script(
+        "const view = surfit.mapView, cell = view.cells[0];"
+        "const at = view.onCanvas(cell, surfit.positionOf(cell.run.poseOfFrame.get(arguments[0])));"
+        "const { clientWidth, clientHeight } = view.canvas;"
+        "return [Math.round(at.x - clientWidth / 2), Math.round(at.y - clientHeight / 2)]", frame)
+
+
+def click_in_map(page, right, down):
+    canvas = page.browser.find_element(By.ID, "map-canvas")
+    ActionChains(page.browser).move_to_element_with_offset(canvas, right, down).click().perform()
+
+
+def loaded_widths(page, selector):
+    return page.browser.execute_async_script(
+        "const [selector, done] = arguments, images = [...document.querySelectorAll(selector)];"
+        "Promise.all(images.map((i) => i.decode())).then(() => done(images.map((i) => i.naturalWidth)))", selector)
+
+
+def test_a_click_on_a_camera_shows_its_frame(page):
+    click_in_map(page, *place_of_camera(page, FRAMES - 1))
+    frame = page.script("return surfit.selected.frame")
+    # The path is short: cameras beside it may be as near.
+    assert frame > FRAMES - 6
+    assert f"frame {frame}, tracked" in page.script("return document.getElementById('map-frame').innerText")
+    assert loaded_widths(page, "#map-frame img") == [160, 160]
+    sources = page.script("return [...document.querySelectorAll('#map-frame img')].map((i) => i.alt)")
+    assert sources == [f"input of frame {frame}", f"model of frame {frame}"]
+    assert page.console() == []
+
+
+def test_every_frame_of_a_short_run_has_a_thumbnail(page, runs):
+    page.script("document.getElementById('frame').scrollIntoView()")
+    page.wait_until("document.querySelectorAll('.thumbnail').length > 0")
+    frames = page.script("return [...document.querySelectorAll('.thumbnail')].map((b) => Number(b.dataset.frame))")
+    assert frames == list(range(FRAMES))
+    page.script("document.querySelectorAll('.thumbnail')[7].click()")
+    assert page.script("return surfit.selected.frame") == 7
+    page.click("next-frame")
+    assert "frame 8, " in page.script("return document.getElementById('frame-facts').textContent")
+    before = page.map_picture()
+    page.click("look-from-frame")
+    assert differing_share(before, page.map_picture()) > 0.5
+
+
+def test_loops_stand_in_timeline_table_and_map(page):
+    page.script("document.getElementById('loops').scrollIntoView()")
+    page.wait_until("document.querySelector('.timeline svg')")
+
+    def arcs():
+        return page.script("return [...document.querySelectorAll('.arc')].map((a) => a.getAttribute('class'))")
+    assert arcs() == ["arc accepted"]
+    page.script("const e = document.getElementById('loop-filter'); e.value = 'all';"
+                "e.dispatchEvent(new Event('change'))")
+    assert sorted(arcs()) == ["arc accepted", "arc overruled", "arc refused"]
+    page.script("const e = document.getElementById('loop-filter'); e.value = 'free_space_filled';"
+                "e.dispatchEvent(new Event('change'))")
+    assert arcs() == ["arc refused"]
+    assert page.script("return document.querySelector('#loop-table tbody').innerText").split() == [
+        "20,", "2", "free", "space", "filled", "10", "of", "25", "20", "%", "5.0"]
+    page.script("document.querySelector('#loop-table button').click()")
+    assert "frames 20 and 2: free space filled" in page.script(
+        "return document.getElementById('loop-facts').textContent")
+    assert page.script("return document.getElementById('show-refused').checked")
+    edges = page.script("const { graph, refused } = surfit.mapView.cells[0];"
+                        "return [...graph.children, refused].map((c) => c.geometry.attributes.position.count)")
+    keyframes = page.script("return surfit.runs[0].poses.keyframes")
+    assert keyframes[0] == [0, -1, 0] and len(keyframes) >= 2
+    assert edges == [2 * (len(keyframes) - 1), len(keyframes), 2, 2, 2]
+    assert page.console() == []
+
+
+def test_surfels_are_discs(page):
+    """A surfel that is large on the canvas is no square: its corner is not drawn, its side is."""
+    for part in ["show-estimate", "show-truth", "show-cameras", "show-graph"]:
+        page.click(part)
+    page.script("surfit.mapView.setUniform('leastConfidence', 0);"
+                "surfit.mapView.cells[0].run.map.shown = 1; surfit.mapView.crop.reset();"
+                "const { run } = surfit.mapView.cells[0], p = surfit.positionOfSurfel(run.map, 0);"
+                "const n = new THREE.Vector3(...run.map.normal.slice(0, 3)).normalize();"
+                "const r = surfit.growth(run.map, 1) * run.map.max_radius * run.map.radius[0] / 65535;"
+                "surfit.mapView.look(p.clone().addScaledVector(n, 6 * r), p)")
+    picture = page.map_picture()
+    width, height = picture.size
+    background = picture.getpixel((0, 0))
+    # Its radius is a sixth of the distance: so many pixels at a field of view of 50 degrees.
+    radius = height / 2 / 0.4663 / 6
+
+    def is_drawn(right, down):
+        return picture.getpixel((round(width / 2 + right * radius), round(height / 2 + down * radius))) != background
+    assert is_drawn(0, 0) and is_drawn(0.9, 0) and is_drawn(0, -0.9) and is_drawn(0.6, 0.6)
+    assert not is_drawn(0.8, 0.8) and not is_drawn(-0.8, 0.8) and not is_drawn(1.1, 0)
+
+
+def test_measures_between_two_clicks(page):
+    """Against the places of the surfels that were clicked on."""
+    canvas = page.browser.find_element(By.ID, "map-canvas")
+    canvas.send_keys("m")
+    assert page.script("return document.getElementById('measure').getAttribute('aria-pressed')") == "true"
+    # Two surfels that nothing hides: what is picked along the ray to them is near them.
+    places = page.script(
+        "const view = surfit.mapView, cell = view.cells[0], { map } = cell.run, found = [];"
+        "for (let i = 0; i < map.shown && found.length < 2; i += 97) {"
+        "  const p = surfit.positionOfSurfel(map, i), at = view.onCanvas(cell, p);"
+        "  const ray = new THREE.Ray(view.camera.position.clone(), p.clone().sub(view.camera.position).normalize());"
+        "  const hit = surfit.pick(map, ray, { cull: true, leastConfidence: view.leastConfidence, isCropped: () => false });"
+        "  const { clientWidth, clientHeight } = view.canvas;"
+        "  const inside = at && Math.abs(at.x / clientWidth - 0.5) < 0.4 && Math.abs(at.y / clientHeight - 0.5) < 0.4;"
+        "  const apart = found.length === 0 || p.distanceTo(new THREE.Vector3(...found[0].p)) > 1;"
+        "  if (hit && inside && apart && hit.distanceTo(p) < 0.01) found.push({ p: p.toArray(),"
+        "    at: [Math.round(at.x - clientWidth / 2), Math.round(at.y - clientHeight / 2)] });"
+        "}"
+        "return found")
+    assert len(places) == 2
+    for place in places:
+        click_in_map(page, *place["at"])
+    expected = sum((a - b) ** 2 for a, b in zip(places[0]["p"], places[1]["p"])) ** 0.5
+    measured = page.script("return surfit.mapView.measure.metres()")
+    # A pixel is up to about 2 cm there, and surfaces are seen at an angle.
+    assert measured == pytest.approx(expected, abs=0.08)
+    text = page.script("return document.getElementById('measured').textContent")
+    assert text == f"Measured: {measured:.3f} m"
+    page.wait_for_all_points()
+    assert f"{measured:.3f} m" in page.script("return document.getElementById('map-overlay').textContent")
+    canvas.send_keys(Keys.ESCAPE)
+    assert page.script("return surfit.mapView.measure.metres()") is None
+
+
+def test_crops_to_a_box(page):
+    before = page.map_picture()
+    page.script("const e = document.getElementById('crop-up-to'); e.value = Number(e.min) + 0.3 * (e.max - e.min);"
+                "e.dispatchEvent(new Event('input'))")
+    cropped = page.map_picture()
+    assert drawn_share(cropped) < 0.9 * drawn_share(before)
+    assert page.script("return surfit.mapView.cells[0].box.visible")
+    page.click("reset-crop")
+    assert differing_share(before, page.map_picture()) == 0
+
+
+def test_keys_turn_the_map(page):
+    canvas = page.browser.find_element(By.ID, "map-canvas")
+    pictures = [page.map_picture()]
+    for key in [Keys.ARROW_LEFT, Keys.ARROW_UP, "+"]:
+        canvas.send_keys(key)
+        pictures.append(page.map_picture())
+        assert differing_share(pictures[-2], pictures[-1]) > 0.05, key
+    canvas.send_keys("r")
+    assert differing_share(pictures[0], page.map_picture()) < 0.01  # the rim of the focus
+    canvas.send_keys("nnp")
+    assert page.script("return surfit.selected.frame") == 0
+    assert not page.script("return document.getElementById('map-frame').hidden")
+    assert page.script("return document.getElementById('map-frame-facts').textContent").startswith("frame 0, first")
+
+
+def test_what_cannot_be_read_aloud_has_a_label(page):
+    for section in ["trajectory", "shared-charts", "run-charts", "loops"]:
+        page.script("document.getElementById(arguments[0]).scrollIntoView()", section)
+        page.wait_until("[...document.querySelectorAll(`#${arguments[0]} .chart`)].every((box) => box.firstChild)", section)
+    unnamed = page.script(
+        "const named = (e) => e.getAttribute('aria-label') || e.closest('label') || e.textContent.trim();"
+        "return [...document.querySelectorAll('canvas, svg, button, input, select')]"
+        ".filter((e) => !named(e)).map((e) => e.outerHTML)")
+    assert unnamed == []
+
+
+def test_says_what_was_found_of_the_camera(page, runs):
+    summary = json.loads((runs / "plane" / "summary.json").read_text())
+    assert summary["calibrations"]
+    text = page.script("return document.getElementById('refinement').innerText")
+    assert f"from frame {summary['calibrations'][0]['frame'] + 1} on" in text
+
+
+def test_a_phone_shows_all_of_it(browser, both):
+    """390 x 844, as many phones have it: no plot is cut, and the page does not move sideways."""
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
+                            {"width": 390, "height": 844, "deviceScaleFactor": 2, "mobile": True})
+    try:
+        page = Page(browser, pathlib.Path(browser.current_url.removeprefix("file://")))
+        for i in range(page.script("return document.querySelectorAll('.chart, .timeline, .pictures').length")):
+            part = "document.querySelectorAll('.chart, .timeline, .pictures')[arguments[0]]"
+            page.script(f"{part}.scrollIntoView()", i)
+            page.wait_until(f"{part}.firstChild || {part}.closest('[hidden]')", i)
+        assert page.script("return document.documentElement.scrollWidth") == 390
+        cut = page.script(
+            "return [...document.querySelectorAll('canvas, svg, img, input, select, button, section')]"
+            ".filter((e) => !e.closest('#thumbnails, .table') && e.getBoundingClientRect().right > 390)"
+            ".map((e) => e.outerHTML.slice(0, 100))")
+        assert cut == []
+        # One map above the other.
+        picture = page.map_picture()
+        width, height = picture.size
+        for top in [0, height // 2]:
+            assert drawn_share(picture.crop((0, top, width, top + height // 2))) > 0.1
+        assert page.console() == []
+    finally:
+        browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
+def distances_m(page, run):
+    """Of the run's shown surfels, as the page holds them."""
+    return page.script("return [...surfit.runs[arguments[0]].map.distance].map((tenths) => tenths / 1e4)", run)
+
+
+def test_two_runs_are_compared(both):
+    """Two runs over the same frames, each within a few millimetres of the truth."""
+    for run in [0, 1]:
+        distances = sorted(distances_m(both, run))
+        assert 0 < distances[len(distances) // 2] < 0.01
+    text = both.script("return document.getElementById('map-labels').innerText")
+    assert "mm from symmetric in the median" in text and f"moved by {FRAMES} poses of equal times" in text
+    before = both.map_picture()
+    both.choose_mode("distance")
+    assert differing_share(before, both.map_picture()) > 0.1
+    assert both.script("return document.getElementById('map-legend').innerText").startswith("distance to the other run")
+
+
+def test_runs_are_named_without_the_way_to_them(both, runs):
+    assert both.script("return document.title") == "Surfit: plane, symmetric"
+    names = both.script("return [...document.querySelectorAll('h3')].map((h) => h.textContent)")
+    assert set(names) == {"plane", "symmetric"}
+
+
+def test_a_run_elsewhere_is_moved_to_the_first(browser, runs):
+    """The same room from another first pose: both maps lie in one place, neither is cut off."""
+    output = runs / "moved.html"
+    run_slam(runs / "room", runs / "moved", "--initial_pose=4,1,-3,0,0.6,0,0.8")
+    done = run_tool("surfit_report", f"--run={runs / 'symmetric'}", f"--run={runs / 'moved'}", f"--output={output}")
+    assert done.returncode == 0, done.stderr
+    page = Page(browser, output)
+    distances = sorted(distances_m(page, 1))
+    assert distances[len(distances) // 2] < 0.01
+    picture = page.map_picture()
+    width, height = picture.size
+    left, right = (picture.crop((x, 0, x + width // 2, height)) for x in (0, width // 2))
+    assert differing_share(left, right) < 0.3
+    assert page.console() == []
+
+
+def test_a_refined_run_can_be_shown(browser, runs):
+    refined = runs / "plane" / "refined"
+    done = run_tool("surfit_refine", f"--run={runs / 'plane'}", "--max_rounds=2", "--keyframe_translation_m=0.02")
+    assert done.returncode == 0, done.stderr
+    done = run_tool("surfit_report", f"--run={runs / 'plane'}", f"--run={refined}", f"--output={runs / 'refined.html'}")
+    assert done.returncode == 0, done.stderr
+    page = Page(browser, runs / "refined.html")
+    assert page.console() == []
+    assert page.script("return document.title") == "Surfit: plane, refined"
+    assert "mm from plane in the median" in page.script("return document.getElementById('map-labels').innerText")
+    rows = page.script("return document.getElementById('refinement').innerText")
+    assert "before refinement" in rows and "what is left between frames" not in rows  # a plot, no text
+    page.scroll_to("refinement")
+    titles = page.script("return surfit.charts.map((c) => c.options.plugins.title.text)")
+    assert "what is left between frames and surfels" in titles
 
 
 def test_two_runs_stand_side_by_side(both):

@@ -25,11 +25,12 @@ struct ReportedMap {
   std::size_t shown_points = 0;  // of these, in the page
 };
 
-// Writes one HTML file that needs no other and no network: the maps and trajectories in 3D, errors
-// against ground truth, figures of every frame, views of the input beside the model's, summaries
-// and options. Reads map.ply, frames.csv, summary.json, poses.json and views/ of each run. It holds
-// three.js and Chart.js.
-// Throws InputError naming the file that is missing, is broken or cannot be written.
+// Writes one HTML file that needs no other and no network: maps, trajectories, loops and pose
+// graphs in 3D, errors against ground truth, figures of every frame, views of the input beside the
+// model's, how maps of equal times differ, calibrations, summaries and options. Reads map.ply,
+// frames.csv, summary.json, poses.json, loops.csv, thumbnails/ and views/ of each run, or what
+// RunRefinement() has written. It holds three.js and Chart.js. Throws InputError naming the file
+// that is missing, is broken or cannot be written.
 std::vector<ReportedMap> WriteReport(const ReportOptions& options);
 
 }  // namespace surfit

@@ -36,22 +36,32 @@ surfit.makeEstimate = (run, errorRange) => {
 surfit.makeTruth = (run) => surfit.makeLine(
   (run.poses.truth || []).map((row) => new THREE.Vector3(row[1], row[2], row[3])), null, 0xff8c1a);
 
-// Pyramids that open at `depth` metres before the camera, of about 30 poses.
-surfit.makeFrusta = (run, depth) => {
-  const { poses, camera } = run.poses;
+// The edges of a pyramid that opens at `depth` metres before a pose's camera: pairs of points.
+surfit.frustum = (run, pose, depth) => {
+  const { camera } = run.poses;
   const corner = (u, v) => new THREE.Vector3((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1)
     .multiplyScalar(depth);
   const corners = [corner(0, 0), corner(camera.width, 0), corner(camera.width, camera.height),
     corner(0, camera.height)];
-  const points = [];
-  const step = Math.max(1, Math.ceil(poses.length / 30));
-  for (let i = 0; i < poses.length; i += step) {
-    const centre = surfit.positionOf(poses[i]);
-    const moved = corners.map((c) => c.clone().applyQuaternion(surfit.rotationOf(poses[i])).add(centre));
-    moved.forEach((c, k) => points.push(centre, c, c, moved[(k + 1) % 4]));
-  }
-  const lines = new THREE.LineSegments(new THREE.BufferGeometry().setFromPoints(points),
-    new THREE.LineBasicMaterial({ color: 0x2f81d6 }));
+  const centre = surfit.positionOf(pose);
+  const moved = corners.map((c) => c.clone().applyQuaternion(surfit.rotationOf(pose)).add(centre));
+  return moved.flatMap((c, k) => [centre, c, c, moved[(k + 1) % 4]]);
+};
+
+// Lines whose points are set later.
+surfit.makeSegments = (color) => {
+  const lines = new THREE.LineSegments(new THREE.BufferGeometry().setFromPoints([]),
+    new THREE.LineBasicMaterial({ color }));
   lines.frustumCulled = false;
+  return lines;
+};
+
+// Of about 30 poses.
+surfit.makeFrusta = (run, depth) => {
+  const { poses } = run.poses;
+  const step = Math.max(1, Math.ceil(poses.length / 30));
+  const lines = surfit.makeSegments(0x2f81d6);
+  lines.geometry.setFromPoints(poses.filter((_, i) => i % step === 0).flatMap(
+    (pose) => surfit.frustum(run, pose, depth)));
   return lines;
 };

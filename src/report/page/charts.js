@@ -21,6 +21,8 @@ surfit.zoomOptions = (mode) => ({ zoom: { mode, drag: { enabled: true, threshold
 
 surfit.makeChart = (box, title, datasets, { x, y, plugins = {}, zoomMode = 'x' }) => {
   const canvas = surfit.element('canvas', box);
+  canvas.setAttribute('role', 'img');
+  canvas.setAttribute('aria-label', `${title}: ${datasets.map((set) => set.label).join(', ')}`);
   const chart = new Chart(canvas, {
     type: 'line',
     data: { datasets },

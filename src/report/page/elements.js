@@ -10,6 +10,10 @@ surfit.element = (tag, parent, properties = {}) => {
 
 surfit.byId = (id) => document.getElementById(id);
 
+surfit.hideAll = (selector, hidden) => {
+  for (const element of document.querySelectorAll(selector)) element.hidden = hidden;
+};
+
 // Calls `build` once, when the element is about to be seen, or printed.
 surfit.whenInSight = (element, build) => {
   let observer = null;

@@ -50,7 +50,9 @@ surfit.showRunCharts = (run, parent) => {
     { x, y: surfit.axis('surfels', { beginAtZero: true }) });
 };
 
-surfit.showFrames = (runs) => {
+surfit.showFrames = (allRuns) => {
+  const runs = allRuns.filter((run) => run.frames);
+  surfit.byId('frames').hidden = runs.length === 0;
   const shared = surfit.byId('shared-charts');
   for (const { title, unit, of } of surfit.sharedCharts) {
     surfit.addChart(shared, title, runs.map((run, i) => surfit.line(run.label, surfit.runColor(i),

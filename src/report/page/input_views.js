@@ -25,6 +25,7 @@ surfit.showViews = (runs) => {
     }
     const slider = surfit.element('input', column, { type: 'range', min: 0, max: views.length - 1,
       value: Math.floor(views.length / 2) });
+    slider.setAttribute('aria-label', `which of ${views.length} views of ${run.label}`);
     const title = surfit.element('span', column);
     const pictures = surfit.element('div', column, { className: 'pictures' });
     const show = () => surfit.showView(run, views[slider.value], title, pictures);

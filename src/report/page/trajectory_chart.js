@@ -1,14 +1,19 @@
 'use strict';
 // The paths from above, and the error along them.
 
-// Coordinates on the floor: metres to the right of and along the first run's mean line of sight.
-surfit.floorAxes = (run) => {
+// To the right of and along a run's mean line of sight, and up.
+surfit.floorDirections = (run) => {
   const up = surfit.upOf(run);
   const ahead = surfit.forwardOf(run);
   ahead.addScaledVector(up, -ahead.dot(up));
   if (ahead.length() < 1e-3) ahead.set(up.y, up.z, up.x).cross(up);
   ahead.normalize();
-  const right = new THREE.Vector3().crossVectors(ahead, up);
+  return [new THREE.Vector3().crossVectors(ahead, up), ahead, up];
+};
+
+// Coordinates on the floor, in metres.
+surfit.floorAxes = (run) => {
+  const [right, ahead] = surfit.floorDirections(run);
   return (p) => ({ x: right.dot(p), y: ahead.dot(p) });
 };
 
@@ -36,7 +41,7 @@ surfit.estimateDataset = (run, i, onFloor, errorRange) => {
       surfit.scaleColor(run.errors.get(pose[0]) || 0, ...errorRange))),
   };
   return surfit.line(`estimate: ${run.label}`, surfit.runColor(i),
-    poses.map((pose) => onFloor(surfit.positionOf(pose))), more);
+    poses.map((pose) => onFloor(surfit.positionOf(pose).applyMatrix4(surfit.firstFromRun(run)))), more);
 };
 
 surfit.showTrajectories = (runs) => {
@@ -45,7 +50,8 @@ surfit.showTrajectories = (runs) => {
   const errors = runs.flatMap((run) => [...run.errors.values()]);
   const errorRange = [0, surfit.range(errors)[1]];
   const datasets = runs.flatMap((run, i) => {
-    const truth = (run.poses.truth || []).map((row) => onFloor(new THREE.Vector3(row[1], row[2], row[3])));
+    const truth = (run.poses.truth || []).map((row) => onFloor(
+      new THREE.Vector3(row[1], row[2], row[3]).applyMatrix4(surfit.firstFromRun(run))));
     const estimate = surfit.estimateDataset(run, i, onFloor, errorRange);
     return truth.length === 0 ? [estimate]
       : [estimate, surfit.line(`ground truth: ${run.label}`, '#ff8c1a', truth, { borderDash: [5, 3] })];

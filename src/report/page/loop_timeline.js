@@ -1,0 +1,185 @@
+'use strict';
+// Loops over time: an arc between its two frames for each, above a band of what became of each frame.
+surfit.timeline = { high: 170, band: 16, side: 10 };
+surfit.stateColors = { tracked: '#7fa8d9', given: '#7fa8d9', first: '#20242a', degenerate: '#e0b400',
+  frozen: '#9aa2ad', lost: '#d1495b', skipped: '#6b3fa0', relocalised: '#2e9e5b', new_map: '#e08a00' };
+surfit.mostArcs = 2000;
+
+surfit.svg = (tag, parent, attributes = {}) => {
+  const element = document.createElementNS('http://www.w3.org/2000/svg', tag);
+  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
+  parent.append(element);
+  return element;
+};
+
+surfit.loopText = (loop) => {
+  const facts = [`frames ${loop.source} and ${loop.target}: ${surfit.reasonText(loop.reason)}`];
+  if (loop.matches > 0) facts.push(`${loop.agreeing_features} of ${loop.matches} features agree`);
+  if (loop.inlier_share > 0) {
+    facts.push(`${(100 * loop.inlier_share).toFixed(0)} % inliers, RMSE ${(1000 * loop.rmse_m).toFixed(1)} mm`);
+  }
+  return facts.join(', ');
+};
+
+// The loops that the filter lets through: a kind, a reason, or all.
+surfit.filteredLoops = (run) => {
+  const filter = surfit.byId('loop-filter').value;
+  return run.loops.filter((loop) => filter === 'all' || loop.kind === filter || loop.reason === filter);
+};
+
+// Stretches of frames with equal states: [first, last, state].
+surfit.stretches = ({ index, state }) => {
+  const found = [];
+  index.forEach((frame, i) => {
+    if (i > 0 && state[i] === state[i - 1]) found[found.length - 1][1] = frame;
+    else found.push([frame, frame, state[i]]);
+  });
+  return found;
+};
+
+surfit.drawBand = (svg, run, x, top) => {
+  const { band } = surfit.timeline;
+  for (const [first, last, state] of run.frames ? surfit.stretches(run.frames) : []) {
+    const rect = surfit.svg('rect', svg, { x: x(first), y: top, height: band,
+      width: Math.max(x(last + 1) - x(first), 1), fill: surfit.stateColors[state] || '#888888' });
+    surfit.svg('title', rect).textContent = `${state}: frames ${first} to ${last}`;
+  }
+  for (const [frame] of run.poses.keyframes || []) {
+    surfit.svg('line', svg, { x1: x(frame), x2: x(frame), y1: top - 4, y2: top, class: 'keyframe' });
+  }
+};
+
+// The longer the higher.
+surfit.drawArc = (svg, run, loop, x, base, longestPx) => {
+  const [a, b] = [x(loop.target), x(loop.source)].sort((p, q) => p - q);
+  const rise = (base - 6) * (0.15 + 0.85 * (b - a) / longestPx);
+  const arc = surfit.svg('path', svg, { d: `M ${a} ${base} Q ${(a + b) / 2} ${base - 2 * rise} ${b} ${base}`,
+    stroke: surfit.loopKinds[loop.kind].color, class: `arc ${loop.kind}` });
+  surfit.svg('title', arc).textContent = surfit.loopText(loop);
+  arc.addEventListener('click', (event) => {
+    event.stopPropagation();
+    surfit.selectLoop(run, loop);
+  });
+};
+
+surfit.drawTimeline = (box, run) => {
+  box.textContent = '';
+  const { high, band, side } = surfit.timeline;
+  const width = box.clientWidth;
+  const [first, last] = surfit.frameRange(run);
+  const x = (frame) => side + (width - 2 * side) * (frame - first) / Math.max(last + 1 - first, 1);
+  const base = high - band - 28;
+  const loops = surfit.filteredLoops(run).slice(0, surfit.mostArcs);
+  const svg = surfit.svg('svg', box, { width, height: high, role: 'img', 'aria-label':
+    `${run.label}: frames ${first} to ${last} and ${loops.length} loops between them` });
+  const longestPx = Math.max(1, ...loops.map((loop) => Math.abs(x(loop.source) - x(loop.target))));
+  for (const loop of [...loops].reverse()) surfit.drawArc(svg, run, loop, x, base - 4, longestPx);
+  surfit.drawBand(svg, run, x, base);
+  const step = surfit.niceStep((last - first) / Math.max(2, width / 90));
+  for (let frame = Math.ceil(first / step) * step; frame <= last; frame += step) {
+    surfit.svg('text', svg, { x: x(frame), y: high - 8, class: 'tick-text' }).textContent = frame;
+  }
+  svg.addEventListener('click', (event) => {
+    const share = (event.clientX - svg.getBoundingClientRect().left - side) / (width - 2 * side);
+    surfit.selectFrame(run, Math.round(Math.min(Math.max(first + share * (last + 1 - first), first), last)));
+  });
+};
+
+// 1, 2 or 5 times a power of ten, not less than so much.
+surfit.niceStep = (least) => {
+  const power = 10 ** Math.floor(Math.log10(Math.max(least, 1)));
+  return [1, 2, 5, 10].map((k) => k * power).find((step) => step >= least) || 1;
+};
+
+surfit.selectLoop = (run, loop) => {
+  surfit.byId('loop-facts').textContent = surfit.loopText(loop);
+  const pictures = surfit.byId('loop-pictures');
+  pictures.textContent = '';
+  for (const frame of [loop.source, loop.target]) surfit.addFramePictures(pictures, run, frame, 2);
+  if (!surfit.mapView) return;
+  if (loop.kind === 'refused' && !surfit.byId('show-refused').checked) surfit.byId('show-refused').click();
+  surfit.mapView.select(run, [loop.source, loop.target]);
+};
+
+surfit.loopColumns = [['frames', (loop) => `${loop.source}, ${loop.target}`],
+  ['verdict', (loop) => surfit.reasonText(loop.reason)], ['features agree', (loop) => `${loop.agreeing_features} of ${
+    loop.matches}`], ['inliers', (loop) => `${(100 * loop.inlier_share).toFixed(0)} %`],
+  ['RMSE, mm', (loop) => (1000 * loop.rmse_m).toFixed(1)]];
+surfit.mostRows = 200;
+
+surfit.showLoopTable = (runs) => {
+  const parent = surfit.byId('loop-table');
+  parent.textContent = '';
+  for (const run of runs) {
+    const loops = surfit.filteredLoops(run);
+    if (loops.length === 0) continue;
+    surfit.element('h3', parent, { textContent: run.label });
+    const table = surfit.element('table', parent);
+    const head = surfit.element('tr', surfit.element('thead', table));
+    for (const [name] of surfit.loopColumns) surfit.element('th', head, { textContent: name });
+    const body = surfit.element('tbody', table);
+    for (const loop of loops.slice(0, surfit.mostRows)) surfit.addLoopRow(body, run, loop);
+    if (loops.length > surfit.mostRows) {
+      surfit.element('p', parent, { className: 'note', textContent: `and ${loops.length - surfit.mostRows} more` });
+    }
+  }
+};
+
+surfit.addLoopRow = (body, run, loop) => {
+  const row = surfit.element('tr', body, { className: loop.kind });
+  surfit.loopColumns.forEach(([, text], k) => {
+    const cell = surfit.element('td', row);
+    if (k > 0) {
+      cell.textContent = text(loop);
+      return;
+    }
+    const button = surfit.element('button', cell, { type: 'button', className: 'link', textContent: text(loop) });
+    button.addEventListener('click', () => surfit.selectLoop(run, loop));
+  });
+};
+
+surfit.fillLoopFilter = (runs) => {
+  const select = surfit.byId('loop-filter');
+  const loops = runs.flatMap((run) => run.loops);
+  const add = (value, text) => surfit.element('option', select, { value, textContent: text });
+  for (const [kind, { name }] of Object.entries(surfit.loopKinds)) {
+    const count = loops.filter((loop) => loop.kind === kind).length;
+    if (count > 0 || kind === 'accepted') add(kind, `${name} (${count})`);
+  }
+  for (const [reason, count] of surfit.countReasons(loops.filter((loop) => loop.kind === 'refused'))) {
+    add(reason, `refused: ${surfit.reasonText(reason)} (${count})`);
+  }
+  add('all', `all (${loops.length})`);
+  if (!loops.some((loop) => loop.kind === 'accepted')) select.value = 'all';
+};
+
+surfit.showStateLegend = (parent, run) => {
+  if (!run.frames) return;
+  const legend = surfit.element('p', parent, { className: 'note state-legend' });
+  for (const state of new Set(run.frames.state)) {
+    const item = surfit.element('span', legend);
+    surfit.element('i', item).style.background = surfit.stateColors[state];
+    surfit.element('span', item, { textContent: `${state}: ${run.frames.state.filter((s) => s === state).length}` });
+  }
+};
+
+surfit.showLoops = (runs) => {
+  const parent = surfit.byId('loop-timelines');
+  surfit.fillLoopFilter(runs);
+  const boxes = runs.map((run) => {
+    surfit.element('h3', parent, { textContent: run.label });
+    const keyframes = (run.poses.keyframes || []).length;
+    const text = run.loops.length > 0 ? `${keyframes} keyframes (ticks); pairs of them tried as loops: ${run.loops.length}.`
+      : `${keyframes} keyframes (ticks); no pair of them was tried as a loop (surfit_slam looks for loops with --loop_closure).`;
+    surfit.element('p', parent, { className: 'note', textContent: text });
+    surfit.showStateLegend(parent, run);
+    return surfit.element('div', parent, { className: 'timeline' });
+  });
+  const draw = () => {
+    boxes.forEach((box, i) => surfit.drawTimeline(box, runs[i]));
+    surfit.showLoopTable(runs);
+  };
+  surfit.byId('loop-filter').addEventListener('change', draw);
+  surfit.whenInSight(parent, () => new ResizeObserver(draw).observe(parent));  // which calls once at the beginning
+  surfit.byId('loop-filter').parentElement.hidden = !runs.some((run) => run.loops.length > 0);
+};
