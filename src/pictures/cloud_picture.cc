@@ -75,7 +75,7 @@ Image<Rgb8> ColorPoints(const std::vector<Eigen::Vector3f>& points, std::size_t 
     log_depth[i] = std::log((camera_from_world * points[indices[i]]).z());
   }
   return ColorIndices(indices, [&](int u, int v, std::int32_t i) {
-    if (i == NearestIndexImage::kNothing) return PictureSheet::kPaper;
+    if (i == NearestIndexImage::kNothing) return PictureSheet::kScene;
     const bool is_source = static_cast<std::size_t>(i) < source_count;
     return Dimmed(is_source ? kSourceColor : kTargetColor, EyeDomeLight(log_depth, u, v));
   });

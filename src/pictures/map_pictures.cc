@@ -35,7 +35,7 @@ Image<Rgb8> Color(const SurfelMap& map, const SurfelColoring& coloring, const Pi
   const Eigen::Matrix3d world_from_camera =
       view.camera_from_world.rotation.conjugate().toRotationMatrix();
   return ColorIndices(indices, [&](int u, int v, std::int32_t i) {
-    if (i == NearestIndexImage::kNothing) return PictureSheet::kPaper;
+    if (i == NearestIndexImage::kNothing) return PictureSheet::kScene;
     const Rgb8 color = coloring.color_of(i);
     if (coloring.headlight == 0) return color;
     const Eigen::Vector3d ray = world_from_camera * view.camera.Ray(u, v).normalized();
@@ -61,7 +61,7 @@ Image<Rgb8> Blended(const SurfelMap& map, const PictureView& view) {
   const BlendedView drawn = DrawBlended(map, {view.camera, none}, view.camera_from_world.Inverse());
   Image<Rgb8> picture = drawn.color;
   for (std::size_t i = 0; i < picture.size(); ++i) {
-    if (!(drawn.depth_m[i] > 0)) picture[i] = PictureSheet::kPaper;
+    if (!(drawn.depth_m[i] > 0)) picture[i] = PictureSheet::kScene;
   }
   return picture;
 }

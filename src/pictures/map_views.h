@@ -20,6 +20,8 @@ class PictureSheet {
   // Cells are drawn in this many pixels per pixel of the sheet, in each direction.
   static constexpr int kSupersampling = 2;
   static constexpr Rgb8 kPaper = {255, 255, 255}, kInk = {20, 20, 20};
+  // Behind what a cell shows: neither white nor black things are lost before it.
+  static constexpr Rgb8 kScene = {109, 120, 134};
 
   PictureSheet(int columns, int rows);
 

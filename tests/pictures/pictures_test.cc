@@ -54,6 +54,33 @@ TEST(WriteMapPictures, WritesFourSheetsThatShowTheMap) {
   }
 }
 
+// A plate before nothing: white, black, and the grey of most walls.
+TEST(WriteMapPictures, ShowsWhatIsWhiteBlackOrGrey) {
+  for (const int grey : {255, 0, 160}) {
+    const auto value = static_cast<std::uint8_t>(grey);
+    SurfelMap map;
+    Surfel surfel;
+    surfel.color = {value, value, value};
+    surfel.normal_in_world = {0, 0, -1};
+    surfel.radius_m = 0.02f;
+    surfel.confidence = 20;
+    for (int i = -10; i <= 10; ++i) {
+      for (int j = -10; j <= 10; ++j) {
+        surfel.position_in_world = {0.02f * i, 0.02f * j, 2};
+        map.Append(surfel);
+      }
+    }
+    const TempFolder folder;
+    WriteMapPictures(map, Trajectory(1), folder.path());
+    const Image<Rgb8> picture = ReadPicture(folder / "map_color.png");
+    const Rgb8 thing = picture(400, 1000), around = picture(2, 712);  // of the first camera's cell
+    EXPECT_EQ(thing, surfel.color);
+    const double difference =
+        Eigen::Vector3d(thing.r - around.r, thing.g - around.g, thing.b - around.b).norm();
+    EXPECT_GT(difference, 60) << grey;  // of 441 between black and white
+  }
+}
+
 TEST(WriteMapPictures, HidesDustButInTheConfidence) {
   SurfelMap map = Wall();
   Surfel dust;
