@@ -63,6 +63,7 @@ std::vector<PlaceFeature> FindPlaceFeatures(const Image<Rgb8>& color, const Fram
                                             int max_count) {
   const FeaturePoints found = FindFeatures(color, surface, ErrorModel(), max_count);
   std::vector<PlaceFeature> features;
+  features.reserve(found.points.size());
   for (int i = 0; i < found.size(); ++i) {
     features.push_back({found.points[i].cast<float>(), found.descriptors[i]});
   }

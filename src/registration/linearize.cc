@@ -40,22 +40,6 @@ void LoadIntensities(const IntensityPairs& pairs, const Exposure& exposure, int 
   values->slope_u = load(pairs.slope_u), values->slope_v = load(pairs.slope_v);
 }
 
-// Adds a a^T to the Hessian, -r a to the right side and r^2 to the square sum.
-void AddProducts(const RowSums& sums, Matrix6d* hessian, Vector6d* right_side, double* square_sum) {
-  for (int i = 0, k = 0; i < kRowColumns; ++i) {
-    for (int j = i; j < kRowColumns; ++j, ++k) {
-      if (i == 6) {
-        *square_sum += sums.product[k];
-      } else if (j == 6) {
-        (*right_side)[i] -= sums.product[k];
-      } else {
-        (*hessian)(i, j) += sums.product[k];
-        if (i != j) (*hessian)(j, i) += sums.product[k];
-      }
-    }
-  }
-}
-
 // Sums of what else makes a NormalSystem, one a lane.
 template <typename V>
 struct PairLanes {

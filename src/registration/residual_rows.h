@@ -6,6 +6,7 @@
 #include "cost_functions/row_sums.h"
 #include "surfit/core/lanes.h"
 #include "surfit/registration/error_model.h"
+#include "surfit/registration/normal_system.h"
 #include "surfit/registration/pairs.h"
 
 namespace surfit {
@@ -159,6 +160,23 @@ struct IntensityRows {
     SetRow(values.p, g, values.residual, rows[0]);
   }
 };
+
+// Adds a a^T to the Hessian, -r a to the right side and r^2 to the square sum.
+inline void AddProducts(const RowSums& sums, Matrix6d* hessian, Vector6d* right_side,
+                        double* square_sum) {
+  for (int i = 0, k = 0; i < kRowColumns; ++i) {
+    for (int j = i; j < kRowColumns; ++j, ++k) {
+      if (i == 6) {
+        *square_sum += sums.product[k];
+      } else if (j == 6) {
+        (*right_side)[i] -= sums.product[k];
+      } else {
+        (*hessian)(i, j) += sums.product[k];
+        if (i != j) (*hessian)(j, i) += sums.product[k];
+      }
+    }
+  }
+}
 
 // Calls f with the rows of a residual of ours, so that it is known to the compiler.
 template <typename F>

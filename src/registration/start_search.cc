@@ -23,6 +23,9 @@ constexpr Nearness kCoarseNearness = {0.08, 4 * kRadPerDeg};
 constexpr Nearness kMiddleNearness = {0.03, 1 * kRadPerDeg};
 constexpr Nearness kFineNearness = {0.02, 1 * kRadPerDeg};
 
+// A quarter of the coarsest level's points tells which rotations lead anywhere.
+constexpr int kSketchStride = 2;
+
 // How many different poses are left at each stage.
 constexpr std::size_t kCoarsePoses = 40;
 constexpr std::size_t kMiddlePoses = 6;
@@ -102,6 +105,11 @@ StartSearch::StartSearch(const ColoredView& source, const ColoredView& target,
   target_brightness_ = brightness(target);
 }
 
+// Every stage looks at about as many points as the coarsest level has.
+int StartSearch::StrideOf(Stage stage) const {
+  return 1 << std::max(0, LevelOf(kCoarse) - LevelOf(stage));
+}
+
 int StartSearch::LevelOf(Stage stage) const { return std::max(0, levels_ - 1 - stage); }
 
 ViewLevel StartSearch::Source(Stage stage) const {
@@ -113,10 +121,10 @@ ViewLevel StartSearch::Target(Stage stage) const {
 }
 
 // A coarser level shows shapes less exactly.
-double StartSearch::Score(Stage stage, const Rigid3d& pose) const {
+double StartSearch::Score(Stage stage, const Rigid3d& pose, int stride) const {
   ErrorModel error_model = error_model_;
   error_model.floor_sigma_m *= std::pow(2, LevelOf(stage));
-  return MeasureFit(Source(stage), Target(stage), error_model, pose).Score();
+  return MeasureFit(Source(stage), Target(stage), error_model, pose, stride).Score();
 }
 
 std::vector<StartPose> StartSearch::FromFeatures() const {
@@ -143,10 +151,11 @@ std::vector<StartPose> StartSearch::FromRotations() const {
   descent.max_distance_m = 1.5;
   descent.max_distance_end_m = 0.25;
   descent.use_brightness = false;
+  descent.stride = kSketchStride;
   return ForAll(poses, [&](const StartPose& start) {
     const Rigid3d pose =
         Descend(Source(kCoarse), Target(kCoarse), start.target_from_source, descent);
-    return StartPose{pose, Score(kCoarse, pose)};
+    return StartPose{pose, Score(kCoarse, pose, kSketchStride)};
   });
 }
 
@@ -154,10 +163,11 @@ StartPose StartSearch::Improve(const StartPose& start) const {
   DescentOptions descent;
   Rigid3d pose = Descend(Source(kCoarse), Target(kCoarse), start.target_from_source, descent);
   descent.max_steps = 8;
+  descent.stride = StrideOf(kMiddle);
   descent.max_distance_m = 0.2;
   descent.max_distance_end_m = 0.1;
   pose = Descend(Source(kMiddle), Target(kMiddle), pose, descent);
-  return {pose, Score(kMiddle, pose)};
+  return {pose, Score(kMiddle, pose, StrideOf(kMiddle))};
 }
 
 // Where shapes hold a direction badly (two walls and nothing else), the descent ends anywhere
@@ -166,7 +176,7 @@ std::vector<StartPose> StartSearch::AlongWeakestDirection(const Rigid3d& pose) c
   constexpr double kReachM = 1, kStepM = 0.05;
   constexpr std::size_t kBest = 6;
   const JointSystem system = LinearizeJointly(Source(kCoarse), Target(kCoarse),
-                                              kCoarseNearness.distance_m * 3, false, pose);
+                                              {kCoarseNearness.distance_m * 3, false}, pose);
   std::vector<StartPose> along;
   if (system.pair_count == 0) return along;
   const Vector6d direction = WeakestIncrement(system.hessian, system.RmsDistance());
@@ -196,11 +206,12 @@ std::vector<StartPose> StartSearch::FindPoses() const {
 
   DescentOptions descent;
   descent.max_steps = 6;
+  descent.stride = StrideOf(kFine);
   descent.max_distance_m = descent.max_distance_end_m = 0.1;
   descent.damping = 1e-4;
   const auto refine = [&](const StartPose& start) {
     const Rigid3d pose = Descend(Source(kFine), Target(kFine), start.target_from_source, descent);
-    return StartPose{pose, Score(kFine, pose)};
+    return StartPose{pose, Score(kFine, pose, StrideOf(kFine))};
   };
   return BestDifferent(ForAll(best, refine), kFineNearness, kFinePoses);
 }

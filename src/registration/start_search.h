@@ -17,7 +17,15 @@ struct DescentOptions {
   double max_distance_end_m = 0.2;  // ... down to this
   bool use_brightness = true;
   bool rotation_only = false;
+  int stride = 1;         // of the source's columns and rows every n-th is taken
   double damping = 3e-3;  // of a direction that the pairs do not hold, as a share of one they do
+};
+
+// Which pairs of points, and which of their residuals.
+struct JointOptions {
+  double max_distance_m = 0.4;
+  bool use_brightness = true;
+  int stride = 1;
 };
 
 // The normal equations of both residuals of the pairs at a pose.
@@ -38,8 +46,7 @@ struct JointSystem {
 // brightness, a and b match the means and standard deviations of both (exposure). Both residuals
 // have a Geman-McClure kernel.
 JointSystem LinearizeJointly(const ViewLevel& source, const ViewLevel& target,
-                             double max_distance_m, bool use_brightness,
-                             const Rigid3d& target_from_source);
+                             const JointOptions& options, const Rigid3d& target_from_source);
 
 // Gauss-Newton steps from a start.
 Rigid3d Descend(const ViewLevel& source, const ViewLevel& target, const Rigid3d& start,
@@ -55,7 +62,9 @@ struct StartPose {
 // body-centred cubic lattice, at most 11 degrees from any rotation in between.
 std::vector<Eigen::Quaterniond> RotationGrid();
 
-// Searches for the pose of one view in another's frame on the three coarsest levels of both.
+// Searches for the pose of one view in another's frame on the three coarsest levels of both. Of the
+// finer ones as many points are looked at as the coarsest has: their places are more exact, and
+// more of them would hardly change where a descent ends.
 class StartSearch {
  public:
   // Keeps references: both views must outlive this object. Each has one level at least.
@@ -75,9 +84,10 @@ class StartSearch {
   enum Stage { kCoarse, kMiddle, kFine };
 
   int LevelOf(Stage stage) const;
+  int StrideOf(Stage stage) const;
   ViewLevel Source(Stage stage) const;
   ViewLevel Target(Stage stage) const;
-  double Score(Stage stage, const Rigid3d& pose) const;
+  double Score(Stage stage, const Rigid3d& pose, int stride = 1) const;
   std::vector<StartPose> FromFeatures() const;
   std::vector<StartPose> FromRotations() const;
   std::vector<StartPose> AlongWeakestDirection(const Rigid3d& pose) const;

@@ -29,6 +29,14 @@ int PixelOf(const Eigen::Vector3d& point, const PinholeCamera& camera) {
   return inside ? static_cast<int>(pixel.y()) * camera.width + static_cast<int>(pixel.x()) : -1;
 }
 
+// From the target's surface, both at these depths.
+double FreeSpaceBound(const FrameLevel& source, double source_z_m, const FrameLevel& target,
+                      double target_z_m, const ErrorModel& error_model) {
+  const double of_source_m = error_model.Sigma(source_z_m, source.noise);
+  const double of_target_m = target.noise.SigmaZ(target_z_m);
+  return kFreeSpaceSigmas * std::sqrt(of_source_m * of_source_m + of_target_m * of_target_m);
+}
+
 Count CountRow(const FrameLevel& source, const FrameLevel& target, const ErrorModel& error_model,
                const Rigid3d& target_from_source, int v) {
   const Eigen::Matrix3d rotation = target_from_source.rotation.toRotationMatrix();
@@ -43,10 +51,9 @@ Count CountRow(const FrameLevel& source, const FrameLevel& target, const ErrorMo
     const Eigen::Vector3d normal = At(target.normal, pixel).cast<double>();
     if (!(surface.z() > 0) || normal.isZero(0)) continue;
     const double height_m = normal.dot(point - surface);
-    const double sigma_m =
-        std::hypot(error_model.Sigma(point.z(), source.noise), target.noise.SigmaZ(surface.z()));
-    count.in_front += height_m > kFreeSpaceSigmas * sigma_m;
-    count.at_surface += std::abs(height_m) <= kFreeSpaceSigmas * sigma_m;
+    const double bound_m = FreeSpaceBound(source, point.z(), target, surface.z(), error_model);
+    count.in_front += height_m > bound_m;
+    count.at_surface += std::abs(height_m) <= bound_m;
   }
   return count;
 }
@@ -85,20 +92,21 @@ struct OneWayFit {
 };
 
 OneWayFit MeasureOneWay(const ViewLevel& source, const ViewLevel& target,
-                        const ErrorModel& error_model, const Rigid3d& target_from_source) {
+                        const ErrorModel& error_model, const Rigid3d& target_from_source,
+                        int stride) {
   OneWayFit fit;
   const auto& depth_m = source.surface.vertex.z;
-  fit.valid = static_cast<int>(
-      std::count_if(depth_m.begin(), depth_m.end(), [](float z) { return z > 0; }));
+  for (int v = stride / 2; v < depth_m.height(); v += stride) {
+    for (int u = stride / 2; u < depth_m.width(); u += stride) fit.valid += depth_m(u, v) > 0;
+  }
   const Eigen::Matrix3f rotation = target_from_source.rotation.toRotationMatrix().cast<float>();
   const auto measure = [&](const Landing& landing) {
     const Eigen::Vector3f surface = At(target.surface.vertex, landing.target_pixel);
     const Eigen::Vector3f normal = At(target.surface.normal, landing.target_pixel);
     if (!(surface.z() > 0) || normal.isZero(0)) return;
     const double height_m = normal.dot(landing.point - surface);
-    const double sigma_m = std::hypot(error_model.Sigma(landing.point.z(), source.surface.noise),
-                                      target.surface.noise.SigmaZ(surface.z()));
-    const double bound_m = kFreeSpaceSigmas * sigma_m;
+    const double bound_m =
+        FreeSpaceBound(source.surface, landing.point.z(), target.surface, surface.z(), error_model);
     if (height_m > bound_m) ++fit.in_front;
     if (std::abs(height_m) > bound_m) return;
     const Eigen::Vector3f turned = rotation * At(source.surface.normal, landing.source_pixel);
@@ -109,7 +117,7 @@ OneWayFit MeasureOneWay(const ViewLevel& source, const ViewLevel& target,
     fit.detail.Add(source.brightness.detail[landing.source_pixel],
                    SampleAt(target.brightness.detail, landing.u, landing.v).value);
   };
-  ForEachLanding(source.surface, target.surface, target_from_source, measure);
+  ForEachLanding(source.surface, target.surface, target_from_source, measure, stride);
   return fit;
 }
 
@@ -147,9 +155,10 @@ double ViewFit::Score() const {
 }
 
 ViewFit MeasureFit(const ViewLevel& source, const ViewLevel& target, const ErrorModel& error_model,
-                   const Rigid3d& target_from_source) {
-  const OneWayFit there = MeasureOneWay(source, target, error_model, target_from_source);
-  const OneWayFit back = MeasureOneWay(target, source, error_model, target_from_source.Inverse());
+                   const Rigid3d& target_from_source, int stride) {
+  const OneWayFit there = MeasureOneWay(source, target, error_model, target_from_source, stride);
+  const OneWayFit back =
+      MeasureOneWay(target, source, error_model, target_from_source.Inverse(), stride);
   ViewFit fit;
   const int valid = there.valid + back.valid;
   if (valid == 0) return fit;

@@ -46,8 +46,8 @@ struct ViewFit {
 };
 
 // Surfaces lie on each other where the distance is within kFreeSpaceSigmas of the error model and
-// the normals agree.
+// the normals agree. Of both views every n-th column and row is taken.
 ViewFit MeasureFit(const ViewLevel& source, const ViewLevel& target, const ErrorModel& error_model,
-                   const Rigid3d& target_from_source);
+                   const Rigid3d& target_from_source, int stride = 1);
 
 }  // namespace surfit

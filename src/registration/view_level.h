@@ -44,10 +44,10 @@ struct Landing {
   Eigen::Vector3f point;  // p' = R p + t, metres
 };
 
-// Calls visit(landing) for each, row by row.
+// Calls visit(landing) for each, row by row, of every n-th column and row of the source.
 template <typename Visit>
 void ForEachLanding(const FrameLevel& source, const FrameLevel& target,
-                    const Rigid3d& target_from_source, const Visit& visit) {
+                    const Rigid3d& target_from_source, const Visit& visit, int stride = 1) {
   constexpr float kNearest = 0.05f;  // m; closer to the camera's plane pixels fly apart
   const Eigen::Matrix3f rotation = target_from_source.rotation.toRotationMatrix().cast<float>();
   const Eigen::Vector3f translation = target_from_source.translation.cast<float>();
@@ -57,21 +57,24 @@ void ForEachLanding(const FrameLevel& source, const FrameLevel& target,
   const float right = static_cast<float>(camera.width) - 0.5f;
   const float bottom = static_cast<float>(camera.height) - 0.5f;
   const VectorImage& vertex = source.vertex;
-  for (int i = 0; i < static_cast<int>(vertex.z.size()); ++i) {
-    if (!(vertex.z[i] > 0)) continue;
+  const auto on_pixel = [&](int i) {
+    if (!(vertex.z[i] > 0)) return;
     const Eigen::Vector3f vertex_i(vertex.x[i], vertex.y[i], vertex.z[i]);
     Landing landing;
     landing.point = rotation * vertex_i + translation;
-    if (!(landing.point.z() > kNearest)) continue;
+    if (!(landing.point.z() > kNearest)) return;
     landing.u = fx * landing.point.x() / landing.point.z() + cx;
     landing.v = fy * landing.point.y() / landing.point.z() + cy;
     if (!(landing.u >= -0.5f && landing.v >= -0.5f && landing.u < right && landing.v < bottom)) {
-      continue;
+      return;
     }
     landing.source_pixel = i;
     const float from_left = landing.u + 0.5f, from_top = landing.v + 0.5f;  // not negative
     landing.target_pixel = static_cast<int>(from_top) * camera.width + static_cast<int>(from_left);
     visit(landing);
+  };
+  for (int v = stride / 2; v < vertex.height(); v += stride) {
+    for (int u = stride / 2; u < vertex.width(); u += stride) on_pixel(v * vertex.width() + u);
   }
 }
 

@@ -11,7 +11,7 @@ namespace surfit {
 namespace {
 
 // Of lost frames the first five are looked for, and then every fifth: that takes as long as
-// tracking tens of frames.
+// tracking ten frames.
 constexpr int kSearchStride = 5;
 
 // Over more time a hand does not move steadily.
@@ -184,7 +184,9 @@ std::optional<Rigid3d> Tracker::FindFromLast(const PreparedFrame& frame) const {
   InitializeOptions initialization;
   initialization.method = options_.initialize;
   if (doubts()) initialization.fit = ShapesAlone();
-  const FarVerdict found = RegisterFar(frame.view, last_.view, initialization, FarIcpOptions());
+  IcpOptions icp_options = FarIcpOptions();
+  icp_options.min_source_rows = options_.icp.min_source_rows;
+  const FarVerdict found = RegisterFar(frame.view, last_.view, initialization, icp_options);
   if (!found.accepted()) return std::nullopt;
   return last_.world_from_view * found.target_from_source;
 }

@@ -52,8 +52,8 @@ TEST(LinearizeJointly, HasTheRowsOfTheBrightness) {
     brightness(x, y) = kSlopeU * static_cast<float>(x) + kSlopeV * static_cast<float>(y);
   }
   const Matrix6d added =
-      LinearizeJointly(views.Source(), views.Target(), 0.1, true, Rigid3d()).hessian -
-      LinearizeJointly(views.Source(), views.Target(), 0.1, false, Rigid3d()).hessian;
+      LinearizeJointly(views.Source(), views.Target(), {0.1, true}, Rigid3d()).hessian -
+      LinearizeJointly(views.Source(), views.Target(), {0.1, false}, Rigid3d()).hessian;
 
   Vector6d row;
   for (int i = 0; i < 6; ++i) {
@@ -77,9 +77,30 @@ TEST(LinearizeJointly, WeighsShapesByTheNoiseOfTheSource) {
   const auto weight = [](double inverse_depth_sigma) {
     WallViews views((Rigid3d()));
     views.source.pyramid.levels[0].noise.inverse_depth_sigma = inverse_depth_sigma;
-    return LinearizeJointly(views.Source(), views.Target(), 0.1, false, Rigid3d()).weight;
+    return LinearizeJointly(views.Source(), views.Target(), {0.1, false}, Rigid3d()).weight;
   };
   EXPECT_NEAR(weight(0.02 / (1.5 * 1.5)) / weight(0), 0.5, 1e-4);
+}
+
+// Points at the image's border have no normals.
+TEST(LinearizeJointly, TakesEveryNthColumnAndRow) {
+  const WallViews views((Rigid3d()));
+  const auto pairs = [&](int stride) {
+    return LinearizeJointly(views.Source(), views.Target(), {0.1, true, stride}, Rigid3d())
+        .pair_count;
+  };
+  EXPECT_GT(pairs(1), 0.9 * 160 * 120);
+  EXPECT_NEAR(pairs(2), pairs(1) / 4., 0.03 * pairs(1));
+  EXPECT_NEAR(pairs(4), pairs(1) / 16., 0.01 * pairs(1));
+}
+
+// A quarter of the points leads to the same end, half as exactly.
+TEST(Descend, AQuarterOfThePointsLeadsThere) {
+  const WallViews views(AlongTheWall());
+  DescentOptions options = Precise();
+  options.stride = 2;
+  EXPECT_THAT(Descend(views.Source(), views.Target(), Rigid3d(), options),
+              RigidNear(AlongTheWall(), 2 * kWallToleranceM, 2 * kWallToleranceRad));
 }
 
 TEST(Descend, BrightnessHoldsWhatAWallLeavesOpen) {
