@@ -23,10 +23,11 @@ struct Options {
   void Visit(OptionVisitor& v) {
     v.AddPart(run, "run", "the run");
     v.Group("run");
-    v.Add(view, "view",
-          "show the run in a window: frame, model, map and camera path; without a display the run "
-          "says so and goes on",
-          Everyday());
+    v.Add(
+        view, "view",
+        "show the run in a window that stays open at the end: frame, model, and the map with path "
+        "and loops, to be turned with the mouse; without a display the run says so and goes on",
+        Everyday());
   }
 };
 
@@ -210,12 +211,17 @@ int Run(const Options& all) {
     ShowProgress(now);
     if (view) view->Update(now);
   };
-  const SlamRunSummary summary = RunSlam(options, interrupted, progress);
+  const auto keep = [&](const SlamRunResult& result) {
+    if (view) view->Keep(result);
+  };
+  const SlamRunSummary summary = RunSlam(options, interrupted, progress, keep);
   const bool live = options.sequence.format == "watch";
   if (summary.interrupted || live) std::fputc('\n', stderr);  // ends the line of progress
   PrintSummary(summary, options);
   PrintStages(summary, options.offered_fps > 0);
   if (options.keep_views) WriteAndPrintReport({{options.output}, options.output + "/report.html"});
+  std::fflush(stdout);
+  if (view) view->Stay();
   if (!summary.MostFramesHaveAPose() && !summary.interrupted) {
     std::fprintf(stderr, "failed: only %d of %d frames have a pose\n", summary.frames_tracked,
                  summary.frames_total);

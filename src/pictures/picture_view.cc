@@ -114,8 +114,8 @@ float Quantile(std::vector<float> values, double q, float otherwise) {
   return *nth;
 }
 
-PictureView LiveMapView(const std::vector<Eigen::Vector3f>& points_in_world,
-                        const Trajectory& camera_path, int width, int height) {
+LiveMapView Overview(const std::vector<Eigen::Vector3f>& points_in_world,
+                     const Trajectory& camera_path, int width, int height) {
   constexpr double kDistance = 1.5;  // in diagonals of map and path
   Eigen::Vector3d center, size;
   for (int axis = 0; axis < 3; ++axis) {
@@ -126,11 +126,37 @@ PictureView LiveMapView(const std::vector<Eigen::Vector3f>& points_in_world,
   const Eigen::Vector3d up = UpDirection(camera_path);
   const Eigen::Vector3d forward = ViewDirection(camera_path, up);
   const Eigen::Vector3d eye = center - kDistance * std::max(1e-3, size.norm()) * forward;
-  PictureView view;
+  LiveMapView overview = {{}, center, up};
+  PictureView& view = overview.view;
   view.camera_from_world = LookAlong(eye, forward, up);
   view.camera =
       FitCamera(CornersOfAll(points_in_world, camera_path, view.camera_from_world), width, height);
-  return view;
+  return overview;
+}
+
+LiveMapView Turned(LiveMapView overview, const MapOrbit& orbit, const Trajectory& camera_path) {
+  constexpr double kFromTop_rad = 0.05;  // that the eye keeps from straight above and below
+  constexpr double kFollowing = 0.4;     // of the distance
+  const auto kStraightDown = static_cast<double>(EIGEN_PI);
+  const bool follows = orbit.follows && !camera_path.empty();
+  Rigid3d& camera_from_world = overview.view.camera_from_world;
+  const Eigen::Vector3d up = overview.up.normalized();
+  Eigen::Vector3d offset = camera_from_world.Inverse().translation - overview.target;
+  const double angle = std::acos(std::clamp(offset.normalized().dot(up), -1., 1.));
+  const double turned =
+      std::clamp(angle - orbit.up_rad, kFromTop_rad, kStraightDown - kFromTop_rad) - angle;
+  offset = Eigen::AngleAxisd(turned, up.cross(offset).normalized()) * offset;
+  offset = Eigen::AngleAxisd(orbit.right_rad, up) * offset;
+  offset *= orbit.distance * (follows ? kFollowing : 1);
+  overview.target = orbit.shift_m +
+                    (follows ? camera_path.back().world_from_camera.translation : overview.target);
+  camera_from_world = LookAlong(overview.target + offset, -offset, up);
+  if (follows) {
+    PinholeCamera& camera = overview.view.camera;
+    camera.cx = (camera.width - 1) / 2.;
+    camera.cy = (camera.height - 1) / 2.;
+  }
+  return overview;
 }
 
 }  // namespace surfit

@@ -88,12 +88,81 @@ TEST(LivePicture, LeavesAnEmptyMapOut) {
   EXPECT_EQ(picture.image(), before);
 }
 
+int CountInMap(const LivePicture& picture, Rgb8 color) {
+  constexpr int kTop = LivePicture::kTileHeight + LivePicture::kTextHeight;
+  return Count(picture.image(), color, kTop, LivePicture::kHeight);
+}
+
+TEST(LivePicture, ShowsLoopsInTheMap) {
+  constexpr Rgb8 kLoop = {60, 220, 120};
+  LivePicture picture({kCamera, {}});
+  picture.ShowMap(WallAhead(), Trajectory(1));
+  EXPECT_EQ(CountInMap(picture, kLoop), 0);
+  picture.ShowMap(WallAhead(), Trajectory(1), {{{-1, 0, 0.5}, {1, 0, 0.5}}});
+  EXPECT_GT(CountInMap(picture, kLoop), 50);
+}
+
+// From behind the wall shows nothing: its surfels face the other way.
+TEST(LivePicture, TurnsTheMap) {
+  LivePicture picture({kCamera, {}});
+  picture.SetOrbit({EIGEN_PI, 0, 1, {0, 0, 0}, false});
+  picture.ShowMap(WallAhead(), {});
+  EXPECT_EQ(CountInMap(picture, kGrassGreen), 0);
+  picture.SetOrbit({2 * EIGEN_PI, 0, 1, {0, 0, 0}, false});
+  picture.ShowMap(WallAhead(), {});
+  EXPECT_GT(CountInMap(picture, kGrassGreen), 10000);
+}
+
+// At twice the distance a quarter of the pixels, but for perspective and borders.
+TEST(LivePicture, ZoomsAndDragsTheMap) {
+  LivePicture picture({kCamera, {}});
+  picture.ShowMap(WallAhead(), {});
+  const int near = CountInMap(picture, kGrassGreen);
+  picture.SetOrbit({0, 0, 2, {0, 0, 0}, false});
+  picture.ShowMap(WallAhead(), {});
+  const int far = CountInMap(picture, kGrassGreen);
+  EXPECT_NEAR(far, near / 4., 0.1 * near);
+  picture.DragMap(LivePicture::kWidth, 0);  // out of the picture
+  picture.ShowMap(WallAhead(), {});
+  EXPECT_LT(CountInMap(picture, kGrassGreen), 0.1 * far);
+}
+
+TEST(LivePicture, FollowsTheCamera) {
+  Trajectory path(2);
+  path[1].world_from_camera.translation = {40, 0, 0};  // far from the wall
+  LivePicture picture({kCamera, {}});
+  picture.SetOrbit({0, 0, 0.02, {0, 0, 0}, true});
+  picture.ShowMap(WallAhead(), path);
+  EXPECT_EQ(CountInMap(picture, kGrassGreen), 0);
+  EXPECT_GT(CountInMap(picture, {255, 40, 40}), 20);  // the camera is in the middle
+}
+
+TEST(LivePicture, DrawsTheMapCoarselyWhereItIsToBeQuick) {
+  LivePicture picture({kCamera, {}});
+  picture.ShowMap(WallAhead(), {});
+  const int fine = CountInMap(picture, kGrassGreen);
+  picture.ShowMap(WallAhead(), {}, {}, /*coarsely=*/true);
+  EXPECT_NEAR(CountInMap(picture, kGrassGreen), fine, 0.1 * fine);  // but for its borders
+}
+
+TEST(LivePicture, TellsInRedThatItIsLost) {
+  constexpr Rgb8 kAlarm = {205, 20, 20};
+  LivePicture picture({kCamera, {}});
+  picture.ShowModel(WallAhead(), {}, ModelColors::kColor);
+  EXPECT_EQ(Count(picture.image(), kAlarm, 0, LivePicture::kTileHeight), 0);
+  picture.ShowLost(Image<Rgb8>(320, 240, {1, 2, 3}));
+  EXPECT_GT(Count(picture.image(), kAlarm, 0, LivePicture::kTileHeight), 0.1 * kTile);
+  EXPECT_GT(Count(picture.image(), {1, 2, 3}, 0, LivePicture::kTileHeight), 0.7 * kTile);
+  picture.ShowLost({});
+  EXPECT_GT(Count(picture.image(), kAlarm, 0, LivePicture::kTileHeight), 0.1 * kTile);
+}
+
 TEST(LiveMapView, HoldsThePointsAndThePath) {
   std::vector<Eigen::Vector3f> points;
   for (int i = 0; i < 100; ++i) points.emplace_back(0.1f * (i % 10), 0.1f * (i / 10), 3.f);
   Trajectory path(2);
   path[1].world_from_camera.translation = {-4, 0, 1};
-  const PictureView view = LiveMapView(points, path, 300, 200);
+  const PictureView view = Overview(points, path, 300, 200).view;
   for (const StampedPose& pose : path) {
     points.push_back(pose.world_from_camera.translation.cast<float>());
   }

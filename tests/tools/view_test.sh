@@ -5,7 +5,7 @@
 set -euo pipefail
 programs=$1
 screenshot=$2
-for program in Xvfb xdotool import identify python3; do
+for program in Xvfb xdotool import identify compare python3; do
   command -v "$program" >/dev/null || { echo "skipped: there is no $program"; exit 77; }
 done
 
@@ -84,6 +84,22 @@ press q
 wait "$slam_pid" || fail "q made the run fail"
 grep -q interrupted "$folder/out.txt" || fail "q did not end the run"
 [[ -s $folder/out/map.ply ]] || fail "q left no map"
+
+# At the end the window stays open, and the map in it can be turned.
+start
+wait_until "the end" xdotool search --name '^Surfit \(done\)$'
+grep -q "$digest" "$folder/out/summary.json" || fail "looking on changed the result"
+grep -q "frames, " "$folder/out.txt" || fail "the results were not told before the window closes"
+sleep 1
+import -window root "$folder/before.png"
+xdotool mousemove --window "$window" 480 600 mousedown 1 mousemove_relative 100 0 \
+  mousemove_relative 100 30 mouseup 1 2>/dev/null
+sleep 2
+import -window root "$screenshot"
+differing=$(compare -metric AE "$folder/before.png" "$screenshot" null: 2>&1 || true)
+[[ ${differing%%.*} -gt 10000 ]] || fail "turning the map changed $differing pixels"
+press q
+wait "$slam_pid" || fail "q at the end made the run fail"
 
 # Closing the window does not stop the run.
 start

@@ -4,6 +4,9 @@
 #include <atomic>
 #include <chrono>
 #include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "surfit/pictures/pictures.h"
 #include "surfit/run/slam_run.h"
@@ -35,25 +38,36 @@ class Pace {
   Clock::time_point next_;
 };
 
-// A run in a window, with keys: space pauses and goes on, s does one frame, n changes between the
-// model's normals and colours, q ends the run as Ctrl-C does. Closing the window leaves the run
-// alone.
+// A run in a window. With the mouse the map is turned (left button), moved (right button, or with
+// shift) and brought nearer (middle button, or with control). Keys: space pauses and goes on, s
+// does one frame, n changes between the model's colours and normals, f follows the camera, + and -
+// zoom, a and d turn, w and x tilt, r shows all of the map again, q ends the run as Ctrl-C does.
+// Closing the window leaves the run alone.
 class LiveView {
  public:
   // Says on stderr why, and gives none, where no window can be opened. To be called before there
   // are threads. `interrupted` ends a pause.
   static std::unique_ptr<LiveView> Open(const std::atomic<bool>& interrupted);
 
-  // To be called after each frame. Returns only when the next one is to be done.
+  // To be called after each frame, and while the result is made. Returns only when the run is to go
+  // on.
   void Update(const SlamRunProgress& progress);
+  // Keeps what the run has come to, for Stay().
+  void Keep(const SlamRunResult& result);
+  // Shows it until the window is closed, or q is pressed. Not where the run was interrupted.
+  void Stay();
 
  private:
   explicit LiveView(const std::atomic<bool>& interrupted);
   void Close();
   void Note(const SlamRunFrame& frame);
-  void Draw(const SlamRunProgress& progress, bool must);
-  void DrawFrame(const SlamRunProgress& progress);
+  void NoteLoops(const Backend& backend);
+  void Wait(int wait_ms);
+  void Show(const SurfelMap& map, const SlamRunFrame* frame, bool must);
+  void ShowFrame(const SurfelMap& map, const SlamRunFrame* frame);
+  void Move(const Window::Mouse& mouse);
   void Press(int key);
+  bool Orbit(int key);
   bool MayGoOn() const { return !paused_ || step_ || interrupted_; }
 
   using Clock = std::chrono::steady_clock;
@@ -61,10 +75,20 @@ class LiveView {
   std::unique_ptr<Window> window_;        // none once it is closed
   std::unique_ptr<LivePicture> picture_;  // from the first frame on
   Trajectory path_;
-  ModelColors colors_ = ModelColors::kNormals;
+  std::vector<LoopSegment> loops_;
+  std::string loop_text_;  // of those that have been closed
+  Image<Rgb8> last_good_;  // the last image whose pose is known
+  bool is_lost_ = false;
+  std::optional<SurfelMap> final_map_;
+  std::string status_;
+  ModelColors colors_ = ModelColors::kColor;
   bool paused_ = false;
   bool step_ = false;
-  double frame_s_ = 0;  // lately, without the time spent here
+  bool ends_ = false;        // Stay(), as q was pressed
+  bool is_pressed_ = false;  // a key, since it was drawn
+  bool is_turned_ = false;   // the map, since it was drawn
+  bool is_coarse_ = false;   // as the map is drawn
+  double frame_s_ = 0;       // lately, without the time spent here
   Clock::time_point left_ = Clock::now();
   Pace frame_pace_{0.05}, map_pace_{0.5};
 };

@@ -7,6 +7,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <utility>
 
 #include "view/window_calls.h"
 
@@ -81,6 +82,26 @@ void Window::Show(const Image<Rgb8>& image) {
 
 void Window::SetTitle(const std::string& title) {
   Calls()->set_title(name_.c_str(), title.c_str());
+}
+
+void Window::OnMouse(std::function<void(const Mouse&)> call) {
+  on_mouse_ = std::move(call);
+  Calls()->on_mouse(name_.c_str(), Handle, this);
+}
+
+void Window::Handle(const MouseEvent& event, void* window) {
+  Window& self = *static_cast<Window*>(window);
+  Mouse mouse;
+  mouse.u = event.u;
+  mouse.v = event.v;
+  mouse.right_px = event.u - std::exchange(self.last_u_, event.u);
+  mouse.down_px = event.v - std::exchange(self.last_v_, event.v);
+  if (event.is_move) {
+    mouse.moves = event.right || (event.left && event.shift);
+    mouse.zooms = event.middle || (event.left && event.control);
+    mouse.turns = event.left && !mouse.moves && !mouse.zooms;
+  }
+  self.on_mouse_(mouse);
 }
 
 int Window::Key(int wait_ms) { return Calls()->key(wait_ms); }

@@ -22,12 +22,34 @@ void Show(const char* name, const unsigned char* rgb, int width, int height) {
 
 void SetTitle(const char* name, const char* title) { cv::setWindowTitle(name, title); }
 
+// The one window's.
+void (*mouse_call)(const MouseEvent&, void*) = nullptr;
+
+void HandleMouse(int event, int u, int v, int flags, void* user) {
+  const auto has = [&](int flag) { return (flags & flag) != 0; };
+  MouseEvent mouse;
+  mouse.u = u;
+  mouse.v = v;
+  mouse.is_move = event == cv::EVENT_MOUSEMOVE;
+  mouse.left = has(cv::EVENT_FLAG_LBUTTON);
+  mouse.middle = has(cv::EVENT_FLAG_MBUTTON);
+  mouse.right = has(cv::EVENT_FLAG_RBUTTON);
+  mouse.shift = has(cv::EVENT_FLAG_SHIFTKEY);
+  mouse.control = has(cv::EVENT_FLAG_CTRLKEY);
+  mouse_call(mouse, user);
+}
+
+void OnMouse(const char* name, void (*call)(const MouseEvent&, void*), void* user) {
+  mouse_call = call;
+  cv::setMouseCallback(name, HandleMouse, user);
+}
+
 int Key(int wait_ms) { return cv::waitKey(wait_ms); }
 
 }  // namespace
 
 const WindowCalls* SurfitWindowCalls() {
-  static constexpr WindowCalls kCalls = {Open, Close, IsOpen, Show, SetTitle, Key};
+  static constexpr WindowCalls kCalls = {Open, Close, IsOpen, Show, SetTitle, OnMouse, Key};
   return &kCalls;
 }
 

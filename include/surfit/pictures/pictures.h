@@ -45,6 +45,19 @@ void WriteTrajectoryPicture(const Trajectory& estimate, const Trajectory& ground
 void WriteTwoCloudPicture(const std::vector<Eigen::Vector3f>& source,
                           const std::vector<Eigen::Vector3f>& target, const std::string& path);
 
+// From where a map is looked at, beside the view of all of it.
+struct MapOrbit {
+  double right_rad = 0, up_rad = 0;                   // that the eye goes around what it looks at
+  double distance = 1;                                // times that of the view of all
+  Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();  // in the world
+  bool follows = false;                               // the last camera, from nearer by
+};
+
+// Where two cameras were that a loop joins, in the world.
+struct LoopSegment {
+  Eigen::Vector3d a, b;
+};
+
 // What the model's tile shows of the surfels that a camera sees.
 enum class ModelColors { kNormals, kColor };
 
@@ -68,12 +81,23 @@ class LivePicture {
   void ShowFrame(const RgbdFrame& frame);
   // The map as predicted from a pose. Normals are coloured as in WriteMapPictures().
   void ShowModel(const SurfelMap& map, const Rigid3d& world_from_camera, ModelColors colors);
-  // The map from behind and above the first camera, the way the cameras went in orange and the last
-  // of them in red, before all surfaces. A large map is thinned evenly, surfels that face away are
-  // not drawn.
-  void ShowMap(const SurfelMap& map, const Trajectory& camera_path);
+  // In place of the model: that tracking is lost, and the last image whose pose was known, for who
+  // holds the camera to go back to. Nothing but the words where there is none.
+  void ShowLost(const Image<Rgb8>& last_good);
+  // The map from behind and above the first camera, or as orbit() says; the way the cameras went in
+  // orange, the last of them in red and loops in green, before all surfaces. Drawn as DrawBlended()
+  // does; coarsely, with a quarter of the pixels, where it is to be quick.
+  void ShowMap(const SurfelMap& map, const Trajectory& camera_path,
+               const std::vector<LoopSegment>& loops = {}, bool coarsely = false);
   // Two lines of text.
   void ShowText(const std::string& first, const std::string& second);
+
+  const MapOrbit& orbit() const { return orbit_; }
+  void SetOrbit(const MapOrbit& orbit) { orbit_ = orbit; }
+  // Moves the map by so many pixels to the right and down, as far as its middle goes.
+  void DragMap(double right_px, double down_px);
+  // Whether a pixel is the map's.
+  static bool IsInMap(int u, int v) { return v >= kTileHeight + kTextHeight && u < kWidth; }
 
   // kWidth x kHeight pixels.
   const Image<Rgb8>& image() const { return image_; }
@@ -82,6 +106,7 @@ class LivePicture {
   struct Tools;
   std::unique_ptr<Tools> tools_;
   Image<Rgb8> image_;
+  MapOrbit orbit_;
 };
 
 }  // namespace surfit
