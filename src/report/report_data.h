@@ -48,6 +48,7 @@ std::string PackDistances(const std::vector<float>& distances_m);
 std::vector<std::string> ShortNames(const std::vector<std::string>& folders);
 
 // What a folder holds of a run of surfit_slam, or of one that surfit_refine has refined.
+// NOLINTNEXTLINE(bugprone-exception-escape): JSON is moved without copies
 struct ReportedRun {
   // label (empty); summary (summary.json, with judged_views where surfit_evaluate_views wrote
   // views.json, or else refinement.json); frames and loops (the texts of frames.csv and loops.csv,

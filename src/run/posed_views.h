@@ -63,7 +63,7 @@ struct RunKeyframes {
   std::vector<std::size_t> poses;  // of the trajectory: the keyframes'
   std::vector<RefinementKeyframe> keyframes;
   int frames_without_pose = 0, frames_unreadable = 0;  // of those read
-  std::vector<std::size_t> read_poses;                 // of the trajectory: those with a frame,
+  std::vector<std::size_t> frame_poses;                // of the trajectory: those with a frame,
   std::vector<int> frames;                             // and their frames' indices
 };
 

@@ -114,9 +114,11 @@ class RefineRun {
                        options_.output + "/camera.yaml");
     });
     failures_.Try([&] { Evaluate(refined); });
-    failures_.Try([&] { WritePoses(refined); });
+    Trajectory of_frames;
+    for (const std::size_t pose : run_.frame_poses) of_frames.push_back(refined[pose]);
+    failures_.Try([&] { WritePoses(of_frames); });
     run_.keyframes.clear();
-    FuseMap(refined);
+    FuseMap(of_frames);
   }
 
   void Evaluate(const Trajectory& refined) {
@@ -127,12 +129,10 @@ class RefineRun {
   }
 
   void WritePoses(const Trajectory& refined) {
-    Trajectory trajectory;
-    for (const std::size_t pose : run_.read_poses) trajectory.push_back(refined[pose]);
     const FoundSensor found = {summary_.refinement.calibration};
     WritePosesJson({summary_.refinement.calibration.camera,
                     found,
-                    trajectory,
+                    refined,
                     run_.frames,
                     TruthDuring(run_.stamps_s, run_.info.ground_truth),
                     summary_.after,
@@ -143,8 +143,6 @@ class RefineRun {
   }
 
   void FuseMap(const Trajectory& refined) {
-    Trajectory trajectory;
-    for (const std::size_t pose : run_.read_poses) trajectory.push_back(refined[pose]);
     SlamOptions slam;
     slam.preprocess = options_.preprocess;
     const std::set<int> left_out;
@@ -152,7 +150,7 @@ class RefineRun {
     progress_("fusing the map");
     const std::optional<SurfelMap> map = FuseAnew({options_.sequence,
                                                    slam,
-                                                   trajectory,
+                                                   refined,
                                                    run_.frames,
                                                    left_out,
                                                    moving,
@@ -183,10 +181,11 @@ RunKeyframes ReadRunKeyframes(const RefineRunOptions& options) {
   while (const std::optional<ReadResult> read = source->Next()) {
     run.stamps_s.push_back(read->stamp_s);
     const std::optional<std::size_t> pose = PoseAt(run.trajectory, read->stamp_s);
-    if (!pose) ++run.frames_without_pose;
-    if (pose && read->frame) {
-      run.read_poses.push_back(*pose);
+    if (pose) {
+      run.frame_poses.push_back(*pose);
       run.frames.push_back(read->index);
+    } else {
+      ++run.frames_without_pose;
     }
     if (!read->frame) {
       skipped.Tell(Concat("frame ", read->index, " skipped: ", read->error));

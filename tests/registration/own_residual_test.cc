@@ -37,7 +37,7 @@ void RegisterThem() {
 
 class OwnResidualOf : public ::testing::TestWithParam<const char*> {
  protected:
-  OwnResidualOf() { RegisterThem(); }
+  static void SetUpTestSuite() { RegisterThem(); }
 
   const std::string name_ = GetParam();
   const ResidualType ours_ = ResidualTypeFromName(name_),

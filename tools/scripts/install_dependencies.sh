@@ -31,7 +31,7 @@ test_packages=(
   # format and clang-tidy of what changed
   git clang-format clang-tidy
   # documentation, manual pages and Debian packages
-  doxygen help2man dpkg-dev lintian
+  doxygen help2man dpkg-dev
   # the Python module
   python3-dev pybind11-dev python3-numpy python3-matplotlib python3-pip python3-venv mypy
   # the tests
