@@ -1,6 +1,7 @@
 // Dense SLAM over a recorded sequence: trajectory, surfel map, figures and pictures.
 
 #include <atomic>
+#include <cmath>
 #include <cstdio>
 #include <iostream>
 #include <memory>

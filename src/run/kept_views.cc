@@ -88,9 +88,10 @@ void WritePictures(const std::vector<KeptView>& views, const std::string& folder
           folder + "/" + Kept::FileName(static_cast<int>(i), picture.name);
       std::error_code error;
       std::filesystem::create_directories(path.parent_path(), error);
-      if (error)
+      if (error) {
         throw InputError(
             Concat(path.parent_path().string(), ": cannot be made: ", error.message()));
+      }
       WriteFileAtomically(path.string(), [&](std::ostream& file) { file << picture.jpeg; });
     }
   }

@@ -148,14 +148,10 @@ class RefineRun {
     const std::set<int> left_out;
     const std::map<int, Image<std::uint8_t>> moving;
     progress_("fusing the map");
-    const std::optional<SurfelMap> map = FuseAnew({options_.sequence,
-                                                   slam,
-                                                   refined,
-                                                   run_.frames,
-                                                   left_out,
-                                                   moving,
-                                                   {summary_.refinement.calibration}},
-                                                  false, [](int, std::size_t) {});
+    const FoundSensor found = {summary_.refinement.calibration};
+    const KnownSequence known = {options_.sequence, slam,   refined, run_.frames,
+                                 left_out,          moving, found};
+    const std::optional<SurfelMap> map = FuseAnew(known, false, [](int, std::size_t) {});
     summary_.map_points = map->size();
     WriteSurfelPly(*map, options_.output + "/map.ply");
   }
