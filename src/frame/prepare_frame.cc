@@ -80,9 +80,9 @@ Image<float> DepthAt(const Image<std::int32_t>& pixels, const RawDepth& raw,
             depth_m[i] = pixels[i] < 0 ? 0 : metres(image[pixels[i]]);
         };
         if (camera.disparity.IsGiven()) {
-          set_all([&](auto raw) { return MetresOf(camera.disparity, raw, max_m); });
+          set_all([&](auto value) { return MetresOf(camera.disparity, value, max_m); });
         } else {
-          set_all([&](auto raw) { return Metres(raw, units, max_m); });
+          set_all([&](auto value) { return Metres(value, units, max_m); });
         }
       },
       raw);
