@@ -1,11 +1,10 @@
 # `cpack` in a build of the preset `package` makes Debian packages: libsurfit0, libsurfit-dev,
-# surfit-tools and python3-surfit.
+# surfit-tools, surfit-view and python3-surfit. tests/package/lintian.sh has them checked.
 if(NOT BUILD_SHARED_LIBS)
   return()
 endif()
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGING_INSTALL_PREFIX "${CMAKE_INSTALL_PREFIX}")
-set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
 # Packages must name an address; nobody reads one for Surfit, and .invalid (RFC 2606) says so.
 set(CPACK_PACKAGE_CONTACT "Surfit developers <developers@surfit.invalid>")
 set(CPACK_COMPONENTS_ALL library dev)
@@ -15,37 +14,80 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_ENABLE_COMPONENT_DEPENDS OFF)
 # Dependencies on libraries are read from what is linked; our own is not installed yet.
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS "${PROJECT_BINARY_DIR}")
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS "${PROJECT_BINARY_DIR}/src")
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(same_version "(= ${PROJECT_VERSION})")
+set(about "Surfit turns RGB-D video into a camera trajectory and a surfel map
+on an ordinary CPU.")
 
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libsurfit0)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libs)
+set(CPACK_DEBIAN_LIBRARY_DESCRIPTION "dense RGB-D SLAM - shared libraries
+${about}
+This package has the libraries that the programs, the Python module and
+other programs link.")
+# A trigger is the way to tell of new libraries. CPack would also write scripts that call ldconfig,
+# but for scripts that are named here: these do not exist, and so there are none.
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA "${PROJECT_SOURCE_DIR}/cmake/debian/triggers"
+  "${PROJECT_BINARY_DIR}/no/postinst" "${PROJECT_BINARY_DIR}/no/postrm")
 
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libsurfit-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEV_DESCRIPTION "dense RGB-D SLAM - headers for C++
+${about}
+This package has the headers, Ceres functors, and what CMake and pkg-config
+need to find them.")
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libsurfit0 ${same_version}, libeigen3-dev, libceres-dev")
 
 if(SURFIT_BUILD_TOOLS)
   list(APPEND CPACK_COMPONENTS_ALL tools)
   set(CPACK_DEBIAN_TOOLS_PACKAGE_NAME surfit-tools)
   set(CPACK_DEBIAN_TOOLS_PACKAGE_SECTION science)
+  set(CPACK_DEBIAN_TOOLS_DESCRIPTION "dense RGB-D SLAM - programs
+${about}
+This package has the programs: SLAM, refinement, meshes, registration,
+evaluation, simulation.")
   set(CPACK_DEBIAN_TOOLS_PACKAGE_DEPENDS "libsurfit0 ${same_version}")
+  set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS "surfit-view ${same_version}")
+endif()
+if(TARGET surfit_window)
+  list(APPEND CPACK_COMPONENTS_ALL view)
+  set(CPACK_DEBIAN_VIEW_PACKAGE_NAME surfit-view)
+  set(CPACK_DEBIAN_VIEW_PACKAGE_SECTION science)
+  set(CPACK_DEBIAN_VIEW_PACKAGE_DEPENDS "surfit-tools ${same_version}")
+  set(CPACK_DEBIAN_VIEW_DESCRIPTION "dense RGB-D SLAM - window to watch it in
+${about}
+This package has the window of surfit_slam --view, which is built on Qt.")
 endif()
 if(SURFIT_BUILD_PYTHON)
   list(APPEND CPACK_COMPONENTS_ALL python)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-surfit)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
   math(EXPR next_minor "${Python3_VERSION_MINOR} + 1")
+  # The module is compiled for one interface of NumPy (/usr/share/numpy3/versions).
+  execute_process(OUTPUT_VARIABLE numpy_abi OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND
+    "${Python3_EXECUTABLE}" -c
+    "from numpy.core import _multiarray_umath as m; print(m._get_ndarray_c_version() - 0x1000000)")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "libsurfit0 ${same_version}, python3-numpy, \
-python3 (>= 3.${Python3_VERSION_MINOR}), python3 (<< 3.${next_minor})")
+python3-numpy-abi${numpy_abi}, python3 (>= 3.${Python3_VERSION_MINOR}~), \
+python3 (<< 3.${next_minor})")
+  set(CPACK_DEBIAN_PYTHON_DESCRIPTION "dense RGB-D SLAM - Python module
+${about}
+This package has the Python module, with types.")
 endif()
 
-# Each package says what licence it has and what it is made with.
+# Each package says what licence it has and what it is made with; one, what lintian is to pass over.
+execute_process(COMMAND date --rfc-email --utc --date=@0 OUTPUT_VARIABLE date
+  OUTPUT_STRIP_TRAILING_WHITESPACE)
+set(debian "${PROJECT_BINARY_DIR}/debian")
+configure_file(cmake/debian/changelog.in "${debian}/changelog" @ONLY)
+execute_process(COMMAND gzip -9nc "${debian}/changelog" OUTPUT_FILE "${debian}/changelog.gz")
 foreach(component ${CPACK_COMPONENTS_ALL})
   string(TOUPPER ${component} upper)
-  install(FILES LICENSE DESTINATION "share/doc/${CPACK_DEBIAN_${upper}_PACKAGE_NAME}"
-    RENAME copyright COMPONENT ${component})
-  install(FILES third_party_notes.md DESTINATION "share/doc/${CPACK_DEBIAN_${upper}_PACKAGE_NAME}"
-    COMPONENT ${component})
+  set(package ${CPACK_DEBIAN_${upper}_PACKAGE_NAME})
+  install(FILES cmake/debian/copyright "${debian}/changelog.gz" third_party_notes.md
+    DESTINATION "share/doc/${package}" COMPONENT ${component})
 endforeach()
+install(FILES cmake/debian/overrides-libsurfit0 RENAME libsurfit0
+  DESTINATION share/lintian/overrides COMPONENT library)
 include(CPack)

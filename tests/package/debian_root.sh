@@ -31,17 +31,25 @@ inside() { chroot "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOM
   DEBIAN_FRONTEND=noninteractive "$@"; }
 
 mkdir -p "$root/packages" "$root/consumer"
-rm -rf "$root"/packages/* "$root"/consumer/* "$root/room" "$root/out"
+rm -rf "$root"/{packages,consumer}/* "$root"/{room,out,unseen,viewed} "$root"/surfit-view_*.deb
 cp "${debs[@]}" "$root/packages/"
 cp "$here"/{CMakeLists.txt,main.cc,own_residual.cc,registration.cc} "$root/consumer/"
 
 inside apt-get update -q
-inside bash -c 'apt-get install -q -y --no-install-recommends --reinstall /packages/*.deb'
+install() { inside bash -c "apt-get install -q -y --no-install-recommends $1"; }
+mv "$root"/packages/surfit-view_*.deb "$root/"
+install "--reinstall /packages/*.deb"
 
 echo "Programs"
 inside surfit_simulate --output=/room --frames=12 --downsample=4
 inside surfit_slam --sequence=/room --output=/out --report
 [[ -s $root/out/map_color.png ]]
+
+echo "The window, which alone brings a toolkit"
+if inside dpkg --list | grep -i "libqt\|highgui"; then exit 1; fi
+inside surfit_slam --sequence=/room --output=/unseen --view 2>&1 | grep "surfit_window cannot be loaded"
+install "/surfit-view_*.deb"
+inside surfit_slam --sequence=/room --output=/viewed --view 2>&1 | grep "there is no display"
 
 echo "Report"
 report=$root/out/report.html
@@ -55,7 +63,7 @@ if grep -E --only-matching '(src|href)=["'\''](https?:)?//[^"'\'']*|url\(["'\'']
 fi
 
 echo "Manual pages"
-inside apt-get install -q -y --no-install-recommends man-db
+install man-db
 for program in "$root"/usr/bin/surfit_*; do
   name=$(basename "$program")
   [[ -z $(inside man --warnings --local-file "/usr/share/man/man1/$name.1.gz" 2>&1 >/dev/null) ]]
@@ -72,7 +80,7 @@ assert slam.digest == json.load(open("/out/summary.json"))["digest"]
 END
 
 echo "Development files"
-inside apt-get install -q -y --no-install-recommends g++ make cmake pkg-config
+install "g++ make cmake pkg-config"
 inside bash -c 'cmake -S /consumer -B /consumer/build && cmake --build /consumer/build &&
   /consumer/build/consumer && /consumer/build/own_residual && /consumer/build/registration &&
   g++ -std=c++17 /consumer/main.cc -o /consumer/by_pkg_config $(pkg-config --cflags --libs surfit) &&
