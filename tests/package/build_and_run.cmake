@@ -48,6 +48,16 @@ run("${COMPILER}" -std=c++17 "${CMAKE_CURRENT_LIST_DIR}/main.cc" -o "${WORK}/by_
   -Wl,--whole-archive ${archives} -Wl,--no-whole-archive ${flags} "-Wl,-rpath,${prefix}/lib")
 run("${WORK}/by_pkg_config")
 
+# And a program that reads images, runs SLAM and writes a map, by these flags alone.
+run("${COMPILER}" -std=c++17 "${SURFIT_SOURCE}/docs/examples/use_slam.cc" -o "${WORK}/use_slam"
+  ${flags} "-Wl,-rpath,${prefix}/lib")
+run("${prefix}/bin/surfit_simulate" "--output=${WORK}/room" --frames=3 --downsample=8)
+run("${WORK}/use_slam" "${WORK}/room" "${WORK}")
+execute_process(COMMAND ldd "${WORK}/use_slam" OUTPUT_VARIABLE libraries COMMAND_ERROR_IS_FATAL ANY)
+if(archives AND libraries MATCHES "libsurfit")
+  message(FATAL_ERROR "pkg-config --static brings shared libraries of ours:\n${libraries}")
+endif()
+
 file(GLOB programs "${prefix}/bin/*")
 foreach(program ${programs})
   execute_process(COMMAND "${program}" --help OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
