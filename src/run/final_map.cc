@@ -1,8 +1,10 @@
 #include "run/final_map.h"
 
+#include <cstdint>
 #include <memory>
 #include <utility>
 
+#include "mapping/smooth_map.h"
 #include "surfit/frame/frame_pyramid.h"
 #include "surfit/frame/prepare_frame.h"
 #include "surfit/frame/rolling_shutter.h"
@@ -12,10 +14,27 @@
 namespace surfit {
 namespace {
 
+// Tracking by so many surfels would take longer, and be no better.
+constexpr float kSpacingShare = 0.7f;
+
+FusionOptions Finer(FusionOptions options) {
+  options.max_spacing_m *= kSpacingShare;
+  return options;
+}
+
+// What was seen about once goes from a map once it has not been seen for a while. Nothing comes
+// after the last frames, which most of what flies is from.
+void DropSeenOnce(const FusionOptions& options, SurfelMap* map) {
+  for (const std::int32_t id : map->Ids()) {
+    if ((*map)[id].confidence < options.lasting_confidence) map->Mark(id);
+  }
+  map->RemoveMarked();
+}
+
 class FinalMap {
  public:
   FinalMap(const KnownSequence& known, const SequenceInfo& info)
-      : known_(known), sensor_(known.found.Of(info.sensor())), fusion_(known.slam.fusion) {}
+      : known_(known), sensor_(known.found.Of(info.sensor())), fusion_(Finer(known.slam.fusion)) {}
 
   void Fuse(RgbdFrame frame, const Rigid3d& world_from_camera) {
     const CameraMotion motion = MotionAt(known_.trajectory, frame.stamp_s);
@@ -51,6 +70,9 @@ std::optional<SurfelMap> FuseAnew(const KnownSequence& known, const std::atomic<
         progress(++frames, final_map.map().size());
       });
   if (!all) return std::nullopt;
+  const FusionOptions& fusion = known.slam.fusion;
+  if (frames > fusion.max_dormant_frames) DropSeenOnce(fusion, &final_map.map());
+  SmoothMap(known.found.Of(source->info().sensor()), &final_map.map());
   return std::move(final_map.map());
 }
 

@@ -2,6 +2,10 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <cmath>
+#include <random>
+
 #include "run/final_refinement.h"
 #include "testing/matchers.h"
 #include "testing/pixels.h"
@@ -118,6 +122,53 @@ TEST_F(FinalMap, LeavesOutWhatMoves) {
   const std::optional<SurfelMap> map = Fused();
   ASSERT_GT(map->size(), 50u);
   for (const std::int32_t id : map->Ids()) EXPECT_GE((*map)[id].position_in_world.x(), 0);
+}
+
+// Of the last frame's ball nobody knows whether it is there.
+TEST_F(FinalMap, LeavesOutWhatWasSeenOnce) {
+  Image<std::uint16_t> depth(32, 24, 1000);
+  for (int v = 8; v < 16; ++v) {
+    for (int u = 8; u < 16; ++u) depth(u, v) = 700;
+  }
+  WriteDepth(folder_ / "depth/003.png", depth);
+  const auto nearest_m = [](const SurfelMap& map) {
+    float nearest = 10;
+    for (const std::int32_t id : map.Ids()) {
+      nearest = std::min(nearest, map[id].position_in_world.z());
+    }
+    return nearest;
+  };
+  EXPECT_NEAR(nearest_m(*Fused()), 0.7, 0.01);  // of so few frames all counts
+  slam_.fusion.max_dormant_frames = 2;
+  EXPECT_NEAR(nearest_m(*Fused()), 1, 0.01);
+}
+
+// A wall whose pixels are 32 mm apart, where surfels may be 40 mm apart.
+TEST_F(FinalMap, IsFinerThanAMapToTrackBy) {
+  slam_.fusion.max_spacing_m = 0.04f;
+  const std::size_t size = Fused()->size();
+  slam_.fusion.max_spacing_m = 0.04f / 0.7f;
+  EXPECT_GT(size, Fused()->size() * 5 / 4);
+}
+
+// A wall with the noise of a Kinect, whose pixels are 5 mm apart: one frame of it.
+TEST_F(FinalMap, IsSmootherThanWhatWasMeasured) {
+  Image<std::uint16_t> depth(160, 120);
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> noise(0, 3);
+  for (std::uint16_t& d : depth) d = static_cast<std::uint16_t>(1000 + noise(random));
+  WriteDepth(folder_ / "depth/000.png", depth);
+  WriteColor(folder_ / "rgb/000.png", Image<Rgb8>(160, 120, {90, 90, 90}));
+  sequence_.intrinsics = {200, 200, 79.5, 59.5};
+  frames_ = {0};
+  trajectory_.resize(1);
+  const std::optional<SurfelMap> map = Fused();
+  double squares = 0;
+  for (const std::int32_t id : map->Ids()) {
+    squares += std::pow((*map)[id].position_in_world.z() - 1, 2);
+  }
+  ASSERT_GT(map->size(), 1000u);
+  EXPECT_LT(std::sqrt(squares / static_cast<double>(map->size())), 0.003 / 2);
 }
 
 TEST_F(FinalMap, IsNoneWhereItIsInterrupted) {
