@@ -35,10 +35,16 @@ std::string DetectFolderFormat(const std::string& folder) {
   }
   if (IsFile(folder + "/traj.txt") && IsFolder(folder + "/results")) return "replica";
   if (IsFolder(folder + "/depth")) return "redwood";
+  if (IsFile(folder + "/metadata.yaml")) {
+    for (const char* format : {"db3", "mcap"}) {
+      if (HasNameEnding(folder, std::string(".") + format)) return format;
+    }
+  }
   throw InputError(Concat(
       folder, " holds no sequence of a known format: looked for depth.txt or associations.txt (",
       "tum), *.gt.freiburg or rgb/ with depth/0.png or depth/1.png (icl_nuim), frame-*.depth.png ",
-      "(seven_scenes), depth/ (redwood), results/ with traj.txt (replica)"));
+      "(seven_scenes), depth/ (redwood), results/ with traj.txt (replica), metadata.yaml with ",
+      "*.db3 or *.mcap"));
 }
 
 // How many folders above that of a sequence its relative path leads to; many if it is absolute.
@@ -116,19 +122,30 @@ std::string FollowTextLink(const std::string& folder, const std::string& name) {
 }
 
 const std::vector<std::string>& SequenceFormats() {
-  static const auto* const formats = new std::vector<std::string>{
-      "tum", "icl_nuim", "seven_scenes", "redwood", "replica", "klg", "sens", "watch"};
+  static const auto* const formats =
+      new std::vector<std::string>{"tum",  "icl_nuim", "seven_scenes", "redwood", "replica", "klg",
+                                   "sens", "bag",      "db3",          "mcap",    "watch"};
   return *formats;
 }
 
-bool IsFileFormat(const std::string& format) { return format == "klg" || format == "sens"; }
+bool IsBag(const std::string& format) {
+  return format == "bag" || format == "db3" || format == "mcap";
+}
+
+bool MayBeFile(const std::string& format) {
+  return format == "klg" || format == "sens" || IsBag(format);
+}
+
+bool MayBeFolder(const std::string& format) {
+  return !MayBeFile(format) || format == "db3" || format == "mcap";
+}
 
 std::string DetectFormat(const std::string& path) {
   if (!IsFile(path)) return DetectFolderFormat(path);
-  for (const char* format : {"klg", "sens", "watch"}) {
+  for (const char* format : {"klg", "sens", "bag", "db3", "mcap", "watch"}) {
     if (EndsWith(path, std::string(".") + format)) return format;
   }
-  throw InputError(path + " is neither a folder nor a .klg or .sens file");
+  throw InputError(path + " is neither a folder nor a .klg, .sens, .bag, .db3 or .mcap file");
 }
 
 }  // namespace surfit

@@ -31,11 +31,15 @@ std::optional<double> StampInName(const std::string& name);
 std::string FollowTextLink(const std::string& folder, const std::string& name);
 
 // The names that a sequence's format may have: tum, icl_nuim, seven_scenes, redwood,
-// replica (folders), klg and sens (files), watch (a folder that is being filled).
+// replica (folders), klg, sens and bag (files), db3 and mcap (files, or folders of them), watch (a
+// folder that is being filled).
 const std::vector<std::string>& SequenceFormats();
 
-// Whether the format is one of those that are a single file.
-bool IsFileFormat(const std::string& format);
+// bag, db3 and mcap: recordings of ROS.
+bool IsBag(const std::string& format);
+// Whether the format can be a single file, or a folder.
+bool MayBeFile(const std::string& format);
+bool MayBeFolder(const std::string& format);
 
 // The format of a folder by what it holds, or of a file by its name's ending; never watch. Throws
 // InputError naming the path and what was looked for if it is none of them.

@@ -61,7 +61,6 @@ std::vector<double> Stamps(const std::map<double, std::string>& images) {
 // Each depth image with the colour image of about the same time; colour may be missing altogether.
 std::vector<FrameFiles> PairStamped(const std::map<double, std::string>& depth,
                                     const std::string& color_folder) {
-  constexpr double kMaxDifference_s = 0.02;
   std::vector<FrameFiles> frames;
   if (color_folder.empty()) {
     for (const auto& [stamp_s, path] : depth) frames.push_back({BothAt(stamp_s), path, ""});
@@ -69,11 +68,11 @@ std::vector<FrameFiles> PairStamped(const std::map<double, std::string>& depth,
   }
   const auto color = StampedImages(color_folder);
   const std::vector<double> color_s = Stamps(color), depth_s = Stamps(depth);
-  for (const auto [c, d] : MatchStamps(color_s, depth_s, kMaxDifference_s)) {
+  for (const auto [c, d] : MatchStamps(color_s, depth_s, kMaxBetweenImages_s)) {
     frames.push_back({{depth_s[d], color_s[c]}, depth.at(depth_s[d]), color.at(color_s[c])});
   }
   if (!frames.empty()) return frames;
-  throw InputError(Concat("no image in ", color_folder, " has a name within ", kMaxDifference_s,
+  throw InputError(Concat("no image in ", color_folder, " has a name within ", kMaxBetweenImages_s,
                           " s of those of depth, which are times in seconds"));
 }
 

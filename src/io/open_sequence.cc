@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "io/bags/bag_recording.h"
 #include "io/folder.h"
 #include "io/image_sequence.h"
 #include "io/recording.h"
@@ -30,6 +31,14 @@ OpenedRecording OpenRecording(const std::string& format, const std::string& path
           std::move(files.ground_truth),
           files.has_clock,
           {}};
+}
+
+OpenedRecording OfBag(std::unique_ptr<BagRecording> bag) {
+  OpenedRecording opened;
+  opened.has_clock = true;
+  opened.warnings = bag->warnings();
+  opened.frames = std::move(bag);
+  return opened;
 }
 
 std::vector<int> SelectFrames(int count, const SequenceOptions& options) {
@@ -71,12 +80,17 @@ std::unique_ptr<FrameSource> OpenSequence(const SequenceOptions& options) {
     throw InputError(options.path + " is neither a folder nor a file");
   SequenceInfo info;
   info.format = options.format == "auto" ? DetectFormat(options.path) : options.format;
-  if (IsFileFormat(info.format) != IsFile(options.path))
-    throw InputError(Concat(options.path, " is a ", IsFile(options.path) ? "file" : "folder",
-                            ", which ", info.format, " is not"));
-  ResolveCamera(options, &info);
+  const bool is_file = IsFile(options.path);
+  if (is_file ? !MayBeFile(info.format) : !MayBeFolder(info.format))
+    throw InputError(Concat(options.path, " is a ", is_file ? "file" : "folder", ", which ",
+                            info.format, " is not"));
+  std::unique_ptr<BagRecording> bag;
+  if (IsBag(info.format))
+    bag = std::make_unique<BagRecording>(options, info.format, /*is_folder=*/!is_file);
+  ResolveCamera(options, bag.get(), &info);
 
-  OpenedRecording opened = OpenRecording(info.format, options.path, info.camera);
+  OpenedRecording opened =
+      bag ? OfBag(std::move(bag)) : OpenRecording(info.format, options.path, info.camera);
   if (!opened.has_clock) DropLatency(options, &info.camera);
   info.warnings.insert(info.warnings.end(), opened.warnings.begin(), opened.warnings.end());
   info.ground_truth = std::move(opened.ground_truth);

@@ -35,8 +35,8 @@ static void OptionFromText(const std::string& text, std::optional<Rigid3d>* pose
 
 void SequenceOptions::Visit(OptionVisitor& v) {
   v.Group("sequence");
-  v.Add(path, "path", "the sequence: a folder, or a .klg or .sens file", Required(),
-        AsFlag("sequence"), Everyday());
+  v.Add(path, "path", "the sequence: a folder, or a .klg, .sens, .bag, .db3 or .mcap file",
+        Required(), AsFlag("sequence"), Everyday());
   v.Add(format, "format", "format of the sequence; watch: wait for frames to come",
         OneOf(Formats()), Everyday());
   v.Add(camera, "camera",
@@ -69,6 +69,10 @@ void SequenceOptions::Visit(OptionVisitor& v) {
   v.Add(readout_s, "readout_s",
         "of a rolling shutter: from the first row that is read, at the top, to the last",
         InUnit("s"), AsFlag());
+  v.Add(depth_topic, "depth_topic", "of a ROS bag: the topic of depth images; empty: the only one",
+        AsFlag());
+  v.Add(color_topic, "color_topic",
+        "of a ROS bag: the topic of colour images, or none; empty: the only one, if any", AsFlag());
   v.Add(first, "first", "index of the first frame to read", AtLeast(0), Everyday());
   v.Add(last, "last", "index of the last frame to read, inclusive; -1 = to the end", AtLeast(-1),
         Everyday());

@@ -19,6 +19,9 @@ struct FrameStamps {
   double color_s = 0;
 };
 
+// Colour and depth whose stamps differ by more are not of one frame.
+constexpr double kMaxBetweenImages_s = 0.02;
+
 // The images of one frame as recorded.
 struct FrameImages {
   RawDepth depth;

@@ -5,6 +5,7 @@
 #include "io/frame_bytes.h"
 #include "io/image_files.h"
 #include "io/recording.h"
+#include "io/sequence_camera.h"
 #include "io/text.h"
 #include "surfit/core/error.h"
 #include "surfit/geometry/sensor.h"
@@ -48,11 +49,6 @@ void TakeSize(ByteReader* reader, const std::string& name, PinholeCamera* camera
   camera->width = reader->Take<std::int32_t>();
   camera->height = reader->Take<std::int32_t>();
   RequireUsualSize({camera->width, camera->height}, name);
-}
-
-bool HaveSamePixels(const PinholeCamera& a, const PinholeCamera& b) {
-  return a.width == b.width && a.height == b.height && a.fx == b.fx && a.fy == b.fy &&
-         a.cx == b.cx && a.cy == b.cy;
 }
 
 SensHeader::DepthCoding ToDepthCoding(std::int32_t coding, const std::string& path) {

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "core/read_file.h"
+#include "io/bags/bag_recording.h"
 #include "io/folder.h"
 #include "io/recording.h"
 #include "surfit/core/error.h"
@@ -141,11 +142,21 @@ std::string GuessWarning(const std::string& path, const RgbdCamera& camera) {
          "one to fill in) or as intrinsics and depth_scale, or name a preset as camera";
 }
 
+ToldCamera BagCamera(const SequenceOptions& options, const BagRecording& bag) {
+  BagRecording::Known known;
+  known.depth = options.intrinsics.has_value();
+  known.color = options.color_intrinsics.has_value();
+  known.color_from_depth = options.color_from_depth.has_value();
+  return {bag.Camera(known), "the bag's CameraInfo"};
+}
+
 // The camera before any figure of the options.
-ToldCamera BaseCamera(const SequenceOptions& options, const std::string& format) {
+ToldCamera BaseCamera(const SequenceOptions& options, const std::string& format,
+                      const BagRecording* bag) {
   const std::string yaml = CameraFile(options, format);
   if (!yaml.empty()) return {ReadCameraYaml(yaml), yaml};
   if (!options.camera.empty()) return Preset(options.camera);
+  if (bag != nullptr) return BagCamera(options, *bag);
   if (format == "sens") return {ReadSensCamera(options.path), "the file's head"};
   if (format == "redwood" || format == "watch") return RedwoodCamera(options.path);
   if (format == "replica") return ReplicaCamera(options.path);
@@ -193,7 +204,8 @@ void ValidateFigures(RgbdCamera camera) {
 
 // A folder's camera.yaml; of a file F.klg it is F.klg.yaml.
 std::string OwnCameraFile(const SequenceOptions& options, const std::string& format) {
-  return options.path + (IsFileFormat(format) ? ".yaml" : "/camera.yaml");
+  const bool is_file = MayBeFile(format) && !IsFolder(options.path);
+  return options.path + (is_file ? ".yaml" : "/camera.yaml");
 }
 
 // Where the camera is from once the options' figures are in.
@@ -239,6 +251,11 @@ std::string DepthFigures(const RgbdCamera& camera) {
                 " px");
 }
 
+bool HaveSamePixels(const PinholeCamera& a, const PinholeCamera& b) {
+  return a.width == b.width && a.height == b.height && a.fx == b.fx && a.fy == b.fy &&
+         a.cx == b.cx && a.cy == b.cy && a.distortion == b.distortion;
+}
+
 std::string PresetsOfSize(int width, int height) {
   std::string text;
   for (const std::string& name : CameraPresetNames()) {
@@ -249,8 +266,8 @@ std::string PresetsOfSize(int width, int height) {
   return text;
 }
 
-void ResolveCamera(const SequenceOptions& options, SequenceInfo* info) {
-  const ToldCamera base = BaseCamera(options, info->format);
+void ResolveCamera(const SequenceOptions& options, const BagRecording* bag, SequenceInfo* info) {
+  const ToldCamera base = BaseCamera(options, info->format, bag);
   RgbdCamera camera = base.camera;
   if (options.intrinsics) SetIntrinsics(*options.intrinsics, &camera.depth);
   if (options.distortion) camera.depth.distortion = *options.distortion;

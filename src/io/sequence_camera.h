@@ -8,14 +8,19 @@
 
 namespace surfit {
 
+class BagRecording;
+
 // Gives a sequence whose format is known the camera that the options, the folder and the format
-// tell, in this order; fy < 0 is kept. A camera of width 0 and height 0 takes its size from the
-// images. Tells where it is from, and appends what the user should know. Throws InputError naming
-// the option or file at fault.
-void ResolveCamera(const SequenceOptions& options, SequenceInfo* info);
+// tell, in this order, of a ROS bag (else null) what the bag tells; fy < 0 is kept. A camera of
+// width 0 and height 0 takes its size from the images. Tells where it is from, and appends what the
+// user should know. Throws InputError naming the option or file at fault.
+void ResolveCamera(const SequenceOptions& options, const BagRecording* bag, SequenceInfo* info);
 
 // "525 525 319.5 239.5 px, 1000 units of depth a metre", and distortion if there is any.
 std::string DepthFigures(const RgbdCamera& camera);
+
+// Whether a pixel of the one sees the ray that it sees in the other.
+bool HaveSamePixels(const PinholeCamera& a, const PinholeCamera& b);
 
 // The presets whose images have this size, for a sentence.
 std::string PresetsOfSize(int width, int height);

@@ -11,8 +11,6 @@
 namespace surfit {
 namespace {
 
-constexpr double kMaxDifference_s = 0.02;
-
 struct StampedFile {
   double stamp_s = 0;
   std::string path;
@@ -63,10 +61,10 @@ std::vector<FrameFiles> PairByTime(const std::string& folder) {
     return frames;
   }
   const auto color = ReadStampedFiles(folder, "rgb.txt");
-  for (const auto [c, d] : MatchStamps(Stamps(color), Stamps(depth), kMaxDifference_s))
+  for (const auto [c, d] : MatchStamps(Stamps(color), Stamps(depth), kMaxBetweenImages_s))
     frames.push_back({{depth[d].stamp_s, color[c].stamp_s}, depth[d].path, color[c].path});
   if (frames.empty() && !depth.empty() && !color.empty())
-    throw InputError(Concat(folder, ": no stamp in rgb.txt is within ", kMaxDifference_s,
+    throw InputError(Concat(folder, ": no stamp in rgb.txt is within ", kMaxBetweenImages_s,
                             " s of one in depth.txt"));
   return frames;
 }

@@ -179,7 +179,7 @@ std::unique_ptr<FrameSource> WatchFolder(const SequenceOptions& options,
   SequenceInfo info;
   info.format = "watch";
   info.frame_count = -1;
-  ResolveCamera(options, &info);
+  ResolveCamera(options, /*bag=*/nullptr, &info);
   DropLatency(options, &info.camera);
   WatchedFolder folder(options.path, info.camera.frames_per_second, stop);
   return CorrectedSource(std::make_unique<WatchSource>(options, std::move(info), std::move(folder)),

@@ -151,6 +151,9 @@ std::vector<FuzzTarget> SequenceTargets() {
   return {
       {"klg", "file.klg", Camera, [](const std::string& f) { ReadSequence(f + "/file.klg"); }},
       {"sens", "file.sens", Nothing, [](const std::string& f) { ReadSequence(f + "/file.sens"); }},
+      {"bag", "file.bag", Nothing, [](const std::string& f) { ReadSequence(f + "/file.bag"); }},
+      {"db3", "file.db3", Nothing, [](const std::string& f) { ReadSequence(f + "/file.db3"); }},
+      {"mcap", "file.mcap", Nothing, [](const std::string& f) { ReadSequence(f + "/file.mcap"); }},
       {"camera_yaml", "camera.yaml", TumFolder, ReadSequence},
       {"tum_associations", "associations.txt", TumFolder, ReadSequence},
       {"tum_color_list", "rgb.txt", TumFolder, ReadSequence},

@@ -86,8 +86,8 @@ TEST_F(OpenSequenceTest, RefusesBadOptionsByName) {
   };
   expect([](auto* o) { o->path = ""; }, "path is missing, must be set");
   expect([](auto* o) { o->path = "/nowhere"; }, "/nowhere is neither a folder nor a file");
-  expect([](auto* o) { o->format = "bag"; },
-         "format is 'bag', must be one of: auto, tum, icl_nuim");
+  expect([](auto* o) { o->format = "zip"; },
+         "format is 'zip', must be one of: auto, tum, icl_nuim");
   expect([](auto* o) { o->camera = "kinect9"; }, "camera is 'kinect9'");
   expect([](auto* o) { o->first = -1; }, "first is -1");
   expect([](auto* o) { o->first = 10; }, "first is 10, must be below 10");

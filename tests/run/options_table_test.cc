@@ -68,8 +68,9 @@ TYPED_TEST(OptionTables, NameEveryFieldOnce) { ExpectAll<TypeParam>(FieldCount<T
 TEST(SequenceTable, NamesEveryField) {
   auto [path, format, camera, intrinsics, distortion, depth_units_per_metre, inverse_depth_sigma,
         color_intrinsics, color_distortion, color_from_depth, frames_per_second, latency_s,
-        color_latency_s, readout_s, first, last, stride, prepare] = SequenceOptions();
-  ExpectAll<SequenceOptions>(18);
+        color_latency_s, readout_s, depth_topic, color_topic, first, last, stride, prepare] =
+      SequenceOptions();
+  ExpectAll<SequenceOptions>(20);
 }
 
 TEST(PriorTable, NamesEveryField) {

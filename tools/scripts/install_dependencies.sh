@@ -8,12 +8,16 @@ set -euo pipefail
 group=${1:-all}
 [[ $group == all || $group == programs ]] || { echo "error: '$group' is neither all nor programs" >&2; exit 1; }
 
-npm_packages=$(cd "$(dirname "${BASH_SOURCE[0]}")/../../src/report/npm" && pwd)
-if [[ ! -e $npm_packages/node_modules/chartjs-plugin-zoom ]] && command -v npm >/dev/null; then
-  # Without the peer that it names: Chart.js is Debian's.
-  npm ci --prefix "$npm_packages" --legacy-peer-deps --ignore-scripts --no-audit --no-fund </dev/null ||
-    echo "warning: npm failed, so the plots of reports will not zoom" >&2
-fi
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
+npm_packages() {  # npm_packages FOLDER PACKAGE WHAT_LACKS_WITHOUT: what FOLDER/package-lock.json names
+  [[ ! -e $1/node_modules/$2 ]] && command -v npm >/dev/null || return 0
+  # Without peers: Chart.js is Debian's.
+  npm ci --prefix "$1" --legacy-peer-deps --ignore-scripts --no-audit --no-fund </dev/null ||
+    echo "warning: npm failed, so $3" >&2
+}
+npm_packages "$root/src/report/npm" chartjs-plugin-zoom "the plots of reports will not zoom"
+[[ $group == programs ]] ||
+  npm_packages "$root/tests/tools/bags" @mcap/core "no test writes MCAP files"
 
 packages=(
   # compiler and build tools
@@ -22,6 +26,7 @@ packages=(
   libeigen3-dev libceres-dev libgoogle-glog-dev libgflags-dev libopencv-dev libtbb-dev
   nlohmann-json3-dev
   libturbojpeg0-dev libpng-dev libtiff-dev zlib1g-dev liblzf-dev libmeshoptimizer-dev
+  liblz4-dev libzstd-dev libbz2-dev libsqlite3-dev
   # what reports hold
   libjs-three libjs-chart.js
   # CMake looks for these at once
@@ -37,6 +42,7 @@ test_packages=(
   # the tests
   libbenchmark-dev python3-pytest
   xvfb xdotool imagemagick zsh
+  python3-rosbag python3-sensor-msgs lz4 zstd
   chromium chromium-driver python3-selenium python3-pil
 )
 [[ $group == programs ]] || packages+=("${test_packages[@]}")

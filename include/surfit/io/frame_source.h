@@ -13,7 +13,7 @@ namespace surfit {
 
 // What is known of a sequence before its first frame is read.
 struct SequenceInfo {
-  std::string format;  // tum, icl_nuim, seven_scenes, redwood, replica, klg, sens, watch
+  std::string format;  // one of those that SequenceOptions names, never auto
   // As the files have it, fy < 0 included. Its latency is what frames are earlier than their files'
   // stamps: 0 where these are none of a clock, but made of the frames' numbers.
   RgbdCamera camera;

@@ -17,13 +17,15 @@ class OptionVisitor;
 // Which frames of which sequence to read, and with what camera.
 struct SequenceOptions {
   std::string path;  // the sequence's folder, or file
-  // auto, tum, icl_nuim, seven_scenes, redwood, replica, klg, sens, or watch (RunSlam() only).
+  // auto, tum, icl_nuim, seven_scenes, redwood, replica, klg, sens, bag, db3, mcap, or watch
+  // (RunSlam() only).
   std::string format = "auto";
 
   // A preset's name (see CameraPreset()), or a camera.yaml by its path. If empty: the folder's
   // camera.yaml (of a file F.klg: F.klg.yaml), else what the recording tells (tum: the head of
   // rgb.txt or depth.txt, which names freiburg1, 2 or 3; redwood: camera_intrinsic.json or
-  // intrinsic.json; replica: cam_params.json; sens: its header), else the format's usual camera.
+  // intrinsic.json; replica: cam_params.json; sens: its header; bag, db3, mcap: CameraInfo and tf),
+  // else the format's usual camera.
   std::string camera;
 
   // What takes the place of that camera's figures. After intrinsics from here, the image size is
@@ -41,6 +43,10 @@ struct SequenceOptions {
   std::optional<double> color_latency_s;    // RgbdCamera
   std::optional<double> readout_s;          // RgbdCamera
 
+  // Of a ROS bag (bag, db3, mcap): the topics of depth and of colour. Empty: the only ones; "none":
+  // no colour.
+  std::string depth_topic, color_topic;
+
   int first = 0;   // index of the first frame, from 0 over all that the folder lists
   int last = -1;   // index of the last frame, inclusive; -1, or beyond the end: to the end
   int stride = 1;  // read every stride-th frame
@@ -54,11 +60,11 @@ struct SequenceOptions {
 std::string NameOfCamera(const SequenceOptions& options);
 
 // Opens a folder of images, or a recording in one file, as a sequence. Stamps are of depth: those
-// of TUM folders, .klg and .sens files, in seconds, less the camera's latency; frame numbers in
-// ICL-NUIM's (as in *.gt.freiburg), index / frames_per_second where files have none. Frames are
-// mirrored where fy < 0, see SequenceInfo. Throws InputError naming the folder, file or option at
-// fault; also if not one frame can be read, or the first readable one has another size than the
-// camera. Frames that cannot be read later are ReadResults with an error.
+// of TUM folders, .klg and .sens files and ROS bags (header.stamp), in seconds, less the camera's
+// latency; frame numbers in ICL-NUIM's (as in *.gt.freiburg), index / frames_per_second where files
+// have none. Frames are mirrored where fy < 0, see SequenceInfo. Throws InputError naming the
+// folder, file or option at fault; also if not one frame can be read, or the first readable one has
+// another size than the camera. Frames that cannot be read later are ReadResults with an error.
 std::unique_ptr<FrameSource> OpenSequence(const SequenceOptions& options);
 
 // The correction of depth that a sequence of this format comes with: the inverse_depth_field of its

@@ -1,0 +1,189 @@
+#include "io/bags/bag_recording.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "io/bags/frame_tree.h"
+#include "io/bags/message_images.h"
+#include "io/sequence_camera.h"
+#include "io/text.h"
+#include "surfit/core/error.h"
+#include "surfit/geometry/trajectory.h"
+#include "surfit/io/camera_files.h"
+
+namespace surfit {
+namespace {
+
+std::unique_ptr<MessageLog> OpenLog(const std::string& path, const std::string& format,
+                                    bool is_folder) {
+  if (is_folder) return OpenBagFolder(path, "." + format);
+  if (format == "bag") return OpenRosBag(path);
+  return format == "mcap" ? OpenMcap(path) : OpenDb3(path);
+}
+
+// The number that the same stamp is in a list of text, to the last bit.
+double Seconds(std::int64_t stamp_ns) {
+  constexpr std::int64_t kPerSecond = 1000000000;
+  char text[40];
+  std::snprintf(text, sizeof(text), "%lld.%09lld", static_cast<long long>(stamp_ns / kPerSecond),
+                static_cast<long long>(stamp_ns % kPerSecond));
+  return FiniteNumber(text);
+}
+
+// k1 k2 p1 p2 k3 of plumb_bob; what rational_polynomial has beyond them must be zero.
+std::array<double, 5> Distortion(const CameraInfo& info, const std::string& name) {
+  std::array<double, 5> distortion{};
+  for (std::size_t i = 0; i < info.distortion.size(); ++i) {
+    if (info.distortion[i] == 0) continue;
+    const bool is_known =
+        info.distortion_model == "plumb_bob" || info.distortion_model == "rational_polynomial";
+    if (!is_known || i >= distortion.size()) {
+      throw InputError(Concat(name, ": the lens is distorted by the model '", info.distortion_model,
+                              "' with ", info.distortion.size(),
+                              " numbers, must be plumb_bob's five; rectify the images, or give "
+                              "intrinsics and distortion"));
+    }
+    distortion[i] = info.distortion[i];
+  }
+  return distortion;
+}
+
+// K and D are of the image as the camera gives it, P of the rectified one, which is called so.
+PinholeCamera PinholeOf(const CameraInfo& info, const std::string& topic, const std::string& name) {
+  PinholeCamera camera;
+  camera.width = static_cast<int>(info.width);
+  camera.height = static_cast<int>(info.height);
+  const bool is_rectified = topic.find("rect") != topic.npos && info.projection[0] != 0;
+  const double* const m = is_rectified ? info.projection.data() : info.intrinsics.data();
+  const int row = is_rectified ? 4 : 3;
+  camera.fx = m[0];
+  camera.cx = m[2];
+  camera.fy = m[row + 1];
+  camera.cy = m[row + 2];
+  if (!is_rectified) camera.distortion = Distortion(info, name);
+  camera.Validate(name);
+  return camera;
+}
+
+}  // namespace
+
+BagRecording::BagRecording(const SequenceOptions& options, const std::string& format,
+                           bool is_folder)
+    : log_(OpenLog(options.path, format, is_folder)),
+      topics_(FindTopics(*log_, options.depth_topic, options.color_topic)),
+      warnings_(log_->warnings()) {
+  Pair();
+}
+
+std::vector<BagRecording::Stamped> BagRecording::InOrder(const Topic& topic) {
+  const std::string name = Concat(log_->path(), ": a message of ", topic.name);
+  std::vector<Stamped> messages;
+  messages.reserve(topic.messages.size());
+  for (const MessagePlace& place : topic.messages)
+    messages.push_back({StampOf(place, topic, name), place});
+  const bool has_stamps = std::any_of(messages.begin(), messages.end(),
+                                      [](const Stamped& message) { return message.stamp_ns != 0; });
+  if (!has_stamps) {
+    warnings_.push_back(Concat(log_->path(), ": the messages of ", topic.name,
+                               " have no stamps; the times when they were recorded are taken"));
+    for (Stamped& message : messages)
+      message.stamp_ns = std::max<std::int64_t>(message.place.recorded_ns, 0);
+  }
+  std::stable_sort(messages.begin(), messages.end(),
+                   [](const Stamped& a, const Stamped& b) { return a.stamp_ns < b.stamp_ns; });
+  return messages;
+}
+
+void BagRecording::Pair() {
+  const std::vector<Stamped> depth = InOrder(*topics_.depth.topic);
+  const auto seconds_of = [](const std::vector<Stamped>& messages) {
+    std::vector<double> stamps_s;
+    stamps_s.reserve(messages.size());
+    for (const Stamped& message : messages) stamps_s.push_back(Seconds(message.stamp_ns));
+    return stamps_s;
+  };
+  const std::vector<double> depth_s = seconds_of(depth);
+  if (topics_.color.topic == nullptr) {
+    for (std::size_t i = 0; i < depth.size(); ++i)
+      frames_.push_back({{depth_s[i], depth_s[i]}, depth[i].place, {}});
+    return;
+  }
+  const std::vector<Stamped> color = InOrder(*topics_.color.topic);
+  const std::vector<double> color_s = seconds_of(color);
+  for (const auto [c, d] : MatchStamps(color_s, depth_s, kMaxBetweenImages_s))
+    frames_.push_back({{depth_s[d], color_s[c]}, depth[d].place, color[c].place});
+  if (frames_.empty()) {
+    throw InputError(Concat(log_->path(), ": no stamp of ", topics_.color.topic->name,
+                            " is within ", kMaxBetweenImages_s, " s of one of ",
+                            topics_.depth.topic->name));
+  }
+}
+
+ImageMessage BagRecording::ReadImage(const Topic& topic, const MessagePlace& place,
+                                     const std::string& name) const {
+  return ReadImageMessage(log_->Read(place), topic, name);
+}
+
+FrameImages BagRecording::Read(int index) const {
+  const Frame& frame = frames_[index];
+  const auto name_of = [&](const Topic& topic) {
+    return Concat(log_->path(), ": ", topic.name, " of frame ", index);
+  };
+  FrameImages images;
+  const Topic& depth = *topics_.depth.topic;
+  images.depth_name = name_of(depth);
+  images.depth = DepthOf(ReadImage(depth, frame.depth, images.depth_name), images.depth_name);
+  if (topics_.color.topic == nullptr) return images;
+  const Topic& color = *topics_.color.topic;
+  images.color_name = name_of(color);
+  images.color = ColorOf(ReadImage(color, frame.color, images.color_name), images.color_name);
+  return images;
+}
+
+std::optional<PinholeCamera> BagRecording::Pinhole(const ImageTopic& image) const {
+  const Topic* const topic = FindCameraInfo(*log_, image);
+  if (topic == nullptr) return std::nullopt;
+  const std::string name = Concat(log_->path(), ": ", topic->name);
+  return PinholeOf(ReadCameraInfo(log_->Read(topic->messages[0]), *topic, name), image.topic->name,
+                   name);
+}
+
+Rigid3d BagRecording::ColorFromDepth(bool is_known) const {
+  const std::string &target = topics_.color.frame, &source = topics_.depth.frame;
+  if (is_known || target == source) return Rigid3d();
+  FrameTree tree;
+  for (const Topic& topic : log_->topics()) {
+    if (topic.type != "tf2_msgs/TFMessage" && topic.type != "tf/tfMessage") continue;
+    const std::string name = Concat(log_->path(), ": a message of ", topic.name);
+    for (const MessagePlace& place : topic.messages)
+      tree.Add(ReadTransforms(log_->Read(place), topic, name));
+  }
+  if (const auto transform = tree.Transform(target, source)) return *transform;
+  throw InputError(Concat(log_->path(), ": no tf tells where ", topics_.color.topic->name, " (",
+                          target, ") is from ", topics_.depth.topic->name, " (", source,
+                          "): give color_from_depth, or a camera.yaml"));
+}
+
+RgbdCamera BagRecording::Camera(const Known& known) const {
+  RgbdCamera camera = CameraPreset("redwood");
+  const auto depth = Pinhole(topics_.depth);
+  if (depth) camera.depth = *depth;
+  if (!depth && !known.depth) {
+    throw InputError(Concat(log_->path(), " has no CameraInfo of ", topics_.depth.topic->name,
+                            ": give intrinsics, a camera.yaml, or a preset as camera"));
+  }
+  if (topics_.color.topic == nullptr) return camera;
+  const auto color = Pinhole(topics_.color);
+  const bool one_frame = topics_.color.frame == topics_.depth.frame;
+  if (one_frame && (!depth || !color || HaveSamePixels(*depth, *color))) return camera;
+  if (!color && !known.color) {
+    throw InputError(Concat(log_->path(), " has no CameraInfo of ", topics_.color.topic->name,
+                            ": give color_intrinsics, or a camera.yaml"));
+  }
+  camera.color_is_registered = false;
+  camera.color = color ? *color : camera.depth;
+  camera.color_from_depth = ColorFromDepth(known.color_from_depth);
+  return camera;
+}
+
+}  // namespace surfit

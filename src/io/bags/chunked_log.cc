@@ -1,0 +1,45 @@
+#include "io/bags/chunked_log.h"
+
+#include <algorithm>
+
+#include "surfit/core/error.h"
+
+namespace surfit {
+
+int ChunkedLog::AddChunk(const Chunk& chunk) {
+  chunks_.push_back(chunk);
+  return static_cast<int>(chunks_.size()) - 1;
+}
+
+const std::string& ChunkedLog::ChunkBytes(int number) const {
+  constexpr std::size_t kKept = 2;
+  for (const auto& [of, bytes] : loaded_) {
+    if (of == number) return bytes;
+  }
+  const Chunk& chunk = chunks_[number];
+  std::string bytes =
+      Decompress(chunk.compression, file_.Read(chunk.at, chunk.size), chunk.expanded_size,
+                 Concat(path(), ": the chunk at byte ", chunk.at));
+  if (loaded_.size() == kKept) loaded_.pop_front();
+  loaded_.emplace_back(number, std::move(bytes));
+  return loaded_.back().second;
+}
+
+void ChunkedLog::AddMessage(std::size_t topic, std::int64_t recorded_ns, int part, std::uint64_t at,
+                            std::string_view bytes) {
+  MessagePlace place{recorded_ns, part, at, bytes.size(), {}};
+  bytes.copy(place.head.data(), place.head.size());
+  topics_[topic].messages.push_back(place);
+}
+
+std::size_t ChunkedLog::AddTopic(Topic topic) {
+  topics_.push_back(std::move(topic));
+  return topics_.size() - 1;
+}
+
+std::string ChunkedLog::Read(const MessagePlace& place) const {
+  if (place.part < 0) return file_.Read(place.at, place.size);
+  return ChunkBytes(place.part).substr(place.at, place.size);
+}
+
+}  // namespace surfit

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <deque>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "io/bags/decompress.h"
+#include "io/bags/message_log.h"
+#include "io/frame_bytes.h"
+
+namespace surfit {
+
+// What files of chunks have in common: ROS 1 bags and MCAP.
+class ChunkedLog : public MessageLog {
+ public:
+  explicit ChunkedLog(const std::string& path) : file_(path) {}
+
+  const std::string& path() const override { return file_.path(); }
+  const std::vector<Topic>& topics() const override { return topics_; }
+  const std::vector<std::string>& warnings() const override { return warnings_; }
+  std::string Read(const MessagePlace& place) const override;
+
+ protected:
+  struct Chunk {
+    std::uint64_t at = 0, size = 0;  // in the file
+    Compression compression = Compression::kNone;
+    std::uint64_t expanded_size = 0;
+  };
+
+  const BinaryFile& file() const { return file_; }
+  // Its number. What it holds is to be listed next.
+  int AddChunk(const Chunk& chunk);
+  // The chunk's bytes, valid until the next but one is asked for.
+  const std::string& ChunkBytes(int number) const;
+  // Lists a message, whose bytes are at `at` of the part.
+  void AddMessage(std::size_t topic, std::int64_t recorded_ns, int part, std::uint64_t at,
+                  std::string_view bytes);
+  std::size_t AddTopic(Topic topic);
+  void Warn(const std::string& sentence) { warnings_.push_back(path() + sentence); }
+
+ private:
+  BinaryFile file_;
+  std::vector<Chunk> chunks_;
+  std::vector<Topic> topics_;
+  std::vector<std::string> warnings_;
+  // Two: depth and colour of one moment may stand in neighbours.
+  mutable std::deque<std::pair<int, std::string>> loaded_;
+};
+
+}  // namespace surfit

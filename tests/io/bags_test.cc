@@ -1,0 +1,351 @@
+#include <glog/logging.h>
+
+#include <cmath>
+#include <limits>
+
+#include "surfit/io/sequence.h"
+#include "testing/largest_allocation.h"
+#include "testing/matchers.h"
+#include "testing/ros_bag.h"
+#include "testing/sequence_writer.h"
+
+namespace surfit::testing {
+namespace {
+
+const char kImage[] = "sensor_msgs/Image", kInfo[] = "sensor_msgs/CameraInfo",
+           kCompressed[] = "sensor_msgs/CompressedImage";
+const char kDepth[] = "/camera/depth/image_raw", kColor[] = "/camera/rgb/image_raw";
+const char kOptical[] = "camera_optical_frame";
+
+// What rosbag, @mcap/core and SQLite have written of the small numbered frames: see
+// tests/tools/bags/write_bags.py.
+class ForeignBag : public ::testing::TestWithParam<const char*> {};
+
+void ExpectWrittenFrames(const SequenceOptions& options) {
+  const auto source = OpenSequence(options);
+  const SequenceInfo& info = source->info();
+  EXPECT_TRUE(info.warnings.empty());
+  EXPECT_TRUE(info.camera.color_is_registered);
+  EXPECT_EQ(info.camera_from, "the bag's CameraInfo");
+  EXPECT_EQ(info.pinhole.fx, 31);
+  EXPECT_EQ(info.pinhole.fy, 30);
+  EXPECT_EQ(info.pinhole.cx, 15.5);
+  EXPECT_EQ(info.pinhole.cy, 11.5);
+  const auto results = ReadAll(source.get());
+  ASSERT_EQ(results.size(), 3u);
+  const double depth_s[] = {5.003, 5.103, 5.203}, color_s[] = {5., 5.1, 5.2};  // as text has them
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(results[i].frame) << results[i].error;
+    EXPECT_EQ(results[i].frame->stamp_s, depth_s[i]);
+    EXPECT_EQ(results[i].frame->color_stamp_s, color_s[i]);
+    EXPECT_EQ(results[i].frame->color, NumberedColor(i));
+    const auto raw = NumberedDepth(i);
+    for (std::size_t k = 0; k < raw.size(); ++k)
+      ASSERT_FLOAT_EQ(results[i].frame->depth_m[k], 0.001f * raw[k]);
+  }
+}
+
+TEST_P(ForeignBag, HasTheFramesThatWereWritten) {
+  ExpectWrittenFrames(OptionsOf(std::string(SURFIT_CORPUS_DIR) + "/" + GetParam()));
+}
+
+std::string NameOfBag(const ::testing::TestParamInfo<const char*>& info) {
+  std::string name = info.param;
+  name[name.find('.')] = '_';
+  return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Files, ForeignBag,
+                         ::testing::Values("room.bag", "room_lz4.bag", "room_bz2.bag", "room.mcap",
+                                           "room_lz4.mcap", "room_zstd.mcap", "room_plain.mcap",
+                                           "room.db3"),
+                         NameOfBag);
+
+// ROS 2's bags are folders, of files that the recorder splits.
+TEST(BagFolder, HasTheFramesOfItsFiles) {
+  const TempFolder folder;
+  folder.Write("metadata.yaml", "rosbag2_bagfile_information:\n");
+  folder.Write("bag_0.db3", ReadBytes(std::string(SURFIT_CORPUS_DIR) + "/room.db3"));
+  ExpectWrittenFrames(Options(folder));
+  // The same twice.
+  const std::string mcap = ReadBytes(std::string(SURFIT_CORPUS_DIR) + "/room_plain.mcap");
+  std::filesystem::remove(folder / "bag_0.db3");
+  folder.Write("bag_0.mcap", mcap);
+  folder.Write("bag_1.mcap", mcap);
+  const auto source = OpenSequence(Options(folder));
+  EXPECT_EQ(source->info().format, "mcap");
+  EXPECT_EQ(source->info().frame_count, 6);
+}
+
+class BagTest : public ::testing::Test {
+ protected:
+  // Three frames at 10 Hz from time 5, depth as 16UC1, colour as rgb8.
+  void AddDepth(const std::string& topic = kDepth, const std::string& frame = kOptical) {
+    for (int i = 0; i < 3; ++i)
+      bag_.Add(topic, kImage, 5 + 0.1 * i,
+               RosImage{"16UC1", RawBytes(NumberedDepth(i))}.Bytes(5 + 0.1 * i, frame));
+  }
+  void AddColor(const std::string& topic = kColor, const std::string& frame = kOptical) {
+    for (int i = 0; i < 3; ++i)
+      bag_.Add(topic, kImage, 5 + 0.1 * i,
+               RosImage{"rgb8", RawBytes(NumberedColor(i))}.Bytes(5 + 0.1 * i, frame));
+  }
+  void AddInfo(const std::string& topic, const std::string& frame = kOptical,
+               const RosCameraInfo& info = {}) {
+    bag_.Add(topic, kInfo, 5, info.Bytes(5, frame));
+  }
+  void AddInfos() {
+    AddInfo("/camera/depth/camera_info");
+    AddInfo("/camera/rgb/camera_info");
+  }
+  void AddOne(const std::string& topic, const RosImage& image) {
+    bag_.Add(topic, kImage, 5, image.Bytes(5, kOptical));
+  }
+  void AddCompressed(const std::string& topic, const std::string& format, const std::string& data) {
+    bag_.Add(topic, kCompressed, 5, RosCompressedImage(5, kOptical, format, data));
+  }
+  std::unique_ptr<FrameSource> Open() {
+    options_.path = folder_.Write("a.bag", bag_.File());
+    return OpenSequence(options_);
+  }
+  // The first frame; where there is none, an empty one.
+  RgbdFrame First() {
+    const auto result = Open()->Next();
+    EXPECT_TRUE(result && result->frame) << (result ? result->error : "nothing");
+    return result && result->frame ? *result->frame : RgbdFrame();
+  }
+  void ExpectError(const ::testing::Matcher<const std::string&>& sentence) {
+    ExpectInputError([&] { Open(); }, sentence);
+  }
+
+  TempFolder folder_;
+  RosBagEncoder bag_;
+  SequenceOptions options_;
+};
+
+TEST_F(BagTest, ReadsEveryEncodingOfColor) {
+  const std::string rgb = RawBytes(NumberedColor(1));
+  std::string bgr, rgba, bgra;
+  for (std::size_t i = 0; i < rgb.size(); i += 3) {
+    const std::string r(1, rgb[i]), g(1, rgb[i + 1]), b(1, rgb[i + 2]);
+    bgr += b + g + r;
+    rgba += r + g + b + "x";
+    bgra += b + g + r + "x";
+  }
+  const std::pair<const char*, std::string> encodings[] = {{"rgb8", rgb},   {"bgr8", bgr},
+                                                           {"8UC3", bgr},   {"rgba8", rgba},
+                                                           {"bgra8", bgra}, {"8UC4", bgra}};
+  for (const auto& [encoding, data] : encodings) {
+    bag_ = {};
+    AddDepth();
+    AddInfos();
+    AddOne(kColor, {encoding, data});
+    EXPECT_EQ(First().color, NumberedColor(1)) << encoding;
+  }
+  bag_ = {};
+  AddDepth();
+  AddInfos();
+  AddOne(kColor, {"mono8", std::string(32 * 24, '\x07')});
+  EXPECT_EQ(First().color(3, 4), (Rgb8{7, 7, 7}));
+  bag_ = {};
+  AddDepth();
+  AddInfos();
+  AddCompressed(std::string(kColor) + "/compressed", "rgb8; png compressed bgr8",
+                EncodedBytes(NumberedColor(2), ".png"));
+  EXPECT_EQ(First().color, NumberedColor(2));
+}
+
+std::string PngBytes(const Image<std::uint16_t>& raw) {
+  std::vector<unsigned char> bytes;
+  cv::imencode(".png",
+               cv::Mat(raw.height(), raw.width(), CV_16UC1, const_cast<std::uint16_t*>(raw.data())),
+               bytes);
+  return {bytes.begin(), bytes.end()};
+}
+
+TEST_F(BagTest, ReadsEveryEncodingOfDepth) {
+  AddInfos();
+  Image<float> metres(32, 24);
+  for (std::size_t i = 0; i < metres.size(); ++i) metres[i] = 1 + 0.01f * static_cast<float>(i % 7);
+  metres[5] = std::numeric_limits<float>::quiet_NaN();
+  const RosBagEncoder empty = bag_;
+  AddOne(kDepth, {"32FC1", RawBytes(metres)});
+  RgbdFrame frame = First();
+  EXPECT_EQ(frame.depth_m[8], metres[8]);
+  EXPECT_EQ(frame.depth_m[5], 0);
+  EXPECT_TRUE(frame.color.empty());
+
+  bag_ = empty;
+  std::string padded;
+  for (int v = 0; v < 24; ++v) padded += RawBytes(NumberedDepth(1)).substr(64 * v, 64) + "padding!";
+  AddOne(kDepth, {"mono16", padded, 32, 24, 72});
+  EXPECT_FLOAT_EQ(First().depth_m[37], 0.001f * NumberedDepth(1)[37]);
+
+  bag_ = empty;
+  AddCompressed(std::string(kDepth) + "/compressedDepth", "16UC1; compressedDepth png",
+                std::string(12, '\0') + PngBytes(NumberedDepth(2)));
+  EXPECT_FLOAT_EQ(First().depth_m[37], 0.001f * NumberedDepth(2)[37]);
+
+  // z = a / (count - b), by the transport's source.
+  bag_ = empty;
+  Image<std::uint16_t> counts(32, 24, 500);
+  counts[3] = 0;
+  AddCompressed(std::string(kDepth) + "/compressedDepth", "32FC1; compressedDepth png",
+                LittleEndian(0, 1200.f, -100.f) + PngBytes(counts));
+  frame = First();
+  EXPECT_FLOAT_EQ(frame.depth_m[4], 2);
+  EXPECT_EQ(frame.depth_m[3], 0);
+}
+
+TEST_F(BagTest, TakesRawImagesBeforeCompressedOnesAndColorBeforeGrey) {
+  AddDepth();
+  AddInfos();
+  AddOne("/camera/ir/image_raw", {"mono16", std::string(2 * 32 * 24, '\x01')});
+  AddOne("/camera/left/image_raw", {"mono8", std::string(32 * 24, '\x01')});
+  AddCompressed(std::string(kColor) + "/compressed", "rgb8; jpeg compressed bgr8",
+                EncodedBytes(NumberedColor(9), ".jpg"));
+  AddColor();
+  EXPECT_EQ(First().color, NumberedColor(0));
+}
+
+TEST_F(BagTest, NamesTheTopicsThatItCannotChooseFrom) {
+  AddInfos();
+  ExpectError(AllOf(HasSubstr("a.bag has no topic of images that is read; it has "),
+                    HasSubstr("/camera/depth/camera_info (sensor_msgs/CameraInfo)")));
+  AddColor();
+  ExpectError(AllOf(HasSubstr("a.bag has no topic of depth images"),
+                    HasSubstr("/camera/rgb/image_raw (rgb8); if one is, name it as depth_topic")));
+  AddDepth();
+  AddDepth("/left/depth/image");
+  ExpectError(
+      HasSubstr("a.bag has 2 topics of depth images: /camera/depth/image_raw (16UC1), "
+                "/left/depth/image (16UC1); name one as depth_topic"));
+  options_.depth_topic = "/right/depth/image";
+  ExpectError(HasSubstr("depth_topic is '/right/depth/image', must be a topic of images of"));
+  options_.depth_topic = kDepth;
+  EXPECT_EQ(Open()->info().frame_count, 3);
+  AddColor("/left/rgb/image");
+  ExpectError(AllOf(HasSubstr("2 topics of colour images"), HasSubstr("name one as color_topic")));
+  options_.color_topic = "none";
+  EXPECT_TRUE(First().color.empty());
+  options_.color_topic = kColor;
+  EXPECT_EQ(First().color, NumberedColor(0));
+  options_.depth_topic = kColor;
+  ExpectError(HasSubstr("/camera/rgb/image_raw of frame 0 is encoded as 'rgb8', must be 16UC1"));
+}
+
+TEST_F(BagTest, ACameraThatNothingTellsMustBeGiven) {
+  AddDepth();
+  AddColor("/camera/rgb/image_raw", "rgb_frame");
+  ExpectError(HasSubstr("has no CameraInfo of /camera/depth/image_raw: give intrinsics"));
+  AddInfo("/camera/depth/camera_info");
+  ExpectError(HasSubstr("has no CameraInfo of /camera/rgb/image_raw: give color_intrinsics"));
+  AddInfo("/camera/rgb/camera_info", "rgb_frame");
+  ExpectError(
+      HasSubstr("no tf tells where /camera/rgb/image_raw (rgb_frame) is from "
+                "/camera/depth/image_raw (camera_optical_frame): give color_from_depth"));
+  options_.color_from_depth = Rigid3d(Eigen::Quaterniond::Identity(), {0.1, 0, 0});
+  EXPECT_EQ(Open()->info().camera.color_from_depth.translation.x(), 0.1);
+}
+
+TEST_F(BagTest, TfTellsWhereColorIs) {
+  AddDepth(kDepth, "/depth_frame");
+  AddColor(kColor, "rgb_frame");
+  AddInfo("/camera/depth/camera_info", "/depth_frame");
+  RosCameraInfo color;
+  color.k = {40, 41, 16, 12};
+  AddInfo("/camera/rgb/camera_info", "rgb_frame", color);
+  const Rigid3d base_from_depth(Eigen::Quaterniond(0.8, 0.6, 0, 0), {1, 2, 3});
+  const Rigid3d base_from_link(Eigen::Quaterniond(0.6, 0, 0.8, 0), {0, 0.5, 0});
+  const Rigid3d link_from_color(Eigen::Quaterniond(0, 0, 0.6, 0.8), {0.1, 0.2, 0.3});
+  bag_.Add("/tf", "tf2_msgs/TFMessage", 1, RosTransform("base", "depth_frame", base_from_depth));
+  bag_.Add("/tf_static", "tf2_msgs/TFMessage", 1, RosTransform("/base", "link", base_from_link));
+  bag_.Add("/tf_static", "tf2_msgs/TFMessage", 1,
+           RosTransform("link", "rgb_frame", link_from_color));
+  const RgbdCamera camera = Open()->info().camera;
+  EXPECT_FALSE(camera.color_is_registered);
+  EXPECT_EQ(camera.color.fx, 40);
+  const Rigid3d expected = (base_from_link * link_from_color).Inverse() * base_from_depth;
+  EXPECT_TRUE(camera.color_from_depth.Matrix().isApprox(expected.Matrix(), 1e-12));
+}
+
+TEST_F(BagTest, ReadsTheLensOfRawImagesAndTheProjectionOfRectifiedOnes) {
+  RosCameraInfo info;
+  info.distortion = {0.1, -0.2, 0.001, 0.002, 0.05};
+  AddDepth();
+  AddInfo("/camera/depth/camera_info", kOptical, info);
+  PinholeCamera camera = Open()->info().camera.depth;
+  EXPECT_EQ(camera.fx, 31);
+  EXPECT_THAT(camera.distortion, ::testing::ElementsAreArray(info.distortion));
+  bag_ = {};
+  AddDepth("/camera/depth/image_rect");
+  AddInfo("/camera/depth/camera_info", kOptical, info);
+  camera = Open()->info().camera.depth;
+  EXPECT_EQ(camera.fx, 29);
+  EXPECT_EQ(camera.fy, 28);
+  EXPECT_EQ(camera.cx, 15);
+  EXPECT_EQ(camera.cy, 11);
+  EXPECT_FALSE(camera.HasDistortion());
+  bag_ = {};
+  AddDepth();
+  info.model = "equidistant";
+  AddInfo("/camera/depth/camera_info", kOptical, info);
+  ExpectError(AllOf(HasSubstr("/camera/depth/camera_info"), HasSubstr("model 'equidistant'")));
+}
+
+TEST_F(BagTest, StampsThatAreNotSetAreTheTimesOfRecording) {
+  AddInfos();
+  for (int i = 0; i < 3; ++i)
+    bag_.Add(kDepth, kImage, 7 + i,
+             RosImage{"16UC1", RawBytes(NumberedDepth(i))}.Bytes(0, kOptical));
+  const auto source = Open();
+  EXPECT_THAT(source->info().warnings, ElementsAre(HasSubstr("have no stamps")));
+  EXPECT_EQ(source->Next()->stamp_s, 7);
+  AddColor();
+  ExpectError(HasSubstr("no stamp of /camera/rgb/image_raw is within 0.02 s of one of"));
+}
+
+TEST_F(BagTest, ReadsADamagedFileAsFarAsItGoes) {
+  AddInfos();
+  AddDepth();
+  std::string bytes = bag_.File();
+  options_.path = folder_.Write("a.bag", bytes.substr(0, bytes.size() - 1));
+  auto source = OpenSequence(options_);
+  EXPECT_EQ(source->info().frame_count, 2);
+  EXPECT_THAT(source->info().warnings, ElementsAre(HasSubstr("damaged or ends early")));
+  bag_.AddChunk("lz4", 1000, "no frame of lz4");
+  AddColor();
+  source = Open();
+  EXPECT_EQ(source->info().frame_count, 3);
+  EXPECT_THAT(source->info().warnings, ElementsAre(HasSubstr("do not expand to 1000")));
+  bag_.AddChunk("rar", 1000, "");
+  ExpectError(HasSubstr("is compressed by 'rar', must be by lz4, zstd, bz2 or not at all"));
+}
+
+TEST_F(BagTest, RefusesOtherFilesByName) {
+  for (const char* name : {"x.bag", "x.mcap", "x.db3"}) {
+    options_.path = folder_.Write(name, "something else, of more bytes than a first line has");
+    ExpectInputError([&] { OpenSequence(options_); }, HasSubstr(name));
+  }
+  options_.path = folder_.Write("x.bag", bag_.File("rosbag/AesCbcEncryptor"));
+  ExpectInputError([&] { OpenSequence(options_); }, HasSubstr("is encrypted"));
+}
+
+TEST_F(BagTest, AbsurdSizesAreRefusedBeforeTheyTakeMemory) {
+  AddInfos();
+  AddDepth();
+  bag_.AddChunk("lz4", 0xFFFFFFFF, std::string(100, 'x'));
+  bag_.AddChunk("bz2", 200 << 20, std::string(100, 'x'));
+  ResetLargestAllocation();
+  EXPECT_EQ(Open()->info().warnings.size(), 2u);
+  EXPECT_LT(LargestAllocation(), 1u << 20);
+  bag_ = {};
+  AddInfos();
+  AddOne(kDepth, {"16UC1", std::string(100, 'x'), 16384, 16384, 32768});
+  ResetLargestAllocation();
+  ExpectError(HasSubstr("has 100 bytes in rows of 32768, must have 32768 for each of 16384 rows"));
+  EXPECT_LT(LargestAllocation(), 1u << 20);
+}
+
+}  // namespace
+}  // namespace surfit::testing
