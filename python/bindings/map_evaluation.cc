@@ -49,6 +49,8 @@ void BindViewError(py::module_& module) {
   BindReport<ViewError>(module, "ViewError",
                         "How a map, drawn from a frame's pose, differs from it.")
       .def_readonly("psnr_covered_db", &ViewError::psnr_covered_db, "over what the map covers")
+      .def_readonly("psnr_covered_by_gain_db", &ViewError::psnr_covered_by_gain_db,
+                    "the same with a gain of its own for each channel of a view")
       .def_readonly("ssim_covered", &ViewError::ssim_covered, "over what the map covers")
       .def_readonly("psnr_db", &ViewError::psnr_db, "over all pixels")
       .def_readonly("ssim", &ViewError::ssim, "over all pixels")

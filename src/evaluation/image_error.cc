@@ -2,6 +2,7 @@
 
 #include <glog/logging.h>
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -20,6 +21,31 @@ std::array<cv::Mat, 3> ChannelsOf(const Image<Rgb8>& image) {
   std::array<cv::Mat, 3> channels;
   cv::split(floats, channels.data());
   return channels;
+}
+
+// Of each channel of the pixels that are compared: sums of squares and products, which are whole
+// numbers, and exact.
+struct ChannelSums {
+  ChannelSums(const Image<Rgb8>& image, const Image<Rgb8>& reference, const PixelMask& compared) {
+    CHECK_EQ(image.size(), reference.size());
+    CHECK_EQ(image.size(), compared.size());
+    for (std::size_t i = 0; i < image.size(); ++i) {
+      if (compared[i] == 0) continue;
+      const Eigen::Array3d x(image[i].r, image[i].g, image[i].b);
+      const Eigen::Array3d y(reference[i].r, reference[i].g, reference[i].b);
+      xx += x * x;
+      xy += x * y;
+      yy += y * y;
+    }
+  }
+
+  Eigen::Array3d xx = Eigen::Array3d::Zero(), xy = xx, yy = xx;
+};
+
+double PsnrOf(double squares, std::size_t pixels) {
+  if (pixels == 0) return 0;
+  const double mse = squares / (3. * static_cast<double>(pixels));
+  return mse > 0 ? std::min(kMostPsnr_db, 10 * std::log10(kPeak * kPeak / mse)) : kMostPsnr_db;
 }
 
 cv::Mat Smoothed(const cv::Mat& values) {
@@ -42,19 +68,16 @@ cv::Mat SimilarityOf(const cv::Mat& x, const cv::Mat& y) {
 }  // namespace
 
 double Psnr(const Image<Rgb8>& image, const Image<Rgb8>& reference, const PixelMask& compared) {
-  CHECK_EQ(image.size(), reference.size());
-  CHECK_EQ(image.size(), compared.size());
-  double sum = 0;
-  for (std::size_t i = 0; i < image.size(); ++i) {
-    if (compared[i] == 0) continue;
-    const double r = image[i].r - reference[i].r, g = image[i].g - reference[i].g,
-                 b = image[i].b - reference[i].b;
-    sum += r * r + g * g + b * b;
-  }
-  const std::size_t count = CountOf(compared);
-  if (count == 0) return 0;
-  const double mse = sum / (3. * static_cast<double>(count));
-  return mse > 0 ? std::min(kMostPsnr_db, 10 * std::log10(kPeak * kPeak / mse)) : kMostPsnr_db;
+  const ChannelSums sums(image, reference, compared);
+  return PsnrOf((sums.xx - 2 * sums.xy + sums.yy).sum(), CountOf(compared));
+}
+
+// With the best gain, sum (g x - y)^2 = sum y^2 - (sum x y)^2 / sum x^2.
+double PsnrByGain(const Image<Rgb8>& image, const Image<Rgb8>& reference,
+                  const PixelMask& compared) {
+  const ChannelSums sums(image, reference, compared);
+  const Eigen::Array3d explained = (sums.xx > 0).select(sums.xy.square() / sums.xx, 0);
+  return PsnrOf((sums.yy - explained).sum(), CountOf(compared));
 }
 
 Image<float> StructuralSimilarity(const Image<Rgb8>& image, const Image<Rgb8>& reference) {

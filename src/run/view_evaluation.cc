@@ -41,6 +41,7 @@ void CompareColor(const Image<Rgb8>& frame, const BlendedView& drawn, ViewError*
   }
   error->psnr_db = Psnr(drawn.color, frame, all);
   error->psnr_covered_db = Psnr(drawn.color, frame, covered);
+  error->psnr_covered_by_gain_db = PsnrByGain(drawn.color, frame, covered);
   const Image<float> similarity = StructuralSimilarity(drawn.color, frame);
   error->ssim = MeanOf(similarity, all);
   error->ssim_covered = MeanOf(similarity, covered);
@@ -61,9 +62,10 @@ void CompareDepth(const Image<float>& frame_m, const Image<float>& drawn_m, View
 
 ViewError MeanOf(const std::vector<JudgedView>& views) {
   ViewError mean;
-  for (const auto field : {&ViewError::psnr_covered_db, &ViewError::ssim_covered,
-                           &ViewError::psnr_db, &ViewError::ssim, &ViewError::coverage,
-                           &ViewError::depth_error_median_m, &ViewError::depth_error_mean_m}) {
+  for (const auto field :
+       {&ViewError::psnr_covered_db, &ViewError::ssim_covered, &ViewError::psnr_db,
+        &ViewError::ssim, &ViewError::psnr_covered_by_gain_db, &ViewError::coverage,
+        &ViewError::depth_error_median_m, &ViewError::depth_error_mean_m}) {
     for (const JudgedView& view : views) mean.*field += view.error.*field;
     mean.*field /= static_cast<double>(views.size());
   }

@@ -29,11 +29,12 @@ std::string PictureName(int rank) {
 
 std::string Caption(const JudgedView& view) {
   std::array<char, 200> text;
-  std::snprintf(text.data(), text.size(),
-                "frame %d, map, difference: PSNR %.1f dB where covered, %.1f dB in all, %.1f %% "
-                "covered, depth %.1f mm off (median)",
-                view.frame, view.error.psnr_covered_db, view.error.psnr_db,
-                100 * view.error.coverage, 1000 * view.error.depth_error_median_m);
+  std::snprintf(
+      text.data(), text.size(),
+      "frame %d, map, difference: PSNR %.1f dB where covered (%.1f by its gain), %.1f dB in "
+      "all, %.1f %% covered, depth %.1f mm off (median)",
+      view.frame, view.error.psnr_covered_db, view.error.psnr_covered_by_gain_db,
+      view.error.psnr_db, 100 * view.error.coverage, 1000 * view.error.depth_error_median_m);
   return text.data();
 }
 
@@ -63,6 +64,7 @@ Image<Rgb8> SideBySide(const ComparedView& view) {
 
 std::vector<std::pair<std::string, double>> Figures(const ViewError& error) {
   return {{"psnr_covered_db", error.psnr_covered_db},
+          {"psnr_covered_by_gain_db", error.psnr_covered_by_gain_db},
           {"psnr_db", error.psnr_db},
           {"ssim_covered", error.ssim_covered},
           {"ssim", error.ssim},

@@ -91,6 +91,41 @@ TEST(Psnr, OfEqualImagesIsLimited) {
   EXPECT_NEAR(Psnr(other, small, AllOf(small)), 20 * std::log10(255) + 10 * std::log10(300), 1e-9);
 }
 
+// By trying gains in steps: between two of them PSNR is flat to the second order.
+TEST(PsnrByGain, IsTheMostThatAnyGainsGive) {
+  Image<Rgb8> image = Pattern(61, 40, 25, 1);
+  const Image<Rgb8> reference = Pattern(61, 40, 0, 2);
+  for (Rgb8& pixel : image) {
+    pixel.r = static_cast<std::uint8_t>(0.6 * pixel.r);
+    pixel.g = static_cast<std::uint8_t>(0.8 * pixel.g);
+  }
+  PixelMask mask = AllOf(image);
+  for (int u = 0; u < 61; ++u) mask(u, 7) = 0;
+  double squares = 0;
+  for (int c = 0; c < 3; ++c) {
+    double least = 1e12;
+    for (double gain = 0.5; gain < 2; gain += 1e-3) {
+      double sum = 0;
+      for (std::size_t i = 0; i < image.size(); ++i) {
+        if (mask[i] != 0)
+          sum += std::pow(gain * Channels(image[i])[c] - Channels(reference[i])[c], 2);
+      }
+      least = std::min(least, sum);
+    }
+    squares += least;
+  }
+  const double by_trying = 10 * std::log10(255. * 255 * 3 * CountOf(mask) / squares);
+  EXPECT_NEAR(PsnrByGain(image, reference, mask), by_trying, 1e-3);
+  EXPECT_GT(by_trying, Psnr(image, reference, mask) + 3);
+}
+
+TEST(PsnrByGain, OfScaledImagesIsLimited) {
+  const Image<Rgb8> dark(10, 10, {20, 30, 40}), light(10, 10, {40, 90, 40}), black(10, 10);
+  EXPECT_EQ(PsnrByGain(dark, light, AllOf(dark)), kMostPsnr_db);
+  EXPECT_EQ(PsnrByGain(black, dark, AllOf(dark)), Psnr(black, dark, AllOf(dark)));
+  EXPECT_EQ(PsnrByGain(dark, light, PixelMask(10, 10, 0)), 0);
+}
+
 // Sums of float squares below 2^16 have 24 bits: 1e-2 of variances where C2 is 58.
 TEST(StructuralSimilarity, AgreesWithTheFormulaSummedPixelByPixel) {
   const Image<Rgb8> image = Pattern(37, 29, 40, 4), reference = Pattern(37, 29, 0, 5);

@@ -59,6 +59,7 @@ TEST_F(EvaluateViewsTool, JudgesHeldOutFramesAlone) {
   // A simulated room without exposure: far from noise, and next to complete.
   EXPECT_GT(views["psnr_covered_db"], 18);
   EXPECT_GE(views["psnr_covered_db"], views["psnr_db"]);
+  EXPECT_GT(views["psnr_covered_by_gain_db"], views["psnr_covered_db"]);
   EXPECT_GT(views["ssim_covered"], 0.6);
   EXPECT_GT(views["coverage"], 0.9);
   EXPECT_LT(views["depth_error_median_m"], 0.01);

@@ -18,6 +18,12 @@ inline constexpr double kMostPsnr_db = 100;
 // pixel is. The images and the mask have one size.
 double Psnr(const Image<Rgb8>& image, const Image<Rgb8>& reference, const PixelMask& compared);
 
+// The same with each channel of the image multiplied by the gain that makes it greatest,
+//   g = sum x y / sum x^2,   x of the image, y of the reference,
+// so that exposure and white balance count for nothing. Products are neither rounded nor cut off.
+double PsnrByGain(const Image<Rgb8>& image, const Image<Rgb8>& reference,
+                  const PixelMask& compared);
+
 // The structural similarity of an image at each pixel (Wang, Bovik, Sheikh and Simoncelli, IEEE
 // Transactions on Image Processing 2004), the mean of the three channels':
 //   (2 m_x m_y + C1) (2 s_xy + C2) / ((m_x^2 + m_y^2 + C1) (s_x^2 + s_y^2 + C2)),

@@ -26,6 +26,7 @@ struct ViewEvaluationOptions {
 struct ViewError {
   double psnr_covered_db = 0, ssim_covered = 0;  // over the pixels that the map covers
   double psnr_db = 0, ssim = 0;                  // over all; black where it does not cover them
+  double psnr_covered_by_gain_db = 0;            // PsnrByGain() over the pixels that it covers
   double coverage = 0;                           // the share of these pixels
   // Of |drawn - measured| depth, where there are both, metres.
   double depth_error_median_m = 0, depth_error_mean_m = 0;
