@@ -16,11 +16,11 @@ void Print(const ViewEvaluation& evaluation) {
   std::printf(
       "%zu frames%s: PSNR %.2f dB over covered pixels (%.2f dB with a gain of its own for each "
       "view's "
-      "channel), %.2f dB over all; SSIM %.3f and "
+      "channel, %.2f dB from where its own colours fit best), %.2f dB over all; SSIM %.3f and "
       "%.3f; %.1f %% covered; depth off by %.1f mm (median), %.1f mm (mean)\n",
       evaluation.views.size(), evaluation.held_out ? " that are not in the map" : "",
-      mean.psnr_covered_db, mean.psnr_covered_by_gain_db, mean.psnr_db, mean.ssim_covered,
-      mean.ssim, 100 * mean.coverage, 1000 * mean.depth_error_median_m,
+      mean.psnr_covered_db, mean.psnr_covered_by_gain_db, mean.psnr_registered_db, mean.psnr_db,
+      mean.ssim_covered, mean.ssim, 100 * mean.coverage, 1000 * mean.depth_error_median_m,
       1000 * mean.depth_error_mean_m);
   if (evaluation.without_color > 0) {
     std::printf("%d frames have no colour and are left out\n", evaluation.without_color);

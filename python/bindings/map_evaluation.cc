@@ -51,6 +51,9 @@ void BindViewError(py::module_& module) {
       .def_readonly("psnr_covered_db", &ViewError::psnr_covered_db, "over what the map covers")
       .def_readonly("psnr_covered_by_gain_db", &ViewError::psnr_covered_by_gain_db,
                     "the same with a gain of its own for each channel of a view")
+      .def_readonly("psnr_registered_db", &ViewError::psnr_registered_db,
+                    "over what the map covers from where the frame's colours fit it best")
+      .def_readonly("ssim_registered", &ViewError::ssim_registered, "likewise")
       .def_readonly("ssim_covered", &ViewError::ssim_covered, "over what the map covers")
       .def_readonly("psnr_db", &ViewError::psnr_db, "over all pixels")
       .def_readonly("ssim", &ViewError::ssim, "over all pixels")

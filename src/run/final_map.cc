@@ -1,21 +1,27 @@
 #include "run/final_map.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <utility>
 
+#include "mapping/color_average.h"
 #include "mapping/smooth_map.h"
+#include "run/color_registration.h"
 #include "surfit/frame/frame_pyramid.h"
 #include "surfit/frame/prepare_frame.h"
 #include "surfit/frame/rolling_shutter.h"
 #include "surfit/io/frame_source.h"
 #include "surfit/mapping/fusion.h"
+#include "surfit/mapping/model_renderer.h"
 
 namespace surfit {
 namespace {
 
 // Tracking by so many surfels would take longer, and be no better.
 constexpr float kSpacingShare = 0.7f;
+// Of so many frames one tells the final colours: its neighbours show nearly the same.
+constexpr int kColorStride = 2;
 
 FusionOptions Finer(FusionOptions options) {
   options.max_spacing_m *= kSpacingShare;
@@ -56,24 +62,77 @@ class FinalMap {
   SurfelMap map_;
 };
 
+// The colours of a map from where each frame's were taken.
+class Recoloring {
+ public:
+  Recoloring(const KnownSequence& known, const SequenceInfo& info, const SurfelMap& map)
+      : known_(known), sensor_(known.found.Of(info.sensor())), map_(map), average_(map) {
+    coarse_ = sensor_;
+    coarse_.camera = sensor_.camera.Binned(std::max(1, sensor_.camera.width / kColumns));
+  }
+
+  void Add(RgbdFrame frame, const Rigid3d& world_from_camera) {
+    if (frame.color.empty()) return;
+    const CameraMotion motion = MotionAt(known_.trajectory, frame.stamp_s);
+    known_.found.Correct(&frame);
+    const Rigid3d expected =
+        PoseAfter(world_from_camera, motion, frame.color_stamp_s - frame.stamp_s);
+    const BlendedView drawn = DrawDiscs(map_, coarse_, expected, &renderer_);
+    const PosedCamera camera(sensor_.camera,
+                             RegisterColors(frame.color, drawn, coarse_, motion, expected));
+    frame.stamp_s = frame.color_stamp_s;  // the camera is where it was then
+    average_.Add(FrameColors(frame, camera, {motion, sensor_.readout_s}), camera, drawn,
+                 PosedCamera(coarse_.camera, expected));
+  }
+
+  void WriteTo(SurfelMap* map) const { average_.WriteTo(map); }
+
+ private:
+  static constexpr int kColumns = 320;  // of the pictures that frames are registered to, about
+
+  const KnownSequence& known_;
+  const DepthSensor sensor_;
+  const SurfelMap& map_;
+  DepthSensor coarse_;
+  ModelRenderer renderer_{RenderOptions()};
+  ColorAverage average_;
+};
+
 }  // namespace
 
 std::optional<SurfelMap> FuseAnew(const KnownSequence& known, const std::atomic<bool>& interrupted,
                                   const FinalMapProgress& progress) {
   const auto source = OpenAgain(known.sequence);
   FinalMap final_map(known, source->info());
-  int frames = 0;
-  const bool all =
-      ReadKnownFrames(known, source.get(), interrupted, [&](std::size_t pose, RgbdFrame frame) {
-        if (known.left_out.count(frame.index) > 0) return;
-        final_map.Fuse(std::move(frame), known.trajectory[pose].world_from_camera);
-        progress(++frames, final_map.map().size());
-      });
-  if (!all) return std::nullopt;
+  SurfelMap& map = final_map.map();
+  int fused = 0, done = 0;  // frames, and what is done of them: a third of it is recolouring
+  const auto for_each = [&](FrameSource* frames, const auto& take) {
+    return ReadKnownFrames(known, frames, interrupted, [&](std::size_t pose, RgbdFrame frame) {
+      if (known.left_out.count(frame.index) > 0) return;
+      take(std::move(frame), known.trajectory[pose].world_from_camera);
+      done += 2;
+      progress(done / 3, map.size());
+    });
+  };
+  const bool is_fused = for_each(source.get(), [&](RgbdFrame frame, const Rigid3d& pose) {
+    final_map.Fuse(std::move(frame), pose);
+    ++fused;
+  });
+  if (!is_fused) return std::nullopt;
   const FusionOptions& fusion = known.slam.fusion;
-  if (frames > fusion.max_dormant_frames) DropSeenOnce(fusion, &final_map.map());
-  SmoothMap(known.found.Of(source->info().sensor()), &final_map.map());
-  return std::move(final_map.map());
+  if (fused > fusion.max_dormant_frames) DropSeenOnce(fusion, &map);
+  SmoothMap(known.found.Of(source->info().sensor()), &map);
+  SequenceOptions some = known.sequence;
+  some.stride *= kColorStride;
+  const auto again = OpenAgain(some);
+  Recoloring recoloring(known, again->info(), map);
+  const bool is_colored = for_each(again.get(), [&](RgbdFrame frame, const Rigid3d& pose) {
+    recoloring.Add(std::move(frame), pose);
+  });
+  if (!is_colored) return std::nullopt;
+  recoloring.WriteTo(&map);
+  progress(fused, map.size());
+  return std::move(map);
 }
 
 }  // namespace surfit

@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "run/color_registration.h"
 #include "run/output_folder.h"
 #include "run/recorded_run.h"
 #include "run/rolled_view.h"
@@ -25,6 +26,7 @@ namespace surfit {
 namespace {
 
 constexpr int kReadAhead = 4;
+constexpr int kRegisteredColumns = 320;  // of the pictures that frames are registered to, about
 
 PixelMask MaskOf(const Image<Rgb8>& color) {
   PixelMask mask(color.width(), color.height());
@@ -64,8 +66,9 @@ ViewError MeanOf(const std::vector<JudgedView>& views) {
   ViewError mean;
   for (const auto field :
        {&ViewError::psnr_covered_db, &ViewError::ssim_covered, &ViewError::psnr_db,
-        &ViewError::ssim, &ViewError::psnr_covered_by_gain_db, &ViewError::coverage,
-        &ViewError::depth_error_median_m, &ViewError::depth_error_mean_m}) {
+        &ViewError::ssim, &ViewError::psnr_covered_by_gain_db, &ViewError::psnr_registered_db,
+        &ViewError::ssim_registered, &ViewError::coverage, &ViewError::depth_error_median_m,
+        &ViewError::depth_error_mean_m}) {
     for (const JudgedView& view : views) mean.*field += view.error.*field;
     mean.*field /= static_cast<double>(views.size());
   }
@@ -125,8 +128,26 @@ class Judge {
     view.frame = frame.index;
     CompareColor(frame.color, of_color, &view.error);
     CompareDepth(frame.depth_m, of_depth.depth_m, &view.error);
+    CompareRegistered(frame, sensor, motion, PoseAfter(world_from_camera, motion, offset_s),
+                      &view.error);
     result_.views.push_back(view);
     return {view, frame.color, of_color.color};
+  }
+
+  void CompareRegistered(const RgbdFrame& frame, const DepthSensor& sensor,
+                         const CameraMotion& motion, const Rigid3d& expected,
+                         ViewError* error) const {
+    DepthSensor coarse = sensor;
+    coarse.camera = sensor.camera.Binned(std::max(1, sensor.camera.width / kRegisteredColumns));
+    const Rigid3d world_from_color =
+        RegisterColors(frame.color, DrawBlended(map_, coarse, expected), coarse, motion, expected);
+    const BlendedView drawn =
+        DrawBlended(map_, {WithRollMargin(sensor.camera), sensor.noise}, world_from_color);
+    ViewError registered;
+    CompareColor(frame.color, Rolled(drawn, sensor.camera, motion, {0, sensor.readout_s}),
+                 &registered);
+    error->psnr_registered_db = registered.psnr_covered_db;
+    error->ssim_registered = registered.ssim_covered;
   }
 
   const ViewEvaluationOptions& options_;

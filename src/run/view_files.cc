@@ -65,6 +65,8 @@ Image<Rgb8> SideBySide(const ComparedView& view) {
 std::vector<std::pair<std::string, double>> Figures(const ViewError& error) {
   return {{"psnr_covered_db", error.psnr_covered_db},
           {"psnr_covered_by_gain_db", error.psnr_covered_by_gain_db},
+          {"psnr_registered_db", error.psnr_registered_db},
+          {"ssim_registered", error.ssim_registered},
           {"psnr_db", error.psnr_db},
           {"ssim_covered", error.ssim_covered},
           {"ssim", error.ssim},

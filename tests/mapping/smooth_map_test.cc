@@ -13,17 +13,17 @@
 namespace surfit::testing {
 namespace {
 
-constexpr float kSpacing = 0.006f, kRadius = 0.006f;
-constexpr int kSide = 60;
+constexpr float kPointsApart = 0.006f, kPointRadius = 0.006f;
+constexpr int kPointsAside = 60;
 
-// A pixel is as large as kRadius / sqrt(2) at 2 m, where the noise of a depth is 8 mm.
+// A pixel is as large as kPointRadius / sqrt(2) at 2 m, where the noise of a depth is 8 mm.
 DepthSensor Sensor() { return {{640, 480, 471.4, 471.4, 319.5, 239.5, {}}, {0.002}}; }
 
 Surfel At(float x, float y, float z, const Eigen::Vector3f& normal) {
   Surfel surfel;
   surfel.position_in_world = {x, y, z};
   surfel.normal_in_world = normal.normalized();
-  surfel.radius_m = kRadius;
+  surfel.radius_m = kPointRadius;
   surfel.confidence = 4;
   return surfel;
 }
@@ -34,8 +34,8 @@ SurfelMap WallAt(const F& z, float noise_m, float noise_rad) {
   std::mt19937_64 random(1);
   std::normal_distribution<float> normal(0, 1);
   SurfelMap map;
-  for (int i = 0; i < kSide * kSide; ++i) {
-    const float x = kSpacing * (i % kSide), y = kSpacing * (i / kSide);
+  for (int i = 0; i < kPointsAside * kPointsAside; ++i) {
+    const float x = kPointsApart * (i % kPointsAside), y = kPointsApart * (i / kPointsAside);
     const float tilt_x = noise_rad * normal(random), tilt_y = noise_rad * normal(random);
     map.Append(At(x, y, z(x) + noise_m * normal(random), {tilt_x, tilt_y, -1}));
   }
@@ -48,7 +48,7 @@ double DeviationFrom(const SurfelMap& map, const F& z) {
   double sum = 0, count = 0;
   for (const std::int32_t id : map.Ids()) {
     const Eigen::Vector3f p = map[id].position_in_world;
-    if (p.x() < 0.03f || p.x() > kSpacing * kSide - 0.03f) continue;
+    if (p.x() < 0.03f || p.x() > kPointsApart * kPointsAside - 0.03f) continue;
     sum += std::pow(p.z() - z(p.x()), 2);
     ++count;
   }
@@ -86,8 +86,8 @@ TEST(SmoothMap, LeavesAStepAsItIs) {
 
 TEST(SmoothMap, LeavesACreaseAsItIs) {
   SurfelMap map;
-  for (int i = 0; i < kSide * kSide; ++i) {
-    const float a = kSpacing * (i % kSide), y = kSpacing * (i / kSide);
+  for (int i = 0; i < kPointsAside * kPointsAside; ++i) {
+    const float a = kPointsApart * (i % kPointsAside), y = kPointsApart * (i / kPointsAside);
     map.Append(At(a, y, 2, {0, 0, -1}));
     map.Append(At(0, y, 2 - a, {1, 0, 0}));
   }

@@ -171,6 +171,44 @@ TEST_F(FinalMap, IsSmootherThanWhatWasMeasured) {
   EXPECT_LT(std::sqrt(squares / static_cast<double>(map->size())), 0.003 / 2);
 }
 
+// Colours come from 2 px to the left and to the right of where they belong, in turn. On average a
+// wave of 16 px would have cos(pi / 4) of its height then.
+TEST_F(FinalMap, HasColorsFromWhereTheyWereTaken) {
+  constexpr double kPeriod_px = 16, kHeight = 60;
+  const auto wave = [&](double x, double y) {
+    return 120 + kHeight / 2 *
+                     (std::sin(2 * M_PI * x / kPeriod_px) + std::sin(2 * M_PI * y / kPeriod_px));
+  };
+  WriteTumSequence(folder_, 8);
+  frames_.clear();
+  trajectory_.clear();
+  for (int i = 0; i < 8; ++i) {
+    WriteDepth(folder_ / Format("depth/%03d.png", i), Image<std::uint16_t>(160, 120, 1000));
+    Image<Rgb8> color(160, 120);
+    const int shift = i % 4 < 2 ? -2 : 2;
+    for (const auto [u, v] : PixelsOf(color)) {
+      const auto grey = static_cast<std::uint8_t>(wave(u + shift, v) + 0.5);
+      color(u, v) = {grey, grey, grey};
+    }
+    WriteColor(folder_ / Format("rgb/%03d.png", i), color);
+    trajectory_.push_back({5.003 + 0.1 * i, Rigid3d()});
+    frames_.push_back(i);
+  }
+  sequence_.intrinsics = {200, 200, 79.5, 59.5};
+  // The part of the colours that has the wave's period across.
+  const std::optional<SurfelMap> map = Fused();
+  ASSERT_GT(map->size(), 1000u);
+  double in_phase = 0, out_of_phase = 0;
+  for (const std::int32_t id : map->Ids()) {
+    const Eigen::Vector3f p = (*map)[id].position_in_world;
+    const double phase = 2 * M_PI * (200 * p.x() / p.z() + 79.5) / kPeriod_px;
+    const double share = 2. * (*map)[id].color.r / static_cast<double>(map->size());
+    in_phase += share * std::sin(phase);
+    out_of_phase += share * std::cos(phase);
+  }
+  EXPECT_GT(std::hypot(in_phase, out_of_phase), 0.85 * kHeight / 2);
+}
+
 TEST_F(FinalMap, IsNoneWhereItIsInterrupted) {
   EXPECT_FALSE(Fused({}, true).has_value());
   EXPECT_EQ(frames_done_, 0);

@@ -127,6 +127,15 @@ TEST_F(EvaluateViewsTool, ComparesColorsAsOfTheMomentThatTheRunFound) {
   std::ofstream(path) << poses;
   Succeeded(Judge(Output()));
   EXPECT_EQ(Views(Output()), as_given);
+  // What is out of place by little is found by the frames' own colours.
+  poses["color_latency_s"] = 0.02;
+  std::ofstream(path) << poses;
+  Succeeded(Judge(Output()));
+  const double lost_db =
+      as_given["psnr_covered_db"].get<double>() - Views(Output())["psnr_covered_db"].get<double>();
+  EXPECT_GT(lost_db, 0.2);
+  EXPECT_GT(Views(Output())["psnr_registered_db"],
+            as_given["psnr_registered_db"].get<double>() - lost_db / 2);
   poses["color_latency_s"] = 0.25;
   std::ofstream(path) << poses;
   Succeeded(Judge(Output()));

@@ -27,7 +27,9 @@ struct ViewError {
   double psnr_covered_db = 0, ssim_covered = 0;  // over the pixels that the map covers
   double psnr_db = 0, ssim = 0;                  // over all; black where it does not cover them
   double psnr_covered_by_gain_db = 0;            // PsnrByGain() over the pixels that it covers
-  double coverage = 0;                           // the share of these pixels
+  // From where the frame's own colours fit the map best, over the pixels that it covers there.
+  double psnr_registered_db = 0, ssim_registered = 0;
+  double coverage = 0;  // the share of the pixels, from the frame's pose
   // Of |drawn - measured| depth, where there are both, metres.
   double depth_error_median_m = 0, depth_error_mean_m = 0;
 };
@@ -49,11 +51,12 @@ struct ViewEvaluation {
 
 // Draws the map of a run (DrawBlended()) from the poses of frames and compares it with these. Each
 // row is shown from where the camera was when it was read: rows one after the other, colour at its
-// own stamp. Pixels that the colour camera does not see, (0, 0, 0), are not compared. Writes
-// views.json (the means), views.csv (each view) and view_pictures/: frame, map and their difference
-// side by side, the worst first, by psnr_covered_db. `progress` is called with the views done.
-// Throws InputError for bad options, files that cannot be read, or a run without a frame to be
-// judged by.
+// own stamp. How much of what differs is the pose's error is told by drawing each view once more
+// from where its frame's own colours have it. Pixels that the colour camera does not see, (0, 0,
+// 0), are not compared. Writes views.json (the means), views.csv (each view) and view_pictures/:
+// frame, map and their difference side by side, the worst first, by psnr_covered_db. `progress` is
+// called with the views done. Throws InputError for bad options, files that cannot be read, or a
+// run without a frame to be judged by.
 ViewEvaluation EvaluateViews(const ViewEvaluationOptions& options,
                              const std::function<void(int views)>& progress);
 

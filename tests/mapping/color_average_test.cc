@@ -1,0 +1,101 @@
+#include "mapping/color_average.h"
+
+#include <gtest/gtest.h>
+
+#include "mapping/same_map.h"
+#include "surfit/core/parallel.h"
+#include "testing/pixels.h"
+
+namespace surfit::testing {
+namespace {
+
+constexpr Rgb8 kColorBefore = {1, 2, 3};
+
+// Looks at a wall at 2 m, and a post before its right half at 1 m, from the world's origin.
+class ColorAverages : public ::testing::Test {
+ protected:
+  ColorAverages() {
+    for (int i = -40; i <= 40; ++i) {
+      for (int j = -30; j <= 30; ++j) Append({0.02f * i, 0.02f * j, 2});
+    }
+    for (int i = 0; i <= 10; ++i) {
+      for (int j = -30; j <= 30; ++j) Append({0.01f * i, 0.01f * j, 1});
+    }
+  }
+
+  void Append(const Eigen::Vector3f& at) {
+    Surfel surfel;
+    surfel.position_in_world = at;
+    surfel.normal_in_world = {0, 0, -1};
+    surfel.radius_m = 0.02f;
+    surfel.confidence = 20;
+    surfel.color = kColorBefore;
+    map_.Append(surfel);
+  }
+
+  // One frame's colours, from as many metres to the right.
+  void Add(const Image<Rgb8>& color, float right_m, ColorAverage* average) const {
+    RgbdFrame frame;
+    frame.color = color;
+    const Rigid3d pose(Eigen::Quaterniond::Identity(), {right_m, 0, 0});
+    const PosedCamera camera(camera_, pose);
+    average->Add(FrameColors(frame, camera, {}), camera, DrawBlended(map_, {camera_, {}}, pose),
+                 camera);
+  }
+
+  const PinholeCamera camera_ = {160, 120, 160, 160, 79.5, 59.5, {}};
+  SurfelMap map_;
+};
+
+TEST_F(ColorAverages, AreOfWhatFramesShowByTheirWeights) {
+  ColorAverage average(map_);
+  Add(Image<Rgb8>(160, 120, {200, 100, 50}), 0, &average);
+  Add(Image<Rgb8>(160, 120, {100, 150, 70}), 0, &average);
+  Add(Image<Rgb8>(160, 120, {60, 80, 90}), 0, &average);
+  average.WriteTo(&map_);
+  int seen = 0;
+  for (const std::int32_t id : map_.Ids()) {
+    const Surfel surfel = map_[id];
+    if (surfel.color == kColorBefore) continue;
+    EXPECT_NEAR(surfel.color.r, 120, 1);
+    EXPECT_NEAR(surfel.color.g, 110, 1);
+    EXPECT_NEAR(surfel.color.b, 70, 1);
+    ++seen;
+  }
+  EXPECT_GT(seen, 4000);
+}
+
+// From the middle, the post is before what is from 0 to 20 cm to the right on the wall, and a pixel
+// is 12.5 mm there.
+TEST_F(ColorAverages, LeaveWhatIsHidden) {
+  ColorAverage average(map_);
+  Add(Image<Rgb8>(160, 120, {200, 100, 50}), 0, &average);
+  average.WriteTo(&map_);
+  for (const std::int32_t id : map_.Ids()) {
+    const Surfel surfel = map_[id];
+    const Eigen::Vector3f p = surfel.position_in_world;
+    if (std::abs(p.y()) > 0.2f) continue;
+    const bool is_hidden = p.z() > 1.5f && p.x() > -0.01f && p.x() < 0.21f;
+    const bool is_clear = p.z() < 1.5f || p.x() < -0.1f || p.x() > 0.3f;
+    if (!is_hidden && !is_clear) continue;
+    EXPECT_EQ(surfel.color == kColorBefore, is_hidden) << p.transpose();
+  }
+}
+
+TEST_F(ColorAverages, AreTheSameAtAnyNumberOfThreads) {
+  Image<Rgb8> color(160, 120);
+  for (const auto [u, v] : PixelsOf(color)) {
+    color(u, v) = {static_cast<std::uint8_t>(1 + u), static_cast<std::uint8_t>(1 + v), 90};
+  }
+  std::vector<SurfelMap> maps(2, map_);
+  for (int i = 0; i < 2; ++i) {
+    const ThreadLimit limit(1 + 3 * i);
+    ColorAverage average(maps[i]);
+    for (const float right_m : {0.f, 0.1f, -0.1f}) Add(color, right_m, &average);
+    average.WriteTo(&maps[i]);
+  }
+  ExpectSameMap(maps[0], maps[1]);
+}
+
+}  // namespace
+}  // namespace surfit::testing
