@@ -111,7 +111,7 @@ std::optional<SurfelMap> FuseAnew(const KnownSequence& known, const std::atomic<
       if (known.left_out.count(frame.index) > 0) return;
       take(std::move(frame), known.trajectory[pose].world_from_camera);
       done += 2;
-      progress(done / 3, map.size());
+      progress(std::max(1, done / 3), map.size());
     });
   };
   const bool is_fused = for_each(source.get(), [&](RgbdFrame frame, const Rigid3d& pose) {

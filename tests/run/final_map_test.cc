@@ -36,7 +36,9 @@ class FinalMap : public ::testing::Test {
                                  left_out_,
                                  moving_,
                                  {calibration, color_latency_s_}};
+    frames_done_ = 0;
     return FuseAnew(known, interrupted, [&](int frames, std::size_t points) {
+      EXPECT_GE(frames, std::max(1, frames_done_));
       frames_done_ = frames;
       points_ = points;
     });
