@@ -45,8 +45,8 @@ FeaturePoints PointsOf(const PlaceView& view, const ErrorModel& error_model) {
   FeaturePoints features;
   for (const PlaceFeature& feature : view.features) {
     features.points.emplace_back(feature.point.cast<double>());
-    features.sigmas_m.push_back(
-        SigmaOfFeature(feature.point.z(), {view.camera, view.noise}, error_model));
+    features.sigmas_m.push_back(SigmaOfFeature(feature.point.z(), kFeaturePlaceSigmaPx,
+                                               {view.camera, view.noise}, error_model));
     features.descriptors.push_back(feature.descriptor);
   }
   return features;

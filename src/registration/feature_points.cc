@@ -25,7 +25,6 @@ constexpr int kBorderPx = 15;     // the patch's half width: turned corners wrap
 constexpr int kFastContrast = 7;  // of 255: even rooms have little; OpenCV's is 20
 
 constexpr int kDepthRadiusPx = 2;
-constexpr double kPlaceSigmaPx = 1.5;  // of a feature in an image from elsewhere
 
 constexpr int kMaxHamming = 70;  // of 256
 constexpr double kMaxRatio = 0.9;
@@ -90,9 +89,10 @@ double DepthOfFeature(const Image<float>& depth_m, double u, double v) {
   return *middle;
 }
 
-double SigmaOfFeature(double depth_m, const DepthSensor& sensor, const ErrorModel& error_model) {
+double SigmaOfFeature(double depth_m, double place_sigma_px, const DepthSensor& sensor,
+                      const ErrorModel& error_model) {
   return std::hypot(error_model.Sigma(depth_m, sensor.noise),
-                    kPlaceSigmaPx * depth_m / sensor.camera.fx);
+                    place_sigma_px * depth_m / sensor.camera.fx);
 }
 
 FeaturePoints FindFeatures(const Image<Rgb8>& color, const FrameLevel& surface,
@@ -112,7 +112,8 @@ FeaturePoints FindFeatures(const Image<Rgb8>& color, const FrameLevel& surface,
     const double depth_m = DepthOfFeature(surface.vertex.z, place.x, place.y);
     if (!(depth_m > 0)) continue;
     features.points.emplace_back(surface.camera.Ray(place.x, place.y) * depth_m);
-    features.sigmas_m.push_back(SigmaOfFeature(depth_m, surface.sensor(), error_model));
+    features.sigmas_m.push_back(
+        SigmaOfFeature(depth_m, kFeaturePlaceSigmaPx, surface.sensor(), error_model));
     BinaryDescriptor& descriptor = features.descriptors.emplace_back();
     std::memcpy(descriptor.data(), descriptors.ptr(i), sizeof(descriptor));
   }

@@ -23,8 +23,13 @@ struct FeaturePoints {
 // The depth of the surface at a pixel: the median of the valid neighbours; 0 without any.
 double DepthOfFeature(const Image<float>& depth_m, double u, double v);
 
-// Standard deviation in metres, in any direction, of a feature's point at this depth.
-double SigmaOfFeature(double depth_m, const DepthSensor& sensor, const ErrorModel& error_model);
+// Of a feature in an image from elsewhere.
+inline constexpr double kFeaturePlaceSigmaPx = 1.5;
+
+// Standard deviation in metres, in any direction, of a point at this depth, of which images tell
+// the place to so many pixels.
+double SigmaOfFeature(double depth_m, double place_sigma_px, const DepthSensor& sensor,
+                      const ErrorModel& error_model);
 
 // ORB features (Rublee et al. 2011) of the image, the strongest of each cell of a grid, lifted by
 // the depth of the surface that it shares pixels with. Features without depth are left out. At most

@@ -8,9 +8,10 @@
 namespace surfit {
 namespace {
 
-constexpr int kMostColumns = 400, kMostFeatures = 500;
+constexpr int kMostColumns = 400, kMostCorners = 250;
 // A feature has moved as the poses say within so much beyond its own error, and what the camera
 // moves in the time between depth and colour, or while rows are read out.
+constexpr double kPlaceSigma_px = 0.5;  // of a corner that was followed
 constexpr double kTogether_m = 0.03, kSigmas = 3, kBetweenImages_s = 0.03;
 // Of features that look alike and are not the same, so many agree on a motion by chance; fewer if
 // they are no small part.
@@ -26,17 +27,6 @@ constexpr double kSlack_s = 0.005;
 double Way(const CameraMotion& motion, const Eigen::Vector3d& point) {
   return kBetweenImages_s *
          (motion.velocity_m_per_s.norm() + motion.turn_rad_per_s.norm() * point.norm());
-}
-
-bool HasMovedAsPosed(const PosedFeatures& source, const PosedFeatures& target,
-                     const Rigid3d& target_from_source, const FeatureMatch& match) {
-  const Eigen::Vector3d& from = source.features.points[match.source];
-  const Eigen::Vector3d& to = target.features.points[match.target];
-  const double sigma_m =
-      std::hypot(source.features.sigmas_m[match.source], target.features.sigmas_m[match.target]);
-  const double bound_m =
-      kTogether_m + kSigmas * sigma_m + Way(source.motion, from) + Way(target.motion, to);
-  return (target_from_source * from - to).norm() < bound_m;
 }
 
 // The mean of each block of pixels.
@@ -58,6 +48,41 @@ Image<Rgb8> Reduced(const Image<Rgb8>& color, int step) {
   return small;
 }
 
+// At 400 columns or less.
+const FrameLevel& SmallLevel(const FramePyramid& pyramid) {
+  const std::vector<FrameLevel>& levels = pyramid.levels;
+  const auto small = std::find_if(levels.begin(), levels.end(), [](const FrameLevel& level) {
+    return level.camera.width <= kMostColumns;
+  });
+  return small != levels.end() ? *small : levels.back();
+}
+
+FrameLevel AtRest(const FrameLevel& level, const CellMask& moving) {
+  return std::move(Without(FramePyramid{{level}}, moving).levels.front());
+}
+
+double MedianOf(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+GreyPyramid GreyOf(const ColoredView& view) {
+  return MakeGreyPyramid(
+      Reduced(view.color, view.color.width() / SmallLevel(view.pyramid).camera.width));
+}
+
+// Without depth there is no point, and false is returned.
+bool AddPoint(const FrameLevel& surface, const Eigen::Vector2f& at, const ErrorModel& error_model,
+              FeaturePoints* points) {
+  const double depth_m = DepthOfFeature(surface.vertex.z, at.x(), at.y());
+  if (!(depth_m > 0)) return false;
+  points->points.push_back(surface.camera.Ray(at.x(), at.y()) * depth_m);
+  points->sigmas_m.push_back(
+      SigmaOfFeature(depth_m, kPlaceSigma_px, surface.sensor(), error_model));
+  return true;
+}
+
 }  // namespace
 
 bool FeatureMotion::IsApart() const {
@@ -66,53 +91,104 @@ bool FeatureMotion::IsApart() const {
          (apart >= kLeastOfMost && apart >= kMost * all);
 }
 
-FeaturePoints FeaturesAtRest(const ColoredView& view, const CellMask& moving,
-                             const ErrorModel& error_model) {
-  if (view.color.empty()) return {};
-  const std::vector<FrameLevel>& levels = view.pyramid.levels;
-  const auto small = std::find_if(levels.begin(), levels.end(), [](const FrameLevel& level) {
-    return level.camera.width <= kMostColumns;
-  });
-  const FrameLevel& level = small != levels.end() ? *small : levels.back();
-  const FramePyramid at_rest = Without(FramePyramid{{level}}, moving);
-  return FindFeatures(Reduced(view.color, view.color.width() / level.camera.width),
-                      at_rest.levels.front(), error_model, kMostFeatures);
-}
-
-FeatureMotion CompareFeatures(const PosedFeatures& source, const PosedFeatures& target) {
-  const Rigid3d target_from_source = target.world_from_camera.Inverse() * source.world_from_camera;
+FeatureMotion CompareMotions(const FeaturePoints& source, const MovingPose& source_frame,
+                             const FeaturePoints& target, const MovingPose& target_frame) {
+  const Rigid3d target_from_source =
+      target_frame.world_from_camera.Inverse() * source_frame.world_from_camera;
   FeatureMotion motion;
   std::vector<FeatureMatch> others;
-  for (const FeatureMatch& match : MatchFeatures(source.features, target.features)) {
-    if (HasMovedAsPosed(source, target, target_from_source, match)) {
+  std::vector<double> depths_as_posed, depths_apart;
+  for (int i = 0; i < source.size(); ++i) {
+    const Eigen::Vector3d &from = source.points[i], &to = target.points[i];
+    const double bound_m = kTogether_m +
+                           kSigmas * std::hypot(source.sigmas_m[i], target.sigmas_m[i]) +
+                           Way(source_frame.motion, from) + Way(target_frame.motion, to);
+    if ((target_from_source * from - to).norm() < bound_m) {
       ++motion.as_posed;
+      depths_as_posed.push_back(to.z());
     } else {
-      others.push_back(match);
+      others.push_back({i, i});
     }
   }
-  const std::vector<Consensus> found =
-      FindConsensus(source.features, target.features, others, 1, kTries);
-  if (!found.empty()) motion.apart = static_cast<int>(found.front().inliers.size());
+  const std::vector<Consensus> apart = FindConsensus(source, target, others, 1, kTries);
+  if (apart.empty()) return motion;
+  for (const int i : apart.front().inliers) {
+    depths_apart.push_back(target.points[others[i].target].z());
+  }
+  motion.apart = static_cast<int>(depths_apart.size());
+  motion.is_apart_behind =
+      !depths_as_posed.empty() && MedianOf(depths_apart) > MedianOf(depths_as_posed);
   return motion;
 }
 
-FeatureMotion FeatureWatch::Check(PosedFeatures frame, double stamp_s) {
+void FeatureWatch::Follow(const ColoredView& view, const std::optional<Rigid3d>& world_from_camera,
+                          double stamp_s) {
+  if (!last_ || stamp_s > last_s_ + kComparable_s || view.color.empty()) {
+    tracks_ = {};
+    return;
+  }
+  const PinholeCamera& camera = SmallLevel(view.pyramid).camera;
+  const Rigid3d world_from_next = world_from_camera.value_or(world_from_followed_);
+  const auto pixel_from = [&](const Rigid3d& world_from_here) {
+    const Rigid3d here_from_first = world_from_here.Inverse() * last_->world_from_camera;
+    return [here_from_first, camera](const Eigen::Vector3d& point) {
+      const Eigen::Vector3d here = here_from_first * point;
+      return Eigen::Vector2d(camera.fx * here.x() / here.z(), camera.fy * here.y() / here.z());
+    };
+  };
+  const auto before = pixel_from(world_from_followed_), after = pixel_from(world_from_next);
+  tracks_.Follow(GreyOf(view), [&](const CornerTracks::Track& track) {
+    const Eigen::Vector3d& point = points_.points[track.corner];
+    const Eigen::Vector2f way = (after(point) - before(point)).cast<float>();
+    return Eigen::Vector2f(track.last + (way.allFinite() ? way : Eigen::Vector2f::Zero()));
+  });
+  world_from_followed_ = world_from_next;
+}
+
+FeatureMotion FeatureWatch::Compare(const FrameLevel& surface, const MovingPose& frame) const {
+  FeaturePoints source, target;
+  for (const CornerTracks::Track& track : tracks_.Lasting()) {
+    if (!AddPoint(surface, track.last, error_model_, &target)) continue;
+    source.points.push_back(points_.points[track.corner]);
+    source.sigmas_m.push_back(points_.sigmas_m[track.corner]);
+  }
+  return CompareMotions(source, *last_, target, frame);
+}
+
+void FeatureWatch::Begin(const ColoredView& view, const FrameLevel& surface) {
+  points_ = {};
+  tracks_ = {};
+  if (view.color.empty()) return;
+  GreyPyramid grey = GreyOf(view);
+  std::vector<Eigen::Vector2f> corners;
+  for (const Eigen::Vector2f& corner : FindCorners(grey, surface.vertex.z, kMostCorners)) {
+    if (AddPoint(surface, corner, error_model_, &points_)) corners.push_back(corner);
+  }
+  tracks_ = CornerTracks(std::move(grey), std::move(corners));
+}
+
+FeatureMotion FeatureWatch::Check(const ColoredView& view, const CellMask& moving,
+                                  const MovingPose& frame, double stamp_s) {
   if (!last_) begin_s_ = stamp_s;
+  const FrameLevel surface = AtRest(SmallLevel(view.pyramid), moving);
   const bool is_comparable = last_ && stamp_s <= last_s_ + kComparable_s;
   FeatureMotion motion;
-  if (is_comparable) motion = CompareFeatures(frame, *last_);
+  if (is_comparable) motion = Compare(surface, frame);
   was_apart_ = motion.IsRefuted();
   if (was_apart_) return motion;
   const double later_s =
       std::clamp((stamp_s - begin_s_) * kShareOfTime, kBetween_s, kMostBetween_s);
   due_s_ = stamp_s + (is_comparable ? later_s : kBetween_s) - kSlack_s;
-  last_ = std::move(frame);
+  last_ = frame;
   last_s_ = stamp_s;
+  world_from_followed_ = frame.world_from_camera;
+  Begin(view, surface);
   return motion;
 }
 
 void FeatureWatch::Move(const Rigid3d& new_from_old_world) {
   if (last_) last_->world_from_camera = new_from_old_world * last_->world_from_camera;
+  world_from_followed_ = new_from_old_world * world_from_followed_;
 }
 
 }  // namespace surfit

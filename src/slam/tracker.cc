@@ -47,7 +47,10 @@ bool AreOnePlace(const Rigid3d& a, const Rigid3d& b) { return AreWithin(0.05, 0.
 }  // namespace
 
 Tracker::Tracker(const SlamOptions& options, const Rigid3d& world_from_first_camera)
-    : options_(options), belief_(options), last_{{}, world_from_first_camera, {}} {}
+    : options_(options),
+      belief_(options),
+      features_(options.icp.error_model),
+      last_{{}, world_from_first_camera, {}} {}
 
 bool Tracker::Repeats(const RgbdFrame& frame) {
   const bool repeats = has_started_ && frame.depth_m == last_depth_m_;
@@ -238,13 +241,16 @@ std::optional<Tracked> Tracker::ConfirmProposal(const PreparedFrame& frame,
 
 Tracked Tracker::Checked(const PreparedFrame& frame, Tracked tracked) {
   const double stamp_s = frame.images.stamp_s;
-  if (!doubts() || !tracked.is_held()) return tracked;
+  if (!doubts()) return tracked;
+  features_.Follow(frame.view,
+                   tracked.is_held() ? std::optional(tracked.world_from_camera) : std::nullopt,
+                   stamp_s);
+  if (!tracked.is_held()) return tracked;
   if (!features_.IsDue(stamp_s) && !tracked.found_again) return tracked;
   const Rigid3d& pose = tracked.world_from_camera;
-  const FeatureMotion motion =
-      features_.Check({FeaturesAtRest(frame.view, tracked.moving, options_.icp.error_model), pose,
-                       MotionOver(last_.world_from_view.Inverse() * pose, stamp_s - last_stamp_s_)},
-                      stamp_s);
+  const FeatureMotion motion = features_.Check(
+      frame.view, tracked.moving,
+      {pose, MotionOver(last_.world_from_view.Inverse() * pose, stamp_s - last_stamp_s_)}, stamp_s);
   tracked.is_apart = motion.IsApart();
   if (motion.IsRefuted()) tracked.state = FrameState::kLost;
   return tracked;

@@ -8,6 +8,7 @@
 
 #include <csignal>
 #include <fstream>
+#include <regex>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -89,12 +90,15 @@ class RunningProgram {
   pid_t pid_ = -1;
 };
 
-// What a program says on stderr but for the notes of what it takes for granted of a sequence.
+// What a program says on stderr but for the notes of what it takes for granted of a sequence, and
+// for the progress that it shows where a machine is slow.
 inline std::string WithoutNotes(const std::string& err) {
   std::string text;
   std::istringstream lines(err);
   for (std::string line; std::getline(lines, line);) {
-    if (line.rfind("note: ", 0) != 0) text += line + "\n";
+    const bool is_note = line.rfind("note: ", 0) == 0;
+    const bool is_progress = std::regex_match(line, std::regex("[0-9]+ %  .*"));
+    if (!is_note && !is_progress) text += line + "\n";
   }
   return text;
 }

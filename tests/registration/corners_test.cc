@@ -1,0 +1,88 @@
+#include "registration/corners.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace surfit::testing {
+namespace {
+
+constexpr int kWidth = 160, kHeight = 120;
+
+// A pattern without period that has moved by so many pixels to the right, but for what is beyond
+// `end` columns, which is even.
+Image<Rgb8> Pattern(double shift_px, double gain = 1, double offset = 0, int end = kWidth) {
+  Image<Rgb8> image(kWidth, kHeight);
+  for (int v = 0; v < kHeight; ++v) {
+    for (int u = 0; u < kWidth; ++u) {
+      const double x = u - shift_px, y = v;
+      const double wave = std::sin(0.31 * x + 0.11 * y) + std::sin(0.23 * y - 0.07 * x) +
+                          std::sin(0.017 * x * y / 10 + 0.4 * y);
+      const double grey = u < end ? 120 + 30 * wave : 120;
+      const auto value =
+          static_cast<std::uint8_t>(std::clamp(std::lround(gain * grey + offset), 1L, 255L));
+      image(u, v) = {value, value, value};
+    }
+  }
+  return image;
+}
+
+CornerTracks TracksOf(const Image<Rgb8>& image) {
+  const GreyPyramid grey = MakeGreyPyramid(image);
+  return {grey, FindCorners(grey, Image<float>(kWidth, kHeight, 1.f), 100)};
+}
+
+Eigen::Vector2f WhereItWas(const CornerTracks::Track& track) { return track.last; }
+
+TEST(CornerTracks, FollowWhatMovesThroughImagesOfOtherBrightness) {
+  CornerTracks tracks = TracksOf(Pattern(0));
+  const std::size_t count = tracks.Lasting().size();
+  ASSERT_GE(count, 40u);
+  double shift_px = 0;
+  for (int i = 1; i <= 4; ++i) {
+    shift_px += 3.3;
+    tracks.Follow(MakeGreyPyramid(Pattern(shift_px, 1 - 0.05 * i, 5 * i)), WhereItWas);
+  }
+  const std::vector<CornerTracks::Track> lasting = tracks.Lasting();
+  ASSERT_GE(lasting.size(), count / 2);
+  int right = 0;
+  for (const CornerTracks::Track& track : lasting) {
+    const Eigen::Vector2f moved = track.last - track.first;
+    right += (moved - Eigen::Vector2f(static_cast<float>(shift_px), 0)).norm() < 0.3f;
+  }
+  EXPECT_GE(right, 0.9 * static_cast<double>(lasting.size()));
+}
+
+TEST(CornerTracks, LoseWhatIsNoLongerSeen) {
+  CornerTracks tracks = TracksOf(Pattern(0));
+  tracks.Follow(MakeGreyPyramid(Pattern(0, 1, 0, kWidth / 2)), WhereItWas);
+  for (const CornerTracks::Track& track : tracks.Lasting()) {
+    EXPECT_LT(track.first.x(), kWidth / 2 + 9);
+  }
+}
+
+TEST(FindCorners, AreWhereThereIsDepthAndTexture) {
+  const GreyPyramid grey = MakeGreyPyramid(Pattern(0, 1, 0, kWidth / 2));
+  Image<float> depth_m(kWidth, kHeight, 1.f);
+  for (int v = 0; v < kHeight / 2; ++v) {
+    for (int u = 0; u < kWidth; ++u) depth_m(u, v) = 0;
+  }
+  const std::vector<Eigen::Vector2f> corners = FindCorners(grey, depth_m, 100);
+  ASSERT_GE(corners.size(), 10u);
+  for (const Eigen::Vector2f& corner : corners) {
+    EXPECT_LE(corner.x(), kWidth / 2 + 1);
+    EXPECT_GE(corner.y(), kHeight / 2);
+  }
+  EXPECT_TRUE(FindCorners(MakeGreyPyramid(Pattern(0, 0, 120)), depth_m, 100).empty());
+}
+
+TEST(CornerTracks, TellNothingOfImagesThatAreSmallerThanAPatch) {
+  const GreyPyramid grey = MakeGreyPyramid(Image<Rgb8>(8, 6, Rgb8{90, 90, 90}));
+  CornerTracks tracks(grey, {Eigen::Vector2f(4, 3)});
+  tracks.Follow(grey, WhereItWas);
+  EXPECT_TRUE(tracks.Lasting().empty());
+}
+
+}  // namespace
+}  // namespace surfit::testing
