@@ -12,15 +12,19 @@ namespace {
 
 constexpr float kHiddenBehind = 1.05f;  // as a share of the depth of what is before it
 
-// What a picture of the map tells of where points are hidden.
+enum class Missing { kIsPassedOver, kHides };
+
+// What a picture tells of where points are hidden.
 class Hiding {
  public:
-  Hiding(const BlendedView& drawn, const PosedCamera& camera)
-      : nearest_m_(drawn.depth_m.width(), drawn.depth_m.height()), camera_(camera) {
-    const Image<float>& depth = drawn.depth_m;
+  Hiding(const DepthPicture& picture, Missing missing)
+      : nearest_m_(picture.depth_m.width(), picture.depth_m.height()), camera_(picture.camera) {
+    const Image<float>& depth = picture.depth_m;
     ParallelFor(0, depth.height(), kRowsPerBlock, [&](int begin, int end) {
       for (int v = begin; v < end; ++v) {
-        for (int u = 0; u < depth.width(); ++u) nearest_m_(u, v) = NearestAround(depth, u, v);
+        for (int u = 0; u < depth.width(); ++u) {
+          nearest_m_(u, v) = NearestAround(depth, u, v, missing);
+        }
       }
     });
   }
@@ -40,11 +44,12 @@ class Hiding {
 
  private:
   // 0 where nothing is shown.
-  static float NearestAround(const Image<float>& depth, int u, int v) {
+  static float NearestAround(const Image<float>& depth, int u, int v, Missing missing) {
     float nearest = 0;
     for (int y = std::max(0, v - 1); y <= std::min(depth.height() - 1, v + 1); ++y) {
       for (int x = std::max(0, u - 1); x <= std::min(depth.width() - 1, u + 1); ++x) {
         const float z = depth(x, y);
+        if (!(z > 0) && missing == Missing::kHides) return 0;
         if (z > 0 && (nearest == 0 || z < nearest)) nearest = z;
       }
     }
@@ -60,8 +65,8 @@ class Hiding {
 ColorAverage::ColorAverage(const SurfelMap& map) : map_(map), sums_(map.id_end()) {}
 
 void ColorAverage::Add(const FrameColors& colors, const PosedCamera& camera,
-                       const BlendedView& drawn, const PosedCamera& drawn_camera) {
-  const Hiding hiding(drawn, drawn_camera);
+                       const DepthPicture& drawn, const DepthPicture& measured) {
+  const Hiding by_map(drawn, Missing::kIsPassedOver), by_frame(measured, Missing::kHides);
   const std::vector<std::int32_t> cells = VisibleCells(map_, ViewFrustum(camera, 0));
   ParallelFor(0, static_cast<int>(cells.size()), 1, [&](int i, int) {
     for (const std::int32_t b : map_.cell(cells[i]).blocks) {
@@ -71,8 +76,8 @@ void ColorAverage::Add(const FrameColors& colors, const PosedCamera& camera,
         const Eigen::Vector3f point = camera.rotation * in_world + camera.translation;
         const Eigen::Vector3f normal =
             camera.rotation * Eigen::Vector3f(block.nx[k], block.ny[k], block.nz[k]);
-        if (!(point.z() > kMinDepth) || !(normal.dot(point) < 0) || hiding.Hides(in_world))
-          continue;
+        if (!(point.z() > kMinDepth) || !(normal.dot(point) < 0)) continue;
+        if (by_map.Hides(in_world) || by_frame.Hides(in_world)) continue;
         const SeenColor seen = colors.At(point, normal);
         Sum& sum = sums_[b * SurfelBlock::kCapacity + k];
         sum.color += seen.weight * seen.color;

@@ -137,6 +137,7 @@ std::vector<Eigen::Vector2f> FindCorners(const GreyPyramid& grey, const Image<fl
   std::vector<cv::Point2f> found;
   cv::goodFeaturesToTrack(image, found, max_count, kQuality, kApart_px, depth > 0);
   std::vector<Eigen::Vector2f> corners;
+  corners.reserve(found.size());
   for (const cv::Point2f& corner : found) corners.emplace_back(corner.x, corner.y);
   return corners;
 }

@@ -80,15 +80,33 @@ class Recoloring {
     const BlendedView drawn = DrawDiscs(map_, coarse_, expected, &renderer_);
     const PosedCamera camera(sensor_.camera,
                              RegisterColors(frame.color, drawn, coarse_, motion, expected));
+    const Image<float> measured_m = Coarse(AtMiddleOfReadout(frame, sensor_, motion).depth_m);
     frame.stamp_s = frame.color_stamp_s;  // the camera is where it was then
-    average_.Add(FrameColors(frame, camera, {motion, sensor_.readout_s}), camera, drawn,
-                 PosedCamera(coarse_.camera, expected));
+    average_.Add(FrameColors(frame, camera, {motion, sensor_.readout_s}), camera,
+                 {drawn.depth_m, PosedCamera(coarse_.camera, expected)},
+                 {measured_m, PosedCamera(coarse_.camera, world_from_camera)});
   }
 
   void WriteTo(SurfelMap* map) const { average_.WriteTo(map); }
 
  private:
   static constexpr int kColumns = 320;  // of the pictures that frames are registered to, about
+
+  // The nearest of each block of pixels; 0 where one is missing.
+  Image<float> Coarse(const Image<float>& depth_m) const {
+    Image<float> coarse_m(coarse_.camera.width, coarse_.camera.height);
+    const int step = depth_m.width() / coarse_m.width();
+    for (int v = 0; v < coarse_m.height(); ++v) {
+      for (int u = 0; u < coarse_m.width(); ++u) {
+        float nearest_m = depth_m(u * step, v * step);
+        for (int i = 1; i < step * step; ++i) {
+          nearest_m = std::min(nearest_m, depth_m(u * step + i % step, v * step + i / step));
+        }
+        coarse_m(u, v) = nearest_m;
+      }
+    }
+    return coarse_m;
+  }
 
   const KnownSequence& known_;
   const DepthSensor sensor_;

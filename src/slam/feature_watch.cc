@@ -77,7 +77,7 @@ bool AddPoint(const FrameLevel& surface, const Eigen::Vector2f& at, const ErrorM
               FeaturePoints* points) {
   const double depth_m = DepthOfFeature(surface.vertex.z, at.x(), at.y());
   if (!(depth_m > 0)) return false;
-  points->points.push_back(surface.camera.Ray(at.x(), at.y()) * depth_m);
+  points->points.emplace_back(surface.camera.Ray(at.x(), at.y()) * depth_m);
   points->sigmas_m.push_back(
       SigmaOfFeature(depth_m, kPlaceSigma_px, surface.sensor(), error_model));
   return true;

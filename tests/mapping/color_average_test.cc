@@ -33,14 +33,20 @@ class ColorAverages : public ::testing::Test {
     map_.Append(surfel);
   }
 
-  // One frame's colours, from as many metres to the right.
-  void Add(const Image<Rgb8>& color, float right_m, ColorAverage* average) const {
+  // One frame's colours, from as many metres to the right, with depth but from a column on.
+  void Add(const Image<Rgb8>& color, float right_m, ColorAverage* average,
+           int end_of_depth = 160) const {
     RgbdFrame frame;
     frame.color = color;
     const Rigid3d pose(Eigen::Quaterniond::Identity(), {right_m, 0, 0});
     const PosedCamera camera(camera_, pose);
-    average->Add(FrameColors(frame, camera, {}), camera, DrawBlended(map_, {camera_, {}}, pose),
-                 camera);
+    const BlendedView drawn = DrawBlended(map_, {camera_, {}}, pose);
+    Image<float> measured_m = drawn.depth_m;
+    for (const auto [u, v] : PixelsOf(measured_m)) {
+      if (u >= end_of_depth) measured_m(u, v) = 0;
+    }
+    average->Add(FrameColors(frame, camera, {}), camera, {drawn.depth_m, camera},
+                 {measured_m, camera});
   }
 
   const PinholeCamera camera_ = {160, 120, 160, 160, 79.5, 59.5, {}};
@@ -80,6 +86,24 @@ TEST_F(ColorAverages, LeaveWhatIsHidden) {
     if (!is_hidden && !is_clear) continue;
     EXPECT_EQ(surfel.color == kColorBefore, is_hidden) << p.transpose();
   }
+}
+
+// What returns no depth may hide the wall, and its colours are not the wall's. Of the wall a pixel
+// is 12.5 mm.
+TEST_F(ColorAverages, LeaveWhatIsBesidePixelsWithoutDepth) {
+  ColorAverage average(map_);
+  Add(Image<Rgb8>(160, 120, {200, 100, 50}), 0, &average, 40);
+  average.WriteTo(&map_);
+  int colored = 0;
+  for (const std::int32_t id : map_.Ids()) {
+    const Surfel surfel = map_[id];
+    const Eigen::Vector3f p = surfel.position_in_world;
+    if (p.z() < 1.5f || std::abs(p.y()) > 0.5f) continue;
+    const bool is_colored = surfel.color != kColorBefore;
+    EXPECT_FALSE(is_colored && p.x() > -0.51f) << p.transpose();
+    colored += is_colored;
+  }
+  EXPECT_GT(colored, 200);
 }
 
 TEST_F(ColorAverages, AreTheSameAtAnyNumberOfThreads) {
