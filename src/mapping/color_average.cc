@@ -45,11 +45,11 @@ class Hiding {
  private:
   // 0 where nothing is shown.
   static float NearestAround(const Image<float>& depth, int u, int v, Missing missing) {
+    if (missing == Missing::kHides && !(depth(u, v) > 0)) return 0;
     float nearest = 0;
     for (int y = std::max(0, v - 1); y <= std::min(depth.height() - 1, v + 1); ++y) {
       for (int x = std::max(0, u - 1); x <= std::min(depth.width() - 1, u + 1); ++x) {
         const float z = depth(x, y);
-        if (!(z > 0) && missing == Missing::kHides) return 0;
         if (z > 0 && (nearest == 0 || z < nearest)) nearest = z;
       }
     }

@@ -25,8 +25,8 @@ class ColorAverage {
   // A frame's colours as the camera took them at a pose, and what tells what is hidden then, both
   // about as fine: a picture of the map, and the frame's own depth. Hidden is what lies more than
   // 5 % behind something that one of them shows within a pixel of it: beside the rim of a thing its
-  // colours reach over what is behind. So is what has a pixel without measured depth beside it, as
-  // the map does not know of black and shiny things that return none.
+  // colours reach over what is behind. So is what is seen where no depth was measured: the
+  // map does not know of black and shiny things that return none.
   void Add(const FrameColors& colors, const PosedCamera& camera, const DepthPicture& drawn,
            const DepthPicture& measured);
 
