@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "registration/view_level.h"
+#include "surfit/core/parallel.h"
 #include "surfit/frame/frame_pyramid.h"
 
 namespace surfit {
@@ -23,6 +24,7 @@ constexpr float kSmallStep_px = 0.02f, kFarthest_px = 12;
 // Correlations with the image before, and with the first.
 constexpr float kAlikeNext = 0.6f, kAlikeFirst = 0.5f;
 constexpr float kLeastContrast = 0.008f;
+constexpr int kTracksPerBlock = 16;
 
 using Patch = Eigen::Array<float, kSide_px, kSide_px, Eigen::RowMajor>;
 
@@ -150,10 +152,15 @@ CornerTracks::CornerTracks(GreyPyramid first, std::vector<Eigen::Vector2f> corne
 }
 
 void CornerTracks::Follow(GreyPyramid next, const Expect& expect) {
+  std::vector<std::optional<Eigen::Vector2f>> places(tracks_.size());
+  ParallelFor(0, static_cast<int>(tracks_.size()), kTracksPerBlock, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) {
+      places[i] = FindCorner(last_, tracks_[i].last, next, expect(tracks_[i]));
+    }
+  });
   std::vector<Track> found;
-  for (const Track& track : tracks_) {
-    const auto at = FindCorner(last_, track.last, next, expect(track));
-    if (at) found.push_back({track.corner, track.first, *at});
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    if (places[i]) found.push_back({tracks_[i].corner, tracks_[i].first, *places[i]});
   }
   tracks_ = std::move(found);
   last_ = std::move(next);

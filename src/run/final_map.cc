@@ -29,10 +29,11 @@ FusionOptions Finer(FusionOptions options) {
 }
 
 // What was seen about once goes from a map once it has not been seen for a while. Nothing comes
-// after the last frames, which most of what flies is from.
-void DropSeenOnce(const FusionOptions& options, SurfelMap* map) {
+// after the last frames, which most of what flies is from: that lies at depth edges.
+void DropFlying(const FusionOptions& options, SurfelMap* map) {
   for (const std::int32_t id : map->Ids()) {
-    if ((*map)[id].confidence < options.lasting_confidence) map->Mark(id);
+    const Surfel surfel = (*map)[id];
+    if (surfel.at_edge && surfel.confidence < options.lasting_confidence) map->Mark(id);
   }
   map->RemoveMarked();
 }
@@ -138,7 +139,7 @@ std::optional<SurfelMap> FuseAnew(const KnownSequence& known, const std::atomic<
   });
   if (!is_fused) return std::nullopt;
   const FusionOptions& fusion = known.slam.fusion;
-  if (fused > fusion.max_dormant_frames) DropSeenOnce(fusion, &map);
+  if (fused > fusion.max_dormant_frames) DropFlying(fusion, &map);
   SmoothMap(known.found.Of(source->info().sensor()), &map);
   SequenceOptions some = known.sequence;
   some.stride *= kColorStride;

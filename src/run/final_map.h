@@ -16,10 +16,10 @@ using FinalMapProgress = std::function<void(int frames, std::size_t map_points)>
 // A map of a sequence, fused anew along the poses that are known in the end, by the calibration
 // that was found, without what moves. Depth is brought to the middle of its readout, and colours
 // are taken at the moment of their rows, by the motion between the poses before and after. Surfels
-// are closer to each other than in a map to track by, those that were seen about once are left out,
-// and the others are smoothed (SmoothMap). In the end colours are taken anew, from where each
-// second frame's own colours say that they were seen (RegisterColors, ColorAverage). Nothing if it
-// is interrupted. Throws InputError if the sequence cannot be read.
+// are closer to each other than in a map to track by, those that were seen about once and only at
+// depth edges are left out, and the others are smoothed (SmoothMap). In the end colours are taken
+// anew, from where each second frame's own colours say that they were seen (RegisterColors,
+// ColorAverage). Nothing if it is interrupted. Throws InputError if the sequence cannot be read.
 std::optional<SurfelMap> FuseAnew(const KnownSequence& known, const std::atomic<bool>& interrupted,
                                   const FinalMapProgress& progress);
 

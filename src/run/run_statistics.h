@@ -15,6 +15,8 @@ class RunStatistics {
  public:
   explicit RunStatistics(const SlamOptions& options);
 
+  // From here on time is the first frame's: to open a sequence is no frame's.
+  void BeginFrames() { last_completion_ = Clock::now(); }
   // A frame has come, or could not be read. The time that was waited for it is no frame's.
   void CountRead(const ReadResult& result);
   void CountSkipped() { ++summary_.frames_skipped; }

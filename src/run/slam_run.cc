@@ -81,6 +81,7 @@ class SlamRun {
 
  private:
   void ProcessFrames(const std::atomic<bool>& interrupted, const ProgressCall& progress) {
+    statistics_.BeginFrames();
     while (!interrupted || !slam_.HasBegun()) {  // an interrupted run has one frame at least
       const std::optional<ReadResult> result = source_->Next();
       if (!result) break;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 #include <utility>
 #include <vector>
 
@@ -33,18 +34,10 @@ double Way(const CameraMotion& motion, const Eigen::Vector3d& point) {
 Image<Rgb8> Reduced(const Image<Rgb8>& color, int step) {
   if (step == 1) return color;
   Image<Rgb8> small(color.width() / step, color.height() / step);
-  const int count = step * step;
-  for (int v = 0; v < small.height(); ++v) {
-    for (int u = 0; u < small.width(); ++u) {
-      Eigen::Vector3i sum = Eigen::Vector3i::Constant(count / 2);
-      for (int i = 0; i < count; ++i) {
-        const Rgb8 pixel = color(u * step + i % step, v * step + i / step);
-        sum += Eigen::Vector3i(pixel.r, pixel.g, pixel.b);
-      }
-      const auto mean = [&](int k) { return static_cast<std::uint8_t>(sum[k] / count); };
-      small(u, v) = {mean(0), mean(1), mean(2)};
-    }
-  }
+  const cv::Mat all(color.height(), color.width(), CV_8UC3, const_cast<Rgb8*>(color.data()));
+  cv::Mat means(small.height(), small.width(), CV_8UC3, small.data());
+  cv::resize(all(cv::Rect(cv::Point(), means.size() * step)), means, means.size(), 0, 0,
+             cv::INTER_AREA);
   return small;
 }
 

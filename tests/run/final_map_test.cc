@@ -126,23 +126,27 @@ TEST_F(FinalMap, LeavesOutWhatMoves) {
   for (const std::int32_t id : map->Ids()) EXPECT_GE((*map)[id].position_in_world.x(), 0);
 }
 
-// Of the last frame's ball nobody knows whether it is there.
-TEST_F(FinalMap, LeavesOutWhatWasSeenOnce) {
+// What only the last frame has at depth edges may be nothing; the surface between them is one.
+TEST_F(FinalMap, LeavesOutEdgesThatWereSeenOnce) {
   Image<std::uint16_t> depth(32, 24, 1000);
-  for (int v = 8; v < 16; ++v) {
-    for (int u = 8; u < 16; ++u) depth(u, v) = 700;
+  for (int v = 4; v < 20; ++v) {
+    for (int u = 8; u < 24; ++u) depth(u, v) = 700;
   }
   WriteDepth(folder_ / "depth/003.png", depth);
-  const auto nearest_m = [](const SurfelMap& map) {
-    float nearest = 10;
+  const auto near_count = [](const SurfelMap& map, bool at_edge) {
+    int count = 0;
     for (const std::int32_t id : map.Ids()) {
-      nearest = std::min(nearest, map[id].position_in_world.z());
+      count += map[id].position_in_world.z() < 0.9f && map[id].at_edge == at_edge;
     }
-    return nearest;
+    return count;
   };
-  EXPECT_NEAR(nearest_m(*Fused()), 0.7, 0.01);  // of so few frames all counts
+  const SurfelMap all = *Fused();  // of so few frames all counts
   slam_.fusion.max_dormant_frames = 2;
-  EXPECT_NEAR(nearest_m(*Fused()), 1, 0.01);
+  const SurfelMap lasting = *Fused();
+  EXPECT_GT(near_count(all, true), 20);
+  EXPECT_EQ(near_count(lasting, true), 0);
+  EXPECT_GT(near_count(lasting, false), 50);
+  EXPECT_EQ(near_count(lasting, false), near_count(all, false));
 }
 
 // A wall whose pixels are 32 mm apart, where surfels may be 40 mm apart.
