@@ -48,14 +48,6 @@ struct SharedSurfels {
   std::vector<KeyframeReadout> readouts;  // of the keyframes
 };
 
-// The pixel of a keyframe that sees a surfel: within the image and the gates.
-std::optional<PlaneObservation> Observe(const Eigen::Vector3d& point_in_world,
-                                        const Eigen::Vector3d& normal_in_world,
-                                        const KeyframeImages& images,
-                                        const Rigid3d& world_from_camera,
-                                        const DepthCalibration& calibration,
-                                        const RefinementOptions& options);
-
 // The side of the cells of a keyframe's image, px.
 int CellSize(const DepthCalibration& calibration, const RefinementOptions& options);
 

@@ -61,7 +61,7 @@ TEST_F(SlamTool, FusesTheMapAnewInTheEnd) {
   EXPECT_EQ(last["digest"], first["digest"]);
   EXPECT_EQ(first["map_points"], first["surfels_added"].get<std::int64_t>() -
                                      first["surfels_removed"].get<std::int64_t>());
-  // Finer than the first one, and without what was seen about once.
+  // Finer than the first one, and without some of what was seen about once: at depth edges.
   Succeeded(
       Slam(Room(), Output("fine"), {flags[0], flags[1], "--nofinal_map", "--max_spacing_m=0.007"}));
   const auto lasting_radii = [&](const char* run) {
@@ -73,7 +73,8 @@ TEST_F(SlamTool, FusesTheMapAnewInTheEnd) {
     return radii;
   };
   EXPECT_EQ(lasting_radii("final"), lasting_radii("fine"));
-  EXPECT_EQ(lasting_radii("final").size(), last["map_points"]);
+  EXPECT_GE(last["map_points"], lasting_radii("final").size());
+  EXPECT_LT(last["map_points"], Summary(Output("fine"))["map_points"]);
   // Every second frame was fused at first; in the end all are.
   Succeeded(Slam(Room(), Output("every"), {"--poses=groundtruth"}));
   EXPECT_EQ(ReadBytes(Output("every") + "/map.ply"), ReadBytes(Output("final") + "/map.ply"));
