@@ -28,19 +28,25 @@ FrameColors::FrameColors(const RgbdFrame& frame, const PosedCamera& camera,
 }
 
 void FrameColors::FindBorders() {
-  const int width = color_.width(), height = color_.height();
-  const auto range_of = [](int size, const auto& is_black) {
-    Range range = {0, size};
-    while (range.begin < size && is_black(range.begin)) ++range.begin;
-    while (range.end > range.begin && is_black(range.end - 1)) --range.end;
-    return range;
+  // Of each row or column and the one after it; is_black(i, j) of pixel i of line j.
+  const auto ranges_of = [](int lines, int size, const auto& is_black) {
+    std::vector<Range> ranges;
+    for (int j = 0; j < lines; ++j) {
+      Range own = {0, size};
+      while (own.begin < size && is_black(own.begin, j)) ++own.begin;
+      while (own.end > own.begin && is_black(own.end - 1, j)) --own.end;
+      --own.end;  // of the first of two pixels
+      if (j > 0) {
+        ranges[j - 1] = {std::max(ranges[j - 1].begin, own.begin),
+                         std::min(ranges[j - 1].end, own.end)};
+      }
+      ranges.push_back(own);
+    }
+    return ranges;
   };
-  for (int v = 0; v < height; ++v) {
-    rows_.push_back(range_of(width, [&](int u) { return IsBlack(color_(u, v)); }));
-  }
-  for (int u = 0; u < width; ++u) {
-    columns_.push_back(range_of(height, [&](int v) { return IsBlack(color_(u, v)); }));
-  }
+  const int width = color_.width(), height = color_.height();
+  rows_ = ranges_of(height, width, [&](int u, int v) { return IsBlack(color_(u, v)); });
+  columns_ = ranges_of(width, height, [&](int v, int u) { return IsBlack(color_(u, v)); });
 }
 
 SeenColor FrameColors::At(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) const {
@@ -74,19 +80,20 @@ SeenColor FrameColors::Sample(float u, float v) const {
   const int top = std::min(static_cast<int>(at_v), height - 2);
   const float right_share = at_u - static_cast<float>(left);
   const float lower_share = at_v - static_cast<float>(top);
+  if (!rows_[top].Has(left) || !columns_[left].Has(top)) return {};
+  const Rgb8* const upper = color_.row(top) + left;
+  const Rgb8* const lower = color_.row(top + 1) + left;
+  const float left_share = 1.f - right_share, upper_share = 1.f - lower_share;
   SeenColor seen;
-  bool is_inside = true;
-  for (int k = 0; k < 4; ++k) {
-    const int pixel_u = left + k % 2, pixel_v = top + k / 2;
-    is_inside &= IsInside(pixel_u, pixel_v);
-    const Rgb8 pixel = color_(pixel_u, pixel_v);
-    if (IsBlack(pixel)) continue;
-    const float share = (k % 2 == 1 ? right_share : 1.f - right_share) *
-                        (k / 2 == 1 ? lower_share : 1.f - lower_share);
+  const auto add = [&](Rgb8 pixel, float share) {
+    if (IsBlack(pixel)) return;
     seen.color += share * Eigen::Vector3f(pixel.r, pixel.g, pixel.b);
     seen.weight += share;
-  }
-  if (!is_inside) return {};
+  };
+  add(upper[0], left_share * upper_share);
+  add(upper[1], right_share * upper_share);
+  add(lower[0], left_share * lower_share);
+  add(lower[1], right_share * lower_share);
   if (seen.weight > 0.f) seen.color /= seen.weight;
   seen.weight = 1.f;
   return seen;

@@ -32,14 +32,14 @@ class FrameColors {
   SeenColor At(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) const;
 
  private:
-  // The pixels of a row or column between its black ends.
+  // Of two rows or columns beside each other: where a pixel and the next are between the black ends
+  // of both.
   struct Range {
     int begin, end;
     bool Has(int i) const { return i >= begin && i < end; }
   };
 
   void FindBorders();
-  bool IsInside(int u, int v) const { return rows_[v].Has(u) && columns_[u].Has(v); }
   // Nothing outside the image.
   SeenColor Sample(float u, float v) const;
 
@@ -47,7 +47,7 @@ class FrameColors {
   const float fx_, fy_, cx_, cy_;
   const Eigen::Vector3f turn_, velocity_;  // per second
   const float middle_s_, row_s_;  // of the middle row, after the pose's moment, and of one row more
-  std::vector<Range> rows_, columns_;
+  std::vector<Range> rows_, columns_;  // by the first of the two
 };
 
 }  // namespace surfit
