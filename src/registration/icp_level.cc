@@ -6,6 +6,8 @@
 namespace surfit {
 namespace {
 
+constexpr double kLeastPairs = 6;  // as many as a pose has unknowns
+
 // A pose and what the pairs say there.
 struct PoseState {
   Rigid3d pose;
@@ -72,9 +74,9 @@ class LevelRun {
   }
 
   bool TooFew(const PoseState& state) const {
-    const double needed =
-        std::max<double>(options_.min_inliers, options_.min_inlier_share * source_count_);
-    return state.step.system.pair_count < needed;
+    const double least_pairs = std::ldexp(options_.min_inliers, -level_.level);
+    const double least_share = options_.min_inlier_share * source_count_;
+    return state.step.system.pair_count < std::max({least_pairs, least_share, kLeastPairs});
   }
 
   // Beyond what counts as no change. RMSE may rise on the way to a better pose as well, where more

@@ -97,7 +97,9 @@ void IcpOptions::Visit(OptionVisitor& v) {
         AtLeast(0));
   v.Add(stop_at_rmse_increase, "stop_at_rmse_increase",
         "a level ends where the RMSE rises and the inliers do not, at the pose before");
-  v.Add(min_inliers, "min_inliers", "registration fails with fewer inliers", AtLeast(6), AsFlag());
+  v.Add(min_inliers, "min_inliers",
+        "registration fails with fewer inliers, or half as many on each coarser level", AtLeast(6),
+        AsFlag());
   v.Add(min_inlier_share, "min_inlier_share", "or with a smaller share of the valid source points",
         Share());
   v.AddPart(held, "held", "which directions of motion count as constrained");

@@ -144,6 +144,26 @@ TEST(Register, TooFewInliersIsATermination) {
   EXPECT_THAT(apart.target_from_source, RigidNear(around, 0, 1e-15));
 }
 
+// Somebody before the camera leaves a sixth of the image, which is less than 200 points of the
+// coarsest level.
+TEST(Register, ASmallPartOfTheImageIsEnough) {
+  const SimulatedViews views = MakeViews(3, 1);
+  const auto& [scene, path] = MakeRoomWithPath(5, 1);
+  RgbdFrame frame = RenderFrame(scene, ViewCamera(), path[3].world_from_camera);
+  for (int y = 0; y < frame.depth_m.height(); ++y) {
+    for (int x = 0; x < frame.depth_m.width(); ++x) {
+      if (x < 48 || x >= 48 + 64 || y < 36 || y >= 36 + 48) frame.depth_m(x, y) = 0;
+    }
+  }
+  const FramePyramid part = PreprocessDepth(frame.depth_m, {ViewCamera(), {}}, PreprocessOptions());
+  const IcpResult result = Register(part, views.target, Rigid3d(), IcpOptions());
+  EXPECT_TRUE(result.Succeeded()) << ToString(result.termination);
+  EXPECT_EQ(result.iterations.front().level, 2);
+  EXPECT_LT(result.iterations.front().inlier_count, 200);
+  EXPECT_THAT(result.target_from_source,
+              RigidNear(views.target_from_source, kIcpToleranceM, kIcpToleranceRad));
+}
+
 TEST(Register, FramesWithoutDepthHaveTooFewInliers) {
   const FramePyramid view = OneLevel(RenderCorner(PoseBeforeTheCorner()));
   const FramePyramid nothing = OneLevel(RenderCorner(PoseBeforeTheCorner(), 0));

@@ -34,10 +34,10 @@ struct IcpOptions {
   double min_relative_rmse_change = 1e-3;  // a level ends where RMSE changes by less ...
   double min_increment = 1e-5;             // ... or where rad and metres of the step are below
   bool stop_at_rmse_increase = true;       // or where it rises by more, and inliers do not
-  int min_inliers = 200;                   // pairs, of whatever residual
-  double min_inlier_share = 0.1;           // of the valid source points of the level
-  HeldOptions held;                        // what it takes for a direction to be held
-  double max_free_space_share = 1;         // of IcpResult::free_space_share; 1 = off
+  int min_inliers = 200;          // pairs of whatever residual; half as many on each coarser level
+  double min_inlier_share = 0.1;  // of the valid source points of the level
+  HeldOptions held;               // what it takes for a direction to be held
+  double max_free_space_share = 1;  // of IcpResult::free_space_share; 1 = off
 
   void Visit(OptionVisitor& visitor);
 };
