@@ -30,6 +30,8 @@ void BindRunSummary(py::module_& module) {
       .def_readonly("frames_lost", &Summary::frames_lost, "not registered")
       .def_readonly("frames_with_motion", &Summary::frames_with_motion,
                     "tracked ones, of whose points more than a tenth move by themselves")
+      .def_readonly("frames_confirmed", &Summary::frames_confirmed,
+                    "of those lost, the ones that the next frame has given a pose")
       .def_readonly("frames_lost_in_motion", &Summary::frames_lost_in_motion,
                     "lost ones, where such a one is the last that was tracked")
       .def_readonly("frames_apart", &Summary::frames_apart,

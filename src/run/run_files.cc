@@ -43,9 +43,14 @@ RunFiles::RunFiles(const std::string& folder, bool mirrored)
 }
 
 void RunFiles::Write(const FrameReport& report, double decode_ms, double frame_ms) {
+  const auto as_given = [&](double stamp_s, const Rigid3d& pose) {
+    return StampedPose{stamp_s, mirrored_ ? Mirrored(pose) : pose};
+  };
+  if (report.confirmed) {
+    trajectory_.Append(as_given(report.confirmed->stamp_s, report.confirmed->world_from_camera));
+  }
   if (report.state != FrameState::kLost) {
-    const Rigid3d& pose = report.world_from_camera;
-    const StampedPose stamped = {report.stamp_s, mirrored_ ? Mirrored(pose) : pose};
+    const StampedPose stamped = as_given(report.stamp_s, report.world_from_camera);
     trajectory_.Append(stamped);
     online_.Append(stamped);
   }

@@ -48,6 +48,7 @@ void RunStatistics::CountProcessed(const RgbdFrame& frame, const FrameReport& re
   summary_.input_points += static_cast<std::int64_t>(frame.depth_m.size());
   summary_.input_points_valid += valid_points;
   summary_.frames_apart += report.is_apart;
+  summary_.frames_confirmed += report.confirmed.has_value();
   if (report.state == FrameState::kLost) {
     ++summary_.frames_lost;
     summary_.frames_lost_in_motion += much_moves_;

@@ -41,6 +41,10 @@ void SequenceSlam::Begin(double stamp_s) {
 FrameReport SequenceSlam::Process(const RgbdFrame& frame) {
   if (!slam_) Begin(frame.stamp_s);
   FrameReport report = options_.poses == "track" ? slam_->Process(frame) : ProcessAtTruePose(frame);
+  if (report.confirmed) {
+    trajectory_.push_back({report.confirmed->stamp_s, report.confirmed->world_from_camera});
+    frames_.push_back(report.confirmed->index);
+  }
   if (report.state != FrameState::kLost) {
     trajectory_.push_back({report.stamp_s, report.world_from_camera});
     frames_.push_back(report.index);

@@ -121,6 +121,7 @@ void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
   j["frames_tracked"] = s.frames_tracked;
   j["frames_lost"] = s.frames_lost;
   j["frames_with_motion"] = s.frames_with_motion;
+  j["frames_confirmed"] = s.frames_confirmed;
   j["frames_lost_in_motion"] = s.frames_lost_in_motion;
   j["frames_apart"] = s.frames_apart;
   j["frames_fused"] = s.frames_fused;

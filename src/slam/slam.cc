@@ -115,6 +115,7 @@ class Slam::Pipeline {
   std::optional<Tracked> Relocalize(const PreparedFrame& frame);
   std::optional<Tracked> Confirm(const PreparedFrame& frame, const Rigid3d& world_from_found);
   bool IsNewMapDue(const PreparedFrame& frame) const;
+  std::optional<ConfirmedFrame> AddConfirmed();
   bool IsHeldOut(const Tracked& tracked) const;
   std::optional<FusionReport> FuseInTurn(const PreparedFrame& frame, const Tracked& tracked,
                                          StageTimes* times);
@@ -127,7 +128,8 @@ class Slam::Pipeline {
   std::unique_ptr<Backend> backend_;  // null without loops and calibration
   RgbdFrame seen_;                    // the frame at work, if it is not taken as it comes
   RgbdFrame seen_rest_, rest_;        // the same, and the frame as given, without what moves
-  int frame_count_ = 0;               // the frame at work included
+  RgbdFrame proposed_;   // the last frame that was proposed, as given without what moves
+  int frame_count_ = 0;  // the frame at work included
   std::function<void(const LostFrame&)> on_lost_;
 };
 
@@ -147,10 +149,12 @@ FrameReport Slam::Pipeline::Process(const RgbdFrame& frame,
   PreparedFrame whole = Prepare(frame, motion, &times);
   const Tracked tracked =
       given_pose ? Given(*given_pose) : tracker_.Checked(whole, Track(whole, &times));
+  if (tracker_.has_proposal()) proposed_ = AtRest(frame, tracked.moving);
   if (!tracked.is_held()) {
     tracker_.Lose();
     return Report(frame, tracked, {}, times);
   }
+  const std::optional<ConfirmedFrame> confirmed = AddConfirmed();
   tracker_.Remember(whole, tracked);
   PreparedFrame prepared = AtRest(std::move(whole), tracked.moving);
   if (backend_) {
@@ -167,7 +171,19 @@ FrameReport Slam::Pipeline::Process(const RgbdFrame& frame,
   tracker_.Keep(std::move(prepared), tracked);
   FrameReport report = Report(frame, tracked, fused, times);
   report.is_held_out = is_held_out;
+  report.confirmed = confirmed;
   return report;
+}
+
+// The frame before, once this one agrees with it. It is not fused: this one is.
+std::optional<ConfirmedFrame> Slam::Pipeline::AddConfirmed() {
+  const Proposal* confirmed = tracker_.confirmed();
+  if (!confirmed) return std::nullopt;
+  const auto& [view, world_from_view, grey] = confirmed->view;
+  if (backend_) {
+    backend_->AddFrame(proposed_, world_from_view, confirmed->tracked.icp, view.pyramid);
+  }
+  return ConfirmedFrame{proposed_.index, proposed_.stamp_s, world_from_view};
 }
 
 // Without a frame that begins a map there would be none.

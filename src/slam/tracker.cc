@@ -236,6 +236,7 @@ std::optional<Tracked> Tracker::ConfirmProposal(const PreparedFrame& frame,
   confirmed.found_again = true;
   confirmed.keyframe = proposal.tracked.keyframe;
   if (confirmed.keyframe >= 0) confirmed.state = FrameState::kRelocalized;
+  confirmed_ = std::move(proposal);
   return confirmed;
 }
 
@@ -258,6 +259,7 @@ Tracked Tracker::Checked(const PreparedFrame& frame, Tracked tracked) {
 
 void Tracker::Keep(PreparedFrame frame, const Tracked& tracked) {
   proposal_.reset();
+  confirmed_.reset();
   // The way over lost frames is not one frame's motion, nor is a jump.
   const bool is_next = has_started_ && lost_count_ == 0 && !tracked.found_again;
   last_from_next_ =

@@ -45,6 +45,12 @@ struct Tracked {
   bool is_held() const { return state != FrameState::kLost; }
 };
 
+// Where a lost frame may have been.
+struct Proposal {
+  ReferenceView view;  // without what moves
+  Tracked tracked;
+};
+
 // Follows the camera: predicts its pose, registers frames, and keeps what the next one needs to
 // know of those before.
 class Tracker {
@@ -106,6 +112,8 @@ class Tracker {
   // What was proposed, at the pose of a frame that was tracked from there and agrees; nothing if it
   // does not. There is no proposal afterwards.
   std::optional<Tracked> ConfirmProposal(const PreparedFrame& frame, const Tracked& tracked);
+  // The one that the frame at work has confirmed, if so; null once that is kept or lost.
+  const Proposal* confirmed() const { return confirmed_ ? &*confirmed_ : nullptr; }
 
   // Asks the images whether a frame that is held is where it is said to be: else it is lost.
   Tracked Checked(const PreparedFrame& frame, Tracked tracked);
@@ -119,6 +127,7 @@ class Tracker {
   void Keep(PreparedFrame frame, const Tracked& tracked);
   void Lose() {
     ++lost_count_;
+    confirmed_.reset();
     needs_search_ = true;
   }
 
@@ -131,17 +140,12 @@ class Tracker {
   Tracked Judge(const ReferenceView& reference, const PreparedFrame& frame, const IcpResult& icp,
                 const IcpOptions& icp_options) const;
 
-  // Where a lost frame may have been.
-  struct Proposal {
-    ReferenceView view;
-    Tracked tracked;
-  };
-
   const SlamOptions& options_;
   Belief belief_;
   MovingRegions regions_;
   FeatureWatch features_;
   std::optional<Proposal> proposal_;  // of the last frame
+  std::optional<Proposal> confirmed_;
   bool has_started_ = false;
   int lost_count_ = 0;
   bool needs_search_ = false;    // the last frame was lost, or came with a jump

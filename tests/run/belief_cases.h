@@ -202,19 +202,27 @@ inline const SlamOptions& DefaultSlam() {
   return options;
 }
 
-// Online: each pose as it is at its time. Slam begins at the truth.
+// Online: each pose as it is at its time, or once the next frame has confirmed it. Slam begins at
+// the truth.
 inline Verdicts Judge(const Recording& recording, const SlamOptions& options = DefaultSlam()) {
   constexpr double kRight_m = 0.1, kRight_rad = 5 * kRadPerDeg;
   Slam slam(recording.sensor, options, recording.truth.at(0).value());
   Verdicts verdicts;
+  std::vector<std::pair<bool, Rigid3d>> found;  // whether it is believed, world from camera
   for (std::size_t i = 0; i < recording.frames.size(); ++i) {
     const FrameReport report = slam.Process(recording.frames[i]);
     verdicts.apart += report.is_apart;
+    if (report.confirmed) {
+      found.at(i - 1) = {true, report.confirmed->world_from_camera};
+    }
+    found.push_back({report.state != FrameState::kLost, report.world_from_camera});
+  }
+  for (std::size_t i = 0; i < found.size(); ++i) {
     if (!recording.truth[i]) continue;
-    const Rigid3d error = recording.truth[i]->Inverse() * report.world_from_camera;
+    const auto& [is_believed, world_from_camera] = found[i];
+    const Rigid3d error = recording.truth[i]->Inverse() * world_from_camera;
     const bool is_right = error.translation.norm() <= kRight_m + recording.drift_m &&
                           RotationAngle(error.rotation) <= kRight_rad + recording.drift_rad;
-    const bool is_believed = report.state != FrameState::kLost;
     ++verdicts.frames;
     verdicts.believed += is_believed;
     verdicts.wrong += is_believed && !is_right;

@@ -101,6 +101,7 @@ struct SlamRunSummary {
   int frames_tracked = 0;  // with a pose: all but lost and skipped ones
   int frames_lost = 0;
   int frames_with_motion = 0;  // tracked ones, of whose points more than a tenth move by themselves
+  int frames_confirmed = 0;    // of those lost, the ones that the next frame has given a pose
   int frames_lost_in_motion = 0;  // lost ones, where such a one is the last that was tracked
   int frames_apart = 0;  // of whose views parts move apart (FrameReport::is_apart), lost or not
   int frames_fused = 0;  // into the map, of the tracked ones

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "surfit/core/image.h"
@@ -94,6 +95,13 @@ struct StageTimes {
   double correct_ms = 0;  // of the map, by loops
 };
 
+// A frame that was lost when it came, and the pose that the next one has confirmed.
+struct ConfirmedFrame {
+  int index = 0;
+  double stamp_s = 0;
+  Rigid3d world_from_camera;
+};
+
 // What became of one frame.
 struct FrameReport {
   int index = 0;
@@ -113,6 +121,7 @@ struct FrameReport {
       moving;           // where they are: cells of the image, not 0; empty where nothing moves
   IcpResult icp;        // of a tracked or lost frame
   FusionReport fusion;  // of a fused frame
+  std::optional<ConfirmedFrame> confirmed;  // the frame before
   StageTimes times;
 };
 
