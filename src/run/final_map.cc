@@ -121,7 +121,7 @@ class Recoloring {
 
 std::optional<SurfelMap> FuseAnew(const KnownSequence& known, const std::atomic<bool>& interrupted,
                                   const FinalMapProgress& progress) {
-  const auto source = OpenAgain(known.sequence);
+  auto source = OpenAgain(known.sequence);
   FinalMap final_map(known, source->info());
   SurfelMap& map = final_map.map();
   int fused = 0, done = 0;  // frames, and what is done of them: a third of it is recolouring
@@ -141,6 +141,7 @@ std::optional<SurfelMap> FuseAnew(const KnownSequence& known, const std::atomic<
   const FusionOptions& fusion = known.slam.fusion;
   if (fused > fusion.max_dormant_frames) DropFlying(fusion, &map);
   SmoothMap(known.found.Of(source->info().sensor()), &map);
+  source.reset();  // of a long recording its list of frames is large
   SequenceOptions some = known.sequence;
   some.stride *= kColorStride;
   const auto again = OpenAgain(some);
