@@ -35,7 +35,7 @@ class SanitizerFence {
 #endif
 
  private:
-  char address_ = 0;
+  [[maybe_unused]] char address_ = 0;
 };
 
 // Sets a library's number of threads and returns the former one; 0 where it is not loaded.
