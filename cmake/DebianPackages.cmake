@@ -49,6 +49,7 @@ This package has the programs: SLAM, refinement, meshes, registration,
 evaluation, simulation.")
   set(CPACK_DEBIAN_TOOLS_PACKAGE_DEPENDS "libsurfit0 ${same_version}")
   set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS "surfit-view ${same_version}")
+  set(CPACK_DEBIAN_TOOLS_PACKAGE_SUGGESTS "snakemake")
 endif()
 if(TARGET surfit_window)
   list(APPEND CPACK_COMPONENTS_ALL view)

@@ -62,9 +62,9 @@ class BatchSummer {
 template <typename Sum, typename Functor, typename S, typename F>
 Sum SumBatch(const Functor& functor, const BatchData<Functor, S>& data, const double* pose,
              const RobustKernel& kernel, const F& sum) {
-  constexpr int kPointsPerBlock = 4096;
+  constexpr int kBlockPoints = 4096;
   return ParallelSum(
-      0, static_cast<int>(data.size()), kPointsPerBlock, Sum(), [&](int begin, int end) {
+      0, static_cast<int>(data.size()), kBlockPoints, Sum(), [&](int begin, int end) {
         return WithInstructions([&](auto instructions) {
           using V = Lanes<S, decltype(instructions)>;
           return sum(BatchSummer<V, Functor, S>(functor, data, pose, kernel), begin, end);

@@ -117,13 +117,44 @@ class Recoloring {
   ColorAverage average_;
 };
 
-}  // namespace
+// Leaves out what a frame sees outside of the part and its margin.
+Image<float> Within(const MapPart& part, const PinholeCamera& camera,
+                    const Rigid3d& world_from_camera, Image<float> depth_m) {
+  const Rigid3f pose = world_from_camera.cast<float>();
+  const Eigen::Vector3f margin = Eigen::Vector3f::Constant(part.margin_m);
+  const Eigen::AlignedBox3f box(part.box.min() - margin, part.box.max() + margin);
+  const auto fx = static_cast<float>(camera.fx), fy = static_cast<float>(camera.fy);
+  const auto cx = static_cast<float>(camera.cx), cy = static_cast<float>(camera.cy);
+  for (int v = 0; v < depth_m.height(); ++v) {
+    for (int u = 0; u < depth_m.width(); ++u) {
+      float& z = depth_m(u, v);
+      const Eigen::Vector3f ray((static_cast<float>(u) - cx) / fx,
+                                (static_cast<float>(v) - cy) / fy, 1);
+      if (z > 0 && !box.contains(pose * Eigen::Vector3f(z * ray))) z = 0;
+    }
+  }
+  return depth_m;
+}
 
-std::optional<SurfelMap> FuseAnew(const KnownSequence& known, const std::atomic<bool>& interrupted,
-                                  const FinalMapProgress& progress) {
-  auto source = OpenAgain(known.sequence);
+// Each point of space is in one of the boxes that stand side by side.
+void Crop(const Eigen::AlignedBox3f& box, SurfelMap* map) {
+  for (const std::int32_t id : map->Ids()) {
+    const Eigen::Vector3f at = (*map)[id].position_in_world;
+    const bool is_in =
+        (at.array() >= box.min().array()).all() && (at.array() < box.max().array()).all();
+    if (!is_in) map->Mark(id);
+  }
+  map->RemoveMarked();
+}
+
+std::optional<SurfelMap> Fuse(const KnownSequence& known, const MapPart* part,
+                              const std::atomic<bool>& interrupted,
+                              const FinalMapProgress& progress) {
+  const std::vector<FrameRange> ranges = part ? part->frames : std::vector<FrameRange>();
+  auto source = OpenAgain(known.sequence, ranges);
   FinalMap final_map(known, source->info());
   SurfelMap& map = final_map.map();
+  const DepthSensor sensor = known.found.Of(source->info().sensor());
   int fused = 0, done = 0;  // frames, and what is done of them: a third of it is recolouring
   const auto for_each = [&](FrameSource* frames, const auto& take) {
     return ReadKnownFrames(known, frames, interrupted, [&](std::size_t pose, RgbdFrame frame) {
@@ -134,25 +165,40 @@ std::optional<SurfelMap> FuseAnew(const KnownSequence& known, const std::atomic<
     });
   };
   const bool is_fused = for_each(source.get(), [&](RgbdFrame frame, const Rigid3d& pose) {
+    if (part) frame.depth_m = Within(*part, sensor.camera, pose, std::move(frame.depth_m));
     final_map.Fuse(std::move(frame), pose);
     ++fused;
   });
   if (!is_fused) return std::nullopt;
   const FusionOptions& fusion = known.slam.fusion;
   if (fused > fusion.max_dormant_frames) DropFlying(fusion, &map);
-  SmoothMap(known.found.Of(source->info().sensor()), &map);
+  SmoothMap(sensor, &map);
   source.reset();  // of a long recording its list of frames is large
   SequenceOptions some = known.sequence;
   some.stride *= kColorStride;
-  const auto again = OpenAgain(some);
+  const auto again = OpenAgain(some, ranges);
   Recoloring recoloring(known, again->info(), map);
   const bool is_colored = for_each(again.get(), [&](RgbdFrame frame, const Rigid3d& pose) {
     recoloring.Add(std::move(frame), pose);
   });
   if (!is_colored) return std::nullopt;
   recoloring.WriteTo(&map);
+  if (part) Crop(part->box, &map);
   progress(fused, map.size());
   return std::move(map);
+}
+
+}  // namespace
+
+std::optional<SurfelMap> FuseAnew(const KnownSequence& known, const std::atomic<bool>& interrupted,
+                                  const FinalMapProgress& progress) {
+  return Fuse(known, nullptr, interrupted, progress);
+}
+
+std::optional<SurfelMap> FusePart(const KnownSequence& known, const MapPart& part,
+                                  const std::atomic<bool>& interrupted,
+                                  const FinalMapProgress& progress) {
+  return Fuse(known, &part, interrupted, progress);
 }
 
 }  // namespace surfit

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <atomic>
 #include <cstddef>
 #include <functional>
 #include <optional>
+#include <vector>
 
 #include "run/known_sequence.h"
 #include "surfit/mapping/surfel_map.h"
@@ -21,6 +23,18 @@ using FinalMapProgress = std::function<void(int frames, std::size_t map_points)>
 // anew, from where each second frame's own colours say that they were seen (RegisterColors,
 // ColorAverage). Nothing if it is interrupted. Throws InputError if the sequence cannot be read.
 std::optional<SurfelMap> FuseAnew(const KnownSequence& known, const std::atomic<bool>& interrupted,
+                                  const FinalMapProgress& progress);
+
+// A part of a map: what lies in a box of the world, half-open, seen by some frames.
+struct MapPart {
+  Eigen::AlignedBox3f box;
+  float margin_m = 0;  // around it is fused as well, and left out in the end
+  std::vector<FrameRange> frames;
+};
+
+// The same of a part: memory goes by what is in the box, time by its frames.
+std::optional<SurfelMap> FusePart(const KnownSequence& known, const MapPart& part,
+                                  const std::atomic<bool>& interrupted,
                                   const FinalMapProgress& progress);
 
 }  // namespace surfit

@@ -7,9 +7,55 @@
 
 namespace surfit {
 
-std::unique_ptr<FrameSource> OpenAgain(const SequenceOptions& sequence) {
+namespace {
+
+// Ranges of a sequence, one after the other.
+class RangesOfSequence final : public FrameSource {
+ public:
+  RangesOfSequence(const SequenceOptions& sequence, const std::vector<FrameRange>& ranges)
+      : sequence_(sequence), ranges_(ranges) {
+    Open();
+    info_ = source_->info();
+    info_.frame_count = 0;
+    for (const FrameRange& range : ranges) {
+      info_.frame_count += (range.last - range.first) / sequence.stride + 1;
+    }
+  }
+
+  const SequenceInfo& info() const override { return info_; }
+  std::optional<ReadResult> Next() override {
+    std::optional<ReadResult> read = source_->Next();
+    while (!read && ++at_ < ranges_.size()) {
+      Open();
+      read = source_->Next();
+    }
+    return read;
+  }
+
+ private:
+  // Its frames are those of the whole sequence with that stride.
+  void Open() {
+    SequenceOptions part = sequence_;
+    const int past = ranges_[at_].first - sequence_.first;
+    part.first = sequence_.first + (past + part.stride - 1) / part.stride * part.stride;
+    part.last = std::max(part.first, ranges_[at_].last);
+    source_ = OpenSequence(part);
+  }
+
+  SequenceOptions sequence_;
+  std::vector<FrameRange> ranges_;
+  std::size_t at_ = 0;
+  std::unique_ptr<FrameSource> source_;
+  SequenceInfo info_;
+};
+
+}  // namespace
+
+std::unique_ptr<FrameSource> OpenAgain(const SequenceOptions& sequence,
+                                       const std::vector<FrameRange>& ranges) {
   constexpr int kReadAhead = 4;
-  return ReadAhead(OpenSequence(sequence), kReadAhead);
+  if (ranges.empty()) return ReadAhead(OpenSequence(sequence), kReadAhead);
+  return ReadAhead(std::make_unique<RangesOfSequence>(sequence, ranges), kReadAhead);
 }
 
 bool ReadKnownFrames(const KnownSequence& known, FrameSource* source,

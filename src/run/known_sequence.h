@@ -30,8 +30,15 @@ struct KnownSequence {
   FoundSensor found;
 };
 
-// Opens a sequence, reading a few frames ahead.
-std::unique_ptr<FrameSource> OpenAgain(const SequenceOptions& sequence);
+// Frames of a sequence, by their indices, both inclusive.
+struct FrameRange {
+  int first = 0, last = 0;
+};
+
+// Opens a sequence, reading a few frames ahead: all that the options say, or of these only some
+// ranges, ascending, apart from each other and at least one.
+std::unique_ptr<FrameSource> OpenAgain(const SequenceOptions& sequence,
+                                       const std::vector<FrameRange>& ranges = {});
 
 // Reads the frames that have a pose from the source, which may have other sizes of images, and
 // calls with the pose's place in the trajectory and the frame as it was measured, without what

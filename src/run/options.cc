@@ -53,6 +53,10 @@ void SlamRunOptions::Visit(OptionVisitor& v) {
   v.Add(keep_views, "keep_views",
         "write report.html: map and trajectory in 3D, plots, views, options", AsFlag("report"),
         Everyday());
+  v.Add(keep_places, "keep_places",
+        "with loop_closure: write places.bin, keyframes with their views and all edges of the pose "
+        "graph, to be joined to other runs",
+        AsFlag());
   v.Add(trace, "trace", "file for the times of all stages and threads, for ui.perfetto.dev",
         AsFlag());
   v.Add(dump_failures, "dump_failures",
@@ -61,6 +65,9 @@ void SlamRunOptions::Visit(OptionVisitor& v) {
   v.Check([this] {
     if (slam.loops.enabled && poses != "track") {
       throw InputError(Concat("poses is '", poses, "', must be 'track' where loops are closed"));
+    }
+    if (keep_places && !slam.loops.enabled) {
+      throw InputError("keep_places is true, must be false without loop_closure");
     }
     if (initial_pose != "identity" && initial_pose != "groundtruth") {
       ParsePose("initial_pose", initial_pose);

@@ -23,6 +23,7 @@ std::vector<std::string> RunFileNames() {
                                     "map_confidence.png",
                                     "map_last_seen.png",
                                     "camera.yaml",
+                                    "places.bin",
                                     "report.html"};
   for (const std::string& name : KeptViews::FileNames()) names.push_back(name);
   for (const std::string& name : Thumbnails::FileNames()) names.push_back(name);

@@ -28,6 +28,7 @@
 #include "surfit/core/parallel.h"
 #include "surfit/core/trace.h"
 #include "surfit/io/frame_source.h"
+#include "surfit/io/places_file.h"
 #include "surfit/io/sequence.h"
 
 namespace surfit {
@@ -245,6 +246,12 @@ class SlamRun {
     summary->merged_doubles = static_cast<std::int64_t>(slam.merged_doubles());
     if (options_.slam.loops.enabled) {
       failures_.Try([&] { WriteLoopsCsv(backend.loops(), Path("loops.csv")); });
+    }
+    if (options_.keep_places) {
+      failures_.Try([&] {
+        WritePlaces({backend.frames(), backend.keyframe_views(), backend.edges()},
+                    Path("places.bin"));
+      });
     }
     summary->calibrations = backend.calibrations();
     const DepthSensor given = slam_.info().sensor();

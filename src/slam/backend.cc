@@ -276,6 +276,15 @@ std::vector<KeyframeLink> Backend::keyframes() const {
   return links;
 }
 
+std::vector<Keyframe> Backend::keyframe_views() const {
+  std::vector<Keyframe> keyframes = closer_->keyframes();
+  const std::vector<Rigid3d> poses = KeyframePoses();
+  for (std::size_t k = 0; k < keyframes.size(); ++k) keyframes[k].world_from_camera = poses[k];
+  return keyframes;
+}
+
+const std::vector<PoseGraphEdge>& Backend::edges() const { return closer_->edges(); }
+
 const DepthCalibration* Backend::calibration() const {
   return calibrator_ ? &calibrator_->calibration() : nullptr;
 }

@@ -50,6 +50,11 @@ class LoopCloser {
   // still be taken.
   Relocalization Find(const ColoredView& view, const std::vector<Rigid3d>& world_from_keyframe);
 
+  // No task may be under way. All that were added, with their views; where they are, frames tell.
+  const std::vector<Keyframe>& keyframes() const { return keyframes_; }
+  // Between them: odometry, and all loops that were accepted.
+  const std::vector<PoseGraphEdge>& edges() const { return graph_.edges; }
+
  private:
   LoopOutcome Run(LoopTask task);
   void Add(NewKeyframe added);

@@ -11,6 +11,7 @@
 #include "surfit/core/error.h"
 #include "surfit/io/camera_files.h"
 #include "surfit/io/g2o.h"
+#include "surfit/io/places_file.h"
 #include "surfit/io/point_cloud.h"
 #include "surfit/io/trajectory_files.h"
 #include "surfit/run/slam_run.h"
@@ -184,6 +185,7 @@ std::vector<FuzzTarget> ResultTargets() {
       {"judged_poses", "poses.json", RunFolder, JudgeViews},
       {"tracking_dump", "frame.json", DumpFolder,
        [](const std::string& f) { ReadTrackingDump(f); }},
+      {"places", "file", Nothing, [](const std::string& f) { ReadPlaces(FileIn(f)); }},
   };
 }
 

@@ -17,6 +17,8 @@
 #include "surfit/run/revisits.h"
 #include "surfit/run/slam_run.h"
 #include "surfit/run/view_evaluation.h"
+#include "surfit/scan/scan_jobs.h"
+#include "surfit/scan/scan_plan.h"
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
 
@@ -59,7 +61,8 @@ using AllOptions = ::testing::Types<
     RelativePoseErrorOptions, TrajectoryEvaluationOptions, MapErrorOptions, KlgOptions,
     KinectOptions, ColorOptions, PathOptions, ReportOptions, SlamRunOptions, AlignRunOptions,
     RegisterRunOptions, RefineRunOptions, RevisitOptions, FindLoopsRunOptions,
-    ViewEvaluationOptions, MeshOptions, CompareOptions>;
+    ViewEvaluationOptions, MeshOptions, CompareOptions, ScanPlanOptions, CandidatesOptions,
+    LinkOptions, GraphOptions, TileOptions, ScanReportOptions>;
 TYPED_TEST_SUITE(OptionTables, AllOptions);
 
 TYPED_TEST(OptionTables, NameEveryFieldOnce) { ExpectAll<TypeParam>(FieldCount<TypeParam>()); }

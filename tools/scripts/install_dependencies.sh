@@ -44,6 +44,7 @@ test_packages=(
   xvfb xdotool imagemagick zsh
   python3-rosbag python3-sensor-msgs lz4 zstd
   chromium chromium-driver python3-selenium python3-pil
+  snakemake
 )
 [[ $group == programs ]] || packages+=("${test_packages[@]}")
 

@@ -37,7 +37,8 @@ struct SlamRunOptions {
   bool refine = true;
   bool final_map = true;
   bool pictures = true;
-  bool keep_views = false;  // pictures of a few frames beside the model's views, for WriteReport()
+  bool keep_views = false;   // pictures of a few frames beside the model's views, for WriteReport()
+  bool keep_places = false;  // places.bin (RunPlaces), to be joined to other runs
   std::string trace;  // file for the times of all stages and threads (TraceRecorder); empty = none
   // Folder in which each frame that tracking loses is kept as frame-XXXXXX, to be registered again
   // (CompareOptions::replay); empty = none.

@@ -213,6 +213,10 @@ class Backend {
   Trajectory trajectory() const;
   int FrameOfKeyframe(int keyframe) const { return frames_[frame_of_keyframe_[keyframe]].index; }
   std::vector<KeyframeLink> keyframes() const;
+  // The same with their views, and what was measured between them: odometry, and all loops that
+  // were accepted, wrong ones too. After Finish(), with loops enabled.
+  std::vector<Keyframe> keyframe_views() const;
+  const std::vector<PoseGraphEdge>& edges() const;
 
  private:
   bool BecomesKeyframe(const PosedFrame& frame, const FramePyramid& pyramid) const;

@@ -1,0 +1,271 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <tuple>
+#include <utility>
+
+#include "run/known_sequence.h"
+#include "run/output_files.h"
+#include "run/output_folder.h"
+#include "scan/scan_graph.h"
+#include "scan/tile_files.h"
+#include "surfit/core/error.h"
+#include "surfit/core/options.h"
+#include "surfit/evaluation/trajectory_evaluation.h"
+#include "surfit/io/trajectory_files.h"
+#include "surfit/pictures/pictures.h"
+
+namespace surfit {
+namespace {
+
+std::vector<std::optional<RunPlaces>> AllPlaces(const std::string& scan, const ScanPlan& plan) {
+  std::vector<std::optional<RunPlaces>> all;
+  for (const ScanFragment& fragment : plan.fragments) {
+    all.push_back(PlacesOf(scan, fragment, PlacesPart::kFeatures));
+    if (!all.back()) continue;
+    for (Keyframe& keyframe : all.back()->keyframes) keyframe.view = PlaceView();
+  }
+  return all;
+}
+
+class LinkReader {
+ public:
+  LinkReader(const ScanPlan& plan, const std::vector<std::optional<RunPlaces>>& places) {
+    for (std::size_t i = 0; i < plan.fragments.size(); ++i) {
+      Fragment& fragment = fragments_[plan.fragments[i].name];
+      fragment.position = i;
+      if (!places[i]) continue;
+      for (std::size_t k = 0; k < places[i]->keyframes.size(); ++k) {
+        fragment.keyframes[places[i]->keyframes[k].frame_index] = static_cast<int>(k);
+      }
+    }
+  }
+
+  // Those that were accepted.
+  std::vector<GraphLink> Read(const std::vector<std::string>& paths) const {
+    std::vector<GraphLink> links;
+    for (const std::string& path : paths) {
+      const PairLinks pair = ReadLinks(path);
+      for (const ScanLink& link : pair.links) {
+        if (!link.verdict.accepted()) continue;
+        GraphLink accepted;
+        std::tie(accepted.source, accepted.source_keyframe) =
+            Find(path, pair.source, link.source_frame);
+        std::tie(accepted.target, accepted.target_keyframe) =
+            Find(path, pair.target, link.target_frame);
+        accepted.target_from_source = link.verdict.target_from_source;
+        accepted.information = link.verdict.information;
+        accepted.overlap_share = link.verdict.overlap_share;
+        links.push_back(accepted);
+      }
+    }
+    return links;
+  }
+
+ private:
+  struct Fragment {
+    std::size_t position = 0;
+    std::map<int, int> keyframes;  // position by frame
+  };
+
+  std::pair<std::size_t, int> Find(const std::string& path, const std::string& name,
+                                   int frame) const {
+    const auto fragment = fragments_.find(name);
+    if (fragment == fragments_.end()) {
+      throw InputError(Concat(path, ": fragment '", name, "' is none of the plan"));
+    }
+    const auto keyframe = fragment->second.keyframes.find(frame);
+    if (keyframe == fragment->second.keyframes.end()) {
+      throw InputError(Concat(path, ": frame ", frame, " is no keyframe of fragment ", name));
+    }
+    return {fragment->second.position, keyframe->second};
+  }
+
+  std::map<std::string, Fragment> fragments_;
+};
+
+// Which frames see what part of space.
+class TileFinder {
+ public:
+  explicit TileFinder(double tile_m) : tile_m_(tile_m) {}
+
+  void Add(const RunPlaces& places, const std::vector<Rigid3d>& world_from_camera) {
+    for (std::size_t k = 0; k < places.keyframes.size(); ++k) {
+      const int first =
+          k > 0 ? places.keyframes[k - 1].frame_index + 1 : places.frames.front().index;
+      const int last = k + 1 < places.keyframes.size() ? places.keyframes[k + 1].frame_index - 1
+                                                       : places.frames.back().index;
+      for (const auto& [cell, count] : Seen(places.keyframes[k].view, world_from_camera[k])) {
+        Tile& tile = tiles_[cell];
+        tile.points += count;
+        tile.frames.push_back({first, last});
+      }
+    }
+  }
+
+  std::vector<ScanTile> Tiles() const {
+    std::vector<ScanTile> tiles;
+    for (const auto& [cell, found] : tiles_) {
+      if (found.points < kLeastPoints) continue;
+      ScanTile tile;
+      tile.name = Concat(cell[0], "_", cell[1], "_", cell[2]);
+      const Eigen::Vector3d corner = tile_m_ * Eigen::Vector3d(cell[0], cell[1], cell[2]);
+      tile.box = {corner.cast<float>(),
+                  (corner + Eigen::Vector3d::Constant(tile_m_)).cast<float>()};
+      tile.frames = Merged(found.frames);
+      tiles.push_back(tile);
+    }
+    return tiles;
+  }
+
+ private:
+  using Cell = std::array<int, 3>;
+  struct Tile {
+    int points = 0;
+    std::vector<FrameRange> frames;
+  };
+  static constexpr int kStep = 4;          // pixels between those that are looked at
+  static constexpr int kLeastPoints = 10;  // fewer are noise
+
+  std::map<Cell, int> Seen(const PlaceView& view, const Rigid3d& world_from_camera) const {
+    std::map<Cell, int> seen;
+    const PinholeCamera& camera = view.camera;
+    for (int v = 0; v < view.depth.height(); v += kStep) {
+      for (int u = 0; u < view.depth.width(); u += kStep) {
+        const double z = view.depth(u, v) / PlaceView::kDepthUnitsPerMetre;
+        if (!(z > 0)) continue;
+        const Eigen::Vector3d point =
+            world_from_camera *
+            Eigen::Vector3d((u - camera.cx) / camera.fx * z, (v - camera.cy) / camera.fy * z, z);
+        ++seen[{static_cast<int>(std::floor(point.x() / tile_m_)),
+                static_cast<int>(std::floor(point.y() / tile_m_)),
+                static_cast<int>(std::floor(point.z() / tile_m_))}];
+      }
+    }
+    return seen;
+  }
+
+  static std::vector<FrameRange> Merged(std::vector<FrameRange> ranges) {
+    std::sort(ranges.begin(), ranges.end(),
+              [](const FrameRange& a, const FrameRange& b) { return a.first < b.first; });
+    std::vector<FrameRange> merged;
+    for (const FrameRange& range : ranges) {
+      if (!merged.empty() && range.first <= merged.back().last + 1) {
+        merged.back().last = std::max(merged.back().last, range.last);
+      } else {
+        merged.push_back(range);
+      }
+    }
+    return merged;
+  }
+
+  double tile_m_;
+  std::map<Cell, Tile> tiles_;
+};
+
+std::vector<ScanTile> FindTiles(const std::string& scan, const ScanPlan& plan,
+                                const ScanGraph& graph, double tile_m) {
+  TileFinder finder(tile_m);
+  for (std::size_t i = 0; i < plan.fragments.size(); ++i) {
+    if (!graph.fragments()[i] || graph.IsApart(i)) continue;
+    const auto places = PlacesOf(scan, plan.fragments[i], PlacesPart::kAll);
+    if (places) finder.Add(*places, graph.fragments()[i]->solved);
+  }
+  return finder.Tiles();
+}
+
+Json ToJson(const ScanPlan& plan, const ScanGraph& graph, const GraphResult& result) {
+  Json fragments = Json::array();
+  for (std::size_t i = 0; i < plan.fragments.size(); ++i) {
+    const auto& fragment = graph.fragments()[i];
+    fragments.push_back({{"name", plan.fragments[i].name},
+                         {"state", !fragment          ? "missing"
+                                   : graph.IsApart(i) ? "apart"
+                                                      : "joined"},
+                         {"frames", fragment ? fragment->places.frames.size() : 0},
+                         {"keyframes", fragment ? fragment->places.keyframes.size() : 0}});
+  }
+  Json links = Json::array();
+  for (const GraphLink& link : graph.links()) {
+    const auto frame = [&](std::size_t fragment, int keyframe) {
+      return graph.fragments()[fragment]->places.keyframes[keyframe].frame_index;
+    };
+    const std::optional<Rigid3d> residual = graph.Residual(link);
+    links.push_back(
+        {{"source", plan.fragments[link.source].name},
+         {"target", plan.fragments[link.target].name},
+         {"source_frame", frame(link.source, link.source_keyframe)},
+         {"target_frame", frame(link.target, link.target_keyframe)},
+         {"left_out", link.is_left_out},
+         {"residual_m", residual ? Json(residual->translation.norm()) : Json(nullptr)},
+         {"residual_rad", residual ? Json(RotationAngle(residual->rotation)) : Json(nullptr)}});
+  }
+  return {{"frames", result.frames},
+          {"frames_total", result.frames_total},
+          {"keyframes", result.keyframes},
+          {"links_accepted", result.links_accepted},
+          {"links_left_out", result.links_left_out},
+          {"ate_rmse_m", result.ate_rmse_m ? Json(*result.ate_rmse_m) : Json(nullptr)},
+          {"fragments", fragments},
+          {"links", links}};
+}
+
+}  // namespace
+
+GraphResult BuildScanGraph(const GraphOptions& options) {
+  Validate(options);
+  const ScanPlan plan = ReadScanPlan(options.scan);
+  std::vector<std::optional<RunPlaces>> places = AllPlaces(options.scan, plan);
+  std::vector<GraphLink> links =
+      LinkReader(plan, places).Read(FilesIn(options.scan + "/links", ".json"));
+  ScanGraph graph(std::move(places), std::move(links), plan.run.slam.loops);
+  if (!graph.Solve()) throw InputError(options.scan + ": the pose graph cannot be solved");
+  const OutputFolder owned(options.output, {"trajectory.txt", "poses.txt", "trajectory.png",
+                                            "graph.json", "tiles.json"});
+  const std::vector<PosedFrame> frames = graph.Frames();
+  GraphResult result;
+  for (std::size_t i = 0; i < plan.fragments.size(); ++i) {
+    ++result.fragments;
+    result.missing += !graph.fragments()[i];
+    result.apart += graph.IsApart(i);
+    if (graph.fragments()[i]) {
+      result.keyframes += static_cast<int>(graph.fragments()[i]->solved.size());
+    }
+  }
+  for (const GraphLink& link : graph.links()) {
+    ++(link.is_left_out ? result.links_left_out : result.links_accepted);
+  }
+  result.frames = static_cast<int>(frames.size());
+  const SequenceInfo info = OpenSequence(plan.run.sequence)->info();
+  result.frames_total = info.frame_count;
+  Trajectory trajectory;
+  for (const PosedFrame& frame : frames) {
+    trajectory.push_back({frame.stamp_s, frame.world_from_camera});
+  }
+  Trajectory shown = trajectory;
+  if (!info.ground_truth.empty()) {
+    const TrajectoryEvaluation evaluation =
+        EvaluateTrajectory(info.ground_truth, trajectory, Stamps(trajectory), {});
+    if (evaluation.ate) {
+      result.ate_rmse_m = evaluation.ate->translation_m.rmse;
+      for (StampedPose& pose : shown) {
+        pose.world_from_camera =
+            evaluation.ate->alignment.target_from_source * pose.world_from_camera;
+      }
+    }
+  }
+  WriteTrajectoryPicture(shown, info.ground_truth, options.output + "/trajectory.png");
+  const std::vector<ScanTile> tiles = FindTiles(options.scan, plan, graph, plan.tile_m);
+  result.tiles = static_cast<int>(tiles.size());
+  WriteFramePoses(frames, options.output + "/poses.txt");
+  WriteTiles(tiles, options.output + "/tiles.json");
+  if (info.mirrored) {
+    for (StampedPose& pose : trajectory) pose.world_from_camera = Mirrored(pose.world_from_camera);
+  }
+  WriteTumTrajectory(trajectory, options.output + "/trajectory.txt");
+  WriteJson(ToJson(plan, graph, result), options.output + "/graph.json");
+  return result;
+}
+
+}  // namespace surfit

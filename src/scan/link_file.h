@@ -1,0 +1,47 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "surfit/io/places_file.h"
+#include "surfit/scan/scan_jobs.h"
+#include "surfit/scan/scan_plan.h"
+
+namespace surfit {
+
+// Two keyframes that may show one place, by their frames' indices; source is of the later fragment.
+struct PlaceProposal {
+  int source_frame = 0, target_frame = 0;
+  double similarity = 0;
+};
+
+// Two fragments that may have seen the same places.
+struct PairCandidates {
+  std::string target, source;  // names of fragments
+  std::vector<PlaceProposal> proposals;
+};
+
+// Writes a file atomically, unless it says the same already: who goes by its time has nothing to do
+// again. Throws InputError naming the file, as do all below.
+void WriteUnlessSame(const std::string& text, const std::string& path);
+
+void WriteCandidates(const PairCandidates& pair, const std::string& path);
+PairCandidates ReadCandidates(const std::string& path);
+
+// Links of which all the graph needs is read again: frames, reason, pose and information.
+struct PairLinks {
+  std::string target, source;
+  std::vector<ScanLink> links;
+};
+void WriteLinks(const PairLinks& pair, const std::string& path);
+PairLinks ReadLinks(const std::string& path);
+
+// The places of a fragment; nothing if it has failed.
+std::optional<RunPlaces> PlacesOf(const std::string& scan, const ScanFragment& fragment,
+                                  PlacesPart part);
+
+// The files of a folder with that extension, by name; none if there is no folder.
+std::vector<std::string> FilesIn(const std::string& folder, const std::string& extension);
+
+}  // namespace surfit

@@ -1,0 +1,86 @@
+// The options of this room.
+#include "surfit/core/options.h"
+
+#include "surfit/core/error.h"
+#include "surfit/scan/scan_jobs.h"
+#include "surfit/scan/scan_plan.h"
+
+namespace surfit {
+namespace {
+
+Option Scan() {
+  return Option("scan", "folder of the scan, with plan.json", Required(), Everyday());
+}
+
+Option Threads() {
+  return Option("threads", "threads that compute at the same time", Between(1, 1024), Everyday());
+}
+
+}  // namespace
+
+void ScanPlanOptions::Visit(OptionVisitor& v) {
+  v.AddPart(run, "run", "how each fragment is tracked",
+            WithoutFlags({"loop_closure", "calibrate", "refine", "final_map", "pictures", "report",
+                          "keep_places", "trace", "dump_failures", "offered_fps", "poses",
+                          "initial_pose"}));
+  v.Group("fragments");
+  v.Add(fragment_frames, "fragment_frames", "frames of a fragment at most", AtLeast(2), AsFlag(),
+        Everyday());
+  v.Add(overlap_frames, "overlap_frames", "frames that a fragment shares with the next", AtLeast(1),
+        AsFlag());
+  v.Add(camera_frames, "camera_frames",
+        "frames at the beginning by which the depth camera is calibrated for all fragments",
+        AtLeast(0), ZeroIs("it is as given"), AsFlag());
+  v.Add(tile_m, "tile_m", "side of a tile of the map, a cube", AtLeast(0.5), AsFlag());
+  v.Check([this] {
+    if (overlap_frames < fragment_frames) return;
+    throw InputError(Concat("overlap_frames is ", overlap_frames,
+                            ", must be below fragment_frames, ", fragment_frames));
+  });
+}
+
+void CandidatesOptions::Visit(OptionVisitor& v) {
+  v.Group("run");
+  v.Add(scan, Scan());
+  v.Add(output, "output", "folder for the pairs of fragments; others in it are removed", Required(),
+        Everyday());
+  v.Group("places");
+  v.Add(min_gap, "min_gap", "frames between two keyframes that are looked at", AtLeast(1),
+        AsFlag());
+  v.Add(max_alike, "max_alike", "keyframes of other fragments that look most alike", AtLeast(1),
+        AsFlag());
+  v.Add(max_index_bytes, "max_index_bytes",
+        "memory for the index of all places; beyond, only each n-th keyframe is looked up",
+        AtLeast(1), AsFlag());
+}
+
+void LinkOptions::Visit(OptionVisitor& v) {
+  v.Group("run");
+  v.Add(scan, Scan());
+  v.Add(candidates, "candidates", "file of a pair of fragments, by surfit_scan_candidates",
+        Required(), AsFlag(), Everyday());
+  v.Add(output, "output", "file for the link", Required(), Everyday());
+  v.Add(threads, Threads());
+}
+
+void GraphOptions::Visit(OptionVisitor& v) {
+  v.Group("run");
+  v.Add(scan, Scan());
+  v.Add(output, "output", "folder for the results; made if missing", Required(), Everyday());
+}
+
+void TileOptions::Visit(OptionVisitor& v) {
+  v.Group("run");
+  v.Add(scan, Scan());
+  v.Add(tile, "tile", "its name in graph/tiles.json", Required(), AsFlag(), Everyday());
+  v.Add(output, "output", "the .ply file", Required(), Everyday());
+  v.Add(margin_m, "margin_m", "around the tile is fused as well", Positive(), AsFlag());
+  v.Add(threads, Threads());
+}
+
+void ScanReportOptions::Visit(OptionVisitor& v) {
+  v.Group("run");
+  v.Add(scan, Scan());
+}
+
+}  // namespace surfit

@@ -1,0 +1,355 @@
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <set>
+#include <sstream>
+#include <utility>
+
+#include "core/read_file.h"
+#include "run/digest.h"
+#include "run/output_files.h"
+#include "scan/link_file.h"
+#include "scan/receipts.h"
+#include "scan/tile_files.h"
+#include "surfit/core/atomic_file.h"
+#include "surfit/core/error.h"
+#include "surfit/core/options.h"
+#include "surfit/io/point_cloud.h"
+#include "surfit/mapping/surfel_map.h"
+#include "surfit/pictures/pictures.h"
+#include "surfit/scan/scan_jobs.h"
+#include "surfit/scan/scan_plan.h"
+
+namespace surfit {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Those of the plan and of what came of it; others are of a former plan.
+std::vector<Receipt> ReadReceipts(const std::string& scan, const std::set<std::string>& jobs) {
+  std::vector<Receipt> receipts;
+  for (const std::string& path : FilesIn(scan + "/jobs", ".json")) {
+    if (jobs.count(fs::path(path).stem()) > 0) receipts.push_back(ReadReceipt(path));
+  }
+  return receipts;
+}
+
+std::string Hex(const Fnv1a& hash) {
+  std::ostringstream text;
+  text << std::hex << std::setw(16) << std::setfill('0') << hash.hash();
+  return text.str();
+}
+
+// Of the whole map so many surfels at most, evenly, grown to cover what lies between them.
+SurfelMap ThinnedMap(const std::vector<std::string>& paths) {
+  constexpr std::size_t kMostSurfels = 2000000;
+  constexpr std::uintmax_t kBytesOfSurfel = 43;  // WriteSurfelPly()
+  std::uintmax_t count = 0;
+  for (const std::string& path : paths) count += fs::file_size(path) / kBytesOfSurfel;
+  const std::size_t step = count / kMostSurfels + 1;
+  const float growth = std::sqrt(static_cast<float>(step));
+  SurfelMap map;
+  for (const std::string& path : paths) {
+    std::vector<Surfel> surfels = ReadSurfelPly(path), kept;
+    for (std::size_t i = 0; i < surfels.size(); i += step) {
+      surfels[i].radius_m *= growth;
+      kept.push_back(surfels[i]);
+    }
+    map.Append(kept);
+  }
+  return map;
+}
+
+// Text of a page.
+std::string Escaped(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        escaped += "&amp;";
+        break;
+      case '<':
+        escaped += "&lt;";
+        break;
+      case '>':
+        escaped += "&gt;";
+        break;
+      default:
+        escaped += c;
+    }
+  }
+  return escaped;
+}
+
+std::string Fixed(double number, int digits) {
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(digits) << number;
+  return text.str();
+}
+
+class Page {
+ public:
+  void Section(const std::string& title) { body_ << "<h2>" << Escaped(title) << "</h2>\n"; }
+  void Paragraph(const std::string& text) { body_ << "<p>" << Escaped(text) << "</p>\n"; }
+  void Picture(const std::string& file) {
+    body_ << "<p><img src=\"" << file << "\" alt=\"" << file << "\"></p>\n";
+  }
+  // Rows of cells, the first of which are heads.
+  void Table(const std::vector<std::vector<std::string>>& rows) {
+    body_ << "<table>\n";
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      body_ << "<tr>";
+      for (const std::string& cell : rows[i]) {
+        body_ << (i == 0 ? "<th>" : "<td>") << Escaped(cell);
+      }
+      body_ << "\n";
+    }
+    body_ << "</table>\n";
+  }
+  void Write(const std::string& title, const std::string& path) const {
+    WriteFileAtomically(path, [&](std::ostream& file) {
+      file << "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>"
+           << Escaped(title)
+           << "</title>\n<style>body{font:15px sans-serif;max-width:1100px;margin:2em auto;"
+              "padding:0 1em}img{max-width:100%}table{border-collapse:collapse}th,td{padding:2px "
+              "10px;text-align:right;border-bottom:1px solid #ddd}th:first-child,td:first-child{"
+              "text-align:left}</style></head>\n<body><h1>"
+           << Escaped(title) << "</h1>\n"
+           << body_.str() << "</body></html>\n";
+    });
+  }
+
+ private:
+  std::ostringstream body_;
+};
+
+// All that is known of a scan when its other jobs have ended.
+class ScanReporter {
+ public:
+  explicit ScanReporter(const std::string& scan) : scan_(scan), plan_(ReadScanPlan(scan)) {
+    std::set<std::string> jobs = {"camera", "candidates", "graph"};
+    for (const ScanFragment& fragment : plan_.fragments) jobs.insert("fragment_" + fragment.name);
+    for (const std::string& pair : FilesIn(scan + "/candidates", ".json")) {
+      const std::string name = fs::path(pair).stem();
+      pairs_.push_back(name);
+      jobs.insert("link_" + name);
+    }
+    if (fs::exists(scan + "/graph/graph.json")) {
+      graph_ = ReadJson(scan + "/graph/graph.json");
+      for (const ScanTile& tile : ReadTiles(scan + "/graph/tiles.json")) {
+        tiles_.insert(tile.name);
+        jobs.insert("tile_" + tile.name);
+      }
+    }
+    receipts_ = ReadReceipts(scan, jobs);
+  }
+
+  ScanSummary Run() {
+    RemoveFormerTiles();
+    Fnv1a digest;
+    ScanSummary summary;
+    summary.fragments = static_cast<int>(plan_.fragments.size());
+    if (!graph_.is_null()) {
+      const std::string trajectory = ReadFile(scan_ + "/graph/trajectory.txt");
+      digest.Add(trajectory.data(), trajectory.size());
+      WriteFileAtomically(scan_ + "/trajectory.txt",
+                          [&](std::ostream& file) { file << trajectory; });
+      graph_.at("frames_total").get_to(summary.frames_total);
+      graph_.at("frames").get_to(summary.frames);
+      graph_.at("links_accepted").get_to(summary.links_accepted);
+      if (!graph_.at("ate_rmse_m").is_null()) summary.ate_rmse_m = graph_.at("ate_rmse_m");
+    }
+    const std::vector<std::string> paths = FilesIn(scan_ + "/tiles", ".ply");
+    summary.tiles = static_cast<int>(paths.size());
+    for (const std::string& path : paths) {
+      const std::string bytes = ReadFile(path);
+      digest.Add(bytes.data(), bytes.size());
+    }
+    summary.digest = Hex(digest);
+    for (const Receipt& receipt : receipts_) {
+      if (receipt.exit != 0) summary.failed.push_back(receipt.job + ": " + receipt.error);
+    }
+    if (!graph_.is_null()) WriteMapPictures(ThinnedMap(paths), Path(), scan_);
+    WritePage(summary);
+    WriteSummary(summary);
+    return summary;
+  }
+
+ private:
+  void RemoveFormerTiles() const {
+    for (const std::string& path : FilesIn(scan_ + "/tiles", ".ply")) {
+      if (tiles_.count(fs::path(path).stem()) == 0) fs::remove(path);
+    }
+  }
+
+  Trajectory Path() const {
+    Trajectory path;
+    for (const PosedFrame& frame : ReadFramePoses(scan_ + "/graph/poses.txt")) {
+      path.push_back({frame.stamp_s, frame.world_from_camera});
+    }
+    return path;
+  }
+
+  void WriteSummary(const ScanSummary& summary) const {
+    WriteJson({{"digest", summary.digest},
+               {"ate_rmse_m", summary.ate_rmse_m ? Json(*summary.ate_rmse_m) : Json(nullptr)},
+               {"frames_total", summary.frames_total},
+               {"frames", summary.frames},
+               {"fragments", summary.fragments},
+               {"links_accepted", summary.links_accepted},
+               {"links_left_out", graph_.is_null() ? Json(0) : graph_.at("links_left_out")},
+               {"tiles", summary.tiles},
+               {"failed", summary.failed}},
+              scan_ + "/summary.json");
+  }
+
+  void WritePage(const ScanSummary& summary) const {
+    Page page;
+    page.Paragraph(Concat(summary.frames, " of ", summary.frames_total, " frames have a pose. ",
+                          summary.fragments, " fragments, ", summary.links_accepted, " links, ",
+                          summary.tiles, " tiles."));
+    if (summary.ate_rmse_m) page.Paragraph("ATE: " + Fixed(1000 * *summary.ate_rmse_m, 1) + " mm");
+    page.Section("What failed");
+    if (summary.failed.empty()) page.Paragraph("Nothing.");
+    for (const std::string& failed : summary.failed) page.Paragraph(failed);
+    if (!graph_.is_null()) {
+      page.Section("Map and path");
+      page.Picture("map_color.png");
+      page.Picture("graph/trajectory.png");
+    }
+    AddFragments(&page);
+    AddLinks(&page);
+    AddCosts(&page);
+    page.Write("Scan of " + plan_.run.sequence.path, scan_ + "/report.html");
+  }
+
+  void AddFragments(Page* page) const {
+    std::map<std::string, const Receipt*> receipts;
+    for (const Receipt& receipt : receipts_) receipts[receipt.job] = &receipt;
+    std::vector<std::vector<std::string>> rows = {
+        {"fragment", "first", "last", "state", "frames with a pose", "keyframes", "s", "MB"}};
+    for (std::size_t i = 0; i < plan_.fragments.size(); ++i) {
+      const ScanFragment& fragment = plan_.fragments[i];
+      std::vector<std::string> row = {fragment.name, Concat(fragment.first), Concat(fragment.last)};
+      if (graph_.is_null()) {
+        row.insert(row.end(), 3, "");
+      } else {
+        const Json& json = graph_.at("fragments").at(i);
+        row.push_back(json.at("state"));
+        row.push_back(Concat(json.at("frames").get<int>()));
+        row.push_back(Concat(json.at("keyframes").get<int>()));
+      }
+      const auto receipt = receipts.find("fragment_" + fragment.name);
+      const bool known = receipt != receipts.end();
+      row.push_back(known ? Fixed(receipt->second->seconds, 1) : "");
+      row.push_back(known ? Fixed(receipt->second->peak_mb, 0) : "");
+      rows.push_back(row);
+    }
+    page->Section("Fragments");
+    page->Table(rows);
+  }
+
+  // Of each pair of fragments: what was tried, with which verdicts, and how the accepted ones fit.
+  void AddLinks(Page* page) const {
+    struct Residuals {
+      int accepted = 0, left_out = 0;
+      double most_m = 0, most_rad = 0;
+    };
+    std::map<std::string, Residuals> residuals;
+    if (!graph_.is_null()) {
+      for (const Json& link : graph_.at("links")) {
+        const std::string target = link.at("target"), source = link.at("source");
+        Residuals& of_pair = residuals[Concat(target, "_", source)];
+        ++(link.at("left_out").get<bool>() ? of_pair.left_out : of_pair.accepted);
+        if (link.at("left_out").get<bool>() || link.at("residual_m").is_null()) continue;
+        of_pair.most_m = std::max<double>(of_pair.most_m, link.at("residual_m"));
+        of_pair.most_rad = std::max<double>(of_pair.most_rad, link.at("residual_rad"));
+      }
+    }
+    std::vector<std::vector<std::string>> rows = {{"fragments", "tried", "accepted", "left out",
+                                                   "largest residual (mm)", "(deg)", "refused"}};
+    for (const std::string& pair : pairs_) {
+      const std::string path = Concat(scan_, "/links/", pair, ".json");
+      if (!fs::exists(path)) continue;
+      std::map<std::string, int> refused;
+      const std::vector<ScanLink> links = ReadLinks(path).links;
+      for (const ScanLink& link : links) {
+        if (!link.verdict.accepted()) ++refused[ToString(link.verdict.reason)];
+      }
+      std::string reasons;
+      for (const auto& [reason, count] : refused) {
+        reasons += Concat(reasons.empty() ? "" : ", ", count, " ", reason);
+      }
+      const Residuals& fit = residuals[pair];
+      rows.push_back({pair, Concat(links.size()), Concat(fit.accepted), Concat(fit.left_out),
+                      fit.accepted > 0 ? Fixed(1000 * fit.most_m, 1) : "",
+                      fit.accepted > 0 ? Fixed(fit.most_rad / kRadPerDeg, 2) : "", reasons});
+    }
+    page->Section("Links");
+    page->Table(rows);
+  }
+
+  void AddCosts(Page* page) const {
+    struct Cost {
+      int jobs = 0;
+      double seconds = 0, longest = 0, peak_mb = 0;
+    };
+    std::map<std::string, Cost> costs;
+    for (const Receipt& receipt : receipts_) {
+      Cost& cost = costs[receipt.Rule()];
+      ++cost.jobs;
+      cost.seconds += receipt.seconds;
+      cost.longest = std::max(cost.longest, receipt.seconds);
+      cost.peak_mb = std::max(cost.peak_mb, receipt.peak_mb);
+    }
+    std::vector<std::vector<std::string>> rows = {
+        {"rule", "jobs", "s, all", "s, longest", "MB, most"}};
+    for (const auto& [rule, cost] : costs) {
+      rows.push_back({rule, Concat(cost.jobs), Fixed(cost.seconds, 1), Fixed(cost.longest, 1),
+                      Fixed(cost.peak_mb, 0)});
+    }
+    page->Section("What it cost");
+    page->Table(rows);
+  }
+
+  const std::string& scan_;
+  ScanPlan plan_;
+  std::vector<std::string> pairs_;  // of fragments, as their files are named
+  Json graph_;                      // null where there is none
+  std::set<std::string> tiles_;
+  std::vector<Receipt> receipts_;
+};
+
+}  // namespace
+
+ScanSummary ReadScanSummary(const std::string& scan) {
+  const std::string path = scan + "/summary.json";
+  const Json json = ReadJson(path);
+  ScanSummary summary;
+  try {
+    json.at("digest").get_to(summary.digest);
+    json.at("frames_total").get_to(summary.frames_total);
+    json.at("frames").get_to(summary.frames);
+    json.at("fragments").get_to(summary.fragments);
+    json.at("links_accepted").get_to(summary.links_accepted);
+    json.at("tiles").get_to(summary.tiles);
+    if (!json.at("ate_rmse_m").is_null()) summary.ate_rmse_m = json.at("ate_rmse_m");
+    json.at("failed").get_to(summary.failed);
+  } catch (const Json::exception& error) {
+    throw InputError(Concat(path, ": no summary of a scan: ", error.what()));
+  }
+  return summary;
+}
+
+ScanSummary ReportScan(const ScanReportOptions& options) {
+  Validate(options);
+  try {
+    return ScanReporter(options.scan).Run();
+  } catch (const Json::exception& error) {
+    throw InputError(Concat(options.scan, "/graph/graph.json: ", error.what()));
+  }
+}
+
+}  // namespace surfit

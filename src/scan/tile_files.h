@@ -1,0 +1,27 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <string>
+#include <vector>
+
+#include "run/known_sequence.h"
+#include "surfit/slam/backend.h"
+
+namespace surfit {
+
+// A cube of the world, and the frames that see something in it.
+struct ScanTile {
+  std::string name;
+  Eigen::AlignedBox3f box;
+  std::vector<FrameRange> frames;
+};
+
+// All throw InputError naming the file.
+void WriteTiles(const std::vector<ScanTile>& tiles, const std::string& path);
+std::vector<ScanTile> ReadTiles(const std::string& path);
+
+// Index, stamp and pose of each frame, a line each, without loss.
+void WriteFramePoses(const std::vector<PosedFrame>& frames, const std::string& path);
+std::vector<PosedFrame> ReadFramePoses(const std::string& path);
+
+}  // namespace surfit

@@ -1,0 +1,116 @@
+#include <algorithm>
+#include <fstream>
+#include <iomanip>
+#include <sstream>
+
+#include "run/final_map.h"
+#include "run/output_files.h"
+#include "scan/tile_files.h"
+#include "surfit/core/atomic_file.h"
+#include "surfit/core/error.h"
+#include "surfit/core/options.h"
+#include "surfit/core/parallel.h"
+#include "surfit/io/point_cloud.h"
+#include "surfit/scan/scan_jobs.h"
+#include "surfit/scan/scan_plan.h"
+
+namespace surfit {
+
+void WriteTiles(const std::vector<ScanTile>& tiles, const std::string& path) {
+  Json json = Json::array();
+  for (const ScanTile& tile : tiles) {
+    Json frames = Json::array();
+    for (const FrameRange& range : tile.frames) frames.push_back({range.first, range.last});
+    const Eigen::Vector3f &from = tile.box.min(), &to = tile.box.max();
+    json.push_back({{"name", tile.name},
+                    {"min", {from.x(), from.y(), from.z()}},
+                    {"max", {to.x(), to.y(), to.z()}},
+                    {"frames", frames}});
+  }
+  WriteJson({{"tiles", json}}, path, -1);
+}
+
+std::vector<ScanTile> ReadTiles(const std::string& path) {
+  const Json json = ReadJson(path);
+  std::vector<ScanTile> tiles;
+  try {
+    for (const Json& entry : json.at("tiles")) {
+      ScanTile tile;
+      entry.at("name").get_to(tile.name);
+      for (int i = 0; i < 3; ++i) {
+        tile.box.min()[i] = entry.at("min").at(i);
+        tile.box.max()[i] = entry.at("max").at(i);
+      }
+      for (const Json& range : entry.at("frames"))
+        tile.frames.push_back({range.at(0), range.at(1)});
+      tiles.push_back(tile);
+    }
+  } catch (const Json::exception& error) {
+    throw InputError(Concat(path, ": no tiles of a scan: ", error.what()));
+  }
+  return tiles;
+}
+
+void WriteFramePoses(const std::vector<PosedFrame>& frames, const std::string& path) {
+  WriteFileAtomically(path, [&](std::ostream& file) {
+    file << "# index stamp tx ty tz qx qy qz qw, camera to world, metres\n"
+         << std::setprecision(17);
+    for (const PosedFrame& frame : frames) {
+      const Eigen::Vector3d& t = frame.world_from_camera.translation;
+      const Eigen::Quaterniond& q = frame.world_from_camera.rotation;
+      file << frame.index << ' ' << frame.stamp_s << ' ' << t.x() << ' ' << t.y() << ' ' << t.z()
+           << ' ' << q.x() << ' ' << q.y() << ' ' << q.z() << ' ' << q.w() << '\n';
+    }
+  });
+}
+
+std::vector<PosedFrame> ReadFramePoses(const std::string& path) {
+  std::ifstream file(path);
+  if (!file) throw InputError(path + ": cannot be read");
+  std::vector<PosedFrame> frames;
+  std::string line;
+  for (int number = 1; std::getline(file, line); ++number) {
+    if (line.empty() || line[0] == '#') continue;
+    PosedFrame frame;
+    Eigen::Vector3d& t = frame.world_from_camera.translation;
+    Eigen::Quaterniond& q = frame.world_from_camera.rotation;
+    std::istringstream text(line);
+    text >> frame.index >> frame.stamp_s >> t.x() >> t.y() >> t.z() >> q.x() >> q.y() >> q.z() >>
+        q.w();
+    if (!text || (!frames.empty() && frame.index <= frames.back().index)) {
+      throw InputError(Concat(path, ":", number, ": is no pose of a frame, or in disorder"));
+    }
+    frames.push_back(frame);
+  }
+  return frames;
+}
+
+std::size_t FuseTile(const TileOptions& options, const std::atomic<bool>& interrupted,
+                     const std::function<void(int frames)>& progress) {
+  Validate(options);
+  const ThreadLimit limit(options.threads);
+  const ScanPlan plan = ReadScanPlan(options.scan);
+  const std::string tiles_json = options.scan + "/graph/tiles.json";
+  const std::vector<ScanTile> tiles = ReadTiles(tiles_json);
+  const auto tile = std::find_if(tiles.begin(), tiles.end(),
+                                 [&](const ScanTile& each) { return each.name == options.tile; });
+  if (tile == tiles.end()) {
+    throw InputError(Concat(tiles_json, ": has no tile '", options.tile, "'"));
+  }
+  Trajectory trajectory;
+  std::vector<int> indices;
+  for (const PosedFrame& frame : ReadFramePoses(options.scan + "/graph/poses.txt")) {
+    trajectory.push_back({frame.stamp_s, frame.world_from_camera});
+    indices.push_back(frame.index);
+  }
+  const KnownSequence known = {plan.run.sequence, plan.run.slam, trajectory, indices, {}, {},
+                               FoundSensor()};
+  const MapPart part = {tile->box, static_cast<float>(options.margin_m), tile->frames};
+  const auto map =
+      FusePart(known, part, interrupted, [&](int frames, std::size_t) { progress(frames); });
+  if (!map) throw InputError("interrupted: " + options.output + " is not written");
+  WriteSurfelPly(*map, options.output);
+  return map->size();
+}
+
+}  // namespace surfit

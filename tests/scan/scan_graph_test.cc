@@ -1,0 +1,158 @@
+#include "scan/scan_graph.h"
+
+#include <gmock/gmock.h>
+
+#include <random>
+
+#include "testing/matchers.h"
+#include "testing/pose_graphs.h"
+
+namespace surfit::testing {
+namespace {
+
+constexpr int kFrames = 124, kKeyframeStep = 4;
+
+// Once around a circle of 10 m, and a little farther than where it began.
+Rigid3d TruePose(int frame) {
+  const double angle = 2.2 * M_PI * frame / kFrames;
+  const Eigen::Vector3d out(std::cos(angle), std::sin(angle), 0);
+  return PoseAlong(10 * out, {-out.y(), out.x(), 0}, Eigen::Vector3d::UnitZ());
+}
+
+// Tracked with drift, in a world of its own.
+RunPlaces Fragment(int first, int last, std::mt19937_64* rng) {
+  std::normal_distribution<double> normal;
+  Eigen::Matrix<double, 6, 1> anywhere;
+  for (int k = 0; k < 6; ++k) anywhere[k] = normal(*rng);
+  const Rigid3d world = LeftIncrement<double>(anywhere, Rigid3d());
+  RunPlaces places;
+  Rigid3d drift;
+  for (int i = first; i <= last; ++i) {
+    Eigen::Matrix<double, 6, 1> error;
+    for (int k = 0; k < 6; ++k) error[k] = 2e-4 * normal(*rng);
+    drift = LeftIncrement<double>(error, drift);
+    PosedFrame frame;
+    frame.index = i;
+    frame.stamp_s = 0.1 * i;
+    frame.world_from_camera = world * TruePose(i) * drift;
+    frame.keyframe = (i - first) / kKeyframeStep;
+    places.frames.push_back(frame);
+    if ((i - first) % kKeyframeStep > 0) continue;
+    Keyframe keyframe;
+    keyframe.frame_index = i;
+    keyframe.world_from_camera = frame.world_from_camera;
+    if (!places.keyframes.empty()) {
+      PoseGraphEdge edge;
+      edge.a = places.keyframes.size() - 1;
+      edge.b = edge.a + 1;
+      edge.a_from_b = places.keyframes.back().world_from_camera.Inverse() * frame.world_from_camera;
+      edge.information = 1e6 * Matrix6d::Identity();
+      places.edges.push_back(edge);
+    }
+    places.keyframes.push_back(keyframe);
+  }
+  return places;
+}
+
+class ScanGraphTest : public ::testing::Test {
+ protected:
+  ScanGraphTest() {
+    for (int first = 0; first < kFrames; first += 28) {
+      fragments_.emplace_back(Fragment(first, std::min(kFrames, first + 36) - 1, &rng_));
+    }
+  }
+
+  // As if two keyframes were registered to each other, with an error.
+  void Link(std::size_t source, int source_keyframe, std::size_t target, int target_keyframe,
+            const Rigid3d& error = {}) {
+    GraphLink link;
+    link.source = source;
+    link.target = target;
+    link.source_keyframe = source_keyframe;
+    link.target_keyframe = target_keyframe;
+    link.target_from_source =
+        True(target, target_keyframe).Inverse() * True(source, source_keyframe) * error;
+    link.information = 1e8 * Matrix6d::Identity();
+    link.overlap_share = 0.5;
+    links_.push_back(link);
+  }
+  Rigid3d True(std::size_t fragment, int keyframe) const {
+    return TruePose(fragments_[fragment]->keyframes[keyframe].frame_index);
+  }
+
+  // The largest distance from the truth, if the first frame is where it is.
+  static double Error(const std::vector<PosedFrame>& frames) {
+    const Rigid3d true_from_world =
+        TruePose(frames[0].index) * frames[0].world_from_camera.Inverse();
+    double most = 0;
+    for (const PosedFrame& frame : frames) {
+      most = std::max(most, ((true_from_world * frame.world_from_camera).translation -
+                             TruePose(frame.index).translation)
+                                .norm());
+    }
+    return most;
+  }
+
+  std::mt19937_64 rng_{3};
+  std::vector<std::optional<RunPlaces>> fragments_;
+  std::vector<GraphLink> links_;
+};
+
+TEST_F(ScanGraphTest, JoinsNeighboursByTheFramesThatTheyShare) {
+  ScanGraph graph(fragments_, {}, LoopOptions());
+  ASSERT_TRUE(graph.Solve());
+  const std::vector<PosedFrame> frames = graph.Frames();
+  ASSERT_EQ(frames.size(), kFrames);
+  for (int i = 0; i < kFrames; ++i) EXPECT_EQ(frames[i].index, i);
+  EXPECT_LT(Error(frames), 0.5);
+  // Between neighbours nothing jumps: a frame's motion is the truth's.
+  for (int i = 1; i < kFrames; ++i) {
+    const Rigid3d motion = frames[i - 1].world_from_camera.Inverse() * frames[i].world_from_camera;
+    const Rigid3d truth = TruePose(i - 1).Inverse() * TruePose(i);
+    EXPECT_LT((motion.translation - truth.translation).norm(), 0.02) << i;
+  }
+}
+
+TEST_F(ScanGraphTest, LinksTakeDriftAwayAndWrongOnesAreLeftOut) {
+  ScanGraph without(fragments_, {}, LoopOptions());
+  ASSERT_TRUE(without.Solve());
+  const std::size_t last = fragments_.size() - 1;
+  Link(last, 0, 0, 0);
+  Link(last, 1, 0, 1);
+  Link(last, 2, 0, 2);
+  Link(2, 3, 0, 4, Rigid3d(Eigen::Quaterniond::Identity(), {1.5, 0, 0}));
+  ScanGraph graph(fragments_, links_, LoopOptions());
+  ASSERT_TRUE(graph.Solve());
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_FALSE(graph.links()[i].is_left_out) << i;
+    EXPECT_LT(graph.Residual(graph.links()[i])->translation.norm(), 0.02);
+  }
+  EXPECT_TRUE(graph.links()[3].is_left_out);
+  EXPECT_GT(graph.Residual(graph.links()[3])->translation.norm(), 1);
+  EXPECT_LT(Error(graph.Frames()), Error(without.Frames()));
+}
+
+TEST_F(ScanGraphTest, GoesAroundAFragmentThatIsMissingWhereALinkLeads) {
+  fragments_[1].reset();
+  {
+    ScanGraph graph(fragments_, {}, LoopOptions());
+    ASSERT_TRUE(graph.Solve());
+    EXPECT_TRUE(graph.IsApart(0));
+    EXPECT_FALSE(graph.IsApart(1));  // it is missing
+    EXPECT_FALSE(graph.IsApart(2));
+  }
+  Link(fragments_.size() - 1, 1, 0, 0);
+  ScanGraph graph(fragments_, links_, LoopOptions());
+  ASSERT_TRUE(graph.Solve());
+  EXPECT_FALSE(graph.IsApart(0));
+  EXPECT_EQ(graph.Frames().front().index, 0);
+}
+
+TEST_F(ScanGraphTest, HasNoFramesWhereNothingWasTracked) {
+  ScanGraph graph({std::nullopt, std::nullopt}, {}, LoopOptions());
+  EXPECT_TRUE(graph.Solve());
+  EXPECT_TRUE(graph.Frames().empty());
+}
+
+}  // namespace
+}  // namespace surfit::testing

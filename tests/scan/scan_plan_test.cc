@@ -1,0 +1,130 @@
+#include "surfit/scan/scan_plan.h"
+
+#include <gmock/gmock.h>
+
+#include <filesystem>
+
+#include "surfit/core/error.h"
+#include "surfit/core/options.h"
+#include "testing/matchers.h"
+#include "testing/sequence_writer.h"
+#include "testing/temp_folder.h"
+
+namespace surfit::testing {
+namespace {
+
+// Each cut leaves no frame out, shares what it is to share and makes no fragment too long, nor one
+// that is much shorter than the others.
+TEST(CutIntoFragments, CoversAllFramesWithTheOverlapThatIsAskedFor) {
+  constexpr int kFirst = 7, kLength = 50;
+  for (const int stride : {1, 3}) {
+    for (const int overlap : {0, 1, 10}) {
+      for (int frames = 1; frames < 300; ++frames) {
+        const auto cut = CutIntoFragments(kFirst, frames, stride, kLength, overlap);
+        EXPECT_EQ(cut.front().first, kFirst);
+        EXPECT_EQ(cut.back().last, kFirst + stride * (frames - 1));
+        for (std::size_t i = 0; i < cut.size(); ++i) {
+          const int length = (cut[i].last - cut[i].first) / stride + 1;
+          EXPECT_LE(length, kLength);
+          if (i == 0) continue;
+          EXPECT_EQ(cut[i - 1].last - cut[i].first, stride * (overlap - 1));
+          EXPECT_GE(length, (kLength - overlap) / 2);
+        }
+      }
+    }
+  }
+}
+
+TEST(CutIntoFragments, TakesTheFewestFragmentsAndNumbersThem) {
+  EXPECT_EQ(CutIntoFragments(0, 50, 1, 50, 10).size(), 1u);
+  EXPECT_EQ(CutIntoFragments(0, 51, 1, 50, 10).size(), 2u);
+  const auto three = CutIntoFragments(0, 130, 1, 50, 10);
+  ASSERT_EQ(three.size(), 3u);
+  EXPECT_EQ(three[2].name, "0002");
+}
+
+TEST(CutIntoFragments, RefusesNothing) {
+  EXPECT_THROW(CutIntoFragments(0, 0, 1, 50, 10), InputError);
+}
+
+class PlanScanTest : public ::testing::Test {
+ protected:
+  PlanScanTest() {
+    WriteTumSequence(sequence_, 12);
+    options_.run.sequence.path = sequence_.path();
+    options_.run.output = scan_.path();
+    options_.fragment_frames = 5;
+    options_.overlap_frames = 2;
+  }
+
+  const TempFolder sequence_, scan_;
+  ScanPlanOptions options_;
+};
+
+TEST_F(PlanScanTest, RefusesFragmentsThatNeverEnd) {
+  options_.overlap_frames = 5;
+  EXPECT_THROW(PlanScan(options_), InputError);
+}
+
+TEST_F(PlanScanTest, WritesWhichFramesAreWhoseAndHowTheyAreRead) {
+  options_.run.sequence.first = 1;
+  options_.run.sequence.stride = 2;
+  PlanScan(options_);
+  const ScanPlan plan = ReadScanPlan(scan_.path());
+  // Frames 1 3 5 7 9 11, of which two are shared.
+  ASSERT_EQ(plan.fragments.size(), 2u);
+  EXPECT_EQ(plan.fragments[0].first, 1);
+  EXPECT_EQ(plan.fragments[0].last, 7);
+  EXPECT_EQ(plan.fragments[1].first, 5);
+  EXPECT_EQ(plan.fragments[1].last, 11);
+  EXPECT_EQ(plan.run.sequence.stride, 2);
+  EXPECT_EQ(plan.tile_m, options_.tile_m);
+  const std::string flags = ReadBytes(scan_ / "fragments/0001.flags");
+  for (const char* const flag :
+       {"--first=5\n", "--last=11\n", "--stride=2\n", "--keep_places=true\n",
+        "--loop_closure=true\n", "--calibrate=false\n"}) {
+    EXPECT_THAT(flags, HasSubstr(flag));
+  }
+  EXPECT_THAT(ReadBytes(scan_ / "camera.flags"), HasSubstr("--last=1199\n"));
+}
+
+TEST_F(PlanScanTest, WritesNothingAnewThatSaysTheSame) {
+  PlanScan(options_);
+  const auto time = std::filesystem::last_write_time(scan_ / "plan.json");
+  const auto fragment = std::filesystem::last_write_time(scan_ / "fragments/0000.flags");
+  PlanScan(options_);
+  EXPECT_EQ(std::filesystem::last_write_time(scan_ / "plan.json"), time);
+  options_.tile_m = 2;
+  PlanScan(options_);
+  EXPECT_NE(std::filesystem::last_write_time(scan_ / "plan.json"), time);
+  EXPECT_EQ(std::filesystem::last_write_time(scan_ / "fragments/0000.flags"), fragment);
+}
+
+// What was given for the camera that was not yet found no longer counts.
+TEST_F(PlanScanTest, TakesTheCameraThatWasFoundForAllOfIt) {
+  options_.run.sequence.intrinsics = {30, 30, 15, 11};
+  PlanScan(options_);
+  EXPECT_EQ(ReadScanPlan(scan_.path()).run.sequence.intrinsics, options_.run.sequence.intrinsics);
+  EXPECT_THAT(ReadBytes(scan_ / "found_camera.flags"),
+              AllOf(HasSubstr("--intrinsics=\n"), HasSubstr("/camera/camera.yaml\n")));
+  scan_.Write("camera/camera.yaml", SmallCameraYaml());
+  const SequenceOptions found = ReadScanPlan(scan_.path()).run.sequence;
+  EXPECT_FALSE(found.intrinsics.has_value());
+  EXPECT_EQ(found.camera, scan_ / "camera/camera.yaml");
+  options_.camera_frames = 0;
+  PlanScan(options_);
+  EXPECT_TRUE(ReadScanPlan(scan_.path()).run.sequence.camera.empty());
+}
+
+TEST_F(PlanScanTest, NamesTheFileThatIsNoPlan) {
+  scan_.Write("plan.json", R"({"sequence": {}})");
+  try {
+    ReadScanPlan(scan_.path());
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("plan.json: no plan of a scan"));
+  }
+}
+
+}  // namespace
+}  // namespace surfit::testing

@@ -1,0 +1,73 @@
+#!/usr/bin/env python3
+"""Runs one job of a scan and writes a receipt of it:
+
+    job.py RECEIPT PRODUCT -- PROGRAM [ARGUMENT...]
+
+PRODUCT, the file that the program is to write, if any, is removed first. A program that ends by itself, with exit
+code 0, 1 or 2, gets a receipt with that code, its time, the most memory that it held and its error;
+then the job is done, failed or not, and the others go on. One that a signal has ended, or that could
+not be started, gets none: job.py fails, and the job is to be given again. What the program says
+goes to RECEIPT's name with .log.
+"""
+import fcntl
+import json
+import os
+import resource
+import signal
+import subprocess
+import sys
+import time
+
+
+def last_error(log):
+    """The last line of the log that tells of an error; without one its last line."""
+    with open(log, encoding="utf-8", errors="replace") as file:
+        lines = [line.strip() for line in file if line.strip()]
+    errors = [line for line in lines if line.startswith("error: ")]
+    return (errors or lines or [""])[-1]
+
+
+def main():
+    receipt, product, separator, *command = sys.argv[1:]
+    if separator != "--" or not command:
+        sys.exit(__doc__)
+    stem = os.path.splitext(receipt)[0]
+    for path in (os.path.dirname(receipt), os.path.dirname(product)):
+        os.makedirs(path or ".", exist_ok=True)
+    if os.path.exists(product):
+        os.remove(product)
+    begin = time.monotonic()
+    # Held as long as the program lives, whatever becomes of this process.
+    lock = os.open(stem + ".lock", os.O_RDWR | os.O_CREAT, 0o666)
+    fcntl.flock(lock, fcntl.LOCK_EX)
+    with open(stem + ".log", "wb") as log:
+        # Not in this process's group: who interrupts a scan is to end the program, which else would
+        # write what it has so far.
+        program = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log,
+                                   stderr=subprocess.STDOUT, pass_fds=[lock], start_new_session=True)
+        for ending in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            signal.signal(ending, lambda *_: sys.exit(f"error: {stem} was interrupted"))
+        try:
+            code = program.wait()
+        finally:
+            program.kill()
+    if code not in (0, 1, 2):
+        sys.exit(f"error: {command[0]} ended by {'signal' if code < 0 else 'exit code'} {abs(code)}; "
+                 f"see {stem}.log")
+    outcome = {
+        "job": os.path.basename(stem),
+        "exit": code,
+        "seconds": round(time.monotonic() - begin, 3),
+        "peak_mb": round(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024, 1),
+        "error": last_error(stem + ".log") if code else "",
+        "product": product,
+    }
+    with open(receipt + ".partial", "w", encoding="utf-8") as file:
+        json.dump(outcome, file)
+        file.flush()
+        os.fsync(file.fileno())
+    os.replace(receipt + ".partial", receipt)
+
+
+if __name__ == "__main__":
+    main()
