@@ -22,7 +22,7 @@ if(BUILD_SHARED_LIBS)
   set(SURFIT_PC_REQUIRES "")
   set(SURFIT_PC_LIBS "")
 else()
-  set(SURFIT_PC_REQUIRES "libglog libturbojpeg libpng libtiff-4 liblzf liblz4 libzstd sqlite3 zlib tbb")
+  set(SURFIT_PC_REQUIRES "libglog libturbojpeg libpng libtiff-4 liblzf liblz4 libzstd sqlite3 libdeflate tbb")
   set(SURFIT_PC_LIBS "-lceres -lopencv_features2d -lopencv_imgproc \
 -lopencv_core -lmeshoptimizer -lbz2 -ldl -pthread")
 endif()

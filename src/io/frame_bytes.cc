@@ -1,11 +1,10 @@
 #include "io/frame_bytes.h"
 
-#include <zlib.h>
-
 #include <cerrno>
 #include <cstring>
 #include <system_error>
 
+#include "io/deflate.h"
 #include "io/image_files.h"
 #include "surfit/core/error.h"
 
@@ -55,16 +54,14 @@ Image<std::uint16_t> CopyDepth(const std::string& bytes, ImageSize size, const s
 Image<std::uint16_t> InflateDepth(const std::string& bytes, ImageSize size,
                                   const std::string& name) {
   constexpr std::size_t kMaxRatio = 1032;  // of deflate: 258 bytes from two bits
-  uLongf count = 2 * size.pixels();
+  const std::size_t count = 2 * size.pixels();
   const auto damaged = [&] {
     return InputError(Concat(name, " is damaged: its ", bytes.size(), " bytes do not expand to ",
                              size.width, " x ", size.height, " counts of 16 bits"));
   };
   if (count / kMaxRatio > bytes.size()) throw damaged();
   Image<std::uint16_t> image(size.width, size.height);
-  const int result = uncompress(reinterpret_cast<Bytef*>(image.data()), &count,
-                                reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
-  if (result != Z_OK || count != 2 * size.pixels()) throw damaged();
+  if (!Inflate(bytes.data(), bytes.size(), image.data(), count)) throw damaged();
   return image;
 }
 

@@ -1,6 +1,6 @@
 // What image files say of themselves, looked at before any decoder takes memory for them.
+#include <libdeflate.h>
 #include <turbojpeg.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -130,20 +130,22 @@ bool IsPng(const std::string& bytes) {
   return bytes.compare(0, kSignature.size(), kSignature) == 0;
 }
 
-void RequireWholePng(const std::string& bytes, const std::string& path) {
-  const std::uint8_t* const data = BytesOf(bytes);
+std::vector<PngChunk> PngChunks(const std::string& png, const std::string& path) {
+  const std::uint8_t* const data = BytesOf(png);
+  const std::string_view bytes = png;
+  std::vector<PngChunk> chunks;
   std::size_t at = kSignature.size();
-  while (true) {
+  do {
     // A chunk: length of the data, type, data, checksum of type and data.
     const std::size_t left = bytes.size() - at;
     if (left < 12 || left - 12 < BigEndian(data + at)) throw InputError(path + " is truncated");
     const std::size_t length = BigEndian(data + at);
-    const auto checksum = crc32(0, data + at + 4, static_cast<uInt>(length + 4));
-    if (checksum != BigEndian(data + at + 8 + length))
+    if (libdeflate_crc32(0, data + at + 4, length + 4) != BigEndian(data + at + 8 + length))
       throw InputError(path + " is damaged: a checksum is wrong");
-    if (bytes.compare(at + 4, 4, "IEND") == 0) return;
+    chunks.push_back({bytes.substr(at + 4, 4), bytes.substr(at + 8, length)});
     at += length + 12;
-  }
+  } while (chunks.back().type != "IEND");
+  return chunks;
 }
 
 ImageSize PngSize(const std::string& bytes, const std::string& path) {

@@ -1,6 +1,11 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "io/image_files.h"
 #include "surfit/core/error.h"
@@ -16,6 +21,21 @@ RawDepth DecodeDepthTiff(const std::string& bytes, const std::string& path);
 Image<Rgb8> DecodeColorTiff(const std::string& bytes, const std::string& path);
 RawDepth DecodeDepthPnm(const std::string& bytes, const std::string& path);
 Image<Rgb8> DecodeColorPnm(const std::string& bytes, const std::string& path);
+
+// A chunk of a PNG: four letters, and its data, which lie in the file's bytes.
+struct PngChunk {
+  std::string_view type, data;
+};
+
+// The chunks of a PNG up to its end. Throws InputError unless they are complete and their checksums
+// right (PNG specification, 5.3), so that no decoder gets to guess.
+std::vector<PngChunk> PngChunks(const std::string& png, const std::string& path);
+
+// The pixels of a PNG as cameras' recorders write them: not interlaced, of 16 bits of grey or of
+// 8 bits of red, green and blue. Nothing if it is not quite so: libpng is to read it, or to refuse
+// it.
+std::optional<Image<std::uint16_t>> ReadPlainCounts(const std::vector<PngChunk>& png);
+std::optional<Image<Rgb8>> ReadPlainColor(const std::vector<PngChunk>& png);
 
 bool IsTiff(const std::string& bytes);
 bool IsPnm(const std::string& bytes);  // PGM and PPM

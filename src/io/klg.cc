@@ -1,5 +1,4 @@
 #include <glog/logging.h>
-#include <zlib.h>
 
 #include <cmath>
 #include <cstdint>
@@ -8,6 +7,7 @@
 #include <utility>
 
 #include "core/repeated_warning.h"
+#include "io/deflate.h"
 #include "io/frame_bytes.h"
 #include "io/image_files.h"
 #include "io/recording.h"
@@ -127,14 +127,9 @@ std::string RawBytes(const Image<T>& image) {
 
 // Empty if that takes as many bytes as raw, or more: the reader tells by the size.
 std::string Deflated(const std::string& raw) {
-  uLongf size = compressBound(raw.size());
-  std::string bytes(size, '\0');
-  const int result = compress(reinterpret_cast<Bytef*>(bytes.data()), &size,
-                              reinterpret_cast<const Bytef*>(raw.data()), raw.size());
-  if (result == Z_MEM_ERROR) throw std::bad_alloc();
-  CHECK_EQ(result, Z_OK);
-  bytes.resize(size < raw.size() ? size : 0);
-  return bytes;
+  constexpr int kLevel = 6;
+  std::string bytes = Deflate(raw.data(), raw.size(), kLevel);
+  return bytes.size() < raw.size() ? bytes : "";
 }
 
 std::string DepthBytes(const Image<std::uint16_t>& depth, bool compress) {

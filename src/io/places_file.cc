@@ -1,13 +1,12 @@
 #include "surfit/io/places_file.h"
 
-#include <zlib.h>
-
 #include <cstdint>
 #include <cstring>
 #include <type_traits>
 #include <utility>
 
 #include "core/read_file.h"
+#include "io/deflate.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
 
@@ -19,7 +18,7 @@ constexpr std::size_t kMagicBytes = sizeof(kMagic) - 1;
 // Of the file and of an image in it: what a damaged number may ask for.
 constexpr std::size_t kMostBytes = std::size_t{4} << 30;
 constexpr std::uint64_t kMostImageBytes = std::uint64_t{64} << 20;
-constexpr int kZlibLevel = 1;
+constexpr int kLevel = 1;
 
 class Writer {
  public:
@@ -43,12 +42,9 @@ class Writer {
 
  private:
   void PutCompressed(const void* data, std::size_t size) {
-    uLongf count = compressBound(size);
-    std::string compressed(count, '\0');
-    compress2(reinterpret_cast<Bytef*>(compressed.data()), &count, static_cast<const Bytef*>(data),
-              size, kZlibLevel);
-    PutCount(count);
-    bytes_.append(compressed, 0, count);
+    const std::string compressed = Deflate(data, size, kLevel);
+    PutCount(compressed.size());
+    bytes_ += compressed;
   }
 
   std::string bytes_;
@@ -102,10 +98,7 @@ class Reader {
       Fail(Concat("has an image of ", width, " x ", height));
     }
     Image<T> image(width, height);
-    uLongf size = bytes;
-    const int result = uncompress(reinterpret_cast<Bytef*>(image.data()), &size,
-                                  reinterpret_cast<const Bytef*>(compressed), count);
-    if (bytes > 0 && (result != Z_OK || size != bytes)) Fail("has a damaged image");
+    if (bytes > 0 && !Inflate(compressed, count, image.data(), bytes)) Fail("has a damaged image");
     return image;
   }
   void End() const {

@@ -1,6 +1,7 @@
-// PNG files by libpng, as their pixels are: nothing is converted for a display's gamma.
+// PNG files as their pixels are: nothing is converted for a display's gamma. Those that are not as
+// most are read by libpng, which also writes.
 #include <png.h>
-#include <zlib.h>
+#include <zlib.h>  // names of levels and strategies, for libpng
 
 #include <csetjmp>
 #include <cstdint>
@@ -186,14 +187,14 @@ class PngWriter {
 }  // namespace
 
 RawDepth DecodeDepthPng(const std::string& bytes, const std::string& path) {
-  RequireWholePng(bytes, path);
+  if (auto counts = ReadPlainCounts(PngChunks(bytes, path))) return std::move(*counts);
   PngReader reader(bytes, path);
   if (reader.type() == PNG_COLOR_TYPE_GRAY && reader.bits() == 16) return reader.ReadCounts();
   throw NotADepthImage(reader.channels(), reader.bits(), path);
 }
 
 Image<Rgb8> DecodeColorPng(const std::string& bytes, const std::string& path) {
-  RequireWholePng(bytes, path);
+  if (auto color = ReadPlainColor(PngChunks(bytes, path))) return std::move(*color);
   return PngReader(bytes, path).ReadColor();
 }
 

@@ -4,6 +4,7 @@
 
 #include <random>
 
+#include "io/image_kinds.h"
 #include "testing/largest_allocation.h"
 #include "testing/matchers.h"
 #include "testing/pixels.h"
@@ -223,6 +224,53 @@ TEST(DecodeColorImage, GivesEveryKindOfPngAsOpenCvDoes) {
   }
 }
 
+// Rows of any bytes, each filter of the specification at the top and below each other.
+std::string FilteredRows(ImageSize size, int pixel_bytes) {
+  std::mt19937_64 rng(7);
+  std::string rows;
+  for (int v = 0; v < size.height; ++v) {
+    rows += static_cast<char>((v + v / 5) % 5);
+    for (int i = 0; i < size.width * pixel_bytes; ++i) rows += static_cast<char>(rng());
+  }
+  return rows;
+}
+
+TEST(DecodeColorImage, UndoesEveryFilterOfAPng) {
+  for (const int first : {0, 1, 2, 3, 4}) {
+    std::string rows = FilteredRows({9, 30}, 3);
+    rows[0] = static_cast<char>(first);
+    const std::string png = Png({9, 30}, 8, kRgb, rows);
+    EXPECT_TRUE(ReadPlainColor(PngChunks(png, "a.png")));
+    EXPECT_EQ(DecodeColorImage(png, "a.png"), ByOpenCv(png)) << first;
+  }
+}
+
+TEST(DecodeDepthImage, UndoesEveryFilterOfAPng) {
+  for (const int first : {0, 1, 2, 3, 4}) {
+    std::string rows = FilteredRows({9, 30}, 2);
+    rows[0] = static_cast<char>(first);
+    const std::string png = Png({9, 30}, 16, kGray, rows);
+    EXPECT_TRUE(ReadPlainCounts(PngChunks(png, "a.png")));
+    const cv::Mat row(1, static_cast<int>(png.size()), CV_8UC1, const_cast<char*>(png.data()));
+    const cv::Mat expected = cv::imdecode(row, cv::IMREAD_UNCHANGED);
+    const auto counts = std::get<Image<std::uint16_t>>(DecodeDepthImage(png, "a.png"));
+    for (const auto [u, v] : PixelsOf(counts))
+      EXPECT_EQ(counts(u, v), expected.at<std::uint16_t>(v, u)) << first << ": " << u << ", " << v;
+  }
+}
+
+// What is not quite as most are goes to libpng: a chunk between the data, which it refuses, and a
+// palette of colours beside them, which it knows.
+TEST(DecodeColorImage, LeavesOddPngsToLibpng) {
+  std::string apart = EncodedBytes(SomeColor(), ".png");
+  const std::size_t end = apart.size() - 12;
+  apart.insert(end, Chunk("tEXt", std::string("a\0b", 3)) + Chunk("IDAT", ""));
+  EXPECT_FALSE(ReadPlainColor(PngChunks(apart, "a.png")));
+  const std::string palette = Png({2, 1}, 8, kRgb, {"\0abcdef", 7}, Chunk("PLTE", "abc"));
+  EXPECT_FALSE(ReadPlainColor(PngChunks(palette, "a.png")));
+  EXPECT_EQ(DecodeColorImage(palette, "a.png"), ByOpenCv(palette));
+}
+
 TEST(DecodeDepthImage, RefusesPngsOfOtherKinds) {
   ExpectInputError(
       [&] {
@@ -340,26 +388,30 @@ std::string SomePng() {
   return ReadBytes(folder / "depth.png");
 }
 
-TEST(RequireWholePng, AcceptsAWholeFileWhateverFollows) {
+TEST(PngChunks, AcceptsAWholeFileWhateverFollows) {
   EXPECT_TRUE(IsPng(SomePng()));
-  EXPECT_NO_THROW(RequireWholePng(SomePng(), "a.png"));
-  EXPECT_NO_THROW(RequireWholePng(SomePng() + "padding", "a.png"));
+  for (const std::string& png : {SomePng(), SomePng() + "padding"}) {
+    const std::vector<PngChunk> chunks = PngChunks(png, "a.png");
+    EXPECT_EQ(chunks.front().type, "IHDR");
+    EXPECT_EQ(chunks.front().data.size(), 13u);
+    EXPECT_EQ(chunks.back().type, "IEND");
+  }
 }
 
-TEST(RequireWholePng, RefusesEveryTruncation) {
+TEST(PngChunks, RefusesEveryTruncation) {
   const std::string bytes = SomePng();
   for (std::size_t size = 8; size < bytes.size(); ++size) {
-    ExpectInputError([&] { RequireWholePng(bytes.substr(0, size), "a.png"); },
+    ExpectInputError([&] { PngChunks(bytes.substr(0, size), "a.png"); },
                      ::testing::StrEq("a.png is truncated"));
   }
 }
 
-TEST(RequireWholePng, RefusesEveryFlippedByte) {
+TEST(PngChunks, RefusesEveryFlippedByte) {
   const std::string bytes = SomePng();
   for (std::size_t i = 8; i < bytes.size(); ++i) {
     std::string damaged = bytes;
     damaged[i] ^= 0x10;
-    ExpectInputError([&] { RequireWholePng(damaged, "a.png"); }, HasSubstr("a.png is "));
+    ExpectInputError([&] { PngChunks(damaged, "a.png"); }, HasSubstr("a.png is "));
   }
 }
 

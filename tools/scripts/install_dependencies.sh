@@ -25,7 +25,7 @@ packages=(
   # the libraries and the programs
   libeigen3-dev libceres-dev libgoogle-glog-dev libgflags-dev libopencv-dev libtbb-dev
   nlohmann-json3-dev
-  libturbojpeg0-dev libpng-dev libtiff-dev zlib1g-dev liblzf-dev libmeshoptimizer-dev
+  libturbojpeg0-dev libpng-dev libtiff-dev libdeflate-dev liblzf-dev libmeshoptimizer-dev
   liblz4-dev libzstd-dev libbz2-dev libsqlite3-dev
   # what reports hold
   libjs-three libjs-chart.js
@@ -40,7 +40,7 @@ test_packages=(
   # the Python module
   python3-dev pybind11-dev python3-numpy python3-matplotlib python3-pip python3-venv mypy
   # the tests
-  libbenchmark-dev python3-pytest
+  libbenchmark-dev zlib1g-dev python3-pytest
   xvfb xdotool imagemagick zsh
   python3-rosbag python3-sensor-msgs lz4 zstd
   chromium chromium-driver python3-selenium python3-pil
