@@ -10,19 +10,24 @@
 
 namespace surfit {
 
-std::vector<TextRow> ReadTextRows(const std::string& path) {
-  std::istringstream text(ReadFile(path));
-  std::vector<TextRow> rows;
-  std::string line;
-  for (int number = 1; std::getline(text, line); ++number) {
-    for (char& c : line) {
-      if (c == ',') c = ' ';
-    }
+void ForEachTextRow(const std::string& path, const std::function<void(const TextRow&)>& call) {
+  const std::string text = ReadFile(path);
+  std::size_t begin = 0;
+  for (int number = 1; begin < text.size(); ++number) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    std::string line = text.substr(begin, end - begin);
+    begin = end + 1;
+    std::replace(line.begin(), line.end(), ',', ' ');
     TextRow row{Concat(path, ":", number), {}};
     std::istringstream columns(line);
     for (std::string column; columns >> column;) row.columns.push_back(column);
-    if (!row.columns.empty() && row.columns[0][0] != '#') rows.push_back(std::move(row));
+    if (!row.columns.empty() && row.columns[0][0] != '#') call(row);
   }
+}
+
+std::vector<TextRow> ReadTextRows(const std::string& path) {
+  std::vector<TextRow> rows;
+  ForEachTextRow(path, [&](const TextRow& row) { rows.push_back(row); });
   return rows;
 }
 

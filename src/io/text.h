@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,8 +16,11 @@ struct TextRow {
   std::vector<std::string> columns;
 };
 
-// The lines of a text file that are neither empty nor comments (#); columns are separated by
-// spaces, tabs or commas. Throws InputError naming the file if it cannot be read.
+// Calls with each line of a text file that is neither empty nor a comment (#); columns are separated
+// by spaces, tabs or commas. Throws InputError naming the file if it cannot be read.
+void ForEachTextRow(const std::string& path, const std::function<void(const TextRow&)>& call);
+
+// The same lines, for small files: they take many times the file's size.
 std::vector<TextRow> ReadTextRows(const std::string& path);
 
 // The word as a finite number. Throws InputError naming it.

@@ -35,10 +35,10 @@ void RequireColumns(const TextRow& row, std::size_t count, const char* meaning) 
 // rgb.txt or depth.txt, in order of time.
 std::vector<StampedFile> ReadStampedFiles(const std::string& folder, const std::string& name) {
   std::vector<StampedFile> files;
-  for (const TextRow& row : ReadTextRows(Concat(folder, "/", name))) {
+  ForEachTextRow(Concat(folder, "/", name), [&](const TextRow& row) {
     RequireColumns(row, 2, "stamp and file");
     files.push_back(ParseStampedFile(row, 0, folder));
-  }
+  });
   std::stable_sort(files.begin(), files.end(), [](const StampedFile& a, const StampedFile& b) {
     return a.stamp_s < b.stamp_s;
   });
@@ -73,13 +73,13 @@ std::vector<FrameFiles> PairByTime(const std::string& folder) {
 // tells.
 std::vector<FrameFiles> ReadAssociations(const std::string& folder) {
   std::vector<FrameFiles> frames;
-  for (const TextRow& row : ReadTextRows(folder + "/associations.txt")) {
+  ForEachTextRow(folder + "/associations.txt", [&](const TextRow& row) {
     RequireColumns(row, 4, "stamp and file of colour and of depth");
     const bool depth_first = row.columns[1].find("depth") != std::string::npos;
     const StampedFile depth = ParseStampedFile(row, depth_first ? 0 : 2, folder);
     const StampedFile color = ParseStampedFile(row, depth_first ? 2 : 0, folder);
     frames.push_back({{depth.stamp_s, color.stamp_s}, depth.path, color.path});
-  }
+  });
   return frames;
 }
 

@@ -59,11 +59,12 @@ class SlamRun {
       : options_(options),
         statistics_(options.slam),
         source_(OpenSource(options, interrupted)),
-        given_field_(ReadDepthField(options.sequence, source_->info().format)),
-        slam_(options, source_->info()),
+        info_(source_->info()),
+        given_field_(ReadDepthField(options.sequence, info_.format)),
+        slam_(options, info_),
         folder_(options.output, RunFileNames(), {options.sequence.camera}) {
     if (!options.trace.empty()) trace_ = std::make_unique<TraceRecorder>(options.trace);
-    files_ = std::make_unique<RunFiles>(options.output, source_->info().mirrored);
+    files_ = std::make_unique<RunFiles>(options.output, info_.mirrored);
   }
 
   // What ends the run early does not take with it what there is.
@@ -137,6 +138,7 @@ class SlamRun {
   }
 
   SlamRunSummary Finish(const std::atomic<bool>& interrupted, const ProgressCall& progress) {
+    source_.reset();  // of a long recording its list of frames is large
     if (!is_whole_ || !failures_.Try([&] { slam_.Finish(); })) {
       failures_.Try([&] { slam_.FinishEarly(); });
     }
@@ -274,7 +276,8 @@ class SlamRun {
   const SlamRunOptions& options_;
   RunStatistics statistics_;
   std::unique_ptr<TraceRecorder> trace_;  // outlives the source, which decodes on another thread
-  std::unique_ptr<FrameSource> source_;
+  std::unique_ptr<FrameSource> source_;   // closed once its frames have been processed
+  const SequenceInfo info_;
   InverseDepthField given_field_;  // that frames come with
   SequenceSlam slam_;
   OutputFolder folder_;
