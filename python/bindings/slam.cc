@@ -1,9 +1,11 @@
 // Slam, frame by frame.
+#include <pybind11/functional.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
 #include <array>
 #include <filesystem>
+#include <functional>
 
 #include "bindings/bind.h"
 #include "bindings/options_class.h"
@@ -32,6 +34,21 @@ void BindProcess(py::class_<SlamSession>* slam) {
       py::arg("index") = py::none(), py::arg("world_from_camera") = py::none(),
       "The same of arrays, as Frame takes them, in the camera that Slam was made with. The index "
       "is that after the last frame's if None.");
+  slam->def(
+      "on_pose",
+      [](SlamSession& session,
+         const std::function<void(int, double, std::optional<Rigid3d>)>& call) {
+        if (!call) return session.OnPose(nullptr);
+        session.OnPose([call](const FramePose& pose) {
+          const bool is_lost = pose.state == FrameState::kLost;
+          call(pose.index, pose.stamp_s,
+               is_lost ? std::nullopt : std::optional<Rigid3d>(pose.world_from_camera));
+        });
+      },
+      py::arg("call").none(true),
+      "Calls call(index, stamp_s, world_from_camera) with each frame as soon as its pose is known, "
+      "None where it is lost: process() then goes on to fuse it. The call must not call this Slam. "
+      "What it raises is raised by process() in the end. None: no more calls.");
 }
 
 void BindResults(py::class_<SlamSession>* slam) {

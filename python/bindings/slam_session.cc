@@ -1,5 +1,7 @@
 #include "bindings/slam_session.h"
 
+#include <utility>
+
 #include "bindings/arrays.h"
 #include "bindings/pose_caster.h"
 #include "run/digest.h"
@@ -44,13 +46,32 @@ void SlamSession::Start(const DepthSensor& sensor, bool mirrored) {
   sensor_ = sensor;
   mirrored_ = mirrored;
   slam_ = std::make_unique<Slam>(sensor, options_, world_from_first_camera_);
+  slam_->OnPose([this](const FramePose& pose) {
+    try {
+      if (on_pose_) on_pose_(pose);
+    } catch (...) {
+      thrown_ = std::current_exception();
+    }
+  });
 }
 
 template <typename Work>
 auto SlamSession::Locked(const Work& work) {
+  if (worker_ == std::this_thread::get_id()) {
+    throw InputError("what is called with a pose must not call its Slam, which is at work");
+  }
   const py::gil_scoped_release release;
   const std::lock_guard<std::mutex> lock(mutex_);
+  struct Worker {
+    std::atomic<std::thread::id>& id;
+    explicit Worker(std::atomic<std::thread::id>& of) : id(of) { id = std::this_thread::get_id(); }
+    ~Worker() { id = std::thread::id(); }
+  } const worker(worker_);
   return work();
+}
+
+void SlamSession::OnPose(std::function<void(const FramePose&)> call) {
+  Locked([&] { on_pose_.swap(call); });
 }
 
 FrameReport SlamSession::Process(const Frame& frame,
@@ -68,6 +89,7 @@ FrameReport SlamSession::Process(const Frame& frame,
     if (report.state != FrameState::kLost) {
       trajectory_.push_back({report.stamp_s, report.world_from_camera});
     }
+    if (thrown_) std::rethrow_exception(std::exchange(thrown_, nullptr));
     return report;
   });
 }

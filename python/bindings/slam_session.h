@@ -2,10 +2,14 @@
 
 #include <pybind11/numpy.h>
 
+#include <atomic>
+#include <exception>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <thread>
 
 #include "bindings/frame.h"
 #include "bindings/surfels.h"
@@ -29,6 +33,9 @@ class SlamSession {
   FrameReport Process(const pybind11::object& color, const pybind11::array& depth, double stamp_s,
                       std::optional<int> index, const std::optional<Rigid3d>& world_from_camera);
 
+  // See Slam::OnPose(). What it throws is thrown by Process() in the end.
+  void OnPose(std::function<void(const FramePose&)> call);
+
   // See Slam::Finish().
   void Finish();
   // By which the last frame was seen, where that is not as given.
@@ -46,7 +53,8 @@ class SlamSession {
   void WriteMap(const std::string& path);
 
  private:
-  // What `work` returns of the state, which nobody else has meanwhile.
+  // What `work` returns of the state, which nobody else has meanwhile. Throws InputError where it
+  // is called by what Process() calls, which would wait for itself.
   template <typename Work>
   auto Locked(const Work& work);
   void Start(const DepthSensor& sensor, bool mirrored);
@@ -56,7 +64,10 @@ class SlamSession {
   Rigid3d world_from_first_camera_;
   std::optional<FrameMaker> maker_;
 
-  std::mutex mutex_;  // of all below
+  std::mutex mutex_;                       // of all below
+  std::atomic<std::thread::id> worker_{};  // who has locked it
+  std::function<void(const FramePose&)> on_pose_;
+  std::exception_ptr thrown_;  // by that
   std::unique_ptr<Slam> slam_;
   DepthSensor sensor_;
   bool mirrored_ = false;

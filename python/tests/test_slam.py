@@ -45,6 +45,32 @@ def test_counts_and_strided_arrays_give_the_programs_digest(room, program):
     assert slam.digest == program[1]["digest"]
 
 
+def test_poses_are_told_as_soon_as_they_are_known(room, program):
+    slam, told = surfit.Slam(), []
+    slam.on_pose(lambda *pose: told.append(pose))
+    reports = [slam.process(frame) for frame in surfit.Sequence(room)]
+    assert [(index, stamp) for index, stamp, _ in told] == [(r.index, r.stamp_s) for r in reports]
+    for (_, _, pose), report in zip(told, reports):
+        np.testing.assert_array_equal(pose, report.world_from_camera)
+    assert slam.digest == program[1]["digest"]
+    slam.on_pose(None)
+    slam.process(next(iter(surfit.Sequence(room))))
+    assert len(told) == len(reports)
+
+
+def test_what_is_raised_where_a_pose_is_told_is_raised_after_the_frame_is_fused(room):
+    slam, frames = surfit.Slam(), iter(surfit.Sequence(room))
+    slam.on_pose(lambda *_: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        slam.process(next(frames))
+    assert slam.surfel_count > 0
+    slam.on_pose(lambda *_: slam.surfel_count)
+    with pytest.raises(ValueError, match="must not call its Slam"):
+        slam.process(next(frames))
+    slam.on_pose(None)
+    assert slam.process(next(frames)).state == "tracked"
+
+
 @pytest.mark.parametrize("threads", [1, 2])
 def test_threads_do_not_change_the_digest(room, program, threads):
     with surfit.ThreadLimit(threads):

@@ -92,8 +92,11 @@ double RunStatistics::CompleteFrame() {
 void RunStatistics::AddTimes(const ReadResult& result, const StageTimes& times, double write_ms,
                              bool offered) {
   if (offered) {
-    const std::chrono::duration<double, std::milli> since_taken = Clock::now() - taken_;
-    latency_ms_.push_back(result.queued_ms + since_taken.count());
+    const auto since_offered = [&](Clock::time_point now) {
+      return result.queued_ms + std::chrono::duration<double, std::milli>(now - taken_).count();
+    };
+    latency_ms_.push_back(since_offered(Clock::now()));
+    pose_latency_ms_.push_back(since_offered(pose_known_));
   }
   const std::array<double, kStages.size()> stages_ms = {
       result.decode_ms, times.preprocess_ms, times.predict_ms, times.track_ms,
@@ -112,6 +115,7 @@ SlamRunSummary RunStatistics::Summary(std::size_t map_points) const {
   summary.match_share_median = Quantile(match_shares_, 0.5);
   summary.frame = Statistics(frame_ms_);
   summary.latency = Statistics(latency_ms_);
+  summary.pose_latency = Statistics(pose_latency_ms_);
   for (std::size_t i = 0; i < kStages.size(); ++i) {
     summary.stages.push_back(
         {kStages[i], Statistics(stages_ms_[i]), Sum(stages_ms_[i]) / Sum(frame_ms_)});

@@ -21,6 +21,8 @@ class RunStatistics {
   void CountRead(const ReadResult& result);
   void CountSkipped() { ++summary_.frames_skipped; }
   void CountProcessed(const RgbdFrame& frame, const FrameReport& report);
+  // Of the frame at work.
+  void PoseIsKnown() { pose_known_ = Clock::now(); }
   // The time from the last frame's completion to now, ms: this frame's.
   double CompleteFrame();
   // How long each stage of a processed frame took. An offered frame was taken from the queue by
@@ -51,10 +53,10 @@ class RunStatistics {
 
   const SlamOptions& options_;
   const Clock::time_point start_ = Clock::now();
-  Clock::time_point last_completion_ = start_, taken_ = start_;
+  Clock::time_point last_completion_ = start_, taken_ = start_, pose_known_ = start_;
   SlamRunSummary summary_;
   bool much_moves_ = false;  // in the last tracked frame
-  std::vector<double> stamps_s_, frame_ms_, latency_ms_, match_shares_;
+  std::vector<double> stamps_s_, frame_ms_, latency_ms_, pose_latency_ms_, match_shares_;
   std::array<std::vector<double>, kStages.size()> stages_ms_;
 };
 

@@ -21,8 +21,9 @@ std::string DumpFolder(const std::string& folder, int frame) {
 
 }  // namespace
 
-SequenceSlam::SequenceSlam(const SlamRunOptions& options, const SequenceInfo& info)
-    : options_(options), info_(info) {
+SequenceSlam::SequenceSlam(const SlamRunOptions& options, const SequenceInfo& info,
+                           std::function<void(const FramePose&)> on_pose)
+    : options_(options), info_(info), on_pose_(std::move(on_pose)) {
   if (options.poses == "groundtruth" && info.ground_truth.empty()) {
     throw InputError(
         Concat("poses is 'groundtruth', but ", options.sequence.path, " has no ground truth"));
@@ -32,6 +33,7 @@ SequenceSlam::SequenceSlam(const SlamRunOptions& options, const SequenceInfo& in
 void SequenceSlam::Begin(double stamp_s) {
   slam_ = std::make_unique<Slam>(info_.sensor(), options_.slam,
                                  InitialPose(options_.initial_pose, info_, stamp_s));
+  slam_->OnPose(on_pose_);
   if (options_.dump_failures.empty()) return;
   slam_->OnLostFrame([this](const LostFrame& lost) {
     WriteTrackingDump(lost, options_.slam, DumpFolder(options_.dump_failures, lost.index));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -15,9 +16,10 @@ namespace surfit {
 // estimates.
 class SequenceSlam {
  public:
-  // Options and sequence must outlive it. Throws InputError if the options ask for true poses that
-  // the sequence lacks.
-  SequenceSlam(const SlamRunOptions& options, const SequenceInfo& info);
+  // Options and sequence must outlive it. Calls on_pose as Slam::OnPose() says. Throws InputError
+  // if the options ask for true poses that the sequence lacks.
+  SequenceSlam(const SlamRunOptions& options, const SequenceInfo& info,
+               std::function<void(const FramePose&)> on_pose);
 
   // False until the first frame: its stamp may tell the pose to begin at.
   bool HasBegun() const { return slam_ != nullptr; }
@@ -45,6 +47,7 @@ class SequenceSlam {
 
   const SlamRunOptions& options_;
   const SequenceInfo& info_;
+  const std::function<void(const FramePose&)> on_pose_;
   std::unique_ptr<Slam> slam_;
   Trajectory trajectory_;
   std::vector<int> frames_;

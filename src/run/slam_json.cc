@@ -166,6 +166,7 @@ void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
   j["total_s"] = s.total_s;
   j["final_map_s"] = s.final_map_s ? Json(*s.final_map_s) : Json();
   j["frame_ms"] = ToJson(s.frame);
+  j["pose_latency_ms"] = options.offered_fps > 0 ? ToJson(s.pose_latency) : Json();
   j["latency_ms"] = options.offered_fps > 0 ? ToJson(s.latency) : Json();
   j["stage_ms"] = Json::object();
   for (const StageStatistics& stage : s.stages) {

@@ -61,7 +61,7 @@ class SlamRun {
         source_(OpenSource(options, interrupted)),
         info_(source_->info()),
         given_field_(ReadDepthField(options.sequence, info_.format)),
-        slam_(options, info_),
+        slam_(options, info_, [this](const FramePose&) { statistics_.PoseIsKnown(); }),
         folder_(options.output, RunFileNames(), {options.sequence.camera}) {
     if (!options.trace.empty()) trace_ = std::make_unique<TraceRecorder>(options.trace);
     files_ = std::make_unique<RunFiles>(options.output, info_.mirrored);

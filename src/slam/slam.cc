@@ -93,6 +93,7 @@ class Slam::Pipeline {
   void UseLoopFinder(LoopFinder finder);
   void Finish();
 
+  std::function<void(const FramePose&)>& on_pose() { return on_pose_; }
   std::function<void(const LostFrame&)>& on_lost() { return on_lost_; }
   const Mapper& mapper() const { return mapper_; }
   const Backend* backend() const { return backend_.get(); }
@@ -104,6 +105,7 @@ class Slam::Pipeline {
   const RgbdFrame& AtRest(const RgbdFrame& frame, const CellMask& moving);
   PreparedFrame AtRest(PreparedFrame frame, const CellMask& moving);
   void Correct(const WorldCorrection& correction, int frame_index);
+  void TellPose(const RgbdFrame& frame, const Tracked& tracked) const;
   Tracked Repeat(const RgbdFrame& frame);
   PreparedFrame Prepare(const RgbdFrame& frame, const CameraMotion& motion, StageTimes* times);
   Tracked Track(const PreparedFrame& frame, StageTimes* times);
@@ -130,6 +132,7 @@ class Slam::Pipeline {
   RgbdFrame seen_rest_, rest_;        // the same, and the frame as given, without what moves
   RgbdFrame proposed_;   // the last frame that was proposed, as given without what moves
   int frame_count_ = 0;  // the frame at work included
+  std::function<void(const FramePose&)> on_pose_;
   std::function<void(const LostFrame&)> on_lost_;
 };
 
@@ -141,14 +144,18 @@ FrameReport Slam::Pipeline::Process(const RgbdFrame& frame,
   StageTimes times;
   ++frame_count_;
   if (backend_) CorrectWorld(frame.index, &times);
-  if (tracker_.Repeats(frame) && !given_pose) return Report(frame, Repeat(frame), {}, times);
-
+  if (tracker_.Repeats(frame) && !given_pose) {
+    const Tracked repeated = Repeat(frame);
+    TellPose(frame, repeated);
+    return Report(frame, repeated, {}, times);
+  }
   if (given_pose && backend_) backend_->EndCalibration();
   const CameraMotion motion = given_pose ? tracker_.MotionTo(frame.stamp_s, Given(*given_pose))
                                          : tracker_.expected_motion();
   PreparedFrame whole = Prepare(frame, motion, &times);
   const Tracked tracked =
       given_pose ? Given(*given_pose) : tracker_.Checked(whole, Track(whole, &times));
+  TellPose(frame, tracked);
   if (tracker_.has_proposal()) proposed_ = AtRest(frame, tracked.moving);
   if (!tracked.is_held()) {
     tracker_.Lose();
@@ -207,6 +214,10 @@ void Slam::Pipeline::CorrectWorld(int frame_index, StageTimes* times) {
 void Slam::Pipeline::Correct(const WorldCorrection& correction, int frame_index) {
   if (correction.moves) tracker_.Move(correction.new_from_old_now);
   mapper_.Correct(correction, frame_index);
+}
+
+void Slam::Pipeline::TellPose(const RgbdFrame& frame, const Tracked& tracked) const {
+  if (on_pose_) on_pose_({frame.index, frame.stamp_s, tracked.state, tracked.world_from_camera});
 }
 
 Tracked Slam::Pipeline::Repeat(const RgbdFrame& frame) {
@@ -407,6 +418,10 @@ FrameReport Slam::Process(const RgbdFrame& frame) {
 
 FrameReport Slam::ProcessAt(const RgbdFrame& frame, const Rigid3d& world_from_camera) {
   return pipeline_->Process(frame, world_from_camera);
+}
+
+void Slam::OnPose(std::function<void(const FramePose&)> call) {
+  pipeline_->on_pose() = std::move(call);
 }
 
 void Slam::OnLostFrame(std::function<void(const LostFrame&)> call) {

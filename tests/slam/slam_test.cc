@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "mapping/same_map.h"
@@ -131,6 +132,28 @@ TEST(Slam, AFrozenFrameKeepsThePoseAndFusesNothing) {
   EXPECT_EQ(frozen.fusion.input_points, 0);
   ExpectSameMap(slam.map(), before);
   EXPECT_EQ(slam.Process(room.frames[2]).state, FrameState::kTracked);
+}
+
+TEST(Slam, TellsEachPoseThatItReports) {
+  const SimulatedSequence& room = IdealRoom();
+  Slam slam({room.camera, {}}, SlamOptions(), {});
+  std::vector<FramePose> told;
+  slam.OnPose([&](const FramePose& pose) { told.push_back(pose); });
+  std::vector<RgbdFrame> frames(room.frames.begin(), room.frames.begin() + 3);
+  const RgbdFrame frozen = frames.back();
+  RgbdFrame dark = frozen;
+  std::fill(dark.depth_m.begin(), dark.depth_m.end(), 0.f);
+  frames.insert(frames.end(), {frozen, dark});
+  for (const RgbdFrame& frame : frames) {
+    const FrameReport report = slam.Process(frame);
+    ASSERT_FALSE(told.empty());
+    EXPECT_EQ(told.back().index, report.index);
+    EXPECT_EQ(told.back().stamp_s, report.stamp_s);
+    EXPECT_EQ(told.back().state, report.state);
+    EXPECT_EQ(told.back().world_from_camera.Matrix(), report.world_from_camera.Matrix());
+  }
+  EXPECT_EQ(told.size(), frames.size());
+  EXPECT_EQ(told.back().state, FrameState::kLost);
 }
 
 TEST(Slam, FusesAtGivenPosesWithoutTracking) {

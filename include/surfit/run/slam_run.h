@@ -139,6 +139,7 @@ struct SlamRunSummary {
   std::optional<double> final_map_s;  // that fusing the map anew took; none where it was not
   TimeStatistics frame;    // between the completions of consecutive frames, less the time waited
   TimeStatistics latency;  // from a frame being offered to its completion; 0 where none is
+  TimeStatistics pose_latency;  // to its pose being known
   // decode (which reads ahead, beside the others), preprocess, predict, track, fuse, correct,
   // write.
   std::vector<StageStatistics> stages;

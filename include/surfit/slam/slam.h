@@ -125,6 +125,14 @@ struct FrameReport {
   StageTimes times;
 };
 
+// Where a frame was found to be, before anything is made of it.
+struct FramePose {
+  int index = 0;
+  double stamp_s = 0;
+  FrameState state = FrameState::kLost;
+  Rigid3d world_from_camera;  // meaningless if lost
+};
+
 // A frame that tracking lost, and the registration that it was lost in. What it refers to is gone
 // after the call that is given it.
 struct LostFrame {
@@ -153,6 +161,10 @@ class Slam {
   // Fuses the next frame at a known pose. From then on the camera stays as it was found: it is not
   // calibrated by poses that must not move.
   FrameReport ProcessAt(const RgbdFrame& frame, const Rigid3d& world_from_camera);
+
+  // To be called with each frame as soon as its pose is known, or that it is lost: the frame is
+  // then fused, which takes longer than tracking it. The call must not throw, nor call this object.
+  void OnPose(std::function<void(const FramePose&)> call);
 
   // To be called with each frame that tracking loses.
   void OnLostFrame(std::function<void(const LostFrame&)> call);
