@@ -45,8 +45,8 @@ if(SURFIT_BUILD_TOOLS)
   set(CPACK_DEBIAN_TOOLS_PACKAGE_SECTION science)
   set(CPACK_DEBIAN_TOOLS_DESCRIPTION "dense RGB-D SLAM - programs
 ${about}
-This package has the programs: SLAM, refinement, meshes, registration,
-evaluation, simulation.")
+This package has the programs: SLAM, scans in fragments, batches,
+refinement, meshes, registration, evaluation, simulation.")
   set(CPACK_DEBIAN_TOOLS_PACKAGE_DEPENDS "libsurfit0 ${same_version}")
   set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS "surfit-view ${same_version}")
   set(CPACK_DEBIAN_TOOLS_PACKAGE_SUGGESTS "snakemake")

@@ -34,32 +34,6 @@ Json AllToJson(const std::vector<Row>& rows) {
   return json;
 }
 
-// The keys of the first row, then each row's values.
-void WriteCsv(const Json& rows, const std::string& path) {
-  WriteFileAtomically(path, [&](std::ostream& file) {
-    if (rows.empty()) return;
-    const char* separator = "";
-    for (const auto& [key, value] : rows.front().items()) {
-      file << separator << key;
-      separator = ",";
-    }
-    file << '\n';
-    for (const Json& row : rows) {
-      separator = "";
-      for (const auto& [key, value] : row.items()) {
-        file << separator;
-        if (value.is_string()) {
-          file << value.get<std::string>();
-        } else if (!value.is_null()) {
-          file << value.dump();
-        }
-        separator = ",";
-      }
-      file << '\n';
-    }
-  });
-}
-
 }  // namespace
 
 Json ToJson(const ComparisonRow& row) {

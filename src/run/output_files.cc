@@ -24,6 +24,44 @@ void WriteJson(const Json& json, const std::string& path, int indent) {
   });
 }
 
+namespace {
+
+// A value of a row; a text with commas, quotes or lines stands in quotes (RFC 4180).
+std::string CsvCell(const Json& value) {
+  if (value.is_null()) return "";
+  if (!value.is_string()) return value.dump();
+  const std::string text = value;
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"') quoted += '"';
+    quoted += c;
+  }
+  return quoted + '"';
+}
+
+}  // namespace
+
+void WriteCsv(const Json& rows, const std::string& path) {
+  WriteFileAtomically(path, [&](std::ostream& file) {
+    if (rows.empty()) return;
+    const char* separator = "";
+    for (const auto& [key, value] : rows.front().items()) {
+      file << separator << key;
+      separator = ",";
+    }
+    file << '\n';
+    for (const Json& row : rows) {
+      separator = "";
+      for (const auto& [key, value] : row.items()) {
+        file << separator << CsvCell(value);
+        separator = ",";
+      }
+      file << '\n';
+    }
+  });
+}
+
 Json CameraToJson(const PinholeCamera& camera) {
   return {{"width", camera.width}, {"height", camera.height}, {"fx", camera.fx},
           {"fy", camera.fy},       {"cx", camera.cx},         {"cy", camera.cy}};

@@ -22,6 +22,10 @@ Json ReadJson(const std::string& path);
 // anything) is replaced. Throws InputError naming the file.
 void WriteJson(const Json& json, const std::string& path, int indent = 2);
 
+// Writes rows of JSON objects that have the same keys as CSV: the keys, then each row's values,
+// null as nothing. Throws InputError naming the file.
+void WriteCsv(const Json& rows, const std::string& path);
+
 // Width, height, fx, fy, cx and cy.
 Json CameraToJson(const PinholeCamera& camera);
 PinholeCamera CameraFromJson(const Json& json);

@@ -21,14 +21,6 @@ namespace fs = std::filesystem;
 
 constexpr const char* kLockName = "/.surfit.lock";
 
-void MakeFolder(const std::string& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error || !fs::is_directory(folder)) {
-    throw InputError(Concat(folder, ": cannot make the output folder: ", error.message()));
-  }
-}
-
 std::string OwnerIn(int lock) {
   char text[32];
   const ssize_t count = pread(lock, text, sizeof(text), 0);
@@ -111,6 +103,14 @@ void RemovePartials(const std::string& folder, const std::vector<std::string>& f
 }
 
 }  // namespace
+
+void MakeFolder(const std::string& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error || !fs::is_directory(folder)) {
+    throw InputError(Concat(folder, ": cannot make the output folder: ", error.message()));
+  }
+}
 
 OutputFolder::OutputFolder(const std::string& folder, const std::vector<std::string>& former_files,
                            const std::vector<std::string>& inputs)

@@ -5,6 +5,9 @@
 
 namespace surfit {
 
+// Makes a folder, with those that it is in, unless it is there. Throws InputError naming it.
+void MakeFolder(const std::string& folder);
+
 // A folder that results are written into, owned by one process while it does so: a lock file in it
 // holds that process's number, and goes with the object. Of a process that has ended without that,
 // a killed one, the lock does not hold, and is taken over with a word in the log.

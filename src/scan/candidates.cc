@@ -4,6 +4,8 @@
 #include <set>
 #include <utility>
 
+#include "run/job_files.h"
+#include "run/output_folder.h"
 #include "scan/link_file.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
@@ -83,9 +85,7 @@ class CandidateSearch {
 
   // Files of pairs that are none any more would be taken for some.
   void Write() const {
-    std::error_code error;
-    std::filesystem::create_directories(options_.output, error);
-    if (error) throw InputError(Concat(options_.output, ": cannot be made: ", error.message()));
+    MakeFolder(options_.output);
     std::set<std::string> written;
     for (const auto& [fragments, proposals] : pairs_) {
       const std::string& target = plan_.fragments[fragments.first].name;

@@ -5,6 +5,7 @@
 #include <tuple>
 #include <utility>
 
+#include "run/job_files.h"
 #include "run/known_sequence.h"
 #include "run/output_files.h"
 #include "run/output_folder.h"

@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "core/read_file.h"
+#include "run/job_files.h"
 #include "run/output_files.h"
-#include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
 
 namespace surfit {
@@ -42,11 +41,6 @@ void ReadPair(const std::string& path, const Read& read) {
 }
 
 }  // namespace
-
-void WriteUnlessSame(const std::string& text, const std::string& path) {
-  if (std::filesystem::is_regular_file(path) && ReadFile(path) == text) return;
-  WriteFileAtomically(path, [&](std::ostream& file) { file << text; });
-}
 
 void WriteCandidates(const PairCandidates& pair, const std::string& path) {
   Json proposals = Json::array();
@@ -115,16 +109,6 @@ std::optional<RunPlaces> PlacesOf(const std::string& scan, const ScanFragment& f
   const std::string path = Concat(scan, "/fragments/", fragment.name, "/places.bin");
   if (!std::filesystem::exists(path)) return std::nullopt;
   return ReadPlaces(path, part);
-}
-
-std::vector<std::string> FilesIn(const std::string& folder, const std::string& extension) {
-  std::vector<std::string> paths;
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
-    if (entry.path().extension() == extension) paths.push_back(entry.path().string());
-  }
-  std::sort(paths.begin(), paths.end());
-  return paths;
 }
 
 }  // namespace surfit

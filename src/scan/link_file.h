@@ -22,10 +22,7 @@ struct PairCandidates {
   std::vector<PlaceProposal> proposals;
 };
 
-// Writes a file atomically, unless it says the same already: who goes by its time has nothing to do
-// again. Throws InputError naming the file, as do all below.
-void WriteUnlessSame(const std::string& text, const std::string& path);
-
+// All throw InputError naming the file.
 void WriteCandidates(const PairCandidates& pair, const std::string& path);
 PairCandidates ReadCandidates(const std::string& path);
 
@@ -40,8 +37,5 @@ PairLinks ReadLinks(const std::string& path);
 // The places of a fragment; nothing if it has failed.
 std::optional<RunPlaces> PlacesOf(const std::string& scan, const ScanFragment& fragment,
                                   PlacesPart part);
-
-// The files of a folder with that extension, by name; none if there is no folder.
-std::vector<std::string> FilesIn(const std::string& folder, const std::string& extension);
 
 }  // namespace surfit

@@ -4,8 +4,9 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "run/job_files.h"
 #include "run/output_files.h"
-#include "scan/link_file.h"
+#include "run/output_folder.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/scan/scan_plan.h"
@@ -19,16 +20,9 @@ std::string NameOf(std::int64_t fragment) {
   return name.data();
 }
 
-std::string Absolute(const std::string& path) {
-  return std::filesystem::absolute(path).lexically_normal().string();
-}
-
 // The fragment's part of the sequence, to be read and tracked from any working folder.
 SlamRunOptions RunOf(SlamRunOptions run) {
-  run.sequence.path = Absolute(run.sequence.path);
-  if (std::filesystem::exists(run.sequence.camera)) {
-    run.sequence.camera = Absolute(run.sequence.camera);
-  }
+  run.sequence = WithAbsolutePaths(run.sequence);
   run.slam.loops.enabled = run.keep_places = true;
   run.slam.calibration.enabled = run.refine = run.final_map = run.pictures = false;
   return run;
@@ -57,16 +51,6 @@ SequenceOptions WithCamera(SequenceOptions sequence, const std::string& camera) 
   sequence.frames_per_second = sequence.latency_s = {};
   sequence.color_latency_s = sequence.readout_s = {};
   return sequence;
-}
-
-// The flags that differ from those of another run, a line each.
-std::string FlagsOf(const SlamRunOptions& run, const SlamRunOptions& other) {
-  const std::map<std::string, std::string> others = FlagValues(other);
-  std::string text;
-  for (const auto& [name, value] : FlagValues(run)) {
-    if (name != "output" && others.at(name) != value) text += Concat("--", name, "=", value, "\n");
-  }
-  return text;
 }
 
 }  // namespace
@@ -100,26 +84,24 @@ ScanPlan PlanScan(const ScanPlanOptions& options) {
       CutIntoFragments(sequence.first, OpenSequence(sequence)->info().frame_count, sequence.stride,
                        options.fragment_frames, options.overlap_frames);
   const std::string folder = options.run.output + "/fragments";
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) throw InputError(Concat(folder, ": cannot be made: ", error.message()));
+  MakeFolder(folder);
   Json fragments = Json::array();
   for (const ScanFragment& fragment : plan.fragments) {
     SlamRunOptions run = plan.run;
     run.sequence.first = fragment.first;
     run.sequence.last = fragment.last;
-    WriteUnlessSame(FlagsOf(run, SlamRunOptions()), Concat(folder, "/", fragment.name, ".flags"));
+    WriteUnlessSame(FlagFileOf(run), Concat(folder, "/", fragment.name, ".flags"));
     fragments.push_back(
         {{"name", fragment.name}, {"first", fragment.first}, {"last", fragment.last}});
   }
   const std::string& scan = options.run.output;
   if (options.camera_frames > 0) {
-    WriteUnlessSame(FlagsOf(CameraRunOf(plan.run, options.camera_frames), SlamRunOptions()),
+    WriteUnlessSame(FlagFileOf(CameraRunOf(plan.run, options.camera_frames)),
                     scan + "/camera.flags");
   }
   SlamRunOptions found = plan.run;
-  found.sequence = WithCamera(found.sequence, Absolute(FoundCamera(scan)));
-  WriteUnlessSame(FlagsOf(found, plan.run), scan + "/found_camera.flags");
+  found.sequence = WithCamera(found.sequence, AbsolutePath(FoundCamera(scan)));
+  WriteUnlessSame(FlagFileOf(found, plan.run), scan + "/found_camera.flags");
   const Json json = {{"run", OptionsToJson(plan.run)},
                      {"camera_frames", plan.camera_frames},
                      {"tile_m", plan.tile_m},

@@ -8,10 +8,11 @@
 #include <utility>
 
 #include "core/read_file.h"
+#include "report/plain_page.h"
 #include "run/digest.h"
+#include "run/job_files.h"
 #include "run/output_files.h"
 #include "scan/link_file.h"
-#include "scan/receipts.h"
 #include "scan/tile_files.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
@@ -28,8 +29,8 @@ namespace {
 namespace fs = std::filesystem;
 
 // Those of the plan and of what came of it; others are of a former plan.
-std::vector<Receipt> ReadReceipts(const std::string& scan, const std::set<std::string>& jobs) {
-  std::vector<Receipt> receipts;
+std::vector<JobReceipt> ReadReceipts(const std::string& scan, const std::set<std::string>& jobs) {
+  std::vector<JobReceipt> receipts;
   for (const std::string& path : FilesIn(scan + "/jobs", ".json")) {
     if (jobs.count(fs::path(path).stem()) > 0) receipts.push_back(ReadReceipt(path));
   }
@@ -61,69 +62,6 @@ SurfelMap ThinnedMap(const std::vector<std::string>& paths) {
   }
   return map;
 }
-
-// Text of a page.
-std::string Escaped(const std::string& text) {
-  std::string escaped;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        escaped += "&amp;";
-        break;
-      case '<':
-        escaped += "&lt;";
-        break;
-      case '>':
-        escaped += "&gt;";
-        break;
-      default:
-        escaped += c;
-    }
-  }
-  return escaped;
-}
-
-std::string Fixed(double number, int digits) {
-  std::ostringstream text;
-  text << std::fixed << std::setprecision(digits) << number;
-  return text.str();
-}
-
-class Page {
- public:
-  void Section(const std::string& title) { body_ << "<h2>" << Escaped(title) << "</h2>\n"; }
-  void Paragraph(const std::string& text) { body_ << "<p>" << Escaped(text) << "</p>\n"; }
-  void Picture(const std::string& file) {
-    body_ << "<p><img src=\"" << file << "\" alt=\"" << file << "\"></p>\n";
-  }
-  // Rows of cells, the first of which are heads.
-  void Table(const std::vector<std::vector<std::string>>& rows) {
-    body_ << "<table>\n";
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      body_ << "<tr>";
-      for (const std::string& cell : rows[i]) {
-        body_ << (i == 0 ? "<th>" : "<td>") << Escaped(cell);
-      }
-      body_ << "\n";
-    }
-    body_ << "</table>\n";
-  }
-  void Write(const std::string& title, const std::string& path) const {
-    WriteFileAtomically(path, [&](std::ostream& file) {
-      file << "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>"
-           << Escaped(title)
-           << "</title>\n<style>body{font:15px sans-serif;max-width:1100px;margin:2em auto;"
-              "padding:0 1em}img{max-width:100%}table{border-collapse:collapse}th,td{padding:2px "
-              "10px;text-align:right;border-bottom:1px solid #ddd}th:first-child,td:first-child{"
-              "text-align:left}</style></head>\n<body><h1>"
-           << Escaped(title) << "</h1>\n"
-           << body_.str() << "</body></html>\n";
-    });
-  }
-
- private:
-  std::ostringstream body_;
-};
 
 // All that is known of a scan when its other jobs have ended.
 class ScanReporter {
@@ -168,7 +106,7 @@ class ScanReporter {
       digest.Add(bytes.data(), bytes.size());
     }
     summary.digest = Hex(digest);
-    for (const Receipt& receipt : receipts_) {
+    for (const JobReceipt& receipt : receipts_) {
       if (receipt.exit != 0) summary.failed.push_back(receipt.job + ": " + receipt.error);
     }
     if (!graph_.is_null()) WriteMapPictures(ThinnedMap(paths), Path(), scan_);
@@ -206,7 +144,7 @@ class ScanReporter {
   }
 
   void WritePage(const ScanSummary& summary) const {
-    Page page;
+    PlainPage page;
     page.Paragraph(Concat(summary.frames, " of ", summary.frames_total, " frames have a pose. ",
                           summary.fragments, " fragments, ", summary.links_accepted, " links, ",
                           summary.tiles, " tiles."));
@@ -225,26 +163,27 @@ class ScanReporter {
     page.Write("Scan of " + plan_.run.sequence.path, scan_ + "/report.html");
   }
 
-  void AddFragments(Page* page) const {
-    std::map<std::string, const Receipt*> receipts;
-    for (const Receipt& receipt : receipts_) receipts[receipt.job] = &receipt;
-    std::vector<std::vector<std::string>> rows = {
+  void AddFragments(PlainPage* page) const {
+    std::map<std::string, const JobReceipt*> receipts;
+    for (const JobReceipt& receipt : receipts_) receipts[receipt.job] = &receipt;
+    std::vector<std::vector<PlainPage::Cell>> rows = {
         {"fragment", "first", "last", "state", "frames with a pose", "keyframes", "s", "MB"}};
     for (std::size_t i = 0; i < plan_.fragments.size(); ++i) {
       const ScanFragment& fragment = plan_.fragments[i];
-      std::vector<std::string> row = {fragment.name, Concat(fragment.first), Concat(fragment.last)};
+      std::vector<PlainPage::Cell> row = {fragment.name, Concat(fragment.first),
+                                          Concat(fragment.last)};
       if (graph_.is_null()) {
         row.insert(row.end(), 3, "");
       } else {
         const Json& json = graph_.at("fragments").at(i);
-        row.push_back(json.at("state"));
-        row.push_back(Concat(json.at("frames").get<int>()));
-        row.push_back(Concat(json.at("keyframes").get<int>()));
+        row.emplace_back(json.at("state").get<std::string>());
+        row.emplace_back(Concat(json.at("frames").get<int>()));
+        row.emplace_back(Concat(json.at("keyframes").get<int>()));
       }
       const auto receipt = receipts.find("fragment_" + fragment.name);
       const bool known = receipt != receipts.end();
-      row.push_back(known ? Fixed(receipt->second->seconds, 1) : "");
-      row.push_back(known ? Fixed(receipt->second->peak_mb, 0) : "");
+      row.emplace_back(known ? Fixed(receipt->second->seconds, 1) : "");
+      row.emplace_back(known ? Fixed(receipt->second->peak_mb, 0) : "");
       rows.push_back(row);
     }
     page->Section("Fragments");
@@ -252,7 +191,7 @@ class ScanReporter {
   }
 
   // Of each pair of fragments: what was tried, with which verdicts, and how the accepted ones fit.
-  void AddLinks(Page* page) const {
+  void AddLinks(PlainPage* page) const {
     struct Residuals {
       int accepted = 0, left_out = 0;
       double most_m = 0, most_rad = 0;
@@ -268,8 +207,9 @@ class ScanReporter {
         of_pair.most_rad = std::max<double>(of_pair.most_rad, link.at("residual_rad"));
       }
     }
-    std::vector<std::vector<std::string>> rows = {{"fragments", "tried", "accepted", "left out",
-                                                   "largest residual (mm)", "(deg)", "refused"}};
+    std::vector<std::vector<PlainPage::Cell>> rows = {{"fragments", "tried", "accepted", "left out",
+                                                       "largest residual (mm)", "(deg)",
+                                                       "refused"}};
     for (const std::string& pair : pairs_) {
       const std::string path = Concat(scan_, "/links/", pair, ".json");
       if (!fs::exists(path)) continue;
@@ -291,20 +231,20 @@ class ScanReporter {
     page->Table(rows);
   }
 
-  void AddCosts(Page* page) const {
+  void AddCosts(PlainPage* page) const {
     struct Cost {
       int jobs = 0;
       double seconds = 0, longest = 0, peak_mb = 0;
     };
     std::map<std::string, Cost> costs;
-    for (const Receipt& receipt : receipts_) {
+    for (const JobReceipt& receipt : receipts_) {
       Cost& cost = costs[receipt.Rule()];
       ++cost.jobs;
       cost.seconds += receipt.seconds;
       cost.longest = std::max(cost.longest, receipt.seconds);
       cost.peak_mb = std::max(cost.peak_mb, receipt.peak_mb);
     }
-    std::vector<std::vector<std::string>> rows = {
+    std::vector<std::vector<PlainPage::Cell>> rows = {
         {"rule", "jobs", "s, all", "s, longest", "MB, most"}};
     for (const auto& [rule, cost] : costs) {
       rows.push_back({rule, Concat(cost.jobs), Fixed(cost.seconds, 1), Fixed(cost.longest, 1),
@@ -319,7 +259,7 @@ class ScanReporter {
   std::vector<std::string> pairs_;  // of fragments, as their files are named
   Json graph_;                      // null where there is none
   std::set<std::string> tiles_;
-  std::vector<Receipt> receipts_;
+  std::vector<JobReceipt> receipts_;
 };
 
 }  // namespace

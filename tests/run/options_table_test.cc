@@ -5,6 +5,7 @@
 
 #include "core/field_count.h"
 #include "surfit/core/error.h"
+#include "surfit/batch/batch.h"
 #include "surfit/core/options.h"
 #include "surfit/evaluation/map_error.h"
 #include "surfit/evaluation/trajectory_evaluation.h"
@@ -62,7 +63,7 @@ using AllOptions = ::testing::Types<
     KinectOptions, ColorOptions, PathOptions, ReportOptions, SlamRunOptions, AlignRunOptions,
     RegisterRunOptions, RefineRunOptions, RevisitOptions, FindLoopsRunOptions,
     ViewEvaluationOptions, MeshOptions, CompareOptions, ScanPlanOptions, CandidatesOptions,
-    LinkOptions, GraphOptions, TileOptions, ScanReportOptions>;
+    LinkOptions, GraphOptions, TileOptions, ScanReportOptions, BatchOptions>;
 TYPED_TEST_SUITE(OptionTables, AllOptions);
 
 TYPED_TEST(OptionTables, NameEveryFieldOnce) { ExpectAll<TypeParam>(FieldCount<TypeParam>()); }

@@ -124,7 +124,7 @@ TEST_F(ScanTool, AFragmentThatFailsCostsOnlyItself) {
   }
   const ProgramResult second = RunProgram("surfit_scan", flags);
   EXPECT_EQ(second.exit_code, 1);
-  EXPECT_THAT(second.err, HasSubstr("is being scanned into"));
+  EXPECT_THAT(second.err, HasSubstr("is being worked in by another process"));
   const ProgramResult result = Succeeded(first.Wait());
   const nlohmann::json summary = Summary(scan);
   ASSERT_EQ(summary["failed"].size(), 1u) << summary;

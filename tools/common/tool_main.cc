@@ -22,9 +22,9 @@ namespace {
 
 // The flags of our programs that name what is written, and what is read.
 constexpr std::array kOutputs = {"output", "summary", "trace", "dump_failures"};
-constexpr std::array kInputs = {"sequence",        "graph", "cloud",  "trajectory", "estimate",
-                                "groundtruth",     "map",   "source", "target",     "reference",
-                                "residual_library"};
+constexpr std::array kInputs = {"sequence",   "sequences", "graph",       "cloud",
+                                "trajectory", "estimate",  "groundtruth", "map",
+                                "source",     "target",    "reference",   "residual_library"};
 
 // Whether the flag is one of those, and has a path, no number of a frame.
 template <std::size_t kCount>
