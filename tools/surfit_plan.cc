@@ -11,7 +11,8 @@ namespace {
 int Run(const ScanPlanOptions& options) {
   const ScanPlan plan = PlanScan(options);
   for (const ScanFragment& fragment : plan.fragments) {
-    std::cout << fragment.name << ": frames " << fragment.first << " to " << fragment.last << '\n';
+    std::cout << fragment.name << ": " << plan.recordings[fragment.recording].path << ", frames "
+              << fragment.first << " to " << fragment.last << '\n';
   }
   std::cout << options.run.output << "/plan.json: " << plan.fragments.size() << " fragments"
             << std::endl;
@@ -24,7 +25,8 @@ int Run(const ScanPlanOptions& options) {
 int main(int argc, char** argv) {
   return surfit::tools::ToolMain(
       argc, argv,
-      "cuts an RGB-D sequence into fragments that overlap, each to be tracked by a process of its "
+      "cuts RGB-D sequences of one place into fragments that overlap, each to be tracked by a "
+      "process of its "
       "own (surfit_slam --flagfile=fragments/NAME.flags). No image is copied.",
       surfit::tools::Run);
 }

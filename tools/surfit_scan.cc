@@ -33,6 +33,10 @@ int Run(const ScanOptions& options) {
   std::cout << summary.frames << " of " << summary.frames_total << " frames have a pose";
   if (summary.ate_rmse_m) std::cout << ", ATE " << 1000 * *summary.ate_rmse_m << " mm";
   std::cout << "; " << summary.tiles << " tiles; " << scan << "/report.html" << std::endl;
+  for (const ScannedRecording& recording : summary.recordings) {
+    if (recording.frames > 0) continue;
+    std::cerr << "warning: " << recording.sequence << ": no frame has a pose\n";
+  }
   for (const std::string& failed : summary.failed) std::cerr << "warning: " << failed << '\n';
   if (!summary.failed.empty()) {
     std::cerr << "warning: --retry_failed does again what has failed" << std::endl;
@@ -47,8 +51,9 @@ int Run(const ScanOptions& options) {
 int main(int argc, char** argv) {
   return surfit::tools::ToolMain(
       argc, argv,
-      "turns a recording of any length into a trajectory and a map in tiles: cuts it into "
-      "fragments, and has Snakemake run the jobs on this machine or a cluster. The same command "
+      "turns recordings of one place, of any length, into trajectories and a map in tiles: cuts "
+      "them into fragments, and has Snakemake run the jobs on this machine or a cluster. The same "
+      "command "
       "goes on with a scan that was interrupted.",
       surfit::tools::Run);
 }

@@ -38,36 +38,38 @@ void DropFlying(const FusionOptions& options, SurfelMap* map) {
   map->RemoveMarked();
 }
 
-class FinalMap {
+// What one sequence adds to a map.
+class SequenceFusion {
  public:
-  FinalMap(const KnownSequence& known, const SequenceInfo& info)
-      : known_(known), sensor_(known.found.Of(info.sensor())), fusion_(Finer(known.slam.fusion)) {}
+  SequenceFusion(const MapSource& of_sequence, const SequenceInfo& info)
+      : source_(of_sequence), sensor_(of_sequence.known.found.Of(info.sensor())) {}
 
-  void Fuse(RgbdFrame frame, const Rigid3d& world_from_camera) {
-    const CameraMotion motion = MotionAt(known_.trajectory, frame.stamp_s);
-    known_.found.Correct(&frame);
+  const DepthSensor& sensor() const { return sensor_; }
+
+  void Fuse(RgbdFrame frame, const Rigid3d& world_from_camera, Fusion* fusion, SurfelMap* map) {
+    const KnownSequence& known = source_.known;
+    const CameraMotion motion = MotionAt(known.trajectory, frame.stamp_s);
+    known.found.Correct(&frame);
     Image<Rgb8> color = std::move(frame.color);
     frame = AtMiddleOfReadout(frame, sensor_, motion);
     frame.color = std::move(color);
-    const FramePyramid pyramid = PreprocessDepth(frame.depth_m, sensor_, known_.slam.preprocess);
-    fusion_.Fuse(frame, pyramid.levels.front(), world_from_camera, {motion, sensor_.readout_s},
-                 &map_);
+    frame.index += source_.first_frame;
+    const FramePyramid pyramid = PreprocessDepth(frame.depth_m, sensor_, known.slam.preprocess);
+    fusion->Fuse(frame, pyramid.levels.front(), world_from_camera, {motion, sensor_.readout_s},
+                 map);
   }
 
-  SurfelMap& map() { return map_; }
-
  private:
-  const KnownSequence& known_;
+  const MapSource& source_;
   DepthSensor sensor_;
-  Fusion fusion_;
-  SurfelMap map_;
 };
 
-// The colours of a map from where each frame's were taken.
+// The colours of a map from where each frame's of a sequence were taken.
 class Recoloring {
  public:
-  Recoloring(const KnownSequence& known, const SequenceInfo& info, const SurfelMap& map)
-      : known_(known), sensor_(known.found.Of(info.sensor())), map_(map), average_(map) {
+  Recoloring(const KnownSequence& known, const SequenceInfo& info, const SurfelMap& map,
+             ColorAverage* average)
+      : known_(known), sensor_(known.found.Of(info.sensor())), map_(map), average_(average) {
     coarse_ = sensor_;
     coarse_.camera = sensor_.camera.Binned(std::max(1, sensor_.camera.width / kColumns));
   }
@@ -83,12 +85,10 @@ class Recoloring {
                              RegisterColors(frame.color, drawn, coarse_, motion, expected));
     const Image<float> measured_m = Coarse(AtMiddleOfReadout(frame, sensor_, motion).depth_m);
     frame.stamp_s = frame.color_stamp_s;  // the camera is where it was then
-    average_.Add(FrameColors(frame, camera, {motion, sensor_.readout_s}), camera,
-                 {drawn.depth_m, PosedCamera(coarse_.camera, expected)},
-                 {measured_m, PosedCamera(coarse_.camera, world_from_camera)});
+    average_->Add(FrameColors(frame, camera, {motion, sensor_.readout_s}), camera,
+                  {drawn.depth_m, PosedCamera(coarse_.camera, expected)},
+                  {measured_m, PosedCamera(coarse_.camera, world_from_camera)});
   }
-
-  void WriteTo(SurfelMap* map) const { average_.WriteTo(map); }
 
  private:
   static constexpr int kColumns = 320;  // of the pictures that frames are registered to, about
@@ -114,7 +114,7 @@ class Recoloring {
   const SurfelMap& map_;
   DepthSensor coarse_;
   ModelRenderer renderer_{RenderOptions()};
-  ColorAverage average_;
+  ColorAverage* average_;
 };
 
 // Leaves out what a frame sees outside of the part and its margin.
@@ -147,58 +147,88 @@ void Crop(const Eigen::AlignedBox3f& box, SurfelMap* map) {
   map->RemoveMarked();
 }
 
-std::optional<SurfelMap> Fuse(const KnownSequence& known, const MapPart* part,
-                              const std::atomic<bool>& interrupted,
-                              const FinalMapProgress& progress) {
-  const std::vector<FrameRange> ranges = part ? part->frames : std::vector<FrameRange>();
-  auto source = OpenAgain(known.sequence, ranges);
-  FinalMap final_map(known, source->info());
-  SurfelMap& map = final_map.map();
-  const DepthSensor sensor = known.found.Of(source->info().sensor());
-  int fused = 0, done = 0;  // frames, and what is done of them: a third of it is recolouring
-  const auto for_each = [&](FrameSource* frames, const auto& take) {
-    return ReadKnownFrames(known, frames, interrupted, [&](std::size_t pose, RgbdFrame frame) {
+// Fuses sequences into one map, of which only a part may be wanted.
+class FinalMap {
+ public:
+  FinalMap(const std::vector<MapSource>& sources, const MapPart* part,
+           const std::atomic<bool>& interrupted, const FinalMapProgress& progress)
+      : sources_(sources), part_(part), interrupted_(interrupted), progress_(progress) {}
+
+  std::optional<SurfelMap> Run() {
+    std::optional<DepthSensor> sensor;  // of the first
+    Fusion fusion(Finer(sources_.front().known.slam.fusion));
+    for (const MapSource& of_sequence : sources_) {
+      if (!FuseSource(of_sequence, &fusion, &sensor)) return std::nullopt;
+    }
+    const FusionOptions& options = sources_.front().known.slam.fusion;
+    if (fused_ > options.max_dormant_frames) DropFlying(options, &map_);
+    SmoothMap(*sensor, &map_);
+    ColorAverage average(map_);
+    for (const MapSource& of_sequence : sources_) {
+      if (!Recolor(of_sequence, &average)) return std::nullopt;
+    }
+    average.WriteTo(&map_);
+    if (part_) Crop(part_->box, &map_);
+    progress_(fused_, map_.size());
+    return std::move(map_);
+  }
+
+ private:
+  // Its list of frames is large for a long recording, and gone in the end.
+  bool FuseSource(const MapSource& of_sequence, Fusion* fusion,
+                  std::optional<DepthSensor>* sensor) {
+    const auto frames = OpenAgain(of_sequence.known.sequence, of_sequence.frames);
+    SequenceFusion sequence(of_sequence, frames->info());
+    if (!*sensor) *sensor = sequence.sensor();
+    return ForEach(of_sequence, frames.get(), [&](RgbdFrame frame, const Rigid3d& pose) {
+      if (part_) {
+        frame.depth_m = Within(*part_, sequence.sensor().camera, pose, std::move(frame.depth_m));
+      }
+      sequence.Fuse(std::move(frame), pose, fusion, &map_);
+      ++fused_;
+    });
+  }
+
+  bool Recolor(const MapSource& of_sequence, ColorAverage* average) {
+    SequenceOptions some = of_sequence.known.sequence;
+    some.stride *= kColorStride;
+    const auto frames = OpenAgain(some, of_sequence.frames);
+    Recoloring recoloring(of_sequence.known, frames->info(), map_, average);
+    return ForEach(of_sequence, frames.get(), [&](RgbdFrame frame, const Rigid3d& pose) {
+      recoloring.Add(std::move(frame), pose);
+    });
+  }
+
+  template <typename Take>
+  bool ForEach(const MapSource& of_sequence, FrameSource* frames, const Take& take) {
+    const KnownSequence& known = of_sequence.known;
+    return ReadKnownFrames(known, frames, interrupted_, [&](std::size_t pose, RgbdFrame frame) {
       if (known.left_out.count(frame.index) > 0) return;
       take(std::move(frame), known.trajectory[pose].world_from_camera);
-      done += 2;
-      progress(std::max(1, done / 3), map.size());
+      done_ += 2;
+      progress_(std::max(1, done_ / 3), map_.size());
     });
-  };
-  const bool is_fused = for_each(source.get(), [&](RgbdFrame frame, const Rigid3d& pose) {
-    if (part) frame.depth_m = Within(*part, sensor.camera, pose, std::move(frame.depth_m));
-    final_map.Fuse(std::move(frame), pose);
-    ++fused;
-  });
-  if (!is_fused) return std::nullopt;
-  const FusionOptions& fusion = known.slam.fusion;
-  if (fused > fusion.max_dormant_frames) DropFlying(fusion, &map);
-  SmoothMap(sensor, &map);
-  source.reset();  // of a long recording its list of frames is large
-  SequenceOptions some = known.sequence;
-  some.stride *= kColorStride;
-  const auto again = OpenAgain(some, ranges);
-  Recoloring recoloring(known, again->info(), map);
-  const bool is_colored = for_each(again.get(), [&](RgbdFrame frame, const Rigid3d& pose) {
-    recoloring.Add(std::move(frame), pose);
-  });
-  if (!is_colored) return std::nullopt;
-  recoloring.WriteTo(&map);
-  if (part) Crop(part->box, &map);
-  progress(fused, map.size());
-  return std::move(map);
-}
+  }
+
+  const std::vector<MapSource>& sources_;
+  const MapPart* part_;
+  const std::atomic<bool>& interrupted_;
+  const FinalMapProgress& progress_;
+  SurfelMap map_;
+  int fused_ = 0, done_ = 0;  // frames, and what is done of them: a third of it is recolouring
+};
 
 }  // namespace
 
 std::optional<SurfelMap> FuseAnew(const KnownSequence& known, const std::atomic<bool>& interrupted,
                                   const FinalMapProgress& progress) {
-  return Fuse(known, nullptr, interrupted, progress);
+  const std::vector<MapSource> all = {{known, {}, 0}};
+  return FinalMap(all, nullptr, interrupted, progress).Run();
 }
 
-std::optional<SurfelMap> FusePart(const KnownSequence& known, const MapPart& part,
-                                  const std::atomic<bool>& interrupted,
+std::optional<SurfelMap> FusePart(const MapPart& part, const std::atomic<bool>& interrupted,
                                   const FinalMapProgress& progress) {
-  return Fuse(known, &part, interrupted, progress);
+  return FinalMap(part.sources, &part, interrupted, progress).Run();
 }
 
 }  // namespace surfit

@@ -25,16 +25,23 @@ using FinalMapProgress = std::function<void(int frames, std::size_t map_points)>
 std::optional<SurfelMap> FuseAnew(const KnownSequence& known, const std::atomic<bool>& interrupted,
                                   const FinalMapProgress& progress);
 
-// A part of a map: what lies in a box of the world, half-open, seen by some frames.
+// What of a sequence is fused.
+struct MapSource {
+  const KnownSequence& known;
+  std::vector<FrameRange> frames;  // empty: all
+  int first_frame = 0;             // added to its frames' indices, so that the map's are ascending
+};
+
+// A part of a map: what lies in a box of the world, half-open, seen by frames of some sequences.
 struct MapPart {
   Eigen::AlignedBox3f box;
   float margin_m = 0;  // around it is fused as well, and left out in the end
-  std::vector<FrameRange> frames;
+  std::vector<MapSource> sources;
 };
 
-// The same of a part: memory goes by what is in the box, time by its frames.
-std::optional<SurfelMap> FusePart(const KnownSequence& known, const MapPart& part,
-                                  const std::atomic<bool>& interrupted,
+// The same of a part, of one sequence after the other: memory goes by what is in the box, time by
+// the frames. There must be a source.
+std::optional<SurfelMap> FusePart(const MapPart& part, const std::atomic<bool>& interrupted,
                                   const FinalMapProgress& progress);
 
 }  // namespace surfit

@@ -18,6 +18,7 @@ namespace {
 // A keyframe that is looked up.
 struct Place {
   int fragment = 0;  // position in the plan
+  int recording = 0;
   int frame = 0;
   PlaceView view;  // its features alone
 };
@@ -65,7 +66,8 @@ class CandidateSearch {
     if (!places) return;
     for (std::size_t k = 0; k < places->keyframes.size(); k += step) {
       Keyframe& keyframe = places->keyframes[k];
-      places_.push_back({fragment, keyframe.frame_index, std::move(keyframe.view)});
+      places_.push_back({fragment, plan_.fragments[fragment].recording, keyframe.frame_index,
+                         std::move(keyframe.view)});
       ++result_.looked_up;
     }
   }
@@ -74,8 +76,9 @@ class CandidateSearch {
   void Propose(int source) {
     const Place& from = places_[source];
     const auto found = index_.Query(from.view, options_.max_alike, [&](int p) {
-      return places_[p].fragment < from.fragment &&
-             from.frame - places_[p].frame >= options_.min_gap;
+      const Place& to = places_[p];
+      return to.fragment < from.fragment &&
+             (to.recording < from.recording || from.frame - to.frame >= options_.min_gap);
     });
     for (const PlaceCandidate& candidate : found) {
       const Place& to = places_[candidate.keyframe];

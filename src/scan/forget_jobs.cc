@@ -1,6 +1,7 @@
 #include <filesystem>
 
 #include "run/job_files.h"
+#include "surfit/core/error.h"
 #include "surfit/scan/scan_jobs.h"
 #include "surfit/scan/scan_plan.h"
 
@@ -16,10 +17,9 @@ void ForgetJobs(const std::string& scan, bool retry_failed) {
   const auto has = [&](const std::string& job) { return fs::exists(ReceiptPath(scan, job)); };
   const auto forget = [&](const std::string& job) { fs::remove(ReceiptPath(scan, job)); };
   ForgetReceipts(scan, retry_failed);
-  const bool lacks_camera = plan.camera_frames > 0 && !has("camera");
   for (const ScanFragment& fragment : plan.fragments) {
     const std::string job = "fragment_" + fragment.name;
-    if (lacks_camera) forget(job);
+    if (plan.camera_frames > 0 && !has(Concat("camera_", fragment.recording))) forget(job);
     if (!has(job)) forget("candidates");
   }
   if (!has("candidates")) forget("graph");

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <map>
 #include <tuple>
 #include <utility>
@@ -89,9 +90,10 @@ class LinkReader {
 // Which frames see what part of space.
 class TileFinder {
  public:
-  explicit TileFinder(double tile_m) : tile_m_(tile_m) {}
+  TileFinder(double tile_m, std::size_t recordings) : tile_m_(tile_m), recordings_(recordings) {}
 
-  void Add(const RunPlaces& places, const std::vector<Rigid3d>& world_from_camera) {
+  void Add(const RunPlaces& places, const std::vector<Rigid3d>& world_from_camera,
+           std::size_t recording) {
     for (std::size_t k = 0; k < places.keyframes.size(); ++k) {
       const int first =
           k > 0 ? places.keyframes[k - 1].frame_index + 1 : places.frames.front().index;
@@ -100,7 +102,8 @@ class TileFinder {
       for (const auto& [cell, count] : Seen(places.keyframes[k].view, world_from_camera[k])) {
         Tile& tile = tiles_[cell];
         tile.points += count;
-        tile.frames.push_back({first, last});
+        tile.frames.resize(recordings_);
+        tile.frames[recording].push_back({first, last});
       }
     }
   }
@@ -114,7 +117,9 @@ class TileFinder {
       const Eigen::Vector3d corner = tile_m_ * Eigen::Vector3d(cell[0], cell[1], cell[2]);
       tile.box = {corner.cast<float>(),
                   (corner + Eigen::Vector3d::Constant(tile_m_)).cast<float>()};
-      tile.frames = Merged(found.frames);
+      for (const std::vector<FrameRange>& ranges : found.frames) {
+        tile.frames.push_back(Merged(ranges));
+      }
       tiles.push_back(tile);
     }
     return tiles;
@@ -124,7 +129,7 @@ class TileFinder {
   using Cell = std::array<int, 3>;
   struct Tile {
     int points = 0;
-    std::vector<FrameRange> frames;
+    std::vector<std::vector<FrameRange>> frames;  // of each recording
   };
   static constexpr int kStep = 4;          // pixels between those that are looked at
   static constexpr int kLeastPoints = 10;  // fewer are noise
@@ -162,18 +167,69 @@ class TileFinder {
   }
 
   double tile_m_;
+  std::size_t recordings_;
   std::map<Cell, Tile> tiles_;
 };
 
 std::vector<ScanTile> FindTiles(const std::string& scan, const ScanPlan& plan,
                                 const ScanGraph& graph, double tile_m) {
-  TileFinder finder(tile_m);
+  TileFinder finder(tile_m, plan.recordings.size());
   for (std::size_t i = 0; i < plan.fragments.size(); ++i) {
     if (!graph.fragments()[i] || graph.IsApart(i)) continue;
     const auto places = PlacesOf(scan, plan.fragments[i], PlacesPart::kAll);
-    if (places) finder.Add(*places, graph.fragments()[i]->solved);
+    if (!places) continue;
+    finder.Add(*places, graph.fragments()[i]->solved,
+               static_cast<std::size_t>(plan.fragments[i].recording));
   }
   return finder.Tiles();
+}
+
+// What the graph makes of one recording.
+struct RecordingResult {
+  std::vector<PosedFrame> frames;
+  SequenceInfo info;
+  Trajectory trajectory;             // of the frames
+  std::vector<MatchedPose> matched;  // with the ground truth
+  std::optional<AbsoluteTrajectoryError> ate;
+
+  RecordingResult(std::vector<PosedFrame> of_frames, const SequenceOptions& sequence)
+      : frames(std::move(of_frames)), info(OpenSequence(sequence)->info()) {
+    for (const PosedFrame& frame : frames) {
+      trajectory.push_back({frame.stamp_s, frame.world_from_camera});
+    }
+    if (!info.ground_truth.empty()) {
+      matched = MatchPoses(info.ground_truth, trajectory, MatchOptions());
+    }
+    ate = ComputeAbsoluteTrajectoryError(matched);
+  }
+
+  void Write(const std::string& folder, std::size_t recording) const {
+    const auto path = [&](const char* name, const char* ending) {
+      return Concat(folder, "/", RecordingFile(name, recording, ending));
+    };
+    Trajectory shown = trajectory, given = trajectory;
+    for (StampedPose& pose : shown) {
+      if (ate) pose.world_from_camera = ate->alignment.target_from_source * pose.world_from_camera;
+    }
+    for (StampedPose& pose : given) {
+      if (info.mirrored) pose.world_from_camera = Mirrored(pose.world_from_camera);
+    }
+    WriteTrajectoryPicture(shown, info.ground_truth, path("trajectory", "png"));
+    WriteFramePoses(frames, path("poses", "txt"));
+    WriteTumTrajectory(given, path("trajectory", "txt"));
+  }
+};
+
+Json ToJson(const ScanPlan& plan, const std::vector<RecordingResult>& results) {
+  Json recordings = Json::array();
+  for (std::size_t r = 0; r < results.size(); ++r) {
+    const auto& ate = results[r].ate;
+    recordings.push_back({{"sequence", plan.recordings[r].path},
+                          {"frames_total", results[r].info.frame_count},
+                          {"frames", results[r].frames.size()},
+                          {"ate_rmse_m", ate ? Json(ate->translation_m.rmse) : Json(nullptr)}});
+  }
+  return recordings;
 }
 
 Json ToJson(const ScanPlan& plan, const ScanGraph& graph, const GraphResult& result) {
@@ -181,6 +237,7 @@ Json ToJson(const ScanPlan& plan, const ScanGraph& graph, const GraphResult& res
   for (std::size_t i = 0; i < plan.fragments.size(); ++i) {
     const auto& fragment = graph.fragments()[i];
     fragments.push_back({{"name", plan.fragments[i].name},
+                         {"recording", plan.fragments[i].recording},
                          {"state", !fragment          ? "missing"
                                    : graph.IsApart(i) ? "apart"
                                                       : "joined"},
@@ -212,19 +269,40 @@ Json ToJson(const ScanPlan& plan, const ScanGraph& graph, const GraphResult& res
           {"links", links}};
 }
 
+// Of pairs that are candidates; others are of a former plan.
+std::vector<std::string> LinkFiles(const std::string& scan) {
+  std::vector<std::string> paths;
+  for (const std::string& pair : FilesIn(scan + "/candidates", ".json")) {
+    const std::string path = scan + "/links/" + std::filesystem::path(pair).filename().string();
+    if (std::filesystem::exists(path)) paths.push_back(path);
+  }
+  return paths;
+}
+
+// What a former graph has left in the folder, of other recordings, too.
+std::vector<std::string> GraphFiles(const std::string& folder) {
+  std::vector<std::string> names = {"graph.json", "tiles.json"};
+  for (const char* const ending : {".txt", ".png"}) {
+    for (const std::string& path : FilesIn(folder, ending)) {
+      const std::string name = std::filesystem::path(path).filename();
+      if (name.rfind("trajectory", 0) == 0 || name.rfind("poses", 0) == 0) names.push_back(name);
+    }
+  }
+  return names;
+}
+
 }  // namespace
 
 GraphResult BuildScanGraph(const GraphOptions& options) {
   Validate(options);
   const ScanPlan plan = ReadScanPlan(options.scan);
   std::vector<std::optional<RunPlaces>> places = AllPlaces(options.scan, plan);
-  std::vector<GraphLink> links =
-      LinkReader(plan, places).Read(FilesIn(options.scan + "/links", ".json"));
-  ScanGraph graph(std::move(places), std::move(links), plan.run.slam.loops);
+  std::vector<GraphLink> links = LinkReader(plan, places).Read(LinkFiles(options.scan));
+  std::vector<int> recordings;
+  for (const ScanFragment& fragment : plan.fragments) recordings.push_back(fragment.recording);
+  ScanGraph graph(std::move(places), std::move(recordings), std::move(links), plan.run.slam.loops);
   if (!graph.Solve()) throw InputError(options.scan + ": the pose graph cannot be solved");
-  const OutputFolder owned(options.output, {"trajectory.txt", "poses.txt", "trajectory.png",
-                                            "graph.json", "tiles.json"});
-  const std::vector<PosedFrame> frames = graph.Frames();
+  const OutputFolder owned(options.output, GraphFiles(options.output));
   GraphResult result;
   for (std::size_t i = 0; i < plan.fragments.size(); ++i) {
     ++result.fragments;
@@ -237,35 +315,25 @@ GraphResult BuildScanGraph(const GraphOptions& options) {
   for (const GraphLink& link : graph.links()) {
     ++(link.is_left_out ? result.links_left_out : result.links_accepted);
   }
-  result.frames = static_cast<int>(frames.size());
-  const SequenceInfo info = OpenSequence(plan.run.sequence)->info();
-  result.frames_total = info.frame_count;
-  Trajectory trajectory;
-  for (const PosedFrame& frame : frames) {
-    trajectory.push_back({frame.stamp_s, frame.world_from_camera});
+  std::vector<RecordingResult> results;
+  std::vector<MatchedPose> matched;
+  for (std::size_t r = 0; r < plan.recordings.size(); ++r) {
+    const RecordingResult& of_recording =
+        results.emplace_back(graph.Frames(static_cast<int>(r)), plan.recordings[r]);
+    of_recording.Write(options.output, r);
+    result.frames += static_cast<int>(of_recording.frames.size());
+    result.frames_total += of_recording.info.frame_count;
+    matched.insert(matched.end(), of_recording.matched.begin(), of_recording.matched.end());
   }
-  Trajectory shown = trajectory;
-  if (!info.ground_truth.empty()) {
-    const TrajectoryEvaluation evaluation =
-        EvaluateTrajectory(info.ground_truth, trajectory, Stamps(trajectory), {});
-    if (evaluation.ate) {
-      result.ate_rmse_m = evaluation.ate->translation_m.rmse;
-      for (StampedPose& pose : shown) {
-        pose.world_from_camera =
-            evaluation.ate->alignment.target_from_source * pose.world_from_camera;
-      }
-    }
+  if (const auto ate = ComputeAbsoluteTrajectoryError(matched)) {
+    result.ate_rmse_m = ate->translation_m.rmse;
   }
-  WriteTrajectoryPicture(shown, info.ground_truth, options.output + "/trajectory.png");
   const std::vector<ScanTile> tiles = FindTiles(options.scan, plan, graph, plan.tile_m);
   result.tiles = static_cast<int>(tiles.size());
-  WriteFramePoses(frames, options.output + "/poses.txt");
   WriteTiles(tiles, options.output + "/tiles.json");
-  if (info.mirrored) {
-    for (StampedPose& pose : trajectory) pose.world_from_camera = Mirrored(pose.world_from_camera);
-  }
-  WriteTumTrajectory(trajectory, options.output + "/trajectory.txt");
-  WriteJson(ToJson(plan, graph, result), options.output + "/graph.json");
+  Json json = ToJson(plan, graph, result);
+  json["recordings"] = ToJson(plan, results);
+  WriteJson(json, options.output + "/graph.json");
   return result;
 }
 

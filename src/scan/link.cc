@@ -18,10 +18,21 @@ RunPlaces PlacesNamed(const std::string& scan, const std::string& name) {
   return *std::move(places);
 }
 
+int RecordingOf(const ScanPlan& plan, const std::string& fragment) {
+  for (const ScanFragment& each : plan.fragments) {
+    if (each.name == fragment) return each.recording;
+  }
+  throw InputError(Concat("fragment '", fragment, "' is none of the plan"));
+}
+
 class Linker {
  public:
-  Linker(const FindLoopsOptions& options, RunPlaces source, RunPlaces target)
-      : options_(options), source_(std::move(source)), target_(std::move(target)) {}
+  // Of one recording, frames must be min_gap apart.
+  Linker(const FindLoopsOptions& options, RunPlaces source, RunPlaces target, bool of_one_recording)
+      : options_(options),
+        source_(std::move(source)),
+        target_(std::move(target)),
+        of_one_recording_(of_one_recording) {}
 
   std::vector<ScanLink> Run(const std::vector<PlaceProposal>& proposals) {
     for (const PlaceProposal& proposal : proposals) {
@@ -56,8 +67,9 @@ class Linker {
       double least = options_.max_near_m;
       for (const Keyframe& to : target_.keyframes) {
         const Rigid3d motion = to.world_from_camera.Inverse() * pose;
-        if (from.frame_index - to.frame_index < options_.min_gap ||
-            RotationAngle(motion.rotation) > options_.max_near_rad ||
+        const bool is_close_by =
+            of_one_recording_ && from.frame_index - to.frame_index < options_.min_gap;
+        if (is_close_by || RotationAngle(motion.rotation) > options_.max_near_rad ||
             motion.translation.norm() > least) {
           continue;
         }
@@ -79,6 +91,7 @@ class Linker {
 
   const FindLoopsOptions& options_;
   RunPlaces source_, target_;
+  bool of_one_recording_;
   std::set<std::pair<int, int>> tried_;
   std::vector<ScanLink> links_;
 };
@@ -90,11 +103,12 @@ std::vector<ScanLink> LinkFragments(const LinkOptions& options) {
   const ThreadLimit limit(options.threads);
   const ScanPlan plan = ReadScanPlan(options.scan);
   const PairCandidates pair = ReadCandidates(options.candidates);
-  Linker linker(plan.run.slam.loops.find, PlacesNamed(options.scan, pair.source),
-                PlacesNamed(options.scan, pair.target));
   std::vector<ScanLink> links;
   try {
-    links = linker.Run(pair.proposals);
+    const bool of_one_recording = RecordingOf(plan, pair.source) == RecordingOf(plan, pair.target);
+    links = Linker(plan.run.slam.loops.find, PlacesNamed(options.scan, pair.source),
+                   PlacesNamed(options.scan, pair.target), of_one_recording)
+                .Run(pair.proposals);
   } catch (const InputError& error) {
     throw InputError(Concat(options.candidates, ": ", error.what()));
   }

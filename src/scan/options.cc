@@ -1,6 +1,8 @@
 // The options of this room.
 #include "surfit/core/options.h"
 
+#include <set>
+
 #include "surfit/core/error.h"
 #include "surfit/scan/scan_jobs.h"
 #include "surfit/scan/scan_plan.h"
@@ -19,20 +21,30 @@ Option Threads() {
 }  // namespace
 
 void ScanPlanOptions::Visit(OptionVisitor& v) {
-  v.AddPart(run, "run", "how each fragment is tracked",
-            WithoutFlags({"loop_closure", "calibrate", "refine", "final_map", "pictures", "report",
-                          "keep_places", "trace", "dump_failures", "offered_fps", "poses",
-                          "initial_pose"}));
+  v.Group("sequence");
+  v.Add(sequences, "sequences",
+        "the sequence: a folder, or a .klg, .sens, .bag, .db3 or .mcap file; several --sequence "
+        "are recordings of one place",
+        Required(), Repeatable(), AsFlag("sequence"), Everyday());
+  v.AddPart(run, "run", "how each fragment is tracked", OptionalPart(),
+            WithoutFlags({"sequence", "loop_closure", "calibrate", "refine", "final_map",
+                          "pictures", "report", "keep_places", "trace", "dump_failures",
+                          "offered_fps", "poses", "initial_pose"}));
   v.Group("fragments");
   v.Add(fragment_frames, "fragment_frames", "frames of a fragment at most", AtLeast(2), AsFlag(),
         Everyday());
   v.Add(overlap_frames, "overlap_frames", "frames that a fragment shares with the next", AtLeast(1),
         AsFlag());
   v.Add(camera_frames, "camera_frames",
-        "frames at the beginning by which the depth camera is calibrated for all fragments",
-        AtLeast(0), ZeroIs("it is as given"), AsFlag());
+        "frames at the beginning of a sequence by which its depth camera is calibrated", AtLeast(0),
+        ZeroIs("it is as given"), AsFlag());
   v.Add(tile_m, "tile_m", "side of a tile of the map, a cube", AtLeast(0.5), AsFlag());
   v.Check([this] {
+    if (run.output.empty()) throw InputError("output is missing, must be set");
+    const std::set<std::string> different(sequences.begin(), sequences.end());
+    if (different.size() < sequences.size() || different.count("") > 0) {
+      throw InputError("sequence has one twice or without a name, must have different ones");
+    }
     if (overlap_frames < fragment_frames) return;
     throw InputError(Concat("overlap_frames is ", overlap_frames,
                             ", must be below fragment_frames, ", fragment_frames));

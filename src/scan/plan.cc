@@ -20,9 +20,8 @@ std::string NameOf(std::int64_t fragment) {
   return name.data();
 }
 
-// The fragment's part of the sequence, to be read and tracked from any working folder.
-SlamRunOptions RunOf(SlamRunOptions run) {
-  run.sequence = WithAbsolutePaths(run.sequence);
+// How fragments are tracked.
+SlamRunOptions RunOfFragments(SlamRunOptions run) {
   run.slam.loops.enabled = run.keep_places = true;
   run.slam.calibration.enabled = run.refine = run.final_map = run.pictures = false;
   return run;
@@ -39,7 +38,9 @@ SlamRunOptions CameraRunOf(SlamRunOptions run, int frames) {
   return run;
 }
 
-std::string FoundCamera(const std::string& scan) { return scan + "/camera/camera.yaml"; }
+std::string FoundCamera(const std::string& scan, std::size_t recording) {
+  return Concat(scan, "/camera/", recording, "/camera.yaml");
+}
 
 // The same sequence by another camera, of which that file says all.
 SequenceOptions WithCamera(SequenceOptions sequence, const std::string& camera) {
@@ -73,59 +74,116 @@ std::vector<ScanFragment> CutIntoFragments(int first, int frame_count, int strid
   return fragments;
 }
 
+namespace {
+
+SequenceOptions OptionsOfRecording(const ScanPlan& plan, const std::string& path) {
+  SequenceOptions sequence = plan.run.sequence;
+  sequence.path = path;
+  return WithAbsolutePaths(sequence);
+}
+
+// Of each recording, numbered on.
+std::vector<ScanFragment> CutRecordings(const ScanPlan& plan, const ScanPlanOptions& options) {
+  std::vector<ScanFragment> all;
+  for (std::size_t r = 0; r < plan.recordings.size(); ++r) {
+    const SequenceOptions& sequence = plan.recordings[r];
+    const int frames = OpenSequence(sequence)->info().frame_count;
+    for (ScanFragment fragment :
+         CutIntoFragments(sequence.first, frames, sequence.stride, options.fragment_frames,
+                          options.overlap_frames)) {
+      fragment.name = NameOf(static_cast<std::int64_t>(all.size()));
+      fragment.recording = static_cast<int>(r);
+      all.push_back(fragment);
+    }
+  }
+  return all;
+}
+
+// What surfit_slam is given for a recording's fragments, and to find its camera.
+void WriteFlagFiles(const ScanPlan& plan, const std::string& scan) {
+  MakeFolder(scan + "/fragments");
+  for (const ScanFragment& fragment : plan.fragments) {
+    SlamRunOptions run = plan.run;
+    run.sequence = plan.recordings[fragment.recording];
+    run.sequence.first = fragment.first;
+    run.sequence.last = fragment.last;
+    WriteUnlessSame(FlagFileOf(run), Concat(scan, "/fragments/", fragment.name, ".flags"));
+  }
+  for (std::size_t r = 0; r < plan.recordings.size(); ++r) {
+    SlamRunOptions run = plan.run;
+    run.sequence = plan.recordings[r];
+    if (plan.camera_frames > 0) {
+      WriteUnlessSame(FlagFileOf(CameraRunOf(run, plan.camera_frames)),
+                      Concat(scan, "/camera_", r, ".flags"));
+    }
+    SlamRunOptions found = run;
+    found.sequence = WithCamera(found.sequence, AbsolutePath(FoundCamera(scan, r)));
+    WriteUnlessSame(FlagFileOf(found, run), Concat(scan, "/found_camera_", r, ".flags"));
+  }
+}
+
+Json ToJson(const ScanPlan& plan) {
+  Json recordings = Json::array(), fragments = Json::array();
+  for (const SequenceOptions& recording : plan.recordings) recordings.push_back(recording.path);
+  for (const ScanFragment& fragment : plan.fragments) {
+    fragments.push_back({{"name", fragment.name},
+                         {"recording", fragment.recording},
+                         {"first", fragment.first},
+                         {"last", fragment.last}});
+  }
+  return {{"run", OptionsToJson(plan.run)},
+          {"camera_frames", plan.camera_frames},
+          {"tile_m", plan.tile_m},
+          {"recordings", recordings},
+          {"fragments", fragments}};
+}
+
+}  // namespace
+
 ScanPlan PlanScan(const ScanPlanOptions& options) {
   Validate(options);
   ScanPlan plan;
-  plan.run = RunOf(options.run);
+  plan.run = RunOfFragments(options.run);
   plan.camera_frames = options.camera_frames;
   plan.tile_m = options.tile_m;
-  const SequenceOptions& sequence = plan.run.sequence;
-  plan.fragments =
-      CutIntoFragments(sequence.first, OpenSequence(sequence)->info().frame_count, sequence.stride,
-                       options.fragment_frames, options.overlap_frames);
-  const std::string folder = options.run.output + "/fragments";
-  MakeFolder(folder);
-  Json fragments = Json::array();
-  for (const ScanFragment& fragment : plan.fragments) {
-    SlamRunOptions run = plan.run;
-    run.sequence.first = fragment.first;
-    run.sequence.last = fragment.last;
-    WriteUnlessSame(FlagFileOf(run), Concat(folder, "/", fragment.name, ".flags"));
-    fragments.push_back(
-        {{"name", fragment.name}, {"first", fragment.first}, {"last", fragment.last}});
+  for (const std::string& path : options.sequences) {
+    plan.recordings.push_back(OptionsOfRecording(plan, path));
   }
+  plan.fragments = CutRecordings(plan, options);
   const std::string& scan = options.run.output;
-  if (options.camera_frames > 0) {
-    WriteUnlessSame(FlagFileOf(CameraRunOf(plan.run, options.camera_frames)),
-                    scan + "/camera.flags");
-  }
-  SlamRunOptions found = plan.run;
-  found.sequence = WithCamera(found.sequence, AbsolutePath(FoundCamera(scan)));
-  WriteUnlessSame(FlagFileOf(found, plan.run), scan + "/found_camera.flags");
-  const Json json = {{"run", OptionsToJson(plan.run)},
-                     {"camera_frames", plan.camera_frames},
-                     {"tile_m", plan.tile_m},
-                     {"fragments", fragments}};
-  WriteUnlessSame(json.dump(2) + "\n", scan + "/plan.json");
+  WriteFlagFiles(plan, scan);
+  WriteUnlessSame(ToJson(plan).dump(2, ' ', false, Json::error_handler_t::replace) + "\n",
+                  scan + "/plan.json");
   return plan;
 }
 
 ScanPlan ReadScanPlan(const std::string& scan) {
-  const std::string plan_json = scan + "/plan.json", camera = FoundCamera(scan);
+  const std::string plan_json = scan + "/plan.json";
   const Json json = ReadJson(plan_json);
   ScanPlan plan;
   try {
     plan.run = OptionsFromJson<SlamRunOptions>(json.at("run"));
     json.at("camera_frames").get_to(plan.camera_frames);
     json.at("tile_m").get_to(plan.tile_m);
+    for (const Json& path : json.at("recordings")) {
+      plan.recordings.push_back(OptionsOfRecording(plan, path));
+    }
     for (const Json& fragment : json.at("fragments")) {
-      plan.fragments.push_back({fragment.at("name"), fragment.at("first"), fragment.at("last")});
+      plan.fragments.push_back({fragment.at("name"), fragment.at("first"), fragment.at("last"),
+                                fragment.at("recording")});
+      if (static_cast<std::size_t>(plan.fragments.back().recording) < plan.recordings.size()) {
+        continue;
+      }
+      throw InputError(Concat(plan_json, ": fragment ", plan.fragments.back().name,
+                              " is of no recording of the plan"));
     }
   } catch (const Json::exception& error) {
     throw InputError(Concat(plan_json, ": no plan of a scan: ", error.what()));
   }
-  if (plan.camera_frames > 0 && std::filesystem::exists(camera)) {
-    plan.run.sequence = WithCamera(plan.run.sequence, camera);
+  for (std::size_t r = 0; r < plan.recordings.size() && plan.camera_frames > 0; ++r) {
+    const std::string camera = FoundCamera(scan, r);
+    if (!std::filesystem::exists(camera)) continue;
+    plan.recordings[r] = WithCamera(plan.recordings[r], camera);
   }
   return plan;
 }

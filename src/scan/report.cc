@@ -63,11 +63,21 @@ SurfelMap ThinnedMap(const std::vector<std::string>& paths) {
   return map;
 }
 
+ScannedRecording RecordingFrom(const Json& json) {
+  ScannedRecording recording;
+  json.at("sequence").get_to(recording.sequence);
+  json.at("frames_total").get_to(recording.frames_total);
+  json.at("frames").get_to(recording.frames);
+  if (!json.at("ate_rmse_m").is_null()) recording.ate_rmse_m = json.at("ate_rmse_m");
+  return recording;
+}
+
 // All that is known of a scan when its other jobs have ended.
 class ScanReporter {
  public:
   explicit ScanReporter(const std::string& scan) : scan_(scan), plan_(ReadScanPlan(scan)) {
-    std::set<std::string> jobs = {"camera", "candidates", "graph"};
+    std::set<std::string> jobs = {"candidates", "graph"};
+    for (std::size_t r = 0; r < plan_.recordings.size(); ++r) jobs.insert(Concat("camera_", r));
     for (const ScanFragment& fragment : plan_.fragments) jobs.insert("fragment_" + fragment.name);
     for (const std::string& pair : FilesIn(scan + "/candidates", ".json")) {
       const std::string name = fs::path(pair).stem();
@@ -85,15 +95,18 @@ class ScanReporter {
   }
 
   ScanSummary Run() {
-    RemoveFormerTiles();
+    RemoveFormerFiles();
     Fnv1a digest;
     ScanSummary summary;
     summary.fragments = static_cast<int>(plan_.fragments.size());
     if (!graph_.is_null()) {
-      const std::string trajectory = ReadFile(scan_ + "/graph/trajectory.txt");
-      digest.Add(trajectory.data(), trajectory.size());
-      WriteFileAtomically(scan_ + "/trajectory.txt",
-                          [&](std::ostream& file) { file << trajectory; });
+      for (std::size_t r = 0; r < plan_.recordings.size(); ++r) {
+        const std::string trajectory = ReadFile(GraphFile("trajectory", r, "txt"));
+        digest.Add(trajectory.data(), trajectory.size());
+        WriteFileAtomically(Concat(scan_, "/", TrajectoryName(r)),
+                            [&](std::ostream& file) { file << trajectory; });
+        summary.recordings.push_back(RecordingFrom(graph_.at("recordings").at(r)));
+      }
       graph_.at("frames_total").get_to(summary.frames_total);
       graph_.at("frames").get_to(summary.frames);
       graph_.at("links_accepted").get_to(summary.links_accepted);
@@ -116,16 +129,37 @@ class ScanReporter {
   }
 
  private:
-  void RemoveFormerTiles() const {
+  // Of a former plan.
+  void RemoveFormerFiles() const {
+    std::set<std::string> trajectories;
+    for (std::size_t r = 0; r < plan_.recordings.size(); ++r)
+      trajectories.insert(TrajectoryName(r));
+    for (const std::string& path : FilesIn(scan_, ".txt")) {
+      const std::string name = fs::path(path).filename();
+      if (name.rfind("trajectory", 0) == 0 && trajectories.count(name) == 0) fs::remove(path);
+    }
     for (const std::string& path : FilesIn(scan_ + "/tiles", ".ply")) {
       if (tiles_.count(fs::path(path).stem()) == 0) fs::remove(path);
     }
   }
 
+  std::string GraphFile(const std::string& name, std::size_t recording,
+                        const std::string& ending) const {
+    return Concat(scan_, "/graph/", RecordingFile(name, recording, ending));
+  }
+
+  std::string TrajectoryName(std::size_t recording) const {
+    if (plan_.recordings.size() == 1) return "trajectory.txt";
+    return RecordingFile("trajectory", recording, "txt");
+  }
+
+  // Of all recordings, one after the other.
   Trajectory Path() const {
     Trajectory path;
-    for (const PosedFrame& frame : ReadFramePoses(scan_ + "/graph/poses.txt")) {
-      path.push_back({frame.stamp_s, frame.world_from_camera});
+    for (std::size_t r = 0; r < plan_.recordings.size(); ++r) {
+      for (const PosedFrame& frame : ReadFramePoses(GraphFile("poses", r, "txt"))) {
+        path.push_back({frame.stamp_s, frame.world_from_camera});
+      }
     }
     return path;
   }
@@ -139,6 +173,7 @@ class ScanReporter {
                {"links_accepted", summary.links_accepted},
                {"links_left_out", graph_.is_null() ? Json(0) : graph_.at("links_left_out")},
                {"tiles", summary.tiles},
+               {"recordings", graph_.is_null() ? Json::array() : graph_.at("recordings")},
                {"failed", summary.failed}},
               scan_ + "/summary.json");
   }
@@ -148,30 +183,53 @@ class ScanReporter {
     page.Paragraph(Concat(summary.frames, " of ", summary.frames_total, " frames have a pose. ",
                           summary.fragments, " fragments, ", summary.links_accepted, " links, ",
                           summary.tiles, " tiles."));
-    if (summary.ate_rmse_m) page.Paragraph("ATE: " + Fixed(1000 * *summary.ate_rmse_m, 1) + " mm");
+    if (summary.ate_rmse_m) {
+      page.Paragraph(Concat("ATE: ", Fixed(1000 * *summary.ate_rmse_m, 1), " mm",
+                            plan_.recordings.size() > 1 ? ", all recordings aligned as one" : ""));
+    }
     page.Section("What failed");
     if (summary.failed.empty()) page.Paragraph("Nothing.");
     for (const std::string& failed : summary.failed) page.Paragraph(failed);
     if (!graph_.is_null()) {
       page.Section("Map and path");
       page.Picture("map_color.png");
-      page.Picture("graph/trajectory.png");
+      for (std::size_t r = 0; r < plan_.recordings.size(); ++r) {
+        page.Picture("graph/" + RecordingFile("trajectory", r, "png"));
+      }
     }
+    if (plan_.recordings.size() > 1) AddRecordings(summary, &page);
     AddFragments(&page);
     AddLinks(&page);
     AddCosts(&page);
-    page.Write("Scan of " + plan_.run.sequence.path, scan_ + "/report.html");
+    const std::size_t others = plan_.recordings.size() - 1;
+    page.Write(Concat("Scan of ", plan_.recordings.front().path,
+                      others > 0 ? Concat(" and ", others, " more") : ""),
+               scan_ + "/report.html");
+  }
+
+  static void AddRecordings(const ScanSummary& summary, PlainPage* page) {
+    std::vector<std::vector<PlainPage::Cell>> rows = {
+        {"recording", "sequence", "frames", "with a pose", "ATE (mm), aligned by itself"}};
+    for (std::size_t r = 0; r < summary.recordings.size(); ++r) {
+      const ScannedRecording& recording = summary.recordings[r];
+      rows.push_back({Concat(r), recording.sequence, Concat(recording.frames_total),
+                      Concat(recording.frames),
+                      recording.ate_rmse_m ? Fixed(1000 * *recording.ate_rmse_m, 1) : ""});
+    }
+    page->Section("Recordings");
+    page->Table(rows);
   }
 
   void AddFragments(PlainPage* page) const {
     std::map<std::string, const JobReceipt*> receipts;
     for (const JobReceipt& receipt : receipts_) receipts[receipt.job] = &receipt;
-    std::vector<std::vector<PlainPage::Cell>> rows = {
-        {"fragment", "first", "last", "state", "frames with a pose", "keyframes", "s", "MB"}};
+    std::vector<std::vector<PlainPage::Cell>> rows = {{"fragment", "recording", "first", "last",
+                                                       "state", "frames with a pose", "keyframes",
+                                                       "s", "MB"}};
     for (std::size_t i = 0; i < plan_.fragments.size(); ++i) {
       const ScanFragment& fragment = plan_.fragments[i];
-      std::vector<PlainPage::Cell> row = {fragment.name, Concat(fragment.first),
-                                          Concat(fragment.last)};
+      std::vector<PlainPage::Cell> row = {fragment.name, Concat(fragment.recording),
+                                          Concat(fragment.first), Concat(fragment.last)};
       if (graph_.is_null()) {
         row.insert(row.end(), 3, "");
       } else {
@@ -276,6 +334,9 @@ ScanSummary ReadScanSummary(const std::string& scan) {
     json.at("links_accepted").get_to(summary.links_accepted);
     json.at("tiles").get_to(summary.tiles);
     if (!json.at("ate_rmse_m").is_null()) summary.ate_rmse_m = json.at("ate_rmse_m");
+    for (const Json& recording : json.at("recordings")) {
+      summary.recordings.push_back(RecordingFrom(recording));
+    }
     json.at("failed").get_to(summary.failed);
   } catch (const Json::exception& error) {
     throw InputError(Concat(path, ": no summary of a scan: ", error.what()));

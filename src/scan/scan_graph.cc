@@ -32,9 +32,9 @@ Rigid3d Blend(const Rigid3d& from, const Rigid3d& to, double share) {
 
 }  // namespace
 
-ScanGraph::ScanGraph(std::vector<std::optional<RunPlaces>> fragments, std::vector<GraphLink> links,
-                     const LoopOptions& options)
-    : links_(std::move(links)), options_(options) {
+ScanGraph::ScanGraph(std::vector<std::optional<RunPlaces>> fragments, std::vector<int> recordings,
+                     std::vector<GraphLink> links, const LoopOptions& options)
+    : recordings_(std::move(recordings)), links_(std::move(links)), options_(options) {
   for (std::optional<RunPlaces>& places : fragments) {
     fragments_.emplace_back();
     if (places && !places->keyframes.empty()) fragments_.back() = {*std::move(places), {}};
@@ -69,6 +69,7 @@ std::optional<ScanGraph::Connection> ScanGraph::Joint(std::size_t a, std::size_t
 std::vector<ScanGraph::Connection> ScanGraph::Connections() const {
   std::vector<Connection> connections;
   for (std::size_t i = 0; i + 1 < fragments_.size(); ++i) {
+    if (recordings_[i] != recordings_[i + 1]) continue;
     if (const auto joint = Joint(i, i + 1)) connections.push_back(*joint);
   }
   std::vector<std::size_t> order;
@@ -193,10 +194,11 @@ std::optional<Rigid3d> ScanGraph::Residual(const GraphLink& link) const {
          source->solved[link.source_keyframe];
 }
 
-std::vector<PosedFrame> ScanGraph::Frames() const {
+std::vector<PosedFrame> ScanGraph::Frames(int recording) const {
   std::vector<PosedFrame> all;
-  for (const std::optional<GraphFragment>& fragment : fragments_) {
-    if (!fragment || fragment->solved.empty()) continue;
+  for (std::size_t i = 0; i < fragments_.size(); ++i) {
+    const std::optional<GraphFragment>& fragment = fragments_[i];
+    if (recordings_[i] != recording || !fragment || fragment->solved.empty()) continue;
     std::vector<PosedFrame> frames = fragment->places.frames;
     std::vector<Rigid3d> new_from_old;
     for (std::size_t k = 0; k < fragment->solved.size(); ++k) {

@@ -28,8 +28,9 @@ struct GraphLink {
 // The pose graph over the keyframes of all fragments.
 class ScanGraph {
  public:
-  ScanGraph(std::vector<std::optional<RunPlaces>> fragments, std::vector<GraphLink> links,
-            const LoopOptions& options);
+  // With each fragment's recording: neighbours of one share frames.
+  ScanGraph(std::vector<std::optional<RunPlaces>> fragments, std::vector<int> recordings,
+            std::vector<GraphLink> links, const LoopOptions& options);
 
   // False where the solver gave up.
   bool Solve();
@@ -42,9 +43,9 @@ class ScanGraph {
   bool IsApart(std::size_t fragment) const {
     return fragments_[fragment] && fragments_[fragment]->solved.empty();
   }
-  // All frames of the largest part, ascending. Between two neighbours the pose goes from one's to
-  // the other's over the frames that they share.
-  std::vector<PosedFrame> Frames() const;
+  // All frames of a recording that are in the largest part, ascending. Between two neighbours the
+  // pose goes from one's to the other's over the frames that they share.
+  std::vector<PosedFrame> Frames(int recording) const;
 
  private:
   // How two fragments' worlds lie to each other.
@@ -64,6 +65,7 @@ class ScanGraph {
   int LargestPart(const std::vector<int>& parts) const;
 
   std::vector<std::optional<GraphFragment>> fragments_;
+  std::vector<int> recordings_;
   std::vector<GraphLink> links_;
   LoopOptions options_;
 };

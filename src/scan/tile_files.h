@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "run/known_sequence.h"
+#include "surfit/scan/scan_plan.h"
 #include "surfit/slam/backend.h"
 
 namespace surfit {
@@ -13,8 +14,16 @@ namespace surfit {
 struct ScanTile {
   std::string name;
   Eigen::AlignedBox3f box;
-  std::vector<FrameRange> frames;
+  std::vector<std::vector<FrameRange>> frames;  // of each recording
 };
+
+// How many frames come before each recording, if the frames of all are counted on: by their ranges
+// in the plan.
+std::vector<int> FirstFrames(const ScanPlan& plan);
+
+// Where the graph's results of a recording are, in its folder: NAME_R.ENDING.
+std::string RecordingFile(const std::string& name, std::size_t recording,
+                          const std::string& ending);
 
 // All throw InputError naming the file.
 void WriteTiles(const std::vector<ScanTile>& tiles, const std::string& path);

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <fstream>
 #include <iomanip>
+#include <map>
+#include <set>
 #include <sstream>
 
 #include "run/final_map.h"
@@ -16,11 +18,31 @@
 
 namespace surfit {
 
+std::vector<int> FirstFrames(const ScanPlan& plan) {
+  std::vector<int> ends(plan.recordings.size(), 0);
+  for (const ScanFragment& fragment : plan.fragments) {
+    ends[fragment.recording] = std::max(ends[fragment.recording], fragment.last + 1);
+  }
+  std::vector<int> first = {0};
+  for (const int end : ends) first.push_back(first.back() + end);
+  first.pop_back();
+  return first;
+}
+
+std::string RecordingFile(const std::string& name, std::size_t recording,
+                          const std::string& ending) {
+  return Concat(name, "_", recording, ".", ending);
+}
+
 void WriteTiles(const std::vector<ScanTile>& tiles, const std::string& path) {
   Json json = Json::array();
   for (const ScanTile& tile : tiles) {
     Json frames = Json::array();
-    for (const FrameRange& range : tile.frames) frames.push_back({range.first, range.last});
+    for (const std::vector<FrameRange>& ranges : tile.frames) {
+      Json of_recording = Json::array();
+      for (const FrameRange& range : ranges) of_recording.push_back({range.first, range.last});
+      frames.push_back(of_recording);
+    }
     const Eigen::Vector3f &from = tile.box.min(), &to = tile.box.max();
     json.push_back({{"name", tile.name},
                     {"min", {from.x(), from.y(), from.z()}},
@@ -41,8 +63,10 @@ std::vector<ScanTile> ReadTiles(const std::string& path) {
         tile.box.min()[i] = entry.at("min").at(i);
         tile.box.max()[i] = entry.at("max").at(i);
       }
-      for (const Json& range : entry.at("frames"))
-        tile.frames.push_back({range.at(0), range.at(1)});
+      for (const Json& ranges : entry.at("frames")) {
+        std::vector<FrameRange>& of_recording = tile.frames.emplace_back();
+        for (const Json& range : ranges) of_recording.push_back({range.at(0), range.at(1)});
+      }
       tiles.push_back(tile);
     }
   } catch (const Json::exception& error) {
@@ -85,6 +109,46 @@ std::vector<PosedFrame> ReadFramePoses(const std::string& path) {
   return frames;
 }
 
+namespace {
+
+// The sequences of a scan with the poses that the graph gave them.
+class PosedRecordings {
+ public:
+  PosedRecordings(const ScanPlan& plan, const std::string& scan)
+      : plan_(plan), trajectories_(plan.recordings.size()), indices_(plan.recordings.size()) {
+    for (std::size_t r = 0; r < plan.recordings.size(); ++r) {
+      const std::string poses = Concat(scan, "/graph/", RecordingFile("poses", r, "txt"));
+      for (const PosedFrame& frame : ReadFramePoses(poses)) {
+        trajectories_[r].push_back({frame.stamp_s, frame.world_from_camera});
+        indices_[r].push_back(frame.index);
+      }
+      known_.push_back({plan.recordings[r], plan.run.slam, trajectories_[r], indices_[r], all_stay_,
+                        nothing_moves_, FoundSensor()});
+    }
+  }
+  PosedRecordings(const PosedRecordings&) = delete;
+
+  // Those that see something of the tile.
+  std::vector<MapSource> Of(const ScanTile& tile) const {
+    const std::vector<int> first = FirstFrames(plan_);
+    std::vector<MapSource> sources;
+    for (std::size_t r = 0; r < known_.size() && r < tile.frames.size(); ++r) {
+      if (!tile.frames[r].empty()) sources.push_back({known_[r], tile.frames[r], first[r]});
+    }
+    return sources;
+  }
+
+ private:
+  const ScanPlan& plan_;
+  std::vector<Trajectory> trajectories_;
+  std::vector<std::vector<int>> indices_;
+  std::set<int> all_stay_;
+  std::map<int, Image<std::uint8_t>> nothing_moves_;
+  std::vector<KnownSequence> known_;  // refers to the others
+};
+
+}  // namespace
+
 std::size_t FuseTile(const TileOptions& options, const std::atomic<bool>& interrupted,
                      const std::function<void(int frames)>& progress) {
   Validate(options);
@@ -97,17 +161,12 @@ std::size_t FuseTile(const TileOptions& options, const std::atomic<bool>& interr
   if (tile == tiles.end()) {
     throw InputError(Concat(tiles_json, ": has no tile '", options.tile, "'"));
   }
-  Trajectory trajectory;
-  std::vector<int> indices;
-  for (const PosedFrame& frame : ReadFramePoses(options.scan + "/graph/poses.txt")) {
-    trajectory.push_back({frame.stamp_s, frame.world_from_camera});
-    indices.push_back(frame.index);
+  const PosedRecordings recordings(plan, options.scan);
+  const MapPart part = {tile->box, static_cast<float>(options.margin_m), recordings.Of(*tile)};
+  if (part.sources.empty()) {
+    throw InputError(Concat(tiles_json, ": tile ", tile->name, " is seen by no recording"));
   }
-  const KnownSequence known = {plan.run.sequence, plan.run.slam, trajectory, indices, {}, {},
-                               FoundSensor()};
-  const MapPart part = {tile->box, static_cast<float>(options.margin_m), tile->frames};
-  const auto map =
-      FusePart(known, part, interrupted, [&](int frames, std::size_t) { progress(frames); });
+  const auto map = FusePart(part, interrupted, [&](int frames, std::size_t) { progress(frames); });
   if (!map) throw InputError("interrupted: " + options.output + " is not written");
   WriteSurfelPly(*map, options.output);
   return map->size();

@@ -59,6 +59,7 @@ class ScanGraphTest : public ::testing::Test {
   ScanGraphTest() {
     for (int first = 0; first < kFrames; first += 28) {
       fragments_.emplace_back(Fragment(first, std::min(kFrames, first + 36) - 1, &rng_));
+      recordings_.push_back(0);
     }
   }
 
@@ -95,13 +96,14 @@ class ScanGraphTest : public ::testing::Test {
 
   std::mt19937_64 rng_{3};
   std::vector<std::optional<RunPlaces>> fragments_;
+  std::vector<int> recordings_;
   std::vector<GraphLink> links_;
 };
 
 TEST_F(ScanGraphTest, JoinsNeighboursByTheFramesThatTheyShare) {
-  ScanGraph graph(fragments_, {}, LoopOptions());
+  ScanGraph graph(fragments_, recordings_, {}, LoopOptions());
   ASSERT_TRUE(graph.Solve());
-  const std::vector<PosedFrame> frames = graph.Frames();
+  const std::vector<PosedFrame> frames = graph.Frames(0);
   ASSERT_EQ(frames.size(), kFrames);
   for (int i = 0; i < kFrames; ++i) EXPECT_EQ(frames[i].index, i);
   EXPECT_LT(Error(frames), 0.5);
@@ -114,14 +116,14 @@ TEST_F(ScanGraphTest, JoinsNeighboursByTheFramesThatTheyShare) {
 }
 
 TEST_F(ScanGraphTest, LinksTakeDriftAwayAndWrongOnesAreLeftOut) {
-  ScanGraph without(fragments_, {}, LoopOptions());
+  ScanGraph without(fragments_, recordings_, {}, LoopOptions());
   ASSERT_TRUE(without.Solve());
   const std::size_t last = fragments_.size() - 1;
   Link(last, 0, 0, 0);
   Link(last, 1, 0, 1);
   Link(last, 2, 0, 2);
   Link(2, 3, 0, 4, Rigid3d(Eigen::Quaterniond::Identity(), {1.5, 0, 0}));
-  ScanGraph graph(fragments_, links_, LoopOptions());
+  ScanGraph graph(fragments_, recordings_, links_, LoopOptions());
   ASSERT_TRUE(graph.Solve());
   for (int i = 0; i < 3; ++i) {
     EXPECT_FALSE(graph.links()[i].is_left_out) << i;
@@ -129,29 +131,60 @@ TEST_F(ScanGraphTest, LinksTakeDriftAwayAndWrongOnesAreLeftOut) {
   }
   EXPECT_TRUE(graph.links()[3].is_left_out);
   EXPECT_GT(graph.Residual(graph.links()[3])->translation.norm(), 1);
-  EXPECT_LT(Error(graph.Frames()), Error(without.Frames()));
+  EXPECT_LT(Error(graph.Frames(0)), Error(without.Frames(0)));
 }
 
 TEST_F(ScanGraphTest, GoesAroundAFragmentThatIsMissingWhereALinkLeads) {
   fragments_[1].reset();
   {
-    ScanGraph graph(fragments_, {}, LoopOptions());
+    ScanGraph graph(fragments_, recordings_, {}, LoopOptions());
     ASSERT_TRUE(graph.Solve());
     EXPECT_TRUE(graph.IsApart(0));
     EXPECT_FALSE(graph.IsApart(1));  // it is missing
     EXPECT_FALSE(graph.IsApart(2));
   }
   Link(fragments_.size() - 1, 1, 0, 0);
-  ScanGraph graph(fragments_, links_, LoopOptions());
+  ScanGraph graph(fragments_, recordings_, links_, LoopOptions());
   ASSERT_TRUE(graph.Solve());
   EXPECT_FALSE(graph.IsApart(0));
-  EXPECT_EQ(graph.Frames().front().index, 0);
+  EXPECT_EQ(graph.Frames(0).front().index, 0);
+}
+
+// The second recording has frames of the same numbers, which say nothing of where it was.
+TEST_F(ScanGraphTest, JoinsRecordingsByLinksAlone) {
+  for (int first = 0; first < 64; first += 28) {
+    fragments_.emplace_back(Fragment(first, std::min(64, first + 36) - 1, &rng_));
+    recordings_.push_back(1);
+  }
+  const std::size_t second = 5;
+  {
+    ScanGraph graph(fragments_, recordings_, {}, LoopOptions());
+    ASSERT_TRUE(graph.Solve());
+    EXPECT_EQ(graph.Frames(0).size(), kFrames);
+    EXPECT_TRUE(graph.Frames(1).empty());
+    EXPECT_TRUE(graph.IsApart(second));
+  }
+  for (const int k : {1, 4, 7}) Link(second + 1, k, 1, k);
+  ScanGraph graph(fragments_, recordings_, links_, LoopOptions());
+  ASSERT_TRUE(graph.Solve());
+  const std::vector<PosedFrame> first_frames = graph.Frames(0), frames = graph.Frames(1);
+  EXPECT_EQ(first_frames.size(), kFrames);
+  ASSERT_EQ(frames.size(), 64u);
+  // Both are in one world.
+  const Rigid3d true_from_world = TruePose(0) * first_frames[0].world_from_camera.Inverse();
+  for (const PosedFrame& frame : frames) {
+    EXPECT_LT(((true_from_world * frame.world_from_camera).translation -
+               TruePose(frame.index).translation)
+                  .norm(),
+              0.2)
+        << frame.index;
+  }
 }
 
 TEST_F(ScanGraphTest, HasNoFramesWhereNothingWasTracked) {
-  ScanGraph graph({std::nullopt, std::nullopt}, {}, LoopOptions());
+  ScanGraph graph({std::nullopt, std::nullopt}, {0, 0}, {}, LoopOptions());
   EXPECT_TRUE(graph.Solve());
-  EXPECT_TRUE(graph.Frames().empty());
+  EXPECT_TRUE(graph.Frames(0).empty());
 }
 
 }  // namespace

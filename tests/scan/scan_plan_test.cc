@@ -51,7 +51,7 @@ class PlanScanTest : public ::testing::Test {
  protected:
   PlanScanTest() {
     WriteTumSequence(sequence_, 12);
-    options_.run.sequence.path = sequence_.path();
+    options_.sequences = {sequence_.path()};
     options_.run.output = scan_.path();
     options_.fragment_frames = 5;
     options_.overlap_frames = 2;
@@ -77,7 +77,7 @@ TEST_F(PlanScanTest, WritesWhichFramesAreWhoseAndHowTheyAreRead) {
   EXPECT_EQ(plan.fragments[0].last, 7);
   EXPECT_EQ(plan.fragments[1].first, 5);
   EXPECT_EQ(plan.fragments[1].last, 11);
-  EXPECT_EQ(plan.run.sequence.stride, 2);
+  EXPECT_EQ(plan.recordings[0].stride, 2);
   EXPECT_EQ(plan.tile_m, options_.tile_m);
   const std::string flags = ReadBytes(scan_ / "fragments/0001.flags");
   for (const char* const flag :
@@ -85,7 +85,33 @@ TEST_F(PlanScanTest, WritesWhichFramesAreWhoseAndHowTheyAreRead) {
         "--loop_closure=true\n", "--calibrate=false\n"}) {
     EXPECT_THAT(flags, HasSubstr(flag));
   }
-  EXPECT_THAT(ReadBytes(scan_ / "camera.flags"), HasSubstr("--last=1199\n"));
+  EXPECT_THAT(ReadBytes(scan_ / "camera_0.flags"), HasSubstr("--last=1199\n"));
+}
+
+TEST_F(PlanScanTest, CutsEachRecordingByItself) {
+  const TempFolder other;
+  WriteTumSequence(other, 7);
+  const std::string path = std::filesystem::path(other.path()).lexically_normal();
+  options_.sequences.push_back(path);
+  PlanScan(options_);
+  const ScanPlan plan = ReadScanPlan(scan_.path());
+  ASSERT_EQ(plan.recordings.size(), 2u);
+  EXPECT_EQ(plan.recordings[1].path, path);
+  // Of 12 frames four fragments, of 7 two.
+  ASSERT_EQ(plan.fragments.size(), 6u);
+  EXPECT_EQ(plan.fragments[3].recording, 0);
+  EXPECT_EQ(plan.fragments[3].last, 11);
+  EXPECT_EQ(plan.fragments[4].name, "0004");
+  EXPECT_EQ(plan.fragments[4].recording, 1);
+  EXPECT_EQ(plan.fragments[4].first, 0);
+  EXPECT_EQ(plan.fragments[5].last, 6);
+  EXPECT_THAT(ReadBytes(scan_ / "fragments/0004.flags"), HasSubstr("--sequence=" + path + "\n"));
+  EXPECT_THAT(ReadBytes(scan_ / "camera_1.flags"), HasSubstr("--sequence=" + path + "\n"));
+}
+
+TEST_F(PlanScanTest, RefusesTheSameRecordingTwice) {
+  options_.sequences.push_back(sequence_.path());
+  EXPECT_THROW(PlanScan(options_), InputError);
 }
 
 TEST_F(PlanScanTest, WritesNothingAnewThatSaysTheSame) {
@@ -104,16 +130,16 @@ TEST_F(PlanScanTest, WritesNothingAnewThatSaysTheSame) {
 TEST_F(PlanScanTest, TakesTheCameraThatWasFoundForAllOfIt) {
   options_.run.sequence.intrinsics = {30, 30, 15, 11};
   PlanScan(options_);
-  EXPECT_EQ(ReadScanPlan(scan_.path()).run.sequence.intrinsics, options_.run.sequence.intrinsics);
-  EXPECT_THAT(ReadBytes(scan_ / "found_camera.flags"),
-              AllOf(HasSubstr("--intrinsics=\n"), HasSubstr("/camera/camera.yaml\n")));
-  scan_.Write("camera/camera.yaml", SmallCameraYaml());
-  const SequenceOptions found = ReadScanPlan(scan_.path()).run.sequence;
+  EXPECT_EQ(ReadScanPlan(scan_.path()).recordings[0].intrinsics, options_.run.sequence.intrinsics);
+  EXPECT_THAT(ReadBytes(scan_ / "found_camera_0.flags"),
+              AllOf(HasSubstr("--intrinsics=\n"), HasSubstr("/camera/0/camera.yaml\n")));
+  scan_.Write("camera/0/camera.yaml", SmallCameraYaml());
+  const SequenceOptions found = ReadScanPlan(scan_.path()).recordings[0];
   EXPECT_FALSE(found.intrinsics.has_value());
-  EXPECT_EQ(found.camera, scan_ / "camera/camera.yaml");
+  EXPECT_EQ(found.camera, scan_ / "camera/0/camera.yaml");
   options_.camera_frames = 0;
   PlanScan(options_);
-  EXPECT_TRUE(ReadScanPlan(scan_.path()).run.sequence.camera.empty());
+  EXPECT_TRUE(ReadScanPlan(scan_.path()).recordings[0].camera.empty());
 }
 
 TEST_F(PlanScanTest, NamesTheFileThatIsNoPlan) {

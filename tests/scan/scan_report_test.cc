@@ -17,7 +17,7 @@ class ScanReportTest : public ::testing::Test {
   ScanReportTest() {
     WriteTumSequence(sequence_, 3);
     ScanPlanOptions options;
-    options.run.sequence.path = sequence_.path();
+    options.sequences = {sequence_.path()};
     options.run.output = scan_.path();
     PlanScan(options);
   }
@@ -48,32 +48,32 @@ TEST_F(ScanReportTest, ForgetsJobsToBeDoneAgainAndWhatComesAfterThem) {
     return std::filesystem::exists(scan_ / ("jobs/" + job + ".json"));
   };
   const auto all_done = [&] {
-    Receipt("camera", 0, "camera/summary.json");
+    Receipt("camera_0", 0, "camera/0/summary.json");
     Receipt("fragment_0000", 0, "fragments/0000/places.bin");
     Receipt("candidates", 0, "");
     Receipt("link_0000_0001", 1, "links/0000_0001.json");
     Receipt("graph", 0, "graph/graph.json");
-    for (const char* const file : {"camera/summary.json", "fragments/0000/places.bin",
+    for (const char* const file : {"camera/0/summary.json", "fragments/0000/places.bin",
                                    "candidates/0000_0001.json", "graph/graph.json"}) {
       scan_.Write(file, "");
     }
   };
   all_done();
   ForgetJobs(scan_.path(), false);
-  EXPECT_TRUE(has("camera") && has("fragment_0000") && has("candidates") && has("link_0000_0001") &&
-              has("graph"));
+  EXPECT_TRUE(has("camera_0") && has("fragment_0000") && has("candidates") &&
+              has("link_0000_0001") && has("graph"));
   ForgetJobs(scan_.path(), true);
-  EXPECT_TRUE(has("camera") && has("fragment_0000") && has("candidates"));
+  EXPECT_TRUE(has("camera_0") && has("fragment_0000") && has("candidates"));
   EXPECT_FALSE(has("link_0000_0001") || has("graph"));
   all_done();
   std::filesystem::remove(scan_ / "fragments/0000/places.bin");
   ForgetJobs(scan_.path(), false);
-  EXPECT_TRUE(has("camera") && has("link_0000_0001"));
+  EXPECT_TRUE(has("camera_0") && has("link_0000_0001"));
   EXPECT_FALSE(has("fragment_0000") || has("candidates") || has("graph"));
   all_done();
-  std::filesystem::remove(scan_ / "camera/summary.json");
+  std::filesystem::remove(scan_ / "camera/0/summary.json");
   ForgetJobs(scan_.path(), false);
-  EXPECT_FALSE(has("camera") || has("fragment_0000") || has("candidates") || has("graph"));
+  EXPECT_FALSE(has("camera_0") || has("fragment_0000") || has("candidates") || has("graph"));
 }
 
 TEST_F(ScanReportTest, NamesTheReceiptThatIsNone) {

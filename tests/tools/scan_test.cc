@@ -6,6 +6,7 @@
 #include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <thread>
 
 #include "testing/matchers.h"
@@ -137,6 +138,40 @@ TEST_F(ScanTool, AFragmentThatFailsCostsOnlyItself) {
   flags.push_back("--retry_failed");
   Succeeded(RunProgram("surfit_scan", flags));
   EXPECT_EQ(Summary(scan)["frames"], kFrames);
+}
+
+// A part of the room's frames, as a recording of its own.
+void KeepFrames(const std::string& sequence, int first, int last) {
+  std::istringstream rows(ReadBytes(sequence + "/associations.txt"));
+  std::string row, kept;
+  for (int i = 0; std::getline(rows, row); ++i) {
+    if (i >= first && i <= last) kept += row + "\n";
+  }
+  WriteBytes(sequence + "/associations.txt", kept);
+}
+
+TEST_F(ScanTool, JoinsRecordingsOfOnePlace) {
+  const TempFolder folder;
+  const std::string scan = folder.path() + "/scan";
+  const std::string a = folder.path() + "/a", b = folder.path() + "/b";
+  for (const std::string& part : {a, b}) fs::copy(Sequence(), part, fs::copy_options::recursive);
+  KeepFrames(a, 0, 23);
+  KeepFrames(b, 12, kFrames - 1);
+  const std::vector<std::string> flags = Flags(scan, {"--sequence=" + a, "--sequence=" + b});
+  const ProgramResult result =
+      Succeeded(RunProgram("surfit_scan", {flags.begin() + 1, flags.end()}));
+  EXPECT_THAT(result.out, HasSubstr("48 of 48 frames have a pose"));
+  const nlohmann::json summary = Summary(scan);
+  EXPECT_EQ(summary["fragments"], 4);
+  ASSERT_EQ(summary["recordings"].size(), 2u);
+  for (const nlohmann::json& recording : summary["recordings"]) {
+    EXPECT_EQ(recording["frames"], 24);
+    EXPECT_LT(recording["ate_rmse_m"].get<double>(), 0.02);
+  }
+  EXPECT_GT(summary["links_accepted"], 0);
+  EXPECT_LT(summary["ate_rmse_m"].get<double>(), 0.03);
+  EXPECT_TRUE(fs::exists(scan + "/trajectory_0.txt") && fs::exists(scan + "/trajectory_1.txt"));
+  EXPECT_THAT(ReadBytes(scan + "/report.html"), HasSubstr("and 1 more"));
 }
 
 TEST_F(ScanTool, SaysWhatIsWrong) {

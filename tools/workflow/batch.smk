@@ -7,6 +7,8 @@ from shlex import quote
 
 with open("batch.json", encoding="utf-8") as file:
     batch = json.load(file)
+# A cluster writes its logs there before a job could make it.
+Path("jobs").mkdir(exist_ok=True)
 
 
 def receipts(_):

@@ -19,6 +19,7 @@ class OptionVisitor;
 //   candidates/A_B.json                    which pairs of keyframes of A and B may show one place
 //   links/A_B.json                         which of these do
 //   graph/                                 the poses of all frames, and which frames see which tile
+//                                          (of each recording R = 0, 1, ..., poses_R.txt, ...)
 //   tiles/NAME.ply                         the map, tile by tile
 //   summary.json, report.html, ...         what came of it
 // Each job reads what others wrote and writes its own, whole or not at all; the same input gives
@@ -31,7 +32,7 @@ struct CandidatesOptions {
   // Folder for A_B.json of each pair, made if missing. Files that would say the same stay as they
   // are, others go.
   std::string output;
-  int min_gap = 100;  // frames between two keyframes, by their indices
+  int min_gap = 100;  // frames between two keyframes of one recording, by their indices
   int max_alike = 3;  // keyframes of other fragments that look most alike
   // Of the index of all places; with more, only each n-th keyframe is looked up.
   std::size_t max_index_bytes = std::size_t{500} << 20;
@@ -79,16 +80,18 @@ struct GraphResult {
   int fragments = 0, missing = 0;
   int apart = 0;  // of those there are: nothing joins them to the largest part
   int keyframes = 0, frames = 0;
-  int frames_total = 0;                        // of the sequence
+  int frames_total = 0;                        // of all recordings
   int links_accepted = 0, links_left_out = 0;  // verified pairs of keyframes; wrong for the others
   int tiles = 0;
+  // By one alignment of all recordings to their ground truths, which must have one frame.
   std::optional<double> ate_rmse_m;
 };
 // The largest part of fragments that shared frames or links join, by the pose graph of all its
-// keyframes. Neighbours are joined by the poses that both give a frame in the middle of those they
-// share. Loops and links that do not fit the others are left out (GNC). Writes trajectory.txt (TUM
-// format, in the sequence's convention), poses.txt (index stamp tx ty tz qx qy qz qw, in that of
-// the map), trajectory.png, graph.json and tiles.json.
+// keyframes. Neighbours of one recording are joined by the poses that both give a frame in the
+// middle of those they share, recordings by links alone. Loops and links that do not fit the others
+// are left out (GNC). Writes of each recording R trajectory_R.txt (TUM format, in the sequence's
+// convention), poses_R.txt (index stamp tx ty tz qx qy qz qw, in that of the map) and
+// trajectory_R.png; graph.json and tiles.json.
 GraphResult BuildScanGraph(const GraphOptions& options);
 
 // One tile of the map.
@@ -101,8 +104,9 @@ struct TileOptions {
 
   void Visit(OptionVisitor& visitor);
 };
-// Fuses what frames see of the tile along the final poses (FuseAnew); returns how many surfels it
-// has. Tiles are half-open cubes: each surfel is in one.
+// Fuses what frames of all recordings see of the tile along the final poses (FusePart); returns how
+// many surfels it has. Tiles are half-open cubes: each surfel is in one. Indices of its frames are
+// counted on from one recording to the next (FirstFrames()).
 std::size_t FuseTile(const TileOptions& options, const std::atomic<bool>& interrupted,
                      const std::function<void(int frames)>& progress);
 
@@ -112,16 +116,24 @@ struct ScanReportOptions {
 
   void Visit(OptionVisitor& visitor);
 };
+// What came of one recording.
+struct ScannedRecording {
+  std::string sequence;              // its path
+  int frames_total = 0, frames = 0;  // and those with a pose: none if nothing joins it
+  std::optional<double> ate_rmse_m;  // by an alignment of its own
+};
 // What came of a scan.
 struct ScanSummary {
-  std::string digest;                // of trajectory and tiles
-  int frames_total = 0, frames = 0;  // of the sequence, and those with a pose
+  std::string digest;                // of trajectories and tiles
+  int frames_total = 0, frames = 0;  // of all recordings, and those with a pose
   int fragments = 0, links_accepted = 0, tiles = 0;
-  std::optional<double> ate_rmse_m;
-  std::vector<std::string> failed;  // jobs, with their errors
+  std::optional<double> ate_rmse_m;          // GraphResult's
+  std::vector<ScannedRecording> recordings;  // none where there is no graph
+  std::vector<std::string> failed;           // jobs, with their errors
 };
-// Writes summary.json, trajectory.txt, pictures of the map and report.html, and removes tiles that
-// are none any more. Where there is no graph, they say so.
+// Writes summary.json, trajectory.txt (of several recordings trajectory_0.txt, trajectory_1.txt,
+// ...), pictures of the map and report.html, and removes tiles that are none any more. Where there
+// is no graph, they say so.
 ScanSummary ReportScan(const ScanReportOptions& options);
 ScanSummary ReadScanSummary(const std::string& scan);
 
