@@ -77,6 +77,76 @@ TEST_F(ScanTool, GivesOneTrajectoryAndTilesAndDoesNothingAgain) {
   EXPECT_EQ(fs::last_write_time(whole_ + "/jobs/fragment_0000.json"), time);
 }
 
+// A folder for the head of PATH whose python3, which runs each job, begins jobs in an order of its
+// own and kills every other one once, soon: the job's program, or the one that runs it.
+class UnreliablePython {
+ public:
+  explicit UnreliablePython(int order) : order_(order) {
+    const std::string script = folder_ / "python3";
+    WriteBytes(script, R"(#!/bin/bash
+here=$(dirname "$0")
+PATH=${PATH#"$here:"}
+job=$(basename "$2")
+number=$(cksum <<<"$job $ORDER" | cut -d ' ' -f 1)
+sleep 0.$((number % 10))
+if ((number / 10 % 2 == 0)) || ! mkdir "$here/$job"; then
+  python3 "$@" || exit
+else
+  python3 "$@" &
+  sleep 0.0$((number / 100 % 10))
+  ((number % 2)) && pkill -KILL --parent $! || kill -KILL $!
+  wait $! || { echo "$job" >>"$here/killed"; exit 1; }
+fi
+echo "$job" >>"$here/done"
+)");
+    fs::permissions(script, fs::perms::owner_all);
+    WriteBytes(folder_ / "config.yaml", "keep-going: true\ncores: 3\n");
+  }
+
+  ProgramResult Scan(const std::vector<std::string>& flags) const {
+    std::string command = "export ORDER=" + std::to_string(order_) + " PATH='" + folder_.path() +
+                          "':$PATH\nexec $tools/surfit_scan --profile='" + folder_.path() + "'";
+    for (const std::string& flag : flags) command += " '" + flag + "'";
+    return RunShell(command);
+  }
+  // In the order in which they ended.
+  std::vector<std::string> Done() const { return Lines("done"); }
+  std::vector<std::string> Killed() const { return Lines("killed"); }
+
+ private:
+  std::vector<std::string> Lines(const std::string& name) const {
+    std::istringstream file(ReadBytes(folder_ / name));
+    std::vector<std::string> lines;
+    for (std::string line; std::getline(file, line);) lines.push_back(line);
+    return lines;
+  }
+
+  TempFolder folder_;
+  int order_;
+};
+
+TEST_F(ScanTool, HasTheSameDigestInAnyOrderWithAThirdOfTheJobsKilled) {
+  std::vector<std::vector<std::string>> orders;
+  for (const int order : {1, 2}) {
+    const TempFolder folder;
+    const std::string scan = folder.path() + "/scan";
+    const UnreliablePython python(order);
+    ProgramResult result = python.Scan(Flags(scan));
+    EXPECT_EQ(result.exit_code, 1) << "nothing was killed";
+    EXPECT_THAT(result.err, HasSubstr("the same command goes on where they stopped"));
+    for (int i = 0; i < 5 && result.exit_code != 0; ++i) result = python.Scan(Flags(scan));
+    Succeeded(result);
+    EXPECT_EQ(Digest(scan), Digest(whole_));
+    // Each is done once.
+    std::vector<std::string> done = python.Done();
+    orders.push_back(done);
+    std::sort(done.begin(), done.end());
+    EXPECT_EQ(std::unique(done.begin(), done.end()), done.end());
+    EXPECT_GE(3 * python.Killed().size(), done.size());
+  }
+  EXPECT_NE(orders[0], orders[1]);
+}
+
 // Kills one of the processes that work in the folder: a program, its job.py or all of Snakemake.
 bool KillOneIn(const fs::path& folder, Random* random) {
   std::vector<pid_t> there;
@@ -111,11 +181,14 @@ TEST_F(ScanTool, AFragmentThatFailsCostsOnlyItself) {
   const TempFolder folder;
   const std::string broken = folder.path() + "/broken", scan = folder.path() + "/scan";
   fs::copy(Sequence(), broken, fs::copy_options::recursive);
-  // All frames that only the last fragment has are no images.
+  // All frames that only the last fragment has are no images, or missing.
   constexpr int kLeft = 26;
   std::vector<fs::path> images(fs::directory_iterator(broken + "/depth"), {});
   std::sort(images.begin(), images.end());
-  for (std::size_t i = kLeft; i < images.size(); ++i) WriteBytes(images[i], "no image");
+  for (std::size_t i = kLeft; i < images.size(); ++i) {
+    WriteBytes(images[i], "no image");
+    if (i % 2 == 0) fs::remove(images[i]);
+  }
   std::vector<std::string> flags = Flags(scan);
   flags[0] = "--sequence=" + broken;
   // Nobody else may scan into the folder meanwhile.
@@ -172,6 +245,32 @@ TEST_F(ScanTool, JoinsRecordingsOfOnePlace) {
   EXPECT_LT(summary["ate_rmse_m"].get<double>(), 0.03);
   EXPECT_TRUE(fs::exists(scan + "/trajectory_0.txt") && fs::exists(scan + "/trajectory_1.txt"));
   EXPECT_THAT(ReadBytes(scan + "/report.html"), HasSubstr("and 1 more"));
+}
+
+TEST_F(ScanTool, AFullDiskCostsOnlyTheJobsThatItStops) {
+  const std::string library = std::string(SURFIT_TOOLS_DIR) + "/libsurfit_fault.so";
+  if (!fs::exists(library)) GTEST_SKIP() << "no library of faults in this build";
+  const TempFolder folder;
+  const std::string scan = fs::canonical(folder.path()) / "scan";
+  std::string command = "$tools/surfit_scan --cores=2";
+  for (const std::string& flag : Flags(scan)) command += " '" + flag + "'";
+  // Where the last fragment is written.
+  const std::string full = "LD_PRELOAD=" + library +
+                           " SURFIT_FAULT=write:1 SURFIT_FAULT_FOLDER=" + scan +
+                           "/fragments/0002/ SURFIT_FAULT_MARK=" + scan + "/mark ";
+  const ProgramResult result = Succeeded(RunShell(full + command));
+  EXPECT_THAT(result.err, HasSubstr("warning: fragment_0002: "));
+  const nlohmann::json summary = Summary(scan);
+  ASSERT_EQ(summary["failed"].size(), 1u) << summary;
+  const std::string error = summary["failed"][0];
+  EXPECT_THAT(error, AllOf(HasSubstr("fragment_0002: "), HasSubstr("No space left on device")));
+  EXPECT_THAT(ReadBytes(scan + "/report.html"), HasSubstr(error));
+  EXPECT_EQ(summary["frames"], 26);
+  // With space again, what was done is not done again.
+  const auto time = fs::last_write_time(scan + "/jobs/fragment_0001.json");
+  Succeeded(RunShell(command + " --retry_failed"));
+  EXPECT_EQ(fs::last_write_time(scan + "/jobs/fragment_0001.json"), time);
+  EXPECT_EQ(Digest(scan), Digest(whole_));
 }
 
 TEST_F(ScanTool, SaysWhatIsWrong) {

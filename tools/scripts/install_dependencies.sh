@@ -3,10 +3,11 @@
 # without otherwise:
 #   install_dependencies.sh            all that building, running and testing Surfit needs
 #   install_dependencies.sh programs   what building and running the programs needs
+#   install_dependencies.sh cluster    what the test of scans on Slurm needs besides (label cluster)
 # Needs no root, and does nothing, when nothing is missing.
 set -euo pipefail
 group=${1:-all}
-[[ $group == all || $group == programs ]] || { echo "error: '$group' is neither all nor programs" >&2; exit 1; }
+[[ $group =~ ^(all|programs|cluster)$ ]] || { echo "error: '$group' is none of all, programs, cluster" >&2; exit 1; }
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 npm_packages() {  # npm_packages FOLDER PACKAGE WHAT_LACKS_WITHOUT: what FOLDER/package-lock.json names
@@ -15,8 +16,9 @@ npm_packages() {  # npm_packages FOLDER PACKAGE WHAT_LACKS_WITHOUT: what FOLDER/
   npm ci --prefix "$1" --legacy-peer-deps --ignore-scripts --no-audit --no-fund </dev/null ||
     echo "warning: npm failed, so $3" >&2
 }
-npm_packages "$root/src/report/npm" chartjs-plugin-zoom "the plots of reports will not zoom"
-[[ $group == programs ]] ||
+[[ $group == cluster ]] ||
+  npm_packages "$root/src/report/npm" chartjs-plugin-zoom "the plots of reports will not zoom"
+[[ $group != all ]] ||
   npm_packages "$root/tests/tools/bags" @mcap/core "no test writes MCAP files"
 
 packages=(
@@ -46,7 +48,8 @@ test_packages=(
   chromium chromium-driver python3-selenium python3-pil
   snakemake
 )
-[[ $group == programs ]] || packages+=("${test_packages[@]}")
+[[ $group != all ]] || packages+=("${test_packages[@]}")
+[[ $group != cluster ]] || packages=(snakemake slurm-wlm munge)
 
 if ! command -v dpkg-query apt-get >/dev/null; then
   echo "error: no dpkg-query and apt-get here; install what third_party_notes.md lists by hand" >&2

@@ -27,5 +27,5 @@ sanitized asan --repeat until-pass:2
 bash "$scripts/build.sh" tsan thread_tests
 sanitized tsan
 bash "$scripts/build.sh" release
-echo "Running the tests under release, without the sweeps over whole sequences, which take minutes"
-ctest --preset release --parallel "$(nproc)" --label-exclude "sweep|fuzz|soak" </dev/null
+echo "Running the tests under release, without those that take minutes: sweeps over whole sequences, scans on Slurm"
+ctest --preset release --parallel "$(nproc)" --label-exclude "sweep|fuzz|soak|cluster" </dev/null

@@ -3,11 +3,11 @@
 
     job.py RECEIPT PRODUCT -- PROGRAM [ARGUMENT...]
 
-PRODUCT, the file that the program is to write, if any, is removed first. A program that ends by itself, with exit
-code 0, 1 or 2, gets a receipt with that code, its time, the most memory that it held and its error;
-then the job is done, failed or not, and the others go on. One that a signal has ended, or that could
-not be started, gets none: job.py fails, and the job is to be given again. What the program says
-goes to RECEIPT's name with .log.
+PRODUCT, the file that the program is to write, if any, is removed first. A program that ends by
+itself, with exit code 0, 1 or 2, gets a receipt with that code, its time, the processors' time, the
+most memory that it held and its error; then the job is done, failed or not, and the others go on.
+One that a signal has ended, or that could not be started, gets none: job.py fails, and the job is to
+be given again. What the program says goes to RECEIPT's name with .log.
 """
 import fcntl
 import json
@@ -34,12 +34,13 @@ def main():
     stem = os.path.splitext(receipt)[0]
     for path in (os.path.dirname(receipt), os.path.dirname(product)):
         os.makedirs(path or ".", exist_ok=True)
+    # Held as long as the program lives, whatever becomes of this process: who runs the job again
+    # waits for one that is left over.
+    lock = os.open(stem + ".lock", os.O_RDWR | os.O_CREAT, 0o666)
+    fcntl.flock(lock, fcntl.LOCK_EX)
     if os.path.exists(product):
         os.remove(product)
     begin = time.monotonic()
-    # Held as long as the program lives, whatever becomes of this process.
-    lock = os.open(stem + ".lock", os.O_RDWR | os.O_CREAT, 0o666)
-    fcntl.flock(lock, fcntl.LOCK_EX)
     with open(stem + ".log", "wb") as log:
         # Not in this process's group: who interrupts a scan is to end the program, which else would
         # write what it has so far.
@@ -54,11 +55,13 @@ def main():
     if code not in (0, 1, 2):
         sys.exit(f"error: {command[0]} ended by {'signal' if code < 0 else 'exit code'} {abs(code)}; "
                  f"see {stem}.log")
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
     outcome = {
         "job": os.path.basename(stem),
         "exit": code,
         "seconds": round(time.monotonic() - begin, 3),
-        "peak_mb": round(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024, 1),
+        "cpu_seconds": round(used.ru_utime + used.ru_stime, 3),
+        "peak_mb": round(used.ru_maxrss / 1024, 1),
         "error": last_error(stem + ".log") if code else "",
         "product": product,
     }

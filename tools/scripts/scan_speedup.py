@@ -1,0 +1,279 @@
+#!/usr/bin/env python3
+"""What more workers would make of a scan: replays the jobs of measured scans on paper.
+
+    scan_speedup.py SCAN SCAN... [--frames=N,...] [--workers=N,...]
+
+Each SCAN is the folder of a scan by surfit_scan, all with the same flags, of recordings of at least
+two lengths: what grows how is told by them. From plan.json and the receipts in jobs/ come, for each
+rule, how many jobs there are and what they take; a job's time is the processors' time if it waited
+for others on a busy machine, else the clock's (seconds, cpu_seconds).
+
+For a recording of F frames there are then
+
+  camera      one job, as long as any: it sees the first frames alone
+  fragment    as many as fragments of the same length, each as long as any
+  candidates  one job, of a + b F^p: each place is looked up among all. Beyond --index_frames, which
+              fill the index (--max_index_bytes of surfit_scan_candidates), as long as for so many
+  link        as many for each frame as in the longest scan, each as long as there: a keyframe has so
+              many candidates at most (--max_alike), so that their number is linear in F. In short
+              scans, few pairs of fragments are far enough apart to be looked at
+  graph       one job, of a + b F^p: frames are read, a sparse system is solved
+  tile        as many for each frame as in the longest scan, each as long as there: a camera that
+              sees new places all the time. One that returns makes fewer that take longer
+  report      one job, of a + b F^p, as the pictures' time grows with the map; beyond --picture_frames,
+              which fill them (2 million surfels), as long as for so many, and --read_s for each frame
+              beyond, in which tiles are read
+
+a and b are fitted to the scans that are given, p = 1 or 2 as fits better (1 with two scans, which fit
+both). A scan may lack rules, as one that was stopped before its tiles. Times of jobs are those
+measured in the longest scan that has any, again and again in their order.
+
+List scheduling: a job that is ready starts on the worker that is free first, in the order in which
+jobs became ready. Before each job a worker takes --start_s to begin it, and jobs are begun at most
+at --jobs_per_second, as by the scheduler of the profile. --job_s is what Snakemake itself takes for
+each job, by one thread, before the jobs of a rule can be begun.
+
+The speed-up is the time of one worker without any of this, over the time to the end.
+"""
+import argparse
+import heapq
+import json
+import math
+import sys
+from dataclasses import dataclass, field
+from pathlib import Path
+
+RULES = ["camera", "fragment", "candidates", "link", "graph", "tile", "report"]
+ONE_JOB = ("camera", "candidates", "graph", "report")
+GROWING = ("candidates", "graph", "report")
+
+
+@dataclass
+class Job:
+    seconds: float
+    after: list = field(default_factory=list)  # names of jobs that it waits for
+    rule: str = ""
+    on_worker: bool = True  # else it starts at once, beside the workers
+
+
+@dataclass
+class Replay:
+    seconds: float  # to the end of the last job
+    path: list      # names of jobs: what each waited for, a job before it or its worker's last
+
+
+def replay(jobs, workers, start_s=0.0, jobs_per_second=math.inf):
+    """List scheduling of {name: Job} on so many equal workers; names are in the order of the list."""
+    position = {name: i for i, name in enumerate(jobs)}
+    waits_for = {name: len(job.after) for name, job in jobs.items()}
+    then = {name: [] for name in jobs}
+    for name, job in jobs.items():
+        for before in job.after:
+            then[before].append(name)
+    ready = [(0.0, position[name], name, None) for name, count in waits_for.items() if count == 0]
+    heapq.heapify(ready)
+    free = [(0.0, i, None) for i in range(workers)]  # since when, and by the end of which job
+    begun = []                                       # jobs at work, by their ends
+    cause = {}
+    next_start = 0.0
+    end = 0.0
+    last = None
+    while ready or begun:
+        if ready and not jobs[ready[0][2]].on_worker:
+            at, _, name, by = heapq.heappop(ready)
+            cause[name] = by
+            heapq.heappush(begun, (at + jobs[name].seconds, position[name], name, None))
+            continue
+        if ready and free:
+            at, _, name, by = heapq.heappop(ready)
+            since, worker, former = heapq.heappop(free)
+            start = max(at, since, next_start)
+            next_start = start + 1 / jobs_per_second
+            cause[name] = former if since > at else by
+            heapq.heappush(begun, (start + start_s + jobs[name].seconds, position[name], name, worker))
+            continue
+        finish, _, name, worker = heapq.heappop(begun)
+        if worker is not None:
+            heapq.heappush(free, (finish, worker, name))
+        if finish >= end:
+            end, last = finish, name
+        for follower in then[name]:
+            waits_for[follower] -= 1
+            if waits_for[follower] == 0:
+                heapq.heappush(ready, (finish, position[follower], follower, name))
+    path = []
+    while last is not None:
+        path.append(last)
+        last = cause[last]
+    return Replay(end, path[::-1])
+
+
+def frames_of(fragments):
+    """All frames of the recordings that were cut into these fragments."""
+    ends = {}
+    for fragment in fragments:
+        first, last = ends.get(fragment.get("recording"), (fragment["first"], fragment["last"]))
+        ends[fragment.get("recording")] = (min(first, fragment["first"]), max(last, fragment["last"]))
+    return sum(last - first + 1 for first, last in ends.values())
+
+
+class Scan:
+    """What a scan took: the times of its jobs by rule, in seconds."""
+
+    def __init__(self, folder):
+        folder = Path(folder)
+        plan = json.loads((folder / "plan.json").read_text(encoding="utf-8"))
+        self.fragments = len(plan["fragments"])
+        self.frames = frames_of(plan["fragments"])
+        self.times = {rule: [] for rule in RULES}
+        for path in sorted((folder / "jobs").glob("*.json")):
+            receipt = json.loads(path.read_text(encoding="utf-8"))
+            rule = receipt["job"].split("_")[0]
+            if receipt["exit"] == 0 and rule in self.times:
+                self.times[rule].append(min(receipt["seconds"], receipt["cpu_seconds"]))
+
+
+@dataclass
+class Growth:
+    """Seconds of a rule's one job by the number of frames: start_s + per_frame_s * frames ** power."""
+    start_s: float
+    per_frame_s: float
+    power: int
+    error: float  # of the fit, sum of squares
+
+    def at(self, frames):
+        return self.start_s + self.per_frame_s * frames ** self.power
+
+
+def fit(points, power):
+    """By least squares, of (frames, seconds); neither term is below 0."""
+    xs, ys = [float(frames) ** power for frames, _ in points], [seconds for _, seconds in points]
+    mean_x, mean_y = sum(xs) / len(xs), sum(ys) / len(ys)
+    spread = sum((x - mean_x) ** 2 for x in xs)
+    slope = sum((x - mean_x) * (y - mean_y) for x, y in zip(xs, ys)) / spread
+    slope = max(0.0, slope)
+    if mean_y - slope * mean_x < 0:  # through the origin
+        slope = sum(x * y for x, y in zip(xs, ys)) / sum(x * x for x in xs)
+        mean_x = mean_y = 0.0
+    start = mean_y - slope * mean_x
+    return Growth(start, slope, power, sum((start + slope * x - y) ** 2 for x, y in zip(xs, ys)))
+
+
+def growth(points):
+    fits = [fit(points, 1), fit(points, 2)] if len({frames for frames, _ in points}) > 2 else [fit(points, 1)]
+    return min(fits, key=lambda fitted: fitted.error)
+
+
+class Law:
+    """The jobs of a scan of any length, as told by measured ones."""
+
+    def __init__(self, scans, most_frames=None, read_s=0.0):
+        """most_frames: by rule, with how many frames what its job looks at is as much as it may be."""
+        self.longest, self.growths = {}, {}
+        self.most_frames, self.read_s = most_frames or {}, read_s
+        for rule in RULES:
+            having = [scan for scan in scans if scan.times[rule]]
+            if not having:
+                continue
+            self.longest[rule] = max(having, key=lambda scan: scan.frames)
+            if rule not in GROWING:
+                continue
+            if len({scan.frames for scan in having}) < 2:
+                sys.exit(f"error: how {rule} grows is told by scans of at least two lengths")
+            self.growths[rule] = growth([(scan.frames, sum(scan.times[rule])) for scan in having])
+
+    def times(self, rule, frames):
+        longest = self.longest[rule]
+        if rule in GROWING:
+            most = min(frames, self.most_frames.get(rule, frames))
+            read_s = self.read_s * (frames - most) if rule == "report" else 0.0
+            return [self.growths[rule].at(most) + read_s]
+        measured = longest.times[rule]
+        count = 1 if rule in ONE_JOB else max(1, round(len(measured) * frames / longest.frames))
+        return [measured[i % len(measured)] for i in range(count)]
+
+    def jobs(self, frames, job_s=0.0):
+        """All jobs of a scan of so many frames."""
+        return chain({rule: self.times(rule, frames) for rule in self.longest}, job_s)
+
+
+def chain(times, job_s=0.0):
+    """{name: Job} of jobs' times by rule, each rule's after all of the rule before."""
+    jobs, before = {}, []
+    for rule, of_rule in times.items():
+        names = [f"{rule}_{i}" for i in range(len(of_rule))]
+        if job_s > 0:
+            jobs[f"snakemake_{rule}"] = Job(job_s * len(names), before, "snakemake", False)
+            before = [f"snakemake_{rule}"]
+        jobs.update({name: Job(seconds, before, rule) for name, seconds in zip(names, of_rule)})
+        if len(names) > 1:  # one node for all to wait for
+            jobs[f"all_{rule}"] = Job(0.0, names, "", False)
+            names = [f"all_{rule}"]
+        before = names
+    return jobs
+
+
+def time_of_path(jobs, path):
+    """Seconds of the path by rule, longest first."""
+    seconds = {}
+    for name in path:
+        if jobs[name].rule:
+            seconds[jobs[name].rule] = seconds.get(jobs[name].rule, 0.0) + jobs[name].seconds
+    return sorted(seconds.items(), key=lambda entry: -entry[1])
+
+
+def duration(seconds):
+    for unit, size in (("d", 86400), ("h", 3600), ("min", 60)):
+        if seconds >= size:
+            return f"{seconds / size:.1f} {unit}"
+    return f"{seconds:.1f} s"
+
+
+def print_laws(scans, law):
+    print("| rule | " + " | ".join(f"{scan.frames} frames" for scan in scans) + " | for F frames |")
+    print("|---|" + "---|" * (len(scans) + 1))
+    for rule in RULES:
+        cells = [f"{len(times)} x {sum(times) / len(times):.2f} s" if times else ""
+                 for times in (scan.times[rule] for scan in scans)]
+        grows = "as it is" if rule in ONE_JOB else "so many for each frame"
+        if rule in law.growths:
+            found = law.growths[rule]
+            grows = f"{found.start_s:.2f} s + {found.per_frame_s:.2g} s F" + ("" if found.power == 1 else "^2")
+        print(f"| {rule} | " + " | ".join(cells) + f" | {grows} |")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    numbers = lambda text: [int(number) for number in text.split(",")]
+    parser.add_argument("scans", nargs="+", metavar="SCAN")
+    parser.add_argument("--frames", type=numbers, default=[10000, 100000, 1000000])
+    parser.add_argument("--workers", type=numbers, default=[1, 10, 100, 1000])
+    parser.add_argument("--index_frames", type=int, default=75000)
+    parser.add_argument("--picture_frames", type=int, default=1300)
+    parser.add_argument("--read_s", type=float, default=0.0)
+    parser.add_argument("--start_s", type=float, default=0.0)
+    parser.add_argument("--jobs_per_second", type=float, default=math.inf)
+    parser.add_argument("--job_s", type=float, default=0.0)
+    options = parser.parse_args()
+    scans = sorted((Scan(folder) for folder in options.scans), key=lambda scan: scan.frames)
+    law = Law(scans, {"candidates": options.index_frames, "report": options.picture_frames}, options.read_s)
+    print_laws(scans, law)
+    print("\n| frames | jobs | one worker | " + " | ".join(f"{workers}" for workers in options.workers) +
+          " | with any number | the longest path |")
+    print("|---|---|---|" + "---|" * (len(options.workers) + 2))
+    for frames in options.frames:
+        bare = law.jobs(frames)
+        alone = sum(job.seconds for job in bare.values())
+        jobs = law.jobs(frames, options.job_s)
+        count = sum(1 for job in bare.values() if job.rule)
+        ups = []
+        for workers in options.workers:
+            ups.append(alone / replay(jobs, workers, options.start_s, options.jobs_per_second).seconds)
+        longest = replay(jobs, len(jobs))
+        path = ", ".join(f"{rule} {duration(seconds)}" for rule, seconds in time_of_path(jobs, longest.path))
+        print(f"| {frames} | {count} | {duration(alone)} | " + " | ".join(f"{up:.1f}" for up in ups) +
+              f" | {alone / longest.seconds:.1f} | {path} |")
+
+
+if __name__ == "__main__":
+    main()
