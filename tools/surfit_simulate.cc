@@ -102,9 +102,9 @@ int Run(const SimulateOptions& options) {
   const ThreadLimit limit(options.threads == 0
                               ? static_cast<int>(std::max(1u, std::thread::hardware_concurrency()))
                               : options.threads);
-  const Scene scene = MakeScene(options.scene, options.seed);
+  const Scene scene = MakeScene(options.scene, options.seed, options.building);
   const RgbdCamera camera = TrueCameraOf(options), given = GivenCameraOf(options, camera);
-  PathOptions path_options;
+  PathOptions path_options = options.path;
   path_options.frames_per_second = camera.frames_per_second;
   const Trajectory path = MakePath(scene, options.frames, options.seed, path_options);
   const Studio studio = {options, camera.depth, error, {scene, camera, path, options.color}};

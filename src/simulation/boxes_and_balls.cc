@@ -60,6 +60,7 @@ class Box : public Shape {
     return beyond.cwiseMax(0).norm() + std::min(0.0, beyond.maxCoeff());
   }
   double BoundingRadius() const override { return half_.norm(); }
+  Vector3d HalfExtents() const override { return half_; }
 
  private:
   Vector3d half_;
@@ -103,6 +104,7 @@ class RoundShape : public Shape {
     return core_distance + inside_core - radius_;
   }
   double BoundingRadius() const override { return core_half_.norm() + radius_; }
+  Vector3d HalfExtents() const override { return core_half_.array() + radius_; }
 
  private:
   Vector3d NearestInCore(const Vector3d& point) const {

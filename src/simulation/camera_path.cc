@@ -15,6 +15,11 @@
 namespace surfit {
 namespace {
 
+// How often something random is tried anew: less in buildings, whose paths are long.
+int Attempts(const Scene& scene, int in_a_room, int in_a_building) {
+  return scene.cells.empty() ? in_a_room : in_a_building;
+}
+
 double LeastDistance(const Scene& scene, Walk walk, int frames, double step_m) {
   constexpr int kFramesApart = 10;
   double least = scene.Distance(walk.Position());
@@ -27,11 +32,11 @@ double LeastDistance(const Scene& scene, Walk walk, int frames, double step_m) {
 
 // Of some random walks the first that keeps away from objects, or the one that does best.
 Walk ChooseWalk(const Scene& scene, int frames, double step_m, Random* random) {
-  constexpr int kCandidates = 24;
+  const int candidates = Attempts(scene, 24, 2);
   constexpr double kFarEnough_m = 0.5;
   Walk best(scene, random);
   double best_distance = LeastDistance(scene, best, frames, step_m);
-  for (int i = 1; i < kCandidates && best_distance < kFarEnough_m; ++i) {
+  for (int i = 1; i < candidates && best_distance < kFarEnough_m; ++i) {
     const Walk walk(scene, random);
     const double distance = LeastDistance(scene, walk, frames, step_m);
     if (distance <= best_distance) continue;
@@ -69,11 +74,11 @@ double Shortfall(const PathQuality& quality) {
 // the best.
 void FilmPiece(const Scene& scene, int begin, int end, double frames_per_second, Random* random,
                Operator* person, Trajectory* path) {
-  constexpr int kCandidates = 16;
+  const int candidates = Attempts(scene, 16, 4);
   const Operator before = *person;
   Trajectory best;
   double least_shortfall = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < kCandidates && least_shortfall > 0; ++i) {
+  for (int i = 0; i < candidates && least_shortfall > 0; ++i) {
     Operator candidate = before;
     candidate.gaze.Reseed(random->Index(1 << 30));
     Trajectory piece;
@@ -110,11 +115,11 @@ Trajectory MakePath(const Scene& scene, int frames, std::uint64_t seed,
   Validate(options);
   if (frames < 1) throw InputError(Concat("frames is ", frames, ", must be at least 1"));
   CHECK(!scene.camera_space.isEmpty() && scene.targets.size() > 1);
-  constexpr int kWalks = 6;
+  const int walks = Attempts(scene, 6, 1);
   constexpr double kGoodEnough = 0.05;
   Trajectory best;
   double least_shortfall = std::numeric_limits<double>::infinity();
-  for (int i = 1; i <= kWalks && least_shortfall > kGoodEnough; ++i) {
+  for (int i = 1; i <= walks && least_shortfall > kGoodEnough; ++i) {
     Trajectory path = FilmPath(scene, frames, options, Random(seed, i));  // stream 0: the scene's
     const double shortfall = Shortfall(JudgePath(scene, path));
     if (shortfall >= least_shortfall) continue;

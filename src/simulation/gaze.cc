@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <numeric>
 #include <vector>
 
 #include "surfit/geometry/rigid3.h"
@@ -107,6 +108,20 @@ bool Gaze::MayTurnTo(const Vector3d& to_target) const {
          Angle(direction_, to_target) < kFarthestTurn_rad;
 }
 
+// Of the scene, or of the cells that one is in or about to enter.
+std::vector<int> Gaze::TargetsFrom(const Vector3d& position) const {
+  constexpr double kAtDoorway_m = 0.5;
+  std::vector<int> targets;
+  for (const SceneCell& cell : scene_->cells) {
+    if (cell.space.exteriorDistance(position) > kAtDoorway_m) continue;
+    targets.insert(targets.end(), cell.targets.begin(), cell.targets.end());
+  }
+  if (!targets.empty()) return targets;
+  targets.resize(scene_->targets.size());
+  std::iota(targets.begin(), targets.end(), 0);
+  return targets;
+}
+
 // Another target, at random among those in sight and not far behind, if there are any; if possible
 // one whose view from here is of the kind that is sought.
 void Gaze::ChooseTarget(const Vector3d& position) {
@@ -114,9 +129,10 @@ void Gaze::ChooseTarget(const Vector3d& position) {
   constexpr int kAttempts = 40, kMostViews = 12;
   const bool want_planar = random_.Uniform() < kPlanarChoices;
   const int last = target_;
+  const std::vector<int> targets = TargetsFrom(position);
   int views = 0;
   for (int i = 0; i < kAttempts && views < kMostViews; ++i) {
-    const int candidate = random_.Index(static_cast<int>(scene_->targets.size()));
+    const int candidate = targets[random_.Index(static_cast<int>(targets.size()))];
     const Vector3d to_target = scene_->targets[candidate] - position;
     if (candidate == last || (i < kAttempts / 2 && !MayTurnTo(to_target))) continue;
     target_ = candidate;

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <vector>
 
 #include "simulation/random.h"
 #include "surfit/geometry/trajectory.h"
@@ -50,6 +51,7 @@ class Gaze {
 
  private:
   void ChooseTarget(const Eigen::Vector3d& position);
+  std::vector<int> TargetsFrom(const Eigen::Vector3d& position) const;
   bool MayTurnTo(const Eigen::Vector3d& to_target) const;
   void Steer(const Eigen::Vector3d& to_target);
 

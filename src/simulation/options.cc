@@ -52,8 +52,8 @@ void ColorOptions::Visit(OptionVisitor& v) {
 
 void PathOptions::Visit(OptionVisitor& v) {
   v.Add(frames_per_second, "frames_per_second", "of the stamps", Positive());
-  v.Add(min_step_m, "min_step_m", "between consecutive frames at least", Positive());
-  v.Add(max_step_m, "max_step_m", "between consecutive frames at most", Positive());
+  v.Add(min_step_m, "min_step_m", "between consecutive frames at least", Positive(), AsFlag());
+  v.Add(max_step_m, "max_step_m", "between consecutive frames at most", Positive(), AsFlag());
   v.Add(min_turn_deg, "min_turn_deg", "between consecutive frames at least", Positive());
   v.Add(max_turn_deg, "max_turn_deg", "between consecutive frames at most", Positive());
   v.Check([this] {

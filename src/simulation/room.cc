@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
+#include <utility>
 #include <vector>
 
 #include "simulation/item.h"
@@ -27,54 +27,26 @@ void AddCeilingLamp(const RoomPlan& room) {
   const Item lamp = room.Frame().At(above);
   lamp.Rod({0, 0, -0.22}, {0, 0, 0}, 0.008, Plain(Color::Constant(0.2f)));
   lamp.Add(MakeSphere(0.12), {0, 0, -0.3}, Plain(Color::Constant(0.8f)), 1.f);
-  room.scene->lights.push_back({room.Frame().InWorld(above - Vector3d(0, 0, 0.45)), 1.15f, true});
+  room.scene->lights.push_back(
+      {room.Frame().InWorld(above - Vector3d(0, 0, 0.45)), 1.15f, true, room.Lit()});
 }
 
-// Something that takes up a stretch of wall.
-struct Stretch {
-  double width_m;
-  std::function<void(const Item&)> add;
-};
-
-// Puts the stretches side by side in random order, with random gaps, which are worth a look where
-// they are wide; the corners stay free.
-void Line(const RoomPlan& room, int wall, std::vector<Stretch> stretches) {
+// Along a whole wall; the corners stay free.
+void LineWall(const RoomPlan& room, int wall, std::vector<Stretch> stretches) {
   constexpr double kCorner_m = 0.8;
-  Shuffle(&stretches, room.random);
-  double free = room.WallLength(wall) - 2 * kCorner_m;
-  for (const Stretch& stretch : stretches) free -= stretch.width_m;
-  double x = kCorner_m;
-  for (const Stretch& stretch : stretches) {
-    const double gap = std::max(0.0, room.random->Uniform(0, free));
-    free -= gap;
-    constexpr double kPlainWall_m = 0.5;
-    if (gap > kPlainWall_m) {
-      room.WallFrame(wall).Target({x + gap / 2, 0, room.random->Uniform(0.3, 1.1)});
-    }
-    x += gap;
-    stretch.add(room.WallFrame(wall).At({x + stretch.width_m / 2, 0, 0}));
-    x += stretch.width_m;
-  }
-}
-
-Stretch PosterStretch(Random* random) {
-  const double width = random->Uniform(0.4, 0.7), height = random->Uniform(0.5, 0.9);
-  return {width, [=](const Item& at) {
-            AddPoster(at.At({0, 0, 1.1}), width, height, random);
-            at.Target({0, 0, 0.9});
-          }};
+  Line(room, wall, kCorner_m, room.WallLength(wall) - kCorner_m, std::move(stretches));
 }
 
 void AddReadingWall(const RoomPlan& room, int wall) {
   Random* random = room.random;
   const double width = random->Uniform(1.2, 1.8);
-  Line(room, wall,
-       {{width, [=](const Item& at) { AddBookshelf(at, width, random); }},
-        {0.3,
-         [=](const Item& at) {
-           AddClock(at.At({0, 0, 1.5}), random);
-         }},
-        PosterStretch(random)});
+  LineWall(room, wall,
+           {{width, [=](const Item& at) { AddBookshelf(at, width, random); }},
+            {0.3,
+             [=](const Item& at) {
+               AddClock(at.At({0, 0, 1.5}), random);
+             }},
+            PosterStretch(room)});
 }
 
 void AddSofaWall(const RoomPlan& room, int wall) {
@@ -82,20 +54,20 @@ void AddSofaWall(const RoomPlan& room, int wall) {
   const double width = random->Uniform(1.5, 2.1);
   const auto sofa_and_poster = [=](const Item& at) {
     AddSofa(at, width, random);
-    AddPoster(at.At({random->Uniform(-0.3, 0.3), 0, 1.2}), 0.8, 0.6, random);
+    AddPoster(at.At({random->Uniform(-0.3, 0.3), 0, 1.2}), 0.8, 0.6, room.Pictures());
   };
-  Line(room, wall, {{width, sofa_and_poster}, PosterStretch(random)});
+  LineWall(room, wall, {{width, sofa_and_poster}, PosterStretch(room)});
 }
 
 void AddCabinetWall(const RoomPlan& room, int wall) {
   Random* random = room.random;
   const double width = random->Uniform(1.2, 1.7), curtain = random->Uniform(0.6, 0.9);
-  Line(room, wall,
-       {{width, [=](const Item& at) { AddCabinet(at, width, random); }},
-        {curtain, [=](const Item& at) {
-           AddCurtain(at, curtain, RoomPlan::kHeight_m - 0.15, random);
-           at.Target({0, 0.1, 0.9});
-         }}});
+  LineWall(room, wall,
+           {{width, [=](const Item& at) { AddCabinet(at, width, random); }},
+            {curtain, [=](const Item& at) {
+               AddCurtain(at, curtain, RoomPlan::kHeight_m - 0.15, random);
+               at.Target({0, 0.1, 0.9});
+             }}});
 }
 
 // Hardly anything but plain wall.
@@ -103,8 +75,8 @@ void AddBareWall(const RoomPlan& room, int wall) {
   Random* random = room.random;
   const auto shelf = [=](const Item& at) { AddWallShelf(at.At({0, 0, 1.45}), 0.8, random); };
   const auto crate = [=](const Item& at) { AddCrates(at, random); };
-  Line(room, wall,
-       {{1.0, [=](const Item& at) { AddDoor(at, random); }}, {0.8, shelf}, {0.6, crate}});
+  LineWall(room, wall,
+           {{1.0, [=](const Item& at) { AddDoor(at, random); }}, {0.8, shelf}, {0.6, crate}});
   const double length = room.WallLength(wall);
   double share = 0.2;
   while (share < 0.85) {
@@ -119,7 +91,7 @@ void AddPostersBesideDoorway(const RoomPlan& room, int wall, const Doorway& door
     const double corner = side < 0 ? 0 : room.WallLength(wall);
     const double width = std::min(0.6, 0.5 * std::abs(corner - edge));
     const Item at = room.WallFrame(wall).At({(edge + corner) / 2, 0, 0});
-    AddPoster(at.At({0, 0, 1.1}), width, room.random->Uniform(0.5, 0.9), room.random);
+    AddPoster(at.At({0, 0, 1.1}), width, room.random->Uniform(0.5, 0.9), room.Pictures());
     at.Target({0, 0, 0.9});
   }
 }
@@ -129,8 +101,8 @@ void AddWalls(const RoomPlan& room) {
                                                          &AddCabinetWall, &AddBareWall};
   Shuffle(&walls, room.random);
   for (int i = 0; i < 4; ++i) {
-    const std::optional<Doorway> doorway = room.DoorwayIn(i);
-    doorway ? AddPostersBesideDoorway(room, i, *doorway) : walls[i](room, i);
+    const std::vector<Doorway> doorways = room.DoorwaysIn(i);
+    doorways.empty() ? walls[i](room, i) : AddPostersBesideDoorway(room, i, doorways[0]);
   }
 }
 
@@ -158,7 +130,7 @@ void AddMiddle(const RoomPlan& room) {
   const Vector3d middle(room.width_m / 2 + random->Uniform(-0.5, 0.5),
                         room.depth_m / 2 + random->Uniform(-0.3, 0.3), 0);
   const Item place = room.Frame().At(middle, random->Uniform(0, M_PI));
-  place.Box({-1.1, -0.8, 0}, {1.1, 0.8, 0.01}, Rug(2.2, 1.6, random->Index(1 << 30)));
+  place.Box({-1.1, -0.8, 0}, {1.1, 0.8, 0.01}, Rug(2.2, 1.6, room.Pictures()->Index(1 << 30)));
   const double width = random->Uniform(1.1, 1.5), depth = random->Uniform(0.7, 0.9);
   AddTable(place, width, depth, random);
   for (const double side : {-1, 1}) {
@@ -172,7 +144,41 @@ void AddMiddle(const RoomPlan& room) {
            random);
 }
 
+// A thing on the floor beside the doorway that rooms alike do not share.
+void AddKeepsake(const RoomPlan& room) {
+  constexpr std::array<void (*)(const Item&, Random*), 3> kThings = {&AddBall, &AddBin, &AddRing};
+  const Item at = room.WallFrame(0).At({room.pictures->Uniform(0.9, 1.4), 0.4, 0});
+  kThings[room.pictures->Index(3)](at, room.pictures);
+}
+
 }  // namespace
+
+void Line(const RoomPlan& room, int wall, double from_m, double to_m,
+          std::vector<Stretch> stretches) {
+  Shuffle(&stretches, room.random);
+  double free = to_m - from_m;
+  for (const Stretch& stretch : stretches) free -= stretch.width_m;
+  double x = from_m;
+  for (const Stretch& stretch : stretches) {
+    const double gap = std::max(0.0, room.random->Uniform(0, free));
+    free -= gap;
+    constexpr double kPlainWall_m = 0.5;
+    if (gap > kPlainWall_m) {
+      room.WallFrame(wall).Target({x + gap / 2, 0, room.random->Uniform(0.3, 1.1)});
+    }
+    x += gap;
+    stretch.add(room.WallFrame(wall).At({x + stretch.width_m / 2, 0, 0}));
+    x += stretch.width_m;
+  }
+}
+
+Stretch PosterStretch(const RoomPlan& room) {
+  const double width = room.random->Uniform(0.4, 0.7), height = room.random->Uniform(0.5, 0.9);
+  return {width, [=](const Item& at) {
+            AddPoster(at.At({0, 0, 1.1}), width, height, room.Pictures());
+            at.Target({0, 0, 0.9});
+          }};
+}
 
 void AddFurnishedRoom(const RoomPlan& room) {
   AddShell(room);
@@ -180,6 +186,7 @@ void AddFurnishedRoom(const RoomPlan& room) {
   AddWalls(room);
   AddCorners(room);
   AddMiddle(room);
+  if (room.pictures != nullptr) AddKeepsake(room);
 }
 
 Scene MakeRoom(std::uint64_t seed) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 namespace surfit {
@@ -22,7 +23,8 @@ Sphere BoundingSphere(const std::vector<ScenePoint>& points) {
 }
 
 // The objects that can stand between the light and the points.
-std::vector<int> Occluders(const Scene& scene, const PointLight& light, const Sphere& points) {
+std::vector<Candidate> Occluders(const Scene& scene, const PointLight& light,
+                                 const Sphere& points) {
   const Vector3d to_points = points.center - light.position_in_world;
   const double distance = to_points.norm();
   const double half_angle =
@@ -31,11 +33,19 @@ std::vector<int> Occluders(const Scene& scene, const PointLight& light, const Sp
                              distance + points.radius);
 }
 
+bool Lights(const PointLight& light, const Vector3d& point) {
+  return light.lit.isEmpty() || light.lit.contains(point);
+}
+
+bool LightsAny(const PointLight& light, const Sphere& points) {
+  return light.lit.isEmpty() || light.lit.exteriorDistance(points.center) <= points.radius;
+}
+
 bool InShadow(const Scene& scene, const ScenePoint& point, const Vector3d& to_light,
-              const std::vector<int>& occluders) {
+              const std::vector<Candidate>& occluders) {
   constexpr double kOffSurface_m = 1e-4;
   const Vector3d start = point.point_in_world + kOffSurface_m * point.hit.normal_in_world;
-  return scene.Intersect(start, to_light, occluders, 1.0).has_value();
+  return scene.IsBlocked(start, to_light, occluders);
 }
 
 float Daylight(const Vector3d& normal_in_world) {
@@ -54,28 +64,82 @@ float LightFrom(const PointLight& light, const Vector3d& normal, const Vector3d&
 
 }  // namespace
 
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+Eigen::AlignedBox3d BoxInWorld(const Shape& shape, const Rigid3d& world_from_object) {
+  const Vector3d half = shape.HalfExtents();
+  if (!half.allFinite()) {
+    return {Vector3d::Constant(-kInfinity), Vector3d::Constant(kInfinity)};
+  }
+  const Vector3d reach = world_from_object.rotation.toRotationMatrix().cwiseAbs() * half;
+  return {world_from_object.translation - reach, world_from_object.translation + reach};
+}
+
+// The points in a cone about a unit axis and at most reach_m from its apex.
+struct Cone {
+  Cone(Vector3d cone_apex, Vector3d unit_axis, double half_angle_rad, double cone_reach_m)
+      : apex(std::move(cone_apex)),
+        axis(std::move(unit_axis)),
+        cos_a(std::cos(half_angle_rad)),
+        sin_a(std::sin(half_angle_rad)),
+        reach_m(cone_reach_m),
+        is_narrow(half_angle_rad < M_PI / 2) {}
+
+  // A ball of radius r at a distance d looms r / d = sin(b) wide; it reaches into the cone where
+  // the angle to its centre is at most a + b, a the cone's half angle:
+  //   cos(angle) >= cos(a + b) = cos(a) cos(b) - sin(a) sin(b), for a + b < pi.
+  bool Meets(const Vector3d& center, double radius) const {
+    if (!(radius < kInfinity)) return true;
+    const Vector3d to_center = center - apex;
+    const double distance = to_center.norm();
+    if (distance - radius > reach_m) return false;
+    if (!is_narrow || distance <= radius) return true;
+    const double sin_b = radius / distance, cos_b = std::sqrt(1 - sin_b * sin_b);
+    return to_center.dot(axis) >= (cos_a * cos_b - sin_a * sin_b) * distance;
+  }
+
+  Vector3d apex, axis;
+  double cos_a, sin_a, reach_m;
+  bool is_narrow;
+};
+
+}  // namespace
+
 void Scene::Add(ShapePtr shape, const Rigid3d& world_from_object, Texture texture, float glow) {
+  const Eigen::AlignedBox3d box = BoxInWorld(*shape, world_from_object);
   placements_.push_back({world_from_object.rotation.conjugate().toRotationMatrix(),
-                         world_from_object.translation, shape->BoundingRadius()});
+                         world_from_object.translation, shape->BoundingRadius(), box});
+  if (objects_.size() % kGroupSize == 0) groups_.emplace_back();
+  Group& group = groups_.back();
+  group.box_in_world.extend(box);
+  group.center_in_world = group.box_in_world.center();
+  group.radius = group.box_in_world.diagonal().norm() / 2;
   objects_.push_back({std::move(shape), world_from_object, std::move(texture), glow});
 }
 
 std::optional<SceneHit> Scene::Intersect(const Vector3d& origin, const Vector3d& direction) const {
-  std::vector<int> all(objects_.size());
-  for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int>(i);
-  return Intersect(origin, direction, all, std::numeric_limits<double>::infinity());
+  std::vector<Candidate> all(objects_.size());
+  for (std::size_t i = 0; i < all.size(); ++i) all[i].object = static_cast<int>(i);
+  return Intersect(origin, direction, all);
 }
 
+// Of objects that the ray enters at the same t, the first that was added counts.
 std::optional<SceneHit> Scene::Intersect(const Vector3d& origin, const Vector3d& direction,
-                                         const std::vector<int>& candidates, double t_end) const {
+                                         const std::vector<Candidate>& candidates) const {
+  constexpr double kRounding = 1 + 1e-9;
+  const double speed = kRounding * direction.norm();
   std::optional<ShapeHit> nearest;
   int object = -1;
-  for (const int i : candidates) {
+  double t_end = kInfinity;
+  for (const auto& [i, distance_m] : candidates) {
+    if (distance_m > t_end * speed) break;
     const Placement& place = placements_[i];
     const auto hit =
         objects_[i].shape->Intersect(place.object_from_world * (origin - place.center_in_world),
                                      place.object_from_world * direction);
-    if (hit && hit->t < t_end) {
+    if (hit && (hit->t < t_end || (hit->t == t_end && i < object))) {
       nearest = hit;
       object = i;
       t_end = hit->t;
@@ -86,35 +150,48 @@ std::optional<SceneHit> Scene::Intersect(const Vector3d& origin, const Vector3d&
   return SceneHit{nearest->t, normal, object, nearest->face};
 }
 
-std::vector<int> Scene::ObjectsInCone(const Vector3d& apex, const Vector3d& unit_axis,
-                                      double half_angle_rad, double reach_m) const {
-  // A ball of radius r at a distance d looms r / d = sin(b) wide; it reaches into the cone where
-  // the angle to its centre is at most a + b, a the cone's half angle:
-  //   cos(angle) >= cos(a + b) = cos(a) cos(b) - sin(a) sin(b), for a + b < pi.
-  const double cos_a = std::cos(half_angle_rad), sin_a = std::sin(half_angle_rad);
-  const bool is_narrow = half_angle_rad < M_PI / 2;
-  std::vector<int> inside;
-  for (std::size_t i = 0; i < placements_.size(); ++i) {
-    const Vector3d to_center = placements_[i].center_in_world - apex;
-    const double distance = to_center.norm(), radius = placements_[i].radius;
-    if (distance - radius > reach_m) continue;
-    if (is_narrow && distance > radius) {
-      const double sin_b = radius / distance, cos_b = std::sqrt(1 - sin_b * sin_b);
-      if (to_center.dot(unit_axis) < (cos_a * cos_b - sin_a * sin_b) * distance) continue;
+bool Scene::IsBlocked(const Vector3d& origin, const Vector3d& direction,
+                      const std::vector<Candidate>& candidates) const {
+  return std::any_of(candidates.begin(), candidates.end(), [&](const Candidate& candidate) {
+    const Placement& place = placements_[candidate.object];
+    const auto hit = objects_[candidate.object].shape->Intersect(
+        place.object_from_world * (origin - place.center_in_world),
+        place.object_from_world * direction);
+    return hit && hit->t < 1;
+  });
+}
+
+std::vector<Candidate> Scene::ObjectsInCone(const Vector3d& apex, const Vector3d& unit_axis,
+                                            double half_angle_rad, double reach_m) const {
+  const Cone cone(apex, unit_axis, half_angle_rad, reach_m);
+  std::vector<Candidate> inside;
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    if (!cone.Meets(groups_[g].center_in_world, groups_[g].radius)) continue;
+    const std::size_t end = std::min(objects_.size(), (g + 1) * kGroupSize);
+    for (std::size_t i = g * kGroupSize; i < end; ++i) {
+      const Placement& place = placements_[i];
+      if (!cone.Meets(place.center_in_world, place.radius)) continue;
+      inside.push_back({static_cast<int>(i), place.box_in_world.exteriorDistance(apex)});
     }
-    inside.push_back(static_cast<int>(i));
   }
+  std::sort(inside.begin(), inside.end(), [](const Candidate& a, const Candidate& b) {
+    return std::tie(a.distance_m, a.object) < std::tie(b.distance_m, b.object);
+  });
   return inside;
 }
 
 double Scene::Distance(const Vector3d& point_in_world) const {
-  double nearest = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < objects_.size(); ++i) {
-    const Vector3d from_center = point_in_world - placements_[i].center_in_world;
-    if (from_center.norm() - placements_[i].radius > nearest) continue;
-    const double distance =
-        objects_[i].shape->Distance(placements_[i].object_from_world * from_center);
-    nearest = std::min(nearest, distance);
+  double nearest = kInfinity;
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    if (groups_[g].box_in_world.exteriorDistance(point_in_world) > nearest) continue;
+    const std::size_t end = std::min(objects_.size(), (g + 1) * kGroupSize);
+    for (std::size_t i = g * kGroupSize; i < end; ++i) {
+      const Vector3d from_center = point_in_world - placements_[i].center_in_world;
+      if (from_center.norm() - placements_[i].radius > nearest) continue;
+      const double distance =
+          objects_[i].shape->Distance(placements_[i].object_from_world * from_center);
+      nearest = std::min(nearest, distance);
+    }
   }
   return nearest;
 }
@@ -134,9 +211,11 @@ std::vector<Eigen::Vector3f> Scene::Light(const std::vector<ScenePoint>& points)
   }
   const Sphere sphere = BoundingSphere(points);
   for (const PointLight& light : lights) {
-    const std::vector<int> occluders =
-        light.casts_shadows ? Occluders(*this, light, sphere) : std::vector<int>();
+    if (!LightsAny(light, sphere)) continue;
+    const std::vector<Candidate> occluders =
+        light.casts_shadows ? Occluders(*this, light, sphere) : std::vector<Candidate>();
     for (std::size_t i = 0; i < points.size(); ++i) {
+      if (!Lights(light, points[i].point_in_world)) continue;
       const Vector3d to_light = light.position_in_world - points[i].point_in_world;
       const float amount = LightFrom(light, points[i].hit.normal_in_world, to_light);
       if (amount > 0 && !InShadow(*this, points[i], to_light, occluders)) light_sum[i] += amount;

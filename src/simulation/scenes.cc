@@ -1,6 +1,8 @@
 #include <array>
+#include <functional>
 #include <map>
 
+#include "simulation/building.h"
 #include "simulation/item.h"
 #include "simulation/room.h"
 #include "surfit/core/error.h"
@@ -119,14 +121,20 @@ Scene Corridor(std::uint64_t seed) {
   return scene;
 }
 
-const std::map<std::string, Scene (*)(std::uint64_t)>& Makers() {
-  static const std::map<std::string, Scene (*)(std::uint64_t)> makers = {
-      {"room", &MakeRoom},
-      {"three_rooms", &MakeThreeRooms},
-      {"three_planes", &ThreePlanes},
-      {"wall", &Wall},
-      {"sphere", &Ball},
-      {"corridor", &Corridor}};
+using SceneMaker = std::function<Scene(std::uint64_t, const BuildingOptions&)>;
+
+SceneMaker Fixed(Scene (*maker)(std::uint64_t)) {
+  return [=](std::uint64_t seed, const BuildingOptions&) { return maker(seed); };
+}
+
+const std::map<std::string, SceneMaker>& Makers() {
+  static const std::map<std::string, SceneMaker> makers = {{"building", &MakeBuilding},
+                                                           {"room", Fixed(&MakeRoom)},
+                                                           {"three_rooms", Fixed(&MakeThreeRooms)},
+                                                           {"three_planes", Fixed(&ThreePlanes)},
+                                                           {"wall", Fixed(&Wall)},
+                                                           {"sphere", Fixed(&Ball)},
+                                                           {"corridor", Fixed(&Corridor)}};
   return makers;
 }
 
@@ -138,9 +146,9 @@ std::vector<std::string> SceneNames() {
   return names;
 }
 
-Scene MakeScene(const std::string& name, std::uint64_t seed) {
+Scene MakeScene(const std::string& name, std::uint64_t seed, const BuildingOptions& building) {
   const auto maker = Makers().find(name);
-  if (maker != Makers().end()) return maker->second(seed);
+  if (maker != Makers().end()) return maker->second(seed, building);
   std::string known;
   for (const std::string& each : SceneNames()) known += (known.empty() ? "" : ", ") + each;
   throw InputError(Concat("scene is '", name, "', must be one of ", known));

@@ -41,12 +41,12 @@ class Frustum : public Shape {
     return inside ? -distance : distance;
   }
 
-  double BoundingRadius() const override {
-    return std::hypot(half_height_, std::max(RadiusAt(-half_height_), RadiusAt(half_height_)));
-  }
+  double BoundingRadius() const override { return std::hypot(half_height_, LargestRadius()); }
+  Vector3d HalfExtents() const override { return {LargestRadius(), LargestRadius(), half_height_}; }
 
  private:
   double RadiusAt(double z) const { return middle_radius_ + slope_ * z; }
+  double LargestRadius() const { return std::max(RadiusAt(-half_height_), RadiusAt(half_height_)); }
 
   std::optional<ShapeHit> IntersectCap(const Vector3d& origin, const Vector3d& direction) const {
     if (direction.z() == 0) return std::nullopt;
@@ -112,6 +112,7 @@ class Torus : public Shape {
     return std::hypot(point.head<2>().norm() - ring_radius_, point.z()) - tube_;
   }
   double BoundingRadius() const override { return ring_radius_ + tube_; }
+  Vector3d HalfExtents() const override { return {BoundingRadius(), BoundingRadius(), tube_}; }
 
  private:
   Vector3d NearestOnRing(const Vector3d& point) const {

@@ -128,8 +128,8 @@ TEST(Scene, DistanceIsTheLeastOfAllObjects) {
 TEST(Scenes, AnUnknownNameListsTheKnown) {
   ExpectInputError(
       [] { MakeScene("kitchen"); },
-      ::testing::StrEq("scene is 'kitchen', must be one of corridor, room, sphere, three_planes, "
-                       "three_rooms, wall"));
+      ::testing::StrEq("scene is 'kitchen', must be one of building, corridor, room, sphere, "
+                       "three_planes, three_rooms, wall"));
 }
 
 struct Step {

@@ -144,12 +144,14 @@ TEST_P(ShapeTest, DistanceIsThatToTheNearestOfManySurfacePoints) {
   }
 }
 
-TEST_P(ShapeTest, LiesInItsBoundingSphere) {
+TEST_P(ShapeTest, LiesInItsBoundingSphereAndBox) {
   const double radius = shape().BoundingRadius();
+  const Vector3d half = shape().HalfExtents();
   for (int i = 0; i < 10000; ++i) {
     const Vector3d point = RandomPoint(1.2);
     if (Contains(GetParam(), point)) {
       EXPECT_LE(point.norm(), radius);
+      EXPECT_TRUE((point.cwiseAbs().array() <= half.array()).all()) << point.transpose();
     }
   }
 }

@@ -49,6 +49,7 @@ void SimulateOptions::Visit(OptionVisitor& v) {
         Required(), AsFlag(), Everyday());
   v.Add(scene, "scene", "scene; three_rooms: 1500 frames lead through them and back",
         OneOf(SceneNames()), AsFlag(), Everyday());
+  v.AddPart(building, "building", "its size");
   v.Add(frames, "frames", "number of frames", AtLeast(1), AsFlag(), Everyday());
   v.Add(seed, "seed", "another seed gives another room, another path and other noise", AtLeast(0),
         AsFlag(), Everyday());
@@ -64,6 +65,7 @@ void SimulateOptions::Visit(OptionVisitor& v) {
         AtLeast(0.001), AsFlag(), Everyday());
   v.Add(threads, "threads", "threads that compute at the same time", Between(0, 1024),
         ZeroIs("as many as the machine has"), AsFlag(), Everyday());
+  v.AddPart(path, "path", "how the camera moves");
   VisitSensor(v, this);
 }
 

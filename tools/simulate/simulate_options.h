@@ -8,7 +8,9 @@
 #include "surfit/core/options.h"
 #include "surfit/geometry/inverse_depth_field.h"
 #include "surfit/geometry/sensor.h"
+#include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
+#include "surfit/simulation/scene.h"
 
 namespace surfit::tools {
 
@@ -16,7 +18,9 @@ namespace surfit::tools {
 struct SimulateOptions {
   std::string output;
   std::string scene = "room";
+  BuildingOptions building;
   int frames = 200;
+  PathOptions path;
   int seed = 4;
   std::string sensor = "kinect";
   double inverse_depth_offset = 0;

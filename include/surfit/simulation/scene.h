@@ -14,6 +14,8 @@
 
 namespace surfit {
 
+class OptionVisitor;
+
 // Where a ray enters a solid.
 struct ShapeHit {
   double t = 0;                                      // at origin + t * direction, t > 0
@@ -37,6 +39,10 @@ class Shape {
   virtual double Distance(const Eigen::Vector3d& point) const = 0;
   // The solid lies in a sphere of this radius about its origin; infinite if unbounded.
   virtual double BoundingRadius() const = 0;
+  // And in the box |x_i| <= this.
+  virtual Eigen::Vector3d HalfExtents() const {
+    return Eigen::Vector3d::Constant(BoundingRadius());
+  }
 };
 
 using ShapePtr = std::shared_ptr<const Shape>;
@@ -67,6 +73,7 @@ struct PointLight {
   Eigen::Vector3d position_in_world = Eigen::Vector3d::Zero();
   float intensity = 1;
   bool casts_shadows = true;
+  Eigen::AlignedBox3d lit = {};  // where its light gets to, a closed room; everywhere if empty
 };
 
 // Where a ray meets the scene first.
@@ -83,6 +90,18 @@ struct ScenePoint {
   Eigen::Vector3d point_in_world;
 };
 
+// An object that a ray may meet.
+struct Candidate {
+  int object = 0;
+  double distance_m = 0;  // from where the ray starts, at least
+};
+
+// A part of a scene that is closed but for doorways: who is in it looks at what is in it.
+struct SceneCell {
+  Eigen::AlignedBox3d space;  // between its walls
+  std::vector<int> targets;   // of Scene::targets
+};
+
 // Solids with colours, in metres, z up, and how they are lit and filmed.
 class Scene {
  public:
@@ -92,14 +111,18 @@ class Scene {
   // The first object that the ray enters; the direction need not have unit length.
   std::optional<SceneHit> Intersect(const Eigen::Vector3d& origin,
                                     const Eigen::Vector3d& direction) const;
-  // The same among some of the objects, and only for t < t_end.
+  // The same among some of the objects, nearest first.
   std::optional<SceneHit> Intersect(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
-                                    const std::vector<int>& candidates, double t_end) const;
+                                    const std::vector<Candidate>& candidates) const;
+  // Whether the ray enters one of them for t < 1.
+  bool IsBlocked(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
+                 const std::vector<Candidate>& candidates) const;
 
-  // The objects that may reach into a cone, cut off at a distance from its apex; some may not.
-  std::vector<int> ObjectsInCone(const Eigen::Vector3d& apex, const Eigen::Vector3d& unit_axis,
-                                 double half_angle_rad,
-                                 double reach_m = std::numeric_limits<double>::infinity()) const;
+  // The objects that may reach into a cone, cut off at a distance from its apex, nearest first;
+  // some may not.
+  std::vector<Candidate> ObjectsInCone(
+      const Eigen::Vector3d& apex, const Eigen::Vector3d& unit_axis, double half_angle_rad,
+      double reach_m = std::numeric_limits<double>::infinity()) const;
 
   // Distance to the nearest surface in metres, exact outside all solids; negative inside one.
   double Distance(const Eigen::Vector3d& point_in_world) const;
@@ -115,21 +138,44 @@ class Scene {
   Eigen::AlignedBox3d camera_space;    // where a camera path may lead ...
   std::vector<Eigen::Vector3d> route;  // ... and, unless empty, the corners of the loop it follows
   std::vector<Eigen::Vector3d> targets;  // what a camera path looks at
+  std::vector<SceneCell> cells;          // none: all targets may be looked at from anywhere
 
  private:
   struct Placement {
     Eigen::Matrix3d object_from_world;  // rotation
     Eigen::Vector3d center_in_world;
     double radius;
+    Eigen::AlignedBox3d box_in_world;
   };
+  // Objects that were added one after the other, so that they lie near to each other.
+  struct Group {
+    Eigen::AlignedBox3d box_in_world;
+    Eigen::Vector3d center_in_world;
+    double radius;
+  };
+  static constexpr std::size_t kGroupSize = 16;
+
   std::vector<SceneObject> objects_;
   std::vector<Placement> placements_;
+  std::vector<Group> groups_;
+};
+
+// How large the scene "building" is.
+struct BuildingOptions {
+  int floors = 2;
+  int rooms = 6;
+
+  void Visit(OptionVisitor& visitor);
 };
 
 // The names MakeScene() knows:
 //   room          a furnished room of 4 to 8 m; its size, furniture and colours vary with the seed
 //   three_rooms   three such rooms joined by doorways; a path walks through them and back in about
 //                 1500 frames, and then again
+//   building      furnished rooms on some floors (BuildingOptions), around a ring of corridors on
+//                 each, with a staircase at each end. Rooms 2 k and 2 k + 1 are alike but for
+//                 pictures, rugs and a thing on the floor. A path walks through every room and
+//                 closes its loops after whole floors
 //   three_planes  floor and two walls that meet at right angles in (0, 0, 0)
 //   wall          the plane y = 2 m, textured
 //   sphere        a ball of radius 0.5 m at (0, 2, 1) above the floor z = 0
@@ -137,7 +183,9 @@ class Scene {
 // All have z up; all but the rooms are the same for every seed, apart from their textures.
 std::vector<std::string> SceneNames();
 
-// Throws InputError that lists the names, for a name that is none of them.
-Scene MakeScene(const std::string& name, std::uint64_t seed = 1);
+// Throws InputError that lists the names, for a name that is none of them, and for options that are
+// not valid.
+Scene MakeScene(const std::string& name, std::uint64_t seed = 1,
+                const BuildingOptions& building = {});
 
 }  // namespace surfit
