@@ -1,6 +1,9 @@
 // Compares a map with a reference surface: accuracy and completeness.
 
+#include <filesystem>
 #include <iostream>
+#include <set>
+#include <vector>
 
 #include "common/json.h"
 #include "common/tool_main.h"
@@ -19,7 +22,11 @@ struct Options {
   MapErrorOptions error;
 
   void Visit(OptionVisitor& v) {
-    v.Add(map, "map", "the map, a PLY or PCD file with points or surfels", Required(), AsFlag());
+    v.Add(
+        map, "map",
+        "the map, a PLY or PCD file with points or surfels, or a folder of such files that make it "
+        "up: the tiles of a scan",
+        Required(), AsFlag());
     v.Add(reference, "reference",
           "the true surface as a dense point cloud (PLY or PCD), in the map's frame", Required(),
           AsFlag());
@@ -31,6 +38,24 @@ struct Options {
     v.AddPart(error, "error", "how they are compared");
   }
 };
+
+// Of a folder all of its files that are clouds, by name.
+std::vector<Eigen::Vector3f> ReadMapPoints(const std::string& path) {
+  namespace fs = std::filesystem;
+  if (!fs::is_directory(path)) return ReadPointCloud(path).points;
+  std::set<fs::path> files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(path)) {
+    const fs::path extension = entry.path().extension();
+    if (extension == ".ply" || extension == ".pcd") files.insert(entry.path());
+  }
+  if (files.empty()) throw InputError(path + ": has no .ply or .pcd file");
+  std::vector<Eigen::Vector3f> points;
+  for (const fs::path& file : files) {
+    const PointCloud part = ReadPointCloud(file);
+    points.insert(points.end(), part.points.begin(), part.points.end());
+  }
+  return points;
+}
 
 // By the rigid motion that takes the trajectory as near to the truth as one can.
 Rigid3d ReferenceFromMap(const Options& options) {
@@ -64,13 +89,12 @@ Json ToJson(const MapError& error, const Rigid3d& reference_from_map, Options op
 
 int Run(const Options& options) {
   const Rigid3d reference_from_map = ReferenceFromMap(options);
-  PointCloud map = ReadPointCloud(options.map);
-  for (Eigen::Vector3f& point : map.points) {
+  std::vector<Eigen::Vector3f> map = ReadMapPoints(options.map);
+  for (Eigen::Vector3f& point : map) {
     point = (reference_from_map * point.cast<double>()).cast<float>();
   }
   const PointCloud reference = ReadPointCloud(options.reference);
-  const MapError error =
-      ComputeMapError(map.points, reference.points, reference.normals, options.error);
+  const MapError error = ComputeMapError(map, reference.points, reference.normals, options.error);
   PrintJson(ToJson(error, reference_from_map, options));
   std::cerr << "accuracy " << error.accuracy_m.mean << " m mean, " << error.accuracy_m.p90
             << " m for 90 %; " << 100 * error.completeness << " % of the reference mapped within "

@@ -10,6 +10,7 @@
 #include "run/known_sequence.h"
 #include "run/output_files.h"
 #include "run/output_folder.h"
+#include "scan/link_truth.h"
 #include "scan/scan_graph.h"
 #include "scan/tile_files.h"
 #include "surfit/core/error.h"
@@ -232,7 +233,42 @@ Json ToJson(const ScanPlan& plan, const std::vector<RecordingResult>& results) {
   return recordings;
 }
 
-Json ToJson(const ScanPlan& plan, const ScanGraph& graph, const GraphResult& result) {
+// Nothing between recordings: what their ground truths have in common is not known.
+std::optional<PoseError> ErrorOf(const ScanPlan& plan, const ScanGraph& graph,
+                                 const std::vector<RecordingResult>& results,
+                                 const GraphLink& link) {
+  const int recording = plan.fragments[link.source].recording;
+  if (plan.fragments[link.target].recording != recording) return std::nullopt;
+  return ErrorOfLink(results[recording].info.ground_truth, graph.fragments()[link.source]->places,
+                     link.source_keyframe, graph.fragments()[link.target]->places,
+                     link.target_keyframe, link.target_from_source);
+}
+
+void FindWorst(const ScanPlan& plan, const ScanGraph& graph,
+               const std::vector<RecordingResult>& results, GraphResult* result) {
+  for (const GraphLink& link : graph.links()) {
+    if (!link.is_left_out) KeepWorse(ErrorOf(plan, graph, results, link), &result->worst_link);
+  }
+  for (std::size_t i = 0; i < plan.fragments.size(); ++i) {
+    const std::optional<GraphFragment>& fragment = graph.fragments()[i];
+    if (!fragment) continue;
+    const Trajectory& truth = results[plan.fragments[i].recording].info.ground_truth;
+    for (const PoseGraphEdge& edge : fragment->places.edges) {
+      if (!edge.loop) continue;
+      KeepWorse(ErrorOfLink(truth, fragment->places, static_cast<int>(edge.b), fragment->places,
+                            static_cast<int>(edge.a), edge.a_from_b),
+                &result->worst_loop);
+    }
+  }
+}
+
+Json ToJson(const std::optional<PoseError>& error) {
+  if (!error) return nullptr;
+  return {{"translation_m", error->translation_m}, {"rotation_deg", error->rotation_deg}};
+}
+
+Json ToJson(const ScanPlan& plan, const ScanGraph& graph,
+            const std::vector<RecordingResult>& results, const GraphResult& result) {
   Json fragments = Json::array();
   for (std::size_t i = 0; i < plan.fragments.size(); ++i) {
     const auto& fragment = graph.fragments()[i];
@@ -257,7 +293,8 @@ Json ToJson(const ScanPlan& plan, const ScanGraph& graph, const GraphResult& res
          {"target_frame", frame(link.target, link.target_keyframe)},
          {"left_out", link.is_left_out},
          {"residual_m", residual ? Json(residual->translation.norm()) : Json(nullptr)},
-         {"residual_rad", residual ? Json(RotationAngle(residual->rotation)) : Json(nullptr)}});
+         {"residual_rad", residual ? Json(RotationAngle(residual->rotation)) : Json(nullptr)},
+         {"error", ToJson(ErrorOf(plan, graph, results, link))}});
   }
   return {{"frames", result.frames},
           {"frames_total", result.frames_total},
@@ -265,6 +302,8 @@ Json ToJson(const ScanPlan& plan, const ScanGraph& graph, const GraphResult& res
           {"links_accepted", result.links_accepted},
           {"links_left_out", result.links_left_out},
           {"ate_rmse_m", result.ate_rmse_m ? Json(*result.ate_rmse_m) : Json(nullptr)},
+          {"worst_link", ToJson(result.worst_link)},
+          {"worst_loop", ToJson(result.worst_loop)},
           {"fragments", fragments},
           {"links", links}};
 }
@@ -328,10 +367,11 @@ GraphResult BuildScanGraph(const GraphOptions& options) {
   if (const auto ate = ComputeAbsoluteTrajectoryError(matched)) {
     result.ate_rmse_m = ate->translation_m.rmse;
   }
+  FindWorst(plan, graph, results, &result);
   const std::vector<ScanTile> tiles = FindTiles(options.scan, plan, graph, plan.tile_m);
   result.tiles = static_cast<int>(tiles.size());
   WriteTiles(tiles, options.output + "/tiles.json");
-  Json json = ToJson(plan, graph, result);
+  Json json = ToJson(plan, graph, results, result);
   json["recordings"] = ToJson(plan, results);
   WriteJson(json, options.output + "/graph.json");
   return result;

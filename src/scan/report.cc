@@ -172,6 +172,8 @@ class ScanReporter {
                {"fragments", summary.fragments},
                {"links_accepted", summary.links_accepted},
                {"links_left_out", graph_.is_null() ? Json(0) : graph_.at("links_left_out")},
+               {"worst_link", graph_.is_null() ? Json(nullptr) : graph_.at("worst_link")},
+               {"worst_loop", graph_.is_null() ? Json(nullptr) : graph_.at("worst_loop")},
                {"tiles", summary.tiles},
                {"recordings", graph_.is_null() ? Json::array() : graph_.at("recordings")},
                {"failed", summary.failed}},
@@ -187,6 +189,8 @@ class ScanReporter {
       page.Paragraph(Concat("ATE: ", Fixed(1000 * *summary.ate_rmse_m, 1), " mm",
                             plan_.recordings.size() > 1 ? ", all recordings aligned as one" : ""));
     }
+    AddWorst("link between fragments", "worst_link", &page);
+    AddWorst("loop within a fragment", "worst_loop", &page);
     page.Section("What failed");
     if (summary.failed.empty()) page.Paragraph("Nothing.");
     for (const std::string& failed : summary.failed) page.Paragraph(failed);
@@ -218,6 +222,15 @@ class ScanReporter {
     }
     page->Section("Recordings");
     page->Table(rows);
+  }
+
+  // What the ground truth says of it.
+  void AddWorst(const std::string& what, const std::string& key, PlainPage* page) const {
+    if (graph_.is_null() || graph_.at(key).is_null()) return;
+    const Json& worst = graph_.at(key);
+    page->Paragraph(Concat("The ", what, " that misses the ground truth most: by ",
+                           Fixed(1000 * worst.at("translation_m").get<double>(), 1), " mm, ",
+                           Fixed(worst.at("rotation_deg"), 2), " degrees"));
   }
 
   void AddFragments(PlainPage* page) const {

@@ -238,6 +238,25 @@ TEST_F(EvaluateMapTest, PrintsAccuracyAndCompletenessAsJson) {
   EXPECT_EQ(json.at("reference_points"), 4);
 }
 
+TEST_F(EvaluateMapTest, TakesAFolderOfTilesAsOneMap) {
+  const TempFolder tiles;
+  for (int i = 0; i < 3; ++i) {
+    SurfelMap map;
+    Surfel surfel;
+    surfel.position_in_world = {0.25f * i, 0, i == 2 ? 0.5f : 0.0078125f};
+    map.Append(surfel);
+    WriteSurfelPly(map, tiles / ("tile" + std::to_string(i) + ".ply"));
+  }
+  tiles.Write("tiles.json", "{}");
+  const ProgramResult whole = Succeeded(Evaluate({}));
+  auto json = nlohmann::json::parse(Succeeded(Evaluate({"--map=" + tiles.path()})).out),
+       expected = nlohmann::json::parse(whole.out);
+  json.erase("options"), expected.erase("options");
+  EXPECT_EQ(json, expected);
+  const TempFolder empty;
+  ExpectRefused(Evaluate({"--map=" + empty.path()}), "has no .ply or .pcd file");
+}
+
 // At 0.5 m, inclusive, the third point counts too; the fourth is sqrt(0.25^2 + 0.5^2) m away.
 TEST_F(EvaluateMapTest, TakesTheDistanceOfCompletenessFromTheFlag) {
   const ProgramResult result = Succeeded(Evaluate({"--completeness_distance_m=0.5"}));

@@ -285,5 +285,32 @@ TEST_F(ScanTool, SaysWhatIsWrong) {
                 "plan.json");
 }
 
+// Two rooms alike, one above the other, and the way between them: no link may take one for the
+// other. The bounds are those of a large building (docs/scan.md).
+TEST(ScanSweep, RoomsAlikeOnTwoFloorsAreToldApart) {
+  if (!HasSnakemake()) GTEST_SKIP() << "no snakemake here";
+  const TempFolder folder;
+  const std::string sequence = folder / "building", scan = folder / "scan";
+  Succeeded(RunProgram(
+      "surfit_simulate",
+      {"--scene=building", "--floors=2", "--rooms=2", "--frames=2700", "--min_step_m=0.05",
+       "--max_step_m=0.07", "--downsample=2", "--surface_grid_m=0.02", "--output=" + sequence}));
+  Succeeded(RunProgram("surfit_scan", {"--sequence=" + sequence, "--output=" + scan}));
+  const auto summary = nlohmann::json::parse(ReadBytes(scan + "/summary.json"));
+  EXPECT_TRUE(summary["failed"].empty());
+  EXPECT_EQ(summary["frames"], 2700);
+  EXPECT_LT(summary["ate_rmse_m"].get<double>(), 0.05);
+  for (const char* const worst : {"worst_link", "worst_loop"}) {
+    if (summary[worst].is_null()) continue;
+    EXPECT_LT(summary[worst]["translation_m"].get<double>(), 0.1) << worst;
+  }
+  const ProgramResult map = Succeeded(
+      RunProgram("surfit_evaluate_map",
+                 {"--map=" + scan + "/tiles", "--reference=" + sequence + "/surface.ply",
+                  "--completeness_distance_m=0.02", "--estimate=" + scan + "/trajectory.txt",
+                  "--groundtruth=" + sequence + "/groundtruth.txt"}));
+  EXPECT_GT(nlohmann::json::parse(map.out)["completeness"].get<double>(), 0.95);
+}
+
 }  // namespace
 }  // namespace surfit::testing

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "surfit/evaluation/trajectory_evaluation.h"
 #include "surfit/registration/far_registration.h"
 
 namespace surfit {
@@ -85,6 +86,9 @@ struct GraphResult {
   int tiles = 0;
   // By one alignment of all recordings to their ground truths, which must have one frame.
   std::optional<double> ate_rmse_m;
+  // Of the links between fragments that are not left out, and of the loops within fragments, the
+  // one that misses the ground truth most.
+  std::optional<PoseError> worst_link, worst_loop;
 };
 // The largest part of fragments that shared frames or links join, by the pose graph of all its
 // keyframes. Neighbours of one recording are joined by the poses that both give a frame in the
