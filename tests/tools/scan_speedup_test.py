@@ -89,18 +89,18 @@ class LawTest(unittest.TestCase):
         # Snakemake's own time for 1 + 4 + 1 + 2 + 1 + 4 jobs.
         self.assertAlmostEqual(speedup.replay(law.jobs(400, 0.5), 9).seconds, 31 + 6.5)
 
-    def test_what_is_full_grows_no_more(self):
-        scans = [self.scan(100, 1, {"candidates": 2, "report": 2}), self.scan(200, 2, {"candidates": 4, "report": 3})]
-        law = speedup.Law(scans, {"candidates": 300, "report": 300}, read_s=0.001)
+    def test_a_full_index_grows_no_more(self):
+        scans = [self.scan(100, 1, {"candidates": 2, "graph": 2}), self.scan(200, 2, {"candidates": 4, "graph": 3})]
+        law = speedup.Law(scans, 300)
         self.assertAlmostEqual(law.times("candidates", 250)[0], 5)
         self.assertAlmostEqual(law.times("candidates", 1000)[0], 6)
-        self.assertAlmostEqual(law.times("report", 1000)[0], 4 + 0.7)
+        self.assertAlmostEqual(law.times("graph", 1000)[0], 11)
 
     def test_three_lengths_tell_what_grows_with_the_square(self):
-        square = speedup.growth([(100, 2), (200, 5), (400, 17)])  # 1 s + 1e-4 s F^2
+        square = speedup.growth([(100, 2), (200, 5), (400, 17)], (1, 2))  # 1 s + 1e-4 s F^2
         self.assertEqual(square.power, 2)
         self.assertAlmostEqual(square.at(1000), 101)
-        linear = speedup.growth([(100, 2), (200, 3), (400, 5)])
+        linear = speedup.growth([(100, 2), (200, 3), (400, 5)], (1, 2))
         self.assertEqual(linear.power, 1)
         self.assertAlmostEqual(linear.at(1000), 11)
 

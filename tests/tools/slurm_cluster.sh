@@ -106,6 +106,8 @@ resume_node() { scontrol update nodename="$1" state=resume; }
 
 kill_node() {
   kill -KILL "${daemons[$1]}"
+  { wait "${daemons[$1]}" || true; } 2>/dev/null  # else bash tells of its end
+  unset "daemons[$1]"
   local place environment parent pids=()
   for place in /proc/[0-9]*; do
     environment=$({ tr '\0' '\n' <"$place/environ"; } 2>/dev/null) || continue

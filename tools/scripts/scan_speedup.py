@@ -17,15 +17,14 @@ For a recording of F frames there are then
   link        as many for each frame as in the longest scan, each as long as there: a keyframe has so
               many candidates at most (--max_alike), so that their number is linear in F. In short
               scans, few pairs of fragments are far enough apart to be looked at
-  graph       one job, of a + b F^p: frames are read, a sparse system is solved
+  graph       one job, of a + b F: frames are read, a sparse system is solved. At least: links that
+              become more for each frame make it slower
   tile        as many for each frame as in the longest scan, each as long as there: a camera that
               sees new places all the time. One that returns makes fewer that take longer
-  report      one job, of a + b F^p, as the pictures' time grows with the map; beyond --picture_frames,
-              which fill them (2 million surfels), as long as for so many, and --read_s for each frame
-              beyond, in which tiles are read
+  report      one job, of a + b F: all tiles are read
 
-a and b are fitted to the scans that are given, p = 1 or 2 as fits better (1 with two scans, which fit
-both). A scan may lack rules, as one that was stopped before its tiles. Times of jobs are those
+a and b are fitted to the scans that are given, and p = 1 or 2 as fits better (1 with two scans, which
+fit both). A scan may lack rules, as one that was stopped before its tiles. Times of jobs are those
 measured in the longest scan that has any, again and again in their order.
 
 List scheduling: a job that is ready starts on the worker that is free first, in the order in which
@@ -45,7 +44,7 @@ from pathlib import Path
 
 RULES = ["camera", "fragment", "candidates", "link", "graph", "tile", "report"]
 ONE_JOB = ("camera", "candidates", "graph", "report")
-GROWING = ("candidates", "graph", "report")
+GROWING = {"candidates": (1, 2), "graph": (1,), "report": (1,)}  # by which powers of frames
 
 
 @dataclass
@@ -159,18 +158,18 @@ def fit(points, power):
     return Growth(start, slope, power, sum((start + slope * x - y) ** 2 for x, y in zip(xs, ys)))
 
 
-def growth(points):
-    fits = [fit(points, 1), fit(points, 2)] if len({frames for frames, _ in points}) > 2 else [fit(points, 1)]
-    return min(fits, key=lambda fitted: fitted.error)
+def growth(points, powers):
+    """What fits best; of two lengths, the first of the powers."""
+    if len({frames for frames, _ in points}) < 3:
+        powers = powers[:1]
+    return min((fit(points, power) for power in powers), key=lambda fitted: fitted.error)
 
 
 class Law:
     """The jobs of a scan of any length, as told by measured ones."""
 
-    def __init__(self, scans, most_frames=None, read_s=0.0):
-        """most_frames: by rule, with how many frames what its job looks at is as much as it may be."""
-        self.longest, self.growths = {}, {}
-        self.most_frames, self.read_s = most_frames or {}, read_s
+    def __init__(self, scans, index_frames=math.inf):
+        self.longest, self.growths, self.index_frames = {}, {}, index_frames
         for rule in RULES:
             having = [scan for scan in scans if scan.times[rule]]
             if not having:
@@ -180,14 +179,12 @@ class Law:
                 continue
             if len({scan.frames for scan in having}) < 2:
                 sys.exit(f"error: how {rule} grows is told by scans of at least two lengths")
-            self.growths[rule] = growth([(scan.frames, sum(scan.times[rule])) for scan in having])
+            self.growths[rule] = growth([(scan.frames, sum(scan.times[rule])) for scan in having], GROWING[rule])
 
     def times(self, rule, frames):
         longest = self.longest[rule]
         if rule in GROWING:
-            most = min(frames, self.most_frames.get(rule, frames))
-            read_s = self.read_s * (frames - most) if rule == "report" else 0.0
-            return [self.growths[rule].at(most) + read_s]
+            return [self.growths[rule].at(min(frames, self.index_frames) if rule == "candidates" else frames)]
         measured = longest.times[rule]
         count = 1 if rule in ONE_JOB else max(1, round(len(measured) * frames / longest.frames))
         return [measured[i % len(measured)] for i in range(count)]
@@ -249,14 +246,12 @@ def main():
     parser.add_argument("--frames", type=numbers, default=[10000, 100000, 1000000])
     parser.add_argument("--workers", type=numbers, default=[1, 10, 100, 1000])
     parser.add_argument("--index_frames", type=int, default=75000)
-    parser.add_argument("--picture_frames", type=int, default=1300)
-    parser.add_argument("--read_s", type=float, default=0.0)
     parser.add_argument("--start_s", type=float, default=0.0)
     parser.add_argument("--jobs_per_second", type=float, default=math.inf)
     parser.add_argument("--job_s", type=float, default=0.0)
     options = parser.parse_args()
     scans = sorted((Scan(folder) for folder in options.scans), key=lambda scan: scan.frames)
-    law = Law(scans, {"candidates": options.index_frames, "report": options.picture_frames}, options.read_s)
+    law = Law(scans, options.index_frames)
     print_laws(scans, law)
     print("\n| frames | jobs | one worker | " + " | ".join(f"{workers}" for workers in options.workers) +
           " | with any number | the longest path |")
