@@ -4,9 +4,9 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "io/output_folder.h"
 #include "run/job_files.h"
 #include "run/output_files.h"
-#include "run/output_folder.h"
 #include "surfit/batch/batch.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <utility>
 
+#include "io/output_folder.h"
 #include "registration/pair_solver.h"
 #include "run/comparison_files.h"
-#include "run/output_folder.h"
 #include "run/pose_problem.h"
 #include "run/tracking_dump.h"
 #include "surfit/core/error.h"

@@ -3,7 +3,7 @@
 #include <memory>
 #include <utility>
 
-#include "run/output_folder.h"
+#include "io/output_folder.h"
 #include "run/posed_views.h"
 #include "run/result_files.h"
 #include "surfit/core/options.h"

@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "core/repeated_warning.h"
+#include "io/output_folder.h"
 #include "run/failures.h"
 #include "run/final_map.h"
 #include "run/known_sequence.h"
 #include "run/output_files.h"
-#include "run/output_folder.h"
 #include "run/posed_views.h"
 #include "run/prior_doubt.h"
 #include "run/result_files.h"

@@ -3,9 +3,9 @@
 #include <iomanip>
 #include <vector>
 
+#include "io/output_folder.h"
 #include "run/cloud_file.h"
 #include "run/output_files.h"
-#include "run/output_folder.h"
 #include "run/posed_views.h"
 #include "run/result_files.h"
 #include "surfit/core/atomic_file.h"

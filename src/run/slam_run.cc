@@ -10,13 +10,13 @@
 #include <utility>
 
 #include "core/repeated_warning.h"
+#include "io/output_folder.h"
 #include "run/digest.h"
 #include "run/failures.h"
 #include "run/final_map.h"
 #include "run/final_refinement.h"
 #include "run/kept_views.h"
 #include "run/output_files.h"
-#include "run/output_folder.h"
 #include "run/prior_doubt.h"
 #include "run/result_files.h"
 #include "run/run_files.h"

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "io/output_folder.h"
 #include "run/output_files.h"
-#include "run/output_folder.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/frame/frame_pyramid.h"

@@ -6,8 +6,8 @@
 #include <optional>
 #include <utility>
 
+#include "io/output_folder.h"
 #include "run/color_registration.h"
-#include "run/output_folder.h"
 #include "run/recorded_run.h"
 #include "run/rolled_view.h"
 #include "run/view_files.h"

@@ -4,8 +4,8 @@
 #include <set>
 #include <utility>
 
+#include "io/output_folder.h"
 #include "run/job_files.h"
-#include "run/output_folder.h"
 #include "scan/link_file.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"

@@ -6,10 +6,10 @@
 #include <tuple>
 #include <utility>
 
+#include "io/output_folder.h"
 #include "run/job_files.h"
 #include "run/known_sequence.h"
 #include "run/output_files.h"
-#include "run/output_folder.h"
 #include "scan/link_truth.h"
 #include "scan/scan_graph.h"
 #include "scan/tile_files.h"

@@ -1,4 +1,4 @@
-#include "run/output_folder.h"
+#include "io/output_folder.h"
 
 #include <gmock/gmock.h>
 #include <unistd.h>
