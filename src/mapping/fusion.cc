@@ -102,6 +102,13 @@ Fusion::~Fusion() = default;
 
 int Fusion::ActiveSince() const { return workspace_->ActiveSince(); }
 
+void Fusion::GoOnAfter(const std::vector<int>& fused_frames) {
+  for (const int index : fused_frames) {
+    workspace_->awake.Push(index);
+    workspace_->active.Push(index);
+  }
+}
+
 FusionReport Fusion::Fuse(const RgbdFrame& frame, const FrameLevel& surface,
                           const Rigid3d& world_from_camera, const FrameMotion& motion,
                           SurfelMap* map) {

@@ -10,19 +10,33 @@
 namespace surfit {
 namespace {
 
+// A key has so many bits of each of x, y and z, that count from the farthest cube on.
+constexpr int kAxisBits = 21;
+constexpr int kFarthest = 1 << (kAxisBits - 1);
+
 // Of the cell that is centred at a multiple of the cell size: far from the origin all are one.
 std::uint64_t CellKey(const Eigen::Vector3f& position_in_world) {
-  constexpr float kFarthest = 1 << 20;
+  constexpr auto kMost = static_cast<float>(kFarthest);
   std::uint64_t key = 0;
   for (const float x : position_in_world) {
     const float index = std::floor(x / SurfelMap::kCellSize + 0.5f);
-    const float bounded = std::max(-kFarthest, std::min(index, kFarthest - 1));
-    key = key << 21 | static_cast<std::uint64_t>(static_cast<std::int64_t>(bounded) + (1 << 20));
+    const float bounded = std::max(-kMost, std::min(index, kMost - 1));
+    key = key << kAxisBits |
+          static_cast<std::uint64_t>(static_cast<std::int64_t>(bounded) + kFarthest);
   }
   return key;
 }
 
 }  // namespace
+
+Eigen::Vector3i SurfelMap::CubeOf(const SurfelCell& cell) {
+  Eigen::Vector3i cube;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::uint64_t index = cell.key >> ((2 - axis) * kAxisBits) & (2 * kFarthest - 1);
+    cube[axis] = static_cast<int>(index) - kFarthest;
+  }
+  return cube;
+}
 
 std::vector<std::int32_t> SurfelMap::Ids() const {
   std::vector<std::int32_t> ids;

@@ -52,6 +52,7 @@ void WriteLoopsCsv(const std::vector<LoopRecord>& loops, const std::string& path
   WriteFileAtomically(path, [&](std::ostream& file) {
     file << kColumns << '\n';
     for (const LoopRecord& loop : loops) {
+      if (loop.is_kept) continue;
       WriteColumns(loop, ReasonOf(loop), file);
       file << '\n';
     }

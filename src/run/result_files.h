@@ -59,9 +59,10 @@ void WriteRefinementJson(const RefineRunSummary& summary, const RefineRunOptions
 void WriteRegistrationJson(const RegisterRunResult& result, const RegisterRunOptions& options,
                            const std::string& path);
 
-// All loops that were tried, one a line, with what speaks for each and the reason of its verdict.
-// Of a run of SLAM, whose pose graph may have overruled it; or of a search, with what the ground
-// truth says. Throws InputError naming the file.
+// All loops that were tried, one a line, with what speaks for each and the reason of its verdict;
+// of those that a session has kept that is not known, and they are left out. Of a run of SLAM,
+// whose pose graph may have overruled it; or of a search, with what the ground truth says. Throws
+// InputError naming the file.
 void WriteLoopsCsv(const std::vector<LoopRecord>& loops, const std::string& path);
 void WriteLoopsCsv(const std::vector<FoundLoop>& loops, const std::string& path);
 

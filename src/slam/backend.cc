@@ -1,6 +1,7 @@
 #include "surfit/slam/backend.h"
 
 #include <algorithm>
+#include <mutex>
 #include <utility>
 
 #include "slam/calibrator.h"
@@ -8,6 +9,7 @@
 #include "slam/edge_information.h"
 #include "slam/loop_closer.h"
 #include "surfit/core/options.h"
+#include "surfit/slam/slam_state.h"
 
 namespace surfit {
 namespace {
@@ -26,6 +28,52 @@ double Displacement(const Rigid3d& new_from_old, const Eigen::Vector3d& camera) 
          kDistanceM * RotationAngle(new_from_old.rotation);
 }
 
+// Made by whoever asks first; what it is made from goes then. Nobody waits for another thread,
+// which may have less priority: both make it then.
+class MadeView {
+ public:
+  MadeView(ColoredView source, const PlaceViewOptions& options)
+      : source_(std::make_shared<ColoredView>(std::move(source))), options_(options) {}
+
+  PlaceView Get() {
+    std::shared_ptr<const ColoredView> source;
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      if (!source_) return view_;
+      source = source_;
+    }
+    PlaceView view = MakePlaceView(source->pyramid, source->color, options_);
+    const std::lock_guard<std::mutex> lock(mutex_);
+    view_ = view;
+    source_.reset();
+    return view;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::shared_ptr<const ColoredView> source_;
+  PlaceViewOptions options_;
+  PlaceView view_;
+};
+
+ViewOfKeyframe ViewOf(ColoredView source, const PlaceViewOptions& options) {
+  auto made = std::make_shared<MadeView>(std::move(source), options);
+  return [made] { return made->Get(); };
+}
+
+// The loops of a state that are edges, as far as edges tell.
+LoopRecord RecordOf(const PoseGraphEdge& edge, const std::vector<KeyframeLink>& keyframes) {
+  LoopRecord record;
+  record.source_frame = keyframes[edge.b].frame;
+  record.target_frame = keyframes[edge.a].frame;
+  record.attempt.proposal.source = static_cast<int>(edge.b);
+  record.attempt.proposal.target = static_cast<int>(edge.a);
+  record.attempt.verdict.reason = FarReason::kAccepted;
+  record.attempt.verdict.target_from_source = edge.a_from_b;
+  record.is_kept = true;
+  return record;
+}
+
 }  // namespace
 
 Backend::Backend(const DepthSensor& sensor, const PreprocessOptions& preprocess,
@@ -38,6 +86,74 @@ Backend::Backend(const DepthSensor& sensor, const PreprocessOptions& preprocess,
 }
 
 Backend::~Backend() = default;
+
+void Backend::GoOnFrom(SlamState* state, StateUse use) {
+  frames_ = std::move(state->frames);
+  TakeLinks(state->keyframes);
+  edges_ = std::move(state->edges);
+  std::size_t loop = 0;
+  for (const PoseGraphEdge& edge : edges_) {
+    if (!edge.loop) continue;
+    loops_.push_back(RecordOf(edge, state->keyframes));
+    loops_.back().in_graph = state->loops_in_graph[loop++];
+  }
+  const PosedFrame& last = frames_[frame_of_keyframe_.back()];
+  last_keyframe_ = {last.index, last.stamp_s, last.world_from_camera, state->views.back()};
+  const bool goes_on = use == StateUse::kContinue;
+  TakeKeyframes(std::move(state->views),
+                goes_on ? state->settled_keyframes : frame_of_keyframe_.size());
+  if (goes_on && !waiting_.empty()) StartTask();
+  if (calibrator_) {
+    if (!goes_on) state->calibration_frames.clear();
+    calibrator_->GoOnFrom(state->calibration, state->color_latency_s,
+                          std::move(state->calibration_frames));
+  }
+}
+
+void Backend::TakeLinks(const std::vector<KeyframeLink>& links) {
+  std::size_t frame = 0;
+  for (const KeyframeLink& link : links) {
+    while (frames_[frame].index != link.frame) ++frame;
+    int parent = kNoParent;
+    if (link.parent_frame != KeyframeLink::kNone) {
+      const auto at = std::lower_bound(
+          links.begin(), links.end(), link.parent_frame,
+          [](const KeyframeLink& other, int parent_frame) { return other.frame < parent_frame; });
+      parent = static_cast<int>(at - links.begin());
+    }
+    frame_of_keyframe_.push_back(static_cast<int>(frame));
+    parent_of_keyframe_.push_back(parent);
+    submap_of_keyframe_.push_back(link.submap);
+    submap_ = std::max(submap_, link.submap);
+  }
+  stretch_ = frames_.back().stretch;
+  begins_submap_ = false;
+}
+
+// Those that are not settled wait for a task, with their edges of odometry.
+void Backend::TakeKeyframes(std::vector<PlaceView> views, std::size_t settled) {
+  std::vector<Keyframe> keyframes;
+  for (std::size_t k = 0; k < views.size(); ++k) {
+    const PosedFrame& frame = frames_[frame_of_keyframe_[k]];
+    Keyframe keyframe = {frame.index, frame.stamp_s, frame.world_from_camera, {}};
+    if (k < settled) {
+      keyframe.view = std::move(views[k]);
+      keyframes.push_back(std::move(keyframe));
+    } else {
+      const auto view = std::make_shared<PlaceView>(std::move(views[k]));
+      waiting_.push_back({std::move(keyframe), [view] { return *view; }, {}});
+    }
+  }
+  std::vector<PoseGraphEdge> edges;
+  for (const PoseGraphEdge& edge : edges_) {
+    if (edge.b < settled) {
+      edges.push_back(edge);
+    } else {
+      waiting_[edge.b - settled].edges.push_back(edge);
+    }
+  }
+  closer_->GoOnFrom(std::move(keyframes), std::move(edges));
+}
 
 // Both count their frames; what is found of the camera is applied to a world at rest.
 std::vector<WorldCorrection> Backend::BeginFrame() {
@@ -95,17 +211,22 @@ void Backend::AddKeyframe(const RgbdFrame& frame, const IcpResult& icp,
   frame_of_keyframe_.push_back(static_cast<int>(frames_.size()) - 1);
   begins_submap_ = false;
   anchor_.reset();
+  if (calibrator_) calibrator_->AddKeyframe(frame);
+  if (edge) edges_.push_back(*edge);
   if (closer_) {
-    NewKeyframe added = {
-        {posed.index, posed.stamp_s, posed.world_from_camera, {}}, {pyramid, frame.color}, {}};
+    NewKeyframe added;
+    added.keyframe.frame_index = posed.index;
+    added.keyframe.stamp_s = posed.stamp_s;
+    added.keyframe.world_from_camera = posed.world_from_camera;
+    added.view = ViewOf({pyramid, frame.color}, options_.views);
     if (edge) added.edges.push_back(*edge);
+    if (on_keyframe_) {
+      on_keyframe_(posed.index, added.view, calibrator_ ? calibrator_->last_keyframe() : nullptr);
+    }
     waiting_.push_back(std::move(added));
     if (!closer_->task().IsUnderWay()) StartTask();
   }
-  if (calibrator_) {
-    calibrator_->AddKeyframe(frame);
-    if (calibrator_->IsTaskDue()) StartCalibration();
-  }
+  if (calibrator_ && calibrator_->IsTaskDue()) StartCalibration();
 }
 
 // Of the pose graph, from the keyframe's parent.
@@ -141,6 +262,7 @@ std::vector<Rigid3d> Backend::KeyframePoses() const {
 }
 
 void Backend::StartTask() {
+  in_task_ = waiting_.size();
   closer_->Start({std::move(waiting_), KeyframePoses()});
   waiting_.clear();
 }
@@ -197,6 +319,7 @@ void Backend::TakeCalibration(std::vector<WorldCorrection>* corrections) {
   WorldCorrection correction = Move(CorrectionsOfKeyframes(after));
   correction.recalibration = std::move(recalibration);
   if (closer_) closer_->Recalibrate(before, KeyframePoses());
+  surfit::Recalibrate(before, KeyframePoses(), &edges_);
   corrections->push_back(std::move(correction));
 }
 
@@ -232,6 +355,12 @@ WorldCorrection Backend::Move(const std::vector<Rigid3d>& new_from_old_of_keyfra
 }
 
 void Backend::UpdateLoops(const LoopOutcome& outcome) {
+  in_task_ = 0;
+  for (const LoopRecord& record : outcome.attempts) {
+    if (record.attempt.verdict.accepted()) {
+      edges_.push_back(LoopEdge(record.attempt, options_.noise));
+    }
+  }
   counts_.given_up_views += outcome.given_up_views;
   loops_.insert(loops_.end(), outcome.attempts.begin(), outcome.attempts.end());
   if (!outcome.optimised) return;
@@ -283,13 +412,25 @@ std::vector<Keyframe> Backend::keyframe_views() const {
   return keyframes;
 }
 
-const std::vector<PoseGraphEdge>& Backend::edges() const { return closer_->edges(); }
+std::vector<bool> Backend::loops_in_graph() const {
+  std::vector<bool> in_graph;
+  for (const LoopRecord& loop : loops_) {
+    if (loop.attempt.verdict.accepted()) in_graph.push_back(loop.in_graph);
+  }
+  return in_graph;
+}
+
+std::size_t Backend::settled_keyframes() const {
+  return frame_of_keyframe_.size() - waiting_.size() - in_task_;
+}
 
 const DepthCalibration* Backend::calibration() const {
   return calibrator_ ? &calibrator_->calibration() : nullptr;
 }
 
 double Backend::color_latency_s() const { return calibrator_ ? calibrator_->color_latency_s() : 0; }
+
+bool Backend::is_calibrating() const { return calibrator_ && calibrator_->IsCalibrating(); }
 
 bool Backend::is_recalibrated() const { return calibrator_ && !calibrator_->IsAsGiven(); }
 

@@ -57,6 +57,16 @@ Calibrator::Calibrator(const DepthSensor& sensor, const PreprocessOptions& prepr
   refinement.correlation_px = std::max(refinement.correlation_px, kSharedCells * cell_px);
 }
 
+void Calibrator::GoOnFrom(const std::optional<DepthCalibration>& calibration,
+                          double color_latency_s, Frames frames) {
+  calibration_ = calibration.value_or(given_);
+  color_latency_s_ = color_latency_s;
+  frames_ = std::move(frames);
+  if (frames_.empty()) return End();
+  while (next_count_ <= frames_.size()) next_count_ += MoreKeyframes(next_count_);
+  if (next_count_ > static_cast<std::size_t>(options_.max_keyframes)) End();
+}
+
 void Calibrator::AddKeyframe(const RgbdFrame& frame) {
   if (next_count_ == 0) return;
   auto kept = std::make_shared<RgbdFrame>();

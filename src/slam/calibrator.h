@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "surfit/core/spare_time.h"
@@ -27,6 +28,11 @@ class Calibrator {
   Calibrator(const DepthSensor& sensor, const PreprocessOptions& preprocess,
              const CalibrationOptions& options);
 
+  using Frames = std::vector<std::shared_ptr<const RgbdFrame>>;
+  // Takes up what another one has found by these keyframes; without them that is the last word.
+  void GoOnFrom(const std::optional<DepthCalibration>& calibration, double color_latency_s,
+                Frames frames);
+
   // What frames are to be seen by.
   const DepthCalibration& calibration() const { return calibration_; }
   bool IsAsGiven() const { return AreSame(calibration_, given_); }
@@ -35,6 +41,12 @@ class Calibrator {
 
   // A keyframe as it was measured; frames are copied.
   void AddKeyframe(const RgbdFrame& frame);
+  // That keyframe as it is kept; null where none are kept any more.
+  std::shared_ptr<const RgbdFrame> last_keyframe() const {
+    return frames_.empty() ? nullptr : frames_.back();
+  }
+  // Another task may come, or is under way.
+  bool IsCalibrating() const { return next_count_ > 0 || task_.IsUnderWay(); }
   // There are as many keyframes as a task waits for, and none is under way.
   bool IsTaskDue() const {
     return !task_.IsUnderWay() && next_count_ > 0 && frames_.size() >= next_count_;
@@ -51,7 +63,6 @@ class Calibrator {
   void End();
 
  private:
-  using Frames = std::vector<std::shared_ptr<const RgbdFrame>>;
   Outcome Run(const Frames& frames, const std::vector<CameraMotion>& motions,
               std::vector<Rigid3d> world_from_keyframe, const DepthCalibration& start) const;
   ColorLatency LatencyOf(const Frames& frames, const std::vector<RefinementKeyframe>& keyframes,

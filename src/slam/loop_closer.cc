@@ -28,10 +28,38 @@ std::vector<bool> LoopsInGraph(const PoseGraph& graph, const PoseGraphSummary& s
 
 }  // namespace
 
+PoseGraphEdge LoopEdge(const LoopAttempt& attempt, const EdgeNoise& noise) {
+  PoseGraphEdge edge;
+  edge.a = static_cast<std::size_t>(attempt.proposal.target);
+  edge.b = static_cast<std::size_t>(attempt.proposal.source);
+  edge.a_from_b = attempt.verdict.target_from_source;
+  edge.information = LoopInformation(attempt.verdict.information, noise);
+  edge.loop = true;
+  return edge;
+}
+
+void Recalibrate(const std::vector<Rigid3d>& before, const std::vector<Rigid3d>& after,
+                 std::vector<PoseGraphEdge>* edges) {
+  for (PoseGraphEdge& edge : *edges) {
+    const Rigid3d error = before[edge.b].Inverse() * before[edge.a] * edge.a_from_b;
+    edge.a_from_b = after[edge.a].Inverse() * after[edge.b] * error;
+  }
+}
+
 LoopCloser::LoopCloser(const LoopOptions& options, LoopFinder finder)
     : options_(options),
       finder_(finder ? std::move(finder) : OwnFinder(options.find)),
       index_(options.places) {}
+
+void LoopCloser::GoOnFrom(std::vector<Keyframe> keyframes, std::vector<PoseGraphEdge> edges) {
+  for (Keyframe& keyframe : keyframes) {
+    const int k = static_cast<int>(keyframes_.size());
+    if (!keyframe.view.empty()) index_.Add(k, keyframe.view);
+    Add(std::move(keyframe));
+  }
+  graph_.edges = std::move(edges);
+  LimitKeyframes(options_.max_view_bytes, &keyframes_, &index_);
+}
 
 void LoopCloser::Start(LoopTask task) {
   task_.Start(options_.delay_frames,
@@ -46,20 +74,22 @@ LoopOutcome LoopCloser::Run(LoopTask task) {
   const int first = static_cast<int>(keyframes_.size());
   for (NewKeyframe& added : task.added) {
     odometry_edges += added.edges.size();
-    Add(std::move(added));
+    added.keyframe.view = added.view();
+    graph_.edges.insert(graph_.edges.end(), added.edges.begin(), added.edges.end());
+    Add(std::move(added.keyframe));
   }
   SetPoses(task.world_from_keyframe);
-  for (int k = first; k < static_cast<int>(keyframes_.size()); ++k) TryLoops(k, &outcome);
+  for (int k = first; k < static_cast<int>(keyframes_.size()); ++k) {
+    if (!keyframes_[k].view.empty()) TryLoops(k, &outcome);
+  }
   outcome.given_up_views = LimitKeyframes(options_.max_view_bytes, &keyframes_, &index_).size();
   if (graph_.edges.size() > loops_before + odometry_edges) Optimise(&outcome);
   return outcome;
 }
 
-void LoopCloser::Add(NewKeyframe added) {
-  added.keyframe.view = MakePlaceView(added.view.pyramid, added.view.color, options_.views);
-  graph_.poses.push_back({added.keyframe.frame_index, added.keyframe.world_from_camera, false});
-  graph_.edges.insert(graph_.edges.end(), added.edges.begin(), added.edges.end());
-  keyframes_.push_back(std::move(added.keyframe));
+void LoopCloser::Add(Keyframe keyframe) {
+  graph_.poses.push_back({keyframe.frame_index, keyframe.world_from_camera, false});
+  keyframes_.push_back(std::move(keyframe));
 }
 
 void LoopCloser::SetPoses(const std::vector<Rigid3d>& world_from_keyframe) {
@@ -69,19 +99,13 @@ void LoopCloser::SetPoses(const std::vector<Rigid3d>& world_from_keyframe) {
 }
 
 void LoopCloser::TryLoops(int source, LoopOutcome* outcome) {
-  for (const LoopAttempt& attempt : finder_(source, keyframes_, index_)) {
-    const FarVerdict& verdict = attempt.verdict;
+  for (LoopAttempt& attempt : finder_(source, keyframes_, index_)) {
+    attempt.proposal.source = source;
+    const bool accepted = attempt.verdict.accepted();
     outcome->attempts.push_back({keyframes_[source].frame_index,
                                  keyframes_[attempt.proposal.target].frame_index, attempt,
-                                 verdict.accepted()});
-    if (!verdict.accepted()) continue;
-    PoseGraphEdge edge;
-    edge.a = static_cast<std::size_t>(attempt.proposal.target);
-    edge.b = static_cast<std::size_t>(source);
-    edge.a_from_b = verdict.target_from_source;
-    edge.information = LoopInformation(verdict.information, options_.noise);
-    edge.loop = true;
-    graph_.edges.push_back(edge);
+                                 accepted});
+    if (accepted) graph_.edges.push_back(LoopEdge(attempt, options_.noise));
   }
   index_.Add(source, keyframes_[source].view);
 }
@@ -98,13 +122,9 @@ void LoopCloser::Optimise(LoopOutcome* outcome) const {
   }
 }
 
-// What an edge has measured differs from its keyframes' poses by as much as before.
 void LoopCloser::Recalibrate(const std::vector<Rigid3d>& before,
                              const std::vector<Rigid3d>& after) {
-  for (PoseGraphEdge& edge : graph_.edges) {
-    const Rigid3d error = before[edge.b].Inverse() * before[edge.a] * edge.a_from_b;
-    edge.a_from_b = after[edge.a].Inverse() * after[edge.b] * error;
-  }
+  surfit::Recalibrate(before, after, &graph_.edges);
 }
 
 Relocalization LoopCloser::Find(const ColoredView& view,

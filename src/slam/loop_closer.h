@@ -10,10 +10,18 @@
 
 namespace surfit {
 
+// The edge of the pose graph that a loop makes, which was accepted.
+PoseGraphEdge LoopEdge(const LoopAttempt& attempt, const EdgeNoise& noise);
+
+// Edges as another calibration of the camera measures them, which has moved the keyframes: what was
+// measured differs from their poses by as much as before.
+void Recalibrate(const std::vector<Rigid3d>& before, const std::vector<Rigid3d>& after,
+                 std::vector<PoseGraphEdge>* edges);
+
 // A keyframe that is to be joined to earlier ones.
 struct NewKeyframe {
-  Keyframe keyframe;                 // its view is still to be made
-  ColoredView view;                  // of this
+  Keyframe keyframe;                 // its view is still to be taken
+  ViewOfKeyframe view;               // from here
   std::vector<PoseGraphEdge> edges;  // odometry from earlier keyframes: b is this one
 };
 
@@ -38,12 +46,14 @@ class LoopCloser {
  public:
   LoopCloser(const LoopOptions& options, LoopFinder finder);
 
+  // Takes up keyframes with their views, and the edges between them; before any task.
+  void GoOnFrom(std::vector<Keyframe> keyframes, std::vector<PoseGraphEdge> edges);
+
   // Begins a task, whose outcome task().Take() gives.
   void Start(LoopTask task);
   SpareTimeTask<LoopOutcome>& task() { return task_; }
 
-  // No task may be under way. The poses of all keyframes are what another calibration of the camera
-  // makes of them; their relative motions, too.
+  // No task may be under way: surfit::Recalibrate() of its edges.
   void Recalibrate(const std::vector<Rigid3d>& before, const std::vector<Rigid3d>& after);
 
   // Looks for a view among all keyframes that were added, once no task is at work. Its outcome can
@@ -52,12 +62,10 @@ class LoopCloser {
 
   // No task may be under way. All that were added, with their views; where they are, frames tell.
   const std::vector<Keyframe>& keyframes() const { return keyframes_; }
-  // Between them: odometry, and all loops that were accepted.
-  const std::vector<PoseGraphEdge>& edges() const { return graph_.edges; }
 
  private:
   LoopOutcome Run(LoopTask task);
-  void Add(NewKeyframe added);
+  void Add(Keyframe keyframe);
   void SetPoses(const std::vector<Rigid3d>& world_from_keyframe);
   void TryLoops(int source, LoopOutcome* outcome);
   void Optimise(LoopOutcome* outcome) const;

@@ -44,6 +44,14 @@ double ImageShift(const Rigid3d& motion, const FrameLevel& level) {
 Mapper::Mapper(const DepthSensor& sensor, const SlamOptions& options)
     : options_(options), sensor_(sensor), renderer_(options.render), fusion_(options.fusion) {}
 
+void Mapper::GoOnFrom(SurfelMap map, const std::vector<int>& fused_frames,
+                      const DepthSensor& sensor) {
+  map_ = std::move(map);
+  sensor_ = sensor;
+  fusion_.GoOnAfter(fused_frames);
+  if (!fused_frames.empty()) merged_until_ = fused_frames.back();
+}
+
 ReferenceView Mapper::Draw(const Rigid3d& world_from_view) {
   ModelView seen = renderer_.Render(map_, sensor_, world_from_view, fusion_.ActiveSince());
   DropNormalsAtEdges(options_.preprocess, &seen.surface);
@@ -92,6 +100,7 @@ FusionReport Mapper::Fuse(const PreparedFrame& frame, const Rigid3d& world_from_
 }
 
 void Mapper::Correct(const WorldCorrection& correction, int frame_index) {
+  ++corrections_;
   if (correction.moves) world_from_fused_ = correction.new_from_old_now * world_from_fused_;
   const int active_frames = options_.fusion.active_frames;
   if (correction.recalibration) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
 #include "slam/tracker.h"
 #include "surfit/mapping/fusion.h"
@@ -20,9 +21,14 @@ class Mapper {
   // closed.
   Mapper(const DepthSensor& sensor, const SlamOptions& options);
 
+  // Takes up a map, as another one has left it after these frames, by a camera that is seen so now.
+  void GoOnFrom(SurfelMap map, const std::vector<int>& fused_frames, const DepthSensor& sensor);
+
   const SurfelMap& map() const { return map_; }
   // Surfels that became part of others when the map was moved, in all.
   std::size_t merged_doubles() const { return merged_doubles_; }
+  // How often surfels have changed that no frame was fused to.
+  int corrections() const { return corrections_; }
 
   // As the camera is seen now.
   const DepthSensor& sensor() const { return sensor_; }
@@ -57,6 +63,7 @@ class Mapper {
   int unfused_count_ = 0;     // frames that were held since the last one that was fused
   Rigid3d world_from_fused_;  // of that one
   std::size_t merged_doubles_ = 0;
+  int corrections_ = 0;
   int merged_until_ = 0;  // frame before which all doubles of the map are merged
 };
 

@@ -3,14 +3,17 @@
 #include <glog/logging.h>
 
 #include <utility>
+#include <vector>
 
 #include "slam/mapper.h"
 #include "slam/tracker.h"
+#include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/core/trace.h"
 #include "surfit/frame/frame_pyramid.h"
 #include "surfit/frame/prepare_frame.h"
 #include "surfit/frame/rolling_shutter.h"
+#include "surfit/slam/slam_state.h"
 
 namespace surfit {
 namespace {
@@ -24,6 +27,15 @@ SlamOptions Validated(SlamOptions options) {
   int& active_frames = options.fusion.active_frames;
   if (options.loops.enabled && active_frames == 0) active_frames = options.loops.active_frames;
   return options;
+}
+
+// The frames up to the last that were fused, about: one of so many is.
+std::vector<int> FusedFrames(const std::vector<PosedFrame>& frames, int period) {
+  std::vector<int> fused;
+  for (std::size_t i = (frames.size() - 1) % period; i < frames.size(); i += period) {
+    fused.push_back(frames[i].index);
+  }
+  return fused;
 }
 
 Tracked Given(const Rigid3d& world_from_camera) {
@@ -89,6 +101,8 @@ class Slam::Pipeline {
     if (options.loops.enabled || options.calibration.enabled) MakeBackend({});
   }
 
+  Pipeline(const DepthSensor& sensor, SlamOptions options, SlamState state, StateUse use);
+
   FrameReport Process(const RgbdFrame& frame, const std::optional<Rigid3d>& given_pose);
   void UseLoopFinder(LoopFinder finder);
   void Finish();
@@ -97,6 +111,7 @@ class Slam::Pipeline {
   std::function<void(const LostFrame&)>& on_lost() { return on_lost_; }
   const Mapper& mapper() const { return mapper_; }
   const Backend* backend() const { return backend_.get(); }
+  void OnKeyframe(KeyframeCall call) { backend_->OnKeyframe(std::move(call)); }
 
  private:
   void MakeBackend(LoopFinder finder);
@@ -128,6 +143,7 @@ class Slam::Pipeline {
   Tracker tracker_;
   Mapper mapper_;
   std::unique_ptr<Backend> backend_;  // null without loops and calibration
+  bool is_frozen_ = false;            // the camera is localised in a map that stays as it is
   RgbdFrame seen_;                    // the frame at work, if it is not taken as it comes
   RgbdFrame seen_rest_, rest_;        // the same, and the frame as given, without what moves
   RgbdFrame proposed_;   // the last frame that was proposed, as given without what moves
@@ -135,6 +151,37 @@ class Slam::Pipeline {
   std::function<void(const FramePose&)> on_pose_;
   std::function<void(const LostFrame&)> on_lost_;
 };
+
+// A camera that was calibrated stays so, whatever the options say.
+Slam::Pipeline::Pipeline(const DepthSensor& sensor, SlamOptions options, SlamState state,
+                         StateUse use)
+    : Pipeline(
+          sensor,
+          [&] {
+            options.calibration.enabled |= state.calibration.has_value();
+            return options;
+          }(),
+          state.frames.empty() ? Rigid3d() : state.frames.back().world_from_camera) {
+  if (!options.loops.enabled) {
+    throw InputError("loops.enabled is false, must be true to go on from a state");
+  }
+  if (tracks_frame_to_frame()) {
+    throw InputError(
+        "tracking is 'frame_to_frame', must be 'frame_to_model' to go on from a state");
+  }
+  if (state.keyframes.empty()) throw InputError("the state has no keyframe, must have one");
+  is_frozen_ = use == StateUse::kLocalize;
+  DepthSensor found = sensor;
+  if (state.calibration) {
+    found.camera = state.calibration->camera;
+    found.readout_s = state.calibration->readout_s;
+  }
+  tracker_.GoOnAfter(state.frames.back().stamp_s);
+  std::vector<int> fused;
+  if (!is_frozen_) fused = FusedFrames(state.frames, options_.map_period);
+  mapper_.GoOnFrom(std::move(state.map), fused, found);
+  backend_->GoOnFrom(&state, use);
+}
 
 FrameReport Slam::Pipeline::Process(const RgbdFrame& frame,
                                     const std::optional<Rigid3d>& given_pose) {
@@ -164,13 +211,13 @@ FrameReport Slam::Pipeline::Process(const RgbdFrame& frame,
   const std::optional<ConfirmedFrame> confirmed = AddConfirmed();
   tracker_.Remember(whole, tracked);
   PreparedFrame prepared = AtRest(std::move(whole), tracked.moving);
-  if (backend_) {
+  if (backend_ && !is_frozen_) {
     backend_->AddFrame(AtRest(frame, tracked.moving), tracked.world_from_camera, tracked.icp,
                        prepared.view.pyramid);
   }
   const bool is_held_out = IsHeldOut(tracked);
   std::optional<FusionReport> fused;
-  if (is_held_out) {
+  if (is_held_out || is_frozen_) {
     mapper_.Skip();
   } else {
     fused = FuseInTurn(prepared, tracked, &times);
@@ -187,7 +234,7 @@ std::optional<ConfirmedFrame> Slam::Pipeline::AddConfirmed() {
   const Proposal* confirmed = tracker_.confirmed();
   if (!confirmed) return std::nullopt;
   const auto& [view, world_from_view, grey] = confirmed->view;
-  if (backend_) {
+  if (backend_ && !is_frozen_) {
     backend_->AddFrame(proposed_, world_from_view, confirmed->tracked.icp, view.pyramid);
   }
   return ConfirmedFrame{proposed_.index, proposed_.stamp_s, world_from_view};
@@ -222,7 +269,8 @@ void Slam::Pipeline::TellPose(const RgbdFrame& frame, const Tracked& tracked) co
 
 Tracked Slam::Pipeline::Repeat(const RgbdFrame& frame) {
   Tracked tracked = tracker_.Repeat();
-  if (backend_ && tracked.is_held()) backend_->AddFrozenFrame(frame.index, frame.stamp_s);
+  if (backend_ && !is_frozen_ && tracked.is_held())
+    backend_->AddFrozenFrame(frame.index, frame.stamp_s);
   return tracked;
 }
 
@@ -317,8 +365,10 @@ Tracked Slam::Pipeline::TrackFromPrediction(const PreparedFrame& frame, StageTim
   return tracked;
 }
 
-// A doubtful frame from afar. What is found without being sure is proposed, and lost.
+// A doubtful frame from afar. Where another run has ended the camera need not be. What is found
+// without being sure is proposed, and lost.
 Tracked Slam::Pipeline::SearchFor(const PreparedFrame& frame, Tracked tracked) {
+  if (!tracker_.MayFollow(frame)) tracked.state = FrameState::kLost;
   tracked = tracker_.Better(std::move(tracked), FindAgain(frame));
   if (!tracked.is_held()) {
     if (std::optional<Tracked> found = Relocalize(frame)) tracked = *std::move(found);
@@ -360,7 +410,9 @@ std::optional<Tracked> Slam::Pipeline::Relocalize(const PreparedFrame& frame) {
   if (!tracker_.HasEnoughDepth(frame)) return std::nullopt;
   const Relocalization found = backend_->Find(frame.view);
   if (!found.found()) return std::nullopt;
-  mapper_.WakeAround(backend_->FrameOfKeyframe(found.keyframe), frame.images.index);
+  if (!is_frozen_) {
+    mapper_.WakeAround(backend_->FrameOfKeyframe(found.keyframe), frame.images.index);
+  }
   std::optional<Tracked> tracked = Confirm(frame, found.world_from_camera);
   if (!tracked) return std::nullopt;
   tracked->state = FrameState::kRelocalized;
@@ -376,7 +428,7 @@ std::optional<Tracked> Slam::Pipeline::Confirm(const PreparedFrame& frame,
 
 bool Slam::Pipeline::IsNewMapDue(const PreparedFrame& frame) const {
   const int after = options_.loops.new_map_after;
-  return options_.loops.enabled && after > 0 && tracker_.lost_count() + 1 >= after &&
+  return options_.loops.enabled && !is_frozen_ && after > 0 && tracker_.lost_count() + 1 >= after &&
          tracker_.HasEnoughDepth(frame);
 }
 
@@ -400,7 +452,7 @@ void Slam::Pipeline::UseLoopFinder(LoopFinder finder) {
 }
 
 void Slam::Pipeline::Finish() {
-  if (!backend_ || backend_->frames().empty()) return;
+  if (!backend_ || backend_->frames().empty() || is_frozen_) return;
   for (const WorldCorrection& correction : backend_->Finish()) {
     Correct(correction, backend_->frames().back().index);
   }
@@ -409,6 +461,9 @@ void Slam::Pipeline::Finish() {
 Slam::Slam(const DepthSensor& sensor, const SlamOptions& options,
            const Rigid3d& world_from_first_camera)
     : pipeline_(std::make_unique<Pipeline>(sensor, options, world_from_first_camera)) {}
+
+Slam::Slam(const DepthSensor& sensor, const SlamOptions& options, SlamState state, StateUse use)
+    : pipeline_(std::make_unique<Pipeline>(sensor, options, std::move(state), use)) {}
 
 Slam::~Slam() = default;
 
@@ -430,11 +485,15 @@ void Slam::OnLostFrame(std::function<void(const LostFrame&)> call) {
 
 void Slam::UseLoopFinder(LoopFinder finder) { pipeline_->UseLoopFinder(std::move(finder)); }
 
+void Slam::OnKeyframe(KeyframeCall call) { pipeline_->OnKeyframe(std::move(call)); }
+
 void Slam::Finish() { pipeline_->Finish(); }
 
 const SurfelMap& Slam::map() const { return pipeline_->mapper().map(); }
 
 std::size_t Slam::merged_doubles() const { return pipeline_->mapper().merged_doubles(); }
+
+int Slam::corrections_of_map() const { return pipeline_->mapper().corrections(); }
 
 const DepthSensor& Slam::sensor() const { return pipeline_->mapper().sensor(); }
 

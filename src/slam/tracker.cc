@@ -17,6 +17,9 @@ constexpr int kSearchStride = 5;
 // Over more time a hand does not move steadily.
 constexpr double kMaxMotion_s = 0.1;
 
+// A camera that was tracked until then is near enough to be tracked on.
+constexpr double kFollows_s = 1;
+
 // A level that is coarse enough to be summed up in next to no time.
 constexpr std::size_t kReadoutLevel = 3;
 
@@ -65,8 +68,14 @@ bool Tracker::HasEnoughDepth(const PreparedFrame& frame) const {
   return points >= options_.icp.min_inliers;
 }
 
+bool Tracker::MayFollow(const PreparedFrame& frame) const {
+  const double seconds = frame.images.stamp_s - last_stamp_s_;
+  return is_last_known_ || (seconds > 0 && seconds < kFollows_s);
+}
+
 Rigid3d Tracker::Predict(const PreparedFrame& frame) const {
   if (proposal_) return proposal_->view.world_from_view;
+  if (!is_last_known_) return last_.world_from_view;
   if (options_.motion_model == "so3") {
     const ViewPair views = {frame.view.pyramid, frame.view.color, last_.view.pyramid,
                             last_.view.color};
@@ -79,7 +88,7 @@ Rigid3d Tracker::Predict(const PreparedFrame& frame) const {
 
 CameraMotion Tracker::MotionTo(double stamp_s, const Tracked& tracked) const {
   const double seconds = stamp_s - last_stamp_s_;
-  const bool follows = has_started_ && lost_count_ == 0 && seconds < kMaxMotion_s;
+  const bool follows = has_started_ && is_last_known_ && lost_count_ == 0 && seconds < kMaxMotion_s;
   if (!follows || tracked.found_again) return {};
   return MotionOver(last_.world_from_view.Inverse() * tracked.world_from_camera, seconds);
 }
@@ -164,6 +173,7 @@ Tracked Tracker::Judge(const ReferenceView& reference, const PreparedFrame& fram
 
 bool Tracker::IsDoubtful(const Tracked& tracked) const {
   return !tracked.is_held() || tracked.verdict == Verdict::kDoubtful || lost_count_ > 0 ||
+         !is_last_known_ ||
          (doubts() && (needs_search_ || tracked.icp.inlier_share < options_.sure_inlier_share));
 }
 
@@ -179,7 +189,7 @@ Tracked Tracker::Better(Tracked tracked, std::optional<Tracked> found) const {
 }
 
 std::optional<Rigid3d> Tracker::FindFromLast(const PreparedFrame& frame) const {
-  if (options_.initialize == "identity") return std::nullopt;
+  if (options_.initialize == "identity" || !is_last_known_) return std::nullopt;
   const bool is_soon = doubts() && lost_count_ < kSearchStride;
   if (!is_soon && lost_count_ % kSearchStride != 0) return std::nullopt;
   if (!HasEnoughDepth(frame)) return std::nullopt;
@@ -212,6 +222,7 @@ void Tracker::Propose(const PreparedFrame& frame, const Tracked& tracked) {
 }
 
 bool Tracker::NeedsConfirmation(const PreparedFrame& frame, const Tracked& tracked) const {
+  if (!is_last_known_) return true;
   if (lost_count_ == 0 && !tracked.found_again) return false;
   if (!tracked.has_second) return true;  // tracking started at no known place
   const Rigid3d motion = last_.world_from_view.Inverse() * tracked.world_from_camera;
@@ -249,9 +260,12 @@ Tracked Tracker::Checked(const PreparedFrame& frame, Tracked tracked) {
   if (!tracked.is_held()) return tracked;
   if (!features_.IsDue(stamp_s) && !tracked.found_again) return tracked;
   const Rigid3d& pose = tracked.world_from_camera;
-  const FeatureMotion motion = features_.Check(
-      frame.view, tracked.moving,
-      {pose, MotionOver(last_.world_from_view.Inverse() * pose, stamp_s - last_stamp_s_)}, stamp_s);
+  CameraMotion since_last;
+  if (is_last_known_) {
+    since_last = MotionOver(last_.world_from_view.Inverse() * pose, stamp_s - last_stamp_s_);
+  }
+  const FeatureMotion motion =
+      features_.Check(frame.view, tracked.moving, {pose, since_last}, stamp_s);
   tracked.is_apart = motion.IsApart();
   if (motion.IsRefuted()) tracked.state = FrameState::kLost;
   return tracked;
@@ -261,7 +275,7 @@ void Tracker::Keep(PreparedFrame frame, const Tracked& tracked) {
   proposal_.reset();
   confirmed_.reset();
   // The way over lost frames is not one frame's motion, nor is a jump.
-  const bool is_next = has_started_ && lost_count_ == 0 && !tracked.found_again;
+  const bool is_next = has_started_ && is_last_known_ && lost_count_ == 0 && !tracked.found_again;
   last_from_next_ =
       is_next ? last_.world_from_view.Inverse() * tracked.world_from_camera : Rigid3d();
   motion_ = MotionTo(frame.images.stamp_s, tracked);
@@ -274,7 +288,7 @@ void Tracker::Keep(PreparedFrame frame, const Tracked& tracked) {
     last_.view = std::move(frame.view);
   }
   last_.world_from_view = tracked.world_from_camera;
-  has_started_ = true;
+  has_started_ = is_last_known_ = true;
   lost_count_ = 0;
 }
 

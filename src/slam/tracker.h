@@ -58,6 +58,15 @@ class Tracker {
   // Keeps a reference to the options.
   Tracker(const SlamOptions& options, const Rigid3d& world_from_first_camera);
 
+  // Another run has ended at the given pose: the map is known, but not where the camera is.
+  void GoOnAfter(double stamp_s) {
+    has_started_ = true;
+    is_last_known_ = false;
+    last_stamp_s_ = stamp_s;
+  }
+  // Whether the frame follows so soon that it may be tracked from the last pose.
+  bool MayFollow(const PreparedFrame& frame) const;
+
   bool has_started() const { return has_started_; }
   // Frames since the last one that was held.
   int lost_count() const { return lost_count_; }
@@ -147,6 +156,7 @@ class Tracker {
   std::optional<Proposal> proposal_;  // of the last frame
   std::optional<Proposal> confirmed_;
   bool has_started_ = false;
+  bool is_last_known_ = true;  // false until a frame is held where another run has ended
   int lost_count_ = 0;
   bool needs_search_ = false;    // the last frame was lost, or came with a jump
   bool is_poorly_held_ = false;  // the last frame, by SlamOptions::min_turn_eigenvalue

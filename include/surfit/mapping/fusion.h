@@ -84,6 +84,8 @@ class Fusion {
 
   // The surfels that were last seen in this frame or later are active after the last one.
   int ActiveSince() const;
+  // As if these frames, by ascending index, had been fused.
+  void GoOnAfter(const std::vector<int>& fused_frames);
 
  private:
   struct Workspace;

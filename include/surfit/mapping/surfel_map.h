@@ -62,6 +62,8 @@ class SurfelMap {
   std::int32_t cell_count() const { return static_cast<std::int32_t>(cells_.size()); }
   SurfelCell& cell(std::int32_t i) { return cells_[i]; }
   const SurfelCell& cell(std::int32_t i) const { return cells_[i]; }
+  // A cell's cube, counted along each axis from the one that is centred at the world's origin.
+  static Eigen::Vector3i CubeOf(const SurfelCell& cell);
   SurfelBlock& block(std::int32_t i) { return blocks_[i]; }
   const SurfelBlock& block(std::int32_t i) const { return blocks_[i]; }
 

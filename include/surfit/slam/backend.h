@@ -4,8 +4,10 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
+#include "surfit/frame/rgbd_frame.h"
 #include "surfit/geometry/rigid3.h"
 #include "surfit/geometry/trajectory.h"
 #include "surfit/mapping/move_map.h"
@@ -114,10 +116,21 @@ struct LoopRecord {
   int source_frame = 0, target_frame = 0;
   LoopAttempt attempt;
   bool in_graph = false;  // accepted, and consistent with the others when last looked at
+  bool is_kept = false;   // of a SlamState: of the attempt, the pair and the verdict are known
 };
+
+// A keyframe's view, made by whichever thread asks for it first.
+using ViewOfKeyframe = std::function<PlaceView()>;
+
+// To be called with each new keyframe: with its frame's index, its view, and what the camera is
+// calibrated by, if it is.
+using KeyframeCall = std::function<void(int frame, const ViewOfKeyframe& view,
+                                        const std::shared_ptr<const RgbdFrame>& calibration_frame)>;
 
 class Calibrator;
 class LoopCloser;
+struct SlamState;
+enum class StateUse;
 struct LoopOutcome;
 struct NewKeyframe;
 
@@ -174,6 +187,11 @@ class Backend {
           const CalibrationOptions& calibration, LoopFinder finder = {});
   ~Backend();
 
+  // Takes up what another one has known; with loops enabled, before the first frame. All of the
+  // state but its map and the last keyframe's view is moved from.
+  void GoOnFrom(SlamState* state, StateUse use);
+  void OnKeyframe(KeyframeCall call) { on_keyframe_ = std::move(call); }
+
   // To be called before each frame: what takes effect there, one after the other.
   std::vector<WorldCorrection> BeginFrame();
 
@@ -202,6 +220,7 @@ class Backend {
   // What frames are to be seen by, null without calibration; and how it was found.
   const DepthCalibration* calibration() const;
   bool is_recalibrated() const;  // that is not as given
+  bool is_calibrating() const;   // more keyframes may change it
   // By how much colour is earlier than frames have it.
   double color_latency_s() const;
   const std::vector<CalibrationRecord>& calibrations() const { return calibrations_; }
@@ -213,14 +232,20 @@ class Backend {
   Trajectory trajectory() const;
   int FrameOfKeyframe(int keyframe) const { return frames_[frame_of_keyframe_[keyframe]].index; }
   std::vector<KeyframeLink> keyframes() const;
-  // The same with their views, and what was measured between them: odometry, and all loops that
-  // were accepted, wrong ones too. After Finish(), with loops enabled.
+  // The same with their views. After Finish(), with loops enabled.
   std::vector<Keyframe> keyframe_views() const;
-  const std::vector<PoseGraphEdge>& edges() const;
+  // What was measured between keyframes: odometry, and all loops that were accepted, wrong ones
+  // too; and of these, whether they are consistent with the others.
+  const std::vector<PoseGraphEdge>& edges() const { return edges_; }
+  std::vector<bool> loops_in_graph() const;
+  // The first so many keyframes have been looked at for loops.
+  std::size_t settled_keyframes() const;
 
  private:
   bool BecomesKeyframe(const PosedFrame& frame, const FramePyramid& pyramid) const;
   void AddKeyframe(const RgbdFrame& frame, const IcpResult& icp, const FramePyramid& pyramid);
+  void TakeLinks(const std::vector<KeyframeLink>& links);
+  void TakeKeyframes(std::vector<PlaceView> views, std::size_t settled);
   std::optional<PoseGraphEdge> EdgeTo(const PosedFrame& keyframe, int parent,
                                       const IcpResult& icp) const;
   std::vector<Rigid3d> KeyframePoses() const;
@@ -244,7 +269,10 @@ class Backend {
   std::vector<int> submap_of_keyframe_;
   std::optional<Keyframe> last_keyframe_;  // with a view to measure overlap by
   std::vector<NewKeyframe> waiting_;       // for a task
-  std::unique_ptr<LoopCloser> closer_;     // null without loops
+  std::size_t in_task_ = 0;                // keyframes of the one that is under way
+  std::vector<PoseGraphEdge> edges_;       // as the closer has them, and those of waiting ones
+  KeyframeCall on_keyframe_;
+  std::unique_ptr<LoopCloser> closer_;  // null without loops
   std::unique_ptr<Calibrator> calibrator_;
   std::vector<CalibrationRecord> calibrations_;
   std::optional<int> anchor_;  // keyframe that the next frame is joined to

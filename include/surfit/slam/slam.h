@@ -16,6 +16,7 @@
 #include "surfit/registration/far_registration.h"
 #include "surfit/registration/icp.h"
 #include "surfit/slam/backend.h"
+#include "surfit/slam/slam_state.h"
 
 namespace surfit {
 
@@ -153,6 +154,12 @@ class Slam {
   // The sensor's camera has fy > 0. Throws InputError for a bad sensor or bad options.
   Slam(const DepthSensor& sensor, const SlamOptions& options,
        const Rigid3d& world_from_first_camera);
+  // Takes up what another Slam has known of the same sensor, with loops enabled and tracking from
+  // frame to model. The camera may be anywhere: it is looked for among the keyframes, and from the
+  // last pose if the first frame follows that soon; what is found counts once the next frame
+  // agrees. Frames' indices must go on from the state's. Throws InputError for options that do not
+  // fit.
+  Slam(const DepthSensor& sensor, const SlamOptions& options, SlamState state, StateUse use);
   ~Slam();
 
   // Tracks and fuses the next frame. The frame's size must be the sensor's.
@@ -173,6 +180,9 @@ class Slam {
   // enabled.
   void UseLoopFinder(LoopFinder finder);
 
+  // To be called with each new keyframe, with loops enabled.
+  void OnKeyframe(KeyframeCall call);
+
   // Takes in what is still being found out about loops and the camera. To be called after the last
   // frame.
   void Finish();
@@ -180,6 +190,8 @@ class Slam {
   const SurfelMap& map() const;
   // Surfels that became part of others when the map was moved, in all.
   std::size_t merged_doubles() const;
+  // How often surfels have changed that no frame was fused to.
+  int corrections_of_map() const;
   // The sensor as the last frame was seen by: with the camera that calibration has found.
   const DepthSensor& sensor() const;
   // Null unless loops or calibration are enabled.

@@ -1,0 +1,131 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include "io/packed.h"
+#include "session/database.h"
+#include "surfit/session/session.h"
+
+namespace surfit {
+
+// The tables of session.db, and how their rows are written and read.
+
+inline std::string DatabaseOf(const std::string& folder) { return folder + "/session.db"; }
+inline std::string TilesOf(const std::string& folder) { return folder + "/tiles"; }
+
+struct TableLayout {
+  const char* name;
+  const char* columns;  // with types, the key first, without the checksum
+  std::size_t count;    // of them
+};
+
+inline constexpr TableLayout kTables[] = {
+    {"session",
+     "id INTEGER PRIMARY KEY, width INTEGER, height INTEGER, fx REAL, fy REAL, cx REAL, cy REAL, "
+     "inverse_depth_sigma REAL, readout_s REAL, calibrated INTEGER, calibrated_fx REAL, "
+     "calibrated_fy REAL, calibrated_cx REAL, calibrated_cy REAL, calibrated_readout_s REAL, "
+     "field0 REAL, field1 REAL, field2 REAL, field3 REAL, field4 REAL, field5 REAL, "
+     "color_latency_s REAL, runs INTEGER, frames INTEGER, keyframes INTEGER, views INTEGER, "
+     "calibration INTEGER, edges INTEGER, tiles INTEGER, settled_keyframes INTEGER, saves INTEGER",
+     31},
+    {"runs",
+     "id INTEGER PRIMARY KEY, sequence TEXT, format TEXT, first INTEGER, stride INTEGER, shift "
+     "INTEGER, mirrored INTEGER, ended INTEGER",
+     8},
+    {"frames",
+     "id INTEGER PRIMARY KEY, stamp_s REAL, tx REAL, ty REAL, tz REAL, qx REAL, qy REAL, qz REAL, "
+     "qw REAL, keyframe INTEGER, stretch INTEGER",
+     11},
+    {"keyframes", "id INTEGER PRIMARY KEY, frame INTEGER, parent_frame INTEGER, submap INTEGER", 4},
+    {"views", "id INTEGER PRIMARY KEY, view BLOB", 2},
+    {"calibration", "id INTEGER PRIMARY KEY, frame BLOB", 2},
+    {"edges",
+     "id INTEGER PRIMARY KEY, a INTEGER, b INTEGER, tx REAL, ty REAL, tz REAL, qx REAL, qy REAL, "
+     "qz REAL, qw REAL, information BLOB, loop INTEGER, in_graph INTEGER",
+     13},
+    {"tiles", "id INTEGER PRIMARY KEY, save INTEGER, bytes INTEGER, crc INTEGER, surfels INTEGER",
+     5},
+};
+
+const TableLayout& LayoutOf(const std::string& table);
+
+// How many rows the others have is told by the row of the session.
+struct SessionRow {
+  DepthSensor sensor;
+  std::optional<DepthCalibration> calibration;
+  double color_latency_s = 0;
+  std::int64_t runs = 0, frames = 0, keyframes = 0, views = 0, calibration_frames = 0, edges = 0,
+               tiles = 0;
+  std::int64_t settled_keyframes = 0;
+  std::int64_t saves = 0;
+};
+
+struct KeptEdge {
+  PoseGraphEdge edge;
+  bool in_graph = false;
+};
+
+struct TileRow {
+  std::int64_t key = 0;  // TileKey()
+  std::int64_t save = 0;
+  std::int64_t bytes = 0;
+  std::int64_t crc = 0;
+  std::int64_t surfels = 0;
+};
+
+// A new database, with the row of a session that holds nothing yet: there as a whole or not at all.
+void MakeDatabase(const std::string& path, const Row& session);
+// Throws InputError if the database is none of a session, or of another version.
+void RequireSchema(Database* database);
+
+Row RowOf(const SessionRow& session);
+Row RowOf(std::int64_t key, const SessionRun& run);
+Row RowOf(const PosedFrame& frame);
+Row RowOf(std::int64_t key, const KeyframeLink& keyframe);
+Row RowOf(std::int64_t key, const PlaceView& view);
+Row RowOf(std::int64_t key, const RgbdFrame& calibration_frame);
+Row RowOf(std::int64_t key, const KeptEdge& edge);
+Row RowOf(const TileRow& tile);
+
+// Takes the values of a row one after the other. Throws InputError naming the row for one of
+// another type or that means nothing.
+class RowReader {
+ public:
+  RowReader(const Row& row, std::string from) : row_(row), from_(std::move(from)) {}
+
+  template <typename T>
+  const T& Take() {
+    const T* const value = at_ < row_.size() ? std::get_if<T>(&row_[at_]) : nullptr;
+    if (value == nullptr) Fail(Concat("has another type in column ", at_ + 1));
+    ++at_;
+    return *value;
+  }
+  double TakeNumber();
+  int TakeInt();  // that fits
+  bool TakeFlag() { return Take<std::int64_t>() != 0; }
+  Rigid3d TakePose();
+  const std::string& from() const { return from_; }
+  [[noreturn]] void Fail(const std::string& why) const { throw InputError(from_ + " " + why); }
+
+ private:
+  const Row& row_;
+  std::string from_;
+  std::size_t at_ = 0;
+};
+
+// Calls `take` with each row of a table; throws InputError naming the first that is damaged.
+void ForEachIntact(Database* database, const char* table,
+                   const std::function<void(RowReader*)>& take);
+
+SessionRow TakeSession(RowReader* row);
+SessionRun TakeRun(RowReader* row);
+PosedFrame TakeFrame(RowReader* row);
+KeyframeLink TakeKeyframe(RowReader* row);
+PlaceView TakeKeptView(RowReader* row);
+RgbdFrame TakeCalibrationFrame(RowReader* row);
+KeptEdge TakeEdge(RowReader* row);
+TileRow TakeTile(RowReader* row);
+
+}  // namespace surfit

@@ -1,0 +1,371 @@
+#include "surfit/session/session_writer.h"
+
+#include <fcntl.h>
+#include <glog/logging.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <future>
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "core/new_file.h"
+#include "io/output_folder.h"
+#include "session/changed_tiles.h"
+#include "session/load_session.h"
+#include "session/schema.h"
+#include "session/tile_file.h"
+#include "session/tile_rows.h"
+#include "surfit/core/trace.h"
+
+namespace surfit {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kPeriod_s = 0.5;  // between saves, of the recording
+constexpr int kPeriodFrames = 15;  // or so many
+
+bool AreSame(const Rigid3d& a, const Rigid3d& b) {
+  return a.translation == b.translation && a.rotation.coeffs() == b.rotation.coeffs();
+}
+
+bool AreSame(const PosedFrame& a, const PosedFrame& b) {
+  return a.index == b.index && a.keyframe == b.keyframe && a.stretch == b.stretch &&
+         a.stamp_s == b.stamp_s && AreSame(a.world_from_camera, b.world_from_camera);
+}
+
+// What was measured once only moves with the calibration.
+bool AreSame(const KeptEdge& a, const KeptEdge& b) {
+  return a.in_graph == b.in_graph && AreSame(a.edge.a_from_b, b.edge.a_from_b);
+}
+
+std::vector<KeptEdge> EdgesOf(const Backend& backend) {
+  std::vector<KeptEdge> edges;
+  const std::vector<bool> in_graph = backend.loops_in_graph();
+  std::size_t loop = 0;
+  for (const PoseGraphEdge& edge : backend.edges()) {
+    edges.push_back({edge, edge.loop && in_graph[loop++]});
+  }
+  return edges;
+}
+
+// The rows of those that are new or have changed.
+template <typename Kept, typename RowOfOne>
+std::vector<Row> Changed(const std::vector<Kept>& now, const std::vector<Kept>& saved,
+                         const RowOfOne& row_of) {
+  std::vector<Row> rows;
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    if (i < saved.size() && AreSame(now[i], saved[i])) continue;
+    rows.push_back(row_of(static_cast<std::int64_t>(i), now[i]));
+  }
+  return rows;
+}
+
+void WriteNewFile(const std::string& path, const std::string& bytes) {
+  const int file = MakeNewFile(path);
+  if (file < 0) ThrowCannotWrite(path);
+  const bool is_written = WriteAll(file, bytes.data(), bytes.size());
+  if (!is_written) {
+    const int reason = errno;
+    close(file);
+    errno = reason;
+    ThrowCannotWrite(path);
+  }
+  if (close(file) != 0) ThrowCannotWrite(path);
+}
+
+}  // namespace
+
+// A keyframe whose view is still to be made, or made by now.
+struct UnsavedView {
+  int frame = 0;
+  ViewOfKeyframe view;
+  std::shared_ptr<const RgbdFrame> calibration_frame;
+};
+
+// What a save commits.
+struct SessionUpdate {
+  SessionRow facts;  // but for views and tiles, which are counted as they are written
+  std::vector<Row> runs, frames, keyframes, edges;
+  std::vector<std::pair<std::int64_t, UnsavedView>> views;  // by keyframe
+  bool keeps_calibration = true;
+  std::vector<ChangedTile> tiles;
+  bool is_all = false;  // there are no other tiles
+};
+
+class SessionWriter::Implementation {
+ public:
+  Implementation(const std::string& folder, Mode mode);
+  ~Implementation();
+
+  void Begin(const std::vector<SessionRun>& new_runs, const DepthSensor& sensor, Slam* slam);
+  void KeepViews(const std::vector<KeyframeLink>& keyframes, const std::vector<PlaceView>& views);
+  void Offer(const Slam& slam, double stamp_s);
+  void Finish(const Slam& slam);
+  std::int64_t waits() const { return waits_; }
+
+ private:
+  void Open(const DepthSensor& sensor);
+  void Save(const Slam& slam);
+  SessionUpdate Difference(const Slam& slam);
+  void Wait();
+  void Write(SessionUpdate update);
+  void WriteTiles(const SessionUpdate& update);
+
+  const std::string folder_;
+  OutputFolder lock_;
+  std::unique_ptr<Database> database_;
+  SessionRow facts_;
+
+  // As they were saved last; nothing of what another process has saved.
+  std::vector<PosedFrame> frames_;
+  std::vector<KeptEdge> edges_;
+  std::size_t keyframes_ = 0;
+  ChangedTiles changed_tiles_;
+  bool has_saved_ = false;
+  std::vector<UnsavedView> new_views_;
+  std::vector<SessionRun> runs_;  // that are new
+  std::int64_t first_run_ = 0;    // the key of the first of them
+  bool are_runs_saved_ = false;
+
+  int frames_since_save_ = 0;
+  double saved_stamp_s_ = 0;
+  std::int64_t waits_ = 0;
+
+  // Of the writing thread, while it is at work.
+  std::map<std::int64_t, TileRow> tiles_;
+  std::vector<std::string> superseded_, removable_;  // files of tiles
+  std::int64_t views_ = 0, calibration_frames_ = 0, saves_ = 0;
+  std::future<void> writing_;
+};
+
+SessionWriter::Implementation::Implementation(const std::string& folder, Mode mode)
+    : folder_(folder), lock_(folder, {}) {
+  if (HasSession(folder_) && mode == Mode::kNew) {
+    throw InputError(folder_ + " holds a session already, must be continued or another folder");
+  }
+}
+
+void SessionWriter::Implementation::Open(const DepthSensor& sensor) {
+  fs::create_directories(TilesOf(folder_));
+  if (!HasSession(folder_)) {
+    SessionRow first;
+    first.sensor = sensor;
+    MakeDatabase(DatabaseOf(folder_), RowOf(first));
+  }
+  database_ = std::make_unique<Database>(DatabaseOf(folder_), Database::Mode::kWrite);
+  RequireSchema(database_.get());
+  database_->Run("PRAGMA journal_mode = WAL");
+  ForEachIntact(database_.get(), "session", [&](RowReader* row) { facts_ = TakeSession(row); });
+  RequireSameSensor(folder_, facts_.sensor, sensor);
+  tiles_ = ReadTileRows(database_.get());
+  views_ = facts_.views;
+  calibration_frames_ = facts_.calibration_frames;
+  saves_ = facts_.saves;
+  RemoveStrayTiles(folder_, tiles_);
+}
+
+SessionWriter::Implementation::~Implementation() {
+  try {
+    Wait();
+  } catch (const std::exception& error) {
+    LOG(WARNING) << folder_ << ": the last save was not written: " << error.what();
+  }
+}
+
+void SessionWriter::Implementation::Begin(const std::vector<SessionRun>& new_runs,
+                                          const DepthSensor& sensor, Slam* slam) {
+  Open(sensor);
+  runs_ = new_runs;
+  first_run_ = facts_.runs;
+  facts_.runs += static_cast<std::int64_t>(runs_.size());
+  slam->OnKeyframe([this](int frame, const ViewOfKeyframe& view,
+                          const std::shared_ptr<const RgbdFrame>& calibration_frame) {
+    new_views_.push_back({frame, view, calibration_frame});
+  });
+}
+
+void SessionWriter::Implementation::KeepViews(const std::vector<KeyframeLink>& keyframes,
+                                              const std::vector<PlaceView>& views) {
+  for (std::size_t k = 0; k < views.size(); ++k) {
+    if (views[k].empty()) continue;
+    new_views_.push_back({keyframes[k].frame, [view = views[k]] { return view; }, nullptr});
+  }
+}
+
+void SessionWriter::Implementation::Offer(const Slam& slam, double stamp_s) {
+  if (slam.backend()->frames().empty()) return;
+  ++frames_since_save_;
+  const bool is_due = !has_saved_ || frames_since_save_ >= kPeriodFrames ||
+                      std::abs(stamp_s - saved_stamp_s_) >= kPeriod_s;
+  if (!is_due) return;
+  saved_stamp_s_ = stamp_s;
+  frames_since_save_ = 0;
+  Save(slam);
+}
+
+void SessionWriter::Implementation::Finish(const Slam& slam) {
+  if (slam.backend()->frames().empty()) return Wait();
+  for (SessionRun& run : runs_) run.ended = true;
+  are_runs_saved_ = false;
+  Save(slam);
+  Wait();
+  RemoveStrayTiles(folder_, tiles_);
+  database_->Run("PRAGMA wal_checkpoint(TRUNCATE)");
+  const int opened = open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (opened < 0) return;
+  syncfs(opened);
+  close(opened);
+}
+
+void SessionWriter::Implementation::Wait() {
+  if (writing_.valid()) writing_.get();
+}
+
+void SessionWriter::Implementation::Save(const Slam& slam) {
+  waits_ +=
+      writing_.valid() && writing_.wait_for(std::chrono::seconds(0)) == std::future_status::timeout;
+  Wait();
+  writing_ = std::async(std::launch::async,
+                        [this, update = Difference(slam)]() mutable { Write(std::move(update)); });
+}
+
+SessionUpdate SessionWriter::Implementation::Difference(const Slam& slam) {
+  const TraceSlice slice("save_session");
+  const Backend& backend = *slam.backend();
+  SessionUpdate update;
+  update.is_all = !has_saved_;
+  for (std::size_t i = 0; i < runs_.size() && !are_runs_saved_; ++i) {
+    update.runs.push_back(RowOf(first_run_ + static_cast<std::int64_t>(i), runs_[i]));
+  }
+  update.frames = Changed(backend.frames(), frames_,
+                          [](std::int64_t, const PosedFrame& frame) { return RowOf(frame); });
+  frames_ = backend.frames();
+  std::vector<KeptEdge> edges = EdgesOf(backend);
+  update.edges = Changed(edges, edges_,
+                         [](std::int64_t key, const KeptEdge& edge) { return RowOf(key, edge); });
+  edges_ = std::move(edges);
+  const std::vector<KeyframeLink> links = backend.keyframes();
+  for (; keyframes_ < links.size(); ++keyframes_) {
+    update.keyframes.push_back(RowOf(static_cast<std::int64_t>(keyframes_), links[keyframes_]));
+  }
+  for (UnsavedView& view : new_views_) {
+    const auto at =
+        std::lower_bound(links.begin(), links.end(), view.frame,
+                         [](const KeyframeLink& link, int frame) { return link.frame < frame; });
+    update.views.emplace_back(at - links.begin(), std::move(view));
+  }
+  new_views_.clear();
+  update.keeps_calibration = backend.is_calibrating();
+  update.tiles = changed_tiles_.Take(slam.map(), slam.corrections_of_map(), frames_.back().index);
+  facts_.calibration.reset();
+  if (backend.is_recalibrated()) facts_.calibration = *backend.calibration();
+  facts_.color_latency_s = backend.color_latency_s();
+  facts_.frames = static_cast<std::int64_t>(frames_.size());
+  facts_.keyframes = static_cast<std::int64_t>(links.size());
+  facts_.edges = static_cast<std::int64_t>(edges_.size());
+  facts_.settled_keyframes = static_cast<std::int64_t>(backend.settled_keyframes());
+  update.facts = facts_;
+  has_saved_ = are_runs_saved_ = true;
+  return update;
+}
+
+void SessionWriter::Implementation::Write(SessionUpdate update) {
+  const TraceSlice slice("write_session");
+  ++saves_;
+  std::vector<Row> views, calibration;
+  for (const auto& [keyframe, fresh] : update.views) {
+    views.push_back(RowOf(keyframe, fresh.view()));
+    if (fresh.calibration_frame && update.keeps_calibration) {
+      calibration.push_back(RowOf(keyframe, *fresh.calibration_frame));
+    }
+  }
+  database_->Transact([&] {
+    database_->Put("runs", update.runs);
+    database_->Put("frames", update.frames);
+    database_->Put("keyframes", update.keyframes);
+    database_->Put("edges", update.edges);
+    database_->Put("views", views);
+    views_ += static_cast<std::int64_t>(views.size());
+    if (!update.keeps_calibration && calibration_frames_ > 0) {
+      database_->Run("DELETE FROM calibration");
+      calibration_frames_ = 0;
+    }
+    database_->Put("calibration", calibration);
+    calibration_frames_ += static_cast<std::int64_t>(calibration.size());
+    WriteTiles(update);
+    update.facts.views = views_;
+    update.facts.calibration_frames = calibration_frames_;
+    update.facts.tiles = static_cast<std::int64_t>(tiles_.size());
+    update.facts.saves = saves_;
+    database_->Put("session", {RowOf(update.facts)});
+  });
+  // Who reads the save before may still open its tiles.
+  std::error_code none;
+  for (const std::string& file : removable_) fs::remove(file, none);
+  removable_ = std::exchange(superseded_, {});
+}
+
+void SessionWriter::Implementation::WriteTiles(const SessionUpdate& update) {
+  std::set<std::int64_t> gone;
+  if (update.is_all) {
+    for (const auto& [key, tile] : tiles_) gone.insert(key);
+  }
+  std::vector<Row> rows;
+  const auto path_of = [&](std::int64_t key, std::int64_t save) {
+    return TilesOf(folder_) + "/" + TileName(key, save);
+  };
+  for (const ChangedTile& changed : update.tiles) {
+    gone.erase(changed.key);
+    const auto former = tiles_.find(changed.key);
+    if (changed.surfels == 0) {
+      if (former != tiles_.end()) gone.insert(changed.key);
+      continue;
+    }
+    if (former != tiles_.end()) superseded_.push_back(path_of(changed.key, former->second.save));
+    WriteNewFile(path_of(changed.key, saves_), changed.bytes);
+    const TileRow tile = {changed.key, saves_, static_cast<std::int64_t>(changed.bytes.size()),
+                          Crc(changed.bytes.data(), changed.bytes.size()), changed.surfels};
+    tiles_[changed.key] = tile;
+    rows.push_back(RowOf(tile));
+  }
+  database_->Put("tiles", rows);
+  for (const std::int64_t key : gone) {
+    superseded_.push_back(path_of(key, tiles_[key].save));
+    database_->Delete("tiles", key);
+    tiles_.erase(key);
+  }
+}
+
+SessionWriter::SessionWriter(const std::string& folder, Mode mode)
+    : implementation_(std::make_unique<Implementation>(folder, mode)) {}
+
+SessionWriter::~SessionWriter() = default;
+
+void SessionWriter::Begin(const std::vector<SessionRun>& new_runs, const DepthSensor& sensor,
+                          Slam* slam) {
+  implementation_->Begin(new_runs, sensor, slam);
+}
+
+void SessionWriter::KeepViews(const std::vector<KeyframeLink>& keyframes,
+                              const std::vector<PlaceView>& views) {
+  implementation_->KeepViews(keyframes, views);
+}
+
+void SessionWriter::Offer(const Slam& slam, double stamp_s) {
+  implementation_->Offer(slam, stamp_s);
+}
+
+void SessionWriter::Finish(const Slam& slam) { implementation_->Finish(slam); }
+
+std::int64_t SessionWriter::waits() const { return implementation_->waits(); }
+
+}  // namespace surfit

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "slam/simulated_sequence.h"
+#include "surfit/session/session.h"
+#include "surfit/session/session_writer.h"
+
+namespace surfit::testing {
+
+inline SlamOptions SessionSlamOptions() {
+  SlamOptions options;
+  options.loops.enabled = true;
+  return options;
+}
+
+inline SessionRun SomeRun() {
+  SessionRun run;
+  run.sequence = "/recordings/room";
+  run.format = "tum";
+  return run;
+}
+
+// A session of the first frames of a room, and the Slam that it was kept of.
+inline std::unique_ptr<Slam> KeepSession(const SimulatedSequence& sequence, int frames,
+                                         const std::string& folder) {
+  const DepthSensor sensor = {sequence.camera, {}};
+  auto slam = std::make_unique<Slam>(sensor, SessionSlamOptions(), sequence.world_from_camera[0]);
+  SessionWriter writer(folder, SessionWriter::Mode::kNew);
+  writer.Begin({SomeRun()}, sensor, slam.get());
+  for (int i = 0; i < frames; ++i) {
+    slam->Process(sequence.frames[i]);
+    writer.Offer(*slam, sequence.frames[i].stamp_s);
+  }
+  slam->Finish();
+  writer.Finish(*slam);
+  return slam;
+}
+
+}  // namespace surfit::testing
