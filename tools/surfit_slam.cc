@@ -149,6 +149,20 @@ void WarnOfMotion(const SlamRunSummary& s) {
       s.frames_with_motion, s.frames_lost_in_motion);
 }
 
+void PrintSession(const SlamRunSummary& s, const SlamRunOptions& options) {
+  if (options.session.empty()) return;
+  if (const auto& found = s.localization) {
+    std::printf(
+        "localised in %s: %d of %d frames, found by a place %d times, lost for %.2f s at most; "
+        "standard deviation %.1f mm, %.2f deg\n",
+        options.session.c_str(), found->frames, s.frames_total, found->relocalisations,
+        found->longest_loss_s, 1e3 * found->median_sigma_m, found->median_sigma_rad * 180 / M_PI);
+    return;
+  }
+  std::printf("%s keeps it all; %lld times the run waited for it to be written\n",
+              options.session.c_str(), static_cast<long long>(s.session_waits));
+}
+
 void PrintSummary(const SlamRunSummary& s, const SlamRunOptions& options) {
   const std::string& output = options.output;
   std::printf("%s: %d frames, %d tracked, %d lost, %d skipped%s\n", output.c_str(), s.frames_total,
@@ -168,7 +182,9 @@ void PrintSummary(const SlamRunSummary& s, const SlamRunOptions& options) {
     std::printf("the map is full: %lld surfels found no place (--max_map_points)\n",
                 static_cast<long long>(s.refused));
   }
-  if (options.slam.loops.enabled) PrintLoops(s.loops);
+  const bool closes_loops = options.slam.loops.enabled || !options.session.empty();
+  if (closes_loops && !options.localize) PrintLoops(s.loops);
+  PrintSession(s, options);
   WarnOfMotion(s);
   PrintCalibration(s, output);
   if (s.evaluation && s.evaluation->ate) {

@@ -57,6 +57,14 @@ void SlamRunOptions::Visit(OptionVisitor& v) {
         "with loop_closure: write places.bin, keyframes with their views and all edges of the pose "
         "graph, to be joined to other runs",
         AsFlag());
+  v.Add(session, "session",
+        "folder of a session: what the run knows is kept there as it goes, with loops closed",
+        AsFlag(), Everyday());
+  v.Add(continue_session, "continue_session",
+        "go on in the session where it has ended, or wherever in it the camera is found",
+        AsFlag("continue"), Everyday());
+  v.Add(localize, "localize", "find the camera in the session, and leave that as it is", AsFlag(),
+        Everyday());
   v.Add(trace, "trace", "file for the times of all stages and threads, for ui.perfetto.dev",
         AsFlag());
   v.Add(dump_failures, "dump_failures",
@@ -68,6 +76,18 @@ void SlamRunOptions::Visit(OptionVisitor& v) {
     }
     if (keep_places && !slam.loops.enabled) {
       throw InputError("keep_places is true, must be false without loop_closure");
+    }
+    if (session.empty() && (continue_session || localize)) {
+      throw InputError(Concat(continue_session ? "continue" : "localize",
+                              " is true, must be false without a session"));
+    }
+    if (continue_session && localize) {
+      throw InputError("localize is true, must be false where the session is continued");
+    }
+    if (!session.empty() && (poses != "track" || slam.tracking != "frame_to_model")) {
+      throw InputError(Concat("session is '", session,
+                              "', must be empty unless poses is 'track' and tracking is "
+                              "'frame_to_model'"));
     }
     if (initial_pose != "identity" && initial_pose != "groundtruth") {
       ParsePose("initial_pose", initial_pose);

@@ -10,21 +10,14 @@
 namespace surfit {
 
 std::vector<std::string> RunFileNames() {
-  std::vector<std::string> names = {"trajectory.txt",
-                                    "trajectory_online.txt",
-                                    "loops.csv",
-                                    "frames.csv",
-                                    "map.ply",
-                                    "summary.json",
-                                    "poses.json",
-                                    "trajectory.png",
-                                    "map_color.png",
-                                    "map_normals.png",
-                                    "map_confidence.png",
-                                    "map_last_seen.png",
-                                    "camera.yaml",
-                                    "places.bin",
-                                    "report.html"};
+  std::vector<std::string> names = {"trajectory.txt",    "trajectory_online.txt",
+                                    "loops.csv",         "frames.csv",
+                                    "localization.csv",  "map.ply",
+                                    "summary.json",      "poses.json",
+                                    "trajectory.png",    "map_color.png",
+                                    "map_normals.png",   "map_confidence.png",
+                                    "map_last_seen.png", "camera.yaml",
+                                    "places.bin",        "report.html"};
   for (const std::string& name : KeptViews::FileNames()) names.push_back(name);
   for (const std::string& name : Thumbnails::FileNames()) names.push_back(name);
   for (const std::string& name : ViewFileNames()) names.push_back(name);

@@ -36,6 +36,19 @@ void WriteThumbnails(const RunOutcome& run, const DepthSensor& sensor,
   Thumbnails::Write(*thumbnails, run.options.output);
 }
 
+// Those of the frames that the run has a pose of, and what leads from one of these to the next.
+std::vector<KeyframeLink> OwnKeyframes(const SequenceSlam& slam) {
+  std::vector<KeyframeLink> keyframes;
+  if (!slam.slam().backend() || slam.frames().empty()) return keyframes;
+  const int first = slam.frames().front();
+  for (KeyframeLink link : slam.slam().backend()->keyframes()) {
+    if (link.frame < first) continue;
+    if (link.parent_frame < first) link.parent_frame = KeyframeLink::kNone;
+    keyframes.push_back(link);
+  }
+  return keyframes;
+}
+
 void WritePictures(const RunOutcome& run, const Trajectory& truth, Failures* failures) {
   const TraceSlice slice("write_pictures");
   const std::string& folder = run.options.output;
@@ -71,8 +84,7 @@ void WriteRunResults(const RunOutcome& run, Failures* failures) {
   failures->Try([&] { WriteViews(run, sensor, &views); });
   std::vector<KeptView> thumbnails;
   failures->Try([&] { WriteThumbnails(run, sensor, &thumbnails); });
-  std::vector<KeyframeLink> keyframes;
-  if (run.slam.slam().backend()) keyframes = run.slam.slam().backend()->keyframes();
+  const std::vector<KeyframeLink> keyframes = OwnKeyframes(run.slam);
   Trajectory truth;
   failures->Try([&] { truth = TruthDuring(run.stamps_s, run.slam.info().ground_truth); });
   failures->Try([&] {

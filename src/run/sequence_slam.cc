@@ -22,8 +22,8 @@ std::string DumpFolder(const std::string& folder, int frame) {
 }  // namespace
 
 SequenceSlam::SequenceSlam(const SlamRunOptions& options, const SequenceInfo& info,
-                           std::function<void(const FramePose&)> on_pose)
-    : options_(options), info_(info), on_pose_(std::move(on_pose)) {
+                           KeptSession* session, std::function<void(const FramePose&)> on_pose)
+    : options_(options), info_(info), session_(session), on_pose_(std::move(on_pose)) {
   if (options.poses == "groundtruth" && info.ground_truth.empty()) {
     throw InputError(
         Concat("poses is 'groundtruth', but ", options.sequence.path, " has no ground truth"));
@@ -31,8 +31,13 @@ SequenceSlam::SequenceSlam(const SlamRunOptions& options, const SequenceInfo& in
 }
 
 void SequenceSlam::Begin(double stamp_s) {
-  slam_ = std::make_unique<Slam>(info_.sensor(), options_.slam,
-                                 InitialPose(options_.initial_pose, info_, stamp_s));
+  if (session_ && session_->has_state()) {
+    slam_ = session_->MakeSlam(info_);
+  } else {
+    slam_ = std::make_unique<Slam>(info_.sensor(), options_.slam,
+                                   InitialPose(options_.initial_pose, info_, stamp_s));
+  }
+  if (session_) session_->Begin(info_, slam_.get());
   slam_->OnPose(on_pose_);
   if (options_.dump_failures.empty()) return;
   slam_->OnLostFrame([this](const LostFrame& lost) {
@@ -51,6 +56,7 @@ FrameReport SequenceSlam::Process(const RgbdFrame& frame) {
     trajectory_.push_back({report.stamp_s, report.world_from_camera});
     frames_.push_back(report.index);
   }
+  if (session_) session_->Offer(*slam_, report.stamp_s);
   return report;
 }
 
@@ -68,16 +74,27 @@ void SequenceSlam::Finish() {
   slam_->Finish();
   const Backend* backend = slam_->backend();
   if (!backend) return;
-  trajectory_ = backend->trajectory();
+  TakeTrajectory();
   TakeFoundSensor();
+  if (session_) session_->Finish(*slam_);
+}
+
+// Of this run's frames, as they were corrected; those of a camera that was only localised were not.
+void SequenceSlam::TakeTrajectory() {
+  if (session_ && session_->is_localized()) return;
+  const int first = session_ ? session_->first_index() : 0;
+  trajectory_.clear();
+  for (const PosedFrame& frame : slam_->backend()->frames()) {
+    if (frame.index >= first) trajectory_.push_back({frame.stamp_s, frame.world_from_camera});
+  }
 }
 
 // The backend may have the frame already that SLAM has ended in.
 void SequenceSlam::FinishEarly() {
   if (!slam_->backend()) return;
-  const Trajectory corrected = slam_->backend()->trajectory();
-  const std::size_t count = std::min(corrected.size(), frames_.size());
-  trajectory_.assign(corrected.begin(), corrected.begin() + static_cast<std::ptrdiff_t>(count));
+  TakeTrajectory();
+  const std::size_t count = std::min(trajectory_.size(), frames_.size());
+  trajectory_.resize(count);
   frames_.resize(count);
   TakeFoundSensor();
 }

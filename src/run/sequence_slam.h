@@ -6,6 +6,7 @@
 
 #include "core/repeated_warning.h"
 #include "run/final_refinement.h"
+#include "run/kept_session.h"
 #include "surfit/geometry/trajectory.h"
 #include "surfit/io/frame_source.h"
 #include "surfit/run/slam_run.h"
@@ -16,9 +17,9 @@ namespace surfit {
 // estimates.
 class SequenceSlam {
  public:
-  // Options and sequence must outlive it. Calls on_pose as Slam::OnPose() says. Throws InputError
-  // if the options ask for true poses that the sequence lacks.
-  SequenceSlam(const SlamRunOptions& options, const SequenceInfo& info,
+  // All must outlive it; without a session that is null. Calls on_pose as Slam::OnPose() says.
+  // Throws InputError if the options ask for true poses that the sequence lacks.
+  SequenceSlam(const SlamRunOptions& options, const SequenceInfo& info, KeptSession* session,
                std::function<void(const FramePose&)> on_pose);
 
   // False until the first frame: its stamp may tell the pose to begin at.
@@ -42,11 +43,13 @@ class SequenceSlam {
 
  private:
   void Begin(double stamp_s);
+  void TakeTrajectory();
   void TakeFoundSensor();
   FrameReport ProcessAtTruePose(const RgbdFrame& frame);
 
   const SlamRunOptions& options_;
   const SequenceInfo& info_;
+  KeptSession* const session_;
   const std::function<void(const FramePose&)> on_pose_;
   std::unique_ptr<Slam> slam_;
   Trajectory trajectory_;

@@ -141,6 +141,15 @@ void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
   j["submaps_apart"] = s.loops.submaps_apart;
   j["backend_waits"] = s.loops.waits;
   j["keyframe_views_given_up"] = s.loops.given_up_views;
+  j["session_waits"] = s.session_waits;
+  j["localization"] = nullptr;
+  if (const auto& found = s.localization) {
+    j["localization"] = {{"frames", found->frames},
+                         {"relocalisations", found->relocalisations},
+                         {"longest_loss_s", found->longest_loss_s},
+                         {"median_sigma_m", found->median_sigma_m},
+                         {"median_sigma_rad", found->median_sigma_rad}};
+  }
   j["calibration_doubt"] = s.calibration_doubt.empty() ? Json() : Json(s.calibration_doubt);
   j["calibrations"] = Json::array();
   for (const CalibrationRecord& record : s.calibrations)

@@ -15,7 +15,9 @@
 #include "run/failures.h"
 #include "run/final_map.h"
 #include "run/final_refinement.h"
+#include "run/kept_session.h"
 #include "run/kept_views.h"
+#include "run/localization.h"
 #include "run/output_files.h"
 #include "run/prior_doubt.h"
 #include "run/result_files.h"
@@ -55,16 +57,21 @@ std::int64_t PeakRssBytes() {
 // statistics and files.
 class SlamRun {
  public:
-  SlamRun(const SlamRunOptions& options, const std::atomic<bool>& interrupted)
+  // The session is null without one.
+  SlamRun(const SlamRunOptions& options, KeptSession* session, const std::atomic<bool>& interrupted)
       : options_(options),
+        session_(session),
         statistics_(options.slam),
         source_(OpenSource(options, interrupted)),
         info_(source_->info()),
         given_field_(ReadDepthField(options.sequence, info_.format)),
-        slam_(options, info_, [this](const FramePose&) { statistics_.PoseIsKnown(); }),
+        slam_(options, info_, session, [this](const FramePose&) { statistics_.PoseIsKnown(); }),
         folder_(options.output, RunFileNames(), {options.sequence.camera}) {
     if (!options.trace.empty()) trace_ = std::make_unique<TraceRecorder>(options.trace);
     files_ = std::make_unique<RunFiles>(options.output, info_.mirrored);
+    if (options.localize) {
+      localization_ = std::make_unique<LocalizationFile>(Path("localization.csv"), info_.mirrored);
+    }
   }
 
   // What ends the run early does not take with it what there is.
@@ -85,8 +92,9 @@ class SlamRun {
   void ProcessFrames(const std::atomic<bool>& interrupted, const ProgressCall& progress) {
     statistics_.BeginFrames();
     while (!interrupted || !slam_.HasBegun()) {  // an interrupted run has one frame at least
-      const std::optional<ReadResult> result = source_->Next();
+      std::optional<ReadResult> result = source_->Next();
       if (!result) break;
+      if (session_) session_->Shift(&*result);
       statistics_.CountRead(*result);
       if (result->frame) {
         const FrameReport report = Process(*result);
@@ -122,6 +130,7 @@ class SlamRun {
     FrameReport report = slam_.Process(frame);
     is_whole_ = true;
     statistics_.CountProcessed(frame, report);
+    if (localization_) localization_->Add(report);
     if (report.is_held_out || report.state == FrameState::kFrozen) left_out_.insert(report.index);
     if (!report.moving.empty()) moving_[report.index] = report.moving;
     if (options_.keep_views) {
@@ -153,6 +162,8 @@ class SlamRun {
       failures_.Try([&] { files_->Rewrite(slam_.trajectory()); });
     }
     if (slam_.slam().backend()) FinishBackend(&summary);
+    if (session_) summary.session_waits = session_->waits();
+    if (localization_) summary.localization = localization_->Summary();
     failures_.Try([&] { summary.digest = Digest(slam_.trajectory(), slam_.map()); });
     if (!slam_.info().ground_truth.empty()) failures_.Try([&] { Evaluate(&summary); });
     WriteRunResults(
@@ -169,7 +180,7 @@ class SlamRun {
   // Not of a run that has ended early, nor of frames that are gone.
   void Improve(const std::atomic<bool>& interrupted, const ProgressCall& progress) {
     if (!options_.final_map || options_.sequence.format == "watch" || !is_whole_ || interrupted ||
-        failures_.any()) {
+        failures_.any() || options_.continue_session || options_.localize) {
       return;
     }
     std::optional<RefinedSequence> refined;
@@ -274,6 +285,7 @@ class SlamRun {
   std::string Path(const char* name) const { return options_.output + "/" + name; }
 
   const SlamRunOptions& options_;
+  KeptSession* const session_;
   RunStatistics statistics_;
   std::unique_ptr<TraceRecorder> trace_;  // outlives the source, which decodes on another thread
   std::unique_ptr<FrameSource> source_;   // closed once its frames have been processed
@@ -282,6 +294,7 @@ class SlamRun {
   SequenceSlam slam_;
   OutputFolder folder_;
   std::unique_ptr<RunFiles> files_;
+  std::unique_ptr<LocalizationFile> localization_;  // null unless the camera is localised
   KeptViews views_;
   Thumbnails thumbnails_;
   RepeatedWarning skipped_{"frames skipped"};
@@ -304,7 +317,9 @@ SlamRunSummary RunSlam(const SlamRunOptions& options, const std::atomic<bool>& i
   SlamRunOptions run = options;
   // While a doubtful frame is looked for, the camera moves on: the next would be far, too.
   if (options.offered_fps > 0) run.slam.sure_inlier_share = 0;
-  SlamRun slam(run, interrupted);
+  std::unique_ptr<KeptSession> session;
+  if (!run.session.empty()) session = std::make_unique<KeptSession>(&run);
+  SlamRun slam(run, session.get(), interrupted);
   SlamRunSummary summary = slam.Run(interrupted, progress);
   if (finished) finished(slam.result());
   return summary;

@@ -28,8 +28,8 @@ void ScanPlanOptions::Visit(OptionVisitor& v) {
         Required(), Repeatable(), AsFlag("sequence"), Everyday());
   v.AddPart(run, "run", "how each fragment is tracked", OptionalPart(),
             WithoutFlags({"sequence", "loop_closure", "calibrate", "refine", "final_map",
-                          "pictures", "report", "keep_places", "trace", "dump_failures",
-                          "offered_fps", "poses", "initial_pose"}));
+                          "pictures", "report", "keep_places", "session", "continue", "localize",
+                          "trace", "dump_failures", "offered_fps", "poses", "initial_pose"}));
   v.Group("fragments");
   v.Add(fragment_frames, "fragment_frames", "frames of a fragment at most", AtLeast(2), AsFlag(),
         Everyday());

@@ -39,6 +39,12 @@ struct SlamRunOptions {
   bool pictures = true;
   bool keep_views = false;   // pictures of a few frames beside the model's views, for WriteReport()
   bool keep_places = false;  // places.bin (RunPlaces), to be joined to other runs
+  // Folder of the session (Session) that the run keeps as it goes; empty = none. Loops are then
+  // closed. A new one is made, or else,
+  std::string session;
+  bool continue_session = false;  // the run goes on in it: where it has ended, or anywhere in it
+  // or finds the camera in it, and leaves the session and its map as they are.
+  bool localize = false;
   std::string trace;  // file for the times of all stages and threads (TraceRecorder); empty = none
   // Folder in which each frame that tracking loses is kept as frame-XXXXXX, to be registered again
   // (CompareOptions::replay); empty = none.
@@ -96,6 +102,15 @@ struct FinalRefinement {
   double seconds = 0;
 };
 
+// How well a camera was found in a session, without that being changed.
+struct Localization {
+  int frames = 0;               // with a pose
+  int relocalisations = 0;      // by a place; the first included
+  double longest_loss_s = 0;    // from a frame without a pose to the next with one
+  double median_sigma_m = 0;    // standard deviation of a position, as registrations tell
+  double median_sigma_rad = 0;  // and of a turn
+};
+
 // The outcome of a run: what summary.json says.
 struct SlamRunSummary {
   int frames_total = 0;    // read or attempted
@@ -147,6 +162,9 @@ struct SlamRunSummary {
   // Where fewer have one, what there is is in doubt.
   bool MostFramesHaveAPose() const { return 2 * frames_tracked >= frames_total; }
 
+  std::int64_t session_waits = 0;  // saves of a session that were due before the last was written
+  std::optional<Localization> localization;  // where the camera was localised in a session
+
   // Of trajectory and map, before that is fused anew: equal digests, equal results bit for bit.
   std::string digest;
 };
@@ -155,15 +173,18 @@ struct SlamRunSummary {
 // source's convention; as corrected in the end by loops, calibration and refinement),
 // trajectory_online.txt (as each pose was at its time), frames.csv, loops.csv, map.ply,
 // summary.json, poses.json, views/ and the pictures; where the depth camera was found to be another
-// one than given, camera.yaml. A sequence of format watch is followed until its end
-// (WatchFolder()). Frames that cannot be read are skipped and counted. When `interrupted` becomes
-// true the frame at work, or else the first one, is finished and everything is written. `progress`
-// is called after every frame, after every round of refinement and for every frame of the final
-// map; its time is none of the frames'. What goes wrong once a frame was processed (no memory is
-// left, the disk is full, the sequence cannot be read on) ends the run, too: what there is is
-// written as far as it can be, and told. Throws InputError then, and for bad options, an output
-// folder that another run is writing into, or a sequence that cannot be read at all.
-// `finished` is called, if given, when all is written.
+// one than given, camera.yaml; where it was localised in a session, localization.csv. With a
+// session that is gone on in, frames have the session's indices, poses and map are the session's,
+// and nothing is refined or fused anew in the end; of a recording that the session has, what it has
+// is passed over. A sequence of format watch is followed until its end (WatchFolder()). Frames that
+// cannot be read are skipped and counted. When `interrupted` becomes true the frame at work, or
+// else the first one, is finished and everything is written. `progress` is called after every
+// frame, after every round of refinement and for every frame of the final map; its time is none of
+// the frames'. What goes wrong once a frame was processed (no memory is left, the disk is full, the
+// sequence cannot be read on) ends the run, too: what there is is written as far as it can be, and
+// told. Throws InputError then, and for bad options, an output folder that another run is writing
+// into, or a sequence that cannot be read at all. `finished` is called, if given, when all is
+// written.
 SlamRunSummary RunSlam(const SlamRunOptions& options, const std::atomic<bool>& interrupted,
                        const std::function<void(const SlamRunProgress&)>& progress,
                        const std::function<void(const SlamRunResult&)>& finished = {});

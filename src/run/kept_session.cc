@@ -1,0 +1,118 @@
+#include "run/kept_session.h"
+
+#include <glog/logging.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+#include "surfit/core/error.h"
+
+namespace surfit {
+namespace {
+
+// A camera that is not found in the session for so many frames begins a map of its own, until a
+// loop joins it to the others.
+constexpr int kNewMapAfter = 10;
+
+std::string FullPath(const std::string& path) {
+  std::error_code none;
+  const std::filesystem::path full = std::filesystem::weakly_canonical(path, none);
+  return full.empty() ? path : full.string();
+}
+
+// The last frame of the recording that a run has, by the recording's index; -1 without any.
+int LastFrameOf(const SessionRun& run, int end_index, const SlamState& state) {
+  int last = -1;
+  for (const auto& frame : state.frames) {
+    const int index = frame.index - run.shift;
+    if (index >= run.first && frame.index < end_index) last = std::max(last, index);
+  }
+  return last;
+}
+
+}  // namespace
+
+KeptSession::KeptSession(SlamRunOptions* options) : options_(*options) {
+  using Mode = SessionWriter::Mode;
+  if (!options->localize) {
+    const Mode mode = options->continue_session ? Mode::kContinue : Mode::kNew;
+    writer_ = std::make_unique<SessionWriter>(options->session, mode);
+  }
+  options->slam.loops.enabled = true;
+  if (!options->localize && !options->continue_session) return;
+  if (options->continue_session && !HasSession(options->session)) {
+    LOG(WARNING) << options->session << " holds no session yet: a new one is begun";
+    return;
+  }
+  Session session = ReadSession(options->session);
+  sensor_ = session.sensor;
+  if (session.state.frames.empty()) {
+    if (options->localize) throw InputError(options->session + " has no frames to localise in");
+    return;
+  }
+  state_ = std::move(session.state);
+  if (options->continue_session) {
+    GoOnAfter(session.runs, &options->sequence);
+    int& after = options->slam.loops.new_map_after;
+    if (after == 0) after = kNewMapAfter;
+  }
+  first_index_ = state_->frames.back().index + (goes_on_ ? 1 : SessionGap(options->slam.loops));
+  shift_ = first_index_ - options->sequence.first;
+}
+
+// A recording that the session has already is not taken twice.
+void KeptSession::GoOnAfter(const std::vector<SessionRun>& runs, SequenceOptions* sequence) {
+  const std::string path = FullPath(sequence->path);
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const SessionRun& run = runs[i];
+    if (run.sequence != path) continue;
+    const bool is_last = i + 1 == runs.size();
+    const int end =
+        is_last ? state_->frames.back().index + 1 : runs[i + 1].first + runs[i + 1].shift;
+    const int next = LastFrameOf(run, end, *state_) + 1;
+    if (is_last && next >= sequence->first) goes_on_ = true;
+    if (next <= sequence->first) continue;
+    LOG(WARNING) << options_.session << " has frames of " << sequence->path << " up to " << next - 1
+                 << ": it goes on after that";
+    sequence->first = next;
+  }
+  if (sequence->last >= 0 && sequence->last < sequence->first) {
+    throw InputError(Concat(options_.session, " has all frames of ", sequence->path, " up to ",
+                            sequence->last, " already"));
+  }
+}
+
+void KeptSession::Shift(ReadResult* result) const {
+  result->index += shift_;
+  if (result->frame) result->frame->index += shift_;
+}
+
+std::unique_ptr<Slam> KeptSession::MakeSlam(const SequenceInfo& info) {
+  RequireSameSensor(options_.session, sensor_, info.sensor());
+  const StateUse use = options_.localize ? StateUse::kLocalize : StateUse::kContinue;
+  SlamState state = *std::move(state_);
+  return std::make_unique<Slam>(info.sensor(), options_.slam, std::move(state), use);
+}
+
+void KeptSession::Begin(const SequenceInfo& info, Slam* slam) {
+  if (!writer_) return;
+  SessionRun run;
+  run.sequence = FullPath(options_.sequence.path);
+  run.format = info.format;
+  run.first = options_.sequence.first;
+  run.stride = options_.sequence.stride;
+  run.shift = shift_;
+  run.mirrored = info.mirrored;
+  writer_->Begin({run}, info.sensor(), slam);
+}
+
+void KeptSession::Offer(const Slam& slam, double stamp_s) {
+  if (writer_) writer_->Offer(slam, stamp_s);
+}
+
+void KeptSession::Finish(const Slam& slam) {
+  if (writer_) writer_->Finish(slam);
+}
+
+}  // namespace surfit

@@ -1,0 +1,138 @@
+// Sessions of surfit_slam, and surfit_session.
+#include "surfit/session/session.h"
+
+#include <gmock/gmock.h>
+
+#include <csignal>
+#include <filesystem>
+#include <map>
+#include <random>
+#include <thread>
+
+#include "surfit/io/trajectory_files.h"
+#include "tools/slam_tool.h"
+
+namespace surfit::testing {
+namespace {
+
+class SessionTool : public SlamTool {
+ protected:
+  std::string Session() const { return own_.path() + "/session"; }
+  ProgramResult Keep(const std::string& output, std::vector<std::string> flags) const {
+    flags.push_back("--session=" + Session());
+    flags.push_back("--nofinal_map");
+    return Slam(Room(), Output(output), std::move(flags));
+  }
+  ProgramResult Tool(const std::string& command, std::vector<std::string> flags = {}) const {
+    flags.insert(flags.begin(), command);
+    flags.push_back("--session=" + Session());
+    return RunProgram("surfit_session", flags);
+  }
+};
+
+TEST_F(SessionTool, KeepsARunAndGoesOnWhereItHasEnded) {
+  Succeeded(Keep("first", {"--last=11"}));
+  EXPECT_THAT(Succeeded(Tool("list")).out, AllOf(HasSubstr("12 frames"), HasSubstr(Room())));
+  EXPECT_THAT(Succeeded(Tool("check")).out, HasSubstr("all is intact"));
+  EXPECT_THAT(Keep("again", {}).err, HasSubstr("holds a session already"));
+
+  // The same flags again: what is kept is passed over.
+  Succeeded(Keep("second", {"--continue"}));
+  EXPECT_EQ(CountPoses(Output("second") + "/trajectory.txt"), kFrames - 12);
+  Succeeded(Tool("export", {"--output=" + Output("exported")}));
+  EXPECT_EQ(CountPoses(Output("exported") + "/trajectory.txt"), kFrames);
+  EXPECT_EQ(CountPoses(Output("exported") + "/run-2.txt"), kFrames - 12);
+  EXPECT_TRUE(std::filesystem::exists(Output("exported") + "/map.ply"));
+  EXPECT_TRUE(std::filesystem::exists(Output("exported") + "/places.bin"));
+
+  // As one run: a tenth of a pixel at 2 m.
+  Succeeded(Slam(Room(), Output("whole"), {"--loop_closure", "--nofinal_map"}));
+  const Trajectory whole = ReadTumTrajectory(Output("whole") + "/trajectory.txt");
+  const Trajectory halves = ReadTumTrajectory(Output("exported") + "/trajectory.txt");
+  ASSERT_EQ(whole.size(), halves.size());
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    EXPECT_LT(
+        (whole[i].world_from_camera.translation - halves[i].world_from_camera.translation).norm(),
+        0.01)
+        << i;
+  }
+}
+
+// All but SQLite's own, in which readers and writers find each other.
+std::map<std::string, std::string> FilesOf(const std::string& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    const bool is_kept = entry.path().extension() == ".db" || entry.path().extension() == ".tile";
+    if (is_kept) files[entry.path()] = ReadBytes(entry.path());
+  }
+  return files;
+}
+
+TEST_F(SessionTool, LocalisesWithoutAChange) {
+  Succeeded(Keep("first", {"--last=15"}));
+  const auto before = FilesOf(Session());
+  const auto result = Keep("found", {"--first=8", "--localize"});
+  EXPECT_THAT(Succeeded(result).out, HasSubstr("localised in"));
+  EXPECT_EQ(FilesOf(Session()), before);
+  const auto summary = Summary(Output("found"));
+  EXPECT_GE(summary["localization"]["frames"], 12);
+  EXPECT_GT(summary["localization"]["median_sigma_m"], 0);
+  EXPECT_EQ(Lines(Output("found") + "/localization.csv").size(), 1u + kFrames - 8);
+}
+
+TEST_F(SessionTool, MergesAndCompacts) {
+  Succeeded(Keep("first", {"--last=15"}));
+  std::filesystem::rename(Session(), own_.path() + "/a");
+  Succeeded(Keep("second", {"--first=6"}));
+  std::filesystem::rename(Session(), own_.path() + "/b");
+  const auto merged =
+      Tool("merge", {"--from=" + own_.path() + "/a", "--from=" + own_.path() + "/b"});
+  EXPECT_THAT(Succeeded(merged).out, HasSubstr("2 sessions"));
+  EXPECT_THAT(Succeeded(Tool("check")).out, HasSubstr("all is intact"));
+  Succeeded(Tool("compact"));
+  Succeeded(Tool("export", {"--output=" + Output("exported")}));
+  // Both are where the same frames are: two pixels at 2 m.
+  const Trajectory a = ReadTumTrajectory(Output("exported") + "/run-1.txt");
+  const Trajectory b = ReadTumTrajectory(Output("exported") + "/run-2.txt");
+  ASSERT_GE(b.size(), 10u);
+  for (std::size_t i = 6; i < a.size(); ++i) {
+    EXPECT_LT((a[i].world_from_camera.translation - b[i - 6].world_from_camera.translation).norm(),
+              0.03);
+  }
+}
+
+TEST_F(SessionTool, OutlivesBeingKilled) {
+  std::mt19937_64 rng(2);
+  std::uniform_int_distribution<int> delay_ms(0, 300);
+  const std::string endless = EndlessRoom();
+  for (int round = 0; round < 3; ++round) {
+    const bool goes_on = HasSession(Session());
+    RunningProgram running("surfit_slam",
+                           {"--sequence=" + endless, "--output=" + Output(), "--nopictures",
+                            "--session=" + Session(), goes_on ? "--continue" : "--nocontinue"});
+    const std::string csv = Output() + "/frames.csv";
+    while (Lines(csv).size() < 20 && running.IsRunning()) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(delay_ms(rng)));
+    running.Signal(SIGKILL);
+    running.Wait();
+    EXPECT_THAT(CheckSession(Session()), IsEmpty());
+    const int last = std::stoi(Lines(csv).back());
+    const auto frames = ReadSession(Session()).state.frames;
+    ASSERT_FALSE(frames.empty());
+    EXPECT_LE(last - frames.back().index, 31);
+  }
+}
+
+TEST_F(SessionTool, RefusesWhatCannotBe) {
+  ExpectRefused(Slam(Room(), Output(), {"--continue"}), "continue is true");
+  ExpectRefused(Slam(Room(), Output(), {"--session=" + Session(), "--localize"}),
+                "is no session: it has no session.db");
+  ExpectRefused(Tool("list"), "is no session");
+  ExpectRefused(Tool("turn"), "command");
+  ExpectRefused(Tool("merge", {"--from=" + Session()}), "must name two or more");
+}
+
+}  // namespace
+}  // namespace surfit::testing
