@@ -18,7 +18,8 @@ void BatchOptions::Visit(OptionVisitor& v) {
   v.Add(minutes, "minutes", "that a run may take, on a cluster", AtLeast(1), InUnit("min"),
         AsFlag());
   v.AddPart(run, "run", "how each sequence is run", OptionalPart(),
-            WithoutFlags({"sequence", "output", "trace", "dump_failures"}));
+            WithoutFlags({"sequence", "output", "trace", "dump_failures", "session", "continue",
+                          "localize"}));
   v.Check([this] {
     if (run.sequence.format != "watch") return;
     throw InputError("format is 'watch', must be one of a sequence that is recorded");

@@ -1,7 +1,7 @@
 #include "session/database.h"
 
+#include <libdeflate.h>
 #include <sqlite3.h>
-#include <zlib.h>
 
 #include <cstddef>
 #include <new>
@@ -74,7 +74,7 @@ Row::value_type ColumnOf(sqlite3_stmt* statement, int column) {
 }  // namespace
 
 std::uint32_t Crc(const void* bytes, std::size_t size, std::uint32_t before) {
-  return static_cast<std::uint32_t>(crc32_z(before, static_cast<const Bytef*>(bytes), size));
+  return libdeflate_crc32(before, bytes, size);
 }
 
 void Database::Finalizer::operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
