@@ -64,19 +64,21 @@ KeptSession::KeptSession(SlamRunOptions* options) : options_(*options) {
 // A recording that the session has already is not taken twice.
 void KeptSession::GoOnAfter(const std::vector<SessionRun>& runs, SequenceOptions* sequence) {
   const std::string path = FullPath(sequence->path);
+  const int newest = state_->frames.back().index;
+  int newest_here = -1;  // the same by the recording, if it is of this one
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const SessionRun& run = runs[i];
     if (run.sequence != path) continue;
-    const bool is_last = i + 1 == runs.size();
-    const int end =
-        is_last ? state_->frames.back().index + 1 : runs[i + 1].first + runs[i + 1].shift;
-    const int next = LastFrameOf(run, end, *state_) + 1;
-    if (is_last && next >= sequence->first) goes_on_ = true;
-    if (next <= sequence->first) continue;
-    LOG(WARNING) << options_.session << " has frames of " << sequence->path << " up to " << next - 1
+    const int end = i + 1 == runs.size() ? newest + 1 : runs[i + 1].first + runs[i + 1].shift;
+    const int last = LastFrameOf(run, end, *state_);
+    if (last >= 0 && last + run.shift == newest) newest_here = last;
+    if (last < sequence->first) continue;
+    LOG(WARNING) << options_.session << " has frames of " << sequence->path << " up to " << last
                  << ": it goes on after that";
-    sequence->first = next;
+    sequence->first = last + 1;
   }
+  const int step = sequence->first - newest_here;
+  goes_on_ = newest_here >= 0 && step > 0 && step <= sequence->stride;
   if (sequence->last >= 0 && sequence->last < sequence->first) {
     throw InputError(Concat(options_.session, " has all frames of ", sequence->path, " up to ",
                             sequence->last, " already"));
