@@ -26,6 +26,8 @@ set(CPACK_DEBIAN_LIBRARY_DESCRIPTION "dense RGB-D SLAM - shared libraries
 ${about}
 This package has the libraries that the programs, the Python module and
 other programs link.")
+# Loaded for cameras, and not linked.
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_SUGGESTS "libopenni2-0")
 # A trigger is the way to tell of new libraries. CPack would also write scripts that call ldconfig,
 # but for scripts that are named here: these do not exist, and so there are none.
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA "${PROJECT_SOURCE_DIR}/cmake/debian/triggers"

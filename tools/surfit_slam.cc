@@ -171,6 +171,9 @@ void PrintSummary(const SlamRunSummary& s, const SlamRunOptions& options) {
   if (s.frames_dropped > 0) {
     std::printf("%d frames were offered, but not taken in time\n", s.frames_dropped);
   }
+  if (s.pauses > 0) {
+    std::printf("the camera was away %d times, %.1f s in all\n", s.pauses, s.paused_s);
+  }
   if (s.frames_without_intensities > 0) {
     std::printf("%d frames without intensities, tracked by their shapes alone\n",
                 s.frames_without_intensities);
@@ -235,10 +238,10 @@ int Run(const Options& all) {
     if (view) view->Keep(result);
   };
   const SlamRunSummary summary = RunSlam(options, interrupted, progress, keep);
-  const bool live = options.sequence.format == "watch";
+  const bool live = IsLive(options.sequence);
   if (summary.interrupted || live) std::fputc('\n', stderr);  // ends the line of progress
   PrintSummary(summary, options);
-  PrintStages(summary, options.offered_fps > 0);
+  PrintStages(summary, options.OffersFrames());
   if (options.keep_views) WriteAndPrintReport({{options.output}, options.output + "/report.html"});
   std::fflush(stdout);
   if (view) view->Stay();

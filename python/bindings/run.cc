@@ -39,6 +39,8 @@ void BindRunSummary(py::module_& module) {
       .def_readonly("frames_fused", &Summary::frames_fused, "into the map")
       .def_readonly("frames_skipped", &Summary::frames_skipped, "that could not be read")
       .def_readonly("frames_dropped", &Summary::frames_dropped, "offered, but not taken in time")
+      .def_readonly("pauses", &Summary::pauses, "that a camera was unplugged, and came back")
+      .def_readonly("paused_s", &Summary::paused_s, "in all")
       .def_readonly("frames_without_intensities", &Summary::frames_without_intensities,
                     "tracked by their shapes alone though intensities were asked for")
       .def_readonly("input_points", &Summary::input_points, "pixels of all frames read")

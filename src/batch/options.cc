@@ -3,6 +3,7 @@
 
 #include "surfit/batch/batch.h"
 #include "surfit/core/error.h"
+#include "surfit/io/sequence.h"
 
 namespace surfit {
 
@@ -21,8 +22,9 @@ void BatchOptions::Visit(OptionVisitor& v) {
             WithoutFlags({"sequence", "output", "trace", "dump_failures", "session", "continue",
                           "localize"}));
   v.Check([this] {
-    if (run.sequence.format != "watch") return;
-    throw InputError("format is 'watch', must be one of a sequence that is recorded");
+    if (!IsLive(run.sequence)) return;
+    throw InputError(Concat("format is '", run.sequence.format,
+                            "', must be one of a sequence that is recorded"));
   });
 }
 

@@ -122,9 +122,9 @@ std::string FollowTextLink(const std::string& folder, const std::string& name) {
 }
 
 const std::vector<std::string>& SequenceFormats() {
-  static const auto* const formats =
-      new std::vector<std::string>{"tum",  "icl_nuim", "seven_scenes", "redwood", "replica", "klg",
-                                   "sens", "bag",      "db3",          "mcap",    "watch"};
+  static const auto* const formats = new std::vector<std::string>{
+      "tum", "icl_nuim", "seven_scenes", "redwood", "replica", "klg",    "sens",
+      "bag", "db3",      "mcap",         "oni",     "watch",   "openni2"};
   return *formats;
 }
 
@@ -133,7 +133,7 @@ bool IsBag(const std::string& format) {
 }
 
 bool MayBeFile(const std::string& format) {
-  return format == "klg" || format == "sens" || IsBag(format);
+  return format == "klg" || format == "sens" || format == "oni" || IsBag(format);
 }
 
 bool MayBeFolder(const std::string& format) {
@@ -142,10 +142,10 @@ bool MayBeFolder(const std::string& format) {
 
 std::string DetectFormat(const std::string& path) {
   if (!IsFile(path)) return DetectFolderFormat(path);
-  for (const char* format : {"klg", "sens", "bag", "db3", "mcap", "watch"}) {
+  for (const char* format : {"klg", "sens", "bag", "db3", "mcap", "oni"}) {
     if (EndsWith(path, std::string(".") + format)) return format;
   }
-  throw InputError(path + " is neither a folder nor a .klg, .sens, .bag, .db3 or .mcap file");
+  throw InputError(path + " is neither a folder nor a .klg, .sens, .bag, .db3, .mcap or .oni file");
 }
 
 }  // namespace surfit

@@ -5,6 +5,7 @@
 #include "surfit/core/error.h"
 #include "surfit/core/trace.h"
 #include "surfit/frame/prepare_frame.h"
+#include "surfit/geometry/inverse_depth_field.h"
 
 namespace surfit {
 namespace {
@@ -17,24 +18,36 @@ void RequireSize(const Image<T>& image, const PinholeCamera& camera, const char*
                           camera.width, " x ", camera.height, " as ", whose));
 }
 
-class Corrected : public FrameSource {
+// Prepares what is read.
+class PreparedFrames : public FrameSource {
  public:
-  Corrected(std::unique_ptr<FrameSource> source, const InverseDepthField& field)
-      : source_(std::move(source)), field_(field) {}
+  explicit PreparedFrames(RawSequence sequence) : sequence_(std::move(sequence)) {}
 
-  const SequenceInfo& info() const override { return source_->info(); }
+  const SequenceInfo& info() const override { return sequence_.info; }
 
   std::optional<ReadResult> Next() override {
-    std::optional<ReadResult> result = source_->Next();
-    if (result && result->frame) {
-      CorrectDepth(source_->info().pinhole, field_, &result->frame->depth_m);
+    std::optional<RawFrame> raw = sequence_.frames->Next();
+    if (!raw) return std::nullopt;
+    ReadResult result = std::move(raw->head);
+    const RgbdCamera& camera = info().camera;
+    const FrameStamps moments = MomentsOf(raw->stamps, camera);
+    result.stamp_s = moments.depth_s;
+    if (!result.error.empty()) return result;
+    try {
+      const StageTimer timer("decode", result.index, &result.decode_ms);
+      result.frame =
+          MakeFrame(camera, sequence_.preparer, sequence_.frames->Read(), result.index, moments);
+    } catch (const InputError& error) {
+      result.error = error.what();
+      return result;
     }
+    if (!sequence_.field.IsZero())
+      CorrectDepth(info().pinhole, sequence_.field, &result.frame->depth_m);
     return result;
   }
 
  private:
-  std::unique_ptr<FrameSource> source_;
-  InverseDepthField field_;
+  RawSequence sequence_;
 };
 
 }  // namespace
@@ -71,33 +84,42 @@ RgbdFrame MakeFrame(const RgbdCamera& camera, const FramePreparer& preparer, Fra
   return frame;
 }
 
-ImageSequence::ImageSequence(SequenceInfo info, std::unique_ptr<Recording> recording,
-                             std::vector<int> indices, FramePreparer preparer)
-    : info_(std::move(info)),
-      recording_(std::move(recording)),
-      indices_(std::move(indices)),
-      preparer_(std::move(preparer)) {}
+ImageSequence::ImageSequence(std::unique_ptr<Recording> recording, std::vector<int> indices)
+    : recording_(std::move(recording)), indices_(std::move(indices)) {}
 
-std::optional<ReadResult> ImageSequence::Next() {
-  if (next_ == indices_.size()) return std::nullopt;
-  ReadResult result;
-  result.index = indices_[next_++];
-  const FrameStamps moments = MomentsOf(recording_->stamps(result.index), info_.camera);
-  result.stamp_s = moments.depth_s;
-  try {
-    const StageTimer timer("decode", result.index, &result.decode_ms);
-    result.frame =
-        MakeFrame(info_.camera, preparer_, recording_->Read(result.index), result.index, moments);
-  } catch (const InputError& error) {
-    result.error = error.what();
+std::vector<FrameImages> ImageSequence::FirstImages() {
+  constexpr std::size_t kImages = 8, kApart = 15;
+  std::vector<FrameImages> images;
+  std::string first_error;
+  for (std::size_t i = 0; i < indices_.size() && images.size() < kImages;
+       i += images.empty() ? 1 : kApart) {
+    try {
+      images.push_back(recording_->Read(indices_[i]));
+    } catch (const InputError& error) {
+      if (first_error.empty()) first_error = error.what();
+    }
   }
-  return result;
+  if (images.empty()) throw InputError("no frame can be read: " + first_error);
+  return images;
 }
 
-std::unique_ptr<FrameSource> CorrectedSource(std::unique_ptr<FrameSource> source,
-                                             const InverseDepthField& field) {
-  if (field.IsZero()) return source;
-  return std::make_unique<Corrected>(std::move(source), field);
+std::optional<RawFrame> ImageSequence::Next() {
+  if (next_ == indices_.size()) return std::nullopt;
+  RawFrame frame;
+  frame.head.index = indices_[next_++];
+  frame.stamps = recording_->stamps(frame.head.index);
+  return frame;
+}
+
+RawSequence Complete(SequenceInfo info, std::unique_ptr<RawFrames> frames,
+                     const SequenceOptions& options) {
+  FramePreparer preparer = CompleteInfo(frames->FirstImages(), options.prepare, &info);
+  InverseDepthField field = ReadDepthField(options, info.format);
+  return {std::move(info), std::move(frames), std::move(preparer), field};
+}
+
+std::unique_ptr<FrameSource> Prepared(RawSequence sequence) {
+  return std::make_unique<PreparedFrames>(std::move(sequence));
 }
 
 }  // namespace surfit

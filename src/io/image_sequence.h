@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "io/raw_frames.h"
 #include "io/recording.h"
 #include "surfit/frame/prepare_frame.h"
-#include "surfit/geometry/inverse_depth_field.h"
 #include "surfit/io/frame_source.h"
 
 namespace surfit {
@@ -22,21 +22,19 @@ FrameStamps MomentsOf(const FrameStamps& stamps, const RgbdCamera& camera);
 RgbdFrame MakeFrame(const RgbdCamera& camera, const FramePreparer& preparer, FrameImages images,
                     int index, const FrameStamps& moments);
 
-// Reads and prepares chosen frames of a recording one after the other.
-class ImageSequence : public FrameSource {
+// Chosen frames of a recording one after the other.
+class ImageSequence : public RawFrames {
  public:
-  // The preparer may have the mirrored camera; info.camera is the files'.
-  ImageSequence(SequenceInfo info, std::unique_ptr<Recording> recording, std::vector<int> indices,
-                FramePreparer preparer);
+  ImageSequence(std::unique_ptr<Recording> recording, std::vector<int> indices);
 
-  const SequenceInfo& info() const override { return info_; }
-  std::optional<ReadResult> Next() override;
+  // The first that can be read, and some that follow.
+  std::vector<FrameImages> FirstImages() override;
+  std::optional<RawFrame> Next() override;
+  FrameImages Read() override { return recording_->Read(indices_[next_ - 1]); }
 
  private:
-  SequenceInfo info_;
   std::unique_ptr<Recording> recording_;
   std::vector<int> indices_;
-  FramePreparer preparer_;
   std::size_t next_ = 0;
 };
 
@@ -53,9 +51,5 @@ FramePreparer CompleteInfo(const std::vector<FrameImages>& first, const PrepareO
 // has no scale.
 std::optional<std::string> DepthScaleWarning(const RawDepth& depth, double depth_units_per_metre,
                                              const std::string& path);
-
-// The frames of a source with their depth corrected; the source itself if there is nothing to do.
-std::unique_ptr<FrameSource> CorrectedSource(std::unique_ptr<FrameSource> source,
-                                             const InverseDepthField& field);
 
 }  // namespace surfit

@@ -4,8 +4,11 @@
 #include "io/bags/bag_recording.h"
 #include "io/folder.h"
 #include "io/image_sequence.h"
+#include "io/openni_sources.h"
+#include "io/raw_frames.h"
 #include "io/recording.h"
 #include "io/sequence_camera.h"
+#include "io/watch_folder.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/io/sequence.h"
@@ -33,6 +36,14 @@ OpenedRecording OpenRecording(const std::string& format, const std::string& path
           {}};
 }
 
+ToldCamera BagCamera(const SequenceOptions& options, const BagRecording& bag) {
+  BagRecording::Known known;
+  known.depth = options.intrinsics.has_value();
+  known.color = options.color_intrinsics.has_value();
+  known.color_from_depth = options.color_from_depth.has_value();
+  return {bag.Camera(known), "the bag's CameraInfo"};
+}
+
 OpenedRecording OfBag(std::unique_ptr<BagRecording> bag) {
   OpenedRecording opened;
   opened.has_clock = true;
@@ -52,30 +63,31 @@ std::vector<int> SelectFrames(int count, const SequenceOptions& options) {
   return indices;
 }
 
-// The first frame that can be read, and some that follow; throws the first one's error if none can.
-std::vector<FrameImages> ReadFirstImages(const Recording& recording,
-                                         const std::vector<int>& indices) {
-  constexpr std::size_t kImages = 8, kApart = 15;
-  std::vector<FrameImages> images;
-  std::string first_error;
-  for (std::size_t i = 0; i < indices.size() && images.size() < kImages;
-       i += images.empty() ? 1 : kApart) {
-    try {
-      images.push_back(recording.Read(indices[i]));
-    } catch (const InputError& error) {
-      if (first_error.empty()) first_error = error.what();
-    }
-  }
-  if (images.empty()) throw InputError("no frame can be read: " + first_error);
-  return images;
-}
-
 }  // namespace
 
-std::unique_ptr<FrameSource> OpenSequence(const SequenceOptions& options) {
+bool IsLive(const SequenceOptions& options) {
+  return options.format == "watch" || options.format == "openni2";
+}
+
+RawSequence OpenRawLive(const SequenceOptions& options, int capacity,
+                        const std::atomic<bool>& stop) {
   Validate(options);
-  if (options.format == "watch")
-    throw InputError("format is 'watch': only a live run (surfit_slam) waits for frames to come");
+  if (options.format == "watch") return OpenWatchedFolder(options, stop);
+  if (options.format == "openni2") return OpenOpenNiCamera(options, capacity, stop);
+  throw InputError("format is '" + options.format + "', must be watch or openni2 to be live");
+}
+
+std::unique_ptr<FrameSource> OpenLive(const SequenceOptions& options, int capacity,
+                                      const std::atomic<bool>& stop) {
+  return Prepared(OpenRawLive(options, capacity, stop));
+}
+
+RawSequence OpenRawSequence(const SequenceOptions& options) {
+  Validate(options);
+  if (IsLive(options)) {
+    throw InputError(Concat("format is '", options.format,
+                            "': only a live run (surfit_slam) waits for frames to come"));
+  }
   if (!IsFolder(options.path) && !IsFile(options.path))
     throw InputError(options.path + " is neither a folder nor a file");
   SequenceInfo info;
@@ -87,21 +99,28 @@ std::unique_ptr<FrameSource> OpenSequence(const SequenceOptions& options) {
   std::unique_ptr<BagRecording> bag;
   if (IsBag(info.format))
     bag = std::make_unique<BagRecording>(options, info.format, /*is_folder=*/!is_file);
-  ResolveCamera(options, bag.get(), &info);
+  OniFile oni;
+  if (info.format == "oni") oni = OpenOni(options);
+  TellCamera tell;
+  if (bag) tell = [&] { return BagCamera(options, *bag); };
+  if (oni.camera) tell = [&] { return ToldCamera{oni.camera(), "the file's field of view"}; };
+  ResolveCamera(options, tell, &info);
 
-  OpenedRecording opened =
-      bag ? OfBag(std::move(bag)) : OpenRecording(info.format, options.path, info.camera);
+  OpenedRecording opened = bag          ? OfBag(std::move(bag))
+                           : oni.camera ? std::move(oni.recording)
+                                        : OpenRecording(info.format, options.path, info.camera);
   if (!opened.has_clock) DropLatency(options, &info.camera);
   info.warnings.insert(info.warnings.end(), opened.warnings.begin(), opened.warnings.end());
   info.ground_truth = std::move(opened.ground_truth);
   std::vector<int> indices = SelectFrames(opened.frames->frame_count(), options);
   info.frame_count = static_cast<int>(indices.size());
-  FramePreparer preparer =
-      CompleteInfo(ReadFirstImages(*opened.frames, indices), options.prepare, &info);
-  const InverseDepthField field = ReadDepthField(options, info.format);
-  return CorrectedSource(std::make_unique<ImageSequence>(std::move(info), std::move(opened.frames),
-                                                         std::move(indices), std::move(preparer)),
-                         field);
+  return Complete(std::move(info),
+                  std::make_unique<ImageSequence>(std::move(opened.frames), std::move(indices)),
+                  options);
+}
+
+std::unique_ptr<FrameSource> OpenSequence(const SequenceOptions& options) {
+  return Prepared(OpenRawSequence(options));
 }
 
 }  // namespace surfit

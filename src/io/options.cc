@@ -35,9 +35,13 @@ static void OptionFromText(const std::string& text, std::optional<Rigid3d>* pose
 
 void SequenceOptions::Visit(OptionVisitor& v) {
   v.Group("sequence");
-  v.Add(path, "path", "the sequence: a folder, or a .klg, .sens, .bag, .db3 or .mcap file",
+  v.Add(path, "path",
+        "the sequence: a folder, or a .klg, .sens, .bag, .db3, .mcap or .oni file; a camera's URI, "
+        "or "
+        "any",
         Required(), AsFlag("sequence"), Everyday());
-  v.Add(format, "format", "format of the sequence; watch: wait for frames to come",
+  v.Add(format, "format",
+        "format of the sequence; watch: wait for frames to come; openni2: a camera",
         OneOf(Formats()), Everyday());
   v.Add(camera, "camera",
         "camera preset, of a data set (tum_fr1, tum_fr2, tum_fr3, icl_nuim, seven_scenes, redwood, "
@@ -73,6 +77,17 @@ void SequenceOptions::Visit(OptionVisitor& v) {
         AsFlag());
   v.Add(color_topic, "color_topic",
         "of a ROS bag: the topic of colour images, or none; empty: the only one, if any", AsFlag());
+  v.Add(device_width, "device_width", "of a camera: width of its images", InUnit("px"), AtLeast(1),
+        AsFlag());
+  v.Add(device_height, "device_height", "of a camera: height of its images", InUnit("px"),
+        AtLeast(1), AsFlag());
+  v.Add(device_fps, "device_fps", "of a camera: frames per second", AtLeast(1), AsFlag());
+  v.Add(device_registration, "device_registration",
+        "of a camera: it registers depth to colour; of an .oni recording: it did", AsFlag());
+  v.Add(device_lock_exposure, "device_lock_exposure",
+        "of a camera: lock exposure and white balance after 60 images", AsFlag());
+  v.Add(openni2_library, "openni2_library",
+        "the library of OpenNI2 to load, as a vendor's with its drivers", AsFlag());
   v.Add(first, "first", "index of the first frame to read", AtLeast(0), Everyday());
   v.Add(last, "last", "index of the last frame to read, inclusive; -1 = to the end", AtLeast(-1),
         Everyday());

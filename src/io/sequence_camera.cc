@@ -6,7 +6,6 @@
 #include <sstream>
 
 #include "core/read_file.h"
-#include "io/bags/bag_recording.h"
 #include "io/folder.h"
 #include "io/recording.h"
 #include "surfit/core/error.h"
@@ -45,13 +44,6 @@ RgbdCamera RosDefault() {
   camera.depth_units_per_metre = 5000;
   return camera;
 }
-
-// A camera and where it is from.
-struct ToldCamera {
-  RgbdCamera camera;
-  std::string from;
-  bool is_guessed = false;
-};
 
 ToldCamera Preset(const std::string& name, const std::string& why = "") {
   return {CameraPreset(name), "the preset " + name + why};
@@ -142,21 +134,13 @@ std::string GuessWarning(const std::string& path, const RgbdCamera& camera) {
          "one to fill in) or as intrinsics and depth_scale, or name a preset as camera";
 }
 
-ToldCamera BagCamera(const SequenceOptions& options, const BagRecording& bag) {
-  BagRecording::Known known;
-  known.depth = options.intrinsics.has_value();
-  known.color = options.color_intrinsics.has_value();
-  known.color_from_depth = options.color_from_depth.has_value();
-  return {bag.Camera(known), "the bag's CameraInfo"};
-}
-
 // The camera before any figure of the options.
 ToldCamera BaseCamera(const SequenceOptions& options, const std::string& format,
-                      const BagRecording* bag) {
+                      const TellCamera& tell) {
   const std::string yaml = CameraFile(options, format);
   if (!yaml.empty()) return {ReadCameraYaml(yaml), yaml};
   if (!options.camera.empty()) return Preset(options.camera);
-  if (bag != nullptr) return BagCamera(options, *bag);
+  if (tell) return tell();
   if (format == "sens") return {ReadSensCamera(options.path), "the file's head"};
   if (format == "redwood" || format == "watch") return RedwoodCamera(options.path);
   if (format == "replica") return ReplicaCamera(options.path);
@@ -202,8 +186,9 @@ void ValidateFigures(RgbdCamera camera) {
   }
 }
 
-// A folder's camera.yaml; of a file F.klg it is F.klg.yaml.
+// A folder's camera.yaml; of a file F.klg it is F.klg.yaml. A device has none.
 std::string OwnCameraFile(const SequenceOptions& options, const std::string& format) {
+  if (format == "openni2") return "";
   const bool is_file = MayBeFile(format) && !IsFolder(options.path);
   return options.path + (is_file ? ".yaml" : "/camera.yaml");
 }
@@ -222,7 +207,7 @@ void AddOverrideWarning(const SequenceOptions& options, const std::string& own,
                         const RgbdCamera& camera, std::vector<std::string>* warnings) {
   std::string told;
   try {
-    if (HasFile(own)) told = DepthFigures(ReadCameraYaml(own));
+    if (!own.empty() && HasFile(own)) told = DepthFigures(ReadCameraYaml(own));
   } catch (const InputError& error) {
     told = error.what();
   }
@@ -266,8 +251,8 @@ std::string PresetsOfSize(int width, int height) {
   return text;
 }
 
-void ResolveCamera(const SequenceOptions& options, const BagRecording* bag, SequenceInfo* info) {
-  const ToldCamera base = BaseCamera(options, info->format, bag);
+void ResolveCamera(const SequenceOptions& options, const TellCamera& tell, SequenceInfo* info) {
+  const ToldCamera base = BaseCamera(options, info->format, tell);
   RgbdCamera camera = base.camera;
   if (options.intrinsics) SetIntrinsics(*options.intrinsics, &camera.depth);
   if (options.distortion) camera.depth.distortion = *options.distortion;
@@ -302,7 +287,7 @@ std::string CameraFile(const SequenceOptions& options, const std::string& format
   if (std::filesystem::path(options.camera).extension() == ".yaml") return options.camera;
   if (!options.camera.empty()) return "";
   const std::string yaml = OwnCameraFile(options, format);
-  return HasFile(yaml) ? yaml : "";
+  return !yaml.empty() && HasFile(yaml) ? yaml : "";
 }
 
 std::string NameOfCamera(const SequenceOptions& options) {

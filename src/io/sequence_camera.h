@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -8,13 +9,21 @@
 
 namespace surfit {
 
-class BagRecording;
+// A camera and where it is from.
+struct ToldCamera {
+  RgbdCamera camera;
+  std::string from;
+  bool is_guessed = false;
+};
+
+// What a recording or device itself tells of its camera; empty where it tells nothing.
+using TellCamera = std::function<ToldCamera()>;
 
 // Gives a sequence whose format is known the camera that the options, the folder and the format
-// tell, in this order, of a ROS bag (else null) what the bag tells; fy < 0 is kept. A camera of
+// tell, in this order, before the format what `tell` tells; fy < 0 is kept. A camera of
 // width 0 and height 0 takes its size from the images. Tells where it is from, and appends what the
 // user should know. Throws InputError naming the option or file at fault.
-void ResolveCamera(const SequenceOptions& options, const BagRecording* bag, SequenceInfo* info);
+void ResolveCamera(const SequenceOptions& options, const TellCamera& tell, SequenceInfo* info);
 
 // "525 525 319.5 239.5 px, 1000 units of depth a metre", and distortion if there is any.
 std::string DepthFigures(const RgbdCamera& camera);

@@ -1,3 +1,5 @@
+#include "io/watch_folder.h"
+
 #include <glog/logging.h>
 
 #include <chrono>
@@ -6,9 +8,9 @@
 #include <set>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "io/folder.h"
-#include "io/image_sequence.h"
 #include "io/recording.h"
 #include "io/sequence_camera.h"
 #include "surfit/core/error.h"
@@ -106,38 +108,41 @@ std::optional<Arrival> WatchedFolder::Next() {
   return std::nullopt;
 }
 
-class WatchSource : public FrameSource {
+class WatchedFrames : public RawFrames {
  public:
-  WatchSource(const SequenceOptions& options, SequenceInfo info, WatchedFolder folder)
-      : options_(options),
-        info_(std::move(info)),
-        folder_(std::move(folder)),
-        preparer_(CompleteInfo({WaitForImages()}, options.prepare, &info_)) {}
+  WatchedFrames(const SequenceOptions& options, WatchedFolder folder)
+      : options_(options), folder_(std::move(folder)) {}
 
-  const SequenceInfo& info() const override { return info_; }
-
-  std::optional<ReadResult> Next() override {
-    while (options_.last == -1 || count_ <= options_.last) {
-      std::optional<Arrival> arrival = NextArrival();
-      if (!arrival) break;
-      const int index = count_++;
-      if (index < options_.first || (index - options_.first) % options_.stride != 0) continue;
-      return Prepare(std::move(*arrival), index);
-    }
-    return std::nullopt;
-  }
-
- private:
-  // Images of the first readable frame; it and those before it stay queued in ahead_.
-  const FrameImages& WaitForImages() {
+  // Of the first readable frame; it and those before it stay queued in ahead_.
+  std::vector<FrameImages> FirstImages() override {
     while (std::optional<Arrival> arrival = folder_.Next()) {
       ahead_.push_back(std::move(*arrival));
-      if (ahead_.back().images) return *ahead_.back().images;
+      if (ahead_.back().images) return {*ahead_.back().images};
     }
     throw InputError(Concat("no frame of ", options_.path,
                             " can be read: ", ahead_.empty() ? "none came" : ahead_.front().error));
   }
 
+  std::optional<RawFrame> Next() override {
+    while (options_.last == -1 || count_ <= options_.last) {
+      std::optional<Arrival> arrival = NextArrival();
+      if (!arrival) break;
+      const int index = count_++;
+      if (index < options_.first || (index - options_.first) % options_.stride != 0) continue;
+      RawFrame frame;
+      frame.head.index = index;
+      frame.head.error = arrival->error;
+      frame.head.decode_ms = arrival->decode_ms;
+      frame.stamps = arrival->stamps;
+      images_ = std::move(arrival->images);
+      return frame;
+    }
+    return std::nullopt;
+  }
+
+  FrameImages Read() override { return std::move(*images_); }
+
+ private:
   std::optional<Arrival> NextArrival() {
     if (ahead_.empty()) return folder_.Next();
     std::optional<Arrival> arrival = std::move(ahead_.front());
@@ -145,45 +150,31 @@ class WatchSource : public FrameSource {
     return arrival;
   }
 
-  ReadResult Prepare(Arrival arrival, int index) const {
-    ReadResult result;
-    result.index = index;
-    result.stamp_s = arrival.stamps.depth_s;
-    result.error = arrival.error;
-    result.decode_ms = arrival.decode_ms;
-    if (!arrival.images) return result;
-    try {
-      const StageTimer timer("decode", index, &result.decode_ms);
-      result.frame =
-          MakeFrame(info_.camera, preparer_, std::move(*arrival.images), index, arrival.stamps);
-    } catch (const InputError& error) {
-      result.error = error.what();
-    }
-    return result;
-  }
-
-  SequenceOptions options_;
-  SequenceInfo info_;
+  const SequenceOptions options_;
   WatchedFolder folder_;
-  std::deque<Arrival> ahead_;  // taken, but not given out yet
-  FramePreparer preparer_;
-  int count_ = 0;  // of frames so far, whether chosen or not
+  std::deque<Arrival> ahead_;          // taken, but not given out yet
+  std::optional<FrameImages> images_;  // of the frame that was given out last
+  int count_ = 0;                      // of frames so far, whether chosen or not
 };
 
 }  // namespace
 
-std::unique_ptr<FrameSource> WatchFolder(const SequenceOptions& options,
-                                         const std::atomic<bool>& stop) {
-  Validate(options);
+RawSequence OpenWatchedFolder(const SequenceOptions& options, const std::atomic<bool>& stop) {
   if (!IsFolder(options.path)) throw InputError(options.path + " is not a folder");
   SequenceInfo info;
   info.format = "watch";
   info.frame_count = -1;
-  ResolveCamera(options, /*bag=*/nullptr, &info);
+  ResolveCamera(options, /*tell=*/{}, &info);
   DropLatency(options, &info.camera);
   WatchedFolder folder(options.path, info.camera.frames_per_second, stop);
-  return CorrectedSource(std::make_unique<WatchSource>(options, std::move(info), std::move(folder)),
-                         ReadDepthField(options, "watch"));
+  return Complete(std::move(info), std::make_unique<WatchedFrames>(options, std::move(folder)),
+                  options);
+}
+
+std::unique_ptr<FrameSource> WatchFolder(const SequenceOptions& options,
+                                         const std::atomic<bool>& stop) {
+  Validate(options);
+  return Prepared(OpenWatchedFolder(options, stop));
 }
 
 }  // namespace surfit

@@ -92,8 +92,9 @@ void SlamRunOptions::Visit(OptionVisitor& v) {
     if (initial_pose != "identity" && initial_pose != "groundtruth") {
       ParsePose("initial_pose", initial_pose);
     }
-    if (offered_fps > 0 && sequence.format == "watch") {
-      throw InputError(Concat("offered_fps is ", offered_fps, ", must be 0 with format 'watch'"));
+    if (offered_fps > 0 && IsLive(sequence)) {
+      throw InputError(Concat("offered_fps is ", offered_fps, ", must be 0 with format '",
+                              sequence.format, "'"));
     }
   });
 }

@@ -39,6 +39,8 @@ void RunStatistics::CountRead(const ReadResult& result) {
       std::chrono::duration<double, std::milli>(result.waited_ms));
   taken_ = Clock::now();
   summary_.frames_dropped += result.dropped_before;
+  summary_.pauses += result.paused_before_s > 0;
+  summary_.paused_s += result.paused_before_s;
   ++summary_.frames_total;
   stamps_s_.push_back(result.stamp_s);
 }

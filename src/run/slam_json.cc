@@ -128,6 +128,8 @@ void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
   j["held_out_frames"] = s.held_out_frames;
   j["frames_skipped"] = s.frames_skipped;
   j["frames_dropped"] = s.frames_dropped;
+  j["pauses"] = s.pauses;
+  j["paused_s"] = s.paused_s;
   j["frames_without_intensities"] = s.frames_without_intensities;
   j["interrupted"] = s.interrupted;
   j["failure"] = s.failure.empty() ? Json() : Json(s.failure);
@@ -175,8 +177,8 @@ void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
   j["total_s"] = s.total_s;
   j["final_map_s"] = s.final_map_s ? Json(*s.final_map_s) : Json();
   j["frame_ms"] = ToJson(s.frame);
-  j["pose_latency_ms"] = options.offered_fps > 0 ? ToJson(s.pose_latency) : Json();
-  j["latency_ms"] = options.offered_fps > 0 ? ToJson(s.latency) : Json();
+  j["pose_latency_ms"] = options.OffersFrames() ? ToJson(s.pose_latency) : Json();
+  j["latency_ms"] = options.OffersFrames() ? ToJson(s.latency) : Json();
   j["stage_ms"] = Json::object();
   for (const StageStatistics& stage : s.stages) {
     j["stage_ms"][stage.name] = ToJson(stage.times);

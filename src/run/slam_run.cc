@@ -41,7 +41,9 @@ using ProgressCall = std::function<void(const SlamRunProgress&)>;
 // Frames that are still to come are read when asked for: waiting for them would hold a thread.
 std::unique_ptr<FrameSource> OpenSource(const SlamRunOptions& options,
                                         const std::atomic<bool>& interrupted) {
-  if (options.sequence.format == "watch") return WatchFolder(options.sequence, interrupted);
+  if (IsLive(options.sequence)) {
+    return OpenLive(options.sequence, options.queue_capacity, interrupted);
+  }
   auto source = OpenSequence(options.sequence);
   if (options.offered_fps == 0) return ReadAhead(std::move(source), options.queue_capacity);
   return OfferFrames(std::move(source), options.offered_fps, options.queue_capacity);
@@ -142,7 +144,7 @@ class SlamRun {
       const StageTimer timer("write", frame.index, &write_ms);
       files_->Write(report, result.decode_ms, statistics_.CompleteFrame());
     }
-    statistics_.AddTimes(result, report.times, write_ms, options_.offered_fps > 0);
+    statistics_.AddTimes(result, report.times, write_ms, options_.OffersFrames());
     return report;
   }
 
@@ -179,7 +181,7 @@ class SlamRun {
 
   // Not of a run that has ended early, nor of frames that are gone.
   void Improve(const std::atomic<bool>& interrupted, const ProgressCall& progress) {
-    if (!options_.final_map || options_.sequence.format == "watch" || !is_whole_ || interrupted ||
+    if (!options_.final_map || IsLive(options_.sequence) || !is_whole_ || interrupted ||
         failures_.any() || options_.continue_session || options_.localize) {
       return;
     }
@@ -316,7 +318,7 @@ SlamRunSummary RunSlam(const SlamRunOptions& options, const std::atomic<bool>& i
   const ThreadLimit limit(options.threads);
   SlamRunOptions run = options;
   // While a doubtful frame is looked for, the camera moves on: the next would be far, too.
-  if (options.offered_fps > 0) run.slam.sure_inlier_share = 0;
+  if (options.OffersFrames()) run.slam.sure_inlier_share = 0;
   std::unique_ptr<KeptSession> session;
   if (!run.session.empty()) session = std::make_unique<KeptSession>(&run);
   SlamRun slam(run, session.get(), interrupted);

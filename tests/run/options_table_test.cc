@@ -10,6 +10,7 @@
 #include "surfit/evaluation/map_error.h"
 #include "surfit/evaluation/trajectory_evaluation.h"
 #include "surfit/io/klg_writer.h"
+#include "surfit/io/record.h"
 #include "surfit/mesh/mesh_surfels.h"
 #include "surfit/report/write_report.h"
 #include "surfit/run/compare_solvers.h"
@@ -60,8 +61,8 @@ using AllOptions = ::testing::Types<
     PlaceIndexOptions, VerifyLoopOptions, FindLoopsOptions, RelocalizeOptions, EdgeNoise,
     PoseGraphOptions, LoopOptions, SlamOptions, CalibrationPrior, RefinementOptions, MatchOptions,
     RelativePoseErrorOptions, TrajectoryEvaluationOptions, MapErrorOptions, KlgOptions,
-    KinectOptions, ColorOptions, PathOptions, ReportOptions, SlamRunOptions, AlignRunOptions,
-    RegisterRunOptions, RefineRunOptions, RevisitOptions, FindLoopsRunOptions,
+    RecordOptions, KinectOptions, ColorOptions, PathOptions, ReportOptions, SlamRunOptions,
+    AlignRunOptions, RegisterRunOptions, RefineRunOptions, RevisitOptions, FindLoopsRunOptions,
     ViewEvaluationOptions, MeshOptions, CompareOptions, ScanPlanOptions, CandidatesOptions,
     LinkOptions, GraphOptions, TileOptions, ScanReportOptions, BatchOptions>;
 TYPED_TEST_SUITE(OptionTables, AllOptions);
@@ -72,9 +73,10 @@ TYPED_TEST(OptionTables, NameEveryFieldOnce) { ExpectAll<TypeParam>(FieldCount<T
 TEST(SequenceTable, NamesEveryField) {
   auto [path, format, camera, intrinsics, distortion, depth_units_per_metre, inverse_depth_sigma,
         color_intrinsics, color_distortion, color_from_depth, frames_per_second, latency_s,
-        color_latency_s, readout_s, depth_topic, color_topic, first, last, stride, prepare] =
-      SequenceOptions();
-  ExpectAll<SequenceOptions>(20);
+        color_latency_s, readout_s, depth_topic, color_topic, device_width, device_height,
+        device_fps, device_registration, device_lock_exposure, openni2_library, first, last, stride,
+        prepare] = SequenceOptions();
+  ExpectAll<SequenceOptions>(26);
 }
 
 TEST(PriorTable, NamesEveryField) {

@@ -29,6 +29,7 @@ packages=(
   nlohmann-json3-dev
   libturbojpeg0-dev libpng-dev libtiff-dev libdeflate-dev liblzf-dev libmeshoptimizer-dev
   liblz4-dev libzstd-dev libbz2-dev libsqlite3-dev
+  libopenni2-dev
   # what reports hold
   libjs-three libjs-chart.js
   # CMake looks for these at once

@@ -20,7 +20,7 @@ it to what the programs say.
 END
   local program
   for program in slam session refine report align register compare_solvers evaluate evaluate_map \
-    evaluate_revisits evaluate_views find_loops convert mesh optimize batch scan plan scan_candidates scan_link scan_graph scan_tile \
+    evaluate_revisits evaluate_views find_loops record convert mesh optimize batch scan plan scan_candidates scan_link scan_graph scan_tile \
     scan_report simulate; do
     printf '\n## surfit_%s\n\n' "$program"
     "$programs/surfit_$program" --help=all |

@@ -25,7 +25,8 @@ struct SequenceInfo {
   PinholeCamera pinhole;  // of the frames that Next() returns: undistorted, downsampled, fy > 0
   // What the depth of these frames is.
   DepthSensor sensor() const { return {pinhole, camera.noise, camera.readout_s, camera.prior}; }
-  int frame_count = 0;  // how many frames Next() will attempt; -1: as many as will come (watch)
+  int frame_count =
+      0;  // how many frames Next() will attempt; -1: as many as will come (OpenLive())
   // The files' image y axis points up (fy < 0). Frames and ground truth are then mirrored by
   // S = diag(1, -1, 1) when read: camera and world, poses become S pose S. Whoever writes poses
   // back in the source's convention conjugates them again.
@@ -45,10 +46,12 @@ struct ReadResult {
   std::optional<RgbdFrame> frame;  // empty if the files could not be read
   std::string error;               // then why, naming the file
   double decode_ms = 0;            // time spent reading and preparing it
-  // Of frames that are offered at a rate (OfferFrames()):
+  // Of frames that are offered at a rate (OfferFrames()) or come from a camera:
   double waited_ms = 0;    // time that the reader was early
   double queued_ms = 0;    // or the frame waited to be taken
   int dropped_before = 0;  // frames that were not taken in time
+  // Of a camera: how long it had been unplugged before this frame.
+  double paused_before_s = 0;
 };
 
 // A sequence of RGB-D frames. Not thread-safe.

@@ -17,8 +17,8 @@ class OptionVisitor;
 // Which frames of which sequence to read, and with what camera.
 struct SequenceOptions {
   std::string path;  // the sequence's folder, or file
-  // auto, tum, icl_nuim, seven_scenes, redwood, replica, klg, sens, bag, db3, mcap, or watch
-  // (RunSlam() only).
+  // auto, tum, icl_nuim, seven_scenes, redwood, replica, klg, sens, bag, db3, mcap, oni, or one of
+  // those whose frames are still to come (OpenLive()): watch, openni2.
   std::string format = "auto";
 
   // A preset's name (see CameraPreset()), or a camera.yaml by its path. If empty: the folder's
@@ -47,6 +47,16 @@ struct SequenceOptions {
   // no colour.
   std::string depth_topic, color_topic;
 
+  // Of a camera (openni2): what it is to send, which must be one of its modes.
+  int device_width = 640, device_height = 480;  // px
+  int device_fps = 30;
+  // The camera registers depth to colour; of a recording (oni): it did.
+  bool device_registration = true;
+  // Exposure and white balance are locked at what they are after 60 images of colour.
+  bool device_lock_exposure = false;
+  // Of openni2 and oni: the library, as for dlopen(), with the drivers that it has beside it.
+  std::string openni2_library = "libOpenNI2.so.0";
+
   int first = 0;   // index of the first frame, from 0 over all that the folder lists
   int last = -1;   // index of the last frame, inclusive; -1, or beyond the end: to the end
   int stride = 1;  // read every stride-th frame
@@ -69,10 +79,25 @@ std::unique_ptr<FrameSource> OpenSequence(const SequenceOptions& options);
 
 // The correction of depth that a sequence of this format comes with: the inverse_depth_field of its
 // camera.yaml (of a file F.klg: F.klg.yaml) or of the one that options.camera names, zero where
-// that has none or options.camera names a preset. OpenSequence() and WatchFolder() apply it to
+// that has none or options.camera names a preset. OpenSequence() and OpenLive() apply it to
 // every frame; it holds for frames as they give them, mirrored if the file's image y axis points
 // up. Throws InputError naming file and key.
 InverseDepthField ReadDepthField(const SequenceOptions& options, const std::string& format);
+
+// Whether the frames of this format are still to come, so that OpenLive() takes the place of
+// OpenSequence().
+bool IsLive(const SequenceOptions& options);
+
+// Frames of a folder that is being filled (watch; WatchFolder()) or of a camera (openni2). Of a
+// camera options.path is the URI by which OpenNI2 knows it, or "any": the first that is there. Its
+// camera is by its field of view if nothing else tells it. Depth and colour are paired by their
+// stamps, which are the device's, in seconds. A frame without colour is a ReadResult with an error.
+// A queue keeps the newest `capacity` frames that were not taken yet; older ones are dropped,
+// logged and counted. While the camera is unplugged Next() waits for it; later stamps go on by the
+// time that has passed (ReadResult::paused_before_s). Ends when `stop` becomes true, which must
+// outlive the source. Throws InputError naming the device or option at fault.
+std::unique_ptr<FrameSource> OpenLive(const SequenceOptions& options, int capacity,
+                                      const std::atomic<bool>& stop);
 
 // The frames of a folder that is being filled (by a phone or a recorder), each as soon as its files
 // are complete: numbered PNG images in depth/, and numbered PNG or JPEG images in color/, rgb/ or

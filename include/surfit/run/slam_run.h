@@ -50,6 +50,9 @@ struct SlamRunOptions {
   // (CompareOptions::replay); empty = none.
   std::string dump_failures;
 
+  // Whether frames come at a rate of their own, so that those not taken in time are dropped.
+  bool OffersFrames() const { return offered_fps > 0 || sequence.format == "openni2"; }
+
   void Visit(OptionVisitor& visitor);
 };
 
@@ -124,6 +127,8 @@ struct SlamRunSummary {
   std::vector<int> held_out_frames;  // indices of tracked ones that SlamOptions::hold_out left out
   int frames_skipped = 0;            // could not be read
   int frames_dropped = 0;            // offered, but not taken in time: not in frames_total
+  int pauses = 0;                    // that a camera was unplugged, and came back
+  double paused_s = 0;               // in all
   BackendCounts loops;               // all zero without loops and calibration
   std::vector<CalibrationRecord> calibrations;  // of the depth camera, in their order
   std::optional<FinalRefinement> refinement;    // none where the camera is as given, or not refined

@@ -1,0 +1,48 @@
+#include "io/openni/openni_library.h"
+
+#include <dlfcn.h>
+
+#include <algorithm>
+
+#include "surfit/core/error.h"
+
+namespace surfit {
+namespace {
+
+void* Find(void* library, const char* call, const std::string& name) {
+  if (void* const found = dlsym(library, call)) return found;
+  throw InputError(Concat(name, " has no ", call, ", so it is not OpenNI2"));
+}
+
+}  // namespace
+
+OpenNiLibrary::OpenNiLibrary(const std::string& name)
+    // It stays loaded: its drivers have threads.
+    : library_(dlopen(name.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE)) {
+  if (library_ == nullptr) {
+    throw InputError(Concat("OpenNI2 cannot be loaded (", dlerror(),
+                            "): install Debian's libopenni2-0, or name a library as "
+                            "openni2_library"));
+  }
+#define SURFIT_OPENNI_FIND(call) \
+  call = reinterpret_cast<decltype(call)>(Find(library_, #call, name));
+  SURFIT_OPENNI_CALLS(SURFIT_OPENNI_FIND)
+#undef SURFIT_OPENNI_FIND
+  Require(oniInitialize(ONI_API_VERSION), name + " does not start");
+}
+
+OpenNiLibrary::~OpenNiLibrary() { oniShutdown(); }
+
+void OpenNiLibrary::Require(OniStatus status, const std::string& what) const {
+  if (status != ONI_STATUS_OK) throw InputError(what + ": " + Reason());
+}
+
+std::string OpenNiLibrary::Reason() const {
+  std::string reason = oniGetExtendedError();
+  while (!reason.empty() && (reason.back() == '\n' || reason.back() == '\t')) reason.pop_back();
+  std::replace_if(
+      reason.begin(), reason.end(), [](char c) { return c == '\n' || c == '\t'; }, ' ');
+  return reason.empty() ? "OpenNI2 gives no reason" : reason;
+}
+
+}  // namespace surfit

@@ -1,0 +1,296 @@
+// Cameras and recordings of OpenNI2, with the real library and a virtual camera.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <memory>
+#include <thread>
+
+#include "surfit/io/record.h"
+#include "surfit/io/sequence.h"
+#include "testing/matchers.h"
+#include "testing/openni/virtual_camera.h"
+#include "testing/sequence_writer.h"
+#include "testing/temp_folder.h"
+
+namespace surfit::testing {
+namespace {
+
+std::vector<FilmFrame> NumberedFilm(int count) {
+  std::vector<FilmFrame> film;
+  for (int i = 0; i < count; ++i)
+    film.push_back(FilmFrameOf(i, NumberedDepth(i), NumberedColor(i)));
+  return film;
+}
+
+SequenceOptions CameraOptions() {
+  SequenceOptions options = OptionsOf("any");
+  options.format = "openni2";
+  options.device_width = 32;
+  options.device_height = 24;
+  options.openni2_library = VirtualCamera::library();
+  return options;
+}
+
+SequenceOptions OniOptions(const std::string& path) {
+  SequenceOptions options = OptionsOf(path);
+  options.openni2_library = VirtualCamera::library();
+  return options;
+}
+
+// Red of NumberedColor().
+int NumberOf(const ReadResult& result) { return result.frame->color[0].r; }
+
+class OpenNiCamera : public ::testing::Test {
+ protected:
+  std::unique_ptr<FrameSource> Open(const SequenceOptions& options, int capacity = 1000) {
+    return OpenLive(options, capacity, stop_);
+  }
+  std::atomic<bool> stop_{false};
+};
+
+TEST_F(OpenNiCamera, GivesItsFramesAndItsFieldOfView) {
+  std::vector<FilmFrame> film = NumberedFilm(60);
+  for (FilmFrame& frame : film) frame.color_us += 4000;
+  CameraScript script;
+  script.horizontal_fov_rad = 1.1F;
+  script.vertical_fov_rad = 0.7F;
+  const VirtualCamera camera(script, film);
+  SequenceOptions options = CameraOptions();
+  options.last = 18;
+  const auto source = Open(options);
+  EXPECT_EQ(source->info().frame_count, -1);
+  EXPECT_NEAR(source->info().pinhole.fx, 16 / std::tan(0.55), 1e-5);  // a float's angle
+  EXPECT_NEAR(source->info().pinhole.fy, 12 / std::tan(0.35), 1e-5);
+  EXPECT_EQ(source->info().pinhole.cx, 15.5);
+  EXPECT_FALSE(source->info().camera_is_guessed);
+  int expected = -1, first = 0;
+  while (const auto result = source->Next()) {
+    ASSERT_TRUE(result->frame) << result->error;
+    if (expected < 0) expected = first = NumberOf(*result);
+    expected += result->dropped_before;  // a busy machine may lose some: they are counted
+    EXPECT_EQ(result->index, expected - first);
+    EXPECT_EQ(NumberOf(*result), expected);
+    EXPECT_DOUBLE_EQ(result->stamp_s, 1e-6 * static_cast<double>(film[expected].depth_us));
+    EXPECT_NEAR(result->frame->color_stamp_s - result->stamp_s, 0.004, 1e-9);
+    EXPECT_NEAR(result->frame->depth_m[3], 1e-3 * film[expected].depth[3], 1e-6);
+    ++expected;
+  }
+  EXPECT_EQ(expected, first + 19);
+}
+
+TEST_F(OpenNiCamera, IsSetAsAsked) {
+  CameraScript script;
+  script.period_us = 1000;
+  const VirtualCamera camera(script, NumberedFilm(120));
+  SequenceOptions options = CameraOptions();
+  options.device_lock_exposure = true;
+  options.last = 78;
+  ReadAll(Open(options).get());
+  EXPECT_THAT(camera.Log(), HasSubstr("mode 32x24"));
+  EXPECT_THAT(camera.Log(), HasSubstr("registration 1"));
+  EXPECT_THAT(camera.Log(), HasSubstr("stream property 7 = 0"));    // mirroring
+  EXPECT_THAT(camera.Log(), HasSubstr("stream property 100 = 0"));  // white balance
+  EXPECT_THAT(camera.Log(), HasSubstr("stream property 101 = 0"));  // exposure
+}
+
+TEST_F(OpenNiCamera, LocksNothingUnlessAsked) {
+  CameraScript script;
+  script.period_us = 1000;
+  const VirtualCamera camera(script, NumberedFilm(120));
+  SequenceOptions options = CameraOptions();
+  options.last = 78;
+  ReadAll(Open(options).get());
+  EXPECT_THAT(camera.Log(), Not(HasSubstr("property 101")));
+}
+
+TEST_F(OpenNiCamera, DropsAndCountsWhatIsNotTakenInTime) {
+  constexpr int kFrames = 60;  // and some more, for a busy machine may lose the last ones
+  const VirtualCamera camera({}, NumberedFilm(kFrames + 40));
+  SequenceOptions options = CameraOptions();
+  options.last = kFrames - 1;
+  const auto source = Open(options, /*capacity=*/2);
+  int taken = 0, dropped = 0, next = -1;
+  while (const auto result = source->Next()) {
+    if (next < 0) next = NumberOf(*result);
+    next += result->dropped_before;
+    EXPECT_EQ(NumberOf(*result), next++);
+    ++taken;
+    dropped += result->dropped_before;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  EXPECT_GT(dropped, 0);
+  EXPECT_GT(taken, 2);
+}
+
+TEST_F(OpenNiCamera, GoesOnWhereItIsPluggedInAgain) {
+  CameraScript script;
+  script.unplugged_at = 10;
+  script.away_ms = 400;
+  const VirtualCamera camera(script, NumberedFilm(60));
+  SequenceOptions options = CameraOptions();
+  options.last = 16;
+  const auto source = Open(options);
+  double last_s = -1, paused_s = 0, jump_s = 0;
+  int after = 0;
+  while (const auto result = source->Next()) {
+    ASSERT_TRUE(result->frame) << result->error;
+    EXPECT_GT(result->stamp_s, last_s);
+    if (result->paused_before_s > 0) {
+      paused_s = result->paused_before_s;
+      jump_s = result->stamp_s - last_s;
+    }
+    last_s = result->stamp_s;
+    after += NumberOf(*result) >= 10;
+  }
+  EXPECT_GE(paused_s, 0.4);
+  EXPECT_NEAR(jump_s, paused_s, 0.05);  // some frames of 3 ms may have been on their way
+  EXPECT_GE(after, 5);
+}
+
+TEST_F(OpenNiCamera, EndsWhileItIsAway) {
+  CameraScript script;
+  script.unplugged_at = 5;
+  script.away_ms = -1;
+  const VirtualCamera camera(script, NumberedFilm(10));
+  const auto source = Open(CameraOptions());
+  std::thread stopper([this] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    stop_ = true;
+  });
+  EXPECT_LE(ReadAll(source.get()).size(), 5U);
+  stopper.join();
+}
+
+TEST_F(OpenNiCamera, GivesDepthAloneAsAnError) {
+  std::vector<FilmFrame> film = NumberedFilm(50);
+  film[5].color_us -= 25000;  // its colour is beyond 20 ms, and nearer to no other
+  const VirtualCamera camera({}, film);
+  SequenceOptions options = CameraOptions();
+  options.last = 9;
+  int errors = 0;
+  for (const ReadResult& result : ReadAll(Open(options).get())) {
+    if (result.frame) continue;
+    ++errors;
+    EXPECT_THAT(result.error, HasSubstr("no colour"));
+  }
+  EXPECT_EQ(errors, 1);
+}
+
+TEST_F(OpenNiCamera, SaysWhatIsWrong) {
+  CameraScript script;
+  script.can_register = 0;
+  const VirtualCamera camera(script, NumberedFilm(3));
+  SequenceOptions options = CameraOptions();
+  options.path = "1d27/0601@1/2";
+  ExpectInputError([&] { Open(options); }, HasSubstr("OpenNI2 sees test://1 (Surfit Virtual)"));
+  options = CameraOptions();
+  options.device_width = 640;
+  ExpectInputError([&] { Open(options); }, HasSubstr("32 x 24 at 30 frames per second"));
+  ExpectInputError([&] { Open(CameraOptions()); }, HasSubstr("give color_from_depth"));
+  options = CameraOptions();
+  options.openni2_library = "libNowhere.so";
+  ExpectInputError([&] { Open(options); }, HasSubstr("install Debian's libopenni2-0"));
+  ExpectInputError([&] { OpenSequence(CameraOptions()); }, HasSubstr("only a live run"));
+}
+
+TEST_F(OpenNiCamera, WithoutOneSaysSo) {
+  ExpectInputError([&] { Open(CameraOptions()); }, HasSubstr("OpenNI2 sees none"));
+}
+
+class OniRecordingTest : public ::testing::Test {
+ protected:
+  // Of `count` numbered frames, and a folder of them.
+  void Record(int count, const CameraScript& script = {}) {
+    const VirtualCamera camera(script, NumberedFilm(count));
+    RecordOni(path());
+    std::string rgb, depth;
+    for (int i = 0; i < count; ++i) {
+      const std::string stamp = Format("0.%06d", 33333 * i);
+      WriteColor(folder_ / Format("tum/rgb/%d.png", i), NumberedColor(i));
+      WriteDepth(folder_ / Format("tum/depth/%d.png", i), NumberedDepth(i));
+      rgb += stamp + Format(" rgb/%d.png\n", i);
+      depth += stamp + Format(" depth/%d.png\n", i);
+    }
+    folder_.Write("tum/rgb.txt", rgb);
+    folder_.Write("tum/depth.txt", depth);
+    folder_.Write("tum/camera.yaml", SmallCameraYaml());
+  }
+
+  std::string path() const { return folder_ / "camera.oni"; }
+
+  SequenceOptions TumOptions() const {
+    SequenceOptions options = OptionsOf(folder_ / "tum");
+    options.format = "tum";
+    return options;
+  }
+
+  TempFolder folder_;
+};
+
+void ExpectSameFrames(const std::vector<ReadResult>& a, const std::vector<ReadResult>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    ASSERT_TRUE(a[i].frame) << a[i].error;
+    ASSERT_TRUE(b[i].frame) << b[i].error;
+    EXPECT_EQ(a[i].stamp_s, b[i].stamp_s);
+    EXPECT_EQ(a[i].frame->color_stamp_s, b[i].frame->color_stamp_s);
+    EXPECT_TRUE(std::equal(a[i].frame->depth_m.begin(), a[i].frame->depth_m.end(),
+                           b[i].frame->depth_m.begin()));
+    EXPECT_TRUE(
+        std::equal(a[i].frame->color.begin(), a[i].frame->color.end(), b[i].frame->color.begin()));
+  }
+}
+
+TEST_F(OniRecordingTest, HasTheFramesOfAFolder) {
+  Record(24);  // mirrored, as cameras are if nothing is said
+  const auto recorded = OpenSequence(OniOptions(path()));
+  EXPECT_EQ(recorded->info().format, "oni");
+  EXPECT_EQ(recorded->info().frame_count, 24);
+  EXPECT_NEAR(recorded->info().pinhole.fx, 16 / std::tan(0.5), 1e-5);
+  ExpectSameFrames(ReadAll(recorded.get()), ReadAll(OpenSequence(TumOptions()).get()));
+}
+
+TEST_F(OniRecordingTest, IsReadInPartsAndAgain) {
+  Record(24);
+  SequenceOptions part = OniOptions(path()), same = TumOptions();
+  part.first = same.first = 7;
+  part.last = same.last = 18;
+  part.stride = same.stride = 3;
+  for (int i = 0; i < 2; ++i)
+    ExpectSameFrames(ReadAll(OpenSequence(part).get()), ReadAll(OpenSequence(same).get()));
+}
+
+TEST_F(OniRecordingTest, WithoutColourHasNone) {
+  CameraScript script;
+  script.has_color = 0;
+  Record(6, script);
+  const auto results = ReadAll(OpenSequence(OniOptions(path())).get());
+  ASSERT_EQ(results.size(), 6U);
+  EXPECT_TRUE(results[0].frame->color.empty());
+}
+
+TEST_F(OniRecordingTest, ThatIsNoneIsRefused) {
+  folder_.Write("camera.oni", "this is no recording");
+  ExpectInputError([&] { OpenSequence(OniOptions(path())); }, HasSubstr("camera.oni"));
+}
+
+TEST_F(OniRecordingTest, IsRecordedAsAFolderToTheLastBit) {
+  Record(12);
+  RecordOptions options;
+  options.sequence = OniOptions(path());
+  options.output = folder_ / "copy";
+  const RecordSummary summary =
+      RecordSequence(options, std::atomic<bool>(false), [](const RecordSummary&) {});
+  EXPECT_EQ(summary.frames_written, 12);
+  const auto copy = OpenSequence(OptionsOf(options.output));
+  const auto recorded = OpenSequence(options.sequence);
+  EXPECT_EQ(copy->info().pinhole.fx, recorded->info().pinhole.fx);
+  ExpectSameFrames(ReadAll(copy.get()), ReadAll(recorded.get()));
+}
+
+}  // namespace
+}  // namespace surfit::testing

@@ -1,0 +1,122 @@
+// surfit_slam and surfit_record with OpenNI2's recordings and cameras, of which one is made up.
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <opencv2/imgcodecs.hpp>
+#include <sstream>
+
+#include "testing/matchers.h"
+#include "testing/openni/virtual_camera.h"
+#include "tools/slam_tool.h"
+
+namespace surfit::testing {
+namespace {
+
+namespace fs = std::filesystem;
+
+class OpenNiTool : public SlamTool {
+ protected:
+  // The room's images as a camera sends them.
+  static std::vector<FilmFrame> Film() {
+    std::vector<FilmFrame> film;
+    for (const std::string& line : Lines(Room() + "/associations.txt")) {
+      std::string stamp, color, depth;
+      std::istringstream(line) >> stamp >> color >> stamp >> depth;
+      const cv::Mat bgr = cv::imread(Room() + "/" + color);
+      const cv::Mat counts = cv::imread(Room() + "/" + depth, cv::IMREAD_UNCHANGED);
+      FilmFrame frame;
+      frame.color = Image<Rgb8>(bgr.cols, bgr.rows);
+      frame.depth = Image<std::uint16_t>(counts.cols, counts.rows);
+      for (std::size_t i = 0; i < frame.depth.size(); ++i) {
+        const cv::Vec3b pixel = bgr.at<cv::Vec3b>(static_cast<int>(i));
+        frame.color[i] = {pixel[2], pixel[1], pixel[0]};
+        frame.depth[i] = counts.at<std::uint16_t>(static_cast<int>(i));
+      }
+      film.push_back(
+          FilmFrameOf(static_cast<int>(film.size()), std::move(frame.depth), frame.color));
+    }
+    return film;
+  }
+
+  static std::string Library() { return "--openni2_library=" + VirtualCamera::library(); }
+};
+
+TEST_F(OpenNiTool, ARecordingGivesTheTrajectoryAndMapOfTheFolder) {
+  // The folder with the stamps that OpenNI2's recorder makes.
+  const std::string folder = CopyOfRoom();
+  fs::remove(folder + "/groundtruth.txt");
+  std::ofstream pairs(folder + "/associations.txt");
+  const std::vector<std::string> rows = Lines(Room() + "/associations.txt");
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    std::string stamp, color, depth;
+    std::istringstream(rows[i]) >> stamp >> color >> stamp >> depth;
+    char text[32];
+    std::snprintf(text, sizeof(text), "0.%06zu", 33333 * i);
+    pairs << text << " " << color << " " << text << " " << depth << "\n";
+  }
+  pairs.close();
+  const std::string oni = own_ / "room.oni";
+  {
+    const VirtualCamera camera({}, Film());
+    RecordOni(oni);
+  }
+  fs::copy(Room() + "/camera.yaml", oni + ".yaml");
+  Succeeded(Slam(folder, Output("folder")));
+  Succeeded(Slam(oni, Output("oni"), {Library()}));
+  const std::string copy = own_.path() + "/recorded";
+  Succeeded(RunProgram("surfit_record", {"--sequence=" + oni, "--output=" + copy, Library()}));
+  Succeeded(Slam(copy, Output("copy")));
+  const nlohmann::json expected = Summary(Output("folder"));
+  EXPECT_EQ(expected["frames_tracked"], kFrames);
+  for (const char* name : {"oni", "copy"}) {
+    EXPECT_EQ(Summary(Output(name))["digest"], expected["digest"]) << name;
+    EXPECT_EQ(ReadBytes(Output(name) + "/trajectory.txt"),
+              ReadBytes(Output("folder") + "/trajectory.txt"));
+  }
+}
+
+TEST_F(OpenNiTool, ACameraIsFollowedAndItsMapKeptWhereItIsUnplugged) {
+  // There and back: the last frames of the way there may come late and be lost.
+  std::vector<FilmFrame> film = Film();
+  for (int i = kFrames - 2; i >= 0; --i)
+    film.push_back(FilmFrameOf(2 * kFrames - 2 - i, film[i].depth, film[i].color));
+  CameraScript script;
+  script.period_us = 60000;
+  script.unplugged_at = 12;
+  script.away_ms = 300;
+  const VirtualCamera camera(script, film);
+  const ProgramResult result =
+      Succeeded(Slam("any", Output(),
+                     {"--format=openni2", Library(), "--device_width=160", "--device_height=120",
+                      "--last=20", "--camera=" + Room() + "/camera.yaml"}));
+  const nlohmann::json summary = Summary(Output());
+  EXPECT_EQ(summary["pauses"], 1);
+  EXPECT_GE(summary["paused_s"], 0.3);
+  EXPECT_EQ(summary["frames_total"].get<int>() + summary["frames_dropped"].get<int>(), 21);
+  EXPECT_EQ(summary["frames_lost"], 0);
+  EXPECT_THAT(result.err, HasSubstr("Surfit Virtual is unplugged: the run pauses"));
+  EXPECT_THAT(result.err, HasSubstr("Surfit Virtual is back after"));
+  EXPECT_THAT(result.out, HasSubstr("the camera was away 1 times"));
+}
+
+TEST_F(OpenNiTool, ACameraIsRecorded) {
+  CameraScript script;
+  script.period_us = 20000;
+  const VirtualCamera camera(script, Film());
+  const std::string copy = own_.path() + "/recorded";
+  const ProgramResult result = Succeeded(RunProgram(
+      "surfit_record",
+      {"--sequence=test://1", "--output=" + copy, "--format=openni2", Library(),
+       "--device_width=160", "--device_height=120", "--frames=16", "--queue_capacity=1000"}));
+  EXPECT_THAT(result.out, HasSubstr("recorded: 16 frames over"));
+  Succeeded(Slam(copy, Output(), {"--camera=" + Room() + "/camera.yaml"}));
+  EXPECT_EQ(Summary(Output())["frames_tracked"], 16);
+}
+
+TEST_F(OpenNiTool, WithoutTheLibrarySaysSo) {
+  ExpectRefused(Slam("any", Output(), {"--format=openni2", "--openni2_library=libNowhere.so"}),
+                "install Debian's libopenni2-0");
+}
+
+}  // namespace
+}  // namespace surfit::testing
