@@ -32,8 +32,8 @@ struct SlamRunOptions {
   // In the end the sequence is read once more. Where the camera was found to be another one than
   // given, it is refined jointly with the poses; where it is right as given, tracking has seen more
   // than keyframes tell. Then the map is fused anew, along the final poses and by the calibration
-  // that was found. Neither is done where frames come from a folder that is watched, and nothing is
-  // refined without a final map.
+  // that was found. Neither is done where frames are live (IsLive()), and nothing is refined
+  // without a final map.
   bool refine = true;
   bool final_map = true;
   bool pictures = true;
