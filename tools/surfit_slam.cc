@@ -2,17 +2,21 @@
 
 #include <atomic>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <iostream>
 #include <memory>
+#include <utility>
 
 #include "common/console.h"
 #include "common/outcomes.h"
 #include "common/recorded_run.h"
 #include "common/tool_main.h"
 #include "surfit/core/error.h"
+#include "surfit/live/live_run.h"
+#include "surfit/live/live_server.h"
 #include "surfit/run/slam_run.h"
-#include "view/live_view.h"
+#include "view/window_viewer.h"
 
 namespace surfit::tools {
 namespace {
@@ -20,6 +24,7 @@ namespace {
 struct Options {
   SlamRunOptions run;
   bool view = false;
+  ServeOptions serve;
 
   void Visit(OptionVisitor& v) {
     v.AddPart(run, "run", "the run");
@@ -29,6 +34,7 @@ struct Options {
         "show the run in a window that stays open at the end: frame, model, and the map with path "
         "and loops, to be turned with the mouse; without a display the run says so and goes on",
         Everyday());
+    v.AddPart(serve, "serve", "pages for browsers");
   }
 };
 
@@ -226,17 +232,27 @@ void PrintStages(const SlamRunSummary& s, bool offered) {
               whole.p95_ms);
 }
 
+// A window is looked for before there are threads.
+void AddViewers(const Options& options, LiveRun* run) {
+  if (options.view) {
+    if (auto window = WindowViewer::Open(run)) run->Add(std::move(window));
+  }
+  if (options.serve.port < 0) return;
+  auto server = std::make_unique<LiveServer>(options.serve, run);
+  std::cerr << "watch the run at " << server->url() << std::endl;
+  run->Add(std::move(server));
+}
+
 int Run(const Options& all) {
   const SlamRunOptions& options = all.run;
   const std::atomic<bool>& interrupted = CatchInterruptions();
-  const std::unique_ptr<LiveView> view = all.view ? LiveView::Open(interrupted) : nullptr;
+  LiveRun live_run(interrupted, [] { std::raise(SIGINT); });
+  AddViewers(all, &live_run);
   const auto progress = [&](const SlamRunProgress& now) {
     ShowProgress(now);
-    if (view) view->Update(now);
+    live_run.Update(now);
   };
-  const auto keep = [&](const SlamRunResult& result) {
-    if (view) view->Keep(result);
-  };
+  const auto keep = [&](const SlamRunResult& result) { live_run.Keep(result); };
   const SlamRunSummary summary = RunSlam(options, interrupted, progress, keep);
   const bool live = IsLive(options.sequence);
   if (summary.interrupted || live) std::fputc('\n', stderr);  // ends the line of progress
@@ -244,7 +260,7 @@ int Run(const Options& all) {
   PrintStages(summary, options.OffersFrames());
   if (options.keep_views) WriteAndPrintReport({{options.output}, options.output + "/report.html"});
   std::fflush(stdout);
-  if (view) view->Stay();
+  live_run.Stay();
   if (!summary.MostFramesHaveAPose() && !summary.interrupted) {
     std::fprintf(stderr, "failed: only %d of %d frames have a pose\n", summary.frames_tracked,
                  summary.frames_total);

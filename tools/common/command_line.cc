@@ -62,6 +62,7 @@ void AppendLines(const std::string& path, std::vector<std::string>* arguments) {
 std::string InFlagsWords(const std::string& argument) {
   static const std::string kHelp = "--help=";
   if (argument == "-h") return "--help";
+  if (argument == "--serve" || argument == "-serve") return "--serve=0";  // at any port
   const std::string value = argument.rfind(kHelp, 0) == 0 ? argument.substr(kHelp.size()) : "";
   const bool is_group =
       std::any_of(value.begin(), value.end(), [](char c) { return c >= 'a' && c <= 'z'; }) &&

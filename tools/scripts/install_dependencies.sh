@@ -26,7 +26,7 @@ packages=(
   g++ make cmake ninja-build ccache pkg-config
   # the libraries and the programs
   libeigen3-dev libceres-dev libgoogle-glog-dev libgflags-dev libopencv-dev libtbb-dev
-  nlohmann-json3-dev
+  nlohmann-json3-dev libboost-dev
   libturbojpeg0-dev libpng-dev libtiff-dev libdeflate-dev liblzf-dev libmeshoptimizer-dev
   liblz4-dev libzstd-dev libbz2-dev libsqlite3-dev
   libopenni2-dev

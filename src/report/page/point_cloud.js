@@ -48,12 +48,17 @@ surfit.makePointCloud = (map) => {
   geometry.setAttribute('confidence', new THREE.BufferAttribute(map.confidence, 1));
   geometry.setAttribute('radius', new THREE.BufferAttribute(map.radius, 1, true));
   geometry.setAttribute('shade', new THREE.BufferAttribute(new Uint8Array(4 * map.shown), 4, true));
+  return surfit.makePoints(geometry, map.origin, map.extent);
+};
+
+// Discs of a geometry that has all that the shader above takes.
+surfit.makePoints = (geometry, origin, extent) => {
   const material = new THREE.ShaderMaterial({
     vertexShader: surfit.pointVertexShader,
     fragmentShader: surfit.pointFragmentShader,
     uniforms: {
-      origin: { value: new THREE.Vector3(...map.origin) },
-      extent: { value: new THREE.Vector3(...map.extent) },
+      origin: { value: new THREE.Vector3(...origin) },
+      extent: { value: new THREE.Vector3(...extent) },
       metresPerRadius: { value: 0 },  // as chooseFirst() has it
       pixelsAtOneMetre: { value: 1 }, leastConfidence: { value: 0 }, cull: { value: true },
       boxFromWorld: { value: new THREE.Matrix3() },

@@ -1,0 +1,220 @@
+#include "surfit/live/live_server.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "live/http_rules.h"
+#include "live/http_server.h"
+#include "live/live_pages.h"
+#include "live/shown_run.h"
+#include "surfit/core/error.h"
+#include "surfit/core/options.h"
+#include "surfit/pictures/pictures.h"
+
+namespace surfit {
+namespace {
+
+constexpr std::size_t kSlotsAtOnce = 8192;
+
+// One of the two upper tiles of a live picture: the frame's, or the model's.
+Image<Rgb8> Tile(const LivePicture& picture, bool of_model) {
+  Image<Rgb8> tile(LivePicture::kTileWidth, LivePicture::kTileHeight);
+  for (int v = 0; v < tile.height(); ++v) {
+    const Rgb8* const row = picture.image().row(v) + (of_model ? tile.width() : 0);
+    std::copy(row, row + tile.width(), tile.row(v));
+  }
+  return tile;
+}
+
+// Every so-many-th pose, and the last; the last loops.
+ShownPath Thinned(const LiveRun& run) {
+  constexpr std::size_t kMostPlaces = 2000, kMostLoops = 1000;
+  ShownPath thin;
+  const Trajectory& path = run.path();
+  const std::size_t step = path.size() / kMostPlaces + 1;
+  for (std::size_t i = 0; i < path.size(); i += step) {
+    thin.places.emplace_back(path[i].world_from_camera.translation.cast<float>());
+  }
+  if (!path.empty()) {
+    thin.places.emplace_back(path.back().world_from_camera.translation.cast<float>());
+  }
+  const std::vector<LoopSegment>& loops = run.loops();
+  const std::size_t count = std::min(kMostLoops, loops.size());
+  thin.loops.assign(loops.end() - static_cast<std::ptrdiff_t>(count), loops.end());
+  return thin;
+}
+
+std::string HostOf(const std::string& address) {
+  return address.find(':') == std::string::npos ? address : "[" + address + "]";
+}
+
+}  // namespace
+
+void ServeOptions::Visit(OptionVisitor& v) {
+  v.Add(port, "port",
+        "show the run in any browser, under an address that is told on stderr: map in 3D, frame, "
+        "model, path, loops and advice, with buttons to pause and to stop; --serve=PORT at this "
+        "port, --serve at one that is free (0); -1 = not at all",
+        Between(-1, 65535), AsFlag("serve"), Everyday());
+  v.Add(address, "address",
+        "with serve: the machine's IP address that browsers reach; 127.0.0.1 is for those on the "
+        "machine itself, 0.0.0.0 for all",
+        Required(), AsFlag("serve_address"));
+  v.Add(max_surfels, "max_surfels", "with serve: surfels of the map that pages show at most",
+        Between(1000, 1000000), AsFlag("serve_surfels"));
+}
+
+struct LiveServer::Parts {
+  Parts(const ServeOptions& options, LiveRun* of_run)
+      : run(*of_run),
+        shown(options.max_surfels),
+        token(RandomToken()),
+        pages(token, of_run, &shown),
+        server(
+            options.address, options.port, HttpLimits(),
+            [this](const HttpRequest& request, bool must) { return pages.Answer(request, must); }) {
+  }
+
+  template <typename Act>
+  void Give(Shown what, Pace* pace, bool must, const Act& act);
+  void GiveState(bool must);
+  void GiveStateIfDue(bool must);
+  bool GiveModel(const SurfelMap& map, Shown which);
+  void GiveAll(const SlamRunFrame& frame, bool must);
+
+  LiveRun& run;
+  ShownRun shown;
+  std::string token;
+  LivePages pages;
+  std::optional<LivePicture> picture;  // from the first frame on
+  PinholeCamera camera;
+  // Of the run's time: all together at most four hundredths, and only of what is asked for.
+  Pace state_pace{0.1, 0.005}, path_pace{1, 0.003}, frame_pace{0.1, 0.008}, model_pace{0.5, 0.012},
+      normals_pace{0.5, 0.004}, map_pace{0, 0.008};
+  std::array<bool, kShownCount> is_exact{};  // as it is after the last frame
+  bool is_state_exact = false;
+  int map_rounds = 0;  // since the last frame
+  HttpServer server;   // ends before all that it uses
+};
+
+// In a pause `must` holds, and all is given once.
+template <typename Act>
+void LiveServer::Parts::Give(Shown what, Pace* pace, bool must, const Act& act) {
+  bool& exact = is_exact[static_cast<std::size_t>(what)];
+  if (exact || !shown.IsWanted(what)) return;
+  pace->ActIfDue(must, [&] { exact = act() && must; });
+  if (exact) server.Wake();
+}
+
+// Also where nobody asks: who comes is to have it at once. In a pause all that is new is told.
+void LiveServer::Parts::GiveStateIfDue(bool must) {
+  const bool is_new = must && !std::exchange(is_state_exact, true);
+  state_pace.ActIfDue(is_new, [&] { GiveState(is_new); });
+}
+
+void LiveServer::Parts::GiveState(bool must) {
+  ShownState state;
+  state.status = run.Status();
+  state.frame_state = run.state();
+  state.progress = run.progress();
+  state.frames_per_second = run.frames_per_second();
+  state.is_at_result = run.is_at_result();
+  state.is_done = run.is_done();
+  state.advice = run.advice();
+  state.loops = run.loops().size();
+  state.last_loop = run.last_loop();
+  if (!run.path().empty()) state.world_from_camera = run.path().back().world_from_camera;
+  state.camera = camera;
+  shown.GiveState(state, must);
+  server.Wake();
+}
+
+// Where the camera is lost, the last image whose pose is known: what to turn back to.
+bool LiveServer::Parts::GiveModel(const SurfelMap& map, Shown which) {
+  if (run.path().empty()) return true;
+  if (run.is_lost() && !run.is_done()) {
+    picture->ShowLost(run.last_good());
+  } else {
+    picture->ShowModel(map, run.path().back().world_from_camera,
+                       which == Shown::kModel ? ModelColors::kColor : ModelColors::kNormals);
+  }
+  return shown.GivePicture(which, Tile(*picture, /*of_model=*/true));
+}
+
+// Of the map a part after each frame, so that none takes long. It is exact when a round has begun
+// after the last frame and has ended.
+void LiveServer::Parts::GiveAll(const SlamRunFrame& frame, bool must) {
+  if (!picture) picture.emplace(frame.sensor);
+  Give(Shown::kMap, &map_pace, must, [&] {
+    if (shown.UpdateMap(frame.map, kSlotsAtOnce).value_or(false)) ++map_rounds;
+    return map_rounds > 1;
+  });
+  Give(Shown::kPath, &path_pace, must, [&] { return shown.GivePath(Thinned(run), must); });
+  Give(Shown::kFrame, &frame_pace, must, [&] {
+    picture->ShowFrame(frame.frame);
+    return shown.GivePicture(Shown::kFrame, Tile(*picture, /*of_model=*/false));
+  });
+  Give(Shown::kModel, &model_pace, must, [&] { return GiveModel(frame.map, Shown::kModel); });
+  Give(Shown::kNormals, &normals_pace, must, [&] { return GiveModel(frame.map, Shown::kNormals); });
+  camera = frame.sensor.camera;
+  GiveStateIfDue(must);
+}
+
+LiveServer::LiveServer(const ServeOptions& options, LiveRun* run) {
+  Validate(options);
+  if (options.port < 0) throw InputError("port is -1, must be at least 0 to serve pages");
+  parts_ = std::make_unique<Parts>(options, run);
+  parts_->GiveState(/*must=*/true);
+}
+
+LiveServer::~LiveServer() = default;
+
+std::string LiveServer::url() const {
+  return Concat("http://", HostOf(parts_->server.address()), ":", parts_->server.port(), "/",
+                parts_->token, "/");
+}
+
+void LiveServer::Show(const SlamRunFrame& frame) {
+  parts_->is_exact.fill(false);
+  parts_->is_state_exact = false;
+  parts_->map_rounds = 0;
+  parts_->GiveAll(frame, /*must=*/false);
+}
+
+void LiveServer::Wait(const SlamRunFrame& frame, int wait_ms) {
+  parts_->GiveAll(frame, /*must=*/true);
+  std::this_thread::sleep_for(std::chrono::milliseconds(wait_ms));
+}
+
+void LiveServer::ShowWork() {
+  parts_->state_pace.ActIfDue(/*must=*/false, [&] { parts_->GiveState(/*must=*/false); });
+}
+
+void LiveServer::Keep(const SlamRunResult& result) {
+  for (const Shown which : {Shown::kModel, Shown::kNormals}) {
+    if (parts_->picture && parts_->shown.IsWanted(which)) parts_->GiveModel(result.map, which);
+  }
+  parts_->shown.ResetMap(result.map);
+  parts_->shown.GivePath(Thinned(parts_->run), /*must=*/true);
+  parts_->GiveState(/*must=*/true);
+}
+
+// Pages ask for the rest of the map at once: who has been given nothing of it for a while has all.
+void LiveServer::Stay() {
+  constexpr double kMost_s = 10, kWhile_s = 2;
+  const auto begin = std::chrono::steady_clock::now();
+  const auto gone_s = [&] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  };
+  const ShownRun& shown = parts_->shown;
+  while (gone_s() < kMost_s && shown.IsWanted(Shown::kState) &&
+         shown.SinceLastChange_s() < kWhile_s) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+}
+
+}  // namespace surfit

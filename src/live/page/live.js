@@ -1,0 +1,181 @@
+'use strict';
+// Asks the server for what is new, each thing by a loop of its own: who gets it slowly asks seldom. Nothing is
+// asked for while nobody sees the page.
+surfit.retryMs = 1000;
+surfit.mapGapMs = 150;
+surfit.pictureGapMs = 60;
+surfit.stateGapMs = 60;
+
+// The bits of what is to be kept ready for the page (enum Shown).
+surfit.shownBits = { map: 2, path: 4, frame: 8, model: 16, normals: 32 };
+
+surfit.sleep = (ms) => new Promise((done) => { setTimeout(done, ms); });
+
+surfit.modelName = () => (surfit.byId('normals').checked ? 'normals' : 'model');
+
+surfit.whenSeen = () => new Promise((done) => {
+  if (!document.hidden) return done();
+  const look = () => {
+    if (document.hidden) return;
+    document.removeEventListener('visibilitychange', look);
+    done();
+  };
+  document.addEventListener('visibilitychange', look);
+});
+
+surfit.Live = class {
+  constructor(scene, panel) {
+    this.scene = scene;
+    this.panel = panel;
+    this.state = null;
+    this.waiting = [];  // for a new state
+    this.seen = {};  // the numbers of what has been taken
+  }
+
+  async get(path) {
+    const answer = await fetch(path, { cache: 'no-store' });
+    if (!answer.ok) throw new Error(`${path}: ${answer.status}`);
+    return answer;
+  }
+
+  // Calls `turn` again and again, and after failures later.
+  async repeat(turn) {
+    for (;;) {
+      await surfit.whenSeen();
+      try {
+        await turn();
+      } catch (error) {
+        await surfit.sleep(surfit.retryMs);
+      }
+    }
+  }
+
+  wants() {
+    const names = [surfit.modelName(), 'frame', ...(this.scene ? ['map', 'path'] : [])];
+    return names.reduce((bits, name) => bits | surfit.shownBits[name], 0);
+  }
+
+  nextState() {
+    return new Promise((done) => { this.waiting.push(done); });
+  }
+
+  async takeState() {
+    try {
+      const answer = await this.get(`state?after=${this.state ? this.state.number : 0}&want=${this.wants()}`);
+      this.state = await answer.json();
+    } catch (error) {
+      const isOver = this.state && this.state.done;
+      this.panel.showLink(isOver ? 'the run is over; this is what it came to' : 'no connection', !isOver);
+      throw error;
+    }
+    this.panel.showLink('');
+    this.panel.showState(this.state);
+    if (this.scene) this.scene.setState(this.state);
+    for (const done of this.waiting.splice(0)) done();
+    await surfit.sleep(surfit.stateGapMs);
+  }
+
+  // Waits for a thing that is newer than the last one that was taken of this name, and returns its number.
+  async newer(name) {
+    while (!this.state || this.state.numbers[name] <= (this.seen[name] || 0)) await this.nextState();
+    return this.state.numbers[name];
+  }
+
+  async takeMap() {
+    const number = await this.newer('map');
+    for (let goesOn = true; goesOn;) {
+      const answer = await this.get(`map?${this.scene.map.query()}`);
+      goesOn = this.scene.takeMap(await answer.arrayBuffer());
+    }
+    this.seen.map = number;
+    await surfit.sleep(surfit.mapGapMs);
+  }
+
+  async takePath() {
+    const number = await this.newer('path');
+    this.scene.setPath(await (await this.get('path')).json());
+    this.panel.showPathLength(this.scene.places);
+    this.seen.path = number;
+  }
+
+  // `nameOf` may change its mind meanwhile.
+  async takePicture(id, nameOf) {
+    const name = nameOf();
+    if (!this.state || this.state.numbers[name] <= (this.seen[name] || 0)) return this.nextState();
+    const number = this.state.numbers[name];
+    await this.panel.showPicture(id, await (await this.get(`${name}.jpg`)).blob());
+    this.seen[name] = number;
+    return surfit.sleep(surfit.pictureGapMs);
+  }
+
+  start() {
+    this.repeat(() => this.takeState());
+    if (this.scene) {
+      this.repeat(() => this.takeMap());
+      this.repeat(() => this.takePath());
+    }
+    this.repeat(() => this.takePicture('frame-picture', () => 'frame'));
+    this.repeat(() => this.takePicture('model-picture', surfit.modelName));
+    surfit.byId('normals').addEventListener('change', () => { this.seen[surfit.modelName()] = 0; });
+  }
+};
+
+surfit.post = (name) => fetch(name, { method: 'POST' }).catch(() => {});
+
+surfit.connectButtons = (live, scene) => {
+  const onClick = (id, call) => surfit.byId(id).addEventListener('click', call);
+  onClick('pause', () => surfit.post(live.state && live.state.paused ? 'go_on' : 'pause'));
+  onClick('step', () => surfit.post('step'));
+  onClick('stop', () => {
+    if (window.confirm('Stop the run? What it has so far is written.')) surfit.post('stop');
+  });
+  if (!scene) return;
+  const follow = surfit.byId('follow');
+  const press = (on) => follow.setAttribute('aria-pressed', String(on));
+  onClick('follow', () => {
+    scene.follow(!scene.follows);
+    press(scene.follows);
+  });
+  onClick('whole', () => {
+    scene.showWhole();
+    press(false);
+  });
+  surfit.byId('colors').addEventListener('change', (event) => scene.setColors(event.target.value));
+};
+
+// The buttons' keys; those that turn the map are the report's.
+surfit.liveKeys = { ' ': 'pause', s: 'step', n: 'normals', f: 'follow', r: 'whole' };
+surfit.turningKeys = ['ArrowLeft', 'ArrowRight', 'ArrowUp', 'ArrowDown', '+', '=', '-'];
+
+surfit.connectKeys = (scene) => {
+  document.addEventListener('keydown', (event) => {
+    if (event.ctrlKey || event.altKey || event.metaKey || /^(BUTTON|SELECT|INPUT)$/.test(event.target.tagName)) return;
+    if (event.key in surfit.liveKeys) {
+      event.preventDefault();
+      surfit.byId(surfit.liveKeys[event.key]).click();
+    } else if (scene && surfit.turningKeys.includes(event.key)) {
+      event.preventDefault();
+      scene.isTouched = true;
+      surfit.mapKeys[event.key](scene, event.shiftKey);
+    }
+  });
+};
+
+// The rest of the page works without WebGL.
+surfit.makeScene = () => {
+  try {
+    return new surfit.LiveScene(surfit.byId('map-canvas'));
+  } catch (error) {
+    surfit.element('p', surfit.byId('map'), { className: 'failed',
+      textContent: `No 3D view: this browser gives no WebGL (${error.message}).` });
+    return null;
+  }
+};
+
+(() => {
+  const scene = surfit.makeScene();
+  surfit.live = new surfit.Live(scene, new surfit.Panel());
+  surfit.connectButtons(surfit.live, scene);
+  surfit.connectKeys(scene);
+  surfit.live.start();
+})();

@@ -1,0 +1,159 @@
+"""The page of a run in a headless Chromium: state, path, map and pictures come, and its buttons work."""
+
+import io
+import os
+import pathlib
+
+import pytest
+from live_slam import ServedRun  # finds report_page, too
+from report_page import drawn_share, frame_drawn, open_browser, pil_image, simulate_room
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+from selenium.webdriver.support.ui import WebDriverWait
+
+FRAMES = 160
+SURFELS = int(os.environ.get("SURFIT_SHOWN_SURFELS", "20000"))
+# Screenshots are kept where this says.
+PICTURES = os.environ.get("SURFIT_SCREENSHOTS")
+
+
+@pytest.fixture(scope="module")
+def room(tmp_path_factory):
+    return simulate_room(tmp_path_factory.mktemp("live"), FRAMES)
+
+
+@pytest.fixture(scope="module")
+def browser():
+    driver = open_browser()
+    yield driver
+    driver.quit()
+
+
+@pytest.fixture
+def run(room, tmp_path):
+    # Browsers without a graphics card draw by the processor.
+    served = ServedRun(room, tmp_path / "out", f"--serve_surfels={SURFELS}")
+    yield served
+    if served.process.returncode is None:
+        served.process.kill()
+        served.finish()
+
+
+def wait_until(browser, condition):
+    return WebDriverWait(browser, 60, poll_frequency=0.05).until(
+        lambda _: browser.execute_script(f"return {condition}"), condition)
+
+
+def text_of(browser, name):
+    return browser.find_element(By.ID, name).text
+
+
+def click(browser, name):
+    browser.find_element(By.ID, name).click()
+
+
+def keep(browser, name):
+    if PICTURES:
+        browser.save_screenshot(str(pathlib.Path(PICTURES) / name))
+
+
+def canvas_picture(browser):
+    frame_drawn(browser)
+    png = browser.find_element(By.ID, "map-canvas").screenshot_as_png
+    return pil_image.open(io.BytesIO(png)).convert("RGB")
+
+
+def pause_after(browser, frames):
+    wait_until(browser, f"surfit.live.state && surfit.live.state.frames_done > {frames}")
+    click(browser, "pause")
+    wait_until(browser, "surfit.live.state.paused")
+
+
+def test_shows_a_run_and_steers_it(browser, run):
+    browser.set_window_size(1200, 800)
+    browser.get(run.url)
+    pause_after(browser, 30)
+    assert text_of(browser, "frame-state") == "paused"
+    assert text_of(browser, "pause") == "go on"
+    # All of the map that is shown has come.
+    wait_until(browser, "surfit.live.state.shown > 1000 &&"
+                        " surfit.live.scene.map.count() === surfit.live.state.shown")
+    wait_until(browser, "surfit.live.scene.places.length > 20")
+    for picture in ["frame-picture", "model-picture"]:
+        wait_until(browser, f"surfit.byId('{picture}').naturalWidth === 480")
+    assert drawn_share(canvas_picture(browser)) > 0.15
+    keep(browser, "paused.png")
+    frames = browser.execute_script("return surfit.live.state.frames_done")
+    assert text_of(browser, "frames") == f"{frames} of {FRAMES}"
+    click(browser, "step")
+    wait_until(browser, f"surfit.live.state.frames_done === {frames + 1}")
+    click(browser, "follow")
+    assert browser.find_element(By.ID, "follow").get_attribute("aria-pressed") == "true"
+    browser.execute_script("const e = surfit.byId('colors'); e.value = 'normal';"
+                           "e.dispatchEvent(new Event('change'))")
+    click(browser, "normals")
+    wait_until(browser, "surfit.live.seen.normals > 0")
+    keep(browser, "following.png")
+    press = browser.find_element(By.ID, "map-canvas").send_keys
+    before = browser.execute_script("return surfit.live.scene.camera.position.toArray()")
+    press("r")
+    assert browser.find_element(By.ID, "follow").get_attribute("aria-pressed") == "false"
+    press(Keys.ARROW_LEFT)
+    assert browser.execute_script("return surfit.live.scene.camera.position.toArray()") != before
+    press(" ")
+    wait_until(browser, f"surfit.live.state.frames_done > {frames + 10}")
+    assert browser.get_log("browser") == []
+    click(browser, "stop")
+    browser.switch_to.alert.accept()
+    code, _ = run.finish()
+    assert code == 0
+    assert run.summary()["interrupted"] is True
+
+
+def test_keeps_what_the_run_has_come_to(browser, run):
+    browser.set_window_size(1200, 800)
+    browser.get(run.url)
+    code, _ = run.finish()
+    assert code == 0
+    wait_until(browser, "surfit.live.state.done && surfit.byId('link').textContent.includes('over')")
+    assert text_of(browser, "frame-state") == "done"
+    shown = browser.execute_script("return [surfit.live.scene.map.count(), surfit.live.state.shown]")
+    assert shown[0] == shown[1] > 1000
+    assert drawn_share(canvas_picture(browser)) > 0.15
+    keep(browser, "done.png")
+
+
+def test_fits_a_phone(browser, run):
+    browser.set_window_size(500, 900)  # narrower windows Chromium refuses
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
+        "width": 390, "height": 844, "deviceScaleFactor": 2, "mobile": True})
+    browser.get(run.url)
+    pause_after(browser, 60)
+    wait_until(browser, "surfit.byId('model-picture').naturalWidth === 480")
+    wait_until(browser, "surfit.live.scene.map.count() === surfit.live.state.shown")
+    frame_drawn(browser)
+    keep(browser, "phone.png")
+    overflow = browser.execute_script("return document.documentElement.scrollWidth - window.innerWidth")
+    boxes = browser.execute_script("return ['pause', 'stop', 'follow', 'frame-picture'].map("
+                                   "(id) => surfit.byId(id).getBoundingClientRect().right)")
+    browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+    assert overflow <= 0
+    assert max(boxes) <= 390
+
+
+def test_advice_is_large_and_stays_to_be_read(browser, run):
+    browser.set_window_size(1200, 800)
+    browser.get(run.url)
+    pause_after(browser, 1)
+    browser.execute_script("surfit.live.panel.showAdvice([{kind: 'lost', text: 'Lost: turn back'}])")
+    advice = browser.find_element(By.CSS_SELECTOR, "#advice p.lost")
+    assert advice.text == "Lost: turn back"
+    keep(browser, "lost.png")
+    browser.execute_script("surfit.live.panel.showAdvice([])")
+    assert browser.find_elements(By.CSS_SELECTOR, "#advice p")
+    wait_until(browser, "(surfit.live.panel.showAdvice([]), !document.querySelector('#advice p'))")
+
+
+def test_another_token_shows_nothing(browser, run):
+    browser.get(run.url[:-2] + "x/")
+    assert browser.find_element(By.TAG_NAME, "body").text == "Forbidden"

@@ -1,0 +1,63 @@
+"""Viewers of a run change nothing of what it comes to, and cost it no memory."""
+
+import json
+
+import pytest
+from live_slam import ServedRun, StalledViewer, Viewer
+from report_page import run_slam, simulate_room
+
+FRAMES = 100
+
+
+@pytest.fixture(scope="module")
+def room(tmp_path_factory):
+    return simulate_room(tmp_path_factory.mktemp("live"), FRAMES)
+
+
+@pytest.fixture(scope="module")
+def unwatched(room, tmp_path_factory):
+    """The summary of the run that nobody watches."""
+    run = tmp_path_factory.mktemp("unwatched")
+    run_slam(room, run, "--loop_closure")
+    return json.loads((run / "summary.json").read_text())
+
+
+def test_ten_viewers_and_a_stalled_one_change_nothing(room, unwatched, tmp_path):
+    run = ServedRun(room, tmp_path / "out", "--loop_closure")
+    viewers = [Viewer(run.url) for _ in range(10)]
+    stalled = StalledViewer(run.url)
+    code, _ = run.finish()
+    for viewer in [*viewers, stalled]:
+        viewer.thread.join()
+    assert code == 0, run.errors
+    summary = run.summary()
+    assert summary["digest"] == unwatched["digest"]
+    assert summary["frames_total"] == FRAMES
+    for viewer in viewers:
+        assert viewer.is_done and viewer.answers > 50, (viewer.is_done, viewer.answers)
+    # The sample of the map, pictures, and what is on its way.
+    more = summary["peak_rss_bytes"] - unwatched["peak_rss_bytes"]
+    print(f"{more / 1e6:.1f} MB more than unwatched, {viewers[0].bytes / 1e6:.1f} MB sent to each")
+    assert more < 60e6
+
+
+def test_served_and_unwatched_is_the_same(room, unwatched, tmp_path):
+    run = ServedRun(room, tmp_path / "out", "--loop_closure")
+    code, _ = run.finish()
+    assert code == 0
+    assert run.summary()["digest"] == unwatched["digest"]
+
+
+def test_pause_step_and_stop(room, tmp_path):
+    run = ServedRun(room, tmp_path / "out")
+    run.post("pause")
+    paused = run.wait_until(lambda state: state["paused"] and state["frames_done"] > 0)
+    assert run.state()["frames_done"] == paused["frames_done"] < FRAMES
+    run.post("step")
+    run.wait_until(lambda state: state["frames_done"] == paused["frames_done"] + 1)
+    run.post("stop")
+    run.post("stop")
+    code, _ = run.finish()
+    assert code == 0
+    assert run.summary()["interrupted"] is True
+    assert (tmp_path / "out" / "map.ply").stat().st_size > 1000
