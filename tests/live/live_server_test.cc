@@ -183,7 +183,7 @@ TEST_F(LiveServerTest, ANewStateEndsTheWaitForIt) {
   client.Send(Request("GET", Concat("/", token_, "/state?after=", number)));
   EXPECT_EQ(client.Receive(0.2).status, 0);
   live_.Tell(&run_);
-  EXPECT_GT(json::parse(client.Receive(2).body)["number"], number);
+  EXPECT_GT(json::parse(client.Receive().body)["number"], number);
 }
 
 TEST_F(LiveServerTest, StopsTheRunOnce) {
@@ -249,13 +249,13 @@ TEST_F(LiveServerTest, StaysForNobodyAndNotForLong) {
   run_.Keep({live_.map_, {}});
   const auto begin = std::chrono::steady_clock::now();
   run_.Stay();
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(500));
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(1500));
   SampleClient client;
   TakeRound(&client);
   State();
   run_.Stay();
   EXPECT_GT(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(1500));
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(6000));
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));
 }
 
 // One who takes nothing, and others who ask without end, while the run goes on: for
