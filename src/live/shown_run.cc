@@ -180,7 +180,7 @@ ShownRun::Text ShownRun::Picture(Shown which) {
     picture = pictures_[PlaceOf(which)];
     number = item.number;
   }
-  const Text text = std::make_shared<std::string>(EncodeJpeg(picture, kQuality));
+  Text text = std::make_shared<std::string>(EncodeJpeg(picture, kQuality));
   const std::lock_guard<std::mutex> lock(mutex_);
   Item& item = items_[PlaceOf(which)];
   if (item.number == number) item.text = text;
