@@ -1,6 +1,6 @@
 #include "simulation/building.h"
 
-#include <string>
+#include <utility>
 
 #include "simulation/random.h"
 #include "simulation/room.h"
@@ -15,8 +15,10 @@ using Row = BuildingPlan::Row;
 
 constexpr int kRows = 4;
 
-// Streams of random numbers of one seed.
+// Streams of random numbers of one seed, of pairs of rooms and of rooms.
+constexpr int kMostRooms = 2000;
 enum Stream : std::uint64_t { kStructure = 1, kFurniture = 1000, kPictures = 2000 };
+static_assert(kFurniture + kMostRooms / 2 <= kPictures, "streams are of one thing each");
 
 bool HasDoorwayInTheSouth(Row row) { return row == Row::kInnerSouth || row == Row::kOuterNorth; }
 
@@ -132,7 +134,7 @@ void AddStaircase(const Site& site, bool is_east, Random* random) {
 
 void BuildingOptions::Visit(OptionVisitor& v) {
   v.Add(floors, "floors", "floors of the scene building", Between(1, 100), AsFlag(), Everyday());
-  v.Add(rooms, "rooms", "its rooms, on all floors together", Between(1, 10000), AsFlag(),
+  v.Add(rooms, "rooms", "its rooms, on all floors together", Between(1, kMostRooms), AsFlag(),
         Everyday());
   v.Check([this] {
     if (rooms % floors == 0) return;

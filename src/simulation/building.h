@@ -13,7 +13,7 @@ namespace surfit {
 // Where what is in a building. Each floor is a ring of four corridors around two rows of rooms,
 // with a row on either side of it; x leads along the rows, y across:
 //
-//   y   outer north rooms     4 k ...
+//   y   outer north rooms
 //   |   north corridor
 //   |   inner north rooms
 //   |   inner south rooms     (west and east corridors at the ends,
@@ -55,8 +55,8 @@ struct BuildingPlan {
 // The way through all of it, the corners of a closed curve, at the height of the eyes.
 std::vector<Eigen::Vector3d> BuildingRoute(const BuildingPlan& plan);
 
-// Steps of the flight from a floor to the next, landings, handrails and pictures.
 struct RoomPlan;
+// Steps of the flight from a floor to the next, landings, handrails and pictures.
 void AddFlight(const RoomPlan& staircase, int floor);
 
 Scene MakeBuilding(std::uint64_t seed, const BuildingOptions& options);

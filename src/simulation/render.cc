@@ -67,7 +67,7 @@ std::vector<Tile> Tiles(const PinholeCamera& camera) {
 
 // The objects that rays of the tile can meet: those in the cone about the tile's middle ray that
 // holds its four corner rays (and with them, it being convex, all between).
-std::vector<Candidate> ObjectsInTile(const View& view, const Tile& tile) {
+std::vector<RayCandidate> ObjectsInTile(const View& view, const Tile& tile) {
   const int u_last = tile.u_end - 1, v_last = tile.v_end - 1;
   const Vector3d axis =
       view.RayInWorld((tile.u_begin + u_last) / 2.0, (tile.v_begin + v_last) / 2.0).normalized();
@@ -90,7 +90,7 @@ struct PixelHit {
 // The camera rays of the tile that meet something. The direction has z = 1 in the camera's frame,
 // so that the ray parameter is the depth.
 std::vector<PixelHit> TraceTile(const View& view, const Tile& tile) {
-  const std::vector<Candidate> candidates = ObjectsInTile(view, tile);
+  const std::vector<RayCandidate> candidates = ObjectsInTile(view, tile);
   std::vector<PixelHit> hits;
   for (int v = tile.v_begin; v < tile.v_end; ++v) {
     for (int u = tile.u_begin; u < tile.u_end; ++u) {

@@ -22,15 +22,10 @@ Sphere BoundingSphere(const std::vector<ScenePoint>& points) {
   return {box.center(), box.diagonal().norm() / 2};
 }
 
-// The objects that can stand between the light and the points.
-std::vector<Candidate> Occluders(const Scene& scene, const PointLight& light,
-                                 const Sphere& points) {
-  const Vector3d to_points = points.center - light.position_in_world;
-  const double distance = to_points.norm();
-  const double half_angle =
-      distance > points.radius ? std::asin(points.radius / distance) : static_cast<double>(M_PI);
-  return scene.ObjectsInCone(light.position_in_world, to_points / distance, half_angle,
-                             distance + points.radius);
+// Where shadow rays begin: off the surface, so that it is not met itself.
+Vector3d OffSurface(const ScenePoint& point) {
+  constexpr double kOffSurface_m = 1e-4;
+  return point.point_in_world + kOffSurface_m * point.hit.normal_in_world;
 }
 
 bool Lights(const PointLight& light, const Vector3d& point) {
@@ -39,13 +34,6 @@ bool Lights(const PointLight& light, const Vector3d& point) {
 
 bool LightsAny(const PointLight& light, const Sphere& points) {
   return light.lit.isEmpty() || light.lit.exteriorDistance(points.center) <= points.radius;
-}
-
-bool InShadow(const Scene& scene, const ScenePoint& point, const Vector3d& to_light,
-              const std::vector<Candidate>& occluders) {
-  constexpr double kOffSurface_m = 1e-4;
-  const Vector3d start = point.point_in_world + kOffSurface_m * point.hit.normal_in_world;
-  return scene.IsBlocked(start, to_light, occluders);
 }
 
 float Daylight(const Vector3d& normal_in_world) {
@@ -120,14 +108,14 @@ void Scene::Add(ShapePtr shape, const Rigid3d& world_from_object, Texture textur
 }
 
 std::optional<SceneHit> Scene::Intersect(const Vector3d& origin, const Vector3d& direction) const {
-  std::vector<Candidate> all(objects_.size());
+  std::vector<RayCandidate> all(objects_.size());
   for (std::size_t i = 0; i < all.size(); ++i) all[i].object = static_cast<int>(i);
   return Intersect(origin, direction, all);
 }
 
 // Of objects that the ray enters at the same t, the first that was added counts.
 std::optional<SceneHit> Scene::Intersect(const Vector3d& origin, const Vector3d& direction,
-                                         const std::vector<Candidate>& candidates) const {
+                                         const std::vector<RayCandidate>& candidates) const {
   constexpr double kRounding = 1 + 1e-9;
   const double speed = kRounding * direction.norm();
   std::optional<ShapeHit> nearest;
@@ -151,8 +139,8 @@ std::optional<SceneHit> Scene::Intersect(const Vector3d& origin, const Vector3d&
 }
 
 bool Scene::IsBlocked(const Vector3d& origin, const Vector3d& direction,
-                      const std::vector<Candidate>& candidates) const {
-  return std::any_of(candidates.begin(), candidates.end(), [&](const Candidate& candidate) {
+                      const std::vector<RayCandidate>& candidates) const {
+  return std::any_of(candidates.begin(), candidates.end(), [&](const RayCandidate& candidate) {
     const Placement& place = placements_[candidate.object];
     const auto hit = objects_[candidate.object].shape->Intersect(
         place.object_from_world * (origin - place.center_in_world),
@@ -161,10 +149,10 @@ bool Scene::IsBlocked(const Vector3d& origin, const Vector3d& direction,
   });
 }
 
-std::vector<Candidate> Scene::ObjectsInCone(const Vector3d& apex, const Vector3d& unit_axis,
-                                            double half_angle_rad, double reach_m) const {
+std::vector<RayCandidate> Scene::ObjectsInCone(const Vector3d& apex, const Vector3d& unit_axis,
+                                               double half_angle_rad, double reach_m) const {
   const Cone cone(apex, unit_axis, half_angle_rad, reach_m);
-  std::vector<Candidate> inside;
+  std::vector<RayCandidate> inside;
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     if (!cone.Meets(groups_[g].center_in_world, groups_[g].radius)) continue;
     const std::size_t end = std::min(objects_.size(), (g + 1) * kGroupSize);
@@ -174,10 +162,32 @@ std::vector<Candidate> Scene::ObjectsInCone(const Vector3d& apex, const Vector3d
       inside.push_back({static_cast<int>(i), place.box_in_world.exteriorDistance(apex)});
     }
   }
-  std::sort(inside.begin(), inside.end(), [](const Candidate& a, const Candidate& b) {
+  std::sort(inside.begin(), inside.end(), [](const RayCandidate& a, const RayCandidate& b) {
     return std::tie(a.distance_m, a.object) < std::tie(b.distance_m, b.object);
   });
   return inside;
+}
+
+// The objects that can stand between the light and the points: in the cone from the light about the
+// points, and in the box that holds both.
+std::vector<RayCandidate> Scene::Occluders(const PointLight& light,
+                                           const std::vector<ScenePoint>& points) const {
+  const Sphere sphere = BoundingSphere(points);
+  const Vector3d to_points = sphere.center - light.position_in_world;
+  const double distance = to_points.norm();
+  const double half_angle =
+      distance > sphere.radius ? std::asin(sphere.radius / distance) : static_cast<double>(M_PI);
+  Eigen::AlignedBox3d between(light.position_in_world);
+  for (const ScenePoint& point : points) between.extend(OffSurface(point));
+  std::vector<RayCandidate> occluders = ObjectsInCone(light.position_in_world, to_points / distance,
+                                                      half_angle, distance + sphere.radius);
+  occluders.erase(
+      std::remove_if(occluders.begin(), occluders.end(),
+                     [&](const RayCandidate& candidate) {
+                       return !placements_[candidate.object].box_in_world.intersects(between);
+                     }),
+      occluders.end());
+  return occluders;
 }
 
 double Scene::Distance(const Vector3d& point_in_world) const {
@@ -212,13 +222,15 @@ std::vector<Eigen::Vector3f> Scene::Light(const std::vector<ScenePoint>& points)
   const Sphere sphere = BoundingSphere(points);
   for (const PointLight& light : lights) {
     if (!LightsAny(light, sphere)) continue;
-    const std::vector<Candidate> occluders =
-        light.casts_shadows ? Occluders(*this, light, sphere) : std::vector<Candidate>();
+    const std::vector<RayCandidate> occluders =
+        light.casts_shadows ? Occluders(light, points) : std::vector<RayCandidate>();
     for (std::size_t i = 0; i < points.size(); ++i) {
       if (!Lights(light, points[i].point_in_world)) continue;
       const Vector3d to_light = light.position_in_world - points[i].point_in_world;
       const float amount = LightFrom(light, points[i].hit.normal_in_world, to_light);
-      if (amount > 0 && !InShadow(*this, points[i], to_light, occluders)) light_sum[i] += amount;
+      if (amount > 0 && !IsBlocked(OffSurface(points[i]), to_light, occluders)) {
+        light_sum[i] += amount;
+      }
     }
   }
   std::vector<Eigen::Vector3f> reflected;

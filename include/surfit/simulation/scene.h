@@ -91,7 +91,7 @@ struct ScenePoint {
 };
 
 // An object that a ray may meet.
-struct Candidate {
+struct RayCandidate {
   int object = 0;
   double distance_m = 0;  // from where the ray starts, at least
 };
@@ -113,14 +113,14 @@ class Scene {
                                     const Eigen::Vector3d& direction) const;
   // The same among some of the objects, nearest first.
   std::optional<SceneHit> Intersect(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
-                                    const std::vector<Candidate>& candidates) const;
+                                    const std::vector<RayCandidate>& candidates) const;
   // Whether the ray enters one of them for t < 1.
   bool IsBlocked(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
-                 const std::vector<Candidate>& candidates) const;
+                 const std::vector<RayCandidate>& candidates) const;
 
   // The objects that may reach into a cone, cut off at a distance from its apex, nearest first;
   // some may not.
-  std::vector<Candidate> ObjectsInCone(
+  std::vector<RayCandidate> ObjectsInCone(
       const Eigen::Vector3d& apex, const Eigen::Vector3d& unit_axis, double half_angle_rad,
       double reach_m = std::numeric_limits<double>::infinity()) const;
 
@@ -154,6 +154,9 @@ class Scene {
     double radius;
   };
   static constexpr std::size_t kGroupSize = 16;
+
+  std::vector<RayCandidate> Occluders(const PointLight& light,
+                                      const std::vector<ScenePoint>& points) const;
 
   std::vector<SceneObject> objects_;
   std::vector<Placement> placements_;
