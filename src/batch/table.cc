@@ -98,10 +98,10 @@ Json ToJson(const BatchRow& row) {
           {"error", row.error.empty() ? Json(nullptr) : Json(row.error)}};
 }
 
-std::string Shown(const std::optional<double>& value, double unit, int digits) {
+std::string InTable(const std::optional<double>& value, double unit, int digits) {
   return value ? Fixed(*value / unit, digits) : "";
 }
-std::string Shown(const std::optional<int>& value) { return value ? Concat(*value) : ""; }
+std::string InTable(const std::optional<int>& value) { return value ? Concat(*value) : ""; }
 
 int CountRows(const std::vector<BatchRow>& rows, const std::string& state) {
   return static_cast<int>(std::count_if(rows.begin(), rows.end(),
@@ -125,17 +125,17 @@ void WriteBatchPage(const std::string& batch, const std::string& sequences,
     table.push_back(
         {{row.sequence, report.empty() ? link("summary.json") : report},
          {row.state, row.state == "open" ? "" : Concat("jobs/run_", row.sequence, ".log")},
-         Shown(row.frames),
-         Shown(row.frames_tracked),
-         Shown(row.frames_lost),
-         Shown(row.frames_skipped),
-         Shown(row.ate_rmse_m, 1e-3, 1),
-         Shown(row.rpe_translation_rmse_m, 1e-3, 1),
-         Shown(row.rpe_rotation_rmse_deg, 1, 2),
-         Shown(row.seconds, 1, 1),
-         Shown(row.frame_ms, 1, 1),
-         Shown(row.peak_mb, 1, 0),
-         Shown(row.map_points, 1e6, 2)});
+         InTable(row.frames),
+         InTable(row.frames_tracked),
+         InTable(row.frames_lost),
+         InTable(row.frames_skipped),
+         InTable(row.ate_rmse_m, 1e-3, 1),
+         InTable(row.rpe_translation_rmse_m, 1e-3, 1),
+         InTable(row.rpe_rotation_rmse_deg, 1, 2),
+         InTable(row.seconds, 1, 1),
+         InTable(row.frame_ms, 1, 1),
+         InTable(row.peak_mb, 1, 0),
+         InTable(row.map_points, 1e6, 2)});
   }
   page.Table(table);
   page.Section("What failed");
