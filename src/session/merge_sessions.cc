@@ -65,12 +65,18 @@ void SortLoops(SlamState* state) {
   }
 }
 
-void AddSurfels(const SurfelMap& from, SurfelMap* to) {
-  for (const std::int32_t id : from.Ids()) {
-    const SurfelBlock& block = from.block(id / SurfelBlock::kCapacity);
-    const int k = id % SurfelBlock::kCapacity;
-    const std::int32_t added = to->Append(block[k]);
-    to->block(added / SurfelBlock::kCapacity).Take(added % SurfelBlock::kCapacity, block, k);
+// Their frames get other indices.
+void AddSurfels(const SurfelMap& from, int shift, SurfelMap* to) {
+  for (std::int32_t c = 0; c < from.cell_count(); ++c) {
+    for (const std::int32_t b : from.cell(c).blocks) {
+      SurfelBlock block = from.block(b);
+      for (int k = 0; k < block.count; ++k) {
+        block.first_seen[k] += shift;
+        block.last_seen[k] += shift;
+        const std::int32_t added = to->Append(block[k]);
+        to->block(added / SurfelBlock::kCapacity).Take(added % SurfelBlock::kCapacity, block, k);
+      }
+    }
   }
 }
 
@@ -97,8 +103,7 @@ class Merger {
     const double beside = Backend::kSubmapDistance * submaps;
     const Rigid3d moved(Eigen::Quaterniond::Identity(), {beside, 0, 0});
     for (SessionRun& run : other.runs) run.shift += shift;
-    const FrameCorrections corrections = MoveTo(moved, &added);
-    MoveMap(corrections, &added.map);
+    MoveMap(MoveTo(moved, &added), &added.map);
     if (!state.calibration) state.calibration = added.calibration;
     SortLoops(&added);
     Append(std::move(other.runs), &all_.runs);
@@ -108,7 +113,7 @@ class Merger {
     Append(std::move(added.edges), &state.edges);
     state.loops_in_graph.insert(state.loops_in_graph.end(), added.loops_in_graph.begin(),
                                 added.loops_in_graph.end());
-    AddSurfels(added.map, &state.map);
+    AddSurfels(added.map, shift, &state.map);
   }
 
   Session& all() { return all_; }

@@ -90,6 +90,9 @@ TEST_F(SessionTool, MergesAndCompacts) {
   const auto merged =
       Tool("merge", {"--from=" + own_.path() + "/a", "--from=" + own_.path() + "/b"});
   EXPECT_THAT(Succeeded(merged).out, HasSubstr("2 sessions"));
+  // Of surfels that both have seen, a good part became one.
+  const auto surfels = [&](const std::string& session) { return CountSession(session).surfels; };
+  EXPECT_LT(surfels(Session()), 0.9 * (surfels(own_.path() + "/a") + surfels(own_.path() + "/b")));
   EXPECT_THAT(Succeeded(Tool("check")).out, HasSubstr("all is intact"));
   Succeeded(Tool("compact"));
   Succeeded(Tool("export", {"--output=" + Output("exported")}));
