@@ -16,8 +16,8 @@ struct TextRow {
   std::vector<std::string> columns;
 };
 
-// Calls with each line of a text file that is neither empty nor a comment (#); columns are separated
-// by spaces, tabs or commas. Throws InputError naming the file if it cannot be read.
+// Calls with each line of a text file that is neither empty nor a comment (#); columns are
+// separated by spaces, tabs or commas. Throws InputError naming the file if it cannot be read.
 void ForEachTextRow(const std::string& path, const std::function<void(const TextRow&)>& call);
 
 // The same lines, for small files: they take many times the file's size.

@@ -4,8 +4,8 @@
 #include <set>
 
 #include "core/field_count.h"
-#include "surfit/core/error.h"
 #include "surfit/batch/batch.h"
+#include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/evaluation/map_error.h"
 #include "surfit/evaluation/trajectory_evaluation.h"

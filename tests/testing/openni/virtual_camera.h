@@ -29,7 +29,7 @@ struct FilmFrame {
 // that it starts. The library to give as openni2_library has its driver.
 class VirtualCamera {
  public:
-  static std::string library() { return SURFIT_OPENNI_LIBRARY; }
+  static std::string library() { return SURFIT_TOOLS_DIR "/../tests/openni/libOpenNI2.so.0"; }
 
   // `script` but for the sizes and the number of frames, which are those of the film.
   VirtualCamera(CameraScript script, const std::vector<FilmFrame>& film) {
