@@ -15,7 +15,8 @@
 namespace surfit {
 namespace {
 
-// How often something random is tried anew: less in buildings, whose paths are long.
+// What is tried of a path at random, and how often. A building's path is long: as a whole it is
+// tried but once, and chosen in shorter pieces, none of which needs to be lucky for long.
 int Attempts(const Scene& scene, int in_a_room, int in_a_building) {
   return scene.cells.empty() ? in_a_room : in_a_building;
 }
@@ -63,10 +64,12 @@ struct Operator {
   }
 };
 
-// How far a path falls short of what we want to see; 0 where it does not.
-double Shortfall(const PathQuality& quality) {
-  constexpr double kLeastPlanar = 0.28, kMostPlanar = 0.45;
-  return 3 * std::max(0.0, kLeastPlanar - quality.planar_share) +
+// How far a path falls short of what we want to see; 0 where it does not. A building has planes
+// enough without being asked.
+double Shortfall(const Scene& scene, const PathQuality& quality) {
+  constexpr double kMostPlanar = 0.45;
+  const double least_planar = scene.cells.empty() ? 0.28 : 0;
+  return 3 * std::max(0.0, least_planar - quality.planar_share) +
          std::max(0.0, quality.planar_share - kMostPlanar) + 2 * quality.bare_share;
 }
 
@@ -74,7 +77,7 @@ double Shortfall(const PathQuality& quality) {
 // the best.
 void FilmPiece(const Scene& scene, int begin, int end, double frames_per_second, Random* random,
                Operator* person, Trajectory* path) {
-  const int candidates = Attempts(scene, 16, 4);
+  const int candidates = Attempts(scene, 16, 12);
   const Operator before = *person;
   Trajectory best;
   double least_shortfall = std::numeric_limits<double>::infinity();
@@ -83,7 +86,7 @@ void FilmPiece(const Scene& scene, int begin, int end, double frames_per_second,
     candidate.gaze.Reseed(random->Index(1 << 30));
     Trajectory piece;
     candidate.Film(begin, end, frames_per_second, &piece);
-    const double shortfall = Shortfall(JudgePath(scene, piece));
+    const double shortfall = Shortfall(scene, JudgePath(scene, piece));
     if (shortfall >= least_shortfall) continue;
     least_shortfall = shortfall;
     best = std::move(piece);
@@ -93,7 +96,7 @@ void FilmPiece(const Scene& scene, int begin, int end, double frames_per_second,
 }
 
 Trajectory FilmPath(const Scene& scene, int frames, const PathOptions& options, Random random) {
-  constexpr int kPiece = 200;
+  const int length = Attempts(scene, 200, 50);
   const double fps = options.frames_per_second;
   const Hand moving(options.min_step_m, options.max_step_m, fps, &random);
   const Hand turning(options.min_turn_deg * kRadPerDeg, options.max_turn_deg * kRadPerDeg, fps,
@@ -102,8 +105,8 @@ Trajectory FilmPath(const Scene& scene, int frames, const PathOptions& options, 
   Operator person{walk, Gaze(scene, walk.Position(), random.Index(1 << 30)), moving, turning};
   Trajectory path;
   path.reserve(frames);
-  for (int begin = 0; begin < frames; begin += kPiece) {
-    FilmPiece(scene, begin, std::min(frames, begin + kPiece), fps, &random, &person, &path);
+  for (int begin = 0; begin < frames; begin += length) {
+    FilmPiece(scene, begin, std::min(frames, begin + length), fps, &random, &person, &path);
   }
   return path;
 }
@@ -121,7 +124,7 @@ Trajectory MakePath(const Scene& scene, int frames, std::uint64_t seed,
   double least_shortfall = std::numeric_limits<double>::infinity();
   for (int i = 1; i <= walks && least_shortfall > kGoodEnough; ++i) {
     Trajectory path = FilmPath(scene, frames, options, Random(seed, i));  // stream 0: the scene's
-    const double shortfall = Shortfall(JudgePath(scene, path));
+    const double shortfall = Shortfall(scene, JudgePath(scene, path));
     if (shortfall >= least_shortfall) continue;
     least_shortfall = shortfall;
     best = std::move(path);

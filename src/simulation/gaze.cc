@@ -125,9 +125,9 @@ std::vector<int> Gaze::TargetsFrom(const Vector3d& position) const {
 // Another target, at random among those in sight and not far behind, if there are any; if possible
 // one whose view from here is of the kind that is sought.
 void Gaze::ChooseTarget(const Vector3d& position) {
-  constexpr double kPlanarChoices = 0.8;
+  const double planar_choices = scene_->cells.empty() ? 0.8 : 0;
   constexpr int kAttempts = 40, kMostViews = 12;
-  const bool want_planar = random_.Uniform() < kPlanarChoices;
+  const bool want_planar = random_.Uniform() < planar_choices;
   const int last = target_;
   const std::vector<int> targets = TargetsFrom(position);
   int views = 0;

@@ -286,7 +286,7 @@ TEST_F(ScanTool, SaysWhatIsWrong) {
 }
 
 // Two rooms alike, one above the other, and the way between them: no link may take one for the
-// other. The bounds are those of a large building (docs/scan.md).
+// other.
 TEST(ScanSweep, RoomsAlikeOnTwoFloorsAreToldApart) {
   if (!HasSnakemake()) GTEST_SKIP() << "no snakemake here";
   const TempFolder folder;

@@ -28,8 +28,8 @@ struct PathOptions {
 // and round along scene.route, the gaze wandering over scene.targets, x right, y down, z forward,
 // the horizon level but for a tremble. It keeps half a metre away from objects where the camera
 // space allows; and as far as the targets allow, one or two planes hold at least 80 % of what is
-// seen in a quarter to a half of the frames, and more than 95 % in none. Throws InputError if
-// frames < 1.
+// seen in a quarter to a half of the frames, and more than 95 % in none; in a building, where a
+// camera has planes enough, in as few as it comes. Throws InputError if frames < 1.
 Trajectory MakePath(const Scene& scene, int frames, std::uint64_t seed,
                     const PathOptions& options = {});
 
