@@ -29,11 +29,9 @@ struct Options {
   void Visit(OptionVisitor& v) {
     v.AddPart(run, "run", "the run");
     v.Group("run");
-    v.Add(
-        view, "view",
-        "show the run in a window that stays open at the end: frame, model, and the map with path "
-        "and loops, to be turned with the mouse; without a display the run says so and goes on",
-        Everyday());
+    v.Add(view, "view",
+          "show the run in a window that stays open at the end, where there is a display",
+          Everyday());
     v.AddPart(serve, "serve", "pages for browsers");
   }
 };

@@ -56,9 +56,8 @@ std::string HostOf(const std::string& address) {
 
 void ServeOptions::Visit(OptionVisitor& v) {
   v.Add(port, "port",
-        "show the run in any browser, under an address that is told on stderr: map in 3D, frame, "
-        "model, path, loops and advice, with buttons to pause and to stop; --serve=PORT at this "
-        "port, --serve at one that is free (0); -1 = not at all",
+        "show the run in any browser, under an address that is told on stderr; 0: at a port that "
+        "is free, -1: not at all",
         Between(-1, 65535), AsFlag("serve"), Everyday());
   v.Add(address, "address",
         "with serve: the machine's IP address that browsers reach; 127.0.0.1 is for those on the "

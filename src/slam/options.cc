@@ -92,7 +92,7 @@ void SlamOptions::Visit(OptionVisitor& v) {
         OneOf(InitializeMethods()), AsFlag());
   v.Add(hold_out, "hold_out",
         "leave the last of so many frames out of the map, to judge it by (surfit_evaluate_views)",
-        ZeroIs("none"), AsFlag(), Everyday());
+        ZeroIs("none"), AsFlag());
   v.AddPart(loops, "loops", "loop closure and relocalisation");
   v.AddPart(calibration, "calibration", "calibration of the depth camera");
   v.Check([this] {

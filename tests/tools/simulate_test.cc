@@ -214,7 +214,7 @@ TEST_F(SimulateTest, AddsAFieldToInverseDepth) {
 
 TEST_F(SimulateTest, RefusesBadFlagsByName) {
   const std::map<std::string, std::string> errors = {
-      {"--scene=kitchen", "scene is 'kitchen', must be one of: corridor, room"},
+      {"--scene=kitchen", "scene is 'kitchen', must be one of: building, corridor, room"},
       {"--sensor=lidar", "--sensor is 'lidar', must be one of: ideal, kinect"},
       {"--seed=-1", "--seed is -1, must be zero or positive"},
       {"--surface_grid_m=0", "--surface_grid_m is 0, must be at least 0.001"},
