@@ -39,6 +39,7 @@ void ScanPlanOptions::Visit(OptionVisitor& v) {
         "frames at the beginning of a sequence by which its depth camera is calibrated", AtLeast(0),
         ZeroIs("it is as given"), AsFlag());
   v.Add(tile_m, "tile_m", "side of a tile of the map, a cube", AtLeast(0.5), AsFlag());
+  v.Add(pictures, "pictures", "draw the map in the report", AsFlag());
   v.Check([this] {
     if (run.output.empty()) throw InputError("output is missing, must be set");
     const std::set<std::string> different(sequences.begin(), sequences.end());

@@ -131,11 +131,9 @@ Json ToJson(const ScanPlan& plan) {
                          {"first", fragment.first},
                          {"last", fragment.last}});
   }
-  return {{"run", OptionsToJson(plan.run)},
-          {"camera_frames", plan.camera_frames},
-          {"tile_m", plan.tile_m},
-          {"recordings", recordings},
-          {"fragments", fragments}};
+  return {{"run", OptionsToJson(plan.run)}, {"camera_frames", plan.camera_frames},
+          {"tile_m", plan.tile_m},          {"pictures", plan.pictures},
+          {"recordings", recordings},       {"fragments", fragments}};
 }
 
 }  // namespace
@@ -146,6 +144,7 @@ ScanPlan PlanScan(const ScanPlanOptions& options) {
   plan.run = RunOfFragments(options.run);
   plan.camera_frames = options.camera_frames;
   plan.tile_m = options.tile_m;
+  plan.pictures = options.pictures;
   for (const std::string& path : options.sequences) {
     plan.recordings.push_back(OptionsOfRecording(plan, path));
   }
@@ -165,6 +164,7 @@ ScanPlan ReadScanPlan(const std::string& scan) {
     plan.run = OptionsFromJson<SlamRunOptions>(json.at("run"));
     json.at("camera_frames").get_to(plan.camera_frames);
     json.at("tile_m").get_to(plan.tile_m);
+    json.at("pictures").get_to(plan.pictures);
     for (const Json& path : json.at("recordings")) {
       plan.recordings.push_back(OptionsOfRecording(plan, path));
     }

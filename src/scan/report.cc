@@ -122,7 +122,7 @@ class ScanReporter {
     for (const JobReceipt& receipt : receipts_) {
       if (receipt.exit != 0) summary.failed.push_back(receipt.job + ": " + receipt.error);
     }
-    if (!graph_.is_null()) WriteMapPictures(ThinnedMap(paths), Path(), scan_);
+    if (DrawsMap()) WriteMapPictures(ThinnedMap(paths), Path(), scan_);
     WritePage(summary);
     WriteSummary(summary);
     return summary;
@@ -196,7 +196,7 @@ class ScanReporter {
     for (const std::string& failed : summary.failed) page.Paragraph(failed);
     if (!graph_.is_null()) {
       page.Section("Map and path");
-      page.Picture("map_color.png");
+      if (DrawsMap()) page.Picture("map_color.png");
       for (std::size_t r = 0; r < plan_.recordings.size(); ++r) {
         page.Picture("graph/" + RecordingFile("trajectory", r, "png"));
       }
@@ -210,6 +210,8 @@ class ScanReporter {
                       others > 0 ? Concat(" and ", others, " more") : ""),
                scan_ + "/report.html");
   }
+
+  bool DrawsMap() const { return plan_.pictures && !graph_.is_null(); }
 
   static void AddRecordings(const ScanSummary& summary, PlainPage* page) {
     std::vector<std::vector<PlainPage::Cell>> rows = {

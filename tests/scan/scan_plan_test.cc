@@ -69,6 +69,7 @@ TEST_F(PlanScanTest, RefusesFragmentsThatNeverEnd) {
 TEST_F(PlanScanTest, WritesWhichFramesAreWhoseAndHowTheyAreRead) {
   options_.run.sequence.first = 1;
   options_.run.sequence.stride = 2;
+  options_.pictures = false;
   PlanScan(options_);
   const ScanPlan plan = ReadScanPlan(scan_.path());
   // Frames 1 3 5 7 9 11, of which two are shared.
@@ -79,6 +80,7 @@ TEST_F(PlanScanTest, WritesWhichFramesAreWhoseAndHowTheyAreRead) {
   EXPECT_EQ(plan.fragments[1].last, 11);
   EXPECT_EQ(plan.recordings[0].stride, 2);
   EXPECT_EQ(plan.tile_m, options_.tile_m);
+  EXPECT_FALSE(plan.pictures);
   const std::string flags = ReadBytes(scan_ / "fragments/0001.flags");
   for (const char* const flag :
        {"--first=5\n", "--last=11\n", "--stride=2\n", "--keep_places=true\n",

@@ -43,9 +43,13 @@ class ScanTool : public ::testing::Test {
   static std::string Sequence() { return folder_->path() + "/room"; }
   static std::vector<std::string> Flags(const std::string& scan,
                                         const std::vector<std::string>& more = {}) {
-    std::vector<std::string> flags = {
-        "--sequence=" + Sequence(), "--output=" + scan, "--fragment_frames=16",
-        "--overlap_frames=6",       "--tile_m=10",      "--camera_frames=0"};
+    std::vector<std::string> flags = {"--sequence=" + Sequence(),
+                                      "--output=" + scan,
+                                      "--fragment_frames=16",
+                                      "--overlap_frames=6",
+                                      "--tile_m=10",
+                                      "--camera_frames=0",
+                                      "--nopictures"};
     flags.insert(flags.end(), more.begin(), more.end());
     return flags;
   }
@@ -68,10 +72,13 @@ TEST_F(ScanTool, GivesOneTrajectoryAndTilesAndDoesNothingAgain) {
   EXPECT_LT(summary["ate_rmse_m"].get<double>(), 0.02);
   EXPECT_GT(summary["tiles"], 1);
   EXPECT_TRUE(fs::exists(whole_ + "/report.html"));
-  // Given again, with the product of one job gone, that alone and what comes of it is done again.
+  EXPECT_FALSE(fs::exists(whole_ + "/map_color.png"));
+  // Given again, with the product of one job gone, that alone and what comes of it is done again,
+  // and what else is asked for.
   const auto time = fs::last_write_time(whole_ + "/jobs/fragment_0000.json");
   fs::remove(whole_ + "/fragments/0001/places.bin");
-  Succeeded(RunProgram("surfit_scan", Flags(whole_, {"--cores=2"})));
+  Succeeded(RunProgram("surfit_scan", Flags(whole_, {"--cores=2", "--pictures"})));
+  EXPECT_TRUE(fs::exists(whole_ + "/map_color.png"));
   EXPECT_TRUE(fs::exists(whole_ + "/fragments/0001/places.bin"));
   EXPECT_EQ(Digest(whole_), summary["digest"]);
   EXPECT_EQ(fs::last_write_time(whole_ + "/jobs/fragment_0000.json"), time);

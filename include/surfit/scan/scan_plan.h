@@ -20,6 +20,7 @@ struct ScanPlanOptions {
   // fragments: one is too short to do so by itself. 0 = the camera is as given.
   int camera_frames = 600;
   double tile_m = 4;  // side of a tile of the map, a cube of the world
+  bool pictures = true;  // of the map, in the report
 
   void Visit(OptionVisitor& visitor);
 };
@@ -38,6 +39,7 @@ struct ScanPlan {
   std::vector<ScanFragment> fragments;
   int camera_frames = 0;
   double tile_m = 0;
+  bool pictures = true;
 };
 
 // Cuts the frames first, first + stride, ... into the fewest fragments, all about as long, of which

@@ -44,6 +44,7 @@ class OpenNiLibrary {
   OpenNiLibrary(const OpenNiLibrary&) = delete;
   OpenNiLibrary& operator=(const OpenNiLibrary&) = delete;
 
+// NOLINTNEXTLINE(bugprone-macro-parentheses): a member has its name
 #define SURFIT_OPENNI_MEMBER(call) decltype(&::call) call = nullptr;
   SURFIT_OPENNI_CALLS(SURFIT_OPENNI_MEMBER)
 #undef SURFIT_OPENNI_MEMBER
