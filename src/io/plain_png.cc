@@ -71,7 +71,9 @@ std::optional<PlainHeader> ReadHeader(const PngChunk& chunk) {
   constexpr std::size_t kBytes = 13;
   if (chunk.type != "IHDR" || chunk.data.size() != kBytes) return std::nullopt;
   const auto* const data = reinterpret_cast<Bytes>(chunk.data.data());
-  const auto number = [](Bytes at) { return at[0] << 24 | at[1] << 16 | at[2] << 8 | at[3]; };
+  const auto number = [](Bytes at) {
+    return static_cast<int>(std::uint32_t{at[0]} << 24 | at[1] << 16 | at[2] << 8 | at[3]);
+  };
   const bool has_usual_methods = data[10] == 0 && data[11] == 0 && data[12] == 0;
   if (!has_usual_methods) return std::nullopt;
   return PlainHeader{{number(data), number(data + 4)}, data[8], data[9]};

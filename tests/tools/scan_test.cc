@@ -174,8 +174,8 @@ TEST_F(ScanTool, HasTheSameDigestWhateverWasKilledOnTheWay) {
   Random random(5);
   for (int attempt = 0; attempt < 20; ++attempt) {
     RunningProgram running("surfit_scan", Flags(scan));
-    for (int i = 0; i < 3 && attempt < 5 && running.IsRunning(); ++i) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(500 + Below(1000, &random)));
+    for (int i = 0; i < 4 && attempt < 5 && running.IsRunning(); ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(200 + Below(400, &random)));
       killed += KillOneIn(fs::canonical(scan), &random) ? 1 : 0;
     }
     if (running.Wait().exit_code == 0) break;
