@@ -2,13 +2,14 @@
 //
 //   frame_time sequence output [frames [max_multiple [solver]]]
 //
-// In any case a frame is decoded, and the bytes it must touch go through memory once:
+// In any case a frame is decoded, here by OpenCV's imdecode (libpng and zlib, libjpeg-turbo), which
+// stays as it is whatever our decoders do, and the bytes it must touch go through memory once:
 // - depth and colour as decoded, 7 bytes a pixel;
 // - vertices and normals of all levels of the frame, and of the model view: 24 bytes each;
 // - the surfels that met a point or were added: 48 bytes each, read and written.
-// The first figure is the run's own, the second a copy of as many bytes by as many threads after
-// the run, so that the multiple says the same on a slower machine. Exits with 1 if it is above
-// max_multiple in six runs: other work only adds to it.
+// The first figure is of one thread, the second a copy of as many bytes by as many threads, both
+// after the run, so that the multiple says the same on a slower machine. Exits with 1 if it is
+// above max_multiple in six runs: other work only adds to it.
 
 #include <algorithm>
 #include <atomic>
@@ -17,6 +18,11 @@
 #include <cstdlib>
 #include <cstring>
 #include <exception>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <vector>
 
@@ -51,11 +57,46 @@ double CopyMilliseconds(std::size_t bytes) {
   return fastest_ms;
 }
 
-double MeanOf(const SlamRunSummary& summary, const std::string& stage) {
-  for (const StageStatistics& s : summary.stages) {
-    if (s.name == stage) return s.times.mean_ms;
+std::string BytesOf(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+// The fastest of some rounds over some images, for one.
+double DecodeMilliseconds(const std::vector<std::string>& paths) {
+  constexpr std::size_t kMost = 20;
+  constexpr int kRepetitions = 5;
+  const std::size_t count = std::min(kMost, paths.size());
+  if (count == 0) return 0;
+  std::vector<std::string> images;
+  for (std::size_t i = 0; i < count; ++i)
+    images.push_back(BytesOf(paths[i * paths.size() / count]));
+  double fastest_ms = 1e9;
+  for (int i = 0; i < kRepetitions; ++i) {
+    const auto start = std::chrono::steady_clock::now();
+    for (std::string& image : images) {
+      const cv::Mat bytes(1, static_cast<int>(image.size()), CV_8UC1, image.data());
+      if (cv::imdecode(bytes, cv::IMREAD_UNCHANGED).empty()) std::abort();
+    }
+    const std::chrono::duration<double, std::milli> elapsed =
+        std::chrono::steady_clock::now() - start;
+    fastest_ms = std::min(fastest_ms, elapsed.count() / static_cast<double>(count));
   }
-  return 0;
+  return fastest_ms;
+}
+
+// Of the depth and the colour of a frame of a folder of images.
+double DecodeMilliseconds(const std::string& sequence) {
+  std::vector<std::string> depth, color;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(sequence)) {
+    const std::string path = entry.path(), kind = entry.path().extension();
+    if (kind != ".png" && kind != ".jpg") continue;
+    const bool is_depth = path.find("depth", sequence.size()) != std::string::npos;
+    (is_depth ? depth : color).push_back(path);
+  }
+  std::sort(depth.begin(), depth.end());
+  std::sort(color.begin(), color.end());
+  return DecodeMilliseconds(depth) + DecodeMilliseconds(color);
 }
 
 void Print(const std::string& name, const TimeStatistics& times) {
@@ -68,7 +109,8 @@ double Measure(const SlamRunOptions& options) {
   const SlamRunSummary summary = RunSlam(options, std::atomic<bool>(false), [](const auto&) {});
   const ThreadLimit threads(options.threads);
   const std::size_t bytes = BytesOfFrame(summary);
-  const double decode_ms = MeanOf(summary, "decode"), copy_ms = CopyMilliseconds(bytes);
+  const double decode_ms = DecodeMilliseconds(options.sequence.path);
+  const double copy_ms = CopyMilliseconds(bytes);
   const double multiple = summary.frame.mean_ms / (decode_ms + copy_ms);
   std::printf("%d frames, %zu surfels, %d lost\n", summary.frames_total, summary.map_points,
               summary.frames_lost);
