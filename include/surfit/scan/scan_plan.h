@@ -19,7 +19,7 @@ struct ScanPlanOptions {
   // At the beginning of each recording, by which the depth camera is calibrated for all its
   // fragments: one is too short to do so by itself. 0 = the camera is as given.
   int camera_frames = 600;
-  double tile_m = 4;  // side of a tile of the map, a cube of the world
+  double tile_m = 4;     // side of a tile of the map, a cube of the world
   bool pictures = true;  // of the map, in the report
 
   void Visit(OptionVisitor& visitor);
