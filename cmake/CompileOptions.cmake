@@ -14,6 +14,10 @@ function(surfit_compile_options target)
     target_link_options(${target} PUBLIC -fsanitize=${SURFIT_SANITIZE})
     # Eigen would change its allocator under AddressSanitizer and disagree with prebuilt libraries.
     target_compile_definitions(${target} PUBLIC EIGEN_MALLOC_ALREADY_ALIGNED=1)
+    if(SURFIT_SANITIZE MATCHES "thread")
+      # ThreadSanitizer knows no fences. Boost.Asio has locks beside them.
+      target_compile_definitions(${target} PRIVATE BOOST_ASIO_DISABLE_FENCED_BLOCK)
+    endif()
   endif()
 endfunction()
 
