@@ -33,18 +33,14 @@ namespace fs = std::filesystem;
 constexpr double kPeriod_s = 0.5;  // between saves, of the recording
 constexpr int kPeriodFrames = 15;  // or so many
 
-bool AreSame(const Rigid3d& a, const Rigid3d& b) {
-  return a.translation == b.translation && a.rotation.coeffs() == b.rotation.coeffs();
-}
-
 bool AreSame(const PosedFrame& a, const PosedFrame& b) {
   return a.index == b.index && a.keyframe == b.keyframe && a.stretch == b.stretch &&
-         a.stamp_s == b.stamp_s && AreSame(a.world_from_camera, b.world_from_camera);
+         a.stamp_s == b.stamp_s && a.world_from_camera == b.world_from_camera;
 }
 
 // What was measured once only moves with the calibration.
 bool AreSame(const KeptEdge& a, const KeptEdge& b) {
-  return a.in_graph == b.in_graph && AreSame(a.edge.a_from_b, b.edge.a_from_b);
+  return a.in_graph == b.in_graph && a.edge.a_from_b == b.edge.a_from_b;
 }
 
 std::vector<KeptEdge> EdgesOf(const Backend& backend) {

@@ -68,20 +68,17 @@ ReferenceView Mapper::Draw(const Rigid3d& world_from_view) {
   return reference;
 }
 
-// In turn with fusion, so that no frame takes the time of both. Intensities are compared more
-// finely than surfaces: with views that frames share the largest error before textured walls is
-// twice as large.
-bool Mapper::UpdateView(const PreparedFrame& frame, const Rigid3d& world_from_predicted,
-                        bool must) {
-  const bool is_turn =
-      must || !has_view_ || unfused_count_ == 0 || !frame.surface().intensity.empty();
+// In turn with fusion.
+bool Mapper::UpdateView(const Rigid3d& world_from_predicted, bool must) {
+  if (is_view_new_ && view_.world_from_view == world_from_predicted) return true;
+  const bool is_turn = must || !has_view_ || unfused_count_ == 0;
   const auto shift = [&] {
     return ImageShift(view_.world_from_view.Inverse() * world_from_predicted,
                       view_.view.pyramid.levels.back());
   };
   if (!is_turn && shift() <= options_.max_view_shift) return false;
   view_ = Draw(world_from_predicted);
-  has_view_ = true;
+  has_view_ = is_view_new_ = true;
   return true;
 }
 
@@ -94,6 +91,7 @@ bool Mapper::IsTurnToFuse(const PreparedFrame& frame, const Rigid3d& world_from_
 FusionReport Mapper::Fuse(const PreparedFrame& frame, const Rigid3d& world_from_camera,
                           const CameraMotion& motion) {
   unfused_count_ = 0;
+  is_view_new_ = false;
   world_from_fused_ = world_from_camera;
   return fusion_.Fuse(frame.images, frame.surface(), world_from_camera, {motion, sensor_.readout_s},
                       &map_);
@@ -101,6 +99,7 @@ FusionReport Mapper::Fuse(const PreparedFrame& frame, const Rigid3d& world_from_
 
 void Mapper::Correct(const WorldCorrection& correction, int frame_index) {
   ++corrections_;
+  is_view_new_ = false;
   if (correction.moves) world_from_fused_ = correction.new_from_old_now * world_from_fused_;
   const int active_frames = options_.fusion.active_frames;
   if (correction.recalibration) {
@@ -126,6 +125,7 @@ void Mapper::Correct(const WorldCorrection& correction, int frame_index) {
 void Mapper::WakeAround(int frame_index, int now) {
   const int active_frames = options_.fusion.active_frames;
   if (active_frames == 0) return;
+  is_view_new_ = false;
   WakeSurfels(frame_index - active_frames, frame_index + active_frames, now, &map_);
 }
 

@@ -38,8 +38,9 @@ class Mapper {
   // What it showed when a view was drawn last for frames to be registered to.
   const ReferenceView& view() const { return view_; }
   // Draws view() anew for a frame where it must have its own, where it is its turn, or where
-  // view() shows little of what the frame is expected to see. Returns whether it did.
-  bool UpdateView(const PreparedFrame& frame, const Rigid3d& world_from_predicted, bool must);
+  // view() shows little of what the frame is expected to see; not if it was drawn for that frame
+  // ahead. Returns whether the frame has its own.
+  bool UpdateView(const Rigid3d& world_from_predicted, bool must);
 
   // Of SlamOptions::map_period frames that are held one has its turn to be fused, and one that
   // sees much that the last did not.
@@ -60,6 +61,7 @@ class Mapper {
   SurfelMap map_;
   ReferenceView view_;
   bool has_view_ = false;     // of today's camera
+  bool is_view_new_ = false;  // the map has not changed since it was drawn
   int unfused_count_ = 0;     // frames that were held since the last one that was fused
   Rigid3d world_from_fused_;  // of that one
   std::size_t merged_doubles_ = 0;

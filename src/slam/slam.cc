@@ -38,6 +38,8 @@ std::vector<int> FusedFrames(const std::vector<PosedFrame>& frames, int period) 
   return fused;
 }
 
+bool HasIntensities(const PreparedFrame& frame) { return !frame.surface().intensity.empty(); }
+
 Tracked Given(const Rigid3d& world_from_camera) {
   Tracked tracked;
   tracked.state = FrameState::kGiven;
@@ -124,6 +126,8 @@ class Slam::Pipeline {
   Tracked Repeat(const RgbdFrame& frame);
   PreparedFrame Prepare(const RgbdFrame& frame, const CameraMotion& motion, StageTimes* times);
   Tracked Track(const PreparedFrame& frame, StageTimes* times);
+  void DrawForNext(int frame_index, bool has_intensities, StageTimes* times);
+  bool UpdateView(const Rigid3d& world_from_predicted, bool has_intensities);
   Tracked TrackFromPrediction(const PreparedFrame& frame, StageTimes* times);
   bool IsFar(const PreparedFrame& frame, const Rigid3d& world_from_camera) const;
   Tracked SearchFor(const PreparedFrame& frame, Tracked tracked);
@@ -222,7 +226,9 @@ FrameReport Slam::Pipeline::Process(const RgbdFrame& frame,
   } else {
     fused = FuseInTurn(prepared, tracked, &times);
   }
+  const bool has_intensities = HasIntensities(prepared);
   tracker_.Keep(std::move(prepared), tracked);
+  if (!given_pose) DrawForNext(frame.index, has_intensities, &times);
   FrameReport report = Report(frame, tracked, fused, times);
   report.is_held_out = is_held_out;
   report.confirmed = confirmed;
@@ -329,6 +335,20 @@ Tracked Slam::Pipeline::Track(const PreparedFrame& frame, StageTimes* times) {
   return tracked;
 }
 
+// What the next frame is expected to see, if it is like the last, so that its pose need not wait for the drawing.
+void Slam::Pipeline::DrawForNext(int frame_index, bool has_intensities, StageTimes* times) {
+  const std::optional<Rigid3d> world_from_next = tracker_.PredictNext();
+  if (tracks_frame_to_frame() || !world_from_next) return;
+  const StageTimer timer("predict", frame_index, &times->predict_ms);
+  UpdateView(*world_from_next, has_intensities);
+}
+
+// Intensities are compared more finely than surfaces: with views that frames share the largest error
+// before textured walls is twice as large.
+bool Slam::Pipeline::UpdateView(const Rigid3d& world_from_predicted, bool has_intensities) {
+  return mapper_.UpdateView(world_from_predicted, tracker_.needs_all() || has_intensities);
+}
+
 // Registers the frame from where the camera is expected, to what is expected to be seen there;
 // where that fails or is in doubt, looks for it from afar.
 Tracked Slam::Pipeline::TrackFromPrediction(const PreparedFrame& frame, StageTimes* times) {
@@ -339,7 +359,7 @@ Tracked Slam::Pipeline::TrackFromPrediction(const PreparedFrame& frame, StageTim
     const StageTimer timer("predict", index, &times->predict_ms);
     world_from_predicted = tracker_.Predict(frame);
     if (!has_own_view) {
-      has_own_view = mapper_.UpdateView(frame, world_from_predicted, tracker_.needs_all());
+      has_own_view = UpdateView(world_from_predicted, HasIntensities(frame));
     }
   }
   const ReferenceView& reference = tracks_frame_to_frame() ? tracker_.last() : mapper_.view();

@@ -73,17 +73,20 @@ bool Tracker::MayFollow(const PreparedFrame& frame) const {
   return is_last_known_ || (seconds > 0 && seconds < kFollows_s);
 }
 
-Rigid3d Tracker::Predict(const PreparedFrame& frame) const {
+std::optional<Rigid3d> Tracker::PredictNext() const {
   if (proposal_) return proposal_->view.world_from_view;
   if (!is_last_known_) return last_.world_from_view;
-  if (options_.motion_model == "so3") {
-    const ViewPair views = {frame.view.pyramid, frame.view.color, last_.view.pyramid,
-                            last_.view.color};
-    return last_.world_from_view * AlignRotation(views, Rigid3d());
-  }
+  if (options_.motion_model == "so3") return std::nullopt;
   // After a loss the motion is unknown: start where the camera was last seen.
   if (lost_count_ > 0 || options_.motion_model == "constant_pose") return last_.world_from_view;
   return last_.world_from_view * last_from_next_;
+}
+
+Rigid3d Tracker::Predict(const PreparedFrame& frame) const {
+  if (const std::optional<Rigid3d> predicted = PredictNext()) return *predicted;
+  const ViewPair views = {frame.view.pyramid, frame.view.color, last_.view.pyramid,
+                          last_.view.color};
+  return last_.world_from_view * AlignRotation(views, Rigid3d());
 }
 
 CameraMotion Tracker::MotionTo(double stamp_s, const Tracked& tracked) const {

@@ -78,7 +78,8 @@ class Tracker {
   // Whether its depth is that of the frame before, byte for byte; it is compared with the next.
   bool Repeats(const RgbdFrame& frame);
   bool HasEnoughDepth(const PreparedFrame& frame) const;
-  // Where the camera is expected.
+  // Where the camera is expected with the next frame; nothing where the frame itself must tell.
+  std::optional<Rigid3d> PredictNext() const;
   Rigid3d Predict(const PreparedFrame& frame) const;
   // How it moves, as far as the last frames tell.
   CameraMotion expected_motion() const { return lost_count_ > 0 ? CameraMotion() : motion_; }

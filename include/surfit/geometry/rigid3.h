@@ -85,6 +85,10 @@ struct Rigid3 {
   Rigid3<Other> cast() const {
     return Rigid3<Other>(rotation.template cast<Other>(), translation.template cast<Other>());
   }
+  // The same numbers: q and -q are not the same.
+  bool operator==(const Rigid3& other) const {
+    return translation == other.translation && rotation.coeffs() == other.rotation.coeffs();
+  }
 };
 
 using Rigid3d = Rigid3<double>;

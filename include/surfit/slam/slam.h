@@ -90,7 +90,7 @@ std::string ToString(FrameState state);
 // Wall time spent in each stage, milliseconds.
 struct StageTimes {
   double preprocess_ms = 0;
-  double predict_ms = 0;
+  double predict_ms = 0;  // drawing the map, for this frame or ahead for the next
   double track_ms = 0;
   double fuse_ms = 0;
   double correct_ms = 0;  // of the map, by loops
