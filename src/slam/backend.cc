@@ -1,20 +1,17 @@
 #include "surfit/slam/backend.h"
 
 #include <algorithm>
-#include <mutex>
 #include <utility>
 
 #include "slam/calibrator.h"
 #include "slam/correct_frames.h"
 #include "slam/edge_information.h"
+#include "slam/keyframe_view.h"
 #include "slam/loop_closer.h"
 #include "surfit/core/options.h"
-#include "surfit/slam/slam_state.h"
 
 namespace surfit {
 namespace {
-
-constexpr int kNoParent = -1;
 
 const LoopOptions& Validated(const LoopOptions& options) {
   Validate(options);
@@ -26,52 +23,6 @@ double Displacement(const Rigid3d& new_from_old, const Eigen::Vector3d& camera) 
   constexpr double kDistanceM = 2;
   return (new_from_old * camera - camera).norm() +
          kDistanceM * RotationAngle(new_from_old.rotation);
-}
-
-// Made by whoever asks first; what it is made from goes then. Nobody waits for another thread,
-// which may have less priority: both make it then.
-class MadeView {
- public:
-  MadeView(ColoredView source, const PlaceViewOptions& options)
-      : source_(std::make_shared<ColoredView>(std::move(source))), options_(options) {}
-
-  PlaceView Get() {
-    std::shared_ptr<const ColoredView> source;
-    {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      if (!source_) return view_;
-      source = source_;
-    }
-    PlaceView view = MakePlaceView(source->pyramid, source->color, options_);
-    const std::lock_guard<std::mutex> lock(mutex_);
-    view_ = view;
-    source_.reset();
-    return view;
-  }
-
- private:
-  std::mutex mutex_;
-  std::shared_ptr<const ColoredView> source_;
-  PlaceViewOptions options_;
-  PlaceView view_;
-};
-
-ViewOfKeyframe ViewOf(ColoredView source, const PlaceViewOptions& options) {
-  auto made = std::make_shared<MadeView>(std::move(source), options);
-  return [made] { return made->Get(); };
-}
-
-// The loops of a state that are edges, as far as edges tell.
-LoopRecord RecordOf(const PoseGraphEdge& edge, const std::vector<KeyframeLink>& keyframes) {
-  LoopRecord record;
-  record.source_frame = keyframes[edge.b].frame;
-  record.target_frame = keyframes[edge.a].frame;
-  record.attempt.proposal.source = static_cast<int>(edge.b);
-  record.attempt.proposal.target = static_cast<int>(edge.a);
-  record.attempt.verdict.reason = FarReason::kAccepted;
-  record.attempt.verdict.target_from_source = edge.a_from_b;
-  record.is_kept = true;
-  return record;
 }
 
 }  // namespace
@@ -86,74 +37,6 @@ Backend::Backend(const DepthSensor& sensor, const PreprocessOptions& preprocess,
 }
 
 Backend::~Backend() = default;
-
-void Backend::GoOnFrom(SlamState* state, StateUse use) {
-  frames_ = std::move(state->frames);
-  TakeLinks(state->keyframes);
-  edges_ = std::move(state->edges);
-  std::size_t loop = 0;
-  for (const PoseGraphEdge& edge : edges_) {
-    if (!edge.loop) continue;
-    loops_.push_back(RecordOf(edge, state->keyframes));
-    loops_.back().in_graph = state->loops_in_graph[loop++];
-  }
-  const PosedFrame& last = frames_[frame_of_keyframe_.back()];
-  last_keyframe_ = {last.index, last.stamp_s, last.world_from_camera, state->views.back()};
-  const bool goes_on = use == StateUse::kContinue;
-  TakeKeyframes(std::move(state->views),
-                goes_on ? state->settled_keyframes : frame_of_keyframe_.size());
-  if (goes_on && !waiting_.empty()) StartTask();
-  if (calibrator_) {
-    if (!goes_on) state->calibration_frames.clear();
-    calibrator_->GoOnFrom(state->calibration, state->color_latency_s,
-                          std::move(state->calibration_frames));
-  }
-}
-
-void Backend::TakeLinks(const std::vector<KeyframeLink>& links) {
-  std::size_t frame = 0;
-  for (const KeyframeLink& link : links) {
-    while (frames_[frame].index != link.frame) ++frame;
-    int parent = kNoParent;
-    if (link.parent_frame != KeyframeLink::kNone) {
-      const auto at = std::lower_bound(
-          links.begin(), links.end(), link.parent_frame,
-          [](const KeyframeLink& other, int parent_frame) { return other.frame < parent_frame; });
-      parent = static_cast<int>(at - links.begin());
-    }
-    frame_of_keyframe_.push_back(static_cast<int>(frame));
-    parent_of_keyframe_.push_back(parent);
-    submap_of_keyframe_.push_back(link.submap);
-    submap_ = std::max(submap_, link.submap);
-  }
-  stretch_ = frames_.back().stretch;
-  begins_submap_ = false;
-}
-
-// Those that are not settled wait for a task, with their edges of odometry.
-void Backend::TakeKeyframes(std::vector<PlaceView> views, std::size_t settled) {
-  std::vector<Keyframe> keyframes;
-  for (std::size_t k = 0; k < views.size(); ++k) {
-    const PosedFrame& frame = frames_[frame_of_keyframe_[k]];
-    Keyframe keyframe = {frame.index, frame.stamp_s, frame.world_from_camera, {}};
-    if (k < settled) {
-      keyframe.view = std::move(views[k]);
-      keyframes.push_back(std::move(keyframe));
-    } else {
-      const auto view = std::make_shared<PlaceView>(std::move(views[k]));
-      waiting_.push_back({std::move(keyframe), [view] { return *view; }, {}});
-    }
-  }
-  std::vector<PoseGraphEdge> edges;
-  for (const PoseGraphEdge& edge : edges_) {
-    if (edge.b < settled) {
-      edges.push_back(edge);
-    } else {
-      waiting_[edge.b - settled].edges.push_back(edge);
-    }
-  }
-  closer_->GoOnFrom(std::move(keyframes), std::move(edges));
-}
 
 // Both count their frames; what is found of the camera is applied to a world at rest.
 std::vector<WorldCorrection> Backend::BeginFrame() {
@@ -200,14 +83,14 @@ bool Backend::BecomesKeyframe(const PosedFrame& frame, const FramePyramid& pyram
 void Backend::AddKeyframe(const RgbdFrame& frame, const IcpResult& icp,
                           const FramePyramid& pyramid) {
   const PosedFrame& posed = frames_.back();
-  const int parent = begins_submap_ ? kNoParent
+  const int parent = begins_submap_ ? KeyframeLink::kNone
                      : anchor_      ? *anchor_
                                     : static_cast<int>(parent_of_keyframe_.size()) - 1;
   const std::optional<PoseGraphEdge> edge = EdgeTo(posed, parent, icp);
   last_keyframe_ = {posed.index, posed.stamp_s, posed.world_from_camera,
                     MakePlaceView(pyramid, {}, options_.views)};  // its depth alone
   parent_of_keyframe_.push_back(parent);
-  submap_of_keyframe_.push_back(parent == kNoParent ? submap_ : submap_of_keyframe_[parent]);
+  submap_of_keyframe_.push_back(parent == KeyframeLink::kNone ? submap_ : submap_of_keyframe_[parent]);
   frame_of_keyframe_.push_back(static_cast<int>(frames_.size()) - 1);
   begins_submap_ = false;
   anchor_.reset();
@@ -232,7 +115,7 @@ void Backend::AddKeyframe(const RgbdFrame& frame, const IcpResult& icp,
 // Of the pose graph, from the keyframe's parent.
 std::optional<PoseGraphEdge> Backend::EdgeTo(const PosedFrame& keyframe, int parent,
                                              const IcpResult& icp) const {
-  if (parent == kNoParent) return std::nullopt;
+  if (parent == KeyframeLink::kNone) return std::nullopt;
   const PosedFrame& from = frames_[frame_of_keyframe_[parent]];
   PoseGraphEdge edge;
   edge.a = static_cast<std::size_t>(parent);
@@ -388,7 +271,7 @@ std::vector<Rigid3d> Backend::CorrectionsOfKeyframes(
     const Rigid3d& old_pose = frames_[frame_of_keyframe_[k]].world_from_camera;
     corrections.push_back(k < world_from_keyframe.size()
                               ? world_from_keyframe[k] * old_pose.Inverse()
-                          : parent == kNoParent ? Rigid3d()
+                          : parent == KeyframeLink::kNone ? Rigid3d()
                                                 : corrections[parent]);
   }
   return corrections;
@@ -399,7 +282,7 @@ std::vector<KeyframeLink> Backend::keyframes() const {
   for (std::size_t k = 0; k < frame_of_keyframe_.size(); ++k) {
     const int parent = parent_of_keyframe_[k];
     links.push_back({FrameOfKeyframe(static_cast<int>(k)),
-                     parent == kNoParent ? KeyframeLink::kNone : FrameOfKeyframe(parent),
+                     parent == KeyframeLink::kNone ? KeyframeLink::kNone : FrameOfKeyframe(parent),
                      submap_of_keyframe_[k]});
   }
   return links;

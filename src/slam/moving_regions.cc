@@ -12,7 +12,7 @@ namespace {
 constexpr double kBetweenSights_s = 0.2;
 constexpr std::size_t kMostSights = 50;
 // Of all cells a region has so many at least; less is noise at edges.
-constexpr double kLeastShare = 0.01;
+constexpr double kLeastMovingShare = 0.01;
 // Of a region's points that were in view some moment ago, so many were seen through; or so many of
 // its cells moved a frame ago.
 constexpr double kLeastSeenThrough = 0.5, kLeastMoved = 0.3;
@@ -158,7 +158,7 @@ bool MovingRegions::Moves(const std::vector<int>& cells, const FrameLevel& frame
                           const Rigid3d& world_from_camera) const {
   const ViewGrid grid(frame.camera);
   const auto size = static_cast<double>(cells.size());
-  if (size < kLeastShare * grid.width * grid.height) return false;
+  if (size < kLeastMovingShare * grid.width * grid.height) return false;
   std::vector<Eigen::Vector3d> points_in_world;
   int moved_count = 0, core_count = 0;
   for (const int cell : cells) {
@@ -170,7 +170,7 @@ bool MovingRegions::Moves(const std::vector<int>& cells, const FrameLevel& frame
   if (moved_count >= kLeastMoved * core_count) return true;
   return std::any_of(sights_.begin(), sights_.end(), [&](const Sight& sight) {
     const SightCount count = sight.Count(points_in_world);
-    return count.through >= kLeastShare * grid.width * grid.height &&
+    return count.through >= kLeastMovingShare * grid.width * grid.height &&
            count.through >= kLeastSeenThrough * count.seen;
   });
 }

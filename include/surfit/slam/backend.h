@@ -265,7 +265,7 @@ class Backend {
   LoopOptions options_;
   std::vector<PosedFrame> frames_;
   std::vector<int> frame_of_keyframe_;   // positions in frames_
-  std::vector<int> parent_of_keyframe_;  // the one that its edge of odometry leads from, or -1
+  std::vector<int> parent_of_keyframe_;  // that its edge of odometry leads from, or kNone
   std::vector<int> submap_of_keyframe_;
   std::optional<Keyframe> last_keyframe_;  // with a view to measure overlap by
   std::vector<NewKeyframe> waiting_;       // for a task
