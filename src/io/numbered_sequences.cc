@@ -60,7 +60,7 @@ std::vector<double> Stamps(const std::map<double, std::string>& images) {
 
 // Each depth image with the colour image of about the same time; colour may be missing altogether.
 std::vector<FrameFiles> PairStamped(const std::map<double, std::string>& depth,
-                                    const std::string& color_folder) {
+                                    const std::string& color_folder, int* unpaired_images) {
   std::vector<FrameFiles> frames;
   if (color_folder.empty()) {
     for (const auto& [stamp_s, path] : depth) frames.push_back({BothAt(stamp_s), path, ""});
@@ -71,6 +71,7 @@ std::vector<FrameFiles> PairStamped(const std::map<double, std::string>& depth,
   for (const auto [c, d] : MatchStamps(color_s, depth_s, kMaxBetweenImages_s)) {
     frames.push_back({{depth_s[d], color_s[c]}, depth.at(depth_s[d]), color.at(color_s[c])});
   }
+  *unpaired_images = static_cast<int>(color.size() + depth.size() - 2 * frames.size());
   if (!frames.empty()) return frames;
   throw InputError(Concat("no image in ", color_folder, " has a name within ", kMaxBetweenImages_s,
                           " s of those of depth, which are times in seconds"));
@@ -172,7 +173,7 @@ SequenceFiles ListRedwoodSequence(const std::string& folder, double frames_per_s
   SequenceFiles files;
   const auto stamped = StampedImages(folder + "/depth");
   if (!stamped.empty()) {
-    files.frames = PairStamped(stamped, FindColorFolder(folder));
+    files.frames = PairStamped(stamped, FindColorFolder(folder), &files.unpaired_images);
     files.has_clock = true;
     if (HasFile(folder + "/groundtruth.txt"))
       files.ground_truth = ReadTumTrajectory(folder + "/groundtruth.txt");

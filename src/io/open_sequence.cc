@@ -33,7 +33,8 @@ OpenedRecording OpenRecording(const std::string& format, const std::string& path
   return {MakeFolderRecording(std::move(files.frames)),
           std::move(files.ground_truth),
           files.has_clock,
-          {}};
+          {},
+          files.unpaired_images};
 }
 
 ToldCamera BagCamera(const SequenceOptions& options, const BagRecording& bag) {
@@ -48,6 +49,7 @@ OpenedRecording OfBag(std::unique_ptr<BagRecording> bag) {
   OpenedRecording opened;
   opened.has_clock = true;
   opened.warnings = bag->warnings();
+  opened.unpaired_images = bag->unpaired_images();
   opened.frames = std::move(bag);
   return opened;
 }
@@ -112,6 +114,8 @@ RawSequence OpenRawSequence(const SequenceOptions& options) {
   if (!opened.has_clock) DropLatency(options, &info.camera);
   info.warnings.insert(info.warnings.end(), opened.warnings.begin(), opened.warnings.end());
   info.ground_truth = std::move(opened.ground_truth);
+  info.has_clock = opened.has_clock;
+  info.unpaired_images = opened.unpaired_images;
   std::vector<int> indices = SelectFrames(opened.frames->frame_count(), options);
   info.frame_count = static_cast<int>(indices.size());
   return Complete(std::move(info),

@@ -43,11 +43,10 @@ class Recording {
 // A recording with its ground truth and warnings.
 struct OpenedRecording {
   std::unique_ptr<Recording> frames;
-  Trajectory ground_truth;  // as the files have it
-  // Stamps are of a clock, to which the sensor has a latency. Otherwise they are the frames'
-  // numbers, or poses are given frame by frame.
-  bool has_clock = false;
+  Trajectory ground_truth;            // as the files have it
+  bool has_clock = false;             // SequenceInfo
   std::vector<std::string> warnings;  // what the user should know
+  int unpaired_images = 0;            // SequenceInfo
 };
 
 // The files of one frame.
@@ -61,7 +60,8 @@ struct FrameFiles {
 struct SequenceFiles {
   std::vector<FrameFiles> frames;
   Trajectory ground_truth;  // as the files have it
-  bool has_clock = false;   // OpenedRecording
+  bool has_clock = false;   // SequenceInfo
+  int unpaired_images = 0;  // SequenceInfo
 };
 
 // Each throws InputError naming the file, and the line, that is missing or malformed.

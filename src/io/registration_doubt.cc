@@ -158,26 +158,27 @@ double Advantage(const Place& place, const std::vector<double>& scores) {
   return sigma > 0 ? (scores[IndexOf(place)] - given) / sigma : 0;
 }
 
-std::string Sentence(const Place& place, int cell, const PinholeCamera& c) {
-  const double scale = kScales[place.scale];
-  const auto fit = [&](double center, int size, int cells) {
-    return std::round(scale * (center - 0.5 * size) + 0.5 * size + cells * cell);
+int CellOf(const PinholeCamera& camera) { return std::max(1, camera.width / kCellsAcross); }
+
+std::string Sentence(const RegistrationFit& found, const PinholeCamera& c) {
+  const auto fit = [&](double center, int size, int moved_px) {
+    return std::round(found.scale * (center - 0.5 * size) + 0.5 * size + moved_px);
   };
   return Concat(
       "edges of colour do not lie where depth jumps: they fit best with colour ",
-      std::lround(100 * scale), " % as large as depth, ", place.right * cell,
-      " px to the right and ", place.down * cell,
+      std::lround(100 * found.scale), " % as large as depth, ", found.right_px,
+      " px to the right and ", found.down_px,
       " px down. Colour may not be registered to depth; if so, give its own camera, about ",
-      std::round(scale * c.fx), ",", std::round(scale * c.fy), ",", fit(c.cx, c.width, place.right),
-      ",", fit(c.cy, c.height, place.down),
+      std::round(found.scale * c.fx), ",", std::round(found.scale * c.fy), ",",
+      fit(c.cx, c.width, found.right_px), ",", fit(c.cy, c.height, found.down_px),
       ", as color_camera in a camera.yaml or as color_intrinsics");
 }
 
 }  // namespace
 
-std::optional<std::string> RegistrationDoubt(const std::vector<FrameImages>& frames,
-                                             const PinholeCamera& depth_camera) {
-  const int cell = std::max(1, depth_camera.width / kCellsAcross);
+std::optional<RegistrationFit> FitRegistration(const std::vector<FrameImages>& frames,
+                                               const PinholeCamera& depth_camera) {
+  const int cell = CellOf(depth_camera);
   if (frames.empty()) return std::nullopt;
   const std::size_t half = (frames.size() + 1) / 2;
   std::vector<double> all(kPlaces);
@@ -190,11 +191,19 @@ std::optional<std::string> RegistrationDoubt(const std::vector<FrameImages>& fra
   ForEachPlace([&](const Place& place) {
     if (all[IndexOf(place)] > all[IndexOf(best)]) best = place;
   });
+  if (!(all[IndexOf(best)] > 0)) return std::nullopt;
   const bool agree = std::all_of(halves.begin(), halves.end(), [&](const auto& scores) {
     return Advantage(best, scores) > kMarginOfHalf;
   });
-  if (!agree || Advantage(best, all) < kMargin) return std::nullopt;
-  return Sentence(best, cell, depth_camera);
+  return RegistrationFit{kScales[best.scale], best.right * cell, best.down * cell,
+                         agree && Advantage(best, all) >= kMargin};
+}
+
+std::optional<std::string> RegistrationDoubt(const std::vector<FrameImages>& frames,
+                                             const PinholeCamera& depth_camera) {
+  const auto fit = FitRegistration(frames, depth_camera);
+  if (!fit || !fit->is_doubtful) return std::nullopt;
+  return Sentence(*fit, depth_camera);
 }
 
 }  // namespace surfit

@@ -52,7 +52,7 @@ std::vector<double> Stamps(const std::vector<StampedFile>& files) {
   return stamps_s;
 }
 
-std::vector<FrameFiles> PairByTime(const std::string& folder) {
+std::vector<FrameFiles> PairByTime(const std::string& folder, int* unpaired_images) {
   const auto depth = ReadStampedFiles(folder, "depth.txt");
   std::vector<FrameFiles> frames;
   if (!HasFile(folder + "/rgb.txt")) {
@@ -66,6 +66,7 @@ std::vector<FrameFiles> PairByTime(const std::string& folder) {
   if (frames.empty() && !depth.empty() && !color.empty())
     throw InputError(Concat(folder, ": no stamp in rgb.txt is within ", kMaxBetweenImages_s,
                             " s of one in depth.txt"));
+  *unpaired_images = static_cast<int>(color.size() + depth.size() - 2 * frames.size());
   return frames;
 }
 
@@ -96,8 +97,8 @@ Trajectory ReadGroundTruth(const std::string& folder) {
 
 SequenceFiles ListTumSequence(const std::string& folder) {
   SequenceFiles files;
-  files.frames =
-      HasFile(folder + "/associations.txt") ? ReadAssociations(folder) : PairByTime(folder);
+  files.frames = HasFile(folder + "/associations.txt") ? ReadAssociations(folder)
+                                                       : PairByTime(folder, &files.unpaired_images);
   std::stable_sort(
       files.frames.begin(), files.frames.end(),
       [](const FrameFiles& a, const FrameFiles& b) { return a.stamps.depth_s < b.stamps.depth_s; });

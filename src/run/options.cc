@@ -5,6 +5,7 @@
 #include "run/posed_views.h"
 #include "run/view_files.h"
 #include "surfit/core/error.h"
+#include "surfit/run/check_recording.h"
 #include "surfit/run/refine_run.h"
 #include "surfit/run/register_run.h"
 #include "surfit/run/revisits.h"
@@ -97,6 +98,15 @@ void SlamRunOptions::Visit(OptionVisitor& v) {
                               sequence.format, "'"));
     }
   });
+}
+
+void RecordingCheckOptions::Visit(OptionVisitor& v) {
+  v.AddPart(sequence, "sequence", "what to read");
+  v.Group("run");
+  v.Add(track, "track",
+        "track the camera, which tells of its calibration and of the latency of colour", AsFlag(),
+        Everyday());
+  v.Add(threads, Threads());
 }
 
 void RefineRunOptions::Visit(OptionVisitor& v) {

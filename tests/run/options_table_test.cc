@@ -13,6 +13,7 @@
 #include "surfit/io/record.h"
 #include "surfit/mesh/mesh_surfels.h"
 #include "surfit/report/write_report.h"
+#include "surfit/run/check_recording.h"
 #include "surfit/run/compare_solvers.h"
 #include "surfit/run/refine_run.h"
 #include "surfit/run/register_run.h"
@@ -62,9 +63,9 @@ using AllOptions = ::testing::Types<
     PoseGraphOptions, LoopOptions, SlamOptions, CalibrationPrior, RefinementOptions, MatchOptions,
     RelativePoseErrorOptions, TrajectoryEvaluationOptions, MapErrorOptions, KlgOptions,
     RecordOptions, KinectOptions, ColorOptions, PathOptions, ReportOptions, SlamRunOptions,
-    AlignRunOptions, RegisterRunOptions, RefineRunOptions, RevisitOptions, FindLoopsRunOptions,
-    ViewEvaluationOptions, MeshOptions, CompareOptions, ScanPlanOptions, CandidatesOptions,
-    LinkOptions, GraphOptions, TileOptions, ScanReportOptions, BatchOptions>;
+    AlignRunOptions, RecordingCheckOptions, RegisterRunOptions, RefineRunOptions, RevisitOptions,
+    FindLoopsRunOptions, ViewEvaluationOptions, MeshOptions, CompareOptions, ScanPlanOptions,
+    CandidatesOptions, LinkOptions, GraphOptions, TileOptions, ScanReportOptions, BatchOptions>;
 TYPED_TEST_SUITE(OptionTables, AllOptions);
 
 TYPED_TEST(OptionTables, NameEveryFieldOnce) { ExpectAll<TypeParam>(FieldCount<TypeParam>()); }

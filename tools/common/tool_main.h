@@ -8,7 +8,7 @@
 namespace surfit::tools {
 
 // The exit codes of every program.
-enum ExitCode { kDone = 0, kBadInput = 1, kAlgorithmFailed = 2 };
+enum ExitCode { kDone = 0, kBadInput = 1, kAlgorithmFailed = 2, kFaultsFound = 3 };
 
 // Runs a program. Its flags are those of the table of its options, whose values are the defaults.
 // What the user has set goes into the options before prepare(), which may change them by what it

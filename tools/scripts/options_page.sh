@@ -19,7 +19,7 @@ In C++ and Python options have more fields than there are flags: see the structs
 it to what the programs say.
 END
   local program
-  for program in slam session refine report align register compare_solvers evaluate evaluate_map \
+  for program in slam session refine report align register compare_solvers doctor evaluate evaluate_map \
     evaluate_revisits evaluate_views find_loops record convert mesh optimize batch scan plan scan_candidates scan_link scan_graph scan_tile \
     scan_report simulate; do
     printf '\n## surfit_%s\n\n' "$program"

@@ -112,6 +112,7 @@ void BagRecording::Pair() {
   const std::vector<double> color_s = seconds_of(color);
   for (const auto [c, d] : MatchStamps(color_s, depth_s, kMaxBetweenImages_s))
     frames_.push_back({{depth_s[d], color_s[c]}, depth[d].place, color[c].place});
+  unpaired_images_ = static_cast<int>(color.size() + depth.size() - 2 * frames_.size());
   if (frames_.empty()) {
     throw InputError(Concat(log_->path(), ": no stamp of ", topics_.color.topic->name,
                             " is within ", kMaxBetweenImages_s, " s of one of ",

@@ -25,6 +25,7 @@ class BagRecording : public Recording {
   FrameImages Read(int index) const override;
 
   const std::vector<std::string>& warnings() const { return warnings_; }
+  int unpaired_images() const { return unpaired_images_; }  // SequenceInfo
 
   // What the options tell of the camera, so that the bag need not.
   struct Known {
@@ -56,6 +57,7 @@ class BagRecording : public Recording {
   BagTopics topics_;
   std::vector<Frame> frames_;
   std::vector<std::string> warnings_;
+  int unpaired_images_ = 0;
 };
 
 }  // namespace surfit

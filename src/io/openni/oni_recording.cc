@@ -113,6 +113,8 @@ void OniRecording::Pair(const Images& images) {
                        images.depth[d].number,
                        images.color[c].number});
   }
+  unpaired_images_ =
+      static_cast<int>(images.color.size() + images.depth.size() - 2 * frames_.size());
   if (frames_.empty()) {
     throw InputError(Concat(options_.path, ": no stamp of colour is within ", kMaxBetweenImages_s,
                             " s of one of depth"));
@@ -149,6 +151,7 @@ OniFile OpenOni(const SequenceOptions& options) {
   file.camera = [opened = recording.get()] { return opened->Camera(); };
   file.recording.has_clock = true;
   file.recording.warnings = recording->warnings();
+  file.recording.unpaired_images = recording->unpaired_images();
   file.recording.frames = std::move(recording);
   return file;
 }

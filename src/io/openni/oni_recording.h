@@ -42,6 +42,7 @@ class OniRecording : public Recording {
 
   RgbdCamera Camera() const { return device_.Camera(options_); }
   const std::vector<std::string>& warnings() const { return warnings_; }
+  int unpaired_images() const { return unpaired_images_; }  // SequenceInfo
 
  private:
   // Numbers of images in the file; color is 0 without one.
@@ -68,6 +69,7 @@ class OniRecording : public Recording {
   mutable std::optional<DeviceImage> depth_, color_;  // the last ones that were played
   std::vector<Frame> frames_;
   std::vector<std::string> warnings_;
+  int unpaired_images_ = 0;
 };
 
 }  // namespace surfit

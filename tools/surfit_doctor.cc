@@ -1,0 +1,102 @@
+// Says what is wrong with a recording.
+
+#include <iomanip>
+#include <iostream>
+
+#include "common/console.h"
+#include "common/json.h"
+#include "common/tool_main.h"
+#include "surfit/core/atomic_file.h"
+#include "surfit/core/error.h"
+#include "surfit/core/options.h"
+#include "surfit/run/check_recording.h"
+
+namespace surfit::tools {
+namespace {
+
+struct Options {
+  std::string summary;
+  RecordingCheckOptions check;
+
+  void Visit(OptionVisitor& v) {
+    v.AddPart(check, "check", "what is looked at");
+    v.Group("run");
+    v.Add(summary, "summary", "if given, all that was measured goes to this JSON file", AsFlag(),
+          Everyday());
+  }
+};
+
+void PrintTable(const RecordingReport& report) {
+  std::vector<std::vector<std::string>> rows = {{"", "check", "must be", "measured"}};
+  for (const RecordingCheck& check : report.checks) {
+    const auto with_unit = [&](const std::string& text) {
+      return check.unit.empty() ? text : text + " " + check.unit;
+    };
+    rows.push_back({check.IsSound() ? "" : "FAULT", check.name, check.constraint,
+                    check.value ? with_unit(Concat(std::setprecision(3), *check.value)) : "-"});
+  }
+  std::cout << TextTable(rows, 3);
+}
+
+void PrintFaults(const RecordingReport& report) {
+  if (report.interrupted) {
+    std::cout << "interrupted: only the first " << report.frames << " frames were looked at\n";
+  }
+  if (report.IsSound()) std::cout << "nothing is wrong with " << report.frames << " frames\n";
+  for (const RecordingCheck& check : report.checks) {
+    if (!check.IsSound()) {
+      std::cout << "\n"
+                << check.name << ": " << check.fault << ".\n  What to do: " << check.advice
+                << ".\n";
+    }
+  }
+  std::cout << std::flush;
+}
+
+Json ToJson(const RecordingReport& report, Options options) {
+  Json json = {{"format", report.info.format}, {"camera_from", report.info.camera_from},
+               {"frames", report.frames},      {"interrupted", report.interrupted},
+               {"is_sound", report.IsSound()}, {"checks", Json::array()}};
+  for (const RecordingCheck& check : report.checks) {
+    json["checks"].push_back({{"name", check.name},
+                              {"value", check.value ? Json(*check.value) : Json()},
+                              {"unit", check.unit},
+                              {"must_be", check.constraint},
+                              {"is_sound", check.IsSound()},
+                              {"fault", check.fault},
+                              {"advice", check.advice}});
+  }
+  json["warnings"] = report.info.warnings;
+  json["options"] = FlagsToJson(TableOf(&options));
+  return json;
+}
+
+int Run(const Options& options) {
+  ProgressLine line;
+  int seen = 0;
+  const RecordingReport report =
+      CheckRecording(options.check, CatchInterruptions(), [&](int frames) {
+        seen = frames;
+        line.Show(Concat("frame ", frames), /*last=*/false);
+      });
+  line.Show(Concat("frame ", seen), /*last=*/true);
+  PrintTable(report);
+  PrintFaults(report);
+  if (!options.summary.empty()) {
+    WriteFileAtomically(options.summary,
+                        [&](std::ostream& out) { out << ToText(ToJson(report, options)); });
+  }
+  return report.IsSound() ? kDone : kFaultsFound;
+}
+
+}  // namespace
+}  // namespace surfit::tools
+
+int main(int argc, char** argv) {
+  return surfit::tools::ToolMain(
+      argc, argv,
+      "says what is wrong with an RGB-D recording, and what to do: the depth's scale, colour's "
+      "place "
+      "and time, exposure, blur, missing frames, calibration, share and range of depth.",
+      surfit::tools::Run);
+}
