@@ -76,7 +76,7 @@ std::optional<HttpAnswer> LivePages::Get(const std::string& page, const HttpTarg
   const auto picture = kPictures.find(page);
   if (picture == kPictures.end()) return Bare(404);
   shown_.Want(picture->second);
-  return Found("image/jpeg", shown_.Picture(picture->second));
+  return Found("image/jpeg", shown_.Picture(picture->second, target.Number("number")));
 }
 
 // All viewers together get so much of the map a second; what is too much waits.

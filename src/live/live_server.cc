@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <map>
 #include <optional>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "live/http_rules.h"
 #include "live/http_server.h"
@@ -19,6 +21,7 @@ namespace surfit {
 namespace {
 
 constexpr std::size_t kSlotsAtOnce = 8192;
+constexpr std::array kViews = {Shown::kFrame, Shown::kModel, Shown::kNormals};
 
 // One of the two upper tiles of a live picture: the frame's, or the model's.
 Image<Rgb8> Tile(const LivePicture& picture, bool of_model) {
@@ -82,7 +85,9 @@ struct LiveServer::Parts {
   void Give(Shown what, Pace* pace, bool must, const Act& act);
   void GiveState(bool must);
   void GiveStateIfDue(bool must);
-  bool GiveModel(const SurfelMap& map, Shown which);
+  Image<Rgb8> ModelTile(const SurfelMap& map, ModelColors colors);
+  bool GiveViews(const RgbdFrame& frame, const SurfelMap& map, const std::vector<Shown>& wanted);
+  void GiveViewsIfDue(const SlamRunFrame& frame, bool must);
   void GiveAll(const SlamRunFrame& frame, bool must);
 
   LiveRun& run;
@@ -92,8 +97,7 @@ struct LiveServer::Parts {
   std::optional<LivePicture> picture;  // from the first frame on
   PinholeCamera camera;
   // Of the run's time: all together at most four hundredths, and only of what is asked for.
-  Pace state_pace{0.1, 0.005}, path_pace{1, 0.003}, frame_pace{0.1, 0.008}, model_pace{0.5, 0.012},
-      normals_pace{0.5, 0.004}, map_pace{0, 0.008};
+  Pace state_pace{0.1, 0.005}, path_pace{1, 0.003}, views_pace{0.1, 0.024}, map_pace{0, 0.008};
   std::array<bool, kShownCount> is_exact{};  // as it is after the last frame
   bool is_state_exact = false;
   int map_rounds = 0;  // since the last frame
@@ -133,15 +137,46 @@ void LiveServer::Parts::GiveState(bool must) {
 }
 
 // Where the camera is lost, the last image whose pose is known: what to turn back to.
-bool LiveServer::Parts::GiveModel(const SurfelMap& map, Shown which) {
-  if (run.path().empty()) return true;
+Image<Rgb8> LiveServer::Parts::ModelTile(const SurfelMap& map, ModelColors colors) {
   if (run.is_lost() && !run.is_done()) {
     picture->ShowLost(run.last_good());
-  } else {
-    picture->ShowModel(map, run.path().back().world_from_camera,
-                       which == Shown::kModel ? ModelColors::kColor : ModelColors::kNormals);
+  } else if (!run.path().empty()) {
+    picture->ShowModel(map, run.path().back().world_from_camera, colors);
   }
-  return shown.GivePicture(which, Tile(*picture, /*of_model=*/true));
+  return Tile(*picture, /*of_model=*/true);
+}
+
+// What the frame shows and what the map shows from its pose are of one moment, so that they can be
+// compared. Whether they were given.
+bool LiveServer::Parts::GiveViews(const RgbdFrame& frame, const SurfelMap& map,
+                                  const std::vector<Shown>& wanted) {
+  std::map<Shown, Image<Rgb8>> tiles;
+  for (const Shown which : wanted) {
+    if (which == Shown::kFrame) {
+      picture->ShowFrame(frame);
+      tiles[which] = Tile(*picture, /*of_model=*/false);
+    } else {
+      tiles[which] =
+          ModelTile(map, which == Shown::kModel ? ModelColors::kColor : ModelColors::kNormals);
+    }
+  }
+  return shown.GivePictures(tiles);
+}
+
+void LiveServer::Parts::GiveViewsIfDue(const SlamRunFrame& frame, bool must) {
+  std::vector<Shown> wanted;
+  bool all_exact = true;
+  for (const Shown which : kViews) {
+    if (!shown.IsWanted(which)) continue;
+    wanted.push_back(which);
+    all_exact &= is_exact[static_cast<std::size_t>(which)];
+  }
+  if (all_exact) return;
+  views_pace.ActIfDue(must, [&] {
+    if (!GiveViews(frame.frame, frame.map, wanted) || !must) return;
+    for (const Shown which : wanted) is_exact[static_cast<std::size_t>(which)] = true;
+    server.Wake();
+  });
 }
 
 // Of the map a part after each frame, so that none takes long. It is exact when a round has begun
@@ -153,12 +188,7 @@ void LiveServer::Parts::GiveAll(const SlamRunFrame& frame, bool must) {
     return map_rounds > 1;
   });
   Give(Shown::kPath, &path_pace, must, [&] { return shown.GivePath(Thinned(run), must); });
-  Give(Shown::kFrame, &frame_pace, must, [&] {
-    picture->ShowFrame(frame.frame);
-    return shown.GivePicture(Shown::kFrame, Tile(*picture, /*of_model=*/false));
-  });
-  Give(Shown::kModel, &model_pace, must, [&] { return GiveModel(frame.map, Shown::kModel); });
-  Give(Shown::kNormals, &normals_pace, must, [&] { return GiveModel(frame.map, Shown::kNormals); });
+  GiveViewsIfDue(frame, must);
   camera = frame.sensor.camera;
   GiveStateIfDue(must);
 }
@@ -193,13 +223,17 @@ void LiveServer::ShowWork() {
   parts_->state_pace.ActIfDue(/*must=*/false, [&] { parts_->GiveState(/*must=*/false); });
 }
 
+// The views are those of the last pose.
 void LiveServer::Keep(const SlamRunResult& result) {
-  for (const Shown which : {Shown::kModel, Shown::kNormals}) {
-    if (parts_->picture && parts_->shown.IsWanted(which)) parts_->GiveModel(result.map, which);
+  Parts& parts = *parts_;
+  const auto is_wanted = [&](Shown which) { return parts.shown.IsWanted(which); };
+  if (parts.picture && std::any_of(kViews.begin(), kViews.end(), is_wanted)) {
+    const RgbdFrame last = {0, 0, 0, {}, parts.run.last_good()};
+    parts.GiveViews(last, result.map, {kViews.begin(), kViews.end()});
   }
-  parts_->shown.ResetMap(result.map);
-  parts_->shown.GivePath(Thinned(parts_->run), /*must=*/true);
-  parts_->GiveState(/*must=*/true);
+  parts.shown.ResetMap(result.map);
+  parts.shown.GivePath(Thinned(parts.run), /*must=*/true);
+  parts.GiveState(/*must=*/true);
 }
 
 // Pages ask for the rest of the map at once: who has been given nothing of it for a while has all.

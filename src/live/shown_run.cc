@@ -75,11 +75,14 @@ bool ShownRun::GivePath(const ShownPath& path, bool must) {
   return true;
 }
 
-bool ShownRun::GivePicture(Shown which, const Image<Rgb8>& picture) {
+bool ShownRun::GivePictures(const std::map<Shown, Image<Rgb8>>& pictures) {
   if (!Lock(/*must=*/false)) return false;
   const std::lock_guard<std::mutex> lock(mutex_, std::adopt_lock);
-  pictures_[PlaceOf(which)] = picture;
-  Number(which);
+  ++number_;
+  for (const auto& [which, picture] : pictures) {
+    pictures_[PlaceOf(which)] = picture;
+    items_[PlaceOf(which)] = {number_, nullptr};
+  }
   return true;
 }
 
@@ -169,13 +172,14 @@ ShownRun::Text ShownRun::Path() {
 }
 
 // Encodes without keeping the run from giving.
-ShownRun::Text ShownRun::Picture(Shown which) {
+ShownRun::Text ShownRun::Picture(Shown which, std::uint32_t asked) {
   constexpr int kQuality = 80;
   Image<Rgb8> picture;
   std::uint32_t number = 0;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     const Item& item = items_[PlaceOf(which)];
+    if (asked != 0 && item.number != asked) return nullptr;
     if (item.number == 0 || item.text) return item.text;
     picture = pictures_[PlaceOf(which)];
     number = item.number;

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -53,7 +54,8 @@ class ShownRun {
   // The run's side: whether it has been given. `must` waits: for what the run has come to.
   bool GiveState(const ShownState& state, bool must);
   bool GivePath(const ShownPath& path, bool must);
-  bool GivePicture(Shown which, const Image<Rgb8>& picture);
+  // Of one moment: they get one number.
+  bool GivePictures(const std::map<Shown, Image<Rgb8>>& pictures);
   // MapSample's: whether all has been looked at; nothing where it was not given.
   std::optional<bool> UpdateMap(const SurfelMap& map, std::size_t slots);
   void ResetMap(const SurfelMap& map);
@@ -65,9 +67,10 @@ class ShownRun {
   // The server's side. JSON; nothing where the state is not newer than `number`.
   using Text = std::shared_ptr<const std::string>;
   Text StateAfter(std::uint32_t number, bool is_paused);
-  // JSON, and JPEGs; nothing where none has been given yet.
+  // JSON; nothing where none has been given yet.
   Text Path();
-  Text Picture(Shown which);
+  // A JPEG, if it has this number still; 0: whichever it has.
+  Text Picture(Shown which, std::uint32_t asked);
   // SampleChanges, little endian: epoch, level, slots, version, next and count as uint32, as many
   // slots as uint32, and as many ShownSurfel.
   Text Map(const SamplePlace& place, std::size_t most);

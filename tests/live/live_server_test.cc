@@ -222,6 +222,31 @@ TEST_F(LiveServerTest, GivesTheMapThePathAndPicturesInAPause) {
   run.join();
 }
 
+// So that they can be compared; a page that is late is told so instead of being given the next.
+TEST_F(LiveServerTest, GivesFrameAndModelOfOneMoment) {
+  State();
+  std::uint32_t last = 0;
+  for (int i = 0; i < 3; ++i) {
+    json numbers;
+    for (int wait = 0; wait < 200; ++wait) {
+      live_.Tell(&run_);
+      numbers = State()["numbers"];
+      if (numbers["frame"] > last) break;
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+    const auto number = numbers["frame"].get<std::uint32_t>();
+    EXPECT_GT(number, last);
+    EXPECT_EQ(numbers["model"], number);
+    EXPECT_EQ(numbers["normals"], number);
+    for (const char* picture : {"frame.jpg", "model.jpg", "normals.jpg"}) {
+      EXPECT_EQ(Get(Concat(picture, "?number=", number)).status, 200) << picture;
+      if (last == 0) continue;
+      EXPECT_EQ(Get(Concat(picture, "?number=", last)).status, 204) << picture;
+    }
+    last = number;
+  }
+}
+
 // Nobody looks: nothing is made.
 TEST_F(LiveServerTest, MakesNoPicturesForNobody) {
   for (int i = 0; i < 5; ++i) live_.Tell(&run_);

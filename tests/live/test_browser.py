@@ -6,7 +6,7 @@ import pathlib
 
 import pytest
 from live_slam import ServedRun  # finds report_page, too
-from report_page import drawn_share, frame_drawn, open_browser, pil_image, simulate_room
+from report_page import browser, drawn_share, frame_drawn, pil_image, simulate_room  # noqa: F401
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
@@ -20,13 +20,6 @@ PICTURES = os.environ.get("SURFIT_SCREENSHOTS")
 @pytest.fixture(scope="module")
 def room(tmp_path_factory):
     return simulate_room(tmp_path_factory.mktemp("live"), FRAMES)
-
-
-@pytest.fixture(scope="module")
-def browser():
-    driver = open_browser()
-    yield driver
-    driver.quit()
 
 
 @pytest.fixture
@@ -92,7 +85,8 @@ def test_shows_a_run_and_steers_it(browser, run):
     browser.execute_script("const e = surfit.byId('colors'); e.value = 'normal';"
                            "e.dispatchEvent(new Event('change'))")
     click(browser, "normals")
-    wait_until(browser, "surfit.live.seen.normals > 0")
+    wait_until(browser, "surfit.live.seen.pictures > 0 &&"
+                        " surfit.live.seen.pictures === surfit.live.state.numbers.normals")
     keep(browser, "following.png")
     press = browser.find_element(By.ID, "map-canvas").send_keys
     before = browser.execute_script("return surfit.live.scene.camera.position.toArray()")

@@ -35,6 +35,13 @@ def open_browser():
     return webdriver.Chrome(options=options, service=Service(str(DRIVER)))
 
 
+@pytest.fixture(scope="module")
+def browser():
+    driver = open_browser()
+    yield driver
+    driver.quit()
+
+
 def frame_drawn(browser):
     """Waits until the page has drawn what it was asked for."""
     browser.execute_async_script("const done = arguments[0];"

@@ -98,13 +98,17 @@ surfit.Live = class {
     this.seen.path = number;
   }
 
-  // `nameOf` may change its mind meanwhile.
-  async takePicture(id, nameOf) {
-    const name = nameOf();
-    if (!this.state || this.state.numbers[name] <= (this.seen[name] || 0)) return this.nextState();
-    const number = this.state.numbers[name];
-    await this.panel.showPicture(id, await (await this.get(`${name}.jpg`)).blob());
-    this.seen[name] = number;
+  // Frame and model of one moment, which have one number; where newer ones have come meanwhile, these.
+  async takePictures() {
+    const name = surfit.modelName();
+    const numbers = this.state ? this.state.numbers : {};
+    const number = numbers.frame;
+    if (!number || number !== numbers[name] || number <= (this.seen.pictures || 0)) return this.nextState();
+    const answers = await Promise.all(['frame', name].map((of) => this.get(`${of}.jpg?number=${number}`)));
+    if (answers.some((answer) => answer.status === 204)) return this.nextState();
+    const blobs = await Promise.all(answers.map((answer) => answer.blob()));
+    await this.panel.showPictures(['frame-picture', 'model-picture'], blobs);
+    this.seen.pictures = number;
     return surfit.sleep(surfit.pictureGapMs);
   }
 
@@ -114,9 +118,8 @@ surfit.Live = class {
       this.repeat(() => this.takeMap());
       this.repeat(() => this.takePath());
     }
-    this.repeat(() => this.takePicture('frame-picture', () => 'frame'));
-    this.repeat(() => this.takePicture('model-picture', surfit.modelName));
-    surfit.byId('normals').addEventListener('change', () => { this.seen[surfit.modelName()] = 0; });
+    this.repeat(() => this.takePictures());
+    surfit.byId('normals').addEventListener('change', () => { this.seen.pictures = 0; });
   }
 };
 

@@ -65,14 +65,14 @@ surfit.Panel = class {
     link.className = `pill ${isBad ? 'bad' : 'plain'}`;
   }
 
-  async showPicture(id, blob) {
-    const image = surfit.byId(id);
-    const before = image.src;
-    image.src = URL.createObjectURL(blob);
-    try {
-      await image.decode();
-    } finally {
-      if (before.startsWith('blob:')) URL.revokeObjectURL(before);
-    }
+  // All at once, when all are ready.
+  async showPictures(ids, blobs) {
+    const ready = blobs.map((blob) => Object.assign(new Image(), { src: URL.createObjectURL(blob) }));
+    await Promise.all(ready.map((image) => image.decode()));
+    ids.forEach((id, i) => {
+      const image = surfit.byId(id);
+      if (image.src.startsWith('blob:')) URL.revokeObjectURL(image.src);
+      image.src = ready[i].src;
+    });
   }
 };
