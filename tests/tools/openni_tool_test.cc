@@ -38,29 +38,38 @@ class OpenNiTool : public SlamTool {
     return film;
   }
 
+  // The folder with the stamps that OpenNI2's recorder makes.
+  std::string CopyWithStampsOfOni() const {
+    const std::string folder = CopyOfRoom();
+    fs::remove(folder + "/groundtruth.txt");
+    std::ofstream pairs(folder + "/associations.txt"), colors(folder + "/rgb.txt"),
+        depths(folder + "/depth.txt");
+    const std::vector<std::string> rows = Lines(Room() + "/associations.txt");
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      std::string stamp, color, depth;
+      std::istringstream(rows[i]) >> stamp >> color >> stamp >> depth;
+      char text[32];
+      std::snprintf(text, sizeof(text), "0.%06zu", 33333 * i);
+      pairs << text << " " << color << " " << text << " " << depth << "\n";
+      colors << text << " " << color << "\n";
+      depths << text << " " << depth << "\n";
+    }
+    return folder;
+  }
+  // The same frames as OpenNI2 records them, with the folder's camera.
+  std::string Recorded() const {
+    const std::string oni = own_ / "room.oni";
+    const VirtualCamera camera({}, Film());
+    RecordOni(oni);
+    fs::copy(Room() + "/camera.yaml", oni + ".yaml");
+    return oni;
+  }
+
   static std::string Library() { return "--openni2_library=" + VirtualCamera::library(); }
 };
 
 TEST_F(OpenNiTool, ARecordingGivesTheTrajectoryAndMapOfTheFolder) {
-  // The folder with the stamps that OpenNI2's recorder makes.
-  const std::string folder = CopyOfRoom();
-  fs::remove(folder + "/groundtruth.txt");
-  std::ofstream pairs(folder + "/associations.txt");
-  const std::vector<std::string> rows = Lines(Room() + "/associations.txt");
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    std::string stamp, color, depth;
-    std::istringstream(rows[i]) >> stamp >> color >> stamp >> depth;
-    char text[32];
-    std::snprintf(text, sizeof(text), "0.%06zu", 33333 * i);
-    pairs << text << " " << color << " " << text << " " << depth << "\n";
-  }
-  pairs.close();
-  const std::string oni = own_ / "room.oni";
-  {
-    const VirtualCamera camera({}, Film());
-    RecordOni(oni);
-  }
-  fs::copy(Room() + "/camera.yaml", oni + ".yaml");
+  const std::string folder = CopyWithStampsOfOni(), oni = Recorded();
   Succeeded(Slam(folder, Output("folder")));
   Succeeded(Slam(oni, Output("oni"), {Library()}));
   const std::string copy = own_.path() + "/recorded";
@@ -72,6 +81,32 @@ TEST_F(OpenNiTool, ARecordingGivesTheTrajectoryAndMapOfTheFolder) {
     EXPECT_EQ(Summary(Output(name))["digest"], expected["digest"]) << name;
     EXPECT_EQ(ReadBytes(Output(name) + "/trajectory.txt"),
               ReadBytes(Output("folder") + "/trajectory.txt"));
+  }
+}
+
+// Each is written by a program that is not ours, and those that are missing are told.
+TEST_F(OpenNiTool, EachKindOfRecordingGivesTheTrajectoryAndMapOfTheFolder) {
+  const std::string folder = CopyWithStampsOfOni(), bags = own_.path() + "/bags";
+  const ProgramResult written =
+      RunShell("'" SURFIT_TEST_PYTHON "' '" SURFIT_TEST_BAGS_DIR "/write_bags.py' '" + folder +
+               "' '" + bags + "'");
+  Succeeded(Slam(folder, Output("folder")));
+  const nlohmann::json expected = Summary(Output("folder"));
+  std::string missing;
+  for (const std::string& path :
+       {Recorded(), bags + "/room.bag", bags + "/room.db3", bags + "/room.mcap"}) {
+    if (!fs::exists(path)) {
+      missing += " " + fs::path(path).filename().string();
+      continue;
+    }
+    const std::string output = Output(fs::path(path).extension());
+    Succeeded(Slam(path, output, {Library(), "--depth_scale=5000"}));
+    EXPECT_EQ(Summary(output)["digest"], expected["digest"]) << path;
+    EXPECT_EQ(ReadBytes(output + "/trajectory.txt"),
+              ReadBytes(Output("folder") + "/trajectory.txt"));
+  }
+  if (!missing.empty()) {
+    GTEST_SKIP() << "nothing writes" << missing << ": " << written.out << written.err;
   }
 }
 
