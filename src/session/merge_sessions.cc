@@ -87,15 +87,15 @@ void Append(std::vector<T> from, std::vector<T>* to) {
 
 class Merger {
  public:
-  Merger(Session first, const SlamOptions& options) : options_(options), all_(std::move(first)) {
+  // Sessions come to stand `gap` frames apart.
+  Merger(Session first, int gap) : gap_(gap), all_(std::move(first)) {
     all_.state.settled_keyframes = all_.state.keyframes.size();
     first_keyframe_.push_back(0);
   }
 
   void Add(Session other) {
     SlamState &state = all_.state, &added = other.state;
-    const int shift =
-        state.frames.back().index + SessionGap(options_.loops) - added.frames.front().index;
+    const int shift = state.frames.back().index + gap_ - added.frames.front().index;
     const int submaps = 1 + MostSubmap();
     first_keyframe_.push_back(state.keyframes.size());
     Shift(shift, static_cast<int>(state.keyframes.size()), 1 + state.frames.back().stretch, submaps,
@@ -136,35 +136,52 @@ class Merger {
     return most;
   }
 
-  const SlamOptions& options_;
+  const int gap_;
   Session all_;
   std::vector<std::size_t> first_keyframe_;  // of each session
   std::vector<int> first_frame_;
 };
+
+// More frames than any of the sessions spans.
+int GapBetween(const std::vector<Session>& sessions, const LoopOptions& options) {
+  int gap = SessionGap(options);
+  for (const Session& session : sessions) {
+    const std::vector<PosedFrame>& frames = session.state.frames;
+    gap = std::max(gap, frames.back().index - frames.front().index + 1);
+  }
+  return gap;
+}
+
+std::vector<Session> ReadSessions(const std::vector<std::string>& folders) {
+  std::vector<Session> sessions;
+  for (const std::string& folder : folders) {
+    sessions.push_back(ReadSession(folder));
+    if (sessions.back().state.frames.empty())
+      throw InputError(folder + " has no frames to be merged");
+    RequireSameSensor(folder, sessions.back().sensor, sessions.front().sensor);
+  }
+  return sessions;
+}
 
 }  // namespace
 
 MergeSummary MergeSessions(const std::vector<std::string>& folders, const SlamOptions& options,
                            const std::string& output) {
   SessionWriter writer(output, SessionWriter::Mode::kNew);
-  const auto read = [](const std::string& folder) {
-    Session session = ReadSession(folder);
-    if (session.state.frames.empty()) throw InputError(folder + " has no frames to be merged");
-    return session;
-  };
-  Merger merger(read(folders.front()), options);
+  std::vector<Session> sessions = ReadSessions(folders);
+  const int gap = GapBetween(sessions, options.loops);
+  Merger merger(std::move(sessions.front()), gap);
   const DepthSensor sensor = merger.all().sensor;
-  for (std::size_t i = 1; i < folders.size(); ++i) {
-    Session other = read(folders[i]);
-    RequireSameSensor(folders[i], other.sensor, sensor);
-    merger.Add(std::move(other));
-  }
+  for (std::size_t i = 1; i < sessions.size(); ++i) merger.Add(std::move(sessions[i]));
   merger.Begin();
   const std::vector<SessionRun> runs = merger.all().runs;
   const std::vector<KeyframeLink> keyframes = merger.all().state.keyframes;
   const std::vector<PlaceView> views = merger.all().state.views;
   SlamOptions slam_options = options;
   slam_options.loops.enabled = true;
+  // A session's own keyframes look most alike, and have been tried when it was recorded: the few
+  // that are tried are to be of others.
+  slam_options.loops.find.min_gap = gap;
   Slam slam(sensor, slam_options, std::move(merger.all().state), StateUse::kContinue);
   writer.Begin(runs, sensor, &slam);
   writer.KeepViews(keyframes, views);

@@ -9,6 +9,8 @@
 #include <random>
 #include <thread>
 
+#include "surfit/core/error.h"
+#include "surfit/evaluation/trajectory_evaluation.h"
 #include "surfit/io/trajectory_files.h"
 #include "tools/slam_tool.h"
 
@@ -103,6 +105,52 @@ TEST_F(SessionTool, MergesAndCompacts) {
   for (std::size_t i = 6; i < a.size(); ++i) {
     EXPECT_LT((a[i].world_from_camera.translation - b[i - 6].world_from_camera.translation).norm(),
               0.03);
+  }
+}
+
+// Runs against the truth, in the world of the first of them.
+class SessionSweep : public SessionTool {
+ protected:
+  static double WorstError_m(const Trajectory& poses, const Trajectory& truth,
+                             const Rigid3d& truth_from_world) {
+    double worst_m = 0;
+    for (const MatchedPose& pose : MatchPoses(truth, poses, {})) {
+      const Eigen::Vector3d at = truth_from_world * pose.estimate.translation;
+      worst_m = std::max(worst_m, (at - pose.ground_truth.translation).norm());
+    }
+    return worst_m;
+  }
+  static Rigid3d TruthFrom(const Trajectory& poses, const Trajectory& truth) {
+    std::vector<Eigen::Vector3d> here, there;
+    for (const MatchedPose& pose : MatchPoses(truth, poses, {})) {
+      here.push_back(pose.estimate.translation);
+      there.push_back(pose.ground_truth.translation);
+    }
+    return AlignPoints(here, there).target_from_source;
+  }
+};
+
+// Each shares a doorway with the one before.
+TEST_F(SessionSweep, MergesThreeSessionsOfThreeRooms) {
+  const std::string rooms = Simulate("rooms", {"--scene=three_rooms", "--frames=1500"});
+  std::vector<std::string> flags;
+  for (const auto& [first, last] : {std::pair(0, 599), {500, 1099}, {1000, 1499}}) {
+    const std::string part = own_.path() + "/part" + std::to_string(first);
+    Succeeded(Slam(rooms, Output("part"),
+                   {Concat("--first=", first), Concat("--last=", last), "--session=" + part,
+                    "--nofinal_map"}));
+    flags.push_back("--from=" + part);
+  }
+  EXPECT_THAT(Succeeded(Tool("merge", flags)).out, HasSubstr("3 sessions"));
+  Succeeded(Tool("export", {"--output=" + Output("exported")}));
+  const Trajectory truth = ReadTumTrajectory(rooms + "/groundtruth.txt");
+  const auto run = [&](int number) {
+    return ReadTumTrajectory(Concat(Output("exported"), "/run-", number, ".txt"));
+  };
+  const Rigid3d truth_from_world = TruthFrom(run(1), truth);
+  for (const int number : {1, 2, 3}) {
+    EXPECT_GT(run(number).size(), 490u);
+    EXPECT_LT(WorstError_m(run(number), truth, truth_from_world), 0.1) << number;
   }
 }
 
