@@ -92,11 +92,13 @@ class RecordingLook {
   }
 
   RecordingReport Report() {
+    std::optional<double> depth_step;
+    if (!sequence_.info.camera.disparity.IsGiven()) depth_step = figures_.InverseDepthStep();
     RecordingEvidence evidence = {sequence_.info,
                                   figures_.frames(),
                                   sampled_depths_,
                                   doubted_scales_,
-                                  figures_.InverseDepthStep(),
+                                  depth_step,
                                   FitRegistration(samples_, sequence_.info.pinhole),
                                   {}};
     if (tracker_) evidence.tracked = tracker_->Finish();

@@ -46,7 +46,7 @@ RecordingCheck DepthSteps(const RecordingEvidence& evidence) {
   RecordingCheck check = {
       "inverse_depth_step", evidence.inverse_depth_step, "1/m", "that of a sensor", "", ""};
   const RgbdCamera& camera = evidence.info.camera;
-  if (!check.value || camera.disparity.IsGiven()) return check;
+  if (!check.value) return check;
   const auto scale = ScaleOfKinect(*check.value, camera.depth_units_per_metre);
   if (!scale) return check;
   check.fault =
