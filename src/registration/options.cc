@@ -41,7 +41,8 @@ void ErrorModel::Visit(OptionVisitor& v) {
         "those of the noise model",
         AsFlag());
   v.Add(photometric_weight, "photometric_weight",
-        "weight of intensity residuals beside those of surfaces", ZeroIs("surfaces only"));
+        "weight of intensity residuals beside those of surfaces", ZeroIs("surfaces only"),
+        AsFlag());
   v.Add(intensity_sigma, "intensity_sigma",
         "standard deviation of intensity residuals; intensities are 0 to 1", Positive(), AsFlag());
   v.AddPart(intensity_kernel, "intensity_kernel", "robust kernel of intensity residuals",

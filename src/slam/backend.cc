@@ -90,7 +90,8 @@ void Backend::AddKeyframe(const RgbdFrame& frame, const IcpResult& icp,
   last_keyframe_ = {posed.index, posed.stamp_s, posed.world_from_camera,
                     MakePlaceView(pyramid, {}, options_.views)};  // its depth alone
   parent_of_keyframe_.push_back(parent);
-  submap_of_keyframe_.push_back(parent == KeyframeLink::kNone ? submap_ : submap_of_keyframe_[parent]);
+  submap_of_keyframe_.push_back(parent == KeyframeLink::kNone ? submap_
+                                                              : submap_of_keyframe_[parent]);
   frame_of_keyframe_.push_back(static_cast<int>(frames_.size()) - 1);
   begins_submap_ = false;
   anchor_.reset();
@@ -272,7 +273,7 @@ std::vector<Rigid3d> Backend::CorrectionsOfKeyframes(
     corrections.push_back(k < world_from_keyframe.size()
                               ? world_from_keyframe[k] * old_pose.Inverse()
                           : parent == KeyframeLink::kNone ? Rigid3d()
-                                                : corrections[parent]);
+                                                          : corrections[parent]);
   }
   return corrections;
 }

@@ -52,14 +52,14 @@ void Mapper::GoOnFrom(SurfelMap map, const std::vector<int>& fused_frames,
   if (!fused_frames.empty()) merged_until_ = fused_frames.back();
 }
 
-ReferenceView Mapper::Draw(const Rigid3d& world_from_view) {
+ReferenceView Mapper::Draw(const Rigid3d& world_from_view, bool with_intensities) {
   ModelView seen = renderer_.Render(map_, sensor_, world_from_view, fusion_.ActiveSince());
   DropNormalsAtEdges(options_.preprocess, &seen.surface);
   Image<float> grey = GreyOfCells(seen, map_);
   ReferenceView reference = {{BuildPyramid(std::move(seen.surface), options_.preprocess), {}},
                              world_from_view,
                              std::move(grey)};
-  if (options_.icp.error_model.UsesIntensities()) {
+  if (with_intensities) {
     // The map's colours keep the pose from drifting as it would against the last frame's, by which
     // ATE was larger: by a seventh in simulated rooms, 5 and 8 times before a ball and a wall.
     reference.view.color = ColorsOf(seen, map_);
@@ -69,15 +69,18 @@ ReferenceView Mapper::Draw(const Rigid3d& world_from_view) {
 }
 
 // In turn with fusion.
-bool Mapper::UpdateView(const Rigid3d& world_from_predicted, bool must) {
-  if (is_view_new_ && view_.world_from_view == world_from_predicted) return true;
+bool Mapper::UpdateView(const Rigid3d& world_from_predicted, bool must, bool with_intensities) {
+  if (is_view_new_ && view_.world_from_view == world_from_predicted &&
+      view_.has_intensities() == with_intensities) {
+    return true;
+  }
   const bool is_turn = must || !has_view_ || unfused_count_ == 0;
   const auto shift = [&] {
     return ImageShift(view_.world_from_view.Inverse() * world_from_predicted,
                       view_.view.pyramid.levels.back());
   };
   if (!is_turn && shift() <= options_.max_view_shift) return false;
-  view_ = Draw(world_from_predicted);
+  view_ = Draw(world_from_predicted, with_intensities);
   has_view_ = is_view_new_ = true;
   return true;
 }

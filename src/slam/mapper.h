@@ -34,13 +34,13 @@ class Mapper {
   const DepthSensor& sensor() const { return sensor_; }
 
   // What the map shows from a pose.
-  ReferenceView Draw(const Rigid3d& world_from_view);
+  ReferenceView Draw(const Rigid3d& world_from_view, bool with_intensities);
   // What it showed when a view was drawn last for frames to be registered to.
   const ReferenceView& view() const { return view_; }
   // Draws view() anew for a frame where it must have its own, where it is its turn, or where
   // view() shows little of what the frame is expected to see; not if it was drawn for that frame
   // ahead. Returns whether the frame has its own.
-  bool UpdateView(const Rigid3d& world_from_predicted, bool must);
+  bool UpdateView(const Rigid3d& world_from_predicted, bool must, bool with_intensities);
 
   // Of SlamOptions::map_period frames that are held one has its turn to be fused, and one that
   // sees much that the last did not.

@@ -77,6 +77,9 @@ void SlamOptions::Visit(OptionVisitor& v) {
         "after a frame whose data constrain a direction of motion less, ignore map_period and "
         "register all rows",
         ZeroIs("never"), AsFlag());
+  v.Add(poorly_held_photometric_weight, "poorly_held_photometric_weight",
+        "weight of intensity residuals after and in such a frame, where photometric_weight is 0",
+        ZeroIs("surfaces only"), AsFlag());
   v.Add(
       motion_model, "motion_model",
       "pose that tracking starts at; so3: the last one, turned so that small images are most alike",

@@ -126,7 +126,7 @@ class Slam::Pipeline {
   Tracked Repeat(const RgbdFrame& frame);
   PreparedFrame Prepare(const RgbdFrame& frame, const CameraMotion& motion, StageTimes* times);
   Tracked Track(const PreparedFrame& frame, StageTimes* times);
-  void DrawForNext(int frame_index, bool has_intensities, StageTimes* times);
+  void DrawForNext(const RgbdFrame& last, StageTimes* times);
   bool UpdateView(const Rigid3d& world_from_predicted, bool has_intensities);
   Tracked TrackFromPrediction(const PreparedFrame& frame, StageTimes* times);
   bool IsFar(const PreparedFrame& frame, const Rigid3d& world_from_camera) const;
@@ -226,9 +226,8 @@ FrameReport Slam::Pipeline::Process(const RgbdFrame& frame,
   } else {
     fused = FuseInTurn(prepared, tracked, &times);
   }
-  const bool has_intensities = HasIntensities(prepared);
   tracker_.Keep(std::move(prepared), tracked);
-  if (!given_pose) DrawForNext(frame.index, has_intensities, &times);
+  if (!given_pose) DrawForNext(frame, &times);
   FrameReport report = Report(frame, tracked, fused, times);
   report.is_held_out = is_held_out;
   report.confirmed = confirmed;
@@ -285,7 +284,7 @@ PreparedFrame Slam::Pipeline::Prepare(const RgbdFrame& frame, const CameraMotion
   const StageTimer timer("preprocess", frame.index, &times->preprocess_ms);
   const RgbdFrame& seen = AsSeen(frame, motion);
   FramePyramid pyramid = PreprocessDepth(seen.depth_m, mapper_.sensor(), options_.preprocess);
-  if (options_.icp.error_model.UsesIntensities()) AddIntensity(seen.color, &pyramid);
+  if (tracker_.needs_intensities()) AddIntensity(seen.color, &pyramid);
   return {seen, {std::move(pyramid), seen.color}, motion};
 }
 
@@ -335,18 +334,20 @@ Tracked Slam::Pipeline::Track(const PreparedFrame& frame, StageTimes* times) {
   return tracked;
 }
 
-// What the next frame is expected to see, if it is like the last, so that its pose need not wait for the drawing.
-void Slam::Pipeline::DrawForNext(int frame_index, bool has_intensities, StageTimes* times) {
+// What the next frame is expected to see, if it has colours like the last, so that its pose need
+// not wait for the drawing.
+void Slam::Pipeline::DrawForNext(const RgbdFrame& last, StageTimes* times) {
   const std::optional<Rigid3d> world_from_next = tracker_.PredictNext();
   if (tracks_frame_to_frame() || !world_from_next) return;
-  const StageTimer timer("predict", frame_index, &times->predict_ms);
-  UpdateView(*world_from_next, has_intensities);
+  const StageTimer timer("predict", last.index, &times->predict_ms);
+  UpdateView(*world_from_next, tracker_.needs_intensities() && !last.color.empty());
 }
 
-// Intensities are compared more finely than surfaces: with views that frames share the largest error
-// before textured walls is twice as large.
+// Intensities are compared more finely than surfaces: with views that frames share the largest
+// error before textured walls is twice as large.
 bool Slam::Pipeline::UpdateView(const Rigid3d& world_from_predicted, bool has_intensities) {
-  return mapper_.UpdateView(world_from_predicted, tracker_.needs_all() || has_intensities);
+  return mapper_.UpdateView(world_from_predicted, tracker_.needs_all() || has_intensities,
+                            has_intensities);
 }
 
 // Registers the frame from where the camera is expected, to what is expected to be seen there;
@@ -443,7 +444,8 @@ std::optional<Tracked> Slam::Pipeline::Relocalize(const PreparedFrame& frame) {
 std::optional<Tracked> Slam::Pipeline::Confirm(const PreparedFrame& frame,
                                                const Rigid3d& world_from_found) {
   if (tracks_frame_to_frame()) return tracker_.Confirm(frame, tracker_.last(), world_from_found);
-  return tracker_.Confirm(frame, mapper_.Draw(world_from_found), world_from_found);
+  return tracker_.Confirm(frame, mapper_.Draw(world_from_found, HasIntensities(frame)),
+                          world_from_found);
 }
 
 bool Slam::Pipeline::IsNewMapDue(const PreparedFrame& frame) const {

@@ -132,36 +132,56 @@ Rigid3d Tracker::PoseByItsMotion(const PreparedFrame& frame, double readout_s,
 Tracked Tracker::RegisterTo(const ReferenceView& reference, const PreparedFrame& frame,
                             const Rigid3d& world_from_start, const IcpOptions& icp_options) const {
   const Rigid3d start = reference.world_from_view.Inverse() * world_from_start;
-  const IcpResult icp = Register(frame.view.pyramid, reference.view.pyramid, start, icp_options);
-  Tracked tracked = Judge(reference, frame, icp, icp_options);
+  Tracked tracked =
+      Judge(reference, frame, Hold(frame.view.pyramid, reference.view.pyramid, start, icp_options),
+            icp_options);
   if (tracked.is_held()) return tracked;
   // Something may have come before most of the view, and led the registration astray.
-  IcpResult none;
-  none.target_from_source = start;
+  HeldPose none;
+  none.icp.target_from_source = start;
   const Tracked hidden = Judge(reference, frame, none, icp_options);
   if (!hidden.is_held()) return tracked;
-  const Tracked again = Judge(reference, frame, hidden.icp, icp_options);
+  const Tracked again = Judge(reference, frame, {hidden.icp, hidden.is_poorly_held}, icp_options);
   return again.is_held() ? again : tracked;
+}
+
+HeldPose Tracker::Hold(const FramePyramid& frame, const FramePyramid& model,
+                       const Rigid3d& model_from_start, const IcpOptions& icp_options) const {
+  HeldPose held;
+  held.icp = Register(frame, model, model_from_start, icp_options);
+  held.is_poorly_held =
+      !held.icp.iterations.empty() && held.icp.eigenvalues[0] < options_.min_turn_eigenvalue;
+  const bool can_help =
+      options_.poorly_held_photometric_weight > 0 && !icp_options.error_model.UsesIntensities() &&
+      !frame.levels.front().intensity.empty() && !model.levels.front().intensity.empty();
+  if (!held.is_poorly_held || !can_help) return held;
+  IcpOptions with_intensities = icp_options;
+  with_intensities.error_model.photometric_weight = options_.poorly_held_photometric_weight;
+  held.icp = Register(frame, model, model_from_start, with_intensities);
+  return held;
 }
 
 // Compares the views at a pose. Where something moves, the frame is registered once more without
 // it.
 Tracked Tracker::Judge(const ReferenceView& reference, const PreparedFrame& frame,
-                       const IcpResult& icp, const IcpOptions& icp_options) const {
+                       const HeldPose& held, const IcpOptions& icp_options) const {
   const FramePyramid& model = reference.view.pyramid;
   const auto compare_at = [&](const Rigid3d& model_from_frame) {
     return CompareViews(frame.surface(), frame.images.color, model.levels.front(), reference.grey,
                         icp_options.error_model, model_from_frame);
   };
   Tracked tracked;
-  tracked.icp = icp;
-  ViewComparison views = compare_at(icp.target_from_source);
-  tracked.moving =
-      regions_.Find(frame.surface(), views, reference.world_from_view * icp.target_from_source,
-                    frame.images.stamp_s);
+  tracked.icp = held.icp;
+  tracked.is_poorly_held = held.is_poorly_held;
+  const Rigid3d& model_from_frame = held.icp.target_from_source;
+  ViewComparison views = compare_at(model_from_frame);
+  tracked.moving = regions_.Find(
+      frame.surface(), views, reference.world_from_view * model_from_frame, frame.images.stamp_s);
   if (!tracked.moving.empty()) {
-    tracked.icp = Register(Without(frame.view.pyramid, tracked.moving), model,
-                           icp.target_from_source, icp_options);
+    const HeldPose again =
+        Hold(Without(frame.view.pyramid, tracked.moving), model, model_from_frame, icp_options);
+    tracked.icp = again.icp;
+    tracked.is_poorly_held = again.is_poorly_held;
     views = compare_at(tracked.icp.target_from_source);
   }
   tracked.world_from_camera = reference.world_from_view * tracked.icp.target_from_source;
@@ -284,8 +304,7 @@ void Tracker::Keep(PreparedFrame frame, const Tracked& tracked) {
   motion_ = MotionTo(frame.images.stamp_s, tracked);
   last_stamp_s_ = frame.images.stamp_s;
   needs_search_ = tracked.found_again;
-  is_poorly_held_ =
-      !tracked.icp.iterations.empty() && tracked.icp.eigenvalues[0] < options_.min_turn_eigenvalue;
+  is_poorly_held_ = tracked.is_poorly_held;
   if (options_.tracking == "frame_to_frame" || options_.initialize != "identity" ||
       options_.motion_model == "so3") {
     last_.view = std::move(frame.view);

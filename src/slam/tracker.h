@@ -26,6 +26,8 @@ struct ReferenceView {
   ColoredView view;  // its colours are the map's only where intensities count
   Rigid3d world_from_view;
   Image<float> grey;  // brightness of the model's cells (ViewGrid), 0 where unknown; may be empty
+
+  bool has_intensities() const { return !view.pyramid.levels.front().intensity.empty(); }
 };
 
 // What came of tracking a frame.
@@ -41,8 +43,15 @@ struct Tracked {
   CellMask moving;                       // not registered, and not to be fused
   double moving_share = 0;               // of the points
   bool is_apart = false;                 // FrameReport::is_apart
+  bool is_poorly_held = false;           // by shapes alone: SlamOptions::min_turn_eigenvalue
 
   bool is_held() const { return state != FrameState::kLost; }
+};
+
+// A registration, and whether shapes alone hold it poorly.
+struct HeldPose {
+  IcpResult icp;
+  bool is_poorly_held = false;
 };
 
 // Where a lost frame may have been.
@@ -72,6 +81,11 @@ class Tracker {
   int lost_count() const { return lost_count_; }
   // The last frame was lost or held poorly: the next one takes all that the map can tell.
   bool needs_all() const { return lost_count_ > 0 || is_poorly_held_; }
+  // The next frame may be registered by its intensities as well.
+  bool needs_intensities() const {
+    return options_.icp.error_model.UsesIntensities() ||
+           (options_.poorly_held_photometric_weight > 0 && needs_all());
+  }
   // The last frame that was held, as far as the options need it; its pose always.
   const ReferenceView& last() const { return last_; }
 
@@ -147,7 +161,10 @@ class Tracker {
  private:
   Tracked RegisterTo(const ReferenceView& reference, const PreparedFrame& frame,
                      const Rigid3d& world_from_start, const IcpOptions& icp_options) const;
-  Tracked Judge(const ReferenceView& reference, const PreparedFrame& frame, const IcpResult& icp,
+  // By shapes, and where these hold it poorly by intensities as well.
+  HeldPose Hold(const FramePyramid& frame, const FramePyramid& model,
+                const Rigid3d& model_from_start, const IcpOptions& icp_options) const;
+  Tracked Judge(const ReferenceView& reference, const PreparedFrame& frame, const HeldPose& held,
                 const IcpOptions& icp_options) const;
 
   const SlamOptions& options_;
@@ -160,7 +177,7 @@ class Tracker {
   bool is_last_known_ = true;  // false until a frame is held where another run has ended
   int lost_count_ = 0;
   bool needs_search_ = false;    // the last frame was lost, or came with a jump
-  bool is_poorly_held_ = false;  // the last frame, by SlamOptions::min_turn_eigenvalue
+  bool is_poorly_held_ = false;  // the last frame
   ReferenceView last_;
   double last_stamp_s_ = 0;
   CameraMotion motion_;        // to the last frame

@@ -86,6 +86,26 @@ TEST(Slam, TracksAlongATexturedWallByItsIntensities) {
             5 * kPixelAt2m);
 }
 
+TEST(Slam, TakesIntensitiesWhereShapesHoldTheCameraPoorly) {
+  SlamOptions options;
+  options.poorly_held_photometric_weight = 0.2;
+  const SimulatedSequence wall = Simulate("wall", 1, 40, Sensor::kKinect);
+  const SlamRun run = RunSlam(wall, options, wall.world_from_camera[0]);
+  ExpectAllTracked(run);
+  // The first two frames had to do without.
+  EXPECT_LT(ErrorsOf(run, wall.world_from_camera).max_m, 4 * kPixelAt2m);
+  for (std::size_t i = 2; i < run.reports.size(); ++i) {
+    EXPECT_GT(run.reports[i].icp.intensity_count, 0) << i;
+  }
+}
+
+TEST(Slam, TakesShapesAloneWhereTheyHoldTheCamera) {
+  SlamOptions options;
+  options.poorly_held_photometric_weight = 0.2;
+  const SlamRun run = RunSlam(IdealRoom(), options, IdealRoom().world_from_camera[0]);
+  for (const FrameReport& report : run.reports) EXPECT_EQ(report.icp.intensity_count, 0);
+}
+
 TEST(Slam, TracksByShapesWhatHasNoColor) {
   SimulatedSequence room = IdealRoom();
   for (RgbdFrame& frame : room.frames) frame.color = {};

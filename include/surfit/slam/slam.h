@@ -51,6 +51,10 @@ struct SlamOptions {
   // IcpResult::eigenvalues), every frame is fused, has its own view and is registered with all
   // rows: before a wall all of it is needed.
   double min_turn_eigenvalue = 2e-3;
+  // And where shapes hold the frame itself so little, too, it is registered by intensities as well,
+  // with this weight (ErrorModel::photometric_weight): before a wall or over a floor they alone
+  // tell how the camera moves along it. 0: never. Where intensities count in any case, as there.
+  double poorly_held_photometric_weight = 0;
   // Where tracking starts: constant_velocity, constant_pose, or so3: the last pose, turned so that
   // small images of both frames are most alike (AlignRotation).
   std::string motion_model = "constant_velocity";
