@@ -27,7 +27,8 @@ void BindFusionReport(py::module_& module) {
 void BindStageTimes(py::module_& module) {
   BindReport<StageTimes>(module, "StageTimes", "Wall time spent in each stage, milliseconds.")
       .def_readonly("preprocess_ms", &StageTimes::preprocess_ms, "depth filter, normals, pyramid")
-      .def_readonly("predict_ms", &StageTimes::predict_ms, "drawing the map, for this frame or ahead for the next")
+      .def_readonly("predict_ms", &StageTimes::predict_ms,
+                    "drawing the map, for this frame or ahead for the next")
       .def_readonly("track_ms", &StageTimes::track_ms, "registration")
       .def_readonly("fuse_ms", &StageTimes::fuse_ms, "fusion")
       .def_readonly("correct_ms", &StageTimes::correct_ms, "of the map, by loops");
