@@ -339,7 +339,7 @@ Tracked Slam::Pipeline::Track(const PreparedFrame& frame, StageTimes* times) {
 void Slam::Pipeline::DrawForNext(const RgbdFrame& last, StageTimes* times) {
   const std::optional<Rigid3d> world_from_next = tracker_.PredictNext();
   if (tracks_frame_to_frame() || !world_from_next) return;
-  const StageTimer timer("predict", last.index, &times->predict_ms);
+  const StageTimer timer("draw_ahead", last.index, &times->predict_ms);
   UpdateView(*world_from_next, tracker_.needs_intensities() && !last.color.empty());
 }
 

@@ -124,8 +124,15 @@ TEST_F(SlamTool, TracesEveryStageOfEveryFrame) {
   ExpectNesting(slices);
   std::map<std::pair<std::string, int>, int> counts;
   for (const Slice& slice : slices) ++counts[{slice.name, slice.frame}];
+  std::map<int, std::int64_t> tracked_ns;
+  for (const Slice& slice : slices) {  // in the order in which they ended
+    if (slice.name == "track") tracked_ns[slice.frame] = slice.end_ns;
+    if (slice.name == "draw_ahead" && slice.frame > 0) {
+      EXPECT_GE(slice.begin_ns, tracked_ns.at(slice.frame)) << "a pose waited for drawing";
+    }
+  }
   for (int frame = 0; frame < kFrames; ++frame) {
-    for (const char* stage : {"frame", "decode", "preprocess", "write"}) {
+    for (const char* stage : {"frame", "decode", "preprocess", "draw_ahead", "write"}) {
       EXPECT_EQ((counts[{stage, frame}]), 1) << stage << " " << frame;
     }
     EXPECT_EQ((counts[{"fuse", frame}]), frame % 3 == 0 ? 1 : 0) << frame;
