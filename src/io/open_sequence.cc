@@ -115,7 +115,10 @@ RawSequence OpenRawSequence(const SequenceOptions& options) {
   info.warnings.insert(info.warnings.end(), opened.warnings.begin(), opened.warnings.end());
   info.ground_truth = std::move(opened.ground_truth);
   info.has_clock = opened.has_clock;
-  info.unpaired_images = opened.unpaired_images;
+  if (opened.unpaired_images > 0) {
+    info.unpaired_share = static_cast<double>(opened.unpaired_images) /
+                          (opened.unpaired_images + 2 * opened.frames->frame_count());
+  }
   std::vector<int> indices = SelectFrames(opened.frames->frame_count(), options);
   info.frame_count = static_cast<int>(indices.size());
   return Complete(std::move(info),

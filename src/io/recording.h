@@ -46,7 +46,7 @@ struct OpenedRecording {
   Trajectory ground_truth;            // as the files have it
   bool has_clock = false;             // SequenceInfo
   std::vector<std::string> warnings;  // what the user should know
-  int unpaired_images = 0;            // SequenceInfo
+  int unpaired_images = 0;            // of depth or colour, without one of the other
 };
 
 // The files of one frame.
@@ -61,7 +61,7 @@ struct SequenceFiles {
   std::vector<FrameFiles> frames;
   Trajectory ground_truth;  // as the files have it
   bool has_clock = false;   // SequenceInfo
-  int unpaired_images = 0;  // SequenceInfo
+  int unpaired_images = 0;  // OpenedRecording
 };
 
 // Each throws InputError naming the file, and the line, that is missing or malformed.

@@ -23,9 +23,9 @@ constexpr int kSamples = 24;         // frames that are looked at for scale and 
 constexpr double kFitsBetter = 0.7;  // of the error
 
 // Tracks a camera and keeps what of it tells of the recording.
-class Tracker {
+class RecordingTracker {
  public:
-  explicit Tracker(const SequenceInfo& info)
+  explicit RecordingTracker(const SequenceInfo& info)
       : info_(info), slam_(info.sensor(), SlamOptions(), Rigid3d()) {}
 
   void Process(const RgbdFrame& frame) {
@@ -74,7 +74,7 @@ class RecordingLook {
       : sequence_(OpenRawSequence(options.sequence)),
         figures_(sequence_.info.camera.depth_units_per_metre),
         sample_every_(std::max(1, sequence_.info.frame_count / kSamples)) {
-    if (options.track) tracker_ = std::make_unique<Tracker>(sequence_.info);
+    if (options.track) tracker_ = std::make_unique<RecordingTracker>(sequence_.info);
   }
 
   // False at the end.
@@ -138,8 +138,8 @@ class RecordingLook {
   const int sample_every_;
   int count_ = 0, sampled_depths_ = 0;
   std::vector<std::string> doubted_scales_;
-  std::vector<FrameImages> samples_;  // as they are used
-  std::unique_ptr<Tracker> tracker_;  // null unless asked for
+  std::vector<FrameImages> samples_;           // as they are used
+  std::unique_ptr<RecordingTracker> tracker_;  // null unless asked for
 };
 
 }  // namespace

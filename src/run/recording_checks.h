@@ -1,11 +1,13 @@
 #pragma once
 
+#include <iomanip>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "io/registration_doubt.h"
 #include "run/recording_figures.h"
+#include "surfit/core/error.h"
 #include "surfit/geometry/inverse_depth_field.h"
 #include "surfit/run/check_recording.h"
 
@@ -38,6 +40,6 @@ std::vector<RecordingCheck> ChecksOfStamps(const RecordingEvidence& evidence);
 std::vector<RecordingCheck> ChecksOfSensor(const RecordingEvidence& evidence);
 
 // A value for a sentence, with three digits.
-std::string Rounded(double value);
+inline std::string Rounded(double value) { return Concat(std::setprecision(3), value); }
 
 }  // namespace surfit

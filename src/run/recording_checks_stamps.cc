@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
 
 #include "run/recording_checks.h"
 #include "surfit/core/error.h"
@@ -57,17 +56,15 @@ RecordingCheck StampOrder(const RecordingEvidence& evidence) {
 }
 
 RecordingCheck Unpaired(const RecordingEvidence& evidence) {
-  const int unpaired = evidence.info.unpaired_images;
-  const std::size_t paired = 2 * evidence.frames.size();
   RecordingCheck check = {"unpaired_images",
-                          Percent(unpaired, paired + static_cast<std::size_t>(unpaired)),
+                          100 * evidence.info.unpaired_share,
                           "%",
                           Concat("at most ", 100 * kMostUnpaired),
                           "",
                           ""};
   if (*check.value <= 100 * kMostUnpaired) return check;
-  check.fault = Concat(unpaired, " images of depth or colour (", Rounded(*check.value),
-                       " %, must be ", check.constraint, ") have no image of the other within ",
+  check.fault = Concat(Rounded(*check.value), " % of the images of depth and colour, must be ",
+                       check.constraint, " %, have no image of the other within ",
                        1000 * kMaxBetweenImages_s, " ms, and are left out");
   check.advice =
       "let the camera synchronise depth and colour at one frame rate, and look whether one of them "
@@ -110,8 +107,6 @@ RecordingCheck ColorStamps(const RecordingEvidence& evidence) {
 }
 
 }  // namespace
-
-std::string Rounded(double value) { return Concat(std::setprecision(3), value); }
 
 std::vector<RecordingCheck> ChecksOfStamps(const RecordingEvidence& evidence) {
   std::size_t depths = 0, colors = 0;

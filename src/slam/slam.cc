@@ -5,21 +5,18 @@
 #include <utility>
 #include <vector>
 
+#include "slam/frame_report.h"
 #include "slam/mapper.h"
+#include "slam/pose_finder.h"
+#include "slam/prepared_frame.h"
 #include "slam/tracker.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/core/trace.h"
-#include "surfit/frame/frame_pyramid.h"
-#include "surfit/frame/prepare_frame.h"
-#include "surfit/frame/rolling_shutter.h"
 #include "surfit/slam/slam_state.h"
 
 namespace surfit {
 namespace {
-
-// Of lost frames every third is looked for among keyframes, which takes as long as tracking many.
-constexpr int kRelocalizeStride = 3;
 
 // Made whole: the fusion knows nothing of loops.
 SlamOptions Validated(SlamOptions options) {
@@ -38,8 +35,6 @@ std::vector<int> FusedFrames(const std::vector<PosedFrame>& frames, int period) 
   return fused;
 }
 
-bool HasIntensities(const PreparedFrame& frame) { return !frame.surface().intensity.empty(); }
-
 Tracked Given(const Rigid3d& world_from_camera) {
   Tracked tracked;
   tracked.state = FrameState::kGiven;
@@ -47,61 +42,15 @@ Tracked Given(const Rigid3d& world_from_camera) {
   return tracked;
 }
 
-FrameReport Report(const RgbdFrame& frame, const Tracked& tracked,
-                   const std::optional<FusionReport>& fused, const StageTimes& times) {
-  FrameReport report;
-  report.index = frame.index;
-  report.stamp_s = frame.stamp_s;
-  report.state = tracked.state;
-  report.world_from_camera = tracked.world_from_camera;
-  report.found_again = tracked.found_again;
-  report.has_own_view = tracked.has_own_view;
-  report.moving_share = tracked.moving_share;
-  report.is_apart = tracked.is_apart;
-  report.moving = tracked.moving;
-  report.icp = tracked.icp;
-  report.is_fused = fused.has_value();
-  if (fused) report.fusion = *fused;
-  report.times = times;
-  return report;
-}
-
 }  // namespace
 
-std::string ToString(FrameState state) {
-  switch (state) {
-    case FrameState::kFirst:
-      return "first";
-    case FrameState::kTracked:
-      return "tracked";
-    case FrameState::kDegenerate:
-      return "degenerate";
-    case FrameState::kFrozen:
-      return "frozen";
-    case FrameState::kGiven:
-      return "given";
-    case FrameState::kLost:
-      return "lost";
-    case FrameState::kRelocalized:
-      return "relocalised";
-    case FrameState::kNewMap:
-      return "new_map";
-  }
-  return "unknown";
-}
-
-// The tracker follows the camera, the mapper keeps the map, the backend closes loops.
+// The finder finds poses by the tracker, which follows the camera, and by the map, which the mapper
+// keeps; the backend closes loops.
 class Slam::Pipeline {
  public:
   Pipeline(const DepthSensor& sensor, const SlamOptions& options,
            const Rigid3d& world_from_first_camera)
-      : sensor_(sensor),
-        options_(Validated(options)),
-        tracker_(options_, world_from_first_camera),
-        mapper_(sensor, options_) {
-    sensor.Validate();
-    if (options.loops.enabled || options.calibration.enabled) MakeBackend({});
-  }
+      : Pipeline(sensor, options, world_from_first_camera, StateUse::kContinue) {}
 
   Pipeline(const DepthSensor& sensor, SlamOptions options, SlamState state, StateUse use);
 
@@ -110,51 +59,52 @@ class Slam::Pipeline {
   void Finish();
 
   std::function<void(const FramePose&)>& on_pose() { return on_pose_; }
-  std::function<void(const LostFrame&)>& on_lost() { return on_lost_; }
+  PoseFinder& finder() { return finder_; }
   const Mapper& mapper() const { return mapper_; }
   const Backend* backend() const { return backend_.get(); }
   void OnKeyframe(KeyframeCall call) { backend_->OnKeyframe(std::move(call)); }
 
  private:
+  Pipeline(const DepthSensor& sensor, const SlamOptions& options,
+           const Rigid3d& world_from_first_camera, StateUse use);
   void MakeBackend(LoopFinder finder);
   void CorrectWorld(int frame_index, StageTimes* times);
-  const RgbdFrame& AsSeen(const RgbdFrame& frame, const CameraMotion& motion);
-  const RgbdFrame& AtRest(const RgbdFrame& frame, const CellMask& moving);
-  PreparedFrame AtRest(PreparedFrame frame, const CellMask& moving);
   void Correct(const WorldCorrection& correction, int frame_index);
   void TellPose(const RgbdFrame& frame, const Tracked& tracked) const;
   Tracked Repeat(const RgbdFrame& frame);
   PreparedFrame Prepare(const RgbdFrame& frame, const CameraMotion& motion, StageTimes* times);
-  Tracked Track(const PreparedFrame& frame, StageTimes* times);
-  void DrawForNext(const RgbdFrame& last, StageTimes* times);
-  bool UpdateView(const Rigid3d& world_from_predicted, bool has_intensities);
-  Tracked TrackFromPrediction(const PreparedFrame& frame, StageTimes* times);
-  bool IsFar(const PreparedFrame& frame, const Rigid3d& world_from_camera) const;
-  Tracked SearchFor(const PreparedFrame& frame, Tracked tracked);
-  std::optional<Tracked> ConfirmProposal(const PreparedFrame& frame, const Tracked& tracked);
-  std::optional<Tracked> FindAgain(const PreparedFrame& frame);
-  std::optional<Tracked> Relocalize(const PreparedFrame& frame);
-  std::optional<Tracked> Confirm(const PreparedFrame& frame, const Rigid3d& world_from_found);
-  bool IsNewMapDue(const PreparedFrame& frame) const;
   std::optional<ConfirmedFrame> AddConfirmed();
   bool IsHeldOut(const Tracked& tracked) const;
   std::optional<FusionReport> FuseInTurn(const PreparedFrame& frame, const Tracked& tracked,
                                          StageTimes* times);
-  bool tracks_frame_to_frame() const { return options_.tracking == "frame_to_frame"; }
+  // Where frames are kept: null where there is no backend, or it stays as it is.
+  Backend* keeper() const { return is_frozen_ ? nullptr : backend_.get(); }
 
   DepthSensor sensor_;  // as given
   SlamOptions options_;
+  const bool is_frozen_;  // the camera is localised in a map that stays as it is
   Tracker tracker_;
   Mapper mapper_;
+  FrameMaker frame_maker_;
+  PoseFinder finder_;
   std::unique_ptr<Backend> backend_;  // null without loops and calibration
-  bool is_frozen_ = false;            // the camera is localised in a map that stays as it is
-  RgbdFrame seen_;                    // the frame at work, if it is not taken as it comes
-  RgbdFrame seen_rest_, rest_;        // the same, and the frame as given, without what moves
   RgbdFrame proposed_;   // the last frame that was proposed, as given without what moves
   int frame_count_ = 0;  // the frame at work included
   std::function<void(const FramePose&)> on_pose_;
-  std::function<void(const LostFrame&)> on_lost_;
 };
+
+Slam::Pipeline::Pipeline(const DepthSensor& sensor, const SlamOptions& options,
+                         const Rigid3d& world_from_first_camera, StateUse use)
+    : sensor_(sensor),
+      options_(Validated(options)),
+      is_frozen_(use == StateUse::kLocalize),
+      tracker_(options_, world_from_first_camera),
+      mapper_(sensor, options_),
+      frame_maker_(options_.preprocess),
+      finder_(options_, !is_frozen_, &tracker_, &mapper_) {
+  sensor.Validate();
+  if (options.loops.enabled || options.calibration.enabled) MakeBackend({});
+}
 
 // A camera that was calibrated stays so, whatever the options say.
 Slam::Pipeline::Pipeline(const DepthSensor& sensor, SlamOptions options, SlamState state,
@@ -165,16 +115,15 @@ Slam::Pipeline::Pipeline(const DepthSensor& sensor, SlamOptions options, SlamSta
             options.calibration.enabled |= state.calibration.has_value();
             return options;
           }(),
-          state.frames.empty() ? Rigid3d() : state.frames.back().world_from_camera) {
+          state.frames.empty() ? Rigid3d() : state.frames.back().world_from_camera, use) {
   if (!options.loops.enabled) {
     throw InputError("loops.enabled is false, must be true to go on from a state");
   }
-  if (tracks_frame_to_frame()) {
+  if (options_.tracking == "frame_to_frame") {
     throw InputError(
         "tracking is 'frame_to_frame', must be 'frame_to_model' to go on from a state");
   }
   if (state.keyframes.empty()) throw InputError("the state has no keyframe, must have one");
-  is_frozen_ = use == StateUse::kLocalize;
   DepthSensor found = sensor;
   if (state.calibration) {
     found.camera = state.calibration->camera;
@@ -205,19 +154,19 @@ FrameReport Slam::Pipeline::Process(const RgbdFrame& frame,
                                          : tracker_.expected_motion();
   PreparedFrame whole = Prepare(frame, motion, &times);
   const Tracked tracked =
-      given_pose ? Given(*given_pose) : tracker_.Checked(whole, Track(whole, &times));
+      given_pose ? Given(*given_pose) : tracker_.Checked(whole, finder_.Find(whole, &times));
   TellPose(frame, tracked);
-  if (tracker_.has_proposal()) proposed_ = AtRest(frame, tracked.moving);
+  if (tracker_.has_proposal()) proposed_ = frame_maker_.AtRest(frame, tracked.moving);
   if (!tracked.is_held()) {
     tracker_.Lose();
     return Report(frame, tracked, {}, times);
   }
   const std::optional<ConfirmedFrame> confirmed = AddConfirmed();
   tracker_.Remember(whole, tracked);
-  PreparedFrame prepared = AtRest(std::move(whole), tracked.moving);
-  if (backend_ && !is_frozen_) {
-    backend_->AddFrame(AtRest(frame, tracked.moving), tracked.world_from_camera, tracked.icp,
-                       prepared.view.pyramid);
+  PreparedFrame prepared = frame_maker_.AtRest(std::move(whole), tracked.moving);
+  if (Backend* const backend = keeper()) {
+    backend->AddFrame(frame_maker_.AtRest(frame, tracked.moving), tracked.world_from_camera,
+                      tracked.icp, prepared.view.pyramid);
   }
   const bool is_held_out = IsHeldOut(tracked);
   std::optional<FusionReport> fused;
@@ -227,7 +176,7 @@ FrameReport Slam::Pipeline::Process(const RgbdFrame& frame,
     fused = FuseInTurn(prepared, tracked, &times);
   }
   tracker_.Keep(std::move(prepared), tracked);
-  if (!given_pose) DrawForNext(frame, &times);
+  if (!given_pose) finder_.DrawForNext(frame, &times);
   FrameReport report = Report(frame, tracked, fused, times);
   report.is_held_out = is_held_out;
   report.confirmed = confirmed;
@@ -239,8 +188,8 @@ std::optional<ConfirmedFrame> Slam::Pipeline::AddConfirmed() {
   const Proposal* confirmed = tracker_.confirmed();
   if (!confirmed) return std::nullopt;
   const auto& [view, world_from_view, grey] = confirmed->view;
-  if (backend_ && !is_frozen_) {
-    backend_->AddFrame(proposed_, world_from_view, confirmed->tracked.icp, view.pyramid);
+  if (Backend* const backend = keeper()) {
+    backend->AddFrame(proposed_, world_from_view, confirmed->tracked.icp, view.pyramid);
   }
   return ConfirmedFrame{proposed_.index, proposed_.stamp_s, world_from_view};
 }
@@ -254,6 +203,7 @@ bool Slam::Pipeline::IsHeldOut(const Tracked& tracked) const {
 void Slam::Pipeline::MakeBackend(LoopFinder finder) {
   backend_ = std::make_unique<Backend>(sensor_, options_.preprocess, options_.loops,
                                        options_.calibration, std::move(finder));
+  finder_.UseBackend(backend_.get());
 }
 
 // By what has been found of loops and the camera, if it takes effect with this frame.
@@ -274,184 +224,16 @@ void Slam::Pipeline::TellPose(const RgbdFrame& frame, const Tracked& tracked) co
 
 Tracked Slam::Pipeline::Repeat(const RgbdFrame& frame) {
   Tracked tracked = tracker_.Repeat();
-  if (backend_ && !is_frozen_ && tracked.is_held())
-    backend_->AddFrozenFrame(frame.index, frame.stamp_s);
+  Backend* const backend = keeper();
+  if (backend && tracked.is_held()) backend->AddFrozenFrame(frame.index, frame.stamp_s);
   return tracked;
 }
 
 PreparedFrame Slam::Pipeline::Prepare(const RgbdFrame& frame, const CameraMotion& motion,
                                       StageTimes* times) {
   const StageTimer timer("preprocess", frame.index, &times->preprocess_ms);
-  const RgbdFrame& seen = AsSeen(frame, motion);
-  FramePyramid pyramid = PreprocessDepth(seen.depth_m, mapper_.sensor(), options_.preprocess);
-  if (tracker_.needs_intensities()) AddIntensity(seen.color, &pyramid);
-  return {seen, {std::move(pyramid), seen.color}, motion};
-}
-
-// The frame by the depth that calibration has found, in the middle of its readout, with its colours
-// as of the moment that was found. They stay where they are: they are looked up by the motion of
-// their rows.
-const RgbdFrame& Slam::Pipeline::AsSeen(const RgbdFrame& frame, const CameraMotion& motion) {
-  const bool is_recalibrated = backend_ && backend_->is_recalibrated();
-  const double color_latency_s = backend_ ? backend_->color_latency_s() : 0;
-  const bool moves = mapper_.sensor().readout_s > 0 && !motion.IsZero();
-  if (!is_recalibrated && !moves && color_latency_s == 0) return frame;
-  seen_ = {frame.index, frame.stamp_s, frame.color_stamp_s - color_latency_s, frame.depth_m, {}};
-  if (is_recalibrated) {
-    const DepthCalibration& calibration = *backend_->calibration();
-    CorrectDepth(calibration.camera, calibration.field, &seen_.depth_m);
-  }
-  if (moves) seen_ = AtMiddleOfReadout(seen_, mapper_.sensor(), motion);
-  seen_.color = frame.color;
-  return seen_;
-}
-
-// The frame as given without what moves.
-const RgbdFrame& Slam::Pipeline::AtRest(const RgbdFrame& frame, const CellMask& moving) {
-  if (moving.empty()) return frame;
-  rest_ = frame;
-  rest_.depth_m = Without(std::move(rest_.depth_m), moving);
-  return rest_;
-}
-
-PreparedFrame Slam::Pipeline::AtRest(PreparedFrame frame, const CellMask& moving) {
-  if (moving.empty()) return frame;
-  seen_rest_ = frame.images;
-  seen_rest_.depth_m = Without(std::move(seen_rest_.depth_m), moving);
-  frame.view.pyramid = Without(std::move(frame.view.pyramid), moving);
-  return {seen_rest_, std::move(frame.view), frame.motion};
-}
-
-// Where all that was known of the camera has failed for long, a new map begins.
-Tracked Slam::Pipeline::Track(const PreparedFrame& frame, StageTimes* times) {
-  if (!tracker_.has_started()) return tracker_.Start(frame);
-  Tracked tracked = TrackFromPrediction(frame, times);
-  if (!tracked.is_held() && !tracker_.has_proposal() && IsNewMapDue(frame)) {
-    tracked.state = FrameState::kNewMap;
-    tracked.moving = {};
-    tracked.world_from_camera = backend_->BeginSubmap(tracker_.last().world_from_view);
-  }
-  return tracked;
-}
-
-// What the next frame is expected to see, if it has colours like the last, so that its pose need
-// not wait for the drawing.
-void Slam::Pipeline::DrawForNext(const RgbdFrame& last, StageTimes* times) {
-  const std::optional<Rigid3d> world_from_next = tracker_.PredictNext();
-  if (tracks_frame_to_frame() || !world_from_next) return;
-  const StageTimer timer("draw_ahead", last.index, &times->predict_ms);
-  UpdateView(*world_from_next, tracker_.needs_intensities() && !last.color.empty());
-}
-
-// Intensities are compared more finely than surfaces: with views that frames share the largest
-// error before textured walls is twice as large.
-bool Slam::Pipeline::UpdateView(const Rigid3d& world_from_predicted, bool has_intensities) {
-  return mapper_.UpdateView(world_from_predicted, tracker_.needs_all() || has_intensities,
-                            has_intensities);
-}
-
-// Registers the frame from where the camera is expected, to what is expected to be seen there;
-// where that fails or is in doubt, looks for it from afar.
-Tracked Slam::Pipeline::TrackFromPrediction(const PreparedFrame& frame, StageTimes* times) {
-  const int index = frame.images.index;
-  Rigid3d world_from_predicted;
-  bool has_own_view = tracks_frame_to_frame();
-  {
-    const StageTimer timer("predict", index, &times->predict_ms);
-    world_from_predicted = tracker_.Predict(frame);
-    if (!has_own_view) {
-      has_own_view = UpdateView(world_from_predicted, HasIntensities(frame));
-    }
-  }
-  const ReferenceView& reference = tracks_frame_to_frame() ? tracker_.last() : mapper_.view();
-  const StageTimer timer("track", index, &times->track_ms);
-  Tracked tracked = tracker_.Track(frame, reference, world_from_predicted);
-  const bool is_far = tracker_.doubts() && (IsFar(frame, world_from_predicted) ||
-                                            IsFar(frame, tracked.world_from_camera));
-  if (std::optional<Tracked> confirmed = ConfirmProposal(frame, tracked)) {
-    tracked = *std::move(confirmed);
-  } else if (is_far || tracker_.IsDoubtful(tracked)) {
-    tracked = SearchFor(frame, std::move(tracked));
-  }
-  if (!tracked.is_held() && on_lost_) {
-    on_lost_({index, frame.view.pyramid, reference.view.pyramid, frame.images.color,
-              reference.view.color, reference.world_from_view.Inverse() * world_from_predicted,
-              tracked.icp});
-  }
-  tracked.has_own_view = has_own_view;
-  if (tracked.is_held()) {
-    tracked.world_from_camera =
-        tracker_.PoseByItsMotion(frame, mapper_.sensor().readout_s, tracked);
-  }
-  return tracked;
-}
-
-// A doubtful frame from afar. Where another run has ended the camera need not be. What is found
-// without being sure is proposed, and lost.
-Tracked Slam::Pipeline::SearchFor(const PreparedFrame& frame, Tracked tracked) {
-  if (!tracker_.MayFollow(frame)) tracked.state = FrameState::kLost;
-  tracked = tracker_.Better(std::move(tracked), FindAgain(frame));
-  if (!tracked.is_held()) {
-    if (std::optional<Tracked> found = Relocalize(frame)) tracked = *std::move(found);
-  }
-  if (tracked.is_held() && tracker_.NeedsConfirmation(frame, tracked)) {
-    tracker_.Propose(frame, tracked);
-    tracked.state = FrameState::kLost;
-  } else if (tracked.is_held() && tracked.keyframe >= 0) {
-    backend_->AfterRelocalization(tracked.keyframe);
-  }
-  return tracked;
-}
-
-// A frame that was tracked from where the one before was found, if that was not sure.
-std::optional<Tracked> Slam::Pipeline::ConfirmProposal(const PreparedFrame& frame,
-                                                       const Tracked& tracked) {
-  if (!tracker_.has_proposal()) return std::nullopt;
-  std::optional<Tracked> confirmed = tracker_.ConfirmProposal(frame, tracked);
-  if (confirmed && confirmed->keyframe >= 0) backend_->AfterRelocalization(confirmed->keyframe);
-  return confirmed;
-}
-
-// Farther from the last frame than tracking surely follows.
-bool Slam::Pipeline::IsFar(const PreparedFrame& frame, const Rigid3d& world_from_camera) const {
-  const Rigid3d motion = tracker_.last().world_from_view.Inverse() * world_from_camera;
-  return ImageShift(motion, frame.view.pyramid.levels.back()) > options_.max_view_shift;
-}
-
-// From the last good frame as far as the views tell, and from there against the map.
-std::optional<Tracked> Slam::Pipeline::FindAgain(const PreparedFrame& frame) {
-  const std::optional<Rigid3d> world_from_found = tracker_.FindFromLast(frame);
-  return world_from_found ? Confirm(frame, *world_from_found) : std::nullopt;
-}
-
-// By a keyframe that shows the same place, and from there against the map.
-std::optional<Tracked> Slam::Pipeline::Relocalize(const PreparedFrame& frame) {
-  if (!options_.loops.enabled || tracker_.lost_count() % kRelocalizeStride != 0)
-    return std::nullopt;
-  if (!tracker_.HasEnoughDepth(frame)) return std::nullopt;
-  const Relocalization found = backend_->Find(frame.view);
-  if (!found.found()) return std::nullopt;
-  if (!is_frozen_) {
-    mapper_.WakeAround(backend_->FrameOfKeyframe(found.keyframe), frame.images.index);
-  }
-  std::optional<Tracked> tracked = Confirm(frame, found.world_from_camera);
-  if (!tracked) return std::nullopt;
-  tracked->state = FrameState::kRelocalized;
-  tracked->keyframe = found.keyframe;
-  return tracked;
-}
-
-std::optional<Tracked> Slam::Pipeline::Confirm(const PreparedFrame& frame,
-                                               const Rigid3d& world_from_found) {
-  if (tracks_frame_to_frame()) return tracker_.Confirm(frame, tracker_.last(), world_from_found);
-  return tracker_.Confirm(frame, mapper_.Draw(world_from_found, HasIntensities(frame)),
-                          world_from_found);
-}
-
-bool Slam::Pipeline::IsNewMapDue(const PreparedFrame& frame) const {
-  const int after = options_.loops.new_map_after;
-  return options_.loops.enabled && !is_frozen_ && after > 0 && tracker_.lost_count() + 1 >= after &&
-         tracker_.HasEnoughDepth(frame);
+  return frame_maker_.Prepare(frame, motion, mapper_.sensor(), backend_.get(),
+                              tracker_.needs_intensities());
 }
 
 // In its turn, and at once where the map may not have been seen from.
@@ -474,9 +256,10 @@ void Slam::Pipeline::UseLoopFinder(LoopFinder finder) {
 }
 
 void Slam::Pipeline::Finish() {
-  if (!backend_ || backend_->frames().empty() || is_frozen_) return;
-  for (const WorldCorrection& correction : backend_->Finish()) {
-    Correct(correction, backend_->frames().back().index);
+  Backend* const backend = keeper();
+  if (!backend || backend->frames().empty()) return;
+  for (const WorldCorrection& correction : backend->Finish()) {
+    Correct(correction, backend->frames().back().index);
   }
 }
 
@@ -502,7 +285,7 @@ void Slam::OnPose(std::function<void(const FramePose&)> call) {
 }
 
 void Slam::OnLostFrame(std::function<void(const LostFrame&)> call) {
-  pipeline_->on_lost() = std::move(call);
+  pipeline_->finder().OnLostFrame(std::move(call));
 }
 
 void Slam::UseLoopFinder(LoopFinder finder) { pipeline_->UseLoopFinder(std::move(finder)); }

@@ -5,21 +5,13 @@
 #include "slam/belief.h"
 #include "slam/feature_watch.h"
 #include "slam/moving_regions.h"
+#include "slam/prepared_frame.h"
 #include "surfit/frame/camera_motion.h"
 #include "surfit/frame/rgbd_frame.h"
 #include "surfit/registration/far_registration.h"
 #include "surfit/slam/slam.h"
 
 namespace surfit {
-
-// A frame as tracking and fusion take it.
-struct PreparedFrame {
-  const RgbdFrame& images;  // its depth brought to the middle of the readout
-  ColoredView view;
-  CameraMotion motion;  // by which
-
-  const FrameLevel& surface() const { return view.pyramid.levels.front(); }
-};
 
 // What a frame is registered to, and the pose that it is seen from.
 struct ReferenceView {

@@ -193,6 +193,15 @@ TEST_F(DoctorTool, TellsImagesWithoutPartner) {
   EXPECT_THAT(FaultsOfImages(copy), ElementsAre("unpaired_images"));
 }
 
+// What the whole recording leaves out is not held against the part that is looked at.
+TEST_F(DoctorTool, TellsUnpairedImagesOfTheWholeRecording) {
+  const std::string copy = CopyOfRoom();
+  std::filesystem::remove(copy + "/associations.txt");
+  ChangeRows(copy + "/rgb.txt", [](auto* rows) { rows->resize(rows->size() - 3); });
+  EXPECT_THAT(FaultsOfImages(copy), IsEmpty());
+  EXPECT_THAT(Faults(copy, {"--notrack", "--last=5"}), IsEmpty());
+}
+
 TEST_F(DoctorTool, TellsWhatCannotBeReadAndImagesThatAreSmall) {
   const std::string copy = CopyOfRoom();
   std::ofstream(copy + "/depth/" +

@@ -30,9 +30,9 @@ struct SequenceInfo {
   // Stamps are of a clock, to which the sensor has a latency; else they are the frames' numbers, or
   // poses are given frame by frame.
   bool has_clock = false;
-  // Images of depth or colour that no frame has, for want of one of the other that was taken at
-  // about the same time; 0 where the recording pairs them itself.
-  int unpaired_images = 0;
+  // Of all the recording's images of depth and colour, those that no frame has, for want of one of
+  // the other that was taken at about the same time; 0 where the recording pairs them itself.
+  double unpaired_share = 0;
   // The files' image y axis points up (fy < 0). Frames and ground truth are then mirrored by
   // S = diag(1, -1, 1) when read: camera and world, poses become S pose S. Whoever writes poses
   // back in the source's convention conjugates them again.

@@ -23,7 +23,7 @@ struct RecordingCheckOptions {
 
 // One thing that was looked at.
 struct RecordingCheck {
-  std::string name;             // "depth_scale"
+  std::string name;             // "median_depth"
   std::optional<double> value;  // what was measured; nothing where the recording does not tell
   std::string unit;             // of the value: "m", "px", "%", "ms", ...
   std::string constraint;       // what a sound recording has: "0.4 to 5 m"

@@ -25,7 +25,7 @@ class BagRecording : public Recording {
   FrameImages Read(int index) const override;
 
   const std::vector<std::string>& warnings() const { return warnings_; }
-  int unpaired_images() const { return unpaired_images_; }  // SequenceInfo
+  int unpaired_images() const { return unpaired_images_; }  // OpenedRecording
 
   // What the options tell of the camera, so that the bag need not.
   struct Known {

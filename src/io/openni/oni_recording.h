@@ -42,7 +42,7 @@ class OniRecording : public Recording {
 
   RgbdCamera Camera() const { return device_.Camera(options_); }
   const std::vector<std::string>& warnings() const { return warnings_; }
-  int unpaired_images() const { return unpaired_images_; }  // SequenceInfo
+  int unpaired_images() const { return unpaired_images_; }  // OpenedRecording
 
  private:
   // Numbers of images in the file; color is 0 without one.
