@@ -1,5 +1,5 @@
 # `cpack` in a build of the preset `package` makes Debian packages: libsurfit0, libsurfit-dev,
-# surfit-tools, surfit-view and python3-surfit. tests/package/lintian.sh has them checked.
+# surfit-tools and python3-surfit. tests/package/lintian.sh has them checked.
 if(NOT BUILD_SHARED_LIBS)
   return()
 endif()
@@ -50,17 +50,7 @@ ${about}
 This package has the programs: SLAM, scans in fragments, batches,
 refinement, meshes, registration, evaluation, simulation.")
   set(CPACK_DEBIAN_TOOLS_PACKAGE_DEPENDS "libsurfit0 ${same_version}")
-  set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS "surfit-view ${same_version}")
   set(CPACK_DEBIAN_TOOLS_PACKAGE_SUGGESTS "snakemake")
-endif()
-if(TARGET surfit_window)
-  list(APPEND CPACK_COMPONENTS_ALL view)
-  set(CPACK_DEBIAN_VIEW_PACKAGE_NAME surfit-view)
-  set(CPACK_DEBIAN_VIEW_PACKAGE_SECTION science)
-  set(CPACK_DEBIAN_VIEW_PACKAGE_DEPENDS "surfit-tools ${same_version}")
-  set(CPACK_DEBIAN_VIEW_DESCRIPTION "dense RGB-D SLAM - window to watch it in
-${about}
-This package has the window of surfit_slam --view, which is built on Qt.")
 endif()
 if(SURFIT_BUILD_PYTHON)
   list(APPEND CPACK_COMPONENTS_ALL python)

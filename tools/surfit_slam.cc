@@ -16,22 +16,16 @@
 #include "surfit/live/live_run.h"
 #include "surfit/live/live_server.h"
 #include "surfit/run/slam_run.h"
-#include "view/window_viewer.h"
 
 namespace surfit::tools {
 namespace {
 
 struct Options {
   SlamRunOptions run;
-  bool view = false;
   ServeOptions serve;
 
   void Visit(OptionVisitor& v) {
     v.AddPart(run, "run", "the run");
-    v.Group("run");
-    v.Add(view, "view",
-          "show the run in a window that stays open at the end, where there is a display",
-          Everyday());
     v.AddPart(serve, "serve", "pages for browsers");
   }
 };
@@ -230,11 +224,7 @@ void PrintStages(const SlamRunSummary& s, bool offered) {
               whole.p95_ms);
 }
 
-// A window is looked for before there are threads.
 void AddViewers(const Options& options, LiveRun* run) {
-  if (options.view) {
-    if (auto window = WindowViewer::Open(run)) run->Add(std::move(window));
-  }
   if (options.serve.port < 0) return;
   auto server = std::make_unique<LiveServer>(options.serve, run);
   std::cerr << "watch the run at " << server->url() << std::endl;

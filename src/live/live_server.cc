@@ -23,16 +23,6 @@ namespace {
 constexpr std::size_t kSlotsAtOnce = 8192;
 constexpr std::array kViews = {Shown::kFrame, Shown::kModel, Shown::kNormals};
 
-// One of the two upper tiles of a live picture: the frame's, or the model's.
-Image<Rgb8> Tile(const LivePicture& picture, bool of_model) {
-  Image<Rgb8> tile(LivePicture::kTileWidth, LivePicture::kTileHeight);
-  for (int v = 0; v < tile.height(); ++v) {
-    const Rgb8* const row = picture.image().row(v) + (of_model ? tile.width() : 0);
-    std::copy(row, row + tile.width(), tile.row(v));
-  }
-  return tile;
-}
-
 // Every so-many-th pose, and the last; the last loops.
 ShownPath Thinned(const LiveRun& run) {
   constexpr std::size_t kMostPlaces = 2000, kMostLoops = 1000;
@@ -85,8 +75,9 @@ struct LiveServer::Parts {
   void Give(Shown what, Pace* pace, bool must, const Act& act);
   void GiveState(bool must);
   void GiveStateIfDue(bool must);
-  Image<Rgb8> ModelTile(const SurfelMap& map, ModelColors colors);
-  bool GiveViews(const RgbdFrame& frame, const SurfelMap& map, const std::vector<Shown>& wanted);
+  Image<Rgb8> ModelPicture(const SurfelMap& map, ModelColors colors);
+  bool GiveViews(const RgbdFrame& frame, const SurfelMap& map, const std::vector<Shown>& wanted,
+                 bool must);
   void GiveViewsIfDue(const SlamRunFrame& frame, bool must);
   void GiveAll(const SlamRunFrame& frame, bool must);
 
@@ -94,7 +85,7 @@ struct LiveServer::Parts {
   ShownRun shown;
   std::string token;
   LivePages pages;
-  std::optional<LivePicture> picture;  // from the first frame on
+  std::optional<LivePictures> pictures;  // from the first frame on
   PinholeCamera camera;
   // Of the run's time: all together at most four hundredths, and only of what is asked for.
   Pace state_pace{0.1, 0.005}, path_pace{1, 0.003}, views_pace{0.1, 0.024}, map_pace{0, 0.008};
@@ -137,30 +128,26 @@ void LiveServer::Parts::GiveState(bool must) {
 }
 
 // Where the camera is lost, the last image whose pose is known: what to turn back to.
-Image<Rgb8> LiveServer::Parts::ModelTile(const SurfelMap& map, ModelColors colors) {
-  if (run.is_lost() && !run.is_done()) {
-    picture->ShowLost(run.last_good());
-  } else if (!run.path().empty()) {
-    picture->ShowModel(map, run.path().back().world_from_camera, colors);
-  }
-  return Tile(*picture, /*of_model=*/true);
+Image<Rgb8> LiveServer::Parts::ModelPicture(const SurfelMap& map, ModelColors colors) {
+  if (run.is_lost() && !run.is_done()) return pictures->OfLost(run.last_good());
+  const Trajectory& path = run.path();
+  return pictures->OfModel(map, path.empty() ? Rigid3d() : path.back().world_from_camera, colors);
 }
 
 // What the frame shows and what the map shows from its pose are of one moment, so that they can be
 // compared. Whether they were given.
 bool LiveServer::Parts::GiveViews(const RgbdFrame& frame, const SurfelMap& map,
-                                  const std::vector<Shown>& wanted) {
-  std::map<Shown, Image<Rgb8>> tiles;
+                                  const std::vector<Shown>& wanted, bool must) {
+  std::map<Shown, Image<Rgb8>> views;
   for (const Shown which : wanted) {
     if (which == Shown::kFrame) {
-      picture->ShowFrame(frame);
-      tiles[which] = Tile(*picture, /*of_model=*/false);
+      views[which] = pictures->OfFrame(frame);
     } else {
-      tiles[which] =
-          ModelTile(map, which == Shown::kModel ? ModelColors::kColor : ModelColors::kNormals);
+      views[which] =
+          ModelPicture(map, which == Shown::kModel ? ModelColors::kColor : ModelColors::kNormals);
     }
   }
-  return shown.GivePictures(tiles);
+  return shown.GivePictures(views, must);
 }
 
 void LiveServer::Parts::GiveViewsIfDue(const SlamRunFrame& frame, bool must) {
@@ -173,7 +160,7 @@ void LiveServer::Parts::GiveViewsIfDue(const SlamRunFrame& frame, bool must) {
   }
   if (all_exact) return;
   views_pace.ActIfDue(must, [&] {
-    if (!GiveViews(frame.frame, frame.map, wanted) || !must) return;
+    if (!GiveViews(frame.frame, frame.map, wanted, must) || !must) return;
     for (const Shown which : wanted) is_exact[static_cast<std::size_t>(which)] = true;
     server.Wake();
   });
@@ -182,7 +169,7 @@ void LiveServer::Parts::GiveViewsIfDue(const SlamRunFrame& frame, bool must) {
 // Of the map a part after each frame, so that none takes long. It is exact when a round has begun
 // after the last frame and has ended.
 void LiveServer::Parts::GiveAll(const SlamRunFrame& frame, bool must) {
-  if (!picture) picture.emplace(frame.sensor);
+  if (!pictures) pictures.emplace(frame.sensor);
   Give(Shown::kMap, &map_pace, must, [&] {
     if (shown.UpdateMap(frame.map, kSlotsAtOnce).value_or(false)) ++map_rounds;
     return map_rounds > 1;
@@ -227,9 +214,9 @@ void LiveServer::ShowWork() {
 void LiveServer::Keep(const SlamRunResult& result) {
   Parts& parts = *parts_;
   const auto is_wanted = [&](Shown which) { return parts.shown.IsWanted(which); };
-  if (parts.picture && std::any_of(kViews.begin(), kViews.end(), is_wanted)) {
+  if (parts.pictures && std::any_of(kViews.begin(), kViews.end(), is_wanted)) {
     const RgbdFrame last = {0, 0, 0, {}, parts.run.last_good()};
-    parts.GiveViews(last, result.map, {kViews.begin(), kViews.end()});
+    parts.GiveViews(last, result.map, {kViews.begin(), kViews.end()}, /*must=*/true);
   }
   parts.shown.ResetMap(result.map);
   parts.shown.GivePath(Thinned(parts.run), /*must=*/true);

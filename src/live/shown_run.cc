@@ -75,8 +75,8 @@ bool ShownRun::GivePath(const ShownPath& path, bool must) {
   return true;
 }
 
-bool ShownRun::GivePictures(const std::map<Shown, Image<Rgb8>>& pictures) {
-  if (!Lock(/*must=*/false)) return false;
+bool ShownRun::GivePictures(const std::map<Shown, Image<Rgb8>>& pictures, bool must) {
+  if (!Lock(must)) return false;
   const std::lock_guard<std::mutex> lock(mutex_, std::adopt_lock);
   ++number_;
   for (const auto& [which, picture] : pictures) {

@@ -55,7 +55,7 @@ class ShownRun {
   bool GiveState(const ShownState& state, bool must);
   bool GivePath(const ShownPath& path, bool must);
   // Of one moment: they get one number.
-  bool GivePictures(const std::map<Shown, Image<Rgb8>>& pictures);
+  bool GivePictures(const std::map<Shown, Image<Rgb8>>& pictures, bool must);
   // MapSample's: whether all has been looked at; nothing where it was not given.
   std::optional<bool> UpdateMap(const SurfelMap& map, std::size_t slots);
   void ResetMap(const SurfelMap& map);

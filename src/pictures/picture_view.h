@@ -35,20 +35,4 @@ PinholeCamera FitCamera(const std::vector<Eigen::Vector3f>& points_in_camera, in
 // The q quantile of the values, 0 <= q <= 1; `otherwise` where there are none.
 float Quantile(std::vector<float> values, double q, float otherwise);
 
-// A view, and the place that it turns about.
-struct LiveMapView {
-  PictureView view;
-  Eigen::Vector3d target = Eigen::Vector3d::Zero();
-  Eigen::Vector3d up = -Eigen::Vector3d::UnitY();
-};
-
-// A view of the points from behind and above the first camera of the path, all but the farthest few
-// of them and the whole path in the image. Its direction stays the same while points are added and
-// the path goes on, but for what the cameras' mean up changes.
-LiveMapView Overview(const std::vector<Eigen::Vector3f>& points_in_world,
-                     const Trajectory& camera_path, int width, int height);
-
-// The same, turned, moved and brought nearer; about the last camera of the path if it follows.
-LiveMapView Turned(LiveMapView overview, const MapOrbit& orbit, const Trajectory& camera_path);
-
 }  // namespace surfit

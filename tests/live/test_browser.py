@@ -115,6 +115,13 @@ def test_keeps_what_the_run_has_come_to(browser, run):
     assert shown[0] == shown[1] > 1000
     assert drawn_share(canvas_picture(browser)) > 0.15
     keep(browser, "done.png")
+    # By colours and by normals, without anybody to ask.
+    model = browser.find_element(By.ID, "model-picture")
+    colors = model.get_attribute("src")
+    click(browser, "normals")
+    wait_until(browser, "surfit.byId('model-picture').src !== '" + colors + "'")
+    assert browser.execute_script("return surfit.byId('model-picture').naturalWidth") == 480
+    keep(browser, "done_normals.png")
 
 
 def test_fits_a_phone(browser, run):

@@ -26,7 +26,7 @@ expect "closed_form_ldlt closed_form_lu closed_form_qr" --solver = closed_form
 expect "point_to_point point_to_plane" --residual = point
 expect "icl_nuim" --camera = icl
 expect "$folder/one file" --camera = "$folder/on"  # a preset or a file
-expect "--view" --vie
-expect "--noview" --novie
+expect "--localize" --locali
+expect "--nolocalize" --nolocali
 expect "map" --help = ma
 [[ $(complete -p surfit_evaluate) == "complete -F _surfit surfit_evaluate" ]]

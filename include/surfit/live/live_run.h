@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -12,8 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "surfit/core/image.h"
 #include "surfit/geometry/trajectory.h"
-#include "surfit/pictures/pictures.h"
 #include "surfit/run/slam_run.h"
 
 namespace surfit {
@@ -52,7 +53,12 @@ struct Advice {
 // none, or there is none.
 std::vector<Advice> Advise(const SlamRunFrame& frame, const Rigid3d* world_from_camera_before);
 
-// Who shows a run: a window, or pages in browsers. Called by the run's own thread, which waits.
+// Where two cameras were that a loop joins, in the world.
+struct LoopSegment {
+  Eigen::Vector3d a, b;
+};
+
+// Who shows a run, as pages in browsers do. Called by the run's own thread, which waits.
 class RunViewer {
  public:
   virtual ~RunViewer() = default;

@@ -45,68 +45,32 @@ void WriteTrajectoryPicture(const Trajectory& estimate, const Trajectory& ground
 void WriteTwoCloudPicture(const std::vector<Eigen::Vector3f>& source,
                           const std::vector<Eigen::Vector3f>& target, const std::string& path);
 
-// From where a map is looked at, beside the view of all of it.
-struct MapOrbit {
-  double right_rad = 0, up_rad = 0;                   // that the eye goes around what it looks at
-  double distance = 1;                                // times that of the view of all
-  Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();  // in the world
-  bool follows = false;                               // the last camera, from nearer by
-};
-
-// Where two cameras were that a loop joins, in the world.
-struct LoopSegment {
-  Eigen::Vector3d a, b;
-};
-
-// What the model's tile shows of the surfels that a camera sees.
+// What a picture of the map shows of the surfels that a camera sees.
 enum class ModelColors { kNormals, kColor };
 
-// A picture of a run in progress, in tiles that are drawn one by one: the frame, the model as the
-// frame's camera sees it, the map with the camera's path, and lines of text between.
-class LivePicture {
+// Pictures of a run in progress, kWidth x kHeight pixels each. What they show keeps its proportions
+// and stands in the middle.
+class LivePictures {
  public:
-  static constexpr int kTileWidth = 480, kTileHeight = 360;  // of frame and model
-  static constexpr int kTextHeight = 56;
-  static constexpr int kMapHeight = 440;  // the map is two tiles wide
-  static constexpr int kWidth = 2 * kTileWidth;
-  static constexpr int kHeight = kTileHeight + kTextHeight + kMapHeight;
+  static constexpr int kWidth = 480, kHeight = 360;
 
   // The sensor of the frames.
-  explicit LivePicture(const DepthSensor& sensor);
-  ~LivePicture();
-  LivePicture(const LivePicture&) = delete;
-  LivePicture& operator=(const LivePicture&) = delete;
+  explicit LivePictures(const DepthSensor& sensor);
+  ~LivePictures();
+  LivePictures(const LivePictures&) = delete;
+  LivePictures& operator=(const LivePictures&) = delete;
 
   // The frame's colours; where it has none, the nearer the brighter.
-  void ShowFrame(const RgbdFrame& frame);
+  Image<Rgb8> OfFrame(const RgbdFrame& frame) const;
   // The map as predicted from a pose. Normals are coloured as in WriteMapPictures().
-  void ShowModel(const SurfelMap& map, const Rigid3d& world_from_camera, ModelColors colors);
+  Image<Rgb8> OfModel(const SurfelMap& map, const Rigid3d& world_from_camera, ModelColors colors);
   // In place of the model: that tracking is lost, and the last image whose pose was known, for who
   // holds the camera to go back to. Nothing but the words where there is none.
-  void ShowLost(const Image<Rgb8>& last_good);
-  // The map from behind and above the first camera, or as orbit() says; the way the cameras went in
-  // orange, the last of them in red and loops in green, before all surfaces. Drawn as DrawBlended()
-  // does; coarsely, with a quarter of the pixels, where it is to be quick.
-  void ShowMap(const SurfelMap& map, const Trajectory& camera_path,
-               const std::vector<LoopSegment>& loops = {}, bool coarsely = false);
-  // Two lines of text.
-  void ShowText(const std::string& first, const std::string& second);
-
-  const MapOrbit& orbit() const { return orbit_; }
-  void SetOrbit(const MapOrbit& orbit) { orbit_ = orbit; }
-  // Moves the map by so many pixels to the right and down, as far as its middle goes.
-  void DragMap(double right_px, double down_px);
-  // Whether a pixel is the map's.
-  static bool IsInMap(int u, int v) { return v >= kTileHeight + kTextHeight && u < kWidth; }
-
-  // kWidth x kHeight pixels.
-  const Image<Rgb8>& image() const { return image_; }
+  Image<Rgb8> OfLost(const Image<Rgb8>& last_good) const;
 
  private:
   struct Tools;
   std::unique_ptr<Tools> tools_;
-  Image<Rgb8> image_;
-  MapOrbit orbit_;
 };
 
 }  // namespace surfit

@@ -30,6 +30,7 @@ surfit.Live = class {
     this.state = null;
     this.waiting = [];  // for a new state
     this.seen = {};  // the numbers of what has been taken
+    this.last = {};  // the pictures that the run ended with
   }
 
   async get(path) {
@@ -98,18 +99,29 @@ surfit.Live = class {
     this.seen.path = number;
   }
 
-  // Frame and model of one moment, which have one number; where newer ones have come meanwhile, these.
+  // Frame and model of one moment, which have one number; where newer ones have come meanwhile, these. In the end
+  // the model by colours and normals, as nobody can be asked for it later.
   async takePictures() {
     const name = surfit.modelName();
-    const numbers = this.state ? this.state.numbers : {};
+    const { numbers = {}, done = false } = this.state || {};
     const number = numbers.frame;
-    if (!number || number !== numbers[name] || number <= (this.seen.pictures || 0)) return this.nextState();
-    const answers = await Promise.all(['frame', name].map((of) => this.get(`${of}.jpg?number=${number}`)));
+    const isLast = done && !this.last.model;
+    const isNew = number > (this.seen.pictures || 0) || isLast;
+    if (!number || number !== numbers[name] || !isNew) return this.nextState();
+    const names = isLast ? ['frame', 'model', 'normals'] : ['frame', name];
+    const answers = await Promise.all(names.map((of) => this.get(`${of}.jpg?number=${number}`)));
     if (answers.some((answer) => answer.status === 204)) return this.nextState();
     const blobs = await Promise.all(answers.map((answer) => answer.blob()));
-    await this.panel.showPictures(['frame-picture', 'model-picture'], blobs);
+    if (isLast) [, this.last.model, this.last.normals] = blobs;
+    await this.panel.showPictures(['frame-picture', 'model-picture'], [blobs[0], blobs[names.indexOf(name)]]);
     this.seen.pictures = number;
     return surfit.sleep(surfit.pictureGapMs);
+  }
+
+  changeModel() {
+    this.seen.pictures = 0;
+    const last = this.last[surfit.modelName()];
+    if (last) this.panel.showPictures(['model-picture'], [last]);
   }
 
   start() {
@@ -119,7 +131,7 @@ surfit.Live = class {
       this.repeat(() => this.takePath());
     }
     this.repeat(() => this.takePictures());
-    surfit.byId('normals').addEventListener('change', () => { this.seen.pictures = 0; });
+    surfit.byId('normals').addEventListener('change', () => this.changeModel());
   }
 };
 
