@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <utility>
 
+#include "slam/loop_closer.h"
 #include "surfit/core/error.h"
 
 namespace surfit {
@@ -29,6 +31,35 @@ int LastFrameOf(const SessionRun& run, int end_index, const SlamState& state) {
     if (index >= run.first && frame.index < end_index) last = std::max(last, index);
   }
   return last;
+}
+
+std::vector<Rigid3d> PosesOfKeyframes(const SlamState& state) {
+  std::vector<Rigid3d> poses;
+  std::size_t frame = 0;
+  for (const KeyframeLink& link : state.keyframes) {
+    while (state.frames[frame].index != link.frame) ++frame;
+    poses.push_back(state.frames[frame].world_from_camera);
+  }
+  return poses;
+}
+
+// Frames without another pose go with the one before.
+void MoveFrames(const std::map<int, Rigid3d>& world_from_camera, std::vector<PosedFrame>* frames) {
+  Rigid3d new_from_old;
+  for (PosedFrame& frame : *frames) {
+    const auto known = world_from_camera.find(frame.index);
+    if (known != world_from_camera.end()) {
+      new_from_old = known->second * frame.world_from_camera.Inverse();
+    }
+    frame.world_from_camera = new_from_old * frame.world_from_camera;
+  }
+}
+
+// To other poses of frames. Edges of the pose graph stay as far from agreeing as they are.
+void MovePoses(const std::map<int, Rigid3d>& world_from_camera, SlamState* state) {
+  const std::vector<Rigid3d> before = PosesOfKeyframes(*state);
+  MoveFrames(world_from_camera, &state->frames);
+  Recalibrate(before, PosesOfKeyframes(*state), &state->edges);
 }
 
 }  // namespace
@@ -99,6 +130,7 @@ std::unique_ptr<Slam> KeptSession::MakeSlam(const SequenceInfo& info) {
 
 void KeptSession::Begin(const SequenceInfo& info, Slam* slam) {
   if (!writer_) return;
+  sensor_ = info.sensor();
   SessionRun run;
   run.sequence = FullPath(options_.sequence.path);
   run.format = info.format;
@@ -115,6 +147,29 @@ void KeptSession::Offer(const Slam& slam, double stamp_s) {
 
 void KeptSession::Finish(const Slam& slam) {
   if (writer_) writer_->Finish(slam);
+}
+
+// By a writer of its own, which writes all of map and graph anew, in one save.
+void KeptSession::Improve(const Trajectory& trajectory, const std::vector<int>& frames,
+                          const FoundSensor& found, const SurfelMap& map) {
+  if (!writer_) return;
+  waits_ = writer_->waits();
+  writer_.reset();
+  SlamState state = ReadSession(options_.session).state;
+  std::map<int, Rigid3d> world_from_camera;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    world_from_camera[frames[i]] = trajectory[i].world_from_camera;
+  }
+  MovePoses(world_from_camera, &state);
+  state.map = map;
+  state.calibration = found.calibration;
+  state.color_latency_s = found.color_latency_s;
+  SlamOptions options = options_.slam;
+  options.tracking = SlamOptions().tracking;  // it takes no frames, whatever they are tracked by
+  Slam improved(sensor_, options, std::move(state), StateUse::kContinue);
+  writer_ = std::make_unique<SessionWriter>(options_.session, SessionWriter::Mode::kContinue);
+  writer_->Begin({}, sensor_, &improved);
+  writer_->Finish(improved);
 }
 
 }  // namespace surfit

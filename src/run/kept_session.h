@@ -2,7 +2,10 @@
 
 #include <memory>
 #include <optional>
+#include <vector>
 
+#include "run/found_sensor.h"
+#include "surfit/geometry/trajectory.h"
 #include "surfit/io/frame_source.h"
 #include "surfit/run/slam_run.h"
 #include "surfit/session/session.h"
@@ -30,7 +33,11 @@ class KeptSession {
   void Begin(const SequenceInfo& info, Slam* slam);
   void Offer(const Slam& slam, double stamp_s);
   void Finish(const Slam& slam);
-  std::int64_t waits() const { return writer_ ? writer_->waits() : 0; }
+  // After that, what is known better of the run: poses of frames by their indices, the sensor, and
+  // the map. The pose graph follows.
+  void Improve(const Trajectory& trajectory, const std::vector<int>& frames,
+               const FoundSensor& found, const SurfelMap& map);
+  std::int64_t waits() const { return waits_ + (writer_ ? writer_->waits() : 0); }
 
  private:
   void GoOnAfter(const std::vector<SessionRun>& runs, SequenceOptions* sequence);
@@ -38,8 +45,9 @@ class KeptSession {
   const SlamRunOptions& options_;
   std::unique_ptr<SessionWriter> writer_;  // null where the camera is only localised
   std::optional<SlamState> state_;
-  DepthSensor sensor_;    // of the state
-  bool goes_on_ = false;  // the sequence follows the session's last frame
+  DepthSensor sensor_;      // as given
+  std::int64_t waits_ = 0;  // of the writer before
+  bool goes_on_ = false;    // the sequence follows the session's last frame
   int first_index_ = 0, shift_ = 0;
 };
 

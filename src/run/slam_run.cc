@@ -192,7 +192,12 @@ class SlamRun {
     if (interrupted) return;
     FuseFinalMap(refined ? Known(refined->trajectory, refined->found) : known, interrupted,
                  progress);
-    if (final_map_ && refined) slam_.Improve(std::move(*refined));
+    if (!final_map_ || !refined) return;
+    const bool is_better = refined->summary.Succeeded();
+    slam_.Improve(std::move(*refined));
+    if (session_ && is_better) {
+      session_->Improve(slam_.trajectory(), slam_.frames(), slam_.found(), *final_map_);
+    }
   }
 
   std::optional<RefinedSequence> Refine(const KnownSequence& known,

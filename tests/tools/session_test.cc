@@ -3,7 +3,9 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <csignal>
+#include <cstdio>
 #include <filesystem>
 #include <map>
 #include <random>
@@ -12,6 +14,7 @@
 #include "surfit/core/error.h"
 #include "surfit/evaluation/trajectory_evaluation.h"
 #include "surfit/io/trajectory_files.h"
+#include "testing/shared_data.h"
 #include "tools/slam_tool.h"
 
 namespace surfit::testing {
@@ -120,6 +123,11 @@ class SessionSweep : public SessionTool {
     }
     return worst_m;
   }
+  static double Median(std::vector<double> values) {
+    if (values.empty()) return 0;
+    std::sort(values.begin(), values.end());
+    return values[values.size() / 2];
+  }
   static Rigid3d TruthFrom(const Trajectory& poses, const Trajectory& truth) {
     std::vector<Eigen::Vector3d> here, there;
     for (const MatchedPose& pose : MatchPoses(truth, poses, {})) {
@@ -152,6 +160,34 @@ TEST_F(SessionSweep, MergesThreeSessionsOfThreeRooms) {
     EXPECT_GT(run(number).size(), 490u);
     EXPECT_LT(WorstError_m(run(number), truth, truth_from_world), 0.1) << number;
   }
+}
+
+// Against the poses of one run over both halves, which closes the second's loops, too: in the world
+// in which the first half's poses agree. All frames of the second half see what the first has seen.
+TEST_F(SessionSweep, LocalisesTheSecondHalfOfARecordingInTheFirst) {
+  SURFIT_REQUIRE_SHARED_DATA("seven_scenes_kitchen");
+  const auto run = [&](const std::string& output, std::vector<std::string> flags) {
+    flags.insert(flags.end(), {"--downsample=2", "--loop_closure"});
+    Succeeded(Slam(SharedData("seven_scenes_kitchen"), Output(output), flags));
+    return ReadTumTrajectory(Output(output) + "/trajectory.txt");
+  };
+  const Trajectory whole = run("whole", {});
+  const Trajectory half = run("half", {"--last=499", "--session=" + Session()});
+  const Trajectory found = run("found", {"--first=500", "--session=" + Session(), "--localize"});
+  EXPECT_GE(found.size(), 475u);
+  const Rigid3d whole_from_session = TruthFrom(half, whole);
+  const auto errors_m = [&](const Trajectory& poses) {
+    std::vector<double> of;
+    for (const MatchedPose& pose : MatchPoses(whole, poses, {})) {
+      const Eigen::Vector3d at = whole_from_session * pose.estimate.translation;
+      of.push_back((at - pose.ground_truth.translation).norm());
+    }
+    return of;
+  };
+  const double found_m = Median(errors_m(found)), half_m = Median(errors_m(half));
+  std::printf("%zu frames found, %.1f mm (median) from the one run; the first half %.1f mm\n",
+              found.size(), 1e3 * found_m, 1e3 * half_m);
+  EXPECT_LT(found_m, 0.01);
 }
 
 TEST_F(SessionTool, OutlivesBeingKilled) {
