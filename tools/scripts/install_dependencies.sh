@@ -44,7 +44,7 @@ test_packages=(
   python3-dev pybind11-dev python3-numpy python3-matplotlib python3-pip python3-venv mypy
   # the tests
   libbenchmark-dev zlib1g-dev python3-pytest
-  zsh
+  zsh valgrind
   python3-rosbag python3-sensor-msgs lz4 zstd
   chromium chromium-driver python3-selenium python3-pil
   snakemake
