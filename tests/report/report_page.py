@@ -35,7 +35,7 @@ def open_browser():
     return webdriver.Chrome(options=options, service=Service(str(DRIVER)))
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def browser():
     driver = open_browser()
     yield driver

@@ -4,8 +4,8 @@ import json
 import pathlib
 
 import pytest
-from report_page import (Page, browser, differing_share, drawn_share,  # noqa: F401
-                         expect_every_mode_drawn, run_slam, run_tool, simulate_room)
+from report_page import (Page, differing_share, drawn_share, expect_every_mode_drawn, run_slam, run_tool,
+                         simulate_room)
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys

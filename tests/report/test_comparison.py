@@ -5,7 +5,7 @@ import math
 import pathlib
 
 import pytest
-from report_page import frame_drawn, open_browser, run_tool
+from report_page import frame_drawn, run_tool
 
 
 @pytest.fixture(scope="module")
@@ -23,12 +23,10 @@ def rows(output):
     return json.loads((output / "comparison.json").read_text())["rows"]
 
 
-@pytest.fixture(scope="module")
-def browser(output):
-    driver = open_browser()
-    driver.get(pathlib.Path(output / "comparison.html").resolve().as_uri())
-    yield driver
-    driver.quit()
+@pytest.fixture(scope="module", autouse=True)
+def page(browser, output):
+    browser.get_log("browser")  # forgets what other pages have left there
+    browser.get(pathlib.Path(output / "comparison.html").resolve().as_uri())
 
 
 def test_opens_from_disk_without_errors_or_network(browser):

@@ -1,7 +1,7 @@
 """Zooming in the plots, which pages have where npm had the plugin when they were built."""
 
 import pytest
-from report_page import Page, open_browser, run_slam, simulate_room
+from report_page import Page, run_slam, simulate_room
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 
@@ -21,20 +21,17 @@ def drag_across_half(browser, canvas):
         .move_by_offset(2 * quarter, 0).release().perform()
 
 
-def test_dragging_zooms_and_a_double_click_ends_it(tmp_path):
+def test_dragging_zooms_and_a_double_click_ends_it(browser, tmp_path):
     run_slam(simulate_room(tmp_path, 10), tmp_path / "out", "--report")
-    browser = open_browser()
-    try:
-        page = Page(browser, tmp_path / "out" / "report.html")
-        if not page.script("return Boolean(window.ChartZoom)"):
-            pytest.skip("the page was built without chartjs-plugin-zoom")
-        page.scroll_to("run-charts")
-        canvas = browser.find_elements(By.CSS_SELECTOR, "#run-charts canvas")[-1]
-        low, high = shown_frames(page, canvas)
-        drag_across_half(browser, canvas)
-        wait_for_frames(page, canvas, f"{low} < x.min && x.min < x.max && x.max < {high}")
-        ActionChains(browser).double_click(canvas).perform()
-        wait_for_frames(page, canvas, f"x.min === {low} && x.max === {high}")
-        assert page.console() == []
-    finally:
-        browser.quit()
+    browser.get_log("browser")  # forgets what other pages have left there
+    page = Page(browser, tmp_path / "out" / "report.html")
+    if not page.script("return Boolean(window.ChartZoom)"):
+        pytest.skip("the page was built without chartjs-plugin-zoom")
+    page.scroll_to("run-charts")
+    canvas = browser.find_elements(By.CSS_SELECTOR, "#run-charts canvas")[-1]
+    low, high = shown_frames(page, canvas)
+    drag_across_half(browser, canvas)
+    wait_for_frames(page, canvas, f"{low} < x.min && x.min < x.max && x.max < {high}")
+    ActionChains(browser).double_click(canvas).perform()
+    wait_for_frames(page, canvas, f"x.min === {low} && x.max === {high}")
+    assert page.console() == []
