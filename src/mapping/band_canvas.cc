@@ -17,6 +17,7 @@ constexpr float kClosed = std::numeric_limits<float>::infinity();
 constexpr float kOutside = 2;               // more than the offset2 of any pixel on a disc
 constexpr std::size_t kDiscsAhead = 8;      // asked for so long before, to be in the cache by then
 constexpr std::size_t kMaxDiscs = 1 << 24;  // whose ids a float holds
+constexpr int kLanes = Lanes<float>::kCount;
 
 // Inverse depth of the back of a surface that starts at an inverse depth rho: behind it by the
 // thickness of surfaces and 4 sigma of the depth 1 / rho, sigma = inverse_depth_sigma / rho^2.
@@ -25,6 +26,19 @@ float BackOfSurface(float rho, float thickness, float inverse_depth_sigma) {
 }
 
 }  // namespace
+
+// What is shown of the discs that a row's pixels show, with room for as many as are done at once
+// beyond its end; see Disc.
+struct BandCanvas::PixelDiscs {
+  explicit PixelDiscs(int width)
+      : u(width + kLanes),
+        v(width + kLanes),
+        rho(width + kLanes),
+        rho_u(width + kLanes),
+        rho_v(width + kLanes) {}
+
+  std::vector<float> u, v, rho, rho_u, rho_v;
+};
 
 BandCanvas::BandCanvas(int band, const PosedCamera& camera, const DepthNoise& noise,
                        const RenderOptions& options)
@@ -143,44 +157,63 @@ void BandCanvas::CloseDrawnPixels() {
 }
 
 void BandCanvas::WriteTo(ModelView* view) const {
-  for (int v = v_begin_; v < v_end_; ++v) WriteRow(v, view);
+  PixelDiscs discs(camera_.width);
+  for (int v = v_begin_; v < v_end_; ++v) {
+    FindDiscs(v, &discs, view);
+    WithInstructions([&](auto instructions) {
+      for (int u = 0; u < camera_.width; u += kLanes) {
+        WriteLanes<decltype(instructions)>(discs, u, v, view);
+      }
+    });
+  }
+}
+
+// The discs that a row's pixels show.
+void BandCanvas::FindDiscs(int v, PixelDiscs* discs, ModelView* view) const {
+  static constexpr Disc kNoDisc = {};
+  const int width = camera_.width;
+  const float* drawn = &drawn_[static_cast<std::size_t>(v - v_begin_) * width];
+  std::int32_t* const surfel = view->surfel_index.row(v);
+  for (int u = 0; u < width; ++u) {
+    const Disc& disc = drawn[u] == kNone ? kNoDisc : *discs_[static_cast<std::size_t>(drawn[u])];
+    discs->u[u] = disc.u;
+    discs->v[u] = disc.v;
+    discs->rho[u] = disc.rho;
+    discs->rho_u[u] = disc.rho_u;
+    discs->rho_v[u] = disc.rho_v;
+    surfel[u] = drawn[u] == kNone ? ModelView::kNoSurfel : disc.surfel;
+  }
 }
 
 // Vertices from the inverse depth rho, and normals from the discs' planes: as rho = n . r / (n . p)
 // for all rays r, n / -(n . p) is minus the inverse depths along the axes, (a, b, c).
-void BandCanvas::WriteRow(int v, ModelView* view) const {
-  const int width = camera_.width;
-  const float* drawn = &drawn_[static_cast<std::size_t>(v - v_begin_) * width];
-  const float fx = camera_.fx, fy = camera_.fy, cx = camera_.cx, cy = camera_.cy;
-  std::vector<float> rho(width), a(width), b(width), c(width);
-  for (int u = 0; u < width; ++u) {
-    view->surfel_index(u, v) = ModelView::kNoSurfel;
-    if (drawn[u] == kNone) continue;
-    const Disc& disc = *discs_[static_cast<std::size_t>(drawn[u])];
-    rho[u] = disc.Rho(static_cast<float>(u), static_cast<float>(v));
-    a[u] = fx * disc.rho_u;
-    b[u] = fy * disc.rho_v;
-    c[u] = disc.Rho(cx, cy);
-    view->surfel_index(u, v) = disc.surfel;
-  }
-  float *x = view->surface.vertex.x.row(v), *y = view->surface.vertex.y.row(v),
-        *z = view->surface.vertex.z.row(v);
-  float *nx = view->surface.normal.x.row(v), *ny = view->surface.normal.y.row(v),
-        *nz = view->surface.normal.z.row(v);
-  const float ray_y = (static_cast<float>(v) - cy) / fy;
-  for (int u = 0; u < width; ++u) {
-    const float depth = rho[u] > 0.f ? 1.f / rho[u] : 0.f;
-    x[u] = depth * ((static_cast<float>(u) - cx) / fx);
-    y[u] = depth * ray_y;
-    z[u] = depth;
-  }
-  for (int u = 0; u < width; ++u) {
-    const float length2 = a[u] * a[u] + b[u] * b[u] + c[u] * c[u];
-    const float scale = length2 > 0.f ? -1.f / std::sqrt(length2) : 0.f;
-    nx[u] = scale * a[u];
-    ny[u] = scale * b[u];
-    nz[u] = scale * c[u];
-  }
+template <typename Instructions>
+void BandCanvas::WriteLanes(const PixelDiscs& discs, int u, int v, ModelView* view) const {
+  using V = Lanes<float, Instructions>;
+  static_assert(V::kCount == kLanes);
+  constexpr float kSteps[] = {0, 1, 2, 3, 4, 5, 6, 7};
+  const V zero = 0.f, one = 1.f;
+  const V fx = camera_.fx, fy = camera_.fy, cx = camera_.cx, cy = camera_.cy;
+  const V pixel_u = V(static_cast<float>(u)) + V::Load(kSteps), pixel_v = static_cast<float>(v);
+  const V disc_u = V::Load(&discs.u[u]), disc_v = V::Load(&discs.v[u]);
+  const V rho_0 = V::Load(&discs.rho[u]);
+  const V rho_u = V::Load(&discs.rho_u[u]), rho_v = V::Load(&discs.rho_v[u]);
+  const V rho = rho_0 + rho_u * (pixel_u - disc_u) + rho_v * (pixel_v - disc_v);
+  const auto is_shown = rho > zero;
+  const V depth = Select(is_shown, one / Select(is_shown, rho, one), zero);
+  const V a = fx * rho_u, b = fy * rho_v;
+  const V c = rho_0 + rho_u * (cx - disc_u) + rho_v * (cy - disc_v);
+  const V length2 = a * a + b * b + c * c;
+  const auto has_normal = length2 > zero;
+  const V scale = Select(has_normal, V(-1.f) / sqrt(Select(has_normal, length2, one)), zero);
+  const int count = std::min(kLanes, camera_.width - u);
+  VectorImage &vertex = view->surface.vertex, &normal = view->surface.normal;
+  (depth * ((pixel_u - cx) / fx)).StoreUpTo(vertex.x.row(v) + u, count);
+  (depth * ((pixel_v - cy) / fy)).StoreUpTo(vertex.y.row(v) + u, count);
+  depth.StoreUpTo(vertex.z.row(v) + u, count);
+  (scale * a).StoreUpTo(normal.x.row(v) + u, count);
+  (scale * b).StoreUpTo(normal.y.row(v) + u, count);
+  (scale * c).StoreUpTo(normal.z.row(v) + u, count);
 }
 
 }  // namespace surfit

@@ -122,7 +122,10 @@ class BandCanvas {
   template <typename Instructions>
   void Pick(const Disc& disc, float id);
   void CloseDrawnPixels();
-  void WriteRow(int v, ModelView* view) const;
+  struct PixelDiscs;
+  void FindDiscs(int v, PixelDiscs* discs, ModelView* view) const;
+  template <typename Instructions>
+  void WriteLanes(const PixelDiscs& discs, int u, int v, ModelView* view) const;
 
   const int band_, v_begin_, v_end_;
   const PosedCamera& camera_;

@@ -71,6 +71,8 @@ void ColorAverage::Add(const FrameColors& colors, const PosedCamera& camera,
   ParallelFor(0, static_cast<int>(cells.size()), 1, [&](int i, int) {
     for (const std::int32_t b : map_.cell(cells[i]).blocks) {
       const SurfelBlock& block = map_.block(b);
+      ColorBatch seen;
+      int places[SurfelBlock::kCapacity];  // of those that are seen
       for (int k = 0; k < block.count; ++k) {
         const Eigen::Vector3f in_world(block.x[k], block.y[k], block.z[k]);
         const Eigen::Vector3f point = camera.rotation * in_world + camera.translation;
@@ -78,10 +80,15 @@ void ColorAverage::Add(const FrameColors& colors, const PosedCamera& camera,
             camera.rotation * Eigen::Vector3f(block.nx[k], block.ny[k], block.nz[k]);
         if (!(point.z() > kMinDepth) || !(normal.dot(point) < 0)) continue;
         if (by_map.Hides(in_world) || by_frame.Hides(in_world)) continue;
-        const SeenColor seen = colors.At(point, normal);
-        Sum& sum = sums_[b * SurfelBlock::kCapacity + k];
-        sum.color += seen.weight * seen.color;
-        sum.weight += seen.weight;
+        places[seen.count] = k;
+        seen.Add(point, normal);
+      }
+      colors.LookUp(&seen);
+      for (int j = 0; j < seen.count; ++j) {
+        const SeenColor of_surfel = seen.Seen(j);
+        Sum& sum = sums_[b * SurfelBlock::kCapacity + places[j]];
+        sum.color += of_surfel.weight * of_surfel.color;
+        sum.weight += of_surfel.weight;
       }
     }
   });

@@ -15,6 +15,24 @@ struct SeenColor {
   float weight = 0;
 };
 
+// Points with their normals, in the camera's frame, and what was seen of them. Initialised, as
+// whole lanes are worked on.
+struct ColorBatch {
+  static constexpr int kCapacity = 64;
+
+  void Add(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) {
+    const float values[] = {point.x(), point.y(), point.z(), normal.x(), normal.y(), normal.z()};
+    for (int i = 0; i < 6; ++i) patch[i][count] = values[i];
+    ++count;
+  }
+  SeenColor Seen(int k) const { return {{color[0][k], color[1][k], color[2][k]}, weight[k]}; }
+
+  int count = 0;
+  alignas(32) float patch[6][kCapacity] = {};  // position and normal
+  alignas(32) float color[3][kCapacity] = {};
+  alignas(32) float weight[kCapacity] = {};
+};
+
 // What a frame's colour image shows of points. Colour is not taken at the moment of depth, nor are
 // its rows taken at one moment, while the camera moves. So a point X of the frame's pose is looked
 // up, bilinearly, where it was at the time t of the row that shows it,
@@ -28,7 +46,10 @@ class FrameColors {
  public:
   FrameColors(const RgbdFrame& frame, const PosedCamera& camera, const FrameMotion& motion);
 
-  // Of a point with its normal, in the camera's frame at the frame's pose. The frame has colours.
+  // What is seen of all points of the batch, in the camera's frame at the frame's pose. The frame
+  // has colours.
+  void LookUp(ColorBatch* batch) const;
+  // Of a single point with its normal.
   SeenColor At(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) const;
 
  private:
@@ -39,9 +60,19 @@ class FrameColors {
     bool Has(int i) const { return i >= begin && i < end; }
   };
 
+  // As many places in the image as there are lanes, and what is seen there.
+  template <typename V>
+  struct Samples;
+
   void FindBorders();
-  // Nothing outside the image.
-  SeenColor Sample(float u, float v) const;
+  template <typename V>
+  void LookUp(int first, ColorBatch* batch) const;
+  template <typename V>
+  Samples<V> Sample(const V& u, const V& v) const;
+  template <typename V>
+  struct Corners;
+  template <typename V>
+  void ReadCorners(const V& at_u, const V& at_v, Corners<V>* corners) const;
 
   const Image<Rgb8>& color_;
   const float fx_, fy_, cx_, cy_;

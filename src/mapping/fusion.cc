@@ -74,7 +74,8 @@ struct Fusion::Workspace {
   bool MayBeDormant(const SurfelBounds& bounds) const;
   void MarkDormant(SurfelBlock* block) const;
   std::vector<Surfel> NewSurfels(const PosedCamera& camera, const FrameColors& colors);
-  Surfel NewSurfel(const PosedCamera& camera, const FrameColors& colors, int pixel) const;
+  Surfel NewSurfel(const PosedCamera& camera, int pixel) const;
+  void SetColors(const FrameColors& colors, const std::vector<int>& pixels, Surfel* surfels) const;
   void MergePoints(SurfelMap* map) const;
   void MergePoints(const std::vector<Candidate>& of_cell, SurfelMap* map) const;
 
@@ -219,30 +220,49 @@ void Fusion::Workspace::FindCandidates(const PosedCamera& camera, SurfelMap* map
 
 std::vector<Surfel> Fusion::Workspace::NewSurfels(const PosedCamera& camera,
                                                   const FrameColors& colors) {
-  std::vector<Surfel> added;
-  for (const std::vector<int>& of_band : choice.ChooseNew(points)) {
-    for (const int pixel : of_band) added.push_back(NewSurfel(camera, colors, pixel));
-  }
+  const std::vector<std::vector<int>>& bands = choice.ChooseNew(points);
+  std::vector<std::size_t> begins = {0};  // of each band's surfels, and the end of all
+  for (const std::vector<int>& of_band : bands) begins.push_back(begins.back() + of_band.size());
+  std::vector<Surfel> added(begins.back());
+  ParallelFor(0, static_cast<int>(bands.size()), 1, [&](int band, int) {
+    Surfel* const of_band = added.data() + begins[band];
+    for (std::size_t k = 0; k < bands[band].size(); ++k) {
+      of_band[k] = NewSurfel(camera, bands[band][k]);
+    }
+    if (!frame->color.empty()) SetColors(colors, bands[band], of_band);
+  });
   return added;
 }
 
-Surfel Fusion::Workspace::NewSurfel(const PosedCamera& camera, const FrameColors& colors,
-                                    int pixel) const {
+Surfel Fusion::Workspace::NewSurfel(const PosedCamera& camera, int pixel) const {
   const MeasuredPoint& point = points[pixel];
   Surfel surfel;
   surfel.position_in_world = camera.PointInWorld(point.position());
   surfel.normal_in_world = camera.world_rotation * point.normal();
   surfel.color = {128, 128, 128};
-  if (!frame->color.empty()) {
-    const SeenColor seen = colors.At(point.position(), point.normal());
-    surfel.color = ToRgb8(seen.color);  // black where it is not seen
-    surfel.color_weight = seen.weight;
-  }
   surfel.radius_m = point.radius_m;
   surfel.confidence = weights[pixel];
   surfel.at_edge = point.at_edge;
   surfel.first_seen = surfel.last_seen = frame->index;
   return surfel;
+}
+
+// Of new surfels at pixels; black where no colour is seen.
+void Fusion::Workspace::SetColors(const FrameColors& colors, const std::vector<int>& pixels,
+                                  Surfel* surfels) const {
+  ColorBatch batch;
+  for (std::size_t k = 0; k < pixels.size(); ++k) {
+    batch.Add(points[pixels[k]].position(), points[pixels[k]].normal());
+    if (batch.count < ColorBatch::kCapacity && k + 1 < pixels.size()) continue;
+    colors.LookUp(&batch);
+    Surfel* const first = surfels + (k + 1 - batch.count);
+    for (int i = 0; i < batch.count; ++i) {
+      const SeenColor seen = batch.Seen(i);
+      first[i].color = ToRgb8(seen.color);
+      first[i].color_weight = seen.weight;
+    }
+    batch.count = 0;
+  }
 }
 
 // Merges the candidates with what was seen of them, and marks the superfluous ones for removal.

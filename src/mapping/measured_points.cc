@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "mapping/eight_records.h"
+#include "surfit/core/lanes.h"
 #include "surfit/core/parallel.h"
 
 namespace surfit {
@@ -24,22 +26,67 @@ class Points {
         surface_(surface),
         pixel_size_(std::sqrt(2.f) / static_cast<float>(surface.camera.fx)),
         max_slant_scale_(options.max_slant_scale),
-        sigma_(static_cast<float>(surface.noise.inverse_depth_sigma)) {}
+        sigma_(static_cast<float>(surface.noise.inverse_depth_sigma)),
+        ray_x_(depth_m.width()),
+        ray_y_(depth_m.height()) {
+    for (int u = 0; u < depth_m.width(); ++u) {
+      ray_x_[u] = static_cast<float>(surface.camera.Ray(u, 0).x());
+    }
+    for (int v = 0; v < depth_m.height(); ++v) {
+      ray_y_[v] = static_cast<float>(surface.camera.Ray(0, v).y());
+    }
+  }
 
-  void Measure(int u, int v, MeasuredPoint* point) const {
-    const float depth = depth_m_(u, v);
-    const Eigen::Vector3f position = Position(u, v);
-    Eigen::Vector3f normal = surface_.normal(u, v);
-    point->at_edge = depth > 0 && normal.isZero(0.f);
-    if (point->at_edge) normal = NormalOfNeighbour(u, v, position);
-    const float slant = std::min(1.f / std::max(std::fabs(normal.z()), 1e-6f), max_slant_scale_);
-    point->radius_m = normal.isZero(0.f) ? 0.f : pixel_size_ * depth * slant;
-    point->patch = {position.x(), position.y(), position.z(), normal.x(), normal.y(), normal.z()};
+  void MeasureRow(int v, MeasuredPoint* points) const {
+    WithInstructions([&](auto instructions) {
+      for (int u = 0; u < depth_m_.width(); u += 8) {
+        MeasureEight<decltype(instructions)>(u, v, points);
+      }
+    });
   }
 
  private:
+  template <typename Instructions>
+  void MeasureEight(int u, int v, MeasuredPoint* points) const {
+    using V = Lanes<float, Instructions>;
+    static_assert(sizeof(MeasuredPoint) == 8 * sizeof(float));
+    const int count = std::min(8, depth_m_.width() - u);
+    const VectorImage& normal = surface_.normal;
+    const V zero = 0.f, depth = V::LoadUpTo(depth_m_.row(v) + u, count);
+    const V nx = V::LoadUpTo(normal.x.row(v) + u, count);
+    const V ny = V::LoadUpTo(normal.y.row(v) + u, count);
+    const V nz = V::LoadUpTo(normal.z.row(v) + u, count);
+    const auto has_no_normal = (abs(nx) <= zero) & (abs(ny) <= zero) & (abs(nz) <= zero);
+    const V slant = Min(V(1.f) / Max(abs(nz), V(1e-6f)), V(max_slant_scale_));
+    const V radius = Select(has_no_normal, zero, V(pixel_size_) * depth * slant);
+    const V x = V::LoadUpTo(&ray_x_[u], count) * depth, y = V(ray_y_[v]) * depth;
+    const V columns[8] = {x, y, depth, nx, ny, nz, radius, zero};
+    float beyond[8];
+    float* records[8];
+    for (int k = 0; k < 8; ++k) {
+      records[k] = k < count ? reinterpret_cast<float*>(&points[u + k]) : beyond;
+    }
+    EightRecords<Instructions>::Store(columns, records);
+    const auto at_edge = (depth > zero) & has_no_normal;
+    if (!V::Any(at_edge)) return;
+    float is_at_edge[8];
+    Select(at_edge, V(1.f), zero).Store(is_at_edge);
+    for (int k = 0; k < count; ++k) {
+      if (is_at_edge[k] != 0) MeasureAtEdge(u + k, v, &points[u + k]);
+    }
+  }
+
+  void MeasureAtEdge(int u, int v, MeasuredPoint* point) const {
+    const Eigen::Vector3f position = Position(u, v), normal = NormalOfNeighbour(u, v, position);
+    const float slant = std::min(1.f / std::max(std::fabs(normal.z()), 1e-6f), max_slant_scale_);
+    point->at_edge = true;
+    point->radius_m = normal.isZero(0.f) ? 0.f : pixel_size_ * depth_m_(u, v) * slant;
+    point->patch = {position.x(), position.y(), position.z(), normal.x(), normal.y(), normal.z()};
+  }
+
   Eigen::Vector3f Position(int u, int v) const {
-    return surface_.camera.Ray(u, v).cast<float>() * depth_m_(u, v);
+    const float depth = depth_m_(u, v);
+    return {ray_x_[u] * depth, ray_y_[v] * depth, depth};
   }
 
   // The normal of the neighbour whose plane passes nearest to the point, within half a sigma of its
@@ -64,7 +111,8 @@ class Points {
   const FrameLevel& surface_;
   const float pixel_size_;
   const float max_slant_scale_;
-  const float sigma_;  // of inverse depth
+  const float sigma_;                 // of inverse depth
+  std::vector<float> ray_x_, ray_y_;  // by column, by row: of the ray with z = 1
 };
 
 }  // namespace
@@ -76,9 +124,7 @@ void MeasurePoints(const RgbdFrame& frame, const FrameLevel& surface, const Fusi
   points->resize(static_cast<std::size_t>(width) * height);
   ParallelFor(0, height, kRowsPerBlock, [&](int begin, int end) {
     for (int v = begin; v < end; ++v) {
-      for (int u = 0; u < width; ++u) {
-        measured.Measure(u, v, &(*points)[static_cast<std::size_t>(v) * width + u]);
-      }
+      measured.MeasureRow(v, &(*points)[static_cast<std::size_t>(v) * width]);
     }
   });
 }
@@ -87,7 +133,9 @@ void MeasurePoints(const RgbdFrame& frame, const FrameLevel& surface, const Fusi
 Image<float> FreeDepths(const Image<float>& depth_m, const DepthNoise& noise,
                         const FusionOptions& options) {
   const int width = depth_m.width(), height = depth_m.height();
-  Image<float> along_rows(width, height), result(width, height);
+  Image<float> along_rows, result;
+  along_rows.Resize(width, height);
+  result.Resize(width, height);
   ParallelFor(0, height, kRowsPerBlock, [&](int begin, int end) {
     std::vector<float> own(width + 2, std::numeric_limits<float>::infinity());
     for (int v = begin; v < end; ++v) {

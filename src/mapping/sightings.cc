@@ -12,6 +12,35 @@ namespace {
 // So many pixels ahead a candidate is asked for, to be in the cache by then.
 constexpr int kPixelsSoon = 24;
 
+// Gives observations, in their order, the colours of where their surfels are.
+class ColorsOfSurfels {
+ public:
+  // The observations must stay where they are.
+  ColorsOfSurfels(const FrameColors& colors, SurfelObservation* first)
+      : colors_(colors), next_(first) {}
+
+  void Add(const Patch& surfel) {
+    batch_.Add({surfel.x, surfel.y, surfel.z}, {surfel.nx, surfel.ny, surfel.nz});
+    if (batch_.count == ColorBatch::kCapacity) Flush();
+  }
+
+  // To be called in the end as well.
+  void Flush() {
+    colors_.LookUp(&batch_);
+    for (int k = 0; k < batch_.count; ++k, ++next_) {
+      const SeenColor seen = batch_.Seen(k);
+      next_->color = seen.color;
+      next_->color_weight = seen.weight;
+    }
+    batch_.count = 0;
+  }
+
+ private:
+  const FrameColors& colors_;
+  SurfelObservation* next_;
+  ColorBatch batch_;
+};
+
 }  // namespace
 
 Sightings::Counts Sightings::Gather(const RgbdFrame& frame, const FrameColors& colors,
@@ -26,15 +55,7 @@ Sightings::Counts Sightings::Gather(const RgbdFrame& frame, const FrameColors& c
       const int pixel = candidate.pixel + (k / 3 - 1) * width + k % 3 - 1;
       sum.Add(points[pixel], weights[pixel]);
     });
-    SurfelObservation seen = sum.Observation(camera);
-    if (has_color) {
-      const Patch& patch = candidate.patch;
-      const SeenColor color =
-          colors.At({patch.x, patch.y, patch.z}, {patch.nx, patch.ny, patch.nz});
-      seen.color = color.color;
-      seen.color_weight = color.weight;
-    }
-    return seen;
+    return sum.Observation(camera);
   };
   in_band_.resize(BandCount(camera.height));
   return ParallelSum(0, camera.height, kBandRows, Counts(), [&](int begin, int end) {
@@ -42,17 +63,23 @@ Sightings::Counts Sightings::Gather(const RgbdFrame& frame, const FrameColors& c
     std::vector<SurfelObservation>& seen = in_band_[begin / kBandRows];
     seen.clear();
     seen.reserve(static_cast<std::size_t>(kBandRows) * width);  // so that none is moved
-    for (int pixel = begin * width; pixel < end * width; ++pixel) {
-      __builtin_prefetch(choice.OfPixel(std::min(pixel + kPixelsSoon, end * width - 1)));
-      Candidate* const candidate = choice.OfPixel(pixel);
-      if (!candidate) continue;
-      const std::uint32_t choosing = choice.Choosing(pixel);
-      if (choosing == 0) continue;  // its own point is nearer to a neighbour's surfel
-      seen.push_back(average(*candidate, choosing));
-      candidate->seen = &seen.back();
-      counts.points += __builtin_popcount(choosing);
-      ++counts.surfels;
+    ColorsOfSurfels surfel_colors(colors, seen.data());
+    std::vector<std::uint16_t> choosing(width);
+    for (int v = begin; v < end; ++v) {
+      choice.ChoosingOfRow(v, choosing.data());
+      for (int u = 0; u < width; ++u) {
+        const int soon = std::min(u + kPixelsSoon, width - 1);
+        if (choosing[soon] != 0) __builtin_prefetch(choice.OfPixel(v * width + soon));
+        if (choosing[u] == 0) continue;  // its own point is nearer to a neighbour's surfel
+        Candidate* const candidate = choice.OfPixel(v * width + u);
+        seen.push_back(average(*candidate, choosing[u]));
+        candidate->seen = &seen.back();
+        if (has_color) surfel_colors.Add(candidate->patch);
+        counts.points += __builtin_popcount(choosing[u]);
+        ++counts.surfels;
+      }
     }
+    if (has_color) surfel_colors.Flush();
     return counts;
   });
 }

@@ -1,9 +1,11 @@
 #include "mapping/surfel_choice.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <vector>
 
 #include "mapping/bands.h"
+#include "mapping/eight_records.h"
 #include "mapping/merge_gate.h"
 #include "surfit/core/lanes.h"
 #include "surfit/core/parallel.h"
@@ -17,11 +19,13 @@ class PatchRow {
  public:
   explicit PatchRow(int width) : stride_(width + 9), numbers_(kNumbers * stride_, 0.f) {}
 
-  // u from 0 to width - 1.
-  void Set(int u, const Patch& patch, float radius_m, float confidence) {
-    const float values[kNumbers] = {patch.x,  patch.y,  patch.z,  patch.nx,
-                                    patch.ny, patch.nz, radius_m, confidence};
-    for (int i = 0; i < kNumbers; ++i) numbers_[i * stride_ + u + 1] = values[i];
+  // Eight records from u on, the first `count` of each one's numbers: of patch, radius and
+  // confidence. Records beyond the row's end must be zero.
+  template <typename Instructions>
+  void SetEight(int u, const float* const (&records)[8], int count) {
+    Lanes<float, Instructions> columns[kNumbers];
+    EightRecords<Instructions>::Load(records, columns);
+    for (int i = 0; i < count; ++i) columns[i].Store(&numbers_[i * stride_ + u + 1]);
   }
 
   // Those from u >= -1 on.
@@ -65,19 +69,37 @@ namespace {
 // So many pixels ahead a candidate is asked for, to be in the cache by then.
 constexpr int kPixelsAhead = 16;
 
+constexpr float kNoRecord[8] = {};
+
 void LoadPoints(const MeasuredPoint* points, int width, PatchRow* row) {
-  for (int u = 0; u < width; ++u) row->Set(u, points[u].patch, points[u].radius_m, 0.f);
+  static_assert(offsetof(MeasuredPoint, patch) == 0 &&
+                offsetof(MeasuredPoint, radius_m) == 6 * sizeof(float));
+  WithInstructions([&](auto instructions) {
+    for (int u = 0; u < width; u += 8) {
+      const float* records[8];
+      for (int k = 0; k < 8; ++k) {
+        records[k] = u + k < width ? reinterpret_cast<const float*>(&points[u + k]) : kNoRecord;
+      }
+      row->SetEight<decltype(instructions)>(u, records, 7);
+    }
+  });
 }
 
 void LoadSurfels(Candidate* const* own, int width, PatchRow* row) {
-  for (int u = 0; u < width; ++u) {
-    if (u + kPixelsAhead < width) __builtin_prefetch(own[u + kPixelsAhead]);
-    if (own[u]) {
-      row->Set(u, own[u]->patch, own[u]->radius_m, own[u]->confidence);
-    } else {
-      row->Set(u, {}, 0.f, 0.f);
+  static_assert(offsetof(Candidate, patch) == 0 &&
+                offsetof(Candidate, radius_m) == 6 * sizeof(float) &&
+                offsetof(Candidate, confidence) == 7 * sizeof(float));
+  WithInstructions([&](auto instructions) {
+    for (int u = 0; u < width; u += 8) {
+      const float* records[8];
+      for (int k = 0; k < 8; ++k) {
+        if (u + k + kPixelsAhead < width) __builtin_prefetch(own[u + k + kPixelsAhead]);
+        const Candidate* const candidate = u + k < width ? own[u + k] : nullptr;
+        records[k] = candidate ? reinterpret_cast<const float*>(candidate) : kNoRecord;
+      }
+      row->SetEight<decltype(instructions)>(u, records, 8);
     }
-  }
+  });
 }
 
 // Lets points choose among the surfels of three rows, and finds those of the middle row that others
@@ -93,9 +115,11 @@ void Meet(const MergeGate& gate, const PatchRow& points, const PatchRow* const r
     const Numbers point_radius = points.Radii<Numbers>(u), radius = rows[1]->Radii<Numbers>(u);
     const Numbers confidence = rows[1]->Confidences<Numbers>(u);
     Numbers least = never, superfluous = zero;
+    const auto has_point = point_radius > zero;
     Numbers state =
-        Select(point_radius > zero, Numbers(SurfelChoice::kOpen), Numbers(SurfelChoice::kNoPoint));
-    for (int k = 0; k < 9; ++k) {
+        Select(has_point, Numbers(SurfelChoice::kOpen), Numbers(SurfelChoice::kNoPoint));
+    // Without points there are no surfels that belong to them.
+    for (int k = 0; k < 9 && Numbers::Any(has_point); ++k) {
       const PatchRow& row = *rows[k / 3];
       const int beside = u + k % 3 - 1;
       const PatchOf<Numbers> other = row.Patches<Numbers>(beside);
@@ -144,6 +168,20 @@ void SurfelChoice::SetCandidates(int band, std::vector<CandidateList>* lists) {
     if (apart2 == MergeGate::kNever) return;
     Candidate* const worse = candidate->confidence > own->confidence ? own : candidate;
     worse->is_superfluous = true;
+  });
+}
+
+void SurfelChoice::ChoosingOfRow(int v, std::uint16_t* masks) const {
+  const State* const above = states_.row(v);
+  const int width = width_, stride = width_ + 2;
+  WithInstructions([&](auto) {
+    std::fill(masks, masks + width, std::uint16_t{0});
+    for (int k = 0; k < 9; ++k) {
+      const State* const beside = above + k / 3 * stride + k % 3;
+      const auto choosing = static_cast<State>(8 - k);
+      const auto bit = static_cast<std::uint16_t>(1 << k);
+      for (int u = 0; u < width; ++u) masks[u] |= beside[u] == choosing ? bit : std::uint16_t{0};
+    }
   });
 }
 

@@ -95,9 +95,9 @@ class SurfelChoice {
   // The candidate of a pixel, null if it has none.
   Candidate* OfPixel(int pixel) const { return own_[pixel]; }
 
-  // Which of the nine pixels around this one, row by row, have points that chose its surfel, as a
-  // mask.
-  std::uint32_t Choosing(int pixel) const;
+  // For each pixel of row v, as a mask: which of the nine pixels around it, row by row, have points
+  // that chose its surfel.
+  void ChoosingOfRow(int v, std::uint16_t* masks) const;
 
  private:
   void SetCandidates(int band, std::vector<CandidateList>* lists);
@@ -118,15 +118,5 @@ class SurfelChoice {
   std::vector<std::array<std::vector<int>, 4>> open_;
   std::vector<std::vector<int>> new_;  // pixels, by band
 };
-
-inline std::uint32_t SurfelChoice::Choosing(int pixel) const {
-  const int stride = width_ + 2;
-  const State* row = &states_[PaddedIndex(pixel) - stride - 1];
-  std::uint32_t mask = 0;
-  for (int k = 0; k < 9; ++k) {
-    mask |= static_cast<std::uint32_t>(row[k / 3 * stride + k % 3] == 8 - k) << k;
-  }
-  return mask;
-}
 
 }  // namespace surfit

@@ -100,6 +100,34 @@ TEST(FrameColors, OfBlackBordersAreNoneButBlackThingsAreBlack) {
   EXPECT_EQ(seen_at(60, 45).color, Eigen::Vector3f(0, 0, 0));
 }
 
+// Of which some are outside of the image, and not as many as are done at once.
+TEST(FrameColors, OfManyPointsAreThoseOfEach) {
+  RgbdFrame frame = PlaceFrame();
+  frame.color_stamp_s = frame.stamp_s + 0.01;
+  for (const auto [u, v] : PixelsOf(frame.color)) {
+    if (u < 8 || (u % 7 == 3 && v % 5 == 2)) frame.color(u, v) = {};
+  }
+  const FrameMotion motion = {{{0.5, -0.9, 0.3}, {0.3, -0.2, 0.1}}, 1. / 30};
+  const FrameColors colors(frame, PosedCamera(ColorCamera(), {}), motion);
+  const Eigen::Vector3f normal(0.1f, -0.2f, -0.97f);
+  ColorBatch batch;
+  for (int k = 0; k < 59; ++k) {
+    const auto step = static_cast<float>(k);
+    batch.Add({0.025f * step - 0.75f, 0.3f - 0.01f * step, 1 + 0.01f * step}, normal);
+  }
+  colors.LookUp(&batch);
+  int seen = 0;
+  for (int k = 0; k < batch.count; ++k) {
+    const auto& p = batch.patch;
+    const SeenColor alone = colors.At({p[0][k], p[1][k], p[2][k]}, normal);
+    EXPECT_EQ(batch.Seen(k).color, alone.color) << k;
+    EXPECT_EQ(batch.Seen(k).weight, alone.weight) << k;
+    if (alone.weight > 0) ++seen;
+  }
+  EXPECT_GT(seen, 20);
+  EXPECT_LT(seen, 55);
+}
+
 TEST(Fusion, NeverMapsABlackBorder) {
   FrameWithSurface first = WallFrame(TestCamera(), {}, 2, 0), second = first;
   second.frame.index = 1;
