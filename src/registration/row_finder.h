@@ -133,6 +133,7 @@ class RowFinder {
   int FindLanes(int pixel, int count, int first, PairBuffer* pairs) const {
     const Point s = Load(source_.vertex, pixel, count);
     const V depth = s.z.UpTo(count);
+    if (!V::Any(depth > V(0.))) return 0;
     Point p = Rotated(s);
     p = {p.x + translation_[0], p.y + translation_[1], p.z + translation_[2]};
     int target_pixel[V::kCount];
