@@ -8,6 +8,7 @@
 
 #include "mapping/bands.h"
 #include "mapping/block_lanes.h"
+#include "mapping/block_sightings.h"
 #include "mapping/frame_colors.h"
 #include "mapping/measured_points.h"
 #include "mapping/merge_gate.h"
@@ -281,6 +282,7 @@ void Fusion::Workspace::MergePoints(SurfelMap* map) const {
 void Fusion::Workspace::MergePoints(const std::vector<Candidate>& of_cell, SurfelMap* map) const {
   const int count = static_cast<int>(of_cell.size());
   const auto block_of = [&](int k) { return of_cell[k].surfel / SurfelBlock::kCapacity; };
+  BlockSightings of_block;
   for (int k = 0; k < count; ++k) {
     const int soon = std::min(k + kCandidatesAhead, count - 1);
     if (of_cell[soon].seen) Fetch(of_cell[soon].seen, of_cell[soon].seen + 1);
@@ -290,10 +292,15 @@ void Fusion::Workspace::MergePoints(const std::vector<Candidate>& of_cell, Surfe
     const int place = candidate.surfel % SurfelBlock::kCapacity;
     block.to_remove |= static_cast<std::uint64_t>(candidate.is_superfluous) << place;
     if (candidate.seen) {
-      block.Merge(place, *candidate.seen, options.max_confidence);
+      of_block.Add(place, *candidate.seen);
       block.last_seen[place] = frame->index;
     }
-    if (k + 1 == count || block_of(k + 1) != block_of(k)) BoundPositions(&block);
+    if (k + 1 < count && block_of(k + 1) == block_of(k)) continue;
+    if (!of_block.empty()) {
+      of_block.MergeInto(&block, options.max_confidence);
+      of_block.Clear();
+    }
+    BoundPositions(&block);
   }
 }
 

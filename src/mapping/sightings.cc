@@ -49,14 +49,8 @@ Sightings::Counts Sightings::Gather(const RgbdFrame& frame, const FrameColors& c
                                     const SurfelChoice& choice) {
   const int width = camera.width;
   const bool has_color = !frame.color.empty();
-  const auto average = [&](const Candidate& candidate, std::uint32_t choosing) {
-    PointAverage sum(max_radius_ratio_ * candidate.radius_m);
-    ForEachBit(choosing, [&](int k) {
-      const int pixel = candidate.pixel + (k / 3 - 1) * width + k % 3 - 1;
-      sum.Add(points[pixel], weights[pixel]);
-    });
-    return sum.Observation(camera);
-  };
+  int beside[9];  // the pixels around one, row by row
+  for (int k = 0; k < 9; ++k) beside[k] = (k / 3 - 1) * width + k % 3 - 1;
   in_band_.resize(BandCount(camera.height));
   return ParallelSum(0, camera.height, kBandRows, Counts(), [&](int begin, int end) {
     Counts counts;
@@ -72,11 +66,16 @@ Sightings::Counts Sightings::Gather(const RgbdFrame& frame, const FrameColors& c
         if (choosing[soon] != 0) __builtin_prefetch(choice.OfPixel(v * width + soon));
         if (choosing[u] == 0) continue;  // its own point is nearer to a neighbour's surfel
         Candidate* const candidate = choice.OfPixel(v * width + u);
-        seen.push_back(average(*candidate, choosing[u]));
+        PointAverage sum(max_radius_ratio_ * candidate->radius_m);
+        ForEachBit(choosing[u], [&](int k) {
+          const int pixel = v * width + u + beside[k];
+          sum.Add(points[pixel], weights[pixel]);
+          ++counts.points;
+        });
+        ++counts.surfels;
+        seen.push_back(sum.Observation(camera));
         candidate->seen = &seen.back();
         if (has_color) surfel_colors.Add(candidate->patch);
-        counts.points += __builtin_popcount(choosing[u]);
-        ++counts.surfels;
       }
     }
     if (has_color) surfel_colors.Flush();

@@ -24,9 +24,11 @@ class PointAverage {
     const float shape_weight = has_shape ? weight : 0.f;
     weight_ += weight;
     shape_weight_ += shape_weight;
-    float patch[6];
-    std::memcpy(patch, &point.patch, sizeof(patch));
-    for (int i = 0; i < 6; ++i) patch_[i] += shape_weight * patch[i];
+    Four first, last;
+    std::memcpy(&first, &point.patch.x, sizeof(first));
+    std::memcpy(&last, &point.patch.z, sizeof(last));
+    first_ += shape_weight * first;
+    last_ += shape_weight * last;
     const float radius_m = has_shape ? point.radius_m : max_radius_m_;
     radius_m_ = radius_m < radius_m_ ? radius_m : radius_m_;
     at_edge_ &= point.at_edge;
@@ -41,8 +43,8 @@ class PointAverage {
     seen.shape_weight = shape_weight_;
     if (shape_weight_ == 0.f) return seen;
     const float scale = 1.f / shape_weight_;
-    const Eigen::Vector3f position(patch_[0], patch_[1], patch_[2]);
-    const Eigen::Vector3f normal(patch_[3], patch_[4], patch_[5]);
+    const Eigen::Vector3f position(first_[0], first_[1], first_[2]);
+    const Eigen::Vector3f normal(last_[1], last_[2], last_[3]);
     seen.position_in_world = camera.PointInWorld(scale * position);
     seen.normal_in_world = camera.world_rotation * (scale * normal);
     seen.radius_m = radius_m_;
@@ -50,10 +52,12 @@ class PointAverage {
   }
 
  private:
+  using Four __attribute__((vector_size(16))) = float;
+
   const float max_radius_m_;
   float radius_m_;
   float weight_ = 0, shape_weight_ = 0;
-  float patch_[6] = {};
+  Four first_ = {}, last_ = {};  // x, y, z, nx; z, nx, ny, nz
   bool at_edge_ = true;
 };
 
