@@ -64,12 +64,19 @@ for benchmark in tracking mapping cost_functions; do
   table "Functions: $benchmark" "$benchmarks/benchmark_$benchmark"
 done
 
+# Worked out by hand, and kept.
+budget=$(sed -n '/^## Budget$/,/^## Frames/p' "$out" | sed '/^## Frames/d')
+
 {
   echo "# Performance"
   echo
   echo "Made by \`tools/scripts/performance.sh\` on $(date +%F), commit $(git rev-parse --short HEAD):"
   echo "$(nproc) processors, $(sed -n 's/^model name\s*: //p' /proc/cpuinfo | head -1)."
   echo
+  if [[ -n $budget ]]; then
+    echo "$budget"
+    echo
+  fi
   cat "$scratch/tables"
 } >"$out"
 echo "$out"
