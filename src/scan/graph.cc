@@ -253,8 +253,7 @@ void FindWorst(const ScanPlan& plan, const ScanGraph& graph,
     const std::optional<GraphFragment>& fragment = graph.fragments()[i];
     if (!fragment) continue;
     const Trajectory& truth = results[plan.fragments[i].recording].info.ground_truth;
-    for (const PoseGraphEdge& edge : fragment->places.edges) {
-      if (!edge.loop) continue;
+    for (const PoseGraphEdge& edge : fragment->kept_loops) {
       KeepWorse(ErrorOfLink(truth, fragment->places, static_cast<int>(edge.b), fragment->places,
                             static_cast<int>(edge.a), edge.a_from_b),
                 &result->worst_loop);

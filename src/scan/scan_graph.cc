@@ -37,7 +37,7 @@ ScanGraph::ScanGraph(std::vector<std::optional<RunPlaces>> fragments, std::vecto
     : recordings_(std::move(recordings)), links_(std::move(links)), options_(options) {
   for (std::optional<RunPlaces>& places : fragments) {
     fragments_.emplace_back();
-    if (places && !places->keyframes.empty()) fragments_.back() = {*std::move(places), {}};
+    if (places && !places->keyframes.empty()) fragments_.back() = {*std::move(places), {}, {}};
   }
 }
 
@@ -134,10 +134,11 @@ bool ScanGraph::Solve() {
   std::vector<int> parts = Parts(connections, &world_from_fragment);
   const int largest = LargestPart(parts);
   PoseGraph graph;
-  std::vector<std::size_t> first_node(fragments_.size());
+  std::vector<std::size_t> first_node(fragments_.size()), first_edge(fragments_.size());
   for (std::size_t i = 0; i < fragments_.size(); ++i) {
     if (parts[i] != largest || !fragments_[i]) continue;
     first_node[i] = graph.poses.size();
+    first_edge[i] = graph.edges.size();
     for (const Keyframe& keyframe : fragments_[i]->places.keyframes) {
       graph.poses.push_back({static_cast<std::int64_t>(graph.poses.size()),
                              world_from_fragment[i] * keyframe.world_from_camera, false});
@@ -167,7 +168,9 @@ bool ScanGraph::Solve() {
   }
   const PoseGraphSummary summary = OptimizePoseGraph(options_.graph, &graph);
   if (!summary.Succeeded()) return false;
+  std::vector<bool> is_wrong(graph.edges.size(), false);
   for (const std::size_t edge : summary.outlier_edges) {
+    is_wrong[edge] = true;
     const auto link = link_of_edge.find(edge);
     if (link != link_of_edge.end()) links_[link->second].is_left_out = true;
   }
@@ -179,6 +182,12 @@ bool ScanGraph::Solve() {
     if (!fragments_[i] || parts[i] != left) continue;
     for (std::size_t k = 0; k < fragments_[i]->places.keyframes.size(); ++k) {
       fragments_[i]->solved.push_back(graph.poses[first_node[i] + k].world_from_pose);
+    }
+    const std::vector<PoseGraphEdge>& edges = fragments_[i]->places.edges;
+    for (std::size_t e = 0; e < edges.size(); ++e) {
+      if (edges[e].loop && !is_wrong[first_edge[i] + e]) {
+        fragments_[i]->kept_loops.push_back(edges[e]);
+      }
     }
   }
   for (GraphLink& link : links_) {

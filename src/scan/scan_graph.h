@@ -13,6 +13,7 @@ namespace surfit {
 struct GraphFragment {
   RunPlaces places;             // in a world of its own; features and images are not needed
   std::vector<Rigid3d> solved;  // world_from_camera of its keyframes; empty if it is apart
+  std::vector<PoseGraphEdge> kept_loops;  // of its own edges those that fit all others
 };
 
 // A verified pair of keyframes that was accepted, by positions of fragments and of their keyframes.

@@ -31,6 +31,11 @@ Image<float> GreyOfCells(const ModelView& seen, const SurfelMap& map) {
   return grey;
 }
 
+RenderOptions WithAllStable(RenderOptions options) {
+  options.stable_confidence = 0;
+  return options;
+}
+
 }  // namespace
 
 double ImageShift(const Rigid3d& motion, const FrameLevel& level) {
@@ -42,7 +47,11 @@ double ImageShift(const Rigid3d& motion, const FrameLevel& level) {
 }
 
 Mapper::Mapper(const DepthSensor& sensor, const SlamOptions& options)
-    : options_(options), sensor_(sensor), renderer_(options.render), fusion_(options.fusion) {}
+    : options_(options),
+      sensor_(sensor),
+      renderer_(options.render),
+      newest_renderer_(WithAllStable(options.render)),
+      fusion_(options.fusion) {}
 
 void Mapper::GoOnFrom(SurfelMap map, const std::vector<int>& fused_frames,
                       const DepthSensor& sensor) {
@@ -52,8 +61,9 @@ void Mapper::GoOnFrom(SurfelMap map, const std::vector<int>& fused_frames,
   if (!fused_frames.empty()) merged_until_ = fused_frames.back();
 }
 
-ReferenceView Mapper::Draw(const Rigid3d& world_from_view, bool with_intensities) {
-  ModelView seen = renderer_.Render(map_, sensor_, world_from_view, fusion_.ActiveSince());
+ReferenceView Mapper::DrawBy(ModelRenderer* renderer, const Rigid3d& world_from_view,
+                             bool with_intensities) {
+  ModelView seen = renderer->Render(map_, sensor_, world_from_view, fusion_.ActiveSince());
   DropNormalsAtEdges(options_.preprocess, &seen.surface);
   Image<float> grey = GreyOfCells(seen, map_);
   ReferenceView reference = {{BuildPyramid(std::move(seen.surface), options_.preprocess), {}},

@@ -34,7 +34,14 @@ class Mapper {
   const DepthSensor& sensor() const { return sensor_; }
 
   // What the map shows from a pose.
-  ReferenceView Draw(const Rigid3d& world_from_view, bool with_intensities);
+  ReferenceView Draw(const Rigid3d& world_from_view, bool with_intensities) {
+    return DrawBy(&renderer_, world_from_view, with_intensities);
+  }
+  // The same, but what has just come into sight hides what is behind it although it is not stable
+  // yet, as the side of a doorway does while the camera passes it.
+  ReferenceView DrawNewest(const Rigid3d& world_from_view, bool with_intensities) {
+    return DrawBy(&newest_renderer_, world_from_view, with_intensities);
+  }
   // What it showed when a view was drawn last for frames to be registered to.
   const ReferenceView& view() const { return view_; }
   // Draws view() anew for a frame where it must have its own, where it is its turn, or where
@@ -54,9 +61,13 @@ class Mapper {
   void WakeAround(int frame_index, int now);
 
  private:
+  ReferenceView DrawBy(ModelRenderer* renderer, const Rigid3d& world_from_view,
+                       bool with_intensities);
+
   const SlamOptions& options_;
   DepthSensor sensor_;
   ModelRenderer renderer_;
+  ModelRenderer newest_renderer_;  // for which all surfels are stable
   Fusion fusion_;
   SurfelMap map_;
   ReferenceView view_;

@@ -56,6 +56,9 @@ Tracked PoseFinder::TrackFromPrediction(const PreparedFrame& frame, StageTimes* 
   const ReferenceView& reference = tracks_frame_to_frame() ? tracker_->last() : mapper_->view();
   const StageTimer timer("track", index, &times->track_ms);
   Tracked tracked = tracker_->Track(frame, reference, world_from_predicted);
+  if (tracked.verdict != Verdict::kBelieved && tracker_->MayHaveNewBefore()) {
+    tracked = AgainstNewest(frame, std::move(tracked));
+  }
   const bool is_far = tracker_->doubts() && (IsFar(frame, world_from_predicted) ||
                                              IsFar(frame, tracked.world_from_camera));
   if (std::optional<Tracked> confirmed = ConfirmProposal(frame, tracked)) {
@@ -74,6 +77,14 @@ Tracked PoseFinder::TrackFromPrediction(const PreparedFrame& frame, StageTimes* 
         tracker_->PoseByItsMotion(frame, mapper_->sensor().readout_s, tracked);
   }
   return tracked;
+}
+
+// A frame that is not believed may show what the frames before have begun to map: then it agrees
+// with that, at the same pose.
+Tracked PoseFinder::AgainstNewest(const PreparedFrame& frame, Tracked tracked) {
+  const Rigid3d& pose = tracked.world_from_camera;
+  const ReferenceView newest = mapper_->DrawNewest(pose, HasIntensities(frame));
+  return tracker_->Backed(std::move(tracked), tracker_->Track(frame, newest, pose));
 }
 
 // A doubtful frame from afar. Where another run has ended the camera need not be. What is found

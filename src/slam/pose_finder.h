@@ -32,6 +32,7 @@ class PoseFinder {
  private:
   bool UpdateView(const Rigid3d& world_from_predicted, bool has_intensities);
   Tracked TrackFromPrediction(const PreparedFrame& frame, StageTimes* times);
+  Tracked AgainstNewest(const PreparedFrame& frame, Tracked tracked);
   bool IsFar(const PreparedFrame& frame, const Rigid3d& world_from_camera) const;
   Tracked SearchFor(const PreparedFrame& frame, Tracked tracked);
   std::optional<Tracked> ConfirmProposal(const PreparedFrame& frame, const Tracked& tracked);

@@ -240,7 +240,7 @@ PreparedFrame Slam::Pipeline::Prepare(const RgbdFrame& frame, const CameraMotion
 std::optional<FusionReport> Slam::Pipeline::FuseInTurn(const PreparedFrame& frame,
                                                        const Tracked& tracked, StageTimes* times) {
   const bool must = tracked.state == FrameState::kFirst || tracked.state == FrameState::kGiven ||
-                    tracked.found_again || tracker_.needs_all();
+                    tracked.found_again || tracked.is_by_newest || tracker_.needs_all();
   if (!must && !mapper_.IsTurnToFuse(frame, tracked.world_from_camera)) {
     mapper_.Skip();
     return std::nullopt;

@@ -194,6 +194,14 @@ Tracked Tracker::Judge(const ReferenceView& reference, const PreparedFrame& fram
   return tracked;
 }
 
+Tracked Tracker::Backed(Tracked tracked, Tracked by_newest) const {
+  const bool is_believed = by_newest.is_held() && by_newest.verdict == Verdict::kBelieved;
+  if (!is_believed || !AreOnePlace(tracked.world_from_camera, by_newest.world_from_camera))
+    return tracked;
+  by_newest.has_second = by_newest.is_by_newest = true;
+  return by_newest;
+}
+
 bool Tracker::IsDoubtful(const Tracked& tracked) const {
   return !tracked.is_held() || tracked.verdict == Verdict::kDoubtful || lost_count_ > 0 ||
          !is_last_known_ ||
@@ -305,6 +313,7 @@ void Tracker::Keep(PreparedFrame frame, const Tracked& tracked) {
   last_stamp_s_ = frame.images.stamp_s;
   needs_search_ = tracked.found_again;
   is_poorly_held_ = tracked.is_poorly_held;
+  is_by_newest_ = tracked.is_by_newest;
   if (options_.tracking == "frame_to_frame" || options_.initialize != "identity" ||
       options_.motion_model == "so3") {
     last_.view = std::move(frame.view);

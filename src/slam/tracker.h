@@ -36,6 +36,7 @@ struct Tracked {
   double moving_share = 0;               // of the points
   bool is_apart = false;                 // FrameReport::is_apart
   bool is_poorly_held = false;           // by shapes alone: SlamOptions::min_turn_eigenvalue
+  bool is_by_newest = false;             // believed by surfels that are not stable yet
 
   bool is_held() const { return state != FrameState::kLost; }
 };
@@ -71,8 +72,9 @@ class Tracker {
   bool has_started() const { return has_started_; }
   // Frames since the last one that was held.
   int lost_count() const { return lost_count_; }
-  // The last frame was lost or held poorly: the next one takes all that the map can tell.
-  bool needs_all() const { return lost_count_ > 0 || is_poorly_held_; }
+  // The last frame was lost, held poorly or by the newest surfels: the next one takes all that the
+  // map can tell, and gives it all that it sees.
+  bool needs_all() const { return lost_count_ > 0 || is_poorly_held_ || is_by_newest_; }
   // The next frame may be registered by its intensities as well.
   bool needs_intensities() const {
     return options_.icp.error_model.UsesIntensities() ||
@@ -101,6 +103,15 @@ class Tracker {
   // Its pose once the motion during its readout is the one that it tells, not the expected one.
   Rigid3d PoseByItsMotion(const PreparedFrame& frame, double readout_s,
                           const Tracked& tracked) const;
+
+  // Whether a frame may show what those before have just begun to map: they were all held, with
+  // poses against a map.
+  bool MayHaveNewBefore() const {
+    return lost_count_ == 0 && is_last_known_ && options_.tracking != "frame_to_frame";
+  }
+  // A frame that is not believed by what the map shows, and the same by all that was ever fused:
+  // the second, if it is believed and at the same pose.
+  Tracked Backed(Tracked tracked, Tracked by_newest) const;
 
   // Whether frames are looked for from afar that are not lost.
   bool doubts() const {
@@ -169,7 +180,8 @@ class Tracker {
   bool is_last_known_ = true;  // false until a frame is held where another run has ended
   int lost_count_ = 0;
   bool needs_search_ = false;    // the last frame was lost, or came with a jump
-  bool is_poorly_held_ = false;  // the last frame
+  bool is_poorly_held_ = false;  // the last frame,
+  bool is_by_newest_ = false;    // likewise
   ReferenceView last_;
   double last_stamp_s_ = 0;
   CameraMotion motion_;        // to the last frame

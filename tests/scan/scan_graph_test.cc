@@ -134,6 +134,25 @@ TEST_F(ScanGraphTest, LinksTakeDriftAwayAndWrongOnesAreLeftOut) {
   EXPECT_LT(Error(graph.Frames(0)), Error(without.Frames(0)));
 }
 
+TEST_F(ScanGraphTest, KeepsThoseLoopsWithinFragmentsThatFitTheOthers) {
+  const auto add_loop = [&](std::size_t a, std::size_t b, const Rigid3d& error) {
+    PoseGraphEdge edge;
+    edge.a = a, edge.b = b;
+    edge.a_from_b = True(0, static_cast<int>(a)).Inverse() * True(0, static_cast<int>(b)) * error;
+    edge.information = 1e8 * Matrix6d::Identity();
+    edge.loop = true;
+    fragments_[0]->edges.push_back(edge);
+  };
+  add_loop(0, 5, {});
+  add_loop(1, 7, Rigid3d(Eigen::Quaterniond::Identity(), {1.5, 0, 0}));
+  ScanGraph graph(fragments_, recordings_, {}, LoopOptions());
+  ASSERT_TRUE(graph.Solve());
+  const std::vector<PoseGraphEdge>& kept = graph.fragments()[0]->kept_loops;
+  ASSERT_EQ(kept.size(), 1u);
+  EXPECT_EQ(kept[0].b, 5u);
+  EXPECT_TRUE(graph.fragments()[1]->kept_loops.empty());
+}
+
 TEST_F(ScanGraphTest, GoesAroundAFragmentThatIsMissingWhereALinkLeads) {
   fragments_[1].reset();
   {

@@ -86,8 +86,8 @@ struct GraphResult {
   int tiles = 0;
   // By one alignment of all recordings to their ground truths, which must have one frame.
   std::optional<double> ate_rmse_m;
-  // Of the links between fragments that are not left out, and of the loops within fragments, the
-  // one that misses the ground truth most.
+  // Of the links between fragments, and of the loops within them, the one that misses the ground
+  // truth most; what is left out does not count.
   std::optional<PoseError> worst_link, worst_loop;
 };
 // The largest part of fragments that shared frames or links join, by the pose graph of all its
