@@ -212,7 +212,7 @@ TEST_F(SlamTool, NamesTheFlagThatWasMeant) {
   };
   expect_meant("--sequenc=x", "--sequence");
   expect_meant("--oupput=x", "--output");
-  expect_meant("--noveiw", "--noview");
+  expect_meant("--noreprot", "--noreport");
   expect_meant("--intr=1,2,3,4", "--intrinsics");  // the only one that begins so
   EXPECT_THAT(RunProgram("surfit_slam", {"--zzzzzz=1"}).err, Not(HasSubstr("did you mean")));
   const std::string folder = own_.path();
