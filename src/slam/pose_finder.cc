@@ -56,9 +56,7 @@ Tracked PoseFinder::TrackFromPrediction(const PreparedFrame& frame, StageTimes* 
   const ReferenceView& reference = tracks_frame_to_frame() ? tracker_->last() : mapper_->view();
   const StageTimer timer("track", index, &times->track_ms);
   Tracked tracked = tracker_->Track(frame, reference, world_from_predicted);
-  if (tracked.verdict != Verdict::kBelieved && tracker_->MayHaveNewBefore()) {
-    tracked = AgainstNewest(frame, std::move(tracked));
-  }
+  if (tracker_->MayShowNewest(tracked)) tracked = AgainstNewest(frame, std::move(tracked));
   const bool is_far = tracker_->doubts() && (IsFar(frame, world_from_predicted) ||
                                              IsFar(frame, tracked.world_from_camera));
   if (std::optional<Tracked> confirmed = ConfirmProposal(frame, tracked)) {

@@ -36,6 +36,7 @@ struct Tracked {
   double moving_share = 0;               // of the points
   bool is_apart = false;                 // FrameReport::is_apart
   bool is_poorly_held = false;           // by shapes alone: SlamOptions::min_turn_eigenvalue
+  double behind_share = 0;               // of the cells compared, those well behind the model
   bool is_by_newest = false;             // believed by surfels that are not stable yet
 
   bool is_held() const { return state != FrameState::kLost; }
@@ -104,11 +105,9 @@ class Tracker {
   Rigid3d PoseByItsMotion(const PreparedFrame& frame, double readout_s,
                           const Tracked& tracked) const;
 
-  // Whether a frame may show what those before have just begun to map: they were all held, with
-  // poses against a map.
-  bool MayHaveNewBefore() const {
-    return lost_count_ == 0 && is_last_known_ && options_.tracking != "frame_to_frame";
-  }
+  // Whether a frame that is not believed may show what those before have just begun to map: they
+  // were all held, and it does not see through what the map shows, as it would from a wrong pose.
+  bool MayShowNewest(const Tracked& tracked) const;
   // A frame that is not believed by what the map shows, and the same by all that was ever fused:
   // the second, if it is believed and at the same pose.
   Tracked Backed(Tracked tracked, Tracked by_newest) const;
