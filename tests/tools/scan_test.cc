@@ -170,17 +170,18 @@ TEST_F(ScanTool, HasTheSameDigestWhateverWasKilledOnTheWay) {
   const TempFolder folder;
   const std::string scan = folder.path() + "/scan";
   fs::create_directories(scan);
+  constexpr int kKills = 8;
   int killed = 0;
   Random random(5);
   for (int attempt = 0; attempt < 20; ++attempt) {
     RunningProgram running("surfit_scan", Flags(scan));
-    for (int i = 0; i < 4 && attempt < 5 && running.IsRunning(); ++i) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(200 + Below(400, &random)));
+    while (killed < kKills && running.IsRunning()) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(100 + Below(300, &random)));
       killed += KillOneIn(fs::canonical(scan), &random) ? 1 : 0;
     }
     if (running.Wait().exit_code == 0) break;
   }
-  EXPECT_GT(killed, 5);
+  EXPECT_EQ(killed, kKills);
   EXPECT_EQ(Digest(scan), Digest(whole_));
 }
 
