@@ -107,12 +107,12 @@ Coverage CheckView(const SurfelMap& map, const ModelView& view, const RenderOpti
 
 TEST(ModelRenderer, DrawsWhatBruteForceFinds) {
   std::mt19937_64 rng(1);
-  for (int trial = 0; trial < 4; ++trial) {
+  for (int trial = 0; trial < 6; ++trial) {
     const Rigid3d world_from_view = RandomPose(2, 2, &rng);
-    const SurfelMap map = RandomDiscs(trial < 2 ? 300 : 40, 0.2f, world_from_view, &rng);
+    const SurfelMap map = RandomDiscs(trial < 3 ? 300 : 40, 0.2f, world_from_view, &rng);
     RenderOptions options;
     options.radius_share = trial % 2 == 0 ? 0.6f : 1;
-    options.max_half_window_px = trial < 2 ? 4 : 20;
+    options.max_half_window_px = trial < 3 ? 4 : 20;
     const Coverage coverage = CheckView(
         map, ModelRenderer(options).Render(map, {SmallCamera(), {}}, world_from_view), options);
     EXPECT_GT(coverage.drawn, 200);

@@ -18,9 +18,8 @@ class SlamFaultTest : public FaultTest {
   static constexpr int kFramesRun = 4;
 
   std::string SlamCommand() const {
-    return "surfit_slam --nopictures --threads=1 --downsample=2 --last=" +
-           std::to_string(kFramesRun - 1) + " --sequence=" + WholePath(Room()) +
-           " --output=" + WholePath(Output());
+    return "surfit_slam --nopictures --threads=1 --last=" + std::to_string(kFramesRun - 1) +
+           " --sequence=" + WholePath(Room()) + " --output=" + WholePath(Output());
   }
 
   // Each file is whole, if it is there. Returns how many of the results are.

@@ -26,7 +26,7 @@ if ((${#headers[@]} > 0)); then
   echo "compiled alone: ${#headers[@]} headers"
   printf '#include "%s"\0' "${headers[@]#include/}" |
     xargs --null --max-args=1 --max-procs="$(nproc)" sh -c \
-      'echo "$0" | c++ -std=c++17 -fsyntax-only -I include -I /usr/include/eigen3 -x c++ -'
+      'echo "$0" | c++ -std=c++17 -fsyntax-only -I include $(pkg-config --cflags eigen3) -x c++ -'
 fi
 
 mapfile -t sources < <(git diff --numstat --diff-filter=d "$base" -- 'src/*.cc' 'tools/*.cc' |
