@@ -142,6 +142,20 @@ def test_fits_a_phone(browser, run):
     assert max(boxes) <= 390
 
 
+@pytest.mark.parametrize("width", [1200, 800, 400])
+def test_each_figure_takes_one_line(browser, run, width):
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
+        "width": width, "height": 850, "deviceScaleFactor": 1, "mobile": False})
+    browser.get(run.url)
+    pause_after(browser, 1)
+    heights = browser.execute_script(
+        "surfit.live.panel.showState({...surfit.live.state, frames_done: 1000, frames_total: 1000, map_points: 1234567,"
+        "  shown: 131072, loops: 12, last_loop: [987, 123]});"
+        "return [...document.querySelectorAll('#figures :is(dt, dd)')].map((e) => e.getBoundingClientRect().height)")
+    browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+    assert max(heights) < 30, heights  # a line takes 21 px
+
+
 def test_advice_is_large_and_stays_to_be_read(browser, run):
     browser.set_window_size(1200, 800)
     browser.get(run.url)
