@@ -13,6 +13,7 @@
 
 #include "surfit/core/error.h"
 #include "surfit/evaluation/trajectory_evaluation.h"
+#include "surfit/io/sequence.h"
 #include "surfit/io/trajectory_files.h"
 #include "testing/shared_data.h"
 #include "tools/slam_tool.h"
@@ -32,6 +33,31 @@ class SessionTool : public SlamTool {
     flags.insert(flags.begin(), command);
     flags.push_back("--session=" + Session());
     return RunProgram("surfit_session", flags);
+  }
+  // A run that goes on where the one before was killed, again and again.
+  void OutlivesKills(int rounds) const {
+    std::mt19937_64 rng(2);
+    std::uniform_int_distribution<int> delay_ms(0, 300);
+    const std::string endless = EndlessRoom();
+    for (int round = 0; round < rounds; ++round) {
+      const bool goes_on = HasSession(Session());
+      const std::string csv = Output() + "/frames.csv";
+      std::filesystem::remove(csv);  // what the round before wrote tells nothing of this one
+      RunningProgram running("surfit_slam",
+                             {"--sequence=" + endless, "--output=" + Output(), "--nopictures",
+                              "--session=" + Session(), goes_on ? "--continue" : "--nocontinue"});
+      while (Lines(csv).size() < 20 && running.IsRunning()) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(delay_ms(rng)));
+      running.Signal(SIGKILL);
+      running.Wait();
+      EXPECT_THAT(CheckSession(Session()), IsEmpty());
+      const int last = std::stoi(Lines(csv).back());
+      const auto frames = ReadSession(Session()).state.frames;
+      ASSERT_FALSE(frames.empty());
+      EXPECT_LE(last - frames.back().index, 31);
+    }
   }
 };
 
@@ -128,6 +154,13 @@ class SessionSweep : public SessionTool {
     std::sort(values.begin(), values.end());
     return values[values.size() / 2];
   }
+  static Trajectory PosesOf(const std::string& session) {
+    Trajectory poses;
+    for (const PosedFrame& frame : ReadSession(session).state.frames) {
+      poses.push_back({frame.stamp_s, frame.world_from_camera});
+    }
+    return poses;
+  }
   static Rigid3d TruthFrom(const Trajectory& poses, const Trajectory& truth) {
     std::vector<Eigen::Vector3d> here, there;
     for (const MatchedPose& pose : MatchPoses(truth, poses, {})) {
@@ -190,30 +223,42 @@ TEST_F(SessionSweep, LocalisesTheSecondHalfOfARecordingInTheFirst) {
   EXPECT_LT(found_m, 0.01);
 }
 
-TEST_F(SessionTool, OutlivesBeingKilled) {
-  std::mt19937_64 rng(2);
-  std::uniform_int_distribution<int> delay_ms(0, 300);
-  const std::string endless = EndlessRoom();
-  for (int round = 0; round < 3; ++round) {
-    const bool goes_on = HasSession(Session());
-    const std::string csv = Output() + "/frames.csv";
-    std::filesystem::remove(csv);  // what the round before wrote tells nothing of this one
-    RunningProgram running("surfit_slam",
-                           {"--sequence=" + endless, "--output=" + Output(), "--nopictures",
-                            "--session=" + Session(), goes_on ? "--continue" : "--nocontinue"});
-    while (Lines(csv).size() < 20 && running.IsRunning()) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
-    std::this_thread::sleep_for(std::chrono::milliseconds(delay_ms(rng)));
-    running.Signal(SIGKILL);
-    running.Wait();
-    EXPECT_THAT(CheckSession(Session()), IsEmpty());
-    const int last = std::stoi(Lines(csv).back());
-    const auto frames = ReadSession(Session()).state.frames;
-    ASSERT_FALSE(frames.empty());
-    EXPECT_LE(last - frames.back().index, 31);
-  }
+// Kitchen at half its size, as tracking leaves it: what is kept of frames 0 to 499 goes on with the
+// rest, and from frame 700 on, which nothing tells where it is.
+TEST_F(SessionSweep, GoesOnAtTheEndOfAHalfAndElsewhere) {
+  SURFIT_REQUIRE_SHARED_DATA("seven_scenes_kitchen");
+  const std::string kitchen = SharedData("seven_scenes_kitchen");
+  const auto run = [&](const std::string& output, std::vector<std::string> flags) {
+    flags.insert(flags.end(), {"--downsample=2", "--loop_closure", "--norefine", "--nofinal_map"});
+    Succeeded(Slam(kitchen, Output(output), flags));
+    return ReadTumTrajectory(Output(output) + "/trajectory.txt");
+  };
+  SequenceOptions sequence;
+  sequence.path = kitchen;
+  const Trajectory truth = OpenSequence(sequence)->info().ground_truth;
+  const auto ate_m = [&](const Trajectory& poses) {
+    return ComputeAbsoluteTrajectoryError(MatchPoses(truth, poses, {})).value().translation_m.rmse;
+  };
+  const Trajectory whole = run("whole", {});
+  run("half", {"--last=499", "--session=" + Session()});
+  const std::string elsewhere = own_.path() + "/elsewhere";
+  std::filesystem::copy(Session(), elsewhere, std::filesystem::copy_options::recursive);
+  run("end", {"--session=" + Session(), "--continue"});
+  const Trajectory found = run("found", {"--first=700", "--session=" + elsewhere, "--continue"});
+  const Trajectory halves = PosesOf(Session()), parts = PosesOf(elsewhere);
+  std::printf(
+      "ATE %.1f mm in one run, %.1f mm in halves, %.1f mm where it goes on at frame 700, "
+      "of which %zu of 300 are found\n",
+      1e3 * ate_m(whole), 1e3 * ate_m(halves), 1e3 * ate_m(parts), found.size());
+  EXPECT_EQ(halves.size(), whole.size());
+  EXPECT_LT(ate_m(halves), 1.1 * ate_m(whole));
+  EXPECT_GE(found.size(), 295u);
+  EXPECT_LT(ate_m(parts), 1.1 * ate_m(whole));
 }
+
+TEST_F(SessionTool, OutlivesBeingKilled) { OutlivesKills(3); }
+
+TEST_F(SessionSweep, OutlivesBeingKilledAtTwentyMoments) { OutlivesKills(20); }
 
 TEST_F(SessionTool, RefusesWhatCannotBe) {
   ExpectRefused(Slam(Room(), Output(), {"--continue"}), "continue is true");
