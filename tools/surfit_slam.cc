@@ -2,7 +2,6 @@
 
 #include <atomic>
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 #include <iostream>
 #include <memory>
@@ -234,7 +233,7 @@ void AddViewers(const Options& options, LiveRun* run) {
 int Run(const Options& all) {
   const SlamRunOptions& options = all.run;
   const std::atomic<bool>& interrupted = CatchInterruptions();
-  LiveRun live_run(interrupted, [] { std::raise(SIGINT); });
+  LiveRun live_run(interrupted, Interrupt);
   AddViewers(all, &live_run);
   const auto progress = [&](const SlamRunProgress& now) {
     ShowProgress(now);

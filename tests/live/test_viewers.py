@@ -1,6 +1,7 @@
 """Viewers of a run change nothing of what it comes to, and cost it no memory."""
 
 import json
+import signal
 
 import pytest
 from live_slam import ServedRun, StalledViewer, Viewer
@@ -61,3 +62,17 @@ def test_pause_step_and_stop(room, tmp_path):
     assert code == 0
     assert run.summary()["interrupted"] is True
     assert (tmp_path / "out" / "map.ply").stat().st_size > 1000
+
+
+def test_stops_a_run_that_ignores_ctrl_c(room, tmp_path):
+    """As shells begin what is to run in the background."""
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    run = ServedRun(room, tmp_path / "out")
+    signal.signal(signal.SIGINT, before)
+    run.post("pause")
+    run.wait_until(lambda state: state["paused"] and state["frames_done"] > 0)
+    run.post("stop")
+    run.post("go_on")
+    code, _ = run.finish()
+    assert code == 0
+    assert run.summary()["interrupted"] is True

@@ -63,4 +63,6 @@ const std::atomic<bool>& CatchInterruptions() {
   return interrupted;
 }
 
+void Interrupt() { interrupted = true; }
+
 }  // namespace surfit::tools

@@ -35,4 +35,7 @@ void PrepareStreams();
 // started the program wants to be ignored, as nohup does, stay so.
 const std::atomic<bool>& CatchInterruptions();
 
+// Sets that flag, also where signals are ignored. Any thread may call it.
+void Interrupt();
+
 }  // namespace surfit::tools
