@@ -44,6 +44,8 @@ void BindIcpResult(py::module_& module) {
                     "points whose intensities have a say")
       .def_readonly("information", &IcpResult::information,
                     "6 x 6, of the left increment (rotation, translation), 1/rad^2, 1/m^2")
+      .def_readonly("trusted_information", &IcpResult::trusted_information,
+                    "the same without what noise feigns, 1/rad^2, 1/m^2")
       .def_readonly("covariance", &IcpResult::covariance,
                     "6 x 6, rad^2, m^2; None where directions are free")
       .def_readonly("eigenvalues", &IcpResult::eigenvalues,

@@ -115,6 +115,8 @@ class LevelRun {
     result_.rmse_m = std::sqrt(system.AverageLoss());
     result_.intensity_count = system.photometric.row_count;
     result_.information = system.hessian;
+    result_.trusted_information =
+        TrustedInformation(system, options_.error_model.TrustedPhotometricShare());
     result_.eigenvalues = observability.eigenvalues;
     result_.free_directions = observability.FreeDirections();
     result_.covariance.reset();

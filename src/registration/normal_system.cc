@@ -7,6 +7,23 @@
 #include "surfit/geometry/rigid3.h"
 
 namespace surfit {
+namespace {
+
+// Information without unit: see Observability.
+struct UnitFree {
+  explicit UnitFree(const NormalSystem& system) : weight_sum(system.weight_sum) {
+    length.head<3>().setConstant(system.RmsDistance());
+  }
+  Matrix6d operator()(const Matrix6d& information) const {
+    const Vector6d inverse = length.cwiseInverse();
+    return inverse.asDiagonal() * information * inverse.asDiagonal() / weight_sum;
+  }
+
+  Vector6d length = Vector6d::Ones();  // of a unit of each component, in metres
+  double weight_sum;
+};
+
+}  // namespace
 
 PhotometricSystem& PhotometricSystem::operator+=(const PhotometricSystem& other) {
   hessian += other.hessian;
@@ -75,23 +92,19 @@ std::vector<Vector6d> Observability::FreeDirections() const {
 Observability Observe(const NormalSystem& system, const HeldOptions& options) {
   Observability result;
   if (!(system.RmsDistance() > 0)) return result;
-  Vector6d length = Vector6d::Ones();  // of a unit of each component, in metres
-  length.head<3>().setConstant(system.RmsDistance());
-  const Vector6d inverse = length.cwiseInverse();
-  const auto scaled = [&](const Matrix6d& information) -> Matrix6d {
-    return inverse.asDiagonal() * information * inverse.asDiagonal() / system.weight_sum;
-  };
-  const Matrix6d hessian = scaled(system.hessian);
+  const UnitFree unit_free(system);
+  const Matrix6d hessian = unit_free(system.hessian);
   result.eigenvalues = EigenvaluesOf(hessian);
   // Directions x with H x = mu B x: they diagonalise both, and x^T H x > x^T B x where mu > 1.
   constexpr double kRounding = 1e-15;
   const Matrix6d needed = std::max(options.min_eigenvalue, kRounding) * Matrix6d::Identity() +
-                          options.min_information_ratio * scaled(system.FeignedInformation());
+                          options.min_information_ratio * unit_free(system.FeignedInformation());
   const GeneralizedEigen eigen = EigenOf(hessian, needed);
   const Vector6d norms = eigen.vectors.colwise().norm();
-  result.directions = inverse.asDiagonal() * eigen.vectors * norms.cwiseInverse().asDiagonal();
+  result.directions = unit_free.length.cwiseInverse().asDiagonal() * eigen.vectors *
+                      norms.cwiseInverse().asDiagonal();
   result.coordinates =
-      norms.asDiagonal() * eigen.vectors.transpose() * needed * length.asDiagonal();
+      norms.asDiagonal() * eigen.vectors.transpose() * needed * unit_free.length.asDiagonal();
   result.free_count = 0;
   while (result.free_count < 6 && !(eigen.values[result.free_count] > 1)) ++result.free_count;
   return result;
@@ -105,6 +118,25 @@ Vector6d SolveHeld(const NormalSystem& system, const Observability& observabilit
         direction.dot(system.right_side) / direction.dot(system.hessian * direction) * direction;
   }
   return increment;
+}
+
+Matrix6d TrustedInformation(const NormalSystem& system, double photometric_share) {
+  if (!(system.RmsDistance() > 0)) return Matrix6d::Zero();
+  constexpr double kSharing = 25;
+  constexpr double kSmallest = 1e-9;  // of the metric: sums in single precision have such errors
+  const UnitFree unit_free(system);
+  const Matrix6d metric = kSmallest * Matrix6d::Identity() + unit_free(system.FeignedInformation());
+  const GeneralizedEigen eigen =
+      EigenOf(unit_free(system.hessian - system.photometric.hessian), metric);
+  // With the columns X of the eigenvectors, X^T B X = I and H = (B X) mu (B X)^T.
+  const Matrix6d columns = unit_free.length.asDiagonal() * metric * eigen.vectors;
+  const Vector6d trusted = (eigen.values.array() - 1).max(0);
+  const Matrix6d of_points =
+      system.weight_sum * (columns * trusted.asDiagonal() * columns.transpose());
+  const Matrix6d sum = of_points + photometric_share * system.photometric.hessian;
+  const double smallest_variance = 1e-3;  // of a fit that is better than any sensor's
+  return (0.5 / (kSharing * std::max(system.VarianceFactor(), smallest_variance))) *
+         (sum + sum.transpose());
 }
 
 Matrix6d CovarianceOf(const NormalSystem& system) {

@@ -19,15 +19,6 @@ Matrix6d InverseOf(const Matrix6d& symmetric) {
   return 0.5 * (inverse + inverse.transpose());
 }
 
-// Takes left increments (w, v) of b_from_c to those of a_from_c: w' = R w, v' = R v + t x R w.
-Matrix6d IncrementTransform(const Rigid3d& a_from_b) {
-  const Eigen::Matrix3d rotation = a_from_b.rotation.toRotationMatrix();
-  Matrix6d transform = Matrix6d::Zero();
-  transform.topLeftCorner<3, 3>() = transform.bottomRightCorner<3, 3>() = rotation;
-  transform.bottomLeftCorner<3, 3>() = CrossMatrix<double>(a_from_b.translation) * rotation;
-  return transform;
-}
-
 Matrix6d CovarianceOf(const Matrix6d& information) {
   return InverseOf(information + InverseOf(Variances(kLooseRad, kLooseM)));
 }

@@ -84,6 +84,12 @@ void SlamOptions::Visit(OptionVisitor& v) {
       motion_model, "motion_model",
       "pose that tracking starts at; so3: the last one, turned so that small images are most alike",
       OneOf({"constant_velocity", "constant_pose", "so3"}), AsFlag());
+  v.Add(acceleration_m_per_s2, "acceleration_m_per_s2",
+        "standard deviation of the camera's acceleration, which tells how it moves where the data "
+        "do not; needs motion_model=constant_velocity",
+        ZeroIs("the data alone tell"), AsFlag());
+  v.Add(turn_acceleration_rad_per_s2, "turn_acceleration_rad_per_s2", "the same of how it turns",
+        Positive(), AsFlag());
   v.Add(min_inlier_share, "min_inlier_share", "a frame with a smaller share of inliers is lost",
         Share(), AsFlag());
   v.Add(sure_inlier_share, "sure_inlier_share",
@@ -99,8 +105,11 @@ void SlamOptions::Visit(OptionVisitor& v) {
   v.AddPart(loops, "loops", "loop closure and relocalisation");
   v.AddPart(calibration, "calibration", "calibration of the depth camera");
   v.Check([this] {
-    if (hold_out != 1) return;
-    throw InputError("hold_out is 1, must be 0 (none) or at least 2");
+    if (hold_out == 1) throw InputError("hold_out is 1, must be 0 (none) or at least 2");
+    if (acceleration_m_per_s2 > 0 && motion_model != "constant_velocity") {
+      throw InputError(Concat("acceleration_m_per_s2 is ", acceleration_m_per_s2,
+                              ", must be 0 where motion_model is ", motion_model));
+    }
   });
 }
 

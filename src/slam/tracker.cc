@@ -57,7 +57,8 @@ Tracker::Tracker(const SlamOptions& options, const Rigid3d& world_from_first_cam
     : options_(options),
       belief_(options),
       features_(options.icp.error_model),
-      last_{{}, world_from_first_camera, {}} {}
+      last_{{}, world_from_first_camera, {}},
+      motion_prior_(options.acceleration_m_per_s2, options.turn_acceleration_rad_per_s2) {}
 
 bool Tracker::Repeats(const RgbdFrame& frame) {
   const bool repeats = has_started_ && frame.depth_m == last_depth_m_;
@@ -118,7 +119,14 @@ Tracked Tracker::Track(const PreparedFrame& frame, const ReferenceView& referenc
                        const Rigid3d& world_from_predicted) const {
   IcpOptions icp_options = options_.icp;
   if (is_poorly_held_) icp_options.min_source_rows = 0;
-  return RegisterTo(reference, frame, world_from_predicted, icp_options);
+  return RegisterTo(reference, frame, world_from_predicted, icp_options, ExpectedCovariance(frame));
+}
+
+std::optional<Matrix6d> Tracker::ExpectedCovariance(const PreparedFrame& frame) const {
+  const double seconds = frame.images.stamp_s - last_stamp_s_;
+  const bool moves_on = has_started_ && is_last_known_ && lost_count_ == 0 && !proposal_;
+  if (!moves_on || !(seconds > 0) || options_.acceleration_m_per_s2 == 0) return std::nullopt;
+  return motion_prior_.Covariance(seconds);
 }
 
 Rigid3d Tracker::PoseByItsMotion(const PreparedFrame& frame, double readout_s,
@@ -134,25 +142,40 @@ Rigid3d Tracker::PoseByItsMotion(const PreparedFrame& frame, double readout_s,
 }
 
 Tracked Tracker::RegisterTo(const ReferenceView& reference, const PreparedFrame& frame,
-                            const Rigid3d& world_from_start, const IcpOptions& icp_options) const {
+                            const Rigid3d& world_from_start, const IcpOptions& icp_options,
+                            const std::optional<Matrix6d>& covariance) const {
   const Rigid3d start = reference.world_from_view.Inverse() * world_from_start;
-  Tracked tracked =
-      Judge(reference, frame, Hold(frame.view.pyramid, reference.view.pyramid, start, icp_options),
-            icp_options);
+  Registering registering = {reference, icp_options, std::nullopt};
+  if (covariance) registering.expected = In(start, {Rigid3d(), *covariance});
+  Tracked tracked = Judge(frame, registering, Hold(frame.view.pyramid, registering, start));
   if (tracked.is_held()) return tracked;
   // Something may have come before most of the view, and led the registration astray.
   HeldPose none;
   none.icp.target_from_source = start;
-  const Tracked hidden = Judge(reference, frame, none, icp_options);
+  const Tracked hidden = Judge(frame, registering, none);
   if (!hidden.is_held()) return tracked;
-  const Tracked again = Judge(reference, frame, {hidden.icp, hidden.is_poorly_held}, icp_options);
+  const Tracked again =
+      Judge(frame, registering, {hidden.icp, hidden.is_poorly_held, std::nullopt});
   return again.is_held() ? again : tracked;
 }
 
-HeldPose Tracker::Hold(const FramePyramid& frame, const FramePyramid& model,
-                       const Rigid3d& model_from_start, const IcpOptions& icp_options) const {
+HeldPose Tracker::Hold(const FramePyramid& frame, const Registering& registering,
+                       const Rigid3d& reference_from_start) const {
+  HeldPose held = HoldByData(frame, registering, reference_from_start);
+  if (!registering.expected || !held.icp.Succeeded()) return held;
+  const ExpectedPose likely =
+      MostLikely(*registering.expected, held.icp.target_from_source, held.icp.trusted_information);
+  held.icp.target_from_source = likely.target_from_source;
+  held.covariance = likely.covariance;
+  return held;
+}
+
+HeldPose Tracker::HoldByData(const FramePyramid& frame, const Registering& registering,
+                             const Rigid3d& reference_from_start) const {
+  const FramePyramid& model = registering.reference.view.pyramid;
+  const IcpOptions& icp_options = registering.icp;
   HeldPose held;
-  held.icp = Register(frame, model, model_from_start, icp_options);
+  held.icp = Register(frame, model, reference_from_start, icp_options);
   held.is_poorly_held =
       !held.icp.iterations.empty() && held.icp.eigenvalues[0] < options_.min_turn_eigenvalue;
   const bool can_help =
@@ -161,33 +184,36 @@ HeldPose Tracker::Hold(const FramePyramid& frame, const FramePyramid& model,
   if (!held.is_poorly_held || !can_help) return held;
   IcpOptions with_intensities = icp_options;
   with_intensities.error_model.photometric_weight = options_.poorly_held_photometric_weight;
-  held.icp = Register(frame, model, model_from_start, with_intensities);
+  held.icp = Register(frame, model, reference_from_start, with_intensities);
   return held;
 }
 
 // Compares the views at a pose. Where something moves, the frame is registered once more without
 // it.
-Tracked Tracker::Judge(const ReferenceView& reference, const PreparedFrame& frame,
-                       const HeldPose& held, const IcpOptions& icp_options) const {
+Tracked Tracker::Judge(const PreparedFrame& frame, const Registering& registering,
+                       const HeldPose& held) const {
+  const ReferenceView& reference = registering.reference;
   const FramePyramid& model = reference.view.pyramid;
   const auto compare_at = [&](const Rigid3d& model_from_frame) {
     return CompareViews(frame.surface(), frame.images.color, model.levels.front(), reference.grey,
-                        icp_options.error_model, model_from_frame);
+                        registering.icp.error_model, model_from_frame);
   };
   Tracked tracked;
-  tracked.icp = held.icp;
-  tracked.is_poorly_held = held.is_poorly_held;
+  HeldPose best = held;
   const Rigid3d& model_from_frame = held.icp.target_from_source;
   ViewComparison views = compare_at(model_from_frame);
   tracked.moving = regions_.Find(
       frame.surface(), views, reference.world_from_view * model_from_frame, frame.images.stamp_s);
   if (!tracked.moving.empty()) {
-    const HeldPose again =
-        Hold(Without(frame.view.pyramid, tracked.moving), model, model_from_frame, icp_options);
-    tracked.icp = again.icp;
-    tracked.is_poorly_held = again.is_poorly_held;
-    views = compare_at(tracked.icp.target_from_source);
+    best = Hold(Without(frame.view.pyramid, tracked.moving), registering, model_from_frame);
+    views = compare_at(best.icp.target_from_source);
   }
+  if (best.covariance) {
+    tracked.motion_covariance =
+        In(best.icp.target_from_source.Inverse(), {Rigid3d(), *best.covariance}).covariance;
+  }
+  tracked.icp = std::move(best.icp);
+  tracked.is_poorly_held = best.is_poorly_held;
   tracked.world_from_camera = reference.world_from_view * tracked.icp.target_from_source;
   const int moving = views.CountInFront(tracked.moving);
   tracked.moving_share = views.points > 0 ? static_cast<double>(moving) / views.points : 0;
@@ -321,6 +347,10 @@ void Tracker::Keep(PreparedFrame frame, const Tracked& tracked) {
   last_from_next_ =
       is_next ? last_.world_from_view.Inverse() * tracked.world_from_camera : Rigid3d();
   motion_ = MotionTo(frame.images.stamp_s, tracked);
+  motion_prior_.Forget();
+  if (is_next && tracked.motion_covariance) {
+    motion_prior_.Keep(*tracked.motion_covariance, frame.images.stamp_s - last_stamp_s_);
+  }
   last_stamp_s_ = frame.images.stamp_s;
   needs_search_ = tracked.found_again;
   is_poorly_held_ = tracked.is_poorly_held;

@@ -4,6 +4,7 @@
 
 #include "slam/belief.h"
 #include "slam/feature_watch.h"
+#include "slam/motion_prior.h"
 #include "slam/moving_regions.h"
 #include "slam/prepared_frame.h"
 #include "surfit/frame/camera_motion.h"
@@ -38,14 +39,24 @@ struct Tracked {
   bool is_poorly_held = false;           // by shapes alone: SlamOptions::min_turn_eigenvalue
   double behind_share = 0;               // of the cells compared, those well behind the model
   bool is_by_newest = false;             // believed by surfels that are not stable yet
+  // Of the motion to it, in the camera's frame, where that was expected.
+  std::optional<Matrix6d> motion_covariance;
 
   bool is_held() const { return state != FrameState::kLost; }
 };
 
 // A registration, and whether shapes alone hold it poorly.
 struct HeldPose {
-  IcpResult icp;
+  IcpResult icp;  // its pose is the most likely one
   bool is_poorly_held = false;
+  std::optional<Matrix6d> covariance;  // of the left increment, where a pose was expected
+};
+
+// What a frame is registered to from a pose, and how.
+struct Registering {
+  const ReferenceView& reference;
+  const IcpOptions& icp;
+  std::optional<ExpectedPose> expected;  // in the reference's frame, if the motion tells it
 };
 
 // Where a lost frame may have been.
@@ -153,6 +164,7 @@ class Tracker {
   void Keep(PreparedFrame frame, const Tracked& tracked);
   void Lose() {
     ++lost_count_;
+    motion_prior_.Forget();
     confirmed_.reset();
     needs_search_ = true;
   }
@@ -161,13 +173,19 @@ class Tracker {
   void Move(const Rigid3d& new_from_old_world);
 
  private:
+  // How surely a frame is where it is expected; nothing where the motion does not tell.
+  std::optional<Matrix6d> ExpectedCovariance(const PreparedFrame& frame) const;
   Tracked RegisterTo(const ReferenceView& reference, const PreparedFrame& frame,
-                     const Rigid3d& world_from_start, const IcpOptions& icp_options) const;
-  // By shapes, and where these hold it poorly by intensities as well.
-  HeldPose Hold(const FramePyramid& frame, const FramePyramid& model,
-                const Rigid3d& model_from_start, const IcpOptions& icp_options) const;
-  Tracked Judge(const ReferenceView& reference, const PreparedFrame& frame, const HeldPose& held,
-                const IcpOptions& icp_options) const;
+                     const Rigid3d& world_from_start, const IcpOptions& icp_options,
+                     const std::optional<Matrix6d>& covariance = std::nullopt) const;
+  // By shapes, and where these hold it poorly by intensities as well. What both leave open follows
+  // the motion.
+  HeldPose Hold(const FramePyramid& frame, const Registering& registering,
+                const Rigid3d& reference_from_start) const;
+  HeldPose HoldByData(const FramePyramid& frame, const Registering& registering,
+                      const Rigid3d& reference_from_start) const;
+  Tracked Judge(const PreparedFrame& frame, const Registering& registering,
+                const HeldPose& held) const;
 
   const SlamOptions& options_;
   Belief belief_;
@@ -183,7 +201,8 @@ class Tracker {
   bool is_by_newest_ = false;    // likewise
   ReferenceView last_;
   double last_stamp_s_ = 0;
-  CameraMotion motion_;        // to the last frame
+  CameraMotion motion_;  // to the last frame
+  MotionPrior motion_prior_;
   Rigid3d last_from_next_;     // motion that the motion model expects
   Image<float> last_depth_m_;  // of the last frame, held or not
 };

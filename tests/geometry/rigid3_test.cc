@@ -98,6 +98,18 @@ TYPED_TEST(Rigid3Test, RotationStaysUnitOverManyIncrements) {
   EXPECT_NEAR(pose.rotation.norm(), 1, this->kTolerance);
 }
 
+// An increment of b_from_c, and the same one of a_from_c.
+TYPED_TEST(Rigid3Test, IncrementTransformTakesIncrementsToAnotherFrame) {
+  const auto a_from_b = this->RandomPose(), b_from_c = this->RandomPose();
+  typename TestFixture::Vector6 increment;
+  increment << 1e-3, -2e-3, 1e-3, 2e-3, 1e-3, -1e-3;
+  const auto moved = a_from_b * LeftIncrement(increment, b_from_c);
+  const typename TestFixture::Vector6 same = IncrementTransform(a_from_b) * increment;
+  const auto expected = LeftIncrement(same, a_from_b * b_from_c);
+  EXPECT_LT((moved.Matrix() - expected.Matrix()).norm(), 1e-4);  // of second order
+  EXPECT_GT((moved.Matrix() - (a_from_b * b_from_c).Matrix()).norm(), 1e-3);
+}
+
 TYPED_TEST(Rigid3Test, RotationMatrixIsReorthonormalised) {
   const auto q = QuaternionExp<TypeParam>({0.1, -0.2, 0.3});
   const Rigid3<TypeParam> pose(Eigen::Matrix<TypeParam, 3, 3>(q.toRotationMatrix() * 1.01),

@@ -154,13 +154,34 @@ TEST(Observe, SeesThroughWhatNoiseOfTheNormalsFeigns) {
     plane.Add(on_plane, on_plane, noisy(n), noisy(n), 1);
     corner.Add(p, p, noisy(side), noisy(side), 1);
   }
-  const NormalSystem system = PointToPlaneSystem(plane);
+  const NormalSystem system = PointToPlaneSystem(plane), held = PointToPlaneSystem(corner);
   EXPECT_EQ(Observe(system, {1e-6, 0}).free_count, 0);
   EXPECT_EQ(Observe(system, {1e-6, 1.2}).free_count, 3);
-  EXPECT_EQ(Observe(PointToPlaneSystem(corner), {1e-6, 20}).free_count, 0);
+  EXPECT_EQ(Observe(held, {1e-6, 20}).free_count, 0);
+  // What noise feigns is not trusted, and all else is, as of so many points that fit exactly.
+  constexpr double kSharing = 25, kLeastVarianceFactor = 1e-3;
+  constexpr double kScale = kSharing * kLeastVarianceFactor;
+  const Matrix6d trusted = kScale * TrustedInformation(system, 1);
+  EXPECT_LT(trusted(3, 3), 0.05 * system.hessian(3, 3));
+  EXPECT_LT(trusted(4, 4), 0.05 * system.hessian(4, 4));
+  EXPECT_GT(trusted(5, 5), 0.95 * system.hessian(5, 5));
+  EXPECT_THAT(kScale * TrustedInformation(held, 1),
+              VectorNear(held.hessian, 0.05 * held.hessian.norm()));
   // Along x the information is all feigned: 20,000 values of relative spread 2 average to 1 %.
   EXPECT_NEAR(system.FeignedInformation()(3, 3), system.hessian(3, 3),
               5 * 0.01 * system.hessian(3, 3));
+}
+
+TEST(TrustedInformation, TakesAShareOfWhatIntensitiesSay) {
+  std::mt19937_64 rng(9);
+  NormalSystem system = PointToPlaneSystem(RandomCorrespondences(200, 0.1, &rng));
+  const Matrix6d of_points = TrustedInformation(system, 0.01);
+  PhotometricSystem intensities;
+  intensities.hessian = 1000 * Matrix6d::Identity();
+  system.Add(intensities);
+  const Matrix6d added = TrustedInformation(system, 0.01) - of_points;
+  EXPECT_THAT(25 * system.VarianceFactor() * added,
+              VectorNear((10 * Matrix6d::Identity()).eval(), 1e-6));
 }
 
 TEST(CovarianceOf, IsTheInverseInformationTimesTheVarianceFactor) {

@@ -99,6 +99,36 @@ TEST(Slam, TakesIntensitiesWhereShapesHoldTheCameraPoorly) {
   }
 }
 
+// Nothing but its motion tells where along a wall without colours the camera is.
+TEST(Slam, MovesOnAsBeforeWhereTheDataDoNotTell) {
+  SimulatedSequence wall = Simulate("wall", 1, 40, Sensor::kKinect);
+  for (RgbdFrame& frame : wall.frames) frame.color = {};
+  SlamOptions by_motion;
+  by_motion.acceleration_m_per_s2 = 2;
+  const Rigid3d& start = wall.world_from_camera[0];
+  const SlamRun run = RunSlam(wall, by_motion, start);
+  ExpectAllTracked(run);
+  EXPECT_LT(ErrorsOf(run, wall.world_from_camera).max_m,
+            0.5 * ErrorsOf(RunSlam(wall, SlamOptions(), start), wall.world_from_camera).max_m);
+}
+
+TEST(Slam, ItsMotionHardlyMovesWhatTheDataHold) {
+  SlamOptions by_motion;
+  by_motion.acceleration_m_per_s2 = 2;
+  const std::vector<Rigid3d>& truth = IdealRoom().world_from_camera;
+  const SlamRun run = RunSlam(IdealRoom(), by_motion, truth[0]);
+  ExpectAllTracked(run);
+  EXPECT_LT(ErrorsOf(run, truth).max_m, kPixelAt2m / 2);
+}
+
+TEST(Slam, RefusesAccelerationsOfAPoseWithoutVelocity) {
+  SlamOptions options;
+  options.acceleration_m_per_s2 = 2;
+  options.motion_model = "so3";
+  ExpectInputError([&] { Validate(options); },
+                   HasSubstr("acceleration_m_per_s2 is 2, must be 0 where motion_model is so3"));
+}
+
 TEST(Slam, TakesShapesAloneWhereTheyHoldTheCamera) {
   SlamOptions options;
   options.poorly_held_photometric_weight = 0.2;

@@ -104,6 +104,18 @@ Rigid3<Scalar> LeftIncrement(const typename Rigid3<Scalar>::Vector6& increment,
   return delta * pose;
 }
 
+// Takes left increments (w, v) of b_from_c to those of a_from_c: w' = R w, v' = R v + t x R w.
+template <typename Scalar>
+Eigen::Matrix<Scalar, 6, 6> IncrementTransform(const Rigid3<Scalar>& a_from_b) {
+  const Eigen::Matrix<Scalar, 3, 3> rotation = a_from_b.rotation.toRotationMatrix();
+  Eigen::Matrix<Scalar, 6, 6> transform = Eigen::Matrix<Scalar, 6, 6>::Zero();
+  transform.template topLeftCorner<3, 3>() = rotation;
+  transform.template bottomRightCorner<3, 3>() = rotation;
+  transform.template bottomLeftCorner<3, 3>() =
+      CrossMatrix<Scalar>(a_from_b.translation) * rotation;
+  return transform;
+}
+
 // The angle of the rotation in rad, in [0, pi].
 template <typename Scalar>
 Scalar RotationAngle(const Eigen::Quaternion<Scalar>& q) {

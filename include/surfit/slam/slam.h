@@ -58,6 +58,11 @@ struct SlamOptions {
   // Where tracking starts: constant_velocity, constant_pose, or so3: the last pose, turned so that
   // small images of both frames are most alike (AlignRotation).
   std::string motion_model = "constant_velocity";
+  // A camera in a hand moves on as before, but for such accelerations (of each component, standard
+  // deviation): what a frame's data leave open of its pose follows that. Recordings have 1 to 4.
+  // Needs constant_velocity. 0: the data alone tell, however little they hold.
+  double acceleration_m_per_s2 = 0;
+  double turn_acceleration_rad_per_s2 = 4;
   // A registration is believed if so many of the points find a partner with such a residual.
   double min_inlier_share = 0.3;
   double max_rmse_m = 0.03;

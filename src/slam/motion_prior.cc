@@ -1,0 +1,49 @@
+#include "slam/motion_prior.h"
+
+#include "registration/decompositions.h"
+
+namespace surfit {
+namespace {
+
+// Of a hand that is not followed.
+constexpr double kTurn_rad_per_s = 1.5, kSpeed_m_per_s = 3;
+
+Vector6d Squares(double turning, double moving) {
+  Vector6d sigmas;
+  sigmas << Eigen::Vector3d::Constant(turning), Eigen::Vector3d::Constant(moving);
+  return sigmas.cwiseAbs2();
+}
+
+}  // namespace
+
+ExpectedPose In(const Rigid3d& new_from_old_target, const ExpectedPose& expected) {
+  const Matrix6d transform = IncrementTransform(new_from_old_target);
+  return {new_from_old_target * expected.target_from_source,
+          transform * expected.covariance * transform.transpose()};
+}
+
+ExpectedPose MostLikely(const ExpectedPose& expected, const Rigid3d& registered,
+                        const Matrix6d& information) {
+  const Rigid3d moved = registered * expected.target_from_source.Inverse();
+  Vector6d motion;  // as one increment, to first order
+  motion << QuaternionLog<double>(moved.rotation), moved.translation;
+  const Matrix6d covariance = SymmetricInverse(information + SymmetricInverse(expected.covariance));
+  return {LeftIncrement<double>(covariance * (information * motion), expected.target_from_source),
+          covariance};
+}
+
+MotionPrior::MotionPrior(double acceleration_m_per_s2, double turn_acceleration_rad_per_s2)
+    : of_acceleration_(Squares(turn_acceleration_rad_per_s2, acceleration_m_per_s2)) {}
+
+void MotionPrior::Keep(const Matrix6d& covariance, double seconds) {
+  of_velocity_ = covariance / (seconds * seconds);
+}
+
+Matrix6d MotionPrior::Covariance(double seconds) const {
+  const Matrix6d of_any = Squares(kTurn_rad_per_s, kSpeed_m_per_s).asDiagonal();
+  Matrix6d of_velocity = of_velocity_.value_or(of_any);
+  of_velocity.diagonal() += seconds * seconds * of_acceleration_;
+  return seconds * seconds * of_velocity;
+}
+
+}  // namespace surfit

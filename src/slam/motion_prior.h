@@ -1,0 +1,45 @@
+#pragma once
+
+#include <optional>
+
+#include "surfit/geometry/rigid3.h"
+#include "surfit/registration/normal_system.h"
+
+namespace surfit {
+
+// Where a camera is expected, and the covariance of the left increment (rad, m) from there to where
+// it is.
+struct ExpectedPose {
+  Rigid3d target_from_source;
+  Matrix6d covariance;
+};
+
+// The same in another frame.
+ExpectedPose In(const Rigid3d& new_from_old_target, const ExpectedPose& expected);
+
+// Registration found a pose, with some information on the left increment. The most likely one,
+// given both: it goes the way from the expected pose as far as the information is worth,
+// x = (I + P^-1)^-1 I m, and its covariance is (I + P^-1)^-1 (a Kalman filter's update, in the form
+// of information).
+ExpectedPose MostLikely(const ExpectedPose& expected, const Rigid3d& registered,
+                        const Matrix6d& information);
+
+// What is known of a camera's steady motion, and how surely: a Kalman filter over its velocity,
+// which random accelerations change.
+class MotionPrior {
+ public:
+  MotionPrior(double acceleration_m_per_s2, double turn_acceleration_rad_per_s2);
+
+  // The camera may have moved in any way.
+  void Forget() { of_velocity_.reset(); }
+  // It has moved within so many seconds, by a motion of this covariance in the camera's frame.
+  void Keep(const Matrix6d& covariance, double seconds);
+  // Of the motion within the next seconds; of any motion of a hand where nothing is known.
+  Matrix6d Covariance(double seconds) const;
+
+ private:
+  Vector6d of_acceleration_;             // variances, (rad/s^2)^2 and (m/s^2)^2
+  std::optional<Matrix6d> of_velocity_;  // covariance, (rad/s)^2 and (m/s)^2
+};
+
+}  // namespace surfit

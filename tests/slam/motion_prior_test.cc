@@ -1,0 +1,70 @@
+#include "slam/motion_prior.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace surfit {
+namespace {
+
+constexpr double kFrame_s = 1. / 30;
+
+Matrix6d Diagonal(double of_turn, double of_shift) {
+  Vector6d values;
+  values << Eigen::Vector3d::Constant(of_turn), Eigen::Vector3d::Constant(of_shift);
+  return values.asDiagonal();
+}
+
+Rigid3d Shifted(double x_m, double y_m) {
+  return Rigid3d(Eigen::Quaterniond::Identity(), Eigen::Vector3d(x_m, y_m, 0));
+}
+
+TEST(MostLikely, GoesAsFarAsTheInformationIsWorth) {
+  const ExpectedPose expected = {Shifted(1, 2), Diagonal(1e-4, 1e-4)};
+  Matrix6d information = Diagonal(1e10, 0);
+  information(3, 3) = 1e10;  // much more than is known before
+  information(4, 4) = 1e4;   // as much; nothing along z
+  const Rigid3d registered(Eigen::Quaterniond::Identity(), Eigen::Vector3d(1.01, 2.02, 0.03));
+  const ExpectedPose likely = MostLikely(expected, registered, information);
+  EXPECT_NEAR(likely.target_from_source.translation.x(), 1.01, 1e-6);
+  EXPECT_NEAR(likely.target_from_source.translation.y(), 2.01, 1e-6);
+  EXPECT_NEAR(likely.target_from_source.translation.z(), 0, 1e-6);
+  EXPECT_NEAR(likely.covariance(3, 3), 1e-10, 1e-12);
+  EXPECT_NEAR(likely.covariance(4, 4), 0.5e-4, 1e-9);
+  EXPECT_NEAR(likely.covariance(5, 5), 1e-4, 1e-9);
+}
+
+// An increment of a frame seen from another one, as far away as that is, moves by the lever arm.
+TEST(ExpectedPoseIn, TakesTurnsToShifts) {
+  const Matrix6d turns_alone = Diagonal(1e-4, 0);
+  const ExpectedPose moved = In(Shifted(2, 0), {Rigid3d(), turns_alone});
+  EXPECT_DOUBLE_EQ(moved.target_from_source.translation.x(), 2);
+  EXPECT_NEAR(moved.covariance(3, 3), 0, 1e-15);     // along the arm
+  EXPECT_NEAR(moved.covariance(4, 4), 4e-4, 1e-15);  // 2 m times 0.01 rad
+  EXPECT_NEAR(moved.covariance(0, 0), 1e-4, 1e-15);
+}
+
+TEST(MotionPrior, GrowsByAccelerationsAlone) {
+  MotionPrior prior(2, 4);
+  prior.Keep(Diagonal(0, 0), kFrame_s);
+  const Matrix6d covariance = prior.Covariance(kFrame_s);
+  const double square = kFrame_s * kFrame_s;
+  EXPECT_NEAR(std::sqrt(covariance(0, 0)), 4 * square, 1e-12);
+  EXPECT_NEAR(std::sqrt(covariance(5, 5)), 2 * square, 1e-12);
+}
+
+TEST(MotionPrior, TakesAMotionForASpeed) {
+  MotionPrior prior(1e-9, 1e-9);
+  prior.Keep(Diagonal(0, 1e-6), kFrame_s);
+  EXPECT_NEAR(prior.Covariance(3 * kFrame_s)(4, 4), 9e-6, 1e-12);
+}
+
+TEST(MotionPrior, KnowsLittleOnceItForgets) {
+  MotionPrior prior(2, 4);
+  prior.Keep(Diagonal(0, 0), kFrame_s);
+  prior.Forget();
+  EXPECT_GT(std::sqrt(prior.Covariance(kFrame_s)(3, 3)), 0.09);
+}
+
+}  // namespace
+}  // namespace surfit
