@@ -2,17 +2,13 @@
 
 #include <Eigen/Cholesky>
 
+#include "slam/variances.h"
+
 namespace surfit {
 namespace {
 
 // As loosely as directions are held that data leaves free.
 constexpr double kLooseM = 0.1, kLooseRad = 0.1;
-
-Matrix6d Variances(double sigma_rad, double sigma_m) {
-  Vector6d sigmas;
-  sigmas << Eigen::Vector3d::Constant(sigma_rad), Eigen::Vector3d::Constant(sigma_m);
-  return sigmas.cwiseAbs2().asDiagonal();
-}
 
 Matrix6d InverseOf(const Matrix6d& symmetric) {
   const Matrix6d inverse = symmetric.llt().solve(Matrix6d::Identity());

@@ -1,18 +1,13 @@
 #include "slam/motion_prior.h"
 
 #include "registration/decompositions.h"
+#include "slam/variances.h"
 
 namespace surfit {
 namespace {
 
 // Of a hand that is not followed.
 constexpr double kTurn_rad_per_s = 1.5, kSpeed_m_per_s = 3;
-
-Vector6d Squares(double turning, double moving) {
-  Vector6d sigmas;
-  sigmas << Eigen::Vector3d::Constant(turning), Eigen::Vector3d::Constant(moving);
-  return sigmas.cwiseAbs2();
-}
 
 }  // namespace
 
@@ -33,17 +28,15 @@ ExpectedPose MostLikely(const ExpectedPose& expected, const Rigid3d& registered,
 }
 
 MotionPrior::MotionPrior(double acceleration_m_per_s2, double turn_acceleration_rad_per_s2)
-    : of_acceleration_(Squares(turn_acceleration_rad_per_s2, acceleration_m_per_s2)) {}
+    : of_acceleration_(Variances(turn_acceleration_rad_per_s2, acceleration_m_per_s2)) {}
 
 void MotionPrior::Keep(const Matrix6d& covariance, double seconds) {
   of_velocity_ = covariance / (seconds * seconds);
 }
 
 Matrix6d MotionPrior::Covariance(double seconds) const {
-  const Matrix6d of_any = Squares(kTurn_rad_per_s, kSpeed_m_per_s).asDiagonal();
-  Matrix6d of_velocity = of_velocity_.value_or(of_any);
-  of_velocity.diagonal() += seconds * seconds * of_acceleration_;
-  return seconds * seconds * of_velocity;
+  const Matrix6d of_velocity = of_velocity_.value_or(Variances(kTurn_rad_per_s, kSpeed_m_per_s));
+  return seconds * seconds * (of_velocity + seconds * seconds * of_acceleration_);
 }
 
 }  // namespace surfit

@@ -38,8 +38,8 @@ class MotionPrior {
   Matrix6d Covariance(double seconds) const;
 
  private:
-  Vector6d of_acceleration_;             // variances, (rad/s^2)^2 and (m/s^2)^2
-  std::optional<Matrix6d> of_velocity_;  // covariance, (rad/s)^2 and (m/s)^2
+  Matrix6d of_acceleration_;             // covariance, (rad/s^2)^2 and (m/s^2)^2
+  std::optional<Matrix6d> of_velocity_;  // likewise, (rad/s)^2 and (m/s)^2
 };
 
 }  // namespace surfit

@@ -201,8 +201,8 @@ class Tracker {
   bool is_by_newest_ = false;    // likewise
   ReferenceView last_;
   double last_stamp_s_ = 0;
-  CameraMotion motion_;  // to the last frame
-  MotionPrior motion_prior_;
+  CameraMotion motion_;        // to the last frame
+  MotionPrior motion_prior_;   // likewise, how surely
   Rigid3d last_from_next_;     // motion that the motion model expects
   Image<float> last_depth_m_;  // of the last frame, held or not
 };
