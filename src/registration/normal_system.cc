@@ -122,7 +122,6 @@ Vector6d SolveHeld(const NormalSystem& system, const Observability& observabilit
 
 Matrix6d TrustedInformation(const NormalSystem& system, double photometric_share) {
   if (!(system.RmsDistance() > 0)) return Matrix6d::Zero();
-  constexpr double kSharing = 25;
   constexpr double kSmallest = 1e-9;  // of the metric: sums in single precision have such errors
   const UnitFree unit_free(system);
   const Matrix6d metric = kSmallest * Matrix6d::Identity() + unit_free(system.FeignedInformation());
@@ -134,8 +133,8 @@ Matrix6d TrustedInformation(const NormalSystem& system, double photometric_share
   const Matrix6d of_points =
       system.weight_sum * (columns * trusted.asDiagonal() * columns.transpose());
   const Matrix6d sum = of_points + photometric_share * system.photometric.hessian;
-  const double smallest_variance = 1e-3;  // of a fit that is better than any sensor's
-  return (0.5 / (kSharing * std::max(system.VarianceFactor(), smallest_variance))) *
+  constexpr double kSmallestVariance = 1e-3;  // of a fit that is better than any sensor's
+  return (0.5 / (kSharedPoints * std::max(system.VarianceFactor(), kSmallestVariance))) *
          (sum + sum.transpose());
 }
 

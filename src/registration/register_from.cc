@@ -190,11 +190,10 @@ bool AreSame(const Rigid3d& a, const Rigid3d& b) {
 
 Matrix6d RealisticCovariance(const Matrix6d& covariance, double disagreement_rad,
                              double disagreement_m) {
-  constexpr double kSharing = 25;  // points that share their noise: the depth filter's window
   // In simulated rooms all loops are within three sigmas of it, most far within; a real Kinect's
   // loops differ from each other by about as much.
   constexpr double kFloorRad = 0.002, kFloorM = 0.004;
-  Matrix6d realistic = kSharing * covariance;
+  Matrix6d realistic = kSharedPoints * covariance;
   realistic.diagonal().head<3>().array() +=
       kFloorRad * kFloorRad + disagreement_rad * disagreement_rad;
   realistic.diagonal().tail<3>().array() += kFloorM * kFloorM + disagreement_m * disagreement_m;

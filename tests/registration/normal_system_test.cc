@@ -159,8 +159,8 @@ TEST(Observe, SeesThroughWhatNoiseOfTheNormalsFeigns) {
   EXPECT_EQ(Observe(system, {1e-6, 1.2}).free_count, 3);
   EXPECT_EQ(Observe(held, {1e-6, 20}).free_count, 0);
   // What noise feigns is not trusted, and all else is, as of so many points that fit exactly.
-  constexpr double kSharing = 25, kLeastVarianceFactor = 1e-3;
-  constexpr double kScale = kSharing * kLeastVarianceFactor;
+  constexpr double kLeastVarianceFactor = 1e-3;
+  constexpr double kScale = kSharedPoints * kLeastVarianceFactor;
   const Matrix6d trusted = kScale * TrustedInformation(system, 1);
   EXPECT_LT(trusted(3, 3), 0.05 * system.hessian(3, 3));
   EXPECT_LT(trusted(4, 4), 0.05 * system.hessian(4, 4));
@@ -180,7 +180,7 @@ TEST(TrustedInformation, TakesAShareOfWhatIntensitiesSay) {
   intensities.hessian = 1000 * Matrix6d::Identity();
   system.Add(intensities);
   const Matrix6d added = TrustedInformation(system, 0.01) - of_points;
-  EXPECT_THAT(25 * system.VarianceFactor() * added,
+  EXPECT_THAT(kSharedPoints * system.VarianceFactor() * added,
               VectorNear((10 * Matrix6d::Identity()).eval(), 1e-6));
 }
 

@@ -78,9 +78,9 @@ struct IcpResult {
   double rmse_m = 0;        // square root of the weighted mean of |r|^2
   int intensity_count = 0;  // points whose intensities have a say: ErrorModel::photometric_weight
   Matrix6d information = Matrix6d::Zero();  // of the left increment (1/rad^2, 1/m^2), robust
-  Matrix6d trusted_information = Matrix6d::Zero();  // the same: see TrustedInformation()
-  // Its inverse, scaled by the residuals' variance in sigma^2, as if they were independent; none
-  // where directions are free.
+  Matrix6d trusted_information = Matrix6d::Zero();  // see TrustedInformation()
+  // The inverse of `information`, scaled by the residuals' variance in sigma^2, as if they were
+  // independent; none where directions are free.
   std::optional<Matrix6d> covariance;
   Vector6d eigenvalues = Vector6d::Zero();  // of Observability: ascending, without unit
   // Left increments (rad, m) that the data does not hold, each of about a metre at the points.

@@ -107,10 +107,13 @@ Observability Observe(const NormalSystem& system, const HeldOptions& options);
 // The least-squares increment among those without part along free directions.
 Vector6d SolveHeld(const NormalSystem& system, const Observability& observability);
 
+// Neighbouring points whose errors are one: as many as the window of the depth filter has.
+inline constexpr double kSharedPoints = 25;
+
 // What the data can be trusted to say of the increment (1/rad^2, 1/m^2). The points' Hessian is
 // taken without FeignedInformation(): in the directions that diagonalise both, where H x = mu F x,
-// a share of 1 - 1 / mu of it is left, and none where mu < 1. So many points share their errors as
-// lie in the window of the depth filter. Of the intensities' Hessian the given share counts.
+// a share of 1 - 1 / mu of it is left, and none where mu < 1. kSharedPoints count as one. Of the
+// intensities' Hessian the given share counts.
 Matrix6d TrustedInformation(const NormalSystem& system, double photometric_share);
 
 // Covariance of the increment (rad, m), the inverse information times the variance factor. Only

@@ -29,7 +29,7 @@ class OptionVisitor;
 // surfaces that are not what the model of noise says do not average out at all: they are added to
 // the covariance of every edge of the pose graph, as standard deviations of each component.
 struct EdgeNoise {
-  double shared_points = 25;      // as many as the window of the depth filter has
+  double shared_points = kSharedPoints;
   double odometry_m = 0.0002;     // between consecutive keyframes, and
   double odometry_rad = 0.0001;   //
   double odometry_share = 0.001;  // of the way and of the turn between them
