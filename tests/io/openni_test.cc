@@ -58,6 +58,7 @@ TEST_F(OpenNiCamera, GivesItsFramesAndItsFieldOfView) {
   CameraScript script;
   script.horizontal_fov_rad = 1.1F;
   script.vertical_fov_rad = 0.7F;
+  script.period_us = 20000;
   const VirtualCamera camera(script, film);
   SequenceOptions options = CameraOptions();
   options.last = 18;
@@ -85,10 +86,10 @@ TEST_F(OpenNiCamera, GivesItsFramesAndItsFieldOfView) {
 TEST_F(OpenNiCamera, IsSetAsAsked) {
   CameraScript script;
   script.period_us = 1000;
-  const VirtualCamera camera(script, NumberedFilm(120));
+  const VirtualCamera camera(script, NumberedFilm(400));
   SequenceOptions options = CameraOptions();
   options.device_lock_exposure = true;
-  options.last = 78;
+  options.last = 300;  // 60 images until the lock, and what a busy machine loses
   ReadAll(Open(options).get());
   EXPECT_THAT(camera.Log(), HasSubstr("mode 32x24"));
   EXPECT_THAT(camera.Log(), HasSubstr("registration 1"));
@@ -166,18 +167,27 @@ TEST_F(OpenNiCamera, EndsWhileItIsAway) {
 }
 
 TEST_F(OpenNiCamera, GivesDepthAloneAsAnError) {
-  std::vector<FilmFrame> film = NumberedFilm(50);
-  film[5].color_us -= 25000;  // its colour is beyond 20 ms, and nearer to no other
-  const VirtualCamera camera({}, film);
+  std::vector<FilmFrame> film = NumberedFilm(80);
+  const auto is_alone = [](int number) { return number % 10 == 5; };
+  // Its colour is beyond 20 ms, and nearer to no other. A busy machine may lose some of them.
+  for (int i = 0; i < 80; ++i) film[i].color_us -= is_alone(i) ? 25000 : 0;
+  CameraScript script;
+  script.period_us = 10000;
+  const VirtualCamera camera(script, film);
   SequenceOptions options = CameraOptions();
-  options.last = 9;
-  int errors = 0;
+  options.last = 39;
+  int errors = 0, frames = 0;
   for (const ReadResult& result : ReadAll(Open(options).get())) {
-    if (result.frame) continue;
-    ++errors;
-    EXPECT_THAT(result.error, HasSubstr("no colour"));
+    if (result.frame) {
+      ++frames;
+      EXPECT_FALSE(is_alone(NumberOf(result)));
+    } else {
+      ++errors;
+      EXPECT_THAT(result.error, HasSubstr("no colour"));
+    }
   }
-  EXPECT_EQ(errors, 1);
+  EXPECT_GE(errors, 1);
+  EXPECT_GT(frames, errors);
 }
 
 TEST_F(OpenNiCamera, SaysWhatIsWrong) {
