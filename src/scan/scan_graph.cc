@@ -11,7 +11,7 @@ namespace surfit {
 namespace {
 
 constexpr int kNoPart = -1;
-// A pose that two fragments share is known as well as odometry's noise tells.
+// A pose that two fragments share is as good as a loop that is known but for its noise.
 const Matrix6d kExact = 1e12 * Matrix6d::Identity();
 
 std::vector<int> FrameOfKeyframe(const RunPlaces& places) {
