@@ -150,7 +150,8 @@ TEST_F(PlanScanTest, NamesTheFileThatIsNoPlan) {
     ReadScanPlan(scan_.path());
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("plan.json: no plan of a scan"));
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("plan.json: no plan of a scan"),
+                                    HasSubstr("plan it again with surfit_plan")));
   }
 }
 
