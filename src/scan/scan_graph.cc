@@ -11,7 +11,7 @@ namespace surfit {
 namespace {
 
 constexpr int kNoPart = -1;
-// A pose that two fragments share is as good as a loop that is known but for its noise.
+// A frame that two fragments have joins them as a loop that is exact but for its noise.
 const Matrix6d kExact = 1e12 * Matrix6d::Identity();
 
 std::vector<int> FrameOfKeyframe(const RunPlaces& places) {
