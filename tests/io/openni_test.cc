@@ -41,6 +41,11 @@ SequenceOptions OniOptions(const std::string& path) {
   return options;
 }
 
+// By its stamp, in a film of FilmFrameOf(): also of one without colour.
+int NumberByStamp(const ReadResult& result) {
+  return static_cast<int>(std::lround(30 * result.stamp_s));
+}
+
 // Red of NumberedColor().
 int NumberOf(const ReadResult& result) { return result.frame->color[0].r; }
 
@@ -119,9 +124,12 @@ TEST_F(OpenNiCamera, DropsAndCountsWhatIsNotTakenInTime) {
   const auto source = Open(options, /*capacity=*/2);
   int taken = 0, dropped = 0, next = -1;
   while (const auto result = source->Next()) {
-    if (next < 0) next = NumberOf(*result) - result->dropped_before;
+    if (next < 0) next = NumberByStamp(*result) - result->dropped_before;
     next += result->dropped_before;
-    EXPECT_EQ(NumberOf(*result), next++);
+    EXPECT_EQ(NumberByStamp(*result), next++);
+    if (result->frame) {  // a busy machine may lose colours
+      EXPECT_EQ(NumberOf(*result), next - 1);
+    }
     ++taken;
     dropped += result->dropped_before;
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -182,7 +190,7 @@ TEST_F(OpenNiCamera, GivesDepthAloneAsAnError) {
   options.last = 39;
   int errors = 0;
   for (const ReadResult& result : ReadAll(Open(options).get())) {
-    const int number = static_cast<int>(std::lround(30 * result.stamp_s));
+    const int number = NumberByStamp(result);
     EXPECT_EQ(!result.frame, is_alone(number)) << number;
     if (result.frame) continue;
     ++errors;
