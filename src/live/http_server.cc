@@ -1,5 +1,6 @@
 #include "live/http_server.h"
 
+#include <sched.h>
 #include <sys/resource.h>
 
 #include <boost/asio/io_context.hpp>
@@ -226,7 +227,10 @@ void HttpServer::State::WakeAll() {
 // A failure, as of memory, is its connection's only.
 void HttpServer::State::Run() {
   constexpr int kThisThread = 0, kLessPriority = 10;
-  setpriority(PRIO_PROCESS, kThisThread, kLessPriority);  // on Linux a thread has its own
+  const sched_param no_priority = {};
+  // On Linux a thread has its own. In a batch it does not interrupt who works.
+  setpriority(PRIO_PROCESS, kThisThread, kLessPriority);
+  sched_setscheduler(kThisThread, SCHED_BATCH, &no_priority);
   for (bool is_over = false; !is_over;) {
     try {
       io.run();

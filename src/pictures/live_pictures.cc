@@ -5,7 +5,6 @@
 
 #include "pictures/canvas.h"
 #include "pictures/coloring.h"
-#include "surfit/mapping/blended_view.h"
 #include "surfit/mapping/model_renderer.h"
 #include "surfit/pictures/pictures.h"
 
@@ -50,11 +49,21 @@ Image<Rgb8> DepthPicture(const Image<float>& depth_m) {
   return picture;
 }
 
-Image<Rgb8> OnBackground(BlendedView drawn) {
-  for (std::size_t i = 0; i < drawn.color.size(); ++i) {
-    if (!(drawn.depth_m[i] > 0)) drawn.color[i] = kBackground;
+// Between discs some pixels stay free. Those that lie between two others, side by side or one upon
+// the other, show one of them.
+Image<std::int32_t> WithoutHoles(const Image<std::int32_t>& ids) {
+  Image<std::int32_t> filled = ids;
+  const auto fill = [&](int u, int v, std::int32_t before, std::int32_t after) {
+    if (before != ModelView::kNoSurfel && after != ModelView::kNoSurfel) filled(u, v) = before;
+  };
+  for (int v = 0; v < ids.height(); ++v) {
+    for (int u = 0; u < ids.width(); ++u) {
+      if (ids(u, v) != ModelView::kNoSurfel) continue;
+      if (u > 0 && u + 1 < ids.width()) fill(u, v, ids(u - 1, v), ids(u + 1, v));
+      if (v > 0 && v + 1 < ids.height()) fill(u, v, ids(u, v - 1), ids(u, v + 1));
+    }
   }
-  return std::move(drawn.color);
+  return filled;
 }
 
 // White letters on a red band.
@@ -68,16 +77,9 @@ void DrawAlarm(const std::string& text, cv::Mat picture) {
 
 }  // namespace
 
-// What draws the model, as coarsely as still fills the picture.
+// What draws the model, as coarsely as still fills the picture. By discs: the run waits for it, and
+// DrawBlended() takes many times as long.
 struct LivePictures::Tools {
-  Image<Rgb8> DrawNormals(const SurfelMap& map, const Rigid3d& world_from_camera) {
-    const ModelView view = renderer.Render(map, sensor, world_from_camera);
-    const SurfelColoring coloring = ColorByNormal(map);
-    return ColorIndices(view.surfel_index, [&](int, int, std::int32_t id) {
-      return id == ModelView::kNoSurfel ? kBackground : coloring.color_of(id);
-    });
-  }
-
   DepthSensor sensor;
   ModelRenderer renderer{RenderOptions()};
 };
@@ -99,9 +101,12 @@ Image<Rgb8> LivePictures::OfFrame(const RgbdFrame& frame) const {
 Image<Rgb8> LivePictures::OfModel(const SurfelMap& map, const Rigid3d& world_from_camera,
                                   ModelColors colors) {
   const bool normals = colors == ModelColors::kNormals;
+  const SurfelColoring coloring = normals ? ColorByNormal(map) : ColorByColor(map);
+  const ModelView view = tools_->renderer.Render(map, tools_->sensor, world_from_camera);
   Image<Rgb8> picture =
-      Centered(normals ? tools_->DrawNormals(map, world_from_camera)
-                       : OnBackground(DrawBlended(map, tools_->sensor, world_from_camera)));
+      Centered(ColorIndices(WithoutHoles(view.surfel_index), [&](int, int, std::int32_t id) {
+        return id == ModelView::kNoSurfel ? kBackground : coloring.color_of(id);
+      }));
   WriteCaption(normals ? "model, normals" : "model, colour", &picture);
   return picture;
 }

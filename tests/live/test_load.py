@@ -1,5 +1,6 @@
-"""What being watched costs a run: counted instructions where nobody looks, and processor time with viewers."""
+"""What being watched costs a run: instructions where nobody looks, and with viewers processor time and delay."""
 
+import contextlib
 import os
 import re
 import shutil
@@ -13,6 +14,7 @@ from report_page import simulate_room
 FRAMES = int(os.environ.get("SURFIT_LOAD_FRAMES", "600"))
 TURNS = int(os.environ.get("SURFIT_LOAD_TURNS", "5"))
 COUNTED_FRAMES = 60
+FRAMES_PER_S = 30
 
 
 @pytest.fixture(scope="module")
@@ -79,3 +81,48 @@ def test_viewers_cost_little(room, tmp_path):
     assert median["one viewer"] < 0.05
     assert median["ten viewers, one stalled"] < 0.10
     assert memory["ten viewers, one stalled"] < memory["unwatched"] + 60e6
+
+
+@contextlib.contextmanager
+def on_cores(cores):
+    """What is begun there has them."""
+    before = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, cores)
+    yield
+    os.sched_setaffinity(0, before)
+
+
+def run_offered(room, output, cores, viewers):
+    """A run on one core, with viewers on the others. Returns how long frames wait for their poses, and the answers."""
+    with on_cores({min(cores)}):
+        run = ServedRun(room, output, f"--offered_fps={FRAMES_PER_S}", "--threads=1", "--noloop_closure",
+                        "--nocalibrate", "--nofinal_map")
+    with on_cores(cores - {min(cores)}):
+        watching = [Viewer(run.url) for _ in range(viewers)]
+        code, _ = run.finish()
+        for viewer in watching:
+            viewer.thread.join()
+    assert code == 0
+    summary = run.summary()
+    assert summary["frames_dropped"] == 0
+    return summary, [viewer.answers for viewer in watching]
+
+
+def test_frames_are_not_delayed(room, tmp_path):
+    """By ten viewers that ask as often as pages on ten machines. From when a frame is offered on."""
+    cores = os.sched_getaffinity(0)
+    if len(cores) < 2:
+        pytest.skip("the run and its viewers share one core")
+    # Every other frame is fused: the median of what all of a frame takes lies between both kinds.
+    kinds = [("pose_latency_ms", "mean"), ("pose_latency_ms", "median"), ("latency_ms", "mean")]
+    ratios = {kind: [] for kind in kinds}
+    for turn in range(2 * TURNS - 1):
+        unwatched, _ = run_offered(room, tmp_path / f"{turn}_unwatched", cores, 0)
+        watched, answers = run_offered(room, tmp_path / f"{turn}_watched", cores, 10)
+        for of, kind in kinds:
+            ratios[of, kind].append(watched[of][kind] / unwatched[of][kind])
+        print(f"{min(answers)} to {max(answers)} answers;", ", ".join(
+            f"{of} {kind} {unwatched[of][kind]:.2f} watched {watched[of][kind]:.2f}" for of, kind in kinds))
+    medians = {kind: statistics.median(of_turns) for kind, of_turns in ratios.items()}
+    print(medians)
+    assert max(medians.values()) < 1.05

@@ -12,12 +12,12 @@ constexpr int kPixels = LivePictures::kWidth * LivePictures::kHeight;
 const PinholeCamera kCamera{320, 240, 260, 260, 159.5, 119.5};
 
 // A wall of one colour, 2 m before the origin and facing it.
-SurfelMap WallAhead() {
+SurfelMap WallAhead(float radius_m = 0.05f) {
   SurfelMap map;
   Surfel surfel;
   surfel.normal_in_world = {0, 0, -1};
   surfel.color = kGrassGreen;
-  surfel.radius_m = 0.05f;
+  surfel.radius_m = radius_m;
   surfel.confidence = 20;
   for (int i = -30; i <= 30; ++i) {
     for (int j = -30; j <= 30; ++j) {
@@ -63,6 +63,14 @@ TEST(LivePictures, ShowTheModelByColourAndByNormal) {
   const Image<Rgb8> normals = pictures.OfModel(WallAhead(), {}, ModelColors::kNormals);
   EXPECT_EQ(Count(normals, kGrassGreen), 0);
   EXPECT_GT(Count(normals, {128, 128, 0}), 0.8 * kPixels);
+}
+
+// Discs of 24 mm leave a pixel free amid four of them, 40 mm apart.
+TEST(LivePictures, ShowTheModelWithoutHoles) {
+  LivePictures pictures({kCamera, {}});
+  const int whole = Count(pictures.OfModel(WallAhead(), {}, ModelColors::kColor), kGrassGreen);
+  EXPECT_GT(Count(pictures.OfModel(WallAhead(0.024f), {}, ModelColors::kColor), kGrassGreen),
+            0.99 * whole);
 }
 
 TEST(LivePictures, TellInRedThatItIsLost) {
