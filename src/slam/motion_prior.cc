@@ -1,5 +1,8 @@
 #include "slam/motion_prior.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "registration/decompositions.h"
 #include "slam/variances.h"
 
@@ -18,13 +21,23 @@ ExpectedPose In(const Rigid3d& new_from_old_target, const ExpectedPose& expected
 }
 
 ExpectedPose MostLikely(const ExpectedPose& expected, const Rigid3d& registered,
-                        const Matrix6d& information) {
+                        const Matrix6d& information, double most_sigmas) {
   const Rigid3d moved = registered * expected.target_from_source.Inverse();
   Vector6d motion;  // as one increment, to first order
   motion << QuaternionLog<double>(moved.rotation), moved.translation;
-  const Matrix6d covariance = SymmetricInverse(information + SymmetricInverse(expected.covariance));
-  return {LeftIncrement<double>(covariance * (information * motion), expected.target_from_source),
-          covariance};
+  const Matrix6d of_expected = SymmetricInverse(expected.covariance);
+  const GeneralizedEigen both = EigenOf(information, of_expected);
+  const Vector6d away = both.vectors.transpose() * (of_expected * motion);
+  Vector6d worth, way;
+  for (int i = 0; i < 6; ++i) {
+    worth[i] = std::max(0., both.values[i]);
+    const double sigmas = std::abs(away[i]) / most_sigmas;
+    if (sigmas > 1) worth[i] = std::min(worth[i], 1 / (sigmas * sigmas - 1));
+    way[i] = worth[i] / (1 + worth[i]) * away[i];
+  }
+  const Vector6d left = (1 + worth.array()).inverse();
+  return {LeftIncrement<double>(both.vectors * way, expected.target_from_source),
+          both.vectors * left.asDiagonal() * both.vectors.transpose()};
 }
 
 MotionPrior::MotionPrior(double acceleration_m_per_s2, double turn_acceleration_rad_per_s2)

@@ -17,12 +17,14 @@ struct ExpectedPose {
 // The same in another frame.
 ExpectedPose In(const Rigid3d& new_from_old_target, const ExpectedPose& expected);
 
-// Registration found a pose, with some information on the left increment. The most likely one,
-// given both: it goes the way from the expected pose as far as the information is worth,
-// x = (I + P^-1)^-1 I m, and its covariance is (I + P^-1)^-1 (a Kalman filter's update, in the form
-// of information).
+// Registration found a pose, with some information I on the left increment. The most likely one,
+// given both, P the expected one's covariance: along columns v with V^T P^-1 V = 1 and
+// V^T I V = diag(w), it goes w / (1 + w) of the way z from the expected pose, and 1 / (1 + w) of
+// the variance is left (a Kalman filter's update). By what both say, z has the variance 1 + 1 / w.
+// Where it is more than so many standard deviations, the information is said to be more than it is,
+// and w is taken as small as makes it that many.
 ExpectedPose MostLikely(const ExpectedPose& expected, const Rigid3d& registered,
-                        const Matrix6d& information);
+                        const Matrix6d& information, double most_sigmas);
 
 // What is known of a camera's steady motion, and how surely: a Kalman filter over its velocity,
 // which random accelerations change.

@@ -1,6 +1,7 @@
 #include "slam/tracker.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "surfit/core/trace.h"
@@ -16,6 +17,11 @@ constexpr int kSearchStride = 5;
 
 // Over more time a hand does not move steadily.
 constexpr double kMaxMotion_s = 0.1;
+constexpr int kSteadyFrames = 3;  // the same, where frames come as from a camera
+
+// A registration that shapes hold poorly, farther from where the camera is expected, is led astray:
+// by intensities that repeat, as of planks. Of accelerations of 2 m/s^2, a hand's, these are 1 g.
+constexpr double kMostSigmas = 5;
 
 // A camera that was tracked until then is near enough to be tracked on.
 constexpr double kFollows_s = 1;
@@ -82,9 +88,18 @@ std::optional<Rigid3d> Tracker::PredictNext() const {
   if (proposal_) return proposal_->view.world_from_view;
   if (!is_last_known_) return last_.world_from_view;
   if (options_.motion_model == "so3") return std::nullopt;
-  // After a loss the motion is unknown: start where the camera was last seen.
-  if (lost_count_ > 0 || options_.motion_model == "constant_pose") return last_.world_from_view;
-  return last_.world_from_view * last_from_next_;
+  if (options_.motion_model == "constant_pose") return last_.world_from_view;
+  // After a loss the motion is unknown, unless accelerations are given: start where the camera was
+  // last seen.
+  if (lost_count_ > 0 && !MovesOn()) return last_.world_from_view;
+  Rigid3d expected = last_.world_from_view;
+  for (int i = 0; i <= lost_count_; ++i) expected = expected * last_from_next_;
+  return expected;
+}
+
+bool Tracker::MovesOn() const {
+  return options_.acceleration_m_per_s2 > 0 && has_started_ && is_last_known_ && !proposal_ &&
+         lost_count_ < kSteadyFrames;
 }
 
 Rigid3d Tracker::Predict(const PreparedFrame& frame) const {
@@ -124,8 +139,7 @@ Tracked Tracker::Track(const PreparedFrame& frame, const ReferenceView& referenc
 
 std::optional<Matrix6d> Tracker::ExpectedCovariance(const PreparedFrame& frame) const {
   const double seconds = frame.images.stamp_s - last_stamp_s_;
-  const bool moves_on = has_started_ && is_last_known_ && lost_count_ == 0 && !proposal_;
-  if (!moves_on || !(seconds > 0) || options_.acceleration_m_per_s2 == 0) return std::nullopt;
+  if (!MovesOn() || !(seconds > 0)) return std::nullopt;
   return motion_prior_.Covariance(seconds);
 }
 
@@ -164,7 +178,8 @@ HeldPose Tracker::Hold(const FramePyramid& frame, const Registering& registering
   HeldPose held = HoldByData(frame, registering, reference_from_start);
   if (!registering.expected || !held.icp.Succeeded()) return held;
   const ExpectedPose likely =
-      MostLikely(*registering.expected, held.icp.target_from_source, held.icp.trusted_information);
+      MostLikely(*registering.expected, held.icp.target_from_source, held.icp.trusted_information,
+                 held.is_poorly_held ? kMostSigmas : std::numeric_limits<double>::infinity());
   held.icp.target_from_source = likely.target_from_source;
   held.covariance = likely.covariance;
   return held;
@@ -245,8 +260,12 @@ bool Tracker::IsDoubtful(const Tracked& tracked) const {
          (doubts() && (needs_search_ || tracked.icp.inlier_share < options_.sure_inlier_share));
 }
 
+bool Tracker::IsUnexpected(const Tracked& found) const {
+  return MovesOn() && !AreOnePlace(*PredictNext(), found.world_from_camera);
+}
+
 Tracked Tracker::Better(Tracked tracked, std::optional<Tracked> found) const {
-  if (found) {
+  if (found && !(tracked.is_held() && IsUnexpected(*found))) {
     if (!tracked.is_held() || !Agree(tracked, *found)) return *std::move(found);
     tracked.verdict = Verdict::kBelieved;
     tracked.has_second = true;
@@ -264,7 +283,9 @@ std::optional<Rigid3d> Tracker::FindFromLast(const PreparedFrame& frame) const {
   const TraceSlice slice("find_again", frame.images.index);
   InitializeOptions initialization;
   initialization.method = options_.initialize;
-  if (doubts()) initialization.fit = ShapesAlone();
+  // A plain surface agrees with itself all along: there colours have a say.
+  const bool is_plain = is_poorly_held_ && options_.acceleration_m_per_s2 > 0;
+  if (doubts() && !is_plain) initialization.fit = ShapesAlone();
   IcpOptions icp_options = FarIcpOptions();
   icp_options.min_source_rows = options_.icp.min_source_rows;
   const FarVerdict found = RegisterFar(frame.view, last_.view, initialization, icp_options);
@@ -339,18 +360,28 @@ Tracked Tracker::Checked(const PreparedFrame& frame, Tracked tracked) {
   return tracked;
 }
 
-void Tracker::Keep(PreparedFrame frame, const Tracked& tracked) {
-  proposal_.reset();
-  confirmed_.reset();
-  // The way over lost frames is not one frame's motion, nor is a jump.
+// The way over lost frames is not one frame's motion, nor is a jump. Where a camera is found again
+// about where it was expected, it has moved as before.
+void Tracker::KeepMotion(const PreparedFrame& frame, const Tracked& tracked) {
+  const double seconds = frame.images.stamp_s - last_stamp_s_;
   const bool is_next = has_started_ && is_last_known_ && lost_count_ == 0 && !tracked.found_again;
-  last_from_next_ =
-      is_next ? last_.world_from_view.Inverse() * tracked.world_from_camera : Rigid3d();
+  const std::optional<Matrix6d> expected = ExpectedCovariance(frame);
+  const bool moved_on = !is_next && expected && !IsUnexpected(tracked);
   motion_ = MotionTo(frame.images.stamp_s, tracked);
   motion_prior_.Forget();
-  if (is_next && tracked.motion_covariance) {
-    motion_prior_.Keep(*tracked.motion_covariance, frame.images.stamp_s - last_stamp_s_);
+  if (moved_on) {
+    motion_prior_.Keep(*expected, seconds);
+    return;
   }
+  last_from_next_ =
+      is_next ? last_.world_from_view.Inverse() * tracked.world_from_camera : Rigid3d();
+  if (is_next && tracked.motion_covariance) motion_prior_.Keep(*tracked.motion_covariance, seconds);
+}
+
+void Tracker::Keep(PreparedFrame frame, const Tracked& tracked) {
+  KeepMotion(frame, tracked);
+  proposal_.reset();
+  confirmed_.reset();
   last_stamp_s_ = frame.images.stamp_s;
   needs_search_ = tracked.found_again;
   is_poorly_held_ = tracked.is_poorly_held;

@@ -164,7 +164,7 @@ class Tracker {
   void Keep(PreparedFrame frame, const Tracked& tracked);
   void Lose() {
     ++lost_count_;
-    motion_prior_.Forget();
+    if (!MovesOn()) motion_prior_.Forget();
     confirmed_.reset();
     needs_search_ = true;
   }
@@ -173,6 +173,11 @@ class Tracker {
   void Move(const Rigid3d& new_from_old_world);
 
  private:
+  // Accelerations are given, and so few frames have been lost that the camera moves as before.
+  bool MovesOn() const;
+  // Found far from where it was expected: by a place that looks alike.
+  bool IsUnexpected(const Tracked& found) const;
+  void KeepMotion(const PreparedFrame& frame, const Tracked& tracked);
   // How surely a frame is where it is expected; nothing where the motion does not tell.
   std::optional<Matrix6d> ExpectedCovariance(const PreparedFrame& frame) const;
   Tracked RegisterTo(const ReferenceView& reference, const PreparedFrame& frame,

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 namespace surfit {
 namespace {
@@ -19,19 +20,36 @@ Rigid3d Shifted(double x_m, double y_m) {
   return Rigid3d(Eigen::Quaterniond::Identity(), Eigen::Vector3d(x_m, y_m, 0));
 }
 
+constexpr double kNoBound = std::numeric_limits<double>::infinity();
+
 TEST(MostLikely, GoesAsFarAsTheInformationIsWorth) {
   const ExpectedPose expected = {Shifted(1, 2), Diagonal(1e-4, 1e-4)};
   Matrix6d information = Diagonal(1e10, 0);
   information(3, 3) = 1e10;  // much more than is known before
   information(4, 4) = 1e4;   // as much; nothing along z
   const Rigid3d registered(Eigen::Quaterniond::Identity(), Eigen::Vector3d(1.01, 2.02, 0.03));
-  const ExpectedPose likely = MostLikely(expected, registered, information);
+  const ExpectedPose likely = MostLikely(expected, registered, information, kNoBound);
   EXPECT_NEAR(likely.target_from_source.translation.x(), 1.01, 1e-6);
   EXPECT_NEAR(likely.target_from_source.translation.y(), 2.01, 1e-6);
   EXPECT_NEAR(likely.target_from_source.translation.z(), 0, 1e-6);
   EXPECT_NEAR(likely.covariance(3, 3), 1e-10, 1e-12);
   EXPECT_NEAR(likely.covariance(4, 4), 0.5e-4, 1e-9);
   EXPECT_NEAR(likely.covariance(5, 5), 1e-4, 1e-9);
+}
+
+// 1 cm of standard deviation is expected, registration is sure of a tenth of a millimetre. Within
+// three standard deviations it is right. Ten cannot be: from w = 1 / ((10 / 3)^2 - 1) there are
+// left w / (1 + w) = .09 of the way.
+TEST(MostLikely, HardlyGoesToWhereTheCameraCannotBe) {
+  const ExpectedPose expected = {Rigid3d(), Diagonal(1e-4, 1e-4)};
+  const Matrix6d information = Diagonal(1e8, 1e8);
+  const ExpectedPose near = MostLikely(expected, Shifted(0.029, 0), information, 3);
+  EXPECT_NEAR(near.target_from_source.translation.x(), 0.029, 1e-5);
+  const ExpectedPose far = MostLikely(expected, Shifted(0.1, 0.01), information, 3);
+  EXPECT_NEAR(far.target_from_source.translation.x(), 0.009, 1e-5);
+  EXPECT_NEAR(far.target_from_source.translation.y(), 0.01, 1e-5);
+  EXPECT_NEAR(far.covariance(3, 3), 0.91e-4, 1e-9);
+  EXPECT_NEAR(far.covariance(4, 4), 1e-8, 1e-11);
 }
 
 // An increment of a frame seen from another one, as far away as that is, moves by the lever arm.

@@ -35,6 +35,28 @@ TEST(Slam, ALostFrameIsNotFusedAndTrackingGoesOnFromTheLastGoodPose) {
   }
 }
 
+// Four frames' way apart, and three times as far after two lost ones, where nothing is looked for.
+// A second frame confirms the first.
+TEST(Slam, GoesOnOverLostFramesWhereAccelerationsAreGiven) {
+  const SimulatedSequence room = SimulateRoom(12, 100, Sensor::kIdeal);
+  SlamOptions options;
+  options.initialize = "identity";
+  const auto state_after_loss = [&] {
+    Slam slam({room.camera, {}}, options, room.world_from_camera[0]);
+    FrameReport report;
+    for (int i = 0; i < 13; ++i) {
+      RgbdFrame frame = room.frames[4 * i];
+      frame.stamp_s = room.frames[i].stamp_s;
+      if (i == 9 || i == 10) frame.depth_m = Blank(0).depth_m;
+      report = slam.Process(frame);
+    }
+    return report.state;
+  };
+  EXPECT_EQ(state_after_loss(), FrameState::kLost);
+  options.acceleration_m_per_s2 = 2;
+  EXPECT_EQ(state_after_loss(), FrameState::kTracked);
+}
+
 // A ball close by instead of the room.
 TEST(Slam, APlaceThatDoesNotMatchIsLost) {
   const SimulatedSequence& room = IdealRoom();

@@ -112,6 +112,30 @@ TEST(Slam, MovesOnAsBeforeWhereTheDataDoNotTell) {
             0.5 * ErrorsOf(RunSlam(wall, SlamOptions(), start), wall.world_from_camera).max_m);
 }
 
+// One frame is of a place 6 cm to the side, as where intensities repeat.
+TEST(Slam, DoesNotBelieveAWallThatTheCameraCannotHaveReached) {
+  SimulatedSequence wall = Simulate("wall", 1, 40, Sensor::kKinect);
+  constexpr int kElsewhere = 30;
+  const Rigid3d aside = Rigid3d(Eigen::Quaterniond::Identity(), {0.06, 0, 0});
+  RgbdFrame& frame = wall.frames[kElsewhere];
+  const RgbdFrame other = RenderFrame(MakeScene("wall"), wall.camera,
+                                      wall.world_from_camera[kElsewhere] * aside, kElsewhere);
+  frame.color = other.color;
+  frame.depth_m = other.depth_m;
+  SlamOptions options;
+  options.poorly_held_photometric_weight = 1;
+  const auto error_m = [&] {
+    const SlamRun run = RunSlam(wall, options, wall.world_from_camera[0]);
+    return (run.reports[kElsewhere].world_from_camera.translation -
+            wall.world_from_camera[kElsewhere].translation)
+        .norm();
+  };
+  const double by_registration_m = error_m();
+  EXPECT_GT(by_registration_m, 0.05);
+  options.acceleration_m_per_s2 = 2;
+  EXPECT_LT(error_m(), 0.5 * by_registration_m);
+}
+
 TEST(Slam, ItsMotionHardlyMovesWhatTheDataHold) {
   SlamOptions by_motion;
   by_motion.acceleration_m_per_s2 = 2;
