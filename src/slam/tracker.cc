@@ -17,7 +17,8 @@ constexpr int kSearchStride = 5;
 
 // Over more time a hand does not move steadily.
 constexpr double kMaxMotion_s = 0.1;
-constexpr int kSteadyFrames = 3;  // the same, where frames come as from a camera
+// Over so many lost frames it does, if accelerations are given.
+constexpr int kSteadyFrames = 3;
 
 // A registration that shapes hold poorly, farther from where the camera is expected, is led astray:
 // by intensities that repeat, as of planks. Of accelerations of 2 m/s^2, a hand's, these are 1 g.

@@ -66,9 +66,9 @@ echo "  node2 is set down with ${lost//$'\n'/, }"
 wait_until "a fragment to be done" has_done_a fragment
 resume_node node2
 wait_until "a tile on node1" runs_a node1 tile
-lost_later=$(node_jobs node1)
 touch "$folder/killed"
 kill_node node1
+lost_later=$(node_jobs node1)  # as the cluster believes for some seconds
 echo "  node1 is killed with ${lost_later//$'\n'/, }"
 wait_until "node1 to be missed" node_is node1 DOWN
 wait "${running[0]}" || fail "the scan with failing nodes failed"
