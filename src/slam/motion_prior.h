@@ -21,8 +21,8 @@ ExpectedPose In(const Rigid3d& new_from_old_target, const ExpectedPose& expected
 // given both, P the expected one's covariance: along columns v with V^T P^-1 V = 1 and
 // V^T I V = diag(w), it goes w / (1 + w) of the way z from the expected pose, and 1 / (1 + w) of
 // the variance is left (a Kalman filter's update). By what both say, z has the variance 1 + 1 / w.
-// Where it is more than so many standard deviations, registration is surer than it can be,
-// and w is taken as small as makes it that many.
+// Where it is more than so many standard deviations, registration is surer than it can be, and w is
+// taken as small as makes it that many.
 ExpectedPose MostLikely(const ExpectedPose& expected, const Rigid3d& registered,
                         const Matrix6d& information, double most_sigmas);
 

@@ -88,8 +88,10 @@ def on_cores(cores):
     """What is begun there has them."""
     before = os.sched_getaffinity(0)
     os.sched_setaffinity(0, cores)
-    yield
-    os.sched_setaffinity(0, before)
+    try:
+        yield
+    finally:
+        os.sched_setaffinity(0, before)
 
 
 def run_offered(room, output, cores, viewers):
