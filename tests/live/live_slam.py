@@ -64,6 +64,14 @@ class ServedRun:
         self.process.stderr.close()
         return self.process.returncode, usage.ru_utime + usage.ru_stime
 
+    def end(self):
+        """Ends the run, where it has not come to its end."""
+        if self.process.returncode is None:
+            self.process.kill()
+            self.process.wait()
+            self.reader.join()
+            self.process.stderr.close()
+
     def summary(self):
         return json.loads((self.output / "summary.json").read_text())
 

@@ -54,9 +54,7 @@ def serve():
         return runs[-1]
     yield begin
     for run in runs:
-        if run.process.returncode is None:
-            run.process.kill()
-            run.finish()
+        run.end()
 
 
 def watch(browsers, run):
