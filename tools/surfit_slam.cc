@@ -168,6 +168,11 @@ void PrintSummary(const SlamRunSummary& s, const SlamRunOptions& options) {
   if (s.frames_dropped > 0) {
     std::printf("%d frames were offered, but not taken in time\n", s.frames_dropped);
   }
+  if (s.frames_hurried > 0) {
+    std::printf(
+        "frames were late: while %d of them came fewer were fused, at the worst one of %d\n",
+        s.frames_hurried, s.longest_map_period);
+  }
   if (s.pauses > 0) {
     std::printf("the camera was away %d times, %.1f s in all\n", s.pauses, s.paused_s);
   }

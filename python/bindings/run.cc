@@ -39,6 +39,10 @@ void BindRunSummary(py::module_& module) {
       .def_readonly("frames_fused", &Summary::frames_fused, "into the map")
       .def_readonly("frames_skipped", &Summary::frames_skipped, "that could not be read")
       .def_readonly("frames_dropped", &Summary::frames_dropped, "offered, but not taken in time")
+      .def_readonly("frames_hurried", &Summary::frames_hurried,
+                    "offered too fast: fewer of them were fused than map_period says")
+      .def_readonly("longest_map_period", &Summary::longest_map_period,
+                    "at the worst one of so many frames was fused; 0 where none are offered")
       .def_readonly("pauses", &Summary::pauses, "that a camera was unplugged, and came back")
       .def_readonly("paused_s", &Summary::paused_s, "in all")
       .def_readonly("frames_without_intensities", &Summary::frames_without_intensities,

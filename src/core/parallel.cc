@@ -88,11 +88,11 @@ void ParallelFor(int begin, int end, int grain, const std::function<void(int, in
     const int block_begin = begin + block * grain;
     body(block_begin, std::min(end, block_begin + grain));
   };
+  if (blocks > 1 && RunLoopInSpareTime(blocks, run_block)) return;
   if (blocks == 1 || ThreadCount() == 1) {
     for (int block = 0; block < blocks; ++block) run_block(block);
     return;
   }
-  if (RunLoopInSpareTime(blocks, run_block)) return;
   static SanitizerFence fork, join;
   const auto run_fenced_block = [&](int block) {
     fork.Acquire();

@@ -20,6 +20,8 @@
 namespace surfit {
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
 constexpr std::size_t kSlotsAtOnce = 8192;
 constexpr std::array kViews = {Shown::kFrame, Shown::kModel, Shown::kNormals};
 
@@ -91,8 +93,9 @@ struct LiveServer::Parts {
   Pace state_pace{0.1, 0.005}, path_pace{1, 0.003}, views_pace{0.1, 0.024}, map_pace{0, 0.008};
   std::array<bool, kShownCount> is_exact{};  // as it is after the last frame
   bool is_state_exact = false;
-  int map_rounds = 0;  // since the last frame
-  HttpServer server;   // ends before all that it uses
+  int map_rounds = 0;                          // since the last frame
+  std::optional<Clock::time_point> last_turn;  // of map, path and views
+  HttpServer server;                           // ends before all that it uses
 };
 
 // In a pause `must` holds, and all is given once.
@@ -194,10 +197,20 @@ std::string LiveServer::url() const {
                 parts_->token, "/");
 }
 
+// While a camera's next frame waits, pages wait as well, but not for ever.
 void LiveServer::Show(const SlamRunFrame& frame) {
+  constexpr double kCameraGap_ms = 33;
+  constexpr std::chrono::seconds kLongest(1);
   parts_->is_exact.fill(false);
   parts_->is_state_exact = false;
   parts_->map_rounds = 0;
+  const Clock::time_point now = Clock::now();
+  std::optional<Clock::time_point>& last_turn = parts_->last_turn;
+  if (!last_turn) last_turn = now;
+  if (frame.age_ms > kCameraGap_ms && now - *last_turn < kLongest) {
+    return parts_->GiveStateIfDue(/*must=*/false);
+  }
+  last_turn = now;
   parts_->GiveAll(frame, /*must=*/false);
 }
 
@@ -226,10 +239,8 @@ void LiveServer::Keep(const SlamRunResult& result) {
 // Pages ask for the rest of the map at once: who has been given nothing of it for a while has all.
 void LiveServer::Stay() {
   constexpr double kMost_s = 10, kWhile_s = 2;
-  const auto begin = std::chrono::steady_clock::now();
-  const auto gone_s = [&] {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  };
+  const auto begin = Clock::now();
+  const auto gone_s = [&] { return std::chrono::duration<double>(Clock::now() - begin).count(); };
   const ShownRun& shown = parts_->shown;
   while (gone_s() < kMost_s && shown.IsWanted(Shown::kState) &&
          shown.SinceLastChange_s() < kWhile_s) {

@@ -7,12 +7,15 @@ namespace surfit {
 namespace {
 
 constexpr int kRadius = 14, kConfidence = 15;  // places in ShownSurfel
+constexpr std::uint32_t kBlock = 256;          // slots
 
 std::uint64_t Millimetres(float metres) {
   constexpr double kBorder = 1 << 20;
   const double shifted = std::floor(1000. * static_cast<double>(metres) + kBorder + 0.5);
   return static_cast<std::uint64_t>(std::clamp(shifted, 0., 2 * kBorder - 1));
 }
+
+std::size_t BlockCount(std::size_t slots) { return (slots + kBlock - 1) / kBlock; }
 
 }  // namespace
 
@@ -51,6 +54,10 @@ void MapSample::Fit(const SurfelMap& map) {
     }
     surfels_.resize(left);
     versions_.resize(left);
+    for (std::size_t i = 0; i < newest_.size(); ++i) {
+      newest_[i / 2] = std::max(i % 2 == 0 ? 0 : newest_[i / 2], newest_[i]);
+    }
+    newest_.resize(BlockCount(left));
     next_ /= 2;
     shown_ = static_cast<std::size_t>(
         std::count_if(surfels_.begin(), surfels_.end(),
@@ -59,6 +66,7 @@ void MapSample::Fit(const SurfelMap& map) {
   if (needed() <= surfels_.size()) return;
   surfels_.resize(needed(), ShownSurfel{});
   versions_.resize(needed(), 0);
+  newest_.resize(BlockCount(needed()), 0);
 }
 
 void MapSample::Look(const SurfelMap& map, std::uint32_t slot) {
@@ -70,7 +78,7 @@ void MapSample::Look(const SurfelMap& map, std::uint32_t slot) {
   shown_ += (now[kRadius] != 0 ? 1 : 0);
   shown_ -= (before[kRadius] != 0 ? 1 : 0);
   before = now;
-  versions_[slot] = version_;
+  versions_[slot] = newest_[slot / kBlock] = version_;
 }
 
 bool MapSample::Update(const SurfelMap& map, std::size_t slots) {
@@ -89,6 +97,7 @@ void MapSample::Reset(const SurfelMap& map) {
   shown_ = 0;
   surfels_.clear();
   versions_.clear();
+  newest_.clear();
   Update(map, most_slots_);
 }
 
@@ -105,6 +114,10 @@ SampleChanges MapSample::ChangesFrom(SamplePlace place, std::size_t most) const 
   changes.slots = static_cast<std::uint32_t>(surfels_.size());
   changes.version = version_;
   for (std::uint32_t slot = place.slot; slot < changes.slots; ++slot) {
+    if (newest_[slot / kBlock] <= place.version) {
+      slot |= kBlock - 1;  // its last: nothing of the block has changed
+      continue;
+    }
     if (versions_[slot] <= place.version) continue;
     if (changes.slot.size() == most) {
       changes.next = slot;

@@ -70,6 +70,7 @@ class MapSample {
   std::size_t shown_ = 0;
   std::vector<ShownSurfel> surfels_;
   std::vector<std::uint32_t> versions_;  // when they have changed
+  std::vector<std::uint32_t> newest_;    // for each kBlock slots: no version of them is newer
 };
 
 }  // namespace surfit

@@ -91,14 +91,15 @@ double RunStatistics::CompleteFrame() {
   return ms;
 }
 
+double RunStatistics::AgeMs(const ReadResult& result, Clock::time_point now) const {
+  return result.queued_ms + std::chrono::duration<double, std::milli>(now - taken_).count();
+}
+
 void RunStatistics::AddTimes(const ReadResult& result, const StageTimes& times, double write_ms,
                              bool offered) {
   if (offered) {
-    const auto since_offered = [&](Clock::time_point now) {
-      return result.queued_ms + std::chrono::duration<double, std::milli>(now - taken_).count();
-    };
-    latency_ms_.push_back(since_offered(Clock::now()));
-    pose_latency_ms_.push_back(since_offered(pose_known_));
+    latency_ms_.push_back(AgeMs(result));
+    pose_latency_ms_.push_back(AgeMs(result, pose_known_));
   }
   const std::array<double, kStages.size()> stages_ms = {
       result.decode_ms, times.preprocess_ms, times.predict_ms, times.track_ms,

@@ -28,6 +28,8 @@ class RunStatistics {
   // How long each stage of a processed frame took. An offered frame was taken from the queue by
   // CountRead().
   void AddTimes(const ReadResult& result, const StageTimes& times, double write_ms, bool offered);
+  // Of an offered frame that was taken by CountRead(): since it was offered.
+  double AgeMs(const ReadResult& result) const { return AgeMs(result, Clock::now()); }
   // What `call` takes is no frame's time.
   template <typename Call>
   void LeaveOut(const Call& call) {
@@ -50,6 +52,7 @@ class RunStatistics {
                                                          "fuse",   "correct",    "write"};
 
   void CountFused(const FrameReport& report, std::int64_t valid_points);
+  double AgeMs(const ReadResult& result, Clock::time_point now) const;
 
   const SlamOptions& options_;
   const Clock::time_point start_ = Clock::now();

@@ -25,6 +25,10 @@ class SequenceSlam {
   // False until the first frame: its stamp may tell the pose to begin at.
   bool HasBegun() const { return slam_ != nullptr; }
   FrameReport Process(const RgbdFrame& frame);
+  // Slam::SetMapPeriod(); the first frame is fused in any case.
+  void SetMapPeriod(int frames) {
+    if (slam_) slam_->SetMapPeriod(frames);
+  }
   // Takes in the last loops, and corrects the trajectory by all of them.
   void Finish();
   // The trajectory of the frames so far, as it is, where SLAM has ended within a frame.

@@ -128,6 +128,8 @@ void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
   j["held_out_frames"] = s.held_out_frames;
   j["frames_skipped"] = s.frames_skipped;
   j["frames_dropped"] = s.frames_dropped;
+  j["frames_hurried"] = s.frames_hurried;
+  j["longest_map_period"] = s.longest_map_period;
   j["pauses"] = s.pauses;
   j["paused_s"] = s.paused_s;
   j["frames_without_intensities"] = s.frames_without_intensities;

@@ -18,6 +18,7 @@
 #include "run/kept_session.h"
 #include "run/kept_views.h"
 #include "run/localization.h"
+#include "run/map_period.h"
 #include "run/output_files.h"
 #include "run/prior_doubt.h"
 #include "run/result_files.h"
@@ -64,6 +65,7 @@ class SlamRun {
       : options_(options),
         session_(session),
         statistics_(options.slam),
+        map_period_(options.slam.map_period),
         source_(OpenSource(options, interrupted)),
         info_(source_->info()),
         given_field_(ReadDepthField(options.sequence, info_.format)),
@@ -100,8 +102,12 @@ class SlamRun {
       statistics_.CountRead(*result);
       if (result->frame) {
         const FrameReport report = Process(*result);
-        const SlamRunFrame frame = {*result->frame, report, slam_.map(), slam_.slam().sensor(),
-                                    slam_.slam().backend()};
+        const SlamRunFrame frame = {*result->frame,
+                                    report,
+                                    slam_.map(),
+                                    slam_.slam().sensor(),
+                                    slam_.slam().backend(),
+                                    options_.OffersFrames() ? statistics_.AgeMs(*result) : 0};
         Tell(&frame, progress);
       } else {
         Skip(*result);
@@ -129,6 +135,7 @@ class SlamRun {
     const RgbdFrame& frame = *result.frame;
     const TraceSlice slice("frame", frame.index);
     is_whole_ = false;
+    if (options_.OffersFrames()) slam_.SetMapPeriod(map_period_.For(result.queued_ms));
     FrameReport report = slam_.Process(frame);
     is_whole_ = true;
     statistics_.CountProcessed(frame, report);
@@ -159,6 +166,8 @@ class SlamRun {
     if (final_map_) summary.refinement = refinement_;
     summary.final_map_s = final_map_s_;
     summary.interrupted = interrupted;
+    summary.frames_hurried = map_period_.frames_hurried();
+    summary.longest_map_period = map_period_.longest();
     summary.sensor_latency_s = slam_.info().camera.latency_s;
     if (slam_.slam().backend() || summary.refinement) {
       failures_.Try([&] { files_->Rewrite(slam_.trajectory()); });
@@ -294,6 +303,7 @@ class SlamRun {
   const SlamRunOptions& options_;
   KeptSession* const session_;
   RunStatistics statistics_;
+  MapPeriod map_period_;
   std::unique_ptr<TraceRecorder> trace_;  // outlives the source, which decodes on another thread
   std::unique_ptr<FrameSource> source_;   // closed once its frames have been processed
   const SequenceInfo info_;
@@ -323,7 +333,10 @@ SlamRunSummary RunSlam(const SlamRunOptions& options, const std::atomic<bool>& i
   const ThreadLimit limit(options.threads);
   SlamRunOptions run = options;
   // While a doubtful frame is looked for, the camera moves on: the next would be far, too.
-  if (options.OffersFrames()) run.slam.sure_inlier_share = 0;
+  if (options.OffersFrames()) {
+    run.slam.sure_inlier_share = 0;
+    run.slam.real_time = true;
+  }
   std::unique_ptr<KeptSession> session;
   if (!run.session.empty()) session = std::make_unique<KeptSession>(&run);
   SlamRun slam(run, session.get(), interrupted);

@@ -26,10 +26,11 @@ void ScanPlanOptions::Visit(OptionVisitor& v) {
         "the sequence: a folder, or a .klg, .sens, .bag, .db3 or .mcap file; several --sequence "
         "are recordings of one place",
         Required(), Repeatable(), AsFlag("sequence"), Everyday());
-  v.AddPart(run, "run", "how each fragment is tracked", OptionalPart(),
-            WithoutFlags({"sequence", "loop_closure", "calibrate", "refine", "final_map",
-                          "pictures", "report", "keep_places", "session", "continue", "localize",
-                          "trace", "dump_failures", "offered_fps", "poses", "initial_pose"}));
+  v.AddPart(
+      run, "run", "how each fragment is tracked", OptionalPart(),
+      WithoutFlags({"sequence", "loop_closure", "calibrate", "refine", "final_map", "pictures",
+                    "report", "keep_places", "session", "continue", "localize", "trace",
+                    "dump_failures", "offered_fps", "real_time", "poses", "initial_pose"}));
   v.Group("fragments");
   v.Add(fragment_frames, "fragment_frames", "frames of a fragment at most", AtLeast(2), AsFlag(),
         Everyday());

@@ -28,11 +28,12 @@ double Displacement(const Rigid3d& new_from_old, const Eigen::Vector3d& camera) 
 }  // namespace
 
 Backend::Backend(const DepthSensor& sensor, const PreprocessOptions& preprocess,
-                 const LoopOptions& loops, const CalibrationOptions& calibration, LoopFinder finder)
-    : options_(Validated(loops)) {
-  if (loops.enabled) closer_ = std::make_unique<LoopCloser>(loops, std::move(finder));
+                 const LoopOptions& loops, const CalibrationOptions& calibration, LoopFinder finder,
+                 bool real_time)
+    : options_(Validated(loops)), real_time_(real_time) {
+  if (loops.enabled) closer_ = std::make_unique<LoopCloser>(loops, std::move(finder), real_time);
   if (calibration.enabled) {
-    calibrator_ = std::make_unique<Calibrator>(sensor, preprocess, calibration);
+    calibrator_ = std::make_unique<Calibrator>(sensor, preprocess, calibration, real_time);
   }
 }
 
@@ -40,20 +41,31 @@ Backend::~Backend() = default;
 
 // Both count their frames; what is found of the camera is applied to a world at rest.
 std::vector<WorldCorrection> Backend::BeginFrame() {
-  const bool are_loops_due = closer_ && closer_->task().IsDueAfterStep();
-  const bool is_calibration_due = calibrator_ && calibrator_->task().IsDueAfterStep();
+  const auto is_due = [&](auto* task) {
+    return real_time_ ? task->IsThereAfterStep() : task->IsDueAfterStep();
+  };
+  const bool are_loops_due = closer_ && is_due(&closer_->task());
+  const bool is_calibration_due = calibrator_ && is_due(&calibrator_->task());
   std::vector<WorldCorrection> corrections;
   if (are_loops_due) {
     counts_.waits += closer_->task().IsAtWork();
     TakeLoops(&corrections);
-    if (!waiting_.empty()) StartTask();
+    StartTaskIfFree();
   }
-  if (is_calibration_due) {
+  if (is_calibration_due && !(real_time_ && closer_ && closer_->task().IsUnderWay())) {
     counts_.waits += calibrator_->task().IsAtWork();
-    FinishLoops(&corrections);
+    if (!real_time_) FinishLoops(&corrections);
     TakeCalibration(&corrections);
+    StartTaskIfFree();
   }
   return corrections;
+}
+
+// In real time none begins before what has been found of the camera is applied.
+void Backend::StartTaskIfFree() {
+  if (!closer_ || waiting_.empty() || closer_->task().IsUnderWay()) return;
+  if (real_time_ && calibrator_ && calibrator_->task().IsThere()) return;
+  StartTask();
 }
 
 void Backend::AddFrame(const RgbdFrame& frame, const Rigid3d& world_from_camera,
@@ -108,7 +120,7 @@ void Backend::AddKeyframe(const RgbdFrame& frame, const IcpResult& icp,
       on_keyframe_(posed.index, added.view, calibrator_ ? calibrator_->last_keyframe() : nullptr);
     }
     waiting_.push_back(std::move(added));
-    if (!closer_->task().IsUnderWay()) StartTask();
+    StartTaskIfFree();
   }
   if (calibrator_ && calibrator_->IsTaskDue()) StartCalibration();
 }
@@ -203,6 +215,9 @@ void Backend::TakeCalibration(std::vector<WorldCorrection>* corrections) {
   WorldCorrection correction = Move(CorrectionsOfKeyframes(after));
   correction.recalibration = std::move(recalibration);
   if (closer_) closer_->Recalibrate(before, KeyframePoses());
+  for (NewKeyframe& added : waiting_) {
+    surfit::Recalibrate(before, KeyframePoses(), &added.edges);
+  }
   surfit::Recalibrate(before, KeyframePoses(), &edges_);
   corrections->push_back(std::move(correction));
 }

@@ -43,14 +43,15 @@ Image<T> Subsampled(const Image<T>& image) {
 }  // namespace
 
 Calibrator::Calibrator(const DepthSensor& sensor, const PreprocessOptions& preprocess,
-                       const CalibrationOptions& options)
+                       const CalibrationOptions& options, bool always_beside)
     : camera_(sensor.camera),
       sensor_(Subsampled(sensor)),
       preprocess_(preprocess),
       options_(options),
       given_{sensor.camera, {}, sensor.readout_s},
       calibration_(given_),
-      next_count_(options.first_keyframes) {
+      next_count_(options.first_keyframes),
+      task_(always_beside) {
   RefinementOptions& refinement = options_.refinement;
   refinement.prior.Complete(sensor.prior);
   const int cell_px = std::max(1, sensor_.camera.width / refinement.cells_across);

@@ -24,9 +24,9 @@ class Calibrator {
     std::vector<Rigid3d> world_from_keyframe_before, world_from_keyframe;
   };
 
-  // The sensor as given.
+  // The sensor as given; where `always_beside`, tasks are SpareTimeTask's.
   Calibrator(const DepthSensor& sensor, const PreprocessOptions& preprocess,
-             const CalibrationOptions& options);
+             const CalibrationOptions& options, bool always_beside);
 
   using Frames = std::vector<std::shared_ptr<const RgbdFrame>>;
   // Takes up what another one has found by these keyframes; without them that is the last word.

@@ -46,10 +46,11 @@ void Recalibrate(const std::vector<Rigid3d>& before, const std::vector<Rigid3d>&
   }
 }
 
-LoopCloser::LoopCloser(const LoopOptions& options, LoopFinder finder)
+LoopCloser::LoopCloser(const LoopOptions& options, LoopFinder finder, bool always_beside)
     : options_(options),
       finder_(finder ? std::move(finder) : OwnFinder(options.find)),
-      index_(options.places) {}
+      index_(options.places),
+      task_(always_beside) {}
 
 void LoopCloser::GoOnFrom(std::vector<Keyframe> keyframes, std::vector<PoseGraphEdge> edges) {
   for (Keyframe& keyframe : keyframes) {

@@ -44,7 +44,8 @@ struct LoopOutcome {
 // between them.
 class LoopCloser {
  public:
-  LoopCloser(const LoopOptions& options, LoopFinder finder);
+  // Where `always_beside`, tasks are SpareTimeTask's.
+  LoopCloser(const LoopOptions& options, LoopFinder finder, bool always_beside);
 
   // Takes up keyframes with their views, and the edges between them; before any task.
   void GoOnFrom(std::vector<Keyframe> keyframes, std::vector<PoseGraphEdge> edges);

@@ -51,7 +51,8 @@ Mapper::Mapper(const DepthSensor& sensor, const SlamOptions& options)
       sensor_(sensor),
       renderer_(options.render),
       newest_renderer_(WithAllStable(options.render)),
-      fusion_(options.fusion) {}
+      fusion_(options.fusion),
+      period_(options.map_period) {}
 
 void Mapper::GoOnFrom(SurfelMap map, const std::vector<int>& fused_frames,
                       const DepthSensor& sensor) {
@@ -96,7 +97,7 @@ bool Mapper::UpdateView(const Rigid3d& world_from_predicted, bool must, bool wit
 }
 
 bool Mapper::IsTurnToFuse(const PreparedFrame& frame, const Rigid3d& world_from_camera) const {
-  return unfused_count_ + 1 >= options_.map_period ||
+  return unfused_count_ + 1 >= period_ ||
          ImageShift(world_from_fused_.Inverse() * world_from_camera,
                     frame.view.pyramid.levels.back()) > options_.max_view_shift;
 }

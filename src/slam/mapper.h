@@ -49,8 +49,11 @@ class Mapper {
   // ahead. Returns whether the frame has its own.
   bool UpdateView(const Rigid3d& world_from_predicted, bool must, bool with_intensities);
 
-  // Of SlamOptions::map_period frames that are held one has its turn to be fused, and one that
-  // sees much that the last did not.
+  // Of so many frames that are held one has its turn to be fused, of SlamOptions::map_period at
+  // first.
+  void SetPeriod(int frames) { period_ = frames; }
+  bool is_hurried() const { return period_ > options_.map_period; }
+  // Also one that sees much that the last did not.
   bool IsTurnToFuse(const PreparedFrame& frame, const Rigid3d& world_from_camera) const;
   FusionReport Fuse(const PreparedFrame& frame, const Rigid3d& world_from_camera,
                     const CameraMotion& motion);
@@ -73,6 +76,7 @@ class Mapper {
   ReferenceView view_;
   bool has_view_ = false;     // of today's camera
   bool is_view_new_ = false;  // the map has not changed since it was drawn
+  int period_;
   int unfused_count_ = 0;     // frames that were held since the last one that was fused
   Rigid3d world_from_fused_;  // of that one
   std::size_t merged_doubles_ = 0;

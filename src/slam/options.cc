@@ -104,6 +104,10 @@ void SlamOptions::Visit(OptionVisitor& v) {
         ZeroIs("none"), AsFlag());
   v.AddPart(loops, "loops", "loop closure and relocalisation");
   v.AddPart(calibration, "calibration", "calibration of the depth camera");
+  v.Add(real_time, "real_time",
+        "let no frame wait for what is found of loops and the camera: it takes effect when it is "
+        "there, and the result depends on the machine; always so with --offered_fps and cameras",
+        AsFlag());
   v.Check([this] {
     if (hold_out == 1) throw InputError("hold_out is 1, must be 0 (none) or at least 2");
     if (acceleration_m_per_s2 > 0 && motion_model != "constant_velocity") {

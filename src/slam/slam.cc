@@ -61,6 +61,7 @@ class Slam::Pipeline {
   std::function<void(const FramePose&)>& on_pose() { return on_pose_; }
   PoseFinder& finder() { return finder_; }
   const Mapper& mapper() const { return mapper_; }
+  void SetMapPeriod(int frames) { mapper_.SetPeriod(frames); }
   const Backend* backend() const { return backend_.get(); }
   void OnKeyframe(KeyframeCall call) { backend_->OnKeyframe(std::move(call)); }
 
@@ -202,7 +203,7 @@ bool Slam::Pipeline::IsHeldOut(const Tracked& tracked) const {
 
 void Slam::Pipeline::MakeBackend(LoopFinder finder) {
   backend_ = std::make_unique<Backend>(sensor_, options_.preprocess, options_.loops,
-                                       options_.calibration, std::move(finder));
+                                       options_.calibration, std::move(finder), options_.real_time);
   finder_.UseBackend(backend_.get());
 }
 
@@ -240,7 +241,8 @@ PreparedFrame Slam::Pipeline::Prepare(const RgbdFrame& frame, const CameraMotion
 std::optional<FusionReport> Slam::Pipeline::FuseInTurn(const PreparedFrame& frame,
                                                        const Tracked& tracked, StageTimes* times) {
   const bool must = tracked.state == FrameState::kFirst || tracked.state == FrameState::kGiven ||
-                    tracked.found_again || tracked.is_by_newest || tracker_.needs_all();
+                    tracked.found_again || tracked.is_by_newest ||
+                    (tracker_.needs_all() && !mapper_.is_hurried());
   if (!must && !mapper_.IsTurnToFuse(frame, tracked.world_from_camera)) {
     mapper_.Skip();
     return std::nullopt;
@@ -291,6 +293,11 @@ void Slam::OnLostFrame(std::function<void(const LostFrame&)> call) {
 void Slam::UseLoopFinder(LoopFinder finder) { pipeline_->UseLoopFinder(std::move(finder)); }
 
 void Slam::OnKeyframe(KeyframeCall call) { pipeline_->OnKeyframe(std::move(call)); }
+
+void Slam::SetMapPeriod(int frames) {
+  if (frames < 1) throw InputError(Concat("frames is ", frames, ", must be at least 1"));
+  pipeline_->SetMapPeriod(frames);
+}
 
 void Slam::Finish() { pipeline_->Finish(); }
 

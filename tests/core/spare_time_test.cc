@@ -181,6 +181,43 @@ TEST(SpareTimeTask, RunsWhenAskedForWhereThereIsOneThread) {
   EXPECT_EQ(task.Take(), std::this_thread::get_id());
 }
 
+TEST(SpareTimeTask, RunsBesideItsUserInAnyCaseIfItMust) {
+  ThreadLimit limit(1);
+  SpareTimeTask<std::thread::id> task(/*always_beside=*/true);
+  task.Start(1, [] {
+    ParallelFor(0, 8, 1, [](int, int) { Compute(0.5); });
+    return std::this_thread::get_id();
+  });
+  EXPECT_NE(task.Take(), std::this_thread::get_id());
+}
+
+TEST(SpareTimeTask, ThatIsLateIsThereWhenItIsDone) {
+  for (const int threads : {1, 2}) {
+    ThreadLimit limit(threads);
+    std::promise<void> go_on;
+    SpareTimeTask<int> task(/*always_beside=*/true);
+    EXPECT_FALSE(task.IsThere() || task.IsThereAfterStep());
+    task.Start(2, [&] {
+      go_on.get_future().wait();
+      ParallelFor(0, 8, 1, [](int, int) { Compute(0.5); });
+      return 7;
+    });
+    for (int i = 0; i < 5; ++i) EXPECT_FALSE(task.IsThere() || task.IsThereAfterStep());
+    go_on.set_value();
+    task.Wait();
+    EXPECT_TRUE(task.IsThere() && task.IsThereAfterStep());
+    EXPECT_EQ(task.Take(), 7);
+  }
+}
+
+TEST(SpareTimeTask, IsNotThereBeforeItsSteps) {
+  SpareTimeTask<int> task(/*always_beside=*/true);
+  task.Start(2, [] { return 7; });
+  task.Wait();
+  EXPECT_FALSE(task.IsThereAfterStep());
+  EXPECT_TRUE(task.IsThereAfterStep());
+}
+
 TEST(SpareTimeTask, ThrowsOn) {
   SpareTimeTask<int> task;
   task.Start(1, []() -> int { throw InputError("bad"); });

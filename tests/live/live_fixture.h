@@ -34,7 +34,7 @@ class LiveFixture {
     ++rows_;
   }
 
-  SlamRunFrame Frame() const { return {frame_, report_, map_, sensor_, nullptr}; }
+  SlamRunFrame Frame() const { return {frame_, report_, map_, sensor_, nullptr, age_ms_}; }
 
   SlamRunProgress Progress(const SlamRunFrame* frame) const {
     SlamRunProgress progress;
@@ -59,6 +59,7 @@ class LiveFixture {
   RgbdFrame frame_;
   FrameReport report_;
   SurfelMap map_;
+  double age_ms_ = 0;  // of frames when they are told
   std::atomic<bool> interrupted_{false};
 
  private:

@@ -255,6 +255,19 @@ TEST_F(LiveServerTest, MakesNoPicturesForNobody) {
   EXPECT_EQ(Get("path").status, 204);
 }
 
+// A late run has other things to do than pictures, but for a second at most.
+TEST_F(LiveServerTest, WaitsWhileACamerasNextFrameDoes) {
+  State();  // somebody is looking
+  live_.age_ms_ = 40;
+  live_.Tell(&run_);
+  EXPECT_EQ(Get("path").status, 204);
+  EXPECT_EQ(Get("frame.jpg").status, 204);
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+  live_.Tell(&run_);
+  EXPECT_EQ(json::parse(Get("path").body)["places"].size(), 3 * 3u);
+  EXPECT_EQ(Get("frame.jpg").status, 200);
+}
+
 TEST_F(LiveServerTest, GivesWhatTheRunHasComeTo) {
   State();
   live_.Tell(&run_);

@@ -4,7 +4,10 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <future>
+#include <thread>
 
 #include "slam/edge_information.h"
 #include "slam/simulated_sequence.h"
@@ -167,6 +170,40 @@ TEST(Backend, TakesEffectSoManyFramesAfterItsTrigger) {
                                       [](const PosedFrame& frame) { return frame.keyframe == 1; });
     ASSERT_LT(trigger->index + delay, kFrames);
     EXPECT_THAT(run.corrected_at, ElementsAre(trigger->index + delay));
+  }
+}
+
+// Its finder is as slow as it likes: no frame waits, and the loop takes effect when it is found.
+TEST(Backend, InRealTimeTakesLoopsWhenTheyAreThere) {
+  for (const int threads : {1, 2}) {
+    const ThreadLimit limit(threads);
+    std::promise<void> go_on;
+    const std::shared_future<void> may_go_on = go_on.get_future().share();
+    const LoopFinder slow = [&](int source, const std::vector<Keyframe>& keyframes,
+                                const PlaceIndex& index) {
+      may_go_on.wait();
+      return TrueLoops(source, keyframes, index);
+    };
+    const std::vector<Rigid3d> odometry = DriftingPoses();
+    Backend backend({}, {}, Enabled(), NoCalibration(), slow, /*real_time=*/true);
+    const FramePyramid pyramid = FlatPyramid();
+    for (int i = 0; i < kFrames; ++i) {
+      EXPECT_TRUE(backend.BeginFrame().empty()) << i;
+      backend.AddFrame(Stamped(i, 0.03 * i), odometry[i], GoodIcp(), pyramid);
+    }
+    go_on.set_value();
+    const auto has_moved = [](const std::vector<WorldCorrection>& corrections) {
+      return !corrections.empty() && corrections.back().moves;
+    };
+    bool moved = false;
+    for (int i = 0; i < 1000 && !moved; ++i) {
+      moved = has_moved(backend.BeginFrame());
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    EXPECT_TRUE(moved);
+    EXPECT_EQ(backend.counts().waits, 0u);
+    EXPECT_THAT(backend.frames().back().world_from_camera,
+                RigidNear(TruePose(kFrames - 1), 0.01, 0.01));
   }
 }
 

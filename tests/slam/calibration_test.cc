@@ -37,18 +37,21 @@ SimulatedSequence WronglyGiven(SimulatedSequence sequence) {
 struct CalibratedRun {
   double rms_m = 0;  // of the final positions
   bool is_recalibrated = false;
+  std::size_t waits = 0;
   DepthCalibration found;
   std::vector<CalibrationRecord> calibrations;
   Trajectory trajectory;
   SurfelMap map;
 };
 
-CalibratedRun CalibratedRunOf(const SimulatedSequence& sequence) {
-  Slam slam({sequence.camera, {}}, SlamOptions(), sequence.world_from_camera[0]);
+CalibratedRun CalibratedRunOf(const SimulatedSequence& sequence,
+                              const SlamOptions& options = SlamOptions()) {
+  Slam slam({sequence.camera, {}}, options, sequence.world_from_camera[0]);
   for (const RgbdFrame& frame : sequence.frames) slam.Process(frame);
   slam.Finish();
   CalibratedRun run;
   const Backend& backend = *slam.backend();
+  run.waits = backend.counts().waits;
   run.is_recalibrated = backend.is_recalibrated();
   run.found = *backend.calibration();
   run.calibrations = backend.calibrations();
@@ -101,6 +104,21 @@ TEST(SlamCalibration, FindsACameraThatIsWrong) {
           i < 4 ? errors[i] : run.found.field.coefficients[i - 4] + (i == 5) * 0.02;
       EXPECT_LT(std::abs(error), 3 * sigma[i]) << "seed " << seed << ", number " << i;
     }
+  }
+}
+
+// Frames come one after the other, so that all tasks are late; loops are looked for as well.
+TEST(SlamCalibration, InRealTimeLetsNoFrameWait) {
+  SlamOptions options;
+  options.real_time = true;
+  options.loops.enabled = true;
+  for (const int threads : {1, 2}) {
+    const ThreadLimit limit(threads);
+    const SimulatedSequence room = WronglyGiven(SmallRoom());
+    const CalibratedRun run = CalibratedRunOf(room, options);
+    EXPECT_EQ(run.waits, 0u);
+    EXPECT_TRUE(run.is_recalibrated);
+    EXPECT_LT(run.rms_m, UncalibratedRms(room));
   }
 }
 

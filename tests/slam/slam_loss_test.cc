@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -182,10 +183,13 @@ TEST(Slam, StartsWithTheFirstFrameThatHasDepth) {
 }
 
 // The turns of some frames: f = fused, v = with a view of its own, b = both, - = neither.
-std::string TurnsOf(const SlamOptions& options, int frames) {
+// From those frames on the map period is another one.
+std::string TurnsOf(const SlamOptions& options, int frames,
+                    const std::map<int, int>& periods = {}) {
   Slam slam({IdealRoom().camera, {}}, options, {});
   std::string turns;
   for (int i = 0; i < frames; ++i) {
+    if (periods.count(i) > 0) slam.SetMapPeriod(periods.at(i));
     const std::size_t before = slam.map().size();
     const FrameReport report = slam.Process(IdealRoom().frames[i]);
     turns += report.is_fused && report.has_own_view ? 'b'
@@ -212,6 +216,14 @@ TEST(Slam, FusionAndViewsOfTheMapTakeTurns) {
   EXPECT_EQ(TurnsOf(options, 10), "fv--fv--fv");
 }
 
+TEST(Slam, MapPeriodMayChangeOnTheWay) {
+  SlamOptions options;
+  options.max_view_shift = 1e9;
+  options.min_turn_eigenvalue = 0;
+  options.map_period = 1;
+  EXPECT_EQ(TurnsOf(options, 11, {{3, 3}, {9, 1}}), "fbbv-fv-fbb");
+}
+
 TEST(Slam, WhatTheLastViewAndFusionDidNotShowIsDrawnAndFusedAtOnce) {
   SlamOptions options;
   options.map_period = 4;
@@ -225,6 +237,13 @@ TEST(Slam, NothingIsSparedAfterAFrameThatHoldsADirectionPoorly) {
   options.map_period = 4;
   options.min_turn_eigenvalue = 1;  // more than any frame's
   EXPECT_EQ(TurnsOf(options, 5), "fvbbb");
+}
+
+TEST(Slam, InHasteSuchFramesAreFusedInTurn) {
+  SlamOptions options;
+  options.map_period = 2;
+  options.min_turn_eigenvalue = 1;
+  EXPECT_EQ(TurnsOf(options, 6, {{0, 4}}), "fvvvbv");
 }
 
 TEST(Slam, TheFrameAfterALossIsFusedAndHasItsOwnView) {

@@ -235,6 +235,8 @@ TEST_F(SlamTool, TakesFramesAsACameraOffersThem) {
   EXPECT_THAT(result.out, HasSubstr("latency"));
   const nlohmann::json summary = Summary(Output()), free = Summary(Output("free"));
   EXPECT_EQ(summary["frames_dropped"], 0);
+  EXPECT_EQ(summary["frames_hurried"], 0);
+  EXPECT_EQ(summary["longest_map_period"], SlamOptions().map_period);
   EXPECT_EQ(summary["digest"], free["digest"]);
   EXPECT_GE(summary["total_s"], (kFrames - 1) / kSlowFps);
   EXPECT_LT(summary["frame_ms"]["median"], 1e3 / kSlowFps);  // without waiting

@@ -108,16 +108,20 @@ kill_node() {
   kill -KILL "${daemons[$1]}"
   { wait "${daemons[$1]}" || true; } 2>/dev/null  # else bash tells of its end
   unset "daemons[$1]"
-  local place environment parent pids=()
-  for place in /proc/[0-9]*; do
-    environment=$({ tr '\0' '\n' <"$place/environ"; } 2>/dev/null) || continue
-    grep -qx "SLURMD_NODENAME=$1" <<<"$environment" || continue
-    grep -qx "SLURM_CONF=$SLURM_CONF" <<<"$environment" || continue
-    pids+=("${place#/proc/}")
-    parent=$(awk '/^PPid:/ {print $2}' "$place/status" 2>/dev/null) || continue
-    [[ $(cat "/proc/$parent/comm" 2>/dev/null) != slurmstepd ]] || pids+=("$parent")
-  done
-  ((${#pids[@]} == 0)) || kill -KILL "${pids[@]}" 2>/dev/null || true
+  local process parent jobs=() parents=()
+  mapfile -t jobs < <(node_processes "$1")
+  for process in "${jobs[@]}"; do
+    parent=$(sed -n 's/^PPid:\t//p' "/proc/$process/status" 2>/dev/null) || continue
+    [[ $(<"/proc/$parent/comm") != slurmstepd ]] || parents+=("$parent")
+  done 2>/dev/null
+  # Who watches a job goes first, so that nobody tells of its end.
+  ((${#jobs[@]} == 0)) || kill -KILL "${parents[@]}" "${jobs[@]}" 2>/dev/null || true
+}
+
+# The processes of its jobs. These take seconds: one program finds them all at once.
+node_processes() {
+  grep -lzx "SLURMD_NODENAME=$1" /proc/[0-9]*/environ 2>/dev/null |
+    xargs -r grep -lzx "SLURM_CONF=$SLURM_CONF" 2>/dev/null | cut -d / -f 3
 }
 
 stop_cluster() {

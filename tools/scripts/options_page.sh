@@ -24,7 +24,7 @@ END
     scan_report simulate; do
     printf '\n## surfit_%s\n\n' "$program"
     "$programs/surfit_$program" --help=all |
-      sed -n '/^Options from/q; s/^Options of \(.*\):$/### \1\n/p; /^ /s/^/  /p; /^$/p' |
+      sed -n '/^Options from/,$d; s/^Options of \(.*\):$/### \1\n/p; /^ /s/^/  /p; /^$/p' |
       sed '1{/^$/d}' | cat -s
   done
 }

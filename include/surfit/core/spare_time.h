@@ -34,12 +34,13 @@ class SpareTime {
 };
 
 // A task on a thread of its own, one at a time, in spare time; where only one thread may compute,
-// when its result is asked for. The result is due after a number of steps of who began it, so that
-// no machine has a say in when it takes effect. Going, it waits for the task.
+// when its result is asked for, unless `always_beside`. The result is due after a number of steps
+// of who began it, so that no machine has a say in when it takes effect. Going, it waits for the
+// task.
 template <typename Result>
 class SpareTimeTask {
  public:
-  SpareTimeTask() = default;
+  explicit SpareTimeTask(bool always_beside = false) : always_beside_(always_beside) {}
   ~SpareTimeTask() { Drop(); }
   SpareTimeTask(const SpareTimeTask&) = delete;
   SpareTimeTask& operator=(const SpareTimeTask&) = delete;
@@ -48,7 +49,8 @@ class SpareTimeTask {
   template <typename Task>
   void Start(int due_after_steps, Task task) {
     steps_left_ = due_after_steps;
-    spare_time_ = ThreadCount() > 1 ? std::make_shared<SpareTime>() : nullptr;
+    const bool is_beside = always_beside_ || ThreadCount() > 1;
+    spare_time_ = is_beside ? std::make_shared<SpareTime>() : nullptr;
     const auto launch = spare_time_ ? std::launch::async : std::launch::deferred;
     result_ = std::async(launch, [spare_time = spare_time_, task = std::move(task)]() mutable {
       Result result;
@@ -62,6 +64,16 @@ class SpareTimeTask {
   bool IsUnderWay() const { return result_.valid(); }
   // Counts one step: whether there is a result that is due.
   bool IsDueAfterStep() { return IsUnderWay() && --steps_left_ <= 0; }
+  // The same where nobody must wait: whether the result is there as well. What is late is done in
+  // spare time no longer.
+  bool IsThereAfterStep() {
+    if (!IsDueAfterStep()) return false;
+    if (!IsAtWork()) return true;
+    spare_time_->Await();
+    return false;
+  }
+  // Its result can be taken at once.
+  bool IsThere() const { return IsUnderWay() && !IsAtWork(); }
   // Its result is to be waited for.
   bool IsAtWork() const {
     return IsUnderWay() && result_.wait_for(std::chrono::seconds(0)) == std::future_status::timeout;
@@ -83,7 +95,8 @@ class SpareTimeTask {
   }
 
  private:
-  std::shared_ptr<SpareTime> spare_time_;  // null where only one thread may compute
+  bool always_beside_;
+  std::shared_ptr<SpareTime> spare_time_;  // null where the task has no thread
   std::future<Result> result_;
   int steps_left_ = 0;
 };

@@ -64,6 +64,8 @@ struct SlamRunFrame {
   const SurfelMap& map;
   DepthSensor sensor;                // of the frame
   const Backend* backend = nullptr;  // that closes loops; null where there is none
+  // Since it was offered, or came from a camera; 0 where frames wait for the run.
+  double age_ms = 0;
 };
 
 // How far a run has come.
@@ -127,9 +129,12 @@ struct SlamRunSummary {
   std::vector<int> held_out_frames;  // indices of tracked ones that SlamOptions::hold_out left out
   int frames_skipped = 0;            // could not be read
   int frames_dropped = 0;            // offered, but not taken in time: not in frames_total
-  int pauses = 0;                    // that a camera was unplugged, and came back
-  double paused_s = 0;               // in all
-  BackendCounts loops;               // all zero without loops and calibration
+  // While these came, offered too fast, fewer were fused than SlamOptions::map_period says.
+  int frames_hurried = 0;
+  int longest_map_period = 0;  // at the worst, one of so many; 0 where none are offered
+  int pauses = 0;              // that a camera was unplugged, and came back
+  double paused_s = 0;         // in all
+  BackendCounts loops;         // all zero without loops and calibration
   std::vector<CalibrationRecord> calibrations;  // of the depth camera, in their order
   std::optional<FinalRefinement> refinement;    // none where the camera is as given, or not refined
   // Of the frames as they were given; the last that was found, or none where they are right.

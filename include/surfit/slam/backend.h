@@ -179,12 +179,13 @@ struct BackendCounts {
 // Keeps the frames' poses and chooses keyframes while the camera is tracked. With loops enabled,
 // looks for them and optimises the pose graph; with calibration enabled, finds the depth camera's:
 // each on a thread of its own, one task at a time, where there may be more than one. What comes of
-// a task takes effect a number of frames after it was begun that no machine has a say in.
+// a task takes effect a number of frames after it was begun that no machine has a say in; in real
+// time, with the first frame from that one on that does not have to wait for it.
 class Backend {
  public:
   // The sensor is as given. Throws InputError for bad options.
   Backend(const DepthSensor& sensor, const PreprocessOptions& preprocess, const LoopOptions& loops,
-          const CalibrationOptions& calibration, LoopFinder finder = {});
+          const CalibrationOptions& calibration, LoopFinder finder = {}, bool real_time = false);
   ~Backend();
 
   // Takes up what another one has known; with loops enabled, before the first frame. All of the
@@ -250,6 +251,7 @@ class Backend {
                                       const IcpResult& icp) const;
   std::vector<Rigid3d> KeyframePoses() const;
   void StartTask();
+  void StartTaskIfFree();
   void StartCalibration();
   void TakeLoops(std::vector<WorldCorrection>* corrections);
   void FinishLoops(std::vector<WorldCorrection>* corrections);
@@ -263,6 +265,7 @@ class Backend {
   std::size_t SubmapsApart() const;
 
   LoopOptions options_;
+  bool real_time_;
   std::vector<PosedFrame> frames_;
   std::vector<int> frame_of_keyframe_;   // positions in frames_
   std::vector<int> parent_of_keyframe_;  // that its edge of odometry leads from, or kNone

@@ -75,6 +75,10 @@ struct SlamOptions {
   std::string initialize = "features";
   LoopOptions loops;
   CalibrationOptions calibration;
+  // Frames come at a camera's rate: none waits for what is found of loops and the camera, which
+  // takes effect when it is there. So the result depends on the machine. Else a frame that it does
+  // not depend on waits.
+  bool real_time = false;
   // The last of so many frames is tracked, but never fused: the map can be judged by it. A frame
   // that begins a map is fused. 0: all frames are.
   int hold_out = 0;
@@ -191,6 +195,11 @@ class Slam {
 
   // To be called with each new keyframe, with loops enabled.
   void OnKeyframe(KeyframeCall call);
+
+  // From the next frame on, in place of SlamOptions::map_period: where frames come faster than they
+  // are done, fewer of them are fused. If it is longer than that one, min_turn_eigenvalue no longer
+  // makes frames be fused out of turn. Throws InputError unless that is at least 1.
+  void SetMapPeriod(int frames);
 
   // Takes in what is still being found out about loops and the camera. To be called after the last
   // frame.

@@ -1,0 +1,74 @@
+#include "run/map_period.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace surfit {
+namespace {
+
+constexpr double kGap_ms = 1000. / 30;
+
+// Frames that a camera offers to a machine on which tracking one and fusing one take so long.
+struct Offered {
+  double longest_wait_ms = 0;
+  int last_period = 0;
+  int changes = 0;
+};
+Offered Offer(int frames, double track_ms, double fuse_ms, MapPeriod* period, double* free_at_ms) {
+  Offered result;
+  int unfused = 0;
+  for (int i = 0; i < frames; ++i) {
+    const double offered_ms = i * kGap_ms, waited_ms = std::max(0., *free_at_ms - offered_ms);
+    const int now = period->For(waited_ms);
+    if (i > 0 && now != result.last_period) ++result.changes;
+    result.last_period = now;
+    result.longest_wait_ms = std::max(result.longest_wait_ms, waited_ms);
+    const bool fuses = ++unfused >= now;
+    if (fuses) unfused = 0;
+    *free_at_ms = offered_ms + waited_ms + track_ms + (fuses ? fuse_ms : 0);
+  }
+  *free_at_ms -= frames * kGap_ms;
+  return result;
+}
+
+TEST(MapPeriod, StaysAsGivenWhileFramesAreInTime) {
+  MapPeriod period(2);
+  double free_at_ms = 0;
+  EXPECT_EQ(Offer(1000, 15, 30, &period, &free_at_ms).changes, 0);
+  EXPECT_EQ(period.frames_hurried(), 0);
+  EXPECT_EQ(period.longest(), 2);
+}
+
+// A large frame, as the first is, is no reason.
+TEST(MapPeriod, StaysAsGivenAfterOneLateFrame) {
+  MapPeriod period(2);
+  for (double waited_ms : {0., 60., 35., 5., 0., 0.}) EXPECT_EQ(period.For(waited_ms), 2);
+}
+
+// Eight frames may wait.
+TEST(MapPeriod, IsLongerBeforeAFrameMustBeDropped) {
+  MapPeriod period(2);
+  double free_at_ms = 0;
+  const Offered offered = Offer(3000, 25, 50, &period, &free_at_ms);
+  EXPECT_LT(offered.longest_wait_ms, 8 * kGap_ms);
+  EXPECT_EQ(period.longest(), 8);
+  EXPECT_GT(period.frames_hurried(), 2700);
+  EXPECT_LT(offered.changes, 60);  // it does not swing
+}
+
+TEST(MapPeriod, IsAsGivenAgainWhenThereIsTime) {
+  MapPeriod period(2);
+  double free_at_ms = 0;
+  EXPECT_GT(Offer(300, 25, 50, &period, &free_at_ms).last_period, 2);
+  EXPECT_EQ(Offer(3000, 10, 20, &period, &free_at_ms).last_period, 2);
+}
+
+TEST(MapPeriod, IsAtMostEightTimesAsLong) {
+  MapPeriod period(3);
+  for (int i = 0; i < 1000; ++i) period.For(1000);
+  EXPECT_EQ(period.longest(), 24);
+}
+
+}  // namespace
+}  // namespace surfit
