@@ -104,6 +104,10 @@ class LawTest(unittest.TestCase):
         self.assertEqual(linear.power, 1)
         self.assertAlmostEqual(linear.at(1000), 11)
 
+    def test_two_lengths_tell_so_where_a_line_would_begin_below_zero(self):
+        self.assertEqual(speedup.growth([(100, 1), (400, 17)], (1, 2)).power, 2)
+        self.assertEqual(speedup.growth([(100, 2), (400, 5)], (1, 2)).power, 1)
+
     def test_one_length_tells_nothing_of_growth(self):
         scan = self.scan(100, 1, {"graph": 2})
         with self.assertRaises(SystemExit):

@@ -23,8 +23,8 @@ For a recording of F frames there are then
               sees new places all the time. One that returns makes fewer that take longer
   report      one job, of a + b F: all tiles are read
 
-a and b are fitted to the scans that are given, and p = 1 or 2 as fits better (1 with two scans, which
-fit both). A scan may lack rules, as one that was stopped before its tiles. Times of jobs are those
+a and b, neither below 0, are fitted to the scans that are given, and p = 1 or 2 as fits better (1
+where both fit). A scan may lack rules, as one that was stopped before its tiles. Times of jobs are those
 measured in the longest scan that has any, again and again in their order.
 
 List scheduling: a job that is ready starts on the worker that is free first, in the order in which
@@ -159,10 +159,8 @@ def fit(points, power):
 
 
 def growth(points, powers):
-    """What fits best; of two lengths, the first of the powers."""
-    if len({frames for frames, _ in points}) < 3:
-        powers = powers[:1]
-    return min((fit(points, power) for power in powers), key=lambda fitted: fitted.error)
+    """What fits best; the first of those that fit as well."""
+    return min((fit(points, power) for power in powers), key=lambda fitted: round(fitted.error, 9))
 
 
 class Law:
