@@ -9,11 +9,15 @@ int MapPeriod::For(double queued_ms) {
   constexpr int kMostTimes = 8;  // as long as given: beyond it little is gained
   // Frames that a change takes to show, and those in which what waits should have been done.
   constexpr int kUntilSeen = 4, kUntilDone = 30;
+  // After a frame that takes long by itself, as one that moves the map, two or three are late, and
+  // it counts as much as so many in time.
+  constexpr int kLateInARow = 3, kOneLate = 5;
   constexpr int kMostPatience = 16 * kInTime;
   ++since_change_;
-  in_time_ = queued_ms < kInTime_ms ? in_time_ + 1 : 0;
+  late_ = queued_ms > kLate_ms ? late_ + 1 : 0;
+  in_time_ = queued_ms < kInTime_ms ? in_time_ + 1 : std::max(0, in_time_ - kOneLate);
   const bool helps_not = since_change_ > (queued_ms > queued_ms_ ? kUntilSeen : kUntilDone);
-  if (queued_ms > kLate_ms && helps_not && period_ < kMostTimes * given_) {
+  if (late_ >= kLateInARow && helps_not && period_ < kMostTimes * given_) {
     // Where there was too little time for what was taken up again, that is tried later next time.
     if (was_shorter_ && since_change_ < patience_) {
       patience_ = std::min(2 * patience_, kMostPatience);

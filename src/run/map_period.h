@@ -23,7 +23,8 @@ class MapPeriod {
   int longest_ = 0, hurried_ = 0;
   int since_change_ = 0;      // frames
   double queued_ms_ = 0;      // what frames waited when the period was made longer
-  int in_time_ = 0;           // frames in a row that did not wait for long
+  int late_ = 0;              // frames in a row
+  int in_time_ = 0;           // frames that were, less those that were not
   int patience_ = kInTime;    // so many of them make the period shorter
   bool was_shorter_ = false;  // by the last change
   static constexpr int kInTime = 90;

@@ -40,10 +40,21 @@ TEST(MapPeriod, StaysAsGivenWhileFramesAreInTime) {
   EXPECT_EQ(period.longest(), 2);
 }
 
-// A large frame, as the first is, is no reason.
+// A frame that takes long by itself, as one that moves the map, is no reason.
 TEST(MapPeriod, StaysAsGivenAfterOneLateFrame) {
   MapPeriod period(2);
-  for (double waited_ms : {0., 60., 35., 5., 0., 0.}) EXPECT_EQ(period.For(waited_ms), 2);
+  for (int i = 0; i < 20; ++i) {
+    for (double waited_ms : {0., 90., 68., 35., 5., 0., 0.}) EXPECT_EQ(period.For(waited_ms), 2);
+  }
+}
+
+TEST(MapPeriod, IsAsGivenAgainThoughSomeFramesTakeLong) {
+  MapPeriod period(2);
+  for (int i = 0; i < 10; ++i) period.For(200);
+  EXPECT_GT(period.For(200), 2);
+  int last = 0;
+  for (int i = 0; i < 900; ++i) last = period.For(i % 40 < 2 ? 90 : 0);
+  EXPECT_EQ(last, 2);
 }
 
 // Eight frames may wait.
@@ -52,7 +63,7 @@ TEST(MapPeriod, IsLongerBeforeAFrameMustBeDropped) {
   double free_at_ms = 0;
   const Offered offered = Offer(3000, 25, 50, &period, &free_at_ms);
   EXPECT_LT(offered.longest_wait_ms, 8 * kGap_ms);
-  EXPECT_EQ(period.longest(), 8);
+  EXPECT_GE(period.longest(), 8);
   EXPECT_GT(period.frames_hurried(), 2700);
   EXPECT_LT(offered.changes, 60);  // it does not swing
 }
