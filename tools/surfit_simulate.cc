@@ -1,9 +1,12 @@
 // Ray-traces an RGB-D sequence with exact ground truth.
 
 #include <algorithm>
+#include <cstdint>
+#include <filesystem>
 #include <iomanip>
 #include <iostream>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "common/console.h"
@@ -54,6 +57,19 @@ void ShowProgress(int done, int total, ProgressLine* line) {
              done == total);
 }
 
+// The frames of a part, from 1 on; 0: all.
+std::pair<int, int> FramesOfPart(int part, const SimulateOptions& options) {
+  if (part == 0) return {0, options.frames};
+  const auto begin = [&](std::int64_t p) {
+    return static_cast<int>(p * options.frames / options.parts);
+  };
+  return {begin(part - 1), begin(part)};
+}
+
+std::string FolderOfPart(int part, const SimulateOptions& options) {
+  return part == 0 ? options.output : Concat(options.output, ".", part);
+}
+
 // Frames are rendered and written side by side, the surface is collected in their order.
 SurfaceSampler WriteFrames(const Studio& studio, const Trajectory& path,
                            const SequenceWriter& writer) {
@@ -61,8 +77,9 @@ SurfaceSampler WriteFrames(const Studio& studio, const Trajectory& path,
   SurfaceSampler surface(studio.options.surface_grid_m);
   ProgressLine line;
   const int frames = static_cast<int>(path.size());
-  for (int begin = 0; begin < frames; begin += kBatch) {
-    const int end = std::min(frames, begin + kBatch);
+  const auto [first, past] = FramesOfPart(studio.options.part, studio.options);
+  for (int begin = first; begin < past; begin += kBatch) {
+    const int end = std::min(past, begin + kBatch);
     std::vector<SimulatedFrame> batch(end - begin);
     ParallelFor(begin, end, 1, [&](int i, int) {
       SimulatedFrame frame = studio.Simulate(i);
@@ -75,7 +92,21 @@ SurfaceSampler WriteFrames(const Studio& studio, const Trajectory& path,
       surface.Add(frame.exact, frame.depth_m, studio.camera,
                   [&](int v) { return studio.moving.DepthPose(i, v); });
     }
-    ShowProgress(end, static_cast<int>(path.size()), &line);
+    ShowProgress(end - first, past - first, &line);
+  }
+  return surface;
+}
+
+// In their order, so that surface and files are those of a simulation in one.
+SurfaceSampler JoinParts(const SimulateOptions& options, const SequenceWriter& writer) {
+  SurfaceSampler surface(options.surface_grid_m);
+  for (int part = 1; part <= options.parts; ++part) {
+    surface.Add(ReadPly(FolderOfPart(part, options) + "/surface.ply"));
+  }
+  for (int part = 1; part <= options.parts; ++part) {
+    const std::string folder = FolderOfPart(part, options);
+    writer.TakeImages(folder);
+    std::filesystem::remove_all(folder);
   }
   return surface;
 }
@@ -99,6 +130,13 @@ int Run(const SimulateOptions& options) {
   if (options.image_y_up && options.latency_s != 0) {
     throw InputError("--latency_s is for stamps: with --image_y_up frames have numbers");
   }
+  if (options.part > options.parts) {
+    throw InputError(
+        Concat("--part is ", options.part, ", must be at most --parts, ", options.parts));
+  }
+  if (options.part > 0 && options.join) {
+    throw InputError("--join is true, must be false with --part");
+  }
   const ThreadLimit limit(options.threads == 0
                               ? static_cast<int>(std::max(1u, std::thread::hardware_concurrency()))
                               : options.threads);
@@ -108,15 +146,18 @@ int Run(const SimulateOptions& options) {
   path_options.frames_per_second = camera.frames_per_second;
   const Trajectory path = MakePath(scene, options.frames, options.seed, path_options);
   const Studio studio = {options, camera.depth, error, {scene, camera, path, options.color}};
-  const SequenceWriter writer(options.output,
+  const std::string output = FolderOfPart(options.part, options);
+  const SequenceWriter writer(output,
                               options.image_y_up ? SequenceLayout::kIclNuim : SequenceLayout::kTum,
                               given, options.latency_s);
   writer.WriteLists(path);
   if (HasHiddenTruth(options)) writer.WriteTruth(path, TruthOf(studio, camera, path));
-  const SurfaceSampler surface = WriteFrames(studio, path, writer);
-  WritePly(surface.cloud(), options.output + "/surface.ply");
-  std::cout << path.size() << " frames and " << surface.cloud().points.size()
-            << " points of the exact surface in " << options.output << std::endl;
+  const SurfaceSampler surface =
+      options.join ? JoinParts(options, writer) : WriteFrames(studio, path, writer);
+  WritePly(surface.cloud(), output + "/surface.ply");
+  const auto [first, past] = FramesOfPart(options.part, options);
+  std::cout << past - first << " frames and " << surface.cloud().points.size()
+            << " points of the exact surface in " << output << std::endl;
   return kDone;
 }
 

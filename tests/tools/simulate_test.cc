@@ -185,6 +185,44 @@ TEST_F(SimulateTest, SameSeedSameFilesAtAnyNumberOfThreads) {
   EXPECT_NE(Files("a")["groundtruth.txt"], Files("c")["groundtruth.txt"]);
 }
 
+TEST_F(SimulateTest, PartsBecomeTheSameFiles) {
+  for (const std::vector<std::string>& more :
+       {std::vector<std::string>{}, {"--image_y_up"}, {"--exposure_s=0.01"}}) {
+    const auto simulate = [&](const std::string& name, std::vector<std::string> flags) {
+      flags.insert(flags.end(), more.begin(), more.end());
+      return Simulate(name, flags);
+    };
+    Succeeded(simulate("whole", {}));
+    for (const char* const part : {"2", "1", "3"}) {
+      Succeeded(simulate("parts", {"--parts=3", std::string("--part=") + part}));
+    }
+    Succeeded(simulate("parts", {"--parts=3", "--join"}));
+    EXPECT_TRUE(Files("whole") == Files("parts"));
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "parts.1"));
+  }
+}
+
+TEST_F(SimulateTest, IsRenderedByTheWorkflow) {
+  if (RunShell("command -v snakemake").exit_code != 0) GTEST_SKIP() << "no snakemake here";
+  const std::string tools = SURFIT_TOOLS_DIR, workflow = tools + "/workflow";
+  Succeeded(Simulate("whole", {}));
+  std::filesystem::create_directory(folder_ / "work");
+  Succeeded(RunShell("snakemake --snakefile=" + workflow + "/simulate.smk --profile=" + workflow +
+                     "/local --cores=2 --directory=" + (folder_ / "work") + " --config tools=" +
+                     tools + " parts=3 flags='--frames=7 --downsample=8' 2>&1"));
+  EXPECT_TRUE(Files("whole") == Files("work/sequence"));
+}
+
+TEST_F(SimulateTest, SaysWhichPartIsMissing) {
+  Succeeded(Simulate("parts", {"--parts=2", "--part=2"}));
+  const ProgramResult result = Simulate("parts", {"--parts=2", "--join"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("parts.1/surface.ply"));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "parts.2/surface.ply"));
+  EXPECT_THAT(Simulate("parts", {"--parts=2", "--part=3"}).err,
+              HasSubstr("--part is 3, must be at most --parts, 2"));
+}
+
 TEST_F(SimulateTest, ReplacesAFormerSimulationAndNothingElse) {
   Succeeded(Simulate("room", {"--image_y_up"}));
   Succeeded(Simulate("room", {}));

@@ -72,6 +72,17 @@ SequenceWriter::SequenceWriter(const std::string& folder, SequenceLayout layout,
   WriteCameraYaml(mirrored ? Mirrored(camera) : camera, folder + "/camera.yaml");
 }
 
+void SequenceWriter::TakeImages(const std::string& folder) const {
+  for (const char* const kind : {"/rgb", "/depth"}) {
+    std::error_code error;
+    for (const auto& entry : fs::directory_iterator(folder + kind, error)) {
+      fs::rename(entry.path(), fs::path(folder_ + kind) / entry.path().filename(), error);
+      if (error) break;
+    }
+    if (error) throw InputError(Concat(folder, kind, " cannot be moved: ", error.message()));
+  }
+}
+
 double SequenceWriter::StampOf(int i, double stamp_s) const {
   return layout_ == SequenceLayout::kIclNuim ? i : stamp_s;
 }

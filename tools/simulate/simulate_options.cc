@@ -67,6 +67,14 @@ void SimulateOptions::Visit(OptionVisitor& v) {
         ZeroIs("as many as the machine has"), AsFlag(), Everyday());
   v.AddPart(path, "path", "how the camera moves");
   VisitSensor(v, this);
+  v.Group("parts");
+  v.Add(parts, "parts", "parts of about as many frames each, to be rendered apart", AtLeast(1),
+        AsFlag());
+  v.Add(part, "part", "render this part alone, into a folder of its own, OUTPUT.part",
+        ZeroIs("all of them"), AtLeast(0), AsFlag());
+  v.Add(join, "join",
+        "put all parts together, which are then gone: files are the same as of a simulation in one",
+        AsFlag());
 }
 
 InverseDepthField DepthErrorOf(const SimulateOptions& options) {

@@ -35,6 +35,9 @@ struct SimulateOptions {
   bool image_y_up = false;
   double surface_grid_m = 0.005;
   int threads = 0;
+  int parts = 1;  // that the frames are cut into
+  int part = 0;   // to be rendered, from 1 on; 0: all
+  bool join = false;
 
   void Visit(OptionVisitor& visitor);
 };

@@ -4,13 +4,14 @@
 
 namespace surfit::tools {
 
-bool SurfaceSampler::IsFirstInItsCube(const Eigen::Vector3d& point_in_world) {
+bool SurfaceSampler::IsFirstInItsCube(const Eigen::Vector3f& point_in_world) {
   // 21 bits for each axis: 5 mm cubes reach 5 km either way.
   constexpr std::int64_t kOffset = 1 << 20;
   constexpr int kBits = 21;
   std::uint64_t key = 0;
   for (int axis = 0; axis < 3; ++axis) {
-    const auto cell = static_cast<std::int64_t>(std::floor(point_in_world[axis] / grid_m_));
+    const auto cell =
+        static_cast<std::int64_t>(std::floor(static_cast<double>(point_in_world[axis]) / grid_m_));
     key = (key << kBits) | static_cast<std::uint64_t>(cell + kOffset);
   }
   return taken_.insert(key).second;
@@ -22,12 +23,22 @@ void SurfaceSampler::Add(const Rendering& rendering, const Image<float>& measure
     const Rigid3d pose = world_from_camera(v);
     for (int u = 0; u < camera.width; ++u) {
       if (measured_depth_m(u, v) == 0) continue;
-      const Eigen::Vector3d point = pose * (rendering.depth_m(u, v) * camera.Ray(u, v));
+      const Eigen::Vector3d exact = pose * (rendering.depth_m(u, v) * camera.Ray(u, v));
+      const Eigen::Vector3f point = exact.cast<float>();
       if (!IsFirstInItsCube(point)) continue;
-      cloud_.points.emplace_back(point.cast<float>());
+      cloud_.points.push_back(point);
       cloud_.normals.push_back(pose.rotation.cast<float>() * rendering.normal(u, v));
       cloud_.colors.push_back(rendering.color(u, v));
     }
+  }
+}
+
+void SurfaceSampler::Add(const PointCloud& cloud) {
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    if (!IsFirstInItsCube(cloud.points[i])) continue;
+    cloud_.points.push_back(cloud.points[i]);
+    cloud_.normals.push_back(cloud.normals[i]);
+    cloud_.colors.push_back(cloud.colors[i]);
   }
 }
 

@@ -18,11 +18,13 @@ class SurfaceSampler {
   // Adds what is exact in `rendering` where the sensor measured anything, each row by its pose.
   void Add(const Rendering& rendering, const Image<float>& measured_depth_m,
            const PinholeCamera& camera, const PoseOfRow& world_from_camera);
+  // What another one of the same grid has collected: as if all had been added here.
+  void Add(const PointCloud& cloud);
 
   const PointCloud& cloud() const { return cloud_; }
 
  private:
-  bool IsFirstInItsCube(const Eigen::Vector3d& point_in_world);
+  bool IsFirstInItsCube(const Eigen::Vector3f& point_in_world);
 
   double grid_m_;
   std::unordered_set<std::uint64_t> taken_;

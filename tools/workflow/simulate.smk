@@ -1,0 +1,27 @@
+# A simulation in parts: surfit_simulate renders each by a job, and joins them in sequence/.
+# config: flags, of surfit_simulate; parts, how many; tools, the folder of the programs, unless they
+# are on the PATH.
+from pathlib import Path
+from shlex import quote
+
+PARTS = int(config["parts"])
+PROGRAM = quote(str(Path(config["tools"]) / "surfit_simulate")) if "tools" in config else "surfit_simulate"
+COMMAND = f"{PROGRAM} {config['flags']} --output=sequence --parts={PARTS}".replace("{", "{{").replace("}", "}}")
+# A cluster writes its logs there before a job could make it.
+Path("jobs").mkdir(exist_ok=True)
+
+
+rule all:
+    input: "sequence/surface.ply"
+
+rule part:
+    output: "sequence.{part,[0-9]+}/surface.ply"
+    resources: mem_mb=1000, minutes=600
+    shell: COMMAND + " --part={wildcards.part} --threads=1"
+
+# The parts are gone when they are joined.
+rule join:
+    input: [f"sequence.{part}/surface.ply" for part in range(1, PARTS + 1)]
+    output: "sequence/surface.ply"
+    resources: mem_mb=1000, minutes=60
+    shell: COMMAND + " --join --threads=1"
