@@ -1,5 +1,7 @@
 #include "run/map_period.h"
 
+#include <algorithm>
+
 namespace surfit {
 
 int MapPeriod::For(double queued_ms) {

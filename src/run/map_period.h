@@ -1,7 +1,5 @@
 #pragma once
 
-#include <algorithm>
-
 namespace surfit {
 
 // How many of the frames that a camera offers are fused: fewer while they come faster than they are
