@@ -97,18 +97,30 @@ SurfaceSampler WriteFrames(const Studio& studio, const Trajectory& path,
   return surface;
 }
 
+std::string SurfaceFile(const std::string& folder) { return folder + "/surface.ply"; }
+
 // In their order, so that surface and files are those of a simulation in one.
 SurfaceSampler JoinParts(const SimulateOptions& options, const SequenceWriter& writer) {
   SurfaceSampler surface(options.surface_grid_m);
   for (int part = 1; part <= options.parts; ++part) {
-    surface.Add(ReadPly(FolderOfPart(part, options) + "/surface.ply"));
-  }
-  for (int part = 1; part <= options.parts; ++part) {
     const std::string folder = FolderOfPart(part, options);
-    writer.TakeImages(folder);
-    std::filesystem::remove_all(folder);
+    surface.Add(ReadPly(SurfaceFile(folder)));
+    const auto [first, past] = FramesOfPart(part, options);
+    const int images = writer.LinkImages(folder), needed = 2 * (past - first);
+    if (images != needed) {
+      throw InputError(Concat(folder, " has ", images, " images, must have ", needed,
+                              ": render it again by --part=", part, " and the flags of --join"));
+    }
   }
   return surface;
+}
+
+// When all is joined. A part without a surface is none, wherever this ends.
+void RemoveParts(const SimulateOptions& options) {
+  for (int part = 1; part <= options.parts; ++part) {
+    std::filesystem::remove(SurfaceFile(FolderOfPart(part, options)));
+    std::filesystem::remove_all(FolderOfPart(part, options));
+  }
 }
 
 SequenceTruth TruthOf(const Studio& studio, const RgbdCamera& camera, const Trajectory& path) {
@@ -154,7 +166,8 @@ int Run(const SimulateOptions& options) {
   if (HasHiddenTruth(options)) writer.WriteTruth(path, TruthOf(studio, camera, path));
   const SurfaceSampler surface =
       options.join ? JoinParts(options, writer) : WriteFrames(studio, path, writer);
-  WritePly(surface.cloud(), output + "/surface.ply");
+  WritePly(surface.cloud(), SurfaceFile(output));
+  if (options.join) RemoveParts(options);
   const auto [first, past] = FramesOfPart(options.part, options);
   std::cout << past - first << " frames and " << surface.cloud().points.size()
             << " points of the exact surface in " << output << std::endl;

@@ -81,6 +81,7 @@ def test_shows_a_run_and_steers_it(browser, run):
     # With the frames that were dropped meanwhile.
     wait_until(browser, f"surfit.live.state.frames_done > {frames}")
     frames = browser.execute_script("return surfit.live.state.frames_done")
+    assert browser.execute_script("return surfit.live.state.paused")
     click(browser, "follow")
     assert browser.find_element(By.ID, "follow").get_attribute("aria-pressed") == "true"
     browser.execute_script("const e = surfit.byId('colors'); e.value = 'normal';"
@@ -95,8 +96,10 @@ def test_shows_a_run_and_steers_it(browser, run):
     assert browser.find_element(By.ID, "follow").get_attribute("aria-pressed") == "false"
     press(Keys.ARROW_LEFT)
     assert browser.execute_script("return surfit.live.scene.camera.position.toArray()") != before
+    assert browser.execute_script("return surfit.live.state.frames_done") == frames  # it has paused
     press(" ")
     wait_until(browser, f"surfit.live.state.frames_done > {frames}")
+    wait_until(browser, "!surfit.live.state.paused")
     assert browser.get_log("browser") == []
 
 

@@ -6,6 +6,7 @@
 
 #include "mapping/same_map.h"
 #include "slam/simulated_sequence.h"
+#include "surfit/core/error.h"
 #include "surfit/slam/slam.h"
 #include "testing/matchers.h"
 
@@ -237,6 +238,11 @@ TEST(Slam, NothingIsSparedAfterAFrameThatHoldsADirectionPoorly) {
   options.map_period = 4;
   options.min_turn_eigenvalue = 1;  // more than any frame's
   EXPECT_EQ(TurnsOf(options, 5), "fvbbb");
+}
+
+TEST(Slam, MapPeriodIsAtLeastOne) {
+  Slam slam({IdealRoom().camera, {}}, SlamOptions(), {});
+  EXPECT_THROW(slam.SetMapPeriod(0), InputError);
 }
 
 TEST(Slam, InHasteSuchFramesAreFusedInTurn) {

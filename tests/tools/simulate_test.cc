@@ -219,6 +219,12 @@ TEST_F(SimulateTest, SaysWhichPartIsMissing) {
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_THAT(result.err, HasSubstr("parts.1/surface.ply"));
   EXPECT_TRUE(std::filesystem::exists(folder_ / "parts.2/surface.ply"));
+  Succeeded(Simulate("parts", {"--parts=2", "--part=1"}));
+  std::filesystem::remove(folder_ / "parts.1/rgb/0.000000.png");
+  EXPECT_THAT(Simulate("parts", {"--parts=2", "--join"}).err,
+              HasSubstr("parts.1 has 5 images, must have 6"));
+  Succeeded(Simulate("parts", {"--parts=2", "--part=1"}));
+  Succeeded(Simulate("parts", {"--parts=2", "--join"}));  // what had failed costs nothing
   EXPECT_THAT(Simulate("parts", {"--parts=2", "--part=3"}).err,
               HasSubstr("--part is 3, must be at most --parts, 2"));
 }

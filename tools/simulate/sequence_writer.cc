@@ -72,15 +72,18 @@ SequenceWriter::SequenceWriter(const std::string& folder, SequenceLayout layout,
   WriteCameraYaml(mirrored ? Mirrored(camera) : camera, folder + "/camera.yaml");
 }
 
-void SequenceWriter::TakeImages(const std::string& folder) const {
+int SequenceWriter::LinkImages(const std::string& folder) const {
+  int count = 0;
   for (const char* const kind : {"/rgb", "/depth"}) {
     std::error_code error;
     for (const auto& entry : fs::directory_iterator(folder + kind, error)) {
-      fs::rename(entry.path(), fs::path(folder_ + kind) / entry.path().filename(), error);
+      fs::create_hard_link(entry.path(), fs::path(folder_ + kind) / entry.path().filename(), error);
       if (error) break;
+      ++count;
     }
-    if (error) throw InputError(Concat(folder, kind, " cannot be moved: ", error.message()));
+    if (error) throw InputError(Concat(folder, kind, " cannot be linked: ", error.message()));
   }
+  return count;
 }
 
 double SequenceWriter::StampOf(int i, double stamp_s) const {

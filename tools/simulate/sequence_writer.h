@@ -43,8 +43,8 @@ class SequenceWriter {
   void WriteLists(const Trajectory& world_from_camera) const;
   // truth_camera.yaml and truth_color.txt.
   void WriteTruth(const Trajectory& world_from_camera, const SequenceTruth& truth) const;
-  // Moves all images of another folder of the layout here.
-  void TakeImages(const std::string& folder) const;
+  // All images of another folder of the layout are here as well, as links. Returns their number.
+  int LinkImages(const std::string& folder) const;
   // The images of frame i; different frames may be written at the same time.
   void WriteFrame(int i, double stamp_s, const Image<Rgb8>& color,
                   const Image<float>& depth_m) const;
