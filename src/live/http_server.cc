@@ -29,6 +29,15 @@ namespace http = beast::http;
 using asio::ip::tcp;
 using boost::system::error_code;
 
+// On Linux a thread has its own: where others work on its core it has a thirtieth of it. In a batch
+// it does not interrupt them.
+void TakeLessPriority() {
+  constexpr int kThisThread = 0, kLessPriority = 15;
+  const sched_param no_priority = {};
+  setpriority(PRIO_PROCESS, kThisThread, kLessPriority);
+  sched_setscheduler(kThisThread, SCHED_BATCH, &no_priority);
+}
+
 std::chrono::steady_clock::duration Seconds(double seconds) {
   return std::chrono::duration_cast<std::chrono::steady_clock::duration>(
       std::chrono::duration<double>(seconds));
@@ -226,12 +235,6 @@ void HttpServer::State::WakeAll() {
 
 // A failure, as of memory, is its connection's only.
 void HttpServer::State::Run() {
-  constexpr int kThisThread = 0, kLessPriority = 15;
-  const sched_param no_priority = {};
-  // On Linux a thread has its own: where others work on its core it has a thirtieth of it. In a
-  // batch it does not interrupt them.
-  setpriority(PRIO_PROCESS, kThisThread, kLessPriority);
-  sched_setscheduler(kThisThread, SCHED_BATCH, &no_priority);
   for (bool is_over = false; !is_over;) {
     try {
       io.run();
@@ -257,7 +260,10 @@ HttpServer::HttpServer(const std::string& address, int port, const HttpLimits& l
     throw InputError(Concat("port ", port, " of ", address, " cannot be had: ", error.message()));
   }
   state_->Accept();
-  state_->thread = std::thread([this] { state_->Run(); });
+  state_->thread = std::thread([this] {
+    TakeLessPriority();
+    state_->Run();
+  });
 }
 
 HttpServer::~HttpServer() {
@@ -273,6 +279,14 @@ int HttpServer::port() const { return state_->acceptor.local_endpoint().port(); 
 
 void HttpServer::Wake() {
   asio::post(state_->io, [state = state_.get()] { state->WakeAll(); });
+}
+
+// A thread cannot take back what it gave away: another one goes on.
+void HttpServer::TakePriority() {
+  state_->io.stop();
+  state_->thread.join();
+  state_->io.restart();
+  state_->thread = std::thread([this] { state_->Run(); });
 }
 
 }  // namespace surfit

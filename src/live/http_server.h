@@ -34,15 +34,16 @@ struct HttpLimits {
   double write_s = 20;   // in which an answer must have been taken
 };
 
-// A server of HTTP/1.1 on a thread of its own, of less priority than who makes it. No client can
-// make it wait for them, nor keep more memory than one answer.
+// A server of HTTP/1.1 on a thread of its own. No client can make it wait for them, nor keep more
+// memory than one answer.
 class HttpServer {
  public:
   // Answers a request; nothing where the answer is to wait for Wake(), which is asked for again
   // then, or when no more time is left (`must`).
   using Handler = std::function<std::optional<HttpAnswer>(const HttpRequest& request, bool must)>;
 
-  // Port 0: any that is free. Throws InputError naming address and port if they cannot be had.
+  // Its thread has less priority than who makes it, until TakePriority(). Port 0: any that is free.
+  // Throws InputError naming address and port if they cannot be had.
   HttpServer(const std::string& address, int port, const HttpLimits& limits, Handler handler);
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;
@@ -52,6 +53,8 @@ class HttpServer {
   int port() const;
   // Any thread may call it.
   void Wake();
+  // From now on its thread has the priority of who calls this.
+  void TakePriority();
 
   struct State;
 

@@ -50,9 +50,13 @@ std::optional<HttpAnswer> LivePages::Answer(const HttpRequest& request, bool mus
   } else {
     answer = request.method == "POST" ? Post(target->page) : Bare(405);
   }
-  if (answer) answer->knows_token = true;
+  if (!answer) return std::nullopt;
+  answer->knows_token = true;
+  answered_at_s_ = Now_s();
   return answer;
 }
+
+double LivePages::SinceLastAnswer_s() const { return Now_s() - answered_at_s_; }
 
 std::optional<HttpAnswer> LivePages::Get(const std::string& page, const HttpTarget& target,
                                          bool must) {

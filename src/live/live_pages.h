@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <optional>
 #include <string>
 #include <utility>
@@ -20,6 +21,9 @@ class LivePages {
   // HttpServer::Handler.
   std::optional<HttpAnswer> Answer(const HttpRequest& request, bool must);
 
+  // For how long nobody who may ask has been answered. Any thread may call it.
+  double SinceLastAnswer_s() const;
+
  private:
   std::optional<HttpAnswer> Get(const std::string& page, const HttpTarget& target, bool must);
   std::optional<HttpAnswer> Map(const HttpTarget& target, bool must);
@@ -28,6 +32,7 @@ class LivePages {
   std::string token_;
   LiveRun& run_;
   ShownRun& shown_;
+  std::atomic<double> answered_at_s_{0};
   // What may still be sent of the map, bytes: it grows with time.
   double map_bytes_ = 0;
   double map_bytes_at_s_ = 0;

@@ -223,9 +223,10 @@ void LiveServer::ShowWork() {
   parts_->state_pace.ActIfDue(/*must=*/false, [&] { parts_->GiveState(/*must=*/false); });
 }
 
-// The views are those of the last pose.
+// The views are those of the last pose. Nothing is tracked any more that pages could keep waiting.
 void LiveServer::Keep(const SlamRunResult& result) {
   Parts& parts = *parts_;
+  parts.server.TakePriority();
   const auto is_wanted = [&](Shown which) { return parts.shown.IsWanted(which); };
   if (parts.pictures && std::any_of(kViews.begin(), kViews.end(), is_wanted)) {
     const RgbdFrame last = {0, 0, 0, {}, parts.run.last_good()};
@@ -236,15 +237,17 @@ void LiveServer::Keep(const SlamRunResult& result) {
   parts.GiveState(/*must=*/true);
 }
 
-// Pages ask for the rest of the map at once: who has been given nothing of it for a while has all.
+// Pages ask for all that is new at once, and then for a newer state, which does not come: where
+// nobody has been answered for a while, all have all.
 void LiveServer::Stay() {
   constexpr double kMost_s = 10, kWhile_s = 2;
+  Parts& parts = *parts_;
   const auto begin = Clock::now();
   const auto gone_s = [&] { return std::chrono::duration<double>(Clock::now() - begin).count(); };
-  const ShownRun& shown = parts_->shown;
-  while (gone_s() < kMost_s && shown.IsWanted(Shown::kState) &&
-         shown.SinceLastChange_s() < kWhile_s) {
+  while (gone_s() < kMost_s && parts.shown.IsWanted(Shown::kState) &&
+         std::min(gone_s(), parts.pages.SinceLastAnswer_s()) < kWhile_s) {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    parts.server.Wake();  // who waits for a share of what may be sent
   }
 }
 

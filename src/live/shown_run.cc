@@ -100,17 +100,12 @@ void ShownRun::ResetMap(const SurfelMap& map) {
   sample_.Reset(map);
   Number(Shown::kMap);
   dust_ = sample_.Dust();
-  changed_ms_ = Now_ms();
 }
 
 bool ShownRun::IsWanted(Shown what) const {
   constexpr std::int64_t kLately_ms = 8000;  // longer than an answer is waited for
   const std::int64_t asked_ms = asked_ms_[PlaceOf(what)];
   return asked_ms > 0 && Now_ms() - asked_ms < kLately_ms;
-}
-
-double ShownRun::SinceLastChange_s() const {
-  return 0.001 * static_cast<double>(Now_ms() - changed_ms_);
 }
 
 void ShownRun::Want(Shown what) { asked_ms_[PlaceOf(what)] = Now_ms(); }
@@ -197,7 +192,6 @@ ShownRun::Text ShownRun::Map(const SamplePlace& place, std::size_t most) {
     const std::lock_guard<std::mutex> lock(mutex_);
     changes = sample_.ChangesFrom(place, most);
   }
-  if (!changes.slot.empty()) changed_ms_ = Now_ms();
   const std::array<std::uint32_t, 6> head = {
       changes.epoch,   changes.level, changes.slots,
       changes.version, changes.next,  static_cast<std::uint32_t>(changes.slot.size())};

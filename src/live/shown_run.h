@@ -61,8 +61,6 @@ class ShownRun {
   void ResetMap(const SurfelMap& map);
   // Whether somebody has asked for it within the last seconds.
   bool IsWanted(Shown what) const;
-  // For how long no page has been told a change of the map.
-  double SinceLastChange_s() const;
 
   // The server's side. JSON; nothing where the state is not newer than `number`.
   using Text = std::shared_ptr<const std::string>;
@@ -96,7 +94,6 @@ class ShownRun {
   std::uint8_t dust_ = 0;  // MapSample's
   std::atomic<std::uint32_t> number_{0};
   std::array<std::atomic<std::int64_t>, kShownCount> asked_ms_{};  // 0: never
-  std::atomic<std::int64_t> changed_ms_{0};
 };
 
 }  // namespace surfit

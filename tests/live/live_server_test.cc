@@ -296,6 +296,21 @@ TEST_F(LiveServerTest, StaysForNobodyAndNotForLong) {
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));
 }
 
+// More than may be sent in a second: the rest has to wait.
+TEST_F(LiveServerTest, SendsOnWhatHasToWaitWhileItStays) {
+  constexpr std::size_t kWhole = 24000000;
+  for (int i = 0; i < 100; ++i) live_.AddRow();
+  run_.Keep({live_.map_, {}});
+  State();
+  std::atomic<std::size_t> sent{0};
+  std::thread viewer([&] {
+    while (sent < kWhole) sent += Get("map?epoch=0&level=0&since=0&slot=0").body.size() + 1;
+  });
+  run_.Stay();
+  EXPECT_GE(sent, kWhole);
+  viewer.join();
+}
+
 // One who takes nothing, and others who ask without end, while the run goes on: for
 // ThreadSanitizer, too.
 TEST(LiveServer, ServesWhileTheRunGoesOn) {
