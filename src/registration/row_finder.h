@@ -1,21 +1,21 @@
 #pragma once
 
-#include <immintrin.h>
-
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 
 #include "surfit/core/lanes.h"
 #include "surfit/frame/frame_pyramid.h"
 #include "surfit/registration/association.h"
 #include "surfit/registration/error_model.h"
+#if SURFIT_HAS_AVX2
+#include <immintrin.h>
+#endif
 
 namespace surfit {
 
-#if SURFIT_HAS_AVX2
-#endif
 // Moves those of eight lanes that a mask selects to the front, in their order; what the others then
 // hold is unspecified.
 template <typename Instructions>

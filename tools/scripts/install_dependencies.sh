@@ -4,10 +4,12 @@
 #   install_dependencies.sh            all that building, running and testing Surfit needs
 #   install_dependencies.sh programs   what building and running the programs needs
 #   install_dependencies.sh cluster    what the test of scans on Slurm needs besides (label cluster)
+#   install_dependencies.sh arm        what compiling for ARM needs besides, whose libraries are
+#                                      unpacked into build/arm-system
 # Needs no root, and does nothing, when nothing is missing.
 set -euo pipefail
 group=${1:-all}
-[[ $group =~ ^(all|programs|cluster)$ ]] || { echo "error: '$group' is none of all, programs, cluster" >&2; exit 1; }
+[[ $group =~ ^(all|programs|cluster|arm)$ ]] || { echo "error: '$group' is none of all, programs, cluster, arm" >&2; exit 1; }
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 npm_packages() {  # npm_packages FOLDER PACKAGE WHAT_LACKS_WITHOUT: what FOLDER/package-lock.json names
@@ -16,7 +18,7 @@ npm_packages() {  # npm_packages FOLDER PACKAGE WHAT_LACKS_WITHOUT: what FOLDER/
   npm ci --prefix "$1" --legacy-peer-deps --ignore-scripts --no-audit --no-fund </dev/null ||
     echo "warning: npm failed, so $3" >&2
 }
-[[ $group == cluster ]] ||
+[[ $group =~ ^(cluster|arm)$ ]] ||
   npm_packages "$root/src/report/npm" chartjs-plugin-zoom "the plots of reports will not zoom"
 [[ $group != all ]] ||
   npm_packages "$root/tests/tools/bags" @mcap/core "no test writes MCAP files"
@@ -51,18 +53,33 @@ test_packages=(
 )
 [[ $group != all ]] || packages+=("${test_packages[@]}")
 [[ $group != cluster ]] || packages=(snakemake slurm-wlm munge)
+arm_packages=(libblas-dev liblapack-dev)
+for package in "${packages[@]}"; do
+  [[ ! $package =~ ^lib|^nlohmann ]] || arm_packages+=("$package")
+done
+[[ $group != arm ]] || packages=(g++-aarch64-linux-gnu qemu-user mmdebstrap)
 
 if ! command -v dpkg-query apt-get >/dev/null; then
   echo "error: no dpkg-query and apt-get here; install what third_party_notes.md lists by hand" >&2
   exit 1
 fi
 
+unpack_for_arm() {
+  local system=$root/build/arm-system
+  [[ $group == arm && ! -d $system ]] || return 0
+  mkdir -p "$root/build"
+  rm -rf "$system.part"
+  mmdebstrap --variant=extract --architectures=arm64 --include="${arm_packages[*]}" \
+    "$(. /etc/os-release && echo "$VERSION_CODENAME")" "$system.part"
+  mv "$system.part" "$system"
+}
+
 missing=()
 for package in "${packages[@]}"; do
   status=$(dpkg-query --show --showformat='${db:Status-Status}' "$package" 2>/dev/null || true)
   [[ $status == installed ]] || missing+=("$package")
 done
-[[ ${#missing[@]} -gt 0 ]] || exit 0
+[[ ${#missing[@]} -gt 0 ]] || { unpack_for_arm; exit 0; }
 
 if [[ $(id -u) == 0 ]]; then
   as_root=(env)
@@ -81,3 +98,4 @@ apt() {
 echo "Installing ${missing[*]}"
 apt update -q || echo "warning: apt-get update failed, trying with the lists at hand" >&2
 apt install -q -y --no-install-recommends "${missing[@]}"
+unpack_for_arm

@@ -21,13 +21,16 @@ struct Avx2Instructions {};
 
 // Code over Lanes<S, Avx2Instructions> must all be inlined into one function that is compiled for
 // AVX2: see WithInstructions(). That takes an optimising compiler.
+#if defined(__GNUC__) && defined(__OPTIMIZE__)
+#define SURFIT_INLINE_ALL __attribute__((flatten))
+#else
+#define SURFIT_INLINE_ALL
+#endif
 #if defined(__x86_64__) && defined(__GNUC__) && defined(__OPTIMIZE__)
 #define SURFIT_HAS_AVX2 1
 #define SURFIT_AVX2 __attribute__((target("avx2")))
-#define SURFIT_INLINE_ALL __attribute__((flatten))
 #else
 #define SURFIT_HAS_AVX2 0
-#define SURFIT_INLINE_ALL
 #endif
 
 // Several numbers of type float or double to compute with at once, in the vector types of GCC and

@@ -1,0 +1,19 @@
+# Compiles for 64-bit ARM under Debian, with its libraries from build/arm-system, and runs programs in an
+# emulator: see tools/scripts/arm.sh.
+set(CMAKE_SYSTEM_NAME Linux)
+set(CMAKE_SYSTEM_PROCESSOR aarch64)
+set(CMAKE_C_COMPILER aarch64-linux-gnu-gcc)
+set(CMAKE_CXX_COMPILER aarch64-linux-gnu-g++)
+set(CMAKE_LIBRARY_ARCHITECTURE aarch64-linux-gnu)
+set(CMAKE_SYSROOT "${CMAKE_CURRENT_LIST_DIR}/../build/arm-system")
+set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
+foreach(kind LIBRARY INCLUDE PACKAGE)
+  set(CMAKE_FIND_ROOT_PATH_MODE_${kind} ONLY)
+endforeach()
+# Debian's alternatives lead to BLAS and LAPACK where packages have been installed, not just unpacked.
+set(libraries /usr/lib/${CMAKE_LIBRARY_ARCHITECTURE})
+set(CMAKE_LIBRARY_PATH ${libraries}/blas ${libraries}/lapack)
+list(TRANSFORM CMAKE_LIBRARY_PATH PREPEND "${CMAKE_SYSROOT}" OUTPUT_VARIABLE unpacked)
+list(JOIN unpacked ":" unpacked)
+set(CMAKE_EXE_LINKER_FLAGS_INIT "-Wl,-rpath-link,${CMAKE_SYSROOT}${libraries}:${unpacked}")
+set(CMAKE_CROSSCOMPILING_EMULATOR qemu-aarch64 -L "${CMAKE_SYSROOT}" -E "LD_LIBRARY_PATH=${unpacked}")

@@ -1,0 +1,14 @@
+#!/usr/bin/env bash
+# Compiles for 64-bit ARM, where lanes become NEON's instructions, and runs the fast tests of all that
+# computes over lanes in an emulator (qemu-user). Installs what that needs.
+set -euo pipefail
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
+scripts=$root/tools/scripts
+rooms=(core cost_functions registration mapping)
+
+bash "$scripts/install_dependencies.sh"
+bash "$scripts/install_dependencies.sh" arm
+bash "$scripts/build.sh" arm "${rooms[@]/#/test_}"
+names=$(IFS='|'; echo "${rooms[*]}")
+cd "$root"
+ctest --preset arm --parallel "$(nproc)" --tests-regex "^($names)\." --label-exclude "slow|sweep|threads" </dev/null
