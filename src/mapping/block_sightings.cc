@@ -57,17 +57,20 @@ void BlockSightings::MergeShapes(SurfelBlock* block) const {
     block->x[k] = moves ? x + share * (x_[k] - x) : x;
     block->y[k] = moves ? y + share * (y_[k] - y) : y;
     block->z[k] = moves ? z + share * (z_[k] - z) : z;
-    const float before_x = block->nx[k], before_y = block->ny[k], before_z = block->nz[k];
+    const float before_x = SmallUnit::ToFloat(block->nx[k]);
+    const float before_y = SmallUnit::ToFloat(block->ny[k]);
+    const float before_z = SmallUnit::ToFloat(block->nz[k]);
     const float nx = before_x + share * (nx_[k] - before_x);
     const float ny = before_y + share * (ny_[k] - before_y);
     const float nz = before_z + share * (nz_[k] - before_z);
     const float length2 = nx * nx + (ny * ny + nz * nz);
     const float length = std::sqrt(length2 > 0.f ? length2 : 1.f);
-    block->nx[k] = moves ? nx / length : before_x;
-    block->ny[k] = moves ? ny / length : before_y;
-    block->nz[k] = moves ? nz / length : before_z;
-    const float radius_m = block->radius_m[k];
-    block->radius_m[k] = moves & (radius_m_[k] < radius_m) ? radius_m_[k] : radius_m;
+    block->nx[k] = SmallUnit::From(moves ? nx / length : before_x);
+    block->ny[k] = SmallUnit::From(moves ? ny / length : before_y);
+    block->nz[k] = SmallUnit::From(moves ? nz / length : before_z);
+    const float radius_m = SmallLength::ToFloat(block->radius[k]);
+    block->radius[k] =
+        SmallLength::From(moves & (radius_m_[k] < radius_m) ? radius_m_[k] : radius_m);
   }
 }
 

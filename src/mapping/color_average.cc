@@ -74,10 +74,9 @@ void ColorAverage::Add(const FrameColors& colors, const PosedCamera& camera,
       ColorBatch seen;
       int places[SurfelBlock::kCapacity];  // of those that are seen
       for (int k = 0; k < block.count; ++k) {
-        const Eigen::Vector3f in_world(block.x[k], block.y[k], block.z[k]);
+        const Eigen::Vector3f in_world = block.Position(k);
         const Eigen::Vector3f point = camera.rotation * in_world + camera.translation;
-        const Eigen::Vector3f normal =
-            camera.rotation * Eigen::Vector3f(block.nx[k], block.ny[k], block.nz[k]);
+        const Eigen::Vector3f normal = camera.rotation * block.Normal(k);
         if (!(point.z() > kMinDepth) || !(normal.dot(point) < 0)) continue;
         if (by_map.Hides(in_world) || by_frame.Hides(in_world)) continue;
         places[seen.count] = k;

@@ -58,7 +58,7 @@ std::uint64_t FindPixels(const SurfelBlock& block, const PosedCamera& camera,
     const bool near = (c.z[k] > kMinDepth) & (c.u[k] > -margin) & (c.u[k] < u_limit) &
                       (c.v[k] > -margin) & (c.v[k] < v_limit);
     const float u = near ? c.u[k] : 0.f, v = near ? c.v[k] : 0.f;
-    const float window = scale * block.radius_m[k] * c.rho[k];
+    const float window = scale * SmallLength::ToFloat(block.radius[k]) * c.rho[k];
     const float extent = window < margin ? window : margin;
     const std::int32_t u_begin = std::max(0, FloorOf(u - extent) + 1);
     const std::int32_t v_begin = std::max(0, FloorOf(v - extent) + 1);
@@ -85,7 +85,8 @@ std::uint64_t FindShapes(const SurfelBlock& block, const PosedCamera& camera,
   for (int k = 0; k < SurfelBlock::kCapacity; ++k) {
     const float px = p.x[k], py = p.y[k], pz = p.z[k];
     const float along = n.x[k] * px + n.y[k] * py + n.z[k] * pz;
-    const float share = 1.f / (radius_share * block.radius_m[k]), inverse = 1.f / along;
+    const float radius_m = SmallLength::ToFloat(block.radius[k]);
+    const float share = 1.f / (radius_share * radius_m), inverse = 1.f / along;
     const float rho_u = pixel_x * n.x[k] * inverse, rho_v = pixel_y * n.y[k] * inverse;
     const float a_p = -share * rho_u, b_p = -share * rho_v;
     const float ax = share * pixel_x + a_p * px, ay = a_p * py, az = a_p * pz;

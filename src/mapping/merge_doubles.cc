@@ -108,7 +108,8 @@ constexpr std::int32_t kNobody = -1;
 constexpr float kSpacingsPerCube = 3;  // of the grid: larger ones hold many surfels, smaller none
 
 Patch PatchAt(const SurfelBlock& block, int k) {
-  return {block.x[k], block.y[k], block.z[k], block.nx[k], block.ny[k], block.nz[k]};
+  const Eigen::Vector3f n = block.Normal(k);
+  return {block.x[k], block.y[k], block.z[k], n.x(), n.y(), n.z()};
 }
 
 Eigen::Vector3f PositionOf(const Patch& patch) { return {patch.x, patch.y, patch.z}; }
@@ -171,7 +172,7 @@ class DoubleFinder {
         if (block.first_seen[k] < doubles_.newer_since) continue;
         const Patch patch = PatchAt(block, k);
         newer.surfels.push_back(
-            {b * SurfelBlock::kCapacity + k, block.first_seen[k], patch, block.radius_m[k]});
+            {b * SurfelBlock::kCapacity + k, block.first_seen[k], patch, block.Radius_m(k)});
         newer.most_first_seen = std::max(newer.most_first_seen, block.first_seen[k]);
         bounds.Add(PositionOf(patch));
       }
@@ -281,7 +282,7 @@ void MergeInto(std::int32_t older, std::int32_t newer, const FusionOptions& opti
   SurfelBlock& block = map->block(older / SurfelBlock::kCapacity);
   const int k = older % SurfelBlock::kCapacity;
   const Surfel seen = (*map)[newer];
-  map->Merge(older, AsObservation(seen, options.max_radius_ratio * block.radius_m[k]),
+  map->Merge(older, AsObservation(seen, options.max_radius_ratio * block.Radius_m(k)),
              options.max_confidence);
   block.last_seen[k] = std::max(block.last_seen[k], seen.last_seen);
   map->Mark(newer);

@@ -87,15 +87,10 @@ class RecalibratedMoves {
 
 template <typename Moves>
 void MoveSurfel(const Moves& moves, std::size_t frame, int k, SurfelBlock* block) {
-  Eigen::Vector3f position(block->x[k], block->y[k], block->z[k]);
-  Eigen::Vector3f normal(block->nx[k], block->ny[k], block->nz[k]);
+  Eigen::Vector3f position = block->Position(k), normal = block->Normal(k);
   moves.Move(frame, &position, &normal);
-  block->x[k] = position.x();
-  block->y[k] = position.y();
-  block->z[k] = position.z();
-  block->nx[k] = normal.x();
-  block->ny[k] = normal.y();
-  block->nz[k] = normal.z();
+  block->SetPosition(k, position);
+  block->SetNormal(k, normal);
 }
 
 // Returns how many have moved.

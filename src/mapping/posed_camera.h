@@ -77,7 +77,8 @@ inline void FindNormals(const SurfelBlock& block, const PosedCamera& camera, Blo
   const float r10 = r(1, 0), r11 = r(1, 1), r12 = r(1, 2);
   const float r20 = r(2, 0), r21 = r(2, 1), r22 = r(2, 2);
   for (int k = 0; k < SurfelBlock::kCapacity; ++k) {
-    const float x = block.nx[k], y = block.ny[k], z = block.nz[k];
+    const float x = SmallUnit::ToFloat(block.nx[k]), y = SmallUnit::ToFloat(block.ny[k]),
+                z = SmallUnit::ToFloat(block.nz[k]);
     n->x[k] = r00 * x + r01 * y + r02 * z;
     n->y[k] = r10 * x + r11 * y + r12 * z;
     n->z[k] = r20 * x + r21 * y + r22 * z;

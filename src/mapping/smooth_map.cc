@@ -167,12 +167,8 @@ class Smoothing {
       SurfelBlock& block = map_.block(b);
       for (int k = 0; k < block.count; ++k) {
         const Moved& to = moved_[b * SurfelBlock::kCapacity + k];
-        block.x[k] = to.position.x();
-        block.y[k] = to.position.y();
-        block.z[k] = to.position.z();
-        block.nx[k] = to.normal.x();
-        block.ny[k] = to.normal.y();
-        block.nz[k] = to.normal.z();
+        block.SetPosition(k, to.position);
+        block.SetNormal(k, to.normal);
         block.bounds.Add(to.position);
       }
       cell->bounds.Add(block.bounds);

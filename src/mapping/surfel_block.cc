@@ -27,10 +27,10 @@ void SurfelBounds::Add(const SurfelBounds& other) {
 
 Surfel SurfelBlock::operator[](int k) const {
   Surfel s;
-  s.position_in_world = {x[k], y[k], z[k]};
-  s.normal_in_world = {nx[k], ny[k], nz[k]};
+  s.position_in_world = Position(k);
+  s.normal_in_world = Normal(k);
   s.color = Color(k);
-  s.radius_m = radius_m[k];
+  s.radius_m = Radius_m(k);
   s.confidence = confidence[k];
   s.first_seen = first_seen[k];
   s.last_seen = last_seen[k];
@@ -42,14 +42,10 @@ Surfel SurfelBlock::operator[](int k) const {
 Rgb8 SurfelBlock::Color(int k) const { return ToRgb8(FineColor(k)); }
 
 void SurfelBlock::Write(int k, const Surfel& s) {
-  x[k] = s.position_in_world.x();
-  y[k] = s.position_in_world.y();
-  z[k] = s.position_in_world.z();
-  nx[k] = s.normal_in_world.x();
-  ny[k] = s.normal_in_world.y();
-  nz[k] = s.normal_in_world.z();
+  SetPosition(k, s.position_in_world);
+  SetNormal(k, s.normal_in_world);
   SetColor(k, Eigen::Vector3f(s.color.r, s.color.g, s.color.b), s.color_weight);
-  radius_m[k] = s.radius_m;
+  SetRadius_m(k, s.radius_m);
   confidence[k] = s.confidence;
   first_seen[k] = s.first_seen;
   last_seen[k] = s.last_seen;

@@ -12,7 +12,7 @@ namespace surfit {
 namespace {
 
 constexpr std::int64_t kApplicationId = 0x73726674;  // "srft"
-constexpr std::int64_t kVersion = 1;
+constexpr std::int64_t kVersion = 2;
 
 void PutPose(const Rigid3d& pose, Row* row) {
   for (const double number : pose.translation) row->emplace_back(number);

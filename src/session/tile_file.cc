@@ -9,7 +9,7 @@
 namespace surfit {
 namespace {
 
-constexpr char kMagic[] = "surfit tile 1\n";
+constexpr char kMagic[] = "surfit tile 2\n";
 constexpr std::size_t kHeadBytes = sizeof(kMagic) - 1 + sizeof(std::uint32_t);
 constexpr int kCellsAcross = 4;  // of a tile
 constexpr int kAxisBits = 20;
@@ -20,17 +20,14 @@ int FloorDiv(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
 // Goes through the columns of a block, in the order of files. `column` is called with each.
 template <typename Block, typename Call>
 void ForEachColumn(Block& block, const Call& column) {
-  for (auto* floats : {block.x, block.y, block.z, block.nx, block.ny, block.nz, block.radius_m,
-                       block.confidence}) {
-    column(floats);
-  }
+  for (auto* floats : {block.x, block.y, block.z, block.confidence}) column(floats);
+  for (auto* normals : {block.nx, block.ny, block.nz}) column(normals);
   for (auto* frames : {block.first_seen, block.last_seen}) column(frames);
-  for (auto* colors : {block.red, block.green, block.blue}) column(colors);
+  for (auto* shorts : {block.radius, block.red, block.green, block.blue}) column(shorts);
 }
 
 bool IsSane(const SurfelBlock& block, int k) {
-  for (const float number : {block.x[k], block.y[k], block.z[k], block.nx[k], block.ny[k],
-                             block.nz[k], block.radius_m[k], block.confidence[k]}) {
+  for (const float number : {block.x[k], block.y[k], block.z[k], block.confidence[k]}) {
     if (!std::isfinite(number)) return false;
   }
   return true;

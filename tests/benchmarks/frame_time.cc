@@ -6,7 +6,7 @@
 // stays as it is whatever our decoders do, and the bytes it must touch go through memory once:
 // - depth and colour as decoded, 7 bytes a pixel;
 // - vertices and normals of all levels of the frame, and of the model view: 24 bytes each;
-// - the surfels that met a point or were added: 48 bytes each, read and written.
+// - the surfels that met a point or were added: 40 bytes each, read and written.
 // The first figure is of one thread, the second a copy of as many bytes by as many threads, both
 // after the run, so that the multiple says the same on a slower machine. Exits with 1 if it is
 // above max_multiple in six runs: other work only adds to it.
@@ -37,7 +37,7 @@ std::size_t BytesOfFrame(const SlamRunSummary& summary) {
   const double pixels = static_cast<double>(summary.input_points) / frames;
   constexpr double kAllLevels = 4. / 3;
   const double surfels = static_cast<double>(summary.updated + summary.added) / frames;
-  return static_cast<std::size_t>(pixels * (7 + 2 * 24 * kAllLevels) + 2 * 48 * surfels);
+  return static_cast<std::size_t>(pixels * (7 + 2 * 24 * kAllLevels) + 2 * 40 * surfels);
 }
 
 // The fastest of some copies: half of the bytes are read, half are written.

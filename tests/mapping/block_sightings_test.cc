@@ -59,7 +59,7 @@ void ExpectSame(const SurfelBlock& a, const SurfelBlock& b) {
   for (int k = 0; k < SurfelBlock::kCapacity; ++k) {
     EXPECT_EQ(a[k].position_in_world, b[k].position_in_world) << k;
     EXPECT_EQ(a[k].normal_in_world, b[k].normal_in_world) << k;
-    EXPECT_EQ(a.radius_m[k], b.radius_m[k]) << k;
+    EXPECT_EQ(a.radius[k], b.radius[k]) << k;
     EXPECT_EQ(a.confidence[k], b.confidence[k]) << k;
     EXPECT_EQ(a.red[k], b.red[k]) << k;
     EXPECT_EQ(a.green[k], b.green[k]) << k;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "mapping/plane_frame.h"
+#include "mapping/random_surfel.h"
 
 namespace surfit::testing {
 namespace {
@@ -112,7 +113,7 @@ TEST(FusionGates, CoarsePointsDoNotMoveAFineSurfel) {
   SurfelMap fine_enough, too_coarse;
   EXPECT_EQ(pair.Run(&fine_enough).merged, 1);
   EXPECT_NEAR(fine_enough[0].position_in_world.z(), 1.01 - 0.01 / 5, 1e-6);
-  EXPECT_EQ(fine_enough[0].radius_m, pair.surfel.radius_m);
+  EXPECT_EQ(fine_enough[0].radius_m, StoredLength(pair.surfel.radius_m));
 
   pair.surfel.radius_m = 0.0141f / 1.51f;
   EXPECT_EQ(pair.Run(&too_coarse).merged, 1);
@@ -127,7 +128,7 @@ TEST(FusionGates, AFinerPointShrinksTheSurfel) {
   pair.surfel.radius_m = 0.05f;
   SurfelMap map;
   pair.Run(&map);
-  EXPECT_FLOAT_EQ(map[0].radius_m, std::sqrt(2.f) / 100);
+  EXPECT_FLOAT_EQ(map[0].radius_m, StoredLength(std::sqrt(2.f) / 100));
 }
 
 TEST(FusionGates, TheNearestOfTwoSurfelsIsTaken) {

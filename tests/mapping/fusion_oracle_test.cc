@@ -49,11 +49,12 @@ SurfelMap RandomMap(int count, const Rigid3d& world_from_camera, std::mt19937_64
 void ExpectNear(const Surfel& a, const Surfel& b) {
   constexpr float kTolerance = 4e-6f;
   EXPECT_LT((a.position_in_world - b.position_in_world).norm(), kTolerance);
-  EXPECT_LT((a.normal_in_world - b.normal_in_world).norm(), kTolerance);
+  // May be the next step on each axis.
+  EXPECT_LT((a.normal_in_world - b.normal_in_world).norm(), kTolerance + 2 * kNormalRounding);
   // A position that is off by 4e-6 m is by 4e-4 px: 0.1 of a step at most, and then rounded.
   EXPECT_LE((ColorAsVector(a.color) - ColorAsVector(b.color)).lpNorm<Eigen::Infinity>(), 1);
   EXPECT_NEAR(a.color_weight, b.color_weight, a.color_weight / 7);  // may be the next byte
-  EXPECT_NEAR(a.radius_m, b.radius_m, kTolerance * b.radius_m);
+  EXPECT_NEAR(a.radius_m, b.radius_m, b.radius_m / 2048);           // likewise
   EXPECT_EQ(a.confidence, b.confidence);
   EXPECT_EQ(a.first_seen, b.first_seen);
   EXPECT_EQ(a.last_seen, b.last_seen);

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "mapping/plane_frame.h"
+#include "mapping/random_surfel.h"
 #include "mapping/same_map.h"
 #include "surfit/core/options.h"
 #include "surfit/frame/preprocess.h"
@@ -39,7 +40,7 @@ TEST(Fusion, TheFirstFrameBecomesTheMap) {
   EXPECT_EQ(corner.position_in_world, f.surface.vertex(0, 0));
   EXPECT_EQ(corner.normal_in_world, Vector3f(0, 0, -1));
   EXPECT_EQ(corner.color, (Rgb8{1, 2, 3}));
-  EXPECT_FLOAT_EQ(corner.radius_m, std::sqrt(2.f) * 2 / 80);
+  EXPECT_FLOAT_EQ(corner.radius_m, StoredLength(std::sqrt(2.f) * 2 / 80));
   EXPECT_FLOAT_EQ(corner.confidence, std::exp(-1 / 0.72f));
   EXPECT_EQ(corner.first_seen, 7);
   EXPECT_EQ(corner.last_seen, 7);

@@ -79,7 +79,7 @@ TEST(MoveMap, StraightensABentWall) {
     const Surfel expected = SurfelOfFrame(map[id].first_seen);
     // Single precision, at a distance of 5 m.
     EXPECT_LT((map[id].position_in_world - expected.position_in_world).norm(), 3e-6);
-    EXPECT_LT((map[id].normal_in_world - expected.normal_in_world).norm(), 1e-6);
+    EXPECT_LT((map[id].normal_in_world - expected.normal_in_world).norm(), 2 * kNormalRounding);
     EXPECT_EQ(map[id].last_seen, expected.last_seen);
   }
 }

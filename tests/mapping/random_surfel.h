@@ -26,13 +26,26 @@ inline Rgb8 RandomColor(std::mt19937_64* rng) {
           static_cast<std::uint8_t>(bits >> 40)};
 }
 
-// A surfel whose values all differ from those of any other, as far as chance goes.
+// What a map gives back of a radius and of a normal.
+inline float StoredLength(float length_m) {
+  return SmallLength::ToFloat(SmallLength::From(length_m));
+}
+inline Eigen::Vector3f StoredNormal(const Eigen::Vector3f& normal) {
+  SurfelBlock block;
+  block.SetNormal(0, normal);
+  return block.Normal(0);
+}
+// How far that is from the normal at most.
+inline constexpr double kNormalRounding = 0.87 / 32767;
+
+// A surfel that a map gives back as it is, whose values all differ from those of any other, as far
+// as chance goes.
 inline Surfel RandomSurfel(std::mt19937_64* rng) {
   Surfel s;
   for (float& x : s.position_in_world) x = Uniform(-3, 3, rng);
-  s.normal_in_world = RandomNormal(1, rng);
+  s.normal_in_world = StoredNormal(RandomNormal(1, rng));
   s.color = RandomColor(rng);
-  s.radius_m = Uniform(0.001f, 0.02f, rng);
+  s.radius_m = StoredLength(Uniform(0.001f, 0.02f, rng));
   s.confidence = Uniform(0.1f, 20, rng);
   s.first_seen = static_cast<std::int32_t>((*rng)() % 50);
   s.last_seen = s.first_seen + static_cast<std::int32_t>((*rng)() % 50);
@@ -81,7 +94,7 @@ inline SurfelObservation RandomObservation(std::mt19937_64* rng) {
   for (float& x : seen.position_in_world) x = Uniform(-3, 3, rng);
   seen.normal_in_world = RandomNormal(0.5f, rng);
   seen.color = ColorAsVector(RandomColor(rng)).cast<float>();
-  seen.radius_m = Uniform(0.001f, 0.02f, rng);
+  seen.radius_m = StoredLength(Uniform(0.001f, 0.02f, rng));
   seen.weight = seen.shape_weight = seen.color_weight = Uniform(0.2f, 1, rng);
   return seen;
 }

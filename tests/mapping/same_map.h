@@ -58,7 +58,7 @@ inline void ExpectSameMap(const SurfelMap& a, const SurfelMap& b) {
     const auto same = [k](const auto& x, const auto& y) { return x[k] == y[k]; };
     different += !(same(p.x, q.x) && same(p.y, q.y) && same(p.z, q.z) && same(p.nx, q.nx) &&
                    same(p.ny, q.ny) && same(p.nz, q.nz) && same(p.red, q.red) &&
-                   same(p.green, q.green) && same(p.blue, q.blue) && same(p.radius_m, q.radius_m) &&
+                   same(p.green, q.green) && same(p.blue, q.blue) && same(p.radius, q.radius) &&
                    same(p.confidence, q.confidence) && same(p.first_seen, q.first_seen) &&
                    same(p.last_seen, q.last_seen) && p[k].at_edge == q[k].at_edge);
   }

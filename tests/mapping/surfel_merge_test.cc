@@ -31,8 +31,9 @@ TEST(Merge, IsTheWeightedAverage) {
     // A difference of up to 6, its product with the share (itself rounded twice) and a sum: not
     // more than five roundings of 6 on each axis.
     EXPECT_THAT(map[0].position_in_world.cast<double>(), VectorNear(position, 30 * kUlp * 2));
-    EXPECT_THAT(map[0].normal_in_world.cast<double>(), VectorNear(normal, 10 * kUlp * 2));
-    EXPECT_NEAR(map[0].normal_in_world.norm(), 1, 4 * kUlp);
+    EXPECT_THAT(map[0].normal_in_world.cast<double>(),
+                VectorNear(normal, 10 * kUlp * 2 + kNormalRounding));
+    EXPECT_NEAR(map[0].normal_in_world.norm(), 1, 4 * kUlp + kNormalRounding);
     // Rounded to the next of 32 parts of a byte's step, on each of three channels.
     EXPECT_THAT(StoredColor(map, 0), VectorNear(color, std::sqrt(3) * 0.501 / 32));
     EXPECT_LE(map[0].color_weight, (wc + ac) * (1 + kUlp));
@@ -206,6 +207,47 @@ TEST(WeightByte, IsRightToAnEighth) {
   }
   EXPECT_GT(WeightByte::ToFloat(WeightByte::From(1e-30f)), 0);
   EXPECT_GT(WeightByte::ToFloat(WeightByte::From(1e30f)), 2000);
+}
+
+TEST(SmallLength, IsRightToTwoThousandths) {
+  EXPECT_EQ(SmallLength::ToFloat(SmallLength::From(0)), 0);
+  for (float length_m = 1.1e-6f; length_m < 4000; length_m *= 1.00013f) {
+    const float stored = SmallLength::ToFloat(SmallLength::From(length_m));
+    ASSERT_LE(stored, length_m);
+    ASSERT_GE(stored, length_m * (1 - 1.f / 2048));
+  }
+  for (int small = 0; small < 65536; ++small) {
+    const auto bits = static_cast<std::uint16_t>(small);
+    ASSERT_EQ(SmallLength::From(SmallLength::ToFloat(bits)), bits);
+  }
+}
+
+TEST(SmallUnit, IsTheNearest) {
+  for (const float exact : {-1.f, 0.f, 1.f}) {
+    EXPECT_EQ(SmallUnit::ToFloat(SmallUnit::From(exact)), exact);
+  }
+  for (float number = -1; number <= 1; number += 1.3e-5f) {
+    ASSERT_NEAR(SmallUnit::ToFloat(SmallUnit::From(number)), number, 0.505 / 32767);
+  }
+  for (int small = -32767; small <= 32767; ++small) {
+    const auto bits = static_cast<std::int16_t>(small);
+    ASSERT_EQ(SmallUnit::From(SmallUnit::ToFloat(bits)), bits);
+  }
+  EXPECT_EQ(SmallUnit::ToFloat(SmallUnit::From(1.0001f)), 1);
+  EXPECT_EQ(SmallUnit::ToFloat(SmallUnit::From(-7)), -1);
+}
+
+// The stored normal moves as long as share * difference is at least half of 1 / 32767, with a share
+// of 1 / 201 here.
+TEST(Merge, NormalsComeToWhatIsSeen) {
+  SurfelMap map;
+  map.Append(Disc({0, 0, 1}, {0, 0, -1}, 0.01f, 200));
+  SurfelObservation seen;
+  seen.position_in_world = {0, 0, 1};
+  seen.normal_in_world = Eigen::Vector3f(0.3f, -0.1f, -1).normalized();
+  seen.radius_m = 0.01f;
+  for (int i = 0; i < 5000; ++i) map.Merge(0, seen, 200);
+  EXPECT_THAT(map[0].normal_in_world, VectorNear(seen.normal_in_world, 201 * kNormalRounding));
 }
 
 // The stored colour moves as long as share * difference is at least half of 1/32: with a share of a

@@ -138,9 +138,9 @@ TEST(Session, OfAnotherVersionOrKindIsRefused) {
     EXPECT_EQ(sqlite3_exec(database, sql, nullptr, nullptr, nullptr), SQLITE_OK);
     sqlite3_close(database);
   };
-  run("PRAGMA user_version = 2");
-  ExpectInputError([&] { ReadSession(folder.path()); }, HasSubstr("is a session of version 2"));
-  run("PRAGMA user_version = 1; PRAGMA application_id = 5");
+  run("PRAGMA user_version = 1");
+  ExpectInputError([&] { ReadSession(folder.path()); }, HasSubstr("is a session of version 1"));
+  run("PRAGMA user_version = 2; PRAGMA application_id = 5");
   ExpectInputError([&] { ReadSession(folder.path()); }, HasSubstr("is no session"));
   ExpectInputError([&] { ReadSession(folder.path() + "/none"); }, HasSubstr("is no session"));
 }

@@ -31,29 +31,47 @@ inline Rgb8 ToRgb8(const Eigen::Vector3f& color) {
   return {byte(color.x()), byte(color.y()), byte(color.z())};
 }
 
-// A weight from 2^-20 to 2^11 as a byte: five bits of a power of two, three of what is between,
-// rounded down by an eighth at most; 0 is none. So a sum of equal weights ends at 16 of them, and
-// an average by it goes on with a share of a seventeenth.
-class WeightByte {
+// A number from 2^-20 to 2^12 in few bits: five of a power of two, the others of what is between,
+// rounded down; 0 is none.
+template <typename Bits>
+class SmallFloat {
  public:
-  static std::uint8_t From(float weight) {
-    if (!(weight > 0.f)) return 0;
+  static Bits From(float number) {
     std::uint32_t bits;
-    std::memcpy(&bits, &weight, sizeof(bits));
-    return static_cast<std::uint8_t>(std::clamp(bits >> kDropped, kOffset + 1, kOffset + 255) -
-                                     kOffset);
+    std::memcpy(&bits, &number, sizeof(bits));
+    const std::uint32_t some = std::clamp(bits >> kDropped, kOffset + 1, kOffset + kMost) - kOffset;
+    return static_cast<Bits>(number > 0.f ? some : 0);
   }
-  static float ToFloat(std::uint8_t byte) {
-    if (byte == 0) return 0.f;
-    const std::uint32_t bits = (byte + kOffset) << kDropped;
-    float weight;
-    std::memcpy(&weight, &bits, sizeof(weight));
-    return weight;
+  static float ToFloat(Bits small) {
+    const std::uint32_t bits = small == 0 ? 0 : (small + kOffset) << kDropped;
+    float number;
+    std::memcpy(&number, &bits, sizeof(number));
+    return number;
   }
 
  private:
-  static constexpr std::uint32_t kDropped = 20;               // of the 23 bits between two powers
-  static constexpr std::uint32_t kOffset = (127u - 20u) * 8;  // the first bits of 2^-20
+  static constexpr std::uint32_t kMost = std::numeric_limits<Bits>::max();
+  static constexpr std::uint32_t kDropped = 28 - 8 * sizeof(Bits);  // of 23 between two powers
+  static constexpr std::uint32_t kOffset = (127u - 20u) << (23 - kDropped);  // 2^-20
+};
+
+// To an eighth: a sum of equal weights ends at 16 of them, and an average by it goes on with a
+// share of a seventeenth.
+using WeightByte = SmallFloat<std::uint8_t>;
+// To two thousandths of a length in metres.
+using SmallLength = SmallFloat<std::uint16_t>;
+
+// A number from -1 to 1 to the nearest 1 / 32767. So a unit vector turns by .03 mrad at most.
+class SmallUnit {
+ public:
+  static std::int16_t From(float number) {
+    const float within = std::min(std::max(-1.f, number), 1.f);
+    return static_cast<std::int16_t>(static_cast<std::int32_t>(kSteps * within + 32768.5f) - 32768);
+  }
+  static float ToFloat(std::int16_t small) { return static_cast<float>(small) * (1.f / kSteps); }
+
+ private:
+  static constexpr float kSteps = 32767.f;
 };
 
 // What a frame has measured of a surfel: the average of its points there.
@@ -86,7 +104,7 @@ struct SurfelBounds {
   static constexpr float kMost = std::numeric_limits<float>::infinity();
 };
 
-// Up to kCapacity surfels that are close together, as structure of arrays: 47 bytes each. The first
+// Up to kCapacity surfels that are close together, as structure of arrays: 39 bytes each. The first
 // `count` are in use; the others hold finite numbers.
 struct SurfelBlock {
   static constexpr int kCapacity = 64;  // one bit each in a mask
@@ -98,8 +116,8 @@ struct SurfelBlock {
   SurfelBounds bounds;
 
   float x[kCapacity] = {}, y[kCapacity] = {}, z[kCapacity] = {};  // position in the world, metres
-  float nx[kCapacity] = {}, ny[kCapacity] = {}, nz[kCapacity] = {};  // unit normal in the world
-  float radius_m[kCapacity] = {};
+  std::int16_t nx[kCapacity] = {}, ny[kCapacity] = {}, nz[kCapacity] = {};  // SmallUnit: Normal()
+  std::uint16_t radius[kCapacity] = {};  // SmallLength: Radius_m()
   float confidence[kCapacity] = {};
   std::int32_t first_seen[kCapacity] = {}, last_seen[kCapacity] = {};  // frame index
   // sRGB in 1/256 of an 8-bit step, of which the three last bits are other things: together, those
@@ -107,6 +125,13 @@ struct SurfelBlock {
   std::uint16_t red[kCapacity] = {}, green[kCapacity] = {}, blue[kCapacity] = {};
 
   Surfel operator[](int k) const;
+  Eigen::Vector3f Position(int k) const { return {x[k], y[k], z[k]}; }
+  void SetPosition(int k, const Eigen::Vector3f& position);
+  // Of unit length, but for .03 mrad along each axis.
+  Eigen::Vector3f Normal(int k) const;
+  void SetNormal(int k, const Eigen::Vector3f& normal);
+  float Radius_m(int k) const { return SmallLength::ToFloat(radius[k]); }
+  void SetRadius_m(int k, float radius_m) { radius[k] = SmallLength::From(radius_m); }
   Rgb8 Color(int k) const;
   // In 8-bit steps, finer than these; and the weight that it has.
   Eigen::Vector3f FineColor(int k) const;
@@ -129,6 +154,22 @@ struct SurfelBlock {
 };
 
 // Here, as fusion does it hundreds of thousands of times a frame.
+inline void SurfelBlock::SetPosition(int k, const Eigen::Vector3f& position) {
+  x[k] = position.x();
+  y[k] = position.y();
+  z[k] = position.z();
+}
+
+inline Eigen::Vector3f SurfelBlock::Normal(int k) const {
+  return {SmallUnit::ToFloat(nx[k]), SmallUnit::ToFloat(ny[k]), SmallUnit::ToFloat(nz[k])};
+}
+
+inline void SurfelBlock::SetNormal(int k, const Eigen::Vector3f& normal) {
+  nx[k] = SmallUnit::From(normal.x());
+  ny[k] = SmallUnit::From(normal.y());
+  nz[k] = SmallUnit::From(normal.z());
+}
+
 inline Eigen::Vector3f SurfelBlock::FineColor(int k) const {
   constexpr int kBits = ~7;
   return Eigen::Vector3f(static_cast<float>(red[k] & kBits), static_cast<float>(green[k] & kBits),
@@ -156,16 +197,10 @@ inline void SurfelBlock::Merge(int k, const SurfelObservation& seen, float max_c
   const float inverse_sum = 1.f / (confidence[k] + seen.weight);
   if (seen.shape_weight > 0.f) {
     const float share = seen.shape_weight * inverse_sum;
-    Eigen::Vector3f p(x[k], y[k], z[k]), n(nx[k], ny[k], nz[k]);
-    p += share * (seen.position_in_world - p);
-    n = (n + share * (seen.normal_in_world - n)).normalized();
-    x[k] = p.x();
-    y[k] = p.y();
-    z[k] = p.z();
-    nx[k] = n.x();
-    ny[k] = n.y();
-    nz[k] = n.z();
-    radius_m[k] = std::min(radius_m[k], seen.radius_m);
+    const Eigen::Vector3f p = Position(k), n = Normal(k);
+    SetPosition(k, p + share * (seen.position_in_world - p));
+    SetNormal(k, (n + share * (seen.normal_in_world - n)).normalized());
+    SetRadius_m(k, std::min(Radius_m(k), seen.radius_m));
   }
   if (seen.color_weight > 0.f) {
     const float sum = ColorWeight(k) + seen.color_weight;
