@@ -47,7 +47,8 @@ void AddSofa(const Item& item, double width_m, Random* random) {
     item.RoundedBox({x, 0.2, 0.27}, {x + seat, 0.86, 0.44}, 0.06, cloth);
   }
   for (const double side : {-1, 1}) {
-    const Texture pillow = Stripes(RandomPaint(random), RandomPaint(random), 0.05, 0);
+    const Color gap = RandomPaint(random), stripe = RandomPaint(random);
+    const Texture pillow = Stripes(stripe, gap, 0.05, 0);
     const Eigen::Quaterniond lean(Eigen::AngleAxisd(random->Uniform(0.2, 0.4), Vector3d::UnitX()) *
                                   Eigen::AngleAxisd(side * 0.2, Vector3d::UnitY()));
     item.Add(MakeRoundedBox({0.4, 0.14, 0.38}, 0.06),

@@ -24,8 +24,10 @@ void AddPileOfBooks(const Item& item, Random* random) {
     const double thickness = random->Uniform(0.015, 0.045);
     const double width = random->Uniform(0.14, 0.2), depth = random->Uniform(0.2, 0.26);
     const Item turned = item.At({0, 0, z}, random->Uniform(-0.4, 0.4));
+    const double band = random->Uniform(0.05, 0.12);
+    const Color gap = RandomPaint(random), stripe = RandomPaint(random);
     turned.Box({-width / 2, -depth / 2, 0}, {width / 2, depth / 2, thickness},
-               Stripes(RandomPaint(random), RandomPaint(random), random->Uniform(0.05, 0.12), 1));
+               Stripes(stripe, gap, band, 1));
     z += thickness;
   }
 }
@@ -56,7 +58,8 @@ void AddVase(const Item& item, Random* random) {
 }
 
 void AddRing(const Item& item, Random* random) {
-  const Texture paint = Checks(RandomPaint(random), RandomPaint(random), 0.04);
+  const Color second = RandomPaint(random), first = RandomPaint(random);
+  const Texture paint = Checks(first, second, 0.04);
   const double tube = random->Uniform(0.02, 0.035);
   item.Add(MakeTorus(0.08, tube), {0, 0, tube}, paint);
 }
@@ -80,8 +83,8 @@ void AddRowOfBooks(const Item& item, double width_m, double depth_m, double heig
     const double height = random->Uniform(0.65, 1) * height_m;
     const double depth = random->Uniform(0.75, 1) * depth_m;
     const double band = random->Uniform(0.04, 0.1);
-    item.Box({x, 0, 0}, {x + thickness - 0.001, depth, height},
-             Stripes(RandomPaint(random), RandomPaint(random), band, 2));
+    const Color gap = RandomPaint(random), stripe = RandomPaint(random);
+    item.Box({x, 0, 0}, {x + thickness - 0.001, depth, height}, Stripes(stripe, gap, band, 2));
     x += thickness;
   }
 }

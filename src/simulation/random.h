@@ -7,7 +7,8 @@
 namespace surfit {
 
 // Random numbers that are the same on every platform: std's engines are fixed by the standard, its
-// distributions are not.
+// distributions are not. Of a call's arguments only one may draw: in which order they are evaluated
+// is up to the compiler.
 class Random {
  public:
   // Streams of the same seed are independent of each other.

@@ -22,8 +22,9 @@ void Shuffle(Container* items, Random* random) {
 }
 
 void AddCeilingLamp(const RoomPlan& room) {
-  const Vector3d above(room.width_m / 2 + room.random->Uniform(-0.4, 0.4),
-                       room.depth_m / 2 + room.random->Uniform(-0.4, 0.4), RoomPlan::kHeight_m);
+  const double y = room.depth_m / 2 + room.random->Uniform(-0.4, 0.4),
+               x = room.width_m / 2 + room.random->Uniform(-0.4, 0.4);
+  const Vector3d above(x, y, RoomPlan::kHeight_m);
   const Item lamp = room.Frame().At(above);
   lamp.Rod({0, 0, -0.22}, {0, 0, 0}, 0.008, Plain(Color::Constant(0.2f)));
   lamp.Add(MakeSphere(0.12), {0, 0, -0.3}, Plain(Color::Constant(0.8f)), 1.f);
@@ -108,8 +109,8 @@ void AddWalls(const RoomPlan& room) {
 
 void AddBall(const Item& item, Random* random) {
   const double radius = random->Uniform(0.11, 0.2);
-  item.Add(MakeSphere(radius), {0, 0, radius},
-           Checks(RandomPaint(random), RandomPaint(random), 0.9 * radius));
+  const Color second = RandomPaint(random), first = RandomPaint(random);
+  item.Add(MakeSphere(radius), {0, 0, radius}, Checks(first, second, 0.9 * radius));
   item.Target({0, 0, radius});
 }
 
@@ -127,9 +128,9 @@ void AddCorners(const RoomPlan& room) {
 
 void AddMiddle(const RoomPlan& room) {
   Random* random = room.random;
-  const Vector3d middle(room.width_m / 2 + random->Uniform(-0.5, 0.5),
-                        room.depth_m / 2 + random->Uniform(-0.3, 0.3), 0);
-  const Item place = room.Frame().At(middle, random->Uniform(0, M_PI));
+  const double across = room.depth_m / 2 + random->Uniform(-0.3, 0.3),
+               along = room.width_m / 2 + random->Uniform(-0.5, 0.5);
+  const Item place = room.Frame().At({along, across, 0}, random->Uniform(0, M_PI));
   place.Box({-1.1, -0.8, 0}, {1.1, 0.8, 0.01}, Rug(2.2, 1.6, room.Pictures()->Index(1 << 30)));
   const double width = random->Uniform(1.1, 1.5), depth = random->Uniform(0.7, 0.9);
   AddTable(place, width, depth, random);
@@ -139,9 +140,8 @@ void AddMiddle(const RoomPlan& room) {
                  y = side * (depth / 2 + random->Uniform(0.1, 0.3));
     AddChair(place.At({x, y, 0}, (side > 0 ? M_PI : 0) + random->Uniform(-0.4, 0.4)), random);
   }
-  AddChair(place.At({width / 2 + 0.3, random->Uniform(-0.1, 0.1), 0},
-                    M_PI / 2 + random->Uniform(-0.4, 0.4)),
-           random);
+  const double turn = M_PI / 2 + random->Uniform(-0.4, 0.4);
+  AddChair(place.At({width / 2 + 0.3, random->Uniform(-0.1, 0.1), 0}, turn), random);
 }
 
 // A thing on the floor beside the doorway that rooms alike do not share.

@@ -47,8 +47,8 @@ void AddWallThings(const RoomPlan& staircase, const Item& flight) {
       const double floor = (y - begin) / (end - begin) * BuildingPlan::kStorey_m;
       // A frame on the wall whose y points into the staircase.
       const Item at = flight.At({x, y, floor}, -inward * M_PI / 2);
-      AddPoster(at.At({0, 0, random->Uniform(1.2, 1.4)}), random->Uniform(0.4, 0.8),
-                random->Uniform(0.4, 0.8), random);
+      const double height = random->Uniform(0.4, 0.8), width = random->Uniform(0.4, 0.8);
+      AddPoster(at.At({0, 0, random->Uniform(1.2, 1.4)}), width, height, random);
       at.Target({0, 0, random->Uniform(0.3, 1.3)});
       at.Target({random->Uniform(-0.5, 0.5), 0.5, 0});
     }

@@ -71,6 +71,12 @@ unpack_for_arm() {
   rm -rf "$system.part"
   mmdebstrap --variant=extract --architectures=arm64 --include="${arm_packages[*]}" \
     "$(. /etc/os-release && echo "$VERSION_CODENAME")" "$system.part"
+  # What installing does besides: Debian's alternatives, and Ceres' files name libraries by path.
+  local libraries=usr/lib/aarch64-linux-gnu
+  for name in blas lapack; do
+    ln -s "$name/lib$name.so" "$name/lib$name.so.3" "$system.part/$libraries"
+  done
+  sed -i "s|/$libraries/|$system&|g" "$system.part/$libraries/cmake/Ceres/CeresTargets.cmake"
   mv "$system.part" "$system"
 }
 
