@@ -21,6 +21,7 @@ class OwnResidual {
  public:
   static constexpr int kMostRows = 3;
   using Cost = std::unique_ptr<ceres::CostFunction>;
+  using Block = std::unique_ptr<ReducedBlock>;
 
   virtual ~OwnResidual() = default;
   virtual int row_count() const = 0;  // from 1 to kMostRows
@@ -32,8 +33,8 @@ class OwnResidual {
   virtual void FillRows(const Pairs<double>& pairs, int begin, int end, double* rows) const = 0;
 
   // All pairs as one block, in units of their sigma. Their arrays are of their size.
-  virtual Cost Reduced(Pairs<float> pairs, const RobustKernel& kernel) const = 0;
-  virtual Cost Reduced(Pairs<double> pairs, const RobustKernel& kernel) const = 0;
+  virtual Block Reduced(Pairs<float> pairs, const RobustKernel& kernel) const = 0;
+  virtual Block Reduced(Pairs<double> pairs, const RobustKernel& kernel) const = 0;
 
   // One pair as a block, in units of its sigma.
   virtual Cost OfPair(const Pairs<float>& pairs, int i) const = 0;
@@ -71,10 +72,10 @@ class FunctorResidual final : public OwnResidual {
   void FillRows(const Pairs<double>& pairs, int begin, int end, double* rows) const override {
     Fill(pairs, begin, end, rows);
   }
-  Cost Reduced(Pairs<float> pairs, const RobustKernel& kernel) const override {
+  Block Reduced(Pairs<float> pairs, const RobustKernel& kernel) const override {
     return ReducedOf(std::move(pairs), kernel);
   }
-  Cost Reduced(Pairs<double> pairs, const RobustKernel& kernel) const override {
+  Block Reduced(Pairs<double> pairs, const RobustKernel& kernel) const override {
     return ReducedOf(std::move(pairs), kernel);
   }
   Cost OfPair(const Pairs<float>& pairs, int i) const override { return BlockOf(pairs, i); }
@@ -130,7 +131,7 @@ class FunctorResidual final : public OwnResidual {
   }
 
   template <typename S>
-  static Cost ReducedOf(Pairs<S> pairs, const RobustKernel& kernel) {
+  static Block ReducedOf(Pairs<S> pairs, const RobustKernel& kernel) {
     for (S& information : pairs.information) information = std::sqrt(information);
     const auto arrays = pairs.Arrays();
     typename BatchData<Functor, S>::Arrays data;

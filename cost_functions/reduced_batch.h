@@ -3,13 +3,23 @@
 #include <ceres/cost_function.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "cost_functions/batch_sums.h"
 #include "cost_functions/pose_manifold.h"
 
 namespace surfit {
+
+// A Ceres residual block of all points: see ReducedBatch.
+class ReducedBlock : public ceres::CostFunction {
+ public:
+  // Evaluates it at a pose block, and gives the sums over all rows. Later, Evaluate() with
+  // Jacobians has that pose's at once.
+  virtual const RowSums& Prepare(const double* pose) = 0;
+};
 
 // N functors of one kind (see point_functor.h) as one Ceres residual block of seven rows.
 //
@@ -28,12 +38,18 @@ namespace surfit {
 // The parameter block is a pose (pose.h) on LeftPoseManifold or ProductPoseManifold. Do not add a
 // loss function to the block: the kernel is one per point, a loss would see the sum.
 template <typename Functor, typename S = float>
-class ReducedBatch final : public ceres::CostFunction {
+class ReducedBatch final : public ReducedBlock {
  public:
   ReducedBatch(Functor functor, BatchData<Functor, S> data, const RobustKernel& kernel)
       : functor_(std::move(functor)), data_(std::move(data)), kernel_(kernel) {
     mutable_parameter_block_sizes()->push_back(kPoseSize);
     set_num_residuals(kRows);
+  }
+
+  const RowSums& Prepare(const double* pose) override {
+    prepared_ = Prepared{{}, SumRows(functor_, data_, pose, kernel_)};
+    std::copy_n(pose, kPoseSize, prepared_->pose.begin());
+    return prepared_->sums;
   }
 
   bool Evaluate(double const* const* parameters, double* residuals,
@@ -44,7 +60,9 @@ class ReducedBatch final : public ceres::CostFunction {
       residuals[0] = std::sqrt(SumRho(functor_, data_, pose, kernel_));
       return std::isfinite(residuals[0]);
     }
-    const RowSums sums = SumRows(functor_, data_, pose, kernel_);
+    const bool is_prepared =
+        prepared_ && std::equal(prepared_->pose.begin(), prepared_->pose.end(), pose);
+    const RowSums sums = is_prepared ? prepared_->sums : SumRows(functor_, data_, pose, kernel_);
     if (!std::isfinite(sums.rho)) return false;
     Factor factor;
     Decompose(sums, &factor, residuals);
@@ -58,6 +76,10 @@ class ReducedBatch final : public ceres::CostFunction {
  private:
   static constexpr int kRows = kRowColumns;
   using Factor = Eigen::Matrix<double, kRows, kPoseTangentSize>;
+  struct Prepared {
+    std::array<double, kPoseSize> pose;
+    RowSums sums;
+  };
 
   // Cholesky decomposition of the semidefinite matrix of products: R, and [q e] as residuals.
   // Pivots are at least what the sums' rounding leaves of zero: R^T q = J^T r holds in any case.
@@ -90,6 +112,7 @@ class ReducedBatch final : public ceres::CostFunction {
   Functor functor_;
   BatchData<Functor, S> data_;
   RobustKernel kernel_;
+  std::optional<Prepared> prepared_;
 };
 
 }  // namespace surfit

@@ -48,14 +48,22 @@ struct RowLanes {
   template <int kRows>
   Weights Add(const V (&rows)[kRows][kRowColumns], const V& information,
               const RobustKernel& kernel) {
+    KernelValue<V> value;
+    const Weights weights = Weigh(rows, information, kernel, &value);
+    for (int k = 0; k < kRows; ++k) AddProducts(rows[k], weights.weight);
+    rho += value.rho;
+    return weights;
+  }
+
+  // Adds nothing.
+  template <int kRows>
+  static Weights Weigh(const V (&rows)[kRows][kRowColumns], const V& information,
+                       const RobustKernel& kernel, KernelValue<V>* value) {
     V s(0.);
     for (int k = 0; k < kRows; ++k) s += rows[k][kRowColumns - 1] * rows[k][kRowColumns - 1];
     s = s * information;
-    const KernelValue<V> value = EvaluateKernel(kernel, s);
-    const V weight = information * value.slope;
-    for (int k = 0; k < kRows; ++k) AddProducts(rows[k], weight);
-    rho += value.rho;
-    return {s, weight};
+    *value = EvaluateKernel(kernel, s);
+    return {s, information * value->slope};
   }
 
   void AddTo(RowSums* sums) const {

@@ -11,8 +11,7 @@
 #include "cost_functions/kernel_loss.h"
 #include "registration/functor_batch.h"
 #include "registration/own_residuals.h"
-#include "registration/pair_solver.h"
-#include "registration/reduced_cost.h"
+#include "registration/reduced_solver.h"
 
 namespace surfit {
 namespace {
@@ -86,22 +85,14 @@ class PoseProblem final : private ceres::EvaluationCallback {
   ceres::Problem problem_;
 };
 
-class ReducedCeresSolver final : public PairSolver<ReducedCeresSolver> {
+class ReducedCeresSolver final : public ReducedSolver<ReducedCeresSolver> {
  public:
-  using PairSolver::PairSolver;
-
-  bool ReachesMinimum() const override { return true; }
+  using ReducedSolver::ReducedSolver;
 
   template <typename S>
-  Vector6d Solve(Pairs<S> pairs, const RobustKernel& kernel, const IntensityPairs& intensities,
-                 const StepResult&, SolveReport* report) const {
-    const Stopwatch building;
+  Vector6d Minimum(ReducedBlocks blocks, const StepResult&, SolveReport* report) const {
     PoseProblem problem;
-    problem.Add(MakeReducedCost(std::move(pairs), options().residual, kernel).release());
-    if (intensities.size > 0) {
-      problem.Add(MakeReducedCost(intensities, *photometric()).release());
-    }
-    report->build_ms = building.Milliseconds();
+    for (auto& block : blocks) problem.Add(block.release());
     return problem.Solve<S>(ceres::DENSE_QR, options().min_relative_cost_change, report);
   }
 };

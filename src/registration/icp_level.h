@@ -9,13 +9,24 @@
 
 namespace surfit {
 
+struct RowSums;
+
 // The hand-built system of the pairs, on the source point as it is, for residuals weighted by the
 // kernel. Single precision pairs: lanes of single precision, summed into double precision every few
 // lanes. In a fixed order: the same at any number of threads.
 template <typename S>
 NormalSystem Linearize(const Pairs<S>& pairs, ResidualType residual, const RobustKernel& kernel);
 
-// The same of what an association finds at a pose, in one pass without a list of pairs.
+// The same without what it has of products of rows (hessian, right_side, cost and
+// weighted_square_sum), which stay 0: for SetProducts().
+template <typename S>
+NormalSystem BesidesProducts(const Pairs<S>& pairs, ResidualType residual,
+                             const RobustKernel& kernel);
+void SetProducts(const RowSums& sums, NormalSystem* system);
+void SetProducts(const RowSums& sums, PhotometricSystem* system);
+
+// The hand-built system of what an association finds at a pose, in one pass without a list of
+// pairs.
 NormalSystem Linearize(const Association& association, const Rigid3d& target_from_source,
                        ResidualType residual, const RobustKernel& kernel);
 

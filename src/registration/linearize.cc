@@ -40,6 +40,9 @@ void LoadIntensities(const IntensityPairs& pairs, const Exposure& exposure, int 
   values->slope_u = load(pairs.slope_u), values->slope_v = load(pairs.slope_v);
 }
 
+// What is summed over pairs: all, or what a NormalSystem has besides products of rows.
+enum class Sums { kAll, kBesides };
+
 // Sums of what else makes a NormalSystem, one a lane.
 template <typename V>
 struct PairLanes {
@@ -60,8 +63,7 @@ struct PairLanes {
     inlier_count += Select(of_rows.s <= V(kInlierBound), V(1.), V(0.)).UpTo(count);
   }
 
-  void AddTo(RowSums* sums, NormalSystem* system) const {
-    rows.AddTo(sums);
+  void AddTo(NormalSystem* system) const {
     system->weight_sum += SumOfLanes(weight);
     system->normal_difference_sum += SumOfLanes(normal_difference);
     for (int i = 0, k = 0; i < 3; ++i) {
@@ -78,7 +80,7 @@ struct PairLanes {
 
 // The system of the pairs [begin, end), whose rows set_rows(first, count, pair, rows) gives for as
 // many of them as there are lanes.
-template <int kRows, typename S, typename SetRows>
+template <Sums kSums, int kRows, typename S, typename SetRows>
 NormalSystem SystemOf(const Pairs<S>& pairs, int begin, int end, const RobustKernel& kernel,
                       double normal_share, const SetRows& set_rows) {
   NormalSystem system;
@@ -92,21 +94,28 @@ NormalSystem SystemOf(const Pairs<S>& pairs, int begin, int end, const RobustKer
           LoadPairs(pairs, first, count, &pair);
           V rows[kRows][kRowColumns];
           set_rows(first, count, pair, rows);
-          lanes->Add(pair, lanes->rows.Add(rows, pair.information, kernel), count);
+          if constexpr (kSums == Sums::kAll) {
+            lanes->Add(pair, lanes->rows.Add(rows, pair.information, kernel), count);
+          } else {
+            KernelValue<V> value;
+            lanes->Add(pair, RowLanes<V>::Weigh(rows, pair.information, kernel, &value), count);
+          }
         },
-        [&](const PairLanes<V>& lanes) { lanes.AddTo(&sums, &system); });
+        [&](const PairLanes<V>& lanes) {
+          if constexpr (kSums == Sums::kAll) lanes.rows.AddTo(&sums);
+          lanes.AddTo(&system);
+        });
   });
-  AddProducts(sums, &system.hessian, &system.right_side, &system.weighted_square_sum);
-  system.cost = 0.5 * sums.rho;
+  SetProducts(sums, &system);
   system.pair_count = end - begin;
   system.row_count = system.pair_count * kRows;
   system.normal_share = normal_share;
   return system;
 }
 
-template <typename Rows, typename S>
+template <Sums kSums, typename Rows, typename S>
 NormalSystem SumPairs(const Pairs<S>& pairs, int begin, int end, const RobustKernel& kernel) {
-  return SystemOf<Rows::kRows>(
+  return SystemOf<kSums, Rows::kRows>(
       pairs, begin, end, kernel, Rows::kNormalShare,
       [](int, int, const auto& pair, auto& rows) { Rows::Evaluate(pair, rows); });
 }
@@ -118,21 +127,21 @@ RawVector<S> RowsOf(const OwnResidual& own, const Pairs<S>& pairs, int begin, in
   return rows;
 }
 
-template <int kRows, typename S>
+template <Sums kSums, int kRows, typename S>
 NormalSystem SumOwnPairs(const OwnResidual& own, const Pairs<S>& pairs, int begin, int end,
                          const RobustKernel& kernel) {
   const RawVector<S> all = RowsOf(own, pairs, begin, end);
-  return SystemOf<kRows>(pairs, begin, end, kernel, NormalShareOf(own),
-                         [&](int first, int count, const auto&, auto& rows) {
-                           using V = std::decay_t<decltype(rows[0][0])>;
-                           const S* from = all.data() + first - begin;
-                           for (auto& row : rows) {
-                             for (V& column : row) {
-                               column = V::LoadUpTo(from, count);
-                               from += end - begin;
-                             }
-                           }
-                         });
+  return SystemOf<kSums, kRows>(pairs, begin, end, kernel, NormalShareOf(own),
+                                [&](int first, int count, const auto&, auto& rows) {
+                                  using V = std::decay_t<decltype(rows[0][0])>;
+                                  const S* from = all.data() + first - begin;
+                                  for (auto& row : rows) {
+                                    for (V& column : row) {
+                                      column = V::LoadUpTo(from, count);
+                                      from += end - begin;
+                                    }
+                                  }
+                                });
 }
 
 // The same of intensities.
@@ -153,8 +162,7 @@ PhotometricSystem SumPairs(const IntensityPairs& pairs, int begin, int end,
         [&](const RowLanes<V>& lanes) { lanes.AddTo(&sums); });
   });
   PhotometricSystem system;
-  AddProducts(sums, &system.hessian, &system.right_side, &system.square_sum);
-  system.cost = 0.5 * sums.rho;
+  SetProducts(sums, &system);
   system.row_count = end - begin;
   return system;
 }
@@ -162,22 +170,23 @@ PhotometricSystem SumPairs(const IntensityPairs& pairs, int begin, int end,
 template <typename S>
 using PairSummer = std::function<NormalSystem(const Pairs<S>&, int, int, const RobustKernel&)>;
 
-template <int kRows, typename S>
+template <Sums kSums, int kRows, typename S>
 PairSummer<S> OwnPairSummer(const OwnResidual& own) {
   return [&own](const Pairs<S>& pairs, int begin, int end, const RobustKernel& kernel) {
-    return SumOwnPairs<kRows>(own, pairs, begin, end, kernel);
+    return SumOwnPairs<kSums, kRows>(own, pairs, begin, end, kernel);
   };
 }
 
-template <typename S>
+template <Sums kSums, typename S>
 PairSummer<S> PairSummerOf(ResidualType residual) {
   if (const OwnResidual* const own = OwnResidualOf(residual)) {
     static_assert(OwnResidual::kMostRows == 3);
-    if (own->row_count() == 1) return OwnPairSummer<1, S>(*own);
-    return own->row_count() == 2 ? OwnPairSummer<2, S>(*own) : OwnPairSummer<3, S>(*own);
+    if (own->row_count() == 1) return OwnPairSummer<kSums, 1, S>(*own);
+    return own->row_count() == 2 ? OwnPairSummer<kSums, 2, S>(*own)
+                                 : OwnPairSummer<kSums, 3, S>(*own);
   }
   return WithRowsOf(residual,
-                    [](auto rows) -> PairSummer<S> { return SumPairs<decltype(rows), S>; });
+                    [](auto rows) -> PairSummer<S> { return SumPairs<kSums, decltype(rows), S>; });
 }
 
 // |r|^2 / sigma^2 of the pairs [begin, end).
@@ -242,20 +251,41 @@ double ScaleOf(const Pairs<S>& pairs, ResidualType residual) {
   });
 }
 
+template <Sums kSums, typename S>
+NormalSystem SumAll(const Pairs<S>& pairs, ResidualType residual, const RobustKernel& kernel) {
+  constexpr int kPairsPerBlock = 4096;
+  const PairSummer<S> sum = PairSummerOf<kSums, S>(residual);
+  return ParallelSum(0, pairs.size, kPairsPerBlock, NormalSystem(),
+                     [&](int begin, int end) { return sum(pairs, begin, end, kernel); });
+}
+
 }  // namespace
+
+void SetProducts(const RowSums& sums, NormalSystem* system) {
+  AddProducts(sums, &system->hessian, &system->right_side, &system->weighted_square_sum);
+  system->cost = 0.5 * sums.rho;
+}
+
+void SetProducts(const RowSums& sums, PhotometricSystem* system) {
+  AddProducts(sums, &system->hessian, &system->right_side, &system->square_sum);
+  system->cost = 0.5 * sums.rho;
+}
 
 template <typename S>
 NormalSystem Linearize(const Pairs<S>& pairs, ResidualType residual, const RobustKernel& kernel) {
-  constexpr int kPairsPerBlock = 4096;
-  const PairSummer<S> sum = PairSummerOf<S>(residual);
-  return ParallelSum(0, pairs.size, kPairsPerBlock, NormalSystem(),
-                     [&](int begin, int end) { return sum(pairs, begin, end, kernel); });
+  return SumAll<Sums::kAll>(pairs, residual, kernel);
+}
+
+template <typename S>
+NormalSystem BesidesProducts(const Pairs<S>& pairs, ResidualType residual,
+                             const RobustKernel& kernel) {
+  return SumAll<Sums::kBesides>(pairs, residual, kernel);
 }
 
 NormalSystem Linearize(const Association& association, const Rigid3d& target_from_source,
                        ResidualType residual, const RobustKernel& kernel) {
   constexpr int kGrain = 8;
-  const PairSummer<float> sum = PairSummerOf<float>(residual);
+  const PairSummer<float> sum = PairSummerOf<Sums::kAll, float>(residual);
   const std::unique_ptr<const PairFinder> finder = association.At(target_from_source);
   return ParallelSum(0, association.block_count(), kGrain, NormalSystem(), [&](int begin, int end) {
     PairBuffer pairs;
@@ -295,6 +325,8 @@ RobustKernel KernelFor(const Pairs<S>& pairs, ResidualType residual,
 
 template NormalSystem Linearize(const Pairs<float>&, ResidualType, const RobustKernel&);
 template NormalSystem Linearize(const Pairs<double>&, ResidualType, const RobustKernel&);
+template NormalSystem BesidesProducts(const Pairs<float>&, ResidualType, const RobustKernel&);
+template NormalSystem BesidesProducts(const Pairs<double>&, ResidualType, const RobustKernel&);
 template RobustKernel KernelFor(const Pairs<float>&, ResidualType, const ErrorModel&);
 template RobustKernel KernelFor(const Pairs<double>&, ResidualType, const ErrorModel&);
 

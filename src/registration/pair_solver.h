@@ -35,12 +35,16 @@ class PairSolver : public PoseSolver {
                   const Rigid3d& target_from_source) const override {
     IntensityPairs intensities;
     if (photometric() != nullptr) intensities = photometric()->Collect(target_from_source);
-    return StepOver(association.Collect(target_from_source), intensities);
+    return derived().StepOver(association.Collect(target_from_source), intensities);
   }
-  StepResult Step(const PairBuffer& pairs) const override { return StepOver(pairs, {}); }
-  StepResult Step(const Correspondences& pairs) const override { return StepOver(pairs, {}); }
+  StepResult Step(const PairBuffer& pairs) const override { return derived().StepOver(pairs, {}); }
+  StepResult Step(const Correspondences& pairs) const override {
+    return derived().StepOver(pairs, {});
+  }
 
- private:
+ protected:
+  const Derived& derived() const { return static_cast<const Derived&>(*this); }
+
   template <typename S>
   StepResult StepOver(Pairs<S> pairs, const IntensityPairs& intensities) const {
     const RobustKernel kernel = KernelFor(pairs, options().residual, options().error_model);
@@ -53,8 +57,8 @@ class PairSolver : public PoseSolver {
     result.observability = Observe(result.system, options().held);
     if (result.observability.free_count == 6) return result;
     pairs.SetCapacity(pairs.size);
-    result.increment = result.observability.Held(static_cast<const Derived*>(this)->Solve(
-        std::move(pairs), kernel, intensities, result, &result.report));
+    result.increment = result.observability.Held(
+        derived().Solve(std::move(pairs), kernel, intensities, result, &result.report));
     return result;
   }
 };

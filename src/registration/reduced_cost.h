@@ -1,11 +1,10 @@
 #pragma once
 
-#include <ceres/cost_function.h>
-
 #include <array>
 #include <memory>
 
 #include "cost_functions/pose_manifold.h"
+#include "cost_functions/reduced_batch.h"
 #include "registration/photometric_term.h"
 #include "surfit/core/robust_kernel.h"
 #include "surfit/registration/error_model.h"
@@ -17,12 +16,12 @@ namespace surfit {
 // All pairs as one ReducedBatch over the residual's functor, in the precision of the pairs, whose
 // arrays must be of their size. The pose block starts at the identity: see functor_batch.h.
 template <typename S>
-std::unique_ptr<ceres::CostFunction> MakeReducedCost(Pairs<S> pairs, ResidualType residual,
-                                                     const RobustKernel& kernel);
+std::unique_ptr<ReducedBlock> MakeReducedCost(Pairs<S> pairs, ResidualType residual,
+                                              const RobustKernel& kernel);
 
 // The same of intensities.
-std::unique_ptr<ceres::CostFunction> MakeReducedCost(const IntensityPairs& pairs,
-                                                     const PhotometricTerm& term);
+std::unique_ptr<ReducedBlock> MakeReducedCost(const IntensityPairs& pairs,
+                                              const PhotometricTerm& term);
 
 using PoseBlock = std::array<double, kPoseSize>;
 

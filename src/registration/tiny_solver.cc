@@ -9,8 +9,7 @@
 #include "cost_functions/pose_manifold.h"
 #include "cost_functions/row_sums.h"
 #include "registration/decompositions.h"
-#include "registration/pair_solver.h"
-#include "registration/reduced_cost.h"
+#include "registration/reduced_solver.h"
 
 namespace surfit {
 namespace {
@@ -38,7 +37,6 @@ struct TinyFunction {
       pose_by_x.row(i) = moving[i].v.transpose();
     }
     const double* parameters = pose;
-    const Stopwatch linearizing;
     Eigen::Matrix<double, NUM_RESIDUALS, kPoseSize, Eigen::RowMajor> by_pose;
     for (int i = 0; i < kBlocks; ++i) {
       double* rows = by_pose.row(i * kRowColumns).data();
@@ -50,7 +48,6 @@ struct TinyFunction {
     if (jacobian == nullptr) return true;
     Eigen::Map<Eigen::Matrix<double, NUM_RESIDUALS, NUM_PARAMETERS>> by_x(jacobian);
     by_x = by_pose * pose_by_x;
-    *linearizing_ms += linearizing.Milliseconds();
     report->costs.push_back(
         0.5 * Eigen::Map<const Eigen::Matrix<double, NUM_RESIDUALS, 1>>(residuals).squaredNorm());
     return true;
@@ -58,7 +55,6 @@ struct TinyFunction {
 
   std::array<const ceres::CostFunction*, kBlocks> costs;
   SolveReport* report;
-  double* linearizing_ms;  // all linearisations together
 };
 
 // What ceres::TinySolver wants of a linear solver.
@@ -71,30 +67,21 @@ class CompiledLdlt {
   Matrix6d matrix_;
 };
 
-class TinyPoseSolver final : public PairSolver<TinyPoseSolver> {
+class TinyPoseSolver final : public ReducedSolver<TinyPoseSolver> {
  public:
-  using PairSolver::PairSolver;
-
-  bool ReachesMinimum() const override { return true; }
+  using ReducedSolver::ReducedSolver;
 
   template <typename S>
-  Vector6d Solve(Pairs<S> pairs, const RobustKernel& kernel, const IntensityPairs& intensities,
-                 const StepResult& before, SolveReport* report) const {
-    const Stopwatch building;
-    const auto cost = MakeReducedCost(std::move(pairs), options().residual, kernel);
-    if (intensities.size == 0) {
-      report->build_ms = building.Milliseconds();
-      return Minimum<S, 1>({cost.get()}, before, report);
-    }
-    const auto intensity_cost = MakeReducedCost(intensities, *photometric());
-    report->build_ms = building.Milliseconds();
-    return Minimum<S, 2>({cost.get(), intensity_cost.get()}, before, report);
+  Vector6d Minimum(const ReducedBlocks& blocks, const StepResult& before,
+                   SolveReport* report) const {
+    if (blocks.size() == 1) return MinimumOf<S, 1>({blocks[0].get()}, before, report);
+    return MinimumOf<S, 2>({blocks[0].get(), blocks[1].get()}, before, report);
   }
 
  private:
   template <typename S, int kBlocks>
-  Vector6d Minimum(const std::array<const ceres::CostFunction*, kBlocks>& costs,
-                   const StepResult& before, SolveReport* report) const {
+  Vector6d MinimumOf(const std::array<const ceres::CostFunction*, kBlocks>& costs,
+                     const StepResult& before, SolveReport* report) const {
     using Function = TinyFunction<kBlocks>;
     ceres::TinySolver<Function, CompiledLdlt> solver;
     solver.options.max_num_iterations = LmTolerances<S>::kMaxIterations;
@@ -107,11 +94,7 @@ class TinyPoseSolver final : public PairSolver<TinyPoseSolver> {
     solver.options.cost_threshold = 0;
     report->costs.clear();
     Vector6d x = Vector6d::Zero();
-    const Stopwatch solving;
-    double linearizing_ms = 0;
-    solver.Solve(Function{costs, report, &linearizing_ms}, &x);
-    report->solve_ms = solving.Milliseconds();
-    report->linearize_ms = linearizing_ms / std::max<double>(1, report->costs.size());
+    solver.Solve(Function{costs, report}, &x);
     return x;  // (exp(w), v) is the increment itself
   }
 };

@@ -56,8 +56,8 @@ Expansion PerPoint(const std::vector<Functor>& functors, const PoseBlock& pose,
 }
 
 template <typename S, typename Functor>
-std::unique_ptr<ceres::CostFunction> Reduced(const std::vector<Functor>& functors,
-                                             const RobustKernel& kernel) {
+std::unique_ptr<ReducedBlock> Reduced(const std::vector<Functor>& functors,
+                                      const RobustKernel& kernel) {
   return std::make_unique<ReducedBatch<Functor, S>>(
       Definition<Functor>(), BatchData<Functor, S>::FromFunctors(functors), kernel);
 }
@@ -167,6 +167,33 @@ TEST(ReducedBatch, APlaneDoesNotMoveWhatItDoesNotHold) {
       SolveReduced<double>(functors, Rigid3d(), RobustKernel(), new LeftPoseManifold);
   EXPECT_THAT(solved.translation, VectorNear(Eigen::Vector3d(0, 0, 0.01), 1e-9));
   EXPECT_LT(RotationAngle(solved.rotation), 1e-9);
+}
+
+// At the pose that was prepared, and at others, Evaluate() gives the same as without.
+TEST(ReducedBatch, PreparingChangesNothing) {
+  const auto functors = RandomFunctors<PointToPlane>(1000, Rigid3d(), 0.01, 5);
+  const RobustKernel kernel = {RobustKernelType::kHuber, 1.5};
+  const PoseBlock start = AsBlock(Rigid3d());
+  const auto prepared = Reduced<float>(functors, kernel), plain = Reduced<float>(functors, kernel);
+  const RowSums& sums = prepared->Prepare(start.data());
+  for (const double x : {0., 0.01}) {
+    const PoseBlock pose = AsBlock(Rigid3d(Eigen::Quaterniond::Identity(), {x, 0, 0}));
+    const auto evaluated = [&](const ceres::CostFunction& cost) {
+      Eigen::Matrix<double, 7, 1> r;
+      Eigen::Matrix<double, 7, kPoseSize, Eigen::RowMajor> j;
+      const double* parameters = pose.data();
+      double* jacobian = j.data();
+      EXPECT_TRUE(cost.Evaluate(&parameters, r.data(), &jacobian));
+      return Eigen::Matrix<double, 7, 8>((Eigen::Matrix<double, 7, 8>() << r, j).finished());
+    };
+    EXPECT_EQ(evaluated(*prepared), evaluated(*plain)) << x;
+    const double rho = evaluated(*prepared).col(0).squaredNorm();
+    if (x == 0) {
+      EXPECT_NEAR(sums.rho, rho, 1e-9 * rho);
+    } else {
+      EXPECT_GT(rho, 1.01 * sums.rho);
+    }
+  }
 }
 
 TEST(ReducedBatchThreads, GivesTheSameBitForBitAtAnyNumberOfThreads) {
