@@ -235,7 +235,8 @@ TEST(WriteSurfelPly, WritesTheDocumentedProperties) {
   EXPECT_EQ(bytes.substr(0, header.size()), header);
   float own[2];
   std::memcpy(own, &bytes[header.size() + 27], 8);
-  EXPECT_EQ(own[0], 0.004f);
+  EXPECT_EQ(own[0], map[0].radius_m);
+  EXPECT_NEAR(own[0], 0.004, 0.004 / 2048);
   EXPECT_EQ(own[1], 12.5f);
   std::int32_t seen[2];
   std::memcpy(seen, &bytes[header.size() + 35], 8);
@@ -257,7 +258,8 @@ TEST(WriteSurfelPly, IsReadAsAPointCloud) {
   ASSERT_EQ(cloud.points.size(), 3u);
   for (int i = 0; i < 3; ++i) {
     EXPECT_EQ(cloud.points[i], Eigen::Vector3f(i, 2, 3));
-    EXPECT_EQ(cloud.normals[i], Eigen::Vector3f(0.f, 0.6f, -0.8f));
+    EXPECT_EQ(cloud.normals[i], map[map.Ids()[i]].normal_in_world);
+    EXPECT_LT((cloud.normals[i] - Eigen::Vector3f(0.f, 0.6f, -0.8f)).norm(), 1.0 / 32767);
     EXPECT_EQ(cloud.colors[i], (Rgb8{static_cast<std::uint8_t>(100 + i), 20, 30}));
   }
 }

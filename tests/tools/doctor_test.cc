@@ -217,7 +217,7 @@ TEST_F(DoctorTool, TellsACameraThatIsHardlyTheSensor) {
   // The sensor's focal lengths are 131.25 px.
   const std::string walk = SlamTool::Simulate("walk", {"--frames=150"});
   EXPECT_THAT(Faults(walk, {}), ElementsAre("depth_width"));
-  EXPECT_THAT(Faults(walk, {"--intrinsics=82,82,79.9,59.9"}), Contains("focal_error"));
+  EXPECT_THAT(Faults(walk, {"--intrinsics=78,78,79.9,59.9"}), Contains("focal_error"));
 }
 
 TEST_F(DoctorTool, TellsThatTrackingLosesFrames) {

@@ -59,7 +59,7 @@ if [[ -d $data/seven_scenes_kitchen ]]; then
       "$benchmarks/peers/registration_peers" "$data" 1
   fi
 fi
-table "While the map grows" "$benchmarks/map_growth" "$scratch/out" 10 48
+table "While the map grows" "$benchmarks/map_growth" "$scratch/out" 30 40
 for benchmark in tracking mapping cost_functions; do
   table "Functions: $benchmark" "$benchmarks/benchmark_$benchmark"
 done
