@@ -31,17 +31,15 @@ class BatchRows {
     const Moved moved(pose_, data);
     Dual<V, kVariables> residuals[kRows];
     Evaluate(moved, data, residuals);
-    for (int k = 0; k < kRows; ++k) {
-      const V* gradient = residuals[k].derivative;
-      Cross(moved.y, gradient, rows[k]);
-      if constexpr (kTurns) {
-        V turned[3];
-        Cross(moved.m, gradient + 3, turned);
-        for (int i = 0; i < 3; ++i) rows[k][i] += turned[i];
-      }
-      for (int i = 0; i < 3; ++i) rows[k][3 + i] = gradient[i];
-      rows[k][kPoseTangentSize] = residuals[k].value;
-    }
+    SetRows(moved, residuals, rows);
+  }
+
+  // The same at the identity, where y = p has lost nothing.
+  static void LinearizeAtStart(const Functor& functor, const V* data, Rows& rows) {
+    const Moved moved(data);
+    Dual<V, kVariables> residuals[kRows];
+    EvaluateAt(functor, moved, data, residuals);
+    SetRows(moved, residuals, rows);
   }
 
  private:
@@ -61,27 +59,53 @@ class BatchRows {
       }
       if constexpr (kTurns) RotateByPose(pose, data + Functor::kTurned, m);
     }
+    explicit Moved(const V* data) {  // by nothing
+      for (int i = 0; i < 3; ++i) {
+        y[i] = data[i];
+        if constexpr (kTurns) m[i] = data[Functor::kTurned + i];
+      }
+    }
     V y[3], lost[3];
     V m[kTurns ? 3 : 1];
   };
+
+  static void SetRows(const Moved& moved, const Dual<V, kVariables>* residuals, Rows& rows) {
+    for (int k = 0; k < kRows; ++k) {
+      const V* gradient = residuals[k].derivative;
+      Cross(moved.y, gradient, rows[k]);
+      if constexpr (kTurns) {
+        V turned[3];
+        Cross(moved.m, gradient + 3, turned);
+        for (int i = 0; i < 3; ++i) rows[k][i] += turned[i];
+      }
+      for (int i = 0; i < 3; ++i) rows[k][3 + i] = gradient[i];
+      rows[k][kPoseTangentSize] = residuals[k].value;
+    }
+  }
 
   // Residuals and their derivatives by y, and where N is six by m. To first order what y lost
   // counts as well: residuals are often differences a thousand times smaller than the points.
   template <int N>
   void Evaluate(const Moved& moved, const V* data, Dual<V, N>* residuals) const {
+    EvaluateAt(functor_, moved, data, residuals);
+    for (int k = 0; k < kRows; ++k) {
+      for (int i = 0; i < 3; ++i) residuals[k].value += residuals[k].derivative[i] * moved.lost[i];
+    }
+  }
+
+  template <int N>
+  static void EvaluateAt(const Functor& functor, const Moved& moved, const V* data,
+                         Dual<V, N>* residuals) {
     Dual<V, N> y[3];
     for (int i = 0; i < 3; ++i) y[i] = Dual<V, N>::Variable(moved.y[i], i);
     if constexpr (N == 6) {
       Dual<V, N> m[3];
       for (int i = 0; i < 3; ++i) m[i] = Dual<V, N>::Variable(moved.m[i], 3 + i);
-      functor_.AtMovedPoint(y, m, data, residuals);
+      functor.AtMovedPoint(y, m, data, residuals);
     } else if constexpr (kTurns) {
-      functor_.AtMovedPoint(y, moved.m, data, residuals);
+      functor.AtMovedPoint(y, moved.m, data, residuals);
     } else {
-      functor_.AtMovedPoint(y, data, residuals);
-    }
-    for (int k = 0; k < kRows; ++k) {
-      for (int i = 0; i < 3; ++i) residuals[k].value += residuals[k].derivative[i] * moved.lost[i];
+      functor.AtMovedPoint(y, data, residuals);
     }
   }
 

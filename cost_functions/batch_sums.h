@@ -13,21 +13,17 @@ class BatchSummer {
  public:
   BatchSummer(const Functor& functor, const BatchData<Functor, S>& data, const double* pose,
               const RobustKernel& kernel)
-      : rows_(functor, pose), data_(data), kernel_(kernel) {}
+      : functor_(functor), rows_(functor, pose), data_(data), kernel_(kernel) {}
 
   RowSums Sum(int begin, int end) const {
-    RowSums sums;
-    SumByLanes<V, RowLanes<V>>(
-        begin, end,
-        [&](int first, int count, RowLanes<V>* lanes) {
-          V data[Functor::kDataSize];
-          Load(first, count, data);
-          typename BatchRows<Functor, V>::Rows rows;
-          rows_.Linearize(data, rows);
-          lanes->Add(rows, V(1.).UpTo(count), kernel_);
-        },
-        [&](const RowLanes<V>& lanes) { lanes.AddTo(&sums); });
-    return sums;
+    return SumBy(begin, end, [&](const V* data, auto& rows) { rows_.Linearize(data, rows); });
+  }
+
+  // At the identity, whatever the pose.
+  RowSums SumAtStart(int begin, int end) const {
+    return SumBy(begin, end, [&](const V* data, auto& rows) {
+      BatchRows<Functor, V>::LinearizeAtStart(functor_, data, rows);
+    });
   }
 
   // Of rho alone.
@@ -47,12 +43,29 @@ class BatchSummer {
   }
 
  private:
+  template <typename SetRows>
+  RowSums SumBy(int begin, int end, const SetRows& set_rows) const {
+    RowSums sums;
+    SumByLanes<V, RowLanes<V>>(
+        begin, end,
+        [&](int first, int count, RowLanes<V>* lanes) {
+          V data[Functor::kDataSize];
+          Load(first, count, data);
+          typename BatchRows<Functor, V>::Rows rows;
+          set_rows(data, rows);
+          lanes->Add(rows, V(1.).UpTo(count), kernel_);
+        },
+        [&](const RowLanes<V>& lanes) { lanes.AddTo(&sums); });
+    return sums;
+  }
+
   void Load(int first, int count, V* data) const {
     for (int i = 0; i < Functor::kDataSize; ++i) {
       data[i] = V::LoadUpTo(data_.array(i) + first, count);
     }
   }
 
+  const Functor& functor_;
   const BatchRows<Functor, V> rows_;
   const BatchData<Functor, S>& data_;
   const RobustKernel kernel_;
@@ -78,6 +91,15 @@ RowSums SumRows(const Functor& functor, const BatchData<Functor, S>& data, const
   return SumBatch<RowSums>(functor, data, pose, kernel, [](const auto& summer, int begin, int end) {
     return summer.Sum(begin, end);
   });
+}
+
+// At the identity.
+template <typename Functor, typename S>
+RowSums SumRowsAtStart(const Functor& functor, const BatchData<Functor, S>& data,
+                       const RobustKernel& kernel) {
+  return SumBatch<RowSums>(
+      functor, data, kIdentityBlock, kernel,
+      [](const auto& summer, int begin, int end) { return summer.SumAtStart(begin, end); });
 }
 
 template <typename Functor, typename S>

@@ -94,40 +94,13 @@ class FunctorResidual final : public OwnResidual {
         for (int k = 0; k + 1 < kSize; ++k) data[k] = V::LoadUpTo(arrays[k]->data() + i, count);
         data[kSize - 1] = V(1.);
         V rows[kRows][kRowColumns];
-        Linearize(data, rows);
+        BatchRows<Functor, V>::LinearizeAtStart(Functor(), data, rows);
         for (int k = 0; k < kRows * kRowColumns; ++k) {
           rows[k / kRowColumns][k % kRowColumns].StoreUpTo(to + k * (end - begin) + i - begin,
                                                            count);
         }
       }
     });
-  }
-
-  // BatchRows where the points are moved already: y = p, which has lost nothing.
-  template <typename V>
-  static void Linearize(const V* data, V (&rows)[kRows][kRowColumns]) {
-    constexpr bool kTurns = Functor::kTurned >= 0;
-    using Number = Dual<V, kTurns ? 6 : 3>;
-    const V* const m = data + std::max(0, Functor::kTurned);
-    Number moved[3], turned[3], residuals[kRows];
-    for (int i = 0; i < 3; ++i) moved[i] = Number::Variable(data[i], i);
-    if constexpr (kTurns) {
-      for (int i = 0; i < 3; ++i) turned[i] = Number::Variable(m[i], 3 + i);
-      Functor().AtMovedPoint(moved, turned, data, residuals);
-    } else {
-      Functor().AtMovedPoint(moved, data, residuals);
-    }
-    for (int k = 0; k < kRows; ++k) {
-      const V* const gradient = residuals[k].derivative;
-      Cross(data, gradient, rows[k]);
-      if constexpr (kTurns) {
-        V by_turn[3];
-        Cross(m, gradient + 3, by_turn);
-        for (int i = 0; i < 3; ++i) rows[k][i] += by_turn[i];
-      }
-      for (int i = 0; i < 3; ++i) rows[k][3 + i] = gradient[i];
-      rows[k][kPoseTangentSize] = residuals[k].value;
-    }
   }
 
   template <typename S>

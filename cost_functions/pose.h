@@ -11,6 +11,7 @@ namespace surfit {
 // the order of Eigen and of TUM files, and a translation in metres.
 inline constexpr int kPoseSize = 7;
 inline constexpr int kPoseTangentSize = 6;  // (w [rad], v [m])
+inline constexpr double kIdentityBlock[kPoseSize] = {0, 0, 0, 1, 0, 0, 0};
 
 template <typename T>
 Rigid3<T> PoseFromBlock(const T* pose) {

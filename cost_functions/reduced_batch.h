@@ -3,7 +3,6 @@
 #include <ceres/cost_function.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -16,9 +15,8 @@ namespace surfit {
 // A Ceres residual block of all points: see ReducedBatch.
 class ReducedBlock : public ceres::CostFunction {
  public:
-  // Evaluates it at a pose block, and gives the sums over all rows. Later, Evaluate() with
-  // Jacobians has that pose's at once.
-  virtual const RowSums& Prepare(const double* pose) = 0;
+  // The sums over all rows at the identity. Later, Evaluate() with Jacobians has these at once.
+  virtual const RowSums& Prepare() = 0;
 };
 
 // N functors of one kind (see point_functor.h) as one Ceres residual block of seven rows.
@@ -46,10 +44,9 @@ class ReducedBatch final : public ReducedBlock {
     set_num_residuals(kRows);
   }
 
-  const RowSums& Prepare(const double* pose) override {
-    prepared_ = Prepared{{}, SumRows(functor_, data_, pose, kernel_)};
-    std::copy_n(pose, kPoseSize, prepared_->pose.begin());
-    return prepared_->sums;
+  const RowSums& Prepare() override {
+    prepared_ = SumRowsAtStart(functor_, data_, kernel_);
+    return *prepared_;
   }
 
   bool Evaluate(double const* const* parameters, double* residuals,
@@ -60,9 +57,8 @@ class ReducedBatch final : public ReducedBlock {
       residuals[0] = std::sqrt(SumRho(functor_, data_, pose, kernel_));
       return std::isfinite(residuals[0]);
     }
-    const bool is_prepared =
-        prepared_ && std::equal(prepared_->pose.begin(), prepared_->pose.end(), pose);
-    const RowSums sums = is_prepared ? prepared_->sums : SumRows(functor_, data_, pose, kernel_);
+    const bool is_prepared = prepared_ && std::equal(pose, pose + kPoseSize, kIdentityBlock);
+    const RowSums sums = is_prepared ? *prepared_ : SumRows(functor_, data_, pose, kernel_);
     if (!std::isfinite(sums.rho)) return false;
     Factor factor;
     Decompose(sums, &factor, residuals);
@@ -76,10 +72,6 @@ class ReducedBatch final : public ReducedBlock {
  private:
   static constexpr int kRows = kRowColumns;
   using Factor = Eigen::Matrix<double, kRows, kPoseTangentSize>;
-  struct Prepared {
-    std::array<double, kPoseSize> pose;
-    RowSums sums;
-  };
 
   // Cholesky decomposition of the semidefinite matrix of products: R, and [q e] as residuals.
   // Pivots are at least what the sums' rounding leaves of zero: R^T q = J^T r holds in any case.
@@ -112,7 +104,7 @@ class ReducedBatch final : public ReducedBlock {
   Functor functor_;
   BatchData<Functor, S> data_;
   RobustKernel kernel_;
-  std::optional<Prepared> prepared_;
+  std::optional<RowSums> prepared_;
 };
 
 }  // namespace surfit

@@ -13,6 +13,7 @@
 #include <boost/beast/http.hpp>
 #include <chrono>
 #include <cstdint>
+#include <future>
 #include <map>
 #include <thread>
 #include <utility>
@@ -281,12 +282,23 @@ void HttpServer::Wake() {
   asio::post(state_->io, [state = state_.get()] { state->WakeAll(); });
 }
 
-// A thread cannot take back what it gave away: another one goes on.
+// A thread cannot take back what it gave away: another one goes on, where there can be one.
 void HttpServer::TakePriority() {
+  std::promise<void> handed_over;
+  std::thread other;
+  try {
+    other = std::thread([this, begins = handed_over.get_future()] {
+      begins.wait();
+      state_->Run();
+    });
+  } catch (const std::exception&) {
+    return;
+  }
   state_->io.stop();
   state_->thread.join();
   state_->io.restart();
-  state_->thread = std::thread([this] { state_->Run(); });
+  state_->thread = std::move(other);
+  handed_over.set_value();
 }
 
 }  // namespace surfit

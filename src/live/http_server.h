@@ -53,7 +53,7 @@ class HttpServer {
   int port() const;
   // Any thread may call it.
   void Wake();
-  // From now on its thread has the priority of who calls this.
+  // From now on its thread has the priority of who calls this, if there can be another thread.
   void TakePriority();
 
   struct State;

@@ -55,11 +55,10 @@ class ReducedSolver : public PairSolver<Derived> {
 
  private:
   static void AddProducts(const ReducedBlocks& blocks, int intensity_count, NormalSystem* system) {
-    const PoseBlock start = IdentityBlock();
-    SetProducts(blocks[0]->Prepare(start.data()), system);
+    SetProducts(blocks[0]->Prepare(), system);
     if (blocks.size() == 1) return;
     PhotometricSystem of_intensities;
-    SetProducts(blocks[1]->Prepare(start.data()), &of_intensities);
+    SetProducts(blocks[1]->Prepare(), &of_intensities);
     of_intensities.row_count = intensity_count;
     system->Add(of_intensities);
   }

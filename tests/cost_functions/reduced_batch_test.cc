@@ -169,13 +169,12 @@ TEST(ReducedBatch, APlaneDoesNotMoveWhatItDoesNotHold) {
   EXPECT_LT(RotationAngle(solved.rotation), 1e-9);
 }
 
-// At the pose that was prepared, and at others, Evaluate() gives the same as without.
+// At the identity, which was prepared, and elsewhere, Evaluate() gives the same as without.
 TEST(ReducedBatch, PreparingChangesNothing) {
   const auto functors = RandomFunctors<PointToPlane>(1000, Rigid3d(), 0.01, 5);
   const RobustKernel kernel = {RobustKernelType::kHuber, 1.5};
-  const PoseBlock start = AsBlock(Rigid3d());
   const auto prepared = Reduced<float>(functors, kernel), plain = Reduced<float>(functors, kernel);
-  const RowSums& sums = prepared->Prepare(start.data());
+  const RowSums& sums = prepared->Prepare();
   for (const double x : {0., 0.01}) {
     const PoseBlock pose = AsBlock(Rigid3d(Eigen::Quaterniond::Identity(), {x, 0, 0}));
     const auto evaluated = [&](const ceres::CostFunction& cost) {
