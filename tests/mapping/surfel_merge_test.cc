@@ -209,7 +209,7 @@ TEST(WeightByte, IsRightToAnEighth) {
   EXPECT_GT(WeightByte::ToFloat(WeightByte::From(1e30f)), 2000);
 }
 
-TEST(SmallLength, IsRightToTwoThousandths) {
+TEST(SmallLength, IsRightToATwoThousandth) {
   EXPECT_EQ(SmallLength::ToFloat(SmallLength::From(0)), 0);
   for (float length_m = 1.1e-6f; length_m < 4000; length_m *= 1.00013f) {
     const float stored = SmallLength::ToFloat(SmallLength::From(length_m));

@@ -1,10 +1,7 @@
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
-#include <type_traits>
 
 #include "surfit/core/raw_vector.h"
 
@@ -28,9 +25,7 @@ class Image {
 
   Image() = default;
   Image(int width, int height, T fill = T{})
-      : width_(width), height_(height), pixels_(static_cast<std::size_t>(width) * height) {
-    Fill(fill);
-  }
+      : width_(width), height_(height), pixels_(static_cast<std::size_t>(width) * height, fill) {}
 
   int width() const { return width_; }
   int height() const { return height_; }
@@ -63,17 +58,6 @@ class Image {
   }
 
  private:
-  // A pixel of three bytes, all of them alike, is written ten times as fast as such bytes.
-  void Fill(const T& value) {
-    const auto* const bytes = reinterpret_cast<const unsigned char*>(&value);
-    const auto is_like_first = [&](unsigned char byte) { return byte == bytes[0]; };
-    if (std::is_trivially_copyable_v<T> && std::all_of(bytes, bytes + sizeof(T), is_like_first)) {
-      if (!empty()) std::memset(static_cast<void*>(data()), bytes[0], size() * sizeof(T));
-    } else {
-      std::fill(begin(), end(), value);
-    }
-  }
-
   int width_ = 0;
   int height_ = 0;
   RawVector<T> pixels_;

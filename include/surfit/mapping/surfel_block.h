@@ -58,7 +58,7 @@ class SmallFloat {
 // To an eighth: a sum of equal weights ends at 16 of them, and an average by it goes on with a
 // share of a seventeenth.
 using WeightByte = SmallFloat<std::uint8_t>;
-// To two thousandths of a length in metres.
+// To .05 % of a length in metres.
 using SmallLength = SmallFloat<std::uint16_t>;
 
 // A number from -1 to 1 to the nearest 1 / 32767. So a unit vector turns by .03 mrad at most.
