@@ -4,10 +4,10 @@
 #include <iostream>
 #include <sstream>
 
+#include "apps/scan/batch.h"
 #include "common/console.h"
 #include "common/tool_main.h"
 #include "common/workflow.h"
-#include "surfit/batch/batch.h"
 #include "surfit/core/options.h"
 
 namespace surfit::tools {

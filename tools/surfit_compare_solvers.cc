@@ -4,11 +4,11 @@
 #include <cstdio>
 #include <optional>
 
+#include "apps/solvers/compare_solvers.h"
 #include "common/console.h"
 #include "common/recorded_run.h"
 #include "common/tool_main.h"
 #include "surfit/registration/register_clouds.h"
-#include "surfit/run/compare_solvers.h"
 
 namespace surfit::tools {
 namespace {

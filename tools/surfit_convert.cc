@@ -4,10 +4,10 @@
 #include <filesystem>
 
 #include "common/tool_main.h"
+#include "io/sequences/klg_writer.h"
 #include "surfit/core/error.h"
+#include "surfit/frame/frame_source.h"
 #include "surfit/io/camera_files.h"
-#include "surfit/io/frame_source.h"
-#include "surfit/io/klg_writer.h"
 #include "surfit/io/point_cloud.h"
 #include "surfit/io/sequence.h"
 #include "surfit/io/trajectory_files.h"

@@ -3,13 +3,13 @@
 #include <iomanip>
 #include <iostream>
 
+#include "apps/doctor/check_recording.h"
 #include "common/console.h"
 #include "common/json.h"
 #include "common/tool_main.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
-#include "surfit/run/check_recording.h"
 
 namespace surfit::tools {
 namespace {

@@ -3,13 +3,13 @@
 
 #include <iostream>
 
+#include "apps/evaluate/revisits.h"
 #include "common/console.h"
 #include "common/json.h"
 #include "common/recorded_run.h"
 #include "common/tool_main.h"
 #include "surfit/core/error.h"
 #include "surfit/core/parallel.h"
-#include "surfit/run/revisits.h"
 
 namespace surfit::tools {
 namespace {

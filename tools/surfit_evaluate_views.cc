@@ -2,11 +2,11 @@
 
 #include <iostream>
 
+#include "apps/evaluate/view_evaluation.h"
 #include "common/console.h"
 #include "common/recorded_run.h"
 #include "common/tool_main.h"
 #include "surfit/core/error.h"
-#include "surfit/run/view_evaluation.h"
 
 namespace surfit::tools {
 namespace {

@@ -5,10 +5,10 @@
 #include <iostream>
 #include <map>
 
+#include "apps/evaluate/revisits.h"
 #include "common/console.h"
 #include "common/tool_main.h"
 #include "surfit/core/error.h"
-#include "surfit/run/revisits.h"
 
 namespace surfit::tools {
 namespace {

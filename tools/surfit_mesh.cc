@@ -6,12 +6,12 @@
 #include "common/console.h"
 #include "common/recorded_run.h"
 #include "common/tool_main.h"
+#include "mesh/texture/texture_frames.h"
 #include "surfit/core/error.h"
 #include "surfit/core/parallel.h"
 #include "surfit/io/sequence.h"
 #include "surfit/mesh/mesh_surfels.h"
 #include "surfit/mesh/texture_mesh.h"
-#include "surfit/run/texture_frames.h"
 
 namespace surfit::tools {
 namespace {

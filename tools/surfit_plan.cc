@@ -2,8 +2,8 @@
 
 #include <iostream>
 
+#include "apps/scan/scan_plan.h"
 #include "common/tool_main.h"
-#include "surfit/scan/scan_plan.h"
 
 namespace surfit::tools {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "common/console.h"
 #include "common/tool_main.h"
-#include "surfit/io/record.h"
+#include "io/sequences/record.h"
 
 namespace surfit::tools {
 namespace {

@@ -1,9 +1,9 @@
 // Refines a run of surfit_slam: poses, surfels and the camera's calibration, all at once.
 
+#include "apps/solvers/refine_run.h"
 #include "common/outcomes.h"
 #include "common/recorded_run.h"
 #include "common/tool_main.h"
-#include "surfit/run/refine_run.h"
 
 namespace surfit::tools {
 namespace {

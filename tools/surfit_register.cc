@@ -2,9 +2,9 @@
 
 #include <cstdio>
 
+#include "apps/solvers/register_run.h"
 #include "common/outcomes.h"
 #include "common/tool_main.h"
-#include "surfit/run/register_run.h"
 
 namespace surfit::tools {
 namespace {

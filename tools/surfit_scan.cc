@@ -2,11 +2,11 @@
 
 #include <iostream>
 
+#include "apps/scan/scan_jobs.h"
+#include "apps/scan/scan_plan.h"
 #include "common/tool_main.h"
 #include "common/workflow.h"
 #include "surfit/core/options.h"
-#include "surfit/scan/scan_jobs.h"
-#include "surfit/scan/scan_plan.h"
 
 namespace surfit::tools {
 namespace {

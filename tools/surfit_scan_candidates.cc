@@ -2,8 +2,8 @@
 
 #include <iostream>
 
+#include "apps/scan/scan_jobs.h"
 #include "common/tool_main.h"
-#include "surfit/scan/scan_jobs.h"
 
 namespace surfit::tools {
 namespace {

@@ -2,10 +2,10 @@
 
 #include <iostream>
 
+#include "apps/scan/scan_jobs.h"
 #include "common/console.h"
 #include "common/tool_main.h"
 #include "surfit/core/error.h"
-#include "surfit/scan/scan_jobs.h"
 
 namespace surfit::tools {
 namespace {

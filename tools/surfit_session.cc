@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "common/tool_main.h"
+#include "io/files/places_file.h"
+#include "session/merge_sessions.h"
 #include "surfit/core/error.h"
-#include "surfit/io/places_file.h"
 #include "surfit/io/point_cloud.h"
 #include "surfit/io/trajectory_files.h"
-#include "surfit/session/merge_sessions.h"
 #include "surfit/session/session.h"
 
 namespace surfit::tools {

@@ -7,13 +7,13 @@
 #include <memory>
 #include <utility>
 
+#include "apps/live/live_run.h"
+#include "apps/live/live_server.h"
 #include "common/console.h"
 #include "common/outcomes.h"
 #include "common/recorded_run.h"
 #include "common/tool_main.h"
 #include "surfit/core/error.h"
-#include "surfit/live/live_run.h"
-#include "surfit/live/live_server.h"
 #include "surfit/run/slam_run.h"
 
 namespace surfit::tools {

@@ -1,7 +1,7 @@
 // Frames from anywhere: a source of one's own, here a simulated camera in a simulated room.
 #include <cstdio>
 
-#include "surfit/io/frame_source.h"
+#include "surfit/frame/frame_source.h"
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
 #include "surfit/simulation/scene.h"

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "surfit/core/parallel.h"
-#include "surfit/io/frame_source.h"
+#include "surfit/frame/frame_source.h"
 #include "surfit/io/point_cloud.h"
 #include "surfit/io/sequence.h"
 #include "surfit/io/trajectory_files.h"

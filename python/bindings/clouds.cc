@@ -6,10 +6,10 @@
 #include <optional>
 #include <utility>
 
+#include "apps/solvers/cloud_file.h"
 #include "bindings/arrays.h"
 #include "bindings/bind.h"
 #include "bindings/options_class.h"
-#include "run/cloud_file.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/io/point_cloud.h"

@@ -7,7 +7,7 @@
 #include "bindings/arrays.h"
 #include "bindings/bind.h"
 #include "bindings/options_class.h"
-#include "io/image_sequence.h"
+#include "io/sequences/image_sequence.h"
 #include "surfit/core/error.h"
 #include "surfit/geometry/sensor.h"
 #include "surfit/io/camera_files.h"

@@ -3,13 +3,13 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include "apps/evaluate/view_evaluation.h"
 #include "bindings/arrays.h"
 #include "bindings/bind.h"
 #include "bindings/options_class.h"
 #include "bindings/without_gil.h"
 #include "surfit/core/error.h"
 #include "surfit/evaluation/map_error.h"
-#include "surfit/run/view_evaluation.h"
 
 namespace py = pybind11;
 

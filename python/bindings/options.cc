@@ -1,13 +1,13 @@
 // The classes of options. What is a part of another one comes first.
+#include "apps/evaluate/view_evaluation.h"
+#include "apps/solvers/refine_run.h"
 #include "bindings/bind.h"
 #include "bindings/options_class.h"
 #include "surfit/evaluation/map_error.h"
 #include "surfit/evaluation/trajectory_evaluation.h"
 #include "surfit/mesh/mesh_surfels.h"
 #include "surfit/registration/register_clouds.h"
-#include "surfit/run/refine_run.h"
 #include "surfit/run/slam_run.h"
-#include "surfit/run/view_evaluation.h"
 
 namespace py = pybind11;
 

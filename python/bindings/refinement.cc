@@ -3,10 +3,10 @@
 #include <pybind11/functional.h>
 #include <pybind11/stl.h>
 
+#include "apps/solvers/refine_run.h"
 #include "bindings/bind.h"
 #include "bindings/options_class.h"
 #include "bindings/without_gil.h"
-#include "surfit/run/refine_run.h"
 
 namespace py = pybind11;
 

@@ -13,7 +13,7 @@
 #include "bindings/bind.h"
 #include "bindings/frame.h"
 #include "bindings/options_class.h"
-#include "surfit/io/frame_source.h"
+#include "surfit/frame/frame_source.h"
 #include "surfit/run/slam_run.h"
 
 namespace py = pybind11;

@@ -4,7 +4,7 @@
 
 #include "bindings/arrays.h"
 #include "bindings/pose_caster.h"
-#include "run/digest.h"
+#include "run/results/digest.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/geometry/sensor.h"

@@ -1,4 +1,4 @@
-#include "surfit/core/spare_time.h"
+#include "core/spare_time.h"
 
 #include <sys/resource.h>
 

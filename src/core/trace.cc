@@ -1,4 +1,4 @@
-#include "surfit/core/trace.h"
+#include "core/trace.h"
 
 #include <glog/logging.h>
 

@@ -1,5 +1,5 @@
 
-#include "core/float4.h"
+#include "geometry/float4.h"
 #include "geometry/kd_tree.h"
 
 namespace surfit {

@@ -4,9 +4,9 @@
 #include <optional>
 #include <vector>
 
-#include "run/found_sensor.h"
+#include "finishing/found_sensor.h"
+#include "surfit/frame/frame_source.h"
 #include "surfit/geometry/trajectory.h"
-#include "surfit/io/frame_source.h"
 #include "surfit/run/slam_run.h"
 #include "surfit/session/session.h"
 #include "surfit/session/session_writer.h"

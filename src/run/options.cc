@@ -1,35 +1,15 @@
-// The options of this room.
 #include "surfit/core/options.h"
 
-#include "run/pose_problem.h"
 #include "run/posed_views.h"
-#include "run/view_files.h"
 #include "surfit/core/error.h"
-#include "surfit/run/check_recording.h"
-#include "surfit/run/refine_run.h"
-#include "surfit/run/register_run.h"
-#include "surfit/run/revisits.h"
 #include "surfit/run/slam_run.h"
-#include "surfit/run/view_evaluation.h"
 
 namespace surfit {
-namespace {
-
-Option Output(const std::string& what) {
-  return Option("output", what + "; made if missing", Required(), Everyday());
-}
-
-Option Threads() {
-  return Option("threads", "threads that compute at the same time", Between(1, 1024), Everyday());
-}
-
-}  // namespace
-
 void SlamRunOptions::Visit(OptionVisitor& v) {
   v.AddPart(sequence, "sequence", "what to read");
   v.Group("run");
-  v.Add(output, Output("folder for the results"));
-  v.Add(threads, Threads());
+  v.Add(output, OutputOption("folder for the results"));
+  v.Add(threads, ThreadsOption());
   v.AddPart(slam, "slam", "how the SLAM works");
   v.Add(initial_pose, "initial_pose",
         "pose of the first frame: identity, groundtruth or tx,ty,tz,qx,qy,qz,qw", AsFlag());
@@ -98,115 +78,6 @@ void SlamRunOptions::Visit(OptionVisitor& v) {
                               sequence.format, "'"));
     }
   });
-}
-
-void RecordingCheckOptions::Visit(OptionVisitor& v) {
-  v.AddPart(sequence, "sequence", "what to read");
-  v.Group("run");
-  v.Add(track, "track",
-        "track the camera, which tells of its calibration and of the latency of colour", AsFlag(),
-        Everyday());
-  v.Add(threads, Threads());
-}
-
-void RefineRunOptions::Visit(OptionVisitor& v) {
-  v.AddPart(sequence, "sequence", "as the run read it");
-  v.Group("run");
-  v.Add(trajectory, "trajectory", "the run's trajectory, in TUM format", Required());
-  v.Add(output, Output("folder for the results"));
-  v.Add(threads, Threads());
-  v.Group("keyframes");
-  v.Add(keyframe_translation_m, "keyframe_translation_m",
-        "a frame this far from the last keyframe is the next", Positive(), AsFlag());
-  v.Add(keyframe_rotation_rad, "keyframe_rotation_rad", "and so is a frame turned this far",
-        Positive(), AsFlag());
-  v.Add(max_keyframes, "max_keyframes", "with more of them, both are enlarged", ZeroIs("no limit"),
-        AsFlag());
-  v.AddPart(preprocess, "preprocess", "how depth images become surfaces", NoFlags());
-  v.AddPart(refinement, "refinement", "what is estimated, and how");
-  v.Check([this] {
-    if (max_keyframes != 1) return;
-    throw InputError("max_keyframes is 1, must be 0 (no limit) or at least 2");
-  });
-}
-
-void RegisterRunOptions::Visit(OptionVisitor& v) {
-  v.Group("clouds");
-  v.Add(source, "source", "the cloud to be moved: PLY or PCD, in m", Required(), Everyday());
-  v.Add(target, "target", "the cloud to be met", Required(), Everyday());
-  v.Group("run");
-  v.Add(output, Output("folder for pose, aligned cloud and pictures"));
-  v.Add(threads, Threads());
-  v.AddPart(sensor, "sensor", "what both were measured with");
-  v.AddPart(normals, "normals", "how normals are estimated");
-  v.AddPart(registration, "registration", "how the clouds are registered");
-}
-
-void AlignRunOptions::Visit(OptionVisitor& v) {
-  v.AddPart(sequence, "sequence", "what to read", WithoutFlags({"first", "last", "stride"}));
-  v.Add(source, "source", "index of the frame to be moved", AtLeast(0), Everyday());
-  v.Add(target, "target", "index of the frame to be met", AtLeast(0), Everyday());
-  v.Group("run");
-  v.Add(output, Output("folder for clouds and pictures"));
-  v.Add(threads, Threads());
-  v.AddPart(preprocess, "preprocess", "how depth images become surfaces");
-  v.AddPart(initialize, "initialize", "where registration starts");
-  v.AddPart(icp, "icp", "the registration", WithoutFlags({"min_source_rows"}));
-}
-
-void RevisitOptions::Visit(OptionVisitor& v) {
-  v.AddPart(sequence, "sequence", "what to read", WithoutFlags({"first", "last"}));
-  v.Group("revisits");
-  v.Add(estimate, "estimate", "the estimated trajectory of the sequence, in TUM format", Required(),
-        Everyday());
-  v.Add(min_gap, "min_gap", "frames between two visits", AtLeast(1), Everyday());
-  v.Add(max_distance_m, "max_distance_m", "distance of the two cameras at most", Positive(),
-        Everyday());
-  v.Add(max_angle_rad, "max_angle_rad", "angle between the two cameras at most", Positive(),
-        Everyday());
-  v.AddPart(preprocess, "preprocess", "how depth images become surfaces", NoFlags());
-}
-
-void ViewEvaluationOptions::Visit(OptionVisitor& v) {
-  v.AddPart(sequence, "sequence", "as the run read it");
-  v.Group("views");
-  v.Add(run, "run",
-        "output folder of surfit_slam; its summary.json says which sequence it read and how, where "
-        "flags do not, and its poses.json what camera it found",
-        Required(), Everyday());
-  v.Add(output, "output", "folder for the results, made if missing; empty: the run's", Everyday());
-  v.Add(every, "every", "judge by every n-th frame; a run with --hold_out by what it held out",
-        AtLeast(1), Everyday());
-  v.Add(pictures, "pictures", "write pictures of so many views, the worst first",
-        Between(0, kMostViewPictures), Everyday());
-  v.Add(threads, Threads());
-}
-
-void FindLoopsRunOptions::Visit(OptionVisitor& v) {
-  v.AddPart(sequence, "sequence", "what to read", WithoutFlags({"first", "last", "stride"}));
-  v.Group("run");
-  v.Add(trajectory, "trajectory", "the estimated trajectory, in TUM format", Required(),
-        Everyday());
-  v.Add(output, Output("folder for loops.csv and loops.g2o"));
-  v.Add(threads, Threads());
-  v.AddPart(preprocess, "preprocess", "how depth images become surfaces", NoFlags());
-  v.AddPart(keyframes, "keyframes", "when a frame becomes a keyframe");
-  v.AddPart(view, "view", "what is kept of a keyframe");
-  v.AddPart(index, "index", "how places are looked up");
-  v.AddPart(loops, "loops", "which keyframes may be joined");
-  v.Group("loops");
-  v.Add(max_view_bytes, "max_view_bytes",
-        "memory for all keyframes' views; beyond, views of places that others show as well are "
-        "given up",
-        AsFlag());
-  v.Group("evaluation");
-  v.Add(revisit_gap, "revisit_gap",
-        "a frame returns if its true pose is near that of a frame this much earlier", AtLeast(1),
-        AsFlag());
-  v.Add(revisit_m, "revisit_m", "distance that is near", Positive(), AsFlag("revisit_distance_m"));
-  v.Add(revisit_rad, "revisit_rad", "angle that is near", Positive(), AsFlag("revisit_angle_rad"));
-  v.Add(wrong_m, "wrong_m", "a loop farther from the truth is wrong", Positive());
-  v.Add(wrong_rad, "wrong_rad", "and so is one turned farther", Positive());
 }
 
 }  // namespace surfit

@@ -8,6 +8,7 @@
 
 #include "surfit/core/error.h"
 #include "surfit/evaluation/error_statistics.h"
+#include "surfit/evaluation/trajectory_evaluation.h"
 #include "surfit/frame/frame_pyramid.h"
 #include "surfit/geometry/sensor.h"
 #include "surfit/io/trajectory_files.h"
@@ -94,6 +95,18 @@ std::optional<double> MedianSurfaceDistance(const FrameLevel& source, const Fram
   }
   if (distances.empty()) return std::nullopt;
   return Summarize(std::move(distances)).median;
+}
+
+Trajectory TruthDuring(const std::vector<double>& stamps_s, const Trajectory& ground_truth) {
+  const double kMarginSeconds = MatchOptions().max_gap_s;
+  Trajectory truth;
+  for (const StampedPose& pose : ground_truth) {
+    if (pose.stamp_s >= stamps_s.front() - kMarginSeconds &&
+        pose.stamp_s <= stamps_s.back() + kMarginSeconds) {
+      truth.push_back(pose);
+    }
+  }
+  return truth;
 }
 
 }  // namespace surfit

@@ -2,15 +2,15 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "surfit/frame/frame_pyramid.h"
+#include "surfit/frame/frame_source.h"
 #include "surfit/frame/preprocess.h"
 #include "surfit/geometry/rigid3.h"
 #include "surfit/geometry/trajectory.h"
-#include "surfit/io/frame_source.h"
 #include "surfit/io/sequence.h"
 #include "surfit/registration/far_registration.h"
-#include "surfit/run/refine_run.h"
 
 namespace surfit {
 
@@ -55,19 +55,7 @@ PosedPair ReadPosedPair(const SequenceOptions& options, int source, int target,
 std::optional<double> MedianSurfaceDistance(const FrameLevel& source, const FrameLevel& target,
                                             const Rigid3d& target_from_source);
 
-// The keyframes of a run, as refinement needs them.
-struct RunKeyframes {
-  SequenceInfo info;
-  Trajectory trajectory;           // of the run, in the convention of the sequence's frames
-  std::vector<double> stamps_s;    // of all frames
-  std::vector<std::size_t> poses;  // of the trajectory: the keyframes'
-  std::vector<RefinementKeyframe> keyframes;
-  int frames_without_pose = 0, frames_unreadable = 0;  // of those read
-  std::vector<std::size_t> frame_poses;                // of the trajectory: those with a frame,
-  std::vector<int> frames;                             // and their frames' indices
-};
-
-// Reads them. Throws InputError for files that cannot be read, or a trajectory of other frames.
-RunKeyframes ReadRunKeyframes(const RefineRunOptions& options);
+// The part of the ground truth from the first to the last stamp, with a margin for interpolation.
+Trajectory TruthDuring(const std::vector<double>& stamps_s, const Trajectory& ground_truth);
 
 }  // namespace surfit

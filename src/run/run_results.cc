@@ -3,10 +3,11 @@
 #include <map>
 #include <string>
 
-#include "run/result_files.h"
-#include "surfit/core/trace.h"
+#include "core/trace.h"
+#include "output/pictures/pictures.h"
+#include "run/posed_views.h"
+#include "run/results/result_files.h"
 #include "surfit/io/point_cloud.h"
-#include "surfit/pictures/pictures.h"
 
 namespace surfit {
 namespace {
@@ -60,18 +61,6 @@ void WritePictures(const RunOutcome& run, const Trajectory& truth, Failures* fai
 }
 
 }  // namespace
-
-Trajectory TruthDuring(const std::vector<double>& stamps_s, const Trajectory& ground_truth) {
-  const double kMarginSeconds = MatchOptions().max_gap_s;
-  Trajectory truth;
-  for (const StampedPose& pose : ground_truth) {
-    if (pose.stamp_s >= stamps_s.front() - kMarginSeconds &&
-        pose.stamp_s <= stamps_s.back() + kMarginSeconds) {
-      truth.push_back(pose);
-    }
-  }
-  return truth;
-}
 
 void WriteRunResults(const RunOutcome& run, Failures* failures) {
   const std::string& folder = run.options.output;

@@ -3,8 +3,8 @@
 #include <optional>
 #include <vector>
 
-#include "run/failures.h"
-#include "run/kept_views.h"
+#include "run/results/failures.h"
+#include "run/results/kept_views.h"
 #include "run/sequence_slam.h"
 #include "surfit/evaluation/trajectory_evaluation.h"
 #include "surfit/run/slam_run.h"
@@ -21,9 +21,6 @@ struct RunOutcome {
   const std::optional<TrajectoryEvaluation>& evaluation;
   const SlamRunOptions& options;
 };
-
-// The ground truth from the first to the last of these stamps, with what it takes to interpolate.
-Trajectory TruthDuring(const std::vector<double>& stamps_s, const Trajectory& ground_truth);
 
 // Writes map, views, poses and pictures into the output folder, each whatever becomes of the
 // others.

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "surfit/io/frame_source.h"
+#include "surfit/frame/frame_source.h"
 #include "surfit/run/slam_run.h"
 
 namespace surfit {

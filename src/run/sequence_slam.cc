@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "run/posed_views.h"
-#include "run/tracking_dump.h"
+#include "run/results/tracking_dump.h"
 #include "surfit/core/error.h"
 
 namespace surfit {

@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "core/repeated_warning.h"
-#include "run/final_refinement.h"
+#include "finishing/final_refinement.h"
 #include "run/kept_session.h"
+#include "surfit/frame/frame_source.h"
 #include "surfit/geometry/trajectory.h"
-#include "surfit/io/frame_source.h"
 #include "surfit/run/slam_run.h"
 
 namespace surfit {

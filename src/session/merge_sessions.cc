@@ -1,4 +1,4 @@
-#include "surfit/session/merge_sessions.h"
+#include "session/merge_sessions.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -6,7 +6,7 @@
 #include <set>
 #include <utility>
 
-#include "io/output_folder.h"
+#include "io/files/output_folder.h"
 #include "session/schema.h"
 #include "session/tile_rows.h"
 #include "surfit/core/error.h"

@@ -6,7 +6,7 @@
 #include <iterator>
 #include <limits>
 
-#include "io/packed_view.h"
+#include "io/files/packed_view.h"
 
 namespace surfit {
 namespace {

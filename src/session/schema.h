@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "io/packed.h"
+#include "io/files/packed.h"
 #include "session/database.h"
 #include "surfit/session/session.h"
 

@@ -17,13 +17,13 @@
 #include <vector>
 
 #include "core/new_file.h"
-#include "io/output_folder.h"
+#include "core/trace.h"
+#include "io/files/output_folder.h"
 #include "session/changed_tiles.h"
 #include "session/load_session.h"
 #include "session/schema.h"
 #include "session/tile_file.h"
 #include "session/tile_rows.h"
-#include "surfit/core/trace.h"
 
 namespace surfit {
 namespace {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "refinement/subsampled.h"
-#include "surfit/core/trace.h"
-#include "surfit/refinement/keyframes.h"
+#include "core/trace.h"
+#include "optimization/refinement/subsampled.h"
+#include "surfit/optimization/keyframes.h"
 
 namespace surfit {
 namespace {

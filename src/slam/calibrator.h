@@ -4,13 +4,13 @@
 #include <optional>
 #include <vector>
 
-#include "surfit/core/spare_time.h"
+#include "core/spare_time.h"
 #include "surfit/frame/camera_motion.h"
 #include "surfit/frame/preprocess.h"
 #include "surfit/frame/rgbd_frame.h"
 #include "surfit/geometry/trajectory.h"
-#include "surfit/refinement/color_latency.h"
-#include "surfit/refinement/refine.h"
+#include "surfit/optimization/color_latency.h"
+#include "surfit/optimization/refine.h"
 #include "surfit/slam/backend.h"
 
 namespace surfit {

@@ -3,8 +3,8 @@
 #include <optional>
 #include <vector>
 
-#include "registration/corners.h"
-#include "registration/feature_points.h"
+#include "registration/global/corners.h"
+#include "registration/global/feature_points.h"
 #include "slam/moving_regions.h"
 #include "surfit/frame/camera_motion.h"
 #include "surfit/geometry/rigid3.h"

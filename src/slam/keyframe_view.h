@@ -1,6 +1,6 @@
 #pragma once
 
-#include "surfit/places/keyframe.h"
+#include "surfit/loop_closure/keyframe.h"
 #include "surfit/slam/backend.h"
 
 namespace surfit {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/trace.h"
 #include "slam/edge_information.h"
-#include "surfit/core/trace.h"
-#include "surfit/places/place_index.h"
+#include "surfit/loop_closure/place_index.h"
 
 namespace surfit {
 namespace {

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "surfit/core/spare_time.h"
+#include "core/spare_time.h"
 #include "surfit/optimization/pose_graph.h"
 #include "surfit/registration/far_registration.h"
 #include "surfit/slam/backend.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "registration/decompositions.h"
+#include "registration/solvers/decompositions.h"
 #include "slam/variances.h"
 
 namespace surfit {

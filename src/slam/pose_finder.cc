@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "surfit/core/trace.h"
+#include "core/trace.h"
 
 namespace surfit {
 namespace {

@@ -2,9 +2,9 @@
 
 #include <utility>
 
+#include "frame/rolling_shutter.h"
 #include "surfit/frame/frame_pyramid.h"
 #include "surfit/frame/prepare_frame.h"
-#include "surfit/frame/rolling_shutter.h"
 
 namespace surfit {
 

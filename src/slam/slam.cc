@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/trace.h"
 #include "slam/frame_report.h"
 #include "slam/mapper.h"
 #include "slam/pose_finder.h"
@@ -12,7 +13,6 @@
 #include "slam/tracker.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
-#include "surfit/core/trace.h"
 #include "surfit/slam/slam_state.h"
 
 namespace surfit {

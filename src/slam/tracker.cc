@@ -4,8 +4,8 @@
 #include <limits>
 #include <utility>
 
-#include "surfit/core/trace.h"
-#include "surfit/frame/rolling_shutter.h"
+#include "core/trace.h"
+#include "frame/rolling_shutter.h"
 #include "surfit/registration/far_registration.h"
 
 namespace surfit {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "registration/view_fit.h"
+#include "registration/global/view_fit.h"
 
 namespace surfit {
 namespace {

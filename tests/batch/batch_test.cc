@@ -1,4 +1,4 @@
-#include "surfit/batch/batch.h"
+#include "apps/scan/batch.h"
 
 #include <gmock/gmock.h>
 

@@ -3,7 +3,7 @@
 #include <benchmark/benchmark.h>
 
 #include "cost_functions/random_functors.h"
-#include "registration/icp_level.h"
+#include "registration/icp/icp_level.h"
 #include "surfit/registration/pose_solver.h"
 
 namespace surfit::testing {

@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "benchmarks/mapped_room.h"
-#include "io/output_folder.h"
-#include "pictures/axes.h"
+#include "io/files/output_folder.h"
+#include "output/pictures/axes.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
 #include "surfit/mapping/model_renderer.h"

@@ -1,6 +1,6 @@
 #include <benchmark/benchmark.h>
 
-#include "registration/icp_level.h"
+#include "registration/icp/icp_level.h"
 #include "surfit/core/parallel.h"
 #include "surfit/frame/preprocess.h"
 #include "surfit/registration/association.h"

@@ -1,4 +1,4 @@
-#include "surfit/evaluation/image_error.h"
+#include "apps/evaluate/image_error.h"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "surfit/frame/rolling_shutter.h"
+#include "frame/rolling_shutter.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -3,19 +3,19 @@
 #include <gflags/gflags.h>
 #include <glog/logging.h>
 
+#include "apps/evaluate/view_evaluation.h"
 #include "common/command_line.h"
 #include "common/recorded_run.h"
-#include "io/image_files.h"
-#include "report/report_data.h"
-#include "run/tracking_dump.h"
+#include "io/files/places_file.h"
+#include "io/images/image_files.h"
+#include "output/report/report_data.h"
+#include "run/results/tracking_dump.h"
 #include "surfit/core/error.h"
 #include "surfit/io/camera_files.h"
 #include "surfit/io/g2o.h"
-#include "surfit/io/places_file.h"
 #include "surfit/io/point_cloud.h"
 #include "surfit/io/trajectory_files.h"
 #include "surfit/run/slam_run.h"
-#include "surfit/run/view_evaluation.h"
 #include "testing/sequence_writer.h"
 
 namespace surfit::testing {

@@ -1,6 +1,6 @@
 // When frames were taken, and the sensor's latency.
+#include "io/sequences/klg_writer.h"
 #include "surfit/io/camera_files.h"
-#include "surfit/io/klg_writer.h"
 #include "surfit/io/sequence.h"
 #include "testing/matchers.h"
 #include "testing/recordings.h"

@@ -1,10 +1,10 @@
-#include "io/image_files.h"
+#include "io/images/image_files.h"
 
 #include <zlib.h>
 
 #include <random>
 
-#include "io/image_kinds.h"
+#include "io/images/image_kinds.h"
 #include "testing/largest_allocation.h"
 #include "testing/matchers.h"
 #include "testing/pixels.h"

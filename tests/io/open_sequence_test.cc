@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "io/image_sequence.h"
+#include "io/sequences/image_sequence.h"
 #include "surfit/io/sequence.h"
 #include "testing/matchers.h"
 #include "testing/sequence_writer.h"

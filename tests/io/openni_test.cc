@@ -9,7 +9,7 @@
 #include <memory>
 #include <thread>
 
-#include "surfit/io/record.h"
+#include "io/sequences/record.h"
 #include "surfit/io/sequence.h"
 #include "testing/matchers.h"
 #include "testing/openni/virtual_camera.h"

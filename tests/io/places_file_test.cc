@@ -1,4 +1,4 @@
-#include "surfit/io/places_file.h"
+#include "io/files/places_file.h"
 
 #include <gmock/gmock.h>
 

@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "surfit/io/klg_writer.h"
+#include "io/sequences/klg_writer.h"
 #include "surfit/io/sequence.h"
 #include "testing/matchers.h"
 #include "testing/sequence_writer.h"

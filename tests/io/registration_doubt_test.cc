@@ -1,4 +1,4 @@
-#include "io/registration_doubt.h"
+#include "io/sequences/registration_doubt.h"
 
 #include <gmock/gmock.h>
 

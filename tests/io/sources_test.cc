@@ -4,7 +4,7 @@
 #include <thread>
 
 #include "surfit/core/parallel.h"
-#include "surfit/io/frame_source.h"
+#include "surfit/frame/frame_source.h"
 #include "surfit/io/sequence.h"
 #include "testing/matchers.h"
 #include "testing/sequence_writer.h"

@@ -1,5 +1,5 @@
 // Which camera a TUM folder is read with.
-#include "io/recording.h"
+#include "io/sequences/recording.h"
 #include "surfit/io/camera_files.h"
 #include "surfit/io/sequence.h"
 #include "surfit/io/trajectory_files.h"

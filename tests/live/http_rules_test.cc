@@ -1,4 +1,4 @@
-#include "live/http_rules.h"
+#include "apps/live/http_rules.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

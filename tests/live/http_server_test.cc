@@ -1,4 +1,4 @@
-#include "live/http_server.h"
+#include "apps/live/http_server.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -3,7 +3,7 @@
 #include <atomic>
 #include <cmath>
 
-#include "surfit/live/live_run.h"
+#include "apps/live/live_run.h"
 #include "surfit/run/slam_run.h"
 
 namespace surfit {

@@ -1,4 +1,4 @@
-#include "surfit/live/live_run.h"
+#include "apps/live/live_run.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "surfit/live/live_server.h"
+#include "apps/live/live_server.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

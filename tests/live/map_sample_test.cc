@@ -1,4 +1,4 @@
-#include "live/map_sample.h"
+#include "apps/live/map_sample.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "live/map_sample.h"
+#include "apps/live/map_sample.h"
 
 namespace surfit {
 

@@ -1,4 +1,4 @@
-#include "surfit/mapping/blended_view.h"
+#include "mapping/rendering/blended_view.h"
 
 #include <gmock/gmock.h>
 

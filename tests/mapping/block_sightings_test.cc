@@ -1,4 +1,4 @@
-#include "mapping/block_sightings.h"
+#include "mapping/map/block_sightings.h"
 
 #include <gtest/gtest.h>
 

@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "mapping/frame_colors.h"
 #include "mapping/plane_frame.h"
+#include "mapping/rendering/frame_colors.h"
 #include "surfit/mapping/fusion.h"
 
 namespace surfit::testing {

@@ -1,4 +1,4 @@
-#include "mapping/color_average.h"
+#include "mapping/fusion/color_average.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "mapping/eight_records.h"
+#include "mapping/map/eight_records.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "mapping/frame_colors.h"
+#include "mapping/rendering/frame_colors.h"
 
 #include <gmock/gmock.h>
 

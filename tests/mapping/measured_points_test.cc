@@ -1,4 +1,4 @@
-#include "mapping/measured_points.h"
+#include "mapping/fusion/measured_points.h"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "mapping/smooth_map.h"
+#include "mapping/map/smooth_map.h"
 
 #include <gtest/gtest.h>
 

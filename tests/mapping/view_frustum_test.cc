@@ -1,4 +1,4 @@
-#include "mapping/view_frustum.h"
+#include "mapping/map/view_frustum.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "mesh/cell_patches.h"
+#include "mesh/surface/cell_patches.h"
 
 #include <gtest/gtest.h>
 

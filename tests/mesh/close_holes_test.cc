@@ -1,4 +1,4 @@
-#include "mesh/close_holes.h"
+#include "mesh/surface/close_holes.h"
 
 #include <gtest/gtest.h>
 

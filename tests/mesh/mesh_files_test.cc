@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "io/image_files.h"
+#include "io/images/image_files.h"
 #include "surfit/core/error.h"
 #include "surfit/io/point_cloud.h"
 #include "surfit/mesh/texture_mesh.h"

@@ -5,7 +5,7 @@
 #include <limits>
 #include <thread>
 
-#include "optimization/optimize_pose_graph.h"
+#include "optimization/pose_graph/optimize_pose_graph.h"
 #include "surfit/core/options.h"
 #include "testing/matchers.h"
 #include "testing/pose_graphs.h"

@@ -1,11 +1,11 @@
-#include "pictures/canvas.h"
+#include "output/pictures/canvas.h"
 
 #include <gmock/gmock.h>
 
 #include <Eigen/Geometry>
 
-#include "pictures/axes.h"
-#include "pictures/map_views.h"
+#include "output/pictures/axes.h"
+#include "output/pictures/map_views.h"
 #include "testing/matchers.h"
 #include "testing/pixels.h"
 

@@ -1,4 +1,4 @@
-#include "pictures/coloring.h"
+#include "output/pictures/coloring.h"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "surfit/pictures/pictures.h"
+#include "output/pictures/pictures.h"
 
 namespace surfit::testing {
 namespace {

@@ -1,9 +1,9 @@
-#include "pictures/map_views.h"
+#include "output/pictures/map_views.h"
 
 #include <gtest/gtest.h>
 
-#include "pictures/picture_view.h"
-#include "pictures/splat_renderer.h"
+#include "output/pictures/picture_view.h"
+#include "output/pictures/splat_renderer.h"
 #include "testing/matchers.h"
 
 namespace surfit::testing {

@@ -1,4 +1,4 @@
-#include "surfit/pictures/pictures.h"
+#include "output/pictures/pictures.h"
 
 #include <gmock/gmock.h>
 

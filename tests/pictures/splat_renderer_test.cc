@@ -1,4 +1,4 @@
-#include "pictures/splat_renderer.h"
+#include "output/pictures/splat_renderer.h"
 
 #include <gmock/gmock.h>
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "output/pictures/pictures.h"
 #include "pictures/picture_file.h"
-#include "surfit/pictures/pictures.h"
 #include "testing/matchers.h"
 #include "testing/pixels.h"
 #include "testing/temp_folder.h"

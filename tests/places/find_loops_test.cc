@@ -1,4 +1,4 @@
-#include "surfit/places/find_loops.h"
+#include "surfit/loop_closure/find_loops.h"
 
 #include <gmock/gmock.h>
 

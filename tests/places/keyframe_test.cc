@@ -1,4 +1,4 @@
-#include "surfit/places/keyframe.h"
+#include "surfit/loop_closure/keyframe.h"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "surfit/places/place_index.h"
+#include "surfit/loop_closure/place_index.h"
 
 #include <gmock/gmock.h>
 

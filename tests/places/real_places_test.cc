@@ -6,7 +6,7 @@
 
 #include "places/simulated_places.h"
 #include "surfit/io/sequence.h"
-#include "surfit/places/find_loops.h"
+#include "surfit/loop_closure/find_loops.h"
 #include "testing/matchers.h"
 #include "testing/shared_data.h"
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "surfit/frame/preprocess.h"
-#include "surfit/places/keyframe.h"
-#include "surfit/places/place_index.h"
+#include "surfit/loop_closure/keyframe.h"
+#include "surfit/loop_closure/place_index.h"
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
 #include "surfit/simulation/scene.h"

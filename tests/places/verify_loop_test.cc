@@ -2,7 +2,7 @@
 
 #include "places/simulated_places.h"
 #include "surfit/core/options.h"
-#include "surfit/places/find_loops.h"
+#include "surfit/loop_closure/find_loops.h"
 #include "testing/matchers.h"
 #include "testing/pixels.h"
 #include "testing/threads.h"

@@ -1,6 +1,6 @@
 // Our descent against Ceres' over all rows, by autodiff, displacements included.
 // The prior's normal equations against RelativePose, derived by autodiff.
-#include "refinement/joint_solver.h"
+#include "optimization/refinement/joint_solver.h"
 
 #include <ceres/autodiff_cost_function.h>
 #include <ceres/problem.h>
@@ -11,7 +11,7 @@
 
 #include "cost_functions/pose_manifold.h"
 #include "cost_functions/relative_pose.h"
-#include "refinement/joint_state.h"
+#include "optimization/refinement/joint_state.h"
 #include "refinement/random_surfels.h"
 #include "testing/random_pose.h"
 

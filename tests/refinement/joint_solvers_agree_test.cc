@@ -4,7 +4,7 @@
 #include <string>
 #include <tuple>
 
-#include "refinement/joint_solver.h"
+#include "optimization/refinement/joint_solver.h"
 #include "refinement/random_surfels.h"
 #include "surfit/core/parallel.h"
 #include "testing/random_pose.h"

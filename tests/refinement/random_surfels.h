@@ -6,7 +6,7 @@
 #include <random>
 
 #include "cost_functions/surfel_texture.h"
-#include "refinement/reduced_system.h"
+#include "optimization/refinement/reduced_system.h"
 
 namespace surfit::testing {
 

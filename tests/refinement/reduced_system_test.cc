@@ -1,6 +1,6 @@
 // The system without displacements against the full one, derived by autodiff.
 // The factor by blocks against dense solutions of the whole system.
-#include "refinement/reduced_system.h"
+#include "optimization/refinement/reduced_system.h"
 
 #include <ceres/autodiff_cost_function.h>
 #include <gtest/gtest.h>
@@ -12,9 +12,9 @@
 #include "cost_functions/plane_inverse_depth.h"
 #include "cost_functions/pose_manifold.h"
 #include "cost_functions/robust_kernel.h"
-#include "refinement/joint_state.h"
+#include "optimization/refinement/joint_state.h"
+#include "optimization/refinement/reduced_factor.h"
 #include "refinement/random_surfels.h"
-#include "refinement/reduced_factor.h"
 #include "surfit/core/parallel.h"
 
 namespace surfit::testing {

@@ -1,6 +1,6 @@
 // Refinement of keyframes that see one textured wall: its shape says nothing of motion along it.
 // Refinement of simulated keyframes, whose poses and calibration are known.
-#include "surfit/refinement/refine.h"
+#include "surfit/optimization/refine.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include "surfit/core/parallel.h"
 #include "surfit/evaluation/trajectory_evaluation.h"
 #include "surfit/frame/prepare_frame.h"
-#include "surfit/refinement/keyframes.h"
+#include "surfit/optimization/keyframes.h"
 #include "surfit/simulation/camera_path.h"
 #include "surfit/simulation/render.h"
 #include "surfit/simulation/scene.h"

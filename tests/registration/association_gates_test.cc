@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "registration/row_finder.h"
+#include "registration/icp/row_finder.h"
 #include "registration/three_planes.h"
 #include "surfit/core/options.h"
 #include "surfit/frame/preprocess.h"

@@ -1,4 +1,4 @@
-#include "registration/corners.h"
+#include "registration/global/corners.h"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "registration/icp_level.h"
+#include "registration/icp/icp_level.h"
 #include "registration/three_planes.h"
 #include "surfit/registration/association.h"
 

@@ -10,7 +10,7 @@
 #include <tuple>
 #include <utility>
 
-#include "registration/view_fit.h"
+#include "registration/global/view_fit.h"
 #include "surfit/frame/preprocess.h"
 #include "surfit/io/sequence.h"
 #include "surfit/registration/far_registration.h"

@@ -1,4 +1,4 @@
-#include "registration/feature_points.h"
+#include "registration/global/feature_points.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
+#include "registration/global/view_fit.h"
 #include "registration/simulated_views.h"
-#include "registration/view_fit.h"
 #include "surfit/registration/icp.h"
 #include "testing/pixels.h"
 

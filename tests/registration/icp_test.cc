@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "registration/icp_level.h"
+#include "registration/icp/icp_level.h"
 #include "registration/simulated_views.h"
 #include "registration/three_planes.h"
 #include "surfit/core/parallel.h"

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <random>
 
+#include "registration/global/start_search.h"
+#include "registration/global/view_fit.h"
 #include "registration/simulated_views.h"
-#include "registration/start_search.h"
-#include "registration/view_fit.h"
 #include "surfit/core/parallel.h"
 #include "surfit/geometry/rigid3.h"
 #include "surfit/registration/far_registration.h"

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "registration/dual_system.h"
-#include "registration/icp_level.h"
+#include "registration/icp/icp_level.h"
 #include "registration/random_correspondences.h"
 #include "registration/simulated_views.h"
 #include "surfit/registration/association.h"

@@ -5,7 +5,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 
-#include "registration/icp_level.h"
+#include "registration/icp/icp_level.h"
 #include "registration/random_correspondences.h"
 #include "surfit/registration/pose_solver.h"
 #include "testing/matchers.h"

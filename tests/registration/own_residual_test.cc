@@ -5,7 +5,7 @@
 #include "cost_functions/point_to_plane.h"
 #include "cost_functions/point_to_point.h"
 #include "cost_functions/symmetric_point_to_plane.h"
-#include "registration/icp_level.h"
+#include "registration/icp/icp_level.h"
 #include "registration/random_correspondences.h"
 #include "surfit/registration/pose_solver.h"
 #include "testing/matchers.h"

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "apps/solvers/register_run.h"
 #include "surfit/io/sequence.h"
-#include "surfit/run/register_run.h"
 #include "testing/shared_data.h"
 
 namespace surfit::testing {

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "registration/photometric_term.h"
+#include "registration/icp/photometric_term.h"
 #include "registration/simulated_views.h"
 #include "surfit/core/options.h"
 #include "surfit/registration/association.h"

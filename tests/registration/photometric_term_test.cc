@@ -1,4 +1,4 @@
-#include "registration/photometric_term.h"
+#include "registration/icp/photometric_term.h"
 
 #include <ceres/jet.h>
 #include <gtest/gtest.h>
@@ -9,10 +9,10 @@
 #include "cost_functions/photometric.h"
 #include "cost_functions/pose_manifold.h"
 #include "cost_functions/robust_kernel.h"
-#include "registration/icp_level.h"
-#include "registration/intensity_finder.h"
+#include "registration/icp/icp_level.h"
+#include "registration/icp/intensity_finder.h"
+#include "registration/icp/view_level.h"
 #include "registration/simulated_views.h"
-#include "registration/view_level.h"
 #include "testing/pixels.h"
 #include "testing/threads.h"
 

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <random>
 
-#include "registration/decompositions.h"
 #include "registration/dual_system.h"
+#include "registration/global/register_from.h"
 #include "registration/random_correspondences.h"
-#include "registration/register_from.h"
+#include "registration/solvers/decompositions.h"
 #include "registration/three_planes.h"
 #include "surfit/core/options.h"
 #include "surfit/geometry/rigid3.h"

@@ -6,10 +6,10 @@
 #include <filesystem>
 #include <limits>
 
-#include "report/compare_runs.h"
-#include "report/report_data.h"
+#include "output/report/compare_runs.h"
+#include "output/report/report_data.h"
+#include "output/report/write_report.h"
 #include "surfit/io/point_cloud.h"
-#include "surfit/report/write_report.h"
 #include "testing/matchers.h"
 #include "testing/temp_folder.h"
 

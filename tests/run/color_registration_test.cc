@@ -1,4 +1,4 @@
-#include "run/color_registration.h"
+#include "finishing/color_registration.h"
 
 #include <gmock/gmock.h>
 

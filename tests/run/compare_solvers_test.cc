@@ -2,8 +2,8 @@
 
 #include <random>
 
-#include "run/comparison_files.h"
-#include "run/pose_problem.h"
+#include "apps/solvers/comparison_files.h"
+#include "apps/solvers/pose_problem.h"
 #include "surfit/core/options.h"
 #include "testing/matchers.h"
 #include "testing/random_pose.h"

@@ -1,4 +1,4 @@
-#include "run/final_map.h"
+#include "finishing/final_map.h"
 
 #include <gmock/gmock.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "run/final_refinement.h"
+#include "finishing/final_refinement.h"
 #include "testing/matchers.h"
 #include "testing/pixels.h"
 #include "testing/sequence_writer.h"

@@ -1,4 +1,4 @@
-#include "io/output_folder.h"
+#include "io/files/output_folder.h"
 
 #include <gmock/gmock.h>
 #include <unistd.h>

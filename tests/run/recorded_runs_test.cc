@@ -4,12 +4,12 @@
 #include <atomic>
 #include <cmath>
 
+#include "apps/evaluate/revisits.h"
+#include "apps/solvers/refine_run.h"
 #include "surfit/evaluation/map_error.h"
 #include "surfit/geometry/trajectory.h"
 #include "surfit/io/point_cloud.h"
 #include "surfit/io/trajectory_files.h"
-#include "surfit/run/refine_run.h"
-#include "surfit/run/revisits.h"
 #include "surfit/run/slam_run.h"
 #include "testing/pixels.h"
 #include "testing/shared_data.h"

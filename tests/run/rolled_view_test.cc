@@ -1,4 +1,4 @@
-#include "run/rolled_view.h"
+#include "apps/evaluate/rolled_view.h"
 
 #include <gmock/gmock.h>
 

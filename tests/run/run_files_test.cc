@@ -2,10 +2,10 @@
 
 #include <filesystem>
 
-#include "io/image_files.h"
-#include "run/digest.h"
-#include "run/kept_views.h"
+#include "io/images/image_files.h"
 #include "run/posed_views.h"
+#include "run/results/digest.h"
+#include "run/results/kept_views.h"
 #include "surfit/core/error.h"
 #include "surfit/geometry/sensor.h"
 #include "testing/matchers.h"

@@ -1,4 +1,4 @@
-#include "run/tracking_dump.h"
+#include "run/results/tracking_dump.h"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "scan/link_truth.h"
+#include "apps/scan/link_truth.h"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "scan/scan_graph.h"
+#include "apps/scan/scan_graph.h"
 
 #include <gmock/gmock.h>
 

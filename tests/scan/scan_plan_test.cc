@@ -1,4 +1,4 @@
-#include "surfit/scan/scan_plan.h"
+#include "apps/scan/scan_plan.h"
 
 #include <gmock/gmock.h>
 

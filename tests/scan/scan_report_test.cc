@@ -2,9 +2,9 @@
 
 #include <filesystem>
 
+#include "apps/scan/scan_jobs.h"
+#include "apps/scan/scan_plan.h"
 #include "surfit/core/error.h"
-#include "surfit/scan/scan_jobs.h"
-#include "surfit/scan/scan_plan.h"
 #include "testing/matchers.h"
 #include "testing/sequence_writer.h"
 #include "testing/temp_folder.h"

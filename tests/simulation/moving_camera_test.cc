@@ -3,9 +3,9 @@
 
 #include <cmath>
 
+#include "frame/rolling_shutter.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
-#include "surfit/frame/rolling_shutter.h"
 #include "surfit/simulation/render.h"
 #include "testing/matchers.h"
 

@@ -8,8 +8,8 @@
 #include "places/simulated_places.h"
 #include "registration/simulated_views.h"
 #include "slam/simulated_sequence.h"
-#include "surfit/places/find_loops.h"
-#include "surfit/refinement/refine.h"
+#include "surfit/loop_closure/find_loops.h"
+#include "surfit/optimization/refine.h"
 #include "surfit/slam/slam.h"
 #include "testing/matchers.h"
 

@@ -1,5 +1,5 @@
 # Every .cc file is named in the CMakeLists.txt of its folder or of the nearest one above, or as a
-# neighbour's (../folder/file.cc) in any other; every public header is in its room's list; every
+# neighbour's (../folder/file.cc) in any other; every public header is in its module's list; every
 # other header is included by somebody.
 cmake_minimum_required(VERSION 3.25)
 

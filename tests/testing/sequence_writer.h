@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "surfit/core/image.h"
-#include "surfit/io/frame_source.h"
+#include "surfit/frame/frame_source.h"
 #include "surfit/io/sequence.h"
 #include "testing/temp_folder.h"
 

@@ -1,9 +1,9 @@
 #pragma once
 
+#include "apps/solvers/refine_run.h"
 #include "common/tool_main.h"
+#include "output/report/write_report.h"
 #include "surfit/registration/icp.h"
-#include "surfit/report/write_report.h"
-#include "surfit/run/refine_run.h"
 
 namespace surfit::tools {
 

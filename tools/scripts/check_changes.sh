@@ -29,7 +29,9 @@ if ((${#headers[@]} > 0)); then
       'echo "$0" | c++ -std=c++17 -fsyntax-only -I include $(pkg-config --cflags eigen3) -x c++ -'
 fi
 
-mapfile -t sources < <(git diff --numstat --diff-filter=d "$base" -- 'src/*.cc' 'tools/*.cc' |
+# A renamed file is three fields of numstat: the counts, the old name, the new name.
+mapfile -t sources < <(git diff --numstat -z --diff-filter=d "$base" -- 'src/*.cc' 'tools/*.cc' |
+  tr '\0' '\n' | awk '/\t$/ { counts = $0; getline; getline name; print counts name; next } { print }' |
   sort -k1,1nr -k3 | cut -f 3)
 looked_at=("${sources[@]:0:most}")
 echo "clang-tidy: ${#looked_at[@]} files, $((${#sources[@]} - ${#looked_at[@]})) changed ones left out"

@@ -10,7 +10,7 @@
 #include <limits>
 #include <vector>
 
-#include "io/image_files.h"
+#include "io/images/image_files.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
 #include "surfit/geometry/sensor.h"

@@ -6,9 +6,9 @@
 #include <optional>
 #include <string>
 
+#include "surfit/frame/frame_source.h"
 #include "surfit/frame/prepare_frame.h"
 #include "surfit/geometry/inverse_depth_field.h"
-#include "surfit/io/frame_source.h"
 
 namespace surfit {
 
@@ -112,5 +112,21 @@ std::unique_ptr<FrameSource> OpenLive(const SequenceOptions& options, int capaci
 // no such frame before the end.
 std::unique_ptr<FrameSource> WatchFolder(const SequenceOptions& options,
                                          const std::atomic<bool>& stop);
+
+// The same frames in the same order, read by a background task while the caller works, up to
+// `capacity` of them ahead. With one thread (ThreadLimit) they are read when asked for. An
+// exception of the source is thrown by Next() in its turn, and then the sequence is over.
+// Throws InputError unless capacity is at least 1.
+std::unique_ptr<FrameSource> ReadAhead(std::unique_ptr<FrameSource> source, int capacity);
+
+// Offers the frames of a recording at a fixed rate, as a live camera does. All frames are read by
+// the first call of Next(), so that decoding costs no time later; a frame takes 7 bytes a pixel.
+// Frame i is offered i / frames_per_second after the first, whatever its stamp says, and Next()
+// waits for it. A queue keeps the newest `capacity` frames that were offered and not yet taken.
+// Older ones are dropped, logged, and counted in the next ReadResult. Which frames are dropped
+// depends on how fast they are taken; if none is, they are the source's, in order. Throws
+// InputError unless frames_per_second is positive and capacity at least 1.
+std::unique_ptr<FrameSource> OfferFrames(std::unique_ptr<FrameSource> source,
+                                         double frames_per_second, int capacity);
 
 }  // namespace surfit

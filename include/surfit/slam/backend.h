@@ -10,13 +10,13 @@
 #include "surfit/frame/rgbd_frame.h"
 #include "surfit/geometry/rigid3.h"
 #include "surfit/geometry/trajectory.h"
+#include "surfit/loop_closure/find_loops.h"
+#include "surfit/loop_closure/keyframe.h"
+#include "surfit/loop_closure/place_index.h"
 #include "surfit/mapping/move_map.h"
+#include "surfit/optimization/color_latency.h"
 #include "surfit/optimization/pose_graph.h"
-#include "surfit/places/find_loops.h"
-#include "surfit/places/keyframe.h"
-#include "surfit/places/place_index.h"
-#include "surfit/refinement/color_latency.h"
-#include "surfit/refinement/refine.h"
+#include "surfit/optimization/refine.h"
 #include "surfit/registration/far_registration.h"
 
 namespace surfit {

@@ -7,9 +7,9 @@
 
 #include "surfit/frame/rgbd_frame.h"
 #include "surfit/geometry/inverse_depth_field.h"
+#include "surfit/loop_closure/keyframe.h"
 #include "surfit/mapping/surfel_map.h"
 #include "surfit/optimization/pose_graph.h"
-#include "surfit/places/keyframe.h"
 #include "surfit/slam/backend.h"
 
 namespace surfit {

@@ -1,7 +1,7 @@
 #include <utility>
 
 #include "io/bags/message_log.h"
-#include "io/folder.h"
+#include "io/sequences/folder.h"
 #include "surfit/core/error.h"
 
 namespace surfit {

@@ -5,8 +5,8 @@
 
 #include "io/bags/frame_tree.h"
 #include "io/bags/message_images.h"
-#include "io/sequence_camera.h"
-#include "io/text.h"
+#include "io/files/text.h"
+#include "io/sequences/sequence_camera.h"
 #include "surfit/core/error.h"
 #include "surfit/geometry/trajectory.h"
 #include "surfit/io/camera_files.h"

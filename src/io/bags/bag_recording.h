@@ -7,7 +7,7 @@
 
 #include "io/bags/bag_topics.h"
 #include "io/bags/message_log.h"
-#include "io/recording.h"
+#include "io/sequences/recording.h"
 #include "surfit/geometry/sensor.h"
 #include "surfit/io/sequence.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "io/bags/message_images.h"
-#include "io/folder.h"
+#include "io/sequences/folder.h"
 #include "surfit/core/error.h"
 
 namespace surfit {

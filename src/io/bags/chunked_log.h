@@ -8,7 +8,7 @@
 
 #include "io/bags/decompress.h"
 #include "io/bags/message_log.h"
-#include "io/frame_bytes.h"
+#include "io/sequences/frame_bytes.h"
 
 namespace surfit {
 

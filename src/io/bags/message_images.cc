@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "io/bags/cursor.h"
-#include "io/image_files.h"
+#include "io/images/image_files.h"
 #include "surfit/core/error.h"
 
 namespace surfit {

@@ -1,7 +1,7 @@
 #include "io/bags/messages.h"
 
 #include "io/bags/cursor.h"
-#include "io/text.h"
+#include "io/files/text.h"
 #include "surfit/core/error.h"
 
 namespace surfit {

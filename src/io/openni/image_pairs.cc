@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "io/recording.h"
+#include "io/sequences/recording.h"
 
 namespace surfit {
 namespace {

@@ -6,7 +6,7 @@
 #include <set>
 #include <utility>
 
-#include "io/openni_sources.h"
+#include "io/sequences/openni_sources.h"
 #include "surfit/core/error.h"
 #include "surfit/geometry/trajectory.h"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "io/openni/openni_device.h"
-#include "io/recording.h"
+#include "io/sequences/recording.h"
 #include "surfit/io/sequence.h"
 
 namespace surfit {

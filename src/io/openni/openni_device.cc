@@ -6,7 +6,7 @@
 #include <thread>
 #include <utility>
 
-#include "io/text.h"
+#include "io/files/text.h"
 #include "surfit/core/error.h"
 #include "surfit/io/camera_files.h"
 

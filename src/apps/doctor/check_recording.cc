@@ -1,0 +1,163 @@
+#include "apps/doctor/check_recording.h"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "apps/doctor/recording_checks.h"
+#include "core/repeated_warning.h"
+#include "finishing/prior_doubt.h"
+#include "io/sequences/image_sequence.h"
+#include "io/sequences/raw_frames.h"
+#include "surfit/core/error.h"
+#include "surfit/core/options.h"
+#include "surfit/core/parallel.h"
+#include "surfit/evaluation/trajectory_evaluation.h"
+#include "surfit/slam/backend.h"
+#include "surfit/slam/slam.h"
+
+namespace surfit {
+namespace {
+
+constexpr int kSamples = 24;         // frames that are looked at for scale and registration
+constexpr double kFitsBetter = 0.7;  // of the error
+
+// Tracks a camera and keeps what of it tells of the recording.
+class RecordingTracker {
+ public:
+  explicit RecordingTracker(const SequenceInfo& info)
+      : info_(info), slam_(info.sensor(), SlamOptions(), Rigid3d()) {}
+
+  void Process(const RgbdFrame& frame) {
+    ++tracked_.frames;
+    tracked_.lost += slam_.Process(frame).state == FrameState::kLost;
+    has_color_ |= !frame.color.empty();
+  }
+
+  TrackedRecording Finish() {
+    slam_.Finish();
+    const Backend& backend = *slam_.backend();
+    if (backend.is_recalibrated()) {
+      tracked_.calibration = *backend.calibration();
+      tracked_.calibration_doubt = DoubtOfGiven(info_.sensor(), *tracked_.calibration);
+    }
+    // Where the camera is not the given one, what else seems wrong may come of that.
+    if (!tracked_.calibration_doubt.empty()) return tracked_;
+    if (has_color_ && !backend.calibrations().empty())
+      tracked_.color_latency_s = backend.color_latency_s();
+    tracked_.late_s = LatenessByTruth(backend.trajectory());
+    return tracked_;
+  }
+
+ private:
+  // By how much longer than given frames take to their stamps. An offset that hardly makes the
+  // estimate fit better tells nothing.
+  std::optional<double> LatenessByTruth(const Trajectory& estimate) const {
+    if (!info_.has_clock) return std::nullopt;
+    const auto as_it_is = EvaluateTimeOffset(info_.ground_truth, estimate, 0, {});
+    const auto best = EstimateTimeOffset(info_.ground_truth, estimate, {});
+    if (!as_it_is || !best) return std::nullopt;
+    const bool fits_better =
+        best->ate.translation_m.rmse < kFitsBetter * as_it_is->ate.translation_m.rmse;
+    return fits_better ? -best->offset_s : 0;
+  }
+
+  const SequenceInfo& info_;
+  Slam slam_;
+  TrackedRecording tracked_;
+  bool has_color_ = false;
+};
+
+class RecordingLook {
+ public:
+  explicit RecordingLook(const RecordingCheckOptions& options)
+      : sequence_(OpenRawSequence(options.sequence)),
+        figures_(sequence_.info.camera.depth_units_per_metre),
+        sample_every_(std::max(1, sequence_.info.frame_count / kSamples)) {
+    if (options.track) tracker_ = std::make_unique<RecordingTracker>(sequence_.info);
+  }
+
+  // False at the end.
+  bool Next() {
+    const std::optional<RawFrame> raw = sequence_.frames->Next();
+    if (!raw) return false;
+    try {
+      if (!raw->head.error.empty()) throw InputError(raw->head.error);
+      Look(*raw, sequence_.frames->Read());
+    } catch (const InputError& error) {
+      unreadable_.Tell(Concat("frame ", raw->head.index, ": ", error.what()));
+      figures_.AddUnreadable(raw->head.index, raw->stamps, error.what());
+    }
+    return true;
+  }
+
+  RecordingReport Report() {
+    std::optional<double> depth_step;
+    if (!sequence_.info.camera.disparity.IsGiven()) depth_step = figures_.InverseDepthStep();
+    RecordingEvidence evidence = {sequence_.info,
+                                  figures_.frames(),
+                                  sampled_depths_,
+                                  doubted_scales_,
+                                  depth_step,
+                                  FitRegistration(samples_, sequence_.info.pinhole),
+                                  {}};
+    if (tracker_) evidence.tracked = tracker_->Finish();
+    RecordingReport report = {
+        sequence_.info, static_cast<int>(figures_.frames().size()), {}, false};
+    for (const auto& look : {ChecksOfFrames, ChecksOfStamps, ChecksOfSensor}) {
+      for (RecordingCheck& check : look(evidence)) report.checks.push_back(std::move(check));
+    }
+    return report;
+  }
+
+ private:
+  void Look(const RawFrame& raw, const FrameImages& images) {
+    const RgbdCamera& camera = sequence_.info.camera;
+    RgbdFrame frame = MakeFrame(camera, sequence_.preparer, images, raw.head.index,
+                                MomentsOf(raw.stamps, camera));
+    if (!sequence_.field.IsZero())
+      CorrectDepth(sequence_.info.pinhole, sequence_.field, &frame.depth_m);
+    figures_.Add(raw.head.index, raw.stamps, images, frame.depth_m);
+    if (count_++ % sample_every_ == 0) Sample(images, frame);
+    if (tracker_) tracker_->Process(frame);
+  }
+
+  void Sample(const FrameImages& images, const RgbdFrame& frame) {
+    const RgbdCamera& camera = sequence_.info.camera;
+    if (!camera.disparity.IsGiven()) {
+      ++sampled_depths_;
+      auto doubt = DepthScaleWarning(images.depth, camera.depth_units_per_metre, images.depth_name);
+      if (doubt) doubted_scales_.push_back(std::move(*doubt));
+    }
+    samples_.push_back({frame.depth_m, frame.color, images.depth_name, images.color_name});
+  }
+
+  RawSequence sequence_;
+  RecordingFigures figures_;
+  RepeatedWarning unreadable_{"frames that cannot be read"};
+  const int sample_every_;
+  int count_ = 0, sampled_depths_ = 0;
+  std::vector<std::string> doubted_scales_;
+  std::vector<FrameImages> samples_;           // as they are used
+  std::unique_ptr<RecordingTracker> tracker_;  // null unless asked for
+};
+
+}  // namespace
+
+bool RecordingReport::IsSound() const {
+  return std::all_of(checks.begin(), checks.end(), [](const auto& c) { return c.IsSound(); });
+}
+
+RecordingReport CheckRecording(const RecordingCheckOptions& options,
+                               const std::atomic<bool>& interrupted,
+                               const std::function<void(int frames)>& progress) {
+  Validate(options);
+  const ThreadLimit limit(options.threads);
+  RecordingLook look(options);
+  for (int frames = 1; !interrupted && look.Next(); ++frames) progress(frames);
+  RecordingReport report = look.Report();
+  report.interrupted = interrupted;
+  return report;
+}
+
+}  // namespace surfit

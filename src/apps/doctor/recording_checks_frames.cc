@@ -1,0 +1,173 @@
+#include <algorithm>
+#include <functional>
+
+#include "apps/doctor/recording_checks.h"
+#include "surfit/core/error.h"
+#include "surfit/evaluation/error_statistics.h"
+
+namespace surfit {
+namespace {
+
+constexpr double kLeastValid = 0.4;                          // of the pixels, in most frames
+constexpr double kNear_m = 0.5, kFar_m = 4, kMostOff = 0.2;  // median depths, share of the frames
+constexpr double kDark = 0.12, kMostSaturated = 0.25;        // brightness, share of the pixels
+constexpr double kJump = 0.1, kMostJumps = 0.05;  // of brightness between two frames, and of these
+// Width of edges as a share of the image's, 7 px of 640, and share of the frames. Those of a Kinect
+// at rest are 4 px wide.
+constexpr double kBlurred = 0.011, kMostBlurred = 0.25;
+constexpr int kLeastWidth_px = 300, kLeastHeight_px = 220;
+
+using FigureOf = std::function<std::optional<double>(const FrameFigures&)>;
+
+std::vector<double> All(const RecordingEvidence& evidence, const FigureOf& figure) {
+  std::vector<double> values;
+  for (const FrameFigures& frame : evidence.frames) {
+    if (!frame.error.empty()) continue;
+    if (const auto value = figure(frame)) values.push_back(*value);
+  }
+  return values;
+}
+
+std::optional<double> MedianOf(const std::vector<double>& values) {
+  if (values.empty()) return std::nullopt;
+  return Quantile(values, 0.5);
+}
+
+std::optional<double> PercentOf(const std::vector<double>& values,
+                                const std::function<bool(double)>& holds) {
+  if (values.empty()) return std::nullopt;
+  const auto count = std::count_if(values.begin(), values.end(), holds);
+  return 100. * static_cast<double>(count) / static_cast<double>(values.size());
+}
+
+// What is to be at most so many percent.
+RecordingCheck AtMost(const char* name, std::optional<double> percent, double most,
+                      const std::string& of_what, const char* advice) {
+  RecordingCheck check = {name, percent, "%", Concat("at most ", 100 * most), "", ""};
+  if (!percent || *percent <= 100 * most) return check;
+  check.fault = Concat(Rounded(*percent), " % of ", of_what, ", must be ", check.constraint, " %");
+  check.advice = advice;
+  return check;
+}
+
+RecordingCheck Unreadable(const RecordingEvidence& evidence) {
+  RecordingCheck check = {"unreadable_frames", 0., "", "0", "", ""};
+  std::string first;
+  for (const FrameFigures& frame : evidence.frames) {
+    if (frame.error.empty()) continue;
+    if (first.empty()) first = frame.error;
+    ++*check.value;
+  }
+  if (first.empty()) return check;
+  check.fault = Concat(*check.value, " frames cannot be read, must be 0; the first: ", first);
+  check.advice = "copy the files anew, or leave these frames out";
+  return check;
+}
+
+RecordingCheck Resolution(const RecordingEvidence& evidence) {
+  const PinholeCamera& depth = evidence.info.camera.depth;
+  RecordingCheck check = {"depth_width",
+                          static_cast<double>(depth.width),
+                          "px",
+                          Concat("at least ", kLeastWidth_px),
+                          "",
+                          ""};
+  if (depth.width >= kLeastWidth_px && depth.height >= kLeastHeight_px) return check;
+  check.fault = Concat("depth images are ", depth.width, " x ", depth.height,
+                       " pixels, must be at least ", kLeastWidth_px, " x ", kLeastHeight_px);
+  check.advice = "choose a mode of the camera with more pixels";
+  return check;
+}
+
+RecordingCheck ValidDepth(const RecordingEvidence& evidence) {
+  const auto valid = MedianOf(All(evidence, [](const auto& f) { return f.valid_share; }));
+  RecordingCheck check = {"valid_depth", {}, "%", Concat("at least ", 100 * kLeastValid), "", ""};
+  if (!valid) return check;
+  check.value = 100 * *valid;
+  if (*valid >= kLeastValid) return check;
+  check.fault = Concat("half of the frames have depth in ", Rounded(*check.value),
+                       " % of their pixels or less, must be ", check.constraint, " %");
+  check.advice =
+      "keep the sensor's least distance, and away from glass, black or shining surfaces, sun, and "
+      "other depth cameras";
+  return check;
+}
+
+std::vector<RecordingCheck> Distances(const RecordingEvidence& evidence) {
+  const auto depths_m = All(evidence, [](const FrameFigures& f) {
+    return f.median_depth_m > 0 ? std::optional<double>(f.median_depth_m) : std::nullopt;
+  });
+  return {
+      AtMost("too_close", PercentOf(depths_m, [](double z) { return z < kNear_m; }), kMostOff,
+             Concat("the frames have a median depth below ", kNear_m, " m"),
+             "stay farther away: near surfaces have holes and leave little of the scene in view"),
+      AtMost("too_far", PercentOf(depths_m, [](double z) { return z > kFar_m; }), kMostOff,
+             Concat("the frames have a median depth above ", kFar_m, " m"),
+             "go nearer: the noise of depth grows with the square of the distance")};
+}
+
+RecordingCheck Darkness(const RecordingEvidence& evidence) {
+  const auto bright = MedianOf(All(evidence, [](const FrameFigures& f) {
+    return f.color ? std::optional<double>(f.color->brightness) : std::nullopt;
+  }));
+  RecordingCheck check = {"brightness", {}, "%", Concat("at least ", 100 * kDark), "", ""};
+  if (!bright) return check;
+  check.value = 100 * *bright;
+  if (*bright >= kDark) return check;
+  check.fault = Concat("colour is dark: ", Rounded(*check.value),
+                       " % of full brightness on average, must be ", check.constraint, " %");
+  check.advice = "more light, or a longer exposure and a slower camera";
+  return check;
+}
+
+RecordingCheck Saturation(const RecordingEvidence& evidence) {
+  const auto shares = All(evidence, [](const FrameFigures& f) {
+    return f.color ? std::optional<double>(f.color->saturated_share) : std::nullopt;
+  });
+  return AtMost("saturated", PercentOf(shares, [](double s) { return s > kMostSaturated; }),
+                kMostOff,
+                Concat("the frames have more than ", 100 * kMostSaturated,
+                       " % of their pixels as bright as can be"),
+                "a shorter exposure, or no window or lamp in view");
+}
+
+// Between one frame and the next the view hardly changes.
+RecordingCheck ExposureChanges(const RecordingEvidence& evidence) {
+  std::vector<double> changes;
+  for (std::size_t i = 1; i < evidence.frames.size(); ++i) {
+    const auto &a = evidence.frames[i - 1].color, &b = evidence.frames[i].color;
+    if (!a || !b || !(std::min(a->brightness, b->brightness) > 0)) continue;
+    changes.push_back(
+        std::max(a->brightness, b->brightness) / std::min(a->brightness, b->brightness) - 1);
+  }
+  return AtMost("exposure_changes", PercentOf(changes, [](double c) { return c > kJump; }),
+                kMostJumps,
+                Concat("the frames are brighter or darker than the one before by more than ",
+                       100 * kJump, " %"),
+                "lock exposure and white balance (--device_lock_exposure of surfit_record)");
+}
+
+RecordingCheck Blur(const RecordingEvidence& evidence) {
+  const auto widths = All(
+      evidence, [](const FrameFigures& f) { return f.color ? f.color->edge_width : std::nullopt; });
+  return AtMost(
+      "blurred", PercentOf(widths, [](double w) { return w > kBlurred; }), kMostBlurred,
+      Concat("the frames have edges of colour wider than ", 100 * kBlurred, " % of the image"),
+      "move more slowly, with more light and a shorter exposure, and look whether the "
+      "lens is in focus");
+}
+
+}  // namespace
+
+std::vector<RecordingCheck> ChecksOfFrames(const RecordingEvidence& evidence) {
+  std::vector<RecordingCheck> checks = {Unreadable(evidence), Resolution(evidence),
+                                        ValidDepth(evidence)};
+  for (RecordingCheck& check : Distances(evidence)) checks.push_back(std::move(check));
+  for (RecordingCheck (*const look)(const RecordingEvidence&) :
+       {Darkness, Saturation, ExposureChanges, Blur}) {
+    checks.push_back(look(evidence));
+  }
+  return checks;
+}
+
+}  // namespace surfit

@@ -1,0 +1,125 @@
+#include <algorithm>
+#include <cmath>
+
+#include "apps/doctor/recording_checks.h"
+#include "surfit/core/error.h"
+#include "surfit/evaluation/error_statistics.h"
+
+namespace surfit {
+namespace {
+
+constexpr double kMostMissing = 0.05, kMostRepeated = 0.05, kMostUnpaired = 0.1;  // shares
+constexpr double kGap = 1.5;            // intervals: a frame is missing between
+constexpr double kMostApart_s = 0.015;  // depth and colour of a frame, by their stamps
+
+double Percent(double part, std::size_t whole) {
+  return whole == 0 ? 0 : 100 * part / static_cast<double>(whole);
+}
+
+std::vector<double> IntervalsOf(const std::vector<FrameFigures>& frames) {
+  std::vector<double> intervals_s;
+  for (std::size_t i = 1; i < frames.size(); ++i)
+    intervals_s.push_back(frames[i].stamps.depth_s - frames[i - 1].stamps.depth_s);
+  return intervals_s;
+}
+
+// Of frames by the intervals of their stamps, as shares of all that there should be.
+RecordingCheck MissingFrames(const RecordingEvidence& evidence) {
+  RecordingCheck check = {
+      "missing_frames", {}, "%", Concat("at most ", 100 * kMostMissing), "", ""};
+  const std::vector<double> intervals_s = IntervalsOf(evidence.frames);
+  const double usual_s = Quantile(intervals_s, 0.5);
+  if (!(usual_s > 0)) return check;
+  double missing = 0, longest_s = 0;
+  for (const double interval_s : intervals_s) {
+    if (interval_s > kGap * usual_s) missing += std::round(interval_s / usual_s) - 1;
+    longest_s = std::max(longest_s, interval_s);
+  }
+  check.value = Percent(missing, evidence.frames.size() + static_cast<std::size_t>(missing));
+  if (*check.value <= 100 * kMostMissing) return check;
+  check.fault = Concat(missing, " frames are missing (", Rounded(*check.value), " %, must be ",
+                       check.constraint, "): stamps are up to ", Rounded(longest_s),
+                       " s apart, and usually ", Rounded(usual_s), " s");
+  check.advice =
+      "record to a faster disk or without compression, at a USB port of its own, and with nothing "
+      "else running";
+  return check;
+}
+
+RecordingCheck StampOrder(const RecordingEvidence& evidence) {
+  RecordingCheck check = {"stamps_not_ascending", 0., "", "0", "", ""};
+  for (const double interval_s : IntervalsOf(evidence.frames)) *check.value += !(interval_s > 0);
+  if (*check.value == 0) return check;
+  check.fault = Concat(*check.value, " stamps are not later than the one before, must be 0");
+  check.advice = "sort the frames by their stamps, and leave out those that are there twice";
+  return check;
+}
+
+RecordingCheck Unpaired(const RecordingEvidence& evidence) {
+  RecordingCheck check = {"unpaired_images",
+                          100 * evidence.info.unpaired_share,
+                          "%",
+                          Concat("at most ", 100 * kMostUnpaired),
+                          "",
+                          ""};
+  if (*check.value <= 100 * kMostUnpaired) return check;
+  check.fault = Concat(Rounded(*check.value), " % of the images of depth and colour, must be ",
+                       check.constraint, " %, have no image of the other within ",
+                       1000 * kMaxBetweenImages_s, " ms, and are left out");
+  check.advice =
+      "let the camera synchronise depth and colour at one frame rate, and look whether one of them "
+      "is dropped";
+  return check;
+}
+
+RecordingCheck Repeated(const std::string& name, const char* what, std::size_t repeated,
+                        const RecordingEvidence& evidence) {
+  RecordingCheck check = {name, Percent(static_cast<double>(repeated), evidence.frames.size()),
+                          "%",  Concat("at most ", 100 * kMostRepeated),
+                          "",   ""};
+  if (*check.value <= 100 * kMostRepeated) return check;
+  check.fault = Concat(repeated, " ", what, " images (", Rounded(*check.value), " %, must be ",
+                       check.constraint, ") repeat the one before to the last bit");
+  check.advice =
+      "the camera or its driver delivers an image twice where it missed one: take a lower frame "
+      "rate or resolution, or a USB port of its own";
+  return check;
+}
+
+RecordingCheck ColorStamps(const RecordingEvidence& evidence) {
+  RecordingCheck check = {"color_stamp_after_depth",
+                          {},
+                          "ms",
+                          Concat("-", 1000 * kMostApart_s, " to ", 1000 * kMostApart_s),
+                          "",
+                          ""};
+  std::vector<double> after_ms;
+  for (const FrameFigures& frame : evidence.frames)
+    if (frame.color) after_ms.push_back(1000 * (frame.stamps.color_s - frame.stamps.depth_s));
+  if (after_ms.empty()) return check;
+  check.value = Quantile(after_ms, 0.5);
+  if (std::abs(*check.value) <= 1000 * kMostApart_s) return check;
+  check.fault = Concat("colour is stamped ", Rounded(std::abs(*check.value)), " ms ",
+                       *check.value > 0 ? "later" : "earlier", " than depth (median, must be ",
+                       check.constraint, " ms)");
+  check.advice = "let the camera synchronise both, or stamp both by one clock";
+  return check;
+}
+
+}  // namespace
+
+std::vector<RecordingCheck> ChecksOfStamps(const RecordingEvidence& evidence) {
+  std::size_t depths = 0, colors = 0;
+  for (const FrameFigures& frame : evidence.frames) {
+    depths += frame.repeats_depth;
+    colors += frame.repeats_color;
+  }
+  return {MissingFrames(evidence),
+          StampOrder(evidence),
+          Unpaired(evidence),
+          Repeated("repeated_depth", "depth", depths, evidence),
+          Repeated("repeated_color", "colour", colors, evidence),
+          ColorStamps(evidence)};
+}
+
+}  // namespace surfit

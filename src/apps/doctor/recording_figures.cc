@@ -1,0 +1,81 @@
+#include "apps/doctor/recording_figures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <variant>
+
+#include "surfit/evaluation/error_statistics.h"
+#include "surfit/frame/frame_pyramid.h"
+
+namespace surfit {
+namespace {
+
+constexpr int kBrightest = 250;  // of a pixel's channels: no brighter one is told apart
+// A count that so few pixels of a frame have, on average, is no step of the sensor's: it comes of
+// depth that was averaged.
+constexpr double kFewestPixels = 0.2;
+// Steps of fewer counts are those of the file's unit, not the sensor's.
+constexpr int kFewestCounts = 4;
+constexpr std::size_t kFewestSteps = 30;
+
+ColorFigures FiguresOf(const Image<Rgb8>& color) {
+  double brightness = 0, saturated = 0;
+  for (const Rgb8& c : color) {
+    brightness += GreyOf(c);
+    saturated += c.r >= kBrightest && c.g >= kBrightest && c.b >= kBrightest;
+  }
+  const auto pixels = static_cast<double>(color.size());
+  return {brightness / pixels, saturated / pixels, EdgeWidth(color)};
+}
+
+}  // namespace
+
+void RecordingFigures::Add(int index, const FrameStamps& stamps, const FrameImages& images,
+                           const Image<float>& depth_m) {
+  FrameFigures frame;
+  frame.index = index;
+  frame.stamps = stamps;
+  std::vector<double> valid_m;
+  for (const float z : depth_m)
+    if (z > 0) valid_m.push_back(z);
+  frame.valid_share = static_cast<double>(valid_m.size()) / static_cast<double>(depth_m.size());
+  frame.median_depth_m = Quantile(std::move(valid_m), 0.5);
+  if (!images.color.empty()) frame.color = FiguresOf(images.color);
+  frame.repeats_depth = !frames_.empty() && images.depth == last_.depth;
+  frame.repeats_color = !images.color.empty() && images.color == last_.color;
+  CountDepths(images.depth);
+  last_ = images;
+  frames_.push_back(std::move(frame));
+}
+
+void RecordingFigures::AddUnreadable(int index, const FrameStamps& stamps,
+                                     const std::string& error) {
+  FrameFigures frame;
+  frame.index = index;
+  frame.stamps = stamps;
+  frame.error = error;
+  frames_.push_back(std::move(frame));
+}
+
+void RecordingFigures::CountDepths(const RawDepth& depth) {
+  const auto* const counts = std::get_if<Image<std::uint16_t>>(&depth);
+  if (counts == nullptr) return;
+  pixels_of_count_.resize(65536);
+  for (const std::uint16_t count : *counts) ++pixels_of_count_[count];
+}
+
+std::optional<double> RecordingFigures::InverseDepthStep() const {
+  std::vector<double> steps;
+  const double fewest = kFewestPixels * static_cast<double>(frames_.size());
+  int last = 0;
+  for (int count = 1; count < static_cast<int>(pixels_of_count_.size()) - 1; ++count) {
+    if (!(pixels_of_count_[count] > fewest)) continue;
+    if (last > 0 && count - last >= kFewestCounts)
+      steps.push_back(depth_units_per_metre_ * (1. / last - 1. / count));
+    last = count;
+  }
+  if (steps.size() < kFewestSteps) return std::nullopt;
+  return Quantile(std::move(steps), 0.5);
+}
+
+}  // namespace surfit

@@ -1,0 +1,71 @@
+#include <algorithm>
+#include <cmath>
+
+#include "apps/live/live_run.h"
+
+namespace surfit {
+namespace {
+
+// What a frame's depth is like, by every eighth pixel of every eighth row.
+struct DepthLook {
+  double valid_share = 0;
+  double median_m = 0;  // 0 where nothing is valid
+};
+
+DepthLook LookAtDepth(const Image<float>& depth_m) {
+  constexpr int kStep = 8;
+  std::vector<float> depths;
+  int pixels = 0;
+  for (int v = 0; v < depth_m.height(); v += kStep) {
+    for (int u = 0; u < depth_m.width(); u += kStep) {
+      ++pixels;
+      if (depth_m(u, v) > 0) depths.push_back(depth_m(u, v));
+    }
+  }
+  if (depths.empty()) return {};
+  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
+  std::nth_element(depths.begin(), middle, depths.end());
+  return {static_cast<double>(depths.size()) / pixels, *middle};
+}
+
+// How far the image moves from one frame to the next, as a share of its width.
+double ImageShift(const Rigid3d& before, const Rigid3d& now, const PinholeCamera& camera,
+                  double depth_m) {
+  const Rigid3d moved = before.Inverse() * now;
+  const double turn_rad = 2 * std::atan2(moved.rotation.vec().norm(), std::abs(moved.rotation.w()));
+  return camera.fx / camera.width * (turn_rad + moved.translation.norm() / depth_m);
+}
+
+}  // namespace
+
+std::vector<Advice> Advise(const SlamRunFrame& frame, const Rigid3d* world_from_camera_before) {
+  // Half of SlamOptions::max_view_shift, beyond which a registration is doubted.
+  constexpr double kFast = 0.05;
+  constexpr double kClose_m = 0.45;     // most sensors begin there
+  constexpr double kLittleDepth = 0.3;  // of the pixels
+  constexpr double kMuchMoves = 0.1;    // of the points
+  const FrameReport& report = frame.report;
+  const DepthLook depth = LookAtDepth(frame.frame.depth_m);
+  std::vector<Advice> all;
+  if (report.state == FrameState::kLost) {
+    all.push_back({"lost", "Lost: turn back to where you were"});
+  } else if (world_from_camera_before && depth.median_m > 0 &&
+             ImageShift(*world_from_camera_before, report.world_from_camera, frame.sensor.camera,
+                        depth.median_m) > kFast) {
+    all.push_back({"too_fast", "Too fast: move and turn more slowly"});
+  }
+  if (depth.median_m > 0 && depth.median_m < kClose_m) {
+    all.push_back({"too_close", "Too close: step back"});
+  } else if (depth.valid_share < kLittleDepth) {
+    all.push_back({"little_depth", "Little depth: surfaces are too close, too far or too shiny"});
+  }
+  if (report.state == FrameState::kDegenerate) {
+    all.push_back({"little_shape", "Little shape: keep corners or furniture in view"});
+  }
+  if (report.is_apart || report.moving_share > kMuchMoves) {
+    all.push_back({"moving", "Something moves: let the view be still"});
+  }
+  return all;
+}
+
+}  // namespace surfit

@@ -1,0 +1,254 @@
+#include "apps/live/live_server.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <map>
+#include <optional>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "apps/live/http_rules.h"
+#include "apps/live/http_server.h"
+#include "apps/live/live_pages.h"
+#include "apps/live/shown_run.h"
+#include "output/pictures/pictures.h"
+#include "surfit/core/error.h"
+#include "surfit/core/options.h"
+
+namespace surfit {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kSlotsAtOnce = 8192;
+constexpr std::array kViews = {Shown::kFrame, Shown::kModel, Shown::kNormals};
+
+// Every so-many-th pose, and the last; the last loops.
+ShownPath Thinned(const LiveRun& run) {
+  constexpr std::size_t kMostPlaces = 2000, kMostLoops = 1000;
+  ShownPath thin;
+  const Trajectory& path = run.path();
+  const std::size_t step = path.size() / kMostPlaces + 1;
+  for (std::size_t i = 0; i < path.size(); i += step) {
+    thin.places.emplace_back(path[i].world_from_camera.translation.cast<float>());
+  }
+  if (!path.empty()) {
+    thin.places.emplace_back(path.back().world_from_camera.translation.cast<float>());
+  }
+  const std::vector<LoopSegment>& loops = run.loops();
+  const std::size_t count = std::min(kMostLoops, loops.size());
+  thin.loops.assign(loops.end() - static_cast<std::ptrdiff_t>(count), loops.end());
+  return thin;
+}
+
+std::string HostOf(const std::string& address) {
+  return address.find(':') == std::string::npos ? address : "[" + address + "]";
+}
+
+}  // namespace
+
+void ServeOptions::Visit(OptionVisitor& v) {
+  v.Add(port, "port",
+        "show the run in any browser, under an address that is told on stderr; 0: at a port that "
+        "is free, -1: not at all",
+        Between(-1, 65535), AsFlag("serve"), Everyday());
+  v.Add(address, "address",
+        "with serve: the machine's IP address that browsers reach; 127.0.0.1 is for those on the "
+        "machine itself, 0.0.0.0 for all",
+        Required(), AsFlag("serve_address"));
+  v.Add(max_surfels, "max_surfels", "with serve: surfels of the map that pages show at most",
+        Between(1000, 1000000), AsFlag("serve_surfels"));
+}
+
+struct LiveServer::Parts {
+  Parts(const ServeOptions& options, LiveRun* of_run)
+      : run(*of_run),
+        shown(options.max_surfels),
+        token(RandomToken()),
+        pages(token, of_run, &shown),
+        server(
+            options.address, options.port, HttpLimits(),
+            [this](const HttpRequest& request, bool must) { return pages.Answer(request, must); }) {
+  }
+
+  template <typename Act>
+  void Give(Shown what, Pace* pace, bool must, const Act& act);
+  void GiveState(bool must);
+  void GiveStateIfDue(bool must);
+  Image<Rgb8> ModelPicture(const SurfelMap& map, ModelColors colors);
+  bool GiveViews(const RgbdFrame& frame, const SurfelMap& map, const std::vector<Shown>& wanted,
+                 bool must);
+  void GiveViewsIfDue(const SlamRunFrame& frame, bool must);
+  void GiveAll(const SlamRunFrame& frame, bool must);
+
+  LiveRun& run;
+  ShownRun shown;
+  std::string token;
+  LivePages pages;
+  std::optional<LivePictures> pictures;  // from the first frame on
+  PinholeCamera camera;
+  // Of the run's time: all together at most four hundredths, and only of what is asked for.
+  Pace state_pace{0.1, 0.005}, path_pace{1, 0.003}, views_pace{0.1, 0.024}, map_pace{0, 0.008};
+  std::array<bool, kShownCount> is_exact{};  // as it is after the last frame
+  bool is_state_exact = false;
+  int map_rounds = 0;                          // since the last frame
+  std::optional<Clock::time_point> last_turn;  // of map, path and views
+  HttpServer server;                           // ends before all that it uses
+};
+
+// In a pause `must` holds, and all is given once.
+template <typename Act>
+void LiveServer::Parts::Give(Shown what, Pace* pace, bool must, const Act& act) {
+  bool& exact = is_exact[static_cast<std::size_t>(what)];
+  if (exact || !shown.IsWanted(what)) return;
+  pace->ActIfDue(must, [&] { exact = act() && must; });
+  if (exact) server.Wake();
+}
+
+// Also where nobody asks: who comes is to have it at once. In a pause all that is new is told.
+void LiveServer::Parts::GiveStateIfDue(bool must) {
+  const bool is_new = must && !std::exchange(is_state_exact, true);
+  state_pace.ActIfDue(is_new, [&] { GiveState(is_new); });
+}
+
+void LiveServer::Parts::GiveState(bool must) {
+  ShownState state;
+  state.status = run.Status();
+  state.frame_state = run.state();
+  state.progress = run.progress();
+  state.frames_per_second = run.frames_per_second();
+  state.is_at_result = run.is_at_result();
+  state.is_done = run.is_done();
+  state.advice = run.advice();
+  state.loops = run.loops().size();
+  state.last_loop = run.last_loop();
+  if (!run.path().empty()) state.world_from_camera = run.path().back().world_from_camera;
+  state.camera = camera;
+  shown.GiveState(state, must);
+  server.Wake();
+}
+
+// Where the camera is lost, the last image whose pose is known: what to turn back to.
+Image<Rgb8> LiveServer::Parts::ModelPicture(const SurfelMap& map, ModelColors colors) {
+  if (run.is_lost() && !run.is_done()) return pictures->OfLost(run.last_good());
+  const Trajectory& path = run.path();
+  return pictures->OfModel(map, path.empty() ? Rigid3d() : path.back().world_from_camera, colors);
+}
+
+// What the frame shows and what the map shows from its pose are of one moment, so that they can be
+// compared. Whether they were given.
+bool LiveServer::Parts::GiveViews(const RgbdFrame& frame, const SurfelMap& map,
+                                  const std::vector<Shown>& wanted, bool must) {
+  std::map<Shown, Image<Rgb8>> views;
+  for (const Shown which : wanted) {
+    if (which == Shown::kFrame) {
+      views[which] = pictures->OfFrame(frame);
+    } else {
+      views[which] =
+          ModelPicture(map, which == Shown::kModel ? ModelColors::kColor : ModelColors::kNormals);
+    }
+  }
+  return shown.GivePictures(views, must);
+}
+
+void LiveServer::Parts::GiveViewsIfDue(const SlamRunFrame& frame, bool must) {
+  std::vector<Shown> wanted;
+  bool all_exact = true;
+  for (const Shown which : kViews) {
+    if (!shown.IsWanted(which)) continue;
+    wanted.push_back(which);
+    all_exact &= is_exact[static_cast<std::size_t>(which)];
+  }
+  if (all_exact) return;
+  views_pace.ActIfDue(must, [&] {
+    if (!GiveViews(frame.frame, frame.map, wanted, must) || !must) return;
+    for (const Shown which : wanted) is_exact[static_cast<std::size_t>(which)] = true;
+    server.Wake();
+  });
+}
+
+// Of the map a part after each frame, so that none takes long. It is exact when a round has begun
+// after the last frame and has ended.
+void LiveServer::Parts::GiveAll(const SlamRunFrame& frame, bool must) {
+  if (!pictures) pictures.emplace(frame.sensor);
+  Give(Shown::kMap, &map_pace, must, [&] {
+    if (shown.UpdateMap(frame.map, kSlotsAtOnce).value_or(false)) ++map_rounds;
+    return map_rounds > 1;
+  });
+  Give(Shown::kPath, &path_pace, must, [&] { return shown.GivePath(Thinned(run), must); });
+  GiveViewsIfDue(frame, must);
+  camera = frame.sensor.camera;
+  GiveStateIfDue(must);
+}
+
+LiveServer::LiveServer(const ServeOptions& options, LiveRun* run) {
+  Validate(options);
+  if (options.port < 0) throw InputError("port is -1, must be at least 0 to serve pages");
+  parts_ = std::make_unique<Parts>(options, run);
+  parts_->GiveState(/*must=*/true);
+}
+
+LiveServer::~LiveServer() = default;
+
+std::string LiveServer::url() const {
+  return Concat("http://", HostOf(parts_->server.address()), ":", parts_->server.port(), "/",
+                parts_->token, "/");
+}
+
+// While a camera's next frame waits, pages wait as well, but not for ever.
+void LiveServer::Show(const SlamRunFrame& frame) {
+  constexpr double kCameraGap_ms = 33;
+  constexpr std::chrono::seconds kLongest(1);
+  parts_->is_exact.fill(false);
+  parts_->is_state_exact = false;
+  parts_->map_rounds = 0;
+  const Clock::time_point now = Clock::now();
+  std::optional<Clock::time_point>& last_turn = parts_->last_turn;
+  if (!last_turn) last_turn = now;
+  if (frame.age_ms > kCameraGap_ms && now - *last_turn < kLongest) {
+    return parts_->GiveStateIfDue(/*must=*/false);
+  }
+  last_turn = now;
+  parts_->GiveAll(frame, /*must=*/false);
+}
+
+void LiveServer::Wait(const SlamRunFrame& frame, int wait_ms) {
+  parts_->GiveAll(frame, /*must=*/true);
+  std::this_thread::sleep_for(std::chrono::milliseconds(wait_ms));
+}
+
+void LiveServer::ShowWork() {
+  parts_->state_pace.ActIfDue(/*must=*/false, [&] { parts_->GiveState(/*must=*/false); });
+}
+
+// The views are those of the last pose. Nothing is tracked any more that pages could keep waiting.
+void LiveServer::Keep(const SlamRunResult& result) {
+  Parts& parts = *parts_;
+  parts.server.TakePriority();
+  const auto is_wanted = [&](Shown which) { return parts.shown.IsWanted(which); };
+  if (parts.pictures && std::any_of(kViews.begin(), kViews.end(), is_wanted)) {
+    const RgbdFrame last = {0, 0, 0, {}, parts.run.last_good()};
+    parts.GiveViews(last, result.map, {kViews.begin(), kViews.end()}, /*must=*/true);
+  }
+  parts.shown.ResetMap(result.map);
+  parts.shown.GivePath(Thinned(parts.run), /*must=*/true);
+  parts.GiveState(/*must=*/true);
+}
+
+// Pages ask for all that is new at once, and then for a newer state, which does not come: where
+// nobody has been answered for a while, all have all.
+void LiveServer::Stay() {
+  constexpr double kMost_s = 10, kWhile_s = 2;
+  Parts& parts = *parts_;
+  const auto begin = Clock::now();
+  const auto gone_s = [&] { return std::chrono::duration<double>(Clock::now() - begin).count(); };
+  while (gone_s() < kMost_s && parts.shown.IsWanted(Shown::kState) &&
+         std::min(gone_s(), parts.pages.SinceLastAnswer_s()) < kWhile_s) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    parts.server.Wake();  // who waits for a share of what may be sent
+  }
+}
+
+}  // namespace surfit

@@ -1,0 +1,207 @@
+#include "apps/live/shown_run.h"
+
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "io/images/image_files.h"
+
+namespace surfit {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::size_t PlaceOf(Shown what) { return static_cast<std::size_t>(what); }
+
+std::int64_t Now_ms() {
+  const auto now = std::chrono::steady_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
+}
+
+Json ToJson(const Rigid3d& pose) {
+  const Eigen::Vector3d& t = pose.translation;
+  const Eigen::Quaterniond& q = pose.rotation;
+  return {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()};
+}
+
+Json ToJson(const PinholeCamera& c) {
+  return {{"width", c.width}, {"height", c.height}, {"fx", c.fx},
+          {"fy", c.fy},       {"cx", c.cx},         {"cy", c.cy}};
+}
+
+Json ToJson(const std::vector<Advice>& all) {
+  Json json = Json::array();
+  for (const Advice& advice : all) json.push_back({{"kind", advice.kind}, {"text", advice.text}});
+  return json;
+}
+
+// Coordinates of the places in millimetres.
+template <typename Vector>
+void AppendPlace(const Vector& place, Json* json) {
+  for (int i = 0; i < 3; ++i) {
+    json->push_back(static_cast<std::int64_t>(std::llround(1000. * place[i])));
+  }
+}
+
+template <typename T>
+void AppendBytes(const T* values, std::size_t count, std::string* bytes) {
+  bytes->append(reinterpret_cast<const char*>(values), count * sizeof(T));
+}
+
+}  // namespace
+
+bool ShownRun::Lock(bool must) {
+  if (!must) return mutex_.try_lock();
+  mutex_.lock();
+  return true;
+}
+
+void ShownRun::Number(Shown what) { items_[PlaceOf(what)] = {++number_, nullptr}; }
+
+bool ShownRun::GiveState(const ShownState& state, bool must) {
+  if (!Lock(must)) return false;
+  const std::lock_guard<std::mutex> lock(mutex_, std::adopt_lock);
+  state_ = state;
+  Number(Shown::kState);
+  return true;
+}
+
+bool ShownRun::GivePath(const ShownPath& path, bool must) {
+  if (!Lock(must)) return false;
+  const std::lock_guard<std::mutex> lock(mutex_, std::adopt_lock);
+  path_ = path;
+  Number(Shown::kPath);
+  return true;
+}
+
+bool ShownRun::GivePictures(const std::map<Shown, Image<Rgb8>>& pictures, bool must) {
+  if (!Lock(must)) return false;
+  const std::lock_guard<std::mutex> lock(mutex_, std::adopt_lock);
+  ++number_;
+  for (const auto& [which, picture] : pictures) {
+    pictures_[PlaceOf(which)] = picture;
+    items_[PlaceOf(which)] = {number_, nullptr};
+  }
+  return true;
+}
+
+std::optional<bool> ShownRun::UpdateMap(const SurfelMap& map, std::size_t slots) {
+  if (!Lock(/*must=*/false)) return std::nullopt;
+  const std::lock_guard<std::mutex> lock(mutex_, std::adopt_lock);
+  const bool is_whole = sample_.Update(map, slots);
+  Number(Shown::kMap);
+  if (is_whole) dust_ = sample_.Dust();
+  return is_whole;
+}
+
+void ShownRun::ResetMap(const SurfelMap& map) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  sample_.Reset(map);
+  Number(Shown::kMap);
+  dust_ = sample_.Dust();
+}
+
+bool ShownRun::IsWanted(Shown what) const {
+  constexpr std::int64_t kLately_ms = 8000;  // longer than an answer is waited for
+  const std::int64_t asked_ms = asked_ms_[PlaceOf(what)];
+  return asked_ms > 0 && Now_ms() - asked_ms < kLately_ms;
+}
+
+void ShownRun::Want(Shown what) { asked_ms_[PlaceOf(what)] = Now_ms(); }
+
+std::string ShownRun::StateJson(bool is_paused) const {
+  const SlamRunProgress& progress = state_.progress;
+  Json json = {{"number", number_.load()},
+               {"status", state_.status},
+               {"frame_state", ToString(state_.frame_state)},
+               {"frames_done", progress.frames_done},
+               {"frames_total", progress.frames_total},
+               {"elapsed_s", progress.elapsed_s},
+               {"frames_per_second", state_.frames_per_second},
+               {"map_points", progress.map_points},
+               {"shown", sample_.shown()},
+               {"dust", dust_},
+               {"paused", is_paused},
+               {"at_result", state_.is_at_result},
+               {"done", state_.is_done},
+               {"advice", ToJson(state_.advice)},
+               {"camera", ToJson(state_.camera)},
+               {"loops", state_.loops}};
+  json["pose"] = state_.world_from_camera ? ToJson(*state_.world_from_camera) : Json();
+  json["last_loop"] =
+      state_.last_loop ? Json{state_.last_loop->first, state_.last_loop->second} : Json();
+  const auto number = [&](Shown what) { return items_[PlaceOf(what)].number; };
+  json["numbers"] = {{"map", number(Shown::kMap)},
+                     {"path", number(Shown::kPath)},
+                     {"frame", number(Shown::kFrame)},
+                     {"model", number(Shown::kModel)},
+                     {"normals", number(Shown::kNormals)}};
+  return json.dump();
+}
+
+ShownRun::Text ShownRun::StateAfter(std::uint32_t number, bool is_paused) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  Item& item = items_[PlaceOf(Shown::kState)];
+  const std::uint32_t now = number_;
+  if (now <= number) return nullptr;
+  if (!item.text || item.number != now) {
+    item = {now, std::make_shared<std::string>(StateJson(is_paused))};
+  }
+  return item.text;
+}
+
+ShownRun::Text ShownRun::Path() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  Item& item = items_[PlaceOf(Shown::kPath)];
+  if (item.number == 0 || item.text) return item.text;
+  Json places = Json::array(), loops = Json::array();
+  for (const Eigen::Vector3f& place : path_.places) AppendPlace(place, &places);
+  for (const LoopSegment& loop : path_.loops) {
+    AppendPlace(loop.a, &loops);
+    AppendPlace(loop.b, &loops);
+  }
+  const Json json = {{"number", item.number}, {"places", places}, {"loops", loops}};
+  item.text = std::make_shared<std::string>(json.dump());
+  return item.text;
+}
+
+// Encodes without keeping the run from giving.
+ShownRun::Text ShownRun::Picture(Shown which, std::uint32_t asked) {
+  constexpr int kQuality = 80;
+  Image<Rgb8> picture;
+  std::uint32_t number = 0;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    const Item& item = items_[PlaceOf(which)];
+    if (asked != 0 && item.number != asked) return nullptr;
+    if (item.number == 0 || item.text) return item.text;
+    picture = pictures_[PlaceOf(which)];
+    number = item.number;
+  }
+  Text text = std::make_shared<std::string>(EncodeJpeg(picture, kQuality));
+  const std::lock_guard<std::mutex> lock(mutex_);
+  Item& item = items_[PlaceOf(which)];
+  if (item.number == number) item.text = text;
+  return text;
+}
+
+ShownRun::Text ShownRun::Map(const SamplePlace& place, std::size_t most) {
+  SampleChanges changes;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    changes = sample_.ChangesFrom(place, most);
+  }
+  const std::array<std::uint32_t, 6> head = {
+      changes.epoch,   changes.level, changes.slots,
+      changes.version, changes.next,  static_cast<std::uint32_t>(changes.slot.size())};
+  const auto bytes = std::make_shared<std::string>();
+  bytes->reserve(sizeof(head) +
+                 changes.slot.size() * (sizeof(std::uint32_t) + sizeof(ShownSurfel)));
+  AppendBytes(head.data(), head.size(), bytes.get());
+  AppendBytes(changes.slot.data(), changes.slot.size(), bytes.get());
+  AppendBytes(changes.surfel.data(), changes.surfel.size(), bytes.get());
+  return bytes;
+}
+
+}  // namespace surfit

@@ -1,0 +1,121 @@
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "apps/scan/job_files.h"
+#include "apps/scan/link_file.h"
+#include "apps/scan/scan_jobs.h"
+#include "io/files/output_folder.h"
+#include "surfit/core/error.h"
+#include "surfit/core/options.h"
+#include "surfit/loop_closure/place_index.h"
+
+namespace surfit {
+namespace {
+
+// A keyframe that is looked up.
+struct Place {
+  int fragment = 0;  // position in the plan
+  int recording = 0;
+  int frame = 0;
+  PlaceView view;  // its features alone
+};
+
+class CandidateSearch {
+ public:
+  CandidateSearch(const CandidatesOptions& options, const ScanPlan& plan)
+      : options_(options), plan_(plan), index_(plan.run.slam.loops.places) {}
+
+  CandidatesResult Run() {
+    const int step = StepWithinMemory();
+    for (int i = 0; i < result_.fragments; ++i) ReadFragment(i, step);
+    for (std::size_t p = 0; p < places_.size(); ++p) {
+      index_.Add(static_cast<int>(p), places_[p].view);
+    }
+    for (std::size_t p = 0; p < places_.size(); ++p) Propose(static_cast<int>(p));
+    Write();
+    result_.pairs = static_cast<int>(pairs_.size());
+    return result_;
+  }
+
+ private:
+  // Each so-many-th keyframe can be held in memory, its features twice and an index of them.
+  int StepWithinMemory() {
+    std::size_t bytes = 0;
+    for (const ScanFragment& fragment : plan_.fragments) {
+      ++result_.fragments;
+      const auto places = PlacesOf(options_.scan, fragment, PlacesPart::kFeatures);
+      result_.missing += !places;
+      if (!places) continue;
+      result_.keyframes += static_cast<int>(places->keyframes.size());
+      for (const Keyframe& keyframe : places->keyframes) bytes += BytesOf(keyframe.view);
+    }
+    return static_cast<int>(bytes / options_.max_index_bytes) + 1;
+  }
+
+  std::size_t BytesOf(const PlaceView& view) const {
+    const std::size_t entry = sizeof(BinaryDescriptor) + sizeof(int) +
+                              plan_.run.slam.loops.places.tables * sizeof(std::uint32_t);
+    return view.features.size() * (sizeof(PlaceFeature) + entry);
+  }
+
+  void ReadFragment(int fragment, int step) {
+    auto places = PlacesOf(options_.scan, plan_.fragments[fragment], PlacesPart::kFeatures);
+    if (!places) return;
+    for (std::size_t k = 0; k < places->keyframes.size(); k += step) {
+      Keyframe& keyframe = places->keyframes[k];
+      places_.push_back({fragment, plan_.fragments[fragment].recording, keyframe.frame_index,
+                         std::move(keyframe.view)});
+      ++result_.looked_up;
+    }
+  }
+
+  // Of each two keyframes the later one is the source.
+  void Propose(int source) {
+    const Place& from = places_[source];
+    const auto found = index_.Query(from.view, options_.max_alike, [&](int p) {
+      const Place& to = places_[p];
+      return to.fragment < from.fragment &&
+             (to.recording < from.recording || from.frame - to.frame >= options_.min_gap);
+    });
+    for (const PlaceCandidate& candidate : found) {
+      const Place& to = places_[candidate.keyframe];
+      pairs_[{to.fragment, from.fragment}].push_back({from.frame, to.frame, candidate.similarity});
+    }
+  }
+
+  // Files of pairs that are none any more would be taken for some.
+  void Write() const {
+    MakeFolder(options_.output);
+    std::set<std::string> written;
+    for (const auto& [fragments, proposals] : pairs_) {
+      const std::string& target = plan_.fragments[fragments.first].name;
+      const std::string& source = plan_.fragments[fragments.second].name;
+      const std::string path = Concat(options_.output, "/", target, "_", source, ".json");
+      WriteCandidates({target, source, proposals}, path);
+      written.insert(path);
+    }
+    for (const std::string& former : FilesIn(options_.output, ".json")) {
+      if (written.count(former) == 0) std::filesystem::remove(former);
+    }
+  }
+
+  const CandidatesOptions& options_;
+  const ScanPlan& plan_;
+  CandidatesResult result_;
+  std::vector<Place> places_;
+  PlaceIndex index_;
+  std::map<std::pair<int, int>, std::vector<PlaceProposal>> pairs_;  // by target and source
+};
+
+}  // namespace
+
+CandidatesResult FindCandidates(const CandidatesOptions& options) {
+  Validate(options);
+  const ScanPlan plan = ReadScanPlan(options.scan);
+  return CandidateSearch(options, plan).Run();
+}
+
+}  // namespace surfit

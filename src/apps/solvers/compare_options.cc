@@ -1,0 +1,129 @@
+// What solvers are compared on, and how.
+#include "apps/solvers/pose_problem.h"
+#include "run/posed_views.h"
+#include "surfit/core/error.h"
+#include "surfit/core/options.h"
+
+namespace surfit {
+namespace {
+
+void RequireSource(const CompareOptions& options) {
+  const bool clouds = !options.source.empty() || !options.target.empty();
+  const int sources = (options.synthetic_points != 0 ? 1 : 0) +
+                      (options.sequence.path.empty() && options.run.empty() ? 0 : 1) +
+                      (clouds ? 1 : 0) + (options.replay.empty() ? 0 : 1);
+  if (sources != 1) {
+    throw InputError(Concat("synthetic_points, sequence or run, source with target, and replay: ",
+                            sources, " of them are set, must be one"));
+  }
+  if (!options.run.empty() && options.sequence.path.empty()) {
+    throw InputError(Concat("run is '", options.run, "', must have its sequence"));
+  }
+  if (clouds && (options.source.empty() || options.target.empty())) {
+    throw InputError("source and target are two clouds: both must be set");
+  }
+}
+
+void RequireGrid(const char* option, const std::vector<double>& sizes, double max) {
+  if (sizes.empty()) throw InputError(Concat(option, " is empty, must have a number"));
+  for (const double size : sizes) {
+    if (!(size >= 0 && size <= max)) {
+      throw InputError(Concat(option, " has ", size, ", must be from 0 to ", max));
+    }
+  }
+}
+
+void CheckTogether(const CompareOptions& options) {
+  RequireSource(options);
+  const int points = options.synthetic_points;
+  if (points != 0 && (points < 10 || points > 100'000'000)) {
+    throw InputError(Concat("synthetic_points is ", points, ", must be from 10 to 100000000"));
+  }
+  if (options.pairs == 0 && !options.slam) throw InputError("pairs is 0, must be positive");
+  if (options.slam && options.sequence.path.empty())
+    throw InputError("slam is set, must have a sequence");
+  if (options.slam && !options.run.empty()) {
+    throw InputError(Concat("slam is set, must not be with run, '", options.run, "'"));
+  }
+  if (!options.truth.empty()) {
+    ParsePose("truth", options.truth);
+    if (options.source.empty())
+      throw InputError(
+          Concat("truth is '", options.truth, "', must be empty without source and target"));
+  }
+  RequireGrid("rotations_deg", options.rotations_deg, 180);
+  RequireGrid("translations_m", options.translations_m, 100);
+  if (options.max_keyframes == 1) {
+    throw InputError("max_keyframes is 1, must be 0 (no limit) or at least 2");
+  }
+  if (options.threads.empty()) throw InputError("threads is empty, must have a number");
+  for (const int count : options.threads) {
+    if (count < 1 || count > 1024) {
+      throw InputError(Concat("threads has ", count, ", must be from 1 to 1024"));
+    }
+  }
+  SolverCombinations(options);  // throws where names or combinations are impossible
+}
+
+}  // namespace
+
+void CompareOptions::Visit(OptionVisitor& v) {
+  v.Group("problem");
+  v.Add(synthetic_points, "synthetic_points",
+        "compare on this many random points whose pairs are known, without a robust kernel",
+        ZeroIs("none"), Everyday());
+  v.Add(noise_m, "noise_m", "standard deviation of these points' coordinates", AtLeast(0),
+        AsFlag());
+  v.AddPart(sequence, "sequence", "compare on frames of a sequence", WithoutFlags({"stride"}),
+            OptionalPart());
+  v.Add(pairs, "pairs", "pairs of frames of the sequence, evenly spread; 0 = none, with slam",
+        AtLeast(0), Everyday());
+  v.Add(gap, "gap", "frames from the source to the target of a pair", AtLeast(1), AsFlag());
+  v.Add(slam, "slam",
+        "also run SLAM over all of these frames with each combination, and compare the maps",
+        Everyday());
+  v.Add(source, "source", "compare on two clouds: the one to be moved, PLY or PCD,", Everyday());
+  v.Add(target, "target", "and the one to be met", Everyday());
+  v.Add(truth, "truth",
+        "true target_from_source of the clouds as tx,ty,tz,qx,qy,qz,qw; empty = unknown", AsFlag());
+  v.Add(replay, "replay",
+        "compare on a frame that tracking lost: a folder frame-XXXXXX of surfit_slam "
+        "--dump_failures, with its own start and options of registration",
+        AsFlag());
+  v.Add(run, "run",
+        "compare the solvers of joint refinement on the keyframes of a run: an output folder of "
+        "surfit_slam, whose summary.json says which sequence it read and how, where flags do not",
+        Everyday());
+  v.Add(max_keyframes, "max_keyframes", "keyframes of the run at most", ZeroIs("no limit"),
+        AsFlag());
+  v.Group("comparison");
+  v.Add(output, "output", "folder for tables and pictures; made if missing", Required(),
+        Everyday());
+  v.Add(solvers, "solvers",
+        "pose solvers (with run: reduced, ceres), with commas between them; empty = all, of which "
+        "ceres_per_point on known pairs only",
+        Everyday());
+  v.Add(linear_solvers, "linear_solvers",
+        "linear solvers of ceres_per_point (with run: of ceres); empty = all", AsFlag());
+  v.Add(residuals, "residuals", "residuals (with run: planes, planes_and_textures); empty = all",
+        Everyday());
+  v.Add(associations, "associations", "associations; empty = all that the data allows", AsFlag());
+  v.Add(threads, "threads", "numbers of threads that compute at the same time, a row for each",
+        Everyday());
+  v.Add(rotations_deg, "rotations_deg", "angles that starts are turned by from the truth",
+        AsFlag());
+  v.Add(translations_m, "translations_m",
+        "distances that they are shifted by, each with each angle", AsFlag());
+  v.Add(seed, "seed", "seed of the axes of turns and shifts, and of random points", AsFlag());
+  v.Add(max_rotation_error_deg, "max_rotation_error_deg",
+        "what ends nearer to the truth counts as converged", Positive(), AsFlag());
+  v.Add(max_translation_error_m, "max_translation_error_m",
+        "what ends nearer to the truth counts as converged", Positive(), AsFlag());
+  v.AddPart(preprocess, "preprocess", "how depth images become surfaces");
+  v.AddPart(
+      icp, "icp", "registration, but for what is compared",
+      WithoutFlags({"solver", "linear_solver", "residual", "association", "min_source_rows"}));
+  v.Check([this] { CheckTogether(*this); });
+}
+
+}  // namespace surfit

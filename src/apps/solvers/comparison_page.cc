@@ -1,0 +1,77 @@
+
+#include "apps/solvers/comparison_files.h"
+#include "output/report/page.h"
+#include "surfit/core/atomic_file.h"
+
+namespace surfit {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// The second of the diagonal, from which slow combinations run as well.
+GridCell ShownStart(const CompareOptions& options) {
+  const bool has_second = options.rotations_deg.size() > 1 && options.translations_m.size() > 1;
+  return has_second ? GridCell{1, 1} : GridCell{0, 0};
+}
+
+// By rotation and translation of the start; null where the truth is unknown.
+Json SharesOf(const ComparedRuns& runs, const CompareOptions& options) {
+  if (!runs.runs.front().converged) return nullptr;
+  Json shares = Json::array();
+  for (std::size_t i = 0; i < options.rotations_deg.size(); ++i) {
+    Json row = Json::array();
+    for (std::size_t j = 0; j < options.translations_m.size(); ++j) {
+      const auto share = ConvergedShare(runs, {static_cast<int>(i), static_cast<int>(j)});
+      row.push_back(share ? Json(*share) : Json(nullptr));
+    }
+    shares.push_back(row);
+  }
+  return shares;
+}
+
+Json LossesOf(const ComparedRuns& runs, const GridCell& start) {
+  for (const ComparedRun& run : runs.runs) {
+    if (run.problem == 0 && run.cell == start) return run.outcome.losses;
+  }
+  return Json::array();
+}
+
+Json DataOf(const std::vector<ComparedRuns>& all, const std::vector<std::string>& notes,
+            const CompareOptions& options) {
+  const GridCell start = ShownStart(options);
+  Json rows = Json::array();
+  for (const ComparedRuns& runs : all) {
+    if (runs.runs.empty()) continue;
+    Json row = ToJson(RowOf(runs));
+    row["title"] = runs.combination.SolverTitle();
+    row["shares"] = SharesOf(runs, options);
+    row["losses"] = LossesOf(runs, start);
+    rows.push_back(row);
+  }
+  return {{"known_pairs", options.synthetic_points > 0},
+          {"refinement", !options.run.empty()},
+          {"rotations_deg", options.rotations_deg},
+          {"translations_m", options.translations_m},
+          {"max_rotation_error_deg", options.max_rotation_error_deg},
+          {"max_translation_error_m", options.max_translation_error_m},
+          {"start",
+           {{"rotation_deg", options.rotations_deg[start.rotation]},
+            {"translation_m", options.translations_m[start.translation]}}},
+          {"notes", notes},
+          {"rows", rows}};
+}
+
+}  // namespace
+
+void WriteComparisonPage(const std::vector<ComparedRuns>& all,
+                         const std::vector<std::string>& notes, const CompareOptions& options) {
+  const Json data = DataOf(all, notes, options);
+  if (data["rows"].empty()) return;
+  WriteFileAtomically(options.output + "/comparison.html", [&](std::ostream& file) {
+    file << kComparisonPage.before_data;
+    WriteData("comparison", data, &file);
+    file << kComparisonPage.after_data;
+  });
+}
+
+}  // namespace surfit

@@ -1,0 +1,117 @@
+#include "apps/solvers/result_json.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "output/output_files.h"
+#include "surfit/core/options.h"
+
+namespace surfit {
+namespace {
+
+Json Rows(const Eigen::MatrixXd& matrix) {
+  Json rows = Json::array();
+  for (int i = 0; i < matrix.rows(); ++i) {
+    Json row = Json::array();
+    for (int k = 0; k < matrix.cols(); ++k) row.push_back(matrix(i, k));
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+Json ToJson(const RegisteredCloud& cloud, const std::string& path) {
+  return {{"path", path},
+          {"points", cloud.points},
+          {"points_not_finite", cloud.not_finite},
+          {"points_without_normal", cloud.without_normal},
+          {"normal_radius_m", cloud.normal_radius_m}};
+}
+
+Json AteOf(const std::optional<TrajectoryEvaluation>& evaluation) {
+  if (!evaluation || !evaluation->ate) return nullptr;
+  return evaluation->ate->translation_m.rmse;
+}
+
+Json LargestSigmasOf(const std::vector<Eigen::MatrixXd>& pose_covariances) {
+  if (pose_covariances.empty()) return nullptr;
+  double turn = 0, shift = 0;
+  for (const Eigen::MatrixXd& covariance : pose_covariances) {
+    turn = std::max(turn, covariance.diagonal().head<3>().maxCoeff());
+    shift = std::max(shift, covariance.diagonal().tail<3>().maxCoeff());
+  }
+  return {{"rad", std::sqrt(turn)}, {"m", std::sqrt(shift)}};
+}
+
+Json ToJson(const RefinementFit& fit) {
+  return {{"cost", fit.cost},
+          {"rms_sigmas", fit.rms_sigmas},
+          {"rms_m", fit.rms_m},
+          {"rms_intensity", fit.rms_intensity}};
+}
+
+Json ToJson(const RefinementRound& round) {
+  return {{"surfels", round.surfels},
+          {"observations", round.observations},
+          {"texture_observations", round.texture_observations},
+          {"iterations", round.iterations},
+          {"before", ToJson(round.before)},
+          {"after", ToJson(round.after)},
+          {"calibration", ToJson(round.calibration)}};
+}
+
+}  // namespace
+
+void WriteRegistrationJson(const RegisterRunResult& result, const RegisterRunOptions& options,
+                           const std::string& path) {
+  const IcpResult& icp = result.icp;
+  Json j;
+  j["target_from_source"] = Rows(icp.target_from_source.Matrix());
+  j["termination"] = ToString(icp.termination);
+  j["succeeded"] = icp.Succeeded();
+  j["rmse_m"] = icp.rmse_m;
+  j["inlier_count"] = icp.inlier_count;
+  j["inlier_share"] = icp.inlier_share;
+  j["step_count"] = icp.step_count;
+  j["information"] = Rows(icp.information);
+  j["covariance"] = icp.covariance ? Rows(*icp.covariance) : Json();
+  j["eigenvalues"] = icp.eigenvalues;
+  j["free_directions"] = icp.free_directions;
+  j["source"] = ToJson(result.source, options.source);
+  j["target"] = ToJson(result.target, options.target);
+  j["residual"] = options.registration.icp.residual;
+  j["association"] = options.registration.icp.association;
+  j["solver"] = options.registration.icp.solver;
+  j["options"] = FlagValues(options);
+  WriteJson(j, path);
+}
+
+void WriteRefinementJson(const RefineRunSummary& s, const RefineRunOptions& options,
+                         const std::string& path) {
+  Json j;
+  j["termination"] = ToString(s.refinement.termination);
+  j["poses"] = s.poses;
+  j["keyframes"] = s.keyframes;
+  j["frames_without_pose"] = s.frames_without_pose;
+  j["frames_unreadable"] = s.frames_unreadable;
+  j["ate_rmse_m"] = {{"before", AteOf(s.before)}, {"after", AteOf(s.after)}};
+  j["calibration"] = {
+      {"before", ToJson(s.given)},
+      {"after", ToJson(s.calibration)},
+      {"standard_deviations", CalibrationSigmasToJson(s.refinement.calibration_covariance)},
+      {"kept", s.refinement.calibration_kept},
+      {"squared_distance", s.refinement.calibration_distance},
+      {"limit", s.refinement.calibration_limit}};
+  j["fit"] = {{"before", ToJson(s.refinement.before)}, {"after", ToJson(s.refinement.after)}};
+  j["largest_standard_deviations_of_poses"] = LargestSigmasOf(s.refinement.pose_covariances);
+  j["scale"] = "held: nothing in a sequence tells the size of the world";
+  j["rounds"] = Json::array();
+  for (const RefinementRound& round : s.refinement.rounds) j["rounds"].push_back(ToJson(round));
+  j["map_points"] = s.map_points;
+  j["total_s"] = s.total_s;
+  j["failure"] = s.failure.empty() ? Json() : Json(s.failure);
+  j["options"] = FlagValues(options);
+  WriteJson(j, path);
+}
+
+}  // namespace surfit

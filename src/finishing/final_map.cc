@@ -1,0 +1,234 @@
+#include "finishing/final_map.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <utility>
+
+#include "finishing/color_registration.h"
+#include "frame/rolling_shutter.h"
+#include "mapping/fusion/color_average.h"
+#include "mapping/map/smooth_map.h"
+#include "surfit/frame/frame_pyramid.h"
+#include "surfit/frame/frame_source.h"
+#include "surfit/frame/prepare_frame.h"
+#include "surfit/mapping/fusion.h"
+#include "surfit/mapping/model_renderer.h"
+
+namespace surfit {
+namespace {
+
+// Tracking by so many surfels would take longer, and be no better.
+constexpr float kSpacingShare = 0.7f;
+// Of so many frames one tells the final colours: its neighbours show nearly the same.
+constexpr int kColorStride = 2;
+
+FusionOptions Finer(FusionOptions options) {
+  options.max_spacing_m *= kSpacingShare;
+  return options;
+}
+
+// What was seen about once goes from a map once it has not been seen for a while. Nothing comes
+// after the last frames, which most of what flies is from: that lies at depth edges.
+void DropFlying(const FusionOptions& options, SurfelMap* map) {
+  for (const std::int32_t id : map->Ids()) {
+    const Surfel surfel = (*map)[id];
+    if (surfel.at_edge && surfel.confidence < options.lasting_confidence) map->Mark(id);
+  }
+  map->RemoveMarked();
+}
+
+// What one sequence adds to a map.
+class SequenceFusion {
+ public:
+  SequenceFusion(const MapSource& of_sequence, const SequenceInfo& info)
+      : source_(of_sequence), sensor_(of_sequence.known.found.Of(info.sensor())) {}
+
+  const DepthSensor& sensor() const { return sensor_; }
+
+  void Fuse(RgbdFrame frame, const Rigid3d& world_from_camera, Fusion* fusion, SurfelMap* map) {
+    const KnownSequence& known = source_.known;
+    const CameraMotion motion = MotionAt(known.trajectory, frame.stamp_s);
+    known.found.Correct(&frame);
+    Image<Rgb8> color = std::move(frame.color);
+    frame = AtMiddleOfReadout(frame, sensor_, motion);
+    frame.color = std::move(color);
+    frame.index += source_.first_frame;
+    const FramePyramid pyramid = PreprocessDepth(frame.depth_m, sensor_, known.slam.preprocess);
+    fusion->Fuse(frame, pyramid.levels.front(), world_from_camera, {motion, sensor_.readout_s},
+                 map);
+  }
+
+ private:
+  const MapSource& source_;
+  DepthSensor sensor_;
+};
+
+// The colours of a map from where each frame's of a sequence were taken.
+class Recoloring {
+ public:
+  Recoloring(const KnownSequence& known, const SequenceInfo& info, const SurfelMap& map,
+             ColorAverage* average)
+      : known_(known), sensor_(known.found.Of(info.sensor())), map_(map), average_(average) {
+    coarse_ = sensor_;
+    coarse_.camera = sensor_.camera.Binned(std::max(1, sensor_.camera.width / kColumns));
+  }
+
+  void Add(RgbdFrame frame, const Rigid3d& world_from_camera) {
+    if (frame.color.empty()) return;
+    const CameraMotion motion = MotionAt(known_.trajectory, frame.stamp_s);
+    known_.found.Correct(&frame);
+    const Rigid3d expected =
+        PoseAfter(world_from_camera, motion, frame.color_stamp_s - frame.stamp_s);
+    const BlendedView drawn = DrawDiscs(map_, coarse_, expected, &renderer_);
+    const PosedCamera camera(sensor_.camera,
+                             RegisterColors(frame.color, drawn, coarse_, motion, expected));
+    const Image<float> measured_m = Coarse(AtMiddleOfReadout(frame, sensor_, motion).depth_m);
+    frame.stamp_s = frame.color_stamp_s;  // the camera is where it was then
+    average_->Add(FrameColors(frame, camera, {motion, sensor_.readout_s}), camera,
+                  {drawn.depth_m, PosedCamera(coarse_.camera, expected)},
+                  {measured_m, PosedCamera(coarse_.camera, world_from_camera)});
+  }
+
+ private:
+  static constexpr int kColumns = 320;  // of the pictures that frames are registered to, about
+
+  // The nearest of each block of pixels; 0 where one is missing.
+  Image<float> Coarse(const Image<float>& depth_m) const {
+    Image<float> coarse_m(coarse_.camera.width, coarse_.camera.height);
+    const int step = depth_m.width() / coarse_m.width();
+    for (int v = 0; v < coarse_m.height(); ++v) {
+      for (int u = 0; u < coarse_m.width(); ++u) {
+        float nearest_m = depth_m(u * step, v * step);
+        for (int i = 1; i < step * step; ++i) {
+          nearest_m = std::min(nearest_m, depth_m(u * step + i % step, v * step + i / step));
+        }
+        coarse_m(u, v) = nearest_m;
+      }
+    }
+    return coarse_m;
+  }
+
+  const KnownSequence& known_;
+  const DepthSensor sensor_;
+  const SurfelMap& map_;
+  DepthSensor coarse_;
+  ModelRenderer renderer_{RenderOptions()};
+  ColorAverage* average_;
+};
+
+// Leaves out what a frame sees outside of the part and its margin.
+Image<float> Within(const MapPart& part, const PinholeCamera& camera,
+                    const Rigid3d& world_from_camera, Image<float> depth_m) {
+  const Rigid3f pose = world_from_camera.cast<float>();
+  const Eigen::Vector3f margin = Eigen::Vector3f::Constant(part.margin_m);
+  const Eigen::AlignedBox3f box(part.box.min() - margin, part.box.max() + margin);
+  const auto fx = static_cast<float>(camera.fx), fy = static_cast<float>(camera.fy);
+  const auto cx = static_cast<float>(camera.cx), cy = static_cast<float>(camera.cy);
+  for (int v = 0; v < depth_m.height(); ++v) {
+    for (int u = 0; u < depth_m.width(); ++u) {
+      float& z = depth_m(u, v);
+      const Eigen::Vector3f ray((static_cast<float>(u) - cx) / fx,
+                                (static_cast<float>(v) - cy) / fy, 1);
+      if (z > 0 && !box.contains(pose * Eigen::Vector3f(z * ray))) z = 0;
+    }
+  }
+  return depth_m;
+}
+
+// Each point of space is in one of the boxes that stand side by side.
+void Crop(const Eigen::AlignedBox3f& box, SurfelMap* map) {
+  for (const std::int32_t id : map->Ids()) {
+    const Eigen::Vector3f at = (*map)[id].position_in_world;
+    const bool is_in =
+        (at.array() >= box.min().array()).all() && (at.array() < box.max().array()).all();
+    if (!is_in) map->Mark(id);
+  }
+  map->RemoveMarked();
+}
+
+// Fuses sequences into one map, of which only a part may be wanted.
+class FinalMap {
+ public:
+  FinalMap(const std::vector<MapSource>& sources, const MapPart* part,
+           const std::atomic<bool>& interrupted, const FinalMapProgress& progress)
+      : sources_(sources), part_(part), interrupted_(interrupted), progress_(progress) {}
+
+  std::optional<SurfelMap> Run() {
+    std::optional<DepthSensor> sensor;  // of the first
+    Fusion fusion(Finer(sources_.front().known.slam.fusion));
+    for (const MapSource& of_sequence : sources_) {
+      if (!FuseSource(of_sequence, &fusion, &sensor)) return std::nullopt;
+    }
+    const FusionOptions& options = sources_.front().known.slam.fusion;
+    if (fused_ > options.max_dormant_frames) DropFlying(options, &map_);
+    SmoothMap(*sensor, &map_);
+    ColorAverage average(map_);
+    for (const MapSource& of_sequence : sources_) {
+      if (!Recolor(of_sequence, &average)) return std::nullopt;
+    }
+    average.WriteTo(&map_);
+    if (part_) Crop(part_->box, &map_);
+    progress_(fused_, map_.size());
+    return std::move(map_);
+  }
+
+ private:
+  // Its list of frames is large for a long recording, and gone in the end.
+  bool FuseSource(const MapSource& of_sequence, Fusion* fusion,
+                  std::optional<DepthSensor>* sensor) {
+    const auto frames = OpenAgain(of_sequence.known.sequence, of_sequence.frames);
+    SequenceFusion sequence(of_sequence, frames->info());
+    if (!*sensor) *sensor = sequence.sensor();
+    return ForEach(of_sequence, frames.get(), [&](RgbdFrame frame, const Rigid3d& pose) {
+      if (part_) {
+        frame.depth_m = Within(*part_, sequence.sensor().camera, pose, std::move(frame.depth_m));
+      }
+      sequence.Fuse(std::move(frame), pose, fusion, &map_);
+      ++fused_;
+    });
+  }
+
+  bool Recolor(const MapSource& of_sequence, ColorAverage* average) {
+    SequenceOptions some = of_sequence.known.sequence;
+    some.stride *= kColorStride;
+    const auto frames = OpenAgain(some, of_sequence.frames);
+    Recoloring recoloring(of_sequence.known, frames->info(), map_, average);
+    return ForEach(of_sequence, frames.get(), [&](RgbdFrame frame, const Rigid3d& pose) {
+      recoloring.Add(std::move(frame), pose);
+    });
+  }
+
+  template <typename Take>
+  bool ForEach(const MapSource& of_sequence, FrameSource* frames, const Take& take) {
+    const KnownSequence& known = of_sequence.known;
+    return ReadKnownFrames(known, frames, interrupted_, [&](std::size_t pose, RgbdFrame frame) {
+      if (known.left_out.count(frame.index) > 0) return;
+      take(std::move(frame), known.trajectory[pose].world_from_camera);
+      done_ += 2;
+      progress_(std::max(1, done_ / 3), map_.size());
+    });
+  }
+
+  const std::vector<MapSource>& sources_;
+  const MapPart* part_;
+  const std::atomic<bool>& interrupted_;
+  const FinalMapProgress& progress_;
+  SurfelMap map_;
+  int fused_ = 0, done_ = 0;  // frames, and what is done of them: a third of it is recolouring
+};
+
+}  // namespace
+
+std::optional<SurfelMap> FuseAnew(const KnownSequence& known, const std::atomic<bool>& interrupted,
+                                  const FinalMapProgress& progress) {
+  const std::vector<MapSource> all = {{known, {}, 0}};
+  return FinalMap(all, nullptr, interrupted, progress).Run();
+}
+
+std::optional<SurfelMap> FusePart(const MapPart& part, const std::atomic<bool>& interrupted,
+                                  const FinalMapProgress& progress) {
+  return FinalMap(part.sources, &part, interrupted, progress).Run();
+}
+
+}  // namespace surfit

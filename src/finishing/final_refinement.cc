@@ -1,0 +1,110 @@
+#include "finishing/final_refinement.h"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "core/trace.h"
+#include "optimization/refinement/subsampled.h"
+#include "surfit/frame/frame_source.h"
+#include "surfit/optimization/keyframes.h"
+
+namespace surfit {
+namespace {
+
+constexpr int kColumns = 320;  // of images, about
+constexpr int kCellsAcross = 60;
+// A frame is a keyframe if it has moved so far from the last one, in one way or the other.
+constexpr double kTranslation_m = 0.1, kRotation_rad = 0.15;
+constexpr std::size_t kMaxKeyframes = 120;  // beyond it both grow
+
+struct Interrupted {};
+
+RefinementOptions FinalOptions(const DepthSensor& sensor) {
+  RefinementOptions options;
+  options.cells_across = kCellsAcross;
+  options.min_relative_cost_change = 1e-3;
+  options.prior.Complete(sensor.prior);
+  return options;
+}
+
+int StrideOf(const PinholeCamera& camera, int downsample) {
+  constexpr int kMostDownsample = 16;
+  return std::clamp(camera.width / kColumns, 1, std::max(1, kMostDownsample / downsample));
+}
+
+// Keyframes, and their places in the trajectory.
+struct Keyframes {
+  std::vector<std::size_t> poses;
+  std::vector<RefinementKeyframe> keyframes;
+};
+
+std::optional<Keyframes> ReadKeyframes(const KnownSequence& known,
+                                       const std::atomic<bool>& interrupted, FrameSource* source) {
+  const std::vector<std::size_t> chosen =
+      ChooseKeyframes(known.trajectory, kTranslation_m, kRotation_rad, kMaxKeyframes);
+  DepthSensor sensor = source->info().sensor();
+  sensor.readout_s = known.found.Of(sensor).readout_s;
+  Keyframes read;
+  const bool all =
+      ReadKnownFrames(known, source, interrupted, [&](std::size_t pose, const RgbdFrame& frame) {
+        if (!std::binary_search(chosen.begin(), chosen.end(), pose)) return;
+        read.poses.push_back(pose);
+        read.keyframes.push_back(
+            {known.trajectory[pose].world_from_camera,
+             MakeKeyframeImages(frame, sensor, MotionAt(known.trajectory, frame.stamp_s),
+                                known.slam.preprocess)});
+      });
+  if (!all) return std::nullopt;
+  return read;
+}
+
+Trajectory Corrected(const Trajectory& trajectory, const Keyframes& refined) {
+  std::vector<Rigid3d> poses;
+  for (const RefinementKeyframe& keyframe : refined.keyframes) {
+    poses.push_back(keyframe.world_from_camera);
+  }
+  return CorrectTrajectory(trajectory, refined.poses, poses);
+}
+
+}  // namespace
+
+std::optional<RefinedSequence> RefineKnown(
+    const KnownSequence& known, const PinholeCamera& camera, const std::atomic<bool>& interrupted,
+    const std::function<void(const RefinementRound&)>& progress) {
+  const TraceSlice slice("refine");
+  SequenceOptions sequence = known.sequence;
+  const int stride = StrideOf(camera, sequence.prepare.downsample);
+  sequence.prepare.downsample *= stride;
+  const auto source = OpenAgain(sequence);
+  std::optional<Keyframes> read = ReadKeyframes(known, interrupted, source.get());
+  if (!read) return std::nullopt;
+  const DepthCalibration given = {source->info().pinhole, {}, source->info().camera.readout_s};
+  const RefinementOptions options = FinalOptions(source->info().sensor());
+  const auto tell = [&](const RefinementRound& round) {
+    if (interrupted) throw Interrupted();
+    progress(round);
+  };
+  RefinedSequence refined;
+  refined.keyframes = read->keyframes.size();
+  refined.trajectory = known.trajectory;
+  refined.found = known.found;
+  try {
+    refined.summary =
+        Refine(options, given,
+               known.found.calibration ? Subsampled(*known.found.calibration, stride) : given,
+               &read->keyframes, tell);
+  } catch (const Interrupted&) {
+    return std::nullopt;
+  }
+  const bool is_as_given = AreSame(refined.summary.calibration, given);
+  ScaleUp(camera, stride, &refined.summary);
+  if (!refined.summary.Succeeded()) return refined;
+  refined.trajectory = Corrected(known.trajectory, *read);
+  refined.found.calibration.reset();
+  if (!is_as_given) refined.found.calibration = refined.summary.calibration;
+  return refined;
+}
+
+}  // namespace surfit

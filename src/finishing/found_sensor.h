@@ -1,0 +1,22 @@
+#pragma once
+
+#include <optional>
+
+#include "surfit/frame/frame_source.h"
+#include "surfit/geometry/inverse_depth_field.h"
+#include "surfit/geometry/sensor.h"
+
+namespace surfit {
+
+// What a run has found of the sensor, beyond what was given.
+struct FoundSensor {
+  std::optional<DepthCalibration> calibration;  // none: as given
+  double color_latency_s = 0;  // by how much colour was found to be earlier than frames have it
+
+  // The sensor that the frames are seen by.
+  DepthSensor Of(DepthSensor given) const;
+  // A frame as it was given, to depth and the moment of colour as they were found.
+  void Correct(RgbdFrame* frame) const;
+};
+
+}  // namespace surfit

@@ -1,0 +1,293 @@
+#include <glog/logging.h>
+#include <lzf.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <iterator>
+#include <limits>
+#include <map>
+#include <optional>
+
+#include "io/clouds/ply.h"
+#include "io/files/text.h"
+#include "surfit/core/atomic_file.h"
+#include "surfit/core/error.h"
+#include "surfit/io/point_cloud.h"
+
+namespace surfit {
+namespace {
+
+// The header of a PCD file (Point Cloud Data, version 0.7).
+struct PcdHeader {
+  enum class Data { kAscii, kBinary, kBinaryCompressed };
+
+  // The points as an element of a PLY file, whose rows a PCD file has as well; a field of several
+  // values becomes as many properties of its name. `rgb` of four bytes is a uint32 where it is
+  // binary, even if it says float: its bits are the colour.
+  PlyElement points;
+  Data data = Data::kAscii;
+  std::size_t size = 0;  // bytes, the line DATA and its line feed included
+};
+
+constexpr std::int64_t kMostValuesInField = 1 << 16;
+
+// The words after the first of each line, by the first.
+using Entries = std::map<std::string_view, Words, std::less<>>;
+
+const Words& Find(const Entries& entries, std::string_view key, std::size_t count) {
+  const auto entry = entries.find(key);
+  if (entry == entries.end()) throw InputError(Concat("the header has no ", key));
+  if (entry->second.size() != count) {
+    throw InputError(Concat(key, " has ", entry->second.size(), " values, must have ", count));
+  }
+  return entry->second;
+}
+
+PlyType ParseType(std::string_view type, std::string_view size) {
+  const std::string name = Concat(type, size);
+  const std::map<std::string, PlyType> types = {
+      {"I1", PlyType::kInt8},    {"I2", PlyType::kInt16},  {"I4", PlyType::kInt32},
+      {"U1", PlyType::kUint8},   {"U2", PlyType::kUint16}, {"U4", PlyType::kUint32},
+      {"F4", PlyType::kFloat32}, {"F8", PlyType::kFloat64}};
+  const auto known = types.find(name);
+  if (known == types.end()) {
+    throw InputError(Concat("a field has type ", type, " and size ", size,
+                            ", must be I or U of 1, 2 or 4 bytes or F of 4 or 8"));
+  }
+  return known->second;
+}
+
+PcdHeader::Data ParseData(const Words& words) {
+  if (words[0] == "ascii") return PcdHeader::Data::kAscii;
+  if (words[0] == "binary") return PcdHeader::Data::kBinary;
+  if (words[0] == "binary_compressed") return PcdHeader::Data::kBinaryCompressed;
+  throw InputError(Concat("DATA is '", words[0], "', must be ascii, binary or binary_compressed"));
+}
+
+std::vector<PlyProperty> ParseFields(const Entries& entries, PcdHeader::Data data) {
+  const auto fields = entries.find("FIELDS");
+  if (fields == entries.end()) throw InputError("the header has no FIELDS");
+  const Words& names = fields->second;
+  const Words& sizes = Find(entries, "SIZE", names.size());
+  const Words& types = Find(entries, "TYPE", names.size());
+  const bool has_counts = entries.count("COUNT") > 0;
+  std::vector<PlyProperty> properties;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    PlyProperty property{std::string(names[k]), ParseType(types[k], sizes[k])};
+    const bool is_color = property.name == "rgb" || property.name == "rgba";
+    if (is_color && PlySize(property.type) == 4 && data != PcdHeader::Data::kAscii) {
+      property.type = PlyType::kUint32;
+    }
+    const std::int64_t count = has_counts ? ParseCount(Find(entries, "COUNT", names.size())[k]) : 1;
+    if (count > kMostValuesInField) {
+      throw InputError(
+          Concat("COUNT of a field is ", count, ", must be at most ", kMostValuesInField));
+    }
+    properties.insert(properties.end(), count, property);
+  }
+  return properties;
+}
+
+std::int64_t ParsePointCount(const Entries& entries) {
+  const std::int64_t width = ParseCount(Find(entries, "WIDTH", 1)[0]);
+  const std::int64_t height = ParseCount(Find(entries, "HEIGHT", 1)[0]);
+  if (height > 0 && width > std::numeric_limits<std::int64_t>::max() / height) {
+    throw InputError(Concat("WIDTH x HEIGHT is ", width, " x ", height, ", must be below 2^63"));
+  }
+  if (entries.count("POINTS") == 0) return width * height;
+  const std::int64_t points = ParseCount(Find(entries, "POINTS", 1)[0]);
+  if (points != width * height) {
+    throw InputError(Concat("POINTS is ", points, ", must be WIDTH x HEIGHT = ", width * height));
+  }
+  return points;
+}
+
+constexpr std::string_view kKeys[] = {"VERSION", "FIELDS", "SIZE",      "TYPE",   "COUNT",
+                                      "WIDTH",   "HEIGHT", "VIEWPOINT", "POINTS", "DATA"};
+
+// Reads the lines up to DATA, which takes *size bytes.
+Entries ParseLines(std::string_view file, std::size_t* size) {
+  Entries entries;
+  while (entries.count("DATA") == 0) {
+    const std::size_t line_size = file.substr(*size).find('\n');
+    if (line_size == file.npos)
+      throw InputError("neither PLY nor PCD: the header has no line DATA");
+    const Words words = SplitWords(file.substr(*size, line_size));
+    *size += line_size + 1;
+    if (words.empty() || words[0][0] == '#') continue;
+    if (std::find(std::begin(kKeys), std::end(kKeys), words[0]) == std::end(kKeys)) {
+      throw InputError(
+          "neither a PLY file, which begins with 'ply', nor a PCD file, which begins with VERSION");
+    }
+    entries[words[0]].assign(words.begin() + 1, words.end());
+  }
+  return entries;
+}
+
+// Throws InputError naming `path` and what is wrong with it.
+PcdHeader ParsePcdHeader(std::string_view file, const std::string& path) {
+  try {
+    PcdHeader header;
+    const Entries entries = ParseLines(file, &header.size);
+    header.data = ParseData(Find(entries, "DATA", 1));
+    header.points = {"points", ParsePointCount(entries), ParseFields(entries, header.data)};
+    return header;
+  } catch (const InputError& error) {
+    throw InputError(Concat(path, ": ", error.what()));
+  }
+}
+
+// Takes 32 bits from the front.
+std::size_t NextUint32(std::string_view* bytes) {
+  std::uint32_t value = 0;
+  if (bytes->size() < sizeof(value)) throw InputError("the file ends before its points");
+  std::memcpy(&value, bytes->data(), sizeof(value));
+  bytes->remove_prefix(sizeof(value));
+  return value;
+}
+
+// Expands LZF (M. Lehmann) that holds exactly `size` bytes.
+std::string ExpandLzf(std::string_view compressed, std::size_t size) {
+  constexpr std::size_t kMostExpansion = 88;  // the longest match, 264 bytes, takes three
+  std::string bytes;
+  std::size_t expanded = 0;
+  if (!compressed.empty() && size / kMostExpansion <= compressed.size()) {
+    bytes.resize(size);
+    expanded = lzf_decompress(compressed.data(), static_cast<unsigned>(compressed.size()),
+                              bytes.data(), static_cast<unsigned>(size));
+  }
+  if (expanded != size) {
+    throw InputError(Concat("the compressed data is damaged, it must expand to ", size, " bytes"));
+  }
+  return bytes;
+}
+
+// Compressed data holds all values of the first field, then all of the next, and so on: the same
+// as rows.
+std::string ExpandToRows(std::string_view body, const PlyElement& points) {
+  const std::size_t compressed_size = NextUint32(&body), size = NextUint32(&body);
+  std::size_t row_size = 0;
+  for (const PlyProperty& property : points.properties) row_size += PlySize(property.type);
+  const auto count = static_cast<std::size_t>(points.count);
+  if (row_size == 0 || count > size / row_size || count * row_size != size) {
+    throw InputError(
+        Concat("there are ", size, " bytes of points, must be ", count, " x ", row_size));
+  }
+  if (compressed_size > body.size()) throw InputError("the file ends before its points");
+  const std::string columns = ExpandLzf(body.substr(0, compressed_size), size);
+  std::string rows(size, '\0');
+  std::size_t from = 0, column = 0;
+  for (const PlyProperty& property : points.properties) {
+    const std::size_t width = PlySize(property.type);
+    for (std::size_t i = 0; i < count; ++i, from += width) {
+      std::copy_n(&columns[from], width, &rows[i * row_size + column]);
+    }
+    column += width;
+  }
+  return rows;
+}
+
+// The column that holds a colour in its 32 bits, if any.
+std::optional<std::size_t> FindColor(const PlyElement& points) {
+  for (std::size_t k = 0; k < points.properties.size(); ++k) {
+    const PlyProperty& property = points.properties[k];
+    const bool is_color = property.name == "rgb" || property.name == "rgba";
+    if (is_color && PlySize(property.type) == 4) return k;
+  }
+  return std::nullopt;
+}
+
+// 0xaarrggbb, which ascii files may give as the float of the same bits.
+Rgb8 UnpackColor(double value, PlyType type) {
+  std::uint32_t bits = 0;
+  if (type == PlyType::kFloat32) {
+    const auto single = static_cast<float>(value);
+    std::memcpy(&bits, &single, sizeof(bits));
+  } else if (value >= 0 && value <= 0xffffffff) {
+    bits = static_cast<std::uint32_t>(value);
+  }
+  return {static_cast<std::uint8_t>(bits >> 16), static_cast<std::uint8_t>(bits >> 8),
+          static_cast<std::uint8_t>(bits)};
+}
+
+std::string FormatHeader(const PointCloud& cloud) {
+  std::string names = "x y z";
+  int count = 3;
+  if (!cloud.normals.empty()) {
+    names += " normal_x normal_y normal_z";
+    count += 3;
+  }
+  if (!cloud.colors.empty()) {
+    names += " rgb";
+    ++count;
+  }
+  const auto repeated = [count](const char* word) {
+    std::string line;
+    for (int i = 0; i < count; ++i) line += word;
+    return line;
+  };
+  return Concat("# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS ", names, "\nSIZE",
+                repeated(" 4"), "\nTYPE", repeated(" F"), "\nCOUNT", repeated(" 1"), "\nWIDTH ",
+                cloud.points.size(), "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS ",
+                cloud.points.size(), "\nDATA binary\n");
+}
+
+}  // namespace
+
+PointCloud ParsePcd(std::string_view file, const std::string& path) {
+  const PcdHeader header = ParsePcdHeader(file, path);
+  const auto points = FindPlyColumns(header.points, {"x", "y", "z"});
+  if (!points) throw InputError(Concat(path, ": FIELDS must have x, y and z"));
+  const auto normals = FindPlyColumns(header.points, {"normal_x", "normal_y", "normal_z"});
+  const auto color = FindColor(header.points);
+
+  PlyHeader table{header.data == PcdHeader::Data::kAscii, {header.points}, header.size};
+  std::string rows;
+  if (header.data == PcdHeader::Data::kBinaryCompressed) {
+    try {
+      rows = ExpandToRows(file.substr(header.size), header.points);
+    } catch (const InputError& error) {
+      throw InputError(Concat(path, ": ", error.what()));
+    }
+    file = rows;
+    table.size = 0;
+  }
+  PointCloud cloud;
+  const auto begin = [&] {
+    cloud.points.reserve(header.points.count);
+    if (normals) cloud.normals.reserve(header.points.count);
+    if (color) cloud.colors.reserve(header.points.count);
+  };
+  ReadPlyElement(file, table, header.points.name, path, begin, [&](const double* row) {
+    cloud.points.push_back(VectorAt(row, *points));
+    if (normals) cloud.normals.push_back(VectorAt(row, *normals));
+    if (color) {
+      cloud.colors.push_back(UnpackColor(row[*color], header.points.properties[*color].type));
+    }
+  });
+  return cloud;
+}
+
+void WritePcd(const PointCloud& cloud, const std::string& path) {
+  CHECK(cloud.normals.empty() || cloud.normals.size() == cloud.points.size());
+  CHECK(cloud.colors.empty() || cloud.colors.size() == cloud.points.size());
+  WriteFileAtomically(path, [&](std::ostream& out) {
+    out << FormatHeader(cloud);
+    PlyRow row;
+    for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+      row.Clear();
+      for (const float value : cloud.points[i]) row.Put(value);
+      if (!cloud.normals.empty()) {
+        for (const float value : cloud.normals[i]) row.Put(value);
+      }
+      if (!cloud.colors.empty()) {
+        const Rgb8 c = cloud.colors[i];
+        row.Put(std::uint32_t{c.r} << 16 | std::uint32_t{c.g} << 8 | std::uint32_t{c.b});
+      }
+      out.write(row.bytes().data(), static_cast<std::streamsize>(row.bytes().size()));
+    }
+  });
+}
+
+}  // namespace surfit

@@ -1,0 +1,195 @@
+#include <glog/logging.h>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "io/clouds/ply.h"
+#include "surfit/core/atomic_file.h"
+#include "surfit/core/error.h"
+
+namespace surfit {
+namespace {
+
+template <typename T>
+double LoadAs(const char* bytes) {
+  T value;
+  std::memcpy(&value, bytes, sizeof(T));
+  return static_cast<double>(value);
+}
+
+double Load(PlyType type, const char* bytes) {
+  switch (type) {
+    case PlyType::kInt8:
+      return LoadAs<std::int8_t>(bytes);
+    case PlyType::kUint8:
+      return LoadAs<std::uint8_t>(bytes);
+    case PlyType::kInt16:
+      return LoadAs<std::int16_t>(bytes);
+    case PlyType::kUint16:
+      return LoadAs<std::uint16_t>(bytes);
+    case PlyType::kInt32:
+      return LoadAs<std::int32_t>(bytes);
+    case PlyType::kUint32:
+      return LoadAs<std::uint32_t>(bytes);
+    case PlyType::kFloat32:
+      return LoadAs<float>(bytes);
+    case PlyType::kFloat64:
+      return LoadAs<double>(bytes);
+  }
+  return 0;
+}
+
+// Walks through the values of a binary body.
+class BinaryCursor {
+ public:
+  explicit BinaryCursor(std::string_view body) : rest_(body) {}
+
+  std::size_t BytesLeft() const { return rest_.size(); }
+  // The least size of a value of a row, its list counts included.
+  static std::size_t LeastSize(const PlyProperty& p) {
+    return PlySize(p.count_type ? *p.count_type : p.type);
+  }
+  double Next(PlyType type) {
+    const std::size_t size = PlySize(type);
+    if (rest_.size() < size) throw InputError("the file ends too early");
+    const double value = Load(type, rest_.data());
+    rest_.remove_prefix(size);
+    return value;
+  }
+  void Skip(PlyType type, std::uint64_t count) {
+    if (rest_.size() / PlySize(type) < count) throw InputError("the file ends too early");
+    rest_.remove_prefix(count * PlySize(type));
+  }
+  void EndRow() {}
+
+ private:
+  std::string_view rest_;
+};
+
+// Walks through the values of an ascii body, one row a line.
+class AsciiCursor {
+ public:
+  explicit AsciiCursor(std::string_view body) : rest_(body) {}
+
+  // One more than there are: the last line needs no line feed.
+  std::size_t BytesLeft() const { return rest_.size() + 1; }
+  // A digit and a separator.
+  static std::size_t LeastSize(const PlyProperty&) { return 2; }
+  double Next(PlyType) {
+    rest_.remove_prefix(std::min(rest_.find_first_not_of(" \t\r"), rest_.size()));
+    double value = 0;
+    const auto [end, error] = std::from_chars(rest_.data(), rest_.data() + rest_.size(), value);
+    rest_.remove_prefix(end - rest_.data());
+    const bool ends = rest_.empty() || std::isspace(static_cast<unsigned char>(rest_.front()));
+    if (error != std::errc() || !ends) throw InputError("a number is missing or broken");
+    return value;
+  }
+  void Skip(PlyType type, std::uint64_t count) {
+    for (std::uint64_t i = 0; i < count; ++i) Next(type);
+  }
+  void EndRow() {
+    rest_.remove_prefix(std::min(rest_.find_first_not_of(" \t\r"), rest_.size()));
+    if (rest_.empty()) return;
+    if (rest_.front() != '\n') throw InputError("there are more values than properties");
+    rest_.remove_prefix(1);
+  }
+
+ private:
+  std::string_view rest_;
+};
+
+template <typename Cursor>
+void CheckSize(const Cursor& cursor, const PlyElement& element) {
+  std::size_t row_size = 0;
+  for (const PlyProperty& property : element.properties) row_size += Cursor::LeastSize(property);
+  if (row_size > 0 && cursor.BytesLeft() / row_size < static_cast<std::size_t>(element.count)) {
+    throw InputError(Concat("the file is too short for ", element.count, " rows"));
+  }
+}
+
+template <typename Cursor>
+double ReadValue(const PlyProperty& property, Cursor* cursor) {
+  if (!property.count_type) return cursor->Next(property.type);
+  const double count = cursor->Next(*property.count_type);
+  constexpr double kMost = std::numeric_limits<std::uint32_t>::max();
+  if (!(count >= 0 && count <= kMost && count == std::floor(count))) {
+    throw InputError(Concat("the length of list '", property.name, "' is ", count));
+  }
+  cursor->Skip(property.type, static_cast<std::uint64_t>(count));
+  return 0;
+}
+
+template <typename Cursor>
+void ReadRows(const PlyElement& element, const std::function<void(const double*)>& row,
+              Cursor* cursor) {
+  if (element.properties.empty()) return;
+  std::vector<double> values(element.properties.size());
+  for (std::int64_t i = 0; i < element.count; ++i) {
+    try {
+      for (std::size_t k = 0; k < values.size(); ++k) {
+        values[k] = ReadValue(element.properties[k], cursor);
+      }
+      cursor->EndRow();
+    } catch (const InputError& error) {
+      throw InputError(Concat("row ", i, ": ", error.what()));
+    }
+    row(values.data());
+  }
+}
+
+template <typename Cursor>
+void ReadElement(Cursor cursor, const PlyHeader& header, const std::string& name,
+                 const std::string& path, const std::function<void()>& begin,
+                 const std::function<void(const double*)>& row) {
+  for (const PlyElement& element : header.elements) {
+    const bool wanted = element.name == name;
+    try {
+      CheckSize(cursor, element);
+      if (wanted) begin();
+      ReadRows(
+          element, wanted ? row : [](const double*) {}, &cursor);
+    } catch (const InputError& error) {
+      throw InputError(Concat(path, ": element '", element.name, "': ", error.what()));
+    }
+    if (wanted) return;
+  }
+}
+
+}  // namespace
+
+void ReadPlyElement(std::string_view file, const PlyHeader& header, const std::string& name,
+                    const std::string& path, const std::function<void()>& begin,
+                    const std::function<void(const double*)>& row) {
+  const std::string_view body = file.substr(header.size);
+  if (header.ascii) {
+    ReadElement(AsciiCursor(body), header, name, path, begin, row);
+  } else {
+    ReadElement(BinaryCursor(body), header, name, path, begin, row);
+  }
+}
+
+static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "PLY bodies are copied from memory");
+
+void WritePlyVertices(const std::string& path, std::size_t count,
+                      const std::vector<PlyProperty>& properties,
+                      const std::function<void(std::size_t, PlyRow*)>& fill) {
+  std::size_t row_size = 0;
+  for (const PlyProperty& property : properties) row_size += PlySize(property.type);
+  const PlyElement vertex{"vertex", static_cast<std::int64_t>(count), properties};
+  WriteFileAtomically(path, [&](std::ostream& out) {
+    out << FormatPlyHeader({vertex});
+    PlyRow row;
+    for (std::size_t i = 0; i < count; ++i) {
+      row.Clear();
+      fill(i, &row);
+      DCHECK_EQ(row.bytes().size(), row_size);
+      out.write(row.bytes().data(), row.bytes().size());
+    }
+  });
+}
+
+}  // namespace surfit

@@ -1,0 +1,136 @@
+#include <algorithm>
+#include <array>
+
+#include "io/clouds/ply.h"
+#include "io/files/text.h"
+#include "surfit/core/error.h"
+
+namespace surfit {
+namespace {
+
+struct TypeNames {
+  PlyType type;
+  std::size_t size;
+  std::string_view name, sized_name;
+};
+
+constexpr std::array<TypeNames, 8> kTypes = {{{PlyType::kInt8, 1, "char", "int8"},
+                                              {PlyType::kUint8, 1, "uchar", "uint8"},
+                                              {PlyType::kInt16, 2, "short", "int16"},
+                                              {PlyType::kUint16, 2, "ushort", "uint16"},
+                                              {PlyType::kInt32, 4, "int", "int32"},
+                                              {PlyType::kUint32, 4, "uint", "uint32"},
+                                              {PlyType::kFloat32, 4, "float", "float32"},
+                                              {PlyType::kFloat64, 8, "double", "float64"}}};
+
+PlyType ParseType(std::string_view word) {
+  for (const TypeNames& t : kTypes) {
+    if (word == t.name || word == t.sized_name) return t.type;
+  }
+  throw InputError(Concat("unknown type '", word, "'"));
+}
+
+bool ParseFormat(const Words& words) {
+  if (words.size() == 3 && words[2] == "1.0") {
+    if (words[1] == "ascii") return true;
+    if (words[1] == "binary_little_endian") return false;
+  }
+  throw InputError("the format must be 'ascii 1.0' or 'binary_little_endian 1.0'");
+}
+
+PlyProperty ParseProperty(const Words& words) {
+  PlyProperty property;
+  property.name = words.back();
+  if (words.size() == 3) {
+    property.type = ParseType(words[1]);
+  } else if (words.size() == 5 && words[1] == "list") {
+    property.count_type = ParseType(words[2]);
+    property.type = ParseType(words[3]);
+  } else {
+    throw InputError("a property must be 'property TYPE NAME' or 'property list TYPE TYPE NAME'");
+  }
+  return property;
+}
+
+// One line between `format` and `end_header`.
+void ParseLine(const Words& words, PlyHeader* header) {
+  if (words.empty() || words[0] == "comment" || words[0] == "obj_info") return;
+  if (words[0] == "element" && words.size() == 3) {
+    header->elements.push_back({std::string(words[1]), ParseCount(words[2]), {}});
+  } else if (words[0] == "property" && !header->elements.empty()) {
+    header->elements.back().properties.push_back(ParseProperty(words));
+  } else {
+    throw InputError(Concat("'", words[0], "' is misplaced or incomplete"));
+  }
+}
+
+}  // namespace
+
+std::size_t PlySize(PlyType type) { return kTypes[static_cast<std::size_t>(type)].size; }
+
+std::string_view PlyName(PlyType type) { return kTypes[static_cast<std::size_t>(type)].name; }
+
+PlyHeader ParsePlyHeader(std::string_view file, const std::string& path) {
+  PlyHeader header;
+  bool has_format = false;
+  while (true) {
+    const std::size_t line_size = file.substr(header.size).find('\n');
+    if (header.line_count == 0 && SplitWords(file.substr(0, line_size)) != Words{"ply"}) {
+      throw InputError(Concat(path, ": not a PLY file, the first line must be 'ply'"));
+    }
+    if (line_size == file.npos) throw InputError(Concat(path, ": the header has no end_header"));
+    const Words words = SplitWords(file.substr(header.size, line_size));
+    header.size += line_size + 1;
+    ++header.line_count;
+    try {
+      if (header.line_count == 1) continue;
+      if (!words.empty() && words[0] == "end_header") break;
+      if (!words.empty() && words[0] == "format") {
+        header.ascii = ParseFormat(words);
+        has_format = true;
+      } else {
+        ParseLine(words, &header);
+      }
+    } catch (const InputError& error) {
+      throw InputError(Concat(path, ":", header.line_count, ": ", error.what()));
+    }
+  }
+  if (!has_format) throw InputError(Concat(path, ": the header has no format"));
+  return header;
+}
+
+const PlyElement& FindPlyElement(const PlyHeader& header, std::string_view name,
+                                 const std::string& path) {
+  for (const PlyElement& element : header.elements) {
+    if (element.name == name) return element;
+  }
+  throw InputError(Concat(path, ": the header has no element '", name, "'"));
+}
+
+std::optional<PlyColumns> FindPlyColumns(const PlyElement& element, const PlyNames& names) {
+  PlyColumns columns;
+  const auto& properties = element.properties;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const auto at = std::find_if(properties.begin(), properties.end(), [&](const PlyProperty& p) {
+      return p.name == names[k] && !p.count_type;
+    });
+    if (at == properties.end()) return std::nullopt;
+    columns[k] = at - properties.begin();
+  }
+  return columns;
+}
+
+std::string FormatPlyHeader(const std::vector<PlyElement>& elements) {
+  std::string text = "ply\nformat binary_little_endian 1.0\n";
+  for (const PlyElement& element : elements) {
+    text += Concat("element ", element.name, " ", element.count, "\n");
+    for (const PlyProperty& property : element.properties) {
+      text += "property ";
+      if (property.count_type) text += Concat("list ", PlyName(*property.count_type), " ");
+      text += Concat(PlyName(property.type), " ", property.name, "\n");
+    }
+  }
+  return text + "end_header\n";
+}
+
+}  // namespace surfit

@@ -1,0 +1,129 @@
+#include "surfit/io/point_cloud.h"
+
+#include <glog/logging.h>
+
+#include <algorithm>
+#include <optional>
+#include <string_view>
+
+#include "core/read_file.h"
+#include "io/clouds/ply.h"
+#include "io/files/text.h"
+#include "surfit/core/error.h"
+
+namespace surfit {
+namespace {
+
+// The colour's columns, if they are bytes.
+std::optional<PlyColumns> FindColorColumns(const PlyElement& element) {
+  const auto columns = FindPlyColumns(element, {"red", "green", "blue"});
+  const auto is_byte = [&](std::size_t c) { return element.properties[c].type == PlyType::kUint8; };
+  if (columns && std::all_of(columns->begin(), columns->end(), is_byte)) return columns;
+  return std::nullopt;
+}
+
+Rgb8 Color(const double* row, const PlyColumns& c) {
+  const auto byte = [&](int k) {
+    return static_cast<std::uint8_t>(std::clamp(row[c[k]], 0., 255.));
+  };
+  return {byte(0), byte(1), byte(2)};
+}
+
+std::optional<std::size_t> FindColumn(const PlyElement& element, std::string_view name) {
+  for (std::size_t c = 0; c < element.properties.size(); ++c) {
+    const PlyProperty& property = element.properties[c];
+    if (property.name == name && !property.count_type) return c;
+  }
+  return std::nullopt;
+}
+
+PointCloud ParsePly(std::string_view file, const std::string& path) {
+  const PlyHeader header = ParsePlyHeader(file, path);
+  const PlyElement& vertices = FindPlyElement(header, "vertex", path);
+  const auto points = FindPlyColumns(vertices, {"x", "y", "z"});
+  if (!points) throw InputError(Concat(path, ": element 'vertex' must have x, y and z"));
+  const auto normals = FindPlyColumns(vertices, {"nx", "ny", "nz"});
+  const auto colors = FindColorColumns(vertices);
+  const auto radius = FindColumn(vertices, "radius");
+  const auto confidence = FindColumn(vertices, "confidence");
+  PointCloud cloud;
+  const auto begin = [&] {
+    cloud.points.reserve(vertices.count);
+    if (normals) cloud.normals.reserve(vertices.count);
+    if (colors) cloud.colors.reserve(vertices.count);
+    if (radius) cloud.radii_m.reserve(vertices.count);
+    if (confidence) cloud.confidences.reserve(vertices.count);
+  };
+  ReadPlyElement(file, header, "vertex", path, begin, [&](const double* row) {
+    cloud.points.push_back(VectorAt(row, *points));
+    if (normals) cloud.normals.push_back(VectorAt(row, *normals));
+    if (colors) cloud.colors.push_back(Color(row, *colors));
+    if (radius) cloud.radii_m.push_back(static_cast<float>(row[*radius]));
+    if (confidence) cloud.confidences.push_back(static_cast<float>(row[*confidence]));
+  });
+  return cloud;
+}
+
+}  // namespace
+
+PointCloud ReadPly(const std::string& path) { return ParsePly(ReadFileOrPipe(path), path); }
+
+PointCloud ReadPointCloud(const std::string& path) {
+  const std::string file = ReadFileOrPipe(path);
+  const bool is_ply = SplitWords(std::string_view(file).substr(0, file.find('\n'))) == Words{"ply"};
+  return is_ply ? ParsePly(file, path) : ParsePcd(file, path);
+}
+
+std::size_t RemoveNonFinite(PointCloud* cloud) {
+  CHECK(cloud->normals.empty() || cloud->normals.size() == cloud->points.size());
+  CHECK(cloud->colors.empty() || cloud->colors.size() == cloud->points.size());
+  CHECK(cloud->radii_m.empty() || cloud->radii_m.size() == cloud->points.size());
+  CHECK(cloud->confidences.empty() || cloud->confidences.size() == cloud->points.size());
+  const std::size_t count = cloud->points.size();
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!cloud->points[i].allFinite()) continue;
+    cloud->points[kept] = cloud->points[i];
+    if (!cloud->normals.empty()) cloud->normals[kept] = cloud->normals[i];
+    if (!cloud->colors.empty()) cloud->colors[kept] = cloud->colors[i];
+    if (!cloud->radii_m.empty()) cloud->radii_m[kept] = cloud->radii_m[i];
+    if (!cloud->confidences.empty()) cloud->confidences[kept] = cloud->confidences[i];
+    ++kept;
+  }
+  cloud->points.resize(kept);
+  if (!cloud->normals.empty()) cloud->normals.resize(kept);
+  if (!cloud->colors.empty()) cloud->colors.resize(kept);
+  if (!cloud->radii_m.empty()) cloud->radii_m.resize(kept);
+  if (!cloud->confidences.empty()) cloud->confidences.resize(kept);
+  return count - kept;
+}
+
+void WritePly(const PointCloud& cloud, const std::string& path) {
+  CHECK(cloud.normals.empty() || cloud.normals.size() == cloud.points.size());
+  CHECK(cloud.colors.empty() || cloud.colors.size() == cloud.points.size());
+  CHECK(cloud.radii_m.empty() || cloud.radii_m.size() == cloud.points.size());
+  CHECK(cloud.confidences.empty() || cloud.confidences.size() == cloud.points.size());
+  std::vector<PlyProperty> properties;
+  const auto add = [&](const PlyNames& names, PlyType type) {
+    for (const char* name : names) properties.push_back({name, type});
+  };
+  add({"x", "y", "z"}, PlyType::kFloat32);
+  if (!cloud.normals.empty()) add({"nx", "ny", "nz"}, PlyType::kFloat32);
+  if (!cloud.colors.empty()) add({"red", "green", "blue"}, PlyType::kUint8);
+  if (!cloud.radii_m.empty()) properties.push_back({"radius", PlyType::kFloat32});
+  if (!cloud.confidences.empty()) properties.push_back({"confidence", PlyType::kFloat32});
+  WritePlyVertices(path, cloud.points.size(), properties, [&](std::size_t i, PlyRow* row) {
+    for (const float value : cloud.points[i]) row->Put(value);
+    if (!cloud.normals.empty()) {
+      for (const float value : cloud.normals[i]) row->Put(value);
+    }
+    if (!cloud.colors.empty()) {
+      const Rgb8 c = cloud.colors[i];
+      for (const std::uint8_t value : {c.r, c.g, c.b}) row->Put(value);
+    }
+    if (!cloud.radii_m.empty()) row->Put(cloud.radii_m[i]);
+    if (!cloud.confidences.empty()) row->Put(cloud.confidences[i]);
+  });
+}
+
+}  // namespace surfit

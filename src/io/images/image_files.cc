@@ -1,0 +1,92 @@
+#include "io/images/image_files.h"
+
+#include <turbojpeg.h>
+
+#include <cstdint>
+#include <memory>
+
+#include "core/read_file.h"
+#include "io/images/image_kinds.h"
+#include "surfit/core/error.h"
+
+namespace surfit {
+namespace {
+
+constexpr std::size_t kMostOfImage = std::size_t{1} << 30;  // bytes of a file
+
+struct Closer {
+  void operator()(void* handle) const { tjDestroy(handle); }
+};
+using Handle = std::unique_ptr<void, Closer>;
+
+void Require(bool holds, const Handle& decoder, const std::string& path) {
+  if (holds) return;
+  throw InputError(Concat(path, " is truncated or damaged: ", tjGetErrorStr2(decoder.get())));
+}
+
+const unsigned char* Data(const std::string& bytes) {
+  return reinterpret_cast<const unsigned char*>(bytes.data());
+}
+
+}  // namespace
+
+InputError NotADepthImage(int channels, int bits, const std::string& path) {
+  return InputError(Concat(path, " has ", channels, " channel(s) of ", bits,
+                           " bits, a depth image must have one of 16 bits or of 32-bit floats"));
+}
+
+InputError DamagedImage(const std::string& path) {
+  return InputError(path + " is truncated, damaged or not an image");
+}
+
+RawDepth ReadDepthImage(const std::string& path) {
+  return DecodeDepthImage(ReadFile(path, kMostOfImage), path);
+}
+
+RawDepth DecodeDepthImage(const std::string& bytes, const std::string& path) {
+  ClaimedSize(bytes, path);
+  if (IsPng(bytes)) return DecodeDepthPng(bytes, path);
+  if (IsTiff(bytes)) return DecodeDepthTiff(bytes, path);
+  if (IsPnm(bytes)) return DecodeDepthPnm(bytes, path);
+  throw InputError(path + " is a JPEG, which a depth image cannot be");
+}
+
+Image<Rgb8> ReadColorImage(const std::string& path) {
+  return DecodeColorImage(ReadFile(path, kMostOfImage), path);
+}
+
+Image<Rgb8> DecodeColorImage(const std::string& bytes, const std::string& path) {
+  ClaimedSize(bytes, path);
+  if (IsPng(bytes)) return DecodeColorPng(bytes, path);
+  if (IsTiff(bytes)) return DecodeColorTiff(bytes, path);
+  if (IsPnm(bytes)) return DecodeColorPnm(bytes, path);
+  return DecodeJpeg(bytes, path);
+}
+
+Image<Rgb8> DecodeJpeg(const std::string& bytes, const std::string& path) {
+  static_assert(sizeof(Rgb8) == 3);
+  const Handle decoder(tjInitDecompress());
+  const ImageSize size = ClaimedSize(bytes, path);
+  Image<Rgb8> image(size.width, size.height);
+  Require(tjDecompress2(decoder.get(), Data(bytes), bytes.size(), &image.data()->r, size.width, 0,
+                        size.height, TJPF_RGB, TJFLAG_STOPONWARNING) == 0,
+          decoder, path);
+  return image;
+}
+
+std::string EncodeJpeg(const Image<Rgb8>& image, int quality) {
+  const Handle encoder(tjInitCompress());
+  unsigned char* bytes = nullptr;
+  unsigned long size = 0;
+  const int result = tjCompress2(encoder.get(), &image.data()->r, image.width(), 0, image.height(),
+                                 TJPF_RGB, &bytes, &size, TJSAMP_444, quality, 0);
+  if (result != 0) {
+    throw InputError(Concat("cannot make a JPEG of ", image.width(), " x ", image.height(),
+                            " pixels: ", tjGetErrorStr2(encoder.get())));
+  }
+  std::string jpeg(reinterpret_cast<const char*>(bytes), size);
+  tjFree(bytes);
+  return jpeg;
+}
+
+}  // namespace surfit

@@ -1,0 +1,276 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "core/read_file.h"
+#include "io/files/text.h"
+#include "io/files/yaml.h"
+#include "io/sequences/folder.h"
+#include "surfit/core/atomic_file.h"
+#include "surfit/core/error.h"
+#include "surfit/core/options.h"
+#include "surfit/io/camera_files.h"
+
+namespace surfit {
+namespace {
+
+// One node of the file, if it is there, with the words to complain about it.
+class Node {
+ public:
+  Node(const YamlNode* node, const std::string& name) : node_(node), name_(name) {}
+
+  bool Exists() const { return node_ != nullptr && node_->kind != YamlNode::Kind::kNothing; }
+  Node operator[](const std::string& key) const {
+    return Node(node_ == nullptr ? nullptr : node_->Find(key), name_ + ": " + key);
+  }
+
+  void RequireKeysAmong(const std::vector<std::string>& known) const {
+    if (!Exists() || node_->kind != YamlNode::Kind::kMap)
+      throw InputError(name_ + " must be a map of keys to values");
+    for (const std::string& key : node_->keys) {
+      if (std::find(known.begin(), known.end(), key) == known.end())
+        throw InputError(Concat(name_, ": '", key, "' is no known key"));
+    }
+  }
+  double Number() const {
+    if (!Exists()) throw InputError(name_ + " is missing");
+    if (node_->kind != YamlNode::Kind::kScalar) throw InputError(name_ + " must be a number");
+    try {
+      return FiniteNumber(node_->scalar);
+    } catch (const InputError& error) {
+      throw InputError(Concat(name_, " must be a number: ", error.what()));
+    }
+  }
+  int Integer() const {
+    const double number = Number();
+    if (number != std::floor(number) || std::abs(number) > std::numeric_limits<int>::max())
+      throw InputError(name_ + " must be an integer");
+    return static_cast<int>(number);
+  }
+  template <std::size_t kSize>
+  std::array<double, kSize> Numbers() const {
+    if (!Exists() || node_->kind != YamlNode::Kind::kList || node_->values.size() != kSize)
+      throw InputError(Concat(name_, " must be a list of ", kSize, " numbers"));
+    std::array<double, kSize> numbers;
+    for (std::size_t i = 0; i < kSize; ++i) numbers[i] = Node(&node_->values[i], name_).Number();
+    return numbers;
+  }
+
+ private:
+  const YamlNode* node_;
+  std::string name_;
+};
+
+// The numbers of a table by their names.
+class Numbers : public OptionVisitor {
+ public:
+  std::vector<std::pair<std::string, double*>> all;
+
+ private:
+  void Visit(const Option& option, const OptionValue& value) override {
+    all.emplace_back(option.name, std::get<double*>(value));
+  }
+};
+
+Numbers NumbersOf(CalibrationPrior* prior) {
+  Numbers numbers;
+  prior->Visit(numbers);
+  return numbers;
+}
+
+CalibrationPrior ReadPrior(const Node& node) {
+  CalibrationPrior prior;
+  std::vector<std::string> names;
+  const Numbers numbers = NumbersOf(&prior);
+  for (const auto& [name, number] : numbers.all) names.push_back(name);
+  node.RequireKeysAmong(names);
+  for (const auto& [name, number] : numbers.all) {
+    if (node[name].Exists()) *number = node[name].Number();
+  }
+  return prior;
+}
+
+PinholeCamera ReadPinhole(const Node& node) {
+  node.RequireKeysAmong({"width", "height", "fx", "fy", "cx", "cy", "distortion"});
+  PinholeCamera camera;
+  camera.width = node["width"].Integer();
+  camera.height = node["height"].Integer();
+  camera.fx = node["fx"].Number();
+  camera.fy = node["fy"].Number();
+  camera.cx = node["cx"].Number();
+  camera.cy = node["cy"].Number();
+  if (node["distortion"].Exists()) camera.distortion = node["distortion"].Numbers<5>();
+  return camera;
+}
+
+Disparity ReadDisparity(const Node& node, const std::string& name) {
+  node.RequireKeysAmong({"focal_px", "baseline_m", "counts_per_px", "count_at_infinity"});
+  Disparity disparity;
+  disparity.focal_px = node["focal_px"].Number();
+  disparity.baseline_m = node["baseline_m"].Number();
+  if (node["counts_per_px"].Exists()) disparity.counts_per_px = node["counts_per_px"].Number();
+  if (node["count_at_infinity"].Exists())
+    disparity.count_at_infinity = node["count_at_infinity"].Number();
+  disparity.Validate(name);
+  return disparity;
+}
+
+Rigid3d ReadTransform(const Node& node, const std::string& name) {
+  node.RequireKeysAmong({"translation_m", "rotation_xyzw"});
+  const auto t = node["translation_m"].Numbers<3>();
+  const auto q = node["rotation_xyzw"].Numbers<4>();
+  const Eigen::Quaterniond rotation(q[3], q[0], q[1], q[2]);
+  if (!(std::abs(rotation.norm() - 1) < 0.01))
+    throw InputError(Concat(name, ": rotation_xyzw has length ", rotation.norm(), ", must have 1"));
+  return Rigid3d(rotation.normalized(), {t[0], t[1], t[2]});
+}
+
+RgbdCamera ReadCamera(const Node& root, const std::string& path) {
+  root.RequireKeysAmong({"depth_camera", "color_camera", "color_from_depth",
+                         "depth_units_per_metre", "disparity", "inverse_depth_sigma",
+                         "inverse_depth_field", "frames_per_second", "latency_s", "color_latency_s",
+                         "readout_s", "prior"});
+  RgbdCamera camera;
+  if (!root["depth_camera"].Exists()) throw InputError(path + ": depth_camera is missing");
+  camera.depth = ReadPinhole(root["depth_camera"]);
+  if (root["disparity"].Exists()) {
+    if (root["depth_units_per_metre"].Exists())
+      throw InputError(path + ": depth_units_per_metre and disparity exclude each other");
+    camera.disparity = ReadDisparity(root["disparity"], path + ": disparity");
+  } else {
+    camera.depth_units_per_metre = root["depth_units_per_metre"].Number();
+  }
+  const auto read = [&](const char* key, double* number) {
+    if (root[key].Exists()) *number = root[key].Number();
+  };
+  read("inverse_depth_sigma", &camera.noise.inverse_depth_sigma);
+  read("frames_per_second", &camera.frames_per_second);
+  read("latency_s", &camera.latency_s);
+  read("color_latency_s", &camera.color_latency_s);
+  read("readout_s", &camera.readout_s);
+  if (root["prior"].Exists()) camera.prior = ReadPrior(root["prior"]);
+  camera.color_is_registered = !root["color_camera"].Exists();
+  if (!camera.color_is_registered) camera.color = ReadPinhole(root["color_camera"]);
+  if (root["color_from_depth"].Exists()) {
+    if (camera.color_is_registered)
+      throw InputError(path + ": color_from_depth needs a color_camera beside it");
+    camera.color_from_depth = ReadTransform(root["color_from_depth"], path + ": color_from_depth");
+  }
+  camera.Validate(path);
+  return camera;
+}
+
+void WritePinhole(cv::FileStorage& file, const char* key, const PinholeCamera& camera) {
+  file << key << "{:"
+       << "width" << camera.width << "height" << camera.height;
+  file << "fx" << camera.fx << "fy" << camera.fy << "cx" << camera.cx << "cy" << camera.cy;
+  file << "distortion"
+       << "[:";
+  for (const double k : camera.distortion) file << k;
+  file << "]"
+       << "}";
+}
+
+void WriteDisparity(cv::FileStorage& file, const Disparity& disparity) {
+  file << "disparity"
+       << "{:"
+       << "focal_px" << disparity.focal_px << "baseline_m" << disparity.baseline_m
+       << "counts_per_px" << disparity.counts_per_px << "count_at_infinity"
+       << disparity.count_at_infinity << "}";
+}
+
+void WriteTransform(cv::FileStorage& file, const char* key, const Rigid3d& transform) {
+  file << key << "{:"
+       << "translation_m"
+       << "[:";
+  for (int i = 0; i < 3; ++i) file << transform.translation[i];
+  file << "]"
+       << "rotation_xyzw"
+       << "[:";
+  for (int i = 0; i < 4; ++i) file << transform.rotation.coeffs()[i];
+  file << "]"
+       << "}";
+}
+
+void WriteField(cv::FileStorage& file, const InverseDepthField& field) {
+  file << "inverse_depth_field"
+       << "[:";
+  for (const double c : field.coefficients) file << c;
+  file << "]";
+}
+
+// Unless it is that of a camera.yaml without any.
+void WritePrior(cv::FileStorage& file, CalibrationPrior prior) {
+  CalibrationPrior usual;
+  const Numbers numbers = NumbersOf(&prior), defaults = NumbersOf(&usual);
+  const auto is_same = [](const auto& a, const auto& b) { return *a.second == *b.second; };
+  if (std::equal(numbers.all.begin(), numbers.all.end(), defaults.all.begin(), is_same)) return;
+  file << "prior"
+       << "{:";
+  for (const auto& [name, number] : numbers.all) file << name << *number;
+  file << "}";
+}
+
+// Lists and maps within others are read by recursion: a camera has a dozen.
+std::string ReadShallowText(const std::string& path) {
+  constexpr std::size_t kMost = 1 << 16;  // bytes, of which 360 levels can be indented
+  constexpr int kMostOpened = 200;
+  if (!HasFile(path)) throw InputError(path + " does not exist");
+  std::string text = ReadFile(path, kMost);
+  int opened = 0;
+  for (std::size_t i = 0; i + 1 < text.size(); ++i) {
+    const char c = text[i];
+    opened += c == '[' || c == '{' || (c == '-' && text[i + 1] == ' ');
+  }
+  if (opened <= kMostOpened) return text;
+  throw InputError(
+      Concat(path, " has ", opened, " lists and maps, must have at most ", kMostOpened));
+}
+
+}  // namespace
+
+RgbdCamera ReadCameraYaml(const std::string& path) {
+  const YamlNode root = ParseYaml(ReadShallowText(path), path);
+  return ReadCamera(Node(&root, path), path);
+}
+
+InverseDepthField ReadInverseDepthField(const std::string& path) {
+  const YamlNode root = ParseYaml(ReadShallowText(path), path);
+  InverseDepthField field;
+  const Node node = Node(&root, path)["inverse_depth_field"];
+  if (node.Exists()) field.coefficients = node.Numbers<InverseDepthField::kSize>();
+  return field;
+}
+
+void WriteCameraYaml(const RgbdCamera& camera, const std::string& path,
+                     const InverseDepthField& field) {
+  std::string text;
+  try {
+    cv::FileStorage file(".yaml", cv::FileStorage::WRITE | cv::FileStorage::MEMORY);
+    WritePinhole(file, "depth_camera", camera.depth);
+    if (!camera.color_is_registered) {
+      WritePinhole(file, "color_camera", camera.color);
+      WriteTransform(file, "color_from_depth", camera.color_from_depth);
+    }
+    if (camera.disparity.IsGiven()) {
+      WriteDisparity(file, camera.disparity);
+    } else {
+      file << "depth_units_per_metre" << camera.depth_units_per_metre;
+    }
+    file << "inverse_depth_sigma" << camera.noise.inverse_depth_sigma;
+    if (!field.IsZero()) WriteField(file, field);
+    file << "frames_per_second" << camera.frames_per_second;
+    file << "latency_s" << camera.latency_s;
+    if (camera.color_latency_s != 0) file << "color_latency_s" << camera.color_latency_s;
+    file << "readout_s" << camera.readout_s;
+    WritePrior(file, camera.prior);
+    text = file.releaseAndGetString();
+  } catch (const cv::Exception& error) {
+    throw InputError(path + " cannot be written: " + error.err);
+  }
+  WriteFileAtomically(path, [&](std::ostream& out) { out << text; });
+}
+
+}  // namespace surfit

@@ -1,0 +1,151 @@
+#include "io/sequences/folder.h"
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <limits>
+
+#include "core/read_file.h"
+#include "io/files/text.h"
+#include "surfit/core/error.h"
+
+namespace surfit {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+bool HasNameEnding(const std::string& folder, const std::string& ending) {
+  const auto names = NamesIn(folder);
+  return std::any_of(names.begin(), names.end(),
+                     [&](const std::string& name) { return EndsWith(name, ending); });
+}
+
+// ICL-NUIM numbers its frames from 0 or 1 without leading zeros.
+bool HasIclNuimNumbers(const std::string& folder) {
+  return (IsFile(folder + "/depth/0.png") || IsFile(folder + "/depth/1.png")) &&
+         IsFolder(folder + "/rgb");
+}
+
+std::string DetectFolderFormat(const std::string& folder) {
+  if (HasNameEnding(folder, ".depth.png")) return "seven_scenes";
+  if (HasNameEnding(folder, ".gt.freiburg") || HasIclNuimNumbers(folder)) return "icl_nuim";
+  for (const char* list : {"/associations.txt", "/depth.txt", "/rgb.txt"}) {
+    if (IsFile(folder + list)) return "tum";
+  }
+  if (IsFile(folder + "/traj.txt") && IsFolder(folder + "/results")) return "replica";
+  if (IsFolder(folder + "/depth")) return "redwood";
+  if (IsFile(folder + "/metadata.yaml")) {
+    for (const char* format : {"db3", "mcap"}) {
+      if (HasNameEnding(folder, std::string(".") + format)) return format;
+    }
+  }
+  throw InputError(Concat(
+      folder, " holds no sequence of a known format: looked for depth.txt or associations.txt (",
+      "tum), *.gt.freiburg or rgb/ with depth/0.png or depth/1.png (icl_nuim), frame-*.depth.png ",
+      "(seven_scenes), depth/ (redwood), results/ with traj.txt (replica), metadata.yaml with ",
+      "*.db3 or *.mcap"));
+}
+
+// How many folders above that of a sequence its relative path leads to; many if it is absolute.
+int Beyond(const fs::path& path) {
+  if (path.is_absolute()) return std::numeric_limits<int>::max();
+  int above = 0;
+  for (const fs::path& part : path.lexically_normal()) above += part == "..";
+  return above;
+}
+
+}  // namespace
+
+std::vector<std::string> NamesIn(const std::string& folder) {
+  std::vector<std::string> names;
+  std::error_code none;
+  for (fs::directory_iterator it(folder, none), end; it != end; it.increment(none))
+    names.push_back(it->path().filename().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+bool IsFolder(const std::string& path) {
+  std::error_code none;
+  return fs::is_directory(path, none);
+}
+
+bool IsFile(const std::string& path) {
+  std::error_code none;
+  return fs::is_regular_file(path, none);
+}
+
+bool HasFile(const std::string& path) {
+  std::error_code none;
+  if (fs::is_regular_file(path, none)) return true;
+  if (!fs::exists(fs::symlink_status(path, none))) return false;
+  throw InputError(path + " is no regular file, must be one or missing");
+}
+
+bool EndsWith(const std::string& name, const std::string& ending) {
+  return name.size() >= ending.size() &&
+         name.compare(name.size() - ending.size(), ending.size(), ending) == 0;
+}
+
+std::optional<long> NumberInName(const std::string& name) {
+  const std::size_t first = name.find_first_of("0123456789");
+  if (first == name.npos) return std::nullopt;
+  long number = 0;
+  const auto result = std::from_chars(&name[first], name.data() + name.size(), number);
+  if (result.ec != std::errc()) return std::nullopt;
+  return number;
+}
+
+std::optional<double> StampInName(const std::string& name) {
+  const std::string stem = name.substr(0, name.rfind('.'));
+  const std::size_t first = stem.find_first_of("0123456789"), point = stem.find('.');
+  if (first == stem.npos || point == stem.npos || point + 1 == stem.size()) return std::nullopt;
+  if (stem.find_first_not_of("0123456789", first) != point) return std::nullopt;
+  if (stem.find_first_not_of("0123456789", point + 1) != stem.npos) return std::nullopt;
+  return FiniteNumber(std::string_view(stem).substr(first));
+}
+
+std::string FollowTextLink(const std::string& folder, const std::string& name) {
+  constexpr std::uintmax_t kLongestLink = 4096;
+  const fs::path path = fs::path(folder) / name, link = path.parent_path();
+  if (!IsFile(link.string()) || fs::file_size(link) > kLongestLink) return path.string();
+  std::string target = ReadFile(link.string());
+  while (!target.empty() && (target.back() == '\n' || target.back() == '\r')) target.pop_back();
+  const fs::path at_sequence = fs::path(name).parent_path().parent_path() / target;
+  if (Beyond(at_sequence) > 1) {
+    throw InputError(Concat(link.string(), ": the link to '", target,
+                            "' leads beyond the folders beside the sequence's"));
+  }
+  const fs::path linked = fs::path(folder) / at_sequence;
+  return IsFolder(linked.string()) ? (linked / path.filename()).string() : path.string();
+}
+
+const std::vector<std::string>& SequenceFormats() {
+  static const auto* const formats = new std::vector<std::string>{
+      "tum", "icl_nuim", "seven_scenes", "redwood", "replica", "klg",    "sens",
+      "bag", "db3",      "mcap",         "oni",     "watch",   "openni2"};
+  return *formats;
+}
+
+bool IsBag(const std::string& format) {
+  return format == "bag" || format == "db3" || format == "mcap";
+}
+
+bool MayBeFile(const std::string& format) {
+  return format == "klg" || format == "sens" || format == "oni" || IsBag(format);
+}
+
+bool MayBeFolder(const std::string& format) {
+  return !MayBeFile(format) || format == "db3" || format == "mcap";
+}
+
+std::string DetectFormat(const std::string& path) {
+  if (!IsFile(path)) return DetectFolderFormat(path);
+  for (const char* format : {"klg", "sens", "bag", "db3", "mcap", "oni"}) {
+    if (EndsWith(path, std::string(".") + format)) return format;
+  }
+  throw InputError(path + " is neither a folder nor a .klg, .sens, .bag, .db3, .mcap or .oni file");
+}
+
+}  // namespace surfit

@@ -1,0 +1,82 @@
+#include "io/sequences/frame_bytes.h"
+
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+
+#include "io/images/deflate.h"
+#include "io/images/image_files.h"
+#include "surfit/core/error.h"
+
+namespace surfit {
+namespace {
+
+template <typename T>
+Image<T> CopyPixels(const std::string& bytes, ImageSize size, const std::string& name) {
+  if (bytes.size() != sizeof(T) * size.pixels())
+    throw InputError(Concat(name, " has ", bytes.size(), " bytes, must have ",
+                            sizeof(T) * size.pixels(), " for ", size.width, " x ", size.height,
+                            " pixels"));
+  Image<T> image(size.width, size.height);
+  std::memcpy(image.data(), bytes.data(), bytes.size());
+  return image;
+}
+
+}  // namespace
+
+static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "values are copied from memory");
+
+BinaryFile::BinaryFile(const std::string& path) : path_(path), file_(path, std::ios::binary) {
+  if (file_.seekg(0, std::ios::end)) size_ = file_.tellg();
+  if (!file_) {
+    const std::error_code reason(errno, std::generic_category());
+    throw InputError(Concat("cannot read '", path, "': ", reason.message()));
+  }
+}
+
+std::string BinaryFile::Read(std::uint64_t at, std::uint64_t count) const {
+  if (!Has(at, count)) {
+    throw InputError(Concat(path_, " is ", size_, " bytes long and ends before ", count,
+                            " bytes from byte ", at));
+  }
+  std::string bytes(count, '\0');
+  file_.clear();
+  file_.seekg(static_cast<std::streamoff>(at));
+  if (!file_.read(bytes.data(), static_cast<std::streamsize>(count)))
+    throw InputError(Concat("cannot read '", path_, "' at byte ", at));
+  return bytes;
+}
+
+Image<std::uint16_t> CopyDepth(const std::string& bytes, ImageSize size, const std::string& name) {
+  return CopyPixels<std::uint16_t>(bytes, size, name);
+}
+
+Image<std::uint16_t> InflateDepth(const std::string& bytes, ImageSize size,
+                                  const std::string& name) {
+  constexpr std::size_t kMaxRatio = 1032;  // of deflate: 258 bytes from two bits
+  const std::size_t count = 2 * size.pixels();
+  const auto damaged = [&] {
+    return InputError(Concat(name, " is damaged: its ", bytes.size(), " bytes do not expand to ",
+                             size.width, " x ", size.height, " counts of 16 bits"));
+  };
+  if (count / kMaxRatio > bytes.size()) throw damaged();
+  Image<std::uint16_t> image(size.width, size.height);
+  if (!Inflate(bytes.data(), bytes.size(), image.data(), count)) throw damaged();
+  return image;
+}
+
+Image<Rgb8> CopyColor(const std::string& bytes, ImageSize size, const std::string& name) {
+  return CopyPixels<Rgb8>(bytes, size, name);
+}
+
+Image<Rgb8> DecodeColor(const std::string& bytes, ImageSize size, const std::string& name) {
+  if (!IsJpeg(bytes) && !IsPng(bytes)) throw InputError(name + " is damaged: neither JPEG nor PNG");
+  const ImageSize claimed = IsPng(bytes) ? PngSize(bytes, name) : JpegSize(bytes, name);
+  if (claimed != size) {
+    throw InputError(Concat(name, " is ", claimed.width, " x ", claimed.height, " pixels, must be ",
+                            size.width, " x ", size.height));
+  }
+  return DecodeColorImage(bytes, name);
+}
+
+}  // namespace surfit

@@ -1,0 +1,125 @@
+#include "io/sequences/image_sequence.h"
+
+#include <utility>
+
+#include "core/trace.h"
+#include "surfit/core/error.h"
+#include "surfit/frame/prepare_frame.h"
+#include "surfit/geometry/inverse_depth_field.h"
+
+namespace surfit {
+namespace {
+
+template <typename T>
+void RequireSize(const Image<T>& image, const PinholeCamera& camera, const char* whose,
+                 const std::string& name) {
+  if (image.width() == camera.width && image.height() == camera.height) return;
+  throw InputError(Concat(name, " is ", image.width(), " x ", image.height(), " pixels, must be ",
+                          camera.width, " x ", camera.height, " as ", whose));
+}
+
+// Prepares what is read.
+class PreparedFrames : public FrameSource {
+ public:
+  explicit PreparedFrames(RawSequence sequence) : sequence_(std::move(sequence)) {}
+
+  const SequenceInfo& info() const override { return sequence_.info; }
+
+  std::optional<ReadResult> Next() override {
+    std::optional<RawFrame> raw = sequence_.frames->Next();
+    if (!raw) return std::nullopt;
+    ReadResult result = std::move(raw->head);
+    const RgbdCamera& camera = info().camera;
+    const FrameStamps moments = MomentsOf(raw->stamps, camera);
+    result.stamp_s = moments.depth_s;
+    if (!result.error.empty()) return result;
+    try {
+      const StageTimer timer("decode", result.index, &result.decode_ms);
+      result.frame =
+          MakeFrame(camera, sequence_.preparer, sequence_.frames->Read(), result.index, moments);
+    } catch (const InputError& error) {
+      result.error = error.what();
+      return result;
+    }
+    if (!sequence_.field.IsZero())
+      CorrectDepth(info().pinhole, sequence_.field, &result.frame->depth_m);
+    return result;
+  }
+
+ private:
+  RawSequence sequence_;
+};
+
+}  // namespace
+
+void RequireSizeOf(const RgbdCamera& camera, const FrameImages& images) {
+  std::visit(
+      [&](const auto& depth) {
+        RequireSize(depth, camera.depth, "the depth camera", images.depth_name);
+      },
+      images.depth);
+  if (images.color.empty()) return;
+  if (camera.color_is_registered) {
+    RequireSize(images.color, camera.depth,
+                "depth, to which colour is registered; else tell the camera of its own that it "
+                "has: color_camera and color_from_depth in a camera.yaml, or color_intrinsics",
+                images.color_name);
+  } else {
+    RequireSize(images.color, camera.color, "the colour camera", images.color_name);
+  }
+}
+
+FrameStamps MomentsOf(const FrameStamps& stamps, const RgbdCamera& camera) {
+  return {stamps.depth_s - camera.latency_s,
+          stamps.color_s - camera.latency_s - camera.color_latency_s};
+}
+
+RgbdFrame MakeFrame(const RgbdCamera& camera, const FramePreparer& preparer, FrameImages images,
+                    int index, const FrameStamps& moments) {
+  RequireSizeOf(camera, images);
+  RgbdFrame frame = preparer.Prepare(images.depth, std::move(images.color));
+  frame.index = index;
+  frame.stamp_s = moments.depth_s;
+  frame.color_stamp_s = moments.color_s;
+  return frame;
+}
+
+ImageSequence::ImageSequence(std::unique_ptr<Recording> recording, std::vector<int> indices)
+    : recording_(std::move(recording)), indices_(std::move(indices)) {}
+
+std::vector<FrameImages> ImageSequence::FirstImages() {
+  constexpr std::size_t kImages = 8, kApart = 15;
+  std::vector<FrameImages> images;
+  std::string first_error;
+  for (std::size_t i = 0; i < indices_.size() && images.size() < kImages;
+       i += images.empty() ? 1 : kApart) {
+    try {
+      images.push_back(recording_->Read(indices_[i]));
+    } catch (const InputError& error) {
+      if (first_error.empty()) first_error = error.what();
+    }
+  }
+  if (images.empty()) throw InputError("no frame can be read: " + first_error);
+  return images;
+}
+
+std::optional<RawFrame> ImageSequence::Next() {
+  if (next_ == indices_.size()) return std::nullopt;
+  RawFrame frame;
+  frame.head.index = indices_[next_++];
+  frame.stamps = recording_->stamps(frame.head.index);
+  return frame;
+}
+
+RawSequence Complete(SequenceInfo info, std::unique_ptr<RawFrames> frames,
+                     const SequenceOptions& options) {
+  FramePreparer preparer = CompleteInfo(frames->FirstImages(), options.prepare, &info);
+  InverseDepthField field = ReadDepthField(options, info.format);
+  return {std::move(info), std::move(frames), std::move(preparer), field};
+}
+
+std::unique_ptr<FrameSource> Prepared(RawSequence sequence) {
+  return std::make_unique<PreparedFrames>(std::move(sequence));
+}
+
+}  // namespace surfit

@@ -1,0 +1,209 @@
+#include <glog/logging.h>
+
+#include <cmath>
+#include <cstdint>
+#include <new>
+#include <optional>
+#include <utility>
+
+#include "core/repeated_warning.h"
+#include "io/images/deflate.h"
+#include "io/images/image_files.h"
+#include "io/sequences/frame_bytes.h"
+#include "io/sequences/klg_writer.h"
+#include "io/sequences/recording.h"
+#include "surfit/core/atomic_file.h"
+#include "surfit/core/error.h"
+#include "surfit/core/options.h"
+#include "surfit/io/camera_files.h"
+
+namespace surfit {
+namespace {
+
+struct KlgFrame {
+  std::int64_t stamp_us = 0;
+  std::uint64_t depth_at = 0;  // byte in the file; colour follows depth
+  std::uint64_t depth_bytes = 0;
+  std::uint64_t color_bytes = 0;
+};
+
+class KlgRecording : public Recording {
+ public:
+  KlgRecording(const std::string& path, ImageSize size) : file_(path), size_(size) {
+    Index();
+    if (const auto claimed = SizeOfFirstJpeg()) size_ = *claimed;
+    if (size_ == ImageSize())
+      throw InputError(path + " does not give the size of its images: name a camera");
+  }
+
+  int claimed_count() const { return claimed_count_; }
+  int frame_count() const override { return static_cast<int>(frames_.size()); }
+  FrameStamps stamps(int index) const override {
+    const double stamp_s = 1e-6 * static_cast<double>(frames_[index].stamp_us);
+    return {stamp_s, stamp_s};
+  }
+
+  FrameImages Read(int index) const override {
+    const KlgFrame& frame = frames_[index];
+    FrameImages images;
+    images.depth_name = Concat(file_.path(), ": depth of frame ", index);
+    images.color_name = Concat(file_.path(), ": colour of frame ", index);
+    const std::string depth = file_.Read(frame.depth_at, frame.depth_bytes);
+    images.depth = depth.size() == 2 * size_.pixels()
+                       ? CopyDepth(depth, size_, images.depth_name)
+                       : InflateDepth(depth, size_, images.depth_name);
+    const std::string color = ReadColor(frame);
+    if (color.empty()) return images;
+    images.color = color.size() == 3 * size_.pixels()
+                       ? CopyColor(color, size_, images.color_name)
+                       : DecodeColor(color, size_, images.color_name);
+    return images;
+  }
+
+ private:
+  std::string ReadColor(const KlgFrame& frame) const {
+    return file_.Read(frame.depth_at + frame.depth_bytes, frame.color_bytes);
+  }
+
+  // Walks over the frames' headers, as far as the file goes.
+  void Index() {
+    constexpr std::uint64_t kHeader = 16;  // bytes before the images of a frame
+    const std::string count = file_.Read(0, sizeof(claimed_count_));
+    claimed_count_ = ByteReader(count).Take<std::int32_t>();
+    std::uint64_t at = count.size();
+    while (frame_count() < claimed_count_ && file_.Has(at, kHeader)) {
+      const std::string bytes = file_.Read(at, kHeader);
+      ByteReader header(bytes);
+      KlgFrame frame;
+      frame.stamp_us = header.Take<std::int64_t>();
+      const auto depth_bytes = header.Take<std::int32_t>(),
+                 color_bytes = header.Take<std::int32_t>();
+      if (depth_bytes < 0 || color_bytes < 0) return;
+      frame.depth_at = at + kHeader;
+      frame.depth_bytes = depth_bytes;
+      frame.color_bytes = color_bytes;
+      if (!file_.Has(frame.depth_at, frame.depth_bytes + frame.color_bytes)) return;
+      frames_.push_back(frame);
+      at = frame.depth_at + frame.depth_bytes + frame.color_bytes;
+    }
+  }
+
+  std::optional<ImageSize> SizeOfFirstJpeg() const {
+    for (const KlgFrame& frame : frames_) {
+      const std::string color = ReadColor(frame);
+      if (IsJpeg(color)) return JpegSize(color, file_.path() + ": the first JPEG");
+    }
+    return std::nullopt;
+  }
+
+  BinaryFile file_;
+  ImageSize size_;
+  std::int32_t claimed_count_ = 0;
+  std::vector<KlgFrame> frames_;
+};
+
+static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "values are copied from memory");
+
+template <typename T>
+void Put(T value, std::ostream& out) {
+  out.write(reinterpret_cast<const char*>(&value), sizeof(T));
+}
+
+Image<std::uint16_t> Millimetres(const Image<float>& depth_m, std::int64_t* beyond) {
+  constexpr long kMost = 65534;  // 65535 means missing elsewhere
+  Image<std::uint16_t> depth(depth_m.width(), depth_m.height());
+  for (std::size_t i = 0; i < depth.size(); ++i) {
+    const long value = std::lround(1000. * depth_m[i]);
+    if (value > kMost) ++*beyond;
+    depth[i] = value > kMost ? 0 : static_cast<std::uint16_t>(value);
+  }
+  return depth;
+}
+
+template <typename T>
+std::string RawBytes(const Image<T>& image) {
+  return {reinterpret_cast<const char*>(image.data()), image.size() * sizeof(T)};
+}
+
+// Empty if that takes as many bytes as raw, or more: the reader tells by the size.
+std::string Deflated(const std::string& raw) {
+  constexpr int kLevel = 6;
+  std::string bytes = Deflate(raw.data(), raw.size(), kLevel);
+  return bytes.size() < raw.size() ? bytes : "";
+}
+
+std::string DepthBytes(const Image<std::uint16_t>& depth, bool compress) {
+  const std::string raw = RawBytes(depth);
+  const std::string deflated = compress ? Deflated(raw) : "";
+  return deflated.empty() ? raw : deflated;
+}
+
+std::string ColorBytes(const Image<Rgb8>& color, int jpeg_quality) {
+  std::string raw = RawBytes(color);
+  if (color.empty() || jpeg_quality == 0) return raw;
+  const std::string jpeg = EncodeJpeg(color, jpeg_quality);
+  return jpeg.size() == raw.size() ? raw : jpeg;  // the reader tells by the size
+}
+
+void WriteFrame(const RgbdFrame& frame, const KlgOptions& options, std::ostream& out,
+                KlgSummary* summary) {
+  const std::string depth =
+      DepthBytes(Millimetres(frame.depth_m, &summary->depths_beyond), options.compress_depth);
+  const std::string color = ColorBytes(frame.color, options.jpeg_quality);
+  Put(static_cast<std::int64_t>(std::llround(1e6 * frame.stamp_s)), out);
+  Put(static_cast<std::int32_t>(depth.size()), out);
+  Put(static_cast<std::int32_t>(color.size()), out);
+  out << depth << color;
+}
+
+// The frames' camera, in the source's convention if that is mirrored. Their stamps are written less
+// the latency: it is zero from there on.
+RgbdCamera FrameCamera(const SequenceInfo& info) {
+  RgbdCamera camera;
+  camera.depth = info.pinhole;
+  camera.noise = info.camera.noise;
+  if (info.mirrored) camera.depth.fy = -camera.depth.fy;
+  camera.depth_units_per_metre = 1000;
+  camera.frames_per_second = info.camera.frames_per_second;
+  return camera;
+}
+
+}  // namespace
+
+OpenedRecording OpenKlg(const std::string& path, ImageSize size) {
+  auto frames = std::make_unique<KlgRecording>(path, size);
+  OpenedRecording opened;
+  opened.has_clock = true;
+  if (frames->frame_count() != frames->claimed_count()) {
+    opened.warnings.push_back(Concat(path, " claims ", frames->claimed_count(),
+                                     " frames, but is damaged or ends after ",
+                                     frames->frame_count()));
+  }
+  opened.frames = std::move(frames);
+  return opened;
+}
+
+KlgSummary WriteKlg(FrameSource* source, const std::string& path, const KlgOptions& options) {
+  Validate(options);
+  KlgSummary summary;
+  RepeatedWarning skipped("frames skipped");
+  WriteFileAtomically(path, [&](std::ostream& out) {
+    Put(std::int32_t{0}, out);  // their number, once it is known
+    while (const auto result = source->Next()) {
+      if (result->frame) {
+        WriteFrame(*result->frame, options, out, &summary);
+        ++summary.frames_written;
+      } else {
+        skipped.Tell(Concat("frame ", result->index, " skipped: ", result->error));
+        ++summary.frames_skipped;
+      }
+    }
+    if (summary.frames_written == 0) throw InputError("no frame could be read for " + path);
+    out.seekp(0);
+    Put(static_cast<std::int32_t>(summary.frames_written), out);
+  });
+  WriteCameraYaml(FrameCamera(source->info()), path + ".yaml");
+  return summary;
+}
+
+}  // namespace surfit

@@ -1,0 +1,133 @@
+#include <algorithm>
+#include <utility>
+
+#include "io/bags/bag_recording.h"
+#include "io/sequences/folder.h"
+#include "io/sequences/image_sequence.h"
+#include "io/sequences/openni_sources.h"
+#include "io/sequences/raw_frames.h"
+#include "io/sequences/recording.h"
+#include "io/sequences/sequence_camera.h"
+#include "io/sequences/watch_folder.h"
+#include "surfit/core/error.h"
+#include "surfit/core/options.h"
+#include "surfit/io/sequence.h"
+
+namespace surfit {
+namespace {
+
+SequenceFiles ListSequence(const std::string& format, const std::string& folder,
+                           double frames_per_second) {
+  if (format == "seven_scenes") return ListSevenScenesSequence(folder, frames_per_second);
+  if (format == "redwood") return ListRedwoodSequence(folder, frames_per_second);
+  if (format == "replica") return ListReplicaSequence(folder, frames_per_second);
+  if (format == "icl_nuim") return ListIclNuimSequence(folder);
+  return ListTumSequence(folder);
+}
+
+OpenedRecording OpenRecording(const std::string& format, const std::string& path,
+                              const RgbdCamera& camera) {
+  if (format == "klg") return OpenKlg(path, {camera.depth.width, camera.depth.height});
+  if (format == "sens") return OpenSens(path, camera.frames_per_second);
+  SequenceFiles files = ListSequence(format, path, camera.frames_per_second);
+  return {MakeFolderRecording(std::move(files.frames)),
+          std::move(files.ground_truth),
+          files.has_clock,
+          {},
+          files.unpaired_images};
+}
+
+ToldCamera BagCamera(const SequenceOptions& options, const BagRecording& bag) {
+  BagRecording::Known known;
+  known.depth = options.intrinsics.has_value();
+  known.color = options.color_intrinsics.has_value();
+  known.color_from_depth = options.color_from_depth.has_value();
+  return {bag.Camera(known), "the bag's CameraInfo"};
+}
+
+OpenedRecording OfBag(std::unique_ptr<BagRecording> bag) {
+  OpenedRecording opened;
+  opened.has_clock = true;
+  opened.warnings = bag->warnings();
+  opened.unpaired_images = bag->unpaired_images();
+  opened.frames = std::move(bag);
+  return opened;
+}
+
+std::vector<int> SelectFrames(int count, const SequenceOptions& options) {
+  if (count == 0) throw InputError(options.path + " lists no frames");
+  if (options.first >= count)
+    throw InputError(Concat("first is ", options.first, ", must be below ", count,
+                            ", the number of frames of ", options.path));
+  const int last = options.last == -1 ? count - 1 : std::min(options.last, count - 1);
+  std::vector<int> indices;
+  for (int i = options.first; i <= last; i += options.stride) indices.push_back(i);
+  return indices;
+}
+
+}  // namespace
+
+bool IsLive(const SequenceOptions& options) {
+  return options.format == "watch" || options.format == "openni2";
+}
+
+RawSequence OpenRawLive(const SequenceOptions& options, int capacity,
+                        const std::atomic<bool>& stop) {
+  Validate(options);
+  if (options.format == "watch") return OpenWatchedFolder(options, stop);
+  if (options.format == "openni2") return OpenOpenNiCamera(options, capacity, stop);
+  throw InputError("format is '" + options.format + "', must be watch or openni2 to be live");
+}
+
+std::unique_ptr<FrameSource> OpenLive(const SequenceOptions& options, int capacity,
+                                      const std::atomic<bool>& stop) {
+  return Prepared(OpenRawLive(options, capacity, stop));
+}
+
+RawSequence OpenRawSequence(const SequenceOptions& options) {
+  Validate(options);
+  if (IsLive(options)) {
+    throw InputError(Concat("format is '", options.format,
+                            "': only a live run (surfit_slam) waits for frames to come"));
+  }
+  if (!IsFolder(options.path) && !IsFile(options.path))
+    throw InputError(options.path + " is neither a folder nor a file");
+  SequenceInfo info;
+  info.format = options.format == "auto" ? DetectFormat(options.path) : options.format;
+  const bool is_file = IsFile(options.path);
+  if (is_file ? !MayBeFile(info.format) : !MayBeFolder(info.format))
+    throw InputError(Concat(options.path, " is a ", is_file ? "file" : "folder", ", which ",
+                            info.format, " is not"));
+  std::unique_ptr<BagRecording> bag;
+  if (IsBag(info.format))
+    bag = std::make_unique<BagRecording>(options, info.format, /*is_folder=*/!is_file);
+  OniFile oni;
+  if (info.format == "oni") oni = OpenOni(options);
+  TellCamera tell;
+  if (bag) tell = [&] { return BagCamera(options, *bag); };
+  if (oni.camera) tell = [&] { return ToldCamera{oni.camera(), "the file's field of view"}; };
+  ResolveCamera(options, tell, &info);
+
+  OpenedRecording opened = bag          ? OfBag(std::move(bag))
+                           : oni.camera ? std::move(oni.recording)
+                                        : OpenRecording(info.format, options.path, info.camera);
+  if (!opened.has_clock) DropLatency(options, &info.camera);
+  info.warnings.insert(info.warnings.end(), opened.warnings.begin(), opened.warnings.end());
+  info.ground_truth = std::move(opened.ground_truth);
+  info.has_clock = opened.has_clock;
+  if (opened.unpaired_images > 0) {
+    info.unpaired_share = static_cast<double>(opened.unpaired_images) /
+                          (opened.unpaired_images + 2 * opened.frames->frame_count());
+  }
+  std::vector<int> indices = SelectFrames(opened.frames->frame_count(), options);
+  info.frame_count = static_cast<int>(indices.size());
+  return Complete(std::move(info),
+                  std::make_unique<ImageSequence>(std::move(opened.frames), std::move(indices)),
+                  options);
+}
+
+std::unique_ptr<FrameSource> OpenSequence(const SequenceOptions& options) {
+  return Prepared(OpenRawSequence(options));
+}
+
+}  // namespace surfit

@@ -1,0 +1,231 @@
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+
+#include "io/files/text.h"
+#include "io/images/image_files.h"
+#include "io/sequences/frame_bytes.h"
+#include "io/sequences/recording.h"
+#include "io/sequences/sequence_camera.h"
+#include "surfit/core/error.h"
+#include "surfit/geometry/sensor.h"
+
+namespace surfit {
+namespace {
+
+// The head of a .sens file (ScanNet's SensorData, version 4), little endian: uint32 version, uint64
+// length and name of the sensor, 4 x 4 floats (row by row) intrinsics and extrinsics of colour,
+// then of depth; int32 compression of colour (0 raw, 1 PNG, 2 JPEG) and of depth (0 raw, 1 zlib, 2
+// occi); uint32 width and height of colour, then of depth; float depth counts per metre; uint64
+// number of frames.
+struct SensHeader {
+  enum class DepthCoding { kRaw = 0, kZlib = 1 };
+
+  // Extrinsics map the sensor's frame to a camera's. ScanNet's are identities: it registers colour
+  // to depth by intrinsics alone.
+  RgbdCamera camera;
+  bool raw_color = false;  // else PNG or JPEG, as the bytes say
+  DepthCoding depth_coding = DepthCoding::kZlib;
+  std::uint64_t frame_count = 0;
+  std::uint64_t size = 0;  // bytes
+};
+
+Eigen::Matrix4d TakeMatrix(ByteReader* reader) {
+  Eigen::Matrix4d matrix;
+  for (int i = 0; i < 16; ++i) matrix(i / 4, i % 4) = reader->Take<float>();
+  return matrix;
+}
+
+PinholeCamera Pinhole(const Eigen::Matrix4d& intrinsics) {
+  PinholeCamera camera;
+  camera.fx = intrinsics(0, 0);
+  camera.fy = intrinsics(1, 1);
+  camera.cx = intrinsics(0, 2);
+  camera.cy = intrinsics(1, 2);
+  return camera;
+}
+
+void TakeSize(ByteReader* reader, const std::string& name, PinholeCamera* camera) {
+  camera->width = reader->Take<std::int32_t>();
+  camera->height = reader->Take<std::int32_t>();
+  RequireUsualSize({camera->width, camera->height}, name);
+}
+
+SensHeader::DepthCoding ToDepthCoding(std::int32_t coding, const std::string& path) {
+  if (coding == 0 || coding == 1) return static_cast<SensHeader::DepthCoding>(coding);
+  throw InputError(Concat(path, ": compression of depth is ", coding, coding == 2 ? " (occi)" : "",
+                          ", must be 0 (raw) or 1 (zlib)"));
+}
+
+void RequireColorCoding(std::int32_t coding, const std::string& path) {
+  if (coding >= 0 && coding <= 2) return;
+  throw InputError(Concat(path, ": compression of colour is ", coding,
+                          ", must be 0 (raw), 1 (PNG) or 2 (JPEG)"));
+}
+
+// How long the part before the sensor's name is, with the name.
+std::uint64_t SizeWithName(const BinaryFile& file) {
+  constexpr std::uint64_t kBeforeName = 12;
+  const std::string bytes = file.Read(0, kBeforeName);
+  ByteReader reader(bytes);
+  const auto version = reader.Take<std::uint32_t>();
+  if (version != 4) throw InputError(Concat(file.path(), " has version ", version, ", must be 4"));
+  const auto length = reader.Take<std::uint64_t>();
+  if (!file.Has(kBeforeName, length))
+    throw InputError(
+        Concat(file.path(), ": the sensor's name has ", length, " bytes, beyond the end"));
+  return kBeforeName + length;
+}
+
+// Throws InputError naming the file and what is wrong; depth compressed by occipital's encoder,
+// which is not public, is refused.
+SensHeader ReadSensHeader(const BinaryFile& file) {
+  constexpr std::uint64_t kAfterName = 4 * 64 + 2 * 4 + 4 * 4 + 4 + 8;
+  const std::uint64_t begin = SizeWithName(file);
+  const std::string bytes = file.Read(begin, kAfterName);
+  ByteReader reader(bytes);
+  SensHeader header;
+  RgbdCamera& camera = header.camera;
+  camera.color = Pinhole(TakeMatrix(&reader));
+  const Eigen::Matrix4d color_extrinsics = TakeMatrix(&reader);
+  camera.depth = Pinhole(TakeMatrix(&reader));
+  const Eigen::Matrix4d depth_extrinsics = TakeMatrix(&reader);
+  const auto color_coding = reader.Take<std::int32_t>();
+  RequireColorCoding(color_coding, file.path());
+  header.raw_color = color_coding == 0;
+  header.depth_coding = ToDepthCoding(reader.Take<std::int32_t>(), file.path());
+  TakeSize(&reader, file.path() + ": colour", &camera.color);
+  TakeSize(&reader, file.path() + ": depth", &camera.depth);
+  camera.depth_units_per_metre = reader.Take<float>();
+  header.frame_count = reader.Take<std::uint64_t>();
+  header.size = begin + kAfterName;
+
+  camera.color_is_registered =
+      HaveSamePixels(camera.color, camera.depth) && color_extrinsics == depth_extrinsics;
+  camera.color_from_depth =
+      RigidFromMatrix(color_extrinsics, file.path() + ": extrinsics of colour") *
+      RigidFromMatrix(depth_extrinsics, file.path() + ": extrinsics of depth").Inverse();
+  camera.Validate(file.path());
+  return header;
+}
+
+struct SensFrame {
+  Eigen::Matrix4d world_from_camera;
+  std::uint64_t depth_stamp_us = 0, color_stamp_us = 0;
+  FrameStamps stamps;
+  std::uint64_t color_at = 0;  // byte in the file; depth follows colour
+  std::uint64_t color_bytes = 0;
+  std::uint64_t depth_bytes = 0;
+};
+
+ImageSize SizeOf(const PinholeCamera& camera) { return {camera.width, camera.height}; }
+
+class SensRecording : public Recording {
+ public:
+  SensRecording(const std::string& path, double frames_per_second)
+      : file_(path), header_(ReadSensHeader(file_)) {
+    Index();
+    SetStamps(frames_per_second);
+  }
+
+  std::uint64_t claimed_count() const { return header_.frame_count; }
+  int frame_count() const override { return static_cast<int>(frames_.size()); }
+  FrameStamps stamps(int index) const override { return frames_[index].stamps; }
+
+  FrameImages Read(int index) const override {
+    const SensFrame& frame = frames_[index];
+    FrameImages images;
+    images.depth_name = Concat(file_.path(), ": depth of frame ", index);
+    images.color_name = Concat(file_.path(), ": colour of frame ", index);
+    const std::string depth = file_.Read(frame.color_at + frame.color_bytes, frame.depth_bytes);
+    const ImageSize depth_size = SizeOf(header_.camera.depth);
+    images.depth = header_.depth_coding == SensHeader::DepthCoding::kRaw
+                       ? CopyDepth(depth, depth_size, images.depth_name)
+                       : InflateDepth(depth, depth_size, images.depth_name);
+    const std::string color = file_.Read(frame.color_at, frame.color_bytes);
+    if (color.empty()) return images;
+    const ImageSize color_size = SizeOf(header_.camera.color);
+    images.color = header_.raw_color ? CopyColor(color, color_size, images.color_name)
+                                     : DecodeColor(color, color_size, images.color_name);
+    return images;
+  }
+
+  // The poses that are there.
+  Trajectory Poses() const {
+    Trajectory poses;
+    for (int i = 0; i < frame_count(); ++i) {
+      const Eigen::Matrix4d& matrix = frames_[i].world_from_camera;
+      if (!matrix.allFinite()) continue;
+      poses.push_back({frames_[i].stamps.depth_s,
+                       RigidFromMatrix(matrix, Concat(file_.path(), ": pose of frame ", i))});
+    }
+    return poses;
+  }
+
+ private:
+  // Walks over the frames' headers, as far as the file goes.
+  void Index() {
+    constexpr std::uint64_t kHeader = 64 + 4 * 8;  // bytes before the images of a frame
+    std::uint64_t at = header_.size;
+    while (frames_.size() < header_.frame_count && file_.Has(at, kHeader)) {
+      const std::string bytes = file_.Read(at, kHeader);
+      ByteReader reader(bytes);
+      SensFrame frame;
+      for (int i = 0; i < 16; ++i) frame.world_from_camera(i / 4, i % 4) = reader.Take<float>();
+      frame.color_stamp_us = reader.Take<std::uint64_t>();
+      frame.depth_stamp_us = reader.Take<std::uint64_t>();
+      frame.color_bytes = reader.Take<std::uint64_t>();
+      frame.depth_bytes = reader.Take<std::uint64_t>();
+      frame.color_at = at + kHeader;
+      if (!file_.Has(frame.color_at, frame.color_bytes)) return;
+      if (!file_.Has(frame.color_at + frame.color_bytes, frame.depth_bytes)) return;
+      at = frame.color_at + frame.color_bytes + frame.depth_bytes;
+      frames_.push_back(frame);
+    }
+  }
+
+  bool Ascends(std::uint64_t SensFrame::*stamp_us) const {
+    return std::adjacent_find(frames_.begin(), frames_.end(),
+                              [&](const SensFrame& a, const SensFrame& b) {
+                                return a.*stamp_us >= b.*stamp_us;
+                              }) == frames_.end();
+  }
+
+  void SetStamps(double frames_per_second) {
+    const bool depth_ascends = Ascends(&SensFrame::depth_stamp_us);
+    const bool color_ascends = Ascends(&SensFrame::color_stamp_us);
+    for (std::size_t i = 0; i < frames_.size(); ++i) {
+      SensFrame& frame = frames_[i];
+      const double depth_s = 1e-6 * static_cast<double>(frame.depth_stamp_us);
+      const double color_s = 1e-6 * static_cast<double>(frame.color_stamp_us);
+      const double counted_s = static_cast<double>(i) / frames_per_second;
+      frame.stamps.depth_s = depth_ascends ? depth_s : (color_ascends ? color_s : counted_s);
+      frame.stamps.color_s = color_ascends ? color_s : frame.stamps.depth_s;
+    }
+  }
+
+  BinaryFile file_;
+  SensHeader header_;
+  std::vector<SensFrame> frames_;
+};
+
+}  // namespace
+
+RgbdCamera ReadSensCamera(const std::string& path) {
+  return ReadSensHeader(BinaryFile(path)).camera;
+}
+
+OpenedRecording OpenSens(const std::string& path, double frames_per_second) {
+  auto frames = std::make_unique<SensRecording>(path, frames_per_second);
+  OpenedRecording opened;
+  opened.ground_truth = frames->Poses();
+  if (frames->claimed_count() != static_cast<std::uint64_t>(frames->frame_count())) {
+    opened.warnings.push_back(Concat(path, " claims ", frames->claimed_count(),
+                                     " frames, but is damaged or ends after ",
+                                     frames->frame_count()));
+  }
+  opened.frames = std::move(frames);
+  return opened;
+}
+
+}  // namespace surfit

@@ -1,0 +1,304 @@
+#include "io/sequences/sequence_camera.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "core/read_file.h"
+#include "io/sequences/folder.h"
+#include "io/sequences/recording.h"
+#include "surfit/core/error.h"
+#include "surfit/geometry/sensor.h"
+#include "surfit/io/camera_files.h"
+#include "surfit/io/sequence.h"
+
+namespace surfit {
+namespace {
+
+// A camera as Open3D writes it: JSON with width, height and the column-major 3 x 3
+// intrinsic_matrix. Throws InputError naming the file and what is wrong.
+PinholeCamera ReadOpen3dCamera(const std::string& path) {
+  PinholeCamera camera;
+  try {
+    const auto json = nlohmann::json::parse(ReadJsonText(path));
+    const auto matrix = json.at("intrinsic_matrix").get<std::vector<double>>();
+    camera.width = json.at("width").get<int>();
+    camera.height = json.at("height").get<int>();
+    camera.fx = matrix.at(0);
+    camera.fy = matrix.at(4);
+    camera.cx = matrix.at(6);
+    camera.cy = matrix.at(7);
+  } catch (const nlohmann::json::exception& error) {
+    throw InputError(Concat(path, ": ", error.what()));
+  } catch (const std::out_of_range&) {
+    throw InputError(path + ": intrinsic_matrix must have 9 numbers");
+  }
+  camera.Validate(path);
+  return camera;
+}
+
+// The drivers' default of the Kinect, with TUM's depth scale.
+RgbdCamera RosDefault() {
+  RgbdCamera camera = CameraPreset("redwood");
+  camera.depth_units_per_metre = 5000;
+  return camera;
+}
+
+ToldCamera Preset(const std::string& name, const std::string& why = "") {
+  return {CameraPreset(name), "the preset " + name + why};
+}
+
+ToldCamera Guessed(const RgbdCamera& camera) { return {camera, "GUESSED", true}; }
+
+ToldCamera RedwoodCamera(const std::string& folder) {
+  RgbdCamera camera = CameraPreset("redwood");
+  for (const char* name : {"/camera_intrinsic.json", "/intrinsic.json"}) {
+    if (!HasFile(folder + name)) continue;
+    camera.depth = ReadOpen3dCamera(folder + name);
+    return {camera, folder + name + " (the depth scale is Redwood's)"};
+  }
+  return Guessed(camera);
+}
+
+RgbdCamera ReadCamParams(const std::string& path) {
+  RgbdCamera camera;
+  try {
+    const auto json = nlohmann::json::parse(ReadJsonText(path)).at("camera");
+    camera.depth.width = json.at("w").get<int>();
+    camera.depth.height = json.at("h").get<int>();
+    camera.depth.fx = json.at("fx").get<double>();
+    camera.depth.fy = json.at("fy").get<double>();
+    camera.depth.cx = json.at("cx").get<double>();
+    camera.depth.cy = json.at("cy").get<double>();
+    camera.depth_units_per_metre = json.at("scale").get<double>();
+  } catch (const nlohmann::json::exception& error) {
+    throw InputError(Concat(path, ": ", error.what()));
+  }
+  camera.Validate(path);
+  return camera;
+}
+
+// cam_params.json of the folder, or of the one above it (as NICE-SLAM's download has it), or else
+// the preset `replica`. Throws InputError naming the file if it is malformed.
+ToldCamera ReplicaCamera(const std::string& folder) {
+  for (const char* name : {"/cam_params.json", "/../cam_params.json"}) {
+    if (HasFile(folder + name)) return {ReadCamParams(folder + name), folder + name};
+  }
+  return Preset("replica");
+}
+
+// Frames that are merely numbered may be of any camera; poses have the data set's own name.
+ToldCamera IclNuimCamera(const SequenceOptions& options) {
+  const auto names = NamesIn(options.path);
+  const bool is_named = std::any_of(names.begin(), names.end(), [](const std::string& name) {
+    return EndsWith(name, ".gt.freiburg");
+  });
+  if (is_named || options.format != "auto") return Preset("icl_nuim");
+  return Guessed(CameraPreset("icl_nuim"));
+}
+
+// The preset of the camera that the head of a list names, as in TUM's downloads:
+//   # file: 'rgbd_dataset_freiburg1_desk.bag'
+// Empty where it names none.
+std::string PresetInHead(const std::string& list) {
+  constexpr std::string_view kName = "freiburg";
+  std::istringstream lines(ReadFile(list));
+  for (std::string line; std::getline(lines, line) && !line.empty() && line[0] == '#';) {
+    const std::size_t name = line.find(kName);
+    if (name == line.npos || line.find("file:") == line.npos) continue;
+    const std::string number = line.substr(name + kName.size(), 1);
+    if (number == "1" || number == "2" || number == "3") return "tum_fr" + number;
+  }
+  return "";
+}
+
+// Nothing if the folder's lists do not name their camera.
+std::optional<ToldCamera> TumCamera(const std::string& folder) {
+  for (const char* name : {"/rgb.txt", "/depth.txt"}) {
+    const std::string list = folder + name;
+    const std::string preset = HasFile(list) ? PresetInHead(list) : "";
+    if (preset.empty()) continue;
+    return Preset(preset, ", by the recording's name in " + list);
+  }
+  return std::nullopt;
+}
+
+std::string GuessWarning(const std::string& path, const RgbdCamera& camera) {
+  std::string text =
+      Concat(path, " does not name its camera, which is GUESSED: ", DepthFigures(camera),
+             ". With a wrong one poses and map are bent. ");
+  if (camera.depth.fy < 0) text += "It is ICL-NUIM's, whose images are mirrored. ";
+  return text +
+         "Give the camera's own numbers in a camera.yaml (surfit_convert --make_camera_yaml writes "
+         "one to fill in) or as intrinsics and depth_scale, or name a preset as camera";
+}
+
+// The camera before any figure of the options.
+ToldCamera BaseCamera(const SequenceOptions& options, const std::string& format,
+                      const TellCamera& tell) {
+  const std::string yaml = CameraFile(options, format);
+  if (!yaml.empty()) return {ReadCameraYaml(yaml), yaml};
+  if (!options.camera.empty()) return Preset(options.camera);
+  if (tell) return tell();
+  if (format == "sens") return {ReadSensCamera(options.path), "the file's head"};
+  if (format == "redwood" || format == "watch") return RedwoodCamera(options.path);
+  if (format == "replica") return ReplicaCamera(options.path);
+  if (format == "icl_nuim") return IclNuimCamera(options);
+  if (format == "klg") return Guessed(CameraPreset("klg"));
+  if (format != "tum") return Preset(format);
+  const auto camera = TumCamera(options.path);
+  return camera ? *camera : Guessed(RosDefault());
+}
+
+void SetIntrinsics(const std::array<double, 4>& values, PinholeCamera* camera) {
+  camera->width = camera->height = 0;
+  camera->fx = values[0];
+  camera->fy = values[1];
+  camera->cx = values[2];
+  camera->cy = values[3];
+}
+
+void OverrideColor(const SequenceOptions& options, RgbdCamera* camera) {
+  if (options.color_intrinsics) {
+    if (camera->color_is_registered) camera->color = {};
+    camera->color_is_registered = false;
+    SetIntrinsics(*options.color_intrinsics, &camera->color);
+  }
+  if (camera->color_is_registered && (options.color_distortion || options.color_from_depth)) {
+    throw InputError(
+        "color_distortion and color_from_depth are of a colour camera of its own: give "
+        "color_intrinsics too");
+  }
+  if (options.color_distortion) camera->color.distortion = *options.color_distortion;
+  if (options.color_from_depth) camera->color_from_depth = *options.color_from_depth;
+}
+
+// Image sizes that are not known yet are checked once they are.
+void ValidateFigures(RgbdCamera camera) {
+  for (PinholeCamera* c : {&camera.depth, &camera.color}) {
+    if (c->width == 0 && c->height == 0) c->width = c->height = 1;
+  }
+  camera.Validate("camera");
+  if (!camera.color_is_registered && (camera.color.fy < 0) != (camera.depth.fy < 0)) {
+    throw InputError(Concat("camera: fy is ", camera.depth.fy, " of depth and ", camera.color.fy,
+                            " of colour, must have one sign"));
+  }
+}
+
+// A folder's camera.yaml; of a file F.klg it is F.klg.yaml. A device has none.
+std::string OwnCameraFile(const SequenceOptions& options, const std::string& format) {
+  if (format == "openni2") return "";
+  const bool is_file = MayBeFile(format) && !IsFolder(options.path);
+  return options.path + (is_file ? ".yaml" : "/camera.yaml");
+}
+
+// Where the camera is from once the options' figures are in.
+std::string OriginWithFigures(const SequenceOptions& options, const ToldCamera& base) {
+  const bool scale = options.depth_units_per_metre.has_value();
+  if (options.intrinsics && scale) return "as given";
+  if (options.intrinsics) return "as given, the depth scale " + base.from;
+  return base.from + (scale ? ", the depth scale as given" : "");
+}
+
+// What the user should know where the sequence's own file tells another camera. It may be no
+// camera's at all, which is why another one is given.
+void AddOverrideWarning(const SequenceOptions& options, const std::string& own,
+                        const RgbdCamera& camera, std::vector<std::string>* warnings) {
+  std::string told;
+  try {
+    if (!own.empty() && HasFile(own)) told = DepthFigures(ReadCameraYaml(own));
+  } catch (const InputError& error) {
+    told = error.what();
+  }
+  const std::string taken = DepthFigures(camera);
+  if (told.empty() || told == taken) return;
+  const bool is_named = !options.camera.empty() && !options.intrinsics;
+  warnings->push_back(Concat("the depth camera is ", taken, ", as ",
+                             is_named ? options.camera + " says" : "given", "; ", own, " says ",
+                             told));
+}
+
+}  // namespace
+
+std::string DepthFigures(const RgbdCamera& camera) {
+  const PinholeCamera& c = camera.depth;
+  std::string text = Concat(c.fx, " ", c.fy, " ", c.cx, " ", c.cy, " px");
+  if (c.HasDistortion()) {
+    text += ", distorted by";
+    for (const double number : c.distortion) text += Concat(" ", number);
+  }
+  if (!camera.disparity.IsGiven())
+    return Concat(text, ", ", camera.depth_units_per_metre, " units of depth a metre");
+  const Disparity& d = camera.disparity;
+  return Concat(text, ", disparities of ", d.counts_per_px, " units a px from ",
+                d.count_at_infinity, " on, of a baseline of ", d.baseline_m, " m at ", d.focal_px,
+                " px");
+}
+
+bool HaveSamePixels(const PinholeCamera& a, const PinholeCamera& b) {
+  return a.width == b.width && a.height == b.height && a.fx == b.fx && a.fy == b.fy &&
+         a.cx == b.cx && a.cy == b.cy && a.distortion == b.distortion;
+}
+
+std::string PresetsOfSize(int width, int height) {
+  std::string text;
+  for (const std::string& name : CameraPresetNames()) {
+    const PinholeCamera camera = CameraPreset(name).depth;
+    if (camera.width != width || camera.height != height) continue;
+    text += (text.empty() ? "" : ", ") + name;
+  }
+  return text;
+}
+
+void ResolveCamera(const SequenceOptions& options, const TellCamera& tell, SequenceInfo* info) {
+  const ToldCamera base = BaseCamera(options, info->format, tell);
+  RgbdCamera camera = base.camera;
+  if (options.intrinsics) SetIntrinsics(*options.intrinsics, &camera.depth);
+  if (options.distortion) camera.depth.distortion = *options.distortion;
+  if (options.depth_units_per_metre) {
+    camera.depth_units_per_metre = *options.depth_units_per_metre;
+    camera.disparity = {};
+  }
+  if (options.inverse_depth_sigma) camera.noise.inverse_depth_sigma = *options.inverse_depth_sigma;
+  if (options.frames_per_second) camera.frames_per_second = *options.frames_per_second;
+  if (options.latency_s) camera.latency_s = *options.latency_s;
+  if (options.color_latency_s) camera.color_latency_s = *options.color_latency_s;
+  if (options.readout_s) camera.readout_s = *options.readout_s;
+  OverrideColor(options, &camera);
+  ValidateFigures(camera);
+  info->camera = camera;
+  info->camera_from = OriginWithFigures(options, base);
+  info->camera_is_guessed = base.is_guessed && !options.intrinsics;
+  if (info->camera_is_guessed) info->warnings.push_back(GuessWarning(options.path, camera));
+  AddOverrideWarning(options, OwnCameraFile(options, info->format), camera, &info->warnings);
+}
+
+void DropLatency(const SequenceOptions& options, RgbdCamera* camera) {
+  if (options.latency_s && *options.latency_s != 0) {
+    throw InputError(Concat("latency_s is ", *options.latency_s,
+                            ", must be 0 or absent: stamps of ", options.path,
+                            " are the frames' own, no clock's"));
+  }
+  camera->latency_s = 0;
+}
+
+std::string CameraFile(const SequenceOptions& options, const std::string& format) {
+  if (std::filesystem::path(options.camera).extension() == ".yaml") return options.camera;
+  if (!options.camera.empty()) return "";
+  const std::string yaml = OwnCameraFile(options, format);
+  return !yaml.empty() && HasFile(yaml) ? yaml : "";
+}
+
+std::string NameOfCamera(const SequenceOptions& options) {
+  return options.camera.empty() ? "the sequence's own camera" : "the camera " + options.camera;
+}
+
+InverseDepthField ReadDepthField(const SequenceOptions& options, const std::string& format) {
+  const std::string yaml = CameraFile(options, format);
+  if (yaml.empty()) return {};
+  const InverseDepthField field = ReadInverseDepthField(yaml);
+  return ReadCameraYaml(yaml).depth.fy < 0 ? Mirrored(field) : field;
+}
+
+}  // namespace surfit

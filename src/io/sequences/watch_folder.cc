@@ -1,0 +1,180 @@
+#include "io/sequences/watch_folder.h"
+
+#include <glog/logging.h>
+
+#include <chrono>
+#include <deque>
+#include <map>
+#include <set>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "core/trace.h"
+#include "io/sequences/folder.h"
+#include "io/sequences/recording.h"
+#include "io/sequences/sequence_camera.h"
+#include "surfit/core/error.h"
+#include "surfit/core/options.h"
+#include "surfit/io/sequence.h"
+
+namespace surfit {
+namespace {
+
+constexpr std::chrono::milliseconds kPause(10);
+constexpr std::chrono::seconds kPatience(2);
+
+// A frame that arrived, or that was given up.
+struct Arrival {
+  FrameStamps stamps;
+  std::optional<FrameImages> images;
+  std::string error;     // why there are none
+  double decode_ms = 0;  // time spent reading it
+};
+
+// Waits for numbered images, see WatchFolder().
+class WatchedFolder {
+ public:
+  WatchedFolder(std::string path, double frames_per_second, const std::atomic<bool>& stop)
+      : path_(std::move(path)), frames_per_second_(frames_per_second), stop_(stop) {}
+
+  // The next frame once it is there, or nothing at the end.
+  std::optional<Arrival> Next();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  // Adds new frames to those waiting.
+  void List();
+  // The first waiting frame, if it is complete or has to be given up.
+  std::optional<Arrival> TakeFirst(bool ended);
+
+  std::string path_;
+  double frames_per_second_;
+  const std::atomic<bool>& stop_;
+  std::optional<std::string> color_folder_;  // once known; empty: frames without colour
+  std::map<long, FrameFiles> waiting_;       // by number
+  std::set<long> taken_;
+  std::set<std::string> told_;                  // of images with one number
+  std::optional<Clock::time_point> first_try_;  // of the first frame that waits
+};
+
+void WatchedFolder::List() {
+  const std::string color_folder = color_folder_ ? *color_folder_ : FindColorFolder(path_);
+  const auto tell = [this](const std::string& twice) {
+    if (told_.insert(twice).second) LOG(WARNING) << twice;
+  };
+  for (FrameFiles& files : ListNumberedFrames(path_ + "/depth", color_folder, tell)) {
+    const long number = static_cast<long>(files.stamps.depth_s);
+    if (taken_.count(number) > 0) continue;
+    files.stamps.depth_s = files.stamps.color_s = static_cast<double>(number) / frames_per_second_;
+    waiting_[number] = files;
+  }
+}
+
+std::optional<Arrival> WatchedFolder::TakeFirst(bool ended) {
+  if (waiting_.empty()) return std::nullopt;
+  const auto [number, files] = *waiting_.begin();
+  Arrival arrival;
+  arrival.stamps = files.stamps;
+  if (!taken_.empty() && number < *taken_.rbegin()) {
+    arrival.error = Concat(files.depth_path, " came after frame ", *taken_.rbegin(), " was taken");
+  } else {
+    try {
+      const StageTimer timer("decode", static_cast<int>(taken_.size()), &arrival.decode_ms);
+      arrival.images = ReadFrameFiles(files);
+      if (!color_folder_) color_folder_ = FindColorFolder(path_);
+    } catch (const InputError& error) {
+      if (!first_try_) first_try_ = Clock::now();
+      if (!ended && Clock::now() - *first_try_ < kPatience) return std::nullopt;
+      arrival.error = error.what();
+    }
+  }
+  first_try_.reset();
+  taken_.insert(number);
+  waiting_.erase(number);
+  return arrival;
+}
+
+std::optional<Arrival> WatchedFolder::Next() {
+  while (!stop_) {
+    // Checked before the frames are listed, so that no frame written before it is missed.
+    const bool ended = IsFile(path_ + "/done");
+    List();
+    if (auto arrival = TakeFirst(ended)) return arrival;
+    if (ended) return std::nullopt;
+    std::this_thread::sleep_for(kPause);
+  }
+  return std::nullopt;
+}
+
+class WatchedFrames : public RawFrames {
+ public:
+  WatchedFrames(const SequenceOptions& options, WatchedFolder folder)
+      : options_(options), folder_(std::move(folder)) {}
+
+  // Of the first readable frame; it and those before it stay queued in ahead_.
+  std::vector<FrameImages> FirstImages() override {
+    while (std::optional<Arrival> arrival = folder_.Next()) {
+      ahead_.push_back(std::move(*arrival));
+      if (ahead_.back().images) return {*ahead_.back().images};
+    }
+    throw InputError(Concat("no frame of ", options_.path,
+                            " can be read: ", ahead_.empty() ? "none came" : ahead_.front().error));
+  }
+
+  std::optional<RawFrame> Next() override {
+    while (options_.last == -1 || count_ <= options_.last) {
+      std::optional<Arrival> arrival = NextArrival();
+      if (!arrival) break;
+      const int index = count_++;
+      if (index < options_.first || (index - options_.first) % options_.stride != 0) continue;
+      RawFrame frame;
+      frame.head.index = index;
+      frame.head.error = arrival->error;
+      frame.head.decode_ms = arrival->decode_ms;
+      frame.stamps = arrival->stamps;
+      images_ = std::move(arrival->images);
+      return frame;
+    }
+    return std::nullopt;
+  }
+
+  FrameImages Read() override { return std::move(*images_); }
+
+ private:
+  std::optional<Arrival> NextArrival() {
+    if (ahead_.empty()) return folder_.Next();
+    std::optional<Arrival> arrival = std::move(ahead_.front());
+    ahead_.pop_front();
+    return arrival;
+  }
+
+  const SequenceOptions options_;
+  WatchedFolder folder_;
+  std::deque<Arrival> ahead_;          // taken, but not given out yet
+  std::optional<FrameImages> images_;  // of the frame that was given out last
+  int count_ = 0;                      // of frames so far, whether chosen or not
+};
+
+}  // namespace
+
+RawSequence OpenWatchedFolder(const SequenceOptions& options, const std::atomic<bool>& stop) {
+  if (!IsFolder(options.path)) throw InputError(options.path + " is not a folder");
+  SequenceInfo info;
+  info.format = "watch";
+  info.frame_count = -1;
+  ResolveCamera(options, /*tell=*/{}, &info);
+  DropLatency(options, &info.camera);
+  WatchedFolder folder(options.path, info.camera.frames_per_second, stop);
+  return Complete(std::move(info), std::make_unique<WatchedFrames>(options, std::move(folder)),
+                  options);
+}
+
+std::unique_ptr<FrameSource> WatchFolder(const SequenceOptions& options,
+                                         const std::atomic<bool>& stop) {
+  Validate(options);
+  return Prepared(OpenWatchedFolder(options, stop));
+}
+
+}  // namespace surfit

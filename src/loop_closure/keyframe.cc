@@ -1,0 +1,113 @@
+#include "surfit/loop_closure/keyframe.h"
+
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "registration/global/feature_points.h"
+#include "surfit/core/options.h"
+#include "surfit/frame/frame_pyramid.h"
+
+namespace surfit {
+namespace {
+
+Image<std::uint16_t> CompactDepth(const Image<float>& depth_m) {
+  Image<std::uint16_t> compact(depth_m.width(), depth_m.height());
+  for (std::size_t i = 0; i < depth_m.size(); ++i) {
+    const double units = std::round(depth_m[i] * PlaceView::kDepthUnitsPerMetre);
+    if (units <= std::numeric_limits<std::uint16_t>::max()) {
+      compact[i] = static_cast<std::uint16_t>(units);
+    }
+  }
+  return compact;
+}
+
+Image<float> DepthOf(const PlaceView& view) {
+  Image<float> depth_m(view.depth.width(), view.depth.height());
+  for (std::size_t i = 0; i < depth_m.size(); ++i) {
+    depth_m[i] = static_cast<float>(view.depth[i] / PlaceView::kDepthUnitsPerMetre);
+  }
+  return depth_m;
+}
+
+// 0 is what is unknown; the mean of pixels one of which is unknown is unknown as well.
+Image<float> GreyImage(const Image<Rgb8>& color) {
+  Image<float> grey(color.width(), color.height());
+  for (std::size_t i = 0; i < color.size(); ++i) {
+    grey[i] = color[i] == Rgb8() ? std::numeric_limits<float>::quiet_NaN() : GreyOf(color[i]);
+  }
+  return grey;
+}
+
+Image<std::uint8_t> CompactIntensity(const Image<Rgb8>& color, int halvings) {
+  if (color.empty()) return {};
+  Image<float> grey = GreyImage(color);
+  for (int i = 0; i < halvings; ++i) grey = HalfResolution(grey);
+  Image<std::uint8_t> compact(grey.width(), grey.height());
+  for (std::size_t i = 0; i < grey.size(); ++i) {
+    if (grey[i] >= 0) compact[i] = static_cast<std::uint8_t>(std::lround(1 + 254 * grey[i]));
+  }
+  return compact;
+}
+
+Image<float> IntensityOf(const PlaceView& view) {
+  Image<float> intensity(view.intensity.width(), view.intensity.height());
+  for (std::size_t i = 0; i < intensity.size(); ++i) {
+    intensity[i] = view.intensity[i] == 0 ? std::numeric_limits<float>::quiet_NaN()
+                                          : static_cast<float>(view.intensity[i] - 1) / 254;
+  }
+  return intensity;
+}
+
+std::vector<PlaceFeature> FindPlaceFeatures(const Image<Rgb8>& color, const FrameLevel& surface,
+                                            int max_count) {
+  const FeaturePoints found = FindFeatures(color, surface, ErrorModel(), max_count);
+  std::vector<PlaceFeature> features;
+  features.reserve(found.points.size());
+  for (int i = 0; i < found.size(); ++i) {
+    features.push_back({found.points[i].cast<float>(), found.descriptors[i]});
+  }
+  return features;
+}
+
+}  // namespace
+
+std::size_t PlaceView::Bytes() const {
+  return depth.size() * sizeof(depth[0]) + intensity.size() * sizeof(intensity[0]) +
+         features.size() * sizeof(features[0]);
+}
+
+PlaceView MakePlaceView(const FramePyramid& pyramid, const Image<Rgb8>& color,
+                        const PlaceViewOptions& options) {
+  Validate(options);
+  PlaceView view;
+  int level = 0;
+  while (level + 1 < static_cast<int>(pyramid.levels.size()) &&
+         pyramid.levels[level].camera.width > options.max_width) {
+    ++level;
+  }
+  const FrameLevel& surface = pyramid.levels[level];
+  view.camera = surface.camera;
+  view.noise = surface.noise;
+  view.depth = CompactDepth(surface.vertex.z);
+  view.intensity = CompactIntensity(color, level);
+  view.features = FindPlaceFeatures(color, pyramid.levels.front(), options.max_features);
+  return view;
+}
+
+FramePyramid PyramidOf(const PlaceView& view, const PreprocessOptions& options) {
+  FrameLevel finest;
+  finest.camera = view.camera;
+  finest.noise = view.noise;
+  finest.vertex = VertexMap(DepthOf(view), view.camera);
+  finest.normal = NormalMap(finest.vertex, finest.sensor(), options);
+  FramePyramid pyramid = BuildPyramid(std::move(finest), options);
+  if (view.intensity.empty()) return pyramid;
+  pyramid.levels.front().intensity = IntensityOf(view);
+  for (std::size_t i = 1; i < pyramid.levels.size(); ++i) {
+    pyramid.levels[i].intensity = HalfResolution(pyramid.levels[i - 1].intensity);
+  }
+  return pyramid;
+}
+
+}  // namespace surfit

@@ -1,0 +1,161 @@
+#include "surfit/loop_closure/place_index.h"
+
+#include <glog/logging.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <random>
+#include <utility>
+
+#include "surfit/core/options.h"
+
+namespace surfit {
+
+namespace {
+
+constexpr int kDescriptorBits = 256;
+
+// The first `count` of all bits in a random order.
+std::vector<int> ChooseBits(int count, std::mt19937_64* generator) {
+  std::vector<int> bits(kDescriptorBits);
+  std::iota(bits.begin(), bits.end(), 0);
+  for (int i = 0; i < count; ++i) {
+    std::swap(bits[i], bits[i + static_cast<int>((*generator)() % (kDescriptorBits - i))]);
+  }
+  bits.resize(count);
+  return bits;
+}
+
+}  // namespace
+
+PlaceIndex::PlaceIndex(const PlaceIndexOptions& options) : options_(options) {
+  Validate(options);
+  std::mt19937_64 generator(1);
+  for (int table = 0; table < options.tables; ++table) {
+    chosen_bits_.push_back(ChooseBits(options.bits, &generator));
+  }
+  buckets_.resize(static_cast<std::size_t>(options.tables) << options.bits);
+}
+
+std::uint32_t PlaceIndex::HashOf(const BinaryDescriptor& descriptor, int table) const {
+  std::uint32_t hash = table;
+  for (const int bit : chosen_bits_[table]) {
+    hash = 2 * hash + ((descriptor[bit / 64] >> (bit % 64)) & 1);
+  }
+  return hash;
+}
+
+void PlaceIndex::Insert(const Entry& entry) {
+  const auto index = static_cast<std::uint32_t>(entries_.size());
+  for (int table = 0; table < options_.tables; ++table) {
+    buckets_[HashOf(entry.descriptor, table)].push_back(index);
+  }
+  entries_.push_back(entry);
+}
+
+void PlaceIndex::Add(int keyframe, const PlaceView& view) {
+  CHECK(std::find(keyframes_.begin(), keyframes_.end(), keyframe) == keyframes_.end());
+  keyframes_.push_back(keyframe);
+  for (const PlaceFeature& feature : view.features) Insert({feature.descriptor, keyframe});
+}
+
+void PlaceIndex::Remove(int keyframe) {
+  keyframes_.erase(std::remove(keyframes_.begin(), keyframes_.end(), keyframe), keyframes_.end());
+  const std::vector<Entry> all = std::exchange(entries_, {});
+  for (std::vector<std::uint32_t>& bucket : buckets_) bucket.clear();
+  for (const Entry& entry : all) {
+    if (entry.keyframe != keyframe) Insert(entry);
+  }
+}
+
+std::vector<PlaceCandidate> PlaceIndex::Query(
+    const PlaceView& view, int max_count,
+    const std::function<bool(int keyframe)>& is_wanted) const {
+  std::map<int, double> votes;
+  double all_votes = 0;
+  std::vector<int> found;  // keyframes that have the feature
+  for (const PlaceFeature& feature : view.features) {
+    found.clear();
+    for (int table = 0; table < options_.tables; ++table) {
+      for (const std::uint32_t index : buckets_[HashOf(feature.descriptor, table)]) {
+        const Entry& entry = entries_[index];
+        if (Hamming(entry.descriptor, feature.descriptor) <= options_.max_hamming) {
+          found.push_back(entry.keyframe);
+        }
+      }
+    }
+    std::sort(found.begin(), found.end());
+    found.erase(std::unique(found.begin(), found.end()), found.end());
+    const double weight = std::log((1. + keyframe_count()) / std::max<double>(1, found.size()));
+    all_votes += weight;
+    for (const int keyframe : found) votes[keyframe] += weight;
+  }
+  std::vector<PlaceCandidate> candidates;
+  for (const auto& [keyframe, vote] : votes) {
+    const double similarity = all_votes > 0 ? vote / all_votes : 0;
+    if (similarity >= options_.min_similarity && is_wanted(keyframe)) {
+      candidates.push_back({keyframe, similarity});
+    }
+  }
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const auto& a, const auto& b) { return a.similarity > b.similarity; });
+  if (static_cast<int>(candidates.size()) > max_count) candidates.resize(max_count);
+  return candidates;
+}
+
+std::size_t PlaceIndex::Bytes() const {
+  return entries_.size() * (sizeof(Entry) + options_.tables * sizeof(std::uint32_t));
+}
+
+namespace {
+
+// Weighs turns as way: at about 2 m, where things are.
+double Difference(const Keyframe& a, const Keyframe& b) {
+  constexpr double kDistanceM = 2;
+  const Rigid3d motion = a.world_from_camera.Inverse() * b.world_from_camera;
+  return motion.translation.norm() + kDistanceM * RotationAngle(motion.rotation);
+}
+
+std::vector<int> WithViews(const std::vector<Keyframe>& keyframes) {
+  std::vector<int> positions;
+  for (int i = 0; i < static_cast<int>(keyframes.size()); ++i) {
+    if (!keyframes[i].view.empty()) positions.push_back(i);
+  }
+  return positions;
+}
+
+// The older of the two that are most alike. Of none or one, that.
+int LeastMissed(const std::vector<Keyframe>& keyframes, const std::vector<int>& positions) {
+  int least = positions.front();
+  double least_difference = -1;
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    for (std::size_t j = i + 1; j < positions.size(); ++j) {
+      const double difference = Difference(keyframes[positions[i]], keyframes[positions[j]]);
+      if (least_difference >= 0 && difference >= least_difference) continue;
+      least_difference = difference;
+      least = positions[i];
+    }
+  }
+  return least;
+}
+
+}  // namespace
+
+std::vector<int> LimitKeyframes(std::size_t max_bytes, std::vector<Keyframe>* keyframes,
+                                PlaceIndex* index) {
+  std::size_t bytes = 0;
+  for (const Keyframe& keyframe : *keyframes) bytes += keyframe.view.Bytes();
+  std::vector<int> given_up;
+  while (bytes > max_bytes) {
+    const int position = LeastMissed(*keyframes, WithViews(*keyframes));
+    bytes -= (*keyframes)[position].view.Bytes();
+    (*keyframes)[position].view = PlaceView();
+    index->Remove(position);
+    given_up.push_back(position);
+  }
+  return given_up;
+}
+
+}  // namespace surfit

@@ -1,0 +1,94 @@
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "registration/global/feature_points.h"
+#include "registration/global/register_from.h"
+#include "surfit/core/options.h"
+#include "surfit/loop_closure/find_loops.h"
+
+namespace surfit {
+namespace {
+
+// A view of a place as registration needs it.
+class ExpandedView {
+ public:
+  // The view must not be empty.
+  ExpandedView(const PlaceView& view, const PreprocessOptions& preprocess)
+      : has_color_(!view.intensity.empty()) {
+    constexpr int kCoarserLevels = 2;
+    std::vector<FrameLevel> levels = PyramidOf(view, preprocess).levels;
+    if (levels.size() == 1) levels.push_back(levels.front());
+    const int last = std::min<int>(static_cast<int>(levels.size()), 1 + kCoarserLevels);
+    finest_.levels.push_back(std::move(levels.front()));
+    std::move(levels.begin() + 1, levels.begin() + last, std::back_inserter(coarser_.levels));
+    const FrameLevel& level = coarser_.levels.front();
+    Image<float> value(level.camera.width, level.camera.height);
+    for (std::size_t i = 0; i < level.intensity.size(); ++i) {
+      value[i] = level.intensity[i] >= 0 ? level.intensity[i] : 0;
+    }
+    brightness_ = BrightnessOf(std::move(value));
+  }
+
+  FarView ForRegistration() const {
+    return {coarser_, finest_, {coarser_.levels.front(), brightness_}, has_color_};
+  }
+
+ private:
+  FramePyramid finest_;         // of one level
+  FramePyramid coarser_;        // of the next, or the same as the finest
+  BrightnessLevel brightness_;  // of the coarser pyramid's first level; zeros where it is unknown
+  bool has_color_;
+};
+
+FeaturePoints PointsOf(const PlaceView& view, const ErrorModel& error_model) {
+  FeaturePoints features;
+  for (const PlaceFeature& feature : view.features) {
+    features.points.emplace_back(feature.point.cast<double>());
+    features.sigmas_m.push_back(SigmaOfFeature(feature.point.z(), kFeaturePlaceSigmaPx,
+                                               {view.camera, view.noise}, error_model));
+    features.descriptors.push_back(feature.descriptor);
+  }
+  return features;
+}
+
+// Poses that enough of the views' features agree on, those that most do first.
+std::vector<Rigid3d> StartsFromFeatures(const PlaceView& source, const PlaceView& target,
+                                        const VerifyLoopOptions& options, FarVerdict* verdict) {
+  constexpr int kMostPoses = 3, kConsensusTries = 500;
+  const FeaturePoints from = PointsOf(source, options.icp.error_model);
+  const FeaturePoints to = PointsOf(target, options.icp.error_model);
+  const std::vector<FeatureMatch> matches = MatchFeatures(from, to);
+  verdict->matches = static_cast<int>(matches.size());
+  std::vector<Rigid3d> starts;
+  for (const Consensus& consensus : FindConsensus(from, to, matches, kMostPoses, kConsensusTries)) {
+    const int agreeing = static_cast<int>(consensus.inliers.size());
+    verdict->agreeing_features = std::max(verdict->agreeing_features, agreeing);
+    if (agreeing >= options.min_agreeing_features) starts.push_back(consensus.target_from_source);
+  }
+  return starts;
+}
+
+}  // namespace
+
+FarVerdict VerifyLoop(const PlaceView& source, const PlaceView& target,
+                      const VerifyLoopOptions& options,
+                      const std::optional<Rigid3d>& target_from_source_prior) {
+  Validate(options);
+  FarVerdict verdict;
+  if (source.empty() || target.empty()) return verdict;
+  std::vector<Rigid3d> starts = StartsFromFeatures(source, target, options, &verdict);
+  if (target_from_source_prior) starts.push_back(*target_from_source_prior);
+  if (starts.empty()) {
+    verdict.reason = FarReason::kNoStart;
+    return verdict;
+  }
+  IcpOptions coarse_icp = options.icp;
+  coarse_icp.gates.max_distance_m *= options.icp.gate_growth;
+  coarse_icp.error_model.floor_sigma_m *= 2;
+  const ExpandedView from(source, options.preprocess), to(target, options.preprocess);
+  return RegisterFrom(starts, from.ForRegistration(), to.ForRegistration(),
+                      {coarse_icp, options.icp, options.fit}, verdict);
+}
+
+}  // namespace surfit

@@ -1,0 +1,307 @@
+#include "surfit/mapping/fusion.h"
+
+#include <glog/logging.h>
+
+#include <algorithm>
+#include <deque>
+#include <limits>
+
+#include "mapping/fusion/measured_points.h"
+#include "mapping/fusion/sightings.h"
+#include "mapping/map/block_lanes.h"
+#include "mapping/map/block_sightings.h"
+#include "mapping/map/merge_gate.h"
+#include "mapping/map/surfel_choice.h"
+#include "mapping/rendering/bands.h"
+#include "mapping/rendering/frame_colors.h"
+#include "mapping/rendering/posed_camera.h"
+#include "surfit/core/lanes.h"
+#include "surfit/core/options.h"
+#include "surfit/core/parallel.h"
+
+namespace surfit {
+namespace {
+
+// So much before its turn a candidate and what it needs is asked for, to be in the cache by then.
+constexpr int kCandidatesAhead = 16;
+
+// Drops the last of the new surfels that a full map has no place for; returns how many.
+int DropBeyond(int max_map_points, std::size_t map_points, std::vector<Surfel>* added) {
+  if (max_map_points == 0) return 0;
+  const auto most = static_cast<std::size_t>(max_map_points);
+  const std::size_t places = most > map_points ? most - map_points : 0;
+  if (added->size() <= places) return 0;
+  const auto refused = static_cast<int>(added->size() - places);
+  added->resize(places);
+  return refused;
+}
+
+}  // namespace
+
+// The last frames that were fused, by their index.
+class FrameWindow {
+ public:
+  // So many before the newest one.
+  explicit FrameWindow(int frames) : most_(static_cast<std::size_t>(frames) + 1) {}
+
+  void Push(int index) {
+    indices_.push_back(index);
+    if (indices_.size() > most_) indices_.pop_front();
+  }
+
+  // What was last seen before this frame is outside; nothing is while there were fewer frames.
+  int Begin() const {
+    return indices_.size() == most_ ? indices_.front() : std::numeric_limits<int>::min();
+  }
+
+ private:
+  const std::size_t most_;
+  std::deque<int> indices_;
+};
+
+// The fusion of one frame; owns the buffers that are kept between frames.
+struct Fusion::Workspace {
+  explicit Workspace(const FusionOptions& fusion_options)
+      : options(fusion_options),
+        gate(fusion_options),
+        choice(gate),
+        sightings(fusion_options.max_radius_ratio),
+        awake(fusion_options.max_dormant_frames),
+        active(fusion_options.active_frames) {}
+
+  void Begin(const RgbdFrame& new_frame, const FrameLevel& surface);
+  void FindCandidates(const PosedCamera& camera, SurfelMap* map);
+  int ActiveSince() const;
+  bool MayBeDormant(const SurfelBounds& bounds) const;
+  void MarkDormant(SurfelBlock* block) const;
+  std::vector<Surfel> NewSurfels(const PosedCamera& camera, const FrameColors& colors);
+  Surfel NewSurfel(const PosedCamera& camera, int pixel) const;
+  void SetColors(const FrameColors& colors, const std::vector<int>& pixels, Surfel* surfels) const;
+  void MergePoints(SurfelMap* map) const;
+  void MergePoints(const std::vector<Candidate>& of_cell, SurfelMap* map) const;
+
+  const FusionOptions& options;
+  const MergeGate gate;
+  SurfelChoice choice;
+  Sightings sightings;
+  const RgbdFrame* frame = nullptr;
+  FrameWindow awake;   // surfels last seen before this are dormant
+  FrameWindow active;  // and before this inactive
+  Image<float> weights;
+  double weights_cx = 0, weights_cy = 0;  // the principal point they belong to
+  std::vector<MeasuredPoint> points;      // per pixel
+  Image<float> free_depth_m;              // per pixel
+  std::vector<std::int32_t> cells;        // of the map: those to look at
+  std::vector<CandidateList> candidates;  // per cell of these
+};
+
+Fusion::Fusion(const FusionOptions& options)
+    : options_(options), workspace_(std::make_unique<Workspace>(options_)) {
+  Validate(options);
+}
+
+Fusion::~Fusion() = default;
+
+int Fusion::ActiveSince() const { return workspace_->ActiveSince(); }
+
+void Fusion::GoOnAfter(const std::vector<int>& fused_frames) {
+  for (const int index : fused_frames) {
+    workspace_->awake.Push(index);
+    workspace_->active.Push(index);
+  }
+}
+
+FusionReport Fusion::Fuse(const RgbdFrame& frame, const FrameLevel& surface,
+                          const Rigid3d& world_from_camera, const FrameMotion& motion,
+                          SurfelMap* map) {
+  CHECK_EQ(frame.depth_m.width(), surface.camera.width);
+  CHECK_EQ(frame.depth_m.height(), surface.camera.height);
+  const PosedCamera camera(surface.camera, world_from_camera);
+  Workspace& work = *workspace_;
+  work.Begin(frame, surface);
+  const FrameColors colors(frame, camera, motion);
+  work.FindCandidates(camera, map);
+  FusionReport report;
+  work.choice.SetCandidates(camera.width, camera.height, &work.candidates);
+  report.input_points = work.choice.ChooseAll(work.points);
+  const Sightings::Counts merged =
+      work.sightings.Gather(frame, colors, work.points, work.weights, camera, work.choice);
+  work.MergePoints(map);
+  std::vector<Surfel> added = work.NewSurfels(camera, colors);
+  report.merged_points = merged.points;
+  report.merged = merged.surfels;
+  report.covered_points =
+      report.input_points - report.merged_points - static_cast<int>(added.size());
+  report.removed = static_cast<int>(map->RemoveMarked());
+  report.refused = DropBeyond(options_.max_map_points, map->size(), &added);
+  report.added = static_cast<int>(added.size());
+  map->Append(added);
+  return report;
+}
+
+void Fusion::Workspace::Begin(const RgbdFrame& new_frame, const FrameLevel& surface) {
+  frame = &new_frame;
+  awake.Push(frame->index);
+  active.Push(frame->index);
+  const int width = surface.camera.width, height = surface.camera.height;
+  const PinholeCamera& camera = surface.camera;
+  if (weights.width() != width || weights.height() != height || weights_cx != camera.cx ||
+      weights_cy != camera.cy) {
+    weights = PointWeights(camera, options);
+    weights_cx = camera.cx;
+    weights_cy = camera.cy;
+  }
+  MeasurePoints(new_frame, surface, options, &points);
+  free_depth_m = FreeDepths(frame->depth_m, surface.noise, options);
+}
+
+int Fusion::Workspace::ActiveSince() const {
+  return options.active_frames == 0 ? std::numeric_limits<int>::min() : active.Begin();
+}
+
+// Whether there may be dormant surfels to remove.
+bool Fusion::Workspace::MayBeDormant(const SurfelBounds& bounds) const {
+  return bounds.least_last_seen < awake.Begin() &&
+         bounds.least_confidence < options.lasting_confidence;
+}
+
+// Marks those for removal, and looks again at what bounds the others.
+void Fusion::Workspace::MarkDormant(SurfelBlock* block) const {
+  constexpr int kCapacity = SurfelBlock::kCapacity;
+  const float lasting = options.lasting_confidence;
+  const int since = awake.Begin(), count = block->count;
+  block->to_remove |= WithInstructions([&](auto) {
+    PerSurfel<std::uint8_t> dormant;
+    PerSurfel<float> confidence;
+    std::int32_t least_last_seen = std::numeric_limits<std::int32_t>::max();
+    for (int k = 0; k < kCapacity; ++k) {
+      confidence[k] = k < count ? block->confidence[k] : lasting;
+      const std::int32_t last_seen = k < count ? block->last_seen[k] : since;
+      dormant[k] = (last_seen < since) & (confidence[k] < lasting);
+      least_last_seen = last_seen < least_last_seen ? last_seen : least_last_seen;
+    }
+    block->bounds.least_confidence = LeastOf(confidence);
+    block->bounds.least_last_seen = least_last_seen;
+    return MaskOf(dormant);
+  });
+}
+
+// Filter passes 1 and 2: the surfels that project into the image (pass 1) and belong to the point
+// found there (pass 2). Marks what is to be removed.
+void Fusion::Workspace::FindCandidates(const PosedCamera& camera, SurfelMap* map) {
+  const CandidateFinder finder(camera, points, free_depth_m, gate, ActiveSince());
+  cells.clear();
+  for (std::int32_t i = 0; i < map->cell_count(); ++i) {
+    const SurfelBounds& bounds = map->cell(i).bounds;
+    if (finder.MaySee(bounds) || MayBeDormant(bounds)) cells.push_back(i);
+  }
+  candidates.resize(cells.size());
+  ParallelFor(0, static_cast<int>(cells.size()), 1, [&](int i, int) {
+    SurfelCell& cell = map->cell(cells[i]);
+    CandidateList& list = candidates[i];
+    ClearClosely(cell.blocks.size() * SurfelBlock::kCapacity, &list.candidates);
+    std::vector<std::int32_t> seen;
+    seen.reserve(cell.blocks.size());
+    for (std::size_t k = 0; k < cell.blocks.size(); ++k) {
+      const std::int32_t b = cell.blocks[k];
+      SurfelBlock& block = map->block(b);
+      FetchAges(map->block(cell.blocks[std::min(k + 2, cell.blocks.size() - 1)]));
+      if (MayBeDormant(block.bounds)) MarkDormant(&block);
+      if (finder.MaySee(block.bounds)) seen.push_back(b);
+    }
+    finder.Find(seen, map, &list.candidates);
+    cell.is_marked = std::any_of(cell.blocks.begin(), cell.blocks.end(),
+                                 [&](std::int32_t b) { return map->block(b).to_remove != 0; });
+    list.bands.Clear(BandCount(camera.height));
+    for (std::size_t k = 0; k < list.candidates.size(); ++k) {
+      list.bands.Add(static_cast<int>(k), list.candidates[k].pixel / (camera.width * kBandRows));
+    }
+  });
+}
+
+std::vector<Surfel> Fusion::Workspace::NewSurfels(const PosedCamera& camera,
+                                                  const FrameColors& colors) {
+  const std::vector<std::vector<int>>& bands = choice.ChooseNew(points);
+  std::vector<std::size_t> begins = {0};  // of each band's surfels, and the end of all
+  for (const std::vector<int>& of_band : bands) begins.push_back(begins.back() + of_band.size());
+  std::vector<Surfel> added(begins.back());
+  ParallelFor(0, static_cast<int>(bands.size()), 1, [&](int band, int) {
+    Surfel* const of_band = added.data() + begins[band];
+    for (std::size_t k = 0; k < bands[band].size(); ++k) {
+      of_band[k] = NewSurfel(camera, bands[band][k]);
+    }
+    if (!frame->color.empty()) SetColors(colors, bands[band], of_band);
+  });
+  return added;
+}
+
+Surfel Fusion::Workspace::NewSurfel(const PosedCamera& camera, int pixel) const {
+  const MeasuredPoint& point = points[pixel];
+  Surfel surfel;
+  surfel.position_in_world = camera.PointInWorld(point.position());
+  surfel.normal_in_world = camera.world_rotation * point.normal();
+  surfel.color = {128, 128, 128};
+  surfel.radius_m = point.radius_m;
+  surfel.confidence = weights[pixel];
+  surfel.at_edge = point.at_edge;
+  surfel.first_seen = surfel.last_seen = frame->index;
+  return surfel;
+}
+
+// Of new surfels at pixels; black where no colour is seen.
+void Fusion::Workspace::SetColors(const FrameColors& colors, const std::vector<int>& pixels,
+                                  Surfel* surfels) const {
+  ColorBatch batch;
+  for (std::size_t k = 0; k < pixels.size(); ++k) {
+    batch.Add(points[pixels[k]].position(), points[pixels[k]].normal());
+    if (batch.count < ColorBatch::kCapacity && k + 1 < pixels.size()) continue;
+    colors.LookUp(&batch);
+    Surfel* const first = surfels + (k + 1 - batch.count);
+    for (int i = 0; i < batch.count; ++i) {
+      const SeenColor seen = batch.Seen(i);
+      first[i].color = ToRgb8(seen.color);
+      first[i].color_weight = seen.weight;
+    }
+    batch.count = 0;
+  }
+}
+
+// Merges the candidates with what was seen of them, and marks the superfluous ones for removal.
+void Fusion::Workspace::MergePoints(SurfelMap* map) const {
+  ParallelFor(0, static_cast<int>(candidates.size()), 1, [&](int list, int) {
+    MergePoints(candidates[list].candidates, map);
+    SurfelCell& cell = map->cell(cells[list]);
+    cell.bounds = {};
+    for (const std::int32_t b : cell.blocks) {
+      cell.bounds.Add(map->block(b).bounds);
+      cell.is_marked |= map->block(b).to_remove != 0;
+    }
+  });
+}
+
+void Fusion::Workspace::MergePoints(const std::vector<Candidate>& of_cell, SurfelMap* map) const {
+  const int count = static_cast<int>(of_cell.size());
+  const auto block_of = [&](int k) { return of_cell[k].surfel / SurfelBlock::kCapacity; };
+  BlockSightings of_block;
+  for (int k = 0; k < count; ++k) {
+    const int soon = std::min(k + kCandidatesAhead, count - 1);
+    if (of_cell[soon].seen) Fetch(of_cell[soon].seen, of_cell[soon].seen + 1);
+    if (soon == 0 || block_of(soon) != block_of(soon - 1)) FetchAll(map->block(block_of(soon)));
+    const Candidate& candidate = of_cell[k];
+    SurfelBlock& block = map->block(block_of(k));
+    const int place = candidate.surfel % SurfelBlock::kCapacity;
+    block.to_remove |= static_cast<std::uint64_t>(candidate.is_superfluous) << place;
+    if (candidate.seen) {
+      of_block.Add(place, *candidate.seen);
+      block.last_seen[place] = frame->index;
+    }
+    if (k + 1 < count && block_of(k + 1) == block_of(k)) continue;
+    if (!of_block.empty()) {
+      of_block.MergeInto(&block, options.max_confidence);
+      of_block.Clear();
+    }
+    BoundPositions(&block);
+  }
+}
+
+}  // namespace surfit

@@ -1,0 +1,86 @@
+#include "mapping/fusion/sightings.h"
+
+#include <algorithm>
+
+#include "mapping/map/block_lanes.h"
+#include "mapping/rendering/bands.h"
+#include "surfit/core/parallel.h"
+
+namespace surfit {
+namespace {
+
+// So many pixels ahead a candidate is asked for, to be in the cache by then.
+constexpr int kPixelsSoon = 24;
+
+// Gives observations, in their order, the colours of where their surfels are.
+class ColorsOfSurfels {
+ public:
+  // The observations must stay where they are.
+  ColorsOfSurfels(const FrameColors& colors, SurfelObservation* first)
+      : colors_(colors), next_(first) {}
+
+  void Add(const Patch& surfel) {
+    batch_.Add({surfel.x, surfel.y, surfel.z}, {surfel.nx, surfel.ny, surfel.nz});
+    if (batch_.count == ColorBatch::kCapacity) Flush();
+  }
+
+  // To be called in the end as well.
+  void Flush() {
+    colors_.LookUp(&batch_);
+    for (int k = 0; k < batch_.count; ++k, ++next_) {
+      const SeenColor seen = batch_.Seen(k);
+      next_->color = seen.color;
+      next_->color_weight = seen.weight;
+    }
+    batch_.count = 0;
+  }
+
+ private:
+  const FrameColors& colors_;
+  SurfelObservation* next_;
+  ColorBatch batch_;
+};
+
+}  // namespace
+
+Sightings::Counts Sightings::Gather(const RgbdFrame& frame, const FrameColors& colors,
+                                    const std::vector<MeasuredPoint>& points,
+                                    const Image<float>& weights, const PosedCamera& camera,
+                                    const SurfelChoice& choice) {
+  const int width = camera.width;
+  const bool has_color = !frame.color.empty();
+  int beside[9];  // the pixels around one, row by row
+  for (int k = 0; k < 9; ++k) beside[k] = (k / 3 - 1) * width + k % 3 - 1;
+  in_band_.resize(BandCount(camera.height));
+  return ParallelSum(0, camera.height, kBandRows, Counts(), [&](int begin, int end) {
+    Counts counts;
+    std::vector<SurfelObservation>& seen = in_band_[begin / kBandRows];
+    seen.clear();
+    seen.reserve(static_cast<std::size_t>(kBandRows) * width);  // so that none is moved
+    ColorsOfSurfels surfel_colors(colors, seen.data());
+    std::vector<std::uint16_t> choosing(width);
+    for (int v = begin; v < end; ++v) {
+      choice.ChoosingOfRow(v, choosing.data());
+      for (int u = 0; u < width; ++u) {
+        const int soon = std::min(u + kPixelsSoon, width - 1);
+        if (choosing[soon] != 0) __builtin_prefetch(choice.OfPixel(v * width + soon));
+        if (choosing[u] == 0) continue;  // its own point is nearer to a neighbour's surfel
+        Candidate* const candidate = choice.OfPixel(v * width + u);
+        PointAverage sum(max_radius_ratio_ * candidate->radius_m);
+        ForEachBit(choosing[u], [&](int k) {
+          const int pixel = v * width + u + beside[k];
+          sum.Add(points[pixel], weights[pixel]);
+          ++counts.points;
+        });
+        ++counts.surfels;
+        seen.push_back(sum.Observation(camera));
+        candidate->seen = &seen.back();
+        if (has_color) surfel_colors.Add(candidate->patch);
+      }
+    }
+    if (has_color) surfel_colors.Flush();
+    return counts;
+  });
+}
+
+}  // namespace surfit

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstring>
+#include <vector>
+
+#include "mapping/fusion/measured_points.h"
+#include "mapping/map/surfel_choice.h"
+#include "mapping/rendering/frame_colors.h"
+#include "mapping/rendering/posed_camera.h"
+#include "surfit/frame/rgbd_frame.h"
+#include "surfit/mapping/surfel_block.h"
+
+namespace surfit {
+
+// The average of the points that have chosen a surfel, as one observation of it. Free of branches.
+class PointAverage {
+ public:
+  // Points with a larger radius do not tell of the surfel's shape, nor do those at depth edges.
+  explicit PointAverage(float max_radius_m)
+      : max_radius_m_(max_radius_m), radius_m_(max_radius_m) {}
+
+  void Add(const MeasuredPoint& point, float weight) {
+    const bool has_shape = !point.at_edge & (point.radius_m < max_radius_m_);
+    const float shape_weight = has_shape ? weight : 0.f;
+    weight_ += weight;
+    shape_weight_ += shape_weight;
+    Four first, last;
+    std::memcpy(&first, &point.patch.x, sizeof(first));
+    std::memcpy(&last, &point.patch.z, sizeof(last));
+    first_ += shape_weight * first;
+    last_ += shape_weight * last;
+    const float radius_m = has_shape ? point.radius_m : max_radius_m_;
+    radius_m_ = radius_m < radius_m_ ? radius_m : radius_m_;
+    at_edge_ &= point.at_edge;
+  }
+
+  // There must be a point; all of them have colours or none has.
+  SurfelObservation Observation(const PosedCamera& camera) const {
+    SurfelObservation seen;
+    seen.weight = weight_;
+    seen.color_weight = 0;
+    seen.at_edge = at_edge_;
+    seen.shape_weight = shape_weight_;
+    if (shape_weight_ == 0.f) return seen;
+    const float scale = 1.f / shape_weight_;
+    const Eigen::Vector3f position(first_[0], first_[1], first_[2]);
+    const Eigen::Vector3f normal(last_[1], last_[2], last_[3]);
+    seen.position_in_world = camera.PointInWorld(scale * position);
+    seen.normal_in_world = camera.world_rotation * (scale * normal);
+    seen.radius_m = radius_m_;
+    return seen;
+  }
+
+ private:
+  using Four __attribute__((vector_size(16))) = float;
+
+  const float max_radius_m_;
+  float radius_m_;
+  float weight_ = 0, shape_weight_ = 0;
+  Four first_ = {}, last_ = {};  // x, y, z, nx; z, nx, ny, nz
+  bool at_edge_ = true;
+};
+
+// What the points of a frame have seen of the surfels they chose.
+class Sightings {
+ public:
+  struct Counts {
+    int points = 0;   // that have chosen a surfel
+    int surfels = 0;  // that have been chosen
+    Counts& operator+=(const Counts& other) {
+      points += other.points;
+      surfels += other.surfels;
+      return *this;
+    }
+  };
+
+  // Points with a larger radius than this times a surfel's do not tell of its shape.
+  explicit Sightings(float max_radius_ratio) : max_radius_ratio_(max_radius_ratio) {}
+
+  // Averages the points of each candidate that was chosen, and tells it so: what it is given stays
+  // until the next frame. In the order of the image, as gathering them surfel by surfel would wait
+  // for memory half of the time.
+  Counts Gather(const RgbdFrame& frame, const FrameColors& colors,
+                const std::vector<MeasuredPoint>& points, const Image<float>& weights,
+                const PosedCamera& camera, const SurfelChoice& choice);
+
+ private:
+  const float max_radius_ratio_;
+  std::vector<std::vector<SurfelObservation>> in_band_;
+};
+
+}  // namespace surfit

@@ -1,0 +1,219 @@
+#include "mapping/rendering/band_canvas.h"
+
+#include <glog/logging.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "mapping/rendering/bands.h"
+#include "surfit/core/lanes.h"
+
+namespace surfit {
+namespace {
+
+constexpr float kNone = -1;
+constexpr float kClosed = std::numeric_limits<float>::infinity();
+constexpr float kOutside = 2;               // more than the offset2 of any pixel on a disc
+constexpr std::size_t kDiscsAhead = 8;      // asked for so long before, to be in the cache by then
+constexpr std::size_t kMaxDiscs = 1 << 24;  // whose ids a float holds
+constexpr int kLanes = Lanes<float>::kCount;
+
+// Inverse depth of the back of a surface that starts at an inverse depth rho: behind it by the
+// thickness of surfaces and 4 sigma of the depth 1 / rho, sigma = inverse_depth_sigma / rho^2.
+float BackOfSurface(float rho, float thickness, float inverse_depth_sigma) {
+  return rho / (1.f + thickness * rho + 4.f * inverse_depth_sigma / rho);
+}
+
+}  // namespace
+
+// What is shown of the discs that a row's pixels show, with room for as many as are done at once
+// beyond its end; see Disc.
+struct BandCanvas::PixelDiscs {
+  explicit PixelDiscs(int width)
+      : u(width + kLanes),
+        v(width + kLanes),
+        rho(width + kLanes),
+        rho_u(width + kLanes),
+        rho_v(width + kLanes) {}
+
+  std::vector<float> u, v, rho, rho_u, rho_v;
+};
+
+BandCanvas::BandCanvas(int band, const PosedCamera& camera, const DepthNoise& noise,
+                       const RenderOptions& options)
+    : band_(band),
+      v_begin_(band * kBandRows),
+      v_end_(std::min(camera.height, v_begin_ + kBandRows)),
+      camera_(camera),
+      noise_(noise),
+      options_(options) {
+  // Where a row ends, up to three more pixels are read and written back.
+  const std::size_t size = static_cast<std::size_t>(v_end_ - v_begin_ + 1) * camera.width + 3;
+  first_.assign(size, 0.f);
+  back_.assign(size, 0.f);
+  offset2_.assign(size, kOutside);
+  drawn_.assign(size, kNone);
+}
+
+void BandCanvas::Draw(const std::vector<DiscList>& lists, Layer layer) {
+  std::size_t most = discs_.size();
+  for (const DiscList& list : lists) most += list[layer].bands.In(band_).size();
+  CHECK_LT(most, kMaxDiscs);
+  discs_.reserve(most);
+  WithInstructions([&](auto instructions) { DrawWith<decltype(instructions)>(lists, layer); });
+}
+
+template <typename Instructions>
+void BandCanvas::DrawWith(const std::vector<DiscList>& lists, Layer layer) {
+  const std::size_t begin = discs_.size();
+  for (const DiscList& list : lists) {
+    const DiscLayer& in = list[layer];
+    const std::vector<int>& numbers = in.bands.In(band_);
+    for (std::size_t k = 0, end = numbers.size(); k < end; ++k) {
+      __builtin_prefetch(&in.discs[numbers[std::min(k + kDiscsAhead, end - 1)]]);
+      const Disc& disc = in.discs[numbers[k]];
+      if (FindFirst<Instructions>(disc)) discs_.push_back(&disc);
+    }
+  }
+  FindBacks();
+  for (std::size_t id = begin; id < discs_.size(); ++id) {
+    Pick<Instructions>(*discs_[id], static_cast<float>(id));
+  }
+  CloseDrawnPixels();
+}
+
+// Whether the disc is met by a pixel that can still be drawn.
+template <typename Instructions>
+bool BandCanvas::FindFirst(const Disc& disc) {
+  using Numbers = Lanes<float, Instructions>;
+  using Mask = typename Numbers::Mask;
+  const float* back = back_.data();
+  float* first = first_.data();
+  const int width = camera_.width, band_begin = v_begin_;
+  const Numbers closed = kClosed;
+  bool met_any = false;
+  ForEachEightPixels<Instructions>(
+      disc, std::max<int>(v_begin_, disc.v_begin), std::min(v_end_, disc.v_end()),
+      [&](int u, int v) {
+        const float* at = back + (v - band_begin) * width + u;
+        return Numbers::Any(Numbers::LoadHalves(at, at + width) < closed);
+      },
+      [&](int u, int v, const Mask& met, const Numbers& rho, const Numbers&) {
+        const int pixel = (v - band_begin) * width + u, below = pixel + width;
+        const Mask open =
+            Numbers::Both(met, rho >= Numbers::LoadHalves(back + pixel, back + below));
+        const Numbers before = Numbers::LoadHalves(first + pixel, first + below);
+        Select(Numbers::Both(open, rho > before), rho, before)
+            .StoreHalves(first + pixel, first + below);
+        met_any |= Numbers::Any(open);
+      });
+  return met_any;
+}
+
+void BandCanvas::FindBacks() {
+  const float thickness = options_.surface_thickness_m;
+  const float sigma = static_cast<float>(noise_.inverse_depth_sigma);
+  const float* first = first_.data();
+  float* back = back_.data();
+  for (std::size_t i = 0, size = back_.size(); i < size; ++i) {
+    const float surface = BackOfSurface(first[i], thickness, sigma);
+    const bool open = first[i] > 0 && back[i] < kClosed;
+    back[i] = open ? surface : back[i];
+  }
+}
+
+// Draws the disc where it is on the first surface, and closer to the ray than those before.
+template <typename Instructions>
+void BandCanvas::Pick(const Disc& disc, float id) {
+  using Numbers = Lanes<float, Instructions>;
+  using Mask = typename Numbers::Mask;
+  const float* back = back_.data();
+  float *best = offset2_.data(), *drawn = drawn_.data();
+  const int width = camera_.width, band_begin = v_begin_;
+  const Numbers own_id = id;
+  ForEachEightPixels<Instructions>(
+      disc, std::max<int>(v_begin_, disc.v_begin), std::min(v_end_, disc.v_end()),
+      [](int, int) { return true; },
+      [&](int u, int v, const Mask& met, const Numbers& rho, const Numbers& across2) {
+        const int pixel = (v - band_begin) * width + u, below = pixel + width;
+        const Mask open =
+            Numbers::Both(met, rho >= Numbers::LoadHalves(back + pixel, back + below));
+        const Numbers offset2 = across2 / (rho * rho);
+        const Numbers before = Numbers::LoadHalves(best + pixel, best + below);
+        const Mask better = Numbers::Both(open, offset2 < before);
+        Select(better, offset2, before).StoreHalves(best + pixel, best + below);
+        Select(better, own_id, Numbers::LoadHalves(drawn + pixel, drawn + below))
+            .StoreHalves(drawn + pixel, drawn + below);
+      });
+}
+
+void BandCanvas::CloseDrawnPixels() {
+  const float* drawn = drawn_.data();
+  float* back = back_.data();
+  for (std::size_t i = 0, size = back_.size(); i < size; ++i) {
+    back[i] = drawn[i] == kNone ? back[i] : kClosed;
+  }
+}
+
+void BandCanvas::WriteTo(ModelView* view) const {
+  PixelDiscs discs(camera_.width);
+  for (int v = v_begin_; v < v_end_; ++v) {
+    FindDiscs(v, &discs, view);
+    WithInstructions([&](auto instructions) {
+      for (int u = 0; u < camera_.width; u += kLanes) {
+        WriteLanes<decltype(instructions)>(discs, u, v, view);
+      }
+    });
+  }
+}
+
+// The discs that a row's pixels show.
+void BandCanvas::FindDiscs(int v, PixelDiscs* discs, ModelView* view) const {
+  static constexpr Disc kNoDisc = {};
+  const int width = camera_.width;
+  const float* drawn = &drawn_[static_cast<std::size_t>(v - v_begin_) * width];
+  std::int32_t* const surfel = view->surfel_index.row(v);
+  for (int u = 0; u < width; ++u) {
+    const Disc& disc = drawn[u] == kNone ? kNoDisc : *discs_[static_cast<std::size_t>(drawn[u])];
+    discs->u[u] = disc.u;
+    discs->v[u] = disc.v;
+    discs->rho[u] = disc.rho;
+    discs->rho_u[u] = disc.rho_u;
+    discs->rho_v[u] = disc.rho_v;
+    surfel[u] = drawn[u] == kNone ? ModelView::kNoSurfel : disc.surfel;
+  }
+}
+
+// Vertices from the inverse depth rho, and normals from the discs' planes: as rho = n . r / (n . p)
+// for all rays r, n / -(n . p) is minus the inverse depths along the axes, (a, b, c).
+template <typename Instructions>
+void BandCanvas::WriteLanes(const PixelDiscs& discs, int u, int v, ModelView* view) const {
+  using V = Lanes<float, Instructions>;
+  static_assert(V::kCount == kLanes);
+  constexpr float kSteps[] = {0, 1, 2, 3, 4, 5, 6, 7};
+  const V zero = 0.f, one = 1.f;
+  const V fx = camera_.fx, fy = camera_.fy, cx = camera_.cx, cy = camera_.cy;
+  const V pixel_u = V(static_cast<float>(u)) + V::Load(kSteps), pixel_v = static_cast<float>(v);
+  const V disc_u = V::Load(&discs.u[u]), disc_v = V::Load(&discs.v[u]);
+  const V rho_0 = V::Load(&discs.rho[u]);
+  const V rho_u = V::Load(&discs.rho_u[u]), rho_v = V::Load(&discs.rho_v[u]);
+  const V rho = rho_0 + rho_u * (pixel_u - disc_u) + rho_v * (pixel_v - disc_v);
+  const auto is_shown = rho > zero;
+  const V depth = Select(is_shown, one / Select(is_shown, rho, one), zero);
+  const V a = fx * rho_u, b = fy * rho_v;
+  const V c = rho_0 + rho_u * (cx - disc_u) + rho_v * (cy - disc_v);
+  const V length2 = a * a + b * b + c * c;
+  const auto has_normal = length2 > zero;
+  const V scale = Select(has_normal, V(-1.f) / sqrt(Select(has_normal, length2, one)), zero);
+  const int count = std::min(kLanes, camera_.width - u);
+  VectorImage &vertex = view->surface.vertex, &normal = view->surface.normal;
+  (depth * ((pixel_u - cx) / fx)).StoreUpTo(vertex.x.row(v) + u, count);
+  (depth * ((pixel_v - cy) / fy)).StoreUpTo(vertex.y.row(v) + u, count);
+  depth.StoreUpTo(vertex.z.row(v) + u, count);
+  (scale * a).StoreUpTo(normal.x.row(v) + u, count);
+  (scale * b).StoreUpTo(normal.y.row(v) + u, count);
+  (scale * c).StoreUpTo(normal.z.row(v) + u, count);
+}
+
+}  // namespace surfit

@@ -1,0 +1,67 @@
+#include "surfit/mapping/model_renderer.h"
+
+#include <glog/logging.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "mapping/rendering/band_canvas.h"
+#include "mapping/rendering/bands.h"
+#include "surfit/core/options.h"
+#include "surfit/core/parallel.h"
+
+namespace surfit {
+namespace {
+
+// Whose pixels are all still to be written.
+ModelView BlankView(const DepthSensor& sensor, const Rigid3d& world_from_view) {
+  const PinholeCamera& camera = sensor.camera;
+  ModelView view;
+  view.world_from_view = world_from_view;
+  view.surface.camera = camera;
+  view.surface.noise = sensor.noise;
+  view.surface.vertex.Resize(camera.width, camera.height);
+  view.surface.normal.Resize(camera.width, camera.height);
+  view.surfel_index.Resize(camera.width, camera.height);
+  return view;
+}
+
+}  // namespace
+
+ModelRenderer::ModelRenderer(const RenderOptions& options) : options_(options) {
+  Validate(options);
+}
+
+ModelRenderer::~ModelRenderer() = default;
+
+ModelView ModelRenderer::Render(const SurfelMap& map, const DepthSensor& sensor,
+                                const Rigid3d& world_from_view, int active_since) {
+  const PinholeCamera& camera = sensor.camera;
+  CHECK_LE(std::max(camera.width, camera.height), std::numeric_limits<std::int16_t>::max());
+  const PosedCamera posed(camera, world_from_view);
+  const ViewFrustum frustum(posed, static_cast<float>(options_.max_half_window_px));
+  const std::vector<std::int32_t> cells = VisibleCells(map, frustum);
+  lists_.resize(cells.size());
+  ParallelFor(0, static_cast<int>(cells.size()), 1, [&](int i, int) {
+    lists_[i].Assign(map, map.cell(cells[i]), posed, frustum, options_, active_since);
+  });
+
+  ModelView view = BlankView(sensor, world_from_view);
+  ParallelFor(0, BandCount(camera.height), 1, [&](int band, int) {
+    BandCanvas canvas(band, posed, sensor.noise, options_);
+    canvas.Draw(lists_, kStable);
+    canvas.Draw(lists_, kUnstable);
+    canvas.WriteTo(&view);
+  });
+  return view;
+}
+
+Image<Rgb8> ColorsOf(const ModelView& view, const SurfelMap& map) {
+  Image<Rgb8> colors(view.surfel_index.width(), view.surfel_index.height());
+  std::transform(
+      view.surfel_index.begin(), view.surfel_index.end(), colors.begin(),
+      [&](std::int32_t id) { return id == ModelView::kNoSurfel ? Rgb8() : map.Color(id); });
+  return colors;
+}
+
+}  // namespace surfit

@@ -1,0 +1,195 @@
+#include "mesh/surface/smooth_surfels.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "surfit/core/parallel.h"
+
+namespace surfit {
+namespace {
+
+constexpr int kCubesPerTask = 16;
+constexpr int kFewest = 6;              // surfels that make a plane
+constexpr float kFacingSameWay = 0.5f;  // cosine between normals
+constexpr double kFlat = 4;             // variance along a plane, of that across it
+constexpr float kLeastSigma = 5e-4f;    // metres: errors that neighbours share do not average out
+constexpr float kMostSpacings = 8;      // that a surfel looks around
+constexpr float kFewestSpacings = 2.5f;
+constexpr float kPlaneSpacings = 4;  // for the scale of the sigmas
+
+// A plane fitted to weighted surfels.
+struct Plane {
+  Eigen::Vector3f point, normal;
+  float rms_m = 0;  // of the surfels, along the normal
+};
+
+// Sums of weighted offsets from a surfel.
+class PlaneSum {
+ public:
+  void Add(float weight, const Eigen::Vector3f& offset, const Eigen::Vector3f& normal) {
+    ++count_;
+    weight_ += weight;
+    normal_ += weight * normal;
+    first_ += weight * offset;
+    const Eigen::Vector3f weighted = weight * offset;
+    second_[0] += weighted.x() * offset.x();
+    second_[1] += weighted.x() * offset.y();
+    second_[2] += weighted.x() * offset.z();
+    second_[3] += weighted.y() * offset.y();
+    second_[4] += weighted.y() * offset.z();
+    second_[5] += weighted.z() * offset.z();
+  }
+
+  // Around the surfel; false if there are too few. Where they are so noisy that they are no flatter
+  // than wide, or in a line, the plane has their mean normal.
+  bool Fit(const MeshSurfel& surfel, Plane* plane) const {
+    if (count_ < kFewest) return false;
+    const Eigen::Vector3f mean = first_ / weight_;
+    Eigen::Matrix3f covariance;
+    covariance << second_[0], second_[1], second_[2], second_[1], second_[3], second_[4],
+        second_[2], second_[4], second_[5];
+    covariance = covariance / weight_ - mean * mean.transpose();
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+    solver.computeDirect(covariance.cast<double>());
+    const Eigen::Vector3d variances = solver.eigenvalues();
+    plane->normal = solver.eigenvectors().col(0).cast<float>();
+    if (plane->normal.dot(normal_) < 0) plane->normal = -plane->normal;
+    const bool is_flat = variances[1] > kFlat * variances[0] && variances[1] > variances[2] / 20;
+    if (!is_flat || plane->normal.dot(normal_) < kFacingSameWay * normal_.norm())
+      plane->normal = normal_.normalized();
+    plane->point = surfel.position + mean;
+    plane->rms_m = std::sqrt(std::max(0.f, plane->normal.dot(covariance * plane->normal)));
+    return true;
+  }
+
+ private:
+  int count_ = 0;
+  float weight_ = 0;
+  Eigen::Vector3f first_ = Eigen::Vector3f::Zero(), normal_ = Eigen::Vector3f::Zero();
+  std::array<float, 6> second_ = {};
+};
+
+// Fits planes to the surfels around others.
+class PlaneFitter {
+ public:
+  explicit PlaneFitter(const SurfelCubes& cubes) : cubes_(cubes) {}
+
+  // From now on for the surfels of this cube, that look so far around at most.
+  void Enter(int cube, float reach_m) {
+    const Eigen::Vector3f low = cubes_.CubeOf(cube).cast<float>() * cubes_.cube_m();
+    const Eigen::Vector3f margin = Eigen::Vector3f::Constant(reach_m);
+    cubes_.FindWithin(low - margin, low + margin + Eigen::Vector3f::Constant(cubes_.cube_m()),
+                      &ranges_);
+  }
+
+  // With the surfels within reach_m whose height above the surfel's plane is within gates of both
+  // sigmas.
+  bool Fit(const MeshSurfel& surfel, float reach_m, float gates, Plane* plane) const {
+    PlaneSum sum;
+    const float squared_reach = reach_m * reach_m, per_square = 1 / squared_reach;
+    for (const SurfelCubes::Range& range : ranges_) {
+      for (std::uint32_t j = range.begin; j < range.end; ++j) {
+        const MeshSurfel& other = cubes_.surfels()[j];
+        const Eigen::Vector3f offset = other.position - surfel.position;
+        const float square = offset.squaredNorm();
+        if (square >= squared_reach) continue;
+        const float cosine = surfel.normal.dot(other.normal);
+        if (cosine < kFacingSameWay) continue;
+        // A normal that is off by a quarter of a radian tells a height so wrong.
+        const float height = std::abs(surfel.normal.dot(offset));
+        if (height > gates * (surfel.sigma_m + other.sigma_m) + 0.25f * std::sqrt(square)) continue;
+        const float share = 1 - square * per_square;
+        sum.Add(share * share * cosine / (other.sigma_m * other.sigma_m), offset, other.normal);
+      }
+    }
+    return sum.Fit(surfel, plane);
+  }
+
+ private:
+  const SurfelCubes& cubes_;
+  std::vector<SurfelCubes::Range> ranges_;
+};
+
+float Median(std::vector<float>* values) {
+  const auto middle = values->begin() + static_cast<std::ptrdiff_t>(values->size() / 2);
+  std::nth_element(values->begin(), middle, values->end());
+  return *middle;
+}
+
+float MedianSpacing(const std::vector<MeshSurfel>& surfels) {
+  std::vector<float> spacings;
+  spacings.reserve(surfels.size());
+  for (const MeshSurfel& surfel : surfels) spacings.push_back(surfel.spacing_m);
+  return Median(&spacings);
+}
+
+}  // namespace
+
+void FindSigmas(std::vector<MeshSurfel>* surfels) {
+  constexpr float kAllHeights = 1e6f;
+  constexpr float kMostTimes = 4;  // that what a surfel shows counts more than what is expected
+  const SurfelCubes cubes(*surfels, kPlaneSpacings * MedianSpacing(*surfels));
+  std::vector<float> shown_m(surfels->size(), -1.f);  // in the surfels' order
+  ParallelFor(0, cubes.cube_count(), kCubesPerTask, [&](int begin, int end) {
+    PlaneFitter fitter(cubes);
+    for (int c = begin; c < end; ++c) {
+      const SurfelCubes::Range range = cubes.SurfelsOf(c);
+      fitter.Enter(c, 2 * cubes.cube_m());
+      for (std::uint32_t i = range.begin; i < range.end; ++i) {
+        const MeshSurfel& surfel = cubes.surfels()[i];
+        const float reach_m = std::min(kPlaneSpacings * surfel.spacing_m, 2 * cubes.cube_m());
+        Plane plane;
+        if (fitter.Fit(surfel, reach_m, kAllHeights, &plane))
+          shown_m[cubes.order()[i]] = plane.rms_m;
+      }
+    }
+  });
+  std::vector<float> ratios;
+  for (std::size_t i = 0; i < shown_m.size(); ++i)
+    if (shown_m[i] >= 0) ratios.push_back(shown_m[i] / (*surfels)[i].sigma_m);
+  const float scale = ratios.empty() ? 1.f : Median(&ratios);
+  for (std::size_t i = 0; i < shown_m.size(); ++i) {
+    float& sigma_m = (*surfels)[i].sigma_m;
+    sigma_m *= scale;
+    sigma_m = std::hypot(kLeastSigma, std::clamp(shown_m[i], sigma_m, kMostTimes * sigma_m));
+  }
+}
+
+void SmoothSurfels(double normal_noise_rad, const std::function<void(double)>& done,
+                   std::vector<MeshSurfel>* surfels) {
+  constexpr float kGates = 3;  // standard deviations
+  // A plane's slope over n = pi reach^2 / spacing^2 surfels in a disc has the standard deviation
+  // 2 sigma / (reach sqrt(n)) = 2 sigma spacing / (sqrt(pi) reach^2). Weights that fall to zero at
+  // the reach leave about a third of them.
+  const auto factor = static_cast<float>(2 * 1.7 / (std::sqrt(M_PI) * normal_noise_rad));
+  const float most_m = kMostSpacings * MedianSpacing(*surfels);
+  const auto reach_of = [&](const MeshSurfel& surfel) {
+    const float wanted = std::sqrt(factor * surfel.sigma_m * surfel.spacing_m);
+    return std::min(2 * most_m, std::clamp(wanted, kFewestSpacings * surfel.spacing_m,
+                                           kMostSpacings * surfel.spacing_m));
+  };
+  const SurfelCubes cubes(*surfels, most_m / 2);
+  ParallelFor(0, cubes.cube_count(), kCubesPerTask, [&](int begin, int end) {
+    PlaneFitter fitter(cubes);
+    for (int c = begin; c < end; ++c) {
+      const SurfelCubes::Range range = cubes.SurfelsOf(c);
+      float farthest = 0;
+      for (std::uint32_t i = range.begin; i < range.end; ++i)
+        farthest = std::max(farthest, reach_of(cubes.surfels()[i]));
+      fitter.Enter(c, farthest);
+      for (std::uint32_t i = range.begin; i < range.end; ++i) {
+        const MeshSurfel& surfel = cubes.surfels()[i];
+        Plane plane;
+        if (!fitter.Fit(surfel, reach_of(surfel), kGates, &plane)) continue;
+        MeshSurfel& smoothed = (*surfels)[cubes.order()[i]];
+        smoothed.normal = plane.normal;
+        smoothed.position += plane.normal.dot(plane.point - surfel.position) * plane.normal;
+      }
+    }
+    done(static_cast<double>(cubes.SurfelsOf(end - 1).end - cubes.SurfelsOf(begin).begin) /
+         static_cast<double>(surfels->size()));
+  });
+}
+
+}  // namespace surfit

@@ -1,0 +1,56 @@
+// The options of this room.
+#include "surfit/core/options.h"
+
+#include <ceres/types.h>
+
+#include "core/named_values.h"
+#include "optimization/pose_graph/pose_graph_names.h"
+#include "surfit/optimization/pose_graph.h"
+
+namespace surfit {
+namespace {
+
+bool IsAvailable(ceres::SparseLinearAlgebraLibraryType type) {
+  if (type == ceres::SUITE_SPARSE && !SURFIT_SUITESPARSE) return false;
+  return ceres::IsSparseLinearAlgebraLibraryTypeAvailable(type);
+}
+
+}  // namespace
+
+std::vector<std::string> SparseBackendNames() {
+  std::vector<std::string> names;
+  for (const auto& [name, type] : kSparseBackends) {
+    if (IsAvailable(type)) names.emplace_back(name);
+  }
+  if (names.empty()) throw InputError("Ceres must be built with SuiteSparse or Eigen's solvers");
+  return names;
+}
+
+std::vector<std::string> PoseGraphInitializationNames() { return NamesOf(kInitializations); }
+
+std::vector<std::string> LoopRobustnessNames() { return NamesOf(kLoopRobustness); }
+
+std::string ToString(PoseGraphTermination termination) {
+  return NameOf(termination, kTerminations);
+}
+
+void PoseGraphOptions::Visit(OptionVisitor& v) {
+  v.Group("graph");
+  v.Add(sparse_backend, "sparse_backend", "sparse linear solver of Ceres",
+        OneOf(SparseBackendNames()), AsFlag());
+  v.Add(initialization, "initialization",
+        "poses to start at; given: the file's; odometry: chained along edges of consecutive ids; "
+        "chordal: from all edges, by two linear systems",
+        OneOf(PoseGraphInitializationNames()), AsFlag());
+  v.Add(loop_robustness, "loop_robustness",
+        "none: all edges count; gnc: loops (edges of other ids) that do not fit are left out",
+        OneOf(LoopRobustnessNames()), AsFlag());
+  v.Add(max_loop_squared_error, "max_loop_squared_error",
+        "for gnc: a loop of a larger error (e^T information e) is wrong", Positive(), AsFlag());
+  v.Add(max_iterations, "max_iterations",
+        "iterations of Levenberg-Marquardt at most, in each round of gnc", AtLeast(1), AsFlag());
+  v.Add(min_relative_cost_change, "min_relative_cost_change",
+        "iterations end where the cost changes by a smaller share", AtLeast(0), AsFlag());
+}
+
+}  // namespace surfit

@@ -1,0 +1,151 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "mapping/rendering/blended_view.h"
+#include "output/pictures/coloring.h"
+#include "output/pictures/map_views.h"
+#include "output/pictures/pictures.h"
+#include "output/pictures/splat_renderer.h"
+#include "surfit/core/error.h"
+
+namespace surfit {
+namespace {
+
+// The surfels seen in the four views, for all colourings.
+struct RenderedViews {
+  std::array<PictureView, 4> views;
+  std::array<Image<std::int32_t>, 4> surfel_indices;
+};
+
+RenderedViews Render(const SurfelMap& map, const std::vector<std::uint8_t>& shown,
+                     const std::array<PictureView, 4>& views) {
+  RenderedViews rendered;
+  rendered.views = views;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    rendered.surfel_indices[i] = RenderSurfels(map, shown, views[i]);
+  }
+  return rendered;
+}
+
+// The colours of one view. The headlight shines along the pixel's ray.
+Image<Rgb8> Color(const SurfelMap& map, const SurfelColoring& coloring, const PictureView& view,
+                  const Image<std::int32_t>& indices) {
+  const Eigen::Matrix3d world_from_camera =
+      view.camera_from_world.rotation.conjugate().toRotationMatrix();
+  return ColorIndices(indices, [&](int u, int v, std::int32_t i) {
+    if (i == NearestIndexImage::kNothing) return PictureSheet::kScene;
+    const Rgb8 color = coloring.color_of(i);
+    if (coloring.headlight == 0) return color;
+    const Eigen::Vector3d ray = world_from_camera * view.camera.Ray(u, v).normalized();
+    const double facing = std::abs(ray.dot(map[i].normal_in_world.cast<double>()));
+    return Dimmed(color, static_cast<float>(1 - coloring.headlight * (1 - std::min(facing, 1.))));
+  });
+}
+
+SurfelMap Shown(const SurfelMap& map, const std::vector<std::uint8_t>& shown) {
+  std::vector<Surfel> surfels;
+  for (const std::int32_t id : map.Ids()) {
+    if (shown[id]) surfels.push_back(map[id]);
+  }
+  SurfelMap copy;
+  copy.Append(surfels);
+  return copy;
+}
+
+// The surfels' own colours, blended for people to look at. No sensor looks from there: by its noise
+// at this distance a table and the floor beneath would be one surface.
+Image<Rgb8> Blended(const SurfelMap& map, const PictureView& view) {
+  const DepthNoise none = {0};
+  const BlendedView drawn = DrawBlended(map, {view.camera, none}, view.camera_from_world.Inverse());
+  Image<Rgb8> picture = drawn.color;
+  for (std::size_t i = 0; i < picture.size(); ++i) {
+    if (!(drawn.depth_m[i] > 0)) picture[i] = PictureSheet::kScene;
+  }
+  return picture;
+}
+
+void DrawHeader(const SurfelColoring& coloring, const std::string& count, Image<Rgb8>* image) {
+  const double right = image->width() - 40;
+  DrawText(image, {16, 28}, coloring.title, {30});
+  DrawText(image, {16, 60}, count, {17});
+  if (!coloring.scale) {
+    DrawText(image, {right, 28}, coloring.legend, {17, 1});
+    return;
+  }
+  const PixelBox bar = {right - 700, 14, right, 40};
+  DrawText(image, {bar.left - 16, 27}, coloring.legend, {17, 1});
+  DrawColorBar(image, *coloring.scale, bar);
+}
+
+void WriteSheet(const SurfelMap& map, const SurfelColoring& coloring, const std::string& count,
+                const RenderedViews& rendered, const std::string& path) {
+  PictureSheet sheet(2, 2);
+  for (int i = 0; i < 4; ++i) {
+    sheet.SetCell(i, Color(map, coloring, rendered.views[i], rendered.surfel_indices[i]));
+    sheet.DrawCaption(i, rendered.views[i].label);
+  }
+  DrawHeader(coloring, count, sheet.image());
+  WritePng(*sheet.image(), path);
+}
+
+void WriteColorSheet(const SurfelMap& map, const std::string& count,
+                     const std::array<PictureView, 4>& views, const std::string& path) {
+  PictureSheet sheet(2, 2);
+  for (int i = 0; i < 4; ++i) {
+    sheet.SetCell(i, Blended(map, views[i]));
+    sheet.DrawCaption(i, views[i].label);
+  }
+  DrawHeader(ColorByColor(map), count, sheet.image());
+  WritePng(*sheet.image(), path);
+}
+
+void WriteEmptySheet(const std::string& path) {
+  PictureSheet sheet(2, 2);
+  Image<Rgb8>& image = *sheet.image();
+  DrawText(&image, {image.width() / 2., image.height() / 2.}, "empty map", {40, 0.5});
+  WritePng(image, path);
+}
+
+}  // namespace
+
+float DustConfidence(const SurfelMap& map) {
+  constexpr float kMost = 3, kShare = 0.1f;
+  std::vector<float> confidences;
+  confidences.reserve(map.size());
+  for (const std::int32_t id : map.Ids()) confidences.push_back(map[id].confidence);
+  return std::min(kMost, kShare * Quantile(confidences, 0.9, 0));
+}
+
+void WriteMapPictures(const SurfelMap& map, const Trajectory& camera_path,
+                      const std::string& directory) {
+  const std::string prefix = directory + "/map_";
+  if (map.size() == 0) {
+    for (const char* name : {"color", "normals", "last_seen", "confidence"}) {
+      WriteEmptySheet(prefix + name + ".png");
+    }
+    return;
+  }
+  const float least = DustConfidence(map);
+  const std::vector<std::int32_t> ids = map.Ids();
+  std::vector<std::uint8_t> shown(map.id_end());
+  for (const std::int32_t id : ids) shown[id] = map[id].confidence >= least;
+  const auto views = ChooseMapViews(map, shown, camera_path,
+                                    PictureSheet::kCellWidth * PictureSheet::kSupersampling,
+                                    PictureSheet::kCellHeight * PictureSheet::kSupersampling);
+  const auto count = std::count(shown.begin(), shown.end(), 1);
+  const std::string some = Concat(count, " of ", map.size(), " surfels, those of confidence ",
+                                  std::round(100 * least) / 100, " and more");
+  const RenderedViews trusted = Render(map, shown, views);
+  WriteColorSheet(Shown(map, shown), some, views, prefix + "color.png");
+  WriteSheet(map, ColorByNormal(map), some, trusted, prefix + "normals.png");
+  WriteSheet(map, ColorByLastSeen(map), some, trusted, prefix + "last_seen.png");
+
+  for (const std::int32_t id : ids) shown[id] = 1;
+  const RenderedViews all = Render(map, shown, views);
+  WriteSheet(map, ColorByConfidence(map), Concat("all ", map.size(), " surfels"), all,
+             prefix + "confidence.png");
+}
+
+}  // namespace surfit

@@ -1,0 +1,91 @@
+#include "output/report/plain_page.h"
+
+#include <iomanip>
+
+#include "surfit/core/atomic_file.h"
+
+namespace surfit {
+namespace {
+
+std::string Escaped(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        escaped += "&amp;";
+        break;
+      case '<':
+        escaped += "&lt;";
+        break;
+      case '>':
+        escaped += "&gt;";
+        break;
+      case '"':
+        escaped += "&quot;";
+        break;
+      default:
+        escaped += c;
+    }
+  }
+  return escaped;
+}
+
+// A file's path as an address: what has a meaning in one is written as %XX.
+std::string AddressOf(const std::string& path) {
+  std::ostringstream address;
+  for (const char c : path) {
+    if (c == '%' || c == '#' || c == '?' || c == ':') {
+      address << '%' << std::hex << std::uppercase << static_cast<int>(c);
+    } else {
+      address << c;
+    }
+  }
+  return Escaped(address.str());
+}
+
+}  // namespace
+
+std::string Fixed(double number, int digits) {
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(digits) << number;
+  return text.str();
+}
+
+void PlainPage::Section(const std::string& title) {
+  body_ << "<h2>" << Escaped(title) << "</h2>\n";
+}
+
+void PlainPage::Paragraph(const std::string& text) { body_ << "<p>" << Escaped(text) << "</p>\n"; }
+
+void PlainPage::Picture(const std::string& file) {
+  body_ << "<p><img src=\"" << AddressOf(file) << "\" alt=\"" << Escaped(file) << "\"></p>\n";
+}
+
+void PlainPage::Table(const std::vector<std::vector<Cell>>& rows) {
+  body_ << "<table>\n";
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    body_ << "<tr>";
+    for (const Cell& cell : rows[i]) {
+      body_ << (i == 0 ? "<th>" : "<td>");
+      if (!cell.link.empty()) body_ << "<a href=\"" << AddressOf(cell.link) << "\">";
+      body_ << Escaped(cell.text) << (cell.link.empty() ? "" : "</a>");
+    }
+    body_ << "\n";
+  }
+  body_ << "</table>\n";
+}
+
+void PlainPage::Write(const std::string& title, const std::string& path) const {
+  WriteFileAtomically(path, [&](std::ostream& file) {
+    file << "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>"
+         << Escaped(title)
+         << "</title>\n<style>body{font:15px sans-serif;max-width:1100px;margin:2em auto;"
+            "padding:0 1em}img{max-width:100%}table{border-collapse:collapse}th,td{padding:2px "
+            "10px;text-align:right;border-bottom:1px solid #ddd}th:first-child,td:first-child{"
+            "text-align:left}</style></head>\n<body><h1>"
+         << Escaped(title) << "</h1>\n"
+         << body_.str() << "</body></html>\n";
+  });
+}
+
+}  // namespace surfit

@@ -1,0 +1,116 @@
+#include "output/report/write_report.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "output/report/compare_runs.h"
+#include "output/report/page.h"
+#include "output/report/report_data.h"
+#include "surfit/core/atomic_file.h"
+#include "surfit/core/options.h"
+#include "surfit/geometry/rigid3.h"
+
+namespace surfit {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// JSON that HTML cannot mistake for a tag; '<' stands in strings only. What is no UTF-8 (a folder's
+// name may be anything) is replaced.
+std::string ToScriptText(const Json& json) {
+  const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string safe;
+  safe.reserve(text.size());
+  for (const char c : text) {
+    if (c == '<') {
+      safe += "\\u003c";
+    } else {
+      safe += c;
+    }
+  }
+  return safe;
+}
+
+// Of all runs together: about 40 kB each, beside about 18 MB of the default number of surfels.
+constexpr std::size_t kMostThumbnails = 120;
+
+// How the worlds of all runs lie in that of the first; none where stamps do not tell.
+std::vector<std::optional<RunAlignment>> AlignWithFirst(const std::vector<ReportedRun>& runs) {
+  std::vector<std::optional<RunAlignment>> alignments = {RunAlignment()};
+  for (std::size_t i = 1; i < runs.size(); ++i) {
+    alignments.push_back(AlignRuns(runs[i].trajectory, runs.front().trajectory));
+  }
+  return alignments;
+}
+
+Json ToJson(const RunAlignment& alignment) {
+  const Rigid3d& pose = alignment.target_from_source;
+  const Eigen::Quaterniond& q = pose.rotation;
+  const Eigen::Vector3d& t = pose.translation;
+  return {{"rotation", {q.x(), q.y(), q.z(), q.w()}},
+          {"translation", {t.x(), t.y(), t.z()}},
+          {"poses", alignment.poses},
+          {"rms_m", alignment.rms_m}};
+}
+
+// The first run is compared with the second, all others with the first.
+void Compare(const std::vector<ReportedRun>& runs, std::size_t max_points,
+             std::vector<Json>* pages) {
+  if (runs.size() < 2) return;
+  const auto alignments = AlignWithFirst(runs);
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (!alignments[i]) continue;
+    (*pages)[i]["first_from_run"] = ToJson(*alignments[i]);
+    const std::size_t other = i == 0 ? 1 : 0;
+    if (!alignments[other]) continue;
+    const Rigid3d other_from_run =
+        alignments[other]->target_from_source.Inverse() * alignments[i]->target_from_source;
+    (*pages)[i]["compared_with"] = (*pages)[other]["label"];
+    (*pages)[i]["map"]["distance"] = PackDistances(DistancesFromMap(
+        EvenlySpread(runs[i].surfels, max_points), other_from_run, runs[other].surfels));
+  }
+}
+
+}  // namespace
+
+void WriteData(const std::string& name, const Json& data, std::ostream* page) {
+  *page << "<script type=\"application/json\" class=\"" << name << "\">" << ToScriptText(data)
+        << "</script>\n";
+}
+
+void ReportOptions::Visit(OptionVisitor& v) {
+  v.Add(runs, "runs", "output folder of surfit_slam; several --run stand side by side", Required(),
+        AsFlag("run"), Repeatable());
+  v.Add(output, "output", "the page; if empty, report.html in the first run's folder", Required(),
+        AsFlag());
+  v.Add(max_points, "max_points",
+        "surfels of all runs together that the page holds; larger maps are sampled evenly",
+        AtLeast(1000), AsFlag());
+}
+
+std::vector<ReportedMap> WriteReport(const ReportOptions& options) {
+  Validate(options);
+  const std::size_t count = options.runs.size(), max_points = options.max_points / count;
+  const std::vector<std::string> names = ShortNames(options.runs);
+  std::vector<ReportedMap> maps;
+  std::vector<ReportedRun> runs;
+  std::vector<Json> pages;
+  for (std::size_t i = 0; i < count; ++i) {
+    runs.push_back(ReadRun(options.runs[i], std::max<std::size_t>(1, kMostThumbnails / count)));
+    Json page = std::move(runs[i].page);
+    page["label"] = names[i];
+    page["map"] = PackMap(runs[i].surfels, max_points);
+    maps.push_back({options.runs[i], page["map"]["points"], page["map"]["shown"]});
+    pages.push_back(std::move(page));
+  }
+  Compare(runs, max_points, &pages);
+  WriteFileAtomically(options.output, [&](std::ostream& file) {
+    file << kReportPage.before_data;
+    for (const Json& page : pages) WriteData("run", page, &file);
+    file << kReportPage.after_data;
+  });
+  return maps;
+}
+
+}  // namespace surfit

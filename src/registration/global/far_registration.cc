@@ -1,0 +1,145 @@
+#include "surfit/registration/far_registration.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/named_values.h"
+#include "registration/global/register_from.h"
+#include "registration/global/start_search.h"
+#include "surfit/core/error.h"
+#include "surfit/core/options.h"
+
+namespace surfit {
+namespace {
+
+constexpr std::size_t kRegistered = 3;  // of the poses found, the best
+
+constexpr NamedValue<FarReason> kReasons[] = {{"no_view", FarReason::kNoView},
+                                              {"no_start", FarReason::kNoStart},
+                                              {"not_registered", FarReason::kNotRegistered},
+                                              {"degenerate", FarReason::kDegenerate},
+                                              {"little_overlap", FarReason::kLittleOverlap},
+                                              {"poor_fit", FarReason::kPoorFit},
+                                              {"free_space_filled", FarReason::kFreeSpaceFilled},
+                                              {"looks_different", FarReason::kLooksDifferent},
+                                              {"ambiguous", FarReason::kAmbiguous},
+                                              {"inconsistent", FarReason::kInconsistent},
+                                              {"accepted", FarReason::kAccepted}};
+
+FarReason ReasonOf(const IcpResult& icp) {
+  if (icp.Succeeded()) return FarReason::kAccepted;
+  if (icp.termination == Termination::kSingularSystem) return FarReason::kDegenerate;
+  if (icp.termination == Termination::kFreeSpaceFilled) return FarReason::kFreeSpaceFilled;
+  return FarReason::kNotRegistered;
+}
+
+FarVerdict RegisterFromIdentity(const ColoredView& source, const ColoredView& target,
+                                const IcpOptions& icp_options) {
+  FarVerdict verdict;
+  verdict.icp = Register(source.pyramid, target.pyramid, verdict.start, icp_options);
+  verdict.reason = ReasonOf(verdict.icp);
+  verdict.target_from_source = verdict.icp.target_from_source;
+  verdict.inlier_share = verdict.icp.inlier_share;
+  verdict.rmse_m = verdict.icp.rmse_m;
+  return verdict;
+}
+
+std::vector<Rigid3d> StartsBy(const std::string& method, const StartSearch& search) {
+  if (method == "so3") return {search.FindRotation()};
+  std::vector<Rigid3d> starts;
+  for (const StartPose& start : search.FindPoses()) {
+    if (starts.size() < kRegistered) starts.push_back(start.target_from_source);
+  }
+  return starts;
+}
+
+}  // namespace
+
+std::string ToString(FarReason reason) { return NameOf(reason, kReasons); }
+
+std::vector<FarReason> FarReasons() {
+  std::vector<FarReason> reasons;
+  for (const auto& reason : kReasons) reasons.push_back(reason.value);
+  return reasons;
+}
+
+std::string Doubt(const FarVerdict& verdict, const FitCriteria& fit) {
+  const auto at_least = [](const char* what, double value, double least) {
+    return Concat(what, " is ", value, ", must be at least ", least);
+  };
+  const auto at_most = [](const char* what, double value, double most) {
+    return Concat(what, " is ", value, ", must be at most ", most);
+  };
+  switch (verdict.reason) {
+    case FarReason::kLittleOverlap:
+      return at_least("overlap share", verdict.overlap_share, fit.min_overlap_share);
+    case FarReason::kFreeSpaceFilled:
+      return at_most("free-space share", verdict.free_space_share, fit.max_free_space_share);
+    case FarReason::kLooksDifferent:
+      return Concat("correlations of brightness and its detail are ", verdict.value_correlation,
+                    " and ", verdict.detail_correlation, ", must be at least ",
+                    fit.min_value_correlation, " and ", fit.min_detail_correlation);
+    case FarReason::kPoorFit:
+      return Concat("RMSE is ", verdict.rmse_m, " m and inlier share ", verdict.inlier_share,
+                    ", must be at most ", fit.max_rmse_m, " m and at least ", fit.min_inlier_share,
+                    " of the overlap share");
+    case FarReason::kAmbiguous:
+      return at_least("lead over other poses", verdict.lead, fit.min_lead);
+    case FarReason::kInconsistent:
+      return at_most("disagreement with the way back, m,", verdict.disagreement_m,
+                     fit.max_disagreement_m);
+    default:
+      return "";
+  }
+}
+
+std::vector<std::string> InitializeMethods() { return {"identity", "so3", "features"}; }
+
+FitCriteria InitializeOptions::FrameCriteria() {
+  FitCriteria fit;
+  fit.min_overlap_share = 0.15;
+  fit.max_free_space_share = 1;
+  fit.needs_color = false;
+  fit.min_value_correlation = 0.8;
+  fit.min_detail_correlation = 0.05;
+  fit.min_inlier_share = 0;
+  fit.max_disagreement_m = fit.max_disagreement_rad = M_PI;
+  return fit;
+}
+
+IcpOptions FarIcpOptions() {
+  IcpOptions icp;
+  icp.middle_levels = false;
+  icp.min_coarse_step_px = 20;
+  icp.gates.max_distance_m = 0.05;
+  icp.gates.max_normal_angle_rad = 0.35;
+  icp.gate_growth = 2.5;
+  icp.kernel_growth = 4;
+  icp.max_free_space_share = 0.02;
+  return icp;
+}
+
+IcpOptions IcpOptionsFromStart(const InitializeOptions& options, const IcpOptions& icp_options) {
+  IcpOptions changed = icp_options;
+  if (options.method == "identity") return changed;
+  changed.max_iterations *= options.iteration_growth;
+  changed.min_relative_rmse_change /= options.iteration_growth;
+  changed.stop_at_rmse_increase = false;
+  changed.max_free_space_share =
+      std::min(1., options.free_space_growth * icp_options.max_free_space_share);
+  return changed;
+}
+
+FarVerdict RegisterFar(const ColoredView& source, const ColoredView& target,
+                       const InitializeOptions& options, const IcpOptions& icp_options) {
+  Validate(options);
+  if (options.method == "identity") return RegisterFromIdentity(source, target, icp_options);
+  const StartSearch search(source, target, icp_options.error_model);
+  const IcpOptions icp = IcpOptionsFromStart(options, icp_options);
+  const FarView from = {source.pyramid, source.pyramid, search.SourceLevel(),
+                        !source.color.empty()};
+  const FarView to = {target.pyramid, target.pyramid, search.TargetLevel(), !target.color.empty()};
+  return RegisterFrom(StartsBy(options.method, search), from, to, {icp, icp, options.fit});
+}
+
+}  // namespace surfit

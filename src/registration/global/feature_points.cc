@@ -1,0 +1,269 @@
+#include "registration/global/feature_points.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <iterator>
+#include <opencv2/core.hpp>
+#include <opencv2/features2d.hpp>
+#include <opencv2/imgproc.hpp>
+#include <random>
+#include <utility>
+
+#include "registration/solvers/decompositions.h"
+
+namespace surfit {
+
+namespace {
+
+constexpr int kGridColumns = 8, kGridRows = 6;
+constexpr int kDetectedPerKept = 4;  // before the strongest of each cell are chosen
+constexpr float kScaleFactor = 1.2f;
+constexpr int kScales = 8;
+constexpr int kBorderPx = 15;     // the patch's half width: turned corners wrap into its border
+constexpr int kFastContrast = 7;  // of 255: even rooms have little; OpenCV's is 20
+
+constexpr int kDepthRadiusPx = 2;
+
+constexpr int kMaxHamming = 70;  // of 256
+constexpr double kMaxRatio = 0.9;
+
+cv::Ptr<cv::ORB> MakeOrb(int max_count) {
+  constexpr int kFirstLevel = 0, kComparedPoints = 2, kPatchPx = 31;
+  return cv::ORB::create(kDetectedPerKept * max_count, kScaleFactor, kScales, kBorderPx,
+                         kFirstLevel, kComparedPoints, cv::ORB::HARRIS_SCORE, kPatchPx,
+                         kFastContrast);
+}
+
+// The strongest of each cell, those of equal strength in the order found.
+std::vector<cv::KeyPoint> Spread(std::vector<cv::KeyPoint> keys, const cv::Size& size,
+                                 int max_count) {
+  std::stable_sort(keys.begin(), keys.end(), [](const cv::KeyPoint& a, const cv::KeyPoint& b) {
+    return a.response > b.response;
+  });
+  const int per_cell = std::max(1, max_count / (kGridColumns * kGridRows));
+  std::vector<int> counts(kGridColumns * kGridRows, 0);
+  std::vector<cv::KeyPoint> kept;
+  for (const cv::KeyPoint& key : keys) {
+    const int column = static_cast<int>(key.pt.x) * kGridColumns / size.width;
+    const int row = static_cast<int>(key.pt.y) * kGridRows / size.height;
+    if (counts[row * kGridColumns + column]++ < per_cell) kept.push_back(key);
+    if (static_cast<int>(kept.size()) == max_count) break;
+  }
+  return kept;
+}
+
+// The descriptors that are nearest and second nearest to one.
+struct Nearest {
+  static constexpr int kFarthest = 257;
+  int index = -1;
+  int distance = kFarthest, second_distance = kFarthest;
+
+  void Offer(int other, int other_distance) {
+    if (other_distance < distance) {
+      second_distance = std::exchange(distance, other_distance);
+      index = other;
+    } else {
+      second_distance = std::min(second_distance, other_distance);
+    }
+  }
+  bool IsClear() const { return distance <= kMaxHamming && distance < kMaxRatio * second_distance; }
+};
+
+}  // namespace
+
+double DepthOfFeature(const Image<float>& depth_m, double u, double v) {
+  const int column = static_cast<int>(std::lround(u)), row = static_cast<int>(std::lround(v));
+  std::vector<float> valid;
+  for (int y = std::max(0, row - kDepthRadiusPx);
+       y <= std::min(depth_m.height() - 1, row + kDepthRadiusPx); ++y) {
+    for (int x = std::max(0, column - kDepthRadiusPx);
+         x <= std::min(depth_m.width() - 1, column + kDepthRadiusPx); ++x) {
+      if (depth_m(x, y) > 0) valid.push_back(depth_m(x, y));
+    }
+  }
+  if (valid.empty()) return 0;
+  const auto middle = valid.begin() + static_cast<std::ptrdiff_t>(valid.size() / 2);
+  std::nth_element(valid.begin(), middle, valid.end());
+  return *middle;
+}
+
+double SigmaOfFeature(double depth_m, double place_sigma_px, const DepthSensor& sensor,
+                      const ErrorModel& error_model) {
+  return std::hypot(error_model.Sigma(depth_m, sensor.noise),
+                    place_sigma_px * depth_m / sensor.camera.fx);
+}
+
+FeaturePoints FindFeatures(const Image<Rgb8>& color, const FrameLevel& surface,
+                           const ErrorModel& error_model, int max_count) {
+  FeaturePoints features;
+  if (color.empty()) return features;
+  const cv::Mat rgb(color.height(), color.width(), CV_8UC3, const_cast<Rgb8*>(color.data()));
+  cv::Mat gray, descriptors;
+  cv::cvtColor(rgb, gray, cv::COLOR_RGB2GRAY);
+  const cv::Ptr<cv::ORB> orb = MakeOrb(max_count);
+  std::vector<cv::KeyPoint> keys;
+  orb->detect(gray, keys);
+  keys = Spread(std::move(keys), gray.size(), max_count);
+  orb->compute(gray, keys, descriptors);
+  for (int i = 0; i < static_cast<int>(keys.size()); ++i) {
+    const cv::Point2f place = keys[i].pt;
+    const double depth_m = DepthOfFeature(surface.vertex.z, place.x, place.y);
+    if (!(depth_m > 0)) continue;
+    features.points.emplace_back(surface.camera.Ray(place.x, place.y) * depth_m);
+    features.sigmas_m.push_back(
+        SigmaOfFeature(depth_m, kFeaturePlaceSigmaPx, surface.sensor(), error_model));
+    BinaryDescriptor& descriptor = features.descriptors.emplace_back();
+    std::memcpy(descriptor.data(), descriptors.ptr(i), sizeof(descriptor));
+  }
+  return features;
+}
+
+std::vector<FeatureMatch> MatchFeatures(const FeaturePoints& source, const FeaturePoints& target) {
+  std::vector<Nearest> of_source(source.size()), of_target(target.size());
+  for (int i = 0; i < source.size(); ++i) {
+    for (int j = 0; j < target.size(); ++j) {
+      const int distance = Hamming(source.descriptors[i], target.descriptors[j]);
+      of_source[i].Offer(j, distance);
+      of_target[j].Offer(i, distance);
+    }
+  }
+  std::vector<FeatureMatch> matches;
+  for (int i = 0; i < source.size(); ++i) {
+    const int j = of_source[i].index;
+    if (of_source[i].IsClear() && of_target[j].index == i) matches.push_back({i, j});
+  }
+  return matches;
+}
+
+namespace {
+
+constexpr double kInlierSigmas = 3;
+constexpr std::size_t kMinInliers = 4;
+constexpr int kRefinements = 5;
+constexpr double kMinSide = 0.05;  // m; smaller triangles hold no rotation
+
+class ConsensusSearch {
+ public:
+  ConsensusSearch(const FeaturePoints& source, const FeaturePoints& target,
+                  const std::vector<FeatureMatch>& matches)
+      : source_(source), target_(target), matches_(matches) {}
+
+  // In descending order of their inliers, first drawn first.
+  std::vector<Consensus> Draw(int max_tries) const {
+    std::mt19937_64 generator(1);
+    std::vector<Consensus> found;
+    int tries = 0;
+    for (int i = 0; i < kConsensusSamples && tries < max_tries; ++i) {
+      std::vector<int> sample(3);
+      for (int& match : sample) match = static_cast<int>(generator() % matches_.size());
+      if (!IsRigid(sample)) continue;
+      ++tries;
+      Consensus consensus = At(FitPose(source_, target_, matches_, sample));
+      if (consensus.inliers.size() >= kMinInliers) found.push_back(std::move(consensus));
+    }
+    std::stable_sort(found.begin(), found.end(), [](const Consensus& a, const Consensus& b) {
+      return a.inliers.size() > b.inliers.size();
+    });
+    return found;
+  }
+
+  Consensus Refine(Consensus consensus) const {
+    for (int i = 0; i < kRefinements; ++i) {
+      Consensus next = At(FitPose(source_, target_, matches_, consensus.inliers));
+      if (next.inliers.size() < consensus.inliers.size()) break;
+      consensus = std::move(next);
+    }
+    return consensus;
+  }
+
+ private:
+  double Variance(const FeatureMatch& match) const {
+    return std::pow(source_.sigmas_m[match.source], 2) +
+           std::pow(target_.sigmas_m[match.target], 2);
+  }
+
+  // Sides are as long in both views, and long enough. Two equal matches make a side of no length.
+  bool IsRigid(const std::vector<int>& sample) const {
+    for (int i = 0; i < 3; ++i) {
+      const FeatureMatch &a = matches_[sample[i]], &b = matches_[sample[(i + 1) % 3]];
+      const double before_m = (source_.points[a.source] - source_.points[b.source]).norm();
+      const double after_m = (target_.points[a.target] - target_.points[b.target]).norm();
+      const double bound_m = kInlierSigmas * std::sqrt(Variance(a) + Variance(b));
+      if (before_m < kMinSide || std::abs(after_m - before_m) > bound_m) return false;
+    }
+    return true;
+  }
+
+  Consensus At(const Rigid3d& pose) const {
+    Consensus consensus{pose, {}};
+    const Eigen::Matrix3d rotation = pose.rotation.toRotationMatrix();
+    for (int i = 0; i < static_cast<int>(matches_.size()); ++i) {
+      const Eigen::Vector3d moved =
+          rotation * source_.points[matches_[i].source] + pose.translation;
+      const double square = (moved - target_.points[matches_[i].target]).squaredNorm();
+      if (square < kInlierSigmas * kInlierSigmas * Variance(matches_[i])) {
+        consensus.inliers.push_back(i);
+      }
+    }
+    return consensus;
+  }
+
+  const FeaturePoints& source_;
+  const FeaturePoints& target_;
+  const std::vector<FeatureMatch>& matches_;
+};
+
+bool ShareHalf(const Consensus& a, const Consensus& b) {
+  std::vector<int> common;
+  std::set_intersection(a.inliers.begin(), a.inliers.end(), b.inliers.begin(), b.inliers.end(),
+                        std::back_inserter(common));
+  return 2 * common.size() > std::min(a.inliers.size(), b.inliers.size());
+}
+
+}  // namespace
+
+Rigid3d FitPose(const FeaturePoints& source, const FeaturePoints& target,
+                const std::vector<FeatureMatch>& matches, const std::vector<int>& used) {
+  Eigen::Vector3d from = Eigen::Vector3d::Zero(), to = Eigen::Vector3d::Zero();
+  std::vector<double> weights;
+  double weight_sum = 0;
+  for (const int i : used) {
+    const auto& [s, t] = matches[i];
+    weights.push_back(1 / (std::pow(source.sigmas_m[s], 2) + std::pow(target.sigmas_m[t], 2)));
+    weight_sum += weights.back();
+    from += weights.back() * source.points[s];
+    to += weights.back() * target.points[t];
+  }
+  from /= weight_sum;
+  to /= weight_sum;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    const auto& [s, t] = matches[used[i]];
+    covariance += weights[i] * (target.points[t] - to) * (source.points[s] - from).transpose();
+  }
+  const Eigen::Matrix3d rotation = NearestRotation(covariance);
+  return Rigid3d(rotation, to - rotation * from);
+}
+
+std::vector<Consensus> FindConsensus(const FeaturePoints& source, const FeaturePoints& target,
+                                     const std::vector<FeatureMatch>& matches, int max_count,
+                                     int max_tries) {
+  std::vector<Consensus> distinct;
+  if (matches.size() < kMinInliers) return distinct;
+  const ConsensusSearch search(source, target, matches);
+  const auto is_known = [&](const Consensus& consensus) {
+    return std::any_of(distinct.begin(), distinct.end(),
+                       [&](const Consensus& known) { return ShareHalf(known, consensus); });
+  };
+  for (const Consensus& candidate : search.Draw(max_tries)) {
+    if (static_cast<int>(distinct.size()) == max_count) break;
+    if (is_known(candidate)) continue;
+    Consensus refined = search.Refine(candidate);
+    if (!is_known(refined)) distinct.push_back(std::move(refined));
+  }
+  return distinct;
+}
+
+}  // namespace surfit

@@ -1,0 +1,235 @@
+#include "registration/global/start_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "registration/global/feature_points.h"
+#include "registration/solvers/decompositions.h"
+#include "surfit/core/parallel.h"
+
+namespace surfit {
+namespace {
+
+constexpr int kMostFeatures = 2000;
+constexpr int kFeaturePoses = 10;  // that are tried at most
+
+// Poses nearer to each other than this are one.
+struct Nearness {
+  double distance_m;
+  double angle_rad;
+};
+constexpr Nearness kCoarseNearness = {0.08, 4 * kRadPerDeg};
+constexpr Nearness kMiddleNearness = {0.03, 1 * kRadPerDeg};
+constexpr Nearness kFineNearness = {0.02, 1 * kRadPerDeg};
+
+// A quarter of the coarsest level's points tells which rotations lead anywhere.
+constexpr int kSketchStride = 2;
+
+// How many different poses are left at each stage.
+constexpr std::size_t kCoarsePoses = 40;
+constexpr std::size_t kMiddlePoses = 6;
+constexpr std::size_t kFinePoses = 8;
+
+bool AreNear(const Rigid3d& a, const Rigid3d& b, const Nearness& nearness) {
+  return (a.translation - b.translation).norm() < nearness.distance_m &&
+         RotationAngle(a.rotation.conjugate() * b.rotation) < nearness.angle_rad;
+}
+
+// The best of poses near to each other, in descending order.
+std::vector<StartPose> BestDifferent(std::vector<StartPose> poses, const Nearness& nearness,
+                                     std::size_t max_count) {
+  std::stable_sort(poses.begin(), poses.end(),
+                   [](const StartPose& a, const StartPose& b) { return a.score > b.score; });
+  std::vector<StartPose> different;
+  for (const StartPose& pose : poses) {
+    if (different.size() == max_count) break;
+    if (std::none_of(different.begin(), different.end(), [&](const StartPose& better) {
+          return AreNear(better.target_from_source, pose.target_from_source, nearness);
+        })) {
+      different.push_back(pose);
+    }
+  }
+  return different;
+}
+
+// change(pose) of each, in their order.
+std::vector<StartPose> ForAll(const std::vector<StartPose>& poses,
+                              const std::function<StartPose(const StartPose&)>& change) {
+  std::vector<StartPose> changed(poses.size());
+  ParallelFor(0, static_cast<int>(poses.size()), 1, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) changed[i] = change(poses[i]);
+  });
+  return changed;
+}
+
+}  // namespace
+
+std::vector<Eigen::Quaterniond> RotationGrid() {
+  constexpr double kReachRad = 60 * kRadPerDeg;
+  // The side of the lattice's cubes. What is farthest from all of its points is sqrt(5) / 4 of it.
+  constexpr double kSideRad = 19 * kRadPerDeg;
+  const int reach = static_cast<int>(kReachRad / kSideRad) + 1;
+  std::vector<Eigen::Vector3d> vectors;
+  for (const double offset : {0., 0.5}) {
+    for (int x = -reach; x <= reach; ++x) {
+      for (int y = -reach; y <= reach; ++y) {
+        for (int z = -reach; z <= reach; ++z) {
+          const Eigen::Vector3d vector =
+              kSideRad * (Eigen::Vector3d(x, y, z) + Eigen::Vector3d::Constant(offset));
+          if (vector.norm() <= kReachRad) vectors.push_back(vector);
+        }
+      }
+    }
+  }
+  std::stable_sort(vectors.begin(), vectors.end(),
+                   [](const auto& a, const auto& b) { return a.norm() < b.norm(); });
+  std::vector<Eigen::Quaterniond> rotations;
+  rotations.reserve(vectors.size());
+  for (const Eigen::Vector3d& vector : vectors) rotations.push_back(QuaternionExp<double>(vector));
+  return rotations;
+}
+
+StartSearch::StartSearch(const ColoredView& source, const ColoredView& target,
+                         const ErrorModel& error_model)
+    : source_(source),
+      target_(target),
+      error_model_(error_model),
+      levels_(
+          static_cast<int>(std::min(source.pyramid.levels.size(), target.pyramid.levels.size()))) {
+  const auto brightness = [&](const ColoredView& view) {
+    const PinholeCamera& camera = view.pyramid.levels.front().camera;
+    return BrightnessPyramid(view.color, camera.width, camera.height, levels_);
+  };
+  source_brightness_ = brightness(source);
+  target_brightness_ = brightness(target);
+}
+
+// Every stage looks at about as many points as the coarsest level has.
+int StartSearch::StrideOf(Stage stage) const {
+  return 1 << std::max(0, LevelOf(kCoarse) - LevelOf(stage));
+}
+
+int StartSearch::LevelOf(Stage stage) const { return std::max(0, levels_ - 1 - stage); }
+
+ViewLevel StartSearch::Source(Stage stage) const {
+  return {source_.pyramid.levels[LevelOf(stage)], source_brightness_[LevelOf(stage)]};
+}
+
+ViewLevel StartSearch::Target(Stage stage) const {
+  return {target_.pyramid.levels[LevelOf(stage)], target_brightness_[LevelOf(stage)]};
+}
+
+// A coarser level shows shapes less exactly.
+double StartSearch::Score(Stage stage, const Rigid3d& pose, int stride) const {
+  ErrorModel error_model = error_model_;
+  error_model.floor_sigma_m *= std::pow(2, LevelOf(stage));
+  return MeasureFit(Source(stage), Target(stage), error_model, pose, stride).Score();
+}
+
+std::vector<StartPose> StartSearch::FromFeatures() const {
+  const FeaturePoints source =
+      FindFeatures(source_.color, source_.pyramid.levels.front(), error_model_, kMostFeatures);
+  const FeaturePoints target =
+      FindFeatures(target_.color, target_.pyramid.levels.front(), error_model_, kMostFeatures);
+  std::vector<StartPose> poses;
+  for (const Consensus& consensus :
+       FindConsensus(source, target, MatchFeatures(source, target), kFeaturePoses)) {
+    poses.push_back({consensus.target_from_source, 0});
+  }
+  return poses;
+}
+
+std::vector<StartPose> StartSearch::FromRotations() const {
+  std::vector<StartPose> poses;
+  for (const Eigen::Quaterniond& rotation : RotationGrid()) {
+    poses.push_back({Rigid3d(rotation, Eigen::Vector3d::Zero()), 0});
+  }
+  // Steps that let the room's walls find each other from far.
+  DescentOptions descent;
+  descent.max_steps = 15;
+  descent.max_distance_m = 1.5;
+  descent.max_distance_end_m = 0.25;
+  descent.use_brightness = false;
+  descent.stride = kSketchStride;
+  return ForAll(poses, [&](const StartPose& start) {
+    const Rigid3d pose =
+        Descend(Source(kCoarse), Target(kCoarse), start.target_from_source, descent);
+    return StartPose{pose, Score(kCoarse, pose, kSketchStride)};
+  });
+}
+
+StartPose StartSearch::Improve(const StartPose& start) const {
+  DescentOptions descent;
+  Rigid3d pose = Descend(Source(kCoarse), Target(kCoarse), start.target_from_source, descent);
+  descent.max_steps = 8;
+  descent.stride = StrideOf(kMiddle);
+  descent.max_distance_m = 0.2;
+  descent.max_distance_end_m = 0.1;
+  pose = Descend(Source(kMiddle), Target(kMiddle), pose, descent);
+  return {pose, Score(kMiddle, pose, StrideOf(kMiddle))};
+}
+
+// Where shapes hold a direction badly (two walls and nothing else), the descent ends anywhere
+// along it, and only the images tell where.
+std::vector<StartPose> StartSearch::AlongWeakestDirection(const Rigid3d& pose) const {
+  constexpr double kReachM = 1, kStepM = 0.05;
+  constexpr std::size_t kBest = 6;
+  const JointSystem system = LinearizeJointly(Source(kCoarse), Target(kCoarse),
+                                              {kCoarseNearness.distance_m * 3, false}, pose);
+  std::vector<StartPose> along;
+  if (system.pair_count == 0) return along;
+  const Vector6d direction = WeakestIncrement(system.hessian, system.RmsDistance());
+  for (int i = 1; i * kStepM <= kReachM; ++i) {
+    for (const double shift_m : {i * kStepM, -i * kStepM}) {
+      const Rigid3d shifted = LeftIncrement<double>(shift_m * direction, pose);
+      along.push_back({shifted, Score(kCoarse, shifted)});
+    }
+  }
+  return BestDifferent(along, kCoarseNearness, kBest);
+}
+
+std::vector<StartPose> StartSearch::FindPoses() const {
+  const auto improve = [&](const StartPose& start) { return Improve(start); };
+  std::vector<StartPose> poses =
+      ForAll(BestDifferent(FromRotations(), kCoarseNearness, kCoarsePoses), improve);
+  for (const StartPose& pose : ForAll(FromFeatures(), improve)) poses.push_back(pose);
+  std::vector<StartPose> best = BestDifferent(poses, kMiddleNearness, kMiddlePoses);
+  std::vector<StartPose> along;
+  for (const StartPose& pose : best) {
+    for (const StartPose& other : AlongWeakestDirection(pose.target_from_source)) {
+      along.push_back(other);
+    }
+  }
+  for (const StartPose& pose : ForAll(along, improve)) poses.push_back(pose);
+  best = BestDifferent(poses, kMiddleNearness, kFinePoses);
+
+  DescentOptions descent;
+  descent.max_steps = 6;
+  descent.stride = StrideOf(kFine);
+  descent.max_distance_m = descent.max_distance_end_m = 0.1;
+  descent.damping = 1e-4;
+  const auto refine = [&](const StartPose& start) {
+    const Rigid3d pose = Descend(Source(kFine), Target(kFine), start.target_from_source, descent);
+    return StartPose{pose, Score(kFine, pose, StrideOf(kFine))};
+  };
+  return BestDifferent(ForAll(best, refine), kFineNearness, kFinePoses);
+}
+
+Rigid3d StartSearch::FindRotation() const {
+  std::vector<StartPose> poses;
+  for (const Eigen::Quaterniond& rotation : RotationGrid()) {
+    poses.push_back({Rigid3d(rotation, Eigen::Vector3d::Zero()), 0});
+  }
+  DescentOptions descent;
+  descent.max_distance_m = descent.max_distance_end_m = 1.5;
+  descent.rotation_only = true;
+  const auto turn = [&](const StartPose& start) {
+    const Rigid3d pose =
+        Descend(Source(kCoarse), Target(kCoarse), start.target_from_source, descent);
+    return StartPose{pose, Score(kCoarse, pose)};
+  };
+  return BestDifferent(ForAll(poses, turn), kCoarseNearness, 1).front().target_from_source;
+}
+
+}  // namespace surfit

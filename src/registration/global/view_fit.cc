@@ -1,0 +1,176 @@
+#include "registration/global/view_fit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "surfit/core/parallel.h"
+
+namespace surfit {
+
+namespace {
+
+struct Count {
+  int in_front = 0;
+  int at_surface = 0;
+
+  Count& operator+=(const Count& other) {
+    in_front += other.in_front;
+    at_surface += other.at_surface;
+    return *this;
+  }
+};
+
+// Index of the pixel nearest to a point in the camera's frame, or -1.
+int PixelOf(const Eigen::Vector3d& point, const PinholeCamera& camera) {
+  if (!(point.z() > 0)) return -1;
+  const Eigen::Vector2d pixel = camera.Project(point) + Eigen::Vector2d(0.5, 0.5);
+  const bool inside =
+      pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() < camera.width && pixel.y() < camera.height;
+  return inside ? static_cast<int>(pixel.y()) * camera.width + static_cast<int>(pixel.x()) : -1;
+}
+
+// From the target's surface, both at these depths.
+double FreeSpaceBound(const FrameLevel& source, double source_z_m, const FrameLevel& target,
+                      double target_z_m, const ErrorModel& error_model) {
+  const double of_source_m = error_model.Sigma(source_z_m, source.noise);
+  const double of_target_m = target.noise.SigmaZ(target_z_m);
+  return kFreeSpaceSigmas * std::sqrt(of_source_m * of_source_m + of_target_m * of_target_m);
+}
+
+Count CountRow(const FrameLevel& source, const FrameLevel& target, const ErrorModel& error_model,
+               const Rigid3d& target_from_source, int v) {
+  const Eigen::Matrix3d rotation = target_from_source.rotation.toRotationMatrix();
+  Count count;
+  for (int u = 0; u < source.vertex.width(); ++u) {
+    if (!(source.vertex.z(u, v) > 0)) continue;
+    const Eigen::Vector3d point =
+        rotation * source.vertex(u, v).cast<double>() + target_from_source.translation;
+    const int pixel = PixelOf(point, target.camera);
+    if (pixel < 0) continue;
+    const Eigen::Vector3d surface = At(target.vertex, pixel).cast<double>();
+    const Eigen::Vector3d normal = At(target.normal, pixel).cast<double>();
+    if (!(surface.z() > 0) || normal.isZero(0)) continue;
+    const double height_m = normal.dot(point - surface);
+    const double bound_m = FreeSpaceBound(source, point.z(), target, surface.z(), error_model);
+    count.in_front += height_m > bound_m;
+    count.at_surface += std::abs(height_m) <= bound_m;
+  }
+  return count;
+}
+
+}  // namespace
+
+double FreeSpaceShare(const FrameLevel& source, const FrameLevel& target,
+                      const ErrorModel& error_model, const Rigid3d& target_from_source) {
+  const Count count =
+      ParallelSum(0, source.vertex.height(), kRowsPerBlock, Count(), [&](int begin, int end) {
+        Count sum;
+        for (int v = begin; v < end; ++v) {
+          sum += CountRow(source, target, error_model, target_from_source, v);
+        }
+        return sum;
+      });
+  const int telling = count.in_front + count.at_surface;
+  return telling > 0 ? static_cast<double>(count.in_front) / telling : 0;
+}
+
+namespace {
+
+// 8-bit colours are rounded by 1 / 255 at least, and noisy.
+constexpr double kValueFloorVariance = 1e-5;
+constexpr double kDetailFloorVariance = 1e-6;
+
+struct OneWayFit {
+  int valid = 0;
+  int at_surface = 0;
+  int in_front = 0;
+  CorrelationSums value, detail;
+
+  double FreeSpaceShare() const {
+    return in_front > 0 ? static_cast<double>(in_front) / (in_front + at_surface) : 0;
+  }
+};
+
+OneWayFit MeasureOneWay(const ViewLevel& source, const ViewLevel& target,
+                        const ErrorModel& error_model, const Rigid3d& target_from_source,
+                        int stride) {
+  OneWayFit fit;
+  const auto& depth_m = source.surface.vertex.z;
+  for (int v = stride / 2; v < depth_m.height(); v += stride) {
+    for (int u = stride / 2; u < depth_m.width(); u += stride) fit.valid += depth_m(u, v) > 0;
+  }
+  const Eigen::Matrix3f rotation = target_from_source.rotation.toRotationMatrix().cast<float>();
+  const auto measure = [&](const Landing& landing) {
+    const Eigen::Vector3f surface = At(target.surface.vertex, landing.target_pixel);
+    const Eigen::Vector3f normal = At(target.surface.normal, landing.target_pixel);
+    if (!(surface.z() > 0) || normal.isZero(0)) return;
+    const double height_m = normal.dot(landing.point - surface);
+    const double bound_m =
+        FreeSpaceBound(source.surface, landing.point.z(), target.surface, surface.z(), error_model);
+    if (height_m > bound_m) ++fit.in_front;
+    if (std::abs(height_m) > bound_m) return;
+    const Eigen::Vector3f turned = rotation * At(source.surface.normal, landing.source_pixel);
+    if (!(turned.dot(normal) > kMinNormalCosine)) return;
+    ++fit.at_surface;
+    fit.value.Add(source.brightness.value[landing.source_pixel],
+                  SampleAt(target.brightness.value, landing.u, landing.v).value);
+    fit.detail.Add(source.brightness.detail[landing.source_pixel],
+                   SampleAt(target.brightness.detail, landing.u, landing.v).value);
+  };
+  ForEachLanding(source.surface, target.surface, target_from_source, measure, stride);
+  return fit;
+}
+
+// What one image tells of the other, in nats per pixel.
+double Information(double correlation) {
+  constexpr double kLargest = 0.98;  // of what noise leaves
+  const double rho = std::clamp(correlation, 0., kLargest);
+  return -0.5 * std::log(1 - rho * rho);
+}
+
+}  // namespace
+
+void CorrelationSums::Add(double value_a, double value_b) {
+  count += 1;
+  a += value_a;
+  b += value_b;
+  aa += value_a * value_a;
+  bb += value_b * value_b;
+  ab += value_a * value_b;
+}
+
+double CorrelationSums::Correlation(double floor_variance) const {
+  if (count == 0) return 0;
+  const double mean_a = a / count, mean_b = b / count;
+  const double variance_a = aa / count - mean_a * mean_a + floor_variance;
+  const double variance_b = bb / count - mean_b * mean_b + floor_variance;
+  return (ab / count - mean_a * mean_b) / std::sqrt(variance_a * variance_b);
+}
+
+double ViewFit::Score() const {
+  constexpr double kWrongFreeSpaceShare = 0.2;
+  const double tells = 1 + Information(value_correlation) + 2 * Information(detail_correlation);
+  return std::sqrt(overlap_share) * tells *
+         std::max(0.01, 1 - free_space_share / kWrongFreeSpaceShare);
+}
+
+ViewFit MeasureFit(const ViewLevel& source, const ViewLevel& target, const ErrorModel& error_model,
+                   const Rigid3d& target_from_source, int stride) {
+  const OneWayFit there = MeasureOneWay(source, target, error_model, target_from_source, stride);
+  const OneWayFit back =
+      MeasureOneWay(target, source, error_model, target_from_source.Inverse(), stride);
+  ViewFit fit;
+  const int valid = there.valid + back.valid;
+  if (valid == 0) return fit;
+  fit.overlap_share = static_cast<double>(there.at_surface + back.at_surface) / valid;
+  fit.free_space_share = std::max(there.FreeSpaceShare(), back.FreeSpaceShare());
+  fit.value_correlation =
+      (there.value.Correlation(kValueFloorVariance) + back.value.Correlation(kValueFloorVariance)) /
+      2;
+  fit.detail_correlation = (there.detail.Correlation(kDetailFloorVariance) +
+                            back.detail.Correlation(kDetailFloorVariance)) /
+                           2;
+  return fit;
+}
+
+}  // namespace surfit

@@ -1,0 +1,333 @@
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <type_traits>
+#include <vector>
+
+#include "cost_functions/row_sums.h"
+#include "registration/icp/icp_level.h"
+#include "registration/icp/own_residuals.h"
+#include "registration/icp/residual_rows.h"
+#include "surfit/core/parallel.h"
+
+namespace surfit {
+namespace {
+
+// Lanes beyond the first `count` repeat the last pair, without information.
+template <typename V, typename S>
+void LoadPairs(const Pairs<S>& pairs, int first, int count, PairValues<V>* values) {
+  const auto load = [&](const RawVector<S>& x, const RawVector<S>& y, const RawVector<S>& z,
+                        V* to) {
+    to[0] = V::LoadUpTo(x.data() + first, count);
+    to[1] = V::LoadUpTo(y.data() + first, count);
+    to[2] = V::LoadUpTo(z.data() + first, count);
+  };
+  load(pairs.px, pairs.py, pairs.pz, values->p);
+  load(pairs.qx, pairs.qy, pairs.qz, values->q);
+  load(pairs.nx, pairs.ny, pairs.nz, values->n);
+  load(pairs.mx, pairs.my, pairs.mz, values->m);
+  values->information = V::LoadUpTo(pairs.information.data() + first, count).UpTo(count);
+}
+
+template <typename V>
+void LoadIntensities(const IntensityPairs& pairs, const Exposure& exposure, int first, int count,
+                     IntensityValues<V>* values) {
+  const auto load = [&](const RawVector<float>& x) { return V::LoadUpTo(x.data() + first, count); };
+  values->p[0] = load(pairs.px), values->p[1] = load(pairs.py), values->p[2] = load(pairs.pz);
+  values->residual =
+      load(pairs.target) - (V(exposure.gain) * load(pairs.source) + V(exposure.offset));
+  values->slope_u = load(pairs.slope_u), values->slope_v = load(pairs.slope_v);
+}
+
+// What is summed over pairs: all, or what a NormalSystem has besides products of rows.
+enum class Sums { kAll, kBesides };
+
+// Sums of what else makes a NormalSystem, one a lane.
+template <typename V>
+struct PairLanes {
+  RowLanes<V> rows;
+  V weight, inlier_count, normal_difference;
+  V point[3], point_product[6];
+
+  void Add(const PairValues<V>& pair, const typename RowLanes<V>::Weights& of_rows, int count) {
+    constexpr double kInlierBound = ErrorModel::kInlierSigmas * ErrorModel::kInlierSigmas;
+    weight += of_rows.weight;
+    const V x = pair.m[0] - pair.n[0], y = pair.m[1] - pair.n[1], z = pair.m[2] - pair.n[2];
+    normal_difference += of_rows.weight * sqrt(x * x + y * y + z * z);
+    for (int i = 0, k = 0; i < 3; ++i) {
+      const V weighted = of_rows.weight * pair.p[i];
+      point[i] += weighted;
+      for (int j = i; j < 3; ++j, ++k) point_product[k] += weighted * pair.p[j];
+    }
+    inlier_count += Select(of_rows.s <= V(kInlierBound), V(1.), V(0.)).UpTo(count);
+  }
+
+  void AddTo(NormalSystem* system) const {
+    system->weight_sum += SumOfLanes(weight);
+    system->normal_difference_sum += SumOfLanes(normal_difference);
+    for (int i = 0, k = 0; i < 3; ++i) {
+      system->point_sum[i] += SumOfLanes(point[i]);
+      for (int j = i; j < 3; ++j, ++k) {
+        const double sum = SumOfLanes(point_product[k]);
+        system->point_product_sum(i, j) += sum;
+        if (i != j) system->point_product_sum(j, i) += sum;
+      }
+    }
+    system->inlier_count += static_cast<int>(SumOfLanes(inlier_count));
+  }
+};
+
+// The system of the pairs [begin, end), whose rows set_rows(first, count, pair, rows) gives for as
+// many of them as there are lanes.
+template <Sums kSums, int kRows, typename S, typename SetRows>
+NormalSystem SystemOf(const Pairs<S>& pairs, int begin, int end, const RobustKernel& kernel,
+                      double normal_share, const SetRows& set_rows) {
+  NormalSystem system;
+  RowSums sums;
+  WithInstructions([&](auto instructions) {
+    using V = Lanes<S, decltype(instructions)>;
+    SumByLanes<V, PairLanes<V>>(
+        begin, end,
+        [&](int first, int count, PairLanes<V>* lanes) {
+          PairValues<V> pair;
+          LoadPairs(pairs, first, count, &pair);
+          V rows[kRows][kRowColumns];
+          set_rows(first, count, pair, rows);
+          if constexpr (kSums == Sums::kAll) {
+            lanes->Add(pair, lanes->rows.Add(rows, pair.information, kernel), count);
+          } else {
+            KernelValue<V> value;
+            lanes->Add(pair, RowLanes<V>::Weigh(rows, pair.information, kernel, &value), count);
+          }
+        },
+        [&](const PairLanes<V>& lanes) {
+          if constexpr (kSums == Sums::kAll) lanes.rows.AddTo(&sums);
+          lanes.AddTo(&system);
+        });
+  });
+  SetProducts(sums, &system);
+  system.pair_count = end - begin;
+  system.row_count = system.pair_count * kRows;
+  system.normal_share = normal_share;
+  return system;
+}
+
+template <Sums kSums, typename Rows, typename S>
+NormalSystem SumPairs(const Pairs<S>& pairs, int begin, int end, const RobustKernel& kernel) {
+  return SystemOf<kSums, Rows::kRows>(
+      pairs, begin, end, kernel, Rows::kNormalShare,
+      [](int, int, const auto& pair, auto& rows) { Rows::Evaluate(pair, rows); });
+}
+
+template <typename S>
+RawVector<S> RowsOf(const OwnResidual& own, const Pairs<S>& pairs, int begin, int end) {
+  RawVector<S> rows(static_cast<std::size_t>(own.row_count()) * kRowColumns * (end - begin));
+  own.FillRows(pairs, begin, end, rows.data());
+  return rows;
+}
+
+template <Sums kSums, int kRows, typename S>
+NormalSystem SumOwnPairs(const OwnResidual& own, const Pairs<S>& pairs, int begin, int end,
+                         const RobustKernel& kernel) {
+  const RawVector<S> all = RowsOf(own, pairs, begin, end);
+  return SystemOf<kSums, kRows>(pairs, begin, end, kernel, NormalShareOf(own),
+                                [&](int first, int count, const auto&, auto& rows) {
+                                  using V = std::decay_t<decltype(rows[0][0])>;
+                                  const S* from = all.data() + first - begin;
+                                  for (auto& row : rows) {
+                                    for (V& column : row) {
+                                      column = V::LoadUpTo(from, count);
+                                      from += end - begin;
+                                    }
+                                  }
+                                });
+}
+
+// The same of intensities.
+PhotometricSystem SumPairs(const IntensityPairs& pairs, int begin, int end,
+                           const PhotometricTerm& term) {
+  RowSums sums;
+  WithInstructions([&](auto instructions) {
+    using V = Lanes<float, decltype(instructions)>;
+    SumByLanes<V, RowLanes<V>>(
+        begin, end,
+        [&](int first, int count, RowLanes<V>* lanes) {
+          IntensityValues<V> values;
+          LoadIntensities(pairs, term.exposure(), first, count, &values);
+          V rows[IntensityRows::kRows][kRowColumns];
+          IntensityRows::Evaluate(values, term.camera().fx, term.camera().fy, rows);
+          lanes->Add(rows, V(term.information()).UpTo(count), term.kernel());
+        },
+        [&](const RowLanes<V>& lanes) { lanes.AddTo(&sums); });
+  });
+  PhotometricSystem system;
+  SetProducts(sums, &system);
+  system.row_count = end - begin;
+  return system;
+}
+
+template <typename S>
+using PairSummer = std::function<NormalSystem(const Pairs<S>&, int, int, const RobustKernel&)>;
+
+template <Sums kSums, int kRows, typename S>
+PairSummer<S> OwnPairSummer(const OwnResidual& own) {
+  return [&own](const Pairs<S>& pairs, int begin, int end, const RobustKernel& kernel) {
+    return SumOwnPairs<kSums, kRows>(own, pairs, begin, end, kernel);
+  };
+}
+
+template <Sums kSums, typename S>
+PairSummer<S> PairSummerOf(ResidualType residual) {
+  if (const OwnResidual* const own = OwnResidualOf(residual)) {
+    static_assert(OwnResidual::kMostRows == 3);
+    if (own->row_count() == 1) return OwnPairSummer<kSums, 1, S>(*own);
+    return own->row_count() == 2 ? OwnPairSummer<kSums, 2, S>(*own)
+                                 : OwnPairSummer<kSums, 3, S>(*own);
+  }
+  return WithRowsOf(residual,
+                    [](auto rows) -> PairSummer<S> { return SumPairs<kSums, decltype(rows), S>; });
+}
+
+// |r|^2 / sigma^2 of the pairs [begin, end).
+template <typename Rows, typename S>
+void SetSquares(const Pairs<S>& pairs, int begin, int end, S* squares) {
+  using V = Lanes<S>;
+  for (int i = begin; i < end; i += V::kCount) {
+    const int count = std::min(end - i, V::kCount);
+    PairValues<V> pair;
+    LoadPairs(pairs, i, count, &pair);
+    V rows[Rows::kRows][kRowColumns];
+    Rows::Evaluate(pair, rows);
+    V s(0.);
+    for (int k = 0; k < Rows::kRows; ++k) s += rows[k][6] * rows[k][6];
+    (s * pair.information).StoreUpTo(squares + i - begin, count);
+  }
+}
+
+template <typename S>
+void SetSquares(const OwnResidual& own, const Pairs<S>& pairs, int begin, int end, S* squares) {
+  const RawVector<S> rows = RowsOf(own, pairs, begin, end);
+  std::fill(squares, squares + (end - begin), S(0));
+  for (int k = 0; k < own.row_count(); ++k) {
+    const S* const residuals =
+        rows.data() + static_cast<std::size_t>(kRowColumns * k + kRowColumns - 1) * (end - begin);
+    for (int i = 0; i < end - begin; ++i)
+      squares[i] += residuals[i] * residuals[i] * pairs.information[begin + i];
+  }
+}
+
+// The root of the median of what set(begin, end, squares) gives; 0 without pairs.
+template <typename S, typename Set>
+double MedianResidual(int pair_count, const Set& set) {
+  if (pair_count == 0) return 0;
+  std::vector<S> squares(pair_count);
+  ParallelFor(0, pair_count, 4096,
+              [&](int begin, int end) { set(begin, end, squares.data() + begin); });
+  const auto middle = squares.begin() + pair_count / 2;
+  std::nth_element(squares.begin(), middle, squares.end());
+  return std::sqrt(static_cast<double>(*middle));
+}
+
+// The sigmas that the residuals have by their median: that of the length of a vector of so many
+// normal errors is known (the root of the median of chi squared).
+template <typename S>
+double ScaleOf(const Pairs<S>& pairs, ResidualType residual) {
+  constexpr double kOfNormalErrors[] = {0.6745, 1.1774, 1.5382};
+  if (const OwnResidual* const own = OwnResidualOf(residual)) {
+    return MedianResidual<S>(pairs.size,
+                             [&](int begin, int end, S* squares) {
+                               SetSquares(*own, pairs, begin, end, squares);
+                             }) /
+           kOfNormalErrors[own->row_count() - 1];
+  }
+  return WithRowsOf(residual, [&](auto rows) {
+    using Rows = decltype(rows);
+    return MedianResidual<S>(pairs.size,
+                             [&](int begin, int end, S* squares) {
+                               SetSquares<Rows>(pairs, begin, end, squares);
+                             }) /
+           kOfNormalErrors[Rows::kRows - 1];
+  });
+}
+
+template <Sums kSums, typename S>
+NormalSystem SumAll(const Pairs<S>& pairs, ResidualType residual, const RobustKernel& kernel) {
+  constexpr int kPairsPerBlock = 4096;
+  const PairSummer<S> sum = PairSummerOf<kSums, S>(residual);
+  return ParallelSum(0, pairs.size, kPairsPerBlock, NormalSystem(),
+                     [&](int begin, int end) { return sum(pairs, begin, end, kernel); });
+}
+
+}  // namespace
+
+void SetProducts(const RowSums& sums, NormalSystem* system) {
+  AddProducts(sums, &system->hessian, &system->right_side, &system->weighted_square_sum);
+  system->cost = 0.5 * sums.rho;
+}
+
+void SetProducts(const RowSums& sums, PhotometricSystem* system) {
+  AddProducts(sums, &system->hessian, &system->right_side, &system->square_sum);
+  system->cost = 0.5 * sums.rho;
+}
+
+template <typename S>
+NormalSystem Linearize(const Pairs<S>& pairs, ResidualType residual, const RobustKernel& kernel) {
+  return SumAll<Sums::kAll>(pairs, residual, kernel);
+}
+
+template <typename S>
+NormalSystem BesidesProducts(const Pairs<S>& pairs, ResidualType residual,
+                             const RobustKernel& kernel) {
+  return SumAll<Sums::kBesides>(pairs, residual, kernel);
+}
+
+NormalSystem Linearize(const Association& association, const Rigid3d& target_from_source,
+                       ResidualType residual, const RobustKernel& kernel) {
+  constexpr int kGrain = 8;
+  const PairSummer<float> sum = PairSummerOf<Sums::kAll, float>(residual);
+  const std::unique_ptr<const PairFinder> finder = association.At(target_from_source);
+  return ParallelSum(0, association.block_count(), kGrain, NormalSystem(), [&](int begin, int end) {
+    PairBuffer pairs;
+    pairs.SetCapacity(association.block_capacity());
+    NormalSystem system;
+    for (int block = begin; block < end; ++block) {
+      pairs.size = finder->Find(block, 0, &pairs);
+      system += sum(pairs, 0, pairs.size, kernel);
+    }
+    return system;
+  });
+}
+
+PhotometricSystem Linearize(const IntensityPairs& pairs, const PhotometricTerm& term) {
+  constexpr int kPairsPerBlock = 4096;
+  return ParallelSum(0, pairs.size, kPairsPerBlock, PhotometricSystem(),
+                     [&](int begin, int end) { return SumPairs(pairs, begin, end, term); });
+}
+
+PhotometricSystem Linearize(const PhotometricTerm& term, const Rigid3d& target_from_source) {
+  return ParallelSum(0, term.block_count(), 1, PhotometricSystem(), [&](int block, int) {
+    IntensityPairs pairs;
+    term.Find(block, target_from_source, &pairs);
+    return SumPairs(pairs, 0, pairs.size, term);
+  });
+}
+
+template <typename S>
+RobustKernel KernelFor(const Pairs<S>& pairs, ResidualType residual,
+                       const ErrorModel& error_model) {
+  RobustKernel kernel = error_model.kernel;
+  if (!error_model.estimate_scale || kernel.type == RobustKernelType::kNone) return kernel;
+  constexpr double kSmallest = 1e-3;  // residuals that vanish leave no scale
+  kernel.width *= std::max(ScaleOf(pairs, residual), kSmallest);
+  return kernel;
+}
+
+template NormalSystem Linearize(const Pairs<float>&, ResidualType, const RobustKernel&);
+template NormalSystem Linearize(const Pairs<double>&, ResidualType, const RobustKernel&);
+template NormalSystem BesidesProducts(const Pairs<float>&, ResidualType, const RobustKernel&);
+template NormalSystem BesidesProducts(const Pairs<double>&, ResidualType, const RobustKernel&);
+template RobustKernel KernelFor(const Pairs<float>&, ResidualType, const ErrorModel&);
+template RobustKernel KernelFor(const Pairs<double>&, ResidualType, const ErrorModel&);
+
+}  // namespace surfit

@@ -1,0 +1,248 @@
+#include <algorithm>
+#include <cmath>
+
+#include "cost_functions/row_sums.h"
+#include "registration/global/start_search.h"
+#include "registration/icp/photometric_term.h"
+#include "registration/icp/residual_rows.h"
+#include "registration/solvers/decompositions.h"
+#include "surfit/core/raw_vector.h"
+#include "surfit/registration/far_registration.h"
+
+namespace surfit {
+
+namespace {
+
+constexpr float kSurfaceSigmaM = 0.02f;      // of the coarse levels' shapes, near
+constexpr float kBrightnessSigma = 0.05f;    // views far apart see surfaces shine differently
+constexpr float kBrightnessKernelWidth = 3;  // in sigmas
+constexpr double kKernelsPerDistance = 1.5;  // a pair's greatest distance in kernel widths
+constexpr int kMinPairs = 100;
+
+// Source points that land on a target surface near enough and of the same orientation, column by
+// column.
+class JointPairs {
+ public:
+  enum Column {
+    kX,
+    kY,
+    kZ,
+    kNormalX,
+    kNormalY,
+    kNormalZ,
+    kHeight,
+    kShapes,  // their number; with brightness there are more
+    kFrom = kShapes,
+    kTo,
+    kSlopeU,
+    kSlopeV,
+    kAll
+  };
+
+  JointPairs(int capacity, bool has_brightness)
+      : capacity_(capacity),
+        values_(static_cast<std::size_t>(capacity) * (has_brightness ? kAll : kShapes)) {}
+
+  int size() const { return size_; }
+  const float* operator[](int column) const {
+    return values_.data() + static_cast<std::ptrdiff_t>(column) * capacity_;
+  }
+  // The height is n . (p' - q).
+  void Add(const Eigen::Vector3f& point, const Eigen::Vector3f& normal, float height_m) {
+    for (int i = 0; i < 3; ++i) Last(kX + i) = point[i];
+    for (int i = 0; i < 3; ++i) Last(kNormalX + i) = normal[i];
+    Last(kHeight) = height_m;
+    ++size_;
+  }
+  // Of the pair that is to be added next.
+  void SetBrightness(float from, const BilinearSample& to) {
+    Last(kFrom) = from;
+    Last(kTo) = to.value;
+    Last(kSlopeU) = to.slope_u;
+    Last(kSlopeV) = to.slope_v;
+  }
+
+ private:
+  float& Last(int column) { return values_[static_cast<std::size_t>(column) * capacity_ + size_]; }
+
+  int capacity_, size_ = 0;
+  RawVector<float> values_;
+};
+
+JointPairs FindPairs(const ViewLevel& source, const ViewLevel& target, const JointOptions& options,
+                     const Rigid3d& target_from_source) {
+  const Eigen::Matrix3f rotation = target_from_source.rotation.toRotationMatrix().cast<float>();
+  const auto max_square = static_cast<float>(options.max_distance_m * options.max_distance_m);
+  const int columns = source.surface.camera.width / options.stride + 1;
+  const int rows = source.surface.camera.height / options.stride + 1;
+  JointPairs pairs(columns * rows, options.use_brightness);
+  const auto on_landing = [&](const Landing& landing) {
+    const Eigen::Vector3f surface = At(target.surface.vertex, landing.target_pixel);
+    if (!(surface.z() > 0)) return;
+    const Eigen::Vector3f gap = landing.point - surface;
+    if (gap.squaredNorm() > max_square) return;
+    const Eigen::Vector3f normal = At(target.surface.normal, landing.target_pixel);
+    const Eigen::Vector3f turned = rotation * At(source.surface.normal, landing.source_pixel);
+    if (!(turned.dot(normal) > kMinNormalCosine)) return;
+    if (options.use_brightness) {
+      pairs.SetBrightness(source.brightness.value[landing.source_pixel],
+                          SampleAt(target.brightness.value, landing.u, landing.v));
+    }
+    pairs.Add(landing.point, normal, normal.dot(gap));
+  };
+  ForEachLanding(source.surface, target.surface, target_from_source, on_landing, options.stride);
+  return pairs;
+}
+
+Exposure MatchExposure(const JointPairs& pairs) {
+  constexpr double kFloorVariance = 1e-4;
+  if (pairs.size() == 0) return {};
+  double a = 0, b = 0, aa = 0, bb = 0;
+  for (int i = 0; i < pairs.size(); ++i) {
+    const double from = pairs[JointPairs::kFrom][i], to = pairs[JointPairs::kTo][i];
+    a += from, b += to, aa += from * from, bb += to * to;
+  }
+  const double count = pairs.size();
+  a /= count, b /= count;
+  const double gain =
+      std::sqrt((bb / count - b * b + kFloorVariance) / (aa / count - a * a + kFloorVariance));
+  const double clamped = std::clamp(gain, 1 / kMaxGain, kMaxGain);
+  return {static_cast<float>(clamped), static_cast<float>(b - clamped * a)};
+}
+
+// Geman and McClure's weight of a residual in units of the kernel's width.
+template <typename V>
+V KernelWeight(const V& residual) {
+  const V s = V(1.) + residual * residual;
+  return V(1.) / (s * s);
+}
+
+// The sums of a JointSystem, one a lane.
+template <typename V>
+struct JointLanes {
+  RowLanes<V> rows;
+  V weight, weighted_square;
+
+  void AddShapes(const V* point, const V* normal, const V& height_m, const V& of_shapes) {
+    V row[1][kRowColumns];
+    SetRow(point, normal, height_m, row[0]);
+    rows.Add(row, of_shapes, kNoKernel);
+    weight += of_shapes;
+    weighted_square += of_shapes * Dot(point, point);
+  }
+  void AddBrightness(const V* point, const V* gradient, const V& residual, const V& of_residuals) {
+    V row[1][kRowColumns];
+    SetRow(point, gradient, residual, row[0]);
+    rows.Add(row, of_residuals, kNoKernel);
+  }
+
+ private:
+  static inline const RobustKernel kNoKernel = {RobustKernelType::kNone};  // weights are given
+};
+
+// Adds up to V::kCount pairs from `first` on.
+template <typename V>
+void AddPairs(const JointPairs& pairs, int first, int count, const FrameLevel& source,
+              const PinholeCamera& camera, const JointOptions& options, const Exposure& exposure,
+              JointLanes<V>* lanes) {
+  const auto load = [&](int column) { return V::LoadUpTo(pairs[column] + first, count); };
+  const V point[3] = {load(JointPairs::kX), load(JointPairs::kY), load(JointPairs::kZ)};
+  const V normal[3] = {load(JointPairs::kNormalX), load(JointPairs::kNormalY),
+                       load(JointPairs::kNormalZ)};
+  const V height_m = load(JointPairs::kHeight);
+  const V noise_m = V(source.noise.inverse_depth_sigma) * point[2] * point[2];
+  const V of_shapes = KernelWeight<V>(height_m * V(kKernelsPerDistance / options.max_distance_m)) /
+                      (V(kSurfaceSigmaM * kSurfaceSigmaM) + noise_m * noise_m);
+  lanes->AddShapes(point, normal, height_m, of_shapes.UpTo(count));
+  if (!options.use_brightness) return;
+  const V residual =
+      load(JointPairs::kTo) - (V(exposure.gain) * load(JointPairs::kFrom) + V(exposure.offset));
+  const V of_residuals =
+      KernelWeight<V>(residual * V(1 / (kBrightnessKernelWidth * kBrightnessSigma))) *
+      V(1 / (kBrightnessSigma * kBrightnessSigma));
+  V gradient[3];
+  const V inverse_z = V(1.) / point[2];
+  IntensityGradient(
+      load(JointPairs::kSlopeU), load(JointPairs::kSlopeV), V(camera.fx), V(camera.fy), point,
+      [&](const V& a) { return a * inverse_z; }, gradient);
+  lanes->AddBrightness(point, gradient, residual, of_residuals.UpTo(count));
+}
+
+Vector6d DampedStep(const JointSystem& system, const DescentOptions& options) {
+  Matrix6d damped = system.hessian;
+  const double along = options.damping * system.weight;
+  damped.diagonal().head<3>().array() += along * std::pow(system.RmsDistance(), 2);
+  damped.diagonal().tail<3>().array() += along;
+  Vector6d step = Vector6d::Zero();
+  if (options.rotation_only) {
+    step.head<3>() = SolveLdlt3(damped.topLeftCorner<3, 3>(), system.right_side.head<3>());
+  } else {
+    step = SolveLdlt(damped, system.right_side);
+  }
+  return step;
+}
+
+}  // namespace
+
+double JointSystem::RmsDistance() const {
+  return weight > 0 ? std::sqrt(weighted_square_sum / weight) : 0;
+}
+
+JointSystem LinearizeJointly(const ViewLevel& source, const ViewLevel& target,
+                             const JointOptions& options, const Rigid3d& target_from_source) {
+  const JointPairs pairs = FindPairs(source, target, options, target_from_source);
+  const Exposure exposure = options.use_brightness ? MatchExposure(pairs) : Exposure();
+  JointSystem system;
+  RowSums sums;
+  WithInstructions([&](auto instructions) {
+    using V = Lanes<float, decltype(instructions)>;
+    SumByLanes<V, JointLanes<V>>(
+        0, pairs.size(),
+        [&](int first, int count, JointLanes<V>* lanes) {
+          AddPairs(pairs, first, count, source.surface, target.surface.camera, options, exposure,
+                   lanes);
+        },
+        [&](const JointLanes<V>& lanes) {
+          lanes.rows.AddTo(&sums);
+          system.weight += SumOfLanes(lanes.weight);
+          system.weighted_square_sum += SumOfLanes(lanes.weighted_square);
+        });
+  });
+  double square_sum = 0;
+  AddProducts(sums, &system.hessian, &system.right_side, &square_sum);
+  system.pair_count = pairs.size();
+  return system;
+}
+
+Rigid3d Descend(const ViewLevel& source, const ViewLevel& target, const Rigid3d& start,
+                const DescentOptions& options) {
+  constexpr double kGateShrinkage = 0.85;
+  constexpr double kSmallestStep = 3e-4;  // rad and m
+  Rigid3d pose = start;
+  double max_distance_m = options.max_distance_m;
+  for (int i = 0; i < options.max_steps; ++i) {
+    const JointSystem system = LinearizeJointly(
+        source, target, {max_distance_m, options.use_brightness, options.stride}, pose);
+    if (system.pair_count * options.stride * options.stride < kMinPairs) break;
+    const Vector6d step = DampedStep(system, options);
+    pose = LeftIncrement(step, pose);
+    if (step.norm() < kSmallestStep) break;
+    max_distance_m = std::max(options.max_distance_end_m, kGateShrinkage * max_distance_m);
+  }
+  return pose;
+}
+
+Rigid3d AlignRotation(const ViewPair& views, const Rigid3d& target_from_source_initial) {
+  const auto levels =
+      static_cast<int>(std::min(views.source.levels.size(), views.target.levels.size()));
+  if (levels == 0) return target_from_source_initial;
+  const BrightnessLevel source = CoarseBrightness(views.source_color, levels - 1);
+  const BrightnessLevel target = CoarseBrightness(views.target_color, levels - 1);
+  DescentOptions descent;
+  descent.rotation_only = true;
+  descent.use_brightness = !source.value.empty() && !target.value.empty();
+  return Descend({views.source.levels[levels - 1], source},
+                 {views.target.levels[levels - 1], target}, target_from_source_initial, descent);
+}
+
+}  // namespace surfit

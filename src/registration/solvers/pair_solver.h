@@ -1,0 +1,72 @@
+#pragma once
+
+#include <chrono>
+#include <utility>
+
+#include "registration/icp/icp_level.h"
+#include "surfit/registration/pose_solver.h"
+
+namespace surfit {
+
+// Milliseconds since it was made.
+class Stopwatch {
+ public:
+  double Milliseconds() const {
+    return std::chrono::duration<double, std::milli>(Clock::now() - start_).count();
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point start_ = Clock::now();
+};
+
+// A solver that is written once for pairs of either precision: Derived has
+//   template <typename S>
+//   Vector6d Solve(Pairs<S> pairs, const RobustKernel& kernel, const IntensityPairs& intensities,
+//                  const StepResult& before, SolveReport* report) const
+// which gives the increment from pairs whose arrays are of their size, and intensities if there are
+// any: then photometric() is not null. `before` is the result so far: system and observability.
+template <typename Derived>
+class PairSolver : public PoseSolver {
+ public:
+  using PoseSolver::PoseSolver;
+
+  StepResult Step(const Association& association,
+                  const Rigid3d& target_from_source) const override {
+    IntensityPairs intensities;
+    if (photometric() != nullptr) intensities = photometric()->Collect(target_from_source);
+    return derived().StepOver(association.Collect(target_from_source), intensities);
+  }
+  StepResult Step(const PairBuffer& pairs) const override { return derived().StepOver(pairs, {}); }
+  StepResult Step(const Correspondences& pairs) const override {
+    return derived().StepOver(pairs, {});
+  }
+
+ protected:
+  const Derived& derived() const { return static_cast<const Derived&>(*this); }
+
+  template <typename S>
+  StepResult StepOver(Pairs<S> pairs, const IntensityPairs& intensities) const {
+    const RobustKernel kernel = KernelFor(pairs, options().residual, options().error_model);
+    StepResult result;
+    const Stopwatch linearizing;
+    result.system = Linearize(pairs, options().residual, kernel);
+    if (intensities.size > 0) result.system.Add(Linearize(intensities, *photometric()));
+    result.report.linearize_ms = linearizing.Milliseconds();
+    result.report.costs = {result.system.JointCost()};
+    result.observability = Observe(result.system, options().held);
+    if (result.observability.free_count == 6) return result;
+    pairs.SetCapacity(pairs.size);
+    result.increment = result.observability.Held(
+        derived().Solve(std::move(pairs), kernel, intensities, result, &result.report));
+    return result;
+  }
+};
+
+// What makes solvers by their options' name. Null for names that are not theirs.
+std::unique_ptr<PoseSolver> MakeClosedFormSolver(const PoseSolverOptions& options);
+std::unique_ptr<PoseSolver> MakeSvdSolver(const PoseSolverOptions& options);
+std::unique_ptr<PoseSolver> MakeCeresSolver(const PoseSolverOptions& options);
+std::unique_ptr<PoseSolver> MakeTinySolver(const PoseSolverOptions& options);
+
+}  // namespace surfit

@@ -1,0 +1,122 @@
+#include "surfit/registration/pose_solver.h"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "core/named_values.h"
+#include "registration/icp/own_residuals.h"
+#include "registration/solvers/pair_solver.h"
+#include "surfit/registration/error_model.h"
+
+namespace surfit {
+
+namespace {
+
+// In the order of their values.
+constexpr NamedValue<ResidualType> kTypes[] = {
+    {"point_to_point", ResidualType::kPointToPoint},
+    {"point_to_plane", ResidualType::kPointToPlane},
+    {"symmetric_point_to_plane", ResidualType::kSymmetricPointToPlane},
+    {"plane_to_plane", ResidualType::kPlaneToPlane}};
+
+struct NamedResidual {
+  std::string name;
+  std::unique_ptr<const OwnResidual> residual;
+};
+
+// Their types follow the built-in ones.
+std::vector<NamedResidual>& OwnResiduals() {
+  static std::vector<NamedResidual> residuals;
+  return residuals;
+}
+
+constexpr int kFirstOwn = static_cast<int>(std::size(kTypes));
+
+const NamedResidual* Own(ResidualType type) {
+  const int i = static_cast<int>(type) - kFirstOwn;
+  return i >= 0 ? &OwnResiduals().at(i) : nullptr;
+}
+
+}  // namespace
+
+void RegisterResidual(const std::string& name, std::unique_ptr<const OwnResidual> residual) {
+  const std::vector<std::string> names = ResidualTypeNames();
+  if (name.empty() || std::find(names.begin(), names.end(), name) != names.end()) {
+    throw InputError(Concat("a residual's name is '", name, "', must be none of: ", Listed(names)));
+  }
+  OwnResiduals().push_back({name, std::move(residual)});
+}
+
+const OwnResidual* OwnResidualOf(ResidualType type) {
+  const NamedResidual* const own = Own(type);
+  return own != nullptr ? own->residual.get() : nullptr;
+}
+
+std::vector<std::string> ResidualTypeNames() {
+  std::vector<std::string> names = NamesOf(kTypes);
+  for (const NamedResidual& own : OwnResiduals()) names.push_back(own.name);
+  return names;
+}
+
+ResidualType ResidualTypeFromName(const std::string& name) {
+  const std::vector<std::string> names = ResidualTypeNames();
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found != names.end()) return static_cast<ResidualType>(found - names.begin());
+  throw InputError(Concat("residual is '", name, "', must be one of: ", Listed(names)));
+}
+
+std::string ToString(ResidualType type) {
+  return ResidualTypeNames().at(static_cast<std::size_t>(type));
+}
+
+NeededNormals NormalsNeededBy(ResidualType type) {
+  if (const OwnResidual* const own = OwnResidualOf(type)) return own->needed_normals();
+  switch (type) {
+    case ResidualType::kPointToPoint:
+      return NeededNormals::kNone;
+    case ResidualType::kPointToPlane:
+      return NeededNormals::kTarget;
+    case ResidualType::kSymmetricPointToPlane:
+    case ResidualType::kPlaneToPlane:
+      break;
+  }
+  return NeededNormals::kBoth;
+}
+
+StepResult PoseSolver::Describe(const Association& association,
+                                const Rigid3d& target_from_source) const {
+  const ErrorModel& error_model = options_.error_model;
+  StepResult result;
+  if (error_model.estimate_scale) {
+    const PairBuffer pairs = association.Collect(target_from_source);
+    result.system =
+        Linearize(pairs, options_.residual, KernelFor(pairs, options_.residual, error_model));
+  } else {
+    result.system =
+        Linearize(association, target_from_source, options_.residual, error_model.kernel);
+  }
+  if (photometric_ != nullptr) result.system.Add(Linearize(*photometric_, target_from_source));
+  result.observability = Observe(result.system, options_.held);
+  return result;
+}
+
+std::vector<std::string> PoseSolverNames() {
+  return {"closed_form_ldlt",
+          "closed_form_lu",
+          "closed_form_qr",
+          "svd",
+          "ceres",
+          "ceres_per_point",
+          "tiny"};
+}
+
+std::unique_ptr<PoseSolver> MakePoseSolver(const PoseSolverOptions& options) {
+  for (const auto make : {MakeClosedFormSolver, MakeSvdSolver, MakeCeresSolver, MakeTinySolver}) {
+    if (auto solver = make(options)) return solver;
+  }
+  throw InputError(
+      Concat("solver is '", options.name, "', must be one of: ", Listed(PoseSolverNames())));
+}
+
+}  // namespace surfit

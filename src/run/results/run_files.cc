@@ -1,0 +1,82 @@
+#include "run/results/run_files.h"
+
+#include <iomanip>
+#include <sstream>
+
+#include "apps/evaluate/view_files.h"
+#include "run/results/kept_views.h"
+#include "surfit/geometry/sensor.h"
+
+namespace surfit {
+
+std::vector<std::string> RunFileNames() {
+  std::vector<std::string> names = {"trajectory.txt",    "trajectory_online.txt",
+                                    "loops.csv",         "frames.csv",
+                                    "localization.csv",  "map.ply",
+                                    "summary.json",      "poses.json",
+                                    "trajectory.png",    "map_color.png",
+                                    "map_normals.png",   "map_confidence.png",
+                                    "map_last_seen.png", "camera.yaml",
+                                    "places.bin",        "report.html"};
+  for (const std::string& name : KeptViews::FileNames()) names.push_back(name);
+  for (const std::string& name : Thumbnails::FileNames()) names.push_back(name);
+  for (const std::string& name : ViewFileNames()) names.push_back(name);
+  return names;
+}
+
+RunFiles::RunFiles(const std::string& folder, bool mirrored)
+    : mirrored_(mirrored),
+      trajectory_path_(folder + "/trajectory.txt"),
+      trajectory_(trajectory_path_),
+      online_(folder + "/trajectory_online.txt"),
+      csv_(folder + "/frames.csv") {
+  csv_.Append(
+      "index,stamp_s,state,fused,termination,iterations,inliers,inlier_share,rmse_m,"
+      "smallest_eigenvalue,moving_share,apart,points,merged_points,merged,added,removed,"
+      "decode_ms,preprocess_ms,predict_ms,track_ms,fuse_ms,correct_ms,frame_ms\n");
+}
+
+void RunFiles::Write(const FrameReport& report, double decode_ms, double frame_ms) {
+  const auto as_given = [&](double stamp_s, const Rigid3d& pose) {
+    return StampedPose{stamp_s, mirrored_ ? Mirrored(pose) : pose};
+  };
+  if (report.confirmed) {
+    trajectory_.Append(as_given(report.confirmed->stamp_s, report.confirmed->world_from_camera));
+  }
+  if (report.state != FrameState::kLost) {
+    const StampedPose stamped = as_given(report.stamp_s, report.world_from_camera);
+    trajectory_.Append(stamped);
+    online_.Append(stamped);
+  }
+  const bool registered = !report.icp.iterations.empty();
+  std::ostringstream row;
+  row << report.index << ',' << std::fixed << std::setprecision(6) << report.stamp_s << ','
+      << ToString(report.state) << ',' << report.is_fused << ','
+      << (registered ? ToString(report.icp.termination) : "") << ',' << report.icp.step_count << ','
+      << report.icp.inlier_count << ',' << report.icp.inlier_share << ',' << report.icp.rmse_m
+      << ',' << std::scientific << report.icp.eigenvalues[0] << ',' << std::fixed
+      << report.moving_share << ',' << report.is_apart << ',' << report.fusion.input_points << ','
+      << report.fusion.merged_points << ',' << report.fusion.merged << ',' << report.fusion.added
+      << ',' << report.fusion.removed << ',' << std::setprecision(3) << decode_ms << ','
+      << report.times.preprocess_ms << ',' << report.times.predict_ms << ','
+      << report.times.track_ms << ',' << report.times.fuse_ms << ',' << report.times.correct_ms
+      << ',' << frame_ms << '\n';
+  csv_.Append(row.str());
+}
+
+void RunFiles::WriteSkipped(const ReadResult& result, double frame_ms) {
+  std::ostringstream row;
+  row << result.index << ',' << std::fixed << std::setprecision(6) << result.stamp_s
+      << ",skipped,0,,0,0,0,0,0,0,0,0,0,0,0,0," << std::setprecision(3) << result.decode_ms
+      << ",0,0,0,0,0," << frame_ms << '\n';
+  csv_.Append(row.str());
+}
+
+void RunFiles::Rewrite(Trajectory corrected) const {
+  for (StampedPose& pose : corrected) {
+    if (mirrored_) pose.world_from_camera = Mirrored(pose.world_from_camera);
+  }
+  WriteTumTrajectory(corrected, trajectory_path_);
+}
+
+}  // namespace surfit

@@ -1,0 +1,240 @@
+#include <map>
+
+#include "output/output_files.h"
+#include "run/results/result_files.h"
+#include "surfit/core/atomic_file.h"
+#include "surfit/core/error.h"
+#include "surfit/core/options.h"
+
+namespace surfit {
+namespace {
+
+Json ToJson(const TimeStatistics& times) {
+  return {{"mean", times.mean_ms}, {"median", times.median_ms}, {"p95", times.p95_ms}};
+}
+
+void SetErrors(const SlamRunSummary& summary, Json* json) {
+  Json& j = *json;
+  for (const char* key : {"ate_rmse_m", "ate_coverage", "rpe_translation_rmse_m",
+                          "rpe_rotation_rmse_deg", "ate_without_latency_rmse_m",
+                          "estimated_time_offset_s", "ate_at_estimated_time_offset_rmse_m"}) {
+    j[key] = nullptr;
+  }
+  const std::optional<TrajectoryEvaluation>& evaluation = summary.evaluation;
+  if (!evaluation) return;
+  j["ate_coverage"] = evaluation->coverage;
+  if (evaluation->ate) j["ate_rmse_m"] = evaluation->ate->translation_m.rmse;
+  if (evaluation->rpe) {
+    j["rpe_translation_rmse_m"] = evaluation->rpe->translation_m.rmse;
+    j["rpe_rotation_rmse_deg"] = evaluation->rpe->rotation_deg.rmse;
+  }
+  if (summary.ate_without_latency) {
+    j["ate_without_latency_rmse_m"] = summary.ate_without_latency->translation_m.rmse;
+  }
+  if (summary.time_offset) {
+    j["estimated_time_offset_s"] = summary.time_offset->offset_s;
+    j["ate_at_estimated_time_offset_rmse_m"] = summary.time_offset->ate.translation_m.rmse;
+  }
+}
+
+Json ToJson(const CalibrationRecord& record) {
+  const RefinementSummary& s = record.summary;
+  return {{"frame", record.frame},
+          {"keyframes", record.keyframes},
+          {"last_keyframe", record.begun_frame},
+          {"termination", ToString(s.termination)},
+          {"as_given", s.calibration_kept},
+          {"found", ToJson(s.calibration)},
+          {"standard_deviations", CalibrationSigmasToJson(s.calibration_covariance)},
+          {"squared_distance", s.calibration_distance},
+          {"limit", s.calibration_limit},
+          {"color_latency_s", record.color_latency.latency_s},
+          {"color_latency_standard_deviation", record.color_latency.sigma_s}};
+}
+
+// A row of each frame. There may be hundreds of thousands, which as a tree of JSON would take more
+// memory than all else that is kept of them.
+void WritePoses(const RunPoses& run, std::ostream& out) {
+  out << '[';
+  for (std::size_t i = 0; i < run.trajectory.size(); ++i) {
+    const StampedPose& pose = run.trajectory[i];
+    const Eigen::Vector3d& t = pose.world_from_camera.translation;
+    const Eigen::Quaterniond& q = pose.world_from_camera.rotation;
+    const Json row = {run.frames[i], pose.stamp_s, t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()};
+    out << (i > 0 ? "," : "") << row;
+  }
+  out << ']';
+}
+
+Json TruthOf(const RunPoses& run, const Rigid3d& estimated_from_true) {
+  Json truth = Json::array();
+  for (const StampedPose& pose : run.truth) {
+    const Eigen::Vector3d t = estimated_from_true * pose.world_from_camera.translation;
+    truth.push_back({pose.stamp_s, t.x(), t.y(), t.z()});
+  }
+  return truth;
+}
+
+Json ErrorsOf(const RunPoses& run, const Rigid3d& estimated_from_true) {
+  std::map<double, int> frame_at;
+  for (std::size_t i = 0; i < run.trajectory.size(); ++i) {
+    frame_at[run.trajectory[i].stamp_s] = run.frames[i];
+  }
+  Json errors = Json::array();
+  for (const MatchedPose& pose : MatchPoses(run.truth, run.trajectory, MatchOptions())) {
+    const Eigen::Vector3d truth = estimated_from_true * pose.ground_truth.translation;
+    errors.push_back({frame_at.at(pose.stamp_s), (truth - pose.estimate.translation).norm()});
+  }
+  return errors;
+}
+
+// Kept is KeptViews or Thumbnails.
+template <typename Kept>
+Json ToJson(const std::vector<KeptView>& kept) {
+  Json views = Json::array();
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    const KeptView& view = kept[i];
+    Json files = Json::object();
+    for (const KeptView::Picture& picture : view.pictures) {
+      files[picture.name] = Kept::FileName(static_cast<int>(i), picture.name);
+    }
+    views.push_back(
+        {{"index", view.index}, {"stamp_s", view.stamp_s}, {"why", view.why}, {"files", files}});
+  }
+  return views;
+}
+
+Json ToJson(const std::vector<KeyframeLink>& keyframes) {
+  Json rows = Json::array();
+  for (const KeyframeLink& link : keyframes) {
+    rows.push_back({link.frame, link.parent_frame, link.submap});
+  }
+  return rows;
+}
+
+}  // namespace
+
+void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
+                      const std::string& path) {
+  Json j;
+  j["frames_total"] = s.frames_total;
+  j["frames_tracked"] = s.frames_tracked;
+  j["frames_lost"] = s.frames_lost;
+  j["frames_with_motion"] = s.frames_with_motion;
+  j["frames_confirmed"] = s.frames_confirmed;
+  j["frames_lost_in_motion"] = s.frames_lost_in_motion;
+  j["frames_apart"] = s.frames_apart;
+  j["frames_fused"] = s.frames_fused;
+  j["held_out_frames"] = s.held_out_frames;
+  j["frames_skipped"] = s.frames_skipped;
+  j["frames_dropped"] = s.frames_dropped;
+  j["frames_hurried"] = s.frames_hurried;
+  j["longest_map_period"] = s.longest_map_period;
+  j["pauses"] = s.pauses;
+  j["paused_s"] = s.paused_s;
+  j["frames_without_intensities"] = s.frames_without_intensities;
+  j["interrupted"] = s.interrupted;
+  j["failure"] = s.failure.empty() ? Json() : Json(s.failure);
+  j["keyframes"] = s.loops.keyframes;
+  j["loops_proposed"] = s.loops.loops_proposed;
+  j["loops_accepted"] = s.loops.loops_accepted;
+  j["loops_refused"] = s.loops.loops_refused;
+  j["map_corrections"] = s.loops.corrections;
+  j["relocalisations"] = s.loops.relocalisations;
+  j["submaps"] = s.loops.submaps;
+  j["submaps_apart"] = s.loops.submaps_apart;
+  j["backend_waits"] = s.loops.waits;
+  j["keyframe_views_given_up"] = s.loops.given_up_views;
+  j["session_waits"] = s.session_waits;
+  j["localization"] = nullptr;
+  if (const auto& found = s.localization) {
+    j["localization"] = {{"frames", found->frames},
+                         {"relocalisations", found->relocalisations},
+                         {"longest_loss_s", found->longest_loss_s},
+                         {"median_sigma_m", found->median_sigma_m},
+                         {"median_sigma_rad", found->median_sigma_rad}};
+  }
+  j["calibration_doubt"] = s.calibration_doubt.empty() ? Json() : Json(s.calibration_doubt);
+  j["calibrations"] = Json::array();
+  for (const CalibrationRecord& record : s.calibrations)
+    j["calibrations"].push_back(ToJson(record));
+  j["refinement"] = nullptr;
+  if (s.refinement) {
+    j["refinement"] = ToJson(s.refinement->record);
+    j["refinement"]["rounds"] = s.refinement->record.summary.rounds.size();
+    j["refinement"]["seconds"] = s.refinement->seconds;
+  }
+  j["input_points"] = s.input_points;
+  j["input_points_valid"] = s.input_points_valid;
+  j["surfels_updated"] = s.updated;
+  j["surfels_added"] = s.added;
+  j["surfels_removed"] = s.removed;
+  j["surfels_refused"] = s.refused;
+  j["surfels_merged_by_loops"] = s.merged_doubles;
+  j["map_points"] = s.map_points;
+  j["compression_ratio"] = s.compression_ratio;
+  j["match_share"] = {{"last", s.match_share_last}, {"median", s.match_share_median}};
+  j["sensor_latency_s"] = s.sensor_latency_s;
+  SetErrors(s, &j);
+  j["total_s"] = s.total_s;
+  j["final_map_s"] = s.final_map_s ? Json(*s.final_map_s) : Json();
+  j["frame_ms"] = ToJson(s.frame);
+  j["pose_latency_ms"] = options.OffersFrames() ? ToJson(s.pose_latency) : Json();
+  j["latency_ms"] = options.OffersFrames() ? ToJson(s.latency) : Json();
+  j["stage_ms"] = Json::object();
+  for (const StageStatistics& stage : s.stages) {
+    j["stage_ms"][stage.name] = ToJson(stage.times);
+    j["stage_ms"][stage.name]["share"] = stage.share;
+  }
+  j["peak_rss_bytes"] = s.peak_rss_bytes;
+  j["residual"] = options.slam.icp.residual;
+  j["association"] = options.slam.icp.association;
+  j["solver"] = options.slam.icp.solver;
+  j["options"] = FlagValues(options);
+  j["digest"] = s.digest;
+  WriteJson(j, path);
+}
+
+std::map<std::string, std::string> RecordedFlags(const std::string& summary_json) {
+  const Json json = ReadJson(summary_json);
+  if (!json.contains("options") || !json["options"].is_object()) {
+    throw InputError(summary_json + " is no summary of a run: it has no options");
+  }
+  std::map<std::string, std::string> flags;
+  for (const auto& [name, value] : json["options"].items()) {
+    if (!value.is_string()) {
+      throw InputError(
+          Concat(summary_json, ": options: ", name, " is ", value.dump(), ", must be a text"));
+    }
+    flags[name] = value;
+  }
+  return flags;
+}
+
+void WritePosesJson(const RunPoses& run, const std::string& path) {
+  Json j;
+  j["camera"] = CameraToJson(run.camera);
+  j["calibration"] = run.found.calibration ? ToJson(*run.found.calibration) : Json();
+  j["color_latency_s"] = run.found.color_latency_s;
+  j["truth"] = nullptr;
+  j["errors_m"] = nullptr;
+  if (run.evaluation && run.evaluation->ate) {
+    const Rigid3d estimated_from_true = run.evaluation->ate->alignment.target_from_source.Inverse();
+    j["truth"] = TruthOf(run, estimated_from_true);
+    j["errors_m"] = ErrorsOf(run, estimated_from_true);
+  }
+  j["views"] = ToJson<KeptViews>(run.views);
+  j["thumbnails"] = ToJson<Thumbnails>(run.thumbnails);
+  j["keyframes"] = ToJson(run.keyframes);
+  WriteFileAtomically(path, [&](std::ostream& out) {
+    out << '{';
+    for (const auto& [key, value] : j.items()) {
+      out << Json(key) << ':' << value.dump(-1, ' ', false, Json::error_handler_t::replace) << ',';
+    }
+    out << "\"poses\":";
+    WritePoses(run, out);
+    out << "}\n";
+  });
+}
+
+}  // namespace surfit
