@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "slam/moving_regions.h"
+#include "tracking/moving_regions.h"
 
 namespace surfit {
 

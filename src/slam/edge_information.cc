@@ -2,7 +2,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "slam/variances.h"
+#include "poses/variances.h"
 
 namespace surfit {
 namespace {

@@ -2,30 +2,7 @@
 
 namespace surfit {
 
-std::string ToString(FrameState state) {
-  switch (state) {
-    case FrameState::kFirst:
-      return "first";
-    case FrameState::kTracked:
-      return "tracked";
-    case FrameState::kDegenerate:
-      return "degenerate";
-    case FrameState::kFrozen:
-      return "frozen";
-    case FrameState::kGiven:
-      return "given";
-    case FrameState::kLost:
-      return "lost";
-    case FrameState::kRelocalized:
-      return "relocalised";
-    case FrameState::kNewMap:
-      return "new_map";
-  }
-  return "unknown";
-}
-
-FrameReport Report(const RgbdFrame& frame, const Tracked& tracked,
-                   const std::optional<FusionReport>& fused, const StageTimes& times) {
+FrameReport ReportOf(const RgbdFrame& frame, const Tracked& tracked) {
   FrameReport report;
   report.index = frame.index;
   report.stamp_s = frame.stamp_s;
@@ -37,9 +14,6 @@ FrameReport Report(const RgbdFrame& frame, const Tracked& tracked,
   report.is_apart = tracked.is_apart;
   report.moving = tracked.moving;
   report.icp = tracked.icp;
-  report.is_fused = fused.has_value();
-  if (fused) report.fusion = *fused;
-  report.times = times;
   return report;
 }
 

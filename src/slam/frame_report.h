@@ -1,14 +1,11 @@
 #pragma once
 
-#include <optional>
-
-#include "slam/tracker.h"
 #include "surfit/slam/slam.h"
+#include "tracking/tracked.h"
 
 namespace surfit {
 
-// What became of a frame, but for what belongs to frames beside it.
-FrameReport Report(const RgbdFrame& frame, const Tracked& tracked,
-                   const std::optional<FusionReport>& fused, const StageTimes& times);
+// Report of a tracked frame, without fusion and times.
+FrameReport ReportOf(const RgbdFrame& frame, const Tracked& tracked);
 
 }  // namespace surfit

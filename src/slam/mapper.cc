@@ -1,8 +1,6 @@
 #include "slam/mapper.h"
 
 #include <algorithm>
-#include <limits>
-#include <numeric>
 #include <utility>
 
 #include "surfit/frame/frame_pyramid.h"
@@ -11,12 +9,6 @@
 
 namespace surfit {
 namespace {
-
-double MeanDepth(const Image<float>& depth_m) {
-  const auto count = std::count_if(depth_m.begin(), depth_m.end(), [](float z) { return z > 0; });
-  const double sum = std::accumulate(depth_m.begin(), depth_m.end(), 0.);
-  return count > 0 ? sum / static_cast<double>(count) : 0;
-}
 
 // How bright the surfels are that the view's cells show.
 Image<float> GreyOfCells(const ModelView& seen, const SurfelMap& map) {
@@ -38,16 +30,9 @@ RenderOptions WithAllStable(RenderOptions options) {
 
 }  // namespace
 
-double ImageShift(const Rigid3d& motion, const FrameLevel& level) {
-  const double depth_m = MeanDepth(level.vertex.z);
-  if (depth_m == 0) return std::numeric_limits<double>::infinity();
-  const double turn_rad = RotationAngle(motion.rotation);
-  const PinholeCamera& camera = level.camera;
-  return camera.fx / camera.width * (turn_rad + motion.translation.norm() / depth_m);
-}
-
-Mapper::Mapper(const DepthSensor& sensor, const SlamOptions& options)
+Mapper::Mapper(const DepthSensor& sensor, const SlamOptions& options, StateUse use)
     : options_(options),
+      may_change_(use == StateUse::kContinue),
       sensor_(sensor),
       renderer_(options.render),
       newest_renderer_(WithAllStable(options.render)),
@@ -62,7 +47,7 @@ void Mapper::GoOnFrom(SurfelMap map, const std::vector<int>& fused_frames,
   if (!fused_frames.empty()) merged_until_ = fused_frames.back();
 }
 
-ReferenceView Mapper::DrawBy(ModelRenderer* renderer, const Rigid3d& world_from_view,
+ReferenceView Mapper::Render(ModelRenderer* renderer, const Rigid3d& world_from_view,
                              bool with_intensities) {
   ModelView seen = renderer->Render(map_, sensor_, world_from_view, fusion_.ActiveSince());
   DropNormalsAtEdges(options_.preprocess, &seen.surface);
@@ -80,7 +65,7 @@ ReferenceView Mapper::DrawBy(ModelRenderer* renderer, const Rigid3d& world_from_
 }
 
 // In turn with fusion.
-bool Mapper::UpdateView(const Rigid3d& world_from_predicted, bool must, bool with_intensities) {
+bool Mapper::Update(const Rigid3d& world_from_predicted, bool must, bool with_intensities) {
   if (is_view_new_ && view_.world_from_view == world_from_predicted &&
       view_.has_intensities() == with_intensities) {
     return true;
@@ -91,7 +76,7 @@ bool Mapper::UpdateView(const Rigid3d& world_from_predicted, bool must, bool wit
                       view_.view.pyramid.levels.back());
   };
   if (!is_turn && shift() <= options_.max_view_shift) return false;
-  view_ = Draw(world_from_predicted, with_intensities);
+  view_ = ViewAt(world_from_predicted, with_intensities);
   has_view_ = is_view_new_ = true;
   return true;
 }
@@ -133,12 +118,12 @@ void Mapper::Correct(const WorldCorrection& correction, int frame_index) {
     merged_doubles_ += MergeDoubles(options_.fusion, doubles, &map_);
     merged_until_ = frame_index;
   }
-  for (const int joined : correction.joined) WakeAround(joined, frame_index);
+  for (const int joined : correction.joined) ActivateAround(joined, frame_index);
 }
 
-void Mapper::WakeAround(int frame_index, int now) {
+void Mapper::ActivateAround(int frame_index, int now) {
   const int active_frames = options_.fusion.active_frames;
-  if (active_frames == 0) return;
+  if (active_frames == 0 || !may_change_) return;
   is_view_new_ = false;
   WakeSurfels(frame_index - active_frames, frame_index + active_frames, now, &map_);
 }

@@ -3,23 +3,21 @@
 #include <cstddef>
 #include <vector>
 
-#include "slam/tracker.h"
 #include "surfit/mapping/fusion.h"
 #include "surfit/mapping/model_renderer.h"
 #include "surfit/slam/slam.h"
+#include "tracking/model_views.h"
+#include "tracking/prepared_frame.h"
 
 namespace surfit {
 
-// How far a motion moves the middle of an image of what the level shows, as a share of its width.
-double ImageShift(const Rigid3d& motion, const FrameLevel& level);
-
 // Keeps the map: fuses frames into it, draws the views that frames are registered to, in turns,
 // and moves it where loops have been closed.
-class Mapper {
+class Mapper : public ModelViews {
  public:
-  // Keeps a reference to the options, whose fusion.active_frames is that of loops where these are
-  // closed.
-  Mapper(const DepthSensor& sensor, const SlamOptions& options);
+  // Keeps a reference to the options. If loops are enabled, fusion.active_frames is the bound of
+  // LoopOptions.
+  Mapper(const DepthSensor& sensor, const SlamOptions& options, StateUse use);
 
   // Takes up a map, as another one has left it after these frames, by a camera that is seen so now.
   void GoOnFrom(SurfelMap map, const std::vector<int>& fused_frames, const DepthSensor& sensor);
@@ -33,21 +31,16 @@ class Mapper {
   // As the camera is seen now.
   const DepthSensor& sensor() const { return sensor_; }
 
-  // What the map shows from a pose.
-  ReferenceView Draw(const Rigid3d& world_from_view, bool with_intensities) {
-    return DrawBy(&renderer_, world_from_view, with_intensities);
+  const ReferenceView& View() const override { return view_; }
+  bool Update(const Rigid3d& world_from_predicted, bool must, bool with_intensities) override;
+  ReferenceView ViewAt(const Rigid3d& world_from_view, bool with_intensities) override {
+    return Render(&renderer_, world_from_view, with_intensities);
   }
-  // The same, but what has just come into sight hides what is behind it although it is not stable
-  // yet, as the side of a doorway does while the camera passes it.
-  ReferenceView DrawNewest(const Rigid3d& world_from_view, bool with_intensities) {
-    return DrawBy(&newest_renderer_, world_from_view, with_intensities);
+  ReferenceView NewestViewAt(const Rigid3d& world_from_view, bool with_intensities) override {
+    return Render(&newest_renderer_, world_from_view, with_intensities);
   }
-  // What it showed when a view was drawn last for frames to be registered to.
-  const ReferenceView& view() const { return view_; }
-  // Draws view() anew for a frame where it must have its own, where it is its turn, or where
-  // view() shows little of what the frame is expected to see; not if it was drawn for that frame
-  // ahead. Returns whether the frame has its own.
-  bool UpdateView(const Rigid3d& world_from_predicted, bool must, bool with_intensities);
+  // Does nothing if the map is only used for localisation.
+  void ActivateAround(int frame_index, int now) override;
 
   // Of so many frames that are held one has its turn to be fused, of SlamOptions::map_period at
   // first.
@@ -60,14 +53,13 @@ class Mapper {
   void Skip() { ++unfused_count_; }
 
   void Correct(const WorldCorrection& correction, int frame_index);
-  // Makes those surfels active, as of frame `now`, that were last seen at about this frame.
-  void WakeAround(int frame_index, int now);
 
  private:
-  ReferenceView DrawBy(ModelRenderer* renderer, const Rigid3d& world_from_view,
+  ReferenceView Render(ModelRenderer* renderer, const Rigid3d& world_from_view,
                        bool with_intensities);
 
   const SlamOptions& options_;
+  const bool may_change_;
   DepthSensor sensor_;
   ModelRenderer renderer_;
   ModelRenderer newest_renderer_;  // for which all surfels are stable

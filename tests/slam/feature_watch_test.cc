@@ -1,4 +1,4 @@
-#include "slam/feature_watch.h"
+#include "tracking/feature_watch.h"
 
 #include <gtest/gtest.h>
 

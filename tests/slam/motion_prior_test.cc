@@ -1,4 +1,4 @@
-#include "slam/motion_prior.h"
+#include "tracking/motion_prior.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,6 @@
 #include <functional>
 #include <memory>
 #include <optional>
-#include <string>
 
 #include "surfit/core/image.h"
 #include "surfit/frame/preprocess.h"
@@ -13,66 +12,30 @@
 #include "surfit/mapping/fusion.h"
 #include "surfit/mapping/model_renderer.h"
 #include "surfit/mapping/surfel_map.h"
-#include "surfit/registration/far_registration.h"
 #include "surfit/registration/icp.h"
 #include "surfit/slam/backend.h"
 #include "surfit/slam/slam_state.h"
+#include "surfit/tracking/tracking.h"
 
 namespace surfit {
 
+class FramePreparation;
+class Mapper;
 class OptionVisitor;
+class Relocalizer;
+class Tracker;
+struct PreparedFrame;
+struct Tracked;
 
-// The options of ICP from a frame to the next or to the map: the symmetric residual. A normal
-// estimated near a crease mixes both sides; point-to-plane against it is biased, always to the same
-// side as the camera moves on, and the sum of both views' normals much less. Of 480 rows a third is
-// enough: what is left of the error is not the noise of single points.
-inline IcpOptions TrackingIcpOptions() {
-  IcpOptions icp;
-  icp.residual = "symmetric_point_to_plane";
-  icp.min_source_rows = 160;
-  return icp;
-}
-
-// How the camera is tracked and the map is made.
-struct SlamOptions {
+// Options of SLAM.
+struct SlamOptions : TrackingOptions {
   PreprocessOptions preprocess;
-  IcpOptions icp = TrackingIcpOptions();
   FusionOptions fusion;
   RenderOptions render;
-  std::string tracking = "frame_to_model";  // or "frame_to_frame"
-  // Of so many frames that are tracked one is fused, and one gets a view of the map of its own,
-  // which the next are registered to as well. Views of one place hardly differ at 30 Hz. 1: all.
-  // Where intensities count every frame gets its own.
+  // Every map_period-th tracked frame is fused, and gets a new model view. 1: all frames. At 30 Hz
+  // the views of consecutive frames are almost equal. With photometric residuals, each frame gets
+  // its own view.
   int map_period = 2;
-  // A frame that the camera has moved farther for since that view or that fusion, as a share of the
-  // image's width at the scene's mean depth, gets its own or is fused in any case.
-  double max_view_shift = 0.1;
-  // After a frame whose data hold a direction of motion less than this (the smallest of
-  // IcpResult::eigenvalues), every frame is fused, has its own view and is registered with all
-  // rows: before a wall all of it is needed.
-  double min_turn_eigenvalue = 2e-3;
-  // And where shapes hold the frame itself so little, too, it is registered by intensities as well,
-  // with this weight (ErrorModel::photometric_weight): before a wall or over a floor they alone
-  // tell how the camera moves along it. 0: never. Where intensities count in any case, as there.
-  double poorly_held_photometric_weight = 0;
-  // Where tracking starts: constant_velocity, constant_pose, or so3: the last pose, turned so that
-  // small images of both frames are most alike (AlignRotation).
-  std::string motion_model = "constant_velocity";
-  // A camera in a hand moves on as before, but for such accelerations (of each component, standard
-  // deviation): what a frame's data leave open of its pose follows that. Recordings have 1 to 4.
-  // Needs constant_velocity. 0: the data alone tell, however little they hold.
-  double acceleration_m_per_s2 = 0;
-  double turn_acceleration_rad_per_s2 = 4;
-  // A registration is believed if so many of the points find a partner with such a residual.
-  double min_inlier_share = 0.3;
-  double max_rmse_m = 0.03;
-  // One with a smaller share of inliers, or farther away than max_view_shift, is looked for from
-  // afar as well, by `initialize`, and so is what follows a jump or a loss. 0: only lost frames
-  // are.
-  double sure_inlier_share = 0.4;
-  // How a frame that tracking would lose is found from the last good one, however far it is: see
-  // InitializeOptions::method; identity: not at all. It is believed only if the map agrees.
-  std::string initialize = "features";
   LoopOptions loops;
   CalibrationOptions calibration;
   // Frames come at a camera's rate: none waits for what is found of loops and the camera, which
@@ -85,20 +48,6 @@ struct SlamOptions {
 
   void Visit(OptionVisitor& visitor);
 };
-
-enum class FrameState {
-  kFirst,        // the first frame with enough depth to start: it stands at the initial pose
-  kTracked,      // registered, possibly found again from far
-  kDegenerate,   // the same, but for directions that the data leaves free: there, as predicted
-  kFrozen,       // its depth repeats the last frame's byte for byte: same pose, nothing fused
-  kGiven,        // fused at a given pose, without tracking
-  kLost,         // not registered: no pose, nothing fused
-  kRelocalized,  // found again by a keyframe, and fused
-  kNewMap,       // after long loss the first of a map apart: see LoopOptions::new_map_after
-};
-
-// "first", "tracked", "degenerate", "frozen", "given", "lost", "relocalised", "new_map".
-std::string ToString(FrameState state);
 
 // Wall time spent in each stage, milliseconds.
 struct StageTimes {
@@ -145,18 +94,6 @@ struct FramePose {
   double stamp_s = 0;
   FrameState state = FrameState::kLost;
   Rigid3d world_from_camera;  // meaningless if lost
-};
-
-// A frame that tracking lost, and the registration that it was lost in. What it refers to is gone
-// after the call that is given it.
-struct LostFrame {
-  int index = 0;
-  const FramePyramid& source;
-  const FramePyramid& target;
-  const Image<Rgb8>& source_color;  // of the finest level's pixels; empty where there is none,
-  const Image<Rgb8>& target_color;  // or where nobody asks for the map's
-  Rigid3d target_from_source_initial;
-  const IcpResult& icp;
 };
 
 // Dense SLAM by point-based fusion: each frame is registered to what the map predicts, and one of
@@ -216,8 +153,35 @@ class Slam {
   const Backend* backend() const;
 
  private:
-  class Pipeline;
-  std::unique_ptr<Pipeline> pipeline_;
+  Slam(const DepthSensor& sensor, const SlamOptions& options,
+       const Rigid3d& world_from_first_camera, StateUse use);
+
+  void MakeBackend(LoopFinder finder);
+  void Begin(const RgbdFrame& frame, StageTimes* times);
+  void Correct(const WorldCorrection& correction, int frame_index);
+  PreparedFrame Prepare(const RgbdFrame& frame, const CameraMotion& motion, StageTimes* times);
+  Tracked Track(const PreparedFrame& frame, StageTimes* times);
+  FrameReport ReportDuplicate(const RgbdFrame& frame, const StageTimes& times);
+  FrameReport Integrate(PreparedFrame frame, Tracked tracked, StageTimes* times);
+  std::optional<ConfirmedFrame> AddConfirmed(const Tracked& tracked);
+  void Fuse(const PreparedFrame& frame, const Tracked& tracked, FrameReport* report,
+            StageTimes* times);
+  bool IsHeldOut(const Tracked& tracked) const;
+  void TellPose(const FrameReport& report) const;
+  // The back end, if frames are added to it: null without loops and calibration, and for
+  // localisation.
+  Backend* keeper() const { return use_ == StateUse::kLocalize ? nullptr : backend_.get(); }
+
+  const DepthSensor sensor_;  // as given
+  const SlamOptions options_;
+  const StateUse use_;
+  std::unique_ptr<FramePreparation> preparation_;
+  std::unique_ptr<Mapper> mapper_;
+  std::unique_ptr<Tracker> tracker_;
+  std::unique_ptr<Backend> backend_;          // null without loops and calibration
+  std::unique_ptr<Relocalizer> relocalizer_;  // null without loops
+  int frame_count_ = 0;
+  std::function<void(const FramePose&)> on_pose_;
 };
 
 }  // namespace surfit

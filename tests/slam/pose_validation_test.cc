@@ -1,15 +1,15 @@
-#include "slam/belief.h"
+#include "tracking/pose_validation.h"
 
 #include <gtest/gtest.h>
 
 #include <vector>
 
-#include "slam/moving_regions.h"
 #include "slam/simulated_sequence.h"
-#include "slam/view_comparison.h"
 #include "surfit/frame/prepare_frame.h"
 #include "surfit/frame/preprocess.h"
 #include "testing/matchers.h"
+#include "tracking/moving_regions.h"
+#include "tracking/view_comparison.h"
 
 namespace surfit::testing {
 namespace {
@@ -31,48 +31,45 @@ ViewComparison Views(int in_front, int behind, double alike = 0.9) {
   return views;
 }
 
-TEST(Belief, FollowsWhatSurfacesAndImagesSay) {
+TEST(PoseValidation, DependsOnSurfacesAndBrightness) {
   const SlamOptions options;
-  const Belief belief(options);
-  EXPECT_EQ(belief.Judge(GoodFit(), Views(20, 20), 0), Verdict::kBelieved);
-  EXPECT_EQ(belief.Judge(GoodFit(), Views(100, 80), 0), Verdict::kDoubtful);
-  EXPECT_EQ(belief.Judge(GoodFit(), Views(200, 100), 0), Verdict::kRefuted);
-  EXPECT_EQ(belief.Judge(GoodFit(), Views(20, 20, 0.4), 0), Verdict::kDoubtful);
-  EXPECT_EQ(belief.Judge(GoodFit(), Views(20, 20, 0.1), 0), Verdict::kRefuted);
-  EXPECT_EQ(belief.Judge(GoodFit(), Views(100, 80, 0.4), 0), Verdict::kRefuted);
+  EXPECT_EQ(ValidateRegistration(GoodFit(), Views(20, 20), 0, options), Verdict::kAccepted);
+  EXPECT_EQ(ValidateRegistration(GoodFit(), Views(100, 80), 0, options), Verdict::kUncertain);
+  EXPECT_EQ(ValidateRegistration(GoodFit(), Views(200, 100), 0, options), Verdict::kRejected);
+  EXPECT_EQ(ValidateRegistration(GoodFit(), Views(20, 20, 0.4), 0, options), Verdict::kUncertain);
+  EXPECT_EQ(ValidateRegistration(GoodFit(), Views(20, 20, 0.1), 0, options), Verdict::kRejected);
+  EXPECT_EQ(ValidateRegistration(GoodFit(), Views(100, 80, 0.4), 0, options), Verdict::kRejected);
 }
 
-TEST(Belief, WhatMovesSpeaksAgainstNoPoseButTheRestMustAgree) {
+TEST(PoseValidation, IgnoresMovingCellsAndRequiresTheRestToAgree) {
   const SlamOptions options;
-  const Belief belief(options);
-  EXPECT_EQ(belief.Judge(GoodFit(), Views(400, 20), 390), Verdict::kBelieved);
-  EXPECT_EQ(belief.Judge(GoodFit(), Views(400, 20), 0), Verdict::kRefuted);
-  EXPECT_EQ(belief.Judge(GoodFit(), Views(400, 100), 390), Verdict::kRefuted);
+  EXPECT_EQ(ValidateRegistration(GoodFit(), Views(400, 20), 390, options), Verdict::kAccepted);
+  EXPECT_EQ(ValidateRegistration(GoodFit(), Views(400, 20), 0, options), Verdict::kRejected);
+  EXPECT_EQ(ValidateRegistration(GoodFit(), Views(400, 100), 390, options), Verdict::kRejected);
 }
 
-TEST(Belief, ARegistrationThatFailedIsRefuted) {
+TEST(PoseValidation, RejectsFailedRegistration) {
   const SlamOptions options;
-  const Belief belief(options);
   IcpResult icp = GoodFit();
   icp.inlier_share = 0.9 * options.min_inlier_share;
-  EXPECT_EQ(belief.Judge(icp, Views(0, 0), 0), Verdict::kRefuted);
+  EXPECT_EQ(ValidateRegistration(icp, Views(0, 0), 0, options), Verdict::kRejected);
   icp = GoodFit();
   icp.rmse_m = 1.1 * options.max_rmse_m;
-  EXPECT_EQ(belief.Judge(icp, Views(0, 0), 0), Verdict::kRefuted);
+  EXPECT_EQ(ValidateRegistration(icp, Views(0, 0), 0, options), Verdict::kRejected);
   icp = GoodFit();
   icp.termination = Termination::kTooFewInliers;
-  EXPECT_EQ(belief.Judge(icp, Views(0, 0), 0), Verdict::kRefuted);
+  EXPECT_EQ(ValidateRegistration(icp, Views(0, 0), 0, options), Verdict::kRejected);
 }
 
-TEST(Belief, KnowsHowFarAHandMovesACamera) {
+TEST(PoseValidation, BoundsTheMotionOfAHand) {
   const auto motion = [](double way_m, double turn_rad) {
     const Eigen::Quaterniond turn(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitY()));
     return Rigid3d(turn, Eigen::Vector3d(way_m, 0, 0));
   };
-  EXPECT_TRUE(Belief::IsPossible(motion(0.15, 0.3), 1. / 30));
-  EXPECT_FALSE(Belief::IsPossible(motion(1, 0), 1. / 30));
-  EXPECT_FALSE(Belief::IsPossible(motion(0, 1), 1. / 30));
-  EXPECT_TRUE(Belief::IsPossible(motion(1, 1), 1));
+  EXPECT_TRUE(IsPossibleMotion(motion(0.15, 0.3), 1. / 30));
+  EXPECT_FALSE(IsPossibleMotion(motion(1, 0), 1. / 30));
+  EXPECT_FALSE(IsPossibleMotion(motion(0, 1), 1. / 30));
+  EXPECT_TRUE(IsPossibleMotion(motion(1, 1), 1));
 }
 
 FrameLevel SurfaceOf(const RgbdFrame& frame) {

@@ -1,10 +1,10 @@
-#include "slam/motion_prior.h"
+#include "tracking/motion_prior.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "poses/variances.h"
 #include "registration/solvers/decompositions.h"
-#include "slam/variances.h"
 
 namespace surfit {
 namespace {

@@ -1,4 +1,4 @@
-#include "slam/moving_regions.h"
+#include "tracking/moving_regions.h"
 
 #include <algorithm>
 #include <cmath>
@@ -264,6 +264,11 @@ Image<float> Without(Image<float> depth_m, const CellMask& moving) {
     }
   }
   return depth_m;
+}
+
+RgbdFrame Without(RgbdFrame frame, const CellMask& moving) {
+  frame.depth_m = Without(std::move(frame.depth_m), moving);
+  return frame;
 }
 
 FramePyramid Without(FramePyramid pyramid, const CellMask& moving) {

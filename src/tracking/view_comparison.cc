@@ -1,4 +1,4 @@
-#include "slam/view_comparison.h"
+#include "tracking/view_comparison.h"
 
 #include <cmath>
 

@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
-#include "slam/view_comparison.h"
 #include "surfit/frame/rgbd_frame.h"
+#include "tracking/view_comparison.h"
 
 namespace surfit {
 
@@ -49,6 +49,7 @@ class MovingRegions {
 
 // The same without what moves.
 Image<float> Without(Image<float> depth_m, const CellMask& moving);
+RgbdFrame Without(RgbdFrame frame, const CellMask& moving);
 FramePyramid Without(FramePyramid pyramid, const CellMask& moving);
 
 }  // namespace surfit

@@ -5,10 +5,10 @@
 
 #include "registration/global/corners.h"
 #include "registration/global/feature_points.h"
-#include "slam/moving_regions.h"
 #include "surfit/frame/camera_motion.h"
 #include "surfit/geometry/rigid3.h"
 #include "surfit/registration/far_registration.h"
+#include "tracking/moving_regions.h"
 
 namespace surfit {
 

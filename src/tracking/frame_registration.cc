@@ -1,0 +1,111 @@
+#include "tracking/frame_registration.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "tracking/pose_validation.h"
+#include "tracking/view_comparison.h"
+
+namespace surfit {
+namespace {
+
+// Bound on the deviation from the prior, in standard deviations, of weakly constrained frames.
+// Repetitive texture pulls their registration to a wrong minimum. With 2 m/s^2 the bound is an
+// acceleration of 1 g.
+constexpr double kMostSigmas = 5;
+
+}  // namespace
+
+bool HasEnoughDepth(const PreparedFrame& frame, const IcpOptions& icp_options) {
+  const Image<float>& normal_z = frame.surface().normal.z;
+  const auto points =
+      std::count_if(normal_z.begin(), normal_z.end(), [](float z) { return z < 0; });
+  return points >= icp_options.min_inliers;
+}
+
+Tracked FrameRegistration::Register(const PreparedFrame& frame, const ReferenceView& reference,
+                                    const Rigid3d& world_from_initial,
+                                    const IcpOptions& icp_options,
+                                    const std::optional<Matrix6d>& motion_prior) const {
+  const Rigid3d initial = reference.world_from_view.Inverse() * world_from_initial;
+  Target target = {reference, icp_options, std::nullopt};
+  if (motion_prior) target.prior = In(initial, {Rigid3d(), *motion_prior});
+  Tracked tracked = Validate(frame, target, MostLikelyPose(frame.view.pyramid, target, initial));
+  if (tracked.is_held()) return tracked;
+  // An object that hides most of the view pulls the registration to a wrong minimum.
+  Estimate unmoved;
+  unmoved.icp.target_from_source = initial;
+  const Tracked hidden = Validate(frame, target, unmoved);
+  if (!hidden.is_held()) return tracked;
+  const Tracked again =
+      Validate(frame, target, {hidden.icp, hidden.quality.is_weakly_constrained, std::nullopt});
+  return again.is_held() ? again : tracked;
+}
+
+FrameRegistration::Estimate FrameRegistration::MostLikelyPose(
+    const FramePyramid& frame, const Target& target, const Rigid3d& reference_from_initial) const {
+  Estimate estimate = FromData(frame, target, reference_from_initial);
+  if (!target.prior || !estimate.icp.Succeeded()) return estimate;
+  const ExpectedPose likely = MostLikely(
+      *target.prior, estimate.icp.target_from_source, estimate.icp.trusted_information,
+      estimate.is_weakly_constrained ? kMostSigmas : std::numeric_limits<double>::infinity());
+  estimate.icp.target_from_source = likely.target_from_source;
+  estimate.covariance = likely.covariance;
+  return estimate;
+}
+
+FrameRegistration::Estimate FrameRegistration::FromData(
+    const FramePyramid& frame, const Target& target, const Rigid3d& reference_from_initial) const {
+  const FramePyramid& model = target.reference.view.pyramid;
+  Estimate estimate;
+  estimate.icp = surfit::Register(frame, model, reference_from_initial, target.icp);
+  estimate.is_weakly_constrained = !estimate.icp.iterations.empty() &&
+                                   estimate.icp.eigenvalues[0] < options_.min_turn_eigenvalue;
+  const bool can_help =
+      options_.poorly_held_photometric_weight > 0 && !target.icp.error_model.UsesIntensities() &&
+      !frame.levels.front().intensity.empty() && !model.levels.front().intensity.empty();
+  if (!estimate.is_weakly_constrained || !can_help) return estimate;
+  IcpOptions with_intensities = target.icp;
+  with_intensities.error_model.photometric_weight = options_.poorly_held_photometric_weight;
+  estimate.icp = surfit::Register(frame, model, reference_from_initial, with_intensities);
+  return estimate;
+}
+
+Tracked FrameRegistration::Validate(const PreparedFrame& frame, const Target& target,
+                                    const Estimate& estimate) const {
+  const ReferenceView& reference = target.reference;
+  const FramePyramid& model = reference.view.pyramid;
+  const auto compare_at = [&](const Rigid3d& model_from_frame) {
+    return CompareViews(frame.surface(), frame.images.color, model.levels.front(), reference.grey,
+                        target.icp.error_model, model_from_frame);
+  };
+  Tracked tracked;
+  Estimate best = estimate;
+  const Rigid3d& model_from_frame = estimate.icp.target_from_source;
+  ViewComparison views = compare_at(model_from_frame);
+  tracked.moving = regions_.Find(
+      frame.surface(), views, reference.world_from_view * model_from_frame, frame.images.stamp_s);
+  if (!tracked.moving.empty()) {
+    best = MostLikelyPose(Without(frame.view.pyramid, tracked.moving), target, model_from_frame);
+    views = compare_at(best.icp.target_from_source);
+  }
+  if (best.covariance) {
+    tracked.motion_covariance =
+        In(best.icp.target_from_source.Inverse(), {Rigid3d(), *best.covariance}).covariance;
+  }
+  tracked.icp = std::move(best.icp);
+  tracked.quality.is_weakly_constrained = best.is_weakly_constrained;
+  tracked.world_from_camera = reference.world_from_view * tracked.icp.target_from_source;
+  const int moving = views.CountInFront(tracked.moving);
+  tracked.moving_share = views.points > 0 ? static_cast<double>(moving) / views.points : 0;
+  tracked.behind_share =
+      views.compared > 0 ? static_cast<double>(views.behind) / views.compared : 0;
+  tracked.verdict = ValidateRegistration(tracked.icp, views, moving, options_);
+  if (tracked.verdict == Verdict::kRejected) return tracked;
+  tracked.state =
+      tracked.icp.free_directions.empty() ? FrameState::kTracked : FrameState::kDegenerate;
+  return tracked;
+}
+
+}  // namespace surfit

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <optional>
+
+#include "surfit/geometry/rigid3.h"
+#include "surfit/registration/far_registration.h"
+#include "surfit/tracking/tracking.h"
+#include "tracking/frame_registration.h"
+#include "tracking/model_views.h"
+#include "tracking/prepared_frame.h"
+#include "tracking/tracked.h"
+#include "tracking/tracking_state.h"
+
+namespace surfit {
+
+// Pose of a lost camera by place recognition.
+struct KeyframePose {
+  int keyframe = 0;  // position
+  int frame_index = 0;
+  Rigid3d world_from_camera;
+};
+
+// Place recognition and submaps for tracking.
+class Relocalizer {
+ public:
+  virtual ~Relocalizer() = default;
+
+  // Returns std::nullopt if no keyframe shows the same place.
+  virtual std::optional<KeyframePose> Find(const ColoredView& view) = 0;
+  // Begins a new submap after this number of consecutive lost frames. Returns the pose of the
+  // camera in it, or std::nullopt if the submap is not due.
+  virtual std::optional<Rigid3d> BeginSubmap(int lost_frames, const Rigid3d& world_from_last) = 0;
+};
+
+// Finds frames without a usable prediction. The map confirms each found pose.
+class PoseSearch {
+ public:
+  // Keeps references and the pointer.
+  PoseSearch(const TrackingOptions& options, const FrameRegistration& registration,
+             ModelViews* views)
+      : options_(options), registration_(registration), views_(views) {}
+
+  // Null: no place recognition.
+  void UseRelocalizer(Relocalizer* relocalizer) { relocalizer_ = relocalizer; }
+
+  // Global registration to the last frame with a pose. Returns std::nullopt if the pose is not
+  // found, or if this frame is not searched.
+  std::optional<Tracked> FromLastFrame(const PreparedFrame& frame, const TrackingState& state,
+                                       const ReferenceView& last) const;
+  // Relocalisation by keyframes, likewise.
+  std::optional<Tracked> ByKeyframes(const PreparedFrame& frame, const TrackingState& state,
+                                     const ReferenceView& last) const;
+
+ private:
+  std::optional<Tracked> Confirm(const PreparedFrame& frame, const ReferenceView& last,
+                                 const Rigid3d& world_from_found) const;
+
+  const TrackingOptions& options_;
+  const FrameRegistration& registration_;
+  ModelViews* views_;
+  Relocalizer* relocalizer_ = nullptr;
+};
+
+// Interval of searched frames after many lost frames. A search takes as long as ten registrations.
+constexpr int kSearchStride = 5;
+
+}  // namespace surfit

@@ -1,0 +1,82 @@
+#include "tracking/pose_validation.h"
+
+#include <cmath>
+#include <optional>
+
+namespace surfit {
+namespace {
+
+// Bounds on the ratio of contradicting points, of the points that model and frame both show. In 99
+// of 100 frames with a right pose it is below kSureShare. With an error of more than 10 cm it is
+// above kMostShare, unless wrong frames have been fused before.
+constexpr double kSureShare = 0.12, kMostShare = 0.25;
+// Bound on the ratio of the points that do not move.
+constexpr double kSureRest = 0.08;
+// Bounds on the correlation of brightness.
+constexpr double kSureAlike = 0.5, kLeastAlike = 0.3;
+
+// Bound on the ratio of cells behind the model. A frame that passes the side of a doorway has less
+// than 0.2 %. At a wrong pose the ratio in front of the map is similar, and the sum is above 12 %.
+constexpr double kMostBehindNewest = 0.02;
+
+bool IsRegistered(const IcpResult& icp, const TrackingOptions& options) {
+  const bool is_degenerate = icp.termination == Termination::kSingularSystem;
+  return (icp.Succeeded() || is_degenerate) && icp.inlier_share >= options.min_inlier_share &&
+         icp.rmse_m <= options.max_rmse_m;
+}
+
+bool AreWithin(double distance_m, double angle_rad, const Rigid3d& a, const Rigid3d& b) {
+  const Rigid3d between = a.Inverse() * b;
+  return between.translation.norm() <= distance_m && RotationAngle(between.rotation) <= angle_rad;
+}
+
+}  // namespace
+
+Verdict ValidateRegistration(const IcpResult& icp, const ViewComparison& views, int moving,
+                             const TrackingOptions& options) {
+  if (!IsRegistered(icp, options)) return Verdict::kRejected;
+  if (views.compared <= moving) return Verdict::kRejected;
+  const double all = static_cast<double>(views.in_front + views.behind) / views.compared;
+  const double rest =
+      static_cast<double>(views.in_front - moving + views.behind) / (views.compared - moving);
+  const bool agrees = all <= kSureShare || (moving > 0 && rest <= kSureRest);
+  if (views.alike < kLeastAlike) return Verdict::kRejected;
+  if (agrees && views.alike >= kSureAlike) return Verdict::kAccepted;
+  const bool may_agree = all <= kMostShare && (all <= kSureShare || views.alike >= kSureAlike);
+  return agrees || may_agree ? Verdict::kUncertain : Verdict::kRejected;
+}
+
+bool MayShowNewSurfaces(const Tracked& tracked) {
+  return tracked.verdict != Verdict::kAccepted && tracked.behind_share <= kMostBehindNewest;
+}
+
+bool IsPossibleMotion(const Rigid3d& motion, double seconds) {
+  constexpr double kAtOnce_m = 0.1, kMetresPerSecond = 3;
+  constexpr double kAtOnce_rad = 0.2, kRadPerSecond = 6;
+  return motion.translation.norm() <= kAtOnce_m + kMetresPerSecond * seconds &&
+         RotationAngle(motion.rotation) <= kAtOnce_rad + kRadPerSecond * seconds;
+}
+
+bool AreOnePlace(const Rigid3d& a, const Rigid3d& b) { return AreWithin(0.05, 0.05, a, b); }
+
+bool AgreeClosely(const Rigid3d& a, const Rigid3d& b) {
+  const FitCriteria criteria;
+  return AreWithin(criteria.max_disagreement_m, criteria.max_disagreement_rad, a, b);
+}
+
+Tracked ValidateByFeatures(const PreparedFrame& frame, Tracked tracked,
+                           const CameraMotion& since_last, FeatureWatch* features) {
+  const double stamp_s = frame.images.stamp_s;
+  features->Follow(frame.view,
+                   tracked.is_held() ? std::optional(tracked.world_from_camera) : std::nullopt,
+                   stamp_s);
+  if (!tracked.is_held()) return tracked;
+  if (!features->IsDue(stamp_s) && !tracked.found_again) return tracked;
+  const FeatureMotion motion =
+      features->Check(frame.view, tracked.moving, {tracked.world_from_camera, since_last}, stamp_s);
+  tracked.is_apart = motion.IsApart();
+  if (motion.IsRefuted()) tracked.state = FrameState::kLost;
+  return tracked;
+}
+
+}  // namespace surfit

@@ -1,0 +1,48 @@
+#include "tracking/prepared_frame.h"
+
+#include <utility>
+
+#include "frame/rolling_shutter.h"
+#include "surfit/frame/prepare_frame.h"
+
+namespace surfit {
+
+PreparedFrame FramePreparation::Prepare(const RgbdFrame& frame, const CameraMotion& motion,
+                                        const DepthSensor& sensor,
+                                        const SensorCorrection& correction, bool with_intensities) {
+  const RgbdFrame& images = Corrected(frame, motion, sensor, correction);
+  FramePyramid pyramid = PreprocessDepth(images.depth_m, sensor, options_);
+  if (with_intensities) AddIntensity(images.color, &pyramid);
+  return {frame, images, {std::move(pyramid), images.color}, motion, sensor.readout_s};
+}
+
+// Corrects the depth and the capture time of the colours. The colour pixels keep their places: the
+// motion of their rows is applied when they are looked up.
+const RgbdFrame& FramePreparation::Corrected(const RgbdFrame& frame, const CameraMotion& motion,
+                                             const DepthSensor& sensor,
+                                             const SensorCorrection& correction) {
+  const bool moves = sensor.readout_s > 0 && !motion.IsZero();
+  if (!correction.calibration && !moves && correction.color_latency_s == 0) return frame;
+  corrected_ = {frame.index,
+                frame.stamp_s,
+                frame.color_stamp_s - correction.color_latency_s,
+                frame.depth_m,
+                {}};
+  if (correction.calibration) {
+    CorrectDepth(correction.calibration->camera, correction.calibration->field,
+                 &corrected_.depth_m);
+  }
+  if (moves) corrected_ = AtMiddleOfReadout(corrected_, sensor, motion);
+  corrected_.color = frame.color;
+  return corrected_;
+}
+
+PreparedFrame FramePreparation::AtRest(PreparedFrame frame, const CellMask& moving) {
+  if (moving.empty()) return frame;
+  measured_rest_ = Without(frame.measured, moving);
+  corrected_rest_ = Without(frame.images, moving);
+  frame.view.pyramid = Without(std::move(frame.view.pyramid), moving);
+  return {measured_rest_, corrected_rest_, std::move(frame.view), frame.motion, frame.readout_s};
+}
+
+}  // namespace surfit

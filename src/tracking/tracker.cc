@@ -1,0 +1,363 @@
+#include "tracking/tracker.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "frame/rolling_shutter.h"
+#include "tracking/pose_validation.h"
+
+namespace surfit {
+namespace {
+
+// Longest time of a steady hand motion.
+constexpr double kMaxMotion_s = 0.1;
+
+// Longest time between the last pose in a given map and the first frame for tracking from this
+// pose.
+constexpr double kFollows_s = 1;
+
+// Coarse level for the readout correction.
+constexpr std::size_t kReadoutLevel = 3;
+
+}  // namespace
+
+Tracker::Tracker(const TrackingOptions& options, const Rigid3d& world_from_first_camera,
+                 ModelViews* views)
+    : options_(options),
+      views_(views),
+      registration_(options, regions_),
+      search_(options, registration_, views),
+      features_(options.icp.error_model),
+      last_{{}, world_from_first_camera, {}},
+      motion_prior_(options.acceleration_m_per_s2, options.turn_acceleration_rad_per_s2) {}
+
+void Tracker::UseRelocalizer(Relocalizer* relocalizer) {
+  relocalizer_ = relocalizer;
+  search_.UseRelocalizer(relocalizer);
+}
+
+void Tracker::StartInGivenMap(double last_stamp_s) {
+  state_ = TrackingState::InGivenMap();
+  last_stamp_s_ = last_stamp_s;
+}
+
+bool Tracker::NeedsIntensities() const {
+  return options_.icp.error_model.UsesIntensities() ||
+         (options_.poorly_held_photometric_weight > 0 && state_.NeedsAllPoints());
+}
+
+CameraMotion Tracker::ExpectedMotion() const {
+  return state_.lost_frames > 0 ? CameraMotion() : motion_;
+}
+
+CameraMotion Tracker::MotionTo(double stamp_s, const Rigid3d& world_from_camera) const {
+  const double seconds = stamp_s - last_stamp_s_;
+  if (!state_.HasLastPose() || seconds >= kMaxMotion_s) return {};
+  return MotionOver(last_.world_from_view.Inverse() * world_from_camera, seconds);
+}
+
+CameraMotion Tracker::MotionTo(double stamp_s, const Tracked& tracked) const {
+  return tracked.found_again ? CameraMotion() : MotionTo(stamp_s, tracked.world_from_camera);
+}
+
+bool Tracker::Repeats(const RgbdFrame& frame) {
+  const bool repeats = state_.HasStarted() && frame.depth_m == last_depth_m_;
+  last_depth_m_ = frame.depth_m;
+  return repeats;
+}
+
+Tracked Tracker::Repeat() const {
+  Tracked tracked;
+  tracked.state = state_.lost_frames > 0 ? FrameState::kLost : FrameState::kFrozen;
+  tracked.world_from_camera = last_.world_from_view;
+  return tracked;
+}
+
+Tracked Tracker::TrackGiven(const PreparedFrame& frame, const Rigid3d& world_from_camera) {
+  Tracked tracked;
+  tracked.state = FrameState::kGiven;
+  tracked.world_from_camera = world_from_camera;
+  regions_.Remember(frame.surface(), tracked.moving, world_from_camera, frame.images.stamp_s);
+  return tracked;
+}
+
+Prediction Tracker::Predict(const PreparedFrame& frame) {
+  Prediction prediction;
+  if (!state_.HasStarted()) return prediction;
+  if (const std::optional<Rigid3d> predicted = PredictedPose()) {
+    prediction.world_from_camera = *predicted;
+  } else {
+    const ViewPair views = {frame.view.pyramid, frame.view.color, last_.view.pyramid,
+                            last_.view.color};
+    prediction.world_from_camera = last_.world_from_view * AlignRotation(views, Rigid3d());
+  }
+  prediction.has_own_view =
+      options_.IsFrameToFrame() || UpdateView(prediction.world_from_camera, frame.HasIntensities());
+  prediction.reference = options_.IsFrameToFrame() ? &last_ : &views_->View();
+  return prediction;
+}
+
+Tracked Tracker::Track(const PreparedFrame& frame, const Prediction& prediction) {
+  Tracked tracked = state_.HasStarted() ? RegisterOrSearch(frame, prediction) : First(frame);
+  if (options_.VerifiesBySearch()) {
+    CameraMotion since_last;
+    if (tracked.is_held() && state_.is_localised) {
+      since_last =
+          MotionOver(last_.world_from_view.Inverse() * tracked.world_from_camera, SecondsTo(frame));
+    }
+    tracked = ValidateByFeatures(frame, std::move(tracked), since_last, &features_);
+  }
+  if (tracked.is_held()) {
+    regions_.Remember(frame.surface(), tracked.moving, tracked.world_from_camera,
+                      frame.images.stamp_s);
+  }
+  return tracked;
+}
+
+Tracked Tracker::First(const PreparedFrame& frame) const {
+  Tracked tracked;
+  tracked.state = HasEnoughDepth(frame, options_.icp) ? FrameState::kFirst : FrameState::kLost;
+  tracked.world_from_camera = last_.world_from_view;
+  return tracked;
+}
+
+Tracked Tracker::RegisterOrSearch(const PreparedFrame& frame, const Prediction& prediction) {
+  const ReferenceView& reference = *prediction.reference;
+  Tracked tracked = Register(frame, reference, prediction.world_from_camera);
+  if (state_.HasLastPose() && !options_.IsFrameToFrame() && MayShowNewSurfaces(tracked)) {
+    tracked = AgainstNewest(frame, std::move(tracked));
+  }
+  if (std::optional<Tracked> confirmed = CompareWithTentative(frame, tracked)) {
+    tracked = *std::move(confirmed);
+  } else if (IsUncertain(frame, prediction, tracked)) {
+    tracked = Search(frame, std::move(tracked));
+  }
+  tracked.has_own_view = prediction.has_own_view;
+  if (tracked.is_held()) {
+    tracked.world_from_camera = WithMeasuredMotion(frame, tracked);
+    return tracked;
+  }
+  if (on_lost_) {
+    on_lost_({frame.images.index, frame.view.pyramid, reference.view.pyramid, frame.images.color,
+              reference.view.color,
+              reference.world_from_view.Inverse() * prediction.world_from_camera, tracked.icp});
+  }
+  return InNewSubmap(frame, tracked).value_or(tracked);
+}
+
+Tracked Tracker::Register(const PreparedFrame& frame, const ReferenceView& reference,
+                          const Rigid3d& world_from_predicted) const {
+  IcpOptions icp_options = options_.icp;
+  if (state_.last.is_weakly_constrained) icp_options.min_source_rows = 0;
+  return registration_.Register(frame, reference, world_from_predicted, icp_options,
+                                PriorCovariance(frame));
+}
+
+// A frame that is not accepted may show surfaces that the frames before have begun to map. Then the
+// registration to all surfels yields the same pose.
+Tracked Tracker::AgainstNewest(const PreparedFrame& frame, Tracked tracked) const {
+  const Rigid3d& pose = tracked.world_from_camera;
+  Tracked by_newest = Register(frame, views_->NewestViewAt(pose, frame.HasIntensities()), pose);
+  const bool is_accepted = by_newest.is_held() && by_newest.verdict == Verdict::kAccepted;
+  if (!is_accepted || !AreOnePlace(pose, by_newest.world_from_camera)) return tracked;
+  by_newest.has_second = by_newest.quality.is_by_newest = true;
+  return by_newest;
+}
+
+// Registers the frame from its pose to the tentative frame. Returns the frame with the confirmed
+// pose, or std::nullopt if the pose is not confirmed or there is none.
+std::optional<Tracked> Tracker::CompareWithTentative(const PreparedFrame& frame,
+                                                     const Tracked& tracked) {
+  if (!state_.IsTentative()) return std::nullopt;
+  state_ = Next(state_, TrackingEvent::kTentativeCompared);
+  TentativePose tentative = *std::move(tentative_);
+  tentative_.reset();
+  if (!tracked.is_held() || tracked.verdict != Verdict::kAccepted) return std::nullopt;
+  PreparedFrame rest = frame;
+  rest.view.pyramid = Without(std::move(rest.view.pyramid), tracked.moving);
+  const Tracked from_there =
+      registration_.Register(rest, tentative.view, tracked.world_from_camera, options_.icp);
+  if (!from_there.is_held() ||
+      !AreOnePlace(from_there.world_from_camera, tracked.world_from_camera)) {
+    return std::nullopt;
+  }
+  Tracked confirmed = tracked;
+  confirmed.found_again = true;
+  confirmed.keyframe = tentative.keyframe;
+  if (confirmed.keyframe >= 0) confirmed.state = FrameState::kRelocalized;
+  confirmed.confirmed = std::move(tentative);
+  return confirmed;
+}
+
+bool Tracker::IsUncertain(const PreparedFrame& frame, const Prediction& prediction,
+                          const Tracked& tracked) const {
+  if (!tracked.is_held() || tracked.verdict == Verdict::kUncertain || state_.NeedsSearch())
+    return true;
+  return options_.VerifiesBySearch() &&
+         (state_.NeedsVerification() || tracked.icp.inlier_share < options_.sure_inlier_share ||
+          IsFar(frame, prediction.world_from_camera) || IsFar(frame, tracked.world_from_camera));
+}
+
+// Farther from the last frame than tracking follows reliably.
+bool Tracker::IsFar(const PreparedFrame& frame, const Rigid3d& world_from_camera) const {
+  const Rigid3d motion = last_.world_from_view.Inverse() * world_from_camera;
+  return ImageShift(motion, frame.view.pyramid.levels.back()) > options_.max_view_shift;
+}
+
+// Searches an uncertain frame. An uncertain result becomes a tentative pose, and the frame is lost.
+Tracked Tracker::Search(const PreparedFrame& frame, Tracked tracked) const {
+  const double seconds = SecondsTo(frame);
+  const bool follows = state_.is_localised || (seconds > 0 && seconds < kFollows_s);
+  if (!follows) tracked.state = FrameState::kLost;
+  tracked = Better(std::move(tracked), search_.FromLastFrame(frame, state_, last_));
+  if (!tracked.is_held()) {
+    if (std::optional<Tracked> found = search_.ByKeyframes(frame, state_, last_))
+      tracked = *std::move(found);
+  }
+  if (tracked.is_held() && NeedsConfirmation(frame, tracked)) {
+    ColoredView rest = {Without(frame.view.pyramid, tracked.moving), frame.view.color};
+    tracked.tentative = {Without(frame.measured, tracked.moving),
+                         {std::move(rest), tracked.world_from_camera, {}},
+                         tracked.icp,
+                         tracked.keyframe};
+    tracked.keyframe = -1;
+    tracked.state = FrameState::kLost;
+  }
+  return tracked;
+}
+
+// Prefers the search result if both disagree: a wrong pose near the last pose may have as many
+// inliers. After a loss, tracking alone is not accepted.
+Tracked Tracker::Better(Tracked tracked, std::optional<Tracked> found) const {
+  if (found && !(tracked.is_held() && IsUnexpected(*found))) {
+    if (!tracked.is_held() || !AgreeClosely(tracked.world_from_camera, found->world_from_camera))
+      return *std::move(found);
+    tracked.verdict = Verdict::kAccepted;
+    tracked.has_second = true;
+    return tracked;
+  }
+  if (tracked.verdict == Verdict::kUncertain) tracked.state = FrameState::kLost;
+  return tracked;
+}
+
+// Found far from the prediction, at a place with similar appearance.
+bool Tracker::IsUnexpected(const Tracked& found) const {
+  return MovesOn() && !AreOnePlace(*PredictedPose(), found.world_from_camera);
+}
+
+// After a long loss, an impossible motion or a single registration, the next frame must confirm the
+// pose.
+bool Tracker::NeedsConfirmation(const PreparedFrame& frame, const Tracked& tracked) const {
+  if (!state_.is_localised) return true;
+  if (state_.lost_frames == 0 && !tracked.found_again) return false;
+  if (!tracked.has_second) return true;
+  const Rigid3d motion = last_.world_from_view.Inverse() * tracked.world_from_camera;
+  return state_.lost_frames >= kSearchStride || !IsPossibleMotion(motion, SecondsTo(frame));
+}
+
+// Replaces the predicted motion during the readout by the measured motion.
+Rigid3d Tracker::WithMeasuredMotion(const PreparedFrame& frame, const Tracked& tracked) const {
+  const CameraMotion motion = MotionTo(frame.images.stamp_s, tracked);
+  const bool is_free = !tracked.icp.free_directions.empty();
+  if (frame.readout_s == 0 || motion.IsZero() || is_free) return tracked.world_from_camera;
+  const std::vector<FrameLevel>& levels = frame.view.pyramid.levels;
+  return tracked.world_from_camera *
+         ReadoutCorrection(levels[std::min(kReadoutLevel, levels.size() - 1)], frame.readout_s,
+                           frame.motion, motion, SecondsTo(frame));
+}
+
+// After a long loss without a tentative pose.
+std::optional<Tracked> Tracker::InNewSubmap(const PreparedFrame& frame, const Tracked& tracked) {
+  if (!relocalizer_ || tracked.tentative || !HasEnoughDepth(frame, options_.icp))
+    return std::nullopt;
+  const std::optional<Rigid3d> begin =
+      relocalizer_->BeginSubmap(state_.lost_frames + 1, last_.world_from_view);
+  if (!begin) return std::nullopt;
+  Tracked first = tracked;
+  first.state = FrameState::kNewMap;
+  first.moving = {};
+  first.world_from_camera = *begin;
+  return first;
+}
+
+void Tracker::Update(PreparedFrame frame, Tracked tracked) {
+  tentative_ = std::move(tracked.tentative);
+  if (!tracked.is_held()) {
+    state_ = Next(state_, tentative_ ? TrackingEvent::kTentativePose : TrackingEvent::kNoPose);
+    if (!MovesOn()) motion_prior_.Forget();
+    return;
+  }
+  UpdateMotion(frame, tracked);
+  last_stamp_s_ = frame.images.stamp_s;
+  if (options_.IsFrameToFrame() || options_.initialize != "identity" ||
+      options_.motion_model == "so3") {
+    last_.view = std::move(frame.view);
+  }
+  last_.world_from_view = tracked.world_from_camera;
+  state_ = Next(state_, tracked.found_again ? TrackingEvent::kFound : TrackingEvent::kPose,
+                tracked.quality);
+}
+
+void Tracker::PredictAhead(bool has_color) {
+  const std::optional<Rigid3d> world_from_next = PredictedPose();
+  if (options_.IsFrameToFrame() || !world_from_next) return;
+  UpdateView(*world_from_next, NeedsIntensities() && has_color);
+}
+
+// Intensities need a view of the same pose: with shared views the largest error in front of
+// textured walls is twice as large.
+bool Tracker::UpdateView(const Rigid3d& world_from_predicted, bool has_intensities) {
+  return views_->Update(world_from_predicted, state_.NeedsAllPoints() || has_intensities,
+                        has_intensities);
+}
+
+// Returns std::nullopt if the prediction depends on the frame.
+std::optional<Rigid3d> Tracker::PredictedPose() const {
+  if (state_.IsTentative()) return tentative_->view.world_from_view;
+  if (!state_.is_localised) return last_.world_from_view;
+  if (options_.motion_model == "so3") return std::nullopt;
+  if (options_.motion_model == "constant_pose") return last_.world_from_view;
+  if (state_.lost_frames > 0 && !MovesOn()) return last_.world_from_view;
+  Rigid3d expected = last_.world_from_view;
+  for (int i = 0; i <= state_.lost_frames; ++i) expected = expected * last_from_next_;
+  return expected;
+}
+
+bool Tracker::MovesOn() const { return options_.acceleration_m_per_s2 > 0 && state_.MovesOn(); }
+
+// Returns std::nullopt without a motion prior.
+std::optional<Matrix6d> Tracker::PriorCovariance(const PreparedFrame& frame) const {
+  const double seconds = SecondsTo(frame);
+  if (!MovesOn() || !(seconds > 0)) return std::nullopt;
+  return motion_prior_.Covariance(seconds);
+}
+
+// A motion over lost frames or to a found pose does not continue, unless the found pose agrees with
+// the prediction.
+void Tracker::UpdateMotion(const PreparedFrame& frame, const Tracked& tracked) {
+  const double seconds = SecondsTo(frame);
+  const bool is_next = state_.HasLastPose() && !tracked.found_again;
+  const std::optional<Matrix6d> prior = PriorCovariance(frame);
+  const bool moved_on = !is_next && prior && !IsUnexpected(tracked);
+  motion_ = MotionTo(frame.images.stamp_s, tracked);
+  motion_prior_.Forget();
+  if (moved_on) {
+    motion_prior_.Keep(*prior, seconds);
+    return;
+  }
+  last_from_next_ =
+      is_next ? last_.world_from_view.Inverse() * tracked.world_from_camera : Rigid3d();
+  if (is_next && tracked.motion_covariance) motion_prior_.Keep(*tracked.motion_covariance, seconds);
+}
+
+void Tracker::Move(const Rigid3d& new_from_old_world) {
+  last_.world_from_view = new_from_old_world * last_.world_from_view;
+  regions_.Move(new_from_old_world);
+  features_.Move(new_from_old_world);
+  if (tentative_) {
+    tentative_->view.world_from_view = new_from_old_world * tentative_->view.world_from_view;
+  }
+}
+
+}  // namespace surfit

@@ -1,0 +1,117 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <utility>
+
+#include "surfit/frame/camera_motion.h"
+#include "surfit/frame/rgbd_frame.h"
+#include "surfit/tracking/tracking.h"
+#include "tracking/feature_watch.h"
+#include "tracking/frame_registration.h"
+#include "tracking/model_views.h"
+#include "tracking/motion_prior.h"
+#include "tracking/moving_regions.h"
+#include "tracking/pose_search.h"
+#include "tracking/prepared_frame.h"
+#include "tracking/tracked.h"
+#include "tracking/tracking_state.h"
+
+namespace surfit {
+
+// Predicted pose of a frame, and the view that it is registered to.
+struct Prediction {
+  Rigid3d world_from_camera;
+  const ReferenceView* reference = nullptr;  // null: tracking has not started
+  bool has_own_view = false;                 // the reference was rendered for this frame
+};
+
+// Tracks the camera. Each frame passes Predict(), Track() and Update() in this order:
+//   Predict  motion model, reference view       motion_prior.h, model_views.h
+//   Track    registration                       frame_registration.h
+//            search for uncertain frames        pose_search.h
+//            validation                         pose_validation.h
+//   Update   state transition                   tracking_state.h
+class Tracker {
+ public:
+  // Keeps a reference to the options and the pointer.
+  Tracker(const TrackingOptions& options, const Rigid3d& world_from_first_camera,
+          ModelViews* views);
+
+  void UseRelocalizer(Relocalizer* relocalizer);
+  void OnLostFrame(std::function<void(const LostFrame&)> call) { on_lost_ = std::move(call); }
+  // The map is given, with the last pose at this time. The camera pose is unknown.
+  void StartInGivenMap(double last_stamp_s);
+
+  const TrackingState& state() const { return state_; }
+  // Returns whether the next frame may be registered by intensities.
+  bool NeedsIntensities() const;
+  // Predicted motion of the camera. Zero after lost frames.
+  CameraMotion ExpectedMotion() const;
+  // Motion from the last frame to a pose. Zero after lost frames.
+  CameraMotion MotionTo(double stamp_s, const Rigid3d& world_from_camera) const;
+  // Likewise to a tracked frame. Zero for a frame that was found by search.
+  CameraMotion MotionTo(double stamp_s, const Tracked& tracked) const;
+
+  // Returns whether the frame is a duplicate: its depth equals the depth of the frame before.
+  bool Repeats(const RgbdFrame& frame);
+  // Outcomes of a duplicate frame, and of a frame with a given pose.
+  Tracked Repeat() const;
+  Tracked TrackGiven(const PreparedFrame& frame, const Rigid3d& world_from_camera);
+
+  Prediction Predict(const PreparedFrame& frame);
+  Tracked Track(const PreparedFrame& frame, const Prediction& prediction);
+  // Ends a frame, except a duplicate. `frame` has no moving objects.
+  void Update(PreparedFrame frame, Tracked tracked);
+  // Renders the view of the next frame before it arrives.
+  void PredictAhead(bool has_color);
+
+  // Applies a correction of the world.
+  void Move(const Rigid3d& new_from_old_world);
+
+ private:
+  Tracked First(const PreparedFrame& frame) const;
+  Tracked RegisterOrSearch(const PreparedFrame& frame, const Prediction& prediction);
+  Tracked Register(const PreparedFrame& frame, const ReferenceView& reference,
+                   const Rigid3d& world_from_predicted) const;
+  Tracked AgainstNewest(const PreparedFrame& frame, Tracked tracked) const;
+  std::optional<Tracked> CompareWithTentative(const PreparedFrame& frame, const Tracked& tracked);
+  Tracked Search(const PreparedFrame& frame, Tracked tracked) const;
+  Tracked Better(Tracked tracked, std::optional<Tracked> found) const;
+  bool IsUncertain(const PreparedFrame& frame, const Prediction& prediction,
+                   const Tracked& tracked) const;
+  bool IsFar(const PreparedFrame& frame, const Rigid3d& world_from_camera) const;
+  bool IsUnexpected(const Tracked& found) const;
+  bool NeedsConfirmation(const PreparedFrame& frame, const Tracked& tracked) const;
+  Rigid3d WithMeasuredMotion(const PreparedFrame& frame, const Tracked& tracked) const;
+  std::optional<Tracked> InNewSubmap(const PreparedFrame& frame, const Tracked& tracked);
+
+  std::optional<Rigid3d> PredictedPose() const;
+  bool UpdateView(const Rigid3d& world_from_predicted, bool has_intensities);
+  bool MovesOn() const;
+  std::optional<Matrix6d> PriorCovariance(const PreparedFrame& frame) const;
+  void UpdateMotion(const PreparedFrame& frame, const Tracked& tracked);
+  double SecondsTo(const PreparedFrame& frame) const {
+    return frame.images.stamp_s - last_stamp_s_;
+  }
+
+  const TrackingOptions& options_;
+  ModelViews* views_;
+  MovingRegions regions_;
+  FrameRegistration registration_;
+  PoseSearch search_;
+  Relocalizer* relocalizer_ = nullptr;  // null: no place recognition
+  FeatureWatch features_;
+  std::function<void(const LostFrame&)> on_lost_;
+
+  TrackingState state_;
+  std::optional<TentativePose> tentative_;  // in TrackingPhase::kTentative
+  ReferenceView last_;  // last frame with a pose: the view as far as the options require it
+  double last_stamp_s_ = 0;
+  CameraMotion motion_;       // to the last frame
+  MotionPrior motion_prior_;  // covariance of motion_
+  Rigid3d last_from_next_;    // predicted by the motion model
+  Image<float> last_depth_m_;
+};
+
+}  // namespace surfit
