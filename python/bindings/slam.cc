@@ -39,7 +39,7 @@ void BindProcess(py::class_<SlamSession>* slam) {
       [](SlamSession& session,
          const std::function<void(int, double, std::optional<Rigid3d>)>& call) {
         if (!call) return session.OnPose(nullptr);
-        session.OnPose([call](const FramePose& pose) {
+        session.OnPose([call](const FrameReport& pose) {
           const bool is_lost = pose.state == FrameState::kLost;
           call(pose.index, pose.stamp_s,
                is_lost ? std::nullopt : std::optional<Rigid3d>(pose.world_from_camera));

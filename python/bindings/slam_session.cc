@@ -46,7 +46,7 @@ void SlamSession::Start(const DepthSensor& sensor, bool mirrored) {
   sensor_ = sensor;
   mirrored_ = mirrored;
   slam_ = std::make_unique<Slam>(sensor, options_, world_from_first_camera_);
-  slam_->OnPose([this](const FramePose& pose) {
+  slam_->OnPose([this](const FrameReport& pose) {
     try {
       if (on_pose_) on_pose_(pose);
     } catch (...) {
@@ -70,7 +70,7 @@ auto SlamSession::Locked(const Work& work) {
   return work();
 }
 
-void SlamSession::OnPose(std::function<void(const FramePose&)> call) {
+void SlamSession::OnPose(std::function<void(const FrameReport&)> call) {
   Locked([&] { on_pose_.swap(call); });
 }
 
@@ -117,7 +117,7 @@ std::optional<DepthCalibration> SlamSession::FoundCalibration() {
 }
 
 Trajectory SlamSession::CurrentTrajectory() const {
-  return slam_ && slam_->backend() ? slam_->backend()->trajectory() : trajectory_;
+  return slam_ && slam_->backend() ? slam_->backend()->poses().trajectory() : trajectory_;
 }
 
 py::array_t<double> SlamSession::TrajectoryRows() {

@@ -34,7 +34,7 @@ class SlamSession {
                       std::optional<int> index, const std::optional<Rigid3d>& world_from_camera);
 
   // See Slam::OnPose(). What it throws is thrown by Process() in the end.
-  void OnPose(std::function<void(const FramePose&)> call);
+  void OnPose(std::function<void(const FrameReport&)> call);
 
   // See Slam::Finish().
   void Finish();
@@ -66,7 +66,7 @@ class SlamSession {
 
   std::mutex mutex_;                       // of all below
   std::atomic<std::thread::id> worker_{};  // who has locked it
-  std::function<void(const FramePose&)> on_pose_;
+  std::function<void(const FrameReport&)> on_pose_;
   std::exception_ptr thrown_;  // by that
   std::unique_ptr<Slam> slam_;
   DepthSensor sensor_;

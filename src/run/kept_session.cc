@@ -7,8 +7,8 @@
 #include <map>
 #include <utility>
 
-#include "slam/loop_closer.h"
 #include "surfit/core/error.h"
+#include "surfit/poses/pose_store.h"
 
 namespace surfit {
 namespace {

@@ -42,7 +42,7 @@ std::vector<KeyframeLink> OwnKeyframes(const SequenceSlam& slam) {
   std::vector<KeyframeLink> keyframes;
   if (!slam.slam().backend() || slam.frames().empty()) return keyframes;
   const int first = slam.frames().front();
-  for (KeyframeLink link : slam.slam().backend()->keyframes()) {
+  for (KeyframeLink link : slam.slam().backend()->poses().keyframes()) {
     if (link.frame < first) continue;
     if (link.parent_frame < first) link.parent_frame = KeyframeLink::kNone;
     keyframes.push_back(link);

@@ -22,7 +22,7 @@ std::string DumpFolder(const std::string& folder, int frame) {
 }  // namespace
 
 SequenceSlam::SequenceSlam(const SlamRunOptions& options, const SequenceInfo& info,
-                           KeptSession* session, std::function<void(const FramePose&)> on_pose)
+                           KeptSession* session, std::function<void(const FrameReport&)> on_pose)
     : options_(options), info_(info), session_(session), on_pose_(std::move(on_pose)) {
   if (options.poses == "groundtruth" && info.ground_truth.empty()) {
     throw InputError(
@@ -84,7 +84,7 @@ void SequenceSlam::TakeTrajectory() {
   if (session_ && session_->is_localized()) return;
   const int first = session_ ? session_->first_index() : 0;
   trajectory_.clear();
-  for (const PosedFrame& frame : slam_->backend()->frames()) {
+  for (const PosedFrame& frame : slam_->backend()->poses().frames()) {
     if (frame.index >= first) trajectory_.push_back({frame.stamp_s, frame.world_from_camera});
   }
 }

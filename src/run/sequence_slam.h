@@ -20,7 +20,7 @@ class SequenceSlam {
   // All must outlive it; without a session that is null. Calls on_pose as Slam::OnPose() says.
   // Throws InputError if the options ask for true poses that the sequence lacks.
   SequenceSlam(const SlamRunOptions& options, const SequenceInfo& info, KeptSession* session,
-               std::function<void(const FramePose&)> on_pose);
+               std::function<void(const FrameReport&)> on_pose);
 
   // False until the first frame: its stamp may tell the pose to begin at.
   bool HasBegun() const { return slam_ != nullptr; }
@@ -54,7 +54,7 @@ class SequenceSlam {
   const SlamRunOptions& options_;
   const SequenceInfo& info_;
   KeptSession* const session_;
-  const std::function<void(const FramePose&)> on_pose_;
+  const std::function<void(const FrameReport&)> on_pose_;
   std::unique_ptr<Slam> slam_;
   Trajectory trajectory_;
   std::vector<int> frames_;

@@ -69,7 +69,7 @@ class SlamRun {
         source_(OpenSource(options, interrupted)),
         info_(source_->info()),
         given_field_(ReadDepthField(options.sequence, info_.format)),
-        slam_(options, info_, session, [this](const FramePose&) { statistics_.PoseIsKnown(); }),
+        slam_(options, info_, session, [this](const FrameReport&) { statistics_.PoseIsKnown(); }),
         folder_(options.output, RunFileNames(), {options.sequence.camera}) {
     if (!options.trace.empty()) trace_ = std::make_unique<TraceRecorder>(options.trace);
     files_ = std::make_unique<RunFiles>(options.output, info_.mirrored);
@@ -274,11 +274,11 @@ class SlamRun {
     summary->loops = backend.counts();
     summary->merged_doubles = static_cast<std::int64_t>(slam.merged_doubles());
     if (options_.slam.loops.enabled) {
-      failures_.Try([&] { WriteLoopsCsv(backend.loops(), Path("loops.csv")); });
+      failures_.Try([&] { WriteLoopsCsv(backend.poses().loops(), Path("loops.csv")); });
     }
     if (options_.keep_places) {
       failures_.Try([&] {
-        WritePlaces({backend.frames(), backend.keyframe_views(), backend.edges()},
+        WritePlaces({backend.poses().frames(), backend.keyframe_views(), backend.poses().edges()},
                     Path("places.bin"));
       });
     }

@@ -191,7 +191,7 @@ MergeSummary MergeSessions(const std::vector<std::string>& folders, const SlamOp
   MergeSummary summary;
   summary.sessions = folders.size();
   std::vector<std::set<std::size_t>> joined(folders.size());
-  for (const LoopRecord& loop : slam.backend()->loops()) {
+  for (const LoopRecord& loop : slam.backend()->poses().loops()) {
     const std::size_t a = merger.SessionOf(loop.source_frame);
     const std::size_t b = merger.SessionOf(loop.target_frame);
     if (!loop.in_graph || a == b) continue;
@@ -212,7 +212,7 @@ MergeSummary MergeSessions(const std::vector<std::string>& folders, const SlamOp
   for (std::size_t i = 0; i < folders.size(); ++i) {
     if (found.count(i) == 0) summary.apart.push_back(folders[i]);
   }
-  summary.frames = slam.backend()->frames().size();
+  summary.frames = slam.backend()->poses().frames().size();
   summary.keyframes = keyframes.size();
   summary.surfels = slam.map().size();
   summary.merged_doubles = slam.merged_doubles();

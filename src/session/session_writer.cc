@@ -45,9 +45,9 @@ bool AreSame(const KeptEdge& a, const KeptEdge& b) {
 
 std::vector<KeptEdge> EdgesOf(const Backend& backend) {
   std::vector<KeptEdge> edges;
-  const std::vector<bool> in_graph = backend.loops_in_graph();
+  const std::vector<bool> in_graph = backend.poses().loops_in_graph();
   std::size_t loop = 0;
-  for (const PoseGraphEdge& edge : backend.edges()) {
+  for (const PoseGraphEdge& edge : backend.poses().edges()) {
     edges.push_back({edge, edge.loop && in_graph[loop++]});
   }
   return edges;
@@ -198,7 +198,7 @@ void SessionWriter::Implementation::KeepViews(const std::vector<KeyframeLink>& k
 }
 
 void SessionWriter::Implementation::Offer(const Slam& slam, double stamp_s) {
-  if (slam.backend()->frames().empty()) return;
+  if (slam.backend()->poses().frames().empty()) return;
   ++frames_since_save_;
   const bool is_due = !has_saved_ || frames_since_save_ >= kPeriodFrames ||
                       std::abs(stamp_s - saved_stamp_s_) >= kPeriod_s;
@@ -209,7 +209,7 @@ void SessionWriter::Implementation::Offer(const Slam& slam, double stamp_s) {
 }
 
 void SessionWriter::Implementation::Finish(const Slam& slam) {
-  if (slam.backend()->frames().empty()) return Wait();
+  if (slam.backend()->poses().frames().empty()) return Wait();
   for (SessionRun& run : runs_) run.ended = true;
   are_runs_saved_ = false;
   Save(slam);
@@ -242,14 +242,14 @@ SessionUpdate SessionWriter::Implementation::Difference(const Slam& slam) {
   for (std::size_t i = 0; i < runs_.size() && !are_runs_saved_; ++i) {
     update.runs.push_back(RowOf(first_run_ + static_cast<std::int64_t>(i), runs_[i]));
   }
-  update.frames = Changed(backend.frames(), frames_,
+  update.frames = Changed(backend.poses().frames(), frames_,
                           [](std::int64_t, const PosedFrame& frame) { return RowOf(frame); });
-  frames_ = backend.frames();
+  frames_ = backend.poses().frames();
   std::vector<KeptEdge> edges = EdgesOf(backend);
   update.edges = Changed(edges, edges_,
                          [](std::int64_t key, const KeptEdge& edge) { return RowOf(key, edge); });
   edges_ = std::move(edges);
-  const std::vector<KeyframeLink> links = backend.keyframes();
+  const std::vector<KeyframeLink> links = backend.poses().keyframes();
   for (; keyframes_ < links.size(); ++keyframes_) {
     update.keyframes.push_back(RowOf(static_cast<std::int64_t>(keyframes_), links[keyframes_]));
   }

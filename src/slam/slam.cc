@@ -50,7 +50,7 @@ class BackendRelocalizer : public Relocalizer {
   std::optional<KeyframePose> Find(const ColoredView& view) override {
     const Relocalization found = backend_->Find(view);
     if (!found.found()) return std::nullopt;
-    return KeyframePose{found.keyframe, backend_->FrameOfKeyframe(found.keyframe),
+    return KeyframePose{found.keyframe, backend_->poses().FrameOf(found.keyframe).index,
                         found.world_from_camera};
   }
 
@@ -193,7 +193,7 @@ FrameReport Slam::ReportDuplicate(const RgbdFrame& frame, const StageTimes& time
   const Tracked tracked = tracker_->Repeat();
   if (keeper() && tracked.is_held()) keeper()->AddFrozenFrame(frame.index, frame.stamp_s);
   FrameReport report = ReportOf(frame, tracked);
-  TellPose(report);
+  if (on_pose_) on_pose_(report);
   report.times = times;
   return report;
 }
@@ -201,7 +201,7 @@ FrameReport Slam::ReportDuplicate(const RgbdFrame& frame, const StageTimes& time
 // Adds a tracked frame to the trajectory and to the map.
 FrameReport Slam::Integrate(PreparedFrame frame, Tracked tracked, StageTimes* times) {
   FrameReport report = ReportOf(frame.measured, tracked);
-  TellPose(report);
+  if (on_pose_) on_pose_(report);
   if (!tracked.is_held()) {
     tracker_->Update(std::move(frame), std::move(tracked));
     return report;
@@ -218,7 +218,7 @@ FrameReport Slam::Integrate(PreparedFrame frame, Tracked tracked, StageTimes* ti
 }
 
 // Adds the tentative frame that this frame has confirmed. Only this frame is fused.
-std::optional<ConfirmedFrame> Slam::AddConfirmed(const Tracked& tracked) {
+std::optional<PosedFrame> Slam::AddConfirmed(const Tracked& tracked) {
   if (!tracked.confirmed) return std::nullopt;
   const TentativePose& confirmed = *tracked.confirmed;
   const Rigid3d& world_from_camera = confirmed.view.world_from_view;
@@ -226,7 +226,11 @@ std::optional<ConfirmedFrame> Slam::AddConfirmed(const Tracked& tracked) {
     keeper()->AddFrame(confirmed.frame, world_from_camera, confirmed.icp,
                        confirmed.view.view.pyramid);
   }
-  return ConfirmedFrame{confirmed.frame.index, confirmed.frame.stamp_s, world_from_camera};
+  PosedFrame posed;
+  posed.index = confirmed.frame.index;
+  posed.stamp_s = confirmed.frame.stamp_s;
+  posed.world_from_camera = world_from_camera;
+  return posed;
 }
 
 // The first frame of a map is always fused.
@@ -252,18 +256,14 @@ void Slam::Fuse(const PreparedFrame& frame, const Tracked& tracked, FrameReport*
                                  tracker_->MotionTo(frame.images.stamp_s, tracked));
 }
 
-void Slam::TellPose(const FrameReport& report) const {
-  if (on_pose_) on_pose_({report.index, report.stamp_s, report.state, report.world_from_camera});
-}
-
-void Slam::OnPose(std::function<void(const FramePose&)> call) { on_pose_ = std::move(call); }
+void Slam::OnPose(std::function<void(const FrameReport&)> call) { on_pose_ = std::move(call); }
 
 void Slam::OnLostFrame(std::function<void(const LostFrame&)> call) {
   tracker_->OnLostFrame(std::move(call));
 }
 
 void Slam::UseLoopFinder(LoopFinder finder) {
-  CHECK(options_.loops.enabled && backend_->frames().empty());
+  CHECK(options_.loops.enabled && backend_->poses().frames().empty());
   MakeBackend(std::move(finder));
 }
 
@@ -275,9 +275,9 @@ void Slam::SetMapPeriod(int frames) {
 }
 
 void Slam::Finish() {
-  if (!keeper() || keeper()->frames().empty()) return;
+  if (!keeper() || keeper()->poses().frames().empty()) return;
   for (const WorldCorrection& correction : keeper()->Finish()) {
-    Correct(correction, keeper()->frames().back().index);
+    Correct(correction, keeper()->poses().frames().back().index);
   }
 }
 

@@ -62,8 +62,8 @@ TEST_F(KeptState, GoesOnWhereItHasEnded) {
   EXPECT_EQ(reports[0].state, FrameState::kLost);  // until the next agrees
   ASSERT_TRUE(reports[1].confirmed);
   const Backend& backend = *slam.backend();
-  EXPECT_EQ(backend.frames().size(), static_cast<std::size_t>(kAll));
-  ExpectRight(backend.frames(), kFirst);
+  EXPECT_EQ(backend.poses().frames().size(), static_cast<std::size_t>(kAll));
+  ExpectRight(backend.poses().frames(), kFirst);
   EXPECT_EQ(backend.counts().submaps, 1u);
 }
 
@@ -72,8 +72,8 @@ TEST_F(KeptState, FindsACameraThatIsElsewhere) {
   const auto reports = Process(&slam, 20, 50, 1000);
   slam.Finish();
   EXPECT_EQ(slam.backend()->counts().relocalisations, 1u);
-  EXPECT_GE(slam.backend()->frames().size(), kFirst + 25u);
-  ExpectRight(slam.backend()->frames(), 20);
+  EXPECT_GE(slam.backend()->poses().frames().size(), kFirst + 25u);
+  ExpectRight(slam.backend()->poses().frames(), 20);
 }
 
 TEST_F(KeptState, GivesTheSameEachTime) {
@@ -81,7 +81,7 @@ TEST_F(KeptState, GivesTheSameEachTime) {
     Slam slam = GoOn(StateUse::kContinue);
     Process(&slam, kFirst, kFirst + 20);
     slam.Finish();
-    return std::make_pair(slam.map(), slam.backend()->frames());
+    return std::make_pair(slam.map(), slam.backend()->poses().frames());
   };
   const auto a = run(), b = run();
   ExpectSameMap(a.first, b.first);
@@ -94,7 +94,7 @@ TEST_F(KeptState, IsNotChangedByACameraThatIsLocalisedInIt) {
   const auto reports = Process(&slam, 10, 60, 1000);
   slam.Finish();
   ExpectSameMap(slam.map(), before.map());
-  EXPECT_EQ(slam.backend()->frames().size(), static_cast<std::size_t>(kFirst));
+  EXPECT_EQ(slam.backend()->poses().frames().size(), static_cast<std::size_t>(kFirst));
   int held = 0;
   for (std::size_t i = 0; i < reports.size(); ++i) {
     if (reports[i].state == FrameState::kLost) continue;

@@ -39,18 +39,18 @@ std::vector<decltype(AsTuple(Surfel()))> Sorted(const SurfelMap& map) {
 
 void ExpectStateOf(const SlamState& state, const Slam& slam) {
   const Backend& backend = *slam.backend();
-  ExpectSamePoses(state.frames, backend.frames());
-  ASSERT_EQ(state.keyframes.size(), backend.keyframes().size());
+  ExpectSamePoses(state.frames, backend.poses().frames());
+  ASSERT_EQ(state.keyframes.size(), backend.poses().keyframes().size());
   ASSERT_EQ(state.views.size(), state.keyframes.size());
   for (std::size_t k = 0; k < state.keyframes.size(); ++k) {
-    EXPECT_EQ(state.keyframes[k].frame, backend.keyframes()[k].frame);
-    EXPECT_EQ(state.keyframes[k].parent_frame, backend.keyframes()[k].parent_frame);
+    EXPECT_EQ(state.keyframes[k].frame, backend.poses().keyframes()[k].frame);
+    EXPECT_EQ(state.keyframes[k].parent_frame, backend.poses().keyframes()[k].parent_frame);
     EXPECT_FALSE(state.views[k].empty());
   }
-  ASSERT_EQ(state.edges.size(), backend.edges().size());
+  ASSERT_EQ(state.edges.size(), backend.poses().edges().size());
   for (std::size_t e = 0; e < state.edges.size(); ++e) {
-    EXPECT_EQ(state.edges[e].a_from_b.Matrix(), backend.edges()[e].a_from_b.Matrix());
-    EXPECT_EQ(state.edges[e].information, backend.edges()[e].information);
+    EXPECT_EQ(state.edges[e].a_from_b.Matrix(), backend.poses().edges()[e].a_from_b.Matrix());
+    EXPECT_EQ(state.edges[e].information, backend.poses().edges()[e].information);
   }
   ExpectConsistent(state.map);
   EXPECT_EQ(Sorted(state.map), Sorted(slam.map()));
@@ -90,7 +90,7 @@ TEST(Session, EverySaveIsWhole) {
     writer.Offer(slam, i + 0.5);  // waits for the save before
     writer.Offer(slam, i + 1.);
     const Session session = ReadSession(path);
-    ExpectSamePoses(session.state.frames, slam.backend()->frames());
+    ExpectSamePoses(session.state.frames, slam.backend()->poses().frames());
     EXPECT_EQ(Sorted(session.state.map), Sorted(slam.map())) << i;
   }
 }

@@ -9,7 +9,7 @@
 #include <future>
 #include <thread>
 
-#include "slam/edge_information.h"
+#include "loop_closure/edge_information.h"
 #include "slam/simulated_sequence.h"
 #include "surfit/slam/slam.h"
 #include "testing/matchers.h"
@@ -124,7 +124,7 @@ BackendRun RunBackend(const LoopOptions& options, const LoopFinder& finder) {
     backend.AddFrame(Stamped(i, 0.03 * i), new_from_old * odometry[i], GoodIcp(), pyramid);
   }
   take(backend.Finish(), kFrames);
-  run.frames = backend.frames();
+  run.frames = backend.poses().frames();
   run.counts = backend.counts();
   return run;
 }
@@ -202,7 +202,7 @@ TEST(Backend, InRealTimeTakesLoopsWhenTheyAreThere) {
     }
     EXPECT_TRUE(moved);
     EXPECT_EQ(backend.counts().waits, 0u);
-    EXPECT_THAT(backend.frames().back().world_from_camera,
+    EXPECT_THAT(backend.poses().frames().back().world_from_camera,
                 RigidNear(TruePose(kFrames - 1), 0.01, 0.01));
   }
 }
@@ -239,9 +239,9 @@ TEST(Backend, JoinsAMapBegunApart) {
   ASSERT_EQ(corrections.size(), 1u);
   EXPECT_TRUE(corrections[0].moves);
   EXPECT_EQ(backend.counts().submaps_apart, 0u);
-  EXPECT_THAT(backend.frames()[0].world_from_camera, RigidNear(TruePose(0), 1e-9, 1e-9));
+  EXPECT_THAT(backend.poses().frames()[0].world_from_camera, RigidNear(TruePose(0), 1e-9, 1e-9));
   EXPECT_THAT(
-      backend.frames()[1].world_from_camera,
+      backend.poses().frames()[1].world_from_camera,
       RigidNear(TruePose(0) * Rigid3d(Eigen::Quaterniond::Identity(), {0, 0, 0.5}), 1e-6, 1e-6));
 }
 
@@ -257,7 +257,7 @@ TEST(Backend, TellsHowKeyframesHangTogether) {
   backend.AddFrame(Stamped(30, 2), TruePose(1), GoodIcp(), pyramid);
   backend.AddFrame(Stamped(40, 3), backend.BeginSubmap(TruePose(1)), {}, pyramid);
   std::vector<std::vector<int>> links;
-  for (const KeyframeLink& link : backend.keyframes()) {
+  for (const KeyframeLink& link : backend.poses().keyframes()) {
     links.push_back({link.frame, link.parent_frame, link.submap});
   }
   EXPECT_THAT(links, ElementsAre(ElementsAre(10, KeyframeLink::kNone, 0), ElementsAre(20, 10, 0),

@@ -55,7 +55,7 @@ CalibratedRun CalibratedRunOf(const SimulatedSequence& sequence,
   run.is_recalibrated = backend.is_recalibrated();
   run.found = *backend.calibration();
   run.calibrations = backend.calibrations();
-  run.trajectory = backend.trajectory();
+  run.trajectory = backend.poses().trajectory();
   run.map = slam.map();
   double squares = 0;
   for (std::size_t i = 0; i < run.trajectory.size(); ++i) {
@@ -131,7 +131,7 @@ TEST(SlamCalibration, EndsWhereAPoseIsGiven) {
   slam.Finish();
   EXPECT_TRUE(slam.backend()->calibrations().empty());
   EXPECT_EQ(slam.sensor().camera.fx, room.camera.fx);
-  EXPECT_EQ(slam.backend()->trajectory().back().world_from_camera.Matrix(),
+  EXPECT_EQ(slam.backend()->poses().trajectory().back().world_from_camera.Matrix(),
             room.world_from_camera.back().Matrix());
 }
 

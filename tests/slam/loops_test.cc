@@ -47,7 +47,7 @@ LoopRun RunLoops(const SimulatedSequence& sequence, const SlamOptions& options) 
   LoopRun run;
   for (const RgbdFrame& frame : sequence.frames) run.reports.push_back(slam.Process(frame));
   slam.Finish();
-  run.frames = slam.backend()->frames();
+  run.frames = slam.backend()->poses().frames();
   run.counts = slam.backend()->counts();
   run.map = slam.map();
   return run;

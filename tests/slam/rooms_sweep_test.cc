@@ -106,7 +106,7 @@ Outcome RunMisled(const SimulatedSequence& sequence, Wrong wrong) {
   for (const RgbdFrame& frame : sequence.frames) slam.Process(frame);
   slam.Finish();
   std::vector<MatchedPose> poses;
-  for (const PosedFrame& frame : slam.backend()->frames()) {
+  for (const PosedFrame& frame : slam.backend()->poses().frames()) {
     poses.push_back(
         {frame.stamp_s, sequence.world_from_camera[frame.index], frame.world_from_camera});
   }

@@ -128,7 +128,7 @@ TEST(Slam, TheFrameOfAReturnGetsItsPoseFromTheNext) {
     EXPECT_EQ(held, 11) << loops;
     slam.Finish();
     ASSERT_TRUE(slam.backend());
-    EXPECT_EQ(slam.backend()->trajectory().size(), 11u);
+    EXPECT_EQ(slam.backend()->poses().trajectory().size(), 11u);
   }
 }
 

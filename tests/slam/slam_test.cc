@@ -216,8 +216,8 @@ TEST(Slam, AFrozenFrameKeepsThePoseAndFusesNothing) {
 TEST(Slam, TellsEachPoseThatItReports) {
   const SimulatedSequence& room = IdealRoom();
   Slam slam({room.camera, {}}, SlamOptions(), {});
-  std::vector<FramePose> told;
-  slam.OnPose([&](const FramePose& pose) { told.push_back(pose); });
+  std::vector<FrameReport> told;
+  slam.OnPose([&](const FrameReport& pose) { told.push_back(pose); });
   std::vector<RgbdFrame> frames(room.frames.begin(), room.frames.begin() + 3);
   const RgbdFrame frozen = frames.back();
   RgbdFrame dark = frozen;

@@ -6,6 +6,7 @@
 #include "surfit/frame/preprocess.h"
 #include "surfit/loop_closure/keyframe.h"
 #include "surfit/loop_closure/place_index.h"
+#include "surfit/poses/pose_store.h"
 #include "surfit/registration/far_registration.h"
 
 namespace surfit {
@@ -43,19 +44,6 @@ struct FindLoopsOptions {
   VerifyLoopOptions verify;
 
   void Visit(OptionVisitor& visitor);
-};
-
-// Two keyframes that may show one place; source is the later one.
-struct LoopProposal {
-  int source = 0, target = 0;  // positions in the list of keyframes
-  double similarity = 0;       // by the index; 0 where it was proposed by its pose alone
-  std::optional<Rigid3d> target_from_source_prior;  // by the estimated poses, where near
-};
-
-// A proposal that was verified.
-struct LoopAttempt {
-  LoopProposal proposal;
-  FarVerdict verdict;
 };
 
 // Earlier keyframes to which keyframe `source` may be joined: those most alike first, then those

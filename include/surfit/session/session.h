@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "surfit/geometry/sensor.h"
+#include "surfit/loop_closure/loop_closure.h"
 #include "surfit/slam/slam_state.h"
 
 namespace surfit {

@@ -58,13 +58,6 @@ struct StageTimes {
   double correct_ms = 0;  // of the map, by loops
 };
 
-// A frame that was lost when it came, and the pose that the next one has confirmed.
-struct ConfirmedFrame {
-  int index = 0;
-  double stamp_s = 0;
-  Rigid3d world_from_camera;
-};
-
 // What became of one frame.
 struct FrameReport {
   int index = 0;
@@ -84,16 +77,8 @@ struct FrameReport {
       moving;           // where they are: cells of the image, not 0; empty where nothing moves
   IcpResult icp;        // of a tracked or lost frame
   FusionReport fusion;  // of a fused frame
-  std::optional<ConfirmedFrame> confirmed;  // the frame before
+  std::optional<PosedFrame> confirmed;  // the lost frame before, whose pose this frame confirms
   StageTimes times;
-};
-
-// Where a frame was found to be, before anything is made of it.
-struct FramePose {
-  int index = 0;
-  double stamp_s = 0;
-  FrameState state = FrameState::kLost;
-  Rigid3d world_from_camera;  // meaningless if lost
 };
 
 // Dense SLAM by point-based fusion: each frame is registered to what the map predicts, and one of
@@ -119,9 +104,9 @@ class Slam {
   // calibrated by poses that must not move.
   FrameReport ProcessAt(const RgbdFrame& frame, const Rigid3d& world_from_camera);
 
-  // To be called with each frame as soon as its pose is known, or that it is lost: the frame is
-  // then fused, which takes longer than tracking it. The call must not throw, nor call this object.
-  void OnPose(std::function<void(const FramePose&)> call);
+  // Sets a callback for the report of each tracked or lost frame before its fusion, which takes
+  // longer than tracking. The callback must not throw, nor call this object.
+  void OnPose(std::function<void(const FrameReport&)> call);
 
   // To be called with each frame that tracking loses.
   void OnLostFrame(std::function<void(const LostFrame&)> call);
@@ -163,11 +148,10 @@ class Slam {
   Tracked Track(const PreparedFrame& frame, StageTimes* times);
   FrameReport ReportDuplicate(const RgbdFrame& frame, const StageTimes& times);
   FrameReport Integrate(PreparedFrame frame, Tracked tracked, StageTimes* times);
-  std::optional<ConfirmedFrame> AddConfirmed(const Tracked& tracked);
+  std::optional<PosedFrame> AddConfirmed(const Tracked& tracked);
   void Fuse(const PreparedFrame& frame, const Tracked& tracked, FrameReport* report,
             StageTimes* times);
   bool IsHeldOut(const Tracked& tracked) const;
-  void TellPose(const FrameReport& report) const;
   // The back end, if frames are added to it: null without loops and calibration, and for
   // localisation.
   Backend* keeper() const { return use_ == StateUse::kLocalize ? nullptr : backend_.get(); }
@@ -181,7 +165,7 @@ class Slam {
   std::unique_ptr<Backend> backend_;          // null without loops and calibration
   std::unique_ptr<Relocalizer> relocalizer_;  // null without loops
   int frame_count_ = 0;
-  std::function<void(const FramePose&)> on_pose_;
+  std::function<void(const FrameReport&)> on_pose_;
 };
 
 }  // namespace surfit

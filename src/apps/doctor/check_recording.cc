@@ -45,7 +45,7 @@ class RecordingTracker {
     if (!tracked_.calibration_doubt.empty()) return tracked_;
     if (has_color_ && !backend.calibrations().empty())
       tracked_.color_latency_s = backend.color_latency_s();
-    tracked_.late_s = LatenessByTruth(backend.trajectory());
+    tracked_.late_s = LatenessByTruth(backend.poses().trajectory());
     return tracked_;
   }
 

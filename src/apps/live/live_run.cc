@@ -75,22 +75,22 @@ void LiveRun::NotePath(const SlamRunFrame& frame) {
   const BackendCounts counts = frame.backend->counts();
   const std::array<std::size_t, 3> corrections = {counts.corrections, counts.loops_accepted,
                                                   frame.backend->calibrations().size()};
-  const bool grows_by_one = path_.size() + 1 == frame.backend->frames().size();
+  const bool grows_by_one = path_.size() + 1 == frame.backend->poses().frames().size();
   if (grows_by_one && corrections == corrections_) {
     return path_.push_back({report.stamp_s, report.world_from_camera});
   }
   corrections_ = corrections;
-  path_ = frame.backend->trajectory();
+  path_ = frame.backend->poses().trajectory();
   NoteLoops(*frame.backend);
 }
 
 void LiveRun::NoteLoops(const Backend& backend) {
   std::map<int, Eigen::Vector3d> places;
   loops_.clear();
-  for (const LoopRecord& loop : backend.loops()) {
+  for (const LoopRecord& loop : backend.poses().loops()) {
     if (!loop.in_graph) continue;
     if (places.empty()) {
-      for (const PosedFrame& frame : backend.frames()) {
+      for (const PosedFrame& frame : backend.poses().frames()) {
         places[frame.index] = frame.world_from_camera.translation;
       }
     }

@@ -4,8 +4,8 @@
 #include <map>
 #include <utility>
 
-#include "slam/correct_frames.h"
-#include "slam/edge_information.h"
+#include "loop_closure/correct_frames.h"
+#include "loop_closure/edge_information.h"
 
 namespace surfit {
 namespace {

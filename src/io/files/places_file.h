@@ -6,7 +6,7 @@
 
 #include "surfit/loop_closure/keyframe.h"
 #include "surfit/optimization/pose_graph.h"
-#include "surfit/slam/backend.h"
+#include "surfit/poses/pose_store.h"
 
 namespace surfit {
 

@@ -19,9 +19,9 @@ void RequireSize(const Image<T>& image, const PinholeCamera& camera, const char*
 }
 
 // Prepares what is read.
-class PreparedFrames : public FrameSource {
+class ImageSource : public FrameSource {
  public:
-  explicit PreparedFrames(RawSequence sequence) : sequence_(std::move(sequence)) {}
+  explicit ImageSource(RawSequence sequence) : sequence_(std::move(sequence)) {}
 
   const SequenceInfo& info() const override { return sequence_.info; }
 
@@ -119,7 +119,7 @@ RawSequence Complete(SequenceInfo info, std::unique_ptr<RawFrames> frames,
 }
 
 std::unique_ptr<FrameSource> Prepared(RawSequence sequence) {
-  return std::make_unique<PreparedFrames>(std::move(sequence));
+  return std::make_unique<ImageSource>(std::move(sequence));
 }
 
 }  // namespace surfit

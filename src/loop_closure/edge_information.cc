@@ -1,4 +1,4 @@
-#include "slam/edge_information.h"
+#include "loop_closure/edge_information.h"
 
 #include <Eigen/Cholesky>
 

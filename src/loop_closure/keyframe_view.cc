@@ -1,4 +1,4 @@
-#include "slam/keyframe_view.h"
+#include "loop_closure/keyframe_view.h"
 
 #include <memory>
 #include <mutex>

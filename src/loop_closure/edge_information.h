@@ -1,7 +1,7 @@
 #pragma once
 
+#include "surfit/loop_closure/loop_closure.h"
 #include "surfit/registration/icp.h"
-#include "surfit/slam/backend.h"
 
 namespace surfit {
 

@@ -1,4 +1,4 @@
-#include "slam/correct_frames.h"
+#include "loop_closure/correct_frames.h"
 
 namespace surfit {
 namespace {

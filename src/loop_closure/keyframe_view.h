@@ -1,7 +1,7 @@
 #pragma once
 
 #include "surfit/loop_closure/keyframe.h"
-#include "surfit/slam/backend.h"
+#include "surfit/loop_closure/loop_closure.h"
 
 namespace surfit {
 

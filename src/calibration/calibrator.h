@@ -5,13 +5,13 @@
 #include <vector>
 
 #include "core/spare_time.h"
+#include "surfit/calibration/calibration.h"
 #include "surfit/frame/camera_motion.h"
 #include "surfit/frame/preprocess.h"
 #include "surfit/frame/rgbd_frame.h"
 #include "surfit/geometry/trajectory.h"
 #include "surfit/optimization/color_latency.h"
 #include "surfit/optimization/refine.h"
-#include "surfit/slam/backend.h"
 
 namespace surfit {
 

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "surfit/mapping/move_map.h"
-#include "surfit/slam/backend.h"
+#include "surfit/poses/pose_store.h"
 
 namespace surfit {
 

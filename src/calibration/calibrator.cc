@@ -1,4 +1,4 @@
-#include "slam/calibrator.h"
+#include "calibration/calibrator.h"
 
 #include <algorithm>
 #include <utility>

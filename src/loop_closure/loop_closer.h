@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "core/spare_time.h"
+#include "surfit/loop_closure/keyframe.h"
+#include "surfit/loop_closure/loop_closure.h"
+#include "surfit/loop_closure/place_index.h"
+#include "surfit/optimization/pose_graph.h"
+#include "surfit/poses/pose_store.h"
+#include "surfit/registration/far_registration.h"
+
+namespace surfit {
+
+// Edge of the pose graph for a verified loop.
+PoseGraphEdge LoopEdge(const LoopAttempt& attempt, const EdgeNoise& noise);
+
+// Keyframe for the search for loops.
+struct KeyframeForLoops {
+  int frame_index = 0;
+  double stamp_s = 0;
+  ViewOfKeyframe view;
+};
+
+// Task of loop closure.
+struct LoopTask {
+  std::vector<KeyframeForLoops> added;  // new keyframes
+  PoseGraph graph;                      // snapshot with all keyframes
+};
+
+// Outcome of a task, to be applied to the pose store.
+struct LoopOutcome {
+  std::vector<LoopRecord> attempts;
+  bool optimised = false;                    // there are new loops, and the solver succeeded
+  std::vector<Rigid3d> world_from_keyframe;  // of all keyframes, if optimised
+  std::vector<bool> loops_in_graph;          // of all verified loops so far, if optimised
+  std::size_t given_up_views = 0;            // by LimitKeyframes()
+};
+
+// Finds loops and optimises the pose graph in background tasks. Owns the views of the keyframes and
+// their place index. Poses and edges are snapshots of the pose store.
+class LoopCloser {
+ public:
+  // If `always_beside`, tasks run in a SpareTimeTask with any number of threads.
+  LoopCloser(const LoopOptions& options, LoopFinder finder, bool always_beside);
+
+  // Adds keyframes of a saved state, before any task.
+  void AddSettled(std::vector<Keyframe> keyframes);
+
+  // Starts a task. task().Take() returns its outcome.
+  void Start(LoopTask task);
+  SpareTimeTask<LoopOutcome>& task() { return task_; }
+
+  // Searches all keyframes of the tasks so far for a view. Waits for the current task, whose
+  // outcome can still be taken.
+  Relocalization Find(const ColoredView& view, const std::vector<Rigid3d>& world_from_keyframe);
+
+  // Keyframes of the tasks so far, with the poses of the last snapshot. No task may be running.
+  const std::vector<Keyframe>& keyframes() const { return keyframes_; }
+
+ private:
+  LoopOutcome Run(LoopTask task);
+  void TryLoops(int source, PoseGraph* graph, LoopOutcome* outcome);
+  void Optimise(PoseGraph graph, LoopOutcome* outcome) const;
+
+  LoopOptions options_;
+  LoopFinder finder_;
+  std::vector<Keyframe> keyframes_;
+  PlaceIndex index_;
+  SpareTimeTask<LoopOutcome> task_;  // last member: its destructor waits for the task
+};
+
+}  // namespace surfit
