@@ -26,7 +26,7 @@ void BindFusionReport(py::module_& module) {
 
 void BindStageTimes(py::module_& module) {
   BindReport<StageTimes>(module, "StageTimes", "Wall time spent in each stage, milliseconds.")
-      .def_readonly("preprocess_ms", &StageTimes::preprocess_ms, "depth filter, normals, pyramid")
+      .def_readonly("preprocess_ms", &StageTimes::prepare_ms, "depth filter, normals, pyramid")
       .def_readonly("predict_ms", &StageTimes::predict_ms,
                     "drawing the map, for this frame or ahead for the next")
       .def_readonly("track_ms", &StageTimes::track_ms, "registration")

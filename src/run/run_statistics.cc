@@ -102,7 +102,7 @@ void RunStatistics::AddTimes(const ReadResult& result, const StageTimes& times, 
     pose_latency_ms_.push_back(AgeMs(result, pose_known_));
   }
   const std::array<double, kStages.size()> stages_ms = {
-      result.decode_ms, times.preprocess_ms, times.predict_ms, times.track_ms,
+      result.decode_ms, times.prepare_ms, times.predict_ms, times.track_ms,
       times.fuse_ms,    times.correct_ms,    write_ms};
   for (std::size_t i = 0; i < kStages.size(); ++i) stages_ms_[i].push_back(stages_ms[i]);
 }

@@ -33,23 +33,30 @@ RenderOptions WithAllStable(RenderOptions options) {
 Mapper::Mapper(const DepthSensor& sensor, const SlamOptions& options, StateUse use)
     : options_(options),
       may_change_(use == StateUse::kContinue),
-      sensor_(sensor),
+      input_sensor_(sensor),
       renderer_(options.render),
       newest_renderer_(WithAllStable(options.render)),
       fusion_(options.fusion),
       period_(options.map_period) {}
 
-void Mapper::GoOnFrom(SurfelMap map, const std::vector<int>& fused_frames,
-                      const DepthSensor& sensor) {
+void Mapper::GoOnFrom(SurfelMap map, const std::vector<int>& fused_frames) {
   map_ = std::move(map);
-  sensor_ = sensor;
   fusion_.GoOnAfter(fused_frames);
   if (!fused_frames.empty()) merged_until_ = fused_frames.back();
 }
 
+DepthSensor Mapper::sensor() const {
+  DepthSensor sensor = input_sensor_;
+  if (calibration_) {
+    sensor.camera = calibration_->camera;
+    sensor.readout_s = calibration_->readout_s;
+  }
+  return sensor;
+}
+
 ReferenceView Mapper::Render(ModelRenderer* renderer, const Rigid3d& world_from_view,
                              bool with_intensities) {
-  ModelView seen = renderer->Render(map_, sensor_, world_from_view, fusion_.ActiveSince());
+  ModelView seen = renderer->Render(map_, sensor(), world_from_view, fusion_.ActiveSince());
   DropNormalsAtEdges(options_.preprocess, &seen.surface);
   Image<float> grey = GreyOfCells(seen, map_);
   ReferenceView reference = {{BuildPyramid(std::move(seen.surface), options_.preprocess), {}},
@@ -92,8 +99,8 @@ FusionReport Mapper::Fuse(const PreparedFrame& frame, const Rigid3d& world_from_
   unfused_count_ = 0;
   is_view_new_ = false;
   world_from_fused_ = world_from_camera;
-  return fusion_.Fuse(frame.images, frame.surface(), world_from_camera, {motion, sensor_.readout_s},
-                      &map_);
+  return fusion_.Fuse(frame.images, frame.surface(), world_from_camera,
+                      {motion, sensor().readout_s}, &map_);
 }
 
 void Mapper::Correct(const WorldCorrection& correction, int frame_index) {
@@ -103,8 +110,6 @@ void Mapper::Correct(const WorldCorrection& correction, int frame_index) {
   const int active_frames = options_.fusion.active_frames;
   if (correction.recalibration) {
     MoveMap(correction.corrections, *correction.recalibration, &map_);
-    sensor_.camera = correction.recalibration->to.camera;
-    sensor_.readout_s = correction.recalibration->to.readout_s;
     has_view_ = false;
   } else if (correction.moves) {
     MoveMap(correction.corrections, &map_);

@@ -19,8 +19,10 @@ class Mapper : public ModelViews {
   // LoopOptions.
   Mapper(const DepthSensor& sensor, const SlamOptions& options, StateUse use);
 
-  // Takes up a map, as another one has left it after these frames, by a camera that is seen so now.
-  void GoOnFrom(SurfelMap map, const std::vector<int>& fused_frames, const DepthSensor& sensor);
+  // Continues with a map after these fused frames.
+  void GoOnFrom(SurfelMap map, const std::vector<int>& fused_frames);
+  // Keeps the pointer to the estimated calibration. Null: the input sensor.
+  void UseCalibration(const DepthCalibration* calibration) { calibration_ = calibration; }
 
   const SurfelMap& map() const { return map_; }
   // Surfels that became part of others when the map was moved, in all.
@@ -28,8 +30,8 @@ class Mapper : public ModelViews {
   // How often surfels have changed that no frame was fused to.
   int corrections() const { return corrections_; }
 
-  // As the camera is seen now.
-  const DepthSensor& sensor() const { return sensor_; }
+  // Sensor with the estimated calibration.
+  DepthSensor sensor() const;
 
   const ReferenceView& View() const override { return view_; }
   bool Update(const Rigid3d& world_from_predicted, bool must, bool with_intensities) override;
@@ -60,7 +62,8 @@ class Mapper : public ModelViews {
 
   const SlamOptions& options_;
   const bool may_change_;
-  DepthSensor sensor_;
+  const DepthSensor input_sensor_;
+  const DepthCalibration* calibration_ = nullptr;
   ModelRenderer renderer_;
   ModelRenderer newest_renderer_;  // for which all surfels are stable
   Fusion fusion_;

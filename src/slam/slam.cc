@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "core/trace.h"
-#include "slam/frame_report.h"
 #include "slam/mapper.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
@@ -38,6 +37,22 @@ std::vector<int> FusedFrames(const std::vector<PosedFrame>& frames, int period) 
     fused.push_back(frames[i].index);
   }
   return fused;
+}
+
+// Report without fusion and times.
+FrameReport ReportOf(const RgbdFrame& frame, const Tracked& tracked) {
+  FrameReport report;
+  report.index = frame.index;
+  report.stamp_s = frame.stamp_s;
+  report.state = tracked.state;
+  report.world_from_camera = tracked.world_from_camera;
+  report.found_again = tracked.found_again;
+  report.has_own_view = tracked.has_own_view;
+  report.moving_share = tracked.moving_share;
+  report.is_apart = tracked.is_apart;
+  report.moving = tracked.moving;
+  report.icp = tracked.icp;
+  return report;
 }
 
 // Relocalisation by the keyframes of the back end.
@@ -93,15 +108,10 @@ Slam::Slam(const DepthSensor& sensor, const SlamOptions& options, SlamState stat
         "tracking is 'frame_to_frame', must be 'frame_to_model' to go on from a state");
   }
   if (state.keyframes.empty()) throw InputError("the state has no keyframe, must have one");
-  DepthSensor found = sensor;
-  if (state.calibration) {
-    found.camera = state.calibration->camera;
-    found.readout_s = state.calibration->readout_s;
-  }
   tracker_->StartInGivenMap(state.frames.back().stamp_s);
   std::vector<int> fused;
   if (use == StateUse::kContinue) fused = FusedFrames(state.frames, options_.map_period);
-  mapper_->GoOnFrom(std::move(state.map), fused, found);
+  mapper_->GoOnFrom(std::move(state.map), fused);
   backend_->GoOnFrom(&state, use);
 }
 
@@ -110,38 +120,37 @@ Slam::~Slam() = default;
 void Slam::MakeBackend(LoopFinder finder) {
   backend_ = std::make_unique<Backend>(sensor_, options_.preprocess, options_.loops,
                                        options_.calibration, std::move(finder), options_.real_time);
+  mapper_->UseCalibration(backend_->calibration());
   if (!options_.loops.enabled) return;
   relocalizer_ = std::make_unique<BackendRelocalizer>(
       backend_.get(), use_ == StateUse::kContinue ? options_.loops.new_map_after : 0);
   tracker_->UseRelocalizer(relocalizer_.get());
 }
 
-// The stages of a frame:
-//   correct   apply finished loop closures and calibrations   Backend, Mapper
-//   prepare   depth image to surfaces                         FramePreparation
-//   predict   predicted pose and model view                   Tracker, Mapper
-//   track     register, search and validate                   Tracker
-//   keyframe  add the pose, choose keyframes                  Backend
-//   fuse      update the surfels                              Mapper, Fusion
-//   report    outcome and times                               FrameReport
+// Stages of a frame, with the classes that do the work:
+//   correct    apply finished loop closures and calibrations   Backend, Mapper
+//   prepare    depth image to surfaces                         FramePreparation
+//   predict    predicted pose, model view at this pose         Tracker, Mapper
+//   track      register, search, validate                      Tracker
+//   keyframe   store the pose, choose keyframes                Backend, PoseStore
+//   fuse       update the surfels                              Mapper, Fusion
+//   report     outcome and times                               FrameReport
 FrameReport Slam::Process(const RgbdFrame& frame) {
   StageTimes times;
-  Begin(frame, &times);
+  Correct(frame, &times);
   if (tracker_->Repeats(frame)) return ReportDuplicate(frame, times);
   PreparedFrame prepared = Prepare(frame, tracker_->ExpectedMotion(), &times);
-  Tracked tracked = Track(prepared, &times);
+  const Prediction prediction = Predict(prepared, &times);
+  Tracked tracked = Track(prepared, prediction, &times);
   FrameReport report = Integrate(std::move(prepared), std::move(tracked), &times);
-  if (report.state != FrameState::kLost) {
-    const StageTimer timer("draw_ahead", frame.index, &times.predict_ms);
-    tracker_->PredictAhead(!frame.color.empty());
-  }
+  if (report.state != FrameState::kLost) PredictAhead(frame, &times);
   report.times = times;
   return report;
 }
 
 FrameReport Slam::ProcessAt(const RgbdFrame& frame, const Rigid3d& world_from_camera) {
   StageTimes times;
-  Begin(frame, &times);
+  Correct(frame, &times);
   tracker_->Repeats(frame);
   if (backend_) backend_->EndCalibration();
   PreparedFrame prepared =
@@ -152,24 +161,24 @@ FrameReport Slam::ProcessAt(const RgbdFrame& frame, const Rigid3d& world_from_ca
   return report;
 }
 
-void Slam::Begin(const RgbdFrame& frame, StageTimes* times) {
+void Slam::Correct(const RgbdFrame& frame, StageTimes* times) {
   CHECK_EQ(frame.depth_m.width(), sensor_.camera.width);
   CHECK_EQ(frame.depth_m.height(), sensor_.camera.height);
   CHECK(frame.color.empty() || frame.color.size() == frame.depth_m.size());
   ++frame_count_;
   if (!backend_) return;
   const StageTimer timer("correct", frame.index, &times->correct_ms);
-  for (const WorldCorrection& correction : backend_->BeginFrame()) Correct(correction, frame.index);
+  for (const WorldCorrection& correction : backend_->BeginFrame()) Apply(correction, frame.index);
 }
 
 // Moves map and camera alike, so that tracking continues without a jump.
-void Slam::Correct(const WorldCorrection& correction, int frame_index) {
+void Slam::Apply(const WorldCorrection& correction, int frame_index) {
   if (correction.moves) tracker_->Move(correction.new_from_old_now);
   mapper_->Correct(correction, frame_index);
 }
 
 PreparedFrame Slam::Prepare(const RgbdFrame& frame, const CameraMotion& motion, StageTimes* times) {
-  const StageTimer timer("preprocess", frame.index, &times->preprocess_ms);
+  const StageTimer timer("preprocess", frame.index, &times->prepare_ms);
   SensorCorrection correction;
   if (backend_ && backend_->is_recalibrated()) correction.calibration = backend_->calibration();
   if (backend_) correction.color_latency_s = backend_->color_latency_s();
@@ -177,12 +186,18 @@ PreparedFrame Slam::Prepare(const RgbdFrame& frame, const CameraMotion& motion, 
                                tracker_->NeedsIntensities());
 }
 
-Tracked Slam::Track(const PreparedFrame& frame, StageTimes* times) {
-  Prediction prediction;
-  {
-    const StageTimer timer("predict", frame.images.index, &times->predict_ms);
-    prediction = tracker_->Predict(frame);
-  }
+Prediction Slam::Predict(const PreparedFrame& frame, StageTimes* times) {
+  const StageTimer timer("predict", frame.images.index, &times->predict_ms);
+  return tracker_->Predict(frame);
+}
+
+// Renders the view of the next frame before it arrives.
+void Slam::PredictAhead(const RgbdFrame& frame, StageTimes* times) {
+  const StageTimer timer("draw_ahead", frame.index, &times->predict_ms);
+  tracker_->PredictAhead(!frame.color.empty());
+}
+
+Tracked Slam::Track(const PreparedFrame& frame, const Prediction& prediction, StageTimes* times) {
   const StageTimer timer("track", frame.images.index, &times->track_ms);
   Tracked tracked = tracker_->Track(frame, prediction);
   if (tracked.keyframe >= 0) backend_->AfterRelocalization(tracked.keyframe);
@@ -277,7 +292,7 @@ void Slam::SetMapPeriod(int frames) {
 void Slam::Finish() {
   if (!keeper() || keeper()->poses().frames().empty()) return;
   for (const WorldCorrection& correction : keeper()->Finish()) {
-    Correct(correction, keeper()->poses().frames().back().index);
+    Apply(correction, keeper()->poses().frames().back().index);
   }
 }
 
@@ -287,7 +302,7 @@ std::size_t Slam::merged_doubles() const { return mapper_->merged_doubles(); }
 
 int Slam::corrections_of_map() const { return mapper_->corrections(); }
 
-const DepthSensor& Slam::sensor() const { return mapper_->sensor(); }
+DepthSensor Slam::sensor() const { return mapper_->sensor(); }
 
 const Backend* Slam::backend() const { return backend_.get(); }
 

@@ -24,6 +24,7 @@ class Mapper;
 class OptionVisitor;
 class Relocalizer;
 class Tracker;
+struct Prediction;
 struct PreparedFrame;
 struct Tracked;
 
@@ -51,7 +52,7 @@ struct SlamOptions : TrackingOptions {
 
 // Wall time spent in each stage, milliseconds.
 struct StageTimes {
-  double preprocess_ms = 0;
+  double prepare_ms = 0;
   double predict_ms = 0;  // drawing the map, for this frame or ahead for the next
   double track_ms = 0;
   double fuse_ms = 0;
@@ -132,8 +133,8 @@ class Slam {
   std::size_t merged_doubles() const;
   // How often surfels have changed that no frame was fused to.
   int corrections_of_map() const;
-  // The sensor as the last frame was seen by: with the camera that calibration has found.
-  const DepthSensor& sensor() const;
+  // Sensor with the estimated calibration.
+  DepthSensor sensor() const;
   // Null unless loops or calibration are enabled.
   const Backend* backend() const;
 
@@ -142,10 +143,12 @@ class Slam {
        const Rigid3d& world_from_first_camera, StateUse use);
 
   void MakeBackend(LoopFinder finder);
-  void Begin(const RgbdFrame& frame, StageTimes* times);
-  void Correct(const WorldCorrection& correction, int frame_index);
+  void Correct(const RgbdFrame& frame, StageTimes* times);
+  void Apply(const WorldCorrection& correction, int frame_index);
   PreparedFrame Prepare(const RgbdFrame& frame, const CameraMotion& motion, StageTimes* times);
-  Tracked Track(const PreparedFrame& frame, StageTimes* times);
+  Prediction Predict(const PreparedFrame& frame, StageTimes* times);
+  void PredictAhead(const RgbdFrame& frame, StageTimes* times);
+  Tracked Track(const PreparedFrame& frame, const Prediction& prediction, StageTimes* times);
   FrameReport ReportDuplicate(const RgbdFrame& frame, const StageTimes& times);
   FrameReport Integrate(PreparedFrame frame, Tracked tracked, StageTimes* times);
   std::optional<PosedFrame> AddConfirmed(const Tracked& tracked);

@@ -58,9 +58,8 @@ void RunFiles::Write(const FrameReport& report, double decode_ms, double frame_m
       << report.moving_share << ',' << report.is_apart << ',' << report.fusion.input_points << ','
       << report.fusion.merged_points << ',' << report.fusion.merged << ',' << report.fusion.added
       << ',' << report.fusion.removed << ',' << std::setprecision(3) << decode_ms << ','
-      << report.times.preprocess_ms << ',' << report.times.predict_ms << ','
-      << report.times.track_ms << ',' << report.times.fuse_ms << ',' << report.times.correct_ms
-      << ',' << frame_ms << '\n';
+      << report.times.prepare_ms << ',' << report.times.predict_ms << ',' << report.times.track_ms
+      << ',' << report.times.fuse_ms << ',' << report.times.correct_ms << ',' << frame_ms << '\n';
   csv_.Append(row.str());
 }
 
