@@ -32,7 +32,7 @@ void Recalibrate(const std::vector<Rigid3d>& world_from_keyframe_before,
   }
 }
 
-PoseStore::PoseStore(PoseState state)
+PoseStore::PoseStore(StoredPoses state)
     : frames_(std::move(state.frames)),
       keyframes_(std::move(state.keyframes)),
       edges_(std::move(state.edges)) {

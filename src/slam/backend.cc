@@ -44,7 +44,7 @@ void Backend::GoOnFrom(SlamState* state, StateUse use) {
   const bool goes_on = use == StateUse::kContinue;
   if (!goes_on) state->settled_keyframes = state->keyframes.size();
   const std::size_t settled = state->settled_keyframes;
-  poses_ = PoseStore(std::move(static_cast<PoseState&>(*state)));
+  poses_ = PoseStore(std::move(static_cast<StoredPoses&>(*state)));
   begins_submap_ = false;
   const PosedFrame& last = poses_.FrameOf(static_cast<int>(poses_.keyframes().size()) - 1);
   last_keyframe_ = {last.index, last.stamp_s, last.world_from_camera, state->views.back()};

@@ -104,7 +104,7 @@ TEST(PoseStore, ContinuesFromItsSavedContent) {
   AddKeyframe(1, 0, &store);
   AddLoop(1, 0, &store);
   const PoseStore continued(
-      PoseState{store.frames(), store.keyframes(), store.edges(), store.loops_in_graph(), 2});
+      StoredPoses{store.frames(), store.keyframes(), store.edges(), store.loops_in_graph(), 2});
   EXPECT_EQ(continued.FrameOf(1).index, 10);
   ASSERT_EQ(continued.loops().size(), 1u);
   EXPECT_TRUE(continued.loops()[0].in_graph);

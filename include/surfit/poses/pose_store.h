@@ -56,7 +56,7 @@ struct LoopRecord {
 };
 
 // Saved content of a store.
-struct PoseState {
+struct StoredPoses {
   std::vector<PosedFrame> frames;       // by ascending index, not empty
   std::vector<KeyframeLink> keyframes;  // by ascending frame; parents precede their children
   std::vector<PoseGraphEdge> edges;     // between keyframe positions
@@ -74,7 +74,7 @@ void Recalibrate(const std::vector<Rigid3d>& world_from_keyframe_before,
 class PoseStore {
  public:
   PoseStore() = default;
-  explicit PoseStore(PoseState state);
+  explicit PoseStore(StoredPoses state);
 
   const std::vector<PosedFrame>& frames() const { return frames_; }
   const std::vector<KeyframeLink>& keyframes() const { return keyframes_; }

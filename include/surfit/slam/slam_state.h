@@ -14,7 +14,7 @@
 namespace surfit {
 
 // State of SLAM with loops enabled after a frame. Another Slam continues from it.
-struct SlamState : PoseState {
+struct SlamState : StoredPoses {
   // Views of the keyframes. Empty: given up, or not ready. Empty views are not relocalised.
   std::vector<PlaceView> views;
   std::optional<DepthCalibration> calibration;  // none: as given

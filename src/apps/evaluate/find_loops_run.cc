@@ -28,7 +28,7 @@ class CpuTimer {
 };
 
 // What is kept of each frame to evaluate the loops.
-struct PosedFrame {
+struct EvaluatedFrame {
   int index;
   int keyframe;  // its position
   std::optional<Rigid3d> truth;
@@ -111,7 +111,7 @@ class LoopRun {
   void Evaluate() {
     result_.evaluation.emplace();
     for (FoundLoop& loop : result_.loops) EvaluateLoop(&loop);
-    for (const PosedFrame& frame : frames_) {
+    for (const EvaluatedFrame& frame : frames_) {
       if (!Returns(frame)) continue;
       ++result_.evaluation->revisiting;
       result_.evaluation->linked += IsLinked(frame);
@@ -160,8 +160,9 @@ class LoopRun {
     return at_loop && (!at_truth || *at_loop < *at_truth);
   }
 
-  bool Returns(const PosedFrame& frame) const {
-    return frame.truth && std::any_of(frames_.begin(), frames_.end(), [&](const PosedFrame& other) {
+  bool Returns(const EvaluatedFrame& frame) const {
+    return frame.truth &&
+           std::any_of(frames_.begin(), frames_.end(), [&](const EvaluatedFrame& other) {
              if (!other.truth || frame.index - other.index <= options_.revisit_gap) return false;
              const Rigid3d motion = other.truth->Inverse() * *frame.truth;
              return motion.translation.norm() < options_.revisit_m &&
@@ -169,7 +170,7 @@ class LoopRun {
            });
   }
 
-  bool IsLinked(const PosedFrame& frame) const {
+  bool IsLinked(const EvaluatedFrame& frame) const {
     return std::any_of(result_.loops.begin(), result_.loops.end(), [&](const FoundLoop& loop) {
       return loop.attempt.verdict.accepted() && loop.attempt.proposal.source == frame.keyframe &&
              frame.index - loop.target_frame > options_.revisit_gap;
@@ -180,7 +181,7 @@ class LoopRun {
   const SequenceInfo& info_;
   Trajectory estimate_;
   PlaceIndex index_;
-  std::vector<PosedFrame> frames_;
+  std::vector<EvaluatedFrame> frames_;
   std::vector<std::optional<Rigid3d>> truth_of_keyframes_;
   FindLoopsRunResult result_;
 };
