@@ -140,8 +140,9 @@ FrameReport Slam::Process(const RgbdFrame& frame) {
   Correct(frame, &times);
   if (tracker_->Repeats(frame)) return ReportDuplicate(frame, times);
   PreparedFrame prepared = Prepare(frame, tracker_->ExpectedMotion(), &times);
-  const Prediction prediction = Predict(prepared, &times);
-  Tracked tracked = Track(prepared, prediction, &times);
+  const bool is_first = !tracker_->state().HasStarted();
+  Tracked tracked = is_first ? tracker_->TrackFirst(prepared)
+                             : Track(prepared, Predict(prepared, &times), &times);
   FrameReport report = Integrate(std::move(prepared), std::move(tracked), &times);
   if (report.state != FrameState::kLost) PredictAhead(frame, &times);
   report.times = times;

@@ -84,7 +84,6 @@ Tracked Tracker::TrackGiven(const PreparedFrame& frame, const Rigid3d& world_fro
 
 Prediction Tracker::Predict(const PreparedFrame& frame) {
   Prediction prediction;
-  if (!state_.HasStarted()) return prediction;
   if (const std::optional<Rigid3d> predicted = PredictedPose()) {
     prediction.world_from_camera = *predicted;
   } else {
@@ -99,7 +98,18 @@ Prediction Tracker::Predict(const PreparedFrame& frame) {
 }
 
 Tracked Tracker::Track(const PreparedFrame& frame, const Prediction& prediction) {
-  Tracked tracked = state_.HasStarted() ? RegisterOrSearch(frame, prediction) : First(frame);
+  return Validate(frame, RegisterOrSearch(frame, prediction));
+}
+
+Tracked Tracker::TrackFirst(const PreparedFrame& frame) {
+  Tracked tracked;
+  tracked.state = HasEnoughDepth(frame, options_.icp) ? FrameState::kFirst : FrameState::kLost;
+  tracked.world_from_camera = last_.world_from_view;
+  return Validate(frame, std::move(tracked));
+}
+
+// Checks the features, and remembers the frame for the detection of moving objects.
+Tracked Tracker::Validate(const PreparedFrame& frame, Tracked tracked) {
   if (options_.VerifiesBySearch()) {
     CameraMotion since_last;
     if (tracked.is_held() && state_.is_localised) {
@@ -112,13 +122,6 @@ Tracked Tracker::Track(const PreparedFrame& frame, const Prediction& prediction)
     regions_.Remember(frame.surface(), tracked.moving, tracked.world_from_camera,
                       frame.images.stamp_s);
   }
-  return tracked;
-}
-
-Tracked Tracker::First(const PreparedFrame& frame) const {
-  Tracked tracked;
-  tracked.state = HasEnoughDepth(frame, options_.icp) ? FrameState::kFirst : FrameState::kLost;
-  tracked.world_from_camera = last_.world_from_view;
   return tracked;
 }
 

@@ -22,8 +22,8 @@ namespace surfit {
 // Predicted pose of a frame, and the view that it is registered to.
 struct Prediction {
   Rigid3d world_from_camera;
-  const ReferenceView* reference = nullptr;  // null: tracking has not started
-  bool has_own_view = false;                 // the reference was rendered for this frame
+  const ReferenceView* reference = nullptr;
+  bool has_own_view = false;  // the reference was rendered for this frame
 };
 
 // Tracks the camera. Each frame passes Predict(), Track() and Update() in this order:
@@ -55,8 +55,9 @@ class Tracker {
 
   // Returns whether the frame is a duplicate: its depth equals the depth of the frame before.
   bool Repeats(const RgbdFrame& frame);
-  // Outcomes of a duplicate frame, and of a frame with a given pose.
+  // Outcomes of a duplicate frame, of the first frame and of a frame with a given pose.
   Tracked Repeat() const;
+  Tracked TrackFirst(const PreparedFrame& frame);
   Tracked TrackGiven(const PreparedFrame& frame, const Rigid3d& world_from_camera);
 
   Prediction Predict(const PreparedFrame& frame);
@@ -70,7 +71,7 @@ class Tracker {
   void Move(const Rigid3d& new_from_old_world);
 
  private:
-  Tracked First(const PreparedFrame& frame) const;
+  Tracked Validate(const PreparedFrame& frame, Tracked tracked);
   Tracked RegisterOrSearch(const PreparedFrame& frame, const Prediction& prediction);
   Tracked Register(const PreparedFrame& frame, const ReferenceView& reference,
                    const Rigid3d& world_from_predicted) const;

@@ -28,6 +28,10 @@ struct Prediction;
 struct PreparedFrame;
 struct Tracked;
 
+// SLAM: the pipeline from frames to poses and a map, and its state. Depends on tracking, mapping,
+// loop closure and calibration. Reads and writes no files. Read Slam::Process() in src/slam/slam.cc
+// first.
+
 // Options of SLAM.
 struct SlamOptions : TrackingOptions {
   PreprocessOptions preprocess;
