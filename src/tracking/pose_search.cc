@@ -1,10 +1,19 @@
 #include "tracking/pose_search.h"
 
+#include <utility>
+
 #include "core/trace.h"
 #include "tracking/pose_validation.h"
 
 namespace surfit {
 namespace {
+
+// Longest time between the last pose in a given map and the first frame for tracking from this
+// pose.
+constexpr double kFollows_s = 1;
+
+// Interval of searched frames after many lost frames. A search takes as long as ten registrations.
+constexpr int kSearchStride = 5;
 
 // Interval of relocalised frames. A relocalisation takes as long as many registrations.
 constexpr int kRelocalizeStride = 3;
@@ -16,11 +25,59 @@ FitCriteria ShapesAlone() {
   return fit;
 }
 
+// Prefers the search result if both disagree: a wrong pose near the last pose may have as many
+// inliers. After a loss, tracking alone is not accepted. A result far from the expected pose is a
+// place with similar appearance.
+Tracked Better(const SearchStart& start, Tracked tracked, std::optional<Tracked> found) {
+  const bool is_unexpected =
+      found && start.expected && !AreOnePlace(*start.expected, found->world_from_camera);
+  if (found && !(tracked.is_held() && is_unexpected)) {
+    if (!tracked.is_held() || !AgreeClosely(tracked.world_from_camera, found->world_from_camera))
+      return *std::move(found);
+    tracked.verdict = Verdict::kAccepted;
+    tracked.has_second = true;
+    return tracked;
+  }
+  if (tracked.verdict == Verdict::kUncertain) tracked.state = FrameState::kLost;
+  return tracked;
+}
+
+// After a long loss, an impossible motion or a single registration, the next frame must confirm the
+// pose.
+bool NeedsConfirmation(const SearchStart& start, const Tracked& tracked) {
+  if (!start.state.is_localised) return true;
+  if (start.state.lost_frames == 0 && !tracked.found_again) return false;
+  if (!tracked.has_second) return true;
+  const Rigid3d motion = start.last.world_from_view.Inverse() * tracked.world_from_camera;
+  return start.state.lost_frames >= kSearchStride || !IsPossibleMotion(motion, start.seconds);
+}
+
 }  // namespace
 
+Tracked PoseSearch::Search(const PreparedFrame& frame, const SearchStart& start,
+                           Tracked tracked) const {
+  const bool follows =
+      start.state.is_localised || (start.seconds > 0 && start.seconds < kFollows_s);
+  if (!follows) tracked.state = FrameState::kLost;
+  tracked = Better(start, std::move(tracked), FromLastFrame(frame, start));
+  if (!tracked.is_held()) {
+    if (std::optional<Tracked> found = ByKeyframes(frame, start)) tracked = *std::move(found);
+  }
+  if (tracked.is_held() && NeedsConfirmation(start, tracked)) {
+    ColoredView rest = {Without(frame.view.pyramid, tracked.moving), frame.view.color};
+    tracked.tentative = {Without(frame.measured, tracked.moving),
+                         {std::move(rest), tracked.world_from_camera, {}},
+                         tracked.icp,
+                         tracked.keyframe};
+    tracked.keyframe = -1;
+    tracked.state = FrameState::kLost;
+  }
+  return tracked;
+}
+
 std::optional<Tracked> PoseSearch::FromLastFrame(const PreparedFrame& frame,
-                                                 const TrackingState& state,
-                                                 const ReferenceView& last) const {
+                                                 const SearchStart& start) const {
+  const TrackingState& state = start.state;
   if (options_.initialize == "identity" || !state.is_localised) return std::nullopt;
   const bool verifies = options_.VerifiesBySearch();
   const bool is_soon = verifies && state.lost_frames < kSearchStride;
@@ -34,33 +91,32 @@ std::optional<Tracked> PoseSearch::FromLastFrame(const PreparedFrame& frame,
   if (verifies && !is_plain) initialization.fit = ShapesAlone();
   IcpOptions icp_options = FarIcpOptions();
   icp_options.min_source_rows = options_.icp.min_source_rows;
-  const FarVerdict found = RegisterFar(frame.view, last.view, initialization, icp_options);
+  const FarVerdict found = RegisterFar(frame.view, start.last.view, initialization, icp_options);
   if (!found.accepted()) return std::nullopt;
-  return Confirm(frame, last, last.world_from_view * found.target_from_source);
+  return Confirm(frame, start, start.last.world_from_view * found.target_from_source);
 }
 
 std::optional<Tracked> PoseSearch::ByKeyframes(const PreparedFrame& frame,
-                                               const TrackingState& state,
-                                               const ReferenceView& last) const {
-  if (!relocalizer_ || state.lost_frames % kRelocalizeStride != 0) return std::nullopt;
+                                               const SearchStart& start) const {
+  if (!relocalizer_ || start.state.lost_frames % kRelocalizeStride != 0) return std::nullopt;
   if (!HasEnoughDepth(frame, options_.icp)) return std::nullopt;
   const std::optional<KeyframePose> found = relocalizer_->Find(frame.view);
   if (!found) return std::nullopt;
   views_->ActivateAround(found->frame_index, frame.images.index);
-  std::optional<Tracked> tracked = Confirm(frame, last, found->world_from_camera);
+  std::optional<Tracked> tracked = Confirm(frame, start, found->world_from_camera);
   if (!tracked) return std::nullopt;
   tracked->state = FrameState::kRelocalized;
   tracked->keyframe = found->keyframe;
   return tracked;
 }
 
-std::optional<Tracked> PoseSearch::Confirm(const PreparedFrame& frame, const ReferenceView& last,
+std::optional<Tracked> PoseSearch::Confirm(const PreparedFrame& frame, const SearchStart& start,
                                            const Rigid3d& world_from_found) const {
   const auto register_to = [&](const ReferenceView& reference) {
     return registration_.Register(frame, reference, world_from_found, options_.icp);
   };
   Tracked tracked = options_.IsFrameToFrame()
-                        ? register_to(last)
+                        ? register_to(start.last)
                         : register_to(views_->ViewAt(world_from_found, frame.HasIntensities()));
   if (!tracked.is_held()) return std::nullopt;
   if (tracked.verdict == Verdict::kUncertain) {

@@ -32,7 +32,16 @@ class Relocalizer {
   virtual std::optional<Rigid3d> BeginSubmap(int lost_frames, const Rigid3d& world_from_last) = 0;
 };
 
-// Finds frames without a usable prediction. The map confirms each found pose.
+// Known before the search of a frame.
+struct SearchStart {
+  const TrackingState& state;
+  const ReferenceView& last;  // last frame with a pose
+  double seconds = 0;         // since the last frame with a pose
+  // Predicted pose, std::nullopt without a motion prior.
+  std::optional<Rigid3d> expected;
+};
+
+// Searches uncertain frames without a usable prediction. The map confirms each found pose.
 class PoseSearch {
  public:
   // Keeps references and the pointer.
@@ -43,16 +52,17 @@ class PoseSearch {
   // Null: no place recognition.
   void UseRelocalizer(Relocalizer* relocalizer) { relocalizer_ = relocalizer; }
 
-  // Global registration to the last frame with a pose. Returns std::nullopt if the pose is not
-  // found, or if this frame is not searched.
-  std::optional<Tracked> FromLastFrame(const PreparedFrame& frame, const TrackingState& state,
-                                       const ReferenceView& last) const;
-  // Relocalisation by keyframes, likewise.
-  std::optional<Tracked> ByKeyframes(const PreparedFrame& frame, const TrackingState& state,
-                                     const ReferenceView& last) const;
+  // Searches a frame that is lost or uncertain after registration. An uncertain result becomes a
+  // tentative pose, and the frame is lost.
+  Tracked Search(const PreparedFrame& frame, const SearchStart& start, Tracked tracked) const;
 
  private:
-  std::optional<Tracked> Confirm(const PreparedFrame& frame, const ReferenceView& last,
+  // Global registration to the last frame with a pose. Returns std::nullopt if the pose is not
+  // found, or if this frame is not searched.
+  std::optional<Tracked> FromLastFrame(const PreparedFrame& frame, const SearchStart& start) const;
+  // Relocalisation by keyframes. Returns std::nullopt in the same cases.
+  std::optional<Tracked> ByKeyframes(const PreparedFrame& frame, const SearchStart& start) const;
+  std::optional<Tracked> Confirm(const PreparedFrame& frame, const SearchStart& start,
                                  const Rigid3d& world_from_found) const;
 
   const TrackingOptions& options_;
@@ -60,8 +70,5 @@ class PoseSearch {
   ModelViews* views_;
   Relocalizer* relocalizer_ = nullptr;
 };
-
-// Interval of searched frames after many lost frames. A search takes as long as ten registrations.
-constexpr int kSearchStride = 5;
 
 }  // namespace surfit

@@ -10,13 +10,6 @@
 namespace surfit {
 namespace {
 
-// Longest time of a steady hand motion.
-constexpr double kMaxMotion_s = 0.1;
-
-// Longest time between the last pose in a given map and the first frame for tracking from this
-// pose.
-constexpr double kFollows_s = 1;
-
 // Coarse level for the readout correction.
 constexpr std::size_t kReadoutLevel = 3;
 
@@ -30,7 +23,7 @@ Tracker::Tracker(const TrackingOptions& options, const Rigid3d& world_from_first
       search_(options, registration_, views),
       features_(options.icp.error_model),
       last_{{}, world_from_first_camera, {}},
-      motion_prior_(options.acceleration_m_per_s2, options.turn_acceleration_rad_per_s2) {}
+      motion_model_(options) {}
 
 void Tracker::UseRelocalizer(Relocalizer* relocalizer) {
   relocalizer_ = relocalizer;
@@ -47,14 +40,9 @@ bool Tracker::NeedsIntensities() const {
          (options_.poorly_held_photometric_weight > 0 && state_.NeedsAllPoints());
 }
 
-CameraMotion Tracker::ExpectedMotion() const {
-  return state_.lost_frames > 0 ? CameraMotion() : motion_;
-}
-
 CameraMotion Tracker::MotionTo(double stamp_s, const Rigid3d& world_from_camera) const {
-  const double seconds = stamp_s - last_stamp_s_;
-  if (!state_.HasLastPose() || seconds >= kMaxMotion_s) return {};
-  return MotionOver(last_.world_from_view.Inverse() * world_from_camera, seconds);
+  return MotionModel::Velocity(state_, last_.world_from_view.Inverse() * world_from_camera,
+                               stamp_s - last_stamp_s_);
 }
 
 CameraMotion Tracker::MotionTo(double stamp_s, const Tracked& tracked) const {
@@ -134,7 +122,8 @@ Tracked Tracker::RegisterOrSearch(const PreparedFrame& frame, const Prediction& 
   if (std::optional<Tracked> confirmed = CompareWithTentative(frame, tracked)) {
     tracked = *std::move(confirmed);
   } else if (IsUncertain(frame, prediction, tracked)) {
-    tracked = Search(frame, std::move(tracked));
+    tracked = search_.Search(frame, {state_, last_, SecondsTo(frame), ExpectedPose()},
+                             std::move(tracked));
   }
   tracked.has_own_view = prediction.has_own_view;
   if (tracked.is_held()) {
@@ -154,7 +143,7 @@ Tracked Tracker::Register(const PreparedFrame& frame, const ReferenceView& refer
   IcpOptions icp_options = options_.icp;
   if (state_.last.is_weakly_constrained) icp_options.min_source_rows = 0;
   return registration_.Register(frame, reference, world_from_predicted, icp_options,
-                                PriorCovariance(frame));
+                                motion_model_.PriorCovariance(state_, SecondsTo(frame)));
 }
 
 // A frame that is not accepted may show surfaces that the frames before have begun to map. Then the
@@ -208,57 +197,6 @@ bool Tracker::IsFar(const PreparedFrame& frame, const Rigid3d& world_from_camera
   return ImageShift(motion, frame.view.pyramid.levels.back()) > options_.max_view_shift;
 }
 
-// Searches an uncertain frame. An uncertain result becomes a tentative pose, and the frame is lost.
-Tracked Tracker::Search(const PreparedFrame& frame, Tracked tracked) const {
-  const double seconds = SecondsTo(frame);
-  const bool follows = state_.is_localised || (seconds > 0 && seconds < kFollows_s);
-  if (!follows) tracked.state = FrameState::kLost;
-  tracked = Better(std::move(tracked), search_.FromLastFrame(frame, state_, last_));
-  if (!tracked.is_held()) {
-    if (std::optional<Tracked> found = search_.ByKeyframes(frame, state_, last_))
-      tracked = *std::move(found);
-  }
-  if (tracked.is_held() && NeedsConfirmation(frame, tracked)) {
-    ColoredView rest = {Without(frame.view.pyramid, tracked.moving), frame.view.color};
-    tracked.tentative = {Without(frame.measured, tracked.moving),
-                         {std::move(rest), tracked.world_from_camera, {}},
-                         tracked.icp,
-                         tracked.keyframe};
-    tracked.keyframe = -1;
-    tracked.state = FrameState::kLost;
-  }
-  return tracked;
-}
-
-// Prefers the search result if both disagree: a wrong pose near the last pose may have as many
-// inliers. After a loss, tracking alone is not accepted.
-Tracked Tracker::Better(Tracked tracked, std::optional<Tracked> found) const {
-  if (found && !(tracked.is_held() && IsUnexpected(*found))) {
-    if (!tracked.is_held() || !AgreeClosely(tracked.world_from_camera, found->world_from_camera))
-      return *std::move(found);
-    tracked.verdict = Verdict::kAccepted;
-    tracked.has_second = true;
-    return tracked;
-  }
-  if (tracked.verdict == Verdict::kUncertain) tracked.state = FrameState::kLost;
-  return tracked;
-}
-
-// Found far from the prediction, at a place with similar appearance.
-bool Tracker::IsUnexpected(const Tracked& found) const {
-  return MovesOn() && !AreOnePlace(*PredictedPose(), found.world_from_camera);
-}
-
-// After a long loss, an impossible motion or a single registration, the next frame must confirm the
-// pose.
-bool Tracker::NeedsConfirmation(const PreparedFrame& frame, const Tracked& tracked) const {
-  if (!state_.is_localised) return true;
-  if (state_.lost_frames == 0 && !tracked.found_again) return false;
-  if (!tracked.has_second) return true;
-  const Rigid3d motion = last_.world_from_view.Inverse() * tracked.world_from_camera;
-  return state_.lost_frames >= kSearchStride || !IsPossibleMotion(motion, SecondsTo(frame));
-}
-
 // Replaces the predicted motion during the readout by the measured motion.
 Rigid3d Tracker::WithMeasuredMotion(const PreparedFrame& frame, const Tracked& tracked) const {
   const CameraMotion motion = MotionTo(frame.images.stamp_s, tracked);
@@ -288,10 +226,14 @@ void Tracker::Update(PreparedFrame frame, Tracked tracked) {
   tentative_ = std::move(tracked.tentative);
   if (!tracked.is_held()) {
     state_ = Next(state_, tentative_ ? TrackingEvent::kTentativePose : TrackingEvent::kNoPose);
-    if (!MovesOn()) motion_prior_.Forget();
+    motion_model_.Lose(state_);
     return;
   }
-  UpdateMotion(frame, tracked);
+  const std::optional<Rigid3d> expected = ExpectedPose();
+  motion_model_.Update(
+      state_, {last_.world_from_view.Inverse() * tracked.world_from_camera, SecondsTo(frame),
+               tracked.found_again, expected && AreOnePlace(*expected, tracked.world_from_camera),
+               tracked.motion_covariance});
   last_stamp_s_ = frame.images.stamp_s;
   if (options_.IsFrameToFrame() || options_.initialize != "identity" ||
       options_.motion_model == "so3") {
@@ -318,40 +260,12 @@ bool Tracker::UpdateView(const Rigid3d& world_from_predicted, bool has_intensiti
 // Returns std::nullopt if the prediction depends on the frame.
 std::optional<Rigid3d> Tracker::PredictedPose() const {
   if (state_.IsTentative()) return tentative_->view.world_from_view;
-  if (!state_.is_localised) return last_.world_from_view;
-  if (options_.motion_model == "so3") return std::nullopt;
-  if (options_.motion_model == "constant_pose") return last_.world_from_view;
-  if (state_.lost_frames > 0 && !MovesOn()) return last_.world_from_view;
-  Rigid3d expected = last_.world_from_view;
-  for (int i = 0; i <= state_.lost_frames; ++i) expected = expected * last_from_next_;
-  return expected;
+  return motion_model_.PredictPose(state_, last_.world_from_view);
 }
-
-bool Tracker::MovesOn() const { return options_.acceleration_m_per_s2 > 0 && state_.MovesOn(); }
 
 // Returns std::nullopt without a motion prior.
-std::optional<Matrix6d> Tracker::PriorCovariance(const PreparedFrame& frame) const {
-  const double seconds = SecondsTo(frame);
-  if (!MovesOn() || !(seconds > 0)) return std::nullopt;
-  return motion_prior_.Covariance(seconds);
-}
-
-// A motion over lost frames or to a found pose does not continue, unless the found pose agrees with
-// the prediction.
-void Tracker::UpdateMotion(const PreparedFrame& frame, const Tracked& tracked) {
-  const double seconds = SecondsTo(frame);
-  const bool is_next = state_.HasLastPose() && !tracked.found_again;
-  const std::optional<Matrix6d> prior = PriorCovariance(frame);
-  const bool moved_on = !is_next && prior && !IsUnexpected(tracked);
-  motion_ = MotionTo(frame.images.stamp_s, tracked);
-  motion_prior_.Forget();
-  if (moved_on) {
-    motion_prior_.Keep(*prior, seconds);
-    return;
-  }
-  last_from_next_ =
-      is_next ? last_.world_from_view.Inverse() * tracked.world_from_camera : Rigid3d();
-  if (is_next && tracked.motion_covariance) motion_prior_.Keep(*tracked.motion_covariance, seconds);
+std::optional<Rigid3d> Tracker::ExpectedPose() const {
+  return motion_model_.MovesOn(state_) ? PredictedPose() : std::nullopt;
 }
 
 void Tracker::Move(const Rigid3d& new_from_old_world) {

@@ -10,7 +10,7 @@
 #include "tracking/feature_watch.h"
 #include "tracking/frame_registration.h"
 #include "tracking/model_views.h"
-#include "tracking/motion_prior.h"
+#include "tracking/motion_model.h"
 #include "tracking/moving_regions.h"
 #include "tracking/pose_search.h"
 #include "tracking/prepared_frame.h"
@@ -27,7 +27,7 @@ struct Prediction {
 };
 
 // Tracks the camera. Each frame passes Predict(), Track() and Update() in this order:
-//   Predict  motion model, reference view       motion_prior.h, model_views.h
+//   Predict  motion model, reference view       motion_model.h, model_views.h
 //   Track    registration                       frame_registration.h
 //            search for uncertain frames        pose_search.h
 //            validation                         pose_validation.h
@@ -47,10 +47,10 @@ class Tracker {
   // Returns whether the next frame may be registered by intensities.
   bool NeedsIntensities() const;
   // Predicted motion of the camera. Zero after lost frames.
-  CameraMotion ExpectedMotion() const;
+  CameraMotion ExpectedMotion() const { return motion_model_.PredictMotion(state_); }
   // Motion from the last frame to a pose. Zero after lost frames.
   CameraMotion MotionTo(double stamp_s, const Rigid3d& world_from_camera) const;
-  // Likewise to a tracked frame. Zero for a frame that was found by search.
+  // Motion from the last frame to a tracked frame. Zero for a frame that was found by search.
   CameraMotion MotionTo(double stamp_s, const Tracked& tracked) const;
 
   // Returns whether the frame is a duplicate: its depth equals the depth of the frame before.
@@ -77,21 +77,15 @@ class Tracker {
                    const Rigid3d& world_from_predicted) const;
   Tracked AgainstNewest(const PreparedFrame& frame, Tracked tracked) const;
   std::optional<Tracked> CompareWithTentative(const PreparedFrame& frame, const Tracked& tracked);
-  Tracked Search(const PreparedFrame& frame, Tracked tracked) const;
-  Tracked Better(Tracked tracked, std::optional<Tracked> found) const;
   bool IsUncertain(const PreparedFrame& frame, const Prediction& prediction,
                    const Tracked& tracked) const;
   bool IsFar(const PreparedFrame& frame, const Rigid3d& world_from_camera) const;
-  bool IsUnexpected(const Tracked& found) const;
-  bool NeedsConfirmation(const PreparedFrame& frame, const Tracked& tracked) const;
   Rigid3d WithMeasuredMotion(const PreparedFrame& frame, const Tracked& tracked) const;
   std::optional<Tracked> InNewSubmap(const PreparedFrame& frame, const Tracked& tracked);
 
   std::optional<Rigid3d> PredictedPose() const;
+  std::optional<Rigid3d> ExpectedPose() const;
   bool UpdateView(const Rigid3d& world_from_predicted, bool has_intensities);
-  bool MovesOn() const;
-  std::optional<Matrix6d> PriorCovariance(const PreparedFrame& frame) const;
-  void UpdateMotion(const PreparedFrame& frame, const Tracked& tracked);
   double SecondsTo(const PreparedFrame& frame) const {
     return frame.images.stamp_s - last_stamp_s_;
   }
@@ -109,9 +103,7 @@ class Tracker {
   std::optional<TentativePose> tentative_;  // in TrackingPhase::kTentative
   ReferenceView last_;  // last frame with a pose: the view as far as the options require it
   double last_stamp_s_ = 0;
-  CameraMotion motion_;       // to the last frame
-  MotionPrior motion_prior_;  // covariance of motion_
-  Rigid3d last_from_next_;    // predicted by the motion model
+  MotionModel motion_model_;
   Image<float> last_depth_m_;
 };
 

@@ -53,9 +53,9 @@ struct TrackingState {
   bool NeedsAllPoints() const {
     return lost_frames > 0 || last.is_weakly_constrained || last.is_by_newest;
   }
-  // The next frame is uncertain without search, whatever its registration yields.
+  // The next frame is searched even if its registration is accepted.
   bool NeedsSearch() const { return lost_frames > 0 || !is_localised; }
-  // The same if TrackingOptions::VerifiesBySearch().
+  // The next frame is searched if TrackingOptions::VerifiesBySearch().
   bool NeedsVerification() const { return phase == TrackingPhase::kRelocalised; }
   // The camera continues its motion despite few lost frames.
   bool MovesOn() const;

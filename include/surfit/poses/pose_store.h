@@ -84,9 +84,10 @@ class PoseStore {
   std::vector<bool> loops_in_graph() const;  // per verified loop
   Trajectory trajectory() const;
 
-  // By the position of a keyframe.
+  // Frame of a keyframe, given its position.
   const PosedFrame& FrameOf(int keyframe) const { return frames_[frame_of_keyframe_[keyframe]]; }
-  int ParentOf(int keyframe) const;  // position or KeyframeLink::kNone
+  // Position of the parent, or KeyframeLink::kNone.
+  int ParentOf(int keyframe) const;
   std::vector<Rigid3d> KeyframePoses() const;
   // Positions of keyframes in frames().
   const std::vector<int>& frame_of_keyframe() const { return frame_of_keyframe_; }

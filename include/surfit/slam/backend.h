@@ -18,8 +18,7 @@
 
 namespace surfit {
 
-// To be called with each new keyframe: with its frame's index, its view, and what the camera is
-// calibrated by, if it is.
+// Callback for each new keyframe. `calibration_frame` is null without calibration.
 using KeyframeCall = std::function<void(int frame, const ViewOfKeyframe& view,
                                         const std::shared_ptr<const RgbdFrame>& calibration_frame)>;
 
@@ -30,27 +29,27 @@ enum class StateUse;
 struct LoopOutcome;
 struct KeyframeForLoops;
 
-// What changes in the world when loops have been closed, or the camera has been calibrated.
+// Correction of the world by loop closures or a calibration.
 struct WorldCorrection {
-  bool moves = false;                            // else the corrections are all the identity
-  FrameCorrections corrections{0, {Rigid3d()}};  // of what the frames saw
-  Rigid3d new_from_old_now;                      // of the camera, and of frames to come
-  std::vector<int> joined;                       // the earlier keyframes' frames of new loops
-  std::optional<Recalibration> recalibration;  // frames are seen by another calibration from now on
+  bool moves = false;                            // false: the corrections are the identity
+  FrameCorrections corrections{0, {Rigid3d()}};  // per frame
+  Rigid3d new_from_old_now;                      // of the camera and of later frames
+  std::vector<int> joined;                       // target frames of new loops
+  std::optional<Recalibration> recalibration;    // of later frames
 };
 
-// What the backend has done.
+// Statistics of the back end.
 struct BackendCounts {
   std::size_t keyframes = 0;
-  std::size_t loops_proposed = 0;  // pairs of keyframes that were looked at
-  std::size_t loops_accepted = 0;  // of these, verified and consistent with the others
-  std::size_t loops_refused = 0;   // all others: LoopRecord tells why
+  std::size_t loops_proposed = 0;  // loop candidates
+  std::size_t loops_accepted = 0;  // verified loops that are no outliers
+  std::size_t loops_refused = 0;   // rejected candidates: LoopRecord has the reason
   std::size_t corrections = 0;     // of the world
   std::size_t relocalisations = 0;
-  std::size_t submaps = 0;         // begun, the first included
-  std::size_t submaps_apart = 0;   // of these, that no loop joins to the first
-  std::size_t waits = 0;           // corrections that were due before they were ready
-  std::size_t given_up_views = 0;  // of keyframes, for want of LoopOptions::max_view_bytes
+  std::size_t submaps = 0;         // including the first
+  std::size_t submaps_apart = 0;   // submaps without a loop to the first
+  std::size_t waits = 0;           // corrections that were not ready in time
+  std::size_t given_up_views = 0;  // of keyframes, to satisfy LoopOptions::max_view_bytes
 };
 
 // Back end: adds frames to the pose store, chooses keyframes, and applies the finished tasks of
@@ -69,7 +68,7 @@ class Backend {
   void GoOnFrom(SlamState* state, StateUse use);
   void OnKeyframe(KeyframeCall call) { on_keyframe_ = std::move(call); }
 
-  // Call before each frame. Returns the corrections that apply from this frame on, in order.
+  // Call before each frame. Returns the corrections to apply before this frame, in order.
   std::vector<WorldCorrection> BeginFrame();
 
   // Call after each frame with a pose. `frame` is the measured frame. `pyramid` has the estimated

@@ -1,0 +1,66 @@
+#include "tracking/motion_model.h"
+
+namespace surfit {
+namespace {
+
+// Longest time of a steady hand motion.
+constexpr double kMaxMotion_s = 0.1;
+
+}  // namespace
+
+MotionModel::MotionModel(const TrackingOptions& options)
+    : options_(options),
+      prior_(options.acceleration_m_per_s2, options.turn_acceleration_rad_per_s2) {}
+
+std::optional<Rigid3d> MotionModel::PredictPose(const TrackingState& state,
+                                                const Rigid3d& world_from_last) const {
+  if (!state.is_localised) return world_from_last;
+  if (options_.motion_model == "so3") return std::nullopt;
+  if (options_.motion_model == "constant_pose") return world_from_last;
+  if (state.lost_frames > 0 && !MovesOn(state)) return world_from_last;
+  Rigid3d expected = world_from_last;
+  for (int i = 0; i <= state.lost_frames; ++i) expected = expected * last_from_next_;
+  return expected;
+}
+
+CameraMotion MotionModel::PredictMotion(const TrackingState& state) const {
+  return state.lost_frames > 0 ? CameraMotion() : motion_;
+}
+
+std::optional<Matrix6d> MotionModel::PriorCovariance(const TrackingState& state,
+                                                     double seconds) const {
+  if (!MovesOn(state) || !(seconds > 0)) return std::nullopt;
+  return prior_.Covariance(seconds);
+}
+
+bool MotionModel::MovesOn(const TrackingState& state) const {
+  return options_.acceleration_m_per_s2 > 0 && state.MovesOn();
+}
+
+CameraMotion MotionModel::Velocity(const TrackingState& state, const Rigid3d& last_from_frame,
+                                   double seconds) {
+  if (!state.HasLastPose() || seconds >= kMaxMotion_s) return {};
+  return MotionOver(last_from_frame, seconds);
+}
+
+// A motion over lost frames or to a found frame does not continue, unless the frame was expected
+// there.
+void MotionModel::Update(const TrackingState& state, const MeasuredMotion& motion) {
+  const bool is_next = state.HasLastPose() && !motion.is_found;
+  const std::optional<Matrix6d> prior = PriorCovariance(state, motion.seconds);
+  motion_ =
+      motion.is_found ? CameraMotion() : Velocity(state, motion.last_from_frame, motion.seconds);
+  prior_.Forget();
+  if (!is_next && prior && motion.is_expected) {
+    prior_.Keep(*prior, motion.seconds);
+    return;
+  }
+  last_from_next_ = is_next ? motion.last_from_frame : Rigid3d();
+  if (is_next && motion.covariance) prior_.Keep(*motion.covariance, motion.seconds);
+}
+
+void MotionModel::Lose(const TrackingState& state) {
+  if (!MovesOn(state)) prior_.Forget();
+}
+
+}  // namespace surfit

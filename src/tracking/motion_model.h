@@ -1,0 +1,54 @@
+#pragma once
+
+#include <optional>
+
+#include "surfit/frame/camera_motion.h"
+#include "surfit/geometry/rigid3.h"
+#include "surfit/tracking/tracking.h"
+#include "tracking/motion_prior.h"
+#include "tracking/tracking_state.h"
+
+namespace surfit {
+
+// Measured motion from the last frame with a pose to a tracked frame.
+struct MeasuredMotion {
+  Rigid3d last_from_frame;
+  double seconds = 0;
+  bool is_found = false;               // the frame was found by search
+  bool is_expected = false;            // it was found near the predicted pose
+  std::optional<Matrix6d> covariance;  // in the camera frame
+};
+
+// Predicts poses and motions of the camera from the last frames.
+class MotionModel {
+ public:
+  // Keeps a reference to the options.
+  explicit MotionModel(const TrackingOptions& options);
+
+  // Pose of the next frame. Returns std::nullopt if it depends on the images of the frame.
+  std::optional<Rigid3d> PredictPose(const TrackingState& state,
+                                     const Rigid3d& world_from_last) const;
+  // Motion during the next frame. Zero after lost frames.
+  CameraMotion PredictMotion(const TrackingState& state) const;
+  // Covariance of the next motion. Returns std::nullopt without a motion prior.
+  std::optional<Matrix6d> PriorCovariance(const TrackingState& state, double seconds) const;
+  // Returns whether a motion prior bridges the lost frames, if any.
+  bool MovesOn(const TrackingState& state) const;
+
+  // Velocity of a motion from the last frame. Zero after lost frames and after more than 0.1 s.
+  static CameraMotion Velocity(const TrackingState& state, const Rigid3d& last_from_frame,
+                               double seconds);
+
+  // Adds the motion to a frame with a pose. `state` is the state before this frame.
+  void Update(const TrackingState& state, const MeasuredMotion& motion);
+  // `state` is the state after a lost frame.
+  void Lose(const TrackingState& state);
+
+ private:
+  const TrackingOptions& options_;
+  CameraMotion motion_;     // to the last frame
+  MotionPrior prior_;       // covariance of motion_
+  Rigid3d last_from_next_;  // for constant_velocity
+};
+
+}  // namespace surfit
