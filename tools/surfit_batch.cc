@@ -17,6 +17,8 @@ struct Options {
   BatchOptions batch;
   WorkflowOptions workflow;
 
+  Options() { batch.run.threads = 1; }  // of as many runs at a time as there are cores
+
   void Visit(OptionVisitor& v) {
     v.AddPart(batch, "batch", "which sequences are run, and how");
     v.AddPart(workflow, "workflow", "how the jobs are run");
@@ -70,13 +72,11 @@ int Run(const Options& options) {
 }  // namespace surfit::tools
 
 int main(int argc, char** argv) {
-  surfit::tools::Options options;
-  options.batch.run.threads = 1;  // of as many runs at a time as there are cores
   return surfit::tools::ToolMain(
       argc, argv,
       "runs surfit_slam over all sequences of a folder, as jobs of Snakemake on this machine or a "
       "cluster, and puts trajectories' errors, times and what failed into one table. Flags of "
       "surfit_slam are for each of them. The same command goes on with a batch that was "
       "interrupted.",
-      surfit::TableOf(&options), [&] { return surfit::tools::Run(options); });
+      surfit::tools::Run);
 }

@@ -76,21 +76,21 @@ int Run(const CompareOptions& options) {
   return kDone;
 }
 
+void Prepare(CompareOptions* options) {
+  if (!options->run.empty()) TakeRecordedFlags(options->run, TableOf(&options->sequence));
+  const bool clouds = !options->source.empty() || !options->target.empty();
+  if (clouds) options->icp = RegisterCloudsOptions::DefaultIcp();
+}
+
 }  // namespace
 }  // namespace surfit::tools
 
 int main(int argc, char** argv) {
-  surfit::CompareOptions options;
   return surfit::tools::ToolMain(
       argc, argv,
       "compares pose solvers, residuals and associations from starts around the truth: times, "
-      "iterations, final errors and the share that converged; or the solvers of joint refinement",
-      surfit::TableOf(&options), [&] { return surfit::tools::Run(options); },
-      [&] {
-        if (!options.run.empty()) {
-          surfit::tools::TakeRecordedFlags(options.run, surfit::TableOf(&options.sequence));
-        }
-        const bool clouds = !options.source.empty() || !options.target.empty();
-        if (clouds) options.icp = surfit::RegisterCloudsOptions::DefaultIcp();
-      });
+      "iterations, final errors and the share that converged, on frames of a sequence or two "
+      "clouds; "
+      "or the solvers of joint refinement on the keyframes of --run",
+      surfit::tools::Run, surfit::tools::Prepare);
 }

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "common/tool_main.h"
+#include "core/shared_options.h"
 #include "io/sequences/klg_writer.h"
 #include "surfit/core/error.h"
 #include "surfit/frame/frame_source.h"
@@ -28,12 +29,10 @@ struct Options {
     v.Add(trajectory, "trajectory", "instead of a sequence: a trajectory in TUM format",
           Everyday());
     v.Group("output");
-    v.Add(output, "output",
-          "the file to write: .klg of a sequence; .pcd or .ply of a cloud; of a trajectory the "
-          "poses in KITTI's format; of a camera its camera.yaml, if empty the sequence's own",
-          Everyday());
+    v.Add(output, SharedOption("output", Everyday()));
     v.Add(make_camera_yaml, "make_camera_yaml",
-          "of a sequence write the camera that it is read with as a camera.yaml, to be filled in",
+          "of a sequence write the camera that it is read with as a camera.yaml, to be filled in; "
+          "default of --output: camera.yaml in the folder of the sequence",
           Everyday());
     v.AddPart(klg, "klg", "how .klg is written");
   }

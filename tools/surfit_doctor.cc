@@ -1,12 +1,12 @@
 // Says what is wrong with a recording.
 
-#include <iomanip>
 #include <iostream>
 
 #include "apps/doctor/check_recording.h"
 #include "common/console.h"
 #include "common/json.h"
 #include "common/tool_main.h"
+#include "core/shared_options.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
@@ -21,8 +21,7 @@ struct Options {
   void Visit(OptionVisitor& v) {
     v.AddPart(check, "check", "what is looked at");
     v.Group("run");
-    v.Add(summary, "summary", "if given, all that was measured goes to this JSON file", AsFlag(),
-          Everyday());
+    v.Add(summary, SharedOption("summary", Everyday()));
   }
 };
 
@@ -33,7 +32,7 @@ void PrintTable(const RecordingReport& report) {
       return check.unit.empty() ? text : text + " " + check.unit;
     };
     rows.push_back({check.IsSound() ? "" : "FAULT", check.name, check.constraint,
-                    check.value ? with_unit(Concat(std::setprecision(3), *check.value)) : "-"});
+                    check.value ? with_unit(Number(*check.value, 3)) : "-"});
   }
   std::cout << TextTable(rows, 3);
 }

@@ -6,6 +6,7 @@
 #include "common/console.h"
 #include "common/recorded_run.h"
 #include "common/tool_main.h"
+#include "core/shared_options.h"
 #include "mesh/texture/texture_frames.h"
 #include "surfit/core/error.h"
 #include "surfit/core/parallel.h"
@@ -24,20 +25,13 @@ struct Options {
   int threads = 2;
 
   void Visit(OptionVisitor& v) {
-    v.Add(
-        run, "run",
-        "output folder of surfit_slam: its map, and OBJ and glTF get a picture of the frames that "
-        "its summary.json tells of",
-        AsFlag(), Everyday());
-    v.Add(map, "map", "the map, a PLY or PCD file with points and normals; empty: the run's",
-          AsFlag(), Everyday());
-    v.Add(output, "output", "the mesh to write, .ply, .obj or .glb", Required(), AsFlag(),
-          Everyday());
+    v.Add(run, SharedOption("run", Everyday()));
+    v.Add(map, SharedOption("map", Everyday()));
+    v.Add(output, SharedOption("output", Required(), Everyday()));
     v.AddPart(mesh, "mesh", "how fine it is, and how far it reaches");
     v.AddPart(texture, "texture", "what picture it gets");
     v.AddPart(sequence, "sequence", "as the run read it", OptionalPart());
-    v.Add(threads, "threads", "threads that compute at the same time", Between(1, 1024), AsFlag(),
-          Everyday());
+    v.Add(threads, SharedOption("threads", Everyday()));
   }
 
   bool HasTexture() const {
@@ -138,12 +132,11 @@ int Run(const Options& options) {
 }  // namespace surfit::tools
 
 int main(int argc, char** argv) {
-  surfit::tools::Options options;
   return surfit::tools::ToolMain(
       argc, argv,
       "makes a triangle mesh with colours of a map: the surface of its surfels, smoothed by their "
-      "noise and confidence, with holes where nothing was seen. OBJ and glTF of a run of "
-      "surfit_slam get a picture of its sharpest frames",
-      surfit::TableOf(&options), [&] { return surfit::tools::Run(options); },
-      [&] { surfit::tools::Prepare(&options); });
+      "noise and confidence, with holes where nothing was seen. --output is a .ply, .obj or .glb "
+      "file. The map is --map, or the map of --run; .obj and .glb of a run get a picture of its "
+      "sharpest frames",
+      surfit::tools::Run, surfit::tools::Prepare);
 }

@@ -1,11 +1,11 @@
 // Optimises a pose graph of a .g2o file.
 
-#include <iomanip>
 #include <iostream>
 
 #include "common/console.h"
 #include "common/json.h"
 #include "common/tool_main.h"
+#include "core/shared_options.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
@@ -22,15 +22,11 @@ struct Options {
   void Visit(OptionVisitor& v) {
     v.Add(graph, "graph", "the pose graph: .g2o with VERTEX_SE3:QUAT and EDGE_SE3:QUAT", Required(),
           AsFlag());
-    v.Add(output, "output", "if given, the optimised graph goes to this .g2o file", AsFlag());
-    v.Add(summary, "summary", "if given, costs, times and options go to this JSON file", AsFlag());
+    v.Add(output, SharedOption("output"));
+    v.Add(summary, SharedOption("summary"));
     v.AddPart(optimization, "optimization", "how the graph is optimised");
   }
 };
-
-std::string Number(double value, int digits = 6) {
-  return Concat(std::setprecision(digits), value);
-}
 
 void PrintIterations(const PoseGraphSummary& summary) {
   std::vector<std::vector<std::string>> rows = {{"round", "iteration", "cost", "step", "ms"}};
@@ -117,6 +113,8 @@ int Run(const Options& options) {
 
 int main(int argc, char** argv) {
   return surfit::tools::ToolMain(
-      argc, argv, "optimises the pose graph of a .g2o file, and prints the cost at each iteration.",
+      argc, argv,
+      "optimises the pose graph of a .g2o file, and prints the cost at each iteration. --output is "
+      "the .g2o file of the optimised graph; empty: none.",
       surfit::tools::Run);
 }

@@ -4,6 +4,7 @@
 #include "common/outcomes.h"
 #include "common/recorded_run.h"
 #include "common/tool_main.h"
+#include "core/shared_options.h"
 
 namespace surfit::tools {
 namespace {
@@ -14,30 +15,29 @@ struct Options {
 
   void Visit(OptionVisitor& v) {
     v.Group("run");
-    v.Add(run, "run",
-          "output folder of surfit_slam; its summary.json says which sequence it read and how, and "
-          "its camera.yaml what camera it found, where flags do not",
-          Everyday());
+    v.Add(run, SharedOption("run", Everyday()));
     v.AddPart(refine, "refine", "how it is refined");
   }
-  void TakeWhatTheRunRead() {
-    RequireFlag("run", run);
-    TakeRecordedFlags(run, TableOf(&refine.sequence));
-    refine.trajectory = run + "/trajectory.txt";
-    refine.output = run + "/refined";
-  }
 };
+
+void TakeRun(Options* options) {
+  RequireFlag("run", options->run);
+  TakeRecordedFlags(options->run, TableOf(&options->refine.sequence));
+  options->refine.trajectory = options->run + "/trajectory.txt";
+  options->refine.output = options->run + "/refined";
+}
+
+int Run(const Options& options) { return RefineAndPrint(options.refine); }
 
 }  // namespace
 }  // namespace surfit::tools
 
 int main(int argc, char** argv) {
-  surfit::tools::Options options;
   return surfit::tools::ToolMain(
       argc, argv,
       "refines a run of surfit_slam: the poses of keyframes, the surfels that they share and the "
       "camera's calibration by joint least squares; moves the other poses along and fuses the map "
-      "anew.",
-      surfit::TableOf(&options), [&] { return surfit::tools::RefineAndPrint(options.refine); },
-      [&] { options.TakeWhatTheRunRead(); });
+      "anew. The sequence is read with the options and the camera of --run unless flags say "
+      "otherwise.",
+      surfit::tools::Run, surfit::tools::TakeRun);
 }

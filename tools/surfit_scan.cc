@@ -1,11 +1,13 @@
-// A scan of any length: plans its jobs and has Snakemake run them.
+// A scan of any length: plans its jobs and has Snakemake run them. Each job is a step.
 
 #include <iostream>
 
 #include "apps/scan/scan_jobs.h"
 #include "apps/scan/scan_plan.h"
+#include "common/console.h"
 #include "common/tool_main.h"
 #include "common/workflow.h"
+#include "surfit/core/error.h"
 #include "surfit/core/options.h"
 
 namespace surfit::tools {
@@ -21,7 +23,7 @@ struct ScanOptions {
   }
 };
 
-int Run(const ScanOptions& options) {
+int RunAll(const ScanOptions& options) {
   const std::string& scan = options.plan.run.output;
   const Workflow workflow(options.workflow, scan, "Snakefile");
   workflow.Lock();
@@ -45,15 +47,78 @@ int Run(const ScanOptions& options) {
                                                                           : kDone;
 }
 
+int RunPlan(const ScanPlanOptions& options) {
+  const ScanPlan plan = PlanScan(options);
+  for (const ScanFragment& fragment : plan.fragments) {
+    std::cout << fragment.name << ": " << plan.recordings[fragment.recording].path << ", frames "
+              << fragment.first << " to " << fragment.last << '\n';
+  }
+  std::cout << options.run.output << "/plan.json: " << plan.fragments.size() << " fragments"
+            << std::endl;
+  return kDone;
+}
+
+int RunCandidates(const CandidatesOptions& options) {
+  const CandidatesResult result = FindCandidates(options);
+  std::cout << result.fragments << " fragments (" << result.missing << " missing), "
+            << result.keyframes << " keyframes (" << result.looked_up
+            << " looked up): " << result.pairs << " pairs of fragments look alike" << std::endl;
+  return kDone;
+}
+
+int RunLink(const LinkOptions& options) {
+  int accepted = 0;
+  const std::vector<ScanLink> links = LinkFragments(options);
+  for (const ScanLink& link : links) accepted += link.verdict.accepted();
+  std::cout << accepted << " of " << links.size() << " pairs of keyframes show the same place"
+            << std::endl;
+  return kDone;
+}
+
+int RunGraph(const GraphOptions& options) {
+  const GraphResult result = BuildScanGraph(options);
+  std::cout << result.fragments << " fragments (" << result.missing << " missing, " << result.apart
+            << " apart), " << result.keyframes << " keyframes, " << result.frames << " frames; "
+            << result.links_accepted << " links, " << result.links_left_out << " left out; "
+            << result.tiles << " tiles";
+  if (result.ate_rmse_m) std::cout << "; ATE " << 1000 * *result.ate_rmse_m << " mm";
+  std::cout << std::endl;
+  return kDone;
+}
+
+int RunTile(const TileOptions& options) {
+  ProgressLine line;
+  const std::size_t points = FuseTile(options, CatchInterruptions(), [&](int frames) {
+    line.Show(Concat("frame ", frames), /*last=*/false);
+  });
+  std::cout << options.output << ": " << points << " surfels" << std::endl;
+  return kDone;
+}
+
+int RunReport(const ScanReportOptions& options) {
+  const ScanSummary summary = ReportScan(options);
+  std::cout << options.scan << "/report.html: " << summary.frames << " of " << summary.frames_total
+            << " frames have a pose, " << summary.failed.size() << " jobs failed" << std::endl;
+  return kDone;
+}
+
+int Main(int argc, char** argv) {
+  return ToolMain(
+      argc, argv,
+      "turns recordings of one place, of any length, into trajectories and a map in tiles: cuts "
+      "them into fragments, and has Snakemake run the jobs on this machine or a cluster. Each "
+      "--sequence is a recording. The same command goes on with a scan that was interrupted.",
+      {"step",
+       "all: the whole scan, else the job of a scan that Snakemake runs; plan: cut the recordings "
+       "into fragments that overlap; candidates: find pairs of fragments that look alike; link: "
+       "verify a pair; graph: solve the pose graph of all fragments; tile: fuse one tile of the "
+       "map; report: write summary.json, trajectory.txt, pictures and report.html"},
+      {MakeMode("all", RunAll), MakeMode("plan", RunPlan), MakeMode("candidates", RunCandidates),
+       MakeMode("link", RunLink), MakeMode("graph", RunGraph), MakeMode("tile", RunTile),
+       MakeMode("report", RunReport)});
+}
+
 }  // namespace
 }  // namespace surfit::tools
 
-int main(int argc, char** argv) {
-  return surfit::tools::ToolMain(
-      argc, argv,
-      "turns recordings of one place, of any length, into trajectories and a map in tiles: cuts "
-      "them into fragments, and has Snakemake run the jobs on this machine or a cluster. The same "
-      "command "
-      "goes on with a scan that was interrupted.",
-      surfit::tools::Run);
-}
+int main(int argc, char** argv) { return surfit::tools::Main(argc, argv); }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/tool_main.h"
+#include "core/shared_options.h"
 #include "io/files/places_file.h"
 #include "session/merge_sessions.h"
 #include "surfit/core/error.h"
@@ -26,14 +27,11 @@ struct Options {
     v.Group("session");
     v.Add(command, "command",
           "what to do, as the first word or this flag: list what it holds; check it for damage; "
-          "export its trajectory, map and places; merge others into a new one; compact it",
+          "export trajectory.txt (all runs), run-N.txt (each run), map.ply and places.bin to "
+          "--output; merge others into a new one; compact it",
           OneOf({"list", "check", "export", "merge", "compact"}), Required(), Everyday());
-    v.Add(session, "session", "folder of the session; of the new one where others are merged",
-          Required(), Everyday());
-    v.Add(output, "output",
-          "folder for what is exported: trajectory.txt (all runs), run-N.txt (each), map.ply, "
-          "places.bin; made if missing",
-          Everyday());
+    v.Add(session, SharedOption("session", Required(), Everyday()));
+    v.Add(output, SharedOption("output", Everyday()));
     v.Add(from, "from", "a session to be merged; once for each", Repeatable(), Everyday());
     v.AddPart(loops, "loops", "how sessions that are merged find each other", NoFlags());
   }

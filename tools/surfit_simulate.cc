@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <iomanip>
 #include <iostream>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -149,9 +148,7 @@ int Run(const SimulateOptions& options) {
   if (options.part > 0 && options.join) {
     throw InputError("--join is true, must be false with --part");
   }
-  const ThreadLimit limit(options.threads == 0
-                              ? static_cast<int>(std::max(1u, std::thread::hardware_concurrency()))
-                              : options.threads);
+  const ThreadLimit limit(options.threads);
   const Scene scene = MakeScene(options.scene, options.seed, options.building);
   const RgbdCamera camera = TrueCameraOf(options), given = GivenCameraOf(options, camera);
   PathOptions path_options = options.path;
@@ -179,6 +176,8 @@ int Run(const SimulateOptions& options) {
 
 int main(int argc, char** argv) {
   return surfit::tools::ToolMain(argc, argv,
-                                 "simulates an RGB-D sequence (TUM layout) with exact ground truth",
+                                 "simulates an RGB-D sequence (TUM layout) with exact ground "
+                                 "truth. The folder --output is empty, new or has a former "
+                                 "simulation. Each seed has its own room, path and noise.",
                                  surfit::tools::Run);
 }

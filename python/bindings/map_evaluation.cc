@@ -78,7 +78,7 @@ void BindViewError(py::module_& module) {
       },
       py::arg("options"), py::arg("progress") = py::none(),
       "Judges the run that the options name by views of its map, and writes what "
-      "surfit_evaluate_views writes. progress is called with the number of views done.");
+      "surfit_evaluate --what=views writes. progress is called with the number of views done.");
 }
 
 }  // namespace

@@ -199,12 +199,4 @@ void ValidateTable(const OptionTable& table) {
   table(validator);
 }
 
-Option OutputOption(const std::string& what) {
-  return Option("output", what + "; made if missing", Required(), Everyday());
-}
-
-Option ThreadsOption() {
-  return Option("threads", "threads that compute at the same time", Between(1, 1024), Everyday());
-}
-
 }  // namespace surfit

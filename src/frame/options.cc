@@ -1,6 +1,7 @@
 // The options of this room.
 #include "surfit/core/options.h"
 
+#include "core/shared_options.h"
 #include "surfit/frame/prepare_frame.h"
 #include "surfit/frame/preprocess.h"
 
@@ -21,7 +22,7 @@ void PreprocessOptions::Visit(OptionVisitor& v) {
 }
 
 void PrepareOptions::Visit(OptionVisitor& v) {
-  v.Add(downsample, "downsample", "keep every n-th column and row", Between(1, 16), Everyday());
+  v.Add(downsample, SharedOption("downsample", Everyday()));
   v.Add(max_depth_m, "max_depth_m", "larger depths count as missing", Positive(), Everyday());
 }
 

@@ -2,15 +2,14 @@
 
 #include <cmath>
 
+#include "core/shared_options.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
 
 namespace surfit {
 
 void DepthNoise::Visit(OptionVisitor& v) {
-  v.Add(inverse_depth_sigma, "inverse_depth_sigma",
-        "noise of the depth sensor: standard deviation of inverse depth", AtLeast(0), Below(1),
-        InUnit("1/m"), AsFlag());
+  v.Add(inverse_depth_sigma, SharedOption("inverse_depth_sigma"));
 }
 
 // Filters and depth edges are measured in sigmas: none is too few.

@@ -10,13 +10,10 @@ namespace surfit {
 void KeyframeOptions::Visit(OptionVisitor& v) {
   v.Group("keyframes");
   v.Add(max_distance_m, "max_distance_m",
-        "a frame becomes a keyframe if the camera has moved this far,", Positive(),
-        AsFlag("keyframe_distance_m"));
-  v.Add(max_angle_rad, "max_angle_rad", "has turned by this much,", Positive(),
-        AsFlag("keyframe_angle_rad"));
+        "a frame becomes a keyframe if the camera has moved this far,", Positive());
+  v.Add(max_angle_rad, "max_angle_rad", "has turned by this much,", Positive());
   v.Add(min_overlap_share, "min_overlap_share",
-        "or sees less than this share of what the last keyframe saw,", Share(),
-        AsFlag("keyframe_overlap"));
+        "or sees less than this share of what the last keyframe saw,", Share());
   v.Add(max_frames, "max_frames", "or moved in this many frames, by a tenth of that at least",
         AtLeast(1));
 }
@@ -55,12 +52,11 @@ IcpOptions VerifyLoopOptions::DefaultIcp() {
 
 void FindLoopsOptions::Visit(OptionVisitor& v) {
   v.Group("loops");
-  v.Add(min_gap, "min_gap", "frames between the two keyframes of a loop", AtLeast(1),
-        AsFlag("loop_gap"));
-  v.Add(max_alike, "max_alike", "keyframes that are tried because they look most alike", AtLeast(0),
-        AsFlag());
+  v.Add(min_gap, "min_gap", "frames between the two keyframes of a loop", AtLeast(1));
+  v.Add(max_alike, "max_alike", "keyframes that are tried because they look most alike",
+        AtLeast(0));
   v.Add(max_near, "max_near", "further keyframes that are tried because their poses are near",
-        AtLeast(0), AsFlag());
+        AtLeast(0));
   v.Add(max_near_m, "max_near_m", "near is no farther", AtLeast(0));
   v.Add(max_near_rad, "max_near_rad", "nor turned by more", AtLeast(0));
   v.AddPart(verify, "verify", "what a loop must show", NoFlags());

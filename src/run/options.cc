@@ -1,15 +1,17 @@
 #include "surfit/core/options.h"
 
+#include "core/shared_options.h"
 #include "run/posed_views.h"
 #include "surfit/core/error.h"
 #include "surfit/run/slam_run.h"
 
 namespace surfit {
+
 void SlamRunOptions::Visit(OptionVisitor& v) {
   v.AddPart(sequence, "sequence", "what to read");
   v.Group("run");
-  v.Add(output, OutputOption("folder for the results"));
-  v.Add(threads, ThreadsOption());
+  v.Add(output, SharedOption("output", Required(), Everyday()));
+  v.Add(threads, SharedOption("threads", Everyday()));
   v.AddPart(slam, "slam", "how the SLAM works");
   v.Add(initial_pose, "initial_pose",
         "pose of the first frame: identity, groundtruth or tx,ty,tz,qx,qy,qz,qw", AsFlag());
@@ -30,7 +32,7 @@ void SlamRunOptions::Visit(OptionVisitor& v) {
         "in the end read the sequence once more, and fuse the map anew along the final poses, by "
         "the calibration that was found",
         AsFlag());
-  v.Add(pictures, "pictures", "write pictures of map and trajectory", AsFlag());
+  v.Add(pictures, SharedOption("pictures"));
   v.Add(keep_views, "keep_views",
         "write report.html: map and trajectory in 3D, plots, views, options", AsFlag("report"),
         Everyday());
@@ -38,9 +40,7 @@ void SlamRunOptions::Visit(OptionVisitor& v) {
         "with loop_closure: write places.bin, keyframes with their views and all edges of the pose "
         "graph, to be joined to other runs",
         AsFlag());
-  v.Add(session, "session",
-        "folder of a session: what the run knows is kept there as it goes, with loops closed",
-        AsFlag(), Everyday());
+  v.Add(session, SharedOption("session", Everyday()));
   v.Add(continue_session, "continue_session",
         "go on in the session where it has ended, or wherever in it the camera is found",
         AsFlag("continue"), Everyday());

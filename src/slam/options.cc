@@ -50,7 +50,8 @@ void SlamOptions::Visit(OptionVisitor& v) {
         "how a frame that would be lost is recovered from the last good one; identity: not at all",
         OneOf(InitializeMethods()), AsFlag());
   v.Add(hold_out, "hold_out",
-        "leave the last of so many frames out of the map, to judge it by (surfit_evaluate_views)",
+        "leave the last of so many frames out of the map, to judge it by (surfit_evaluate "
+        "--what=views)",
         ZeroIs("none"), AsFlag());
   v.AddPart(loops, "loops", "loop closure and relocalisation");
   v.AddPart(calibration, "calibration", "calibration of the depth camera");

@@ -60,5 +60,9 @@ endif()
 
 file(GLOB programs "${prefix}/bin/*")
 foreach(program ${programs})
+  file(READ "${program}" head LIMIT 2)
+  if(head STREQUAL "#!")
+    continue()  # the name of a removed program
+  endif()
   execute_process(COMMAND "${program}" --help OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
 endforeach()

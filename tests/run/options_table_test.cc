@@ -64,8 +64,8 @@ using AllOptions = ::testing::Types<
     RelativePoseErrorOptions, TrajectoryEvaluationOptions, MapErrorOptions, KlgOptions,
     RecordOptions, KinectOptions, ColorOptions, PathOptions, ReportOptions, SlamRunOptions,
     AlignRunOptions, RecordingCheckOptions, RegisterRunOptions, RefineRunOptions, RevisitOptions,
-    FindLoopsRunOptions, ViewEvaluationOptions, MeshOptions, CompareOptions, ScanPlanOptions,
-    CandidatesOptions, LinkOptions, GraphOptions, TileOptions, ScanReportOptions, BatchOptions>;
+    ViewEvaluationOptions, MeshOptions, CompareOptions, ScanPlanOptions, CandidatesOptions,
+    LinkOptions, GraphOptions, TileOptions, ScanReportOptions, BatchOptions>;
 TYPED_TEST_SUITE(OptionTables, AllOptions);
 
 TYPED_TEST(OptionTables, NameEveryFieldOnce) { ExpectAll<TypeParam>(FieldCount<TypeParam>()); }

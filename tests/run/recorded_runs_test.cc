@@ -4,8 +4,8 @@
 #include <atomic>
 #include <cmath>
 
-#include "apps/evaluate/revisits.h"
 #include "apps/solvers/refine_run.h"
+#include "benchmarks/loop_search.h"
 #include "surfit/evaluation/map_error.h"
 #include "surfit/geometry/trajectory.h"
 #include "surfit/io/point_cloud.h"
@@ -188,15 +188,14 @@ TEST(RecordedRuns, HaveTheSameDigestAtAnyNumberOfThreads) {
 TEST(RecordedRuns, ReturnsToTheKitchenAreLinkedByTheirLooks) {
   SURFIT_REQUIRE_SHARED_DATA("seven_scenes_kitchen");
   const TempFolder folder;
-  FindLoopsRunOptions options;
+  LoopSearchOptions options;
   options.sequence.path = SharedData("seven_scenes_kitchen");
   options.trajectory = folder / "groundtruth.txt";
-  options.output = folder / "loops";
   options.loops.max_near = 0;
   TumTrajectoryWriter writer(options.trajectory);
   const auto source = OpenSequence(options.sequence);
   for (const StampedPose& pose : source->info().ground_truth) writer.Append(pose);
-  const FindLoopsRunResult result = RunFindLoops(options, [](int) {});
+  const LoopSearchResult result = SearchLoops(options);
   ASSERT_TRUE(result.evaluation.has_value());
   EXPECT_GT(result.evaluation->revisiting, 50);
   EXPECT_GE(result.evaluation->linked, 0.8 * result.evaluation->revisiting);

@@ -151,7 +151,7 @@ TEST_F(PlanScanTest, NamesTheFileThatIsNoPlan) {
     FAIL();
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), AllOf(HasSubstr("plan.json: no plan of a scan"),
-                                    HasSubstr("plan it again with surfit_plan")));
+                                    HasSubstr("plan it again with surfit_scan --step=plan")));
   }
 }
 

@@ -59,7 +59,7 @@ TEST_F(CompareTool, ComparesAllSolversOverKnownPairs) {
 TEST_F(CompareTool, KeepsToNoiseOverKnownPairs) {
   Succeeded(Compare({"--synthetic_points=2000", "--noise_m=0.01", "--rotations_deg=5",
                      "--translations_m=0.1", "--solvers=svd,closed_form_ldlt,ceres",
-                     "--residuals=point_to_point", "--threads=1,2"}));
+                     "--residuals=point_to_point", "--thread_counts=1,2"}));
   const nlohmann::json rows = Rows();
   ASSERT_EQ(rows.size(), 6u);
   for (const auto& row : rows) {
@@ -221,8 +221,9 @@ TEST_F(CompareTool, RefusesBadInputInOneSentence) {
       {{"--synthetic_points=-5"}, "synthetic_points is -5, must be"},
       {{"--synthetic_points=10", "--solvers=magic"}, "closed_form_ldlt"},
       {{"--synthetic_points=10", "--solvers=svd", "--residuals=point_to_plane"}, "point_to_point"},
-      {{"--synthetic_points=10", "--threads=two"}, "threads is 'two', must be whole numbers"},
-      {{"--synthetic_points=10", "--threads=0"}, "threads has 0, must be from 1"},
+      {{"--synthetic_points=10", "--thread_counts=two"},
+       "thread_counts is 'two', must be whole numbers"},
+      {{"--synthetic_points=10", "--thread_counts=0"}, "threads has 0, must be from 1"},
       {{"--synthetic_points=10", "--rotations_deg=1,x"}, "rotations_deg is '1,x'"},
       {{"--synthetic_points=10", "--translations_m=-1"}, "translations_m has -1"},
       {{"--sequence=nowhere"}, "nowhere"},

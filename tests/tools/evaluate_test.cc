@@ -113,7 +113,7 @@ TEST_F(EvaluateTest, CoverageIsOfTheListedFrames) {
   EXPECT_EQ(nlohmann::json::parse(Evaluate({}).out).at("ate_coverage"), 0.75);
   const std::string frames = folder_.Write(
       "rgb.txt", "1305031453.004 a.png\n1305031454.004 b.png\n1305031455.004 c.png\n");
-  const ProgramResult result = Succeeded(Evaluate({"--frames=" + frames}));
+  const ProgramResult result = Succeeded(Evaluate({"--frame_list=" + frames}));
   EXPECT_EQ(nlohmann::json::parse(result.out).at("ate_coverage"), 1);
 }
 
@@ -157,7 +157,7 @@ TEST_F(EvaluateTest, RefusesBadFlags) {
 TEST_F(EvaluateTest, TakesNamesThatAreNoUtf8) {
   Write(kSquare, kLifted);
   const ProgramResult result =
-      Succeeded(Evaluate({"--frames=" + folder_.Write("\xff.txt", "1305031453 a.png\n")}));
+      Succeeded(Evaluate({"--frame_list=" + folder_.Write("\xff.txt", "1305031453 a.png\n")}));
   EXPECT_NO_THROW(nlohmann::json::parse(result.out));
 }
 
@@ -192,7 +192,7 @@ TEST(EvaluateSharedData, ReadsMotionCaptureAndCountsFrames) {
   const ProgramResult result =
       Succeeded(RunProgram("surfit_evaluate", {"--groundtruth=" + folder + "/groundtruth.txt",
                                                "--estimate=" + folder + "/groundtruth.txt",
-                                               "--frames=" + folder + "/rgb.txt"}));
+                                               "--frame_list=" + folder + "/rgb.txt"}));
   const auto json = nlohmann::json::parse(result.out);
   EXPECT_LT(json.at("ate_max_m"), 1e-9);
   EXPECT_EQ(json.at("poses_expected"), 9);
@@ -221,7 +221,8 @@ class EvaluateMapTest : public ::testing::Test {
   ProgramResult Evaluate(std::vector<std::string> flags) const {
     flags.insert(flags.begin(), "--reference=" + (folder_ / "reference.ply"));
     flags.insert(flags.begin(), "--map=" + (folder_ / "map.ply"));
-    return RunProgram("surfit_evaluate_map", flags);
+    flags.insert(flags.begin(), "--what=map");
+    return RunProgram("surfit_evaluate", flags);
   }
   TempFolder folder_;
 };
@@ -299,7 +300,7 @@ TEST_F(EvaluateMapTest, RefusesBadInput) {
   ExpectRefused(Evaluate({"--map=" + folder_.Write("bad.ply", "solid cube")}),
                 "bad.ply: neither PLY nor PCD");
   ExpectRefused(Evaluate({"--map=" + (folder_ / "none.ply")}), "none.ply': No such file");
-  ExpectRefused(RunProgram("surfit_evaluate_map", {}), "--map is missing, must be set");
+  ExpectRefused(RunProgram("surfit_evaluate", {"--what=map"}), "--map is missing, must be set");
   WriteSurfelPly(SurfelMap(), folder_ / "empty.ply");
   ExpectRefused(Evaluate({"--map=" + (folder_ / "empty.ply")}), "the map has no finite point");
 }

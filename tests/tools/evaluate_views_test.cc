@@ -26,8 +26,8 @@ class EvaluateViewsTool : public SlamTool {
     return copy;
   }
   static ProgramResult Judge(const std::string& run, std::vector<std::string> flags = {}) {
-    flags.insert(flags.begin(), "--run=" + run);
-    return RunProgram("surfit_evaluate_views", flags);
+    flags.insert(flags.begin(), {"--what=views", "--run=" + run});
+    return RunProgram("surfit_evaluate", flags);
   }
   static nlohmann::json Views(const std::string& folder) {
     return nlohmann::json::parse(ReadBytes(folder + "/views.json"));
@@ -68,8 +68,8 @@ TEST_F(EvaluateViewsTool, JudgesHeldOutFramesAlone) {
 
 TEST_F(EvaluateViewsTool, JudgesEveryNthFrameIntoAFolderOfItsOwn) {
   Succeeded(Slam(Room(), Output()));
-  const ProgramResult result =
-      Succeeded(Judge(Output(), {"--every=8", "--pictures=2", "--output=" + Output("judged")}));
+  const ProgramResult result = Succeeded(
+      Judge(Output(), {"--every=8", "--view_pictures=2", "--output=" + Output("judged")}));
   EXPECT_THAT(result.out, HasSubstr("the map was made of these frames"));
   EXPECT_EQ(Views(Output("judged"))["frames"], 3);
   EXPECT_FALSE(std::filesystem::exists(Output() + "/views.json"));
@@ -155,7 +155,7 @@ TEST_F(EvaluateViewsTool, PutsTheWorstViewFirst) {
 }
 
 TEST_F(EvaluateViewsTool, RefusesWhatCannotBeJudged) {
-  ExpectRefused(RunProgram("surfit_evaluate_views", {}), "--run");
+  ExpectRefused(RunProgram("surfit_evaluate", {"--what=views"}), "--run");
   ExpectRefused(Judge(Output("none")), "none/summary.json': No such file");
   Succeeded(Slam(Room(), Output(), {"--last=3"}));
   ExpectRefused(Judge(Output(), {"--every=0"}), "--every is 0, must be at least 1");

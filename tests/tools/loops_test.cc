@@ -2,9 +2,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "benchmarks/loop_search.h"
 #include "surfit/core/error.h"
 #include "surfit/io/camera_files.h"
-#include "surfit/io/g2o.h"
 #include "surfit/io/trajectory_files.h"
 #include "testing/matchers.h"
 #include "testing/run_program.h"
@@ -32,39 +32,30 @@ class DriftTest : public ::testing::Test {
                     estimate_ = folder_ / "run/trajectory.txt";
 };
 
-class FindLoopsTest : public DriftTest {
+class LoopSearchTest : public DriftTest {
  protected:
-  FindLoopsTest() : DriftTest(60, 0.08, {"--downsample=2"}) {}
-  ProgramResult Find(std::vector<std::string> flags) const {
-    flags.insert(flags.begin(), "--sequence=" + sequence_);
-    flags.insert(flags.begin(), "--output=" + folder_.path() + "/loops");
-    return RunProgram("surfit_find_loops", flags);
-  }
+  LoopSearchTest() : DriftTest(60, 0.08, {"--downsample=2"}) {}
 };
 
-TEST_F(FindLoopsTest, FindsRightLoopsAndWritesThem) {
-  const ProgramResult result =
-      Succeeded(Find({"--run=" + run_, "--loop_gap=15", "--revisit_gap=15", "--threads=1"}));
-  EXPECT_THAT(result.out, HasSubstr("60 frames (0 left out"));
-  EXPECT_THAT(result.out, HasSubstr("wrong loops accepted: 0"));
-  const PoseGraph graph = ReadG2o(folder_.path() + "/loops/loops.g2o").graph;
-  EXPECT_GE(graph.poses.size(), 3);
-  ASSERT_GE(graph.edges.size(), 1);
-  // The estimate's drift over 15 frames or more, 2 cm, is no more in the loops.
-  const Trajectory truth = ReadTumTrajectory(sequence_ + "/groundtruth.txt");
-  for (const PoseGraphEdge& edge : graph.edges) {
-    const auto pose = [&](std::size_t i) { return truth[graph.poses[i].id].world_from_camera; };
-    const Rigid3d off = (pose(edge.a).Inverse() * pose(edge.b)).Inverse() * edge.a_from_b;
-    EXPECT_LT(off.translation.norm(), 0.01);
+TEST_F(LoopSearchTest, FindsRightLoops) {
+  LoopSearchOptions options;
+  options.sequence.path = sequence_;
+  options.trajectory = estimate_;
+  options.loops.min_gap = options.revisit_gap = 15;
+  const LoopSearchResult result = SearchLoops(options);
+  EXPECT_EQ(result.frames, 60);
+  EXPECT_EQ(result.left_out, 0);
+  ASSERT_TRUE(result.evaluation.has_value());
+  EXPECT_EQ(result.evaluation->wrong, 0);
+  EXPECT_GE(result.keyframes.size(), 3);
+  // The estimate drifts by 2 cm over 15 frames. The loops have no such error.
+  int accepted = 0;
+  for (const FoundLoop& loop : result.loops) {
+    if (!loop.attempt.verdict.accepted()) continue;
+    ++accepted;
+    EXPECT_LT(loop.error_m.value(), 0.01);
   }
-  EXPECT_THAT(ReadBytes(folder_.path() + "/loops/loops.csv"),
-              StartsWith("source,target,similarity,prior,reason,"));
-}
-
-TEST_F(FindLoopsTest, RefusesImpossibleInput) {
-  EXPECT_THAT(Find({}).err, HasSubstr("one of --run and --trajectory must be given"));
-  EXPECT_EQ(Find({"--run=" + run_, "--trajectory=" + run_ + "/trajectory.txt"}).exit_code, 1);
-  ExpectRefused(Find({"--run=" + run_, "--loop_gap=0"}), "--loop_gap is 0, must be at least 1");
+  EXPECT_GE(accepted, 1);
 }
 
 class EvaluateRevisitsTest : public DriftTest {
@@ -73,7 +64,8 @@ class EvaluateRevisitsTest : public DriftTest {
   ProgramResult Evaluate(std::vector<std::string> flags) const {
     flags.insert(flags.begin(), "--sequence=" + sequence_);
     flags.insert(flags.begin(), "--estimate=" + estimate_);
-    return RunProgram("surfit_evaluate_revisits", flags);
+    flags.insert(flags.begin(), "--what=revisits");
+    return RunProgram("surfit_evaluate", flags);
   }
 
   static constexpr double kDrift_m = 0.04;
@@ -82,7 +74,7 @@ class EvaluateRevisitsTest : public DriftTest {
 // Frames 20 to 40 apart have drifted by 20 to 40 mm.
 TEST_F(EvaluateRevisitsTest, TellsWhichPosesLaySurfacesOverEachOther) {
   const ProgramResult result =
-      Succeeded(Evaluate({"--min_gap=20", "--max_distance_m=1", "--max_angle_deg=40"}));
+      Succeeded(Evaluate({"--revisit_gap=20", "--revisit_distance_m=1", "--revisit_angle_deg=40"}));
   const auto json = nlohmann::json::parse(result.out);
   EXPECT_GT(json.at("pairs"), 5);
   EXPECT_EQ(json.at("unregistered"), 0);
@@ -101,8 +93,9 @@ TEST_F(EvaluateRevisitsTest, SeesByTheCameraThatTheRunFound) {
       {"options", {{"sequence", sequence_}, {"stride", "1"}, {"downsample", "2"}}}};
   WriteBytes(run_ + "/summary.json", summary.dump());
   const auto evaluate = [&](const std::string& flag) {
-    return RunProgram("surfit_evaluate_revisits", {"--run=" + run_, "--min_gap=20", flag,
-                                                   "--max_distance_m=1", "--max_angle_deg=40"});
+    return RunProgram("surfit_evaluate",
+                      {"--what=revisits", "--run=" + run_, "--revisit_gap=20", flag,
+                       "--revisit_distance_m=1", "--revisit_angle_deg=40"});
   };
   const ProgramResult own = evaluate("--stride=5");
   ASSERT_EQ(own.exit_code, 0) << own.err;
@@ -123,13 +116,13 @@ TEST_F(EvaluateRevisitsTest, SeesByTheCameraThatTheRunFound) {
 }
 
 TEST_F(EvaluateRevisitsTest, FailsWhereNothingIsSeenAgain) {
-  const ProgramResult result = Evaluate({"--min_gap=1000"});
+  const ProgramResult result = Evaluate({"--revisit_gap=1000"});
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_THAT(result.err, HasSubstr("0 pairs"));
 }
 
 TEST_F(EvaluateRevisitsTest, RefusesImpossibleOptions) {
-  ExpectRefused(Evaluate({"--min_gap=0"}), "min_gap is 0, must be at least 1");
+  ExpectRefused(Evaluate({"--revisit_gap=0"}), "revisit_gap is 0, must be at least 1");
 }
 
 }  // namespace

@@ -142,7 +142,7 @@ TEST_F(OpenNiTool, ACameraIsRecorded) {
   const ProgramResult result = Succeeded(RunProgram(
       "surfit_record",
       {"--sequence=test://1", "--output=" + copy, "--format=openni2", Library(),
-       "--device_width=160", "--device_height=120", "--frames=16", "--queue_capacity=1000"}));
+       "--device_width=160", "--device_height=120", "--max_frames=16", "--queue_capacity=1000"}));
   EXPECT_THAT(result.out, HasSubstr("recorded: 16 frames over"));
   Succeeded(Slam(copy, Output(), {"--camera=" + Room() + "/camera.yaml"}));
   EXPECT_EQ(Summary(Output())["frames_tracked"], 16);

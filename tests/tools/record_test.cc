@@ -80,7 +80,7 @@ TEST_F(RecordTool, RecordsOneFileAsAFolder) {
 }
 
 TEST_F(RecordTool, EndsAtItsLimits) {
-  Succeeded(Record(Room(), {"--frames=7"}));
+  Succeeded(Record(Room(), {"--max_frames=7"}));
   EXPECT_EQ(CountWholeFrames(), 7U);
   fs::remove_all(Copy());
   Succeeded(Record(Room(), {"--seconds=0.34"}));  // 10 of the gaps, and the first frame
@@ -108,7 +108,7 @@ TEST_F(RecordTool, LeavesAGoodRecordingWhereItIsKilled) {
 }
 
 TEST_F(RecordTool, WritesOverNothing) {
-  Succeeded(Record(Room(), {"--frames=2"}));
+  Succeeded(Record(Room(), {"--max_frames=2"}));
   ExpectRefused(Record(Room()), "depth.txt exists");
   ExpectRefused(RunProgram("surfit_record", {"--sequence=" + Room(), "--output=" + Room()}),
                 "which --sequence reads, must be another");

@@ -193,7 +193,7 @@ class AlignTool : public ::testing::Test {
 TempFolder* AlignTool::folder_ = nullptr;
 
 TEST_F(AlignTool, PrintsEachIterationAndWritesCloudsAndPictures) {
-  const ProgramResult result = Succeeded(Align(Room(), {"--source=0", "--target=2"}));
+  const ProgramResult result = Succeeded(Align(Room(), {"--source_frame=0", "--target_frame=2"}));
   EXPECT_THAT(result.out,
               AllOf(ContainsRegex("iter 0: avg loss = [0-9.]+e[-+][0-9]+, inlier count = [0-9]+\n"),
                     HasSubstr("converged: "), HasSubstr("pose error: ")));
@@ -206,11 +206,11 @@ TEST_F(AlignTool, PrintsEachIterationAndWritesCloudsAndPictures) {
 }
 
 TEST_F(AlignTool, FailsWithValueAndConstraint) {
-  const ProgramResult few = Align(Room(), {"--target=5", "--min_inliers=100000"});
+  const ProgramResult few = Align(Room(), {"--target_frame=5", "--min_inliers=100000"});
   EXPECT_EQ(few.exit_code, 2);
   EXPECT_THAT(WithoutNotes(few.err), AllOf(StartsWith("failed: too_few_inliers: inlier share is "),
                                            HasSubstr("min_inliers (100000)")));
-  const ProgramResult filled = Align(Room(), {"--target=5", "--max_free_space_share=0"});
+  const ProgramResult filled = Align(Room(), {"--target_frame=5", "--max_free_space_share=0"});
   EXPECT_EQ(filled.exit_code, 2);
   EXPECT_THAT(WithoutNotes(filled.err),
               AllOf(StartsWith("failed: free_space_filled: free-space share is "),
@@ -221,20 +221,20 @@ TEST_F(AlignTool, StartsFromItsPresetAndAFlagWins) {
   const ProgramResult help = RunProgram("surfit_align", {"--helpon=registration"});
   EXPECT_THAT(help.out, HasSubstr("--max_distance_m=0.05"));
   EXPECT_THAT(help.out, HasSubstr("--max_free_space_share=0.02"));
-  const ProgramResult strict = Align(Room(), {"--target=1", "--max_distance_m=0.0001"});
+  const ProgramResult strict = Align(Room(), {"--target_frame=1", "--max_distance_m=0.0001"});
   EXPECT_EQ(strict.exit_code, 2);
   EXPECT_THAT(WithoutNotes(strict.err), StartsWith("failed: too_few_inliers"));
 }
 
 TEST_F(AlignTool, RefusesBadInputInOneSentence) {
   const std::pair<std::vector<std::string>, const char*> cases[] = {
-      {{"--source=-1"}, "source is -1, must be zero or positive"},
-      {{"--target=6"}, "must be below 6, the number of frames"},
+      {{"--source_frame=-1"}, "source_frame is -1, must be zero or positive"},
+      {{"--target_frame=6"}, "must be below 6, the number of frames"},
       {{"--max_normal_angle_deg=-1"},
        "--max_normal_angle_deg is -1, must be zero (off) or positive and below 90"},
       {{"--max_free_space_share=2"}, "max_free_space_share is 2, must be from 0 to 1"},
       {{"--solver=magic"}, "solver is 'magic', must be one of: "},
-      {{"--initialize=magic"}, "initialize is 'magic', must be one of: identity, so3, features"},
+      {{"--start=magic"}, "start is 'magic', must be one of: identity, so3, features"},
       {{"--nonsense=1"}, "nonsense"},
   };
   for (const auto& [flags, message] : cases) ExpectRefused(Align(Room(), flags), message);
@@ -242,8 +242,9 @@ TEST_F(AlignTool, RefusesBadInputInOneSentence) {
 }
 
 TEST_F(AlignTool, StartsFromFeaturesAndSaysWhatVerifiedTheFit) {
-  for (const char* initialize : {"--initialize=so3", "--initialize=features"}) {
-    const ProgramResult result = Succeeded(Align(Room(), {"--source=0", "--target=5", initialize}));
+  for (const char* start : {"--start=so3", "--start=features"}) {
+    const ProgramResult result =
+        Succeeded(Align(Room(), {"--source_frame=0", "--target_frame=5", start}));
     EXPECT_THAT(result.out, ContainsRegex("verified by: overlap share 0\\.[0-9]+, correlation of "
                                           "brightness 0\\.[0-9]+"));
     // 14 mm a frame before, and less than a pixel (8 mm at 1 m) after
@@ -254,8 +255,8 @@ TEST_F(AlignTool, StartsFromFeaturesAndSaysWhatVerifiedTheFit) {
 // ICP from the identity cannot follow so far; it must say so.
 TEST_F(AlignTool, SaysThatLargeMotionsFailed) {
   SURFIT_REQUIRE_SHARED_DATA("icl_office");
-  for (const char* target : {"--target=50", "--target=100"}) {
-    const ProgramResult result = Align(SharedData("icl_office"), {"--source=10", target});
+  for (const char* target : {"--target_frame=50", "--target_frame=100"}) {
+    const ProgramResult result = Align(SharedData("icl_office"), {"--source_frame=10", target});
     EXPECT_EQ(result.exit_code, 2) << target;
     EXPECT_THAT(result.out, Not(HasSubstr("converged: "))) << target;
     EXPECT_THAT(WithoutNotes(result.err), StartsWith("failed: ")) << target;
@@ -268,7 +269,7 @@ TEST_F(AlignTool, FeaturesReachFramesFarApart) {
   SURFIT_REQUIRE_SHARED_DATA("seven_scenes_kitchen");
   const ProgramResult result =
       Succeeded(Align(SharedData("seven_scenes_kitchen"),
-                      {"--source=10", "--target=100", "--initialize=features"}));
+                      {"--source_frame=10", "--target_frame=100", "--start=features"}));
   EXPECT_THAT(result.out, ContainsRegex("pose error: 0\\.0[0-5]"));
 }
 

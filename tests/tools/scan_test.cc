@@ -289,8 +289,9 @@ TEST_F(ScanTool, SaysWhatIsWrong) {
                 "none");
   ExpectRefused(RunProgram("surfit_scan", Flags(scan, {"--profile=nowhere"})),
                 "profile is 'nowhere'");
-  ExpectRefused(RunProgram("surfit_scan_graph", {"--scan=" + scan, "--output=" + scan + "/graph"}),
-                "plan.json");
+  ExpectRefused(
+      RunProgram("surfit_scan", {"--step=graph", "--scan=" + scan, "--output=" + scan + "/graph"}),
+      "plan.json");
 }
 
 // Two rooms alike, one above the other, and the way between them: no link may take one for the
@@ -312,11 +313,11 @@ TEST(ScanSweep, RoomsAlikeOnTwoFloorsAreToldApart) {
     if (summary[worst].is_null()) continue;
     EXPECT_LT(summary[worst]["translation_m"].get<double>(), 0.1) << worst;
   }
-  const ProgramResult map = Succeeded(
-      RunProgram("surfit_evaluate_map",
-                 {"--map=" + scan + "/tiles", "--reference=" + sequence + "/surface.ply",
-                  "--completeness_distance_m=0.02", "--estimate=" + scan + "/trajectory.txt",
-                  "--groundtruth=" + sequence + "/groundtruth.txt"}));
+  const ProgramResult map = Succeeded(RunProgram(
+      "surfit_evaluate",
+      {"--what=map", "--map=" + scan + "/tiles", "--reference=" + sequence + "/surface.ply",
+       "--completeness_distance_m=0.02", "--estimate=" + scan + "/trajectory.txt",
+       "--groundtruth=" + sequence + "/groundtruth.txt"}));
   EXPECT_GT(nlohmann::json::parse(map.out)["completeness"].get<double>(), 0.95);
 }
 

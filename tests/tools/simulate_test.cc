@@ -262,7 +262,7 @@ TEST_F(SimulateTest, RefusesBadFlagsByName) {
       {"--sensor=lidar", "--sensor is 'lidar', must be one of: ideal, kinect"},
       {"--seed=-1", "--seed is -1, must be zero or positive"},
       {"--surface_grid_m=0", "--surface_grid_m is 0, must be at least 0.001"},
-      {"--threads=-2", "threads is -2, must be from 0 to 1024"},
+      {"--threads=-2", "threads is -2, must be from 1 to 1024"},
       {"--inverse_depth_offset=0.2", "--inverse_depth_offset is 0.2, must be from -0.1 to 0.1"},
       {"--inverse_depth_distortion=1,2", "--inverse_depth_distortion is 1,2, must be five numbers"},
       {"--inverse_depth_distortion=0,0,nan,0,0", "inverse_depth_distortion is '0,0,nan,0,0'"},

@@ -109,7 +109,8 @@ std::string Meant(const std::string& name, const std::vector<FlagHelp>& flags) {
 }
 
 // gflags' lines as one sentence, with what was meant.
-std::string Sentence(const std::string& message, const std::vector<FlagHelp>& flags) {
+std::string Sentence(const std::string& message, const std::vector<FlagHelp>& flags,
+                     const UnknownFlag& unknown) {
   static const std::string kError = "ERROR: ", kUnknown = "unknown command line flag '";
   std::string sentence;
   std::istringstream lines(message);
@@ -119,8 +120,12 @@ std::string Sentence(const std::string& message, const std::vector<FlagHelp>& fl
     if (line.rfind(kUnknown, 0) == 0) {
       const std::string name =
           line.substr(kUnknown.size(), line.find('\'', kUnknown.size()) - kUnknown.size());
-      const std::string meant = Meant(name, flags);
-      if (!meant.empty()) line += ", did you mean --" + meant + "?";
+      const std::string known = unknown(name), meant = Meant(name, flags);
+      if (!known.empty()) {
+        line = known;
+      } else if (!meant.empty()) {
+        line += ", did you mean --" + meant + "?";
+      }
     }
     sentence += (sentence.empty() ? "" : "; ") + line;
   }
@@ -183,8 +188,8 @@ std::vector<std::string> ExpandFlagFiles(const std::vector<std::string>& argumen
   return expanded;
 }
 
-void ParseCommandLine(int argc, char** argv, const std::vector<FlagHelp>& flags) {
-  std::vector<std::string> arguments = ExpandFlagFiles({argv, argv + argc});
+void ParseCommandLine(std::vector<std::string> arguments, const std::vector<FlagHelp>& flags,
+                      const UnknownFlag& unknown) {
   std::vector<char*> pointers;
   pointers.reserve(arguments.size() + 1);
   for (std::string& argument : arguments) {
@@ -192,21 +197,22 @@ void ParseCommandLine(int argc, char** argv, const std::vector<FlagHelp>& flags)
     pointers.push_back(argument.data());
   }
   pointers.push_back(nullptr);
-  argc = static_cast<int>(arguments.size());
-  argv = pointers.data();
+  int argc = static_cast<int>(arguments.size());
+  char** argv = pointers.data();
   const std::string message = LetGflagsParse(&argc, &argv);
-  if (!message.empty()) throw InputError(Sentence(message, flags));
+  if (!message.empty()) throw InputError(Sentence(message, flags, unknown));
   if (argc > 1) RefuseArgument(argv[1], flags);
 }
 
 std::string AskedFor(const std::string& program, const std::string& summary,
-                     const std::vector<FlagHelp>& flags) {
+                     const std::vector<FlagHelp>& flags, const std::vector<FlagHelp>& all) {
   if (Value("version") == "true") return program + " " + SURFIT_VERSION + "\n";
   const std::string group = Value("helpon"), title = program + ": " + summary + "\n\n";
-  if (group == "words") return CompletionWords(flags);
-  if (!group.empty()) return title + GroupHelp(flags, group);
-  if (Value("helpfull") == "true") return title + FullHelp(flags);
-  if (Value("help") == "true" || Value("helpshort") == "true") return title + EverydayHelp(flags);
+  if (group == "words") return CompletionWords(all);
+  if (!group.empty()) return title + GroupHelp(all, group);
+  if (Value("helpfull") == "true") return title + FullHelp(all);
+  if (Value("help") == "true" || Value("helpshort") == "true")
+    return title + EverydayHelp(flags, all);
   return "";
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -13,15 +14,20 @@ namespace surfit::tools {
 // cannot be read, or that names another one.
 std::vector<std::string> ExpandFlagFiles(const std::vector<std::string>& arguments);
 
-// Gives gflags the program's arguments. -h is --help, --help=all is --helpfull and --help=GROUP is
-// --helpon=GROUP. Throws InputError for a bad one: with the flag that was meant where one of those
-// described has nearly the name.
-void ParseCommandLine(int argc, char** argv, const std::vector<FlagHelp>& flags);
+// Sentence about a flag that the program does not have; empty if there is nothing to say.
+using UnknownFlag = std::function<std::string(const std::string& flag)>;
+
+// Gives gflags the arguments of the program, flag files expanded. -h is --help, --help=all is
+// --helpfull and --help=GROUP is --helpon=GROUP. Throws InputError for a bad flag. The message has
+// the sentence of `unknown`, or the described flag with the most similar name.
+void ParseCommandLine(std::vector<std::string> arguments, const std::vector<FlagHelp>& flags,
+                      const UnknownFlag& unknown);
 
 // What is asked for instead of a run: help, the version, or the words that complete a command line
-// (--help=words: see CompletionWords()); an empty text if nothing is. Throws InputError that lists
-// the groups if help on another one is asked for.
+// (--help=words: see CompletionWords()); an empty text if nothing is. `flags` are those of the
+// selected mode, `all` those of all modes. Throws InputError that lists the groups if help on
+// another one is asked for.
 std::string AskedFor(const std::string& program, const std::string& summary,
-                     const std::vector<FlagHelp>& flags);
+                     const std::vector<FlagHelp>& flags, const std::vector<FlagHelp>& all);
 
 }  // namespace surfit::tools

@@ -6,6 +6,9 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
+#include <iomanip>
+
+#include "surfit/core/error.h"
 
 namespace surfit::tools {
 
@@ -38,6 +41,10 @@ std::string TextTable(const std::vector<std::vector<std::string>>& rows, std::si
     text += '\n';
   }
   return text;
+}
+
+std::string Number(double value, int digits) {
+  return Concat(std::setprecision(digits), value);
 }
 
 namespace {

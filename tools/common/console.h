@@ -25,6 +25,9 @@ class ProgressLine {
 // together, the others end together. All rows have the same number of cells.
 std::string TextTable(const std::vector<std::vector<std::string>>& rows, std::size_t left_columns);
 
+// A number with this many significant digits.
+std::string Number(double value, int digits = 6);
+
 // Opens stdin, stdout and stderr that the program was started without on /dev/null: else the next
 // files that it opens would be taken for them. And what is written to a closed pipe, or beyond the
 // largest size that files may have, fails where it is written instead of ending the program.

@@ -12,8 +12,14 @@ constexpr std::size_t kWidth = 80;   // columns of a line
 constexpr std::size_t kIndent = 26;  // of what is said of a flag
 constexpr std::size_t kFew = 20;     // flags that need no groups
 
-const FlagHelp kFlagFile = {"flagfile", "", "read flags from this file, one a line", "", true,
-                            false,      {}};
+const FlagHelp kFlagFile = {
+    "flagfile", "", "read flags from this file, one a line", "", true, false, {}, {}};
+
+std::string Listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
 
 std::string Text(const FlagHelp& flag) {
   std::string text = "  --" + flag.name + "=";
@@ -25,7 +31,8 @@ std::string Text(const FlagHelp& flag) {
   }
   text.append(kIndent - column, ' ');
   column = kIndent;
-  std::istringstream words(flag.help);
+  std::istringstream words(flag.modes.empty() ? flag.help
+                                              : flag.help + " [" + Listed(flag.modes) + "]");
   for (std::string word; words >> word;) {
     if (column > kIndent && column + 1 + word.size() > kWidth) {
       text += '\n' + std::string(kIndent, ' ');
@@ -57,12 +64,6 @@ std::vector<std::string> Groups(const std::vector<FlagHelp>& flags) {
   return groups;
 }
 
-std::string Listed(const std::vector<std::string>& groups) {
-  std::string text;
-  for (const std::string& group : groups) text += (text.empty() ? "" : ", ") + group;
-  return text;
-}
-
 std::string Section(const std::vector<FlagHelp>& flags, const std::string& group) {
   const std::string title = group.empty() ? "Options" : "Options of " + group;
   return title + ":\n" + Texts(flags, [&](const FlagHelp& f) { return f.group == group; });
@@ -70,16 +71,17 @@ std::string Section(const std::vector<FlagHelp>& flags, const std::string& group
 
 }  // namespace
 
-std::string EverydayHelp(const std::vector<FlagHelp>& flags) {
-  const auto all = [](const FlagHelp&) { return true; };
-  if (flags.size() <= kFew) return "Options:\n" + Texts(flags, all) + Text(kFlagFile);
-  const auto everyday = [](const FlagHelp& flag) { return flag.everyday; };
-  return "Everyday options:\n" + Texts(flags, everyday) + Text(kFlagFile) +
-         "\nMore: --help=GROUP, of " + Listed(Groups(flags)) + ";\n--help=all for all.\n";
+std::string EverydayHelp(const std::vector<FlagHelp>& flags, const std::vector<FlagHelp>& all) {
+  const bool few = flags.size() <= kFew;
+  const auto wanted = [&](const FlagHelp& flag) { return few || flag.everyday; };
+  const std::string text =
+      (few ? "Options:\n" : "Everyday options:\n") + Texts(flags, wanted) + Text(kFlagFile);
+  if (all.size() <= kFew) return text;
+  return text + "\nMore: --help=GROUP, of " + Listed(Groups(all)) + ";\n--help=all for all.\n";
 }
 
 std::string FullHelp(const std::vector<FlagHelp>& flags) {
-  if (flags.size() <= kFew) return EverydayHelp(flags);
+  if (flags.size() <= kFew) return EverydayHelp(flags, flags);
   std::string text;
   for (const std::string& group : Groups(flags)) text += Section(flags, group) + "\n";
   return text + "Options from a file:\n" + Text(kFlagFile);

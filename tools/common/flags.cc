@@ -78,6 +78,22 @@ bool IsSet(const std::string& flag) {
 
 }  // namespace
 
+std::vector<FlagHelp> Describe(const OptionTable& table) {
+  std::vector<FlagHelp> flags;
+  ForEachFlag(table, [&](const Option& option, const OptionValue& value) {
+    const bool is_switch = std::holds_alternative<bool*>(value);
+    flags.push_back({option.flag,
+                     FlagText(option, value),
+                     option.Help(),
+                     option.group,
+                     option.everyday,
+                     is_switch,
+                     option.flag == "camera" ? CameraPresetNames() : option.choices,
+                     {}});
+  });
+  return flags;
+}
+
 bool HasFlag(const OptionTable& table, const std::string& flag) {
   bool found = false;
   ForEachFlag(table, [&](const Option& option, const OptionValue&) {
@@ -121,17 +137,6 @@ void Flags::Check() const {
   ForEachFlag(table_, [](const Option& option, const OptionValue& value) {
     RequireOption("--" + option.flag, option, value, /*in_degrees=*/true);
   });
-}
-
-std::vector<FlagHelp> Flags::Described() const {
-  std::vector<FlagHelp> flags;
-  ForEachFlag(table_, [&](const Option& option, const OptionValue& value) {
-    const bool is_switch = std::holds_alternative<bool*>(value);
-    flags.push_back({option.flag, FlagText(option, value), option.Help(), option.group,
-                     option.everyday, is_switch,
-                     option.flag == "camera" ? CameraPresetNames() : option.choices});
-  });
-  return flags;
 }
 
 }  // namespace surfit::tools

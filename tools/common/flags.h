@@ -16,10 +16,11 @@ struct FlagHelp {
   bool everyday = false;
   bool is_switch = false;            // --name or --noname
   std::vector<std::string> choices;  // what it may be, or usually is
+  std::vector<std::string> modes;    // modes of the program that have it; empty: all
 };
 
-// Everyday flags and how to see the others, or all flags where these are few.
-std::string EverydayHelp(const std::vector<FlagHelp>& flags);
+// The everyday flags, or all flags if these are few, and how to see the flags of `all` beside them.
+std::string EverydayHelp(const std::vector<FlagHelp>& flags, const std::vector<FlagHelp>& all);
 // All flags, group by group.
 std::string FullHelp(const std::vector<FlagHelp>& flags);
 // Throws InputError that lists the groups if there is no such one.
@@ -28,6 +29,9 @@ std::string GroupHelp(const std::vector<FlagHelp>& flags, const std::string& gro
 // What completes a command line, one a line: --name= of each flag, --name and --noname of a switch,
 // and --name=value for each of the choices.
 std::string CompletionWords(const std::vector<FlagHelp>& flags);
+
+// Help of the flags of a table, with the present values of the options as defaults.
+std::vector<FlagHelp> Describe(const OptionTable& table);
 
 // Whether one of the options has such a flag.
 bool HasFlag(const OptionTable& table, const std::string& flag);
@@ -44,9 +48,6 @@ class Flags {
   void Apply() const;
   // Throws InputError naming the first flag whose option has a value that it must not have.
   void Check() const;
-
-  // What help says of them, with the options' present values.
-  std::vector<FlagHelp> Described() const;
 
  private:
   struct Storage {

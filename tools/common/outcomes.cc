@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <cstdio>
-#include <iomanip>
 #include <iostream>
 #include <vector>
 
@@ -33,10 +32,6 @@ std::string Failure(const IcpResult& icp, const IcpOptions& options) {
       break;
   }
   return "";
-}
-
-std::string Number(double value, int digits = 6) {
-  return Concat(std::setprecision(digits), value);
 }
 
 using Row = std::vector<std::string>;

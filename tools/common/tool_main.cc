@@ -9,11 +9,12 @@
 #include <filesystem>
 #include <iostream>
 #include <new>
-#include <vector>
+#include <utility>
 
 #include "common/command_line.h"
 #include "common/console.h"
 #include "common/flags.h"
+#include "common/removed_flags.h"
 #include "common/residual_library.h"
 #include "surfit/core/error.h"
 
@@ -26,11 +27,9 @@ constexpr std::array kInputs = {"sequence",   "sequences", "graph",       "cloud
                                 "trajectory", "estimate",  "groundtruth", "map",
                                 "source",     "target",    "reference",   "residual_library"};
 
-// Whether the flag is one of those, and has a path, no number of a frame.
 template <std::size_t kCount>
-bool IsPathOf(const std::array<const char*, kCount>& names, const FlagHelp& flag) {
-  const bool is_number = flag.default_value.find_first_not_of("0123456789") == std::string::npos;
-  return !is_number && std::find(names.begin(), names.end(), flag.name) != names.end();
+bool IsOneOf(const std::array<const char*, kCount>& names, const FlagHelp& flag) {
+  return std::find(names.begin(), names.end(), flag.name) != names.end();
 }
 
 // No file or folder that a flag names to be read may be one that is written. The flags have their
@@ -38,10 +37,10 @@ bool IsPathOf(const std::array<const char*, kCount>& names, const FlagHelp& flag
 void RequireInputsKept(const std::vector<FlagHelp>& flags) {
   namespace fs = std::filesystem;
   for (const FlagHelp& output : flags) {
-    if (!IsPathOf(kOutputs, output)) continue;
+    if (!IsOneOf(kOutputs, output)) continue;
     for (const FlagHelp& input : flags) {
       std::error_code none;
-      if (IsPathOf(kInputs, input) &&
+      if (IsOneOf(kInputs, input) &&
           fs::equivalent(input.default_value, output.default_value, none)) {
         throw InputError(Concat("--", output.name, " is '", output.default_value, "', which --",
                                 input.name, " reads, must be another"));
@@ -66,17 +65,29 @@ void RequireOutputTaken() {
 
 }  // namespace
 
-int ToolMain(int argc, char** argv, const std::string& summary, const OptionTable& options,
-             const std::function<int()>& run, const std::function<void()>& prepare) {
+int ToolMain(int argc, char** argv, const std::string& summary, const ModeFlag& flag,
+             std::vector<Mode> modes) {
   PrepareStreams();
   const std::string program = std::filesystem::path(argv[0]).filename().string();
   try {
     FLAGS_logtostderr = true;
     google::InitGoogleLogging(argv[0], &WriteKind);
     ResidualLibrary residuals;
-    const Flags flags(residuals.With(options));
-    ParseCommandLine(argc, argv, flags.Described());
-    const std::string text = AskedFor(program, summary, flags.Described());
+    for (Mode& mode : modes) mode.options = residuals.With(mode.options);
+    const std::vector<std::string> arguments = ExpandFlagFiles({argv, argv + argc});
+    const Modes all(flag, std::move(modes), arguments);
+    const Mode& mode = all.selected();
+    const Flags flags(mode.options);
+    const std::vector<FlagHelp> described = Describe(mode.options);
+    ParseCommandLine(arguments, described, [&](const std::string& name) {
+      const std::string positive = name.rfind("no", 0) == 0 ? name.substr(2) : name;
+      for (const std::string& known : {Replacement(program, name), all.ModesOf(name),
+                                       Replacement(program, positive), all.ModesOf(positive)}) {
+        if (!known.empty()) return known;
+      }
+      return std::string();
+    });
+    const std::string text = AskedFor(program, summary, described, all.Described());
     if (!text.empty()) {
       std::cout << text;
       RequireOutputTaken();
@@ -84,13 +95,13 @@ int ToolMain(int argc, char** argv, const std::string& summary, const OptionTabl
     }
     flags.Apply();
     residuals.Load();
-    if (prepare) {
-      prepare();
+    if (mode.prepare) {
+      mode.prepare();
       flags.Apply();
     }
     flags.Check();
-    RequireInputsKept(flags.Described());
-    const int exit_code = run();
+    RequireInputsKept(Describe(mode.options));
+    const int exit_code = mode.run();
     RequireOutputTaken();
     return exit_code;
   } catch (const std::bad_alloc&) {

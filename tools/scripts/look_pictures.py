@@ -3,7 +3,7 @@
 
     surfit_slam --sequence=DIR --output=before --hold_out=10 --nofinal_map
     surfit_slam --sequence=DIR --output=after --hold_out=10
-    for run in before after; do surfit_evaluate_views --run=$run --pictures=100; done
+    for run in before after; do surfit_evaluate --what=views --run=$run --view_pictures=100; done
     tools/scripts/look_pictures.py --frame=99 --output=looks.jpg before after
 
 From left to right: the frame, and the view of each run, which must be among its view_pictures.

@@ -1,38 +1,109 @@
 #!/usr/bin/env bash
-# Prints docs/options.md: every flag of every program, as its --help=all has it.
+# Prints docs/options.md: each flag once, with its programs, from --help=all of all programs.
 #   options_page.sh PROGRAMS_FOLDER > docs/options.md
 #   options_page.sh PROGRAMS_FOLDER --compare=docs/options.md    exits with 1 if that is out of date
+# Exits with 1 if two programs have different texts for one flag.
 set -euo pipefail
 programs=$1
 page=${2-}
+
+print_help() {
+  local program
+  for program in slam session refine report align register compare_solvers doctor evaluate record \
+    convert mesh optimize batch scan simulate; do
+    echo "@ $program"
+    "$programs/surfit_$program" --help=all
+  done
+}
 
 print_page() {
   cat <<'END'
 # Options
 
-All flags of all programs: each with its default, group by group. `--help` of a program shows the
-everyday ones, `--help=GROUP` those of a group, `--help=all` all. `--flagfile=F` reads flags from
-a file, one a line; `#` begins a comment.
+All flags of all programs, each once: its default, its text, and in brackets its programs without `surfit_`.
+`batch=1` is the default in `surfit_batch`, if it differs. `evaluate (map, views)` are the values of `--what`,
+`scan (link, tile)` those of `--step`, that the flag belongs to.
+
+`--help` of a program shows the everyday flags, `--help=GROUP` those of a group, `--help=all` all. All programs
+have `--flagfile=F`: it reads flags from a file, one a line; `#` begins a comment.
 In C++ and Python options have more fields than there are flags: see the structs' headers.
 
 `tools/scripts/options_page.sh build/release/tools > docs/options.md` makes this page; a test holds
 it to what the programs say.
 END
-  local program
-  for program in slam session refine report align register compare_solvers doctor evaluate evaluate_map \
-    evaluate_revisits evaluate_views find_loops record convert mesh optimize batch scan plan scan_candidates scan_link scan_graph scan_tile \
-    scan_report simulate; do
-    printf '\n## surfit_%s\n\n' "$program"
-    "$programs/surfit_$program" --help=all |
-      sed -n '/^Options from/,$d; s/^Options of \(.*\):$/### \1\n/p; /^ /s/^/  /p; /^$/p' |
-      sed '1{/^$/d}' | cat -s
-  done
+  print_help | awk '
+    # Words in lines of 80 columns, indented by 30.
+    function wrapped(text, column,    words, count, i, lines) {
+      count = split(text, words, " ")
+      for (i = 1; i <= count; ++i) {
+        if (column > 30 && column + 1 + length(words[i]) > 84) {
+          lines = lines sprintf("\n%30s", "")
+          column = 30
+        }
+        lines = lines (column > 30 ? " " : "") words[i]
+        column += length(words[i]) + (column > 30 ? 1 : 0)
+      }
+      return lines
+    }
+    function finish(    modes, text, place) {
+      if (name == "" || name == "flagfile") return
+      modes = ""
+      if (match(help, / \[[^]]*\]$/)) {
+        modes = " (" substr(help, RSTART + 2, RLENGTH - 3) ")"
+        help = substr(help, 1, RSTART - 1)
+      }
+      if (!(name in text_of)) {
+        names[++flags] = name
+        text_of[name] = help
+        default_of[name] = value
+        group_of[name] = group
+        if (!(group in known)) {
+          known[group] = 1
+          groups[++group_count] = group
+        }
+      } else if (text_of[name] != help) {
+        printf "error: --%s is \"%s\" in one program, \"%s\" in surfit_%s\n", name, text_of[name], help,
+          program > "/dev/stderr"
+        failed = 1
+      }
+      place = program modes (default_of[name] == value ? "" : "=" value)
+      programs_of[name] = programs_of[name] (programs_of[name] == "" ? "" : ", ") place
+      name = ""
+    }
+    /^@ / { finish(); program = $2; group = "surfit_" program; next }
+    /^Options of / { finish(); group = substr($0, 12, length($0) - 12); next }
+    /^[^ ]/ || /^$/ { finish(); next }
+    /^  --/ {
+      finish()
+      name = substr($1, 3, index($1, "=") - 3)
+      value = substr($1, index($1, "=") + 1)
+      help = $0
+      sub(/^  --[^ ]* */, "", help)
+      next
+    }
+    { sub(/^ */, ""); help = help (help == "" ? "" : " ") $0 }
+    END {
+      finish()
+      for (g = 1; g <= group_count; ++g) {
+        printf "\n## %s\n\n", groups[g]
+        for (i = 1; i <= flags; ++i) {
+          flag = names[i]
+          if (group_of[flag] != groups[g]) continue
+          head = "    --" flag "=" default_of[flag]
+          if (length(head) + 2 > 30) head = head sprintf("\n%30s", "")
+          printf "%-30s%s\n", head, wrapped(text_of[flag], 30)
+          printf "%30s%s\n", "", wrapped("[" programs_of[flag] "]", 30)
+        }
+      }
+      exit failed
+    }'
 }
 
+text=$(print_page)
 case $page in
-  '') print_page ;;
+  '') echo "$text" ;;
   --compare=*)
-    if ! diff "${page#*=}" <(print_page); then
+    if ! diff "${page#*=}" <(echo "$text"); then
       echo "${page#*=} is out of date: see the head of $0" >&2
       exit 1
     fi

@@ -13,7 +13,7 @@ For a recording of F frames there are then
   camera      one job, as long as any: it sees the first frames alone
   fragment    as many as fragments of the same length, each as long as any
   candidates  one job, of a + b F^p: each place is looked up among all. Beyond --index_frames, which
-              fill the index (--max_index_bytes of surfit_scan_candidates), as long as for so many
+              fill the index (--max_index_bytes of surfit_scan --step=candidates), as long as for so many
   link        as many for each frame as in the longest scan, each as long as there: a keyframe has so
               many candidates at most (--max_alike), so that their number is linear in F. In short
               scans, few pairs of fragments are far enough apart to be looked at

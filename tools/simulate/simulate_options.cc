@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/shared_options.h"
 #include "surfit/core/error.h"
 #include "surfit/simulation/scene.h"
 
@@ -20,14 +21,9 @@ void VisitSensor(OptionVisitor& v, SimulateOptions* o) {
         "c1,c2,c3,c4,c5: what it adds besides, c1 x + c2 y + c3 x^2 + c4 x y + c5 y^2 at the ray "
         "(x, y, 1); camera.yaml does not tell",
         InUnit("1/m"), AsFlag());
-  v.Add(o->latency_s, "latency_s", "images have stamps that are so much late", Between(-1, 1),
-        InUnit("s"), AsFlag());
-  v.Add(o->color_latency_s, "color_latency_s",
-        "colour is taken so much earlier than depth, with the same stamp", Between(-1, 1),
-        InUnit("s"), AsFlag());
-  v.Add(o->readout_s, "readout_s",
-        "of depth's rolling shutter: from the first row that is read, at the top, to the last",
-        Between(0, 1), InUnit("s"), AsFlag());
+  v.Add(o->latency_s, SharedOption("latency_s"));
+  v.Add(o->color_latency_s, SharedOption("color_latency_s"));
+  v.Add(o->readout_s, SharedOption("readout_s"));
   v.AddPart(o->color, "color", "how colours are taken");
   v.Add(o->given_focal_error, "given_focal_error",
         "ex,ey: camera.yaml tells a focal length that is too long by such shares: 0.01 is 1 %",
@@ -45,26 +41,22 @@ void VisitSensor(OptionVisitor& v, SimulateOptions* o) {
 
 void SimulateOptions::Visit(OptionVisitor& v) {
   v.Group("simulation");
-  v.Add(output, "output", "folder of the sequence; must be empty, new or of a former simulation",
-        Required(), AsFlag(), Everyday());
+  v.Add(output, SharedOption("output", Required(), Everyday()));
   v.Add(scene, "scene", "scene; three_rooms: 1500 frames lead through them and back",
         OneOf(SceneNames()), AsFlag(), Everyday());
   v.AddPart(building, "building", "its size");
   v.Add(frames, "frames", "number of frames", AtLeast(1), AsFlag(), Everyday());
-  v.Add(seed, "seed", "another seed gives another room, another path and other noise", AtLeast(0),
-        AsFlag(), Everyday());
+  v.Add(seed, SharedOption("seed", AtLeast(0), Everyday()));
   v.Add(sensor, "sensor", "exact depth, or the noise model of a Kinect v1",
         OneOf({"ideal", "kinect"}), AsFlag(), Everyday());
-  v.Add(downsample, "downsample", "keep every n-th pixel of 640 x 480 in each direction",
-        Between(1, 16), AsFlag(), Everyday());
+  v.Add(downsample, SharedOption("downsample", Everyday()));
   v.Add(image_y_up, "image_y_up",
         "write the convention of ICL-NUIM: numbered frames, fy < 0, the poses those of the scene "
         "mirrored by diag(1, -1, 1); surface.ply is right-handed all the same",
         AsFlag(), Everyday());
   v.Add(surface_grid_m, "surface_grid_m", "distance between the points of surface.ply",
         AtLeast(0.001), AsFlag(), Everyday());
-  v.Add(threads, "threads", "threads that compute at the same time", Between(0, 1024),
-        ZeroIs("as many as the machine has"), AsFlag(), Everyday());
+  v.Add(threads, SharedOption("threads", Everyday()));
   v.AddPart(path, "path", "how the camera moves");
   VisitSensor(v, this);
   v.Group("parts");

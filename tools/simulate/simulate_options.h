@@ -34,7 +34,7 @@ struct SimulateOptions {
   int downsample = 1;
   bool image_y_up = false;
   double surface_grid_m = 0.005;
-  int threads = 0;
+  int threads = 2;
   int parts = 1;  // that the frames are cut into
   int part = 0;   // to be rendered, from 1 on; 0: all
   bool join = false;

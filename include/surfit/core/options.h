@@ -71,10 +71,6 @@ OptionRule WithoutFlags(const std::vector<std::string>& flags);
 inline OptionRule NoFlags() { return OnlyFlags({}); }
 OptionRule OptionalPart();  // nothing in the part is Required()
 
-// The options that most programs have.
-Option OutputOption(const std::string& what);  // "output": a folder that is made if missing
-Option ThreadsOption();                        // "threads"
-
 // A field of a type that is read and written as text.
 class OptionText {
  public:

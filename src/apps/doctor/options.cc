@@ -1,6 +1,7 @@
 #include "surfit/core/options.h"
 
 #include "apps/doctor/check_recording.h"
+#include "core/shared_options.h"
 
 namespace surfit {
 
@@ -10,7 +11,7 @@ void RecordingCheckOptions::Visit(OptionVisitor& v) {
   v.Add(track, "track",
         "track the camera, which tells of its calibration and of the latency of colour", AsFlag(),
         Everyday());
-  v.Add(threads, ThreadsOption());
+  v.Add(threads, SharedOption("threads", Everyday()));
 }
 
 }  // namespace surfit

@@ -1,5 +1,6 @@
 // The options of this room.
 #include "apps/scan/batch.h"
+#include "core/shared_options.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/io/sequence.h"
@@ -12,7 +13,7 @@ void BatchOptions::Visit(OptionVisitor& v) {
         "folder of the sequences: each folder in it, and each .klg, .sens, .bag, .db3 and .mcap "
         "file, is one",
         Required(), AsFlag(), Everyday());
-  v.Add(output, "output", "folder for all results; made if missing", Required(), Everyday());
+  v.Add(output, SharedOption("output", Required(), Everyday()));
   v.Add(memory_mb, "memory_mb", "that a run may take, of a node of a cluster", AtLeast(1),
         InUnit("MB"), AsFlag());
   v.Add(minutes, "minutes", "that a run may take, on a cluster", AtLeast(1), InUnit("min"),

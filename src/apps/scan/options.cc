@@ -5,6 +5,7 @@
 
 #include "apps/scan/scan_jobs.h"
 #include "apps/scan/scan_plan.h"
+#include "core/shared_options.h"
 #include "surfit/core/error.h"
 
 namespace surfit {
@@ -18,10 +19,8 @@ Option Scan() {
 
 void ScanPlanOptions::Visit(OptionVisitor& v) {
   v.Group("sequence");
-  v.Add(sequences, "sequences",
-        "the sequence: a folder, or a .klg, .sens, .bag, .db3 or .mcap file; several --sequence "
-        "are recordings of one place",
-        Required(), Repeatable(), AsFlag("sequence"), Everyday());
+  v.Add(sequences,
+        SharedOption("sequence", InField("sequences"), Required(), Repeatable(), Everyday()));
   v.AddPart(
       run, "run", "how each fragment is tracked", OptionalPart(),
       WithoutFlags({"sequence", "loop_closure", "calibrate", "refine", "final_map", "pictures",
@@ -36,7 +35,7 @@ void ScanPlanOptions::Visit(OptionVisitor& v) {
         "frames at the beginning of a sequence by which its depth camera is calibrated", AtLeast(0),
         ZeroIs("it is as given"), AsFlag());
   v.Add(tile_m, "tile_m", "side of a tile of the map, a cube", AtLeast(0.5), AsFlag());
-  v.Add(pictures, "pictures", "draw the map in the report", AsFlag());
+  v.Add(pictures, SharedOption("pictures"));
   v.Check([this] {
     if (run.output.empty()) throw InputError("output is missing, must be set");
     const std::set<std::string> different(sequences.begin(), sequences.end());
@@ -52,8 +51,7 @@ void ScanPlanOptions::Visit(OptionVisitor& v) {
 void CandidatesOptions::Visit(OptionVisitor& v) {
   v.Group("run");
   v.Add(scan, Scan());
-  v.Add(output, "output", "folder for the pairs of fragments; others in it are removed", Required(),
-        Everyday());
+  v.Add(output, SharedOption("output", Required(), Everyday()));
   v.Group("places");
   v.Add(min_gap, "min_gap", "frames between two keyframes that are looked at", AtLeast(1),
         AsFlag());
@@ -67,25 +65,25 @@ void CandidatesOptions::Visit(OptionVisitor& v) {
 void LinkOptions::Visit(OptionVisitor& v) {
   v.Group("run");
   v.Add(scan, Scan());
-  v.Add(candidates, "candidates", "file of a pair of fragments, by surfit_scan_candidates",
+  v.Add(candidates, "candidates", "file of a pair of fragments, written by --step=candidates",
         Required(), AsFlag(), Everyday());
-  v.Add(output, "output", "file for the link", Required(), Everyday());
-  v.Add(threads, ThreadsOption());
+  v.Add(output, SharedOption("output", Required(), Everyday()));
+  v.Add(threads, SharedOption("threads", Everyday()));
 }
 
 void GraphOptions::Visit(OptionVisitor& v) {
   v.Group("run");
   v.Add(scan, Scan());
-  v.Add(output, "output", "folder for the results; made if missing", Required(), Everyday());
+  v.Add(output, SharedOption("output", Required(), Everyday()));
 }
 
 void TileOptions::Visit(OptionVisitor& v) {
   v.Group("run");
   v.Add(scan, Scan());
   v.Add(tile, "tile", "its name in graph/tiles.json", Required(), AsFlag(), Everyday());
-  v.Add(output, "output", "the .ply file", Required(), Everyday());
+  v.Add(output, SharedOption("output", Required(), Everyday()));
   v.Add(margin_m, "margin_m", "around the tile is fused as well", Positive(), AsFlag());
-  v.Add(threads, ThreadsOption());
+  v.Add(threads, SharedOption("threads", Everyday()));
 }
 
 void ScanReportOptions::Visit(OptionVisitor& v) {

@@ -179,7 +179,7 @@ ScanPlan ReadScanPlan(const std::string& scan) {
     }
   } catch (const Json::exception& error) {
     throw InputError(Concat(plan_json, ": no plan of a scan that this version reads (",
-                            error.what(), "): plan it again with surfit_plan"));
+                            error.what(), "): plan it again with surfit_scan --step=plan"));
   }
   for (std::size_t r = 0; r < plan.recordings.size() && plan.camera_frames > 0; ++r) {
     const std::string camera = FoundCamera(scan, r);

@@ -1,5 +1,6 @@
 // What solvers are compared on, and how.
 #include "apps/solvers/pose_problem.h"
+#include "core/shared_options.h"
 #include "run/posed_views.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
@@ -82,23 +83,18 @@ void CompareOptions::Visit(OptionVisitor& v) {
   v.Add(slam, "slam",
         "also run SLAM over all of these frames with each combination, and compare the maps",
         Everyday());
-  v.Add(source, "source", "compare on two clouds: the one to be moved, PLY or PCD,", Everyday());
-  v.Add(target, "target", "and the one to be met", Everyday());
+  v.Add(source, SharedOption("source", Everyday()));
+  v.Add(target, SharedOption("target", Everyday()));
   v.Add(truth, "truth",
         "true target_from_source of the clouds as tx,ty,tz,qx,qy,qz,qw; empty = unknown", AsFlag());
   v.Add(replay, "replay",
         "compare on a frame that tracking lost: a folder frame-XXXXXX of surfit_slam "
         "--dump_failures, with its own start and options of registration",
         AsFlag());
-  v.Add(run, "run",
-        "compare the solvers of joint refinement on the keyframes of a run: an output folder of "
-        "surfit_slam, whose summary.json says which sequence it read and how, where flags do not",
-        Everyday());
-  v.Add(max_keyframes, "max_keyframes", "keyframes of the run at most", ZeroIs("no limit"),
-        AsFlag());
+  v.Add(run, SharedOption("run", Everyday()));
+  v.Add(max_keyframes, SharedOption("max_keyframes"));
   v.Group("comparison");
-  v.Add(output, "output", "folder for tables and pictures; made if missing", Required(),
-        Everyday());
+  v.Add(output, SharedOption("output", Required(), Everyday()));
   v.Add(solvers, "solvers",
         "pose solvers (with run: reduced, ceres), with commas between them; empty = all, of which "
         "ceres_per_point on known pairs only",
@@ -108,13 +104,13 @@ void CompareOptions::Visit(OptionVisitor& v) {
   v.Add(residuals, "residuals", "residuals (with run: planes, planes_and_textures); empty = all",
         Everyday());
   v.Add(associations, "associations", "associations; empty = all that the data allows", AsFlag());
-  v.Add(threads, "threads", "numbers of threads that compute at the same time, a row for each",
-        Everyday());
+  v.Add(threads, "threads", "numbers of threads, with commas between them: a row for each",
+        AsFlag("thread_counts"), Everyday());
   v.Add(rotations_deg, "rotations_deg", "angles that starts are turned by from the truth",
         AsFlag());
   v.Add(translations_m, "translations_m",
         "distances that they are shifted by, each with each angle", AsFlag());
-  v.Add(seed, "seed", "seed of the axes of turns and shifts, and of random points", AsFlag());
+  v.Add(seed, SharedOption("seed"));
   v.Add(max_rotation_error_deg, "max_rotation_error_deg",
         "what ends nearer to the truth counts as converged", Positive(), AsFlag());
   v.Add(max_translation_error_m, "max_translation_error_m",

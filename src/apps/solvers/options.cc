@@ -2,6 +2,7 @@
 
 #include "apps/solvers/refine_run.h"
 #include "apps/solvers/register_run.h"
+#include "core/shared_options.h"
 #include "surfit/core/error.h"
 
 namespace surfit {
@@ -10,15 +11,14 @@ void RefineRunOptions::Visit(OptionVisitor& v) {
   v.AddPart(sequence, "sequence", "as the run read it");
   v.Group("run");
   v.Add(trajectory, "trajectory", "the run's trajectory, in TUM format", Required());
-  v.Add(output, OutputOption("folder for the results"));
-  v.Add(threads, ThreadsOption());
+  v.Add(output, SharedOption("output", Required(), Everyday()));
+  v.Add(threads, SharedOption("threads", Everyday()));
   v.Group("keyframes");
   v.Add(keyframe_translation_m, "keyframe_translation_m",
         "a frame this far from the last keyframe is the next", Positive(), AsFlag());
   v.Add(keyframe_rotation_rad, "keyframe_rotation_rad", "and so is a frame turned this far",
         Positive(), AsFlag());
-  v.Add(max_keyframes, "max_keyframes", "with more of them, both are enlarged", ZeroIs("no limit"),
-        AsFlag());
+  v.Add(max_keyframes, SharedOption("max_keyframes"));
   v.AddPart(preprocess, "preprocess", "how depth images become surfaces", NoFlags());
   v.AddPart(refinement, "refinement", "what is estimated, and how");
   v.Check([this] {
@@ -29,11 +29,11 @@ void RefineRunOptions::Visit(OptionVisitor& v) {
 
 void RegisterRunOptions::Visit(OptionVisitor& v) {
   v.Group("clouds");
-  v.Add(source, "source", "the cloud to be moved: PLY or PCD, in m", Required(), Everyday());
-  v.Add(target, "target", "the cloud to be met", Required(), Everyday());
+  v.Add(source, SharedOption("source", Required(), Everyday()));
+  v.Add(target, SharedOption("target", Required(), Everyday()));
   v.Group("run");
-  v.Add(output, OutputOption("folder for pose, aligned cloud and pictures"));
-  v.Add(threads, ThreadsOption());
+  v.Add(output, SharedOption("output", Required(), Everyday()));
+  v.Add(threads, SharedOption("threads", Everyday()));
   v.AddPart(sensor, "sensor", "what both were measured with");
   v.AddPart(normals, "normals", "how normals are estimated");
   v.AddPart(registration, "registration", "how the clouds are registered");
@@ -41,11 +41,13 @@ void RegisterRunOptions::Visit(OptionVisitor& v) {
 
 void AlignRunOptions::Visit(OptionVisitor& v) {
   v.AddPart(sequence, "sequence", "what to read", WithoutFlags({"first", "last", "stride"}));
-  v.Add(source, "source", "index of the frame to be moved", AtLeast(0), Everyday());
-  v.Add(target, "target", "index of the frame to be met", AtLeast(0), Everyday());
+  v.Add(source, "source", "index of the source frame, which is moved", AtLeast(0),
+        AsFlag("source_frame"), Everyday());
+  v.Add(target, "target", "index of the target frame", AtLeast(0), AsFlag("target_frame"),
+        Everyday());
   v.Group("run");
-  v.Add(output, OutputOption("folder for clouds and pictures"));
-  v.Add(threads, ThreadsOption());
+  v.Add(output, SharedOption("output", Required(), Everyday()));
+  v.Add(threads, SharedOption("threads", Everyday()));
   v.AddPart(preprocess, "preprocess", "how depth images become surfaces");
   v.AddPart(initialize, "initialize", "where registration starts");
   v.AddPart(icp, "icp", "the registration", WithoutFlags({"min_source_rows"}));

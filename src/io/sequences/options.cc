@@ -1,6 +1,7 @@
 // The options of this room.
 #include "surfit/core/options.h"
 
+#include "core/shared_options.h"
 #include "io/sequences/folder.h"
 #include "io/sequences/klg_writer.h"
 #include "surfit/core/error.h"
@@ -35,11 +36,7 @@ static void OptionFromText(const std::string& text, std::optional<Rigid3d>* pose
 
 void SequenceOptions::Visit(OptionVisitor& v) {
   v.Group("sequence");
-  v.Add(path, "path",
-        "the sequence: a folder, or a .klg, .sens, .bag, .db3, .mcap or .oni file; a camera's URI, "
-        "or "
-        "any",
-        Required(), AsFlag("sequence"), Everyday());
+  v.Add(path, SharedOption("sequence", InField("path"), Required(), Everyday()));
   v.Add(format, "format",
         "format of the sequence; watch: wait for frames to come; openni2: a camera",
         OneOf(Formats()), Everyday());
@@ -54,8 +51,7 @@ void SequenceOptions::Visit(OptionVisitor& v) {
   v.Add(distortion, "distortion", "the depth camera's k1,k2,p1,p2,k3", AsFlag());
   v.Add(depth_units_per_metre, "depth_units_per_metre", "counts of the depth images per metre",
         AsFlag("depth_scale"));
-  v.Add(inverse_depth_sigma, "inverse_depth_sigma",
-        "noise of the depth sensor: standard deviation of inverse depth", InUnit("1/m"), AsFlag());
+  v.Add(inverse_depth_sigma, SharedOption("inverse_depth_sigma"));
   v.Add(color_intrinsics, "color_intrinsics", "fx,fy,cx,cy of a separate colour camera",
         InUnit("px"), AsFlag());
   v.Add(color_distortion, "color_distortion", "k1,k2,p1,p2,k3 of a separate colour camera",
@@ -64,15 +60,9 @@ void SequenceOptions::Visit(OptionVisitor& v) {
         "pose tx,ty,tz,qx,qy,qz,qw of the depth in the colour camera", InUnit("m"), AsFlag());
   v.Add(frames_per_second, "frames_per_second", "frames per second of files without time stamps",
         AsFlag("fps"));
-  v.Add(latency_s, "latency_s",
-        "how long before its stamp the middle of a depth frame's exposure and readout lies",
-        InUnit("s"), AsFlag());
-  v.Add(color_latency_s, "color_latency_s",
-        "how much longer the middle of a colour frame's exposure and readout lies before its stamp",
-        InUnit("s"), AsFlag());
-  v.Add(readout_s, "readout_s",
-        "of a rolling shutter: from the first row that is read, at the top, to the last",
-        InUnit("s"), AsFlag());
+  v.Add(latency_s, SharedOption("latency_s"));
+  v.Add(color_latency_s, SharedOption("color_latency_s"));
+  v.Add(readout_s, SharedOption("readout_s"));
   v.Add(depth_topic, "depth_topic", "of a ROS bag: the topic of depth images; empty: the only one",
         AsFlag());
   v.Add(color_topic, "color_topic",

@@ -13,6 +13,7 @@
 #include <variant>
 
 #include "core/repeated_warning.h"
+#include "core/shared_options.h"
 #include "io/images/image_files.h"
 #include "io/sequences/raw_frames.h"
 #include "surfit/core/appended_file.h"
@@ -150,10 +151,9 @@ std::optional<FrameImages> ReadImages(const RawFrame& frame, RawFrames* frames,
 void RecordOptions::Visit(OptionVisitor& v) {
   v.AddPart(sequence, "sequence", "what to record");
   v.Group("recording");
-  v.Add(output, "output", "the folder to record into; it must hold no recording", Required(),
+  v.Add(output, SharedOption("output", Required(), Everyday()));
+  v.Add(max_frames, "max_frames", "maximum number of frames", AtLeast(0), ZeroIs("no limit"),
         Everyday());
-  v.Add(max_frames, "max_frames", "end after so many frames", AtLeast(0), ZeroIs("no limit"),
-        AsFlag("frames"), Everyday());
   v.Add(max_seconds, "max_seconds", "end after so much time by the stamps", InUnit("s"), AtLeast(0),
         ZeroIs("no limit"), AsFlag("seconds"), Everyday());
   v.Add(queue_capacity, "queue_capacity", "of a camera: frames that may wait to be written",

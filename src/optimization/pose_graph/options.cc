@@ -48,7 +48,8 @@ void PoseGraphOptions::Visit(OptionVisitor& v) {
   v.Add(max_loop_squared_error, "max_loop_squared_error",
         "for gnc: a loop of a larger error (e^T information e) is wrong", Positive(), AsFlag());
   v.Add(max_iterations, "max_iterations",
-        "iterations of Levenberg-Marquardt at most, in each round of gnc", AtLeast(1), AsFlag());
+        "maximum number of Levenberg-Marquardt iterations, in each round of gnc", AtLeast(1),
+        AsFlag("max_graph_iterations"));
   v.Add(min_relative_cost_change, "min_relative_cost_change",
         "iterations end where the cost changes by a smaller share", AtLeast(0), AsFlag());
 }

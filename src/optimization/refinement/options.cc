@@ -82,11 +82,11 @@ void RefinementOptions::Visit(OptionVisitor& v) {
   v.Add(solver, "solver",
         "solver of a round; reduced: surfels eliminated by hand; ceres: Ceres over a residual "
         "block for each observation",
-        OneOf(RefinementSolverNames()), AsFlag());
+        OneOf(RefinementSolverNames()), AsFlag("refinement_solver"));
   v.Add(linear_solver, "linear_solver",
         "how ceres solves for poses and calibration: by a sparse factorisation or conjugate "
         "gradients",
-        OneOf(RefinementLinearSolverNames()), AsFlag());
+        OneOf(RefinementLinearSolverNames()), AsFlag("refinement_linear_solver"));
   v.Add(max_rounds, "max_rounds", "rounds of choosing surfels and solving for all at most",
         Between(1, 1000), AsFlag());
   v.Add(max_iterations, "max_iterations", "iterations of Levenberg-Marquardt in each round",

@@ -50,9 +50,9 @@ std::vector<std::string> ShortNames(const std::vector<std::string>& folders);
 // What a folder holds of a run of surfit_slam, or of one that surfit_refine has refined.
 // NOLINTNEXTLINE(bugprone-exception-escape): JSON is moved without copies
 struct ReportedRun {
-  // label (empty); summary (summary.json, with judged_views where surfit_evaluate_views wrote
-  // views.json, or else refinement.json); frames and loops (the texts of frames.csv and loops.csv,
-  // or empty); poses (poses.json) with its pictures as data URLs.
+  // label (empty); summary (summary.json, with judged_views where surfit_evaluate --what=views
+  // wrote views.json, or else refinement.json); frames and loops (the texts of frames.csv and
+  // loops.csv, or empty); poses (poses.json) with its pictures as data URLs.
   nlohmann::ordered_json page;
   std::vector<Surfel> surfels;  // map.ply
   Trajectory trajectory;        // of poses.json

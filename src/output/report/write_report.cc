@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/shared_options.h"
 #include "output/report/compare_runs.h"
 #include "output/report/page.h"
 #include "output/report/report_data.h"
@@ -80,10 +81,8 @@ void WriteData(const std::string& name, const Json& data, std::ostream* page) {
 }
 
 void ReportOptions::Visit(OptionVisitor& v) {
-  v.Add(runs, "runs", "output folder of surfit_slam; several --run stand side by side", Required(),
-        AsFlag("run"), Repeatable());
-  v.Add(output, "output", "the page; if empty, report.html in the first run's folder", Required(),
-        AsFlag());
+  v.Add(runs, SharedOption("run", InField("runs"), Required(), Repeatable()));
+  v.Add(output, SharedOption("output", Required()));
   v.Add(max_points, "max_points",
         "surfels of all runs together that the page holds; larger maps are sampled evenly",
         AtLeast(1000), AsFlag());

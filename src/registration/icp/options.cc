@@ -138,7 +138,7 @@ void InitializeOptions::Visit(OptionVisitor& v) {
       method, "method",
       "where registration starts; so3: the rotation that makes small images most alike; features: "
       "poses that image features, shapes and brightness propose. All but identity are verified",
-      OneOf(InitializeMethods()), AsFlag("initialize"), Everyday());
+      OneOf(InitializeMethods()), AsFlag("start"), Everyday());
   v.Add(iteration_growth, "iteration_growth",
         "from afar ICP has this many times its max_iterations", AtLeast(1));
   v.Add(free_space_growth, "free_space_growth",

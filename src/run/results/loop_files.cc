@@ -2,24 +2,16 @@
 
 #include "run/results/result_files.h"
 #include "surfit/core/atomic_file.h"
-#include "surfit/io/g2o.h"
 
 namespace surfit {
 namespace {
-
-void WriteOptional(const std::optional<double>& value, std::ostream& file) {
-  file << ',';
-  if (value) file << *value;
-}
 
 constexpr char kColumns[] =
     "source,target,similarity,prior,reason,matches,agreeing_features,inlier_share,rmse_m,"
     "overlap_share,free_space_share,value_correlation,detail_correlation,lead,sigma_m,sigma_rad,"
     "disagreement_m,disagreement_rad,tx,ty,tz,qx,qy,qz,qw";
 
-// These columns, of a LoopRecord or FoundLoop.
-template <typename Loop>
-void WriteColumns(const Loop& loop, const std::string& reason, std::ostream& file) {
+void WriteColumns(const LoopRecord& loop, const std::string& reason, std::ostream& file) {
   const FarVerdict& v = loop.attempt.verdict;
   const Eigen::Vector3d& t = v.target_from_source.translation;
   const Eigen::Quaterniond& q = v.target_from_source.rotation;
@@ -38,14 +30,6 @@ std::string ReasonOf(const LoopRecord& loop) {
   return verdict.accepted() && !loop.in_graph ? "contradicts_others" : ToString(verdict.reason);
 }
 
-void WriteRow(const FoundLoop& loop, std::ostream& file) {
-  WriteColumns(loop, ToString(loop.attempt.verdict.reason), file);
-  WriteOptional(loop.error_m, file);
-  WriteOptional(loop.error_rad, file);
-  WriteOptional(loop.squared_error, file);
-  file << ',' << loop.wrong << ',' << loop.disputed << '\n';
-}
-
 }  // namespace
 
 void WriteLoopsCsv(const std::vector<LoopRecord>& loops, const std::string& path) {
@@ -57,29 +41,6 @@ void WriteLoopsCsv(const std::vector<LoopRecord>& loops, const std::string& path
       file << '\n';
     }
   });
-}
-
-void WriteLoopsCsv(const std::vector<FoundLoop>& loops, const std::string& path) {
-  WriteFileAtomically(path, [&](std::ostream& file) {
-    file << kColumns << ",error_m,error_rad,squared_error,wrong,disputed\n";
-    for (const FoundLoop& loop : loops) WriteRow(loop, file);
-  });
-}
-
-void WriteLoopsG2o(const std::vector<Keyframe>& keyframes, const std::vector<FoundLoop>& loops,
-                   const std::string& path) {
-  PoseGraph graph;
-  for (const Keyframe& keyframe : keyframes) {
-    graph.poses.push_back({keyframe.frame_index, keyframe.world_from_camera, false});
-  }
-  for (const FoundLoop& loop : loops) {
-    const FarVerdict& verdict = loop.attempt.verdict;
-    if (!verdict.accepted()) continue;
-    graph.edges.push_back({static_cast<std::size_t>(loop.attempt.proposal.target),
-                           static_cast<std::size_t>(loop.attempt.proposal.source),
-                           verdict.target_from_source, verdict.information, true});
-  }
-  WriteG2o(graph, path);
 }
 
 }  // namespace surfit

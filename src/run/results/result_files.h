@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "apps/evaluate/revisits.h"
 #include "finishing/found_sensor.h"
 #include "run/results/kept_views.h"
 #include "surfit/evaluation/trajectory_evaluation.h"
@@ -47,16 +46,9 @@ struct RunPoses {
 // Throws InputError naming the file if it cannot be written.
 void WritePosesJson(const RunPoses& run, const std::string& path);
 
-// All loops that were tried, one a line, with what speaks for each and the reason of its verdict;
-// of those that a session has kept that is not known, and they are left out. Of a run of SLAM,
-// whose pose graph may have overruled it; or of a search, with what the ground truth says. Throws
-// InputError naming the file.
+// Writes all loops that were tried, one per line, with the figures and the reason of the verdict.
+// The pose graph may have overruled a verdict. Loops of earlier runs of a session are left out.
+// Throws InputError naming the file.
 void WriteLoopsCsv(const std::vector<LoopRecord>& loops, const std::string& path);
-void WriteLoopsCsv(const std::vector<FoundLoop>& loops, const std::string& path);
-
-// The keyframes by their frames' indices, and the accepted loops. Throws InputError naming the
-// file.
-void WriteLoopsG2o(const std::vector<Keyframe>& keyframes, const std::vector<FoundLoop>& loops,
-                   const std::string& path);
 
 }  // namespace surfit

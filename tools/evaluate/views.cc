@@ -6,6 +6,7 @@
 #include "common/console.h"
 #include "common/recorded_run.h"
 #include "common/tool_main.h"
+#include "evaluate/evaluations.h"
 #include "surfit/core/error.h"
 
 namespace surfit::tools {
@@ -31,7 +32,7 @@ void Print(const ViewEvaluation& evaluation) {
   if (!evaluation.worst_view.empty()) std::printf("worst: %s\n", evaluation.worst_view.c_str());
 }
 
-int Run(const ViewEvaluationOptions& options) {
+int RunViews(const ViewEvaluationOptions& options) {
   ProgressLine line;
   const ViewEvaluation evaluation =
       EvaluateViews(options, [&](int views) { line.Show(Concat("view ", views), false); });
@@ -40,21 +41,14 @@ int Run(const ViewEvaluationOptions& options) {
   return kDone;
 }
 
-}  // namespace
-}  // namespace surfit::tools
-
-int main(int argc, char** argv) {
-  surfit::ViewEvaluationOptions options;
-  return surfit::tools::ToolMain(
-      argc, argv,
-      "draws the map of a run of surfit_slam from the poses of frames and compares it with these: "
-      "PSNR, SSIM, error of depth, and how much is covered. Frames that the run held out "
-      "(--hold_out) are judged alone.",
-      surfit::TableOf(&options), [&] { return surfit::tools::Run(options); },
-      [&] {
-        surfit::tools::RequireFlag("run", options.run);
-        // What the run found of the camera stands in its poses.json.
-        surfit::tools::TakeRecordedFlags(options.run, surfit::TableOf(&options.sequence), {},
-                                         surfit::tools::RecordedCamera::kGiven);
-      });
+// The poses.json of a run has the camera that the run found.
+void TakeWhatTheRunRead(ViewEvaluationOptions* options) {
+  RequireFlag("run", options->run);
+  TakeRecordedFlags(options->run, TableOf(&options->sequence), {}, RecordedCamera::kGiven);
 }
+
+}  // namespace
+
+Mode ViewEvaluationMode() { return MakeMode("views", RunViews, TakeWhatTheRunRead); }
+
+}  // namespace surfit::tools

@@ -1,40 +1,42 @@
 // Tells whether an estimate or its pseudo ground truth lays the surfaces of two visits to one place
 // better over each other.
 
+#include "apps/evaluate/revisits.h"
+
 #include <iostream>
 
-#include "apps/evaluate/revisits.h"
 #include "common/console.h"
 #include "common/json.h"
 #include "common/recorded_run.h"
 #include "common/tool_main.h"
+#include "core/shared_options.h"
+#include "evaluate/evaluations.h"
 #include "surfit/core/error.h"
 #include "surfit/core/parallel.h"
 
 namespace surfit::tools {
 namespace {
 
-struct Options {
+struct AllRevisitOptions {
   RevisitOptions revisits;
   std::string run;
   int threads = 2;
 
+  AllRevisitOptions() { revisits.sequence.stride = 5; }
+
   void Visit(OptionVisitor& v) {
     v.AddPart(revisits, "revisits", "what is compared");
-    v.Add(run, "run",
-          "output folder of surfit_slam: its trajectory is the estimate, its summary.json says "
-          "which sequence it read and how, and its camera.yaml what camera it found, where flags "
-          "do not",
-          Everyday());
-    v.Add(threads, "threads", "threads that compute at the same time", Between(1, 1024),
-          Everyday());
-  }
-  void TakeWhatTheRunRead() {
-    if (run.empty()) return;
-    TakeRecordedFlags(run, TableOf(&revisits.sequence), {"stride"});
-    revisits.estimate = run + "/trajectory.txt";
+    v.Add(run, SharedOption("run", Everyday()));
+    v.Add(threads, SharedOption("threads", Everyday()));
   }
 };
+
+// The trajectory of the run is the estimate.
+void TakeRun(AllRevisitOptions* options) {
+  if (options->run.empty()) return;
+  TakeRecordedFlags(options->run, TableOf(&options->revisits.sequence), {"stride"});
+  options->revisits.estimate = options->run + "/trajectory.txt";
+}
 
 void SetAgreement(const std::string& name, const RevisitAgreement& agreement, Json* json) {
   Json of_trajectory;
@@ -50,7 +52,7 @@ void PrintSummary(const std::string& name, const RevisitAgreement& agreement) {
             << " mm and " << agreement.icp_rotation_deg.median << " deg (medians)" << std::endl;
 }
 
-int Run(const Options& options) {
+int RunRevisits(const AllRevisitOptions& options) {
   const ThreadLimit threads(options.threads);
   ProgressLine line;
   const RevisitReport report = CompareAtRevisits(options.revisits, [&](int done, int all) {
@@ -72,16 +74,7 @@ int Run(const Options& options) {
 }
 
 }  // namespace
-}  // namespace surfit::tools
 
-int main(int argc, char** argv) {
-  surfit::tools::Options options;
-  options.revisits.sequence.stride = 5;
-  return surfit::tools::ToolMain(
-      argc, argv,
-      "compares an estimated trajectory and the sequence's own poses where the camera returns to "
-      "where it was: how far apart the surfaces of both visits lie, and how far dense ICP goes "
-      "from the relative pose. Prints JSON on stdout and a summary on stderr.",
-      surfit::TableOf(&options), [&] { return surfit::tools::Run(options); },
-      [&] { options.TakeWhatTheRunRead(); });
-}
+Mode RevisitEvaluationMode() { return MakeMode("revisits", RunRevisits, TakeRun); }
+
+}  // namespace surfit::tools

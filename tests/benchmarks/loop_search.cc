@@ -1,17 +1,14 @@
+#include "benchmarks/loop_search.h"
+
 #include <algorithm>
 #include <ctime>
 #include <memory>
 #include <utility>
 
-#include "apps/evaluate/revisits.h"
-#include "io/files/output_folder.h"
 #include "run/posed_views.h"
-#include "run/results/result_files.h"
-#include "surfit/core/options.h"
-#include "surfit/core/parallel.h"
 #include "surfit/loop_closure/place_index.h"
 
-namespace surfit {
+namespace surfit::testing {
 namespace {
 
 // Adds the CPU time of its life, of all threads, to a sum.
@@ -36,7 +33,7 @@ struct EvaluatedFrame {
 
 class LoopRun {
  public:
-  LoopRun(const FindLoopsRunOptions& options, const SequenceInfo& info)
+  LoopRun(const LoopSearchOptions& options, const SequenceInfo& info)
       : options_(options),
         info_(info),
         estimate_(ReadEstimate(options.trajectory, info)),
@@ -63,7 +60,7 @@ class LoopRun {
     }
   }
 
-  FindLoopsRunResult Finish() {
+  LoopSearchResult Finish() {
     const double count = std::max<double>(1, static_cast<double>(result_.keyframes.size()));
     result_.view_ms /= count;
     result_.query_ms /= count;
@@ -104,7 +101,7 @@ class LoopRun {
       const FarVerdict verdict =
           VerifyLoop(from.view, to.view, options_.loops.verify, proposal.target_from_source_prior);
       result_.loops.push_back(
-          {from.frame_index, to.frame_index, {proposal, verdict}, {}, {}, {}, false, false});
+          {from.frame_index, to.frame_index, {proposal, verdict}, {}, {}, false, false});
     }
   }
 
@@ -129,9 +126,6 @@ class LoopRun {
     loop->error_rad = RotationAngle(off.rotation);
     loop->error_m = (verdict.target_from_source.translation - truth.translation).norm();
     if (!verdict.accepted()) return;
-    Vector6d error;
-    error << QuaternionLog<double>(off.rotation), off.translation;
-    loop->squared_error = error.dot(verdict.information * error);
     loop->wrong = *loop->error_m > options_.wrong_m || *loop->error_rad > options_.wrong_rad;
     loop->disputed = loop->wrong && SurfacesSpeakFor(*loop, truth);
     LoopEvaluation& evaluation = *result_.evaluation;
@@ -177,33 +171,22 @@ class LoopRun {
     });
   }
 
-  const FindLoopsRunOptions& options_;
+  const LoopSearchOptions& options_;
   const SequenceInfo& info_;
   Trajectory estimate_;
   PlaceIndex index_;
   std::vector<EvaluatedFrame> frames_;
   std::vector<std::optional<Rigid3d>> truth_of_keyframes_;
-  FindLoopsRunResult result_;
+  LoopSearchResult result_;
 };
 
 }  // namespace
 
-FindLoopsRunResult RunFindLoops(const FindLoopsRunOptions& options,
-                                const std::function<void(int)>& progress) {
-  Validate(options);
-  const ThreadLimit limit(options.threads);
+LoopSearchResult SearchLoops(const LoopSearchOptions& options) {
   const std::unique_ptr<FrameSource> source = OpenSequence(options.sequence);
   LoopRun run(options, source->info());
-  const OutputFolder owned(options.output, {"loops.csv", "loops.g2o"});
-  int done = 0;
-  while (const std::optional<ReadResult> read = source->Next()) {
-    run.Process(*read);
-    progress(++done);
-  }
-  FindLoopsRunResult result = run.Finish();
-  WriteLoopsCsv(result.loops, options.output + "/loops.csv");
-  WriteLoopsG2o(result.keyframes, result.loops, options.output + "/loops.g2o");
-  return result;
+  while (const std::optional<ReadResult> read = source->Next()) run.Process(*read);
+  return run.Finish();
 }
 
-}  // namespace surfit
+}  // namespace surfit::testing

@@ -7,6 +7,8 @@
 
 #include "common/json.h"
 #include "common/tool_main.h"
+#include "core/shared_options.h"
+#include "evaluate/evaluations.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/evaluation/map_error.h"
@@ -17,24 +19,19 @@
 namespace surfit::tools {
 namespace {
 
-struct Options {
+struct MapOptions {
   std::string map, reference, estimate, groundtruth;
   MapErrorOptions error;
 
   void Visit(OptionVisitor& v) {
-    v.Add(
-        map, "map",
-        "the map, a PLY or PCD file with points or surfels, or a folder of such files that make it "
-        "up: the tiles of a scan",
-        Required(), AsFlag());
+    v.Group("map");
+    v.Add(map, SharedOption("map", Required(), Everyday()));
     v.Add(reference, "reference",
-          "the true surface as a dense point cloud (PLY or PCD), in the map's frame", Required(),
-          AsFlag());
-    v.Add(estimate, "estimate",
-          "the run's trajectory (TUM format), with --groundtruth: the map is taken to the "
-          "reference as its trajectory is for ATE, or else compared as it lies",
-          AsFlag());
-    v.Add(groundtruth, "groundtruth", "the true trajectory, in the reference's frame", AsFlag());
+          "reference surface, a dense point cloud (PLY or PCD). The alignment of --estimate to "
+          "--groundtruth moves the map to it; without them the map stays in place",
+          Required(), Everyday());
+    v.Add(estimate, SharedOption("estimate"));
+    v.Add(groundtruth, SharedOption("groundtruth"));
     v.AddPart(error, "error", "how they are compared");
   }
 };
@@ -58,7 +55,7 @@ std::vector<Eigen::Vector3f> ReadMapPoints(const std::string& path) {
 }
 
 // By the rigid motion that takes the trajectory as near to the truth as one can.
-Rigid3d ReferenceFromMap(const Options& options) {
+Rigid3d ReferenceFromMap(const MapOptions& options) {
   if (options.estimate.empty() && options.groundtruth.empty()) return Rigid3d();
   RequireFlag("estimate", options.estimate);
   RequireFlag("groundtruth", options.groundtruth);
@@ -73,7 +70,7 @@ Rigid3d ReferenceFromMap(const Options& options) {
   return evaluation.ate->alignment.target_from_source;
 }
 
-Json ToJson(const MapError& error, const Rigid3d& reference_from_map, Options options) {
+Json ToJson(const MapError& error, const Rigid3d& reference_from_map, MapOptions options) {
   Json json;
   SetStatistics("accuracy", "m", &error.accuracy_m, &json);
   json["completeness"] = error.completeness;
@@ -87,7 +84,7 @@ Json ToJson(const MapError& error, const Rigid3d& reference_from_map, Options op
   return json;
 }
 
-int Run(const Options& options) {
+int RunMap(const MapOptions& options) {
   const Rigid3d reference_from_map = ReferenceFromMap(options);
   std::vector<Eigen::Vector3f> map = ReadMapPoints(options.map);
   for (Eigen::Vector3f& point : map) {
@@ -103,15 +100,7 @@ int Run(const Options& options) {
 }
 
 }  // namespace
-}  // namespace surfit::tools
 
-int main(int argc, char** argv) {
-  return surfit::tools::ToolMain(
-      argc, argv,
-      "compares a map with a reference surface. Prints JSON on stdout and a summary on stderr: "
-      "accuracy is the distance from each map point to the nearest reference point (the "
-      "reference's spacing is part of it), plane_accuracy the distance to that point's plane where "
-      "the reference has normals, completeness the share of the reference with a map point near "
-      "by.",
-      surfit::tools::Run);
-}
+Mode MapEvaluationMode() { return MakeMode("map", RunMap); }
+
+}  // namespace surfit::tools

@@ -1,0 +1,57 @@
+#include "core/shared_options.h"
+
+#include "surfit/core/error.h"
+
+namespace surfit {
+namespace {
+
+const std::vector<Option>& SharedOptions() {
+  static const std::vector<Option> kOptions = {
+      {"color_latency_s", "latency of colour in addition to the latency of depth", Between(-1, 1),
+       InUnit("s")},
+      {"downsample", "keep every n-th column and row", Between(1, 16)},
+      {"estimate", "estimated trajectory, TUM format"},
+      {"groundtruth", "ground truth trajectory: TUM format, or .gt.freiburg of ICL-NUIM"},
+      {"inverse_depth_sigma", "noise of the depth sensor: standard deviation of inverse depth",
+       AtLeast(0), Below(1), InUnit("1/m")},
+      {"latency_s", "time from the middle of the exposure and readout of depth to the timestamp",
+       Between(-1, 1), InUnit("s")},
+      {"map", "map: a PLY or PCD file with points or surfels"},
+      {"max_keyframes",
+       "maximum number of keyframes; the distance and angle between keyframes grow until it holds",
+       ZeroIs("no limit")},
+      {"output", "folder or file for the results; made if missing"},
+      {"pictures", "write pictures of the map and the trajectory"},
+      {"readout_s", "time from the first row of a rolling shutter, at the top, to the last row",
+       Between(0, 1), InUnit("s")},
+      {"run", "output folder of surfit_slam"},
+      {"seed", "seed of the random numbers"},
+      {"sequence",
+       "sequence to read: a folder, a .klg, .sens, .bag, .db3, .mcap or .oni file, the URI of a "
+       "camera, or any for the first camera"},
+      {"session", "folder of a session, to which surfit_slam saves the state of its runs"},
+      {"source", "source cloud, which is moved: PLY or PCD, in m"},
+      {"summary", "JSON file for all figures and options; empty: none"},
+      {"target", "target cloud: PLY or PCD, in m"},
+      {"threads", "number of threads that compute at the same time", Between(1, 1024)},
+  };
+  return kOptions;
+}
+
+}  // namespace
+
+Option SharedOption(const std::string& flag) {
+  for (const Option& option : SharedOptions()) {
+    if (option.name != flag) continue;
+    Option shared = option;
+    AsFlag()(shared);
+    return shared;
+  }
+  throw InputError(Concat("no option '", flag, "' is shared"));
+}
+
+OptionRule InField(const std::string& field) {
+  return [=](Option& o) { o.name = field; };
+}
+
+}  // namespace surfit

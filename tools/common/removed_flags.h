@@ -1,0 +1,10 @@
+#pragma once
+
+#include <string>
+
+namespace surfit::tools {
+
+// Sentence that names the replacement of a removed flag. Empty if the program never had the flag.
+std::string Replacement(const std::string& program, const std::string& flag);
+
+}  // namespace surfit::tools

@@ -1,0 +1,133 @@
+// Compares an estimated trajectory with the ground truth: ATE and RPE.
+
+#include <iomanip>
+#include <iostream>
+#include <optional>
+
+#include "common/json.h"
+#include "common/tool_main.h"
+#include "core/shared_options.h"
+#include "evaluate/evaluations.h"
+#include "surfit/core/error.h"
+#include "surfit/evaluation/trajectory_evaluation.h"
+#include "surfit/io/trajectory_files.h"
+
+namespace surfit::tools {
+namespace {
+
+struct TrajectoryOptions {
+  std::string groundtruth, estimate, frames;
+  std::string time_offset_s;  // a number, estimate, or empty
+  TrajectoryEvaluationOptions evaluation;
+
+  void Visit(OptionVisitor& v) {
+    v.Group("trajectory");
+    v.Add(groundtruth, SharedOption("groundtruth", Required(), Everyday()));
+    v.Add(estimate, SharedOption("estimate", Required(), Everyday()));
+    v.Add(frames, "frames",
+          "list of the frames that coverage refers to, timestamps first (rgb.txt); empty: the "
+          "poses of the ground truth",
+          AsFlag("frame_list"));
+    v.Add(time_offset_s, "time_offset_s",
+          "beside the plain error, tell that with the estimate's stamps moved by so much; "
+          "estimate: by what makes it least",
+          InUnit("s"), AsFlag());
+    v.AddPart(evaluation, "evaluation", "how they are compared");
+    v.Check([this] { GivenOffset(); });
+  }
+
+  // Nothing where it is not given as a number.
+  std::optional<double> GivenOffset() const {
+    std::optional<double> offset_s;
+    if (time_offset_s == "estimate") return offset_s;
+    try {
+      OptionFromText(time_offset_s, &offset_s);
+    } catch (const InputError&) {
+      throw InputError(Concat("time_offset_s is '", time_offset_s,
+                              "', must be a number of seconds or 'estimate'"));
+    }
+    return offset_s;
+  }
+};
+
+std::string DescribeStamps(const Trajectory& trajectory) {
+  if (trajectory.empty()) return "no poses";
+  return Concat(trajectory.size(), " poses from ", std::fixed, std::setprecision(3),
+                trajectory.front().stamp_s, " to ", trajectory.back().stamp_s, " s");
+}
+
+// Nothing where none is asked for.
+std::optional<TimeOffset> FindTimeOffset(const Trajectory& ground_truth, const Trajectory& estimate,
+                                         const TrajectoryOptions& options) {
+  if (options.time_offset_s.empty()) return std::nullopt;
+  const MatchOptions& match = options.evaluation.match;
+  const std::optional<double> given = options.GivenOffset();
+  auto offset = given ? EvaluateTimeOffset(ground_truth, estimate, *given, match)
+                      : EstimateTimeOffset(ground_truth, estimate, match);
+  if (offset) return offset;
+  throw InputError(Concat("time_offset_s is '", options.time_offset_s,
+                          "': fewer than 3 poses match with ",
+                          given ? "it" : "each offset of up to 0.1 s"));
+}
+
+Json ToJson(const TrajectoryEvaluation& e, const std::optional<TimeOffset>& offset,
+            TrajectoryOptions options) {
+  Json json;
+  SetStatistics("ate", "m", &e.ate->translation_m, &json);
+  json["time_offset_s"] = offset ? Json(offset->offset_s) : Json();
+  SetStatistics("ate_at_time_offset", "m", offset ? &offset->ate.translation_m : nullptr, &json);
+  json["ate_coverage"] = e.coverage;
+  json["ate_rotation_unique"] = e.ate->alignment.status == AlignmentStatus::kAligned;
+  SetStatistics("rpe_translation", "m", e.rpe ? &e.rpe->translation_m : nullptr, &json);
+  SetStatistics("rpe_rotation", "deg", e.rpe ? &e.rpe->rotation_deg : nullptr, &json);
+  json["rpe_pairs"] = e.rpe ? e.rpe->translation_m.count : 0;
+  json["poses_expected"] = e.expected;
+  json["poses_matched"] = e.matched;
+  const Rigid3d& a = e.ate->alignment.target_from_source;
+  json["groundtruth_from_estimate"] = {{"translation_m", a.translation},
+                                       {"quaternion_xyzw", a.rotation.coeffs()}};
+  json["options"] = FlagsToJson(TableOf(&options));
+  return json;
+}
+
+void PrintSummary(const TrajectoryEvaluation& e, const std::optional<TimeOffset>& offset,
+                  const TrajectoryOptions& options) {
+  std::cerr << "ATE RMSE " << e.ate->translation_m.rmse << " m over " << e.matched << " of "
+            << e.expected << (options.frames.empty() ? " true poses" : " frames");
+  if (e.rpe) {
+    std::cerr << ", RPE RMSE " << e.rpe->translation_m.rmse << " m and " << e.rpe->rotation_deg.rmse
+              << " deg a step of ";
+  } else {
+    std::cerr << ", no RPE: no two poses are apart by ";
+  }
+  const RelativePoseErrorOptions& rpe = options.evaluation.rpe;
+  const bool frames = rpe.delta_unit == RelativePoseErrorOptions::Unit::kFrames;
+  std::cerr << rpe.delta << (frames ? " frames" : " seconds") << std::endl;
+  if (!offset) return;
+  std::cerr << "with the estimate's stamps moved by " << offset->offset_s << " s: ATE RMSE "
+            << offset->ate.translation_m.rmse << " m" << std::endl;
+}
+
+int RunTrajectory(const TrajectoryOptions& options) {
+  const Trajectory ground_truth = ReadTumTrajectory(options.groundtruth);
+  const Trajectory estimate = ReadTumTrajectory(options.estimate);
+  const auto frames = options.frames.empty() ? Stamps(ground_truth) : ReadTumStamps(options.frames);
+  const TrajectoryEvaluation evaluation =
+      EvaluateTrajectory(ground_truth, estimate, frames, options.evaluation);
+  if (!evaluation.ate) {
+    throw InputError(Concat(
+        evaluation.matched, " poses match within ", options.evaluation.match.max_difference_s,
+        " s, must be at least 3: ", options.groundtruth, " has ", DescribeStamps(ground_truth),
+        ", ", options.estimate, " has ", DescribeStamps(estimate)));
+  }
+  const std::optional<TimeOffset> offset = FindTimeOffset(ground_truth, estimate, options);
+  PrintJson(ToJson(evaluation, offset, options));
+  PrintSummary(evaluation, offset, options);
+  return kDone;
+}
+
+}  // namespace
+
+Mode TrajectoryEvaluationMode() { return MakeMode("trajectory", RunTrajectory); }
+
+}  // namespace surfit::tools

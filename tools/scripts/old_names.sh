@@ -1,0 +1,27 @@
+#!/bin/bash
+# Runs under the names of programs of version 0.1 and prints the command line of version 0.2.
+# Version 0.3 drops these names.
+name=$(basename "$0")
+renamed=''
+case $name in
+  surfit_evaluate_map) command='surfit_evaluate --what=map' ;;
+  surfit_evaluate_views)
+    command='surfit_evaluate --what=views' renamed='s/^(--?)pictures\b/\1view_pictures/'
+    ;;
+  surfit_evaluate_revisits)
+    command='surfit_evaluate --what=revisits'
+    renamed='s/^(--?)min_gap\b/\1revisit_gap/; s/^(--?)max_distance_m\b/\1revisit_distance_m/
+      s/^(--?)max_angle_deg\b/\1revisit_angle_deg/'
+    ;;
+  surfit_plan) command='surfit_scan --step=plan' ;;
+  surfit_scan_*) command="surfit_scan --step=${name#surfit_scan_}" ;;
+  surfit_find_loops)
+    echo "error: $name was removed in 0.2: surfit_slam --loop_closure writes loops.csv" >&2
+    exit 1
+    ;;
+esac
+for argument in "$@"; do
+  command+=" $(printf '%q' "$(sed -E "$renamed" <<<"$argument")")"
+done
+echo "error: $name was removed in 0.2: use $command" >&2
+exit 1
