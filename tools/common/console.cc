@@ -43,9 +43,7 @@ std::string TextTable(const std::vector<std::vector<std::string>>& rows, std::si
   return text;
 }
 
-std::string Number(double value, int digits) {
-  return Concat(std::setprecision(digits), value);
-}
+std::string Number(double value, int digits) { return Concat(std::setprecision(digits), value); }
 
 namespace {
 
