@@ -9,7 +9,6 @@
 #include "bindings/options_class.h"
 #include "io/sequences/image_sequence.h"
 #include "surfit/core/error.h"
-#include "surfit/geometry/sensor.h"
 #include "surfit/io/camera_files.h"
 
 namespace py = pybind11;

@@ -2,7 +2,6 @@
 
 #include <pybind11/eigen.h>
 
-#include <functional>
 #include <map>
 #include <optional>
 #include <vector>

@@ -1,6 +1,5 @@
 #include "surfit/core/options.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "core/named_values.h"

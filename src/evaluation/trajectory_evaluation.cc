@@ -8,7 +8,6 @@
 
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
-#include "surfit/geometry/trajectory.h"
 
 namespace surfit {
 namespace {

@@ -14,7 +14,6 @@
 #include <optional>
 #include <set>
 #include <utility>
-#include <vector>
 
 #include "core/new_file.h"
 #include "core/trace.h"

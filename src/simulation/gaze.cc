@@ -5,7 +5,6 @@
 #include <functional>
 #include <map>
 #include <numeric>
-#include <vector>
 
 #include "surfit/geometry/rigid3.h"
 #include "surfit/simulation/render.h"

@@ -4,11 +4,8 @@
 #include <array>
 #include <cmath>
 #include <utility>
-#include <vector>
 
-#include "surfit/core/image.h"
 #include "surfit/core/parallel.h"
-#include "surfit/simulation/scene.h"
 
 namespace surfit {
 namespace {

@@ -4,10 +4,6 @@
 #include <array>
 #include <cmath>
 #include <utility>
-#include <vector>
-
-#include "simulation/item.h"
-#include "simulation/random.h"
 
 namespace surfit {
 namespace {

@@ -6,19 +6,27 @@
 
 namespace surfit {
 
-// Bad input from outside: a file, a flag, an option. The message is one sentence that names the
-// thing, the value found and the constraint it breaks. Tools print it as "error: ..." and exit 1.
-class InputError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
-
 // Joins anything streamable into one string, for messages.
 template <typename... Parts>
 std::string Concat(const Parts&... parts) {
   std::ostringstream stream;
   (stream << ... << parts);
   return stream.str();
+}
+
+// Bad input from outside: a file, a flag, an option. The message, joined of its parts, is one
+// sentence that names the thing, the value found and the constraint it breaks. Tools print it as
+// "error: ..." and exit 1.
+class InputError : public std::runtime_error {
+ public:
+  template <typename... Parts>
+  explicit InputError(const Parts&... parts) : std::runtime_error(Concat(parts...)) {}
+};
+
+// Throws InputError of the parts if the condition holds.
+template <typename... Parts>
+void ThrowIf(bool condition, const Parts&... parts) {
+  if (condition) throw InputError(parts...);
 }
 
 }  // namespace surfit

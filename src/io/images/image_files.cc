@@ -2,7 +2,6 @@
 
 #include <turbojpeg.h>
 
-#include <cstdint>
 #include <memory>
 
 #include "core/read_file.h"

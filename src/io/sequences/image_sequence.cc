@@ -4,7 +4,6 @@
 
 #include "core/trace.h"
 #include "surfit/core/error.h"
-#include "surfit/frame/prepare_frame.h"
 #include "surfit/geometry/inverse_depth_field.h"
 
 namespace surfit {

@@ -9,9 +9,7 @@
 #include "io/sequences/folder.h"
 #include "io/sequences/recording.h"
 #include "surfit/core/error.h"
-#include "surfit/geometry/sensor.h"
 #include "surfit/io/camera_files.h"
-#include "surfit/io/sequence.h"
 
 namespace surfit {
 namespace {

@@ -16,7 +16,6 @@
 #include "io/sequences/sequence_camera.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
-#include "surfit/io/sequence.h"
 
 namespace surfit {
 namespace {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <deque>
-#include <limits>
 
 #include "mapping/fusion/measured_points.h"
 #include "mapping/fusion/sightings.h"

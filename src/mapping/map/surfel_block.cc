@@ -1,7 +1,5 @@
 #include "surfit/mapping/surfel_block.h"
 
-#include <algorithm>
-
 namespace surfit {
 namespace {
 

@@ -2,11 +2,8 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <vector>
 
 #include "mapping/map/eight_records.h"
-#include "mapping/map/merge_gate.h"
-#include "mapping/rendering/bands.h"
 #include "surfit/core/lanes.h"
 #include "surfit/core/parallel.h"
 

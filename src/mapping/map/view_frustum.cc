@@ -1,7 +1,5 @@
 #include "mapping/map/view_frustum.h"
 
-#include "mapping/rendering/posed_camera.h"
-
 namespace surfit {
 
 ViewFrustum::ViewFrustum(const PosedCamera& camera, float margin_px)

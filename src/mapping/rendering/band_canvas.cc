@@ -6,9 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include "mapping/rendering/bands.h"
-#include "surfit/core/lanes.h"
-
 namespace surfit {
 namespace {
 

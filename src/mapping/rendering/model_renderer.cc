@@ -3,7 +3,6 @@
 #include <glog/logging.h>
 
 #include <algorithm>
-#include <limits>
 
 #include "mapping/rendering/band_canvas.h"
 #include "mapping/rendering/bands.h"

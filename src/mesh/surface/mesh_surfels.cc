@@ -1,7 +1,6 @@
 #include "surfit/mesh/mesh_surfels.h"
 
 #include <algorithm>
-#include <cmath>
 #include <mutex>
 
 #include "geometry/kd_tree.h"

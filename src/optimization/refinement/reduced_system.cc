@@ -1,12 +1,9 @@
 #include "optimization/refinement/reduced_system.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Core>
 #include <algorithm>
-#include <vector>
 
 #include "cost_functions/robust_kernel.h"
-#include "optimization/refinement/joint_rows.h"
 #include "surfit/core/parallel.h"
 
 namespace surfit {

@@ -1,7 +1,6 @@
 #include "surfit/optimization/refine.h"
 
 #include <algorithm>
-#include <optional>
 
 #include "core/named_values.h"
 #include "core/trace.h"

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <vector>
 
 #include "registration/icp/row_finder.h"
 #include "surfit/core/parallel.h"

@@ -3,14 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <optional>
 
 #include "registration/global/view_fit.h"
 #include "registration/icp/icp_level.h"
 #include "registration/icp/photometric_term.h"
 #include "surfit/core/options.h"
-#include "surfit/registration/association.h"
-#include "surfit/registration/pose_solver.h"
 
 namespace surfit {
 namespace {

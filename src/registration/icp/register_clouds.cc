@@ -5,7 +5,6 @@
 
 #include "registration/icp/icp_level.h"
 #include "surfit/core/options.h"
-#include "surfit/registration/association.h"
 #include "surfit/registration/pose_solver.h"
 
 namespace surfit {

@@ -6,8 +6,6 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
-#include "surfit/frame/frame_pyramid.h"
-
 namespace surfit {
 namespace {
 

@@ -7,7 +7,6 @@
 #include "core/named_values.h"
 #include "registration/icp/own_residuals.h"
 #include "registration/solvers/pair_solver.h"
-#include "surfit/registration/error_model.h"
 
 namespace surfit {
 
