@@ -32,8 +32,8 @@ Image<std::uint16_t> CountsOf(const Dense<std::int64_t>& array) {
   counts.Resize(static_cast<int>(array.shape(1)), static_cast<int>(array.shape(0)));
   for (std::size_t i = 0; i < counts.size(); ++i) {
     const std::int64_t count = array.data()[i];
-    if (count < 0 || count > 65535)
-      throw InputError(Concat("depth has a count of ", count, ", must be from 0 to 65535"));
+    ThrowIf(count < 0 || count > 65535, "depth has a count of ", count,
+            ", must be from 0 to 65535");
     counts[i] = static_cast<std::uint16_t>(count);
   }
   return counts;
@@ -44,11 +44,9 @@ std::string TypeOf(const py::array& array) { return py::str(array.dtype()); }
 StampedPose PoseOfRow(const double* row, const char* what, py::ssize_t index) {
   const Eigen::Quaterniond rotation(row[7], row[4], row[5], row[6]);
   const bool finite = std::all_of(row, row + 8, [](double value) { return std::isfinite(value); });
-  if (!finite || !(rotation.norm() > 1e-6)) {
-    throw InputError(Concat(what, ": row ", index,
-                            " must be finite numbers, stamp tx ty tz qx qy qz qw, with a "
-                            "quaternion that is not zero"));
-  }
+  ThrowIf(!finite || !(rotation.norm() > 1e-6), what, ": row ", index,
+          " must be finite numbers, stamp tx ty tz qx qy qz qw, with a "
+          "quaternion that is not zero");
   return {row[0], Rigid3d(rotation.normalized(), {row[1], row[2], row[3]})};
 }
 
@@ -58,7 +56,7 @@ std::string ShapeOf(const py::array& array) { return py::str(array.attr("shape")
 
 RawDepth DepthOf(const py::array& depth) {
   if (depth.ndim() != 2) {
-    throw InputError(Concat("depth has shape ", ShapeOf(depth), ", must be (height, width)"));
+    throw InputError("depth has shape ", ShapeOf(depth), ", must be (height, width)");
   }
   if (py::isinstance<py::array_t<std::uint16_t>>(depth)) {
     return ImageOf<std::uint16_t>(Dense<std::uint16_t>(depth));
@@ -66,8 +64,8 @@ RawDepth DepthOf(const py::array& depth) {
   const char kind = depth.dtype().kind();
   if (kind == 'f') return ImageOf<float>(Dense<float>(depth));
   if (kind == 'i' || kind == 'u') return CountsOf(Dense<std::int64_t>(depth));
-  throw InputError(Concat("depth is of type ", TypeOf(depth),
-                          ", must be integer (counts) or floating-point (metres)"));
+  throw InputError("depth is of type ", TypeOf(depth),
+                   ", must be integer (counts) or floating-point (metres)");
 }
 
 Image<Rgb8> ColorOf(const py::object& color) {
@@ -75,10 +73,10 @@ Image<Rgb8> ColorOf(const py::object& color) {
   const py::array array = py::array::ensure(color);
   if (!array) throw py::error_already_set();
   if (array.ndim() != 3 || array.shape(2) != 3) {
-    throw InputError(Concat("color has shape ", ShapeOf(array), ", must be (height, width, 3)"));
+    throw InputError("color has shape ", ShapeOf(array), ", must be (height, width, 3)");
   }
   if (!py::isinstance<py::array_t<std::uint8_t>>(array)) {
-    throw InputError(Concat("color is of type ", TypeOf(array), ", must be uint8"));
+    throw InputError("color is of type ", TypeOf(array), ", must be uint8");
   }
   static_assert(sizeof(Rgb8) == 3);
   return ImageOf<Rgb8>(Dense<std::uint8_t>(array));
@@ -89,7 +87,7 @@ std::vector<Eigen::Vector3f> VectorsOf(const py::object& array, const char* what
   const auto rows = Dense<float>::ensure(array);
   if (!rows) throw py::error_already_set();
   if (rows.ndim() != 2 || rows.shape(1) != 3) {
-    throw InputError(Concat(what, " has shape ", ShapeOf(rows), ", must be (N, 3)"));
+    throw InputError(what, " has shape ", ShapeOf(rows), ", must be (N, 3)");
   }
   static_assert(sizeof(Eigen::Vector3f) == 3 * sizeof(float));
   std::vector<Eigen::Vector3f> vectors(rows.shape(0));
@@ -105,7 +103,7 @@ Trajectory TrajectoryOf(const py::object& rows, const char* what) {
   const auto array = Dense<double>::ensure(rows);
   if (!array) throw py::error_already_set();
   if (array.ndim() != 2 || array.shape(1) != 8) {
-    throw InputError(Concat(what, " has shape ", ShapeOf(array), ", must be (N, 8)"));
+    throw InputError(what, " has shape ", ShapeOf(array), ", must be (N, 8)");
   }
   Trajectory trajectory;
   for (py::ssize_t i = 0; i < array.shape(0); ++i) {

@@ -24,10 +24,9 @@ PointCloud CloudOf(const py::object& points, const py::object& normals, const st
   PointCloud cloud;
   cloud.points = VectorsOf(points, what.c_str());
   cloud.normals = VectorsOf(normals, (what + "_normals").c_str());
-  if (!cloud.normals.empty() && cloud.normals.size() != cloud.points.size()) {
-    throw InputError(Concat(what, "_normals has ", cloud.normals.size(), " rows, must have ",
-                            cloud.points.size(), " as ", what));
-  }
+  ThrowIf(!cloud.normals.empty() && cloud.normals.size() != cloud.points.size(), what,
+          "_normals has ", cloud.normals.size(), " rows, must have ", cloud.points.size(), " as ",
+          what);
   return cloud;
 }
 

@@ -44,9 +44,7 @@ FrameMaker::FrameMaker(const RgbdCamera& camera, const PrepareOptions& options)
 
 Frame FrameMaker::Make(const py::object& color, const py::array& depth, double stamp_s,
                        int index) const {
-  if (!std::isfinite(stamp_s)) {
-    throw InputError(Concat("stamp_s is ", stamp_s, ", must be finite"));
-  }
+  ThrowIf(!std::isfinite(stamp_s), "stamp_s is ", stamp_s, ", must be finite");
   FrameImages images{DepthOf(depth), ColorOf(color), "depth", "color"};
   const py::gil_scoped_release release;
   const FrameStamps moments = MomentsOf({stamp_s, stamp_s}, camera_);

@@ -32,10 +32,8 @@ void BindMapError(py::module_& module) {
          const MapErrorOptions& options) {
         const auto points = VectorsOf(map, "map"), truth = VectorsOf(reference, "reference");
         const auto normals = VectorsOf(reference_normals, "reference_normals");
-        if (!normals.empty() && normals.size() != truth.size()) {
-          throw InputError(Concat("reference_normals has ", normals.size(), " rows, must have ",
-                                  truth.size(), " as reference"));
-        }
+        ThrowIf(!normals.empty() && normals.size() != truth.size(), "reference_normals has ",
+                normals.size(), " rows, must have ", truth.size(), " as reference");
         const py::gil_scoped_release release;
         return ComputeMapError(points, truth, normals, options);
       },

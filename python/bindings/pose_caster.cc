@@ -9,7 +9,7 @@ namespace surfit::python {
 
 Rigid3d PoseOf(const py::array_t<double>& matrix) {
   if (matrix.ndim() != 2 || matrix.shape(0) != 4 || matrix.shape(1) != 4) {
-    throw InputError(Concat("pose has shape ", ShapeOf(matrix), ", must be (4, 4)"));
+    throw InputError("pose has shape ", ShapeOf(matrix), ", must be (4, 4)");
   }
   Eigen::Matrix4d m;
   for (int row = 0; row < 4; ++row) {
@@ -22,10 +22,8 @@ Rigid3d PoseOf(const py::array_t<double>& matrix) {
       m.allFinite() && m.row(3) == Eigen::RowVector4d(0, 0, 0, 1) &&
       (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).norm() < kTolerance &&
       rotation.determinant() > 0;
-  if (!is_rigid) {
-    throw InputError(
-        "pose is not a rigid motion: must be a rotation and a translation above (0, 0, 0, 1)");
-  }
+  ThrowIf(!is_rigid,
+          "pose is not a rigid motion: must be a rotation and a translation above (0, 0, 0, 1)");
   return Rigid3d(rotation, Eigen::Vector3d(m.topRightCorner<3, 1>()));
 }
 

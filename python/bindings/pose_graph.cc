@@ -21,7 +21,7 @@ namespace {
 std::size_t IndexOf(const PoseGraph& graph, std::int64_t id) {
   const auto pose = std::find_if(graph.poses.begin(), graph.poses.end(),
                                  [&](const PoseGraphPose& p) { return p.id == id; });
-  if (pose == graph.poses.end()) throw InputError(Concat("no pose has id ", id));
+  ThrowIf(pose == graph.poses.end(), "no pose has id ", id);
   return static_cast<std::size_t>(pose - graph.poses.begin());
 }
 
@@ -33,7 +33,7 @@ void AddEdge(PoseGraph* graph, std::int64_t a, std::int64_t b, const Rigid3d& a_
         py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(information);
     if (!rows) throw py::error_already_set();
     if (rows.ndim() != 2 || rows.shape(0) != 6 || rows.shape(1) != 6)
-      throw InputError(Concat("information has shape ", ShapeOf(rows), ", must be (6, 6)"));
+      throw InputError("information has shape ", ShapeOf(rows), ", must be (6, 6)");
     for (int i = 0; i < 36; ++i) edge.information(i / 6, i % 6) = rows.data()[i];
   }
   edge.loop = loop;

@@ -57,9 +57,8 @@ void SlamSession::Start(const DepthSensor& sensor, bool mirrored) {
 
 template <typename Work>
 auto SlamSession::Locked(const Work& work) {
-  if (worker_ == std::this_thread::get_id()) {
-    throw InputError("what is called with a pose must not call its Slam, which is at work");
-  }
+  ThrowIf(worker_ == std::this_thread::get_id(),
+          "what is called with a pose must not call its Slam, which is at work");
   const py::gil_scoped_release release;
   const std::lock_guard<std::mutex> lock(mutex_);
   struct Worker {
@@ -79,8 +78,8 @@ FrameReport SlamSession::Process(const Frame& frame,
   return Locked([&] {
     if (!slam_) Start(frame.sensor, frame.mirrored);
     if (!AreSame(frame.sensor, sensor_)) {
-      throw InputError(Concat("the frame's camera is ", Describe(frame.sensor), ", must be ",
-                              Describe(sensor_), " as before"));
+      throw InputError("the frame's camera is ", Describe(frame.sensor), ", must be ",
+                       Describe(sensor_), " as before");
     }
     const FrameReport report = world_from_camera
                                    ? slam_->ProcessAt(frame.images, *world_from_camera)

@@ -69,7 +69,7 @@ void WriteFileAtomically(const std::string& path, const std::function<void(std::
   if (fs::exists(status) && !fs::is_regular_file(status)) {
     Fill(OpenSpecialFile(path), path, /*to_disk=*/false, write);
   } else if (is_link) {
-    throw InputError(Concat("cannot write '", path, "': it is a link, must be a file or nothing"));
+    throw InputError("cannot write '", path, "': it is a link, must be a file or nothing");
   } else {
     Replace(path, write);
   }

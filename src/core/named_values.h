@@ -43,7 +43,7 @@ T ValueOf(const char* field, const std::string& name, const NamedValue<T> (&choi
   for (const NamedValue<T>& choice : choices) {
     if (name == choice.name) return choice.value;
   }
-  throw InputError(Concat(field, " is '", name, "', must be one of: ", Listed(NamesOf(choices))));
+  throw InputError(field, " is '", name, "', must be one of: ", Listed(NamesOf(choices)));
 }
 
 }  // namespace surfit

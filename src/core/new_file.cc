@@ -12,7 +12,7 @@ namespace surfit {
 
 void ThrowCannotWrite(const std::string& path) {
   const std::error_code reason(errno, std::generic_category());
-  throw InputError(Concat("cannot write '", path, "': ", reason.message()));
+  throw InputError("cannot write '", path, "': ", reason.message());
 }
 
 int MakeNewFile(const std::string& path) {

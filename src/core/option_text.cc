@@ -33,9 +33,8 @@ std::vector<Number> Numbers(const std::string& text, const std::string& rule) {
   std::vector<Number> numbers;
   for (const std::string& part : Split(text)) {
     std::istringstream stream(part);
-    if (!(stream >> numbers.emplace_back()) || stream.peek() != std::char_traits<char>::eof()) {
-      throw InputError(rule);
-    }
+    ThrowIf(!(stream >> numbers.emplace_back()) || stream.peek() != std::char_traits<char>::eof(),
+            rule);
   }
   return numbers;
 }
@@ -81,7 +80,7 @@ std::vector<double> NumbersFromText(const std::string& text, std::size_t count) 
   const std::string rule =
       count == 1 ? std::string("1 number") : Concat(count, " numbers with commas between them");
   std::vector<double> numbers = Numbers<double>(text, rule);
-  if (numbers.size() != count) throw InputError(rule);
+  ThrowIf(numbers.size() != count, rule);
   return numbers;
 }
 
@@ -109,7 +108,7 @@ void SetText(const std::string& name, const std::string& text, OptionText* value
   try {
     value->Set(text);
   } catch (const InputError& error) {
-    throw InputError(Concat(name, " is '", text, "', must be ", error.what()));
+    throw InputError(name, " is '", text, "', must be ", error.what());
   }
 }
 

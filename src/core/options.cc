@@ -63,7 +63,7 @@ class Validator final : public OptionVisitor {
       check();
     } catch (const InputError& error) {
       if (path_.empty()) throw;
-      throw InputError(Concat(path_.substr(0, path_.size() - 1), ": ", error.what()));
+      throw InputError(path_.substr(0, path_.size() - 1), ": ", error.what());
     }
   }
 
@@ -156,15 +156,11 @@ void RequireOption(const std::string& name, const Option& option, const OptionVa
         } else if constexpr (!std::is_same_v<T, bool>) {
           if (IsInside(option, static_cast<double>(*field))) return;
           const double unit = in_degrees ? option.FlagUnit() : 1;
-          throw InputError(
-              Concat(name, " is ", *field / unit, ", must be ", NumberRule(option, unit)));
+          throw InputError(name, " is ", *field / unit, ", must be ", NumberRule(option, unit));
         }
-        if (option.required && text.empty()) {
-          throw InputError(Concat(name, " is missing, must be set"));
-        }
+        ThrowIf(option.required && text.empty(), name, " is missing, must be set");
         if (!option.choices.empty() && !Contains(option.choices, text)) {
-          throw InputError(
-              Concat(name, " is '", text, "', must be one of: ", Listed(option.choices)));
+          throw InputError(name, " is '", text, "', must be one of: ", Listed(option.choices));
         }
       },
       value);

@@ -65,9 +65,7 @@ struct ThreadLimit::State {
 };
 
 ThreadLimit::ThreadLimit(int threads) {
-  if (threads < 1 || threads > 1024) {
-    throw InputError(Concat("threads is ", threads, ", must be from 1 to 1024"));
-  }
+  ThrowIf(threads < 1 || threads > 1024, "threads is ", threads, ", must be from 1 to 1024");
   // OpenCV only decodes and draws for us; its own loops would add threads beside ours.
   cv::setNumThreads(1);
   state_ = std::make_unique<State>(threads);

@@ -19,7 +19,7 @@ constexpr int kMostNested = 100;
 
 [[noreturn]] void ThrowCannotRead(const std::string& path) {
   const std::error_code reason(errno, std::generic_category());
-  throw InputError(Concat("cannot read '", path, "': ", reason.message()));
+  throw InputError("cannot read '", path, "': ", reason.message());
 }
 
 // A file that is open for reading.
@@ -64,7 +64,7 @@ class OpenFile {
 
 void RequireNoMoreThan(std::size_t most, std::size_t bytes, const std::string& path) {
   if (bytes <= most) return;
-  throw InputError(Concat(path, " is too large, must have ", most, " bytes at most"));
+  throw InputError(path, " is too large, must have ", most, " bytes at most");
 }
 
 // Of JSON: brackets within strings do not count.
@@ -78,10 +78,8 @@ void RequireShallow(const std::string& json, const std::string& path) {
     if (in_string) continue;
     if (c == '[' || c == '{') ++depth;
     if (c == ']' || c == '}') --depth;
-    if (depth > kMostNested) {
-      throw InputError(
-          Concat(path, " is nested too deeply, must be at most ", kMostNested, " brackets deep"));
-    }
+    ThrowIf(depth > kMostNested, path, " is nested too deeply, must be at most ", kMostNested,
+            " brackets deep");
   }
 }
 
@@ -89,9 +87,7 @@ void RequireShallow(const std::string& json, const std::string& path) {
 
 std::string ReadFile(const std::string& path, std::size_t most) {
   const OpenFile file(path, O_NONBLOCK);
-  if (!file.is_regular()) {
-    throw InputError(Concat("cannot read '", path, "': it is no regular file"));
-  }
+  ThrowIf(!file.is_regular(), "cannot read '", path, "': it is no regular file");
   RequireNoMoreThan(most, file.size(), path);
   return file.Read(most);
 }

@@ -23,16 +23,15 @@ struct Cloud {
 };
 
 Cloud Prepare(const Points& points, const Points& normals, const char* name) {
-  if (points.size() > std::size_t{1} << 30) {
-    throw InputError(Concat("the ", name, " has ", points.size(), " points, must be at most 2^30"));
-  }
+  ThrowIf(points.size() > std::size_t{1} << 30, "the ", name, " has ", points.size(),
+          " points, must be at most 2^30");
   Points finite_points, finite_normals;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!points[i].allFinite()) continue;
     finite_points.push_back(points[i]);
     if (!normals.empty()) finite_normals.push_back(normals[i]);
   }
-  if (finite_points.empty()) throw InputError(Concat("the ", name, " has no finite point"));
+  ThrowIf(finite_points.empty(), "the ", name, " has no finite point");
   Cloud cloud{KdTree(finite_points), {}};
   if (!normals.empty()) {
     for (const std::uint32_t i : cloud.tree.order()) cloud.normals.push_back(finite_normals[i]);

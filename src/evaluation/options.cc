@@ -16,7 +16,7 @@ static std::string OptionToText(const Unit& unit) {
 }
 
 static void OptionFromText(const std::string& text, Unit* unit) {
-  if (text != "frames" && text != "seconds") throw InputError("'frames' or 'seconds'");
+  ThrowIf(text != "frames" && text != "seconds", "'frames' or 'seconds'");
   *unit = text == "frames" ? Unit::kFrames : Unit::kSeconds;
 }
 
@@ -34,7 +34,7 @@ void RelativePoseErrorOptions::Visit(OptionVisitor& v) {
   v.Add(delta_unit, "delta_unit", "unit of delta: frames or seconds", AsFlag());
   v.Check([this] {
     if (delta_unit != Unit::kFrames || (delta == std::floor(delta) && delta < 1e9)) return;
-    throw InputError(Concat("delta is ", delta, " frames, must be an integer below 1e9"));
+    throw InputError("delta is ", delta, " frames, must be an integer below 1e9");
   });
 }
 

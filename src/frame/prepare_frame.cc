@@ -15,11 +15,9 @@ namespace surfit {
 namespace {
 
 void RequireUsable(const PinholeCamera& camera, const std::string& what) {
-  if (camera.fy < 0)
-    throw InputError(Concat(what, ": fy is ", camera.fy, ", must be positive: mirror the camera"));
-  if (camera.width < 2 || camera.height < 2)
-    throw InputError(Concat(what, " is ", camera.width, " x ", camera.height,
-                            " pixels, must have at least 2 x 2"));
+  ThrowIf(camera.fy < 0, what, ": fy is ", camera.fy, ", must be positive: mirror the camera");
+  ThrowIf(camera.width < 2 || camera.height < 2, what, " is ", camera.width, " x ", camera.height,
+          " pixels, must have at least 2 x 2");
 }
 
 template <typename T>

@@ -13,8 +13,7 @@ bool PinholeCamera::HasDistortion() const {
 
 void PinholeCamera::Validate(const std::string& what) const {
   const auto require = [&](bool holds, const char* field, double value, const char* constraint) {
-    if (!holds)
-      throw InputError(Concat(what, ": ", field, " is ", value, ", must be ", constraint));
+    ThrowIf(!holds, what, ": ", field, " is ", value, ", must be ", constraint);
   };
   require(width > 0 && width <= 16384, "width", width, "from 1 to 16384");
   require(height > 0 && height <= 16384, "height", height, "from 1 to 16384");

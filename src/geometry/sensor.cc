@@ -14,10 +14,8 @@ void DepthNoise::Visit(OptionVisitor& v) {
 
 // Filters and depth edges are measured in sigmas: none is too few.
 void DepthNoise::Validate(const std::string& what) const {
-  if (!(inverse_depth_sigma > 0 && inverse_depth_sigma < 1)) {
-    throw InputError(Concat(what, ": inverse_depth_sigma is ", inverse_depth_sigma,
-                            ", must be positive and below 1 (1/m)"));
-  }
+  ThrowIf(!(inverse_depth_sigma > 0 && inverse_depth_sigma < 1), what, ": inverse_depth_sigma is ",
+          inverse_depth_sigma, ", must be positive and below 1 (1/m)");
 }
 
 void CalibrationPrior::Visit(OptionVisitor& v) {
@@ -38,26 +36,21 @@ void CalibrationPrior::Visit(OptionVisitor& v) {
 }
 
 void CalibrationPrior::Validate(const std::string& what) const {
-  try {
-    surfit::Validate(*this);
-  } catch (const InputError& error) {
-    throw InputError(Concat(what, ": ", error.what()));
-  }
+  WithPlace(what, [&] { surfit::Validate(*this); });
 }
 
 void DepthSensor::Validate() const {
   camera.Validate("camera");
   noise.Validate("sensor");
-  if (!(readout_s >= 0 && readout_s <= 1)) {
-    throw InputError(Concat("sensor: readout_s is ", readout_s, ", must be from 0 to 1 (s)"));
-  }
+  ThrowIf(!(readout_s >= 0 && readout_s <= 1), "sensor: readout_s is ", readout_s,
+          ", must be from 0 to 1 (s)");
   prior.Validate("sensor: prior");
 }
 
 void Disparity::Validate(const std::string& what) const {
   const auto require = [&](bool holds, const char* field, double value, const char* must) {
-    if (!holds || !std::isfinite(value))
-      throw InputError(Concat(what, ": ", field, " is ", value, ", must be finite", must));
+    ThrowIf(!holds || !std::isfinite(value), what, ": ", field, " is ", value, ", must be finite",
+            must);
   };
   require(focal_px > 0, "focal_px", focal_px, " and positive");
   require(baseline_m > 0, "baseline_m", baseline_m, " and positive");
@@ -69,28 +62,25 @@ void RgbdCamera::Validate(const std::string& what) const {
   depth.Validate(what + ": depth camera");
   if (!color_is_registered) color.Validate(what + ": color camera");
   const auto positive = [&](const char* field, double value) {
-    if (!(std::isfinite(value) && value > 0)) {
-      throw InputError(Concat(what, ": ", field, " is ", value, ", must be finite and positive"));
-    }
+    ThrowIf(!(std::isfinite(value) && value > 0), what, ": ", field, " is ", value,
+            ", must be finite and positive");
   };
   positive("depth_units_per_metre", depth_units_per_metre);
   if (disparity.IsGiven()) disparity.Validate(what + ": disparity");
   noise.Validate(what);
   positive("frames_per_second", frames_per_second);
   const auto within_a_second = [&](const char* field, double value) {
-    if (!(std::abs(value) <= 1))
-      throw InputError(Concat(what, ": ", field, " is ", value, ", must be from -1 to 1 (s)"));
+    ThrowIf(!(std::abs(value) <= 1), what, ": ", field, " is ", value,
+            ", must be from -1 to 1 (s)");
   };
   within_a_second("latency_s", latency_s);
   within_a_second("color_latency_s", color_latency_s);
-  if (!(readout_s >= 0 && readout_s <= 1)) {
-    throw InputError(Concat(what, ": readout_s is ", readout_s, ", must be from 0 to 1 (s)"));
-  }
+  ThrowIf(!(readout_s >= 0 && readout_s <= 1), what, ": readout_s is ", readout_s,
+          ", must be from 0 to 1 (s)");
   prior.Validate(what + ": prior");
-  if (!color_from_depth.translation.allFinite() ||
-      !color_from_depth.rotation.coeffs().allFinite()) {
-    throw InputError(Concat(what, ": color_from_depth must be finite"));
-  }
+  ThrowIf(
+      !color_from_depth.translation.allFinite() || !color_from_depth.rotation.coeffs().allFinite(),
+      what, ": color_from_depth must be finite");
 }
 
 }  // namespace surfit

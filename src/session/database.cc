@@ -104,14 +104,12 @@ void Database::Require(int result) {
   if (result == SQLITE_OK || result == SQLITE_ROW || result == SQLITE_DONE) return;
   const int code = result & 0xff;
   if (code == SQLITE_NOMEM) throw std::bad_alloc();
-  if (code == SQLITE_BUSY || code == SQLITE_LOCKED) {
-    throw InputError(path_ + " is locked by another program, which must end or let it go first");
-  }
+  ThrowIf(code == SQLITE_BUSY || code == SQLITE_LOCKED, path_,
+          " is locked by another program, which must end or let it go first");
   if (code == SQLITE_CORRUPT || code == SQLITE_NOTADB) {
-    throw InputError(Concat(path_, " is damaged, or no session: ", sqlite3_errmsg(database_)));
+    throw InputError(path_, " is damaged, or no session: ", sqlite3_errmsg(database_));
   }
-  throw InputError(
-      Concat(path_, ": ", database_ ? sqlite3_errmsg(database_) : sqlite3_errstr(result)));
+  throw InputError(path_, ": ", database_ ? sqlite3_errmsg(database_) : sqlite3_errstr(result));
 }
 
 void Database::Run(const std::string& sql) {
@@ -169,9 +167,8 @@ void Database::Delete(const std::string& table, std::int64_t key) {
 void Database::ForEach(const std::string& table, std::size_t columns,
                        const std::function<void(const Row&, bool is_intact)>& take) {
   const Statement statement = Prepare("SELECT * FROM " + table + " ORDER BY id");
-  if (sqlite3_column_count(statement.get()) != static_cast<int>(columns) + 1) {
-    throw InputError(Concat(path_, ": table ", table, " must have ", columns + 1, " columns"));
-  }
+  ThrowIf(sqlite3_column_count(statement.get()) != static_cast<int>(columns) + 1, path_, ": table ",
+          table, " must have ", columns + 1, " columns");
   while (Step(statement.get())) {
     Row row;
     for (std::size_t i = 0; i < columns; ++i) {

@@ -156,8 +156,7 @@ std::vector<Session> ReadSessions(const std::vector<std::string>& folders) {
   std::vector<Session> sessions;
   for (const std::string& folder : folders) {
     sessions.push_back(ReadSession(folder));
-    if (sessions.back().state.frames.empty())
-      throw InputError(folder + " has no frames to be merged");
+    ThrowIf(sessions.back().state.frames.empty(), folder, " has no frames to be merged");
     RequireSameSensor(folder, sessions.back().sensor, sessions.front().sensor);
   }
   return sessions;

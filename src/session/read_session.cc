@@ -46,7 +46,7 @@ class Loader {
       facts_ = TakeSession(row);
       is_there = true;
     });
-    if (!is_there) throw InputError(database_.path() + ": the row of the session is missing");
+    ThrowIf(!is_there, database_.path(), ": the row of the session is missing");
   }
 
   std::vector<SessionRun> ReadRuns() {
@@ -144,10 +144,9 @@ class Loader {
       ++count;
       const std::string path = TilesOf(folder_) + "/" + TileName(tile.key, tile.save);
       const std::string bytes = ReadFile(path, kMostTileBytes);
-      if (static_cast<std::int64_t>(bytes.size()) != tile.bytes ||
-          Crc(bytes.data(), bytes.size()) != static_cast<std::uint32_t>(tile.crc)) {
-        throw InputError(path + " is damaged: its checksum is wrong");
-      }
+      ThrowIf(static_cast<std::int64_t>(bytes.size()) != tile.bytes ||
+                  Crc(bytes.data(), bytes.size()) != static_cast<std::uint32_t>(tile.crc),
+              path, " is damaged: its checksum is wrong");
       UnpackTile(bytes, path, &state().map);
     });
     Expect("tiles", count, facts_.tiles);
@@ -217,7 +216,7 @@ std::string Text(const DepthSensor& sensor) {
 
 void RequireSession(const std::string& folder) {
   if (HasSession(folder)) return;
-  throw InputError(folder + " is no session: it has no session.db");
+  throw InputError(folder, " is no session: it has no session.db");
 }
 
 }  // namespace
@@ -249,8 +248,8 @@ int SessionGap(const LoopOptions& options) {
 void RequireSameSensor(const std::string& folder, const DepthSensor& kept,
                        const DepthSensor& given) {
   if (IsSameSensor(kept, given)) return;
-  throw InputError(Concat(folder, " is a session of another sensor, ", Text(kept),
-                          ", must be one of ", Text(given)));
+  throw InputError(folder, " is a session of another sensor, ", Text(kept), ", must be one of ",
+                   Text(given));
 }
 
 SessionCounts CountSession(const std::string& folder) {

@@ -56,14 +56,11 @@ void ForEachIntact(Database* database, const char* table,
 }
 
 void RequireSchema(Database* database) {
-  if (database->Number("PRAGMA application_id") != kApplicationId) {
-    throw InputError(database->path() + " is no session: its application_id is another one");
-  }
+  ThrowIf(database->Number("PRAGMA application_id") != kApplicationId, database->path(),
+          " is no session: its application_id is another one");
   const std::int64_t version = database->Number("PRAGMA user_version");
-  if (version != kVersion) {
-    throw InputError(Concat(database->path(), " is a session of version ", version, ", must be ",
-                            kVersion, " for this program"));
-  }
+  ThrowIf(version != kVersion, database->path(), " is a session of version ", version, ", must be ",
+          kVersion, " for this program");
 }
 
 Row RowOf(const SessionRow& session) {

@@ -107,7 +107,7 @@ class RowReader {
   bool TakeFlag() { return Take<std::int64_t>() != 0; }
   Rigid3d TakePose();
   const std::string& from() const { return from_; }
-  [[noreturn]] void Fail(const std::string& why) const { throw InputError(from_ + " " + why); }
+  [[noreturn]] void Fail(const std::string& why) const { throw InputError(from_, " ", why); }
 
  private:
   const Row& row_;

@@ -144,9 +144,8 @@ class SessionWriter::Implementation {
 
 SessionWriter::Implementation::Implementation(const std::string& folder, Mode mode)
     : folder_(folder), lock_(folder, {}) {
-  if (HasSession(folder_) && mode == Mode::kNew) {
-    throw InputError(folder_ + " holds a session already, must be continued or another folder");
-  }
+  ThrowIf(HasSession(folder_) && mode == Mode::kNew, folder_,
+          " holds a session already, must be continued or another folder");
 }
 
 void SessionWriter::Implementation::Open(const DepthSensor& sensor) {

@@ -71,7 +71,7 @@ std::string PackTile(const SurfelMap& map, const std::vector<std::int32_t>& cell
 }
 
 std::size_t UnpackTile(const std::string& bytes, const std::string& from, SurfelMap* map) {
-  const auto fail = [&](const char* why) { throw InputError(Concat(from, ": ", why)); };
+  const auto fail = [&](const char* why) { throw InputError(from, ": ", why); };
   if (bytes.size() < kHeadBytes || bytes.compare(0, sizeof(kMagic) - 1, kMagic) != 0) {
     fail("does not begin as a tile");
   }

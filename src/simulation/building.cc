@@ -138,8 +138,7 @@ void BuildingOptions::Visit(OptionVisitor& v) {
         Everyday());
   v.Check([this] {
     if (rooms % floors == 0) return;
-    throw InputError(
-        Concat("rooms is ", rooms, ", must be as many on each of the ", floors, " floors"));
+    throw InputError("rooms is ", rooms, ", must be as many on each of the ", floors, " floors");
   });
 }
 

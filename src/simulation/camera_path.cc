@@ -116,7 +116,7 @@ Trajectory FilmPath(const Scene& scene, int frames, const PathOptions& options, 
 Trajectory MakePath(const Scene& scene, int frames, std::uint64_t seed,
                     const PathOptions& options) {
   Validate(options);
-  if (frames < 1) throw InputError(Concat("frames is ", frames, ", must be at least 1"));
+  ThrowIf(frames < 1, "frames is ", frames, ", must be at least 1");
   CHECK(!scene.camera_space.isEmpty() && scene.targets.size() > 1);
   const int walks = Attempts(scene, 6, 1);
   constexpr double kGoodEnough = 0.05;

@@ -22,7 +22,7 @@ void KinectOptions::Visit(OptionVisitor& v) {
         "shifts do not cross steps of depth beyond this share of the depth", AtLeast(0));
   v.Check([this] {
     if (max_depth_m > min_depth_m) return;
-    throw InputError(Concat("max_depth_m is ", max_depth_m, ", must be above min_depth_m"));
+    throw InputError("max_depth_m is ", max_depth_m, ", must be above min_depth_m");
   });
 }
 
@@ -45,8 +45,8 @@ void ColorOptions::Visit(OptionVisitor& v) {
     const bool are_positive =
         std::all_of(channel_gains.begin(), channel_gains.end(), [](double g) { return g > 0; });
     if ((channel_gains.empty() || channel_gains.size() == 3) && are_positive) return;
-    throw InputError(Concat("channel_gains is ", OptionToText(channel_gains),
-                            ", must be three positive numbers"));
+    throw InputError("channel_gains is ", OptionToText(channel_gains),
+                     ", must be three positive numbers");
   });
 }
 
@@ -57,13 +57,10 @@ void PathOptions::Visit(OptionVisitor& v) {
   v.Add(min_turn_deg, "min_turn_deg", "between consecutive frames at least", Positive());
   v.Add(max_turn_deg, "max_turn_deg", "between consecutive frames at most", Positive());
   v.Check([this] {
-    if (!(max_step_m >= min_step_m)) {
-      throw InputError(Concat("max_step_m is ", max_step_m, ", must not be below min_step_m"));
-    }
-    if (!(max_turn_deg >= min_turn_deg)) {
-      throw InputError(
-          Concat("max_turn_deg is ", max_turn_deg, ", must not be below min_turn_deg"));
-    }
+    ThrowIf(!(max_step_m >= min_step_m), "max_step_m is ", max_step_m,
+            ", must not be below min_step_m");
+    ThrowIf(!(max_turn_deg >= min_turn_deg), "max_turn_deg is ", max_turn_deg,
+            ", must not be below min_turn_deg");
   });
 }
 

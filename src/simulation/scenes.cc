@@ -151,7 +151,7 @@ Scene MakeScene(const std::string& name, std::uint64_t seed, const BuildingOptio
   if (maker != Makers().end()) return maker->second(seed, building);
   std::string known;
   for (const std::string& each : SceneNames()) known += (known.empty() ? "" : ", ") + each;
-  throw InputError(Concat("scene is '", name, "', must be one of ", known));
+  throw InputError("scene is '", name, "', must be one of ", known);
 }
 
 }  // namespace surfit

@@ -29,4 +29,14 @@ void ThrowIf(bool condition, const Parts&... parts) {
   if (condition) throw InputError(parts...);
 }
 
+// What `work` returns; what it throws as InputError names the place first.
+template <typename Work>
+auto WithPlace(const std::string& place, const Work& work) {
+  try {
+    return work();
+  } catch (const InputError& error) {
+    throw InputError(place, ": ", error.what());
+  }
+}
+
 }  // namespace surfit

@@ -23,8 +23,8 @@ void BatchOptions::Visit(OptionVisitor& v) {
                           "localize"}));
   v.Check([this] {
     if (!IsLive(run.sequence)) return;
-    throw InputError(Concat("format is '", run.sequence.format,
-                            "', must be one of a sequence that is recorded"));
+    throw InputError("format is '", run.sequence.format,
+                     "', must be one of a sequence that is recorded");
   });
 }
 

@@ -44,14 +44,12 @@ std::vector<BatchRun> FindSequences(const BatchOptions& options) {
   for (const auto& entry : fs::directory_iterator(options.sequences, error)) {
     if (!IsSequence(entry)) continue;
     std::error_code none;
-    if (fs::equivalent(entry.path(), options.output, none)) {
-      throw InputError(Concat("output is '", options.output, "', which is in the folder of the ",
-                              "sequences, must be elsewhere"));
-    }
+    ThrowIf(fs::equivalent(entry.path(), options.output, none), "output is '", options.output,
+            "', which is in the folder of the ", "sequences, must be elsewhere");
     runs.push_back({RunNameOf(entry.path().filename()), AbsolutePath(entry.path())});
   }
-  if (error) throw InputError(Concat(options.sequences, ": ", error.message()));
-  if (runs.empty()) throw InputError(options.sequences + ": has no folder and no recording");
+  if (error) throw InputError(options.sequences, ": ", error.message());
+  ThrowIf(runs.empty(), options.sequences, ": has no folder and no recording");
   std::sort(runs.begin(), runs.end(),
             [](const BatchRun& a, const BatchRun& b) { return a.name < b.name; });
   return runs;

@@ -25,7 +25,7 @@ PlannedBatch ReadBatch(const std::string& batch) {
     json.at("sequences").get_to(planned.sequences);
     for (const Json& name : json.at("runs")) planned.names.push_back(name);
   } catch (const Json::exception& error) {
-    throw InputError(Concat(path, ": no plan of a batch: ", error.what()));
+    throw InputError(path, ": no plan of a batch: ", error.what());
   }
   return planned;
 }

@@ -75,13 +75,10 @@ class LinkReader {
   std::pair<std::size_t, int> Find(const std::string& path, const std::string& name,
                                    int frame) const {
     const auto fragment = fragments_.find(name);
-    if (fragment == fragments_.end()) {
-      throw InputError(Concat(path, ": fragment '", name, "' is none of the plan"));
-    }
+    ThrowIf(fragment == fragments_.end(), path, ": fragment '", name, "' is none of the plan");
     const auto keyframe = fragment->second.keyframes.find(frame);
-    if (keyframe == fragment->second.keyframes.end()) {
-      throw InputError(Concat(path, ": frame ", frame, " is no keyframe of fragment ", name));
-    }
+    ThrowIf(keyframe == fragment->second.keyframes.end(), path, ": frame ", frame,
+            " is no keyframe of fragment ", name);
     return {fragment->second.position, keyframe->second};
   }
 
@@ -339,7 +336,7 @@ GraphResult BuildScanGraph(const GraphOptions& options) {
   std::vector<int> recordings;
   for (const ScanFragment& fragment : plan.fragments) recordings.push_back(fragment.recording);
   ScanGraph graph(std::move(places), std::move(recordings), std::move(links), plan.run.slam.loops);
-  if (!graph.Solve()) throw InputError(options.scan + ": the pose graph cannot be solved");
+  ThrowIf(!graph.Solve(), options.scan, ": the pose graph cannot be solved");
   const OutputFolder owned(options.output, GraphFiles(options.output));
   GraphResult result;
   for (std::size_t i = 0; i < plan.fragments.size(); ++i) {

@@ -14,7 +14,7 @@ namespace {
 
 RunPlaces PlacesNamed(const std::string& scan, const std::string& name) {
   auto places = PlacesOf(scan, {name}, PlacesPart::kAll);
-  if (!places) throw InputError(Concat(scan, "/fragments/", name, ": has no places.bin"));
+  if (!places) throw InputError(scan, "/fragments/", name, ": has no places.bin");
   return *std::move(places);
 }
 
@@ -22,7 +22,7 @@ int RecordingOf(const ScanPlan& plan, const std::string& fragment) {
   for (const ScanFragment& each : plan.fragments) {
     if (each.name == fragment) return each.recording;
   }
-  throw InputError(Concat("fragment '", fragment, "' is none of the plan"));
+  throw InputError("fragment '", fragment, "' is none of the plan");
 }
 
 class Linker {
@@ -51,7 +51,7 @@ class Linker {
   static const Keyframe& KeyframeAt(const RunPlaces& places, int frame) {
     const auto at = std::find_if(places.keyframes.begin(), places.keyframes.end(),
                                  [&](const Keyframe& k) { return k.frame_index == frame; });
-    if (at == places.keyframes.end()) throw InputError(Concat("frame ", frame, " is no keyframe"));
+    ThrowIf(at == places.keyframes.end(), "frame ", frame, " is no keyframe");
     return *at;
   }
 
@@ -103,15 +103,12 @@ std::vector<ScanLink> LinkFragments(const LinkOptions& options) {
   const ThreadLimit limit(options.threads);
   const ScanPlan plan = ReadScanPlan(options.scan);
   const PairCandidates pair = ReadCandidates(options.candidates);
-  std::vector<ScanLink> links;
-  try {
+  const std::vector<ScanLink> links = WithPlace(options.candidates, [&] {
     const bool of_one_recording = RecordingOf(plan, pair.source) == RecordingOf(plan, pair.target);
-    links = Linker(plan.run.slam.loops.find, PlacesNamed(options.scan, pair.source),
-                   PlacesNamed(options.scan, pair.target), of_one_recording)
-                .Run(pair.proposals);
-  } catch (const InputError& error) {
-    throw InputError(Concat(options.candidates, ": ", error.what()));
-  }
+    return Linker(plan.run.slam.loops.find, PlacesNamed(options.scan, pair.source),
+                  PlacesNamed(options.scan, pair.target), of_one_recording)
+        .Run(pair.proposals);
+  });
   WriteLinks({pair.target, pair.source, links}, options.output);
   return links;
 }

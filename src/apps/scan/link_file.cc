@@ -25,7 +25,7 @@ FarReason ReasonFrom(const std::string& name) {
   for (const FarReason reason : FarReasons()) {
     if (ToString(reason) == name) return reason;
   }
-  throw InputError(Concat("reason is '", name, "', must be one of a verdict"));
+  throw InputError("reason is '", name, "', must be one of a verdict");
 }
 
 template <typename Read>
@@ -34,9 +34,9 @@ void ReadPair(const std::string& path, const Read& read) {
   try {
     read(json);
   } catch (const Json::exception& error) {
-    throw InputError(Concat(path, ": no pair of fragments: ", error.what()));
+    throw InputError(path, ": no pair of fragments: ", error.what());
   } catch (const InputError& error) {
-    throw InputError(Concat(path, ": ", error.what()));
+    throw InputError(path, ": ", error.what());
   }
 }
 

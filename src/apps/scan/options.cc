@@ -37,14 +37,13 @@ void ScanPlanOptions::Visit(OptionVisitor& v) {
   v.Add(tile_m, "tile_m", "side of a tile of the map, a cube", AtLeast(0.5), AsFlag());
   v.Add(pictures, SharedOption("pictures"));
   v.Check([this] {
-    if (run.output.empty()) throw InputError("output is missing, must be set");
+    ThrowIf(run.output.empty(), "output is missing, must be set");
     const std::set<std::string> different(sequences.begin(), sequences.end());
-    if (different.size() < sequences.size() || different.count("") > 0) {
-      throw InputError("sequence has one twice or without a name, must have different ones");
-    }
+    ThrowIf(different.size() < sequences.size() || different.count("") > 0,
+            "sequence has one twice or without a name, must have different ones");
     if (overlap_frames < fragment_frames) return;
-    throw InputError(Concat("overlap_frames is ", overlap_frames,
-                            ", must be below fragment_frames, ", fragment_frames));
+    throw InputError("overlap_frames is ", overlap_frames, ", must be below fragment_frames, ",
+                     fragment_frames);
   });
 }
 

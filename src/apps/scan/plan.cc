@@ -58,7 +58,7 @@ SequenceOptions WithCamera(SequenceOptions sequence, const std::string& camera) 
 
 std::vector<ScanFragment> CutIntoFragments(int first, int frame_count, int stride,
                                            int fragment_frames, int overlap_frames) {
-  if (frame_count < 1) throw InputError("the sequence has no frame to be cut into fragments");
+  ThrowIf(frame_count < 1, "the sequence has no frame to be cut into fragments");
   // Without what it shares with the next, a fragment has so many frames at most.
   const std::int64_t step = fragment_frames - overlap_frames;
   const std::int64_t own = std::max(1, frame_count - overlap_frames);
@@ -174,12 +174,12 @@ ScanPlan ReadScanPlan(const std::string& scan) {
       if (static_cast<std::size_t>(plan.fragments.back().recording) < plan.recordings.size()) {
         continue;
       }
-      throw InputError(Concat(plan_json, ": fragment ", plan.fragments.back().name,
-                              " is of no recording of the plan"));
+      throw InputError(plan_json, ": fragment ", plan.fragments.back().name,
+                       " is of no recording of the plan");
     }
   } catch (const Json::exception& error) {
-    throw InputError(Concat(plan_json, ": no plan of a scan that this version reads (",
-                            error.what(), "): plan it again with surfit_scan --step=plan"));
+    throw InputError(plan_json, ": no plan of a scan that this version reads (", error.what(),
+                     "): plan it again with surfit_scan --step=plan");
   }
   for (std::size_t r = 0; r < plan.recordings.size() && plan.camera_frames > 0; ++r) {
     const std::string camera = FoundCamera(scan, r);

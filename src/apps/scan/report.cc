@@ -354,7 +354,7 @@ ScanSummary ReadScanSummary(const std::string& scan) {
     }
     json.at("failed").get_to(summary.failed);
   } catch (const Json::exception& error) {
-    throw InputError(Concat(path, ": no summary of a scan: ", error.what()));
+    throw InputError(path, ": no summary of a scan: ", error.what());
   }
   return summary;
 }
@@ -364,7 +364,7 @@ ScanSummary ReportScan(const ScanReportOptions& options) {
   try {
     return ScanReporter(options.scan).Run();
   } catch (const Json::exception& error) {
-    throw InputError(Concat(options.scan, "/graph/graph.json: ", error.what()));
+    throw InputError(options.scan, "/graph/graph.json: ", error.what());
   }
 }
 

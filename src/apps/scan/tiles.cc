@@ -70,7 +70,7 @@ std::vector<ScanTile> ReadTiles(const std::string& path) {
       tiles.push_back(tile);
     }
   } catch (const Json::exception& error) {
-    throw InputError(Concat(path, ": no tiles of a scan: ", error.what()));
+    throw InputError(path, ": no tiles of a scan: ", error.what());
   }
   return tiles;
 }
@@ -90,7 +90,7 @@ void WriteFramePoses(const std::vector<PosedFrame>& frames, const std::string& p
 
 std::vector<PosedFrame> ReadFramePoses(const std::string& path) {
   std::ifstream file(path);
-  if (!file) throw InputError(path + ": cannot be read");
+  ThrowIf(!file, path, ": cannot be read");
   std::vector<PosedFrame> frames;
   std::string line;
   for (int number = 1; std::getline(file, line); ++number) {
@@ -101,9 +101,8 @@ std::vector<PosedFrame> ReadFramePoses(const std::string& path) {
     std::istringstream text(line);
     text >> frame.index >> frame.stamp_s >> t.x() >> t.y() >> t.z() >> q.x() >> q.y() >> q.z() >>
         q.w();
-    if (!text || (!frames.empty() && frame.index <= frames.back().index)) {
-      throw InputError(Concat(path, ":", number, ": is no pose of a frame, or in disorder"));
-    }
+    ThrowIf(!text || (!frames.empty() && frame.index <= frames.back().index), path, ":", number,
+            ": is no pose of a frame, or in disorder");
     frames.push_back(frame);
   }
   return frames;
@@ -158,16 +157,12 @@ std::size_t FuseTile(const TileOptions& options, const std::atomic<bool>& interr
   const std::vector<ScanTile> tiles = ReadTiles(tiles_json);
   const auto tile = std::find_if(tiles.begin(), tiles.end(),
                                  [&](const ScanTile& each) { return each.name == options.tile; });
-  if (tile == tiles.end()) {
-    throw InputError(Concat(tiles_json, ": has no tile '", options.tile, "'"));
-  }
+  ThrowIf(tile == tiles.end(), tiles_json, ": has no tile '", options.tile, "'");
   const PosedRecordings recordings(plan, options.scan);
   const MapPart part = {tile->box, static_cast<float>(options.margin_m), recordings.Of(*tile)};
-  if (part.sources.empty()) {
-    throw InputError(Concat(tiles_json, ": tile ", tile->name, " is seen by no recording"));
-  }
+  ThrowIf(part.sources.empty(), tiles_json, ": tile ", tile->name, " is seen by no recording");
   const auto map = FusePart(part, interrupted, [&](int frames, std::size_t) { progress(frames); });
-  if (!map) throw InputError("interrupted: " + options.output + " is not written");
+  if (!map) throw InputError("interrupted: ", options.output, " is not written");
   WriteSurfelPly(*map, options.output);
   return map->size();
 }

@@ -18,7 +18,7 @@ class BagFolder : public MessageLog {
       files_.push_back(ending == ".mcap" ? OpenMcap(path) : OpenDb3(path));
       Take(*files_.back());
     }
-    if (files_.empty()) throw InputError(Concat(folder_, " holds no ", ending, " file"));
+    ThrowIf(files_.empty(), folder_, " holds no ", ending, " file");
   }
 
   const std::string& path() const override { return folder_; }

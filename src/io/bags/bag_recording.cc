@@ -37,12 +37,10 @@ std::array<double, 5> Distortion(const CameraInfo& info, const std::string& name
     if (info.distortion[i] == 0) continue;
     const bool is_known =
         info.distortion_model == "plumb_bob" || info.distortion_model == "rational_polynomial";
-    if (!is_known || i >= distortion.size()) {
-      throw InputError(Concat(name, ": the lens is distorted by the model '", info.distortion_model,
-                              "' with ", info.distortion.size(),
-                              " numbers, must be plumb_bob's five; rectify the images, or give "
-                              "intrinsics and distortion"));
-    }
+    ThrowIf(!is_known || i >= distortion.size(), name, ": the lens is distorted by the model '",
+            info.distortion_model, "' with ", info.distortion.size(),
+            " numbers, must be plumb_bob's five; rectify the images, or give "
+            "intrinsics and distortion");
     distortion[i] = info.distortion[i];
   }
   return distortion;
@@ -114,9 +112,8 @@ void BagRecording::Pair() {
     frames_.push_back({{depth_s[d], color_s[c]}, depth[d].place, color[c].place});
   unpaired_images_ = static_cast<int>(color.size() + depth.size() - 2 * frames_.size());
   if (frames_.empty()) {
-    throw InputError(Concat(log_->path(), ": no stamp of ", topics_.color.topic->name,
-                            " is within ", kMaxBetweenImages_s, " s of one of ",
-                            topics_.depth.topic->name));
+    throw InputError(log_->path(), ": no stamp of ", topics_.color.topic->name, " is within ",
+                     kMaxBetweenImages_s, " s of one of ", topics_.depth.topic->name);
   }
 }
 
@@ -160,9 +157,9 @@ Rigid3d BagRecording::ColorFromDepth(bool is_known) const {
       tree.Add(ReadTransforms(log_->Read(place), topic, name));
   }
   if (const auto transform = tree.Transform(target, source)) return *transform;
-  throw InputError(Concat(log_->path(), ": no tf tells where ", topics_.color.topic->name, " (",
-                          target, ") is from ", topics_.depth.topic->name, " (", source,
-                          "): give color_from_depth, or a camera.yaml"));
+  throw InputError(log_->path(), ": no tf tells where ", topics_.color.topic->name, " (", target,
+                   ") is from ", topics_.depth.topic->name, " (", source,
+                   "): give color_from_depth, or a camera.yaml");
 }
 
 RgbdCamera BagRecording::Camera(const Known& known) const {
@@ -170,16 +167,16 @@ RgbdCamera BagRecording::Camera(const Known& known) const {
   const auto depth = Pinhole(topics_.depth);
   if (depth) camera.depth = *depth;
   if (!depth && !known.depth) {
-    throw InputError(Concat(log_->path(), " has no CameraInfo of ", topics_.depth.topic->name,
-                            ": give intrinsics, a camera.yaml, or a preset as camera"));
+    throw InputError(log_->path(), " has no CameraInfo of ", topics_.depth.topic->name,
+                     ": give intrinsics, a camera.yaml, or a preset as camera");
   }
   if (topics_.color.topic == nullptr) return camera;
   const auto color = Pinhole(topics_.color);
   const bool one_frame = topics_.color.frame == topics_.depth.frame;
   if (one_frame && (!depth || !color || HaveSamePixels(*depth, *color))) return camera;
   if (!color && !known.color) {
-    throw InputError(Concat(log_->path(), " has no CameraInfo of ", topics_.color.topic->name,
-                            ": give color_intrinsics, or a camera.yaml"));
+    throw InputError(log_->path(), " has no CameraInfo of ", topics_.color.topic->name,
+                     ": give color_intrinsics, or a camera.yaml");
   }
   camera.color_is_registered = false;
   camera.color = color ? *color : camera.depth;

@@ -83,26 +83,25 @@ ImageTopic Named(const std::string& name, const char* option, const MessageLog& 
   for (const Candidate& c : candidates) {
     if (c.image.topic->name == name) return c.image;
   }
-  throw InputError(Concat(option, " is '", name, "', must be a topic of images of ", log.path(),
-                          ": ", candidates.empty() ? "it has none" : List(candidates)));
+  throw InputError(option, " is '", name, "', must be a topic of images of ", log.path(), ": ",
+                   candidates.empty() ? "it has none" : List(candidates));
 }
 
 ImageTopic OnlyOne(const std::vector<Candidate>& found, const char* what, const char* option,
                    const MessageLog& log) {
   if (found.size() == 1) return found[0].image;
-  throw InputError(Concat(log.path(), " has ", found.size(), " topics of ", what, ": ", List(found),
-                          "; name one as ", option));
+  throw InputError(log.path(), " has ", found.size(), " topics of ", what, ": ", List(found),
+                   "; name one as ", option);
 }
 
 ImageTopic FindDepth(const MessageLog& log, const std::vector<Candidate>& candidates) {
   if (candidates.empty()) {
-    throw InputError(
-        Concat(log.path(), " has no topic of images that is read; it has ", ListTypes(log)));
+    throw InputError(log.path(), " has no topic of images that is read; it has ", ListTypes(log));
   }
   const auto found = OfKind(candidates, ImageKind::kDepth);
   if (found.empty()) {
-    throw InputError(Concat(log.path(), " has no topic of depth images (16UC1, 32FC1) among ",
-                            List(candidates), "; if one is, name it as depth_topic"));
+    throw InputError(log.path(), " has no topic of depth images (16UC1, 32FC1) among ",
+                     List(candidates), "; if one is, name it as depth_topic");
   }
   return OnlyOne(found, "depth images", "depth_topic", log);
 }

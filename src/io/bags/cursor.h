@@ -22,7 +22,7 @@ class Cursor {
   // All throw InputError naming `name` if fewer bytes are left.
   std::string_view Bytes(std::uint64_t count) {
     if (count > left()) {
-      throw InputError(Concat(name_, " is damaged: it ends ", count - left(), " bytes too early"));
+      throw InputError(name_, " is damaged: it ends ", count - left(), " bytes too early");
     }
     const std::string_view taken = bytes_.substr(at_, count);
     at_ += count;

@@ -44,8 +44,8 @@ class Db3 : public MessageLog {
   void Require(int result) const {
     if (result == SQLITE_OK || result == SQLITE_ROW || result == SQLITE_DONE) return;
     if (result == SQLITE_NOMEM) throw std::bad_alloc();
-    throw InputError(Concat("cannot read '", path_, "' as a ROS 2 bag in SQLite: ",
-                            database_ ? sqlite3_errmsg(database_.get()) : sqlite3_errstr(result)));
+    throw InputError("cannot read '", path_, "' as a ROS 2 bag in SQLite: ",
+                     database_ ? sqlite3_errmsg(database_.get()) : sqlite3_errstr(result));
   }
 
   // As SQLite advises for databases that anybody may have made (sqlite.org/security.html).
@@ -63,8 +63,8 @@ class Db3 : public MessageLog {
     auto tables = Prepare(
         "SELECT count(*) FROM sqlite_master WHERE type = 'table' AND sql NOT LIKE '%VIRTUAL%' "
         "AND name IN ('topics', 'messages')");
-    if (!Step(tables.get()) || sqlite3_column_int(tables.get(), 0) != 2)
-      throw InputError(path_ + " is no ROS 2 bag: it must have tables of topics and messages");
+    ThrowIf(!Step(tables.get()) || sqlite3_column_int(tables.get(), 0) != 2, path_,
+            " is no ROS 2 bag: it must have tables of topics and messages");
   }
 
   using Statement = std::unique_ptr<sqlite3_stmt, SqliteCloser>;

@@ -137,15 +137,12 @@ Compression CompressionOf(const std::string& word, const std::string& name) {
   if (word == "lz4") return Compression::kLz4;
   if (word == "zstd") return Compression::kZstd;
   if (word == "bz2") return Compression::kBz2;
-  throw InputError(
-      Concat(name, " is compressed by '", word, "', must be by lz4, zstd, bz2 or not at all"));
+  throw InputError(name, " is compressed by '", word, "', must be by lz4, zstd, bz2 or not at all");
 }
 
 std::string Decompress(Compression compression, const std::string& bytes, std::uint64_t size,
                        const std::string& name) {
-  if (size > kMostOfChunk) {
-    throw InputError(Concat(name, " claims ", size, " bytes, must have at most ", kMostOfChunk));
-  }
+  ThrowIf(size > kMostOfChunk, name, " claims ", size, " bytes, must have at most ", kMostOfChunk);
   switch (compression) {
     case Compression::kLz4:
       return Run<Lz4Stream>(bytes, size, name);
@@ -156,15 +153,14 @@ std::string Decompress(Compression compression, const std::string& bytes, std::u
     case Compression::kNone:
       break;
   }
-  if (bytes.size() != size)
-    throw InputError(Concat(name, " has ", bytes.size(), " bytes, claims ", size));
+  ThrowIf(bytes.size() != size, name, " has ", bytes.size(), " bytes, claims ", size);
   return bytes;
 }
 
 std::string DecompressZstd(const std::string& bytes, const std::string& name) {
   const auto size = ZSTD_getFrameContentSize(bytes.data(), bytes.size());
-  if (size == ZSTD_CONTENTSIZE_UNKNOWN || size == ZSTD_CONTENTSIZE_ERROR)
-    throw InputError(name + " is damaged: its compressed bytes do not tell their size");
+  ThrowIf(size == ZSTD_CONTENTSIZE_UNKNOWN || size == ZSTD_CONTENTSIZE_ERROR, name,
+          " is damaged: its compressed bytes do not tell their size");
   return Decompress(Compression::kZstd, bytes, size, name);
 }
 

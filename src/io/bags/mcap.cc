@@ -19,8 +19,8 @@ Serialization SerializationOf(std::string_view encoding) {
 class Mcap : public ChunkedLog {
  public:
   explicit Mcap(const std::string& path) : ChunkedLog(path) {
-    if (!file().Has(0, kMcapMagic.size()) || file().Read(0, kMcapMagic.size()) != kMcapMagic)
-      throw InputError(path + " is no MCAP file, which begins with MCAP0");
+    ThrowIf(!file().Has(0, kMcapMagic.size()) || file().Read(0, kMcapMagic.size()) != kMcapMagic,
+            path, " is no MCAP file, which begins with MCAP0");
     Index();
   }
 
@@ -69,8 +69,7 @@ class Mcap : public ChunkedLog {
     chunk.compression = CompressionOf(std::string(cursor.Counted()), name);
     chunk.size = cursor.Take<std::uint64_t>();
     chunk.at = at + cursor.at();
-    if (chunk.size > size - cursor.at())
-      throw InputError(name + " is damaged: its chunk is larger than itself");
+    ThrowIf(chunk.size > size - cursor.at(), name, " is damaged: its chunk is larger than itself");
     const int number = AddChunk(chunk);
     try {
       const std::string& bytes = ChunkBytes(number);
@@ -95,8 +94,7 @@ class Mcap : public ChunkedLog {
       TakeChannel(&cursor);
     } else if (operation == kMessage) {
       const auto topic = topic_of_.find(cursor.Take<std::uint16_t>());
-      if (topic == topic_of_.end())
-        throw InputError(name + " is damaged: nothing tells a message's channel");
+      ThrowIf(topic == topic_of_.end(), name, " is damaged: nothing tells a message's channel");
       cursor.Bytes(4);  // sequence number
       const auto recorded_ns = cursor.Take<std::uint64_t>();
       cursor.Bytes(8);  // when it was published

@@ -45,12 +45,11 @@ void RequireRows(const ImageMessage& message, int bytes, const std::string& name
                        static_cast<int>(std::min(message.height, kMost))};
   RequireUsualSize(size, name);
   const std::uint64_t row = std::uint64_t{message.width} * bytes;
-  if (message.step < row || std::uint64_t{message.step} * message.height > message.data.size()) {
-    throw InputError(Concat(name, " has ", message.data.size(), " bytes in rows of ", message.step,
-                            ", must have ", row, " for each of ", message.height, " rows"));
-  }
-  if (message.is_big_endian && bytes != 1 && LayoutOf(message.encoding) == std::nullopt)
-    throw InputError(name + " is big endian, must be little endian");
+  ThrowIf(message.step < row || std::uint64_t{message.step} * message.height > message.data.size(),
+          name, " has ", message.data.size(), " bytes in rows of ", message.step, ", must have ",
+          row, " for each of ", message.height, " rows");
+  ThrowIf(message.is_big_endian && bytes != 1 && LayoutOf(message.encoding) == std::nullopt, name,
+          " is big endian, must be little endian");
 }
 
 template <typename T>

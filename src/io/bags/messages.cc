@@ -15,8 +15,8 @@ class MessageFields {
       : cursor_(bytes, name), is_cdr_(serialization == Serialization::kCdr) {
     if (!is_cdr_) return;
     const auto representation = cursor_.Take<std::uint32_t>() & 0xFFFF;
-    if (representation != kLittleEndianCdr)
-      throw InputError(name + " is not plain little endian CDR, which alone is read");
+    ThrowIf(representation != kLittleEndianCdr, name,
+            " is not plain little endian CDR, which alone is read");
     begin_ = cursor_.at();
   }
 

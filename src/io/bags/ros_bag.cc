@@ -19,7 +19,7 @@ RecordFields ParseFields(std::string_view bytes, const std::string& name) {
   while (cursor.left() > 0) {
     const std::string_view field = cursor.Counted();
     const std::size_t equals = field.find('=');
-    if (equals == field.npos) throw InputError(name + " is damaged: a field has no '='");
+    ThrowIf(equals == field.npos, name, " is damaged: a field has no '='");
     fields[std::string(field.substr(0, equals))] = field.substr(equals + 1);
   }
   return fields;
@@ -28,7 +28,7 @@ RecordFields ParseFields(std::string_view bytes, const std::string& name) {
 template <typename T>
 T Value(const RecordFields& fields, std::string_view key, const std::string& name) {
   const auto found = fields.find(key);
-  if (found == fields.end()) throw InputError(Concat(name, " is damaged: it has no ", key));
+  ThrowIf(found == fields.end(), name, " is damaged: it has no ", key);
   return Cursor(found->second, name).Take<T>();
 }
 
@@ -47,8 +47,8 @@ std::int64_t Nanoseconds(std::uint64_t time) {
 class RosBag : public ChunkedLog {
  public:
   explicit RosBag(const std::string& path) : ChunkedLog(path) {
-    if (!file().Has(0, kRosBagLine.size()) || file().Read(0, kRosBagLine.size()) != kRosBagLine)
-      throw InputError(path + " is no ROS 1 bag of format 2.0, which begins with #ROSBAG V2.0");
+    ThrowIf(!file().Has(0, kRosBagLine.size()) || file().Read(0, kRosBagLine.size()) != kRosBagLine,
+            path, " is no ROS 1 bag of format 2.0, which begins with #ROSBAG V2.0");
     Index();
   }
 
@@ -87,7 +87,7 @@ class RosBag : public ChunkedLog {
     const RecordFields fields = ParseFields(bytes, name);
     const auto operation = Value<std::uint8_t>(fields, "op", name);
     if (operation == kBagHeader && !Text(fields, "encryptor").empty())
-      throw InputError(path() + " is encrypted, which is not read");
+      throw InputError(path(), " is encrypted, which is not read");
     if (operation == kChunk) return TakeChunk(fields, data, data_size, name);
     if (operation != kMessage && operation != kConnection) return;
     TakeInner(operation, fields, -1, data, file().Read(data, data_size), name);
@@ -122,8 +122,7 @@ class RosBag : public ChunkedLog {
     const auto connection = Value<std::uint32_t>(fields, "conn", name);
     if (operation == kConnection) return TakeConnection(connection, fields, data, name);
     const auto topic = topic_of_.find(connection);
-    if (topic == topic_of_.end())
-      throw InputError(Concat(name, " is damaged: nothing tells connection ", connection));
+    ThrowIf(topic == topic_of_.end(), name, " is damaged: nothing tells connection ", connection);
     AddMessage(topic->second, Nanoseconds(Value<std::uint64_t>(fields, "time", name)), part, at,
                data);
   }

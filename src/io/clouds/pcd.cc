@@ -37,10 +37,9 @@ using Entries = std::map<std::string_view, Words, std::less<>>;
 
 const Words& Find(const Entries& entries, std::string_view key, std::size_t count) {
   const auto entry = entries.find(key);
-  if (entry == entries.end()) throw InputError(Concat("the header has no ", key));
-  if (entry->second.size() != count) {
-    throw InputError(Concat(key, " has ", entry->second.size(), " values, must have ", count));
-  }
+  ThrowIf(entry == entries.end(), "the header has no ", key);
+  ThrowIf(entry->second.size() != count, key, " has ", entry->second.size(), " values, must have ",
+          count);
   return entry->second;
 }
 
@@ -51,10 +50,8 @@ PlyType ParseType(std::string_view type, std::string_view size) {
       {"U1", PlyType::kUint8},   {"U2", PlyType::kUint16}, {"U4", PlyType::kUint32},
       {"F4", PlyType::kFloat32}, {"F8", PlyType::kFloat64}};
   const auto known = types.find(name);
-  if (known == types.end()) {
-    throw InputError(Concat("a field has type ", type, " and size ", size,
-                            ", must be I or U of 1, 2 or 4 bytes or F of 4 or 8"));
-  }
+  ThrowIf(known == types.end(), "a field has type ", type, " and size ", size,
+          ", must be I or U of 1, 2 or 4 bytes or F of 4 or 8");
   return known->second;
 }
 
@@ -62,12 +59,12 @@ PcdHeader::Data ParseData(const Words& words) {
   if (words[0] == "ascii") return PcdHeader::Data::kAscii;
   if (words[0] == "binary") return PcdHeader::Data::kBinary;
   if (words[0] == "binary_compressed") return PcdHeader::Data::kBinaryCompressed;
-  throw InputError(Concat("DATA is '", words[0], "', must be ascii, binary or binary_compressed"));
+  throw InputError("DATA is '", words[0], "', must be ascii, binary or binary_compressed");
 }
 
 std::vector<PlyProperty> ParseFields(const Entries& entries, PcdHeader::Data data) {
   const auto fields = entries.find("FIELDS");
-  if (fields == entries.end()) throw InputError("the header has no FIELDS");
+  ThrowIf(fields == entries.end(), "the header has no FIELDS");
   const Words& names = fields->second;
   const Words& sizes = Find(entries, "SIZE", names.size());
   const Words& types = Find(entries, "TYPE", names.size());
@@ -80,10 +77,8 @@ std::vector<PlyProperty> ParseFields(const Entries& entries, PcdHeader::Data dat
       property.type = PlyType::kUint32;
     }
     const std::int64_t count = has_counts ? ParseCount(Find(entries, "COUNT", names.size())[k]) : 1;
-    if (count > kMostValuesInField) {
-      throw InputError(
-          Concat("COUNT of a field is ", count, ", must be at most ", kMostValuesInField));
-    }
+    ThrowIf(count > kMostValuesInField, "COUNT of a field is ", count, ", must be at most ",
+            kMostValuesInField);
     properties.insert(properties.end(), count, property);
   }
   return properties;
@@ -92,14 +87,12 @@ std::vector<PlyProperty> ParseFields(const Entries& entries, PcdHeader::Data dat
 std::int64_t ParsePointCount(const Entries& entries) {
   const std::int64_t width = ParseCount(Find(entries, "WIDTH", 1)[0]);
   const std::int64_t height = ParseCount(Find(entries, "HEIGHT", 1)[0]);
-  if (height > 0 && width > std::numeric_limits<std::int64_t>::max() / height) {
-    throw InputError(Concat("WIDTH x HEIGHT is ", width, " x ", height, ", must be below 2^63"));
-  }
+  ThrowIf(height > 0 && width > std::numeric_limits<std::int64_t>::max() / height,
+          "WIDTH x HEIGHT is ", width, " x ", height, ", must be below 2^63");
   if (entries.count("POINTS") == 0) return width * height;
   const std::int64_t points = ParseCount(Find(entries, "POINTS", 1)[0]);
-  if (points != width * height) {
-    throw InputError(Concat("POINTS is ", points, ", must be WIDTH x HEIGHT = ", width * height));
-  }
+  ThrowIf(points != width * height, "POINTS is ", points,
+          ", must be WIDTH x HEIGHT = ", width * height);
   return points;
 }
 
@@ -111,15 +104,13 @@ Entries ParseLines(std::string_view file, std::size_t* size) {
   Entries entries;
   while (entries.count("DATA") == 0) {
     const std::size_t line_size = file.substr(*size).find('\n');
-    if (line_size == file.npos)
-      throw InputError("neither PLY nor PCD: the header has no line DATA");
+    ThrowIf(line_size == file.npos, "neither PLY nor PCD: the header has no line DATA");
     const Words words = SplitWords(file.substr(*size, line_size));
     *size += line_size + 1;
     if (words.empty() || words[0][0] == '#') continue;
-    if (std::find(std::begin(kKeys), std::end(kKeys), words[0]) == std::end(kKeys)) {
-      throw InputError(
-          "neither a PLY file, which begins with 'ply', nor a PCD file, which begins with VERSION");
-    }
+    ThrowIf(
+        std::find(std::begin(kKeys), std::end(kKeys), words[0]) == std::end(kKeys),
+        "neither a PLY file, which begins with 'ply', nor a PCD file, which begins with VERSION");
     entries[words[0]].assign(words.begin() + 1, words.end());
   }
   return entries;
@@ -127,15 +118,13 @@ Entries ParseLines(std::string_view file, std::size_t* size) {
 
 // Throws InputError naming `path` and what is wrong with it.
 PcdHeader ParsePcdHeader(std::string_view file, const std::string& path) {
-  try {
+  return WithPlace(path, [&] {
     PcdHeader header;
     const Entries entries = ParseLines(file, &header.size);
     header.data = ParseData(Find(entries, "DATA", 1));
     header.points = {"points", ParsePointCount(entries), ParseFields(entries, header.data)};
     return header;
-  } catch (const InputError& error) {
-    throw InputError(Concat(path, ": ", error.what()));
-  }
+  });
 }
 
 // Takes 32 bits from the front.
@@ -157,9 +146,7 @@ std::string ExpandLzf(std::string_view compressed, std::size_t size) {
     expanded = lzf_decompress(compressed.data(), static_cast<unsigned>(compressed.size()),
                               bytes.data(), static_cast<unsigned>(size));
   }
-  if (expanded != size) {
-    throw InputError(Concat("the compressed data is damaged, it must expand to ", size, " bytes"));
-  }
+  ThrowIf(expanded != size, "the compressed data is damaged, it must expand to ", size, " bytes");
   return bytes;
 }
 
@@ -170,11 +157,9 @@ std::string ExpandToRows(std::string_view body, const PlyElement& points) {
   std::size_t row_size = 0;
   for (const PlyProperty& property : points.properties) row_size += PlySize(property.type);
   const auto count = static_cast<std::size_t>(points.count);
-  if (row_size == 0 || count > size / row_size || count * row_size != size) {
-    throw InputError(
-        Concat("there are ", size, " bytes of points, must be ", count, " x ", row_size));
-  }
-  if (compressed_size > body.size()) throw InputError("the file ends before its points");
+  ThrowIf(row_size == 0 || count > size / row_size || count * row_size != size, "there are ", size,
+          " bytes of points, must be ", count, " x ", row_size);
+  ThrowIf(compressed_size > body.size(), "the file ends before its points");
   const std::string columns = ExpandLzf(body.substr(0, compressed_size), size);
   std::string rows(size, '\0');
   std::size_t from = 0, column = 0;
@@ -238,18 +223,14 @@ std::string FormatHeader(const PointCloud& cloud) {
 PointCloud ParsePcd(std::string_view file, const std::string& path) {
   const PcdHeader header = ParsePcdHeader(file, path);
   const auto points = FindPlyColumns(header.points, {"x", "y", "z"});
-  if (!points) throw InputError(Concat(path, ": FIELDS must have x, y and z"));
+  if (!points) throw InputError(path, ": FIELDS must have x, y and z");
   const auto normals = FindPlyColumns(header.points, {"normal_x", "normal_y", "normal_z"});
   const auto color = FindColor(header.points);
 
   PlyHeader table{header.data == PcdHeader::Data::kAscii, {header.points}, header.size};
   std::string rows;
   if (header.data == PcdHeader::Data::kBinaryCompressed) {
-    try {
-      rows = ExpandToRows(file.substr(header.size), header.points);
-    } catch (const InputError& error) {
-      throw InputError(Concat(path, ": ", error.what()));
-    }
+    rows = WithPlace(path, [&] { return ExpandToRows(file.substr(header.size), header.points); });
     file = rows;
     table.size = 0;
   }

@@ -106,9 +106,8 @@ template <typename Cursor>
 void CheckSize(const Cursor& cursor, const PlyElement& element) {
   std::size_t row_size = 0;
   for (const PlyProperty& property : element.properties) row_size += Cursor::LeastSize(property);
-  if (row_size > 0 && cursor.BytesLeft() / row_size < static_cast<std::size_t>(element.count)) {
-    throw InputError(Concat("the file is too short for ", element.count, " rows"));
-  }
+  ThrowIf(row_size > 0 && cursor.BytesLeft() / row_size < static_cast<std::size_t>(element.count),
+          "the file is too short for ", element.count, " rows");
 }
 
 template <typename Cursor>
@@ -116,9 +115,8 @@ double ReadValue(const PlyProperty& property, Cursor* cursor) {
   if (!property.count_type) return cursor->Next(property.type);
   const double count = cursor->Next(*property.count_type);
   constexpr double kMost = std::numeric_limits<std::uint32_t>::max();
-  if (!(count >= 0 && count <= kMost && count == std::floor(count))) {
-    throw InputError(Concat("the length of list '", property.name, "' is ", count));
-  }
+  ThrowIf(!(count >= 0 && count <= kMost && count == std::floor(count)), "the length of list '",
+          property.name, "' is ", count);
   cursor->Skip(property.type, static_cast<std::uint64_t>(count));
   return 0;
 }
@@ -135,7 +133,7 @@ void ReadRows(const PlyElement& element, const std::function<void(const double*)
       }
       cursor->EndRow();
     } catch (const InputError& error) {
-      throw InputError(Concat("row ", i, ": ", error.what()));
+      throw InputError("row ", i, ": ", error.what());
     }
     row(values.data());
   }
@@ -153,7 +151,7 @@ void ReadElement(Cursor cursor, const PlyHeader& header, const std::string& name
       ReadRows(
           element, wanted ? row : [](const double*) {}, &cursor);
     } catch (const InputError& error) {
-      throw InputError(Concat(path, ": element '", element.name, "': ", error.what()));
+      throw InputError(path, ": element '", element.name, "': ", error.what());
     }
     if (wanted) return;
   }

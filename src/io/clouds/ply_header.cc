@@ -27,7 +27,7 @@ PlyType ParseType(std::string_view word) {
   for (const TypeNames& t : kTypes) {
     if (word == t.name || word == t.sized_name) return t.type;
   }
-  throw InputError(Concat("unknown type '", word, "'"));
+  throw InputError("unknown type '", word, "'");
 }
 
 bool ParseFormat(const Words& words) {
@@ -60,7 +60,7 @@ void ParseLine(const Words& words, PlyHeader* header) {
   } else if (words[0] == "property" && !header->elements.empty()) {
     header->elements.back().properties.push_back(ParseProperty(words));
   } else {
-    throw InputError(Concat("'", words[0], "' is misplaced or incomplete"));
+    throw InputError("'", words[0], "' is misplaced or incomplete");
   }
 }
 
@@ -75,10 +75,9 @@ PlyHeader ParsePlyHeader(std::string_view file, const std::string& path) {
   bool has_format = false;
   while (true) {
     const std::size_t line_size = file.substr(header.size).find('\n');
-    if (header.line_count == 0 && SplitWords(file.substr(0, line_size)) != Words{"ply"}) {
-      throw InputError(Concat(path, ": not a PLY file, the first line must be 'ply'"));
-    }
-    if (line_size == file.npos) throw InputError(Concat(path, ": the header has no end_header"));
+    ThrowIf(header.line_count == 0 && SplitWords(file.substr(0, line_size)) != Words{"ply"}, path,
+            ": not a PLY file, the first line must be 'ply'");
+    ThrowIf(line_size == file.npos, path, ": the header has no end_header");
     const Words words = SplitWords(file.substr(header.size, line_size));
     header.size += line_size + 1;
     ++header.line_count;
@@ -92,10 +91,10 @@ PlyHeader ParsePlyHeader(std::string_view file, const std::string& path) {
         ParseLine(words, &header);
       }
     } catch (const InputError& error) {
-      throw InputError(Concat(path, ":", header.line_count, ": ", error.what()));
+      throw InputError(path, ":", header.line_count, ": ", error.what());
     }
   }
-  if (!has_format) throw InputError(Concat(path, ": the header has no format"));
+  ThrowIf(!has_format, path, ": the header has no format");
   return header;
 }
 
@@ -104,7 +103,7 @@ const PlyElement& FindPlyElement(const PlyHeader& header, std::string_view name,
   for (const PlyElement& element : header.elements) {
     if (element.name == name) return element;
   }
-  throw InputError(Concat(path, ": the header has no element '", name, "'"));
+  throw InputError(path, ": the header has no element '", name, "'");
 }
 
 std::optional<PlyColumns> FindPlyColumns(const PlyElement& element, const PlyNames& names) {

@@ -41,7 +41,7 @@ PointCloud ParsePly(std::string_view file, const std::string& path) {
   const PlyHeader header = ParsePlyHeader(file, path);
   const PlyElement& vertices = FindPlyElement(header, "vertex", path);
   const auto points = FindPlyColumns(vertices, {"x", "y", "z"});
-  if (!points) throw InputError(Concat(path, ": element 'vertex' must have x, y and z"));
+  if (!points) throw InputError(path, ": element 'vertex' must have x, y and z");
   const auto normals = FindPlyColumns(vertices, {"nx", "ny", "nz"});
   const auto colors = FindColorColumns(vertices);
   const auto radius = FindColumn(vertices, "radius");

@@ -22,7 +22,7 @@ std::size_t Column(const PlyElement& element, std::string_view name, const std::
   for (std::size_t i = 0; i < element.properties.size(); ++i) {
     if (element.properties[i].name == name && !element.properties[i].count_type) return i;
   }
-  throw InputError(Concat(path, ": is not a surfel map: 'vertex' has no property ", name));
+  throw InputError(path, ": is not a surfel map: 'vertex' has no property ", name);
 }
 
 // What is beyond the type's range becomes its end, what is no number 0.

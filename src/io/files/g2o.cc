@@ -29,8 +29,7 @@ double InformationOf(std::string_view word) {
   constexpr double kMost = 1e30;
   const double value = FiniteNumber(word);
   if (std::abs(value) <= kMost) return value;
-  throw InputError(
-      Concat("an entry of the information matrix is ", word, ", must be at most 1e30"));
+  throw InputError("an entry of the information matrix is ", word, ", must be at most 1e30");
 }
 
 // From the order (translation, rotation) to ours.
@@ -42,16 +41,12 @@ Eigen::Matrix<double, 6, 6> ParseInformation(const std::string_view* words) {
       information(row, column) = information(column, row) = InformationOf(*words++);
     }
   }
-  if (!IsInformation(information)) {
-    throw InputError("the information matrix must be positive semidefinite");
-  }
+  ThrowIf(!IsInformation(information), "the information matrix must be positive semidefinite");
   return information;
 }
 
 void RequireWords(const Words& words, std::size_t count) {
-  if (words.size() != count) {
-    throw InputError(Concat(words[0], " has ", words.size(), " words, must have ", count));
-  }
+  ThrowIf(words.size() != count, words[0], " has ", words.size(), " words, must have ", count);
 }
 
 // Reads line by line; ids are looked up at the end, as vertices may follow their edges.
@@ -96,16 +91,15 @@ class G2oReader {
   void ReadVertex(const Words& words) {
     RequireWords(words, 2 + kPoseWords);
     const std::int64_t id = ParseCount(words[1]);
-    if (!index_of_.emplace(id, file_.graph.poses.size()).second) {
-      throw InputError(Concat("the id ", id, " of a vertex must be unique"));
-    }
+    ThrowIf(!index_of_.emplace(id, file_.graph.poses.size()).second, "the id ", id,
+            " of a vertex must be unique");
     file_.graph.poses.push_back({id, ParsePose(&words[2])});
   }
 
   void ReadEdge(const Words& words, int line) {
     RequireWords(words, 3 + kPoseWords + kInformationWords);
     const Ends ends{ParseCount(words[1]), ParseCount(words[2]), line};
-    if (ends.from == ends.to) throw InputError("an edge must join two poses");
+    ThrowIf(ends.from == ends.to, "an edge must join two poses");
     PoseGraphEdge edge;
     edge.a_from_b = ParsePose(&words[3]).Inverse();
     edge.information = ParseInformation(&words[3 + kPoseWords]);
@@ -116,7 +110,7 @@ class G2oReader {
 
   std::size_t Find(std::int64_t id) const {
     const auto found = index_of_.find(id);
-    if (found == index_of_.end()) throw InputError(Concat("there is no vertex of the id ", id));
+    ThrowIf(found == index_of_.end(), "there is no vertex of the id ", id);
     return found->second;
   }
 
@@ -155,11 +149,9 @@ G2oFile ReadG2o(const std::string& path) {
     }
     file = reader.Finish([&](int line) { line_number = line; });
   } catch (const InputError& error) {
-    throw InputError(Concat(path, ":", line_number, ": ", error.what()));
+    throw InputError(path, ":", line_number, ": ", error.what());
   }
-  if (file.graph.poses.empty()) {
-    throw InputError(Concat(path, " has no lines VERTEX_SE3:QUAT, must have one or more"));
-  }
+  ThrowIf(file.graph.poses.empty(), path, " has no lines VERTEX_SE3:QUAT, must have one or more");
   return file;
 }
 

@@ -45,8 +45,8 @@ int Lock(const std::string& folder, const std::string& path) {
     if (flock(lock, LOCK_EX | LOCK_NB) != 0) {
       const std::string owner = OwnerIn(lock);
       close(lock);
-      throw InputError(
-          Concat(folder, " is being written into by process ", owner, ", must be another folder"));
+      throw InputError(folder, " is being written into by process ", owner,
+                       ", must be another folder");
     }
     if (IsStillAt(path, lock)) return lock;
     close(lock);
@@ -67,9 +67,8 @@ void WriteOwner(const std::string& folder, int lock) {
 void RequireNoInput(const std::string& path, const std::vector<std::string>& inputs) {
   std::error_code none;
   for (const std::string& input : inputs) {
-    if (!input.empty() && fs::equivalent(path, input, none)) {
-      throw InputError(Concat(path, " is read, must not be in the folder that is written into"));
-    }
+    ThrowIf(!input.empty() && fs::equivalent(path, input, none), path,
+            " is read, must not be in the folder that is written into");
   }
 }
 
@@ -77,11 +76,11 @@ void Remove(const std::string& folder, const std::string& name) {
   const fs::path path = fs::path(folder) / name, in = path.parent_path();
   std::error_code error;
   if (in != fs::path(folder) && fs::is_symlink(fs::symlink_status(in, error))) {
-    throw InputError(Concat(in.string(), " is a link, must be a folder of the output's own"));
+    throw InputError(in.string(), " is a link, must be a folder of the output's own");
   }
   fs::remove(path, error);
   if (error && error != std::errc::not_a_directory) {
-    throw InputError(Concat(folder, "/", name, ": cannot be replaced: ", error.message()));
+    throw InputError(folder, "/", name, ": cannot be replaced: ", error.message());
   }
 }
 
@@ -108,7 +107,7 @@ void MakeFolder(const std::string& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error || !fs::is_directory(folder)) {
-    throw InputError(Concat(folder, ": cannot make the output folder: ", error.message()));
+    throw InputError(folder, ": cannot make the output folder: ", error.message());
   }
 }
 

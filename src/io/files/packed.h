@@ -107,7 +107,7 @@ class Unpacker {
   void End() const {
     if (at_ != bytes_.size()) Fail("goes on after its end");
   }
-  [[noreturn]] void Fail(const std::string& why) const { throw InputError(from_ + ": " + why); }
+  [[noreturn]] void Fail(const std::string& why) const { throw InputError(from_, ": ", why); }
 
  private:
   // What a damaged number may ask for.

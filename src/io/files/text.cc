@@ -35,26 +35,20 @@ double FiniteNumber(std::string_view word) {
   double value = 0;
   const char* const end = word.data() + word.size();
   const auto [parsed, error] = std::from_chars(word.data(), end, value);
-  if (error != std::errc() || parsed != end || !std::isfinite(value)) {
-    throw InputError(Concat("'", word, "' is not a finite number"));
-  }
+  ThrowIf(error != std::errc() || parsed != end || !std::isfinite(value), "'", word,
+          "' is not a finite number");
   return value;
 }
 
 double ParseNumber(const std::string& text, const std::string& place) {
-  try {
-    return FiniteNumber(text);
-  } catch (const InputError& error) {
-    throw InputError(Concat(place, ": ", error.what()));
-  }
+  return WithPlace(place, [&] { return FiniteNumber(text); });
 }
 
 static void RequireNear(const Eigen::Vector3d& position) {
   constexpr double kFarthest_m = 1e9;
   const double farthest_m = position.cwiseAbs().maxCoeff();
   if (farthest_m <= kFarthest_m) return;
-  throw InputError(
-      Concat("a coordinate is ", farthest_m, " m, must be at most ", kFarthest_m, " m"));
+  throw InputError("a coordinate is ", farthest_m, " m, must be at most ", kFarthest_m, " m");
 }
 
 Rigid3d RigidFromNumbers(const double* numbers) {
@@ -62,32 +56,27 @@ Rigid3d RigidFromNumbers(const double* numbers) {
   const double* const q = numbers + 3;
   const Eigen::Vector3d translation(numbers[0], numbers[1], numbers[2]);
   const Eigen::Quaterniond rotation(q[3], q[0], q[1], q[2]);
-  if (!(std::abs(rotation.norm() - 1) <= kTolerance)) {
-    throw InputError(Concat("the norm of the quaternion is ", rotation.norm(), ", must be 1"));
-  }
+  ThrowIf(!(std::abs(rotation.norm() - 1) <= kTolerance), "the norm of the quaternion is ",
+          rotation.norm(), ", must be 1");
   RequireNear(translation);
   return {rotation.normalized(), translation};
 }
 
 Rigid3d RigidFromMatrix(const Eigen::Matrix4d& matrix, const std::string& place) {
   const Eigen::Matrix3d r = matrix.topLeftCorner<3, 3>();
-  if (!((r * r.transpose() - Eigen::Matrix3d::Identity()).norm() < 0.01 && r.determinant() > 0))
-    throw InputError(place + ": the matrix is not a rigid transform");
-  try {
-    RequireNear(matrix.topRightCorner<3, 1>());
-  } catch (const InputError& error) {
-    throw InputError(Concat(place, ": ", error.what()));
-  }
+  ThrowIf(!((r * r.transpose() - Eigen::Matrix3d::Identity()).norm() < 0.01 && r.determinant() > 0),
+          place, ": the matrix is not a rigid transform");
+  WithPlace(place, [&] { RequireNear(matrix.topRightCorner<3, 1>()); });
   return Rigid3d(r, matrix.topRightCorner<3, 1>());
 }
 
 Rigid3d ParseRigid(const std::vector<TextRow>& rows, std::size_t first, const std::string& path) {
-  if (rows.size() < first + 4) throw InputError(path + " ends before a 4 x 4 matrix does");
+  ThrowIf(rows.size() < first + 4, path, " ends before a 4 x 4 matrix does");
   Eigen::Matrix4d matrix;
   for (int i = 0; i < 4; ++i) {
     const TextRow& row = rows[first + i];
-    if (row.columns.size() != 4)
-      throw InputError(Concat(row.place, " has ", row.columns.size(), " columns, must have 4"));
+    ThrowIf(row.columns.size() != 4, row.place, " has ", row.columns.size(),
+            " columns, must have 4");
     for (int j = 0; j < 4; ++j) matrix(i, j) = ParseNumber(row.columns[j], row.place);
   }
   return RigidFromMatrix(matrix, rows[first].place);
@@ -108,9 +97,8 @@ std::int64_t ParseCount(std::string_view word) {
   std::int64_t count = -1;
   const char* const end = word.data() + word.size();
   const auto [parsed, error] = std::from_chars(word.data(), end, count);
-  if (error != std::errc() || parsed != end || count < 0) {
-    throw InputError(Concat("the count is '", word, "', must be an integer from 0"));
-  }
+  ThrowIf(error != std::errc() || parsed != end || count < 0, "the count is '", word,
+          "', must be an integer from 0");
   return count;
 }
 

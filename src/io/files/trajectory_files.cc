@@ -36,7 +36,7 @@ StampedPose ParsePose(std::string_view line) {
     const double value = FiniteNumber(column);
     if (count < v.size()) v[count] = value;
   }
-  if (count != v.size()) throw InputError(Concat(count, " columns, must be 8"));
+  ThrowIf(count != v.size(), count, " columns, must be 8");
   return {v[0], RigidFromNumbers(&v[1])};
 }
 
@@ -55,7 +55,7 @@ void ForEachLine(const std::string& path, const Parse& parse) {
     try {
       parse(line);
     } catch (const InputError& error) {
-      throw InputError(Concat(path, ":", line_number, ": ", error.what()));
+      throw InputError(path, ":", line_number, ": ", error.what());
     }
   }
 }

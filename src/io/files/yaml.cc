@@ -26,7 +26,7 @@ class YamlParser {
  private:
   [[noreturn]] void Fail(const std::string& what) const {
     const auto line = 1 + std::count(text_.begin(), text_.begin() + std::ptrdiff_t(at_), '\n');
-    throw InputError(Concat(path_, ":", line, " is not YAML as a camera needs it: it ", what));
+    throw InputError(path_, ":", line, " is not YAML as a camera needs it: it ", what);
   }
 
   bool AtEnd() const { return at_ >= text_.size(); }

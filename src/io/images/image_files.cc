@@ -20,7 +20,7 @@ using Handle = std::unique_ptr<void, Closer>;
 
 void Require(bool holds, const Handle& decoder, const std::string& path) {
   if (holds) return;
-  throw InputError(Concat(path, " is truncated or damaged: ", tjGetErrorStr2(decoder.get())));
+  throw InputError(path, " is truncated or damaged: ", tjGetErrorStr2(decoder.get()));
 }
 
 const unsigned char* Data(const std::string& bytes) {
@@ -47,7 +47,7 @@ RawDepth DecodeDepthImage(const std::string& bytes, const std::string& path) {
   if (IsPng(bytes)) return DecodeDepthPng(bytes, path);
   if (IsTiff(bytes)) return DecodeDepthTiff(bytes, path);
   if (IsPnm(bytes)) return DecodeDepthPnm(bytes, path);
-  throw InputError(path + " is a JPEG, which a depth image cannot be");
+  throw InputError(path, " is a JPEG, which a depth image cannot be");
 }
 
 Image<Rgb8> ReadColorImage(const std::string& path) {
@@ -80,8 +80,8 @@ std::string EncodeJpeg(const Image<Rgb8>& image, int quality) {
   const int result = tjCompress2(encoder.get(), &image.data()->r, image.width(), 0, image.height(),
                                  TJPF_RGB, &bytes, &size, TJSAMP_444, quality, 0);
   if (result != 0) {
-    throw InputError(Concat("cannot make a JPEG of ", image.width(), " x ", image.height(),
-                            " pixels: ", tjGetErrorStr2(encoder.get())));
+    throw InputError("cannot make a JPEG of ", image.width(), " x ", image.height(),
+                     " pixels: ", tjGetErrorStr2(encoder.get()));
   }
   std::string jpeg(reinterpret_cast<const char*>(bytes), size);
   tjFree(bytes);

@@ -30,7 +30,7 @@ class TiffReader {
 
   // Throws InputError beyond the end.
   std::uint32_t Number(std::size_t at, int size, const std::string& path) const {
-    if (at + size > bytes_.size()) throw InputError(path + " is truncated");
+    ThrowIf(at + size > bytes_.size(), path, " is truncated");
     std::uint32_t number = 0;
     for (int i = 0; i < size; ++i) {
       const std::size_t byte = is_little_ ? at + size - 1 - i : at + i;
@@ -58,7 +58,7 @@ ImageSize TiffSize(const std::string& bytes, const std::string& path) {
     const std::uint32_t tag = tiff.Number(entry, 2, path), type = tiff.Number(entry + 2, 2, path);
     const bool is_width = tag == kWidth || tag == kTileWidth;
     if (!is_width && tag != kHeight && tag != kTileHeight) continue;
-    if (type != kShort && type != kLong) throw InputError(path + " is damaged: its size is odd");
+    ThrowIf(type != kShort && type != kLong, path, " is damaged: its size is odd");
     std::uint32_t& side = is_width ? width : height;
     side = std::max(side, std::min(tiff.Number(entry + 8, type == kShort ? 2 : 4, path), kMost));
   }
@@ -77,7 +77,7 @@ ImageSize SizeByKind(const std::string& bytes, const std::string& path) {
   if (IsJpeg(bytes)) return JpegSize(bytes, path);
   if (IsTiff(bytes)) return TiffSize(bytes, path);
   if (IsPnm(bytes)) return PnmSize(bytes, path);
-  throw InputError(path +
+  throw InputError(path,
                    " is truncated, damaged or not an image: neither PNG, JPEG, TIFF, PGM nor PPM");
 }
 
@@ -96,8 +96,8 @@ bool IsPnm(const std::string& bytes) {
 void RequireUsualSize(ImageSize size, const std::string& path) {
   constexpr int kMax = 16384;  // px
   if (size.width >= 1 && size.height >= 1 && size.width <= kMax && size.height <= kMax) return;
-  throw InputError(Concat(path, " is ", size.width, " x ", size.height,
-                          " pixels, must be from 1 x 1 to ", kMax, " x ", kMax));
+  throw InputError(path, " is ", size.width, " x ", size.height, " pixels, must be from 1 x 1 to ",
+                   kMax, " x ", kMax);
 }
 
 ImageSize ClaimedSize(const std::string& bytes, const std::string& path) {
@@ -105,8 +105,8 @@ ImageSize ClaimedSize(const std::string& bytes, const std::string& path) {
   const ImageSize size = SizeByKind(bytes, path);
   RequireUsualSize(size, path);
   if (size.pixels() / kMaxRatio / PixelsOfByte(bytes) <= bytes.size()) return size;
-  throw InputError(Concat(path, " is truncated or damaged: its ", bytes.size(),
-                          " bytes cannot hold ", size.width, " x ", size.height, " pixels"));
+  throw InputError(path, " is truncated or damaged: its ", bytes.size(), " bytes cannot hold ",
+                   size.width, " x ", size.height, " pixels");
 }
 
 bool IsJpeg(const std::string& bytes) {
@@ -120,7 +120,7 @@ ImageSize JpegSize(const std::string& bytes, const std::string& path) {
   int subsampling = 0, color_space = 0;
   if (tjDecompressHeader3(decoder.get(), BytesOf(bytes), bytes.size(), &size.width, &size.height,
                           &subsampling, &color_space) != 0) {
-    throw InputError(Concat(path, " is truncated or damaged: ", tjGetErrorStr2(decoder.get())));
+    throw InputError(path, " is truncated or damaged: ", tjGetErrorStr2(decoder.get()));
   }
   RequireUsualSize(size, path);
   return size;
@@ -138,10 +138,10 @@ std::vector<PngChunk> PngChunks(const std::string& png, const std::string& path)
   do {
     // A chunk: length of the data, type, data, checksum of type and data.
     const std::size_t left = bytes.size() - at;
-    if (left < 12 || left - 12 < BigEndian(data + at)) throw InputError(path + " is truncated");
+    ThrowIf(left < 12 || left - 12 < BigEndian(data + at), path, " is truncated");
     const std::size_t length = BigEndian(data + at);
-    if (libdeflate_crc32(0, data + at + 4, length + 4) != BigEndian(data + at + 8 + length))
-      throw InputError(path + " is damaged: a checksum is wrong");
+    ThrowIf(libdeflate_crc32(0, data + at + 4, length + 4) != BigEndian(data + at + 8 + length),
+            path, " is damaged: a checksum is wrong");
     chunks.push_back({bytes.substr(at + 4, 4), bytes.substr(at + 8, length)});
     at += length + 12;
   } while (chunks.back().type != "IEND");
@@ -151,7 +151,7 @@ std::vector<PngChunk> PngChunks(const std::string& png, const std::string& path)
 ImageSize PngSize(const std::string& bytes, const std::string& path) {
   // After the signature comes IHDR: length, type, width, height.
   constexpr std::size_t kSizeAt = 16;
-  if (!IsPng(bytes) || bytes.size() < kSizeAt + 8) throw InputError(path + " is truncated");
+  ThrowIf(!IsPng(bytes) || bytes.size() < kSizeAt + 8, path, " is truncated");
   const std::uint8_t* const data = BytesOf(bytes);
   const ImageSize size{static_cast<int>(BigEndian(data + kSizeAt)),
                        static_cast<int>(BigEndian(data + kSizeAt + 4))};

@@ -161,8 +161,8 @@ class PngWriter {
       png_write_end(png_, nullptr);
     });
     if (written) return std::move(bytes_);
-    throw InputError(Concat("cannot make a PNG of ", image.width(), " x ", image.height(),
-                            " pixels: memory is missing, or there are none"));
+    throw InputError("cannot make a PNG of ", image.width(), " x ", image.height(),
+                     " pixels: memory is missing, or there are none");
   }
 
  private:

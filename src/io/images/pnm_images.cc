@@ -25,8 +25,7 @@ class PnmReader {
     const std::size_t numbers = channels() * size_.pixels();
     // Of text each number takes a digit and what parts it from the next.
     const std::size_t least = is_text() ? 2 * numbers - 1 : numbers * bits() / 8;
-    if (at_ > bytes_.size() || bytes_.size() - at_ < least)
-      throw InputError(path_ + " is truncated");
+    ThrowIf(at_ > bytes_.size() || bytes_.size() - at_ < least, path_, " is truncated");
   }
 
   ImageSize size() const { return size_; }
@@ -49,9 +48,8 @@ class PnmReader {
   int TakeText() {
     while (at_ < bytes_.size() && (std::isspace(Byte(at_)) != 0 || bytes_[at_] == '#'))
       at_ = bytes_[at_] == '#' ? bytes_.find_first_of("\r\n", at_) : at_ + 1;
-    if (at_ >= bytes_.size() || std::isdigit(Byte(at_)) == 0) {
-      throw InputError(path_ + " is truncated or damaged: it lacks a number");
-    }
+    ThrowIf(at_ >= bytes_.size() || std::isdigit(Byte(at_)) == 0, path_,
+            " is truncated or damaged: it lacks a number");
     constexpr int kMost = 1 << 20;
     int number = 0;
     for (; at_ < bytes_.size() && std::isdigit(Byte(at_)) != 0; ++at_)

@@ -36,7 +36,7 @@ std::string UriOf(const OpenNiLibrary& library, const std::string& path) {
     if (path == "any" || path == device.uri) return device.uri;
     all += Concat(all.empty() ? "" : ", ", device.uri, " (", device.vendor, " ", device.name, ")");
   }
-  throw InputError(Concat("no camera '", path, "': OpenNI2 sees ", all.empty() ? "none" : all));
+  throw InputError("no camera '", path, "': OpenNI2 sees ", all.empty() ? "none" : all);
 }
 
 }  // namespace

@@ -39,8 +39,8 @@ PlayerName::PlayerName(const std::string& path) {
   text_ = folder.empty() ? "./" : folder + "/";
   for (int i = 0; i < number_; ++i) text_ += "./";
   text_ += file.filename().string();
-  if (text_.size() >= ONI_MAX_STR)
-    throw InputError(Concat(path, ": OpenNI2 opens paths of at most ", ONI_MAX_STR - 1, " bytes"));
+  ThrowIf(text_.size() >= ONI_MAX_STR, path, ": OpenNI2 opens paths of at most ", ONI_MAX_STR - 1,
+          " bytes");
   used.numbers.insert(number_);
 }
 
@@ -56,10 +56,8 @@ OniRecording::OniRecording(const SequenceOptions& options)
       device_(std::make_shared<const OpenNiLibrary>(options.openni2_library), name_.text()) {
   device_.PlayOnRequest(options_);
   device_.Start();
-  if (device_.depth_count() < 1) {
-    throw InputError(options_.path +
-                     " tells of no image of depth, as where its recording was not ended");
-  }
+  ThrowIf(device_.depth_count() < 1, options_.path,
+          " tells of no image of depth, as where its recording was not ended");
   Pair(ListImages());
 }
 
@@ -115,10 +113,8 @@ void OniRecording::Pair(const Images& images) {
   }
   unpaired_images_ =
       static_cast<int>(images.color.size() + images.depth.size() - 2 * frames_.size());
-  if (frames_.empty()) {
-    throw InputError(Concat(options_.path, ": no stamp of colour is within ", kMaxBetweenImages_s,
-                            " s of one of depth"));
-  }
+  ThrowIf(frames_.empty(), options_.path, ": no stamp of colour is within ", kMaxBetweenImages_s,
+          " s of one of depth");
 }
 
 FrameImages OniRecording::Read(int index) const {
@@ -139,7 +135,7 @@ FrameImages OniRecording::Read(int index) const {
     const bool is_kept = last && last->number == (image->is_depth() ? frame.depth : frame.color);
     if (is_sought || !is_kept) last = std::move(image);
   }
-  if (!has_come()) throw InputError(images.depth_name + " or its colour cannot be played");
+  ThrowIf(!has_come(), images.depth_name, " or its colour cannot be played");
   images.depth = depth_->depth;
   if (frame.color > 0) images.color = color_->color;
   return images;

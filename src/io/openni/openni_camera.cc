@@ -157,7 +157,7 @@ class OpenNiCamera : public RawFrames {
       is_first_ = true;
       return {ImagesOf(last_)};
     }
-    throw InputError(name_ + ": it was stopped before a frame came");
+    throw InputError(name_, ": it was stopped before a frame came");
   }
 
   std::optional<RawFrame> Next() override {

@@ -57,7 +57,7 @@ OpenNiDevice::OpenNiDevice(std::shared_ptr<const OpenNiLibrary> library, const s
   try {
     depth_ = Create(ONI_SENSOR_DEPTH);
     color_ = Create(ONI_SENSOR_COLOR);
-    if (depth_.stream == nullptr) throw InputError(name_ + " has no depth");
+    ThrowIf(depth_.stream == nullptr, name_, " has no depth");
   } catch (...) {
     library_->oniDeviceClose(device_);
     throw;
@@ -98,12 +98,11 @@ void OpenNiDevice::SetMode(const SequenceOptions& options, OniSensorType sensor,
         mode.fps != options.device_fps)
       continue;
     if (Set(*stream, ONI_STREAM_PROPERTY_VIDEO_MODE, mode)) return;
-    throw InputError(Concat(name_, " refuses ", ToText(mode), ": ", library_->Reason()));
+    throw InputError(name_, " refuses ", ToText(mode), ": ", library_->Reason());
   }
-  throw InputError(Concat("device_width, device_height and device_fps are ", options.device_width,
-                          ", ", options.device_height, " and ", options.device_fps, ", must be of ",
-                          sensor == ONI_SENSOR_DEPTH ? "depth" : "colour", " of ", name_, ": ",
-                          all));
+  throw InputError("device_width, device_height and device_fps are ", options.device_width, ", ",
+                   options.device_height, " and ", options.device_fps, ", must be of ",
+                   sensor == ONI_SENSOR_DEPTH ? "depth" : "colour", " of ", name_, ": ", all);
 }
 
 void OpenNiDevice::SetUp(const SequenceOptions& options) {
@@ -146,12 +145,10 @@ void OpenNiDevice::Start() {
     stream->is_mirrored =
         Get<OniBool>(*stream, ONI_STREAM_PROPERTY_MIRRORING).value_or(FALSE) != FALSE;
     const OniPixelFormat format = stream->mode.pixelFormat;
-    if (stream == &depth_ ? !IsDepth(format) : !IsColor(format)) {
-      throw InputError(
-          Concat(name_, ": pixels of ", stream == &depth_ ? "depth" : "colour",
-                 " have OpenNI2's format ", static_cast<int>(format), ", must be ",
-                 stream == &depth_ ? "depth of 1 or 0.1 mm" : "RGB or grey of 8 bits"));
-    }
+    ThrowIf(stream == &depth_ ? !IsDepth(format) : !IsColor(format), name_, ": pixels of ",
+            stream == &depth_ ? "depth" : "colour", " have OpenNI2's format ",
+            static_cast<int>(format), ", must be ",
+            stream == &depth_ ? "depth of 1 or 0.1 mm" : "RGB or grey of 8 bits");
   }
   for (const Stream* stream : {&depth_, &color_}) {
     if (stream->stream == nullptr) continue;
@@ -178,14 +175,14 @@ std::optional<DeviceImage> OpenNiDevice::Next(int wait_ms) {
 DeviceImage OpenNiDevice::Take(const OniFrame& frame, const Stream& stream) const {
   const OniPixelFormat format = frame.videoMode.pixelFormat;
   const int pixel_bytes = IsDepth(format) ? 2 : format == ONI_PIXEL_FORMAT_RGB888 ? 3 : 1;
-  if (format != stream.mode.pixelFormat || frame.width < 1 || frame.height < 1 ||
-      frame.stride < frame.width * pixel_bytes ||
-      static_cast<std::int64_t>(frame.stride) * (frame.height - 1) + frame.width * pixel_bytes >
-          frame.dataSize) {
-    throw InputError(Concat(name_, ": image ", frame.frameIndex, " is not as its stream says"));
-  }
-  if (frame.croppingEnabled != FALSE)
-    throw InputError(Concat(name_, ": image ", frame.frameIndex, " is cropped, must be whole"));
+  ThrowIf(
+      format != stream.mode.pixelFormat || frame.width < 1 || frame.height < 1 ||
+          frame.stride < frame.width * pixel_bytes ||
+          static_cast<std::int64_t>(frame.stride) * (frame.height - 1) + frame.width * pixel_bytes >
+              frame.dataSize,
+      name_, ": image ", frame.frameIndex, " is not as its stream says");
+  ThrowIf(frame.croppingEnabled != FALSE, name_, ": image ", frame.frameIndex,
+          " is cropped, must be whole");
   DeviceImage image;
   image.stamp_us = frame.timestamp;
   image.number = frame.frameIndex;
@@ -206,7 +203,7 @@ PinholeCamera OpenNiDevice::PinholeOf(const Stream& stream) const {
   const auto horizontal_rad = Get<float>(stream, ONI_STREAM_PROPERTY_HORIZONTAL_FOV);
   const auto vertical_rad = Get<float>(stream, ONI_STREAM_PROPERTY_VERTICAL_FOV);
   if (!horizontal_rad || !vertical_rad || !(*horizontal_rad > 0) || !(*vertical_rad > 0)) {
-    throw InputError(name_ +
+    throw InputError(name_,
                      " does not tell its field of view: give a camera.yaml, a preset as "
                      "camera, or intrinsics");
   }
@@ -231,11 +228,9 @@ RgbdCamera OpenNiDevice::Camera(const SequenceOptions& options) const {
   const bool sees_as_color = has_color() && is_registered_;
   if (!options.intrinsics) camera.depth = PinholeOf(sees_as_color ? color_ : depth_);
   if (camera.color_is_registered) return camera;
-  if (!options.color_from_depth) {
-    throw InputError(name_ +
-                     " does not register depth to colour: give color_from_depth, or a "
-                     "camera.yaml that has it");
-  }
+  ThrowIf(!options.color_from_depth, name_,
+          " does not register depth to colour: give color_from_depth, or a "
+          "camera.yaml that has it");
   if (!options.color_intrinsics) camera.color = PinholeOf(color_);
   return camera;
 }

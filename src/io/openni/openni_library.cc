@@ -11,7 +11,7 @@ namespace {
 
 void* Find(void* library, const char* call, const std::string& name) {
   if (void* const found = dlsym(library, call)) return found;
-  throw InputError(Concat(name, " has no ", call, ", so it is not OpenNI2"));
+  throw InputError(name, " has no ", call, ", so it is not OpenNI2");
 }
 
 }  // namespace
@@ -20,9 +20,9 @@ OpenNiLibrary::OpenNiLibrary(const std::string& name)
     // It stays loaded: its drivers have threads.
     : library_(dlopen(name.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE)) {
   if (library_ == nullptr) {
-    throw InputError(Concat("OpenNI2 cannot be loaded (", dlerror(),
-                            "): install Debian's libopenni2-0, or name a library as "
-                            "openni2_library"));
+    throw InputError("OpenNI2 cannot be loaded (", dlerror(),
+                     "): install Debian's libopenni2-0, or name a library as "
+                     "openni2_library");
   }
 #define SURFIT_OPENNI_FIND(call) \
   call = reinterpret_cast<decltype(call)>(Find(library_, #call, name));
@@ -34,7 +34,7 @@ OpenNiLibrary::OpenNiLibrary(const std::string& name)
 OpenNiLibrary::~OpenNiLibrary() { oniShutdown(); }
 
 void OpenNiLibrary::Require(OniStatus status, const std::string& what) const {
-  if (status != ONI_STATUS_OK) throw InputError(what + ": " + Reason());
+  if (status != ONI_STATUS_OK) throw InputError(what, ": ", Reason());
 }
 
 std::string OpenNiLibrary::Reason() const {

@@ -135,7 +135,7 @@ RgbdCamera CameraPreset(const std::string& name) {
     if (preset.name == name) return preset.camera;
     known += (known.empty() ? "" : ", ") + preset.name;
   }
-  throw InputError(Concat("camera is '", name, "', must be one of ", known));
+  throw InputError("camera is '", name, "', must be one of ", known);
 }
 
 std::vector<std::string> CameraPresetNames() {

@@ -27,32 +27,32 @@ class Node {
   }
 
   void RequireKeysAmong(const std::vector<std::string>& known) const {
-    if (!Exists() || node_->kind != YamlNode::Kind::kMap)
-      throw InputError(name_ + " must be a map of keys to values");
+    ThrowIf(!Exists() || node_->kind != YamlNode::Kind::kMap, name_,
+            " must be a map of keys to values");
     for (const std::string& key : node_->keys) {
-      if (std::find(known.begin(), known.end(), key) == known.end())
-        throw InputError(Concat(name_, ": '", key, "' is no known key"));
+      ThrowIf(std::find(known.begin(), known.end(), key) == known.end(), name_, ": '", key,
+              "' is no known key");
     }
   }
   double Number() const {
-    if (!Exists()) throw InputError(name_ + " is missing");
-    if (node_->kind != YamlNode::Kind::kScalar) throw InputError(name_ + " must be a number");
+    ThrowIf(!Exists(), name_, " is missing");
+    ThrowIf(node_->kind != YamlNode::Kind::kScalar, name_, " must be a number");
     try {
       return FiniteNumber(node_->scalar);
     } catch (const InputError& error) {
-      throw InputError(Concat(name_, " must be a number: ", error.what()));
+      throw InputError(name_, " must be a number: ", error.what());
     }
   }
   int Integer() const {
     const double number = Number();
-    if (number != std::floor(number) || std::abs(number) > std::numeric_limits<int>::max())
-      throw InputError(name_ + " must be an integer");
+    ThrowIf(number != std::floor(number) || std::abs(number) > std::numeric_limits<int>::max(),
+            name_, " must be an integer");
     return static_cast<int>(number);
   }
   template <std::size_t kSize>
   std::array<double, kSize> Numbers() const {
-    if (!Exists() || node_->kind != YamlNode::Kind::kList || node_->values.size() != kSize)
-      throw InputError(Concat(name_, " must be a list of ", kSize, " numbers"));
+    ThrowIf(!Exists() || node_->kind != YamlNode::Kind::kList || node_->values.size() != kSize,
+            name_, " must be a list of ", kSize, " numbers");
     std::array<double, kSize> numbers;
     for (std::size_t i = 0; i < kSize; ++i) numbers[i] = Node(&node_->values[i], name_).Number();
     return numbers;
@@ -122,8 +122,8 @@ Rigid3d ReadTransform(const Node& node, const std::string& name) {
   const auto t = node["translation_m"].Numbers<3>();
   const auto q = node["rotation_xyzw"].Numbers<4>();
   const Eigen::Quaterniond rotation(q[3], q[0], q[1], q[2]);
-  if (!(std::abs(rotation.norm() - 1) < 0.01))
-    throw InputError(Concat(name, ": rotation_xyzw has length ", rotation.norm(), ", must have 1"));
+  ThrowIf(!(std::abs(rotation.norm() - 1) < 0.01), name, ": rotation_xyzw has length ",
+          rotation.norm(), ", must have 1");
   return Rigid3d(rotation.normalized(), {t[0], t[1], t[2]});
 }
 
@@ -133,11 +133,11 @@ RgbdCamera ReadCamera(const Node& root, const std::string& path) {
                          "inverse_depth_field", "frames_per_second", "latency_s", "color_latency_s",
                          "readout_s", "prior"});
   RgbdCamera camera;
-  if (!root["depth_camera"].Exists()) throw InputError(path + ": depth_camera is missing");
+  ThrowIf(!root["depth_camera"].Exists(), path, ": depth_camera is missing");
   camera.depth = ReadPinhole(root["depth_camera"]);
   if (root["disparity"].Exists()) {
-    if (root["depth_units_per_metre"].Exists())
-      throw InputError(path + ": depth_units_per_metre and disparity exclude each other");
+    ThrowIf(root["depth_units_per_metre"].Exists(), path,
+            ": depth_units_per_metre and disparity exclude each other");
     camera.disparity = ReadDisparity(root["disparity"], path + ": disparity");
   } else {
     camera.depth_units_per_metre = root["depth_units_per_metre"].Number();
@@ -154,8 +154,7 @@ RgbdCamera ReadCamera(const Node& root, const std::string& path) {
   camera.color_is_registered = !root["color_camera"].Exists();
   if (!camera.color_is_registered) camera.color = ReadPinhole(root["color_camera"]);
   if (root["color_from_depth"].Exists()) {
-    if (camera.color_is_registered)
-      throw InputError(path + ": color_from_depth needs a color_camera beside it");
+    ThrowIf(camera.color_is_registered, path, ": color_from_depth needs a color_camera beside it");
     camera.color_from_depth = ReadTransform(root["color_from_depth"], path + ": color_from_depth");
   }
   camera.Validate(path);
@@ -217,7 +216,7 @@ void WritePrior(cv::FileStorage& file, CalibrationPrior prior) {
 std::string ReadShallowText(const std::string& path) {
   constexpr std::size_t kMost = 1 << 16;  // bytes, of which 360 levels can be indented
   constexpr int kMostOpened = 200;
-  if (!HasFile(path)) throw InputError(path + " does not exist");
+  ThrowIf(!HasFile(path), path, " does not exist");
   std::string text = ReadFile(path, kMost);
   int opened = 0;
   for (std::size_t i = 0; i + 1 < text.size(); ++i) {
@@ -225,8 +224,7 @@ std::string ReadShallowText(const std::string& path) {
     opened += c == '[' || c == '{' || (c == '-' && text[i + 1] == ' ');
   }
   if (opened <= kMostOpened) return text;
-  throw InputError(
-      Concat(path, " has ", opened, " lists and maps, must have at most ", kMostOpened));
+  throw InputError(path, " has ", opened, " lists and maps, must have at most ", kMostOpened);
 }
 
 }  // namespace
@@ -268,7 +266,7 @@ void WriteCameraYaml(const RgbdCamera& camera, const std::string& path,
     WritePrior(file, camera.prior);
     text = file.releaseAndGetString();
   } catch (const cv::Exception& error) {
-    throw InputError(path + " cannot be written: " + error.err);
+    throw InputError(path, " cannot be written: ", error.err);
   }
   WriteFileAtomically(path, [&](std::ostream& out) { out << text; });
 }

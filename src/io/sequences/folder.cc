@@ -40,11 +40,11 @@ std::string DetectFolderFormat(const std::string& folder) {
       if (HasNameEnding(folder, std::string(".") + format)) return format;
     }
   }
-  throw InputError(Concat(
+  throw InputError(
       folder, " holds no sequence of a known format: looked for depth.txt or associations.txt (",
       "tum), *.gt.freiburg or rgb/ with depth/0.png or depth/1.png (icl_nuim), frame-*.depth.png ",
       "(seven_scenes), depth/ (redwood), results/ with traj.txt (replica), metadata.yaml with ",
-      "*.db3 or *.mcap"));
+      "*.db3 or *.mcap");
 }
 
 // How many folders above that of a sequence its relative path leads to; many if it is absolute.
@@ -80,7 +80,7 @@ bool HasFile(const std::string& path) {
   std::error_code none;
   if (fs::is_regular_file(path, none)) return true;
   if (!fs::exists(fs::symlink_status(path, none))) return false;
-  throw InputError(path + " is no regular file, must be one or missing");
+  throw InputError(path, " is no regular file, must be one or missing");
 }
 
 bool EndsWith(const std::string& name, const std::string& ending) {
@@ -114,8 +114,8 @@ std::string FollowTextLink(const std::string& folder, const std::string& name) {
   while (!target.empty() && (target.back() == '\n' || target.back() == '\r')) target.pop_back();
   const fs::path at_sequence = fs::path(name).parent_path().parent_path() / target;
   if (Beyond(at_sequence) > 1) {
-    throw InputError(Concat(link.string(), ": the link to '", target,
-                            "' leads beyond the folders beside the sequence's"));
+    throw InputError(link.string(), ": the link to '", target,
+                     "' leads beyond the folders beside the sequence's");
   }
   const fs::path linked = fs::path(folder) / at_sequence;
   return IsFolder(linked.string()) ? (linked / path.filename()).string() : path.string();
@@ -145,7 +145,7 @@ std::string DetectFormat(const std::string& path) {
   for (const char* format : {"klg", "sens", "bag", "db3", "mcap", "oni"}) {
     if (EndsWith(path, std::string(".") + format)) return format;
   }
-  throw InputError(path + " is neither a folder nor a .klg, .sens, .bag, .db3, .mcap or .oni file");
+  throw InputError(path, " is neither a folder nor a .klg, .sens, .bag, .db3, .mcap or .oni file");
 }
 
 }  // namespace surfit

@@ -12,10 +12,9 @@ namespace {
 
 template <typename T>
 Image<T> CopyPixels(const std::string& bytes, ImageSize size, const std::string& name) {
-  if (bytes.size() != sizeof(T) * size.pixels())
-    throw InputError(Concat(name, " has ", bytes.size(), " bytes, must have ",
-                            sizeof(T) * size.pixels(), " for ", size.width, " x ", size.height,
-                            " pixels"));
+  ThrowIf(bytes.size() != sizeof(T) * size.pixels(), name, " has ", bytes.size(),
+          " bytes, must have ", sizeof(T) * size.pixels(), " for ", size.width, " x ", size.height,
+          " pixels");
   Image<T> image(size.width, size.height);
   std::memcpy(image.data(), bytes.data(), bytes.size());
   return image;
@@ -29,20 +28,18 @@ BinaryFile::BinaryFile(const std::string& path) : path_(path), file_(path, std::
   if (file_.seekg(0, std::ios::end)) size_ = file_.tellg();
   if (!file_) {
     const std::error_code reason(errno, std::generic_category());
-    throw InputError(Concat("cannot read '", path, "': ", reason.message()));
+    throw InputError("cannot read '", path, "': ", reason.message());
   }
 }
 
 std::string BinaryFile::Read(std::uint64_t at, std::uint64_t count) const {
-  if (!Has(at, count)) {
-    throw InputError(Concat(path_, " is ", size_, " bytes long and ends before ", count,
-                            " bytes from byte ", at));
-  }
+  ThrowIf(!Has(at, count), path_, " is ", size_, " bytes long and ends before ", count,
+          " bytes from byte ", at);
   std::string bytes(count, '\0');
   file_.clear();
   file_.seekg(static_cast<std::streamoff>(at));
-  if (!file_.read(bytes.data(), static_cast<std::streamsize>(count)))
-    throw InputError(Concat("cannot read '", path_, "' at byte ", at));
+  ThrowIf(!file_.read(bytes.data(), static_cast<std::streamsize>(count)), "cannot read '", path_,
+          "' at byte ", at);
   return bytes;
 }
 
@@ -69,12 +66,10 @@ Image<Rgb8> CopyColor(const std::string& bytes, ImageSize size, const std::strin
 }
 
 Image<Rgb8> DecodeColor(const std::string& bytes, ImageSize size, const std::string& name) {
-  if (!IsJpeg(bytes) && !IsPng(bytes)) throw InputError(name + " is damaged: neither JPEG nor PNG");
+  ThrowIf(!IsJpeg(bytes) && !IsPng(bytes), name, " is damaged: neither JPEG nor PNG");
   const ImageSize claimed = IsPng(bytes) ? PngSize(bytes, name) : JpegSize(bytes, name);
-  if (claimed != size) {
-    throw InputError(Concat(name, " is ", claimed.width, " x ", claimed.height, " pixels, must be ",
-                            size.width, " x ", size.height));
-  }
+  ThrowIf(claimed != size, name, " is ", claimed.width, " x ", claimed.height, " pixels, must be ",
+          size.width, " x ", size.height);
   return DecodeColorImage(bytes, name);
 }
 

@@ -13,8 +13,8 @@ template <typename T>
 void RequireSize(const Image<T>& image, const PinholeCamera& camera, const char* whose,
                  const std::string& name) {
   if (image.width() == camera.width && image.height() == camera.height) return;
-  throw InputError(Concat(name, " is ", image.width(), " x ", image.height(), " pixels, must be ",
-                          camera.width, " x ", camera.height, " as ", whose));
+  throw InputError(name, " is ", image.width(), " x ", image.height(), " pixels, must be ",
+                   camera.width, " x ", camera.height, " as ", whose);
 }
 
 // Prepares what is read.
@@ -98,7 +98,7 @@ std::vector<FrameImages> ImageSequence::FirstImages() {
       if (first_error.empty()) first_error = error.what();
     }
   }
-  if (images.empty()) throw InputError("no frame can be read: " + first_error);
+  ThrowIf(images.empty(), "no frame can be read: ", first_error);
   return images;
 }
 

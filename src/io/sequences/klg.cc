@@ -32,8 +32,7 @@ class KlgRecording : public Recording {
   KlgRecording(const std::string& path, ImageSize size) : file_(path), size_(size) {
     Index();
     if (const auto claimed = SizeOfFirstJpeg()) size_ = *claimed;
-    if (size_ == ImageSize())
-      throw InputError(path + " does not give the size of its images: name a camera");
+    ThrowIf(size_ == ImageSize(), path, " does not give the size of its images: name a camera");
   }
 
   int claimed_count() const { return claimed_count_; }
@@ -198,7 +197,7 @@ KlgSummary WriteKlg(FrameSource* source, const std::string& path, const KlgOptio
         ++summary.frames_skipped;
       }
     }
-    if (summary.frames_written == 0) throw InputError("no frame could be read for " + path);
+    ThrowIf(summary.frames_written == 0, "no frame could be read for ", path);
     out.seekp(0);
     Put(static_cast<std::int32_t>(summary.frames_written), out);
   });

@@ -73,8 +73,8 @@ std::vector<FrameFiles> PairStamped(const std::map<double, std::string>& depth,
   }
   *unpaired_images = static_cast<int>(color.size() + depth.size() - 2 * frames.size());
   if (!frames.empty()) return frames;
-  throw InputError(Concat("no image in ", color_folder, " has a name within ", kMaxBetweenImages_s,
-                          " s of those of depth, which are times in seconds"));
+  throw InputError("no image in ", color_folder, " has a name within ", kMaxBetweenImages_s,
+                   " s of those of depth, which are times in seconds");
 }
 
 // The image of this number, or the name it should have: another folder's with our ending.
@@ -116,8 +116,8 @@ bool IsFrameFile(const std::string& name, const std::string& ending) {
 
 // A 4 x 4 matrix a line, row by row.
 Rigid3d ParseLine(const TextRow& row) {
-  if (row.columns.size() != 16)
-    throw InputError(Concat(row.place, " has ", row.columns.size(), " columns, must have 16"));
+  ThrowIf(row.columns.size() != 16, row.place, " has ", row.columns.size(),
+          " columns, must have 16");
   Eigen::Matrix4d matrix;
   for (int i = 0; i < 16; ++i) matrix(i / 4, i % 4) = ParseNumber(row.columns[i], row.place);
   return RigidFromMatrix(matrix, row.place);

@@ -76,13 +76,9 @@ class OfferedFrames final : public FrameSource {
 
 std::unique_ptr<FrameSource> OfferFrames(std::unique_ptr<FrameSource> source,
                                          double frames_per_second, int capacity) {
-  if (!(frames_per_second > 0)) {
-    throw InputError(Concat("frames_per_second is ", frames_per_second, ", must be positive"));
-  }
-  if (capacity < 1) {
-    throw InputError(
-        Concat("the capacity for offered frames is ", capacity, ", must be at least 1"));
-  }
+  ThrowIf(!(frames_per_second > 0), "frames_per_second is ", frames_per_second,
+          ", must be positive");
+  ThrowIf(capacity < 1, "the capacity for offered frames is ", capacity, ", must be at least 1");
   return std::make_unique<OfferedFrames>(std::move(source), frames_per_second, capacity);
 }
 

@@ -55,10 +55,9 @@ OpenedRecording OfBag(std::unique_ptr<BagRecording> bag) {
 }
 
 std::vector<int> SelectFrames(int count, const SequenceOptions& options) {
-  if (count == 0) throw InputError(options.path + " lists no frames");
-  if (options.first >= count)
-    throw InputError(Concat("first is ", options.first, ", must be below ", count,
-                            ", the number of frames of ", options.path));
+  ThrowIf(count == 0, options.path, " lists no frames");
+  ThrowIf(options.first >= count, "first is ", options.first, ", must be below ", count,
+          ", the number of frames of ", options.path);
   const int last = options.last == -1 ? count - 1 : std::min(options.last, count - 1);
   std::vector<int> indices;
   for (int i = options.first; i <= last; i += options.stride) indices.push_back(i);
@@ -76,7 +75,7 @@ RawSequence OpenRawLive(const SequenceOptions& options, int capacity,
   Validate(options);
   if (options.format == "watch") return OpenWatchedFolder(options, stop);
   if (options.format == "openni2") return OpenOpenNiCamera(options, capacity, stop);
-  throw InputError("format is '" + options.format + "', must be watch or openni2 to be live");
+  throw InputError("format is '", options.format, "', must be watch or openni2 to be live");
 }
 
 std::unique_ptr<FrameSource> OpenLive(const SequenceOptions& options, int capacity,
@@ -86,18 +85,15 @@ std::unique_ptr<FrameSource> OpenLive(const SequenceOptions& options, int capaci
 
 RawSequence OpenRawSequence(const SequenceOptions& options) {
   Validate(options);
-  if (IsLive(options)) {
-    throw InputError(Concat("format is '", options.format,
-                            "': only a live run (surfit_slam) waits for frames to come"));
-  }
-  if (!IsFolder(options.path) && !IsFile(options.path))
-    throw InputError(options.path + " is neither a folder nor a file");
+  ThrowIf(IsLive(options), "format is '", options.format,
+          "': only a live run (surfit_slam) waits for frames to come");
+  ThrowIf(!IsFolder(options.path) && !IsFile(options.path), options.path,
+          " is neither a folder nor a file");
   SequenceInfo info;
   info.format = options.format == "auto" ? DetectFormat(options.path) : options.format;
   const bool is_file = IsFile(options.path);
-  if (is_file ? !MayBeFile(info.format) : !MayBeFolder(info.format))
-    throw InputError(Concat(options.path, " is a ", is_file ? "file" : "folder", ", which ",
-                            info.format, " is not"));
+  ThrowIf(is_file ? !MayBeFile(info.format) : !MayBeFolder(info.format), options.path, " is a ",
+          is_file ? "file" : "folder", ", which ", info.format, " is not");
   std::unique_ptr<BagRecording> bag;
   if (IsBag(info.format))
     bag = std::make_unique<BagRecording>(options, info.format, /*is_folder=*/!is_file);

@@ -30,7 +30,7 @@ static void OptionFromText(const std::string& text, std::optional<Rigid3d>* pose
   if (text.empty()) return;
   const std::vector<double> n = NumbersFromText(text, 7);
   const Eigen::Quaterniond rotation(n[6], n[3], n[4], n[5]);
-  if (!(rotation.norm() > 1e-6)) throw InputError("with a quaternion that is not zero");
+  ThrowIf(!(rotation.norm() > 1e-6), "with a quaternion that is not zero");
   *pose = Rigid3d(rotation.normalized(), {n[0], n[1], n[2]});
 }
 
@@ -85,7 +85,7 @@ void SequenceOptions::Visit(OptionVisitor& v) {
   v.AddPart(prepare, "prepare", "how images become frames");
   v.Check([this] {
     if (last == -1 || last >= first) return;
-    throw InputError(Concat("last is ", last, ", must be at least first, ", first, ", or -1"));
+    throw InputError("last is ", last, ", must be at least first, ", first, ", or -1");
   });
 }
 

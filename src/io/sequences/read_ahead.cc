@@ -100,8 +100,7 @@ class ReadAheadSource : public FrameSource {
 }  // namespace
 
 std::unique_ptr<FrameSource> ReadAhead(std::unique_ptr<FrameSource> source, int capacity) {
-  if (capacity < 1)
-    throw InputError(Concat("the capacity of reading ahead is ", capacity, ", must be at least 1"));
+  ThrowIf(capacity < 1, "the capacity of reading ahead is ", capacity, ", must be at least 1");
   return std::make_unique<ReadAheadSource>(std::move(source), capacity);
 }
 

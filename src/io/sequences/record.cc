@@ -57,11 +57,11 @@ class RecordedFolder {
   RecordedFolder(const RecordOptions& options, const RawSequence& sequence)
       : folder_(options.output), info_(sequence.info), field_(sequence.field) {
     const std::string list = folder_ + "/depth.txt";
-    if (fs::exists(list)) throw InputError(list + " exists: name a folder without a recording");
+    ThrowIf(fs::exists(list), list, " exists: name a folder without a recording");
     std::error_code error;
     for (const char* name : {"/depth", "/rgb"}) fs::create_directories(folder_ + name, error);
-    if (!fs::is_directory(folder_ + "/depth") || !fs::is_directory(folder_ + "/rgb"))
-      throw InputError(folder_ + " cannot be made a folder with depth/ and rgb/");
+    ThrowIf(!fs::is_directory(folder_ + "/depth") || !fs::is_directory(folder_ + "/rgb"), folder_,
+            " cannot be made a folder with depth/ and rgb/");
   }
 
   // Throws InputError naming the file that cannot be written.
@@ -120,7 +120,7 @@ class RecordedFolder {
   void WriteImage(const std::string& name, const std::string& bytes, RecordSummary* summary) const {
     std::ofstream file(folder_ + name, std::ios::binary);
     file << bytes;
-    if (!file.flush()) throw InputError(folder_ + name + " cannot be written");
+    ThrowIf(!file.flush(), folder_, name, " cannot be written");
     summary->bytes += static_cast<std::int64_t>(bytes.size());
   }
 
@@ -192,8 +192,7 @@ RecordSummary RecordSequence(const RecordOptions& options, const std::atomic<boo
     progress(summary);
   }
   summary.interrupted = stop;
-  if (summary.frames_written == 0)
-    throw InputError(options.sequence.path + ": no frame could be recorded");
+  ThrowIf(summary.frames_written == 0, options.sequence.path, ": no frame could be recorded");
   return summary;
 }
 

@@ -53,14 +53,14 @@ void TakeSize(ByteReader* reader, const std::string& name, PinholeCamera* camera
 
 SensHeader::DepthCoding ToDepthCoding(std::int32_t coding, const std::string& path) {
   if (coding == 0 || coding == 1) return static_cast<SensHeader::DepthCoding>(coding);
-  throw InputError(Concat(path, ": compression of depth is ", coding, coding == 2 ? " (occi)" : "",
-                          ", must be 0 (raw) or 1 (zlib)"));
+  throw InputError(path, ": compression of depth is ", coding, coding == 2 ? " (occi)" : "",
+                   ", must be 0 (raw) or 1 (zlib)");
 }
 
 void RequireColorCoding(std::int32_t coding, const std::string& path) {
   if (coding >= 0 && coding <= 2) return;
-  throw InputError(Concat(path, ": compression of colour is ", coding,
-                          ", must be 0 (raw), 1 (PNG) or 2 (JPEG)"));
+  throw InputError(path, ": compression of colour is ", coding,
+                   ", must be 0 (raw), 1 (PNG) or 2 (JPEG)");
 }
 
 // How long the part before the sensor's name is, with the name.
@@ -69,11 +69,10 @@ std::uint64_t SizeWithName(const BinaryFile& file) {
   const std::string bytes = file.Read(0, kBeforeName);
   ByteReader reader(bytes);
   const auto version = reader.Take<std::uint32_t>();
-  if (version != 4) throw InputError(Concat(file.path(), " has version ", version, ", must be 4"));
+  ThrowIf(version != 4, file.path(), " has version ", version, ", must be 4");
   const auto length = reader.Take<std::uint64_t>();
-  if (!file.Has(kBeforeName, length))
-    throw InputError(
-        Concat(file.path(), ": the sensor's name has ", length, " bytes, beyond the end"));
+  ThrowIf(!file.Has(kBeforeName, length), file.path(), ": the sensor's name has ", length,
+          " bytes, beyond the end");
   return kBeforeName + length;
 }
 

@@ -28,9 +28,9 @@ PinholeCamera ReadOpen3dCamera(const std::string& path) {
     camera.cx = matrix.at(6);
     camera.cy = matrix.at(7);
   } catch (const nlohmann::json::exception& error) {
-    throw InputError(Concat(path, ": ", error.what()));
+    throw InputError(path, ": ", error.what());
   } catch (const std::out_of_range&) {
-    throw InputError(path + ": intrinsic_matrix must have 9 numbers");
+    throw InputError(path, ": intrinsic_matrix must have 9 numbers");
   }
   camera.Validate(path);
   return camera;
@@ -71,7 +71,7 @@ RgbdCamera ReadCamParams(const std::string& path) {
     camera.depth.cy = json.at("cy").get<double>();
     camera.depth_units_per_metre = json.at("scale").get<double>();
   } catch (const nlohmann::json::exception& error) {
-    throw InputError(Concat(path, ": ", error.what()));
+    throw InputError(path, ": ", error.what());
   }
   camera.Validate(path);
   return camera;
@@ -163,11 +163,9 @@ void OverrideColor(const SequenceOptions& options, RgbdCamera* camera) {
     camera->color_is_registered = false;
     SetIntrinsics(*options.color_intrinsics, &camera->color);
   }
-  if (camera->color_is_registered && (options.color_distortion || options.color_from_depth)) {
-    throw InputError(
-        "color_distortion and color_from_depth are of a colour camera of its own: give "
-        "color_intrinsics too");
-  }
+  ThrowIf(camera->color_is_registered && (options.color_distortion || options.color_from_depth),
+          "color_distortion and color_from_depth are of a colour camera of its own: give "
+          "color_intrinsics too");
   if (options.color_distortion) camera->color.distortion = *options.color_distortion;
   if (options.color_from_depth) camera->color_from_depth = *options.color_from_depth;
 }
@@ -178,10 +176,9 @@ void ValidateFigures(RgbdCamera camera) {
     if (c->width == 0 && c->height == 0) c->width = c->height = 1;
   }
   camera.Validate("camera");
-  if (!camera.color_is_registered && (camera.color.fy < 0) != (camera.depth.fy < 0)) {
-    throw InputError(Concat("camera: fy is ", camera.depth.fy, " of depth and ", camera.color.fy,
-                            " of colour, must have one sign"));
-  }
+  ThrowIf(!camera.color_is_registered && (camera.color.fy < 0) != (camera.depth.fy < 0),
+          "camera: fy is ", camera.depth.fy, " of depth and ", camera.color.fy,
+          " of colour, must have one sign");
 }
 
 // A folder's camera.yaml; of a file F.klg it is F.klg.yaml. A device has none.
@@ -274,9 +271,8 @@ void ResolveCamera(const SequenceOptions& options, const TellCamera& tell, Seque
 
 void DropLatency(const SequenceOptions& options, RgbdCamera* camera) {
   if (options.latency_s && *options.latency_s != 0) {
-    throw InputError(Concat("latency_s is ", *options.latency_s,
-                            ", must be 0 or absent: stamps of ", options.path,
-                            " are the frames' own, no clock's"));
+    throw InputError("latency_s is ", *options.latency_s, ", must be 0 or absent: stamps of ",
+                     options.path, " are the frames' own, no clock's");
   }
   camera->latency_s = 0;
 }

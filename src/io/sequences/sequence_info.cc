@@ -75,11 +75,11 @@ void RequireGuessedSize(const FrameImages& first, const SequenceInfo& info) {
           return;
         }
         const std::string presets = PresetsOfSize(depth.width(), depth.height());
-        throw InputError(
-            Concat(first.depth_name, " is ", depth.width(), " x ", depth.height(),
-                   " pixels, and nothing names its camera (usual ones have ", guess.width, " x ",
-                   guess.height, "): give a camera.yaml, intrinsics and depth_scale, or a preset ",
-                   "as camera", presets.empty() ? "" : " (of this size: " + presets + ")"));
+        throw InputError(first.depth_name, " is ", depth.width(), " x ", depth.height(),
+                         " pixels, and nothing names its camera (usual ones have ", guess.width,
+                         " x ", guess.height,
+                         "): give a camera.yaml, intrinsics and depth_scale, or a preset ",
+                         "as camera", presets.empty() ? "" : " (of this size: " + presets + ")");
       },
       first.depth);
 }

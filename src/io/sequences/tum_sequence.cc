@@ -20,16 +20,14 @@ struct StampedFile {
 StampedFile ParseStampedFile(const TextRow& row, int column, const std::string& folder) {
   const std::string& name = row.columns[column + 1];
   const std::filesystem::path normal = std::filesystem::path(name).lexically_normal();
-  if (normal.is_absolute() || *normal.begin() == "..") {
-    throw InputError(Concat(row.place, ": '", name, "' leaves the folder of the sequence"));
-  }
+  ThrowIf(normal.is_absolute() || *normal.begin() == "..", row.place, ": '", name,
+          "' leaves the folder of the sequence");
   return {ParseNumber(row.columns[column], row.place), FollowTextLink(folder, name)};
 }
 
 void RequireColumns(const TextRow& row, std::size_t count, const char* meaning) {
-  if (row.columns.size() != count)
-    throw InputError(Concat(row.place, " has ", row.columns.size(), " columns, must have ", count,
-                            ": ", meaning));
+  ThrowIf(row.columns.size() != count, row.place, " has ", row.columns.size(),
+          " columns, must have ", count, ": ", meaning);
 }
 
 // rgb.txt or depth.txt, in order of time.
@@ -63,9 +61,8 @@ std::vector<FrameFiles> PairByTime(const std::string& folder, int* unpaired_imag
   const auto color = ReadStampedFiles(folder, "rgb.txt");
   for (const auto [c, d] : MatchStamps(Stamps(color), Stamps(depth), kMaxBetweenImages_s))
     frames.push_back({{depth[d].stamp_s, color[c].stamp_s}, depth[d].path, color[c].path});
-  if (frames.empty() && !depth.empty() && !color.empty())
-    throw InputError(Concat(folder, ": no stamp in rgb.txt is within ", kMaxBetweenImages_s,
-                            " s of one in depth.txt"));
+  ThrowIf(frames.empty() && !depth.empty() && !color.empty(), folder,
+          ": no stamp in rgb.txt is within ", kMaxBetweenImages_s, " s of one in depth.txt");
   *unpaired_images = static_cast<int>(color.size() + depth.size() - 2 * frames.size());
   return frames;
 }

@@ -118,8 +118,8 @@ class WatchedFrames : public RawFrames {
       ahead_.push_back(std::move(*arrival));
       if (ahead_.back().images) return {*ahead_.back().images};
     }
-    throw InputError(Concat("no frame of ", options_.path,
-                            " can be read: ", ahead_.empty() ? "none came" : ahead_.front().error));
+    throw InputError("no frame of ", options_.path,
+                     " can be read: ", ahead_.empty() ? "none came" : ahead_.front().error);
   }
 
   std::optional<RawFrame> Next() override {
@@ -159,7 +159,7 @@ class WatchedFrames : public RawFrames {
 }  // namespace
 
 RawSequence OpenWatchedFolder(const SequenceOptions& options, const std::atomic<bool>& stop) {
-  if (!IsFolder(options.path)) throw InputError(options.path + " is not a folder");
+  ThrowIf(!IsFolder(options.path), options.path, " is not a folder");
   SequenceInfo info;
   info.format = "watch";
   info.frame_count = -1;

@@ -53,14 +53,14 @@ void WritePlyMesh(const TriangleMesh& mesh, std::ostream& out) {
 
 void RequireMeshEnding(const std::string& path) {
   const std::string ending = EndingOf(path);
-  if (ending != ".ply" && ending != ".obj" && ending != ".glb")
-    throw InputError(Concat("the mesh is ", path, ", must end in .ply, .obj or .glb"));
+  ThrowIf(ending != ".ply" && ending != ".obj" && ending != ".glb", "the mesh is ", path,
+          ", must end in .ply, .obj or .glb");
 }
 
 void RequireTextureEnding(const std::string& path) {
   const std::string ending = EndingOf(path);
-  if (ending != ".obj" && ending != ".glb")
-    throw InputError(Concat("the mesh is ", path, ", must end in .obj or .glb to have a picture"));
+  ThrowIf(ending != ".obj" && ending != ".glb", "the mesh is ", path,
+          ", must end in .obj or .glb to have a picture");
 }
 
 std::string EncodeTexture(const MeshTexture& texture) {

@@ -90,7 +90,7 @@ std::vector<MeshSurfel> ToSurfels(const PointCloud& cloud, const MeshOptions& op
     surfel.reach_m = has_radii ? std::min(trim_m, support_radii * surfel.spacing_m) : trim_m;
     surfels.push_back(surfel);
   }
-  if (surfels.empty()) throw InputError("the map has no points with normals");
+  ThrowIf(surfels.empty(), "the map has no points with normals");
   if (!has_radii) MeasureSpacings(trim_m, &surfels);
   return surfels;
 }
@@ -125,7 +125,7 @@ void MeasureDistances(const PointCloud& cloud, const TriangleMesh& mesh, double 
 TriangleMesh MeshSurfels(const PointCloud& cloud, const MeshOptions& options, MeshSummary* summary,
                          const MeshProgress& progress) {
   Validate(options);
-  if (cloud.normals.empty()) throw InputError("the map has no points with normals");
+  ThrowIf(cloud.normals.empty(), "the map has no points with normals");
   StageProgress stages(progress);
   const auto cell_m = static_cast<float>(options.cell_m);
   std::vector<MeshSurfel> surfels = ToSurfels(cloud, options);
@@ -140,9 +140,8 @@ TriangleMesh MeshSurfels(const PointCloud& cloud, const MeshOptions& options, Me
   TriangleMesh mesh = ExtractSurface(field, cubes, stages.Begin("making triangles", 0.2));
   *summary = {};
   DropSmallPieces(options.min_piece_m, summary, &mesh);
-  if (mesh.triangles.empty()) {
-    throw InputError("the map supports no triangle: see cell_m, trim_distance_m and min_piece_m");
-  }
+  ThrowIf(mesh.triangles.empty(),
+          "the map supports no triangle: see cell_m, trim_distance_m and min_piece_m");
   summary->triangles_found = mesh.triangles.size();
   MeasureDistances(cloud, mesh, options.cell_m, summary);
   if (options.max_triangles > 0) {

@@ -177,8 +177,7 @@ void RegisterCloudsOptions::Visit(OptionVisitor& v) {
         Between(1, 10), AsFlag());
   v.Check([this] {
     if (icp.association == "kd_tree") return;
-    throw InputError(
-        Concat("association is '", icp.association, "', must be 'kd_tree' for clouds"));
+    throw InputError("association is '", icp.association, "', must be 'kd_tree' for clouds");
   });
 }
 

@@ -237,14 +237,13 @@ std::unique_ptr<PoseSolver> MakeClosedFormSolver(const PoseSolverOptions& option
 std::unique_ptr<PoseSolver> MakeSvdSolver(const PoseSolverOptions& options) {
   if (options.name != "svd") return nullptr;
   if (options.residual != ResidualType::kPointToPoint) {
-    throw InputError(Concat("residual is '", ToString(options.residual),
-                            "', must be point_to_point with solver svd; all other solvers take ",
-                            "every residual"));
+    throw InputError("residual is '", ToString(options.residual),
+                     "', must be point_to_point with solver svd; all other solvers take ",
+                     "every residual");
   }
-  if (options.error_model.UsesIntensities()) {
-    throw InputError(Concat("photometric_weight is ", options.error_model.photometric_weight,
-                            ", must be 0 with solver svd, which knows points only"));
-  }
+  ThrowIf(options.error_model.UsesIntensities(), "photometric_weight is ",
+          options.error_model.photometric_weight,
+          ", must be 0 with solver svd, which knows points only");
   return std::make_unique<SvdSolver>(options);
 }
 

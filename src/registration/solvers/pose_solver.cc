@@ -42,7 +42,7 @@ const NamedResidual* Own(ResidualType type) {
 void RegisterResidual(const std::string& name, std::unique_ptr<const OwnResidual> residual) {
   const std::vector<std::string> names = ResidualTypeNames();
   if (name.empty() || std::find(names.begin(), names.end(), name) != names.end()) {
-    throw InputError(Concat("a residual's name is '", name, "', must be none of: ", Listed(names)));
+    throw InputError("a residual's name is '", name, "', must be none of: ", Listed(names));
   }
   OwnResiduals().push_back({name, std::move(residual)});
 }
@@ -62,7 +62,7 @@ ResidualType ResidualTypeFromName(const std::string& name) {
   const std::vector<std::string> names = ResidualTypeNames();
   const auto found = std::find(names.begin(), names.end(), name);
   if (found != names.end()) return static_cast<ResidualType>(found - names.begin());
-  throw InputError(Concat("residual is '", name, "', must be one of: ", Listed(names)));
+  throw InputError("residual is '", name, "', must be one of: ", Listed(names));
 }
 
 std::string ToString(ResidualType type) {
@@ -114,8 +114,7 @@ std::unique_ptr<PoseSolver> MakePoseSolver(const PoseSolverOptions& options) {
   for (const auto make : {MakeClosedFormSolver, MakeSvdSolver, MakeCeresSolver, MakeTinySolver}) {
     if (auto solver = make(options)) return solver;
   }
-  throw InputError(
-      Concat("solver is '", options.name, "', must be one of: ", Listed(PoseSolverNames())));
+  throw InputError("solver is '", options.name, "', must be one of: ", Listed(PoseSolverNames()));
 }
 
 }  // namespace surfit
