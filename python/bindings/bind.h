@@ -2,9 +2,6 @@
 
 #include <pybind11/pybind11.h>
 
-#include <string>
-#include <vector>
-
 namespace surfit::python {
 
 // Each of these adds one concept to the module, in the order in which they need one another.

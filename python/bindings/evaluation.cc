@@ -8,7 +8,6 @@
 #include "bindings/arrays.h"
 #include "bindings/bind.h"
 #include "bindings/options_class.h"
-#include "surfit/core/error.h"
 #include "surfit/evaluation/trajectory_evaluation.h"
 #include "surfit/io/trajectory_files.h"
 

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "surfit/core/error.h"
 #include "surfit/core/options.h"
 
 namespace surfit {

@@ -1,7 +1,6 @@
 #include "frame/rolling_shutter.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <numeric>
 #include <vector>

@@ -1,7 +1,6 @@
 #include "session/merge_sessions.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <iterator>
 #include <set>
 #include <utility>

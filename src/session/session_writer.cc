@@ -11,7 +11,6 @@
 #include <filesystem>
 #include <future>
 #include <map>
-#include <optional>
 #include <set>
 #include <utility>
 

@@ -1,6 +1,5 @@
 #include "session/tile_file.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstring>
 

@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "surfit/core/error.h"
 #include "surfit/core/options.h"
-#include "surfit/core/parallel.h"
 #include "surfit/simulation/render.h"
 
 namespace surfit {

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "simulation/random.h"
-#include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
 #include "surfit/simulation/render.h"

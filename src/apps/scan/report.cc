@@ -1,11 +1,9 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <set>
 #include <sstream>
-#include <utility>
 
 #include "apps/scan/job_files.h"
 #include "apps/scan/link_file.h"

@@ -4,7 +4,6 @@
 #include <optional>
 #include <vector>
 
-#include "apps/scan/link_file.h"
 #include "surfit/optimization/pose_graph.h"
 
 namespace surfit {

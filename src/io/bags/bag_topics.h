@@ -1,11 +1,8 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "io/bags/message_log.h"
-#include "io/bags/messages.h"
-#include "surfit/geometry/pinhole_camera.h"
 
 namespace surfit {
 

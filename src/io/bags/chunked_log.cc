@@ -1,7 +1,5 @@
 #include "io/bags/chunked_log.h"
 
-#include <algorithm>
-
 #include "surfit/core/error.h"
 
 namespace surfit {

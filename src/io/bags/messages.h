@@ -2,12 +2,10 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "io/bags/message_log.h"
-#include "surfit/geometry/pinhole_camera.h"
 #include "surfit/geometry/rigid3.h"
 
 namespace surfit {

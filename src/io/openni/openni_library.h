@@ -2,7 +2,6 @@
 
 #include <OniCAPI.h>
 
-#include <memory>
 #include <string>
 
 namespace surfit {

@@ -2,7 +2,6 @@
 
 #include <functional>
 #include <string>
-#include <vector>
 
 #include "surfit/geometry/sensor.h"
 #include "surfit/io/sequence.h"

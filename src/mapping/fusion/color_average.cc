@@ -1,7 +1,6 @@
 #include "mapping/fusion/color_average.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 
 #include "mapping/map/view_frustum.h"

@@ -1,6 +1,5 @@
 #include "mapping/map/block_sightings.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstring>
 

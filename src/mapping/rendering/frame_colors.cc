@@ -1,7 +1,6 @@
 #include "mapping/rendering/frame_colors.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <cstring>
 

@@ -1,8 +1,6 @@
 #include "mesh/surface/extract_surface.h"
 
-#include <algorithm>
 #include <array>
-#include <limits>
 
 #include "mesh/surface/cell_patches.h"
 #include "mesh/surface/vertex_refiner.h"

@@ -6,7 +6,6 @@
 
 #include "mesh/surface/mesh_edges.h"
 #include "mesh/texture/texture_camera.h"
-#include "surfit/mesh/texture_mesh.h"
 
 namespace surfit {
 

@@ -6,7 +6,6 @@
 #include "core/trace.h"
 #include "optimization/refinement/joint_solver.h"
 #include "optimization/refinement/reduced_factor.h"
-#include "surfit/core/error.h"
 #include "surfit/core/options.h"
 
 namespace surfit {

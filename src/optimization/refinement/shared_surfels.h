@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
-#include <optional>
 #include <vector>
 
 #include "cost_functions/surfel_texture.h"

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "surfit/geometry/sensor.h"
 #include "surfit/optimization/refine.h"
 
 namespace surfit {

@@ -2,7 +2,6 @@
 
 #include <Eigen/Cholesky>
 #include <array>
-#include <cmath>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <utility>

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <memory>
-#include <utility>
 
 #include "cost_functions/pose_manifold.h"
 #include "cost_functions/row_sums.h"
