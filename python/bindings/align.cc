@@ -1,6 +1,4 @@
 // Registration of two frames.
-#include <pybind11/stl.h>
-
 #include "bindings/bind.h"
 #include "bindings/frame.h"
 #include "bindings/options_class.h"
@@ -8,8 +6,6 @@
 #include "surfit/frame/frame_pyramid.h"
 #include "surfit/frame/preprocess.h"
 #include "surfit/registration/far_registration.h"
-
-namespace py = pybind11;
 
 namespace surfit::python {
 namespace {

@@ -1,7 +1,5 @@
 #include "bindings/arrays.h"
 
-#include <pybind11/stl/filesystem.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -9,8 +7,6 @@
 
 #include "surfit/core/error.h"
 #include "surfit/io/trajectory_files.h"
-
-namespace py = pybind11;
 
 namespace surfit::python {
 namespace {

@@ -1,27 +1,40 @@
 #pragma once
 
+// pybind11 with all casters, so that every file converts values alike.
+#include <pybind11/eigen.h>
+#include <pybind11/functional.h>
+#include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include "bindings/pose_caster.h"
+
+// The name of a field and the field, as def_readonly() takes them.
+#define FIELD(Struct, name) #name, &Struct::name
 
 namespace surfit::python {
 
+namespace py = pybind11;
+
 // Each of these adds one concept to the module, in the order in which they need one another.
 void BindErrors();
-void BindThreads(pybind11::module_& module);
-void BindCamera(pybind11::module_& module);
-void BindAllOptions(pybind11::module_& module);
-void BindFrame(pybind11::module_& module);
-void BindSequence(pybind11::module_& module);
-void BindIcpResult(pybind11::module_& module);
-void BindAlign(pybind11::module_& module);
-void BindClouds(pybind11::module_& module);
-void BindEvaluation(pybind11::module_& module);
-void BindFrameReport(pybind11::module_& module);
-void BindSurfels(pybind11::module_& module);
-void BindSlam(pybind11::module_& module);
-void BindRun(pybind11::module_& module);
-void BindRefinement(pybind11::module_& module);
-void BindMapEvaluation(pybind11::module_& module);
-void BindMesh(pybind11::module_& module);
-void BindPoseGraph(pybind11::module_& module);
+void BindThreads(py::module_& module);
+void BindCamera(py::module_& module);
+void BindAllOptions(py::module_& module);
+void BindFrame(py::module_& module);
+void BindSequence(py::module_& module);
+void BindIcpResult(py::module_& module);
+void BindAlign(py::module_& module);
+void BindClouds(py::module_& module);
+void BindEvaluation(py::module_& module);
+void BindFrameReport(py::module_& module);
+void BindSurfels(py::module_& module);
+void BindSlam(py::module_& module);
+void BindRun(py::module_& module);
+void BindRefinement(py::module_& module);
+void BindMapEvaluation(py::module_& module);
+void BindMesh(py::module_& module);
+void BindPoseGraph(py::module_& module);
 
 }  // namespace surfit::python

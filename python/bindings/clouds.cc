@@ -1,7 +1,4 @@
 // Point clouds: files, and registration.
-#include <pybind11/stl.h>
-#include <pybind11/stl/filesystem.h>
-
 #include <filesystem>
 #include <optional>
 #include <utility>
@@ -14,8 +11,6 @@
 #include "surfit/core/options.h"
 #include "surfit/io/point_cloud.h"
 #include "surfit/registration/register_clouds.h"
-
-namespace py = pybind11;
 
 namespace surfit::python {
 namespace {
@@ -30,38 +25,27 @@ PointCloud CloudOf(const py::object& points, const py::object& normals, const st
   return cloud;
 }
 
-// An N x 3 view, or nothing where there are none.
-template <typename T, typename Vector>
-std::optional<py::array_t<T>> RowsView(const std::vector<Vector>& rows, const py::object& owner) {
-  static_assert(sizeof(Vector) == 3 * sizeof(T));
+// Nothing where there are none.
+template <typename Scalar, typename Row>
+std::optional<py::array_t<Scalar>> RowsOrNone(const py::object& cloud,
+                                              std::vector<Row> PointCloud::*field) {
+  const auto& rows = cloud.cast<const PointCloud&>().*field;
   if (rows.empty()) return std::nullopt;
-  return ViewOf(reinterpret_cast<const T*>(rows.data()), {static_cast<py::ssize_t>(rows.size()), 3},
-                owner);
+  return RowsView<Scalar>(rows, cloud);
 }
 
 void BindPointCloud(py::module_& module) {
-  py::class_<PointCloud>(module, "PointCloud",
-                         "Points of a file. The arrays are views of its memory.")
-      .def_property_readonly(
-          "points",
-          [](const py::object& self) {
-            const auto& points = self.cast<const PointCloud&>().points;
-            return ViewOf(reinterpret_cast<const float*>(points.data()),
-                          {static_cast<py::ssize_t>(points.size()), 3}, self);
-          },
-          "N x 3, float32, metres")
-      .def_property_readonly(
-          "normals",
-          [](const py::object& self) {
-            return RowsView<float>(self.cast<const PointCloud&>().normals, self);
-          },
-          "N x 3, float32; None without")
-      .def_property_readonly(
-          "colors",
-          [](const py::object& self) {
-            return RowsView<std::uint8_t>(self.cast<const PointCloud&>().colors, self);
-          },
-          "N x 3, uint8, red first; None without");
+  py::class_<PointCloud> cloud(module, "PointCloud",
+                               "Points of a file. The arrays are views of its memory.");
+  BindRows<float>(&cloud, FIELD(PointCloud, points), "N x 3, float32, metres");
+  cloud.def_property_readonly(
+      "normals",
+      [](const py::object& self) { return RowsOrNone<float>(self, &PointCloud::normals); },
+      "N x 3, float32; None without");
+  cloud.def_property_readonly(
+      "colors",
+      [](const py::object& self) { return RowsOrNone<std::uint8_t>(self, &PointCloud::colors); },
+      "N x 3, uint8, red first; None without");
   module.def(
       "read_point_cloud",
       [](const std::filesystem::path& path) {

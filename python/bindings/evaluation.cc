@@ -1,7 +1,4 @@
 // Trajectories against ground truth.
-#include <pybind11/stl.h>
-#include <pybind11/stl/filesystem.h>
-
 #include <algorithm>
 #include <filesystem>
 
@@ -11,24 +8,22 @@
 #include "surfit/evaluation/trajectory_evaluation.h"
 #include "surfit/io/trajectory_files.h"
 
-namespace py = pybind11;
-
 namespace surfit::python {
 namespace {
 
 void BindErrors(py::module_& module) {
   BindReport<ErrorStatistics>(module, "ErrorStatistics", "What is said of a set of errors.")
-      .def_readonly("count", &ErrorStatistics::count, "how many")
-      .def_readonly("rmse", &ErrorStatistics::rmse, "root mean square")
-      .def_readonly("mean", &ErrorStatistics::mean, "mean")
-      .def_readonly("median", &ErrorStatistics::median, "median")
-      .def_readonly("p90", &ErrorStatistics::p90, "90 % of the errors are at most this")
-      .def_readonly("max", &ErrorStatistics::max, "largest");
+      .def_readonly(FIELD(ErrorStatistics, count), "how many")
+      .def_readonly(FIELD(ErrorStatistics, rmse), "root mean square")
+      .def_readonly(FIELD(ErrorStatistics, mean), "mean")
+      .def_readonly(FIELD(ErrorStatistics, median), "median")
+      .def_readonly(FIELD(ErrorStatistics, p90), "90 % of the errors are at most this")
+      .def_readonly(FIELD(ErrorStatistics, max), "largest");
 
   BindReport<AbsoluteTrajectoryError>(
       module, "AbsoluteTrajectoryError",
       "How far camera centres are off, once the estimate is placed as well as a rigid motion can.")
-      .def_readonly("translation_m", &AbsoluteTrajectoryError::translation_m, "metres")
+      .def_readonly(FIELD(AbsoluteTrajectoryError, translation_m), "metres")
       .def_property_readonly(
           "ground_truth_from_estimate",
           [](const AbsoluteTrajectoryError& error) { return error.alignment.target_from_source; },
@@ -41,8 +36,8 @@ void BindErrors(py::module_& module) {
           "False on a straight path: other rotations fit as well, with the same error");
 
   BindReport<RelativePoseError>(module, "RelativePoseError", "Drift over a fixed interval.")
-      .def_readonly("translation_m", &RelativePoseError::translation_m, "metres")
-      .def_readonly("rotation_deg", &RelativePoseError::rotation_deg, "degrees");
+      .def_readonly(FIELD(RelativePoseError, translation_m), "metres")
+      .def_readonly(FIELD(RelativePoseError, rotation_deg), "degrees");
 }
 
 std::vector<double> StampsOf(const std::optional<std::vector<double>>& stamps_s,
@@ -59,13 +54,13 @@ void BindEvaluation(py::module_& module) {
   BindErrors(module);
   BindReport<TrajectoryEvaluation>(module, "TrajectoryEvaluation",
                                    "All that is said of an estimated trajectory.")
-      .def_readonly("expected", &TrajectoryEvaluation::expected,
+      .def_readonly(FIELD(TrajectoryEvaluation, expected),
                     "frames that should have a pose: those that the ground truth knows")
-      .def_readonly("matched", &TrajectoryEvaluation::matched,
+      .def_readonly(FIELD(TrajectoryEvaluation, matched),
                     "poses of the estimate that the ground truth knows")
-      .def_readonly("coverage", &TrajectoryEvaluation::coverage, "matched / expected")
-      .def_readonly("ate", &TrajectoryEvaluation::ate, "None if fewer than 3 poses match")
-      .def_readonly("rpe", &TrajectoryEvaluation::rpe, "None if no two poses are delta apart");
+      .def_readonly(FIELD(TrajectoryEvaluation, coverage), "matched / expected")
+      .def_readonly(FIELD(TrajectoryEvaluation, ate), "None if fewer than 3 poses match")
+      .def_readonly(FIELD(TrajectoryEvaluation, rpe), "None if no two poses are delta apart");
 
   module.def(
       "evaluate",

@@ -11,8 +11,6 @@
 #include "surfit/core/error.h"
 #include "surfit/io/camera_files.h"
 
-namespace py = pybind11;
-
 namespace surfit::python {
 namespace {
 
@@ -78,7 +76,7 @@ void BindFrame(py::module_& module) {
           "camera", [](const Frame& frame) { return frame.sensor.camera; }, "of these pixels")
       .def_property_readonly(
           "noise", [](const Frame& frame) { return frame.sensor.noise; }, "of the depth")
-      .def_readonly("mirrored", &Frame::mirrored, "see Sequence.mirrored")
+      .def_readonly(FIELD(Frame, mirrored), "see Sequence.mirrored")
       .def_property_readonly(
           "stamp_s", [](const Frame& frame) { return frame.images.stamp_s; },
           "the moment that depth shows, seconds: its stamp less the camera's latency")

@@ -1,10 +1,9 @@
 #pragma once
 
-#include <pybind11/numpy.h>
-
 #include <string>
 #include <variant>
 
+#include "bindings/bind.h"
 #include "surfit/frame/prepare_frame.h"
 #include "surfit/frame/rgbd_frame.h"
 #include "surfit/geometry/sensor.h"
@@ -36,8 +35,7 @@ class FrameMaker {
 
   // Arrays as for DepthOf() and ColorOf(). Holds the GIL only while it reads them. Throws
   // InputError for arrays that are not of the camera's size.
-  Frame Make(const pybind11::object& color, const pybind11::array& depth, double stamp_s,
-             int index) const;
+  Frame Make(const py::object& color, const py::array& depth, double stamp_s, int index) const;
 
  private:
   RgbdCamera camera_;

@@ -1,14 +1,8 @@
 // The outcome of a registration.
-#include <pybind11/eigen.h>
-#include <pybind11/stl.h>
-
 #include "bindings/bind.h"
 #include "bindings/options_class.h"
-#include "bindings/pose_caster.h"
 #include "surfit/registration/far_registration.h"
 #include "surfit/registration/icp.h"
-
-namespace py = pybind11;
 
 namespace surfit::python {
 namespace {
@@ -16,10 +10,10 @@ namespace {
 void BindIteration(py::module_& module) {
   BindReport<IcpIteration>(module, "IcpIteration",
                            "The state of a level before a step or, its last one, after all.")
-      .def_readonly("level", &IcpIteration::level, "0 is the finest")
-      .def_readonly("average_loss", &IcpIteration::average_loss, "m^2, weighted mean of |r|^2")
-      .def_readonly("cost", &IcpIteration::cost, "1/2 sum of rho(s)")
-      .def_readonly("inlier_count", &IcpIteration::inlier_count, "pairs within 3 sigmas");
+      .def_readonly(FIELD(IcpIteration, level), "0 is the finest")
+      .def_readonly(FIELD(IcpIteration, average_loss), "m^2, weighted mean of |r|^2")
+      .def_readonly(FIELD(IcpIteration, cost), "1/2 sum of rho(s)")
+      .def_readonly(FIELD(IcpIteration, inlier_count), "pairs within 3 sigmas");
 }
 
 }  // namespace
@@ -34,25 +28,24 @@ void BindIcpResult(py::module_& module) {
           "termination", [](const IcpResult& result) { return ToString(result.termination); },
           "converged, rmse_increased, max_iterations; or the failure: too_few_inliers, "
           "singular_system, free_space_filled")
-      .def_readonly("target_from_source", &IcpResult::target_from_source, "4 x 4, metres")
-      .def_readonly("iterations", &IcpResult::iterations, "in their order, coarse to fine")
-      .def_readonly("step_count", &IcpResult::step_count, "over all levels")
-      .def_readonly("inlier_count", &IcpResult::inlier_count, "pairs within 3 sigmas")
-      .def_readonly("inlier_share", &IcpResult::inlier_share, "of the valid source points")
-      .def_readonly("rmse_m", &IcpResult::rmse_m, "root of the weighted mean of |r|^2")
-      .def_readonly("intensity_count", &IcpResult::intensity_count,
-                    "points whose intensities have a say")
-      .def_readonly("information", &IcpResult::information,
+      .def_readonly(FIELD(IcpResult, target_from_source), "4 x 4, metres")
+      .def_readonly(FIELD(IcpResult, iterations), "in their order, coarse to fine")
+      .def_readonly(FIELD(IcpResult, step_count), "over all levels")
+      .def_readonly(FIELD(IcpResult, inlier_count), "pairs within 3 sigmas")
+      .def_readonly(FIELD(IcpResult, inlier_share), "of the valid source points")
+      .def_readonly(FIELD(IcpResult, rmse_m), "root of the weighted mean of |r|^2")
+      .def_readonly(FIELD(IcpResult, intensity_count), "points whose intensities have a say")
+      .def_readonly(FIELD(IcpResult, information),
                     "6 x 6, of the left increment (rotation, translation), 1/rad^2, 1/m^2")
-      .def_readonly("trusted_information", &IcpResult::trusted_information,
+      .def_readonly(FIELD(IcpResult, trusted_information),
                     "the same without what noise feigns, 1/rad^2, 1/m^2")
-      .def_readonly("covariance", &IcpResult::covariance,
+      .def_readonly(FIELD(IcpResult, covariance),
                     "6 x 6, rad^2, m^2; None where directions are free")
-      .def_readonly("eigenvalues", &IcpResult::eigenvalues,
+      .def_readonly(FIELD(IcpResult, eigenvalues),
                     "ascending, from 0 (a direction that the data does not hold) to 1")
-      .def_readonly("free_directions", &IcpResult::free_directions,
+      .def_readonly(FIELD(IcpResult, free_directions),
                     "left increments (rad, m) that the data does not hold")
-      .def_readonly("free_space_share", &IcpResult::free_space_share,
+      .def_readonly(FIELD(IcpResult, free_space_share),
                     "of points in space that the other view saw through; 0 unless limited");
 
   BindReport<FarVerdict>(module, "AlignResult",
@@ -64,16 +57,14 @@ void BindIcpResult(py::module_& module) {
           "reason", [](const FarVerdict& verdict) { return ToString(verdict.reason); },
           "accepted; or what spoke against it: not_registered, degenerate, little_overlap, "
           "poor_fit, free_space_filled, looks_different, ambiguous, inconsistent")
-      .def_readonly("target_from_source", &FarVerdict::target_from_source, "4 x 4, metres")
-      .def_readonly("icp", &FarVerdict::icp, "the registration")
-      .def_readonly("start", &FarVerdict::start, "4 x 4: where ICP started")
-      .def_readonly("overlap_share", &FarVerdict::overlap_share,
+      .def_readonly(FIELD(FarVerdict, target_from_source), "4 x 4, metres")
+      .def_readonly(FIELD(FarVerdict, icp), "the registration")
+      .def_readonly(FIELD(FarVerdict, start), "4 x 4: where ICP started")
+      .def_readonly(FIELD(FarVerdict, overlap_share),
                     "of points on the other view's surface; as all below, 0 from the identity")
-      .def_readonly("value_correlation", &FarVerdict::value_correlation, "of brightness there")
-      .def_readonly("detail_correlation", &FarVerdict::detail_correlation,
-                    "of its edges and texture")
-      .def_readonly("lead", &FarVerdict::lead,
-                    "over any other pose, as a share of this one's score");
+      .def_readonly(FIELD(FarVerdict, value_correlation), "of brightness there")
+      .def_readonly(FIELD(FarVerdict, detail_correlation), "of its edges and texture")
+      .def_readonly(FIELD(FarVerdict, lead), "over any other pose, as a share of this one's score");
 }
 
 }  // namespace surfit::python

@@ -1,8 +1,4 @@
 // Maps against surfaces, and against what the camera saw.
-#include <pybind11/functional.h>
-#include <pybind11/stl.h>
-#include <pybind11/stl/filesystem.h>
-
 #include "apps/evaluate/view_evaluation.h"
 #include "bindings/arrays.h"
 #include "bindings/bind.h"
@@ -11,21 +7,19 @@
 #include "surfit/core/error.h"
 #include "surfit/evaluation/map_error.h"
 
-namespace py = pybind11;
-
 namespace surfit::python {
 namespace {
 
 void BindMapError(py::module_& module) {
   BindReport<MapError>(module, "MapError", "How near a map is to a surface, and how much it holds.")
-      .def_readonly("accuracy_m", &MapError::accuracy_m,
+      .def_readonly(FIELD(MapError, accuracy_m),
                     "from each map point to the nearest reference point, metres")
-      .def_readonly("plane_accuracy_m", &MapError::plane_accuracy_m,
+      .def_readonly(FIELD(MapError, plane_accuracy_m),
                     "to that point's plane, metres; None where the reference has no normals")
-      .def_readonly("completeness", &MapError::completeness,
+      .def_readonly(FIELD(MapError, completeness),
                     "share of the reference with a map point near by")
-      .def_readonly("map_points", &MapError::map_points, "that are finite")
-      .def_readonly("reference_points", &MapError::reference_points, "that are finite");
+      .def_readonly(FIELD(MapError, map_points), "that are finite")
+      .def_readonly(FIELD(MapError, reference_points), "that are finite");
   module.def(
       "evaluate_map",
       [](const py::object& map, const py::object& reference, const py::object& reference_normals,
@@ -46,27 +40,27 @@ void BindMapError(py::module_& module) {
 void BindViewError(py::module_& module) {
   BindReport<ViewError>(module, "ViewError",
                         "How a map, drawn from a frame's pose, differs from it.")
-      .def_readonly("psnr_covered_db", &ViewError::psnr_covered_db, "over what the map covers")
-      .def_readonly("psnr_covered_by_gain_db", &ViewError::psnr_covered_by_gain_db,
+      .def_readonly(FIELD(ViewError, psnr_covered_db), "over what the map covers")
+      .def_readonly(FIELD(ViewError, psnr_covered_by_gain_db),
                     "the same with a gain of its own for each channel of a view")
-      .def_readonly("psnr_registered_db", &ViewError::psnr_registered_db,
+      .def_readonly(FIELD(ViewError, psnr_registered_db),
                     "over what the map covers from where the frame's colours fit it best")
-      .def_readonly("ssim_registered", &ViewError::ssim_registered, "likewise")
-      .def_readonly("ssim_covered", &ViewError::ssim_covered, "over what the map covers")
-      .def_readonly("psnr_db", &ViewError::psnr_db, "over all pixels")
-      .def_readonly("ssim", &ViewError::ssim, "over all pixels")
-      .def_readonly("coverage", &ViewError::coverage, "share of the pixels")
-      .def_readonly("depth_error_median_m", &ViewError::depth_error_median_m, "of drawn depth")
-      .def_readonly("depth_error_mean_m", &ViewError::depth_error_mean_m, "of drawn depth");
+      .def_readonly(FIELD(ViewError, ssim_registered), "likewise")
+      .def_readonly(FIELD(ViewError, ssim_covered), "over what the map covers")
+      .def_readonly(FIELD(ViewError, psnr_db), "over all pixels")
+      .def_readonly(FIELD(ViewError, ssim), "over all pixels")
+      .def_readonly(FIELD(ViewError, coverage), "share of the pixels")
+      .def_readonly(FIELD(ViewError, depth_error_median_m), "of drawn depth")
+      .def_readonly(FIELD(ViewError, depth_error_mean_m), "of drawn depth");
   BindReport<JudgedView>(module, "JudgedView", "A view of the map.")
-      .def_readonly("frame", &JudgedView::frame, "index")
-      .def_readonly("error", &JudgedView::error, "how far it is from the frame");
+      .def_readonly(FIELD(JudgedView, frame), "index")
+      .def_readonly(FIELD(JudgedView, error), "how far it is from the frame");
   BindReport<ViewEvaluation>(module, "ViewEvaluation", "How much a map looks like what was seen.")
-      .def_readonly("held_out", &ViewEvaluation::held_out, "the frames were left out of the map")
-      .def_readonly("views", &ViewEvaluation::views, "one for each frame judged by")
-      .def_readonly("mean", &ViewEvaluation::mean, "of the views")
-      .def_readonly("without_color", &ViewEvaluation::without_color, "frames left out")
-      .def_readonly("worst_view", &ViewEvaluation::worst_view, "its picture; empty without one");
+      .def_readonly(FIELD(ViewEvaluation, held_out), "the frames were left out of the map")
+      .def_readonly(FIELD(ViewEvaluation, views), "one for each frame judged by")
+      .def_readonly(FIELD(ViewEvaluation, mean), "of the views")
+      .def_readonly(FIELD(ViewEvaluation, without_color), "frames left out")
+      .def_readonly(FIELD(ViewEvaluation, worst_view), "its picture; empty without one");
   module.def(
       "evaluate_views",
       [](const ViewEvaluationOptions& options, const py::object& progress) {

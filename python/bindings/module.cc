@@ -1,8 +1,6 @@
 // The extension module surfit._surfit; surfit/__init__.py makes it the package.
 #include "bindings/bind.h"
 
-namespace py = pybind11;
-
 PYBIND11_MODULE(_surfit, module) {
   using namespace surfit::python;
   // Classes and functions are known by the package's name, not by this module's.

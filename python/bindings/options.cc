@@ -9,8 +9,6 @@
 #include "surfit/registration/register_clouds.h"
 #include "surfit/run/slam_run.h"
 
-namespace py = pybind11;
-
 namespace surfit::python {
 namespace {
 

@@ -1,14 +1,10 @@
 #include "bindings/options_class.h"
 
-#include <pybind11/eigen.h>
-
 #include <map>
 #include <optional>
 #include <vector>
 
 #include "surfit/geometry/rigid3.h"
-
-namespace py = pybind11;
 
 namespace surfit::python {
 namespace {

@@ -1,34 +1,31 @@
 #pragma once
 
-#include <pybind11/pybind11.h>
-#include <pybind11/stl.h>
-
 #include <functional>
 #include <string>
 #include <typeindex>
 
-#include "bindings/pose_caster.h"
+#include "bindings/bind.h"
 #include "surfit/core/options.h"
 
 namespace surfit::python {
 
 // "Name(a=1, b='x')", of all properties of the object's class.
-std::string ReprOfOptions(const pybind11::object& options);
+std::string ReprOfOptions(const py::object& options);
 
 // "Name(a=1, b='x')", of the properties that are a number, a text, a switch or None: the others may
 // be long.
-std::string ReprOfReport(const pybind11::object& report);
+std::string ReprOfReport(const py::object& report);
 
 // The properties by their names, copied.
-pybind11::dict PropertiesOf(const pybind11::object& object);
+py::dict PropertiesOf(const py::object& object);
 
 // What pickle is to do: the same properties come back as a types.SimpleNamespace.
-pybind11::tuple ReductionOf(const pybind11::object& report);
+py::tuple ReductionOf(const py::object& report);
 
 // What a program says of a frame, a run, ...: Python can print it and, as plain numbers, keep it.
 template <typename T>
-pybind11::class_<T> BindReport(pybind11::module_& module, const char* name, const char* doc) {
-  pybind11::class_<T> report(module, name, doc);
+py::class_<T> BindReport(py::module_& module, const char* name, const char* doc) {
+  py::class_<T> report(module, name, doc);
   report.def("__repr__", &ReprOfReport);
   report.def("__reduce__", &ReductionOf,
              "Pickled, it comes back as a types.SimpleNamespace of the same attributes.");
@@ -36,21 +33,21 @@ pybind11::class_<T> BindReport(pybind11::module_& module, const char* name, cons
 }
 
 // Sets the named options. Throws TypeError for a name that is none.
-void SetOptions(const pybind11::kwargs& values, pybind11::object options);
+void SetOptions(const py::kwargs& values, py::object options);
 
 // How Python sees a field of some type.
 struct FieldType {
   std::string name;  // in docstrings
-  std::function<pybind11::object(void* field, pybind11::handle options)> get;
-  std::function<void(void* field, pybind11::handle value)> set;
+  std::function<py::object(void* field, py::handle options)> get;
+  std::function<void(void* field, py::handle value)> set;
 };
 
 // Of types that are neither plain nor known here Python sees the text.
 void AddFieldType(std::type_index type, FieldType field_type);
 
 // Makes each option of the table a property; `table_of` binds the table to an object.
-void AddProperties(pybind11::object options_class, const OptionTable& defaults,
-                   const std::function<OptionTable(pybind11::handle)>& table_of);
+void AddProperties(py::object options_class, const OptionTable& defaults,
+                   const std::function<OptionTable(py::handle)>& table_of);
 
 // A struct of options as a part of nothing but its class: it may lack what is required, as that may
 // be set later.
@@ -72,8 +69,8 @@ void RequireValues(T* options, const std::string& name) {
 // A plain struct as a Python class that is made from keywords, which `check` may refuse; its
 // attributes are added later.
 template <typename T>
-pybind11::class_<T> BindPlain(
-    pybind11::module_& module, const char* name, const char* doc,
+py::class_<T> BindPlain(
+    py::module_& module, const char* name, const char* doc,
     void (*check)(T*, const std::string&) = [](T*, const std::string&) {}) {
   namespace py = pybind11;
   py::class_<T> plain(module, name, doc);
@@ -109,7 +106,7 @@ pybind11::class_<T> BindPlain(
 
 // A struct of options, its attributes by its table.
 template <typename T>
-void BindOptions(pybind11::module_& module, const char* name, const char* doc) {
+void BindOptions(py::module_& module, const char* name, const char* doc) {
   namespace py = pybind11;
   py::class_<T> options_class = BindPlain<T>(module, name, doc, &RequireValues<T>);
   T defaults;

@@ -1,19 +1,12 @@
 // Pose graphs.
-#include <pybind11/eigen.h>
-#include <pybind11/stl.h>
-#include <pybind11/stl/filesystem.h>
-
 #include <algorithm>
 #include <filesystem>
 
 #include "bindings/arrays.h"
 #include "bindings/bind.h"
 #include "bindings/options_class.h"
-#include "bindings/pose_caster.h"
 #include "surfit/core/error.h"
 #include "surfit/io/g2o.h"
-
-namespace py = pybind11;
 
 namespace surfit::python {
 namespace {
@@ -61,17 +54,17 @@ void BindGraphSummary(py::module_& module) {
       .def_property_readonly(
           "termination", [](const Summary& s) { return ToString(s.termination); },
           "converged, max_iterations; or failed")
-      .def_readonly("sparse_backend", &Summary::sparse_backend, "the solver of sparse systems")
-      .def_readonly("given_cost", &Summary::given_cost, "as it came, all edges")
-      .def_readonly("initial_cost", &Summary::initial_cost, "where it began, all edges")
-      .def_readonly("final_cost", &Summary::final_cost, "in the end, of the edges that count")
-      .def_readonly("round_count", &Summary::round_count, "solves")
-      .def_readonly("held_count", &Summary::held_count, "poses that were not moved")
-      .def_readonly("loop_count", &Summary::loop_count, "edges that may be wrong")
-      .def_readonly("outlier_edges", &Summary::outlier_edges,
+      .def_readonly(FIELD(Summary, sparse_backend), "the solver of sparse systems")
+      .def_readonly(FIELD(Summary, given_cost), "as it came, all edges")
+      .def_readonly(FIELD(Summary, initial_cost), "where it began, all edges")
+      .def_readonly(FIELD(Summary, final_cost), "in the end, of the edges that count")
+      .def_readonly(FIELD(Summary, round_count), "solves")
+      .def_readonly(FIELD(Summary, held_count), "poses that were not moved")
+      .def_readonly(FIELD(Summary, loop_count), "edges that may be wrong")
+      .def_readonly(FIELD(Summary, outlier_edges),
                     "loops left out as wrong: indices of edges in their order")
-      .def_readonly("initialize_ms", &Summary::initialize_ms, "wall time")
-      .def_readonly("solve_ms", &Summary::solve_ms, "wall time");
+      .def_readonly(FIELD(Summary, initialize_ms), "wall time")
+      .def_readonly(FIELD(Summary, solve_ms), "wall time");
 }
 
 }  // namespace

@@ -1,14 +1,8 @@
 // Refinement of whole runs, as surfit_refine does it.
-#include <pybind11/eigen.h>
-#include <pybind11/functional.h>
-#include <pybind11/stl.h>
-
 #include "apps/solvers/refine_run.h"
 #include "bindings/bind.h"
 #include "bindings/options_class.h"
 #include "bindings/without_gil.h"
-
-namespace py = pybind11;
 
 namespace surfit::python {
 namespace {
@@ -16,12 +10,12 @@ namespace {
 void BindCalibration(py::module_& module) {
   BindReport<DepthCalibration>(module, "DepthCalibration",
                                "What refinement finds of a depth camera.")
-      .def_readonly("camera", &DepthCalibration::camera, "px, undistorted")
+      .def_readonly(FIELD(DepthCalibration, camera), "px, undistorted")
       .def_property_readonly(
           "inverse_depth_field",
           [](const DepthCalibration& calibration) { return calibration.field.coefficients; },
           "1/m: what is added to 1/z: c0 + c1 x + c2 y + c3 x^2 + c4 x y + c5 y^2")
-      .def_readonly("readout_s", &DepthCalibration::readout_s, "of a rolling shutter");
+      .def_readonly(FIELD(DepthCalibration, readout_s), "of a rolling shutter");
 }
 
 void BindRefinementSummary(py::module_& module) {
@@ -33,8 +27,8 @@ void BindRefinementSummary(py::module_& module) {
       .def_property_readonly(
           "termination", [](const Summary& s) { return ToString(s.refinement.termination); },
           "converged, max_rounds; or the failure: too_few_surfels, failed")
-      .def_readonly("given", &Summary::given, "the calibration before")
-      .def_readonly("calibration", &Summary::calibration, "and after")
+      .def_readonly(FIELD(Summary, given), "the calibration before")
+      .def_readonly(FIELD(Summary, calibration), "and after")
       .def_property_readonly(
           "calibration_covariance",
           [](const Summary& s) { return s.refinement.calibration_covariance; },
@@ -48,14 +42,14 @@ void BindRefinementSummary(py::module_& module) {
       .def_property_readonly(
           "rms_after_m", [](const Summary& s) { return s.refinement.after.rms_m; },
           "point to plane")
-      .def_readonly("poses", &Summary::poses, "of the trajectory")
-      .def_readonly("keyframes", &Summary::keyframes, "of these, refined")
-      .def_readonly("frames_without_pose", &Summary::frames_without_pose, "frames")
-      .def_readonly("frames_unreadable", &Summary::frames_unreadable, "frames")
-      .def_readonly("before", &Summary::before, "evaluation; None without ground truth")
-      .def_readonly("after", &Summary::after, "evaluation; None without ground truth")
-      .def_readonly("map_points", &Summary::map_points, "surfels")
-      .def_readonly("total_s", &Summary::total_s, "wall time");
+      .def_readonly(FIELD(Summary, poses), "of the trajectory")
+      .def_readonly(FIELD(Summary, keyframes), "of these, refined")
+      .def_readonly(FIELD(Summary, frames_without_pose), "frames")
+      .def_readonly(FIELD(Summary, frames_unreadable), "frames")
+      .def_readonly(FIELD(Summary, before), "evaluation; None without ground truth")
+      .def_readonly(FIELD(Summary, after), "evaluation; None without ground truth")
+      .def_readonly(FIELD(Summary, map_points), "surfels")
+      .def_readonly(FIELD(Summary, total_s), "wall time");
 }
 
 }  // namespace

@@ -1,69 +1,64 @@
 // Whole runs with all their files, as surfit_slam makes them.
-#include <pybind11/functional.h>
-#include <pybind11/stl.h>
-
 #include <atomic>
 
 #include "bindings/bind.h"
 #include "bindings/options_class.h"
 #include "surfit/run/slam_run.h"
 
-namespace py = pybind11;
-
 namespace surfit::python {
 namespace {
 
 void BindRunProgress(py::module_& module) {
   BindReport<SlamRunProgress>(module, "SlamRunProgress", "How far a run has come.")
-      .def_readonly("frames_done", &SlamRunProgress::frames_done, "frames")
-      .def_readonly("frames_total", &SlamRunProgress::frames_total, "frames")
-      .def_readonly("map_points", &SlamRunProgress::map_points, "surfels")
-      .def_readonly("elapsed_s", &SlamRunProgress::elapsed_s, "since the run began")
-      .def_readonly("frames_fused_anew", &SlamRunProgress::frames_fused_anew, "of the final map");
+      .def_readonly(FIELD(SlamRunProgress, frames_done), "frames")
+      .def_readonly(FIELD(SlamRunProgress, frames_total), "frames")
+      .def_readonly(FIELD(SlamRunProgress, map_points), "surfels")
+      .def_readonly(FIELD(SlamRunProgress, elapsed_s), "since the run began")
+      .def_readonly(FIELD(SlamRunProgress, frames_fused_anew), "of the final map");
 }
 
 void BindRunSummary(py::module_& module) {
   using Summary = SlamRunSummary;
   BindReport<Summary>(module, "SlamRunSummary", "The outcome of a run: see summary.json for times.")
-      .def_readonly("frames_total", &Summary::frames_total, "read or attempted")
-      .def_readonly("frames_tracked", &Summary::frames_tracked, "all but lost and skipped ones")
-      .def_readonly("frames_lost", &Summary::frames_lost, "not registered")
-      .def_readonly("frames_with_motion", &Summary::frames_with_motion,
+      .def_readonly(FIELD(Summary, frames_total), "read or attempted")
+      .def_readonly(FIELD(Summary, frames_tracked), "all but lost and skipped ones")
+      .def_readonly(FIELD(Summary, frames_lost), "not registered")
+      .def_readonly(FIELD(Summary, frames_with_motion),
                     "tracked ones, of whose points more than a tenth move by themselves")
-      .def_readonly("frames_confirmed", &Summary::frames_confirmed,
+      .def_readonly(FIELD(Summary, frames_confirmed),
                     "of those lost, the ones that the next frame has given a pose")
-      .def_readonly("frames_lost_in_motion", &Summary::frames_lost_in_motion,
+      .def_readonly(FIELD(Summary, frames_lost_in_motion),
                     "lost ones, where such a one is the last that was tracked")
-      .def_readonly("frames_apart", &Summary::frames_apart,
+      .def_readonly(FIELD(Summary, frames_apart),
                     "of whose views parts move apart: the camera may be seen against what moves")
-      .def_readonly("frames_fused", &Summary::frames_fused, "into the map")
-      .def_readonly("frames_skipped", &Summary::frames_skipped, "that could not be read")
-      .def_readonly("frames_dropped", &Summary::frames_dropped, "offered, but not taken in time")
-      .def_readonly("frames_hurried", &Summary::frames_hurried,
+      .def_readonly(FIELD(Summary, frames_fused), "into the map")
+      .def_readonly(FIELD(Summary, frames_skipped), "that could not be read")
+      .def_readonly(FIELD(Summary, frames_dropped), "offered, but not taken in time")
+      .def_readonly(FIELD(Summary, frames_hurried),
                     "offered too fast: fewer of them were fused than map_period says")
-      .def_readonly("longest_map_period", &Summary::longest_map_period,
+      .def_readonly(FIELD(Summary, longest_map_period),
                     "at the worst one of so many frames was fused; 0 where none are offered")
-      .def_readonly("pauses", &Summary::pauses, "that a camera was unplugged, and came back")
-      .def_readonly("paused_s", &Summary::paused_s, "in all")
-      .def_readonly("frames_without_intensities", &Summary::frames_without_intensities,
+      .def_readonly(FIELD(Summary, pauses), "that a camera was unplugged, and came back")
+      .def_readonly(FIELD(Summary, paused_s), "in all")
+      .def_readonly(FIELD(Summary, frames_without_intensities),
                     "tracked by their shapes alone though intensities were asked for")
-      .def_readonly("input_points", &Summary::input_points, "pixels of all frames read")
-      .def_readonly("input_points_valid", &Summary::input_points_valid, "of those, with depth")
-      .def_readonly("updated", &Summary::updated, "surfels, summed over all frames")
-      .def_readonly("added", &Summary::added, "surfels, summed over all frames")
-      .def_readonly("removed", &Summary::removed, "surfels, summed over all frames")
-      .def_readonly("map_points", &Summary::map_points, "surfels at the end")
-      .def_readonly("compression_ratio", &Summary::compression_ratio, "input_points / map_points")
-      .def_readonly("evaluation", &Summary::evaluation, "None without ground truth")
-      .def_readonly("sensor_latency_s", &Summary::sensor_latency_s,
+      .def_readonly(FIELD(Summary, input_points), "pixels of all frames read")
+      .def_readonly(FIELD(Summary, input_points_valid), "of those, with depth")
+      .def_readonly(FIELD(Summary, updated), "surfels, summed over all frames")
+      .def_readonly(FIELD(Summary, added), "surfels, summed over all frames")
+      .def_readonly(FIELD(Summary, removed), "surfels, summed over all frames")
+      .def_readonly(FIELD(Summary, map_points), "surfels at the end")
+      .def_readonly(FIELD(Summary, compression_ratio), "input_points / map_points")
+      .def_readonly(FIELD(Summary, evaluation), "None without ground truth")
+      .def_readonly(FIELD(Summary, sensor_latency_s),
                     "that poses are earlier than the files' stamps")
-      .def_readonly("ate_without_latency", &Summary::ate_without_latency,
+      .def_readonly(FIELD(Summary, ate_without_latency),
                     "the absolute error if poses had the files' stamps; None without ground truth")
-      .def_readonly("total_s", &Summary::total_s, "wall time")
-      .def_readonly("final_map_s", &Summary::final_map_s,
+      .def_readonly(FIELD(Summary, total_s), "wall time")
+      .def_readonly(FIELD(Summary, final_map_s),
                     "of it to fuse the map anew; None where it was not")
-      .def_readonly("peak_rss_bytes", &Summary::peak_rss_bytes, "of the process")
-      .def_readonly("digest", &Summary::digest, "of trajectory and map: see Slam.digest");
+      .def_readonly(FIELD(Summary, peak_rss_bytes), "of the process")
+      .def_readonly(FIELD(Summary, digest), "of trajectory and map: see Slam.digest");
 }
 
 // A signal or an exception of `progress` ends the run, which writes all its files first.

@@ -1,8 +1,6 @@
 // Sequences of files, read ahead.
 #include "surfit/io/sequence.h"
 
-#include <pybind11/stl/filesystem.h>
-
 #include <filesystem>
 #include <memory>
 #include <mutex>
@@ -15,8 +13,6 @@
 #include "bindings/options_class.h"
 #include "surfit/frame/frame_source.h"
 #include "surfit/run/slam_run.h"
-
-namespace py = pybind11;
 
 namespace surfit::python {
 namespace {

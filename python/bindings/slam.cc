@@ -1,8 +1,4 @@
 // Slam, frame by frame.
-#include <pybind11/functional.h>
-#include <pybind11/stl.h>
-#include <pybind11/stl/filesystem.h>
-
 #include <array>
 #include <filesystem>
 #include <functional>
@@ -10,8 +6,6 @@
 #include "bindings/bind.h"
 #include "bindings/options_class.h"
 #include "bindings/slam_session.h"
-
-namespace py = pybind11;
 
 namespace surfit::python {
 namespace {

@@ -3,15 +3,12 @@
 #include <utility>
 
 #include "bindings/arrays.h"
-#include "bindings/pose_caster.h"
 #include "run/results/digest.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/geometry/sensor.h"
 #include "surfit/io/point_cloud.h"
 #include "surfit/io/trajectory_files.h"
-
-namespace py = pybind11;
 
 namespace surfit::python {
 namespace {

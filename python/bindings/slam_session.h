@@ -1,7 +1,5 @@
 #pragma once
 
-#include <pybind11/numpy.h>
-
 #include <atomic>
 #include <exception>
 #include <functional>
@@ -11,6 +9,7 @@
 #include <string>
 #include <thread>
 
+#include "bindings/bind.h"
 #include "bindings/frame.h"
 #include "bindings/surfels.h"
 #include "surfit/geometry/trajectory.h"
@@ -30,7 +29,7 @@ class SlamSession {
   FrameReport Process(const Frame& frame, const std::optional<Rigid3d>& world_from_camera);
 
   // Without an index, that after the last frame's. Throws InputError without a camera.
-  FrameReport Process(const pybind11::object& color, const pybind11::array& depth, double stamp_s,
+  FrameReport Process(const py::object& color, const py::array& depth, double stamp_s,
                       std::optional<int> index, const std::optional<Rigid3d>& world_from_camera);
 
   // See Slam::OnPose(). What it throws is thrown by Process() in the end.
@@ -41,8 +40,8 @@ class SlamSession {
   // By which the last frame was seen, where that is not as given.
   std::optional<DepthCalibration> FoundCalibration();
 
-  pybind11::array_t<double> TrajectoryRows();
-  pybind11::array_t<double> Poses();
+  py::array_t<double> TrajectoryRows();
+  py::array_t<double> Poses();
   SurfelColumns Surfels();
   std::size_t SurfelCount();
   std::string DigestOfResult();

@@ -7,8 +7,6 @@
 #include "surfit/core/error.h"
 #include "surfit/core/parallel.h"
 
-namespace py = pybind11;
-
 namespace surfit::python {
 namespace {
 

@@ -1,15 +1,15 @@
 #pragma once
 
-#include <pybind11/pybind11.h>
-
 #include <optional>
+
+#include "bindings/bind.h"
 
 namespace surfit::python {
 
 // Runs `work` while other Python threads run, with a function that calls `progress`, unless that
 // is None, with the values it is given. Its first exception is raised when the work is done.
 template <typename Work>
-auto WithoutGil(const pybind11::object& progress, const Work& work) {
+auto WithoutGil(const py::object& progress, const Work& work) {
   namespace py = pybind11;
   std::optional<py::error_already_set> error;
   const auto call = [&](const auto&... values) {
