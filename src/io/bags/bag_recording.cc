@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <map>
 
-#include "io/bags/frame_tree.h"
 #include "io/bags/message_images.h"
 #include "io/files/text.h"
 #include "io/sequences/sequence_camera.h"
@@ -13,6 +13,42 @@
 
 namespace surfit {
 namespace {
+
+// The coordinate frames that a bag's tf tells of, each with the first pose that is told of it in
+// its parent: between cameras of one device poses do not change.
+class FrameTree {
+ public:
+  void Add(const std::vector<FrameTransform>& transforms) {
+    for (const FrameTransform& transform : transforms)
+      by_child_.emplace(transform.child, transform);
+  }
+
+  // Nothing if the frames are not connected. Both hang on the same frames; which of these is taken
+  // does not matter but for rounding.
+  std::optional<Rigid3d> Transform(const std::string& target, const std::string& source) const {
+    const auto targets = Ancestors(target), sources = Ancestors(source);
+    for (const auto& [frame, frame_from_target] : targets) {
+      const auto shared = sources.find(frame);
+      if (shared != sources.end()) return frame_from_target.Inverse() * shared->second;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  // The frame and those that it hangs on, with its own poses in them.
+  std::map<std::string, Rigid3d> Ancestors(const std::string& frame) const {
+    std::map<std::string, Rigid3d> found{{frame, Rigid3d()}};
+    Rigid3d pose;
+    for (auto link = by_child_.find(frame); link != by_child_.end();
+         link = by_child_.find(link->second.parent)) {
+      pose = link->second.parent_from_child * pose;
+      if (!found.emplace(link->second.parent, pose).second) break;  // a damaged tree has a ring
+    }
+    return found;
+  }
+
+  std::map<std::string, FrameTransform> by_child_;
+};
 
 std::unique_ptr<MessageLog> OpenLog(const std::string& path, const std::string& format,
                                     bool is_folder) {

@@ -7,6 +7,7 @@
 
 #include "io/bags/bag_topics.h"
 #include "io/bags/message_log.h"
+#include "io/bags/messages.h"
 #include "io/sequences/recording.h"
 #include "surfit/geometry/sensor.h"
 #include "surfit/io/sequence.h"

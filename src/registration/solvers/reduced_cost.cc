@@ -1,9 +1,8 @@
-#include "registration/solvers/reduced_cost.h"
-
 #include <utility>
 
 #include "registration/icp/own_residuals.h"
 #include "registration/solvers/functor_batch.h"
+#include "registration/solvers/reduced_solver.h"
 
 namespace surfit {
 
