@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <iterator>
 #include <limits>
+#include <type_traits>
 
 #include "io/files/packed_view.h"
 
@@ -14,12 +15,92 @@ namespace {
 constexpr std::int64_t kApplicationId = 0x73726674;  // "srft"
 constexpr std::int64_t kVersion = 2;
 
-void PutPose(const Rigid3d& pose, Row* row) {
-  for (const double number : pose.translation) row->emplace_back(number);
-  for (const double number : pose.rotation.coeffs()) row->emplace_back(number);
+// The values of a row one after the other, as a RowReader takes them.
+class RowWriter {
+ public:
+  template <typename... Ts>
+  void Pass(const Ts&... values) {
+    (Put(values), ...);
+  }
+  const Row& row() const { return row_; }
+
+ private:
+  template <typename T>
+  void Put(const T& value) {
+    if constexpr (std::is_integral_v<T>) {
+      row_.emplace_back(static_cast<std::int64_t>(value));
+    } else {
+      row_.emplace_back(value);
+    }
+  }
+  void Put(const Rigid3d& pose) {
+    for (const double number : pose.translation) Put(number);
+    for (const double number : pose.rotation.coeffs()) Put(number);
+  }
+
+  Row row_;
+};
+
+// The columns of each table, for a writer and for a reader, but for a key that no struct has.
+template <typename Io>
+void PassColumns(SessionRow& session, Io* io) {
+  PinholeCamera& camera = session.sensor.camera;
+  io->Pass(camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy,
+           session.sensor.noise.inverse_depth_sigma, session.sensor.readout_s);
+  bool is_calibrated = session.calibration.has_value();
+  DepthCalibration found = session.calibration.value_or(DepthCalibration());
+  io->Pass(is_calibrated, found.camera.fx, found.camera.fy, found.camera.cx, found.camera.cy,
+           found.readout_s);
+  for (double& number : found.field.coefficients) io->Pass(number);
+  found.camera.width = camera.width;
+  found.camera.height = camera.height;
+  if (is_calibrated) session.calibration = found;
+  io->Pass(session.color_latency_s, session.runs, session.frames, session.keyframes, session.views,
+           session.calibration_frames, session.edges, session.tiles, session.settled_keyframes,
+           session.saves);
 }
 
-std::int64_t AsInteger(bool flag) { return flag ? 1 : 0; }
+template <typename Io>
+void PassColumns(SessionRun& run, Io* io) {
+  io->Pass(run.sequence, run.format, run.first, run.stride, run.shift, run.mirrored, run.ended);
+}
+
+template <typename Io>
+void PassColumns(PosedFrame& frame, Io* io) {
+  io->Pass(frame.index, frame.stamp_s, frame.world_from_camera, frame.keyframe, frame.stretch);
+}
+
+template <typename Io>
+void PassColumns(KeyframeLink& keyframe, Io* io) {
+  io->Pass(keyframe.frame, keyframe.parent_frame, keyframe.submap);
+}
+
+// The information is packed.
+template <typename Io>
+void PassColumns(KeptEdge& kept, Blob& information, Io* io) {
+  io->Pass(kept.edge.a, kept.edge.b, kept.edge.a_from_b, information, kept.edge.loop,
+           kept.in_graph);
+}
+
+template <typename Io>
+void PassColumns(TileRow& tile, Io* io) {
+  io->Pass(tile.key, tile.save, tile.bytes, tile.crc, tile.surfels);
+}
+
+template <typename... Keys, typename Struct>
+Row Written(Struct value, Keys... key) {
+  RowWriter writer;
+  writer.Pass(key...);
+  PassColumns(value, &writer);
+  return writer.row();
+}
+
+template <typename Struct>
+Struct Taken(RowReader* row) {
+  Struct value;
+  PassColumns(value, row);
+  return value;
+}
 
 }  // namespace
 
@@ -63,114 +144,32 @@ void RequireSchema(Database* database) {
           kVersion, " for this program");
 }
 
-Row RowOf(const SessionRow& session) {
-  const PinholeCamera& camera = session.sensor.camera;
-  Row row = {std::int64_t{1}, std::int64_t{camera.width}, std::int64_t{camera.height}};
-  for (const double number : {camera.fx, camera.fy, camera.cx, camera.cy,
-                              session.sensor.noise.inverse_depth_sigma, session.sensor.readout_s}) {
-    row.emplace_back(number);
-  }
-  row.emplace_back(AsInteger(session.calibration.has_value()));
-  const DepthCalibration found = session.calibration.value_or(DepthCalibration());
-  for (const double number :
-       {found.camera.fx, found.camera.fy, found.camera.cx, found.camera.cy, found.readout_s}) {
-    row.emplace_back(number);
-  }
-  for (const double number : found.field.coefficients) row.emplace_back(number);
-  row.emplace_back(session.color_latency_s);
-  for (const std::int64_t count :
-       {session.runs, session.frames, session.keyframes, session.views, session.calibration_frames,
-        session.edges, session.tiles, session.settled_keyframes, session.saves}) {
-    row.emplace_back(count);
-  }
-  return row;
-}
+Row RowOf(const SessionRow& session) { return Written(session, 1); }
 
 SessionRow TakeSession(RowReader* row) {
-  SessionRow session;
   if (row->TakeInt() != 1) row->Fail("must have the key 1");
-  PinholeCamera& camera = session.sensor.camera;
-  camera.width = row->TakeInt();
-  camera.height = row->TakeInt();
-  for (double* number : {&camera.fx, &camera.fy, &camera.cx, &camera.cy,
-                         &session.sensor.noise.inverse_depth_sigma, &session.sensor.readout_s}) {
-    *number = row->TakeNumber();
-  }
-  const bool is_calibrated = row->TakeFlag();
-  DepthCalibration found;
-  found.camera.width = camera.width;
-  found.camera.height = camera.height;
-  for (double* number :
-       {&found.camera.fx, &found.camera.fy, &found.camera.cx, &found.camera.cy, &found.readout_s}) {
-    *number = row->TakeNumber();
-  }
-  for (double& number : found.field.coefficients) number = row->TakeNumber();
-  if (is_calibrated) session.calibration = found;
-  session.color_latency_s = row->TakeNumber();
-  for (std::int64_t* count : {&session.runs, &session.frames, &session.keyframes, &session.views,
-                              &session.calibration_frames, &session.edges, &session.tiles,
-                              &session.settled_keyframes, &session.saves}) {
-    *count = row->Take<std::int64_t>();
-  }
+  const SessionRow session = Taken<SessionRow>(row);
   session.sensor.camera.Validate(row->from());
-  if (is_calibrated) session.calibration->camera.Validate(row->from());
+  if (session.calibration) session.calibration->camera.Validate(row->from());
   return session;
 }
 
-Row RowOf(std::int64_t key, const SessionRun& run) {
-  return {key,
-          run.sequence,
-          run.format,
-          std::int64_t{run.first},
-          std::int64_t{run.stride},
-          std::int64_t{run.shift},
-          AsInteger(run.mirrored),
-          AsInteger(run.ended)};
-}
+Row RowOf(std::int64_t key, const SessionRun& run) { return Written(run, key); }
 
 SessionRun TakeRun(RowReader* row) {
-  SessionRun run;
   row->TakeInt();
-  run.sequence = row->Take<std::string>();
-  run.format = row->Take<std::string>();
-  run.first = row->TakeInt();
-  run.stride = row->TakeInt();
-  run.shift = row->TakeInt();
-  run.mirrored = row->TakeFlag();
-  run.ended = row->TakeFlag();
-  return run;
+  return Taken<SessionRun>(row);
 }
 
-Row RowOf(const PosedFrame& frame) {
-  Row row = {std::int64_t{frame.index}, frame.stamp_s};
-  PutPose(frame.world_from_camera, &row);
-  row.emplace_back(std::int64_t{frame.keyframe});
-  row.emplace_back(std::int64_t{frame.stretch});
-  return row;
-}
+Row RowOf(const PosedFrame& frame) { return Written(frame); }
 
-PosedFrame TakeFrame(RowReader* row) {
-  PosedFrame frame;
-  frame.index = row->TakeInt();
-  frame.stamp_s = row->TakeNumber();
-  frame.world_from_camera = row->TakePose();
-  frame.keyframe = row->TakeInt();
-  frame.stretch = row->TakeInt();
-  return frame;
-}
+PosedFrame TakeFrame(RowReader* row) { return Taken<PosedFrame>(row); }
 
-Row RowOf(std::int64_t key, const KeyframeLink& keyframe) {
-  return {key, std::int64_t{keyframe.frame}, std::int64_t{keyframe.parent_frame},
-          std::int64_t{keyframe.submap}};
-}
+Row RowOf(std::int64_t key, const KeyframeLink& keyframe) { return Written(keyframe, key); }
 
 KeyframeLink TakeKeyframe(RowReader* row) {
-  KeyframeLink keyframe;
   row->TakeInt();
-  keyframe.frame = row->TakeInt();
-  keyframe.parent_frame = row->TakeInt();
-  keyframe.submap = row->TakeInt();
-  return keyframe;
+  return Taken<KeyframeLink>(row);
 }
 
 Row RowOf(std::int64_t key, const PlaceView& view) {
@@ -217,46 +216,35 @@ RgbdFrame TakeCalibrationFrame(RowReader* row) {
 }
 
 Row RowOf(std::int64_t key, const KeptEdge& kept) {
-  const PoseGraphEdge& edge = kept.edge;
-  Row row = {key, static_cast<std::int64_t>(edge.a), static_cast<std::int64_t>(edge.b)};
-  PutPose(edge.a_from_b, &row);
   Packer packer;
-  for (const double number : edge.information.reshaped()) packer.Put(number);
-  row.emplace_back(Blob{packer.bytes()});
-  row.emplace_back(AsInteger(edge.loop));
-  row.emplace_back(AsInteger(kept.in_graph));
-  return row;
+  for (const double number : kept.edge.information.reshaped()) packer.Put(number);
+  Blob information{packer.bytes()};
+  KeptEdge edge = kept;
+  RowWriter writer;
+  writer.Pass(key);
+  PassColumns(edge, information, &writer);
+  return writer.row();
 }
 
 KeptEdge TakeEdge(RowReader* row) {
   KeptEdge kept;
+  Blob information;
   row->TakeInt();
-  kept.edge.a = static_cast<std::size_t>(row->TakeInt());
-  kept.edge.b = static_cast<std::size_t>(row->TakeInt());
-  kept.edge.a_from_b = row->TakePose();
-  Unpacker unpacker(row->Take<Blob>().bytes, row->from());
+  PassColumns(kept, information, row);
+  Unpacker unpacker(information.bytes, row->from());
   for (double& number : kept.edge.information.reshaped()) number = unpacker.Take<double>();
   unpacker.End();
-  kept.edge.loop = row->TakeFlag();
-  kept.in_graph = row->TakeFlag();
   if (!IsInformation(kept.edge.information)) row->Fail("has an information that is none");
   return kept;
 }
 
-Row RowOf(const TileRow& tile) { return {tile.key, tile.save, tile.bytes, tile.crc, tile.surfels}; }
+Row RowOf(const TileRow& tile) { return Written(tile); }
 
-TileRow TakeTile(RowReader* row) {
-  TileRow tile;
-  for (std::int64_t* number : {&tile.key, &tile.save, &tile.bytes, &tile.crc, &tile.surfels}) {
-    *number = row->Take<std::int64_t>();
-  }
-  return tile;
-}
+TileRow TakeTile(RowReader* row) { return Taken<TileRow>(row); }
 
-double RowReader::TakeNumber() {
-  const double number = Take<double>();
-  if (!std::isfinite(number)) Fail(Concat("has no finite number in column ", at_));
-  return number;
+void RowReader::TakeInto(double* value) {
+  *value = Take<double>();
+  if (!std::isfinite(*value)) Fail(Concat("has no finite number in column ", at_));
 }
 
 int RowReader::TakeInt() {
@@ -268,12 +256,10 @@ int RowReader::TakeInt() {
   return static_cast<int>(number);
 }
 
-Rigid3d RowReader::TakePose() {
-  Rigid3d pose;
-  for (double& number : pose.translation) number = TakeNumber();
-  for (double& number : pose.rotation.coeffs()) number = TakeNumber();
-  if (!(std::abs(pose.rotation.norm() - 1) < 1e-6)) Fail("has a rotation that is none");
-  return pose;
+void RowReader::TakeInto(Rigid3d* value) {
+  for (double& number : value->translation) TakeInto(&number);
+  for (double& number : value->rotation.coeffs()) TakeInto(&number);
+  if (!(std::abs(value->rotation.norm() - 1) < 1e-6)) Fail("has a rotation that is none");
 }
 
 }  // namespace surfit

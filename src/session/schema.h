@@ -102,14 +102,26 @@ class RowReader {
     ++at_;
     return *value;
   }
-  double TakeNumber();
   int TakeInt();  // that fits
-  bool TakeFlag() { return Take<std::int64_t>() != 0; }
-  Rigid3d TakePose();
+  // Into values of any of the types that columns and fields have.
+  template <typename... Ts>
+  void Pass(Ts&... values) {
+    (TakeInto(&values), ...);
+  }
   const std::string& from() const { return from_; }
   [[noreturn]] void Fail(const std::string& why) const { throw InputError(from_, " ", why); }
 
  private:
+  template <typename T>
+  void TakeInto(T* value) {
+    *value = Take<T>();
+  }
+  void TakeInto(int* value) { *value = TakeInt(); }
+  void TakeInto(std::size_t* value) { *value = static_cast<std::size_t>(TakeInt()); }
+  void TakeInto(bool* value) { *value = Take<std::int64_t>() != 0; }
+  void TakeInto(double* value);
+  void TakeInto(Rigid3d* value);
+
   const Row& row_;
   std::string from_;
   std::size_t at_ = 0;
