@@ -44,8 +44,7 @@ void BindAlign(py::module_& module) {
       py::arg("icp") = py::none(), py::arg("preprocess") = PreprocessOptions(),
       "Registers two frames, by far_icp_options() unless icp says otherwise, from where "
       "initialize.method says: from the identity, or from afar, and verified then. Other threads "
-      "run "
-      "meanwhile; Ctrl-C is not heard before the call returns.");
+      "run meanwhile; Ctrl-C is not heard before the call returns.");
 }
 
 }  // namespace surfit::python

@@ -40,9 +40,9 @@ std::string TypeOf(const py::array& array) { return py::str(array.dtype()); }
 StampedPose PoseOfRow(const double* row, const char* what, py::ssize_t index) {
   const Eigen::Quaterniond rotation(row[7], row[4], row[5], row[6]);
   const bool finite = std::all_of(row, row + 8, [](double value) { return std::isfinite(value); });
-  ThrowIf(!finite || !(rotation.norm() > 1e-6), what, ": row ", index,
-          " must be finite numbers, stamp tx ty tz qx qy qz qw, with a "
-          "quaternion that is not zero");
+  ThrowIf(
+      !finite || !(rotation.norm() > 1e-6), what, ": row ", index,
+      " must be finite numbers, stamp tx ty tz qx qy qz qw, with a quaternion that is not zero");
   return {row[0], Rigid3d(rotation.normalized(), {row[1], row[2], row[3]})};
 }
 

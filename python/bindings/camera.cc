@@ -12,10 +12,9 @@ static_assert(FieldCount<PinholeCamera>() == 7 && FieldCount<Disparity>() == 4 &
               "each field must be an attribute");
 
 void BindCamera(py::module_& module) {
-  BindPlain<PinholeCamera>(
-      module, "PinholeCamera",
-      "A pinhole camera: u = fx x/z + cx, v = fy y/z + cy; x right, y down, z forward; the centre "
-      "of the first pixel is (0, 0).")
+  BindPlain<PinholeCamera>(module, "PinholeCamera",
+                           "A pinhole camera: u = fx x/z + cx, v = fy y/z + cy; x right, y down, z "
+                           "forward; the centre of the first pixel is (0, 0).")
       .def_readwrite(FIELD(PinholeCamera, width), "px")
       .def_readwrite(FIELD(PinholeCamera, height), "px")
       .def_readwrite(FIELD(PinholeCamera, fx), "px")

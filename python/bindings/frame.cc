@@ -50,10 +50,9 @@ Frame FrameMaker::Make(const py::object& color, const py::array& depth, double s
 }
 
 void BindFrame(py::module_& module) {
-  py::class_<Frame>(
-      module, "Frame",
-      "A depth image with its colours, undistorted, in the pixels of one pinhole camera. The "
-      "arrays are views of its memory.")
+  py::class_<Frame>(module, "Frame",
+                    "A depth image with its colours, undistorted, in the pixels of one pinhole "
+                    "camera. The arrays are views of its memory.")
       .def(py::init([](const py::object& color, const py::array& depth, const CameraChoice& camera,
                        double stamp_s, int index, const PrepareOptions& prepare) {
              return FrameMaker(CameraOf(camera), prepare).Make(color, depth, stamp_s, index);
@@ -63,15 +62,13 @@ void BindFrame(py::module_& module) {
            "From a height x width x 3 array of uint8 (red first) or None, and a height x width "
            "array of integers (counts of 1 / depth_units_per_metre; 0 and 65535 are missing) or "
            "floating-point numbers (metres). stamp_s is when they came: the camera's latency is "
-           "taken "
-           "off it. The camera is a PinholeCamera, an RgbdCamera or a "
-           "preset's name; where fy < 0 the frame is mirrored: see Sequence.mirrored.")
+           "taken off it. The camera is a PinholeCamera, an RgbdCamera or a preset's name; where "
+           "fy < 0 the frame is mirrored: see Sequence.mirrored.")
       .def_property_readonly("depth_m", &DepthView,
                              "height x width, float32, metres along the optical axis; 0 = missing")
-      .def_property_readonly(
-          "color", &ColorView,
-          "height x width x 3, uint8, red first; None without colour; (0, 0, 0) where the colour "
-          "camera does not see the depth pixel")
+      .def_property_readonly("color", &ColorView,
+                             "height x width x 3, uint8, red first; None without colour; (0, 0, 0) "
+                             "where the colour camera does not see the depth pixel")
       .def_property_readonly(
           "camera", [](const Frame& frame) { return frame.sensor.camera; }, "of these pixels")
       .def_property_readonly(

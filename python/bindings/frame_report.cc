@@ -45,8 +45,7 @@ void BindFrameReport(py::module_& module) {
           "state", [](const FrameReport& report) { return ToString(report.state); },
           "first, tracked, degenerate (some directions as predicted), frozen (depth repeats the "
           "last frame's), given (fused at a given pose), relocalised (found by a keyframe), "
-          "new_map "
-          "(the first of a map apart), or lost: no pose, nothing fused")
+          "new_map (the first of a map apart), or lost: no pose, nothing fused")
       .def_property_readonly("world_from_camera", &PoseOfReport, "4 x 4, metres; None if lost")
       .def_readonly(FIELD(FrameReport, has_own_view), "the map was drawn for it")
       .def_readonly(FIELD(FrameReport, is_held_out),

@@ -20,9 +20,9 @@ void BindIteration(py::module_& module) {
 
 void BindIcpResult(py::module_& module) {
   BindIteration(module);
-  BindReport<IcpResult>(module, "IcpResult",
-                        "The outcome of a registration. Unless it succeeded, the pose must not be "
-                        "used.")
+  BindReport<IcpResult>(
+      module, "IcpResult",
+      "The outcome of a registration. Unless it succeeded, the pose must not be used.")
       .def_property_readonly("succeeded", &IcpResult::Succeeded, "whether the pose may be used")
       .def_property_readonly(
           "termination", [](const IcpResult& result) { return ToString(result.termination); },
@@ -48,10 +48,10 @@ void BindIcpResult(py::module_& module) {
       .def_readonly(FIELD(IcpResult, free_space_share),
                     "of points in space that the other view saw through; 0 unless limited");
 
-  BindReport<FarVerdict>(module, "AlignResult",
-                         "A registration of frames and what speaks for it; numbers are 0 where "
-                         "they were not looked at. Unless it was accepted, the pose must not be "
-                         "used.")
+  BindReport<FarVerdict>(
+      module, "AlignResult",
+      "A registration of frames and what speaks for it; numbers are 0 where they were not looked "
+      "at. Unless it was accepted, the pose must not be used.")
       .def_property_readonly("accepted", &FarVerdict::accepted, "whether the pose may be used")
       .def_property_readonly(
           "reason", [](const FarVerdict& verdict) { return ToString(verdict.reason); },

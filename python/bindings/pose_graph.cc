@@ -76,8 +76,7 @@ void BindPoseGraph(py::module_& module) {
       .def_static(
           "read", [](const std::filesystem::path& path) { return ReadG2o(path.string()).graph; },
           py::arg("path"),
-          "Reads a .g2o file; edges between ids that do not follow one another "
-          "are loops.")
+          "Reads a .g2o file; edges between ids that do not follow one another are loops.")
       .def(
           "write",
           [](const PoseGraph& graph, const std::filesystem::path& path) {

@@ -97,8 +97,8 @@ void BindRun(py::module_& module) {
       py::arg("options"), py::arg("progress") = py::none(),
       "Runs SLAM over a sequence and writes what surfit_slam writes. progress is called with a "
       "SlamRunProgress after every frame, and after every one of the final map. An exception "
-      "there, or Ctrl-C, ends the run after the "
-      "frame at work; the files are written, and the exception goes on.");
+      "there, or Ctrl-C, ends the run after the frame at work; the files are written, and the "
+      "exception goes on.");
 }
 
 }  // namespace surfit::python

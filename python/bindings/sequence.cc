@@ -79,8 +79,7 @@ void BindSequence(py::module_& module) {
            }),
            py::arg("path"), py::kw_only(), py::arg("queue_capacity") = default_capacity,
            "Of the path of a folder or recording, or of SequenceOptions; keywords are options of "
-           "SequenceOptions. "
-           "At most queue_capacity frames are read ahead.")
+           "SequenceOptions. At most queue_capacity frames are read ahead.")
       .def("__iter__", [](Sequence& sequence) -> Sequence& { return sequence; })
       .def("__next__", &Sequence::Next)
       .def("__len__", [](const Sequence& sequence) { return sequence.info().frame_count; })

@@ -48,8 +48,8 @@ void BindProcess(py::class_<SlamSession>* slam) {
 void BindResults(py::class_<SlamSession>* slam) {
   slam->def_property_readonly(
       "trajectory", &SlamSession::TrajectoryRows,
-      "N x 8, a row for each frame with a pose: stamp tx ty tz qx qy qz "
-      "qw, world from camera, metres, as corrected by loops and calibration so far");
+      "N x 8, a row for each frame with a pose: stamp tx ty tz qx qy qz qw, world from camera, "
+      "metres, as corrected by loops and calibration so far");
   slam->def_property_readonly("poses", &SlamSession::Poses,
                               "N x 4 x 4, world from camera, metres, of the same frames");
   slam->def_property_readonly("mirrored", &SlamSession::mirrored,
@@ -58,9 +58,9 @@ void BindResults(py::class_<SlamSession>* slam) {
   slam->def_property_readonly(
       "digest", &SlamSession::DigestOfResult,
       "of trajectory and map: equal digests, equal results bit for bit, with surfit_slam as well");
-  slam->def("finish", &SlamSession::Finish,
-            "Takes in what is still being found out about loops and the camera: after the last "
-            "frame.");
+  slam->def(
+      "finish", &SlamSession::Finish,
+      "Takes in what is still being found out about loops and the camera: after the last frame.");
   slam->def_property_readonly(
       "calibration",
       [](SlamSession& session) -> std::optional<std::array<double, 10>> {
@@ -93,9 +93,9 @@ void BindSlam(py::module_& module) {
   py::class_<SlamSession> slam(
       module, "Slam",
       "Dense SLAM by point-based fusion: each frame is registered to what the map predicts, and "
-      "fused into the map at the pose found. With options.loops.enabled the map and the "
-      "trajectory follow the poses that closed loops correct; with options.calibration.enabled, "
-      "the default, they and the camera follow what the keyframes tell of it.");
+      "fused into the map at the pose found. With options.loops.enabled the map and the trajectory "
+      "follow the poses that closed loops correct; with options.calibration.enabled, the default, "
+      "they and the camera follow what the keyframes tell of it.");
   slam.def(py::init([](const SlamOptions& options, const std::optional<CameraChoice>& camera,
                        const PrepareOptions& prepare, std::optional<Rigid3d> initial_pose) {
              std::optional<RgbdCamera> rgbd_camera;

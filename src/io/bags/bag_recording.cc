@@ -75,8 +75,8 @@ std::array<double, 5> Distortion(const CameraInfo& info, const std::string& name
         info.distortion_model == "plumb_bob" || info.distortion_model == "rational_polynomial";
     ThrowIf(!is_known || i >= distortion.size(), name, ": the lens is distorted by the model '",
             info.distortion_model, "' with ", info.distortion.size(),
-            " numbers, must be plumb_bob's five; rectify the images, or give "
-            "intrinsics and distortion");
+            " numbers, must be plumb_bob's five; rectify the images, or give intrinsics and "
+            "distortion");
     distortion[i] = info.distortion[i];
   }
   return distortion;

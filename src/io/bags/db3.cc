@@ -61,8 +61,8 @@ class Db3 : public MessageLog {
                          nullptr, nullptr));
     // No views, which might compute for ever.
     auto tables = Prepare(
-        "SELECT count(*) FROM sqlite_master WHERE type = 'table' AND sql NOT LIKE '%VIRTUAL%' "
-        "AND name IN ('topics', 'messages')");
+        "SELECT count(*) FROM sqlite_master WHERE type = 'table' AND sql NOT LIKE '%VIRTUAL%' AND "
+        "name IN ('topics', 'messages')");
     ThrowIf(!Step(tables.get()) || sqlite3_column_int(tables.get(), 0) != 2, path_,
             " is no ROS 2 bag: it must have tables of topics and messages");
   }

@@ -203,9 +203,9 @@ PinholeCamera OpenNiDevice::PinholeOf(const Stream& stream) const {
   const auto horizontal_rad = Get<float>(stream, ONI_STREAM_PROPERTY_HORIZONTAL_FOV);
   const auto vertical_rad = Get<float>(stream, ONI_STREAM_PROPERTY_VERTICAL_FOV);
   if (!horizontal_rad || !vertical_rad || !(*horizontal_rad > 0) || !(*vertical_rad > 0)) {
-    throw InputError(name_,
-                     " does not tell its field of view: give a camera.yaml, a preset as "
-                     "camera, or intrinsics");
+    throw InputError(
+        name_,
+        " does not tell its field of view: give a camera.yaml, a preset as camera, or intrinsics");
   }
   PinholeCamera camera;
   camera.width = stream.mode.resolutionX;
@@ -228,9 +228,9 @@ RgbdCamera OpenNiDevice::Camera(const SequenceOptions& options) const {
   const bool sees_as_color = has_color() && is_registered_;
   if (!options.intrinsics) camera.depth = PinholeOf(sees_as_color ? color_ : depth_);
   if (camera.color_is_registered) return camera;
-  ThrowIf(!options.color_from_depth, name_,
-          " does not register depth to colour: give color_from_depth, or a "
-          "camera.yaml that has it");
+  ThrowIf(
+      !options.color_from_depth, name_,
+      " does not register depth to colour: give color_from_depth, or a camera.yaml that has it");
   if (!options.color_intrinsics) camera.color = PinholeOf(color_);
   return camera;
 }

@@ -21,8 +21,7 @@ OpenNiLibrary::OpenNiLibrary(const std::string& name)
     : library_(dlopen(name.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE)) {
   if (library_ == nullptr) {
     throw InputError("OpenNI2 cannot be loaded (", dlerror(),
-                     "): install Debian's libopenni2-0, or name a library as "
-                     "openni2_library");
+                     "): install Debian's libopenni2-0, or name a library as openni2_library");
   }
 #define SURFIT_OPENNI_FIND(call) \
   call = reinterpret_cast<decltype(call)>(Find(library_, #call, name));

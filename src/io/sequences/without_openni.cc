@@ -6,9 +6,9 @@ namespace surfit {
 namespace {
 
 [[noreturn]] void Refuse(const SequenceOptions& options) {
-  throw InputError(options.path,
-                   ": this build of Surfit has no OpenNI2; build it where Debian's "
-                   "libopenni2-dev is installed");
+  throw InputError(
+      options.path,
+      ": this build of Surfit has no OpenNI2; build it where Debian's libopenni2-dev is installed");
 }
 
 }  // namespace
