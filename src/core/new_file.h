@@ -26,8 +26,7 @@ class FileBuffer final : public std::streambuf {
  public:
   explicit FileBuffer(int file);
   ~FileBuffer() override;
-  FileBuffer(const FileBuffer&) = delete;
-  FileBuffer& operator=(const FileBuffer&) = delete;
+  FileBuffer& operator=(FileBuffer&&) = delete;
 
   // Writes what is left, to the disk if asked for, and closes the file: false and errno if any of
   // it has failed, now or before.

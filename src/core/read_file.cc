@@ -31,8 +31,7 @@ class OpenFile {
     if (file_ < 0 || fstat(file_, &status_) != 0) ThrowCannotRead(path);
   }
   ~OpenFile() { close(file_); }
-  OpenFile(const OpenFile&) = delete;
-  OpenFile& operator=(const OpenFile&) = delete;
+  OpenFile& operator=(OpenFile&&) = delete;
 
   bool is_regular() const { return S_ISREG(status_.st_mode); }
   std::size_t size() const { return static_cast<std::size_t>(status_.st_size); }

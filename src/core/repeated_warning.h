@@ -11,8 +11,7 @@ class RepeatedWarning {
   // Of what there may be many, for the count: "frames skipped".
   explicit RepeatedWarning(std::string what);
   ~RepeatedWarning();
-  RepeatedWarning(const RepeatedWarning&) = delete;
-  RepeatedWarning& operator=(const RepeatedWarning&) = delete;
+  RepeatedWarning& operator=(RepeatedWarning&&) = delete;
 
   void Tell(const std::string& text);
 

@@ -19,8 +19,7 @@ class SpareTime {
  public:
   SpareTime();
   ~SpareTime();
-  SpareTime(const SpareTime&) = delete;
-  SpareTime& operator=(const SpareTime&) = delete;
+  SpareTime& operator=(SpareTime&&) = delete;
 
   // Runs the task on the calling thread. What it throws is thrown on.
   void Run(const std::function<void()>& task);
@@ -42,8 +41,7 @@ class SpareTimeTask {
  public:
   explicit SpareTimeTask(bool always_beside = false) : always_beside_(always_beside) {}
   ~SpareTimeTask() { Drop(); }
-  SpareTimeTask(const SpareTimeTask&) = delete;
-  SpareTimeTask& operator=(const SpareTimeTask&) = delete;
+  SpareTimeTask& operator=(SpareTimeTask&&) = delete;
 
   // None may be under way.
   template <typename Task>

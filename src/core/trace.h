@@ -17,8 +17,7 @@ class TraceRecorder {
   // Throws InputError if the file cannot be written; CHECK-fails if there is another recorder.
   explicit TraceRecorder(const std::string& path);
   ~TraceRecorder();
-  TraceRecorder(const TraceRecorder&) = delete;
-  TraceRecorder& operator=(const TraceRecorder&) = delete;
+  TraceRecorder& operator=(TraceRecorder&&) = delete;
 
   // Ends the file; slices that end later are not recorded. Throws InputError if it is not whole.
   void Close();
@@ -35,8 +34,7 @@ class TraceSlice {
   // The name is kept as a pointer and written as it is: a literal without quotes.
   explicit TraceSlice(const char* name, int frame = kNoFrame);
   ~TraceSlice();
-  TraceSlice(const TraceSlice&) = delete;
-  TraceSlice& operator=(const TraceSlice&) = delete;
+  TraceSlice& operator=(TraceSlice&&) = delete;
 
  private:
   TraceFile* file_;  // null where nothing records
@@ -53,8 +51,7 @@ class StageTimer {
   ~StageTimer() {
     *sum_ms_ += std::chrono::duration<double, std::milli>(Clock::now() - begin_).count();
   }
-  StageTimer(const StageTimer&) = delete;
-  StageTimer& operator=(const StageTimer&) = delete;
+  StageTimer& operator=(StageTimer&&) = delete;
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -29,8 +29,7 @@ class Database {
   enum class Mode { kRead, kWrite, kCreate };
   Database(const std::string& path, Mode mode);
   ~Database();
-  Database(const Database&) = delete;
-  Database& operator=(const Database&) = delete;
+  Database& operator=(Database&&) = delete;
 
   const std::string& path() const { return path_; }
 

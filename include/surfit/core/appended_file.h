@@ -13,8 +13,7 @@ class AppendedFile {
   // neither file nor link (a device, a pipe) is written to. Throws InputError naming the file.
   explicit AppendedFile(const std::string& path);
   ~AppendedFile();
-  AppendedFile(const AppendedFile&) = delete;
-  AppendedFile& operator=(const AppendedFile&) = delete;
+  AppendedFile& operator=(AppendedFile&&) = delete;
 
   // Throws InputError naming the file and the reason if not all of it could be written.
   void Append(const std::string& piece);

@@ -14,8 +14,7 @@ class ThreadLimit {
   // Throws InputError unless 1 <= threads <= 1024.
   explicit ThreadLimit(int threads);
   ~ThreadLimit();
-  ThreadLimit(const ThreadLimit&) = delete;
-  ThreadLimit& operator=(const ThreadLimit&) = delete;
+  ThreadLimit& operator=(ThreadLimit&&) = delete;
 
  private:
   struct State;
@@ -58,8 +57,7 @@ class SingleThreadedLibraries {
  public:
   SingleThreadedLibraries();
   ~SingleThreadedLibraries();
-  SingleThreadedLibraries(const SingleThreadedLibraries&) = delete;
-  SingleThreadedLibraries& operator=(const SingleThreadedLibraries&) = delete;
+  SingleThreadedLibraries& operator=(SingleThreadedLibraries&&) = delete;
 
  private:
   int openmp_threads_, openblas_threads_;  // before; 0 where not loaded

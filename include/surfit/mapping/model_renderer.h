@@ -38,8 +38,7 @@ class ModelRenderer {
  public:
   explicit ModelRenderer(const RenderOptions& options);
   ~ModelRenderer();
-  ModelRenderer(const ModelRenderer&) = delete;
-  ModelRenderer& operator=(const ModelRenderer&) = delete;
+  ModelRenderer& operator=(ModelRenderer&&) = delete;
 
   // What the sensor would see, of the surfels that were last seen in frame `active_since` or later.
   // The same map and pose give the same view bit for bit at any number of threads.

@@ -20,8 +20,7 @@ class SessionWriter {
   enum class Mode { kNew, kContinue };
   SessionWriter(const std::string& folder, Mode mode);
   ~SessionWriter();
-  SessionWriter(const SessionWriter&) = delete;
-  SessionWriter& operator=(const SessionWriter&) = delete;
+  SessionWriter& operator=(SessionWriter&&) = delete;
 
   // Opens or makes the session. To be called once, before the first of the frames of the last of
   // these runs, with the Slam that they go through. Throws InputError if the session is one of

@@ -85,8 +85,7 @@ class Bz2Stream {
     if (BZ2_bzDecompressInit(&stream_, 0, 0) != BZ_OK) throw std::bad_alloc();
   }
   ~Bz2Stream() { BZ2_bzDecompressEnd(&stream_); }
-  Bz2Stream(const Bz2Stream&) = delete;
-  Bz2Stream& operator=(const Bz2Stream&) = delete;
+  Bz2Stream& operator=(Bz2Stream&&) = delete;
 
   Progress Run(Flow* flow) {
     stream_.next_in = const_cast<char*>(flow->in);

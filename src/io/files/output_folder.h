@@ -20,8 +20,7 @@ class OutputFolder {
   OutputFolder(const std::string& folder, const std::vector<std::string>& former_files,
                const std::vector<std::string>& inputs = {});
   ~OutputFolder();
-  OutputFolder(const OutputFolder&) = delete;
-  OutputFolder& operator=(const OutputFolder&) = delete;
+  OutputFolder& operator=(OutputFolder&&) = delete;
 
  private:
   std::string lock_path_;

@@ -67,8 +67,7 @@ struct PngStructs {
     throw std::bad_alloc();
   }
   ~PngStructs() { Destroy(); }
-  PngStructs(const PngStructs&) = delete;
-  PngStructs& operator=(const PngStructs&) = delete;
+  PngStructs& operator=(PngStructs&&) = delete;
 
  private:
   void Destroy() {
@@ -90,8 +89,7 @@ class PngReader {
       png_read_info(png_, info_);
     }));
   }
-  PngReader(const PngReader&) = delete;
-  PngReader& operator=(const PngReader&) = delete;
+  PngReader& operator=(PngReader&&) = delete;
 
   int type() const { return png_get_color_type(png_, info_); }
   int bits() const { return png_get_bit_depth(png_, info_); }

@@ -20,8 +20,7 @@ class CameraLink {
   // Throws InputError naming the device if it is not there, or cannot be set up.
   explicit CameraLink(const SequenceOptions& options);
   ~CameraLink();
-  CameraLink(const CameraLink&) = delete;
-  CameraLink& operator=(const CameraLink&) = delete;
+  CameraLink& operator=(CameraLink&&) = delete;
 
   const OpenNiDevice& device() const { return *device_; }
   std::string name() const;

@@ -55,8 +55,7 @@ class PlayerName {
     const std::lock_guard<std::mutex> lock(used.mutex);
     used.numbers.erase(number_);
   }
-  PlayerName(const PlayerName&) = delete;
-  PlayerName& operator=(const PlayerName&) = delete;
+  PlayerName& operator=(PlayerName&&) = delete;
 
   const std::string& text() const { return text_; }
 

@@ -32,8 +32,7 @@ class OpenNiDevice {
  public:
   OpenNiDevice(std::shared_ptr<const OpenNiLibrary> library, const std::string& uri);
   ~OpenNiDevice();
-  OpenNiDevice(const OpenNiDevice&) = delete;
-  OpenNiDevice& operator=(const OpenNiDevice&) = delete;
+  OpenNiDevice& operator=(OpenNiDevice&&) = delete;
 
   // Of a camera, before Start(): size, rate and registration.
   void SetUp(const SequenceOptions& options);

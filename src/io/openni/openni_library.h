@@ -40,8 +40,7 @@ class OpenNiLibrary {
   // does not initialise.
   explicit OpenNiLibrary(const std::string& name);
   ~OpenNiLibrary();
-  OpenNiLibrary(const OpenNiLibrary&) = delete;
-  OpenNiLibrary& operator=(const OpenNiLibrary&) = delete;
+  OpenNiLibrary& operator=(OpenNiLibrary&&) = delete;
 
 // NOLINTNEXTLINE(bugprone-macro-parentheses): a member has its name
 #define SURFIT_OPENNI_MEMBER(call) decltype(&::call) call = nullptr;

@@ -13,8 +13,7 @@ class TextLines {
  public:
   explicit TextLines(std::ostream& out) : out_(out) {}
   ~TextLines() { out_ << text_; }
-  TextLines(const TextLines&) = delete;
-  TextLines& operator=(const TextLines&) = delete;
+  TextLines& operator=(TextLines&&) = delete;
 
   void Word(const char* word) { text_ += word; }
   void Number(float value, int digits) {
