@@ -13,55 +13,42 @@ void RequireSource(const CompareOptions& options) {
   const int sources = (options.synthetic_points != 0 ? 1 : 0) +
                       (options.sequence.path.empty() && options.run.empty() ? 0 : 1) +
                       (clouds ? 1 : 0) + (options.replay.empty() ? 0 : 1);
-  if (sources != 1) {
-    throw InputError(Concat("synthetic_points, sequence or run, source with target, and replay: ",
-                            sources, " of them are set, must be one"));
-  }
-  if (!options.run.empty() && options.sequence.path.empty()) {
-    throw InputError(Concat("run is '", options.run, "', must have its sequence"));
-  }
-  if (clouds && (options.source.empty() || options.target.empty())) {
-    throw InputError("source and target are two clouds: both must be set");
-  }
+  ThrowIf(sources != 1,
+          "synthetic_points, sequence or run, source with target, and replay: ", sources,
+          " of them are set, must be one");
+  ThrowIf(!options.run.empty() && options.sequence.path.empty(), "run is '", options.run,
+          "', must have its sequence");
+  ThrowIf(clouds && (options.source.empty() || options.target.empty()),
+          "source and target are two clouds: both must be set");
 }
 
 void RequireGrid(const char* option, const std::vector<double>& sizes, double max) {
-  if (sizes.empty()) throw InputError(Concat(option, " is empty, must have a number"));
+  ThrowIf(sizes.empty(), option, " is empty, must have a number");
   for (const double size : sizes) {
-    if (!(size >= 0 && size <= max)) {
-      throw InputError(Concat(option, " has ", size, ", must be from 0 to ", max));
-    }
+    ThrowIf(!(size >= 0 && size <= max), option, " has ", size, ", must be from 0 to ", max);
   }
 }
 
 void CheckTogether(const CompareOptions& options) {
   RequireSource(options);
   const int points = options.synthetic_points;
-  if (points != 0 && (points < 10 || points > 100'000'000)) {
-    throw InputError(Concat("synthetic_points is ", points, ", must be from 10 to 100000000"));
-  }
-  if (options.pairs == 0 && !options.slam) throw InputError("pairs is 0, must be positive");
-  if (options.slam && options.sequence.path.empty())
-    throw InputError("slam is set, must have a sequence");
-  if (options.slam && !options.run.empty()) {
-    throw InputError(Concat("slam is set, must not be with run, '", options.run, "'"));
-  }
+  ThrowIf(points != 0 && (points < 10 || points > 100'000'000), "synthetic_points is ", points,
+          ", must be from 10 to 100000000");
+  ThrowIf(options.pairs == 0 && !options.slam, "pairs is 0, must be positive");
+  ThrowIf(options.slam && options.sequence.path.empty(), "slam is set, must have a sequence");
+  ThrowIf(options.slam && !options.run.empty(), "slam is set, must not be with run, '", options.run,
+          "'");
   if (!options.truth.empty()) {
     ParsePose("truth", options.truth);
-    if (options.source.empty())
-      throw InputError(
-          Concat("truth is '", options.truth, "', must be empty without source and target"));
+    ThrowIf(options.source.empty(), "truth is '", options.truth,
+            "', must be empty without source and target");
   }
   RequireGrid("rotations_deg", options.rotations_deg, 180);
   RequireGrid("translations_m", options.translations_m, 100);
-  if (options.max_keyframes == 1) {
-    throw InputError("max_keyframes is 1, must be 0 (no limit) or at least 2");
-  }
-  if (options.threads.empty()) throw InputError("threads is empty, must have a number");
+  ThrowIf(options.max_keyframes == 1, "max_keyframes is 1, must be 0 (no limit) or at least 2");
+  ThrowIf(options.threads.empty(), "threads is empty, must have a number");
   for (const int count : options.threads) {
-    if (count < 1 || count > 1024) {
-      throw InputError(Concat("threads has ", count, ", must be from 1 to 1024"));
-    }
+    ThrowIf(count < 1 || count > 1024, "threads has ", count, ", must be from 1 to 1024");
   }
   SolverCombinations(options);  // throws where names or combinations are impossible
 }

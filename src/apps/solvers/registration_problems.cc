@@ -60,10 +60,8 @@ PoseProblems FramePairProblems(const CompareOptions& options) {
   const int first = options.sequence.first;
   const int frames = OpenSequence(options.sequence)->info().frame_count;
   const int last = first + frames - 1 - options.gap;
-  if (last < first) {
-    throw InputError(Concat("gap is ", options.gap, ", must be below the ", frames, " frames of ",
-                            options.sequence.path));
-  }
+  ThrowIf(last < first, "gap is ", options.gap, ", must be below the ", frames, " frames of ",
+          options.sequence.path);
   const int count = std::min(options.pairs, last - first + 1);
   return {count, [&options, count, first, last](int i) {
             const int index = SourceOf(i, count, first, last);

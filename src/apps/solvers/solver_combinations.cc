@@ -16,7 +16,7 @@ std::vector<std::string> Chosen(const char* option, const std::vector<std::strin
                                 const std::vector<std::string>& all) {
   for (const std::string& name : named) {
     if (std::find(all.begin(), all.end(), name) != all.end()) continue;
-    throw InputError(Concat(option, " has '", name, "', must be of: ", Listed(all)));
+    throw InputError(option, " has '", name, "', must be of: ", Listed(all));
   }
   return named.empty() ? all : named;
 }
@@ -50,8 +50,8 @@ std::vector<std::string> ChosenSolvers(const CompareOptions& options) {
 std::vector<std::string> ChosenAssociations(const CompareOptions& options) {
   if (options.synthetic_points > 0) {
     if (options.associations.empty()) return {kKnownAssociation};
-    throw InputError(Concat("associations is ", Listed(options.associations),
-                            ", must be empty with synthetic_points, whose pairs are known"));
+    throw InputError("associations is ", Listed(options.associations),
+                     ", must be empty with synthetic_points, whose pairs are known");
   }
   const bool clouds = !options.source.empty();
   return Chosen("associations", options.associations,
@@ -64,9 +64,9 @@ bool IsPossible(const std::string& solver, const std::string& residual) {
 
 void RequirePossible(const std::string& solver, const std::string& residual) {
   if (IsPossible(solver, residual)) return;
-  throw InputError(Concat("solvers has 'svd' and residuals has '", residual,
-                          "', which do not go together: svd takes point_to_point only, ",
-                          "all other solvers take ", Listed(ResidualTypeNames())));
+  throw InputError("solvers has 'svd' and residuals has '", residual,
+                   "', which do not go together: svd takes point_to_point only, ",
+                   "all other solvers take ", Listed(ResidualTypeNames()));
 }
 
 }  // namespace

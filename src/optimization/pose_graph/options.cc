@@ -22,7 +22,7 @@ std::vector<std::string> SparseBackendNames() {
   for (const auto& [name, type] : kSparseBackends) {
     if (IsAvailable(type)) names.emplace_back(name);
   }
-  if (names.empty()) throw InputError("Ceres must be built with SuiteSparse or Eigen's solvers");
+  ThrowIf(names.empty(), "Ceres must be built with SuiteSparse or Eigen's solvers");
   return names;
 }
 

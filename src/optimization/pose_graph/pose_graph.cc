@@ -21,7 +21,7 @@ bool IsRigid(const Rigid3d& pose) {
 }
 
 void Require(bool holds, const std::string& what, const char* constraint) {
-  if (!holds) throw InputError(Concat(what, " must be ", constraint));
+  ThrowIf(!holds, what, " must be ", constraint);
 }
 
 std::string Name(const PoseGraph& graph, const PoseGraphEdge& edge) {
@@ -30,16 +30,14 @@ std::string Name(const PoseGraph& graph, const PoseGraphEdge& edge) {
 
 void ValidateEdge(const PoseGraph& graph, std::size_t index) {
   const PoseGraphEdge& edge = graph.edges[index];
-  if (edge.a >= graph.poses.size() || edge.b >= graph.poses.size() || edge.a == edge.b) {
-    throw InputError(Concat("edge ", index, " joins poses ", edge.a, " and ", edge.b,
-                            ", must be two of ", graph.poses.size()));
-  }
+  ThrowIf(edge.a >= graph.poses.size() || edge.b >= graph.poses.size() || edge.a == edge.b, "edge ",
+          index, " joins poses ", edge.a, " and ", edge.b, ", must be two of ", graph.poses.size());
   if (!IsRigid(edge.a_from_b)) {
-    throw InputError(Concat(Name(graph, edge), " must have a finite pose with a unit quaternion"));
+    throw InputError(Name(graph, edge), " must have a finite pose with a unit quaternion");
   }
   if (!IsInformation(edge.information)) {
-    throw InputError(Concat("the information of ", Name(graph, edge),
-                            " must be finite, symmetric and positive semidefinite"));
+    throw InputError("the information of ", Name(graph, edge),
+                     " must be finite, symmetric and positive semidefinite");
   }
 }
 
