@@ -49,6 +49,9 @@ PlyHeader ParsePlyHeader(std::string_view file, const std::string& path);
 const PlyElement& FindPlyElement(const PlyHeader& header, std::string_view name,
                                  const std::string& path);
 
+// Where a scalar property stands in a row.
+std::optional<std::size_t> FindPlyColumn(const PlyElement& element, std::string_view name);
+
 // Where three scalar properties stand in a row, if all of them do.
 using PlyNames = std::array<const char*, 3>;
 using PlyColumns = std::array<std::size_t, 3>;

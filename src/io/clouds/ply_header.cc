@@ -106,15 +106,21 @@ const PlyElement& FindPlyElement(const PlyHeader& header, std::string_view name,
   throw InputError(path, ": the header has no element '", name, "'");
 }
 
+std::optional<std::size_t> FindPlyColumn(const PlyElement& element, std::string_view name) {
+  const auto& properties = element.properties;
+  const auto at = std::find_if(properties.begin(), properties.end(), [&](const PlyProperty& p) {
+    return p.name == name && !p.count_type;
+  });
+  if (at == properties.end()) return std::nullopt;
+  return at - properties.begin();
+}
+
 std::optional<PlyColumns> FindPlyColumns(const PlyElement& element, const PlyNames& names) {
   PlyColumns columns;
-  const auto& properties = element.properties;
   for (std::size_t k = 0; k < names.size(); ++k) {
-    const auto at = std::find_if(properties.begin(), properties.end(), [&](const PlyProperty& p) {
-      return p.name == names[k] && !p.count_type;
-    });
-    if (at == properties.end()) return std::nullopt;
-    columns[k] = at - properties.begin();
+    const auto column = FindPlyColumn(element, names[k]);
+    if (!column) return std::nullopt;
+    columns[k] = *column;
   }
   return columns;
 }

@@ -29,12 +29,21 @@ Rgb8 Color(const double* row, const PlyColumns& c) {
   return {byte(0), byte(1), byte(2)};
 }
 
-std::optional<std::size_t> FindColumn(const PlyElement& element, std::string_view name) {
-  for (std::size_t c = 0; c < element.properties.size(); ++c) {
-    const PlyProperty& property = element.properties[c];
-    if (property.name == name && !property.count_type) return c;
-  }
-  return std::nullopt;
+// Calls a function with all that points may be without.
+template <typename Cloud, typename F>
+void ForEachOptional(Cloud& cloud, const F& f) {
+  f(cloud.normals);
+  f(cloud.colors);
+  f(cloud.radii_m);
+  f(cloud.confidences);
+}
+
+bool IsWhole(const PointCloud& cloud) {
+  bool is_whole = true;
+  ForEachOptional(cloud, [&](const auto& values) {
+    is_whole &= values.empty() || values.size() == cloud.points.size();
+  });
+  return is_whole;
 }
 
 PointCloud ParsePly(std::string_view file, const std::string& path) {
@@ -44,8 +53,8 @@ PointCloud ParsePly(std::string_view file, const std::string& path) {
   if (!points) throw InputError(path, ": element 'vertex' must have x, y and z");
   const auto normals = FindPlyColumns(vertices, {"nx", "ny", "nz"});
   const auto colors = FindColorColumns(vertices);
-  const auto radius = FindColumn(vertices, "radius");
-  const auto confidence = FindColumn(vertices, "confidence");
+  const auto radius = FindPlyColumn(vertices, "radius");
+  const auto confidence = FindPlyColumn(vertices, "confidence");
   PointCloud cloud;
   const auto begin = [&] {
     cloud.points.reserve(vertices.count);
@@ -75,34 +84,23 @@ PointCloud ReadPointCloud(const std::string& path) {
 }
 
 std::size_t RemoveNonFinite(PointCloud* cloud) {
-  CHECK(cloud->normals.empty() || cloud->normals.size() == cloud->points.size());
-  CHECK(cloud->colors.empty() || cloud->colors.size() == cloud->points.size());
-  CHECK(cloud->radii_m.empty() || cloud->radii_m.size() == cloud->points.size());
-  CHECK(cloud->confidences.empty() || cloud->confidences.size() == cloud->points.size());
+  CHECK(IsWhole(*cloud));
   const std::size_t count = cloud->points.size();
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    if (!cloud->points[i].allFinite()) continue;
-    cloud->points[kept] = cloud->points[i];
-    if (!cloud->normals.empty()) cloud->normals[kept] = cloud->normals[i];
-    if (!cloud->colors.empty()) cloud->colors[kept] = cloud->colors[i];
-    if (!cloud->radii_m.empty()) cloud->radii_m[kept] = cloud->radii_m[i];
-    if (!cloud->confidences.empty()) cloud->confidences[kept] = cloud->confidences[i];
-    ++kept;
-  }
-  cloud->points.resize(kept);
-  if (!cloud->normals.empty()) cloud->normals.resize(kept);
-  if (!cloud->colors.empty()) cloud->colors.resize(kept);
-  if (!cloud->radii_m.empty()) cloud->radii_m.resize(kept);
-  if (!cloud->confidences.empty()) cloud->confidences.resize(kept);
-  return count - kept;
+  const auto keep_finite = [&](auto& values) {
+    if (values.empty()) return;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (cloud->points[i].allFinite()) values[kept++] = values[i];
+    }
+    values.resize(kept);
+  };
+  ForEachOptional(*cloud, keep_finite);
+  keep_finite(cloud->points);
+  return count - cloud->points.size();
 }
 
 void WritePly(const PointCloud& cloud, const std::string& path) {
-  CHECK(cloud.normals.empty() || cloud.normals.size() == cloud.points.size());
-  CHECK(cloud.colors.empty() || cloud.colors.size() == cloud.points.size());
-  CHECK(cloud.radii_m.empty() || cloud.radii_m.size() == cloud.points.size());
-  CHECK(cloud.confidences.empty() || cloud.confidences.size() == cloud.points.size());
+  CHECK(IsWhole(cloud));
   std::vector<PlyProperty> properties;
   const auto add = [&](const PlyNames& names, PlyType type) {
     for (const char* name : names) properties.push_back({name, type});

@@ -18,13 +18,6 @@ constexpr std::array<std::string_view, 13> kNames = {
     "green", "blue", "radius", "confidence", "first_seen", "last_seen"};
 using Columns = std::array<std::size_t, kNames.size()>;
 
-std::size_t Column(const PlyElement& element, std::string_view name, const std::string& path) {
-  for (std::size_t i = 0; i < element.properties.size(); ++i) {
-    if (element.properties[i].name == name && !element.properties[i].count_type) return i;
-  }
-  throw InputError(path, ": is not a surfel map: 'vertex' has no property ", name);
-}
-
 // What is beyond the type's range becomes its end, what is no number 0.
 template <typename T>
 T WithinRange(double value) {
@@ -73,7 +66,12 @@ std::vector<Surfel> ReadSurfelPly(const std::string& path) {
   const PlyHeader header = ParsePlyHeader(file, path);
   const PlyElement& vertices = FindPlyElement(header, "vertex", path);
   Columns columns;
-  for (std::size_t i = 0; i < kNames.size(); ++i) columns[i] = Column(vertices, kNames[i], path);
+  for (std::size_t i = 0; i < kNames.size(); ++i) {
+    const auto column = FindPlyColumn(vertices, kNames[i]);
+    if (!column)
+      throw InputError(path, ": is not a surfel map: 'vertex' has no property ", kNames[i]);
+    columns[i] = *column;
+  }
   std::vector<Surfel> surfels;
   ReadPlyElement(
       file, header, "vertex", path, [&] { surfels.reserve(vertices.count); },
