@@ -1,15 +1,19 @@
-#include "io/bags/bag_recording.h"
-
 #include <algorithm>
 #include <cstdio>
 #include <map>
+#include <optional>
+#include <utility>
 
+#include "io/bags/bag_topics.h"
 #include "io/bags/message_images.h"
+#include "io/bags/messages.h"
 #include "io/files/text.h"
+#include "io/sequences/recording.h"
 #include "io/sequences/sequence_camera.h"
 #include "surfit/core/error.h"
 #include "surfit/geometry/trajectory.h"
 #include "surfit/io/camera_files.h"
+#include "surfit/io/sequence.h"
 
 namespace surfit {
 namespace {
@@ -99,125 +103,172 @@ PinholeCamera PinholeOf(const CameraInfo& info, const std::string& topic, const 
   return camera;
 }
 
+// The frames of a ROS bag: messages of depth and colour paired by their stamps, as images of TUM
+// folders are.
+class BagRecording : public Recording {
+ public:
+  // Throws InputError naming the file, and the topic or option at fault.
+  BagRecording(const SequenceOptions& options, const std::string& format, bool is_folder)
+      : log_(OpenLog(options.path, format, is_folder)),
+        topics_(FindTopics(*log_, options.depth_topic, options.color_topic)),
+        warnings_(log_->warnings()) {
+    Pair();
+  }
+
+  int frame_count() const override { return static_cast<int>(frames_.size()); }
+  FrameStamps stamps(int index) const override { return frames_[index].stamps; }
+  FrameImages Read(int index) const override {
+    const Frame& frame = frames_[index];
+    const auto name_of = [&](const Topic& topic) {
+      return Concat(log_->path(), ": ", topic.name, " of frame ", index);
+    };
+    FrameImages images;
+    const Topic& depth = *topics_.depth.topic;
+    images.depth_name = name_of(depth);
+    images.depth = DepthOf(ReadImage(depth, frame.depth, images.depth_name), images.depth_name);
+    if (topics_.color.topic == nullptr) return images;
+    const Topic& color = *topics_.color.topic;
+    images.color_name = name_of(color);
+    images.color = ColorOf(ReadImage(color, frame.color, images.color_name), images.color_name);
+    return images;
+  }
+
+  const std::vector<std::string>& warnings() const { return warnings_; }
+  int unpaired_images() const { return unpaired_images_; }  // OpenedRecording
+
+  // What the options tell of the camera, so that the bag need not.
+  struct Known {
+    bool depth = false, color = false, color_from_depth = false;
+  };
+  // The camera by CameraInfo and tf, at 1000 counts a metre (REP 118) and with the latency 0.
+  // Throws InputError naming what the bag does not tell and the options to give.
+  RgbdCamera Camera(const Known& known) const {
+    RgbdCamera camera = CameraPreset("redwood");
+    const auto depth = Pinhole(topics_.depth);
+    if (depth) camera.depth = *depth;
+    if (!depth && !known.depth) {
+      throw InputError(log_->path(), " has no CameraInfo of ", topics_.depth.topic->name,
+                       ": give intrinsics, a camera.yaml, or a preset as camera");
+    }
+    if (topics_.color.topic == nullptr) return camera;
+    const auto color = Pinhole(topics_.color);
+    const bool one_frame = topics_.color.frame == topics_.depth.frame;
+    if (one_frame && (!depth || !color || HaveSamePixels(*depth, *color))) return camera;
+    if (!color && !known.color) {
+      throw InputError(log_->path(), " has no CameraInfo of ", topics_.color.topic->name,
+                       ": give color_intrinsics, or a camera.yaml");
+    }
+    camera.color_is_registered = false;
+    camera.color = color ? *color : camera.depth;
+    camera.color_from_depth = ColorFromDepth(known.color_from_depth);
+    return camera;
+  }
+
+ private:
+  struct Stamped {
+    std::int64_t stamp_ns = 0;
+    MessagePlace place;
+  };
+  struct Frame {
+    FrameStamps stamps;
+    MessagePlace depth, color;
+  };
+
+  std::vector<Stamped> InOrder(const Topic& topic) {
+    const std::string name = Concat(log_->path(), ": a message of ", topic.name);
+    std::vector<Stamped> messages;
+    messages.reserve(topic.messages.size());
+    for (const MessagePlace& place : topic.messages)
+      messages.push_back({StampOf(place, topic, name), place});
+    const bool has_stamps =
+        std::any_of(messages.begin(), messages.end(),
+                    [](const Stamped& message) { return message.stamp_ns != 0; });
+    if (!has_stamps) {
+      warnings_.push_back(Concat(log_->path(), ": the messages of ", topic.name,
+                                 " have no stamps; the times when they were recorded are taken"));
+      for (Stamped& message : messages)
+        message.stamp_ns = std::max<std::int64_t>(message.place.recorded_ns, 0);
+    }
+    std::stable_sort(messages.begin(), messages.end(),
+                     [](const Stamped& a, const Stamped& b) { return a.stamp_ns < b.stamp_ns; });
+    return messages;
+  }
+  void Pair() {
+    const std::vector<Stamped> depth = InOrder(*topics_.depth.topic);
+    const auto seconds_of = [](const std::vector<Stamped>& messages) {
+      std::vector<double> stamps_s;
+      stamps_s.reserve(messages.size());
+      for (const Stamped& message : messages) stamps_s.push_back(Seconds(message.stamp_ns));
+      return stamps_s;
+    };
+    const std::vector<double> depth_s = seconds_of(depth);
+    if (topics_.color.topic == nullptr) {
+      for (std::size_t i = 0; i < depth.size(); ++i)
+        frames_.push_back({{depth_s[i], depth_s[i]}, depth[i].place, {}});
+      return;
+    }
+    const std::vector<Stamped> color = InOrder(*topics_.color.topic);
+    const std::vector<double> color_s = seconds_of(color);
+    for (const auto [c, d] : MatchStamps(color_s, depth_s, kMaxBetweenImages_s))
+      frames_.push_back({{depth_s[d], color_s[c]}, depth[d].place, color[c].place});
+    unpaired_images_ = static_cast<int>(color.size() + depth.size() - 2 * frames_.size());
+    if (frames_.empty()) {
+      throw InputError(log_->path(), ": no stamp of ", topics_.color.topic->name, " is within ",
+                       kMaxBetweenImages_s, " s of one of ", topics_.depth.topic->name);
+    }
+  }
+  ImageMessage ReadImage(const Topic& topic, const MessagePlace& place,
+                         const std::string& name) const {
+    return ReadImageMessage(log_->Read(place), topic, name);
+  }
+  // Nothing where no CameraInfo is of these images.
+  std::optional<PinholeCamera> Pinhole(const ImageTopic& image) const {
+    const Topic* const topic = FindCameraInfo(*log_, image);
+    if (topic == nullptr) return std::nullopt;
+    const std::string name = Concat(log_->path(), ": ", topic->name);
+    return PinholeOf(ReadCameraInfo(log_->Read(topic->messages[0]), *topic, name),
+                     image.topic->name, name);
+  }
+  Rigid3d ColorFromDepth(bool is_known) const {
+    const std::string &target = topics_.color.frame, &source = topics_.depth.frame;
+    if (is_known || target == source) return Rigid3d();
+    FrameTree tree;
+    for (const Topic& topic : log_->topics()) {
+      if (topic.type != "tf2_msgs/TFMessage" && topic.type != "tf/tfMessage") continue;
+      const std::string name = Concat(log_->path(), ": a message of ", topic.name);
+      for (const MessagePlace& place : topic.messages)
+        tree.Add(ReadTransforms(log_->Read(place), topic, name));
+    }
+    if (const auto transform = tree.Transform(target, source)) return *transform;
+    throw InputError(log_->path(), ": no tf tells where ", topics_.color.topic->name, " (", target,
+                     ") is from ", topics_.depth.topic->name, " (", source,
+                     "): give color_from_depth, or a camera.yaml");
+  }
+
+  std::unique_ptr<MessageLog> log_;
+  BagTopics topics_;
+  std::vector<Frame> frames_;
+  std::vector<std::string> warnings_;
+  int unpaired_images_ = 0;
+};
+
 }  // namespace
 
-BagRecording::BagRecording(const SequenceOptions& options, const std::string& format,
-                           bool is_folder)
-    : log_(OpenLog(options.path, format, is_folder)),
-      topics_(FindTopics(*log_, options.depth_topic, options.color_topic)),
-      warnings_(log_->warnings()) {
-  Pair();
-}
-
-std::vector<BagRecording::Stamped> BagRecording::InOrder(const Topic& topic) {
-  const std::string name = Concat(log_->path(), ": a message of ", topic.name);
-  std::vector<Stamped> messages;
-  messages.reserve(topic.messages.size());
-  for (const MessagePlace& place : topic.messages)
-    messages.push_back({StampOf(place, topic, name), place});
-  const bool has_stamps = std::any_of(messages.begin(), messages.end(),
-                                      [](const Stamped& message) { return message.stamp_ns != 0; });
-  if (!has_stamps) {
-    warnings_.push_back(Concat(log_->path(), ": the messages of ", topic.name,
-                               " have no stamps; the times when they were recorded are taken"));
-    for (Stamped& message : messages)
-      message.stamp_ns = std::max<std::int64_t>(message.place.recorded_ns, 0);
-  }
-  std::stable_sort(messages.begin(), messages.end(),
-                   [](const Stamped& a, const Stamped& b) { return a.stamp_ns < b.stamp_ns; });
-  return messages;
-}
-
-void BagRecording::Pair() {
-  const std::vector<Stamped> depth = InOrder(*topics_.depth.topic);
-  const auto seconds_of = [](const std::vector<Stamped>& messages) {
-    std::vector<double> stamps_s;
-    stamps_s.reserve(messages.size());
-    for (const Stamped& message : messages) stamps_s.push_back(Seconds(message.stamp_ns));
-    return stamps_s;
+OpenedRecording OpenBag(const SequenceOptions& options, const std::string& format, bool is_folder) {
+  auto bag = std::make_unique<BagRecording>(options, format, is_folder);
+  BagRecording::Known known;
+  known.depth = options.intrinsics.has_value();
+  known.color = options.color_intrinsics.has_value();
+  known.color_from_depth = options.color_from_depth.has_value();
+  OpenedRecording opened;
+  opened.has_clock = true;
+  opened.warnings = bag->warnings();
+  opened.unpaired_images = bag->unpaired_images();
+  opened.tell_camera = [known, recording = bag.get()] {
+    return ToldCamera{recording->Camera(known), "the bag's CameraInfo"};
   };
-  const std::vector<double> depth_s = seconds_of(depth);
-  if (topics_.color.topic == nullptr) {
-    for (std::size_t i = 0; i < depth.size(); ++i)
-      frames_.push_back({{depth_s[i], depth_s[i]}, depth[i].place, {}});
-    return;
-  }
-  const std::vector<Stamped> color = InOrder(*topics_.color.topic);
-  const std::vector<double> color_s = seconds_of(color);
-  for (const auto [c, d] : MatchStamps(color_s, depth_s, kMaxBetweenImages_s))
-    frames_.push_back({{depth_s[d], color_s[c]}, depth[d].place, color[c].place});
-  unpaired_images_ = static_cast<int>(color.size() + depth.size() - 2 * frames_.size());
-  if (frames_.empty()) {
-    throw InputError(log_->path(), ": no stamp of ", topics_.color.topic->name, " is within ",
-                     kMaxBetweenImages_s, " s of one of ", topics_.depth.topic->name);
-  }
-}
-
-ImageMessage BagRecording::ReadImage(const Topic& topic, const MessagePlace& place,
-                                     const std::string& name) const {
-  return ReadImageMessage(log_->Read(place), topic, name);
-}
-
-FrameImages BagRecording::Read(int index) const {
-  const Frame& frame = frames_[index];
-  const auto name_of = [&](const Topic& topic) {
-    return Concat(log_->path(), ": ", topic.name, " of frame ", index);
-  };
-  FrameImages images;
-  const Topic& depth = *topics_.depth.topic;
-  images.depth_name = name_of(depth);
-  images.depth = DepthOf(ReadImage(depth, frame.depth, images.depth_name), images.depth_name);
-  if (topics_.color.topic == nullptr) return images;
-  const Topic& color = *topics_.color.topic;
-  images.color_name = name_of(color);
-  images.color = ColorOf(ReadImage(color, frame.color, images.color_name), images.color_name);
-  return images;
-}
-
-std::optional<PinholeCamera> BagRecording::Pinhole(const ImageTopic& image) const {
-  const Topic* const topic = FindCameraInfo(*log_, image);
-  if (topic == nullptr) return std::nullopt;
-  const std::string name = Concat(log_->path(), ": ", topic->name);
-  return PinholeOf(ReadCameraInfo(log_->Read(topic->messages[0]), *topic, name), image.topic->name,
-                   name);
-}
-
-Rigid3d BagRecording::ColorFromDepth(bool is_known) const {
-  const std::string &target = topics_.color.frame, &source = topics_.depth.frame;
-  if (is_known || target == source) return Rigid3d();
-  FrameTree tree;
-  for (const Topic& topic : log_->topics()) {
-    if (topic.type != "tf2_msgs/TFMessage" && topic.type != "tf/tfMessage") continue;
-    const std::string name = Concat(log_->path(), ": a message of ", topic.name);
-    for (const MessagePlace& place : topic.messages)
-      tree.Add(ReadTransforms(log_->Read(place), topic, name));
-  }
-  if (const auto transform = tree.Transform(target, source)) return *transform;
-  throw InputError(log_->path(), ": no tf tells where ", topics_.color.topic->name, " (", target,
-                   ") is from ", topics_.depth.topic->name, " (", source,
-                   "): give color_from_depth, or a camera.yaml");
-}
-
-RgbdCamera BagRecording::Camera(const Known& known) const {
-  RgbdCamera camera = CameraPreset("redwood");
-  const auto depth = Pinhole(topics_.depth);
-  if (depth) camera.depth = *depth;
-  if (!depth && !known.depth) {
-    throw InputError(log_->path(), " has no CameraInfo of ", topics_.depth.topic->name,
-                     ": give intrinsics, a camera.yaml, or a preset as camera");
-  }
-  if (topics_.color.topic == nullptr) return camera;
-  const auto color = Pinhole(topics_.color);
-  const bool one_frame = topics_.color.frame == topics_.depth.frame;
-  if (one_frame && (!depth || !color || HaveSamePixels(*depth, *color))) return camera;
-  if (!color && !known.color) {
-    throw InputError(log_->path(), " has no CameraInfo of ", topics_.color.topic->name,
-                     ": give color_intrinsics, or a camera.yaml");
-  }
-  camera.color_is_registered = false;
-  camera.color = color ? *color : camera.depth;
-  camera.color_from_depth = ColorFromDepth(known.color_from_depth);
-  return camera;
+  opened.frames = std::move(bag);
+  return opened;
 }
 
 }  // namespace surfit

@@ -9,10 +9,8 @@
 
 #include "io/openni/openni_device.h"
 #include "io/sequences/openni_sources.h"
-#include "io/sequences/recording.h"
 #include "surfit/core/error.h"
 #include "surfit/geometry/trajectory.h"
-#include "surfit/io/sequence.h"
 
 namespace surfit {
 namespace {
@@ -189,15 +187,17 @@ class OniRecording : public Recording {
 
 }  // namespace
 
-OniFile OpenOni(const SequenceOptions& options) {
+OpenedRecording OpenOni(const SequenceOptions& options) {
   auto recording = std::make_unique<OniRecording>(options);
-  OniFile file;
-  file.camera = [opened = recording.get()] { return opened->Camera(); };
-  file.recording.has_clock = true;
-  file.recording.warnings = recording->warnings();
-  file.recording.unpaired_images = recording->unpaired_images();
-  file.recording.frames = std::move(recording);
-  return file;
+  OpenedRecording opened;
+  opened.has_clock = true;
+  opened.warnings = recording->warnings();
+  opened.unpaired_images = recording->unpaired_images();
+  opened.tell_camera = [played = recording.get()] {
+    return ToldCamera{played->Camera(), "the file's field of view"};
+  };
+  opened.frames = std::move(recording);
+  return opened;
 }
 
 }  // namespace surfit

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "io/bags/bag_recording.h"
 #include "io/sequences/folder.h"
 #include "io/sequences/image_sequence.h"
 #include "io/sequences/openni_sources.h"
@@ -35,23 +34,6 @@ OpenedRecording OpenRecording(const std::string& format, const std::string& path
           files.has_clock,
           {},
           files.unpaired_images};
-}
-
-ToldCamera BagCamera(const SequenceOptions& options, const BagRecording& bag) {
-  BagRecording::Known known;
-  known.depth = options.intrinsics.has_value();
-  known.color = options.color_intrinsics.has_value();
-  known.color_from_depth = options.color_from_depth.has_value();
-  return {bag.Camera(known), "the bag's CameraInfo"};
-}
-
-OpenedRecording OfBag(std::unique_ptr<BagRecording> bag) {
-  OpenedRecording opened;
-  opened.has_clock = true;
-  opened.warnings = bag->warnings();
-  opened.unpaired_images = bag->unpaired_images();
-  opened.frames = std::move(bag);
-  return opened;
 }
 
 std::vector<int> SelectFrames(int count, const SequenceOptions& options) {
@@ -94,19 +76,12 @@ RawSequence OpenRawSequence(const SequenceOptions& options) {
   const bool is_file = IsFile(options.path);
   ThrowIf(is_file ? !MayBeFile(info.format) : !MayBeFolder(info.format), options.path, " is a ",
           is_file ? "file" : "folder", ", which ", info.format, " is not");
-  std::unique_ptr<BagRecording> bag;
-  if (IsBag(info.format))
-    bag = std::make_unique<BagRecording>(options, info.format, /*is_folder=*/!is_file);
-  OniFile oni;
-  if (info.format == "oni") oni = OpenOni(options);
-  TellCamera tell;
-  if (bag) tell = [&] { return BagCamera(options, *bag); };
-  if (oni.camera) tell = [&] { return ToldCamera{oni.camera(), "the file's field of view"}; };
-  ResolveCamera(options, tell, &info);
+  OpenedRecording opened;
+  if (IsBag(info.format)) opened = OpenBag(options, info.format, /*is_folder=*/!is_file);
+  if (info.format == "oni") opened = OpenOni(options);
+  ResolveCamera(options, opened.tell_camera, &info);
 
-  OpenedRecording opened = bag          ? OfBag(std::move(bag))
-                           : oni.camera ? std::move(oni.recording)
-                                        : OpenRecording(info.format, options.path, info.camera);
+  if (!opened.frames) opened = OpenRecording(info.format, options.path, info.camera);
   if (!opened.has_clock) DropLatency(options, &info.camera);
   info.warnings.insert(info.warnings.end(), opened.warnings.begin(), opened.warnings.end());
   info.ground_truth = std::move(opened.ground_truth);

@@ -10,6 +10,7 @@
 #include "surfit/frame/prepare_frame.h"
 #include "surfit/geometry/sensor.h"
 #include "surfit/geometry/trajectory.h"
+#include "surfit/io/sequence.h"
 
 namespace surfit {
 
@@ -40,6 +41,16 @@ class Recording {
   virtual FrameImages Read(int index) const = 0;
 };
 
+// A camera and where it is from.
+struct ToldCamera {
+  RgbdCamera camera;
+  std::string from;
+  bool is_guessed = false;
+};
+
+// What a recording or device itself tells of its camera; empty where it tells nothing.
+using TellCamera = std::function<ToldCamera()>;
+
 // A recording with its ground truth and warnings.
 struct OpenedRecording {
   std::unique_ptr<Recording> frames;
@@ -47,6 +58,7 @@ struct OpenedRecording {
   bool has_clock = false;             // SequenceInfo
   std::vector<std::string> warnings;  // what the user should know
   int unpaired_images = 0;            // of depth or colour, without one of the other
+  TellCamera tell_camera = {};        // as long as the frames are there
 };
 
 // The files of one frame.
@@ -129,5 +141,9 @@ OpenedRecording OpenSens(const std::string& path, double frames_per_second);
 
 // The camera in the header of such a file. Throws as OpenSens().
 RgbdCamera ReadSensCamera(const std::string& path);
+
+// A ROS bag of this format, or a folder of such ones: messages of depth and colour paired by their
+// stamps. Throws InputError naming the file, and the topic or option at fault.
+OpenedRecording OpenBag(const SequenceOptions& options, const std::string& format, bool is_folder);
 
 }  // namespace surfit

@@ -1,22 +1,12 @@
 #pragma once
 
-#include <functional>
 #include <string>
 
+#include "io/sequences/recording.h"
 #include "surfit/geometry/sensor.h"
 #include "surfit/io/sequence.h"
 
 namespace surfit {
-
-// A camera and where it is from.
-struct ToldCamera {
-  RgbdCamera camera;
-  std::string from;
-  bool is_guessed = false;
-};
-
-// What a recording or device itself tells of its camera; empty where it tells nothing.
-using TellCamera = std::function<ToldCamera()>;
 
 // Gives a sequence whose format is known the camera that the options, the folder and the format
 // tell, in this order, before the format what `tell` tells; fy < 0 is kept. A camera of

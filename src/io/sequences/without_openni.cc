@@ -13,7 +13,7 @@ namespace {
 
 }  // namespace
 
-OniFile OpenOni(const SequenceOptions& options) { Refuse(options); }
+OpenedRecording OpenOni(const SequenceOptions& options) { Refuse(options); }
 
 RawSequence OpenOpenNiCamera(const SequenceOptions& options, int /*capacity*/,
                              const std::atomic<bool>& /*stop*/) {
