@@ -7,7 +7,7 @@
 #include <map>
 #include <optional>
 
-#include "io/bags/cursor.h"
+#include "io/cursor.h"
 #include "io/images/image_files.h"
 #include "surfit/core/error.h"
 

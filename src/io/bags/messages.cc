@@ -1,6 +1,6 @@
 #include "io/bags/messages.h"
 
-#include "io/bags/cursor.h"
+#include "io/cursor.h"
 #include "io/files/text.h"
 #include "surfit/core/error.h"
 

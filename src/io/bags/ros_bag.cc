@@ -2,7 +2,7 @@
 #include <optional>
 
 #include "io/bags/chunked_log.h"
-#include "io/bags/cursor.h"
+#include "io/cursor.h"
 #include "surfit/core/error.h"
 
 namespace surfit {

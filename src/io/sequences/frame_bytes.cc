@@ -20,6 +20,28 @@ Image<T> CopyPixels(const std::string& bytes, ImageSize size, const std::string&
   return image;
 }
 
+Image<std::uint16_t> InflateDepth(const std::string& bytes, ImageSize size,
+                                  const std::string& name) {
+  constexpr std::size_t kMaxRatio = 1032;  // of deflate: 258 bytes from two bits
+  const std::size_t count = 2 * size.pixels();
+  const auto damaged = [&] {
+    return InputError(Concat(name, " is damaged: its ", bytes.size(), " bytes do not expand to ",
+                             size.width, " x ", size.height, " counts of 16 bits"));
+  };
+  if (count / kMaxRatio > bytes.size()) throw damaged();
+  Image<std::uint16_t> image(size.width, size.height);
+  if (!Inflate(bytes.data(), bytes.size(), image.data(), count)) throw damaged();
+  return image;
+}
+
+Image<Rgb8> DecodeColor(const std::string& bytes, ImageSize size, const std::string& name) {
+  ThrowIf(!IsJpeg(bytes) && !IsPng(bytes), name, " is damaged: neither JPEG nor PNG");
+  const ImageSize claimed = IsPng(bytes) ? PngSize(bytes, name) : JpegSize(bytes, name);
+  ThrowIf(claimed != size, name, " is ", claimed.width, " x ", claimed.height, " pixels, must be ",
+          size.width, " x ", size.height);
+  return DecodeColorImage(bytes, name);
+}
+
 }  // namespace
 
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "values are copied from memory");
@@ -43,34 +65,20 @@ std::string BinaryFile::Read(std::uint64_t at, std::uint64_t count) const {
   return bytes;
 }
 
-Image<std::uint16_t> CopyDepth(const std::string& bytes, ImageSize size, const std::string& name) {
-  return CopyPixels<std::uint16_t>(bytes, size, name);
-}
-
-Image<std::uint16_t> InflateDepth(const std::string& bytes, ImageSize size,
-                                  const std::string& name) {
-  constexpr std::size_t kMaxRatio = 1032;  // of deflate: 258 bytes from two bits
-  const std::size_t count = 2 * size.pixels();
-  const auto damaged = [&] {
-    return InputError(Concat(name, " is damaged: its ", bytes.size(), " bytes do not expand to ",
-                             size.width, " x ", size.height, " counts of 16 bits"));
-  };
-  if (count / kMaxRatio > bytes.size()) throw damaged();
-  Image<std::uint16_t> image(size.width, size.height);
-  if (!Inflate(bytes.data(), bytes.size(), image.data(), count)) throw damaged();
-  return image;
-}
-
-Image<Rgb8> CopyColor(const std::string& bytes, ImageSize size, const std::string& name) {
-  return CopyPixels<Rgb8>(bytes, size, name);
-}
-
-Image<Rgb8> DecodeColor(const std::string& bytes, ImageSize size, const std::string& name) {
-  ThrowIf(!IsJpeg(bytes) && !IsPng(bytes), name, " is damaged: neither JPEG nor PNG");
-  const ImageSize claimed = IsPng(bytes) ? PngSize(bytes, name) : JpegSize(bytes, name);
-  ThrowIf(claimed != size, name, " is ", claimed.width, " x ", claimed.height, " pixels, must be ",
-          size.width, " x ", size.height);
-  return DecodeColorImage(bytes, name);
+FrameImages ReadImages(const BinaryFile& file, int frame, const ImageBytes& depth,
+                       const ImageBytes& color) {
+  FrameImages images;
+  images.depth_name = Concat(file.path(), ": depth of frame ", frame);
+  images.color_name = Concat(file.path(), ": colour of frame ", frame);
+  const std::string depth_bytes = file.Read(depth.at, depth.count);
+  images.depth = depth.is_raw
+                     ? CopyPixels<std::uint16_t>(depth_bytes, depth.size, images.depth_name)
+                     : InflateDepth(depth_bytes, depth.size, images.depth_name);
+  if (color.count == 0) return images;
+  const std::string color_bytes = file.Read(color.at, color.count);
+  images.color = color.is_raw ? CopyPixels<Rgb8>(color_bytes, color.size, images.color_name)
+                              : DecodeColor(color_bytes, color.size, images.color_name);
+  return images;
 }
 
 }  // namespace surfit

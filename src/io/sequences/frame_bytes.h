@@ -5,7 +5,8 @@
 #include <string>
 
 #include "io/images/image_files.h"
-#include "surfit/core/image.h"
+#include "io/sequences/recording.h"
+#include "surfit/core/error.h"
 
 namespace surfit {
 
@@ -30,35 +31,26 @@ class BinaryFile {
   std::uint64_t size_ = 0;
 };
 
-// Takes values one after the other from bytes in memory, which must hold them.
-class ByteReader {
- public:
-  explicit ByteReader(const std::string& bytes) : bytes_(bytes) {}
-  template <typename T>
-  T Take() {
-    T value{};
-    bytes_.copy(reinterpret_cast<char*>(&value), sizeof(T), at_);
-    at_ += sizeof(T);
-    return value;
-  }
-
- private:
-  const std::string& bytes_;
-  std::size_t at_ = 0;
+// An image within a .klg or .sens file: row by row 16-bit little endian counts, or red, green and
+// blue; or else depth compressed by zlib, and colour as JPEG or PNG.
+struct ImageBytes {
+  std::uint64_t at = 0, count = 0;
+  ImageSize size;
+  bool is_raw = false;
 };
 
-// The images within .klg and .sens files. All throw InputError naming `name` unless the bytes hold
-// an image of that size; it is compared with what they can hold before memory is taken for it.
+// Of a frame; without colour where it has no bytes. Throws InputError naming the file and the frame
+// unless the bytes hold an image of that size; it is compared with what they can hold before memory
+// is taken for it.
+FrameImages ReadImages(const BinaryFile& file, int frame, const ImageBytes& depth,
+                       const ImageBytes& color);
 
-// 16-bit little endian counts, row by row.
-Image<std::uint16_t> CopyDepth(const std::string& bytes, ImageSize size, const std::string& name);
-// The same compressed by zlib.
-Image<std::uint16_t> InflateDepth(const std::string& bytes, ImageSize size,
-                                  const std::string& name);
-
-// Red, green, blue, row by row.
-Image<Rgb8> CopyColor(const std::string& bytes, ImageSize size, const std::string& name);
-// JPEG or PNG.
-Image<Rgb8> DecodeColor(const std::string& bytes, ImageSize size, const std::string& name);
+// Warns of a file that has fewer frames than it claims.
+template <typename Count>
+void WarnIfShort(const std::string& path, Count claimed, int found, OpenedRecording* opened) {
+  if (claimed == static_cast<Count>(found)) return;
+  opened->warnings.push_back(
+      Concat(path, " claims ", claimed, " frames, but is damaged or ends after ", found));
+}
 
 }  // namespace surfit

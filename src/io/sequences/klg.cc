@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/repeated_warning.h"
+#include "io/cursor.h"
 #include "io/images/deflate.h"
 #include "io/images/image_files.h"
 #include "io/sequences/frame_bytes.h"
@@ -43,35 +44,23 @@ class KlgRecording : public Recording {
 
   FrameImages Read(int index) const override {
     const KlgFrame& frame = frames_[index];
-    FrameImages images;
-    images.depth_name = Concat(file_.path(), ": depth of frame ", index);
-    images.color_name = Concat(file_.path(), ": colour of frame ", index);
-    const std::string depth = file_.Read(frame.depth_at, frame.depth_bytes);
-    images.depth = depth.size() == 2 * size_.pixels()
-                       ? CopyDepth(depth, size_, images.depth_name)
-                       : InflateDepth(depth, size_, images.depth_name);
-    const std::string color = ReadColor(frame);
-    if (color.empty()) return images;
-    images.color = color.size() == 3 * size_.pixels()
-                       ? CopyColor(color, size_, images.color_name)
-                       : DecodeColor(color, size_, images.color_name);
-    return images;
+    const std::uint64_t color_at = frame.depth_at + frame.depth_bytes;
+    return ReadImages(
+        file_, index,
+        {frame.depth_at, frame.depth_bytes, size_, frame.depth_bytes == 2 * size_.pixels()},
+        {color_at, frame.color_bytes, size_, frame.color_bytes == 3 * size_.pixels()});
   }
 
  private:
-  std::string ReadColor(const KlgFrame& frame) const {
-    return file_.Read(frame.depth_at + frame.depth_bytes, frame.color_bytes);
-  }
-
   // Walks over the frames' headers, as far as the file goes.
   void Index() {
     constexpr std::uint64_t kHeader = 16;  // bytes before the images of a frame
     const std::string count = file_.Read(0, sizeof(claimed_count_));
-    claimed_count_ = ByteReader(count).Take<std::int32_t>();
+    claimed_count_ = Cursor(count, file_.path()).Take<std::int32_t>();
     std::uint64_t at = count.size();
     while (frame_count() < claimed_count_ && file_.Has(at, kHeader)) {
       const std::string bytes = file_.Read(at, kHeader);
-      ByteReader header(bytes);
+      Cursor header(bytes, file_.path());
       KlgFrame frame;
       frame.stamp_us = header.Take<std::int64_t>();
       const auto depth_bytes = header.Take<std::int32_t>(),
@@ -88,7 +77,7 @@ class KlgRecording : public Recording {
 
   std::optional<ImageSize> SizeOfFirstJpeg() const {
     for (const KlgFrame& frame : frames_) {
-      const std::string color = ReadColor(frame);
+      const std::string color = file_.Read(frame.depth_at + frame.depth_bytes, frame.color_bytes);
       if (IsJpeg(color)) return JpegSize(color, file_.path() + ": the first JPEG");
     }
     return std::nullopt;
@@ -172,11 +161,7 @@ OpenedRecording OpenKlg(const std::string& path, ImageSize size) {
   auto frames = std::make_unique<KlgRecording>(path, size);
   OpenedRecording opened;
   opened.has_clock = true;
-  if (frames->frame_count() != frames->claimed_count()) {
-    opened.warnings.push_back(Concat(path, " claims ", frames->claimed_count(),
-                                     " frames, but is damaged or ends after ",
-                                     frames->frame_count()));
-  }
+  WarnIfShort(path, frames->claimed_count(), frames->frame_count(), &opened);
   opened.frames = std::move(frames);
   return opened;
 }

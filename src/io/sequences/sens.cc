@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "io/cursor.h"
 #include "io/files/text.h"
 #include "io/images/image_files.h"
 #include "io/sequences/frame_bytes.h"
@@ -30,7 +31,7 @@ struct SensHeader {
   std::uint64_t size = 0;  // bytes
 };
 
-Eigen::Matrix4d TakeMatrix(ByteReader* reader) {
+Eigen::Matrix4d TakeMatrix(Cursor* reader) {
   Eigen::Matrix4d matrix;
   for (int i = 0; i < 16; ++i) matrix(i / 4, i % 4) = reader->Take<float>();
   return matrix;
@@ -45,7 +46,7 @@ PinholeCamera Pinhole(const Eigen::Matrix4d& intrinsics) {
   return camera;
 }
 
-void TakeSize(ByteReader* reader, const std::string& name, PinholeCamera* camera) {
+void TakeSize(Cursor* reader, const std::string& name, PinholeCamera* camera) {
   camera->width = reader->Take<std::int32_t>();
   camera->height = reader->Take<std::int32_t>();
   RequireUsualSize({camera->width, camera->height}, name);
@@ -67,7 +68,7 @@ void RequireColorCoding(std::int32_t coding, const std::string& path) {
 std::uint64_t SizeWithName(const BinaryFile& file) {
   constexpr std::uint64_t kBeforeName = 12;
   const std::string bytes = file.Read(0, kBeforeName);
-  ByteReader reader(bytes);
+  Cursor reader(bytes, file.path());
   const auto version = reader.Take<std::uint32_t>();
   ThrowIf(version != 4, file.path(), " has version ", version, ", must be 4");
   const auto length = reader.Take<std::uint64_t>();
@@ -82,7 +83,7 @@ SensHeader ReadSensHeader(const BinaryFile& file) {
   constexpr std::uint64_t kAfterName = 4 * 64 + 2 * 4 + 4 * 4 + 4 + 8;
   const std::uint64_t begin = SizeWithName(file);
   const std::string bytes = file.Read(begin, kAfterName);
-  ByteReader reader(bytes);
+  Cursor reader(bytes, file.path());
   SensHeader header;
   RgbdCamera& camera = header.camera;
   camera.color = Pinhole(TakeMatrix(&reader));
@@ -133,20 +134,11 @@ class SensRecording : public Recording {
 
   FrameImages Read(int index) const override {
     const SensFrame& frame = frames_[index];
-    FrameImages images;
-    images.depth_name = Concat(file_.path(), ": depth of frame ", index);
-    images.color_name = Concat(file_.path(), ": colour of frame ", index);
-    const std::string depth = file_.Read(frame.color_at + frame.color_bytes, frame.depth_bytes);
-    const ImageSize depth_size = SizeOf(header_.camera.depth);
-    images.depth = header_.depth_coding == SensHeader::DepthCoding::kRaw
-                       ? CopyDepth(depth, depth_size, images.depth_name)
-                       : InflateDepth(depth, depth_size, images.depth_name);
-    const std::string color = file_.Read(frame.color_at, frame.color_bytes);
-    if (color.empty()) return images;
-    const ImageSize color_size = SizeOf(header_.camera.color);
-    images.color = header_.raw_color ? CopyColor(color, color_size, images.color_name)
-                                     : DecodeColor(color, color_size, images.color_name);
-    return images;
+    const RgbdCamera& camera = header_.camera;
+    return ReadImages(file_, index,
+                      {frame.color_at + frame.color_bytes, frame.depth_bytes, SizeOf(camera.depth),
+                       header_.depth_coding == SensHeader::DepthCoding::kRaw},
+                      {frame.color_at, frame.color_bytes, SizeOf(camera.color), header_.raw_color});
   }
 
   // The poses that are there.
@@ -168,7 +160,7 @@ class SensRecording : public Recording {
     std::uint64_t at = header_.size;
     while (frames_.size() < header_.frame_count && file_.Has(at, kHeader)) {
       const std::string bytes = file_.Read(at, kHeader);
-      ByteReader reader(bytes);
+      Cursor reader(bytes, file_.path());
       SensFrame frame;
       for (int i = 0; i < 16; ++i) frame.world_from_camera(i / 4, i % 4) = reader.Take<float>();
       frame.color_stamp_us = reader.Take<std::uint64_t>();
@@ -218,11 +210,7 @@ OpenedRecording OpenSens(const std::string& path, double frames_per_second) {
   auto frames = std::make_unique<SensRecording>(path, frames_per_second);
   OpenedRecording opened;
   opened.ground_truth = frames->Poses();
-  if (frames->claimed_count() != static_cast<std::uint64_t>(frames->frame_count())) {
-    opened.warnings.push_back(Concat(path, " claims ", frames->claimed_count(),
-                                     " frames, but is damaged or ends after ",
-                                     frames->frame_count()));
-  }
+  WarnIfShort(path, frames->claimed_count(), frames->frame_count(), &opened);
   opened.frames = std::move(frames);
   return opened;
 }
