@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "finishing/found_sensor.h"
+#include "session/session_writer.h"
 #include "surfit/frame/frame_source.h"
 #include "surfit/geometry/trajectory.h"
 #include "surfit/run/slam_run.h"
 #include "surfit/session/session.h"
-#include "surfit/session/session_writer.h"
 
 namespace surfit {
 

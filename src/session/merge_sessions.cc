@@ -7,10 +7,10 @@
 
 #include "io/files/output_folder.h"
 #include "session/schema.h"
+#include "session/session_writer.h"
 #include "session/tile_rows.h"
 #include "surfit/core/error.h"
 #include "surfit/mapping/move_map.h"
-#include "surfit/session/session_writer.h"
 
 namespace surfit {
 namespace {

@@ -1,4 +1,4 @@
-#include "surfit/session/session_writer.h"
+#include "session/session_writer.h"
 
 #include <fcntl.h>
 #include <glog/logging.h>
@@ -9,17 +9,12 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
-#include <future>
-#include <map>
 #include <set>
 #include <utility>
 
 #include "core/new_file.h"
 #include "core/trace.h"
-#include "io/files/output_folder.h"
-#include "session/changed_tiles.h"
 #include "session/load_session.h"
-#include "session/schema.h"
 #include "session/tile_file.h"
 #include "session/tile_rows.h"
 
@@ -78,15 +73,8 @@ void WriteNewFile(const std::string& path, const std::string& bytes) {
 
 }  // namespace
 
-// A keyframe whose view is still to be made, or made by now.
-struct UnsavedView {
-  int frame = 0;
-  ViewOfKeyframe view;
-  std::shared_ptr<const RgbdFrame> calibration_frame;
-};
-
 // What a save commits.
-struct SessionUpdate {
+struct SessionWriter::Update {
   SessionRow facts;  // but for views and tiles, which are counted as they are written
   std::vector<Row> runs, frames, keyframes, edges;
   std::vector<std::pair<std::int64_t, UnsavedView>> views;  // by keyframe
@@ -95,59 +83,13 @@ struct SessionUpdate {
   bool is_all = false;  // there are no other tiles
 };
 
-class SessionWriter::Implementation {
- public:
-  Implementation(const std::string& folder, Mode mode);
-  ~Implementation();
-
-  void Begin(const std::vector<SessionRun>& new_runs, const DepthSensor& sensor, Slam* slam);
-  void KeepViews(const std::vector<KeyframeLink>& keyframes, const std::vector<PlaceView>& views);
-  void Offer(const Slam& slam, double stamp_s);
-  void Finish(const Slam& slam);
-  std::int64_t waits() const { return waits_; }
-
- private:
-  void Open(const DepthSensor& sensor);
-  void Save(const Slam& slam);
-  SessionUpdate Difference(const Slam& slam);
-  void Wait();
-  void Write(SessionUpdate update);
-  void WriteTiles(const SessionUpdate& update);
-
-  const std::string folder_;
-  OutputFolder lock_;
-  std::unique_ptr<Database> database_;
-  SessionRow facts_;
-
-  // As they were saved last; nothing of what another process has saved.
-  std::vector<PosedFrame> frames_;
-  std::vector<KeptEdge> edges_;
-  std::size_t keyframes_ = 0;
-  ChangedTiles changed_tiles_;
-  bool has_saved_ = false;
-  std::vector<UnsavedView> new_views_;
-  std::vector<SessionRun> runs_;  // that are new
-  std::int64_t first_run_ = 0;    // the key of the first of them
-  bool are_runs_saved_ = false;
-
-  int frames_since_save_ = 0;
-  double saved_stamp_s_ = 0;
-  std::int64_t waits_ = 0;
-
-  // Of the writing thread, while it is at work.
-  std::map<std::int64_t, TileRow> tiles_;
-  std::vector<std::string> superseded_, removable_;  // files of tiles
-  std::int64_t views_ = 0, calibration_frames_ = 0, saves_ = 0;
-  std::future<void> writing_;
-};
-
-SessionWriter::Implementation::Implementation(const std::string& folder, Mode mode)
+SessionWriter::SessionWriter(const std::string& folder, Mode mode)
     : folder_(folder), lock_(folder, {}) {
   ThrowIf(HasSession(folder_) && mode == Mode::kNew, folder_,
           " holds a session already, must be continued or another folder");
 }
 
-void SessionWriter::Implementation::Open(const DepthSensor& sensor) {
+void SessionWriter::Open(const DepthSensor& sensor) {
   fs::create_directories(TilesOf(folder_));
   if (!HasSession(folder_)) {
     SessionRow first;
@@ -166,7 +108,7 @@ void SessionWriter::Implementation::Open(const DepthSensor& sensor) {
   RemoveStrayTiles(folder_, tiles_);
 }
 
-SessionWriter::Implementation::~Implementation() {
+SessionWriter::~SessionWriter() {
   try {
     Wait();
   } catch (const std::exception& error) {
@@ -174,8 +116,8 @@ SessionWriter::Implementation::~Implementation() {
   }
 }
 
-void SessionWriter::Implementation::Begin(const std::vector<SessionRun>& new_runs,
-                                          const DepthSensor& sensor, Slam* slam) {
+void SessionWriter::Begin(const std::vector<SessionRun>& new_runs, const DepthSensor& sensor,
+                          Slam* slam) {
   Open(sensor);
   runs_ = new_runs;
   first_run_ = facts_.runs;
@@ -186,15 +128,15 @@ void SessionWriter::Implementation::Begin(const std::vector<SessionRun>& new_run
   });
 }
 
-void SessionWriter::Implementation::KeepViews(const std::vector<KeyframeLink>& keyframes,
-                                              const std::vector<PlaceView>& views) {
+void SessionWriter::KeepViews(const std::vector<KeyframeLink>& keyframes,
+                              const std::vector<PlaceView>& views) {
   for (std::size_t k = 0; k < views.size(); ++k) {
     if (views[k].empty()) continue;
     new_views_.push_back({keyframes[k].frame, [view = views[k]] { return view; }, nullptr});
   }
 }
 
-void SessionWriter::Implementation::Offer(const Slam& slam, double stamp_s) {
+void SessionWriter::Offer(const Slam& slam, double stamp_s) {
   if (slam.backend()->poses().frames().empty()) return;
   ++frames_since_save_;
   const bool is_due = !has_saved_ || frames_since_save_ >= kPeriodFrames ||
@@ -205,7 +147,7 @@ void SessionWriter::Implementation::Offer(const Slam& slam, double stamp_s) {
   Save(slam);
 }
 
-void SessionWriter::Implementation::Finish(const Slam& slam) {
+void SessionWriter::Finish(const Slam& slam) {
   if (slam.backend()->poses().frames().empty()) return Wait();
   for (SessionRun& run : runs_) run.ended = true;
   are_runs_saved_ = false;
@@ -219,11 +161,11 @@ void SessionWriter::Implementation::Finish(const Slam& slam) {
   close(opened);
 }
 
-void SessionWriter::Implementation::Wait() {
+void SessionWriter::Wait() {
   if (writing_.valid()) writing_.get();
 }
 
-void SessionWriter::Implementation::Save(const Slam& slam) {
+void SessionWriter::Save(const Slam& slam) {
   waits_ +=
       writing_.valid() && writing_.wait_for(std::chrono::seconds(0)) == std::future_status::timeout;
   Wait();
@@ -231,10 +173,10 @@ void SessionWriter::Implementation::Save(const Slam& slam) {
                         [this, update = Difference(slam)]() mutable { Write(std::move(update)); });
 }
 
-SessionUpdate SessionWriter::Implementation::Difference(const Slam& slam) {
+SessionWriter::Update SessionWriter::Difference(const Slam& slam) {
   const TraceSlice slice("save_session");
   const Backend& backend = *slam.backend();
-  SessionUpdate update;
+  Update update;
   update.is_all = !has_saved_;
   for (std::size_t i = 0; i < runs_.size() && !are_runs_saved_; ++i) {
     update.runs.push_back(RowOf(first_run_ + static_cast<std::int64_t>(i), runs_[i]));
@@ -271,7 +213,7 @@ SessionUpdate SessionWriter::Implementation::Difference(const Slam& slam) {
   return update;
 }
 
-void SessionWriter::Implementation::Write(SessionUpdate update) {
+void SessionWriter::Write(Update update) {
   const TraceSlice slice("write_session");
   ++saves_;
   std::vector<Row> views, calibration;
@@ -307,7 +249,7 @@ void SessionWriter::Implementation::Write(SessionUpdate update) {
   removable_ = std::exchange(superseded_, {});
 }
 
-void SessionWriter::Implementation::WriteTiles(const SessionUpdate& update) {
+void SessionWriter::WriteTiles(const Update& update) {
   std::set<std::int64_t> gone;
   if (update.is_all) {
     for (const auto& [key, tile] : tiles_) gone.insert(key);
@@ -337,28 +279,5 @@ void SessionWriter::Implementation::WriteTiles(const SessionUpdate& update) {
     tiles_.erase(key);
   }
 }
-
-SessionWriter::SessionWriter(const std::string& folder, Mode mode)
-    : implementation_(std::make_unique<Implementation>(folder, mode)) {}
-
-SessionWriter::~SessionWriter() = default;
-
-void SessionWriter::Begin(const std::vector<SessionRun>& new_runs, const DepthSensor& sensor,
-                          Slam* slam) {
-  implementation_->Begin(new_runs, sensor, slam);
-}
-
-void SessionWriter::KeepViews(const std::vector<KeyframeLink>& keyframes,
-                              const std::vector<PlaceView>& views) {
-  implementation_->KeepViews(keyframes, views);
-}
-
-void SessionWriter::Offer(const Slam& slam, double stamp_s) {
-  implementation_->Offer(slam, stamp_s);
-}
-
-void SessionWriter::Finish(const Slam& slam) { implementation_->Finish(slam); }
-
-std::int64_t SessionWriter::waits() const { return implementation_->waits(); }
 
 }  // namespace surfit

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "session/session_writer.h"
 #include "slam/simulated_sequence.h"
 #include "surfit/session/session.h"
-#include "surfit/session/session_writer.h"
 
 namespace surfit::testing {
 

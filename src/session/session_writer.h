@@ -1,10 +1,15 @@
 #pragma once
 
 #include <cstdint>
+#include <future>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "io/files/output_folder.h"
+#include "session/changed_tiles.h"
+#include "session/schema.h"
 #include "surfit/session/session.h"
 #include "surfit/slam/slam.h"
 
@@ -37,11 +42,49 @@ class SessionWriter {
   // Saves what there is, and flushes it to the disk.
   void Finish(const Slam& slam);
 
-  std::int64_t waits() const;  // saves that were due before the former was written
+  std::int64_t waits() const { return waits_; }  // saves due before the former was written
 
  private:
-  class Implementation;
-  std::unique_ptr<Implementation> implementation_;
+  // A keyframe whose view is still to be made, or made by now.
+  struct UnsavedView {
+    int frame = 0;
+    ViewOfKeyframe view;
+    std::shared_ptr<const RgbdFrame> calibration_frame;
+  };
+  struct Update;
+
+  void Open(const DepthSensor& sensor);
+  void Save(const Slam& slam);
+  Update Difference(const Slam& slam);
+  void Wait();
+  void Write(Update update);
+  void WriteTiles(const Update& update);
+
+  const std::string folder_;
+  OutputFolder lock_;
+  std::unique_ptr<Database> database_;
+  SessionRow facts_;
+
+  // As they were saved last; nothing of what another process has saved.
+  std::vector<PosedFrame> frames_;
+  std::vector<KeptEdge> edges_;
+  std::size_t keyframes_ = 0;
+  ChangedTiles changed_tiles_;
+  bool has_saved_ = false;
+  std::vector<UnsavedView> new_views_;
+  std::vector<SessionRun> runs_;  // that are new
+  std::int64_t first_run_ = 0;    // the key of the first of them
+  bool are_runs_saved_ = false;
+
+  int frames_since_save_ = 0;
+  double saved_stamp_s_ = 0;
+  std::int64_t waits_ = 0;
+
+  // Of the writing thread, while it is at work.
+  std::map<std::int64_t, TileRow> tiles_;
+  std::vector<std::string> superseded_, removable_;  // files of tiles
+  std::int64_t views_ = 0, calibration_frames_ = 0, saves_ = 0;
+  std::future<void> writing_;
 };
 
 }  // namespace surfit
