@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 
+#include "core/named_values.h"
 #include "registration/global/view_fit.h"
 #include "registration/icp/icp_level.h"
 #include "registration/icp/photometric_term.h"
@@ -11,6 +12,14 @@
 
 namespace surfit {
 namespace {
+
+constexpr NamedValue<Termination> kTerminations[] = {
+    {"converged", Termination::kConverged},
+    {"rmse_increased", Termination::kRmseIncreased},
+    {"max_iterations", Termination::kMaxIterations},
+    {"too_few_inliers", Termination::kTooFewInliers},
+    {"singular_system", Termination::kSingularSystem},
+    {"free_space_filled", Termination::kFreeSpaceFilled}};
 
 AssociationGates GatesOfLevel(const IcpOptions& options, int level) {
   AssociationGates gates = options.gates;
@@ -79,23 +88,7 @@ void CheckFreeSpace(const FrameLevel& source, const FrameLevel& target, const Ic
 
 }  // namespace
 
-std::string ToString(Termination termination) {
-  switch (termination) {
-    case Termination::kConverged:
-      return "converged";
-    case Termination::kRmseIncreased:
-      return "rmse_increased";
-    case Termination::kMaxIterations:
-      return "max_iterations";
-    case Termination::kTooFewInliers:
-      return "too_few_inliers";
-    case Termination::kSingularSystem:
-      return "singular_system";
-    case Termination::kFreeSpaceFilled:
-      return "free_space_filled";
-  }
-  return "unknown";
-}
+std::string ToString(Termination termination) { return NameOf(termination, kTerminations); }
 
 std::vector<std::string> AssociationNames() { return {"projective", "kd_tree"}; }
 
