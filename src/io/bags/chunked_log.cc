@@ -1,12 +1,21 @@
 #include "io/bags/chunked_log.h"
 
+#include <algorithm>
+
 #include "surfit/core/error.h"
 
 namespace surfit {
 
-int ChunkedLog::AddChunk(const Chunk& chunk) {
+void ChunkedLog::AddChunk(const Chunk& chunk, std::uint64_t at, const std::string& name,
+                          const std::function<void(int, Cursor*)>& take) {
+  const int number = static_cast<int>(chunks_.size());
   chunks_.push_back(chunk);
-  return static_cast<int>(chunks_.size()) - 1;
+  try {
+    Cursor cursor(ChunkBytes(number), name);
+    while (cursor.left() > 0) take(number, &cursor);
+  } catch (const InputError& error) {
+    Warn(Concat(": the messages from byte ", at, " on are left out: ", error.what()));
+  }
 }
 
 const std::string& ChunkedLog::ChunkBytes(int number) const {
@@ -30,9 +39,14 @@ void ChunkedLog::AddMessage(std::size_t topic, std::int64_t recorded_ns, int par
   topics_[topic].messages.push_back(place);
 }
 
-std::size_t ChunkedLog::AddTopic(Topic topic) {
-  topics_.push_back(std::move(topic));
-  return topics_.size() - 1;
+std::size_t ChunkedLog::AddTopic(const std::string& name, const std::string& type,
+                                 Serialization serialization) {
+  const auto known = std::find_if(topics_.begin(), topics_.end(), [&](const Topic& topic) {
+    return topic.name == name && topic.type == type && topic.serialization == serialization;
+  });
+  const std::size_t number = known - topics_.begin();
+  if (known == topics_.end()) topics_.push_back({name, type, serialization, {}});
+  return number;
 }
 
 std::string ChunkedLog::Read(const MessagePlace& place) const {

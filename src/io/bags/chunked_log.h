@@ -1,6 +1,7 @@
 #pragma once
 
 #include <deque>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -8,6 +9,7 @@
 
 #include "io/bags/decompress.h"
 #include "io/bags/message_log.h"
+#include "io/cursor.h"
 #include "io/sequences/frame_bytes.h"
 
 namespace surfit {
@@ -30,17 +32,22 @@ class ChunkedLog : public MessageLog {
   };
 
   const BinaryFile& file() const { return file_; }
-  // Its number. What it holds is to be listed next.
-  int AddChunk(const Chunk& chunk);
-  // The chunk's bytes, valid until the next but one is asked for.
-  const std::string& ChunkBytes(int number) const;
+  // Calls `take` with the chunk's number and its bytes, until it has taken all of them. What cannot
+  // be expanded or taken is left out, with a warning that tells of the record at byte `at`.
+  void AddChunk(const Chunk& chunk, std::uint64_t at, const std::string& name,
+                const std::function<void(int, Cursor*)>& take);
   // Lists a message, whose bytes are at `at` of the part.
   void AddMessage(std::size_t topic, std::int64_t recorded_ns, int part, std::uint64_t at,
                   std::string_view bytes);
-  std::size_t AddTopic(Topic topic);
+  // Its number; each is added once.
+  std::size_t AddTopic(const std::string& name, const std::string& type,
+                       Serialization serialization);
   void Warn(const std::string& sentence) { warnings_.push_back(path() + sentence); }
 
  private:
+  // The chunk's bytes, valid until the next but one is asked for.
+  const std::string& ChunkBytes(int number) const;
+
   BinaryFile file_;
   std::vector<Chunk> chunks_;
   std::vector<Topic> topics_;

@@ -56,7 +56,6 @@ class Mcap : public ChunkedLog {
     Warn(Concat(" is damaged or ends early: nothing is read from byte ", at, " on"));
   }
 
-  // What cannot be decompressed is left out.
   void TakeChunk(std::uint64_t at, std::uint64_t size, const std::string& name) {
     constexpr std::uint64_t kLongestHead =
         8 + 8 + 8 + 4 + 4 + 16 + 8;  // "zstd" is the longest word
@@ -70,18 +69,11 @@ class Mcap : public ChunkedLog {
     chunk.size = cursor.Take<std::uint64_t>();
     chunk.at = at + cursor.at();
     ThrowIf(chunk.size > size - cursor.at(), name, " is damaged: its chunk is larger than itself");
-    const int number = AddChunk(chunk);
-    try {
-      const std::string& bytes = ChunkBytes(number);
-      Cursor inner(bytes, name);
-      while (inner.left() > 0) {
-        const auto operation = inner.Take<std::uint8_t>();
-        const std::string_view record = inner.Bytes(inner.Take<std::uint64_t>());
-        TakeRecord(operation, number, inner.at() - record.size(), record, name);
-      }
-    } catch (const InputError& error) {
-      Warn(Concat(": the messages from byte ", at, " on are left out: ", error.what()));
-    }
+    AddChunk(chunk, at, name, [&](int number, Cursor* inner) {
+      const auto operation = inner->Take<std::uint8_t>();
+      const std::string_view record = inner->Bytes(inner->Take<std::uint64_t>());
+      TakeRecord(operation, number, inner->at() - record.size(), record, name);
+    });
   }
 
   void TakeRecord(std::uint8_t operation, int part, std::uint64_t at, std::string_view bytes,
@@ -110,13 +102,7 @@ class Mcap : public ChunkedLog {
     if (topic_of_.count(id) > 0) return;
     const std::string type = types_[cursor->Take<std::uint16_t>()];
     const std::string topic(cursor->Counted());
-    const Serialization serialization = SerializationOf(cursor->Counted());
-    for (std::size_t i = 0; i < topics().size(); ++i) {
-      const Topic& other = topics()[i];
-      if (other.name == topic && other.type == type && other.serialization == serialization)
-        topic_of_[id] = i;
-    }
-    if (topic_of_.count(id) == 0) topic_of_[id] = AddTopic({topic, type, serialization, {}});
+    topic_of_[id] = AddTopic(topic, type, SerializationOf(cursor->Counted()));
   }
 
   std::map<std::uint16_t, std::string> types_;

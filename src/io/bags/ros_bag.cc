@@ -93,7 +93,6 @@ class RosBag : public ChunkedLog {
     TakeInner(operation, fields, -1, data, file().Read(data, data_size), name);
   }
 
-  // What cannot be decompressed is left out.
   void TakeChunk(const RecordFields& fields, std::uint64_t at, std::uint64_t size,
                  const std::string& name) {
     Chunk chunk;
@@ -101,20 +100,13 @@ class RosBag : public ChunkedLog {
     chunk.size = size;
     chunk.compression = CompressionOf(Text(fields, "compression"), name);
     chunk.expanded_size = Value<std::uint32_t>(fields, "size", name);
-    const int number = AddChunk(chunk);
-    try {
-      const std::string& bytes = ChunkBytes(number);
-      Cursor cursor(bytes, name);
-      while (cursor.left() > 0) {
-        const RecordFields inner = ParseFields(cursor.Counted(), name);
-        const auto operation = Value<std::uint8_t>(inner, "op", name);
-        const std::string_view data = cursor.Counted();
-        if (operation != kMessage && operation != kConnection) continue;
-        TakeInner(operation, inner, number, cursor.at() - data.size(), data, name);
-      }
-    } catch (const InputError& error) {
-      Warn(Concat(": the messages from byte ", at, " on are left out: ", error.what()));
-    }
+    AddChunk(chunk, at, name, [&](int number, Cursor* cursor) {
+      const RecordFields inner = ParseFields(cursor->Counted(), name);
+      const auto operation = Value<std::uint8_t>(inner, "op", name);
+      const std::string_view data = cursor->Counted();
+      if (operation != kMessage && operation != kConnection) return;
+      TakeInner(operation, inner, number, cursor->at() - data.size(), data, name);
+    });
   }
 
   void TakeInner(std::uint8_t operation, const RecordFields& fields, int part, std::uint64_t at,
@@ -131,13 +123,9 @@ class RosBag : public ChunkedLog {
   void TakeConnection(std::uint32_t connection, const RecordFields& fields, std::string_view data,
                       const std::string& name) {
     if (topic_of_.count(connection) > 0) return;
-    const std::string topic = Text(fields, "topic");
-    const std::string type = PlainType(Text(ParseFields(data, name), "type"));
-    for (std::size_t i = 0; i < topics().size(); ++i) {
-      if (topics()[i].name == topic && topics()[i].type == type) topic_of_[connection] = i;
-    }
-    if (topic_of_.count(connection) == 0)
-      topic_of_[connection] = AddTopic({topic, type, Serialization::kRos1, {}});
+    topic_of_[connection] =
+        AddTopic(Text(fields, "topic"), PlainType(Text(ParseFields(data, name), "type")),
+                 Serialization::kRos1);
   }
 
   std::map<std::uint32_t, std::size_t> topic_of_;
