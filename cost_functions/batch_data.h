@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "surfit/core/image.h"
 #include "surfit/core/parallel.h"
-#include "surfit/core/raw_vector.h"
 
 namespace surfit {
 

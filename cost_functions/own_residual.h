@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "cost_functions/reduced_batch.h"
+#include "surfit/registration/association.h"
 #include "surfit/registration/error_model.h"
-#include "surfit/registration/pairs.h"
 
 namespace surfit {
 

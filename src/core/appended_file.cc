@@ -1,11 +1,10 @@
-#include "surfit/core/appended_file.h"
-
 #include <unistd.h>
 
 #include <cerrno>
 #include <filesystem>
 
-#include "core/new_file.h"
+#include "core/files.h"
+#include "surfit/core/atomic_file.h"
 
 namespace surfit {
 

@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "core/new_file.h"
+#include "core/files.h"
 #include "surfit/core/error.h"
 
 namespace surfit {

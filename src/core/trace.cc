@@ -10,7 +10,7 @@
 #include <sstream>
 #include <thread>
 
-#include "surfit/core/appended_file.h"
+#include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
 
 namespace surfit {

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "registration/icp/view_level.h"
+#include "registration/global/view_fit.h"
 #include "surfit/core/parallel.h"
 #include "surfit/frame/frame_pyramid.h"
 #include "surfit/registration/normal_system.h"

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "surfit/frame/frame_source.h"
 #include "surfit/geometry/inverse_depth_field.h"
@@ -18,5 +19,11 @@ struct FoundSensor {
   // A frame as it was given, to depth and the moment of colour as they were found.
   void Correct(RgbdFrame* frame) const;
 };
+
+// A sentence where a depth camera that was found is farther from the given one than what is known
+// of such sensors leaves room for, so that the given one may be that of another sensor, or another
+// size of image: one in a hundred right ones is. Empty otherwise. Of undistorted and downsampled
+// images with the given field applied.
+std::string DoubtOfGiven(const DepthSensor& given, const DepthCalibration& found);
 
 }  // namespace surfit

@@ -2,7 +2,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "poses/variances.h"
+#include "surfit/registration/normal_system.h"
 
 namespace surfit {
 namespace {

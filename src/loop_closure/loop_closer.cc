@@ -1,6 +1,8 @@
 #include "loop_closure/loop_closer.h"
 
 #include <algorithm>
+#include <memory>
+#include <mutex>
 #include <utility>
 
 #include "core/trace.h"
@@ -25,6 +27,34 @@ std::vector<bool> LoopsInGraph(const PoseGraph& graph, const PoseGraphSummary& s
   }
   return in_graph;
 }
+
+// Made by whoever asks first; what it is made from goes then. Nobody waits for another thread,
+// which may have less priority: both make it then.
+class MadeView {
+ public:
+  MadeView(ColoredView source, const PlaceViewOptions& options)
+      : source_(std::make_shared<ColoredView>(std::move(source))), options_(options) {}
+
+  PlaceView Get() {
+    std::shared_ptr<const ColoredView> source;
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      if (!source_) return view_;
+      source = source_;
+    }
+    PlaceView view = MakePlaceView(source->pyramid, source->color, options_);
+    const std::lock_guard<std::mutex> lock(mutex_);
+    view_ = view;
+    source_.reset();
+    return view;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::shared_ptr<const ColoredView> source_;
+  PlaceViewOptions options_;
+  PlaceView view_;
+};
 
 }  // namespace
 
@@ -107,6 +137,11 @@ Relocalization LoopCloser::Find(const ColoredView& view,
   }
   return Relocalize(MakePlaceView(view.pyramid, view.color, options_.views), keyframes_, index_,
                     options_.relocalize);
+}
+
+ViewOfKeyframe ViewOf(ColoredView source, const PlaceViewOptions& options) {
+  auto made = std::make_shared<MadeView>(std::move(source), options);
+  return [made] { return made->Get(); };
 }
 
 }  // namespace surfit

@@ -13,6 +13,9 @@
 
 namespace surfit {
 
+// The view of a keyframe, to be made when it is asked for first.
+ViewOfKeyframe ViewOf(ColoredView source, const PlaceViewOptions& options);
+
 // Edge of the pose graph for a verified loop.
 PoseGraphEdge LoopEdge(const LoopAttempt& attempt, const EdgeNoise& noise);
 

@@ -1,6 +1,6 @@
 #include "output/output_files.h"
 
-#include "core/read_file.h"
+#include "core/files.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
 #include "surfit/io/camera_files.h"

@@ -1,5 +1,8 @@
 #include "output/recorded_run.h"
 
+#include <array>
+#include <cstdio>
+
 #include "output/output_files.h"
 #include "surfit/core/error.h"
 
@@ -49,6 +52,18 @@ void RequireCameraOfFrames(const RecordedRun& run, const std::string& folder,
   throw InputError(Concat(folder, "/poses.json: the camera has ", found.width, " x ", found.height,
                           " pixels, must have ", frames.width, " x ", frames.height,
                           " as the frames"));
+}
+
+std::string ViewPictureName(int rank) {
+  std::array<char, 40> name;
+  std::snprintf(name.data(), name.size(), "view_pictures/%02d.png", rank);
+  return name.data();
+}
+
+std::vector<std::string> ViewFileNames() {
+  std::vector<std::string> names = {"views.json", "views.csv"};
+  for (int i = 0; i < kMostViewPictures; ++i) names.push_back(ViewPictureName(i));
+  return names;
 }
 
 }  // namespace surfit

@@ -3,6 +3,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "finishing/found_sensor.h"
 #include "surfit/geometry/trajectory.h"
@@ -24,5 +25,11 @@ RecordedRun ReadRecordedRun(const std::string& folder);
 // Throws InputError unless frames have the size of those that the run was calibrated by.
 void RequireCameraOfFrames(const RecordedRun& run, const std::string& folder,
                            const PinholeCamera& frames);
+
+// Files that the judge of views (EvaluateViews()) writes into the folder of a run by default:
+// tables and at most kMostViewPictures pictures. `rank` is 0 for the worst view.
+inline constexpr int kMostViewPictures = 100;
+std::string ViewPictureName(int rank);
+std::vector<std::string> ViewFileNames();
 
 }  // namespace surfit

@@ -13,7 +13,7 @@
 #include "core/trace.h"
 #include "finishing/final_map.h"
 #include "finishing/final_refinement.h"
-#include "finishing/prior_doubt.h"
+#include "finishing/found_sensor.h"
 #include "io/files/output_folder.h"
 #include "io/files/places_file.h"
 #include "output/output_files.h"

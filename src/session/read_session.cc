@@ -2,7 +2,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "core/read_file.h"
+#include "core/files.h"
 #include "session/load_session.h"
 #include "session/schema.h"
 #include "session/tile_file.h"

@@ -7,7 +7,7 @@
 #include <limits>
 #include <type_traits>
 
-#include "io/files/packed_view.h"
+#include "io/files/packed.h"
 
 namespace surfit {
 namespace {

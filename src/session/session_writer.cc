@@ -12,7 +12,7 @@
 #include <set>
 #include <utility>
 
-#include "core/new_file.h"
+#include "core/files.h"
 #include "core/trace.h"
 #include "session/load_session.h"
 #include "session/tile_file.h"

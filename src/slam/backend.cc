@@ -6,7 +6,6 @@
 #include "calibration/calibrator.h"
 #include "loop_closure/correct_frames.h"
 #include "loop_closure/edge_information.h"
-#include "loop_closure/keyframe_view.h"
 #include "loop_closure/loop_closer.h"
 #include "surfit/core/options.h"
 #include "surfit/slam/slam_state.h"

@@ -6,8 +6,7 @@
 #include "surfit/mapping/fusion.h"
 #include "surfit/mapping/model_renderer.h"
 #include "surfit/slam/slam.h"
-#include "tracking/model_views.h"
-#include "tracking/prepared_frame.h"
+#include "tracking/tracker.h"
 
 namespace surfit {
 

@@ -10,7 +10,6 @@
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/slam/slam_state.h"
-#include "tracking/prepared_frame.h"
 #include "tracking/tracker.h"
 
 namespace surfit {

@@ -3,7 +3,6 @@
 #include <optional>
 #include <vector>
 
-#include "registration/global/corners.h"
 #include "registration/global/feature_points.h"
 #include "surfit/frame/camera_motion.h"
 #include "surfit/geometry/rigid3.h"

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "poses/variances.h"
 #include "registration/solvers/decompositions.h"
+#include "surfit/registration/normal_system.h"
 
 namespace surfit {
 namespace {

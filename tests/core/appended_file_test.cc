@@ -1,10 +1,9 @@
-#include "surfit/core/appended_file.h"
-
 #include <gmock/gmock.h>
 #include <sys/resource.h>
 
 #include <csignal>
 
+#include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
 #include "testing/matchers.h"
 #include "testing/temp_folder.h"

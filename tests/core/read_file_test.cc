@@ -1,11 +1,10 @@
-#include "core/read_file.h"
-
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 
 #include <fstream>
 #include <thread>
 
+#include "core/files.h"
 #include "surfit/core/error.h"
 #include "testing/matchers.h"
 #include "testing/temp_folder.h"

@@ -1,9 +1,9 @@
-#include "registration/global/corners.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+
+#include "registration/global/feature_points.h"
 
 namespace surfit::testing {
 namespace {

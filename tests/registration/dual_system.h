@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "cost_functions/robust_kernel.h"
+#include "surfit/registration/association.h"
 #include "surfit/registration/error_model.h"
 #include "surfit/registration/normal_system.h"
-#include "surfit/registration/pairs.h"
 
 namespace surfit::testing {
 

@@ -2,7 +2,7 @@
 
 #include <random>
 
-#include "surfit/registration/pairs.h"
+#include "surfit/registration/association.h"
 #include "testing/random_pose.h"
 
 namespace surfit::testing {

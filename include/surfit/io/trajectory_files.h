@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "surfit/core/appended_file.h"
+#include "surfit/core/atomic_file.h"
 #include "surfit/geometry/trajectory.h"
 
 namespace surfit {

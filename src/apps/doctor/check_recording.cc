@@ -6,9 +6,8 @@
 
 #include "apps/doctor/recording_checks.h"
 #include "core/repeated_warning.h"
-#include "finishing/prior_doubt.h"
+#include "finishing/found_sensor.h"
 #include "io/sequences/image_sequence.h"
-#include "io/sequences/raw_frames.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"

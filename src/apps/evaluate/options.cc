@@ -2,8 +2,8 @@
 
 #include "apps/evaluate/revisits.h"
 #include "apps/evaluate/view_evaluation.h"
-#include "apps/evaluate/view_files.h"
 #include "core/shared_options.h"
+#include "output/recorded_run.h"
 
 namespace surfit {
 

@@ -9,6 +9,7 @@
 
 #include "output/output_files.h"
 #include "output/pictures/canvas.h"
+#include "output/recorded_run.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
 
@@ -19,12 +20,6 @@ constexpr int kHeader_px = 28;  // above the pictures, for the caption
 
 bool IsWorse(const ComparedView& a, const ComparedView& b) {
   return a.view.error.psnr_covered_db < b.view.error.psnr_covered_db;
-}
-
-std::string PictureName(int rank) {
-  std::array<char, 40> name;
-  std::snprintf(name.data(), name.size(), "view_pictures/%02d.png", rank);
-  return name.data();
 }
 
 std::string Caption(const JudgedView& view) {
@@ -99,15 +94,9 @@ std::string WorstViews::Write(const std::string& folder) const {
   std::filesystem::create_directories(folder + "/view_pictures", error);
   if (error) throw InputError(Concat(folder, "/view_pictures: cannot be made: ", error.message()));
   for (std::size_t i = 0; i < views_.size(); ++i) {
-    WritePng(SideBySide(views_[i]), folder + "/" + PictureName(static_cast<int>(i)));
+    WritePng(SideBySide(views_[i]), folder + "/" + ViewPictureName(static_cast<int>(i)));
   }
-  return folder + "/" + PictureName(0);
-}
-
-std::vector<std::string> ViewFileNames() {
-  std::vector<std::string> names = {"views.json", "views.csv"};
-  for (int i = 0; i < kMostViewPictures; ++i) names.push_back(PictureName(i));
-  return names;
+  return folder + "/" + ViewPictureName(0);
 }
 
 void WriteViewFiles(const ViewEvaluation& evaluation, const std::string& folder) {

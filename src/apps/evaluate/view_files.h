@@ -29,10 +29,6 @@ class WorstViews {
   std::vector<ComparedView> views_;  // the worst first
 };
 
-// All that may be written into the folder of an evaluation. It has pictures of 100 views at most.
-inline constexpr int kMostViewPictures = 100;
-std::vector<std::string> ViewFileNames();
-
 // Writes views.json and views.csv. Throws InputError naming the file.
 void WriteViewFiles(const ViewEvaluation& evaluation, const std::string& folder);
 

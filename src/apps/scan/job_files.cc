@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "core/read_file.h"
+#include "core/files.h"
 #include "output/output_files.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"

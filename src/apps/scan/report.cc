@@ -10,7 +10,7 @@
 #include "apps/scan/scan_jobs.h"
 #include "apps/scan/scan_plan.h"
 #include "apps/scan/tile_files.h"
-#include "core/read_file.h"
+#include "core/files.h"
 #include "output/output_files.h"
 #include "output/pictures/pictures.h"
 #include "output/report/plain_page.h"

@@ -3,7 +3,6 @@
 #include <random>
 
 #include "apps/solvers/pose_problem.h"
-#include "registration/icp/icp_level.h"
 #include "registration/solvers/pair_solver.h"
 #include "surfit/core/parallel.h"
 #include "surfit/registration/pose_solver.h"

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string_view>
 
-#include "core/read_file.h"
+#include "core/files.h"
 #include "io/clouds/ply.h"
 #include "io/files/text.h"
 #include "surfit/core/error.h"

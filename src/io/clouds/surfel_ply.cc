@@ -5,7 +5,7 @@
 #include <limits>
 #include <string_view>
 
-#include "core/read_file.h"
+#include "core/files.h"
 #include "io/clouds/ply.h"
 #include "surfit/core/error.h"
 #include "surfit/io/point_cloud.h"

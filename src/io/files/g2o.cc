@@ -8,7 +8,7 @@
 #include <string_view>
 #include <unordered_map>
 
-#include "core/read_file.h"
+#include "core/files.h"
 #include "io/files/text.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"

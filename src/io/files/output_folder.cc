@@ -11,7 +11,7 @@
 #include <set>
 #include <system_error>
 
-#include "core/new_file.h"
+#include "core/files.h"
 #include "surfit/core/error.h"
 
 namespace surfit {

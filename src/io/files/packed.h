@@ -7,10 +7,12 @@
 #include <type_traits>
 #include <utility>
 
+#include "io/files/places_file.h"
 #include "io/images/deflate.h"
 #include "surfit/core/error.h"
 #include "surfit/core/image.h"
 #include "surfit/geometry/rigid3.h"
+#include "surfit/loop_closure/keyframe.h"
 
 namespace surfit {
 
@@ -123,5 +125,9 @@ class Unpacker {
   std::string from_;
   std::size_t at_ = 0;
 };
+
+// A view as bytes, and back. Throws InputError for one that is none.
+void PutView(const PlaceView& view, Packer* packer);
+PlaceView TakeView(PlacesPart part, Unpacker* unpacker);
 
 }  // namespace surfit

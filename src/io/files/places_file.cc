@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
-#include "core/read_file.h"
-#include "io/files/packed_view.h"
+#include "core/files.h"
+#include "io/files/packed.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
 

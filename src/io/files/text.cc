@@ -5,7 +5,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "core/read_file.h"
+#include "core/files.h"
 #include "surfit/core/error.h"
 
 namespace surfit {

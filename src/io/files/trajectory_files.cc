@@ -10,7 +10,7 @@
 #include <locale>
 #include <string_view>
 
-#include "core/read_file.h"
+#include "core/files.h"
 #include "io/files/text.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"

@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "core/read_file.h"
+#include "core/files.h"
 #include "io/images/image_kinds.h"
 #include "surfit/core/error.h"
 

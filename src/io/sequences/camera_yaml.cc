@@ -4,7 +4,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "core/read_file.h"
+#include "core/files.h"
 #include "io/files/text.h"
 #include "io/files/yaml.h"
 #include "io/sequences/folder.h"

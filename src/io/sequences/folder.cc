@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <limits>
 
-#include "core/read_file.h"
+#include "core/files.h"
 #include "io/files/text.h"
 #include "surfit/core/error.h"
 

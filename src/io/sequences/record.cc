@@ -16,7 +16,7 @@
 #include "core/shared_options.h"
 #include "io/images/image_files.h"
 #include "io/sequences/raw_frames.h"
-#include "surfit/core/appended_file.h"
+#include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/io/camera_files.h"

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "core/read_file.h"
+#include "core/files.h"
 #include "io/sequences/folder.h"
 #include "io/sequences/recording.h"
 #include "surfit/core/error.h"

@@ -5,7 +5,7 @@
 #include "optimization/refinement/joint_state.h"
 #include "optimization/refinement/reduced_system.h"
 #include "optimization/refinement/shared_surfels.h"
-#include "registration/icp/view_level.h"
+#include "registration/global/view_fit.h"
 #include "surfit/core/parallel.h"
 
 namespace surfit {

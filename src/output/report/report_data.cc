@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <set>
 
-#include "core/read_file.h"
+#include "core/files.h"
 #include "output/output_files.h"
 #include "output/report/compare_runs.h"
 #include "surfit/core/error.h"

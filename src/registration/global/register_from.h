@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "registration/icp/view_level.h"
+#include "registration/global/view_fit.h"
 #include "surfit/registration/far_registration.h"
 
 namespace surfit {

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "registration/global/view_fit.h"
-#include "registration/icp/view_level.h"
 #include "surfit/registration/far_registration.h"
 #include "surfit/registration/normal_system.h"
 

@@ -1,12 +1,16 @@
 #include "registration/global/view_fit.h"
 
+#include <glog/logging.h>
+
 #include <algorithm>
 #include <cmath>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+#include <utility>
 
 #include "surfit/core/parallel.h"
 
 namespace surfit {
-
 namespace {
 
 struct Count {
@@ -56,6 +60,23 @@ Count CountRow(const FrameLevel& source, const FrameLevel& target, const ErrorMo
     count.at_surface += std::abs(height_m) <= bound_m;
   }
   return count;
+}
+
+constexpr double kDetailSigmaPx = 3;
+
+Image<float> Brightness(const Image<Rgb8>& color) {
+  Image<float> brightness(color.width(), color.height());
+  for (std::size_t i = 0; i < color.size(); ++i) brightness[i] = GreyOf(color[i]);
+  return brightness;
+}
+
+Image<float> Detail(Image<float>& value) {
+  Image<float> detail(value.width(), value.height());
+  const cv::Mat in(value.height(), value.width(), CV_32F, value.data());
+  cv::Mat out(value.height(), value.width(), CV_32F, detail.data());
+  cv::GaussianBlur(in, out, cv::Size(), kDetailSigmaPx);
+  cv::subtract(in, out, out);
+  return detail;
 }
 
 }  // namespace
@@ -171,6 +192,31 @@ ViewFit MeasureFit(const ViewLevel& source, const ViewLevel& target, const Error
                             back.detail.Correlation(kDetailFloorVariance)) /
                            2;
   return fit;
+}
+
+BrightnessLevel BrightnessOf(Image<float> value) {
+  Image<float> detail = Detail(value);
+  return {std::move(value), std::move(detail)};
+}
+
+std::vector<BrightnessLevel> BrightnessPyramid(const Image<Rgb8>& color, int width, int height,
+                                               int levels) {
+  CHECK(color.empty() || (color.width() == width && color.height() == height));
+  Image<float> value = color.empty() ? Image<float>(width, height) : Brightness(color);
+  std::vector<BrightnessLevel> pyramid;
+  for (int level = 0; level < levels; ++level) {
+    Image<float> next = level + 1 < levels ? HalfResolution(value) : Image<float>();
+    pyramid.push_back(BrightnessOf(std::move(value)));
+    value = std::move(next);
+  }
+  return pyramid;
+}
+
+BrightnessLevel CoarseBrightness(const Image<Rgb8>& color, int halvings) {
+  if (color.empty()) return {};
+  Image<float> value = Brightness(color);
+  for (int i = 0; i < halvings; ++i) value = HalfResolution(value);
+  return {std::move(value), {}};
 }
 
 }  // namespace surfit

@@ -3,7 +3,7 @@
 #include <array>
 #include <vector>
 
-#include "surfit/core/raw_vector.h"
+#include "surfit/core/image.h"
 #include "surfit/frame/frame_pyramid.h"
 #include "surfit/geometry/rigid3.h"
 #include "surfit/registration/error_model.h"

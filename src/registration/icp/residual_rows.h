@@ -5,9 +5,9 @@
 #include "cost_functions/pose.h"
 #include "cost_functions/row_sums.h"
 #include "surfit/core/lanes.h"
+#include "surfit/registration/association.h"
 #include "surfit/registration/error_model.h"
 #include "surfit/registration/normal_system.h"
-#include "surfit/registration/pairs.h"
 
 namespace surfit {
 

@@ -6,7 +6,7 @@
 #include "registration/icp/photometric_term.h"
 #include "registration/icp/residual_rows.h"
 #include "registration/solvers/decompositions.h"
-#include "surfit/core/raw_vector.h"
+#include "surfit/core/image.h"
 #include "surfit/registration/far_registration.h"
 
 namespace surfit {

@@ -3,7 +3,7 @@
 #include <iomanip>
 #include <sstream>
 
-#include "apps/evaluate/view_files.h"
+#include "output/recorded_run.h"
 #include "run/results/kept_views.h"
 #include "surfit/geometry/sensor.h"
 

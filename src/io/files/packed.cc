@@ -1,4 +1,4 @@
-#include "io/files/packed_view.h"
+#include "io/files/packed.h"
 
 namespace surfit {
 
