@@ -1,0 +1,86 @@
+#include "tracking/motion_model.h"
+
+#include <gtest/gtest.h>
+
+#include "testing/matchers.h"
+
+namespace surfit::testing {
+namespace {
+
+constexpr double kFrame_s = 1. / 30;
+
+Rigid3d Shifted(double x_m) { return {Eigen::Quaterniond::Identity(), Eigen::Vector3d(x_m, 0, 0)}; }
+
+TrackingState After(int lost_frames) {
+  TrackingState state = Next({}, TrackingEvent::kPose);
+  for (int i = 0; i < lost_frames; ++i) state = Next(state, TrackingEvent::kNoPose);
+  return state;
+}
+
+// Model after a motion of 1 cm.
+MotionModel Moving(const TrackingOptions& options) {
+  MotionModel model(options);
+  MeasuredMotion motion;
+  motion.last_from_frame = Shifted(0.01);
+  motion.seconds = kFrame_s;
+  motion.covariance = Matrix6d::Identity() * 1e-8;
+  model.Update(After(0), motion);
+  return model;
+}
+
+TEST(MotionModel, ContinuesTheLastMotion) {
+  const TrackingOptions options;
+  const MotionModel model = Moving(options);
+  EXPECT_THAT(*model.PredictPose(After(0), Shifted(1)), RigidNear(Shifted(1.01), 1e-12, 1e-12));
+  EXPECT_NEAR(model.PredictMotion(After(0)).velocity_m_per_s.x(), 0.3, 1e-9);
+  EXPECT_TRUE(model.PredictMotion(After(1)).IsZero());
+}
+
+TEST(MotionModel, FollowsTheOptionOfItsName) {
+  TrackingOptions options;
+  options.motion_model = "constant_pose";
+  const MotionModel model = Moving(options);
+  EXPECT_THAT(*model.PredictPose(After(0), Shifted(1)), RigidNear(Shifted(1), 1e-12, 1e-12));
+  options.motion_model = "so3";
+  EXPECT_FALSE(model.PredictPose(After(0), Shifted(1)));
+}
+
+TEST(MotionModel, BridgesTwoLostFramesWithAPriorAlone) {
+  TrackingOptions options;
+  const MotionModel without = Moving(options);
+  EXPECT_THAT(*without.PredictPose(After(2), Shifted(1)), RigidNear(Shifted(1), 1e-12, 1e-12));
+  EXPECT_FALSE(without.PriorCovariance(After(0), kFrame_s));
+  options.acceleration_m_per_s2 = 2;
+  const MotionModel with = Moving(options);
+  EXPECT_THAT(*with.PredictPose(After(2), Shifted(1)), RigidNear(Shifted(1.03), 1e-12, 1e-12));
+  EXPECT_THAT(*with.PredictPose(After(3), Shifted(1)), RigidNear(Shifted(1), 1e-12, 1e-12));
+  EXPECT_TRUE(with.PriorCovariance(After(2), kFrame_s));
+  EXPECT_FALSE(with.PriorCovariance(After(3), kFrame_s));
+  EXPECT_FALSE(with.PriorCovariance(After(0), 0));
+}
+
+TEST(MotionModel, ForgetsItsMotionAfterAFoundFrame) {
+  TrackingOptions options;
+  options.acceleration_m_per_s2 = 2;
+  for (const bool is_expected : {false, true}) {
+    MotionModel model = Moving(options);
+    MeasuredMotion motion;
+    motion.last_from_frame = Shifted(5);
+    motion.seconds = kFrame_s;
+    motion.is_found = true;
+    motion.is_expected = is_expected;
+    model.Update(After(0), motion);
+    EXPECT_THAT(*model.PredictPose(After(0), Rigid3d()),
+                RigidNear(Shifted(is_expected ? 0.01 : 0), 1e-12, 1e-12));
+    EXPECT_TRUE(model.PredictMotion(After(0)).IsZero());
+  }
+}
+
+TEST(MotionModel, HasNoVelocityAfterATenthOfASecondOrALoss) {
+  EXPECT_FALSE(MotionModel::Velocity(After(0), Shifted(0.01), 0.09).IsZero());
+  EXPECT_TRUE(MotionModel::Velocity(After(0), Shifted(0.01), 0.11).IsZero());
+  EXPECT_TRUE(MotionModel::Velocity(After(1), Shifted(0.01), 0.05).IsZero());
+}
+
+}  // namespace
+}  // namespace surfit::testing
