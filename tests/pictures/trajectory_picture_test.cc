@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "output/pictures/pictures.h"
 #include "pictures/picture_file.h"
@@ -11,13 +12,14 @@
 namespace surfit::testing {
 namespace {
 
-constexpr Rgb8 kEstimateColor = {230, 90, 0}, kGroundTruthColor = {20, 90, 210};
+constexpr Rgb8 kEstimateColor = {230, 90, 0}, kGroundTruthColor = {145, 190, 250};
 
 // A path of 2 m along x, then half of that along z, in a world whose y is down.
 Trajectory Corner(double shift_m) {
   Trajectory path;
   for (int i = 0; i <= 30; ++i) {
     StampedPose pose;
+    pose.stamp_s = 0.1 * i;
     pose.world_from_camera.translation = {std::min(0.1 * i, 2.), 0, std::max(0.1 * i - 2, 0.)};
     pose.world_from_camera.translation.z() += shift_m;
     path.push_back(pose);
@@ -29,10 +31,12 @@ struct Extent {
   int left = 1 << 30, right = -1, top = 1 << 30, bottom = -1;
 };
 
-// Of the pixels of that colour in the left view, whose box is (90, 110) to (790, 820).
-Extent FindExtent(const Image<Rgb8>& picture, Rgb8 color) {
+const Pixels kLeftView(90, 790, 110, 820);
+
+// The extent of the pixels with that colour among the given ones.
+Extent FindExtent(const Image<Rgb8>& picture, Rgb8 color, const Pixels& among) {
   Extent extent;
-  for (const auto [u, v] : Pixels(90, 790, 110, 820)) {
+  for (const auto [u, v] : among) {
     if (picture(u, v) != color) continue;
     extent.left = std::min(extent.left, u), extent.right = std::max(extent.right, u);
     extent.top = std::min(extent.top, v), extent.bottom = std::max(extent.bottom, v);
@@ -45,9 +49,60 @@ TEST(WriteTrajectoryPicture, ShowsBothPathsInTheirColors) {
   WriteTrajectoryPicture(Corner(0), Corner(0.3), folder / "trajectory.png");
   const Image<Rgb8> picture = ReadPicture(folder / "trajectory.png");
   EXPECT_EQ(picture.width(), 1600);
-  EXPECT_EQ(picture.height(), 900);
+  EXPECT_EQ(picture.height(), 1240);
   EXPECT_GT(CountPixels(picture, kEstimateColor), 500u);
   EXPECT_GT(CountPixels(picture, kGroundTruthColor), 500u);
+}
+
+TEST(WriteTrajectoryPicture, ShowsBothPathsIfTheyCoincide) {
+  const TempFolder folder;
+  WriteTrajectoryPicture(Corner(0), Corner(0), folder / "trajectory.png");
+  const Image<Rgb8> picture = ReadPicture(folder / "trajectory.png");
+  const Extent estimate = FindExtent(picture, kEstimateColor, kLeftView);
+  const Extent truth = FindExtent(picture, kGroundTruthColor, kLeftView);
+  // The wider ground truth surrounds the estimate.
+  EXPECT_LT(truth.left, estimate.left);
+  EXPECT_GT(truth.right, estimate.right);
+  EXPECT_LT(truth.top, estimate.top);
+  EXPECT_GT(truth.bottom, estimate.bottom);
+  int estimate_rows = 0, truth_rows = 0;  // of the line along x, 1 m from its begin
+  for (int v = estimate.bottom - 30; v <= estimate.bottom + 10; ++v) {
+    estimate_rows += picture(440, v) == kEstimateColor;
+    truth_rows += picture(440, v) == kGroundTruthColor;
+  }
+  EXPECT_GE(estimate_rows, 2);
+  EXPECT_GE(truth_rows, 4);
+}
+
+TEST(WriteTrajectoryPicture, ShowsTheErrorOverTime) {
+  const TempFolder folder;
+  Trajectory estimate = Corner(0.01);  // 10 mm for 1.5 s, then 20 mm until 3 s
+  for (std::size_t i = 16; i < estimate.size(); ++i) {
+    estimate[i].world_from_camera.translation.y() += std::sqrt(3) * 0.01;
+  }
+  estimate[5].stamp_s += 0.04;  // no true pose within 10 ms: not part of the panel
+  estimate[5].world_from_camera.translation.y() += 1;
+  WriteTrajectoryPicture(estimate, Corner(0), folder / "trajectory.png");
+  const Image<Rgb8> picture = ReadPicture(folder / "trajectory.png");
+  const Extent early = FindExtent(picture, kEstimateColor, {90, 820, 950, 1170});
+  const Extent late = FindExtent(picture, kEstimateColor, {900, 1580, 950, 1170});
+  EXPECT_LE(early.left, 92);
+  EXPECT_GE(late.right, 1577);
+  // The axis begins with 0 at the lower edge and ends 10 % above the largest error.
+  EXPECT_NEAR(1170 - (early.top + early.bottom) / 2., 220 / 1.1 / 2, 1);
+  EXPECT_NEAR(1170 - (late.top + late.bottom) / 2., 220 / 1.1, 1);
+  EXPECT_LE(early.bottom - early.top, 3);
+  EXPECT_LE(late.bottom - late.top, 3);
+}
+
+TEST(WriteTrajectoryPicture, HasNoErrorPanelWithoutTruePoses) {
+  const TempFolder folder;
+  Trajectory elsewhere = Corner(0);
+  for (StampedPose& pose : elsewhere) pose.stamp_s += 100;
+  for (const Trajectory& truth : {Trajectory(), elsewhere}) {
+    WriteTrajectoryPicture(Corner(0), truth, folder / "trajectory.png");
+    EXPECT_EQ(ReadPicture(folder / "trajectory.png").height(), 900);
+  }
 }
 
 TEST(WriteTrajectoryPicture, BothAxesHaveTheSameScaleAndZGrowsUpwards) {
@@ -55,7 +110,7 @@ TEST(WriteTrajectoryPicture, BothAxesHaveTheSameScaleAndZGrowsUpwards) {
   WriteTrajectoryPicture(Corner(0), {}, folder / "trajectory.png");
   const Image<Rgb8> picture = ReadPicture(folder / "trajectory.png");
   EXPECT_EQ(CountPixels(picture, kGroundTruthColor), 0u);
-  const Extent path = FindExtent(picture, kEstimateColor);
+  const Extent path = FindExtent(picture, kEstimateColor, kLeftView);
   // 2 m fill 90 % of 700 pixels: 315 pixels a metre, and up to 8 more on each side for the marks.
   EXPECT_NEAR(path.right - path.left, 630, 16);
   EXPECT_NEAR(path.bottom - path.top, 315, 16);

@@ -31,9 +31,10 @@ void WriteMapPictures(const SurfelMap& map, const Trajectory& camera_path,
 float DustConfidence(const SurfelMap& map);
 
 // Writes a PNG of the camera's path from above and from the side, in metres along the world's axes,
-// with equal scale on both axes of a view. ground_truth may be empty; where it is not, the caller
-// has aligned the two. The vertical axis is the world axis nearest to the cameras' mean upward (-y)
-// axis. Throws InputError where the file cannot be written.
+// with equal scale on both axes of a view. The vertical axis is the world axis nearest to the mean
+// upward (-y) axis of the cameras. ground_truth may be empty. Otherwise the caller has aligned both
+// paths, and a panel shows the position error over time at the poses with a true pose. Throws
+// InputError if the file cannot be written.
 void WriteTrajectoryPicture(const Trajectory& estimate, const Trajectory& ground_truth,
                             const std::string& path);
 
