@@ -19,7 +19,7 @@ npm_packages() {  # npm_packages FOLDER PACKAGE WHAT_LACKS_WITHOUT: what FOLDER/
     echo "warning: npm failed, so $3" >&2
 }
 [[ $group =~ ^(cluster|arm)$ ]] ||
-  npm_packages "$root/src/output/report/npm" chartjs-plugin-zoom "the plots of reports will not zoom"
+  npm_packages "$root/src/browser/npm" chartjs-plugin-zoom "the plots of reports will not zoom"
 [[ $group != all ]] ||
   npm_packages "$root/tests/tools/bags" @mcap/core "no test writes MCAP files"
 

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "apps/live/http_rules.h"
-#include "output/report/page.h"
+#include "browser/page.h"
 
 namespace surfit {
 namespace {

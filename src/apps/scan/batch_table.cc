@@ -3,8 +3,8 @@
 
 #include "apps/scan/batch.h"
 #include "apps/scan/job_files.h"
+#include "browser/plain_page.h"
 #include "output/output_files.h"
-#include "output/report/plain_page.h"
 #include "surfit/core/error.h"
 
 namespace surfit {

@@ -1,7 +1,5 @@
-
 #include "apps/solvers/comparison_files.h"
-#include "output/report/page.h"
-#include "surfit/core/atomic_file.h"
+#include "browser/page.h"
 
 namespace surfit {
 namespace {
@@ -67,11 +65,8 @@ void WriteComparisonPage(const std::vector<ComparedRuns>& all,
                          const std::vector<std::string>& notes, const CompareOptions& options) {
   const Json data = DataOf(all, notes, options);
   if (data["rows"].empty()) return;
-  WriteFileAtomically(options.output + "/comparison.html", [&](std::ostream& file) {
-    file << kComparisonPage.before_data;
-    WriteData("comparison", data, &file);
-    file << kComparisonPage.after_data;
-  });
+  WritePage(kComparisonPage, options.output + "/comparison.html",
+            [&](std::ostream& file) { WriteData("comparison", data, &file); });
 }
 
 }  // namespace surfit

@@ -4,11 +4,10 @@
 #include <optional>
 #include <utility>
 
+#include "browser/page.h"
 #include "core/shared_options.h"
 #include "output/report/compare_runs.h"
-#include "output/report/page.h"
 #include "output/report/report_data.h"
-#include "surfit/core/atomic_file.h"
 #include "surfit/core/options.h"
 #include "surfit/geometry/rigid3.h"
 
@@ -16,22 +15,6 @@ namespace surfit {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-// JSON that HTML cannot mistake for a tag; '<' stands in strings only. What is no UTF-8 (a folder's
-// name may be anything) is replaced.
-std::string ToScriptText(const Json& json) {
-  const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
-  std::string safe;
-  safe.reserve(text.size());
-  for (const char c : text) {
-    if (c == '<') {
-      safe += "\\u003c";
-    } else {
-      safe += c;
-    }
-  }
-  return safe;
-}
 
 // Of all runs together: about 40 kB each, beside about 18 MB of the default number of surfels.
 constexpr std::size_t kMostThumbnails = 120;
@@ -75,11 +58,6 @@ void Compare(const std::vector<ReportedRun>& runs, std::size_t max_points,
 
 }  // namespace
 
-void WriteData(const std::string& name, const Json& data, std::ostream* page) {
-  *page << "<script type=\"application/json\" class=\"" << name << "\">" << ToScriptText(data)
-        << "</script>\n";
-}
-
 void ReportOptions::Visit(OptionVisitor& v) {
   v.Add(runs, SharedOption("run", InField("runs"), Required(), Repeatable()));
   v.Add(output, SharedOption("output", Required()));
@@ -104,10 +82,8 @@ std::vector<ReportedMap> WriteReport(const ReportOptions& options) {
     pages.push_back(std::move(page));
   }
   Compare(runs, max_points, &pages);
-  WriteFileAtomically(options.output, [&](std::ostream& file) {
-    file << kReportPage.before_data;
+  WritePage(kReportPage, options.output, [&](std::ostream& file) {
     for (const Json& page : pages) WriteData("run", page, &file);
-    file << kReportPage.after_data;
   });
   return maps;
 }

@@ -13,15 +13,11 @@ surfit.sleep = (ms) => new Promise((done) => { setTimeout(done, ms); });
 
 surfit.modelName = () => (surfit.byId('normals').checked ? 'normals' : 'model');
 
-surfit.whenSeen = () => new Promise((done) => {
-  if (!document.hidden) return done();
-  const look = () => {
-    if (document.hidden) return;
-    document.removeEventListener('visibilitychange', look);
-    done();
-  };
-  document.addEventListener('visibilitychange', look);
-});
+surfit.whenSeen = async () => {
+  while (document.hidden) {
+    await new Promise((done) => { document.addEventListener('visibilitychange', done, { once: true }); });
+  }
+};
 
 surfit.Live = class {
   constructor(scene, panel) {
@@ -131,66 +127,40 @@ surfit.Live = class {
       this.repeat(() => this.takePath());
     }
     this.repeat(() => this.takePictures());
-    surfit.byId('normals').addEventListener('change', () => this.changeModel());
+    surfit.on('normals', 'change', () => this.changeModel());
   }
 };
 
 surfit.post = (name) => fetch(name, { method: 'POST' }).catch(() => {});
 
 surfit.connectButtons = (live, scene) => {
-  const onClick = (id, call) => surfit.byId(id).addEventListener('click', call);
-  onClick('pause', () => surfit.post(live.state && live.state.paused ? 'go_on' : 'pause'));
-  onClick('step', () => surfit.post('step'));
-  onClick('stop', () => {
+  surfit.on('pause', 'click', () => surfit.post(live.state && live.state.paused ? 'go_on' : 'pause'));
+  surfit.on('step', 'click', () => surfit.post('step'));
+  surfit.on('stop', 'click', () => {
     if (window.confirm('Stop the run? What it has so far is written.')) surfit.post('stop');
   });
   if (!scene) return;
-  const follow = surfit.byId('follow');
-  const press = (on) => follow.setAttribute('aria-pressed', String(on));
-  onClick('follow', () => {
-    scene.follow(!scene.follows);
-    press(scene.follows);
-  });
-  onClick('whole', () => {
+  const follow = (on) => {
+    scene.follows = on;
+    if (on) scene.lookFromCamera();
+    surfit.byId('follow').setAttribute('aria-pressed', String(on));
+  };
+  surfit.on('follow', 'click', () => follow(!scene.follows));
+  surfit.on('whole', 'click', () => {
+    follow(false);
     scene.showWhole();
-    press(false);
   });
-  surfit.byId('colors').addEventListener('change', (event) => scene.setColors(event.target.value));
+  surfit.on('colors', 'change', ({ value }) => scene.setColors(value));
 };
 
-// The buttons' keys; those that turn the map are the report's.
-surfit.liveKeys = { ' ': 'pause', s: 'step', n: 'normals', f: 'follow', r: 'whole' };
-surfit.turningKeys = ['ArrowLeft', 'ArrowRight', 'ArrowUp', 'ArrowDown', '+', '=', '-'];
-
-surfit.connectKeys = (scene) => {
-  document.addEventListener('keydown', (event) => {
-    if (event.ctrlKey || event.altKey || event.metaKey || /^(BUTTON|SELECT|INPUT)$/.test(event.target.tagName)) return;
-    if (event.key in surfit.liveKeys) {
-      event.preventDefault();
-      surfit.byId(surfit.liveKeys[event.key]).click();
-    } else if (scene && surfit.turningKeys.includes(event.key)) {
-      event.preventDefault();
-      scene.isTouched = true;
-      surfit.mapKeys[event.key](scene, event.shiftKey);
-    }
-  });
-};
-
-// The rest of the page works without WebGL.
-surfit.makeScene = () => {
-  try {
-    return new surfit.LiveScene(surfit.byId('map-canvas'));
-  } catch (error) {
-    surfit.element('p', surfit.byId('map'), { className: 'failed',
-      textContent: `No 3D view: this browser gives no WebGL (${error.message}).` });
-    return null;
-  }
-};
+// The buttons with keys.
+surfit.buttonKeys = { ' ': 'pause', s: 'step', n: 'normals', f: 'follow', r: 'whole' };
 
 (() => {
-  const scene = surfit.makeScene();
+  const scene = surfit.withWebGl(surfit.byId('map'), () => new surfit.LiveScene(surfit.byId('map-canvas')));
   surfit.live = new surfit.Live(scene, new surfit.Panel());
   surfit.connectButtons(surfit.live, scene);
-  surfit.connectKeys(scene);
+  surfit.connectKeys(document, scene, Object.fromEntries(
+    Object.entries(surfit.buttonKeys).map(([key, id]) => [key, () => surfit.byId(id).click()])));
   surfit.live.start();
 })();

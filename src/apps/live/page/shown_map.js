@@ -5,6 +5,9 @@
 surfit.headWords = 6;  // epoch, level, slots, version, next, count
 surfit.bytesPerSurfel = 16;
 surfit.metresPerRadius = 0.0005;
+// Types and numbers per slot.
+surfit.slotArrays = { position: [Float32Array, 3], normal: [Int8Array, 4], color: [Uint8Array, 4],
+  radius: [Uint8Array, 1], confidence: [Uint8Array, 1], shade: [Uint8Array, 4] };
 
 surfit.ShownMap = class {
   constructor() {
@@ -13,27 +16,15 @@ surfit.ShownMap = class {
     this.forget();
   }
 
-  // All arrays with place for so many slots.
+  // Grows all arrays to so many slots.
   reserve(slots) {
-    const grown = (old, type, items) => {
-      const array = new type(slots * items);
-      if (old) array.set(old);
-      return array;
-    };
-    this.position = grown(this.position, Float32Array, 3);
-    this.normal = grown(this.normal, Int8Array, 4);
-    this.color = grown(this.color, Uint8Array, 4);
-    this.radius = grown(this.radius, Uint8Array, 1);
-    this.confidence = grown(this.confidence, Uint8Array, 1);
-    this.shade = grown(this.shade, Uint8Array, 4);
-    this.geometry.dispose();  // the graphics card forgets the smaller ones
-    const attribute = (name, items, normalised) =>
-      this.geometry.setAttribute(name, new THREE.BufferAttribute(this[name], items, normalised));
-    attribute('position', 3, false);
-    attribute('normal', 4, true);
-    attribute('radius', 1, true);
-    attribute('confidence', 1, false);
-    attribute('shade', 4, true);
+    for (const [name, [Type, items]] of Object.entries(surfit.slotArrays)) {
+      const array = new Type(slots * items);
+      if (this[name]) array.set(this[name]);
+      this[name] = array;
+    }
+    this.geometry.dispose();  // frees the smaller buffers on the graphics card
+    surfit.setDiscs(this.geometry, this);
     this.capacity = slots;
   }
 
@@ -51,21 +42,17 @@ surfit.ShownMap = class {
   // Keeps every other slot.
   halve() {
     const left = Math.ceil(this.slots / 2);
-    const move = (array, items) => {
-      for (let i = 1; i < left; ++i) array.copyWithin(items * i, items * 2 * i, items * (2 * i + 1));
-    };
-    move(this.position, 3);
-    for (const name of ['normal', 'color', 'shade']) move(this[name], 4);
-    for (const name of ['radius', 'confidence']) {
-      move(this[name], 1);
-      this[name].fill(0, left, this.slots);
+    for (const [name, [, items]] of Object.entries(surfit.slotArrays)) {
+      for (let i = 1; i < left; ++i) this[name].copyWithin(items * i, items * 2 * i, items * (2 * i + 1));
     }
+    this.radius.fill(0, left, this.slots);
+    this.confidence.fill(0, left, this.slots);
     this.slots = left;
     ++this.level;
   }
 
   // Takes an answer; returns whether the round goes on.
-  take(buffer, colorOf) {
+  take(buffer, coloring) {
     const [epoch, level, slots, version, next, count] = new Uint32Array(buffer, 0, surfit.headWords);
     if (epoch !== this.epoch) {
       this.forget();
@@ -78,14 +65,14 @@ surfit.ShownMap = class {
     if (this.slot === 0) this.begun = version;
     const changed = new Uint32Array(buffer, 4 * surfit.headWords, count);
     const bytes = new DataView(buffer, 4 * (surfit.headWords + count));
-    for (let i = 0; i < count; ++i) this.set(changed[i], bytes, surfit.bytesPerSurfel * i, colorOf);
+    for (let i = 0; i < count; ++i) this.set(changed[i], bytes, surfit.bytesPerSurfel * i, coloring);
     this.slot = next;
     if (next === 0) this.since = this.begun;
     if (count > 0) this.renew();
     return next !== 0;
   }
 
-  set(slot, bytes, at, colorOf) {
+  set(slot, bytes, at, coloring) {
     const low = bytes.getUint32(at, true), high = bytes.getUint32(at + 4, true);
     const middle = 1 << 20;
     this.position[3 * slot] = ((low & 0x1fffff) - middle) / 1000;
@@ -97,7 +84,7 @@ surfit.ShownMap = class {
     }
     this.radius[slot] = bytes.getUint8(at + 14);
     this.confidence[slot] = bytes.getUint8(at + 15);
-    colorOf(this, slot);
+    surfit.shadeSurfel(this, slot, coloring);
   }
 
   renew() {
@@ -105,16 +92,12 @@ surfit.ShownMap = class {
     this.geometry.setDrawRange(0, this.slots);
   }
 
-  recolor(colorOf) {
-    for (let slot = 0; slot < this.slots; ++slot) colorOf(this, slot);
+  recolor(coloring) {
+    for (let slot = 0; slot < this.slots; ++slot) surfit.shadeSurfel(this, slot, coloring);
     this.renew();
   }
 
-  count() {
-    let count = 0;
-    for (let slot = 0; slot < this.slots; ++slot) count += this.radius[slot] > 0 ? 1 : 0;
-    return count;
-  }
+  count() { return this.radius.subarray(0, this.slots).filter((radius) => radius > 0).length; }
 
   // Places of about `most` surfels.
   places(most) {
@@ -127,17 +110,6 @@ surfit.ShownMap = class {
   }
 };
 
-// What each surfel's shade is made of.
-surfit.colorings = {
-  color: (map, i) => map.shade.set(map.color.subarray(4 * i, 4 * i + 3), 4 * i),
-  normal: (map, i) => {
-    for (let k = 0; k < 3; ++k) map.shade[4 * i + k] = 127.5 + map.normal[4 * i + k];
-  },
-  // A WeightByte is logarithmic: from dust on, dark to light.
-  confidence: (map, i) => {
-    const share = Math.min(Math.max((map.confidence[i] - 150) / 70, 0), 1);
-    map.shade[4 * i] = 40 + 210 * share;
-    map.shade[4 * i + 1] = 60 + 150 * share;
-    map.shade[4 * i + 2] = 120 - 60 * share;
-  },
-};
+// Confidence is a WeightByte, which is logarithmic: from dust to the most confident surfels.
+surfit.liveColorings = { ...surfit.colorings,
+  confidence: surfit.scaledColoring((map, i) => map.confidence[i], [150, 220]) };

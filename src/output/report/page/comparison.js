@@ -4,13 +4,6 @@ surfit.timeSeries = [['linearize_ms', 'linearise'], ['solve_ms', 'solve'], ['tot
 
 surfit.groupOf = (row) => `${row.residual}, ${row.association}`;
 
-// The rows by what `key` says of them, in the order of their first.
-surfit.groupBy = (rows, key) => {
-  const groups = new Map();
-  for (const row of rows) groups.set(key(row), [...groups.get(key(row)) || [], row]);
-  return groups;
-};
-
 surfit.figure = (value) => {
   if (value === null) return '–';
   return value < 100 ? String(Number(value.toPrecision(3))) : value.toFixed(0);
@@ -125,21 +118,13 @@ surfit.showLosses = (rows, data) => {
 
 surfit.showFigures = (rows) => {
   const names = Object.keys(rows[0]).filter((name) => !['title', 'shares', 'losses'].includes(name));
-  const table = surfit.element('table', surfit.byId('figures-table'));
-  const head = surfit.element('tr', surfit.element('thead', table));
-  for (const name of names) surfit.element('th', head, { textContent: name.replaceAll('_', ' ') });
-  const body = surfit.element('tbody', table);
-  for (const row of rows) {
-    const line = surfit.element('tr', body);
-    for (const name of names) {
-      surfit.element('td', line, { textContent: row[name] === null ? '–' : surfit.cellText(row[name]) });
-    }
-  }
+  surfit.addTable(surfit.byId('figures-table'), names.map((name) => name.replaceAll('_', ' ')),
+    rows.map((row) => names.map((name) => surfit.cellText(row[name], '–'))));
 };
 
 (() => {
   surfit.connectTheme();
-  const data = JSON.parse(document.querySelector('script.comparison').textContent);
+  const [data] = surfit.takeData('comparison');
   const once = data.rows.filter((row) => row.threads === data.rows[0].threads);  // results are the same
   surfit.byId('headline').textContent = data.notes.map((note) => `Note: ${note}.`).join(' ');
   surfit.byId('times-note').hidden = data.known_pairs || data.refinement;
@@ -147,6 +132,5 @@ surfit.showFigures = (rows) => {
   surfit.showBasins(once, data);
   surfit.showLosses(once, data);
   surfit.showFigures(data.rows);
-  surfit.byId('zoom-hint').hidden = !window.ChartZoom;
   document.documentElement.dataset.readyMs = performance.now().toFixed(0);
 })();

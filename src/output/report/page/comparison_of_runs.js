@@ -9,8 +9,7 @@ surfit.distanceQuantile = (map, share) => {
   return near.length === 0 ? NaN : near[Math.floor(share * (near.length - 1))] / 10;
 };
 
-surfit.comparisonText = (run, runs) => {
-  if (runs.length === 1) return '';
+surfit.comparisonText = (run) => {
   if (!run.compared_with) return 'Not compared: no three frames have the times of the other run.';
   const { map } = run;
   const far = map.distance.reduce((count, tenths) => count + (tenths === surfit.farFromMap), 0);

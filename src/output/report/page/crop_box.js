@@ -7,26 +7,29 @@ surfit.CropBox = class {
   // axes: three unit vectors in the first run's world; points: some of the maps'; changed is called.
   constructor(axes, points, changed) {
     this.boxFromWorld = new THREE.Matrix3().set(...axes.flatMap((axis) => axis.toArray()));
-    const places = axes.map((axis) => points.map((p) => axis.dot(p)).sort((a, b) => a - b));
     const margin = 0.05;
-    this.whole = places.map((p) => [(p[0] || 0) - margin, (p[p.length - 1] || 0) + margin]);
-    this.changed = changed;
-    this.rows = surfit.boxNames.map((name, k) => this.makeRow(name, this.whole[k]));
-    surfit.byId('reset-crop').addEventListener('click', () => this.reset());
+    this.whole = axes.map((axis) => surfit.range(points.map((p) => axis.dot(p)))).map(
+      ([low, high]) => [low - margin, high + margin]);
+    this.rows = surfit.boxNames.map((name, k) => this.makeRow(name, this.whole[k], changed));
+    surfit.on('reset-crop', 'click', () => {
+      this.reset();
+      changed();
+    });
     this.update();
   }
 
-  makeRow(name, [low, high]) {
+  makeRow(name, [min, max], changed) {
     const row = surfit.element('div', surfit.byId('crop-ranges'), { className: 'crop-row' });
     surfit.element('span', row, { textContent: name });
-    return [low, high].map((value, side) => {
-      const label = surfit.element('label', row);
-      surfit.element('span', label, { textContent: ['from ', 'to '][side] });
-      const range = surfit.element('input', label, { type: 'range', min: low, max: high, step: 'any', value });
-      range.setAttribute('aria-label', `${name}, ${['from', 'to'][side]}, metres`);
-      range.id = `crop-${name}-${['from', 'to'][side]}`;
+    return ['from', 'to'].map((side, k) => {
+      const label = surfit.element('label', row, { textContent: `${side} ` });
+      const range = surfit.element('input', label, { type: 'range', min, max, step: 'any', value: [min, max][k],
+        ariaLabel: `${name}, ${side}, metres`, id: `crop-${name}-${side}` });
       const output = surfit.element('output', label);
-      range.addEventListener('input', () => this.update());
+      range.addEventListener('input', () => {
+        this.update();
+        changed();
+      });
       return { range, output };
     });
   }
@@ -40,7 +43,6 @@ surfit.CropBox = class {
     const value = (side) => this.rows.map((row) => Number(row[side].range.value));
     [this.low, this.high] = [new THREE.Vector3(...value(0)), new THREE.Vector3(...value(1))];
     for (const { range, output } of this.rows.flat()) output.textContent = `${Number(range.value).toFixed(2)} m`;
-    this.changed();
   }
 
   isWhole() {
@@ -53,8 +55,8 @@ surfit.CropBox = class {
     return ['x', 'y', 'z'].every((k) => p[k] >= this.low[k] && p[k] <= this.high[k]);
   }
 
-  // Its twelve edges.
-  fillEdges(geometry) {
+  // Pairs of points: the twelve edges.
+  edges() {
     const worldFromBox = this.boxFromWorld.clone().transpose();
     const corner = (bits) => new THREE.Vector3(...[0, 1, 2].map(
       (k) => (bits >> k & 1 ? this.high : this.low).getComponent(k))).applyMatrix3(worldFromBox);
@@ -62,6 +64,6 @@ surfit.CropBox = class {
     for (let bits = 0; bits < 8; ++bits) {
       for (let k = 0; k < 3; ++k) if (!(bits >> k & 1)) points.push(corner(bits), corner(bits | 1 << k));
     }
-    geometry.setFromPoints(points);
+    return points;
   }
 };

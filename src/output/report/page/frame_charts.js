@@ -13,52 +13,44 @@ surfit.mapSizes = (frames) => {
 surfit.ofRegistration = (frames, column, unit = 1) => (frames[column] || []).map(
   (value, i) => (frames.termination[i] ? unit * value : NaN));
 
+// [title, unit, values of each frame]
 surfit.sharedCharts = [
-  { title: 'inlier share', unit: '',
-    of: (frames) => surfit.ofRegistration(frames, 'inlier_share') },
-  { title: 'inliers', unit: 'points', of: (frames) => surfit.ofRegistration(frames, 'inliers') },
-  { title: 'RMSE of registration', unit: 'mm',
-    of: (frames) => surfit.ofRegistration(frames, 'rmse_m', 1000) },
-  { title: 'share of the view that moves by itself', unit: '%',
-    of: (frames) => surfit.ofRegistration(frames, 'moving_share', 100) },
-  { title: 'surfels in the map', unit: '', of: surfit.mapSizes },
-  { title: 'time per frame', unit: 'ms', of: (frames) => frames.frame_ms },
+  ['inlier share', '', (frames) => surfit.ofRegistration(frames, 'inlier_share')],
+  ['inliers', 'points', (frames) => surfit.ofRegistration(frames, 'inliers')],
+  ['RMSE of registration', 'mm', (frames) => surfit.ofRegistration(frames, 'rmse_m', 1000)],
+  ['share of the view that moves by itself', '%',
+    (frames) => surfit.ofRegistration(frames, 'moving_share', 100)],
+  ['surfels in the map', '', surfit.mapSizes],
+  ['time per frame', 'ms', (frames) => frames.frame_ms],
 ];
 
-surfit.showStates = (runs, parent) => surfit.addChart(parent, 'state of tracking',
-  runs.map((run, i) => surfit.line(run.label, surfit.runColor(i),
-    surfit.pairs(run.frames.index, run.frames.state.map((state) => surfit.states.indexOf(state))),
-    { stepped: true, pointRadius: 1 })), {
-    x: surfit.axis('frame'),
-    y: surfit.axis('', { min: -0.5, max: surfit.states.length - 0.5,
-      afterBuildTicks: (axis) => { axis.ticks = surfit.states.map((_, value) => ({ value })); },
-      ticks: { callback: (value) => surfit.states[value] } }),
-    plugins: { tooltip: { callbacks: { label: (item) => surfit.states[item.parsed.y] } } } });
+surfit.stateAxis = surfit.axis('', { min: -0.5, max: surfit.states.length - 0.5,
+  afterBuildTicks: (axis) => { axis.ticks = surfit.states.map((_, value) => ({ value })); },
+  ticks: { callback: (value) => surfit.states[value] } });
 
-surfit.showRunCharts = (run, parent) => {
-  const { frames } = run;
+surfit.showRunCharts = ({ label, frames }, parent) => {
   const column = surfit.element('div', parent);
-  surfit.element('h3', column, { textContent: run.label });
-  const x = surfit.axis('frame');
-  surfit.addChart(column, 'time by stage (decode runs ahead in the background)',
-    surfit.stages.map((stage, i) => surfit.line(stage, surfit.runColor(i),
-      surfit.pairs(frames.index, frames[`${stage}_ms`]), { fill: true, borderWidth: 0 })),
-    { x, y: surfit.axis('ms', { stacked: true, beginAtZero: true }) });
-  surfit.addChart(column, 'surfels merged, added and removed',
-    ['merged', 'added', 'removed'].map((name, i) => surfit.line(name, surfit.runColor(i),
-      surfit.pairs(frames.index, frames[name]))),
-    { x, y: surfit.axis('surfels', { beginAtZero: true }) });
+  surfit.element('h3', column, { textContent: label });
+  const addChart = (title, names, ending, y, more) => surfit.addChart(column, title,
+    names.map((name, i) => surfit.line(name, surfit.runColor(i),
+      surfit.pairs(frames.index, frames[name + ending]), more)), { x: surfit.axis('frame'), y });
+  addChart('time by stage (decode runs ahead in the background)', surfit.stages, '_ms',
+    surfit.axis('ms', { stacked: true, beginAtZero: true }), { fill: true, borderWidth: 0 });
+  addChart('surfels merged, added and removed', ['merged', 'added', 'removed'], '',
+    surfit.axis('surfels', { beginAtZero: true }));
 };
 
 surfit.showFrames = (allRuns) => {
   const runs = allRuns.filter((run) => run.frames);
   surfit.byId('frames').hidden = runs.length === 0;
-  const shared = surfit.byId('shared-charts');
-  for (const { title, unit, of } of surfit.sharedCharts) {
-    surfit.addChart(shared, title, runs.map((run, i) => surfit.line(run.label, surfit.runColor(i),
-      surfit.pairs(run.frames.index, of(run.frames)))),
-    { x: surfit.axis('frame'), y: surfit.axis(unit, { beginAtZero: true }) });
+  const addChart = (title, valuesOf, y, lines, plugins) => surfit.addChart(surfit.byId('shared-charts'), title,
+    surfit.runLines(runs, ({ frames }) => surfit.pairs(frames.index, valuesOf(frames)), lines),
+    { x: surfit.axis('frame'), y, plugins });
+  for (const [title, unit, valuesOf] of surfit.sharedCharts) {
+    addChart(title, valuesOf, surfit.axis(unit, { beginAtZero: true }));
   }
-  surfit.showStates(runs, shared);
+  addChart('state of tracking', (frames) => frames.state.map((state) => surfit.states.indexOf(state)),
+    surfit.stateAxis, { stepped: true, pointRadius: 1 },
+    { tooltip: { callbacks: { label: (item) => surfit.states[item.parsed.y] } } });
   for (const run of runs) surfit.showRunCharts(run, surfit.byId('run-charts'));
 };

@@ -2,6 +2,9 @@
 // One frame: what it saw beside the model's view from there, and what is known of it. Pictures are those of
 // its thumbnail, or of a kept view, which are larger; of other frames those of the nearest that has some.
 
+surfit.pictureNames = { input_color: 'input', model_color: 'model', input_depth: 'input depth',
+  model_depth: 'model depth, same colours' };
+
 surfit.picturesOf = (run) => {
   if (!run.pictures) {
     const byFrame = new Map(run.poses.thumbnails.map((view) => [view.index, view]));
@@ -32,20 +35,16 @@ surfit.frameFacts = (run, frame) => {
   return facts.join(', ');
 };
 
-// At most so many into `parent`, with the frame that they are of where it is not the one asked for.
-surfit.showFramePictures = (parent, run, frame, most = Infinity) => {
-  parent.textContent = '';
-  surfit.addFramePictures(parent, run, frame, most);
+// Appends at most `most` pictures of the nearest frame with pictures. The caption names another frame.
+surfit.addFramePictures = (parent, run, frame, most = Infinity) => {
+  const view = surfit.nearestPicture(run, frame);
+  if (view) surfit.addPictures(parent, view, most, view.index === frame ? ''
+    : ` of frame ${view.index}, the nearest with pictures`);
 };
 
-surfit.addFramePictures = (parent, run, frame, most) => {
-  const view = surfit.nearestPicture(run, frame);
-  if (!view) return;
-  const note = view.index === frame ? '' : ` of frame ${view.index}, the nearest with pictures`;
+surfit.addPictures = (parent, view, most = Infinity, note = '') => {
   for (const [name, url] of Object.entries(view.pictures).slice(0, most)) {
-    const figure = surfit.element('figure', parent);
-    surfit.element('img', figure, { src: url, alt: `${surfit.pictureNames[name]} of frame ${view.index}` });
-    surfit.element('figcaption', figure, { textContent: surfit.pictureNames[name] + note });
+    surfit.addFigure(parent, url, surfit.pictureNames[name], view.index, note);
   }
 };
 
@@ -76,8 +75,10 @@ surfit.selectFrame = (run, frame) => {
   const text = run.poseOfFrame.has(frame) ? '' : '; it has no pose';
   surfit.byId('frame-facts').textContent = surfit.frameFacts(run, frame) + text;
   surfit.byId('look-from-frame').disabled = !run.poseOfFrame.has(frame) || !surfit.mapView;
-  surfit.showFramePictures(surfit.byId('frame-pictures'), run, frame);
-  surfit.showFramePictures(surfit.byId('map-frame-pictures'), run, frame, 2);
+  for (const [id, most] of [['frame-pictures', Infinity], ['map-frame-pictures', 2]]) {
+    surfit.byId(id).textContent = '';
+    surfit.addFramePictures(surfit.byId(id), run, frame, most);
+  }
   surfit.byId('map-frame-facts').textContent = surfit.frameFacts(run, frame);
   const near = surfit.nearestPicture(run, frame);
   for (const button of surfit.byId('thumbnails').children) {
@@ -104,7 +105,12 @@ surfit.stepFrame = (step) => {
   if (next !== undefined) surfit.selectFrame(run, next);
 };
 
-// Beside the map, for who looks there.
+surfit.showNextFrame = (step) => {
+  surfit.stepFrame(step);
+  surfit.showMapFrame();
+};
+
+// The pictures beside the map.
 surfit.showMapFrame = () => {
   const { run } = surfit.selected;
   surfit.byId('map-frame').hidden = !run || surfit.picturesOf(run).length === 0;
@@ -119,18 +125,39 @@ surfit.showFramePanel = (runs) => {
   const select = surfit.byId('frame-run');
   runs.forEach((run, i) => surfit.element('option', select, { value: i, textContent: run.label }));
   surfit.byId('frame-run-label').hidden = runs.length < 2;
-  select.addEventListener('change', () => {
-    const run = runs[Number(select.value)];
-    surfit.selectFrame(run, surfit.frameRange(run)[0]);
-  });
-  surfit.byId('frame-number').addEventListener('input', (event) => {
-    surfit.selectFrame(surfit.selected.run, Number(event.target.value));
-  });
-  surfit.byId('next-frame').addEventListener('click', () => surfit.stepFrame(1));
-  surfit.byId('previous-frame').addEventListener('click', () => surfit.stepFrame(-1));
-  surfit.byId('look-from-frame').addEventListener('click', surfit.lookFromFrame);
-  surfit.byId('close-map-frame').addEventListener('click', () => { surfit.byId('map-frame').hidden = true; });
+  const selectFirst = (run) => surfit.selectFrame(run, surfit.frameRange(run)[0]);
+  surfit.on('frame-run', 'change', () => selectFirst(runs[Number(select.value)]));
+  surfit.on('frame-number', 'input', ({ value }) => surfit.selectFrame(surfit.selected.run, Number(value)));
+  surfit.on('next-frame', 'click', () => surfit.stepFrame(1));
+  surfit.on('previous-frame', 'click', () => surfit.stepFrame(-1));
+  surfit.on('look-from-frame', 'click', surfit.lookFromFrame);
+  surfit.on('close-map-frame', 'click', () => { surfit.byId('map-frame').hidden = true; });
   surfit.whenInSight(surfit.byId('frame'), () => {
-    if (!surfit.selected.run) surfit.selectFrame(runs[0], surfit.frameRange(runs[0])[0]);
+    if (!surfit.selected.run) selectFirst(runs[0]);
   });
+};
+
+// The kept views of a run: the frame beside the model's view, with a slider.
+surfit.showViews = (runs) => {
+  for (const run of runs) {
+    const { views } = run.poses;
+    const column = surfit.element('div', surfit.byId('view-columns'), { className: 'views' });
+    surfit.element('h3', column, { textContent: run.label });
+    if (views.length === 0) {
+      surfit.say(column, 'This run kept no views: surfit_slam keeps them with --report.');
+      continue;
+    }
+    const slider = surfit.element('input', column, { type: 'range', min: 0, max: views.length - 1,
+      value: Math.floor(views.length / 2), ariaLabel: `which of ${views.length} views of ${run.label}` });
+    const title = surfit.element('span', column);
+    const pictures = surfit.element('div', column, { className: 'pictures' });
+    const show = () => {
+      const view = views[slider.value];
+      title.textContent = ` frame ${view.index}, ${view.stamp_s.toFixed(3)} s: ${view.why}`;
+      pictures.textContent = '';
+      surfit.addPictures(pictures, view);
+    };
+    slider.addEventListener('input', show);
+    surfit.whenInSight(column, show);
+  }
 };

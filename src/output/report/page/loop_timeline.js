@@ -44,7 +44,7 @@ surfit.drawBand = (svg, run, x, top) => {
       width: Math.max(x(last + 1) - x(first), 1), fill: surfit.stateColors[state] || '#888888' });
     surfit.svg('title', rect).textContent = `${state}: frames ${first} to ${last}`;
   }
-  for (const [frame] of run.poses.keyframes || []) {
+  for (const [frame] of run.poses.keyframes) {
     surfit.svg('line', svg, { x1: x(frame), x2: x(frame), y1: top - 4, y2: top, class: 'keyframe' });
   }
 };
@@ -101,11 +101,16 @@ surfit.selectLoop = (run, loop) => {
   surfit.mapView.select(run, [loop.source, loop.target]);
 };
 
-surfit.loopColumns = [['frames', (loop) => `${loop.source}, ${loop.target}`],
-  ['verdict', (loop) => surfit.reasonText(loop.reason)], ['features agree', (loop) => `${loop.agreeing_features} of ${
-    loop.matches}`], ['inliers', (loop) => `${(100 * loop.inlier_share).toFixed(0)} %`],
-  ['RMSE, mm', (loop) => (1000 * loop.rmse_m).toFixed(1)]];
+surfit.loopHeads = ['frames', 'verdict', 'features agree', 'inliers', 'RMSE, mm'];
 surfit.mostRows = 200;
+
+surfit.loopCells = (run, loop) => {
+  const button = surfit.element('button', null, { type: 'button', className: 'link',
+    textContent: `${loop.source}, ${loop.target}` });
+  button.addEventListener('click', () => surfit.selectLoop(run, loop));
+  return [button, surfit.reasonText(loop.reason), `${loop.agreeing_features} of ${loop.matches}`,
+    `${(100 * loop.inlier_share).toFixed(0)} %`, (1000 * loop.rmse_m).toFixed(1)];
+};
 
 surfit.showLoopTable = (runs) => {
   const parent = surfit.byId('loop-table');
@@ -114,64 +119,48 @@ surfit.showLoopTable = (runs) => {
     const loops = surfit.filteredLoops(run);
     if (loops.length === 0) continue;
     surfit.element('h3', parent, { textContent: run.label });
-    const table = surfit.element('table', parent);
-    const head = surfit.element('tr', surfit.element('thead', table));
-    for (const [name] of surfit.loopColumns) surfit.element('th', head, { textContent: name });
-    const body = surfit.element('tbody', table);
-    for (const loop of loops.slice(0, surfit.mostRows)) surfit.addLoopRow(body, run, loop);
-    if (loops.length > surfit.mostRows) {
-      surfit.element('p', parent, { className: 'note', textContent: `and ${loops.length - surfit.mostRows} more` });
-    }
+    const table = surfit.addTable(parent, surfit.loopHeads,
+      loops.slice(0, surfit.mostRows).map((loop) => surfit.loopCells(run, loop)));
+    loops.slice(0, surfit.mostRows).forEach((loop, i) => { table.tBodies[0].rows[i].className = loop.kind; });
+    if (loops.length > surfit.mostRows) surfit.say(parent, `and ${loops.length - surfit.mostRows} more`);
   }
 };
 
-surfit.addLoopRow = (body, run, loop) => {
-  const row = surfit.element('tr', body, { className: loop.kind });
-  surfit.loopColumns.forEach(([, text], k) => {
-    const cell = surfit.element('td', row);
-    if (k > 0) {
-      cell.textContent = text(loop);
-      return;
-    }
-    const button = surfit.element('button', cell, { type: 'button', className: 'link', textContent: text(loop) });
-    button.addEventListener('click', () => surfit.selectLoop(run, loop));
-  });
-};
-
-surfit.fillLoopFilter = (runs) => {
+// An option per kind, and per reason of refused loops, the most frequent reason first.
+surfit.fillLoopFilter = (loops) => {
   const select = surfit.byId('loop-filter');
-  const loops = runs.flatMap((run) => run.loops);
-  const add = (value, text) => surfit.element('option', select, { value, textContent: text });
+  const add = (value, text, { length }) => surfit.element('option', select, { value, textContent: `${text} (${length})` });
+  const kinds = surfit.groupBy(loops, (loop) => loop.kind);
   for (const [kind, { name }] of Object.entries(surfit.loopKinds)) {
-    const count = loops.filter((loop) => loop.kind === kind).length;
-    if (count > 0 || kind === 'accepted') add(kind, `${name} (${count})`);
+    if (kinds.has(kind) || kind === 'accepted') add(kind, name, kinds.get(kind) || []);
   }
-  for (const [reason, count] of surfit.countReasons(loops.filter((loop) => loop.kind === 'refused'))) {
-    add(reason, `refused: ${surfit.reasonText(reason)} (${count})`);
+  const reasons = [...surfit.groupBy(kinds.get('refused') || [], (loop) => loop.reason)];
+  for (const [reason, refused] of reasons.sort((a, b) => b[1].length - a[1].length)) {
+    add(reason, `refused: ${surfit.reasonText(reason)}`, refused);
   }
-  add('all', `all (${loops.length})`);
-  if (!loops.some((loop) => loop.kind === 'accepted')) select.value = 'all';
+  add('all', 'all', loops);
+  if (!kinds.has('accepted')) select.value = 'all';
+  select.parentElement.hidden = loops.length === 0;
 };
 
-surfit.showStateLegend = (parent, run) => {
-  if (!run.frames) return;
-  const legend = surfit.element('p', parent, { className: 'note state-legend' });
-  for (const state of new Set(run.frames.state)) {
+surfit.showStateLegend = (parent, { frames }) => {
+  if (!frames) return;
+  const legend = surfit.say(parent, '', 'note state-legend');
+  for (const [state, { length }] of surfit.groupBy(frames.state, (state) => state)) {
     const item = surfit.element('span', legend);
     surfit.element('i', item).style.background = surfit.stateColors[state];
-    surfit.element('span', item, { textContent: `${state}: ${run.frames.state.filter((s) => s === state).length}` });
+    surfit.element('span', item, { textContent: `${state}: ${length}` });
   }
 };
 
 surfit.showLoops = (runs) => {
   const parent = surfit.byId('loop-timelines');
-  surfit.fillLoopFilter(runs);
+  surfit.fillLoopFilter(runs.flatMap((run) => run.loops));
   const boxes = runs.map((run) => {
     surfit.element('h3', parent, { textContent: run.label });
-    const keyframes = (run.poses.keyframes || []).length;
-    const text = run.loops.length > 0 ? `${keyframes} keyframes (ticks); pairs of them tried as loops: ${run.loops.length}.`
-      : `${keyframes} keyframes (ticks); no pair of them was tried as a loop (surfit_slam looks for loops with --loop_closure).`;
-    surfit.element('p', parent, { className: 'note', textContent: text });
+    const keyframes = `${run.poses.keyframes.length} keyframes (ticks); `;
+    surfit.say(parent, keyframes + (run.loops.length > 0 ? `pairs of them tried as loops: ${run.loops.length}.`
+      : 'no pair of them was tried as a loop (surfit_slam looks for loops with --loop_closure).'));
     surfit.showStateLegend(parent, run);
     return surfit.element('div', parent, { className: 'timeline' });
   });
@@ -179,7 +168,6 @@ surfit.showLoops = (runs) => {
     boxes.forEach((box, i) => surfit.drawTimeline(box, runs[i]));
     surfit.showLoopTable(runs);
   };
-  surfit.byId('loop-filter').addEventListener('change', draw);
+  surfit.on('loop-filter', 'change', draw);
   surfit.whenInSight(parent, () => new ResizeObserver(draw).observe(parent));  // which calls once at the beginning
-  surfit.byId('loop-filter').parentElement.hidden = !runs.some((run) => run.loops.length > 0);
 };

@@ -7,18 +7,6 @@ surfit.headline = (run) => {
     s.frame_ms.median.toFixed(1)} ms a frame`;
 };
 
-// The rest of the page works without WebGL.
-surfit.showMap = (runs) => {
-  surfit.showMapLabels(runs);
-  try {
-    return new surfit.MapView(runs);
-  } catch (error) {
-    surfit.element('p', surfit.byId('map-view'), { className: 'failed',
-      textContent: `No 3D view: this browser gives no WebGL (${error.message}).` });
-    return null;
-  }
-};
-
 (() => {
   surfit.connectTheme();
   const runs = surfit.readRuns();
@@ -27,14 +15,16 @@ surfit.showMap = (runs) => {
   document.documentElement.style.setProperty('--columns', runs.length);
   surfit.byId('headline').textContent = runs.length === 1 ? surfit.headline(runs[0])
     : `${runs.length} runs side by side`;
-  surfit.mapView = surfit.showMap(runs);
+  surfit.showMapLabels(runs);
+  surfit.mapView = surfit.withWebGl(surfit.byId('map-view'), () => new surfit.MapView(runs));
   surfit.showFramePanel(runs);
   surfit.showLoops(runs);
   surfit.showTrajectories(runs);
   surfit.showFrames(runs);
-  surfit.byId('zoom-hint').hidden = !window.ChartZoom;
   surfit.showViews(runs);
   surfit.showRefinement(runs);
-  surfit.showTables(runs);
+  surfit.addRunTable(surfit.byId('summary-table'), runs, ({ summary: { options, ...rest } }) => rest);
+  surfit.addRunTable(surfit.byId('options-table'), runs, (run) => run.summary.options);
+  surfit.byId('differing-label').hidden = runs.length < 2;
   document.documentElement.dataset.readyMs = performance.now().toFixed(0);
 })();

@@ -1,29 +1,29 @@
 'use strict';
-// The maps side by side on one canvas (one above the other where it is narrow), seen by one camera. Drawn
-// when something changes only: at once with a part of the surfels, so that turning stays smooth without a
-// graphics card, and with all as soon as nothing has changed for a moment.
+// The maps of all runs on one canvas, seen by one camera: side by side, or one above the other on a narrow canvas.
+// A change is drawn at once with a part of the surfels, so that turning is smooth without a graphics card. All
+// surfels are drawn after a moment without changes.
 surfit.pointsWhileChanging = 100000;  // of all maps
 surfit.restMs = 200;
 surfit.narrowPx = 700;
-surfit.clickPx = 14;  // that a click may miss a camera by
+surfit.clickPx = 14;  // largest distance of a click from a camera
 
-surfit.MapView = class {
+surfit.MapView = class extends surfit.Scene {
   constructor(runs) {
+    super(surfit.byId('map-canvas'));
     this.runs = runs;
-    this.canvas = surfit.byId('map-canvas');
-    this.renderer = new THREE.WebGLRenderer({ canvas: this.canvas, alpha: true });
-    this.renderer.setPixelRatio(window.devicePixelRatio);
     this.renderer.setScissorTest(true);
     this.discSize = 1;
     this.leastConfidence = 0;
     this.isComplete = false;  // whether all surfels are drawn
-    this.camera = new THREE.PerspectiveCamera(50, 1, 0.02, 500);
-    this.frameMaps();
+    const inFirst = (run, points) => points.map((point) => point.applyMatrix4(surfit.firstFromRun(run)));
+    const samples = runs.flatMap((run) => inFirst(run, surfit.sampleOf(run.map)));
+    this.bounds = surfit.boundsOf(samples,
+      runs.flatMap((run) => inFirst(run, run.poses.poses.map(surfit.positionOf))));
     this.cells = runs.map((run) => this.makeCell(run));
     this.measure = new surfit.Measure(surfit.byId('measure'), surfit.byId('measured'));
-    this.crop = new surfit.CropBox(surfit.floorDirections(runs[0]), this.samples, () => this.applyCrop());
+    this.crop = new surfit.CropBox(surfit.floorDirections(runs[0]), samples, () => this.applyCrop());
+    this.applyCrop();
     this.connect();
-    new ResizeObserver(() => this.draw()).observe(this.canvas.parentElement);
     this.resetView();
     this.hideDust();
     this.setMode('color');
@@ -37,47 +37,39 @@ surfit.MapView = class {
     this.setLeastConfidence(share);
   }
 
-  // The middle of all maps in the first run's world, and how far from it are all paths, and all
-  // surfels but for the farthest tenth.
-  frameMaps() {
-    this.samples = this.runs.flatMap((run) => {
-      const matrix = surfit.firstFromRun(run);
-      const step = Math.ceil(run.map.shown / 5000);
-      const points = [];
-      for (let i = 0; i < run.map.shown; i += step) {
-        points.push(surfit.positionOfSurfel(run.map, i).applyMatrix4(matrix));
-      }
-      return points;
-    });
-    const places = this.runs.flatMap((run) => run.poses.poses.map(
-      (pose) => surfit.positionOf(pose).applyMatrix4(surfit.firstFromRun(run))));
-    const middle = (values) => values.sort((a, b) => a - b)[Math.floor(values.length / 2)] || 0;
-    this.centre = new THREE.Vector3(...['x', 'y', 'z'].map((k) => middle(this.samples.map((p) => p[k]))));
-    const distances = this.samples.map((p) => p.distanceTo(this.centre)).sort((a, b) => a - b);
-    const path = surfit.range(places.map((p) => p.distanceTo(this.centre)));
-    this.size = Math.max(distances[Math.floor(0.9 * distances.length)] || 1, 1.1 * path[1]);
-  }
-
   makeCell(run) {
-    const errorRange = [0, Math.max(...this.runs.flatMap((r) => [...r.errors.values()]), 1e-9)];
+    const { camera, poses, truth } = run.poses, { size } = this.bounds;
+    const step = Math.max(1, Math.ceil(poses.length / 30));  // of the shown cameras
     const cell = { run, scene: new THREE.Scene(), root: new THREE.Group(), paths: new THREE.Group(),
-      points: surfit.makePointCloud(run.map), estimate: surfit.makeEstimate(run, errorRange),
-      truth: surfit.makeTruth(run), cameras: surfit.makeFrusta(run, 0.04 * this.size),
+      discs: surfit.makeDiscs(new THREE.BufferGeometry(), run.map.origin, run.map.extent),
+      estimate: surfit.makeLines(0xd1495b, poses.map(surfit.positionOf), THREE.Line),
+      truth: surfit.makeLines(0xff8c1a, truth.map((row) => new THREE.Vector3(row[1], row[2], row[3])), THREE.Line),
+      cameras: surfit.makeLines(0x2f81d6, poses.filter((_, i) => i % step === 0).flatMap(
+        (pose) => surfit.frustum(camera, pose, 0.04 * size))),
       graph: surfit.makeGraph(run), refused: surfit.makeLoopEdges(run, 'refused'),
-      selected: surfit.makeSegments(0xffc400), measured: surfit.makeSegments(0xff2fd0),
-      box: surfit.makeSegments(0x8a949e) };
+      selected: surfit.makeLines(0xffc400), measured: surfit.makeLines(0xff2fd0), box: surfit.makeLines(0x8a949e) };
+    surfit.setDiscs(cell.discs.geometry, run.map);
+    this.colorByError(cell);
     cell.refused.visible = false;
     cell.root.applyMatrix(surfit.firstFromRun(run));
     cell.paths.add(cell.estimate, cell.truth, cell.cameras, cell.graph, cell.refused, cell.selected);
-    cell.root.add(cell.points, cell.paths, cell.measured);
+    cell.root.add(cell.discs, cell.paths, cell.measured);
     cell.scene.add(cell.root, cell.box);
     cell.root.updateMatrixWorld(true);
     return cell;
   }
 
+  colorByError({ run, estimate }) {
+    if (run.errors.size === 0) return;
+    const most = Math.max(...this.runs.flatMap((r) => [...r.errors.values()]), 1e-9);
+    const colors = run.poses.poses.flatMap((pose) => surfit.scaleColor(run.errors.get(pose[0]) || 0, 0, most));
+    estimate.geometry.setAttribute('color', new THREE.BufferAttribute(new Uint8Array(colors), 3, true));
+    estimate.material = new THREE.LineBasicMaterial({ vertexColors: THREE.VertexColors });
+  }
+
   connect() {
-    const on = (id, event, call) => surfit.byId(id).addEventListener(event, (e) => {
-      call(e.target);
+    const on = (id, event, call) => surfit.on(id, event, (element) => {
+      call(element);
       this.draw();
     });
     on('color-mode', 'change', (select) => this.setMode(select.value));
@@ -91,26 +83,32 @@ surfit.MapView = class {
     on('reset-view', 'click', () => this.resetView());
     on('measure', 'click', () => this.turnMeasure(!this.measure.isOn()));
     surfit.onClick(this.canvas, (x, y) => this.click(x, y));
-    this.canvas.addEventListener('keydown', (event) => surfit.pressInMap(this, event));
+    surfit.connectKeys(this.canvas, this, {
+      n: () => surfit.showNextFrame(1),
+      p: () => surfit.showNextFrame(-1),
+      v: () => surfit.lookFromFrame(),
+      m: () => this.turnMeasure(!this.measure.isOn()),
+      Escape: () => this.turnMeasure(false),
+      r: () => this.resetView(),
+    });
   }
 
   setUniform(name, value) {
-    for (const { points } of this.cells) points.material.uniforms[name].value = value;
+    for (const { discs } of this.cells) discs.material.uniforms[name].value = value;
   }
 
   applyCrop() {
-    if (!this.crop) return;  // which is being made
     this.setUniform('boxFromWorld', this.crop.boxFromWorld);
     this.setUniform('boxLow', this.crop.low);
     this.setUniform('boxHigh', this.crop.high);
     for (const { box } of this.cells) {
       box.visible = !this.crop.isWhole();
-      this.crop.fillEdges(box.geometry);
+      surfit.setPoints(box, this.crop.edges());
     }
     this.draw();
   }
 
-  // share: 0 shows all, 1 the most confident only, evenly in the logarithm.
+  // share: 0 shows all surfels, 1 the most confident surfels. Linear in the logarithm.
   setLeastConfidence(share) {
     const [low, high] = surfit.modeRange(this.runs, 'confidence');
     this.leastConfidence = share > 0 ? 10 ** (low + share * (high - low)) : 0;
@@ -120,73 +118,61 @@ surfit.MapView = class {
 
   setMode(mode) {
     const range = mode in surfit.scalarModes ? surfit.modeRange(this.runs, mode) : [0, 0];
-    this.cells.forEach(({ points }, i) => surfit.colorPoints(points, this.runs[i].map, mode, range));
+    for (const { discs, run } of this.cells) surfit.colorDiscs(discs, run.map, mode, range);
     surfit.showLegend(mode, range);
     this.draw();
   }
 
-  resetView() {
-    const up = surfit.upOf(this.runs[0]);
-    const back = surfit.forwardOf(this.runs[0]).negate();
-    back.addScaledVector(up, -back.dot(up));
-    if (back.length() < 1e-3) back.set(up.y, up.z, up.x).cross(up);
-    back.normalize();
+  aspect() {
     const { width, height } = this.places()[0];
-    const narrow = Math.max(1, 1.35 * height / width);
-    this.camera.up.copy(up);
-    this.camera.fov = 50;
-    this.look(this.centre.clone().addScaledVector(up.clone().add(back), 1.5 * narrow * this.size), this.centre);
+    return width / height;
+  }
+
+  resetView() {
+    const { poses } = this.runs[0].poses;
+    this.lookAtAll(this.bounds, surfit.forwardOf(poses), surfit.upOf(poses));
   }
 
   look(from, at) {
-    this.camera.position.copy(from);
-    // The controls take what is up from the camera when they are made.
-    if (this.controls) this.controls.dispose();
-    this.controls = new THREE.OrbitControls(this.camera, this.canvas);
-    this.controls.enableKeys = false;  // of the whole window; pressInMap() has the canvas's
-    this.controls.target.copy(at);
-    this.controls.addEventListener('change', () => this.draw());
-    this.controls.addEventListener('start', () => this.showPaths(true));
-    this.controls.update();
+    super.look(from, at);
     this.showPaths(true);
-    this.draw();
   }
+
+  isTurned() { this.showPaths(true); }
 
   showPaths(visible) {
     for (const { paths } of this.cells) paths.visible = visible;
   }
 
-  // From a run's camera, as far as a level horizon allows; paths would hide what it sees.
+  // From a camera of a run with a level horizon. Paths are hidden: they would be in front of the surfels.
   lookFrom(run, pose) {
-    const cell = this.cells.find((c) => c.run === run);
-    const eye = surfit.positionOf(pose).applyMatrix4(cell.root.matrix);
-    const ahead = new THREE.Vector3(0, 0, 1).applyQuaternion(surfit.rotationOf(pose))
-      .transformDirection(cell.root.matrix);
+    const { root } = this.cells.find((cell) => cell.run === run);
+    const eye = surfit.positionOf(pose).applyMatrix4(root.matrix);
+    const ahead = surfit.forwardOf([pose]).transformDirection(root.matrix);
     const { camera } = run.poses;
     this.camera.fov = 2 * Math.atan(camera.height / 2 / camera.fy) * 180 / Math.PI;
-    this.look(eye, eye.clone().addScaledVector(ahead, Math.max(0.5, 0.3 * this.size)));
+    this.look(eye, eye.clone().addScaledVector(ahead, Math.max(0.5, 0.3 * this.bounds.size)));
     this.showPaths(false);
   }
 
-  // The frame's camera, larger; and a line between a loop's two.
+  // Shows the cameras of frames larger, and a line between the two of a loop.
   select(run, frames) {
     for (const cell of this.cells) {
       const poses = cell.run !== run ? []
         : frames.map((frame) => run.poseOfFrame.get(frame)).filter(Boolean);
-      const points = poses.flatMap((pose) => surfit.frustum(run, pose, 0.08 * this.size));
+      const points = poses.flatMap((pose) => surfit.frustum(run.poses.camera, pose, 0.08 * this.bounds.size));
       if (poses.length === 2) points.push(...poses.map(surfit.positionOf));
-      cell.selected.geometry.setFromPoints(points);
+      surfit.setPoints(cell.selected, points);
     }
     this.draw();
   }
 
-  // Where the cells are on the canvas, in its CSS pixels from the top left.
+  // The places of the cells on the canvas, in its CSS pixels from the top left.
   places() {
-    const { clientWidth, clientHeight } = this.canvas.parentElement;
-    const count = this.runs.length;
-    const stacked = clientWidth < surfit.narrowPx;
-    const [width, height] = stacked ? [clientWidth, clientHeight / count] : [clientWidth / count, clientHeight];
-    return this.runs.map((_, i) => ({ left: stacked ? 0 : i * width, top: stacked ? i * height : 0, width, height }));
+    const { width, height } = this.canvasSize(), count = this.runs.length;
+    return this.runs.map((_, i) => (width < surfit.narrowPx
+      ? { left: 0, top: i * height / count, width, height: height / count }
+      : { left: i * width / count, top: 0, width: width / count, height }));
   }
 
   // The cell at a place of the canvas, and the place in it, -1 to 1 to the right and upwards.
@@ -203,14 +189,11 @@ surfit.MapView = class {
     const hit = this.cellAt(x, y);
     if (!hit) return;
     this.setAspect(hit.place);
-    if (this.measure.isOn()) {
-      this.measureAt(hit);
-    } else {
-      const pose = this.poseNear(hit);
-      if (!pose) return;
-      surfit.selectFrame(hit.cell.run, pose[0]);
-      surfit.showMapFrame();
-    }
+    if (this.measure.isOn()) return this.measureAt(hit);
+    const pose = this.poseNear(hit);
+    if (!pose) return;
+    surfit.selectFrame(hit.cell.run, pose[0]);
+    surfit.showMapFrame();
   }
 
   measureAt({ cell, ndc }) {
@@ -233,17 +216,17 @@ surfit.MapView = class {
 
   // A cross at each place and a line between them.
   showMeasured() {
-    const arm = 0.01 * this.size;
+    const arm = 0.01 * this.bounds.size;
     for (const cell of this.cells) {
       const points = this.measure.places.filter((place) => place.cell === cell).map((place) => place.point);
       const crosses = points.flatMap((p) => [[arm, 0, 0], [0, arm, 0], [0, 0, arm]].flatMap((d) => [
         p.clone().add(new THREE.Vector3(...d)), p.clone().sub(new THREE.Vector3(...d))]));
-      cell.measured.geometry.setFromPoints(points.length === 2 ? [...crosses, ...points] : crosses);
+      surfit.setPoints(cell.measured, points.length === 2 ? [...crosses, ...points] : crosses);
     }
     this.draw();
   }
 
-  // The pose whose camera is nearest to a place of the canvas, in pixels; null if none is near.
+  // The pose whose camera is nearest to a place of the canvas, null if no camera is within clickPx.
   poseNear({ cell, place, ndc }) {
     let [nearest, best] = [null, surfit.clickPx];
     for (const pose of cell.run.poses.poses) {
@@ -255,7 +238,7 @@ surfit.MapView = class {
     return nearest;
   }
 
-  // Where a point of a run's world is on the canvas, in CSS pixels; null behind the camera.
+  // The place of a point of a run's world on the canvas, in CSS pixels. Null behind the camera.
   onCanvas(cell, point) {
     const place = this.places()[this.cells.indexOf(cell)];
     this.setAspect(place);
@@ -273,8 +256,7 @@ surfit.MapView = class {
     const at = this.onCanvas(a.cell, a.point.clone().lerp(b.point, 0.5));
     if (!at) return;
     const tag = surfit.element('span', overlay, { className: 'tag', textContent: `${metres.toFixed(3)} m` });
-    tag.style.left = `${at.x}px`;
-    tag.style.top = `${at.y}px`;
+    Object.assign(tag.style, { left: `${at.x}px`, top: `${at.y}px` });
   }
 
   draw() {
@@ -292,30 +274,17 @@ surfit.MapView = class {
     });
   }
 
-  // Only where it differs: the canvas is made anew.
-  fitCanvas(width, height) {
-    const size = this.renderer.getSize(new THREE.Vector2());
-    if (size.x !== width || size.y !== height) this.renderer.setSize(width, height, false);
-  }
-
-  setAspect({ width, height }) {
-    this.camera.aspect = width / height;
-    this.camera.updateProjectionMatrix();
-    this.camera.updateMatrixWorld();
-  }
-
+  // At most `most` surfels per map: its first surfels, which are an even share of the map.
   drawNow(most) {
-    const { clientWidth, clientHeight } = this.canvas.parentElement;
-    this.fitCanvas(clientWidth, clientHeight);
+    this.fitCanvas(window.devicePixelRatio);
     const places = this.places();
     this.setAspect(places[0]);
-    const pixels = places[0].height * window.devicePixelRatio;
-    const tangent = Math.tan(this.camera.fov * Math.PI / 360);
-    this.setUniform('pixelsAtOneMetre', pixels / (2 * tangent));
-    this.cells.forEach(({ scene, points }, i) => {
+    this.setUniform('pixelsAtOneMetre', this.pixelsAtOneMetre(places[0].height));
+    this.cells.forEach(({ scene, discs, run: { map } }, i) => {
       const { left, top, width, height } = places[i];
-      surfit.chooseFirst(points, this.runs[i].map, most, this.discSize);
-      const below = clientHeight - top - height;
+      const below = this.canvasSize().height - top - height, drawn = Math.min(most, map.shown);
+      discs.geometry.setDrawRange(0, drawn);
+      discs.material.uniforms.metresPerRadius.value = map.max_radius * this.discSize * surfit.growth(map, drawn);
       this.renderer.setViewport(left, below, width, height);
       this.renderer.setScissor(left, below, width, height);
       this.renderer.render(scene, this.camera);
@@ -324,31 +293,43 @@ surfit.MapView = class {
   }
 };
 
-surfit.showLegend = (mode, range) => {
-  const legend = surfit.byId('map-legend');
-  legend.textContent = '';
-  const say = (text) => surfit.element('span', legend, { textContent: text });
-  if (mode === 'color') return say('the surfels’ own colours');
-  if (mode === 'normal') return say('(1 + n) / 2 of the normal in the world: x red, y green, z blue');
-  const { legend: name, show } = surfit.scalarModes[mode];
-  say(name);
-  say(show(range[0]));
-  surfit.element('div', legend, { className: 'bar' }).style.background = surfit.scaleGradient();
-  return say(show(range[1]));
+// Positions of about 5000 surfels in the run's world.
+surfit.sampleOf = (map) => {
+  const points = [];
+  const step = Math.ceil(map.shown / 5000);
+  for (let i = 0; i < map.shown; i += step) points.push(surfit.positionOfSurfel(map, i));
+  return points;
 };
 
 surfit.showMapLabels = (runs) => {
   surfit.byId('color-mode').querySelector('[value="distance"]').hidden = !runs.some((run) => run.map.distance);
-  surfit.hideAll('.of-graph', !runs.some((run) => (run.poses.keyframes || []).length > 0));
-  surfit.hideAll('.of-loops', !runs.some((run) => run.loops.length > 0));
+  const hideAll = (selector, hidden) => {
+    for (const element of document.querySelectorAll(selector)) element.hidden = hidden;
+  };
+  hideAll('.of-graph', !runs.some((run) => run.poses.keyframes.length > 0));
+  hideAll('.of-loops', !runs.some((run) => run.loops.length > 0));
   for (const run of runs) {
     const { points, shown } = run.map;
-    const all = points === shown ? `all ${points} surfels`
-      : `${shown} of ${points} surfels, evenly thinned out to what a browser holds`;
     const label = surfit.element('div', surfit.byId('map-labels'));
     surfit.element('h3', label, { textContent: run.label });
-    surfit.element('p', label, { className: 'note', textContent: all });
-    const comparison = surfit.comparisonText(run, runs);
-    if (comparison) surfit.element('p', label, { className: 'note', textContent: comparison });
+    surfit.say(label, points === shown ? `all ${points} surfels`
+      : `${shown} of ${points} surfels, evenly thinned out to what a browser holds`);
+    if (runs.length > 1) surfit.say(label, surfit.comparisonText(run));
   }
+};
+
+// Calls `call` with the place of a click, in CSS pixels from the element's top left. A long press or a drag turns
+// the map and is no click.
+surfit.onClick = (element, call) => {
+  const mostPx = 5, mostMs = 600;
+  let down = null;
+  element.addEventListener('pointerdown', (event) => { down = event.button === 0 ? event : null; });
+  window.addEventListener('pointerup', (event) => {
+    if (down && Math.hypot(event.clientX - down.clientX, event.clientY - down.clientY) <= mostPx
+        && event.timeStamp - down.timeStamp <= mostMs) {
+      const box = element.getBoundingClientRect();
+      call(event.clientX - box.left, event.clientY - box.top);
+    }
+    down = null;
+  });
 };

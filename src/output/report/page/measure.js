@@ -8,14 +8,14 @@ surfit.pick = (map, ray, { cull, leastConfidence, isCropped }) => {
   const { origin: o, direction: d } = ray;
   let nearest = Infinity;
   for (let i = 0; i < map.shown; ++i) {
-    const x = map.origin[0] + map.extent[0] * map.position[3 * i] / 65535 - o.x;
-    const y = map.origin[1] + map.extent[1] * map.position[3 * i + 1] / 65535 - o.y;
-    const z = map.origin[2] + map.extent[2] * map.position[3 * i + 2] / 65535 - o.z;
+    const x = map.origin[0] + map.extent[0] * map.position[4 * i] / 65535 - o.x;
+    const y = map.origin[1] + map.extent[1] * map.position[4 * i + 1] / 65535 - o.y;
+    const z = map.origin[2] + map.extent[2] * map.position[4 * i + 2] / 65535 - o.z;
     const along = x * d.x + y * d.y + z * d.z;
     const radius = reach * map.radius[i];
     if (along <= 0 || along - radius > nearest) continue;
     if (x * x + y * y + z * z - along * along > radius * radius) continue;
-    const [nx, ny, nz] = [map.normal[3 * i], map.normal[3 * i + 1], map.normal[3 * i + 2]];
+    const [nx, ny, nz] = [map.normal[4 * i], map.normal[4 * i + 1], map.normal[4 * i + 2]];
     const facing = nx * d.x + ny * d.y + nz * d.z;
     if ((cull && facing > 0) || map.confidence[i] < leastConfidence || Math.abs(facing) < 10) continue;
     if (isCropped(x + o.x, y + o.y, z + o.z)) continue;

@@ -40,20 +40,11 @@ surfit.showRefinement = (runs) => {
     surfit.element('h3', column, { textContent: run.label });
     const rows = surfit.calibrationRows(run);
     if (rows.length === 0) {
-      surfit.element('p', column, { className: 'note', textContent: 'The camera was neither calibrated nor refined.' });
+      surfit.say(column, 'The camera was neither calibrated nor refined.');
       continue;
     }
-    const table = surfit.element('table', surfit.element('div', column, { className: 'table figures' }));
-    const head = surfit.element('tr', surfit.element('thead', table));
-    for (const name of surfit.calibrationNames) surfit.element('th', head, { textContent: name });
-    const body = surfit.element('tbody', table);
-    for (const row of rows) {
-      const line = surfit.element('tr', body);
-      for (const text of row) surfit.element('td', line, { textContent: text });
-    }
-    if (run.summary.calibration_doubt) {
-      surfit.element('p', column, { className: 'note', textContent: run.summary.calibration_doubt });
-    }
+    surfit.addTable(surfit.element('div', column, { className: 'table figures' }), surfit.calibrationNames, rows);
+    if (run.summary.calibration_doubt) surfit.say(column, run.summary.calibration_doubt);
     surfit.showRounds(run, column);
   }
 };

@@ -1,6 +1,6 @@
 'use strict';
-// What WriteReport() put into the page: an array of runs, as src/report/report_data.h tells, with the
-// texts of frames.csv and loops.csv as columns and rows, and the map's base64 as typed arrays.
+// The runs of the page as src/report/report_data.h describes them. The texts of frames.csv and loops.csv become
+// columns and rows, the base64 of the map becomes typed arrays.
 surfit.decode = (base64, Type) => {
   const text = atob(base64);
   const bytes = new Uint8Array(text.length);
@@ -8,47 +8,50 @@ surfit.decode = (base64, Type) => {
   return new Type(bytes.buffer);
 };
 
-// Triples with a fourth, unused: vertex data that begin at multiples of four bytes need no copies.
+// Triples with a fourth, unused number: vertex data are aligned to four bytes.
 surfit.padTriples = (triples) => {
   const padded = new triples.constructor(triples.length / 3 * 4);
   for (let from = 0, to = 0; from < triples.length; from += 3, to += 4) {
-    padded[to] = triples[from];
-    padded[to + 1] = triples[from + 1];
-    padded[to + 2] = triples[from + 2];
+    for (let k = 0; k < 3; ++k) padded[to + k] = triples[from + k];
   }
   return padded;
 };
 
-// Columns by name; numbers but for the two that hold words. Nothing where a run has no such table.
-surfit.parseFrames = (csv) => {
-  if (!csv) return null;
+surfit.textColumns = ['state', 'termination', 'reason'];
+
+// Rows as objects of numbers and, in surfit.textColumns, texts.
+surfit.parseCsv = (csv) => {
   const [names, ...rows] = csv.trim().split('\n').map((line) => line.split(','));
-  const columns = {};
-  names.forEach((name, k) => {
-    const isText = name === 'state' || name === 'termination';
-    columns[name] = rows.map((row) => (isText ? row[k] : Number(row[k])));
-  });
-  return columns;
+  return rows.map((row) => Object.fromEntries(
+    names.map((name, k) => [name, surfit.textColumns.includes(name) ? row[k] : Number(row[k])])));
 };
 
-surfit.decodeMap = (map) => Object.assign(map, {
-  position: surfit.decode(map.position, Uint16Array),
-  normal: surfit.decode(map.normal, Int8Array),
-  color: surfit.decode(map.color, Uint8Array),
-  radius: surfit.decode(map.radius, Uint16Array),
-  confidence: surfit.decode(map.confidence, Float32Array),
-  first_seen: surfit.decode(map.first_seen, Int32Array),
-  last_seen: surfit.decode(map.last_seen, Int32Array),
-}, map.distance === undefined ? {} : { distance: surfit.decode(map.distance, Uint16Array) });
+// Columns by name. Null for a run without frames.csv.
+surfit.parseFrames = (csv) => {
+  if (!csv) return null;
+  const rows = surfit.parseCsv(csv);
+  return Object.fromEntries(csv.split('\n', 1)[0].trim().split(',').map((name) => [name, rows.map((row) => row[name])]));
+};
 
-surfit.readRuns = () => [...document.querySelectorAll('script.run')].map((element) => {
-  const run = JSON.parse(element.textContent);
-  element.remove();
+surfit.mapColumns = { position: Uint16Array, normal: Int8Array, color: Uint8Array, radius: Uint16Array,
+  confidence: Float32Array, first_seen: Int32Array, last_seen: Int32Array, distance: Uint16Array };
+
+surfit.decodeMap = (map) => {
+  for (const [name, Type] of Object.entries(surfit.mapColumns)) {
+    if (map[name] !== undefined) map[name] = surfit.decode(map[name], Type);
+  }
+  for (const name of ['position', 'normal', 'color']) map[name] = surfit.padTriples(map[name]);
+  map.shade = new Uint8Array(4 * map.shown);
+};
+
+surfit.readRuns = () => surfit.takeData('run').map((run) => {
   run.frames = surfit.parseFrames(run.frames);
   run.loops = surfit.parseLoops(run.loops);
   run.errors = new Map(run.poses.errors_m || []);  // frame's index to metres
   run.poseOfFrame = new Map(run.poses.poses.map((pose) => [pose[0], pose]));
   run.poses.thumbnails = run.poses.thumbnails || [];
+  run.poses.keyframes = run.poses.keyframes || [];
+  run.poses.truth = run.poses.truth || [];
   surfit.decodeMap(run.map);
   return run;
 });

@@ -1,20 +1,10 @@
 'use strict';
 // The paths from above, and the error along them.
 
-// To the right of and along a run's mean line of sight, and up.
-surfit.floorDirections = (run) => {
-  const up = surfit.upOf(run);
-  const ahead = surfit.forwardOf(run);
-  ahead.addScaledVector(up, -ahead.dot(up));
-  if (ahead.length() < 1e-3) ahead.set(up.y, up.z, up.x).cross(up);
-  ahead.normalize();
+// Unit vectors: to the right of the mean line of sight, along it, and up.
+surfit.floorDirections = ({ poses: { poses } }) => {
+  const up = surfit.upOf(poses), ahead = surfit.level(surfit.forwardOf(poses), up);
   return [new THREE.Vector3().crossVectors(ahead, up), ahead, up];
-};
-
-// Coordinates on the floor, in metres.
-surfit.floorAxes = (run) => {
-  const [right, ahead] = surfit.floorDirections(run);
-  return (p) => ({ x: right.dot(p), y: ahead.dot(p) });
 };
 
 // Makes a metre as long upwards as sideways, once the chart knows its size.
@@ -33,33 +23,26 @@ surfit.equalAspect = (chart) => {
   chart.update('none');
 };
 
-surfit.estimateDataset = (run, i, onFloor, errorRange) => {
-  const poses = run.poses.poses;
-  const more = run.errors.size === 0 ? {} : {
-    pointRadius: 2, pointBorderWidth: 0,
-    pointBackgroundColor: poses.map((pose) => surfit.cssColor(
-      surfit.scaleColor(run.errors.get(pose[0]) || 0, ...errorRange))),
-  };
-  return surfit.line(`estimate: ${run.label}`, surfit.runColor(i),
-    poses.map((pose) => onFloor(surfit.positionOf(pose).applyMatrix4(surfit.firstFromRun(run)))), more);
-};
-
 surfit.showTrajectories = (runs) => {
   const parent = surfit.byId('trajectory-charts');
-  const onFloor = surfit.floorAxes(runs[0]);
+  const [right, ahead] = surfit.floorDirections(runs[0]);
+  const onFloor = (run, points) => points.map((point) => point.applyMatrix4(surfit.firstFromRun(run))).map(
+    (p) => ({ x: right.dot(p), y: ahead.dot(p) }));
   const errors = runs.flatMap((run) => [...run.errors.values()]);
-  const errorRange = [0, surfit.range(errors)[1]];
+  const most = surfit.range(errors)[1];
   const datasets = runs.flatMap((run, i) => {
-    const truth = (run.poses.truth || []).map((row) => onFloor(
-      new THREE.Vector3(row[1], row[2], row[3]).applyMatrix4(surfit.firstFromRun(run))));
-    const estimate = surfit.estimateDataset(run, i, onFloor, errorRange);
-    return truth.length === 0 ? [estimate]
-      : [estimate, surfit.line(`ground truth: ${run.label}`, '#ff8c1a', truth, { borderDash: [5, 3] })];
+    const { poses, truth } = run.poses;
+    const colors = run.errors.size === 0 ? {} : { pointRadius: 2, pointBorderWidth: 0,
+      pointBackgroundColor: poses.map(([frame]) => surfit.cssColor(
+        surfit.scaleColor(run.errors.get(frame) || 0, 0, most))) };
+    const estimate = surfit.line(`estimate: ${run.label}`, surfit.runColor(i),
+      onFloor(run, poses.map(surfit.positionOf)), colors);
+    return truth.length === 0 ? [estimate] : [estimate, surfit.line(`ground truth: ${run.label}`, '#ff8c1a',
+      onFloor(run, truth.map((row) => new THREE.Vector3(...row.slice(1, 4)))), { borderDash: [5, 3] })];
   });
-  const note = errors.length === 0 ? 'No ground truth: errors are unknown.'
+  surfit.say(parent, errors.length === 0 ? 'No ground truth: errors are unknown.'
     : `Points are coloured by their distance from the ground truth, dark 0 to bright ${
-      (1000 * errorRange[1]).toFixed(1)} mm; each ground truth is moved onto its run as for ATE.`;
-  surfit.element('p', parent, { className: 'note', textContent: note });
+      (1000 * most).toFixed(1)} mm; each ground truth is moved onto its run as for ATE.`);
   surfit.addChart(parent, 'from above', datasets, {
     x: surfit.axis('right, m'), y: surfit.axis('ahead, m'), className: 'chart tall', zoomMode: 'xy',
     plugins: { tooltip: { enabled: false } } }, (chart) => {
@@ -67,7 +50,7 @@ surfit.showTrajectories = (runs) => {
     new ResizeObserver(() => surfit.equalAspect(chart)).observe(chart.canvas.parentElement);
   });
   if (errors.length === 0) return;
-  surfit.addChart(parent, 'position error', runs.map((run, i) => surfit.line(run.label, surfit.runColor(i),
-    [...run.errors].map(([x, error]) => ({ x, y: 1000 * error })))), {
-    x: surfit.axis('frame'), y: surfit.axis('mm', { beginAtZero: true }) });
+  surfit.addChart(parent, 'position error',
+    surfit.runLines(runs, (run) => [...run.errors].map(([x, error]) => ({ x, y: 1000 * error }))),
+    { x: surfit.axis('frame'), y: surfit.axis('mm', { beginAtZero: true }) });
 };

@@ -1,31 +1,20 @@
-#include "output/report/plain_page.h"
+#include "browser/plain_page.h"
 
 #include <iomanip>
+#include <map>
 
-#include "surfit/core/atomic_file.h"
+#include "browser/page.h"
 
 namespace surfit {
 namespace {
 
 std::string Escaped(const std::string& text) {
+  static const std::map<char, const char*> kEscapes = {
+      {'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}};
   std::string escaped;
   for (const char c : text) {
-    switch (c) {
-      case '&':
-        escaped += "&amp;";
-        break;
-      case '<':
-        escaped += "&lt;";
-        break;
-      case '>':
-        escaped += "&gt;";
-        break;
-      case '"':
-        escaped += "&quot;";
-        break;
-      default:
-        escaped += c;
-    }
+    const auto found = kEscapes.find(c);
+    escaped += found == kEscapes.end() ? std::string(1, c) : found->second;
   }
   return escaped;
 }
@@ -76,15 +65,10 @@ void PlainPage::Table(const std::vector<std::vector<Cell>>& rows) {
 }
 
 void PlainPage::Write(const std::string& title, const std::string& path) const {
-  WriteFileAtomically(path, [&](std::ostream& file) {
-    file << "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>"
-         << Escaped(title)
-         << "</title>\n<style>body{font:15px sans-serif;max-width:1100px;margin:2em auto;"
-            "padding:0 1em}img{max-width:100%}table{border-collapse:collapse}th,td{padding:2px "
-            "10px;text-align:right;border-bottom:1px solid #ddd}th:first-child,td:first-child{"
-            "text-align:left}</style></head>\n<body><h1>"
-         << Escaped(title) << "</h1>\n"
-         << body_.str() << "</body></html>\n";
+  WritePage(kPlainPage, path, [&](std::ostream& file) {
+    file << "<title>" << Escaped(title) << "</title>\n<main class=\"plain\"><h1>" << Escaped(title)
+         << "</h1>\n"
+         << body_.str() << "</main>\n";
   });
 }
 
