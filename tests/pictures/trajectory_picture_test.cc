@@ -49,7 +49,7 @@ TEST(WriteTrajectoryPicture, ShowsBothPathsInTheirColors) {
   WriteTrajectoryPicture(Corner(0), Corner(0.3), folder / "trajectory.png");
   const Image<Rgb8> picture = ReadPicture(folder / "trajectory.png");
   EXPECT_EQ(picture.width(), 1600);
-  EXPECT_EQ(picture.height(), 1240);
+  EXPECT_EQ(picture.height(), 1320);
   EXPECT_GT(CountPixels(picture, kEstimateColor), 500u);
   EXPECT_GT(CountPixels(picture, kGroundTruthColor), 500u);
 }
@@ -84,13 +84,13 @@ TEST(WriteTrajectoryPicture, ShowsTheErrorOverTime) {
   estimate[5].world_from_camera.translation.y() += 1;
   WriteTrajectoryPicture(estimate, Corner(0), folder / "trajectory.png");
   const Image<Rgb8> picture = ReadPicture(folder / "trajectory.png");
-  const Extent early = FindExtent(picture, kEstimateColor, {90, 820, 950, 1170});
-  const Extent late = FindExtent(picture, kEstimateColor, {900, 1580, 950, 1170});
+  const Extent early = FindExtent(picture, kEstimateColor, {90, 820, 950, 1250});
+  const Extent late = FindExtent(picture, kEstimateColor, {900, 1580, 950, 1250});
   EXPECT_LE(early.left, 92);
   EXPECT_GE(late.right, 1577);
   // The axis begins with 0 at the lower edge and ends 10 % above the largest error.
-  EXPECT_NEAR(1170 - (early.top + early.bottom) / 2., 220 / 1.1 / 2, 1);
-  EXPECT_NEAR(1170 - (late.top + late.bottom) / 2., 220 / 1.1, 1);
+  EXPECT_NEAR(1250 - (early.top + early.bottom) / 2., 300 / 1.1 / 2, 1);
+  EXPECT_NEAR(1250 - (late.top + late.bottom) / 2., 300 / 1.1, 1);
   EXPECT_LE(early.bottom - early.top, 3);
   EXPECT_LE(late.bottom - late.top, 3);
 }

@@ -38,10 +38,6 @@ struct Strokes {
   }
 };
 
-std::uint8_t Blend(std::uint8_t below, std::uint8_t above, int share) {
-  return static_cast<std::uint8_t>((below * (255 - share) + above * share + 127) / 255);
-}
-
 }  // namespace
 
 cv::Mat AsMat(Image<Rgb8>* image) {
@@ -55,22 +51,23 @@ double TextWidth(const std::string& text, const TextStyle& style) {
 void DrawText(Image<Rgb8>* image, PixelPoint at, const std::string& text, const TextStyle& style) {
   const Strokes strokes(text, style.height_px);
   const double begin = at.u - style.justify * strokes.size.width / kFiner;
-  const int left = static_cast<int>(std::floor(begin));
-  const int top = static_cast<int>(std::floor(at.v - style.height_px));
-  const int width = strokes.size.width / kFiner + 3, height = cvCeil(2 * style.height_px) + 1;
-  cv::Mat finer = cv::Mat::zeros(kFiner * height, kFiner * width, CV_8UC1), mask;
-  const cv::Point origin(cvRound(kFiner * (begin - left)),
-                         cvRound(kFiner * (at.v + 0.5 - top) + strokes.capital / 2));
-  cv::putText(finer, text, origin, kFont, strokes.scale, 255, strokes.thickness, cv::LINE_AA);
-  cv::resize(finer, mask, {width, height}, 0, 0, cv::INTER_AREA);
-  for (int v = std::max(0, -top); v < std::min(height, image->height() - top); ++v) {
-    for (int u = std::max(0, -left); u < std::min(width, image->width() - left); ++u) {
-      const int share = mask.at<std::uint8_t>(v, u);
-      Rgb8& pixel = (*image)(left + u, top + v);
-      pixel = {Blend(pixel.r, style.color.r, share), Blend(pixel.g, style.color.g, share),
-               Blend(pixel.b, style.color.b, share)};
-    }
-  }
+  const cv::Rect whole(0, 0, image->width(), image->height());
+  const cv::Rect box =
+      whole & cv::Rect(cvFloor(begin), cvFloor(at.v - style.height_px),
+                       strokes.size.width / kFiner + 3, cvCeil(2 * style.height_px) + 1);
+  if (box.empty()) return;
+  cv::Mat place = AsMat(image)(box), finer;
+  cv::resize(place, finer, box.size() * kFiner, 0, 0, cv::INTER_NEAREST);
+  const cv::Point origin(cvRound(kFiner * (begin - box.x)),
+                         cvRound(kFiner * (at.v + 0.5 - box.y) + strokes.capital / 2));
+  cv::putText(finer, text, origin, kFont, strokes.scale, AsScalar(style.color), strokes.thickness,
+              cv::LINE_AA);
+  cv::resize(finer, place, box.size(), 0, 0, cv::INTER_AREA);
+}
+
+void DrawImage(Image<Rgb8>* image, const cv::Rect& box, const Image<Rgb8>& source) {
+  const cv::Mat mat(source.height(), source.width(), CV_8UC3, const_cast<Rgb8*>(source.data()));
+  cv::resize(mat, AsMat(image)(box), box.size(), 0, 0, cv::INTER_AREA);
 }
 
 void DrawLine(Image<Rgb8>* image, const std::vector<PixelPoint>& points, Rgb8 color,

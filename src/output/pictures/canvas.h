@@ -37,6 +37,8 @@ void DrawLine(Image<Rgb8>* image, const std::vector<PixelPoint>& points, Rgb8 co
               double width_px);
 void DrawDisc(Image<Rgb8>* image, PixelPoint center, double radius_px, Rgb8 color);
 void FillBox(Image<Rgb8>* image, const PixelBox& box, Rgb8 color);
+// Draws an image into a box of another size by averaging.
+void DrawImage(Image<Rgb8>* image, const cv::Rect& box, const Image<Rgb8>& source);
 
 // Throws InputError naming the path where the file cannot be written.
 void WritePng(const Image<Rgb8>& image, const std::string& path);

@@ -24,8 +24,7 @@ Image<Rgb8> Centered(const Image<Rgb8>& image) {
   const int height = std::max(1, std::min(picture.height(), cvRound(scale * image.height())));
   const cv::Rect inside((picture.width() - width) / 2, (picture.height() - height) / 2, width,
                         height);
-  const cv::Mat source(image.height(), image.width(), CV_8UC3, const_cast<Rgb8*>(image.data()));
-  cv::resize(source, AsMat(&picture)(inside), inside.size(), 0, 0, cv::INTER_AREA);
+  DrawImage(&picture, inside, image);
   return picture;
 }
 

@@ -12,9 +12,9 @@
 namespace surfit {
 namespace {
 
-constexpr int kWidth = 1600, kHeight = 900, kHeightWithErrors = 1240;
+constexpr int kWidth = 1600, kHeight = 900, kHeightWithErrors = 1320;
 constexpr PixelBox kBoxes[] = {{90, 110, 790, 820}, {880, 110, 1580, 820}};
-constexpr PixelBox kErrorBox = {90, 950, 1580, 1170};
+constexpr PixelBox kErrorBox = {90, 950, 1580, 1250};
 constexpr Rgb8 kPaper = {255, 255, 255}, kInk = {20, 20, 20};
 constexpr const char* kAxisLabels[] = {"x [m]", "y [m]", "z [m]"};
 
@@ -125,7 +125,7 @@ void DrawErrors(const std::vector<MatchedPose>& poses, double begin_s, Image<Rgb
   for (std::size_t i = 0; i < times_s.size(); ++i) {
     points.push_back(axes.At(times_s[i], 1e3 * errors_m[i]));
   }
-  DrawLine(image, points, kEstimateStyle.color, 2);
+  DrawLine(image, points, kEstimateStyle.color, kEstimateStyle.width_px);
 }
 
 }  // namespace
