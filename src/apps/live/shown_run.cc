@@ -51,47 +51,48 @@ void AppendBytes(const T* values, std::size_t count, std::string* bytes) {
 
 }  // namespace
 
-bool ShownRun::Lock(bool must) {
-  if (!must) return mutex_.try_lock();
-  mutex_.lock();
+template <typename Act>
+bool ShownRun::Give(bool must, const Act& act) {
+  std::unique_lock<std::mutex> lock(mutex_, std::defer_lock);
+  if (must) lock.lock();
+  if (!must && !lock.try_lock()) return false;
+  act();
   return true;
 }
 
 void ShownRun::Number(Shown what) { items_[PlaceOf(what)] = {++number_, nullptr}; }
 
 bool ShownRun::GiveState(const ShownState& state, bool must) {
-  if (!Lock(must)) return false;
-  const std::lock_guard<std::mutex> lock(mutex_, std::adopt_lock);
-  state_ = state;
-  Number(Shown::kState);
-  return true;
+  return Give(must, [&] {
+    state_ = state;
+    Number(Shown::kState);
+  });
 }
 
 bool ShownRun::GivePath(const ShownPath& path, bool must) {
-  if (!Lock(must)) return false;
-  const std::lock_guard<std::mutex> lock(mutex_, std::adopt_lock);
-  path_ = path;
-  Number(Shown::kPath);
-  return true;
+  return Give(must, [&] {
+    path_ = path;
+    Number(Shown::kPath);
+  });
 }
 
 bool ShownRun::GivePictures(const std::map<Shown, Image<Rgb8>>& pictures, bool must) {
-  if (!Lock(must)) return false;
-  const std::lock_guard<std::mutex> lock(mutex_, std::adopt_lock);
-  ++number_;
-  for (const auto& [which, picture] : pictures) {
-    pictures_[PlaceOf(which)] = picture;
-    items_[PlaceOf(which)] = {number_, nullptr};
-  }
-  return true;
+  return Give(must, [&] {
+    ++number_;
+    for (const auto& [which, picture] : pictures) {
+      pictures_[PlaceOf(which)] = picture;
+      items_[PlaceOf(which)] = {number_, nullptr};
+    }
+  });
 }
 
 std::optional<bool> ShownRun::UpdateMap(const SurfelMap& map, std::size_t slots) {
-  if (!Lock(/*must=*/false)) return std::nullopt;
-  const std::lock_guard<std::mutex> lock(mutex_, std::adopt_lock);
-  const bool is_whole = sample_.Update(map, slots);
-  Number(Shown::kMap);
-  if (is_whole) dust_ = sample_.Dust();
+  std::optional<bool> is_whole;
+  Give(/*must=*/false, [&] {
+    is_whole = sample_.Update(map, slots);
+    Number(Shown::kMap);
+    if (*is_whole) dust_ = sample_.Dust();
+  });
   return is_whole;
 }
 

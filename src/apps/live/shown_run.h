@@ -81,7 +81,9 @@ class ShownRun {
     std::uint32_t number = 0;
     Text text;  // made when it is asked for
   };
-  bool Lock(bool must);
+  // Calls act() with the mutex. Without `must`: false if the server has it.
+  template <typename Act>
+  bool Give(bool must, const Act& act);
   void Number(Shown what);
   std::string StateJson(bool is_paused) const;
 
