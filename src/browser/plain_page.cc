@@ -66,8 +66,8 @@ void PlainPage::Table(const std::vector<std::vector<Cell>>& rows) {
 
 void PlainPage::Write(const std::string& title, const std::string& path) const {
   WritePage(kPlainPage, path, [&](std::ostream& file) {
-    file << "<title>" << Escaped(title) << "</title>\n<main class=\"plain\"><h1>" << Escaped(title)
-         << "</h1>\n"
+    file << "<title>" << Escaped(title) << "</title>\n<main class=\"text-page\"><h1>"
+         << Escaped(title) << "</h1>\n"
          << body_.str() << "</main>\n";
   });
 }

@@ -1,5 +1,6 @@
 #include "output/report/report_data.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -176,13 +177,10 @@ std::string EncodeBase64(const unsigned char* bytes, std::size_t count) {
 Json PackMap(const std::vector<Surfel>& surfels, std::size_t max_points) {
   using Array3 = Eigen::Array3f;
   const std::vector<Surfel> shown = EvenlySpread(surfels, max_points);
-  Array3 low = Array3::Zero(), high = Array3::Zero();
-  for (std::size_t i = 0; i < shown.size(); ++i) {
-    const Array3 position = shown[i].position_in_world.array();
-    low = i == 0 ? position : low.min(position).eval();
-    high = i == 0 ? position : high.max(position).eval();
-  }
-  const Array3 extent = (high - low).max(1e-6f);
+  Eigen::AlignedBox3f box;
+  for (const Surfel& surfel : shown) box.extend(surfel.position_in_world);
+  if (shown.empty()) box.extend(Eigen::Vector3f::Zero());
+  const Array3 low = box.min(), extent = box.sizes().array().max(1e-6f);
   const float max_radius = LargestRadius(shown);
   return {
       {"points", surfels.size()},

@@ -175,30 +175,27 @@ surfit.MapView = class extends surfit.Scene {
       : { left: i * width / count, top: 0, width: width / count, height }));
   }
 
-  // The cell at a place of the canvas, and the place in it, -1 to 1 to the right and upwards.
+  // The index of the cell at a place of the canvas, -1 outside.
   cellAt(x, y) {
-    const places = this.places();
-    const i = places.findIndex((p) => x >= p.left && x < p.left + p.width && y >= p.top && y < p.top + p.height);
-    if (i < 0) return null;
-    const p = places[i];
-    return { cell: this.cells[i], place: p,
-      ndc: new THREE.Vector2(2 * (x - p.left) / p.width - 1, 1 - 2 * (y - p.top) / p.height) };
+    return this.places().findIndex(
+      (p) => x >= p.left && x < p.left + p.width && y >= p.top && y < p.top + p.height);
   }
 
   click(x, y) {
-    const hit = this.cellAt(x, y);
-    if (!hit) return;
-    this.setAspect(hit.place);
-    if (this.measure.isOn()) return this.measureAt(hit);
-    const pose = this.poseNear(hit);
+    const i = this.cellAt(x, y);
+    if (i < 0) return;
+    if (this.measure.isOn()) return this.measureAt(i, x, y);
+    const { run } = this.cells[i], pose = this.poseNear(this.cells[i], x, y);
     if (!pose) return;
-    surfit.selectFrame(hit.cell.run, pose[0]);
+    surfit.selectFrame(run, pose[0]);
     surfit.showMapFrame();
   }
 
-  measureAt({ cell, ndc }) {
+  measureAt(i, x, y) {
+    const cell = this.cells[i], { left, top, width, height } = this.places()[i];
+    this.setAspect({ width, height });
     const caster = new THREE.Raycaster();
-    caster.setFromCamera(ndc, this.camera);
+    caster.setFromCamera({ x: 2 * (x - left) / width - 1, y: 1 - 2 * (y - top) / height }, this.camera);
     const runFromWorld = new THREE.Matrix4().getInverse(cell.root.matrix);
     const point = surfit.pick(cell.run.map, caster.ray.clone().applyMatrix4(runFromWorld), {
       cull: surfit.byId('cull').checked, leastConfidence: this.leastConfidence,
@@ -227,12 +224,11 @@ surfit.MapView = class extends surfit.Scene {
   }
 
   // The pose whose camera is nearest to a place of the canvas, null if no camera is within clickPx.
-  poseNear({ cell, place, ndc }) {
+  poseNear(cell, x, y) {
     let [nearest, best] = [null, surfit.clickPx];
     for (const pose of cell.run.poses.poses) {
-      const p = surfit.positionOf(pose).applyMatrix4(cell.root.matrix).project(this.camera);
-      if (p.z > 1) continue;
-      const px = Math.hypot((p.x - ndc.x) * place.width / 2, (p.y - ndc.y) * place.height / 2);
+      const at = this.onCanvas(cell, surfit.positionOf(pose));
+      const px = at ? Math.hypot(at.x - x, at.y - y) : Infinity;
       if (px < best) [nearest, best] = [pose, px];
     }
     return nearest;
