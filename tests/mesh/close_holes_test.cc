@@ -1,4 +1,4 @@
-#include "mesh/surface/close_holes.h"
+#include "mesh/mesh_steps.h"
 
 #include <gtest/gtest.h>
 

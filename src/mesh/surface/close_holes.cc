@@ -1,11 +1,10 @@
-#include "mesh/surface/close_holes.h"
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
 #include <utility>
 #include <vector>
 
+#include "mesh/mesh_steps.h"
 #include "surfit/mapping/surfel_block.h"
 
 namespace surfit {

@@ -1,10 +1,9 @@
-#include "mesh/surface/extract_surface.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 
+#include "mesh/mesh_steps.h"
 #include "mesh/surface/cell_patches.h"
 #include "surfit/core/parallel.h"
 #include "surfit/mapping/surfel_block.h"

@@ -4,12 +4,7 @@
 #include <mutex>
 
 #include "geometry/kd_tree.h"
-#include "mesh/surface/close_holes.h"
-#include "mesh/surface/distance_field.h"
-#include "mesh/surface/extract_surface.h"
-#include "mesh/surface/reduce_mesh.h"
-#include "mesh/surface/smooth_surfels.h"
-#include "mesh/surface/surfel_cubes.h"
+#include "mesh/mesh_steps.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"

@@ -1,5 +1,3 @@
-#include "mesh/surface/reduce_mesh.h"
-
 #include <meshoptimizer.h>
 
 #include <Eigen/Geometry>
@@ -7,6 +5,8 @@
 #include <limits>
 #include <numeric>
 #include <vector>
+
+#include "mesh/mesh_steps.h"
 
 namespace surfit {
 namespace {

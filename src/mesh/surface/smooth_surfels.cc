@@ -1,9 +1,8 @@
-#include "mesh/surface/smooth_surfels.h"
-
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "mesh/mesh_steps.h"
 #include "surfit/core/parallel.h"
 
 namespace surfit {
