@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "io/openni/openni_device.h"
-#include "io/sequences/openni_sources.h"
+#include "io/sequences/raw_frames.h"
 #include "surfit/core/error.h"
 #include "surfit/geometry/trajectory.h"
 

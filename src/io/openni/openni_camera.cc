@@ -11,7 +11,7 @@
 #include "core/repeated_warning.h"
 #include "io/openni/camera_link.h"
 #include "io/openni/image_pairs.h"
-#include "io/sequences/openni_sources.h"
+#include "io/sequences/raw_frames.h"
 #include "io/sequences/sequence_camera.h"
 #include "surfit/core/error.h"
 

@@ -3,11 +3,9 @@
 
 #include "io/sequences/folder.h"
 #include "io/sequences/image_sequence.h"
-#include "io/sequences/openni_sources.h"
 #include "io/sequences/raw_frames.h"
 #include "io/sequences/recording.h"
 #include "io/sequences/sequence_camera.h"
-#include "io/sequences/watch_folder.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/io/sequence.h"

@@ -45,6 +45,16 @@ RawSequence OpenRawSequence(const SequenceOptions& options);
 RawSequence OpenRawLive(const SequenceOptions& options, int capacity,
                         const std::atomic<bool>& stop);
 
+// What WatchFolder() reads, before it is prepared. The options are valid.
+RawSequence OpenWatchedFolder(const SequenceOptions& options, const std::atomic<bool>& stop);
+
+// OpenNI2's camera that options.path names, and a recording of OpenNI2, whose camera is told by the
+// field of view. Throw InputError naming the device or file, also where this was built without
+// OpenNI2.
+RawSequence OpenOpenNiCamera(const SequenceOptions& options, int capacity,
+                             const std::atomic<bool>& stop);
+OpenedRecording OpenOni(const SequenceOptions& options);
+
 // Completes what is known of a sequence by its first images.
 RawSequence Complete(SequenceInfo info, std::unique_ptr<RawFrames> frames,
                      const SequenceOptions& options);

@@ -1,5 +1,3 @@
-#include "io/sequences/watch_folder.h"
-
 #include <glog/logging.h>
 
 #include <chrono>
@@ -12,7 +10,7 @@
 
 #include "core/trace.h"
 #include "io/sequences/folder.h"
-#include "io/sequences/recording.h"
+#include "io/sequences/raw_frames.h"
 #include "io/sequences/sequence_camera.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"

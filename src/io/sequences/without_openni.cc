@@ -1,5 +1,5 @@
 // What stands in for io/openni where OpenNI2's headers are missing.
-#include "io/sequences/openni_sources.h"
+#include "io/sequences/raw_frames.h"
 #include "surfit/core/error.h"
 
 namespace surfit {
