@@ -40,7 +40,7 @@ py::array_t<T> ViewOf(const T* data, std::vector<py::ssize_t> shape, const py::o
   return view;
 }
 
-// The same of rows of Scalars: N x their number, or N where a row is one.
+// Makes such a view of rows of numbers: N x M, or N if each row is one number.
 template <typename Scalar, typename Row>
 py::array_t<Scalar> RowsView(const std::vector<Row>& rows, const py::object& owner) {
   std::vector<py::ssize_t> shape = {static_cast<py::ssize_t>(rows.size())};
@@ -48,7 +48,7 @@ py::array_t<Scalar> RowsView(const std::vector<Row>& rows, const py::object& own
   return ViewOf(reinterpret_cast<const Scalar*>(rows.data()), shape, owner);
 }
 
-// Binds a field that is such rows.
+// Binds a field that holds such rows.
 template <typename Scalar, typename Owner, typename Struct, typename Row>
 void BindRows(py::class_<Owner>* owner, const char* name, std::vector<Row> Struct::*rows,
               const char* doc) {

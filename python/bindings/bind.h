@@ -1,6 +1,6 @@
 #pragma once
 
-// pybind11 with all casters, so that every file converts values alike.
+// All casters are included, so that every file converts values in the same way.
 #include <pybind11/eigen.h>
 #include <pybind11/functional.h>
 #include <pybind11/numpy.h>
@@ -10,7 +10,7 @@
 
 #include "bindings/pose_caster.h"
 
-// The name of a field and the field, as def_readonly() takes them.
+// Gives the name of a field and the field, as def_readonly() takes them.
 #define FIELD(Struct, name) #name, &Struct::name
 
 namespace surfit::python {

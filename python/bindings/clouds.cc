@@ -25,7 +25,7 @@ PointCloud CloudOf(const py::object& points, const py::object& normals, const st
   return cloud;
 }
 
-// Nothing where there are none.
+// Returns nothing if there are no rows.
 template <typename Scalar, typename Row>
 std::optional<py::array_t<Scalar>> RowsOrNone(const py::object& cloud,
                                               std::vector<Row> PointCloud::*field) {

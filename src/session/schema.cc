@@ -15,7 +15,7 @@ namespace {
 constexpr std::int64_t kApplicationId = 0x73726674;  // "srft"
 constexpr std::int64_t kVersion = 2;
 
-// The values of a row one after the other, as a RowReader takes them.
+// Collects the values of a row. They have the order in which a RowReader takes them.
 class RowWriter {
  public:
   template <typename... Ts>
@@ -41,7 +41,8 @@ class RowWriter {
   Row row_;
 };
 
-// The columns of each table, for a writer and for a reader, but for a key that no struct has.
+// PassColumns() names the columns of a table once, for a RowWriter and for a RowReader. A key that
+// is no field of the struct is written and read beside it.
 template <typename Io>
 void PassColumns(SessionRow& session, Io* io) {
   PinholeCamera& camera = session.sensor.camera;
@@ -75,7 +76,7 @@ void PassColumns(KeyframeLink& keyframe, Io* io) {
   io->Pass(keyframe.frame, keyframe.parent_frame, keyframe.submap);
 }
 
-// The information is packed.
+// The information of the edge is packed into bytes.
 template <typename Io>
 void PassColumns(KeptEdge& kept, Blob& information, Io* io) {
   io->Pass(kept.edge.a, kept.edge.b, kept.edge.a_from_b, information, kept.edge.loop,

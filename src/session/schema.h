@@ -103,7 +103,7 @@ class RowReader {
     return *value;
   }
   int TakeInt();  // that fits
-  // Into values of any of the types that columns and fields have.
+  // Takes the next values into these, which may have any type of a column or field.
   template <typename... Ts>
   void Pass(Ts&... values) {
     (TakeInto(&values), ...);

@@ -1,11 +1,11 @@
-#include "mesh/mesh_steps.h"
-
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
 #include <cmath>
 #include <map>
 #include <utility>
+
+#include "mesh/mesh_steps.h"
 
 namespace surfit::testing {
 namespace {

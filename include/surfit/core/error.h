@@ -29,7 +29,7 @@ void ThrowIf(bool condition, const Parts&... parts) {
   if (condition) throw InputError(parts...);
 }
 
-// What `work` returns; what it throws as InputError names the place first.
+// Returns what `work` returns. If it throws InputError, the place comes first in the message.
 template <typename Work>
 auto WithPlace(const std::string& place, const Work& work) {
   try {

@@ -32,14 +32,14 @@ class ChunkedLog : public MessageLog {
   };
 
   const BinaryFile& file() const { return file_; }
-  // Calls `take` with the chunk's number and its bytes, until it has taken all of them. What cannot
-  // be expanded or taken is left out, with a warning that tells of the record at byte `at`.
+  // Calls `take` with the chunk's number and its bytes until no bytes are left. If they cannot be
+  // expanded or taken, the rest is left out, and a warning names the record at byte `at`.
   void AddChunk(const Chunk& chunk, std::uint64_t at, const std::string& name,
                 const std::function<void(int, Cursor*)>& take);
   // Lists a message, whose bytes are at `at` of the part.
   void AddMessage(std::size_t topic, std::int64_t recorded_ns, int part, std::uint64_t at,
                   std::string_view bytes);
-  // Its number; each is added once.
+  // Returns the number of the topic. A topic that is there already is not added again.
   std::size_t AddTopic(const std::string& name, const std::string& type,
                        Serialization serialization);
   void Warn(const std::string& sentence) { warnings_.push_back(path() + sentence); }

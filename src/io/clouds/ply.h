@@ -49,7 +49,7 @@ PlyHeader ParsePlyHeader(std::string_view file, const std::string& path);
 const PlyElement& FindPlyElement(const PlyHeader& header, std::string_view name,
                                  const std::string& path);
 
-// Where a scalar property stands in a row.
+// Returns the column of a scalar property, or nothing if there is no such property.
 std::optional<std::size_t> FindPlyColumn(const PlyElement& element, std::string_view name);
 
 // Where three scalar properties stand in a row, if all of them do.

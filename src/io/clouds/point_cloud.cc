@@ -29,7 +29,7 @@ Rgb8 Color(const double* row, const PlyColumns& c) {
   return {byte(0), byte(1), byte(2)};
 }
 
-// Calls a function with all that points may be without.
+// Calls a function with each column that a cloud need not have.
 template <typename Cloud, typename F>
 void ForEachOptional(Cloud& cloud, const F& f) {
   f(cloud.normals);

@@ -31,17 +31,17 @@ class BinaryFile {
   std::uint64_t size_ = 0;
 };
 
-// An image within a .klg or .sens file: row by row 16-bit little endian counts, or red, green and
-// blue; or else depth compressed by zlib, and colour as JPEG or PNG.
+// The place of an image in a .klg or .sens file. Raw depth is 16-bit little endian counts, other
+// depth is compressed by zlib. Raw colour is red, green and blue, other colour is a JPEG or PNG.
 struct ImageBytes {
   std::uint64_t at = 0, count = 0;
   ImageSize size;
   bool is_raw = false;
 };
 
-// Of a frame; without colour where it has no bytes. Throws InputError naming the file and the frame
-// unless the bytes hold an image of that size; it is compared with what they can hold before memory
-// is taken for it.
+// Reads the images of a frame, without colour if it has no bytes. Throws InputError naming the file
+// and the frame if the bytes do not hold an image of that size. The size is compared with the bytes
+// before memory is taken for the image.
 FrameImages ReadImages(const BinaryFile& file, int frame, const ImageBytes& depth,
                        const ImageBytes& color);
 
