@@ -117,6 +117,26 @@ TEST(OptimizePoseGraph, FindsTheTruthOfExactMeasurements) {
   }
 }
 
+// Three measurements of one rotation: half turns about x, y and z, with weights 0.4, 0.35 and 0.25.
+// Their mean is diag(-0.2, -0.3, -0.5), a mirror. The sum of weight * |R - R_i|^2 over rotations is
+// least at the measurement of the largest weight.
+TEST(ChordalPoses, ReturnRotationsIfTheLinearSolutionIsAMirror) {
+  PoseGraph graph;
+  graph.poses.resize(2);
+  const double weights[] = {0.4, 0.35, 0.25};
+  for (int axis = 0; axis < 3; ++axis) {
+    PoseGraphEdge edge;
+    edge.a = 0;
+    edge.b = 1;
+    edge.a_from_b.rotation = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::Unit(axis));
+    edge.information = weights[axis] * decltype(edge.information)::Identity();
+    graph.edges.push_back(edge);
+  }
+  const auto poses = ChordalPoses(graph, {true, false});
+  ASSERT_TRUE(poses);
+  EXPECT_THAT(poses->at(1), RigidNear(graph.edges[0].a_from_b, 1e-9, 1e-9));
+}
+
 // Each measurement as two of rank 3, whose informations add up to its own.
 PoseGraph SplitByDirection(const PoseGraph& graph) {
   using Matrix6d = Eigen::Matrix<double, 6, 6>;

@@ -196,6 +196,32 @@ TEST(Slam, ReportsAddUpToTheMap) {
   EXPECT_EQ(static_cast<int>(IdealRun().map.size()), size);
 }
 
+// A readout moves pixels by the motion of the camera. Slam expects no motion if frames are more
+// than 0.1 s apart, so the readout changes nothing then.
+TEST(Slam, ExpectsNoMotionBetweenDistantFrames) {
+  SlamOptions options;
+  options.calibration.enabled = false;
+  const auto run_with = [&](double readout_s, double frame_s) {
+    DepthSensor sensor = {IdealRoom().camera, {}};
+    sensor.readout_s = readout_s;
+    Slam slam(sensor, options, {});
+    SlamRun run;
+    for (int i = 0; i < 5; ++i) {
+      RgbdFrame frame = IdealRoom().frames[i];
+      frame.stamp_s = frame.color_stamp_s = frame_s * i;
+      run.reports.push_back(slam.Process(frame));
+    }
+    run.map = slam.map();
+    return run;
+  };
+  const SlamRun without = run_with(0, 0.2), with = run_with(0.03, 0.2);
+  ExpectAllTracked(with);
+  ExpectSamePoses(with.reports, without.reports);
+  ExpectSameMap(with.map, without.map);
+  EXPECT_NE(run_with(0.03, 0.05).reports.back().world_from_camera.Matrix(),
+            run_with(0, 0.05).reports.back().world_from_camera.Matrix());
+}
+
 // A camera delivers some frames twice.
 TEST(Slam, AFrozenFrameKeepsThePoseAndFusesNothing) {
   const SimulatedSequence& room = IdealRoom();
