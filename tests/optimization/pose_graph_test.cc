@@ -137,6 +137,25 @@ TEST(ChordalPoses, ReturnRotationsIfTheLinearSolutionIsAMirror) {
   EXPECT_THAT(poses->at(1), RigidNear(graph.edges[0].a_from_b, 1e-9, 1e-9));
 }
 
+TEST(ChordalPoses, AreExactWhicheverPoseIsHeld) {
+  TrueGraph exact = MakeSphere(3, 5);
+  for (PoseGraphEdge& edge : exact.graph.edges) {
+    edge.a_from_b = exact.truth[edge.a].Inverse() * exact.truth[edge.b];
+  }
+  const std::size_t count = exact.truth.size();
+  for (const std::size_t held : {std::size_t{0}, count / 2, count - 1}) {
+    PoseGraph graph = exact.graph;
+    graph.poses[held].world_from_pose = exact.truth[held];
+    std::vector<bool> is_held(count, false);
+    is_held[held] = true;
+    const auto poses = ChordalPoses(graph, is_held);
+    ASSERT_TRUE(poses);
+    for (std::size_t i = 0; i < count; ++i) {
+      EXPECT_THAT(poses->at(i), RigidNear(exact.truth[i], 1e-6, 1e-8)) << held << " " << i;
+    }
+  }
+}
+
 // Each measurement as two of rank 3, whose informations add up to its own.
 PoseGraph SplitByDirection(const PoseGraph& graph) {
   using Matrix6d = Eigen::Matrix<double, 6, 6>;

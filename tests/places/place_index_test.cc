@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 
 #include "places/simulated_places.h"
@@ -72,6 +73,28 @@ TEST(PlaceIndex, OrdersBySimilarityAndGivesNoMoreThanAskedFor) {
   EXPECT_EQ(candidates[0].keyframe, 2);
   EXPECT_EQ(candidates[1].keyframe, 9);
   EXPECT_EQ(index.Query(view, 1, [](int keyframe) { return keyframe == 7; })[0].keyframe, 7);
+}
+
+// Ten keyframes share 60 features, and each has 40 of its own. A feature of k of 10 keyframes has
+// the weight log(11 / k). So another keyframe has 60 log(11 / 10) of 60 log(11 / 10) + 40 log(11)
+// votes.
+TEST(PlaceIndex, WeighsFeaturesByTheirRarity) {
+  const auto view = [](int keyframe) {
+    PlaceView both = RandomView(keyframe, 40);
+    const PlaceView shared = RandomView(1000, 60);
+    both.features.insert(both.features.end(), shared.features.begin(), shared.features.end());
+    return both;
+  };
+  PlaceIndexOptions options;
+  options.min_similarity = 0;
+  PlaceIndex index(options);
+  for (int i = 0; i < 10; ++i) index.Add(i, view(i));
+  const auto candidates = index.Query(view(3), 10, Any);
+  ASSERT_EQ(candidates.size(), 10);
+  EXPECT_EQ(candidates[0].keyframe, 3);
+  EXPECT_NEAR(candidates[0].similarity, 1, 1e-12);
+  const double common = 60 * std::log(1.1), own = 40 * std::log(11.);
+  EXPECT_NEAR(candidates[1].similarity, common / (common + own), 1e-12);
 }
 
 TEST(PlaceIndex, ForgetsWhatIsRemoved) {

@@ -161,6 +161,23 @@ TEST(FindConsensus, FindsThePoseAmongMostlyWrongMatches) {
   EXPECT_THAT(found[0].target_from_source, RigidNear(kPose, 0.05 / 13 * 2, 0.05 / 13 * 2));
 }
 
+// Six matches of one point are off by 2.5 sigmas, to both sides along each axis. So no other pose
+// is nearer to all of them than the pose of the exact matches.
+TEST(FindConsensus, CountsMatchesWithinThreeSigmas) {
+  constexpr int kExact = 44;
+  Matched m = MakeMatched(kExact + 6, kExact + 6);
+  for (int i = 0; i < 6; ++i) {
+    const int match = kExact + i;
+    m.source.points[match] = {0, 0, 2};
+    const double sigma_m = std::hypot(m.source.sigmas_m[match], m.target.sigmas_m[match]);
+    m.target.points[match] = kPose * m.source.points[match] +
+                             (i % 2 == 0 ? 2.5 : -2.5) * sigma_m * Eigen::Vector3d::Unit(i / 2);
+  }
+  const std::vector<Consensus> found = FindConsensus(m.source, m.target, m.matches, 1);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].inliers, FirstOnes(kExact + 6));
+}
+
 TEST(FindConsensus, FindsNothingInTooFewMatches) {
   const Matched m = MakeMatched(3, 3);
   EXPECT_TRUE(FindConsensus(m.source, m.target, m.matches, 5).empty());

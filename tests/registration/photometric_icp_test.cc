@@ -56,6 +56,21 @@ INSTANTIATE_TEST_SUITE_P(All, PhotometricSolvers,
                                            "ceres", "ceres_per_point", "tiny"),
                          [](const auto& instance) { return instance.param; });
 
+// Every third row of points, and intensities of all rows with a third of the weight, have a third
+// of the information in each direction. Shape holds three of the directions, intensities the
+// others.
+TEST(PhotometricIcp, WeighsIntensitiesAsTheRowsOfPoints) {
+  const WallFrames frames(AlongTheWall());
+  IcpOptions options = Options(0.1);
+  const IcpResult all = Register(frames.source, frames.target, Rigid3d(), options);
+  options.min_source_rows = frames.source.levels[0].vertex.height() / 3;
+  const IcpResult third = Register(frames.source, frames.target, Rigid3d(), options);
+  for (int i = 0; i < 6; ++i) {
+    EXPECT_NEAR(third.information(i, i), all.information(i, i) / 3, 0.05 * all.information(i, i))
+        << i;
+  }
+}
+
 // The step of a solver over both kinds of residuals.
 Vector6d StepOf(const std::string& solver, const WallFrames& frames) {
   PoseSolverOptions options;

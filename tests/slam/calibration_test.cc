@@ -6,6 +6,7 @@
 #include "mapping/same_map.h"
 #include "slam/simulated_sequence.h"
 #include "surfit/frame/prepare_frame.h"
+#include "testing/matchers.h"
 #include "testing/threads.h"
 
 namespace surfit::testing {
@@ -147,6 +148,70 @@ TEST(SlamCalibrationThreads, FindTheSameBitForBit) {
   EXPECT_EQ(runs[0].found.camera.fx, runs[1].found.camera.fx);
   EXPECT_EQ(runs[0].found.field.coefficients, runs[1].found.field.coefficients);
   ExpectSameMap(runs[0].map, runs[1].map);
+}
+
+// The loop is 5 cm off odometry, and closes while the camera is calibrated. Calibration moves
+// keyframes as well, by less.
+TEST(CalibrationAndLoops, CalibrationKeepsTheCorrectionOfALoop) {
+  SlamOptions options;
+  options.loops.enabled = true;
+  options.loops.delay_frames = 1;
+  options.loops.keyframes.max_distance_m = 0.05;
+  options.loops.graph.loop_robustness = "none";
+  options.loops.noise.odometry_m = options.loops.noise.odometry_rad = 0.1;  // the loop holds
+  options.calibration.first_keyframes = options.calibration.max_keyframes = 5;
+  options.calibration.refinement.calibration_sigmas = 0;  // any change takes effect
+  const SimulatedSequence room =
+      WronglyGiven(Simulate("room", 1, 40, Sensor::kKinect, SimulatedCamera()));
+  Slam slam({room.camera, {}}, options, room.world_from_camera[0]);
+  Rigid3d first_from_last;
+  slam.UseLoopFinder([&](int source, const std::vector<Keyframe>& keyframes, const PlaceIndex&) {
+    if (source != 4) return std::vector<LoopAttempt>();
+    const Rigid3d aside(Eigen::Quaterniond::Identity(), {0.03, 0, 0.04});
+    first_from_last =
+        aside * keyframes[0].world_from_camera.Inverse() * keyframes[4].world_from_camera;
+    LoopAttempt loop;
+    loop.proposal.source = 4;
+    loop.proposal.target = 0;
+    loop.verdict.reason = FarReason::kAccepted;
+    loop.verdict.target_from_source = first_from_last;
+    loop.verdict.information = 1e8 * Matrix6d::Identity();
+    return std::vector<LoopAttempt>{loop};
+  });
+  for (const RgbdFrame& frame : room.frames) slam.Process(frame);
+  slam.Finish();
+  const Backend& backend = *slam.backend();
+  ASSERT_TRUE(backend.is_recalibrated());
+  ASSERT_EQ(backend.counts().loops_accepted, 1u);
+  const auto pose_of = [&](int keyframe) {
+    return backend.frames()[backend.FrameOfKeyframe(keyframe)].world_from_camera;
+  };
+  EXPECT_THAT(pose_of(0).Inverse() * pose_of(4), RigidNear(first_from_last, 0.02, 0.02));
+}
+
+// Colours are 30 ms earlier than depth, which their stamps tell or do not tell.
+TEST(ColorLatency, IsWhatTheStampsOfColorsDoNotTell) {
+  constexpr double kEarlier_s = 0.03;
+  RgbdCamera camera;
+  camera.depth = SimulatedCamera();
+  camera.color_latency_s = kEarlier_s;
+  SlamOptions options;
+  options.loops.keyframes.max_distance_m = 0.05;
+  options.calibration.first_keyframes = options.calibration.max_keyframes = 14;
+  SimulatedSequence room = Simulate("room", 1, 160, Sensor::kKinect, camera, {}, 2);
+  for (const bool is_told : {false, true}) {
+    Slam slam({room.camera, {}}, options, room.world_from_camera[0]);
+    for (RgbdFrame& frame : room.frames) {
+      frame.color_stamp_s = frame.stamp_s - (is_told ? kEarlier_s : 0);
+      slam.Process(frame);
+    }
+    slam.Finish();
+    ASSERT_EQ(slam.backend()->calibrations().size(), 1u);
+    const ColorLatency& found = slam.backend()->calibrations()[0].color_latency;
+    EXPECT_GT(found.keyframes, 0);
+    EXPECT_NEAR(found.latency_s, is_told ? 0 : kEarlier_s, 3 * found.sigma_s);
+    EXPECT_LT(found.sigma_s, kEarlier_s / 5);
+  }
 }
 
 }  // namespace

@@ -8,8 +8,11 @@
 #include <cmath>
 
 #include "slam/edge_information.h"
+#include "slam/loop_closer.h"
 #include "slam/simulated_sequence.h"
 #include "surfit/slam/slam.h"
+#include "testing/matchers.h"
+#include "testing/random_pose.h"
 
 namespace surfit::testing {
 namespace {
@@ -78,6 +81,28 @@ TEST(SlamEdges, RelocalisationHasTheInformationOfALoop) {
   };
   EXPECT_GT(least_sigma(covariance.topLeftCorner<3, 3>()), noise.loop_rad);
   EXPECT_GT(least_sigma(covariance.bottomRightCorner<3, 3>()), noise.loop_m);
+}
+
+// An edge differs from the poses of its keyframes by an error. A new calibration moves the
+// keyframes and keeps the error.
+TEST(Recalibrate, KeepsTheErrorsOfEdges) {
+  std::mt19937_64 random(1);
+  const auto poses = [&] {
+    return std::vector<Rigid3d>{RandomPose(1, 1, &random), RandomPose(1, 1, &random),
+                                RandomPose(1, 1, &random)};
+  };
+  const std::vector<Rigid3d> before = poses(), after = poses(), errors = poses();
+  std::vector<PoseGraphEdge> edges(3);
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    edges[i].a = i;
+    edges[i].b = (i + 1) % 3;
+    edges[i].a_from_b = before[edges[i].a].Inverse() * before[edges[i].b] * errors[i];
+  }
+  Recalibrate(before, after, &edges);
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    EXPECT_THAT(edges[i].a_from_b,
+                RigidNear(after[edges[i].a].Inverse() * after[edges[i].b] * errors[i], 1e-9, 1e-9));
+  }
 }
 
 }  // namespace

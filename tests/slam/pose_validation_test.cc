@@ -105,6 +105,26 @@ TEST(ViewComparison, FewPointsContradictTheRightPoseAndManyAWrongOne) {
   EXPECT_GT(wrong.in_front + wrong.behind, 0.3 * wrong.compared);
 }
 
+// The frame shows a wall in front of the wall of the model.
+TEST(ViewComparison, AllowsForTheNoiseOfBothViews) {
+  const DepthNoise noise;
+  const ErrorModel error_model;
+  const auto wall_at = [](double depth_m) {
+    RgbdFrame wall;
+    wall.depth_m = Image<float>(160, 120, static_cast<float>(depth_m));
+    return SurfaceOf(wall);
+  };
+  // Five sigmas, the frame's at about 1.9 m.
+  const double bound_m = 5 * std::hypot(error_model.Sigma(1.9, noise), noise.SigmaZ(2));
+  const auto share_in_front = [&](double height_m) {
+    const ViewComparison views =
+        CompareViews(wall_at(2 - height_m), {}, wall_at(2), {}, error_model, Rigid3d());
+    return static_cast<double>(views.in_front) / views.compared;
+  };
+  EXPECT_EQ(share_in_front(0.95 * bound_m), 0);
+  EXPECT_EQ(share_in_front(1.05 * bound_m), 1);
+}
+
 // A frame with a ball of 0.25 m radius before the camera.
 RgbdFrame WithBall(int i, double across_m) {
   const Rigid3d& world_from_camera = IdealRoom().world_from_camera[i];

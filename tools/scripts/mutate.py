@@ -133,7 +133,7 @@ def build(source, jobs):
 
 
 class Results:
-    """What is known of the faults, on disk."""
+    """The results of all faults, in a file."""
 
     def __init__(self, path):
         self.path = path
@@ -148,11 +148,12 @@ class Results:
         self.path.write_text(json.dumps(self.of, indent=1))
 
 
-def failed_test(source, number, arguments):
+def failed_test(source, number, arguments, jobs):
     """Name of the first test that fails with this fault, or None."""
-    run = subprocess.run(["ctest", "--preset", "release", "--stop-on-failure", *arguments], cwd=source, text=True,
-                         env={**os.environ, "SURFIT_MUTATION": str(number)}, stdin=subprocess.DEVNULL,
-                         stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    command = ["ctest", "--preset", "release", "--stop-on-failure", "--no-tests=ignore", "--parallel", str(jobs),
+               *arguments]
+    run = subprocess.run(command, cwd=source, env={**os.environ, "SURFIT_MUTATION": str(number)}, text=True,
+                         stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     if run.returncode == 0:
         return None
     failed = re.search(r"The following tests FAILED:\s+\d+ - (\S+)", run.stdout)
@@ -161,26 +162,25 @@ def failed_test(source, number, arguments):
     return failed[1]
 
 
-def stages(fault, jobs):
+def stages(fault):
     """Arguments of ctest for each stage."""
-    parallel = ["--parallel", str(jobs)]
     programs = f"^({MODULES[fault['module']]})\\."
-    yield [*parallel, "--tests-regex", programs, "--label-exclude", EXCLUDED_LABELS + "|slow"]
-    yield [*parallel, "--tests-regex", programs, "--label-exclude", EXCLUDED_LABELS, "--label-regex", "slow"]
-    yield [*parallel, "--exclude-regex", f"{programs}|^({EXCLUDED_PROGRAMS})\\.", "--label-exclude", EXCLUDED_LABELS]
+    yield ["--tests-regex", programs, "--label-exclude", EXCLUDED_LABELS + "|slow"]
+    yield ["--tests-regex", programs, "--label-exclude", EXCLUDED_LABELS, "--label-regex", "slow"]
+    yield ["--exclude-regex", f"{programs}|^({EXCLUDED_PROGRAMS})\\.", "--label-exclude", EXCLUDED_LABELS]
 
 
 def run_fault(fault, source, results, jobs):
     begin = time.monotonic()
     found_by = None
-    for arguments in stages(fault, jobs):
+    for arguments in stages(fault):
         if arguments not in results.of["passed"]:
-            failed = failed_test(source, 0, arguments)
+            failed = failed_test(source, 0, arguments, jobs)
             if failed:
                 sys.exit(f"error: {failed} fails without a fault")
             results.of["passed"].append(arguments)
             results.save()
-        found_by = failed_test(source, fault["number"], arguments)
+        found_by = failed_test(source, fault["number"], arguments, jobs)
         if found_by:
             break
     results.of["faults"][fault["name"]] = {"found_by": found_by, "replacement": fault["replacement"],
@@ -196,7 +196,8 @@ def print_table(faults, results):
     for fault in faults:
         print(f"{fault['module']:<13}{fault['name']:<49}{outcome(results.of_fault(fault))}")
     known = [result for result in map(results.of_fault, faults) if result]
-    print(f"{sum(bool(result['found_by']) for result in known)} of {len(known)} found")
+    found = sum(bool(result["found_by"]) for result in known)
+    print(f"{found} of {len(faults)} found, {len(known) - found} survived, {len(faults) - len(known)} not run")
 
 
 def main():
