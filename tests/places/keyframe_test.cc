@@ -157,6 +157,13 @@ TEST(OverlapShare, CountsWhatIsInTheImageAndNotHidden) {
   EXPECT_EQ(OverlapShare(Keyframe(), WallAt(2), Rigid3d()), 0);
 }
 
+// The camera goes 1 m towards the wall at 2 m. The wall is then twice as large in the image, so a
+// quarter of the points stay in it. One row or column in eight pixels may fall to either side.
+TEST(OverlapShare, IsAQuarterAtHalfTheDistance) {
+  const Rigid3d nearer(Eigen::Quaterniond::Identity(), {0, 0, 1});
+  EXPECT_NEAR(OverlapShare(KeyframeAtOrigin(), WallAt(1), nearer), 0.25, 8. / 240);
+}
+
 TEST(KeyframeOptions, RefuseWhatMakesNoSense) {
   const auto expect_refused = ExpectOptionsRefused<KeyframeOptions>;
   Validate(KeyframeOptions());

@@ -52,6 +52,21 @@ TEST(CompareMotions, CountsThoseThatMoveAsPosedAndByOneOtherMotion) {
   EXPECT_TRUE(Compare({20, 25, 10}).IsRefuted());
 }
 
+// Points at rest, seen by two cameras that are far apart.
+TEST(CompareMotions, FindsNoMotionOfPointsAtRest) {
+  const Rigid3d world_from_source(QuaternionExp<double>({0.3, -0.2, 0.1}), {1, 2, 3});
+  const Rigid3d world_from_target(QuaternionExp<double>({0.1, 0.2, -0.3}), {1.5, 1.8, 2.7});
+  Shared shared(40, 0, 0);
+  for (int i = 0; i < shared.source.size(); ++i) {
+    shared.target.points[i] =
+        world_from_target.Inverse() * (world_from_source * shared.source.points[i]);
+  }
+  const FeatureMotion motion = CompareMotions(shared.source, {world_from_source, {}}, shared.target,
+                                              {world_from_target, {}});
+  EXPECT_EQ(motion.as_posed, 40);
+  EXPECT_EQ(motion.apart, 0);
+}
+
 TEST(CompareMotions, OfWhatIsBehindHalfAsManyTell) {
   EXPECT_TRUE(Compare({40, 25, 10, 1.5}).IsRefuted());
   EXPECT_FALSE(Compare({40, 25, 10, -0.5}).IsRefuted());

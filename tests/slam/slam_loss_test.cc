@@ -169,6 +169,28 @@ TEST(Slam, AfterALossNoMotionIsExpected) {
   EXPECT_EQ(first_losses[0], first_losses[1]);
 }
 
+// The camera repeats one motion, seen in its own frame, and is turned in the world. So the
+// prediction is the true pose, and ICP starts there.
+TEST(Slam, PredictsASteadyMotionInTheCameraFrame) {
+  const Scene scene = MakeScene("room", 1);
+  const Rigid3d motion(QuaternionExp<double>({0.02, 0.03, 0}), {0.03, 0, 0.02});
+  const auto first_loss = [&](const char* motion_model) {
+    SlamOptions options;
+    options.motion_model = motion_model;
+    options.initialize = "identity";
+    Rigid3d world_from_camera = IdealRoom().world_from_camera[0];
+    Slam slam({IdealRoom().camera, {}}, options, world_from_camera);
+    FrameReport report;
+    for (int i = 0; i < 4; ++i) {
+      report = slam.Process(RenderFrame(scene, IdealRoom().camera, world_from_camera, i, i / 30.));
+      world_from_camera = world_from_camera * motion;
+    }
+    EXPECT_EQ(report.state, FrameState::kTracked) << motion_model;
+    return report.icp.iterations.at(0).average_loss;
+  };
+  EXPECT_LT(first_loss("constant_velocity"), 0.1 * first_loss("constant_pose"));
+}
+
 // A Kinect needs some frames until it measures: they must not become an empty map that nothing can
 // ever be tracked against.
 TEST(Slam, StartsWithTheFirstFrameThatHasDepth) {
