@@ -148,6 +148,28 @@ TEST_P(SingularImages, EndInTheirOwnTermination) {
   }
 }
 
+// The source is turned by 40 degrees about the view axis. A point of the wall x = 0 moves from the
+// start along x only, in the frame of the target.
+TEST(Register, LeavesFreeMotionAloneIfTheViewsAreTurned) {
+  const Rigid3d world_from_target = PoseBeforeTheCorner();
+  const Rigid3d turn(QuaternionExp<double>({0, 0, 0.7}), Eigen::Vector3d::Zero());
+  const Rigid3d world_from_source = world_from_target * turn;
+  const FramePyramid source = OneLevel(RenderCorner(world_from_source, 1));
+  const FramePyramid target = OneLevel(RenderCorner(world_from_target, 1));
+  const Rigid3d offset(QuaternionExp<double>({0.003, -0.002, 0.004}), {0.006, -0.004, 0.005});
+  const Rigid3d start = offset * turn;
+  const IcpResult result = Register(source, target, start, IcpOptions());
+  EXPECT_EQ(result.termination, Termination::kSingularSystem);
+  EXPECT_LT(result.rmse_m, 1e-5);
+  const auto point_by = [&](const Rigid3d& pose) {
+    return world_from_target * (pose * (world_from_source.Inverse() * Eigen::Vector3d(0, 1, 0.9)));
+  };
+  const Eigen::Vector3d moved = point_by(result.target_from_source) - point_by(start);
+  EXPECT_GT(std::abs(moved.x()), 1e-3);
+  EXPECT_NEAR(moved.y(), 0, 3e-4);
+  EXPECT_NEAR(moved.z(), 0, 3e-4);
+}
+
 // With noisy normals a plane seems to hold everything. Asked to see through it, ICP leaves alone
 // what only noise holds: to first order, the motion from the start has no part in the plane.
 TEST(Register, LeavesAloneWhatOnlyNoiseOfTheNormalsHolds) {
