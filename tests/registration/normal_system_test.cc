@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 
+#include "registration/global/register_from.h"
 #include "registration/icp/icp_level.h"
 #include "registration/random_correspondences.h"
 #include "surfit/registration/pose_solver.h"
@@ -182,6 +183,14 @@ TEST(TrustedInformation, TakesAShareOfWhatIntensitiesSay) {
   const Matrix6d added = TrustedInformation(system, 0.01) - of_points;
   EXPECT_THAT(kSharedPoints * system.VarianceFactor() * added,
               VectorNear((10 * Matrix6d::Identity()).eval(), 1e-6));
+}
+
+// Floors and disagreements are the same of both.
+TEST(RealisticCovariance, GrowsByTheNumberOfPointsThatShareAnError) {
+  const Matrix6d covariance = (1e-6 * Vector6d::LinSpaced(1, 6)).asDiagonal();
+  const Matrix6d difference =
+      RealisticCovariance(3 * covariance, 0.01, 0.02) - RealisticCovariance(covariance, 0.01, 0.02);
+  EXPECT_THAT(difference, VectorNear((2 * kSharedPoints * covariance).eval(), 1e-12));
 }
 
 TEST(CovarianceOf, IsTheInverseInformationTimesTheVarianceFactor) {
