@@ -29,7 +29,7 @@ void BindStageTimes(py::module_& module) {
 }
 
 std::optional<Rigid3d> PoseOfReport(const FrameReport& report) {
-  if (report.state == FrameState::kLost) return std::nullopt;
+  if (!report.HasPose()) return std::nullopt;
   return report.world_from_camera;
 }
 

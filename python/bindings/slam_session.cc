@@ -82,7 +82,7 @@ FrameReport SlamSession::Process(const Frame& frame,
                                    ? slam_->ProcessAt(frame.images, *world_from_camera)
                                    : slam_->Process(frame.images);
     next_index_ = frame.images.index + 1;
-    if (report.state != FrameState::kLost) {
+    if (report.HasPose()) {
       trajectory_.push_back({report.stamp_s, report.world_from_camera});
     }
     if (thrown_) std::rethrow_exception(std::exchange(thrown_, nullptr));

@@ -29,20 +29,20 @@ void WriteViews(const RunOutcome& run, const DepthSensor& sensor, std::vector<Ke
 void WriteThumbnails(const RunOutcome& run, const DepthSensor& sensor,
                      std::vector<KeptView>* thumbnails) {
   std::map<int, Rigid3d> poses;
-  const Trajectory& trajectory = run.slam.trajectory();
+  const Trajectory& trajectory = run.trajectory.poses();
   for (std::size_t i = 0; i < trajectory.size(); ++i) {
-    poses[run.slam.frames()[i]] = trajectory[i].world_from_camera;
+    poses[run.trajectory.frames()[i]] = trajectory[i].world_from_camera;
   }
   *thumbnails = run.thumbnails.Finish(run.map, sensor, poses);
   Thumbnails::Write(*thumbnails, run.options.output);
 }
 
 // Those of the frames that the run has a pose of, and what leads from one of these to the next.
-std::vector<KeyframeLink> OwnKeyframes(const SequenceSlam& slam) {
+std::vector<KeyframeLink> OwnKeyframes(const RunOutcome& run) {
   std::vector<KeyframeLink> keyframes;
-  if (!slam.slam().backend() || slam.frames().empty()) return keyframes;
-  const int first = slam.frames().front();
-  for (KeyframeLink link : slam.slam().backend()->poses().keyframes()) {
+  if (!run.backend || run.trajectory.frames().empty()) return keyframes;
+  const int first = run.trajectory.frames().front();
+  for (KeyframeLink link : run.backend->poses().keyframes()) {
     if (link.frame < first) continue;
     if (link.parent_frame < first) link.parent_frame = KeyframeLink::kNone;
     keyframes.push_back(link);
@@ -53,9 +53,9 @@ std::vector<KeyframeLink> OwnKeyframes(const SequenceSlam& slam) {
 void WritePictures(const RunOutcome& run, const Trajectory& truth, Failures* failures) {
   const TraceSlice slice("write_pictures");
   const std::string& folder = run.options.output;
-  failures->Try([&] { WriteMapPictures(run.map, run.slam.trajectory(), folder); });
+  failures->Try([&] { WriteMapPictures(run.map, run.trajectory.poses(), folder); });
   failures->Try([&] {
-    WriteTrajectoryPicture(AlignedWithTruth(run.slam.trajectory(), run.evaluation), truth,
+    WriteTrajectoryPicture(AlignedWithTruth(run.trajectory.poses(), run.evaluation), truth,
                            folder + "/trajectory.png");
   });
 }
@@ -68,16 +68,16 @@ void WriteRunResults(const RunOutcome& run, Failures* failures) {
     const TraceSlice slice("write_map");
     WriteSurfelPly(run.map, folder + "/map.ply");
   });
-  const DepthSensor sensor = run.slam.found().Of(run.slam.info().sensor());
+  const DepthSensor sensor = run.found.Of(run.info.sensor());
   std::vector<KeptView> views;
   failures->Try([&] { WriteViews(run, sensor, &views); });
   std::vector<KeptView> thumbnails;
   failures->Try([&] { WriteThumbnails(run, sensor, &thumbnails); });
-  const std::vector<KeyframeLink> keyframes = OwnKeyframes(run.slam);
+  const std::vector<KeyframeLink> keyframes = OwnKeyframes(run);
   Trajectory truth;
-  failures->Try([&] { truth = TruthDuring(run.stamps_s, run.slam.info().ground_truth); });
+  failures->Try([&] { truth = TruthDuring(run.stamps_s, run.info.ground_truth); });
   failures->Try([&] {
-    WritePosesJson({sensor.camera, run.slam.found(), run.slam.trajectory(), run.slam.frames(),
+    WritePosesJson({sensor.camera, run.found, run.trajectory.poses(), run.trajectory.frames(),
                     truth, run.evaluation, views, thumbnails, keyframes},
                    folder + "/poses.json");
   });

@@ -3,9 +3,10 @@
 #include <optional>
 #include <vector>
 
+#include "finishing/found_sensor.h"
 #include "run/results/failures.h"
 #include "run/results/kept_views.h"
-#include "run/sequence_slam.h"
+#include "run/results/run_files.h"
 #include "surfit/evaluation/trajectory_evaluation.h"
 #include "surfit/run/slam_run.h"
 
@@ -13,7 +14,10 @@ namespace surfit {
 
 // What a run has come to.
 struct RunOutcome {
-  const SequenceSlam& slam;
+  const SequenceInfo& info;
+  const RunTrajectory& trajectory;
+  const FoundSensor& found;
+  const Backend* backend;  // null without loops and calibration
   const SurfelMap& map;
   const KeptViews& views;
   const Thumbnails& thumbnails;

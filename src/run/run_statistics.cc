@@ -51,7 +51,7 @@ void RunStatistics::CountProcessed(const RgbdFrame& frame, const FrameReport& re
   summary_.input_points_valid += valid_points;
   summary_.frames_apart += report.is_apart;
   summary_.frames_confirmed += report.confirmed.has_value();
-  if (report.state == FrameState::kLost) {
+  if (!report.HasPose()) {
     ++summary_.frames_lost;
     summary_.frames_lost_in_motion += much_moves_;
     return;
@@ -103,7 +103,7 @@ void RunStatistics::AddTimes(const ReadResult& result, const StageTimes& times, 
   }
   const std::array<double, kStages.size()> stages_ms = {
       result.decode_ms, times.prepare_ms, times.predict_ms, times.track_ms,
-      times.fuse_ms,    times.correct_ms,    write_ms};
+      times.fuse_ms,    times.correct_ms, write_ms};
   for (std::size_t i = 0; i < kStages.size(); ++i) stages_ms_[i].push_back(stages_ms[i]);
 }
 

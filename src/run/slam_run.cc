@@ -27,7 +27,7 @@
 #include "run/results/run_files.h"
 #include "run/run_results.h"
 #include "run/run_statistics.h"
-#include "run/sequence_slam.h"
+#include "run/start_slam.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
@@ -50,14 +50,25 @@ std::unique_ptr<FrameSource> OpenSource(const SlamRunOptions& options,
   return OfferFrames(std::move(source), options.offered_fps, options.queue_capacity);
 }
 
+// Throws InputError if the options ask for true poses that the sequence lacks.
+const SequenceInfo& WithTruthIfAsked(const SequenceInfo& info, const SlamRunOptions& options) {
+  ThrowIf(options.poses == "groundtruth" && info.ground_truth.empty(),
+          "poses is 'groundtruth', but ", options.sequence.path, " has no ground truth");
+  return info;
+}
+
 std::int64_t PeakRssBytes() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<std::int64_t>(usage.ru_maxrss) * 1024;
 }
 
-// A run in progress: frames from the source go through SLAM, and what it makes of them to the
-// statistics and files.
+// A run in progress. The stages of a frame are:
+//   read      the frame of the sequence                     FrameSource
+//   correct, prepare, predict, track, keyframe, fuse        Slam::Process()
+//   write     pose and row of the frame                     RunTrajectory, FrameTable
+// After the last frame poses and camera are refined, the final map is fused, and all results are
+// written (finishing, run_results.h).
 class SlamRun {
  public:
   // The session is null without one.
@@ -67,21 +78,21 @@ class SlamRun {
         statistics_(options.slam),
         map_period_(options.slam.map_period),
         source_(OpenSource(options, interrupted)),
-        info_(source_->info()),
+        info_(WithTruthIfAsked(source_->info(), options)),
         given_field_(ReadDepthField(options.sequence, info_.format)),
-        slam_(options, info_, session, [this](const FrameReport&) { statistics_.PoseIsKnown(); }),
         folder_(options.output, RunFileNames(), {options.sequence.camera}) {
     if (!options.trace.empty()) trace_ = std::make_unique<TraceRecorder>(options.trace);
-    files_ = std::make_unique<RunFiles>(options.output, info_.mirrored);
+    trajectory_ = std::make_unique<RunTrajectory>(options.output, info_.mirrored);
+    frame_table_ = std::make_unique<FrameTable>(options.output);
     if (options.localize) {
       localization_ = std::make_unique<LocalizationFile>(Path("localization.csv"), info_.mirrored);
     }
   }
 
-  // What ends the run early does not take with it what there is.
+  // Writes the results of all complete frames, whatever ends the run early.
   SlamRunSummary Run(const std::atomic<bool>& interrupted, const ProgressCall& progress) {
     failures_.Try([&] { ProcessFrames(interrupted, progress); });
-    if (!slam_.HasBegun()) {
+    if (!slam_) {
       throw InputError(failures_.any() ? failures_.text()
                                        : options_.sequence.path + ": no frame could be read");
     }
@@ -90,24 +101,22 @@ class SlamRun {
     return summary;
   }
 
-  SlamRunResult result() const { return {map(), slam_.trajectory()}; }
+  SlamRunResult result() const { return {map(), trajectory_->poses()}; }
 
  private:
   void ProcessFrames(const std::atomic<bool>& interrupted, const ProgressCall& progress) {
     statistics_.BeginFrames();
-    while (!interrupted || !slam_.HasBegun()) {  // an interrupted run has one frame at least
+    while (!interrupted || !slam_) {  // an interrupted run has at least one frame
       std::optional<ReadResult> result = source_->Next();
       if (!result) break;
       if (session_) session_->Shift(&*result);
       statistics_.CountRead(*result);
       if (result->frame) {
         const FrameReport report = Process(*result);
-        const SlamRunFrame frame = {*result->frame,
-                                    report,
-                                    slam_.map(),
-                                    slam_.slam().sensor(),
-                                    slam_.slam().backend(),
-                                    options_.OffersFrames() ? statistics_.AgeMs(*result) : 0};
+        const SlamRunFrame frame = {
+            *result->frame,   report,
+            slam_->map(),     slam_->sensor(),
+            slam_->backend(), options_.OffersFrames() ? statistics_.AgeMs(*result) : 0};
         Tell(&frame, progress);
       } else {
         Skip(*result);
@@ -128,37 +137,67 @@ class SlamRun {
   void Skip(const ReadResult& result) {
     skipped_.Tell(Concat("frame ", result.index, " skipped: ", result.error));
     statistics_.CountSkipped();
-    files_->WriteSkipped(result, statistics_.CompleteFrame());
+    frame_table_->AddSkipped(result, statistics_.CompleteFrame());
   }
 
   FrameReport Process(const ReadResult& result) {
     const RgbdFrame& frame = *result.frame;
     const TraceSlice slice("frame", frame.index);
     is_whole_ = false;
-    if (options_.OffersFrames()) slam_.SetMapPeriod(map_period_.For(result.queued_ms));
-    FrameReport report = slam_.Process(frame);
+    const FrameReport report = Track(result);
     is_whole_ = true;
-    statistics_.CountProcessed(frame, report);
-    if (localization_) localization_->Add(report);
-    if (report.is_held_out || report.state == FrameState::kFrozen) left_out_.insert(report.index);
-    if (!report.moving.empty()) moving_[report.index] = report.moving;
-    if (options_.keep_views) {
-      views_.Offer(frame, report, slam_.map(), slam_.slam().sensor());
-      thumbnails_.Offer(frame);
-    }
+    Keep(frame, report);
     double write_ms = 0;
     {
       const StageTimer timer("write", frame.index, &write_ms);
-      files_->Write(report, result.decode_ms, statistics_.CompleteFrame());
+      trajectory_->Add(report);
+      frame_table_->Add(report, result.decode_ms, statistics_.CompleteFrame());
     }
     statistics_.AddTimes(result, report.times, write_ms, options_.OffersFrames());
     return report;
   }
 
+  FrameReport Track(const ReadResult& result) {
+    const RgbdFrame& frame = *result.frame;
+    if (options_.OffersFrames()) {
+      const int period = map_period_.For(result.queued_ms);
+      if (slam_) slam_->SetMapPeriod(period);  // the first frame is fused in any case
+    }
+    if (!slam_) {
+      slam_ = StartSlam(options_, info_, session_, frame.stamp_s);
+      slam_->OnPose([this](const FrameReport&) { statistics_.PoseIsKnown(); });
+    }
+    FrameReport report = options_.poses == "track" ? slam_->Process(frame) : FuseAtTruth(frame);
+    if (session_) session_->Offer(*slam_, report.stamp_s);
+    return report;
+  }
+
+  FrameReport FuseAtTruth(const RgbdFrame& frame) {
+    const std::optional<Rigid3d> pose = InterpolatePose(info_.ground_truth, frame.stamp_s);
+    if (pose) return slam_->ProcessAt(frame, *pose);
+    without_truth_.Tell(Concat("frame ", frame.index, " has no true pose within reach: not fused"));
+    FrameReport report;
+    report.index = frame.index;
+    report.stamp_s = frame.stamp_s;
+    return report;
+  }
+
+  // Keeps what the results in the end need of the frame.
+  void Keep(const RgbdFrame& frame, const FrameReport& report) {
+    statistics_.CountProcessed(frame, report);
+    if (localization_) localization_->Add(report);
+    if (report.is_held_out || report.state == FrameState::kFrozen) left_out_.insert(report.index);
+    if (!report.moving.empty()) moving_[report.index] = report.moving;
+    if (!options_.keep_views) return;
+    views_.Offer(frame, report, slam_->map(), slam_->sensor());
+    thumbnails_.Offer(frame);
+  }
+
   SlamRunSummary Finish(const std::atomic<bool>& interrupted, const ProgressCall& progress) {
     source_.reset();  // of a long recording its list of frames is large
-    if (!is_whole_ || !failures_.Try([&] { slam_.Finish(); })) {
-      failures_.Try([&] { slam_.FinishEarly(); });
+    // The store may hold the frame in which SLAM has failed.
+    if (!is_whole_ || !failures_.Try([&] { FinishSlam(); })) {
+      failures_.Try([&] { TakeCorrections(); });
     }
     failures_.Try([&] { Improve(interrupted, progress); });
     SlamRunSummary summary;
@@ -168,24 +207,45 @@ class SlamRun {
     summary.interrupted = interrupted;
     summary.frames_hurried = map_period_.frames_hurried();
     summary.longest_map_period = map_period_.longest();
-    summary.sensor_latency_s = slam_.info().camera.latency_s;
-    if (slam_.slam().backend() || summary.refinement) {
-      failures_.Try([&] { files_->Rewrite(slam_.trajectory()); });
-    }
-    if (slam_.slam().backend()) FinishBackend(&summary);
+    summary.sensor_latency_s = info_.camera.latency_s;
+    failures_.Try([&] { trajectory_->Finish(); });
+    if (slam_->backend()) FinishBackend(&summary);
     if (session_) summary.session_waits = session_->waits();
     if (localization_) summary.localization = localization_->Summary();
-    failures_.Try([&] { summary.digest = Digest(slam_.trajectory(), slam_.map()); });
-    if (!slam_.info().ground_truth.empty()) failures_.Try([&] { Evaluate(&summary); });
-    WriteRunResults(
-        {slam_, map(), views_, thumbnails_, statistics_.stamps_s(), summary.evaluation, options_},
-        &failures_);
+    failures_.Try([&] { summary.digest = Digest(trajectory_->poses(), slam_->map()); });
+    if (!info_.ground_truth.empty()) failures_.Try([&] { Evaluate(&summary); });
+    WriteRunResults({info_, *trajectory_, found_, slam_->backend(), map(), views_, thumbnails_,
+                     statistics_.stamps_s(), summary.evaluation, options_},
+                    &failures_);
     if (trace_) failures_.Try([&] { trace_->Close(); });
     summary.peak_rss_bytes = PeakRssBytes();
     summary.total_s = statistics_.elapsed_s();
     summary.failure = failures_.text();
     failures_.Try([&] { WriteSummaryJson(summary, options_, Path("summary.json")); });
     return summary;
+  }
+
+  void FinishSlam() {
+    slam_->Finish();
+    TakeCorrections();
+    if (session_ && slam_->backend()) session_->Finish(*slam_);
+  }
+
+  // Takes the corrected poses of this run and the estimated sensor. Poses of a camera that is only
+  // localised are never corrected.
+  void TakeCorrections() {
+    const Backend* const backend = slam_->backend();
+    if (!backend) return;
+    if (!options_.localize) {
+      const int first = session_ ? session_->first_index() : 0;
+      Trajectory corrected;
+      for (const PosedFrame& frame : backend->poses().frames()) {
+        if (frame.index >= first) corrected.push_back({frame.stamp_s, frame.world_from_camera});
+      }
+      trajectory_->Replace(std::move(corrected));
+    }
+    if (backend->is_recalibrated()) found_.calibration = *backend->calibration();
+    found_.color_latency_s = backend->color_latency_s();
   }
 
   // Not of a run that has ended early, nor of frames that are gone.
@@ -195,7 +255,7 @@ class SlamRun {
       return;
     }
     std::optional<RefinedSequence> refined;
-    const KnownSequence known = Known(slam_.trajectory(), slam_.found());
+    const KnownSequence known = Known(trajectory_->poses(), found_);
     // Where the camera is as given, tracking has seen more than keyframes tell.
     if (options_.refine && known.found.calibration) refined = Refine(known, interrupted, progress);
     if (interrupted) return;
@@ -203,9 +263,10 @@ class SlamRun {
                  progress);
     if (!final_map_ || !refined) return;
     const bool is_better = refined->summary.Succeeded();
-    slam_.Improve(std::move(*refined));
+    trajectory_->Replace(std::move(refined->trajectory));
+    found_ = refined->found;
     if (session_ && is_better) {
-      session_->Improve(slam_.trajectory(), slam_.frames(), slam_.found(), *final_map_);
+      session_->Improve(trajectory_->poses(), trajectory_->frames(), found_, *final_map_);
     }
   }
 
@@ -215,14 +276,14 @@ class SlamRun {
     const auto start = std::chrono::steady_clock::now();
     SlamRunProgress now = Progress();
     std::optional<RefinedSequence> refined =
-        RefineKnown(known, slam_.info().pinhole, interrupted, [&](const RefinementRound&) {
+        RefineKnown(known, info_.pinhole, interrupted, [&](const RefinementRound&) {
           ++now.refinement_rounds;
           now.elapsed_s = statistics_.elapsed_s();
           progress(now);
         });
     if (!refined) return refined;
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-    const int last = slam_.frames().back();
+    const int last = trajectory_->frames().back();
     refinement_ = {{refined->keyframes, last, last, refined->summary, {}}, elapsed.count()};
     return refined;
   }
@@ -243,24 +304,24 @@ class SlamRun {
   }
 
   KnownSequence Known(const Trajectory& trajectory, const FoundSensor& found) const {
-    return {options_.sequence, options_.slam, trajectory, slam_.frames(),
+    return {options_.sequence, options_.slam, trajectory, trajectory_->frames(),
             left_out_,         moving_,       found};
   }
 
   SlamRunProgress Progress() const {
     SlamRunProgress now;
     now.frames_done = statistics_.frames_done();
-    now.frames_total = slam_.info().frame_count;
-    now.map_points = slam_.HasBegun() ? slam_.map().size() : 0;
+    now.frames_total = info_.frame_count;
+    now.map_points = slam_ ? slam_->map().size() : 0;
     now.elapsed_s = statistics_.elapsed_s();
     return now;
   }
 
-  const SurfelMap& map() const { return final_map_ ? *final_map_ : slam_.map(); }
+  const SurfelMap& map() const { return final_map_ ? *final_map_ : slam_->map(); }
 
   void Evaluate(SlamRunSummary* summary) const {
-    const Trajectory& truth = slam_.info().ground_truth;
-    const Trajectory& estimate = slam_.trajectory();
+    const Trajectory& truth = info_.ground_truth;
+    const Trajectory& estimate = trajectory_->poses();
     summary->evaluation = EvaluateTrajectory(truth, estimate, statistics_.stamps_s(), {});
     const auto without = EvaluateTimeOffset(truth, estimate, summary->sensor_latency_s, {});
     if (without) summary->ate_without_latency = without->ate;
@@ -268,9 +329,8 @@ class SlamRun {
   }
 
   void FinishBackend(SlamRunSummary* summary) {
-    const Slam& slam = slam_.slam();
+    const Slam& slam = *slam_;
     const Backend& backend = *slam.backend();
-    failures_.Try([&] { files_->Rewrite(slam_.trajectory()); });
     summary->loops = backend.counts();
     summary->merged_doubles = static_cast<std::int64_t>(slam.merged_doubles());
     if (options_.slam.loops.enabled) {
@@ -283,14 +343,14 @@ class SlamRun {
       });
     }
     summary->calibrations = backend.calibrations();
-    const DepthSensor given = slam_.info().sensor();
-    summary->calibration = slam_.found().calibration;
+    const DepthSensor given = info_.sensor();
+    summary->calibration = found_.calibration;
     if (summary->calibration)
       summary->calibration_doubt = DoubtOfGiven(given, *summary->calibration);
-    summary->color_latency_s = slam_.found().color_latency_s;
+    summary->color_latency_s = found_.color_latency_s;
     if (!summary->calibration && summary->color_latency_s == 0) return;
     failures_.Try([&] {
-      SequenceInfo info = slam_.info();
+      SequenceInfo info = info_;
       info.camera.color_latency_s += summary->color_latency_s;
       const DepthCalibration as_given = {given.camera, {}, given.readout_s};
       WriteFoundCamera(info, given_field_, summary->calibration.value_or(as_given),
@@ -308,13 +368,15 @@ class SlamRun {
   std::unique_ptr<FrameSource> source_;   // closed once its frames have been processed
   const SequenceInfo info_;
   InverseDepthField given_field_;  // that frames come with
-  SequenceSlam slam_;
   OutputFolder folder_;
-  std::unique_ptr<RunFiles> files_;
+  std::unique_ptr<RunTrajectory> trajectory_;
+  std::unique_ptr<FrameTable> frame_table_;
+  std::unique_ptr<Slam> slam_;  // null before the first frame, whose time may tell the first pose
+  FoundSensor found_;           // estimated sensor, of the frames as they are read
   std::unique_ptr<LocalizationFile> localization_;  // null unless the camera is localised
   KeptViews views_;
   Thumbnails thumbnails_;
-  RepeatedWarning skipped_{"frames skipped"};
+  RepeatedWarning skipped_{"frames skipped"}, without_truth_{"frames without a true pose"};
   Failures failures_;
   std::set<int> left_out_;                     // frames that are not to be in the map
   std::map<int, Image<std::uint8_t>> moving_;  // FrameReport::moving, by frame

@@ -143,7 +143,7 @@ FrameReport Slam::Process(const RgbdFrame& frame) {
   Tracked tracked = is_first ? tracker_->TrackFirst(prepared)
                              : Track(prepared, Predict(prepared, &times), &times);
   FrameReport report = Integrate(std::move(prepared), std::move(tracked), &times);
-  if (report.state != FrameState::kLost) PredictAhead(frame, &times);
+  if (report.HasPose()) PredictAhead(frame, &times);
   report.times = times;
   return report;
 }

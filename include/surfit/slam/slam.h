@@ -84,6 +84,8 @@ struct FrameReport {
   FusionReport fusion;  // of a fused frame
   std::optional<PosedFrame> confirmed;  // the lost frame before, whose pose this frame confirms
   StageTimes times;
+
+  bool HasPose() const { return state != FrameState::kLost; }
 };
 
 // Dense SLAM by point-based fusion: each frame is registered to what the map predicts, and one of

@@ -29,7 +29,7 @@ class RecordingTracker {
 
   void Process(const RgbdFrame& frame) {
     ++tracked_.frames;
-    tracked_.lost += slam_.Process(frame).state == FrameState::kLost;
+    tracked_.lost += !slam_.Process(frame).HasPose();
     has_color_ |= !frame.color.empty();
   }
 

@@ -47,7 +47,7 @@ std::vector<Advice> Advise(const SlamRunFrame& frame, const Rigid3d* world_from_
   const FrameReport& report = frame.report;
   const DepthLook depth = LookAtDepth(frame.frame.depth_m);
   std::vector<Advice> all;
-  if (report.state == FrameState::kLost) {
+  if (!report.HasPose()) {
     all.push_back({"lost", "Lost: turn back to where you were"});
   } else if (world_from_camera_before && depth.median_m > 0 &&
              ImageShift(*world_from_camera_before, report.world_from_camera, frame.sensor.camera,

@@ -127,7 +127,7 @@ std::string Small(const Image<Rgb8>& image) {
 
 void KeptViews::Offer(const RgbdFrame& frame, const FrameReport& report, const SurfelMap& map,
                       const DepthSensor& sensor) {
-  const bool is_lost = report.state == FrameState::kLost;
+  const bool is_lost = !report.HasPose();
   if (is_lost && (first_lost_ || !last_)) return;
   const Rigid3d& pose = is_lost ? last_->world_from_camera : report.world_from_camera;
   const auto make = [&](const char* why) { return MakeView(frame, map, sensor, pose, why); };

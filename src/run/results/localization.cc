@@ -47,7 +47,7 @@ void LocalizationFile::Add(const FrameReport& report) {
     file_.Append(RowOf(report.confirmed->index, report.confirmed->stamp_s, "confirmed") +
                  TextOf(report.confirmed->world_from_camera) + ",,\n");
   }
-  const bool is_held = report.state != FrameState::kLost;
+  const bool is_held = report.HasPose();
   if (!is_held && !is_lost_) lost_since_s_ = report.stamp_s;
   if (is_held && is_lost_) {
     summary_.longest_loss_s = std::max(summary_.longest_loss_s, report.stamp_s - lost_since_s_);

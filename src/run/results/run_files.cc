@@ -1,7 +1,9 @@
 #include "run/results/run_files.h"
 
+#include <algorithm>
 #include <iomanip>
 #include <sstream>
+#include <utility>
 
 #include "output/recorded_run.h"
 #include "run/results/kept_views.h"
@@ -24,30 +26,57 @@ std::vector<std::string> RunFileNames() {
   return names;
 }
 
-RunFiles::RunFiles(const std::string& folder, bool mirrored)
+RunTrajectory::RunTrajectory(const std::string& folder, bool mirrored)
     : mirrored_(mirrored),
-      trajectory_path_(folder + "/trajectory.txt"),
-      trajectory_(trajectory_path_),
-      online_(folder + "/trajectory_online.txt"),
-      csv_(folder + "/frames.csv") {
-  csv_.Append(
+      path_(folder + "/trajectory.txt"),
+      file_(path_),
+      online_(folder + "/trajectory_online.txt") {}
+
+void RunTrajectory::Add(const FrameReport& report) {
+  if (report.confirmed) {
+    Append(report.confirmed->index,
+           {report.confirmed->stamp_s, report.confirmed->world_from_camera});
+  }
+  if (!report.HasPose()) return;
+  const StampedPose pose = {report.stamp_s, report.world_from_camera};
+  Append(report.index, pose);
+  online_.Append(InSourceConvention(pose));
+}
+
+void RunTrajectory::Append(int index, const StampedPose& pose) {
+  poses_.push_back(pose);
+  frames_.push_back(index);
+  file_.Append(InSourceConvention(pose));
+}
+
+void RunTrajectory::Replace(Trajectory corrected) {
+  poses_ = std::move(corrected);
+  const std::size_t count = std::min(poses_.size(), frames_.size());
+  poses_.resize(count);
+  frames_.resize(count);
+  is_replaced_ = true;
+}
+
+void RunTrajectory::Finish() const {
+  if (!is_replaced_) return;
+  Trajectory written = poses_;
+  for (StampedPose& pose : written) pose = InSourceConvention(pose);
+  WriteTumTrajectory(written, path_);
+}
+
+StampedPose RunTrajectory::InSourceConvention(StampedPose pose) const {
+  if (mirrored_) pose.world_from_camera = Mirrored(pose.world_from_camera);
+  return pose;
+}
+
+FrameTable::FrameTable(const std::string& folder) : file_(folder + "/frames.csv") {
+  file_.Append(
       "index,stamp_s,state,fused,termination,iterations,inliers,inlier_share,rmse_m,"
       "smallest_eigenvalue,moving_share,apart,points,merged_points,merged,added,removed,"
       "decode_ms,preprocess_ms,predict_ms,track_ms,fuse_ms,correct_ms,frame_ms\n");
 }
 
-void RunFiles::Write(const FrameReport& report, double decode_ms, double frame_ms) {
-  const auto as_given = [&](double stamp_s, const Rigid3d& pose) {
-    return StampedPose{stamp_s, mirrored_ ? Mirrored(pose) : pose};
-  };
-  if (report.confirmed) {
-    trajectory_.Append(as_given(report.confirmed->stamp_s, report.confirmed->world_from_camera));
-  }
-  if (report.state != FrameState::kLost) {
-    const StampedPose stamped = as_given(report.stamp_s, report.world_from_camera);
-    trajectory_.Append(stamped);
-    online_.Append(stamped);
-  }
+void FrameTable::Add(const FrameReport& report, double decode_ms, double frame_ms) {
   const bool registered = !report.icp.iterations.empty();
   std::ostringstream row;
   row << report.index << ',' << std::fixed << std::setprecision(6) << report.stamp_s << ','
@@ -60,22 +89,15 @@ void RunFiles::Write(const FrameReport& report, double decode_ms, double frame_m
       << ',' << report.fusion.removed << ',' << std::setprecision(3) << decode_ms << ','
       << report.times.prepare_ms << ',' << report.times.predict_ms << ',' << report.times.track_ms
       << ',' << report.times.fuse_ms << ',' << report.times.correct_ms << ',' << frame_ms << '\n';
-  csv_.Append(row.str());
+  file_.Append(row.str());
 }
 
-void RunFiles::WriteSkipped(const ReadResult& result, double frame_ms) {
+void FrameTable::AddSkipped(const ReadResult& result, double frame_ms) {
   std::ostringstream row;
   row << result.index << ',' << std::fixed << std::setprecision(6) << result.stamp_s
       << ",skipped,0,,0,0,0,0,0,0,0,0,0,0,0,0," << std::setprecision(3) << result.decode_ms
       << ",0,0,0,0,0," << frame_ms << '\n';
-  csv_.Append(row.str());
-}
-
-void RunFiles::Rewrite(Trajectory corrected) const {
-  for (StampedPose& pose : corrected) {
-    if (mirrored_) pose.world_from_camera = Mirrored(pose.world_from_camera);
-  }
-  WriteTumTrajectory(corrected, trajectory_path_);
+  file_.Append(row.str());
 }
 
 }  // namespace surfit

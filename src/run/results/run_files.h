@@ -13,25 +13,48 @@ namespace surfit {
 // All that a run may write into its output folder.
 std::vector<std::string> RunFileNames();
 
-// The files that grow with every frame: trajectory.txt, trajectory_online.txt and frames.csv.
-class RunFiles {
+// Owns the poses that a run writes: trajectory.txt, and trajectory_online.txt with each pose as it
+// was at its time. Both files grow with every frame. They are in the convention of the sequence.
+class RunTrajectory {
  public:
-  // Poses are written back in the source's convention. Throws InputError naming the file.
-  RunFiles(const std::string& folder, bool mirrored);
+  // Throws InputError naming the file.
+  RunTrajectory(const std::string& folder, bool mirrored);
 
-  // A frame that was processed; a lost one has no trajectory line.
-  void Write(const FrameReport& report, double decode_ms, double frame_ms);
-  // A frame that could not be read.
-  void WriteSkipped(const ReadResult& result, double frame_ms);
+  // Adds the pose of a frame, and of the frame before if this frame has confirmed it.
+  void Add(const FrameReport& report);
+  // Replaces the poses of all frames. Fewer poses drop the last frames.
+  void Replace(Trajectory corrected);
+  // Writes trajectory.txt again if poses were replaced.
+  void Finish() const;
 
-  // Writes trajectory.txt anew, as the last that is done.
-  void Rewrite(Trajectory corrected) const;
+  const Trajectory& poses() const { return poses_; }
+  // Index of the frame of each pose, ascending.
+  const std::vector<int>& frames() const { return frames_; }
 
  private:
+  void Append(int index, const StampedPose& pose);
+  StampedPose InSourceConvention(StampedPose pose) const;
+
   bool mirrored_;
-  std::string trajectory_path_;
-  TumTrajectoryWriter trajectory_, online_;
-  AppendedFile csv_;
+  bool is_replaced_ = false;
+  std::string path_;
+  TumTrajectoryWriter file_, online_;
+  Trajectory poses_;
+  std::vector<int> frames_;
+};
+
+// frames.csv: one row per frame.
+class FrameTable {
+ public:
+  // Throws InputError naming the file.
+  explicit FrameTable(const std::string& folder);
+
+  void Add(const FrameReport& report, double decode_ms, double frame_ms);
+  // Adds a frame that could not be read.
+  void AddSkipped(const ReadResult& result, double frame_ms);
+
+ private:
+  AppendedFile file_;
 };
 
 }  // namespace surfit

@@ -1,0 +1,39 @@
+#include "run/start_slam.h"
+
+#include <array>
+#include <cstdio>
+#include <string>
+
+#include "run/posed_views.h"
+#include "run/results/tracking_dump.h"
+
+namespace surfit {
+namespace {
+
+std::string DumpFolder(const std::string& folder, int frame) {
+  std::array<char, 30> name;
+  std::snprintf(name.data(), name.size(), "/frame-%06d", frame);
+  return folder + name.data();
+}
+
+}  // namespace
+
+std::unique_ptr<Slam> StartSlam(const SlamRunOptions& options, const SequenceInfo& info,
+                                KeptSession* session, double first_stamp_s) {
+  std::unique_ptr<Slam> slam;
+  if (session && session->has_state()) {
+    slam = session->MakeSlam(info);
+  } else {
+    slam = std::make_unique<Slam>(info.sensor(), options.slam,
+                                  InitialPose(options.initial_pose, info, first_stamp_s));
+  }
+  if (session) session->Begin(info, slam.get());
+  if (!options.dump_failures.empty()) {
+    slam->OnLostFrame([&options](const LostFrame& lost) {
+      WriteTrackingDump(lost, options.slam, DumpFolder(options.dump_failures, lost.index));
+    });
+  }
+  return slam;
+}
+
+}  // namespace surfit
