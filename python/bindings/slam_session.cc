@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "bindings/arrays.h"
-#include "run/results/digest.h"
+#include "run/results/result_files.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/geometry/sensor.h"

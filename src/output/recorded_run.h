@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "finishing/found_sensor.h"
+#include "finishing/known_sequence.h"
 #include "surfit/geometry/trajectory.h"
 
 namespace surfit {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "finishing/found_sensor.h"
+#include "finishing/known_sequence.h"
 #include "session/session_writer.h"
 #include "surfit/frame/frame_source.h"
 #include "surfit/geometry/trajectory.h"

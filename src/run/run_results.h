@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "finishing/found_sensor.h"
+#include "finishing/known_sequence.h"
 #include "run/results/failures.h"
 #include "run/results/kept_views.h"
 #include "run/results/run_files.h"

@@ -8,7 +8,6 @@
 #include "loop_closure/edge_information.h"
 #include "loop_closure/loop_closer.h"
 #include "surfit/core/options.h"
-#include "surfit/slam/slam_state.h"
 
 namespace surfit {
 namespace {

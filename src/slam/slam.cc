@@ -9,7 +9,7 @@
 #include "slam/mapper.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
-#include "surfit/slam/slam_state.h"
+#include "surfit/slam/backend.h"
 #include "tracking/tracker.h"
 
 namespace surfit {

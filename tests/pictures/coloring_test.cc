@@ -1,8 +1,8 @@
-#include "output/pictures/coloring.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
+
+#include "output/pictures/canvas.h"
 
 namespace surfit::testing {
 namespace {

@@ -4,8 +4,8 @@
 
 #include "io/images/image_files.h"
 #include "run/posed_views.h"
-#include "run/results/digest.h"
 #include "run/results/kept_views.h"
+#include "run/results/result_files.h"
 #include "surfit/core/error.h"
 #include "surfit/geometry/sensor.h"
 #include "testing/matchers.h"

@@ -6,7 +6,7 @@
 
 #include "surfit/geometry/sensor.h"
 #include "surfit/loop_closure/loop_closure.h"
-#include "surfit/slam/slam_state.h"
+#include "surfit/slam/backend.h"
 
 namespace surfit {
 

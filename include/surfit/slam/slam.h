@@ -14,7 +14,6 @@
 #include "surfit/mapping/surfel_map.h"
 #include "surfit/registration/icp.h"
 #include "surfit/slam/backend.h"
-#include "surfit/slam/slam_state.h"
 #include "surfit/tracking/tracking.h"
 
 namespace surfit {

@@ -6,7 +6,7 @@
 
 #include "apps/doctor/recording_checks.h"
 #include "core/repeated_warning.h"
-#include "finishing/found_sensor.h"
+#include "finishing/known_sequence.h"
 #include "io/sequences/image_sequence.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"

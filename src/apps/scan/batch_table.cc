@@ -3,7 +3,7 @@
 
 #include "apps/scan/batch.h"
 #include "apps/scan/job_files.h"
-#include "browser/plain_page.h"
+#include "browser/page.h"
 #include "output/output_files.h"
 #include "surfit/core/error.h"
 

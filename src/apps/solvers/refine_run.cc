@@ -9,7 +9,6 @@
 #include "apps/solvers/result_json.h"
 #include "apps/solvers/run_keyframes.h"
 #include "finishing/final_map.h"
-#include "finishing/found_sensor.h"
 #include "finishing/known_sequence.h"
 #include "io/files/output_folder.h"
 #include "output/output_files.h"

@@ -1,11 +1,16 @@
 #include "output/pictures/canvas.h"
 
+#include <glog/logging.h>
+
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <opencv2/imgproc.hpp>
 
 #include "io/images/image_files.h"
+#include "output/pictures/axes.h"
 #include "surfit/core/atomic_file.h"
+#include "surfit/core/parallel.h"
 
 namespace surfit {
 namespace {
@@ -37,6 +42,12 @@ struct Strokes {
     size = cv::getTextSize(text, kFont, scale, thickness, &below);
   }
 };
+
+constexpr float kHeadlight = 0.35f;  // enough to see shapes, little enough to read the scale by
+
+std::uint8_t UnitToByte(float component) {
+  return static_cast<std::uint8_t>(std::clamp(127.5f * (1 + component) + 0.5f, 0.f, 255.f));
+}
 
 }  // namespace
 
@@ -92,6 +103,121 @@ void FillBox(Image<Rgb8>* image, const PixelBox& box, Rgb8 color) {
 void WritePng(const Image<Rgb8>& image, const std::string& path) {
   const std::string bytes = EncodePng(image);
   WriteFileAtomically(path, [&](std::ostream& file) { file << bytes; });
+}
+
+ColorScale::ColorScale(double low, double high, bool logarithmic)
+    : low_(low), high_(high), logarithmic_(logarithmic) {
+  CHECK_LE(low, high);
+  CHECK(!logarithmic || low > 0);
+  cv::Mat steps(1, 256, CV_8UC1), bgr;
+  for (int i = 0; i < 256; ++i) steps.at<unsigned char>(i) = i;
+  cv::applyColorMap(steps, bgr, cv::COLORMAP_VIRIDIS);
+  for (int i = 0; i < 256; ++i) {
+    const auto& color = bgr.at<cv::Vec3b>(i);
+    colors_[i] = {color[2], color[1], color[0]};
+  }
+}
+
+double ColorScale::Position(double value) const {
+  if (!(value > low_) || high_ == low_) return 0;
+  if (value >= high_) return 1;
+  if (logarithmic_) return std::log(value / low_) / std::log(high_ / low_);
+  return (value - low_) / (high_ - low_);
+}
+
+Rgb8 ColorScale::ColorAt(double position) const {
+  return colors_[std::lround(std::clamp(position, 0., 1.) * 255)];
+}
+
+void DrawColorBar(Image<Rgb8>* image, const ColorScale& scale, const PixelBox& box) {
+  constexpr int kTicks = 8;
+  const double width = box.right - box.left;
+  for (int column = 0; column <= width; ++column) {
+    const double u = box.left + column;
+    FillBox(image, {u, box.top, u, box.bottom}, scale.ColorAt(column / width));
+  }
+  const std::vector<double> ticks = scale.logarithmic()
+                                        ? LogarithmicTicks(scale.low(), scale.high())
+                                        : RoundTicks({scale.low(), scale.high()}, kTicks);
+  for (const double tick : ticks) {
+    const double u = box.left + width * scale.Position(tick);
+    DrawLine(image, {{u, box.bottom}, {u, box.bottom + 5}}, kAxisInk, 1);
+    DrawText(image, {u, box.bottom + 16}, TickText(tick), {15, 0.5, kAxisInk});
+  }
+}
+
+Image<Rgb8> ColorIndices(const Image<std::int32_t>& indices,
+                         const std::function<Rgb8(int, int, std::int32_t)>& color_of) {
+  Image<Rgb8> colors(indices.width(), indices.height());
+  ParallelFor(0, indices.height(), kRowsPerBlock, [&](int begin, int end) {
+    for (int v = begin; v < end; ++v) {
+      for (int u = 0; u < indices.width(); ++u) colors(u, v) = color_of(u, v, indices(u, v));
+    }
+  });
+  return colors;
+}
+
+Rgb8 Dimmed(Rgb8 color, float brightness) {
+  const auto dim = [brightness](std::uint8_t component) {
+    return static_cast<std::uint8_t>(std::lrint(component * brightness));
+  };
+  return {dim(color.r), dim(color.g), dim(color.b)};
+}
+
+SurfelColoring ColorByColor(const SurfelMap& map) {
+  SurfelColoring coloring;
+  coloring.title = "Colour";
+  coloring.color_of = [&map](std::int32_t id) { return map.Color(id); };
+  return coloring;
+}
+
+SurfelColoring ColorByNormal(const SurfelMap& map) {
+  SurfelColoring coloring;
+  coloring.title = "Normals";
+  coloring.color_of = [&map](std::int32_t id) {
+    const Eigen::Vector3f normal = map[id].normal_in_world;
+    return Rgb8{UnitToByte(normal.x()), UnitToByte(normal.y()), UnitToByte(normal.z())};
+  };
+  coloring.legend = "(red, green, blue) = (1 + n) / 2 for the normal n in the world frame";
+  return coloring;
+}
+
+SurfelColoring ColorByConfidence(const SurfelMap& map) {
+  constexpr float kLeastLow = 1e-2f, kDecades = 1e4f;
+  float least = 1, high = 1;
+  for (const std::int32_t id : map.Ids()) {
+    const float confidence = map[id].confidence;
+    least = std::min(least, confidence);
+    high = std::max(high, confidence);
+  }
+  const float low = std::max({least, kLeastLow, high / kDecades});
+  SurfelColoring coloring;
+  coloring.title = "Confidence";
+  coloring.scale.emplace(low, high, /*logarithmic=*/true);
+  coloring.color_of = [&map, scale = *coloring.scale](std::int32_t id) {
+    return scale.ColorOf(map[id].confidence);
+  };
+  coloring.headlight = kHeadlight;
+  coloring.legend = "sum of the observations' weights";
+  return coloring;
+}
+
+SurfelColoring ColorByLastSeen(const SurfelMap& map) {
+  std::int32_t first = std::numeric_limits<std::int32_t>::max();
+  std::int32_t last = std::numeric_limits<std::int32_t>::min();
+  for (const std::int32_t id : map.Ids()) {
+    first = std::min(first, map[id].last_seen);
+    last = std::max(last, map[id].last_seen);
+  }
+  SurfelColoring coloring;
+  coloring.title = "Last seen";
+  coloring.scale.emplace(first, last, /*logarithmic=*/false);
+  coloring.color_of = [&map, scale = *coloring.scale](std::int32_t id) {
+    return scale.ColorOf(map[id].last_seen);
+  };
+  coloring.headlight = kHeadlight;
+  coloring.legend = "frame";
+  return coloring;
 }
 
 }  // namespace surfit

@@ -1,10 +1,15 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
+#include <functional>
 #include <opencv2/core/mat.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "surfit/core/image.h"
+#include "surfit/mapping/surfel_map.h"
 
 namespace surfit {
 
@@ -42,5 +47,57 @@ void DrawImage(Image<Rgb8>* image, const cv::Rect& box, const Image<Rgb8>& sourc
 
 // Throws InputError naming the path where the file cannot be written.
 void WritePng(const Image<Rgb8>& image, const std::string& path);
+
+// Colours for numbers from low to high: viridis, dark blue through green to yellow, even to the
+// eye.
+class ColorScale {
+ public:
+  // Where logarithmic, 0 < low. Needs low <= high.
+  ColorScale(double low, double high, bool logarithmic);
+
+  double low() const { return low_; }
+  double high() const { return high_; }
+  bool logarithmic() const { return logarithmic_; }
+
+  // 0 at low, 1 at high, clamped to them.
+  double Position(double value) const;
+  Rgb8 ColorAt(double position) const;
+  Rgb8 ColorOf(double value) const { return ColorAt(Position(value)); }
+
+ private:
+  double low_, high_;
+  bool logarithmic_;
+  std::array<Rgb8, 256> colors_;
+};
+
+// A bar of the scale's colours, low on the left, with numbers below it.
+void DrawColorBar(Image<Rgb8>* image, const ColorScale& scale, const PixelBox& box);
+
+// The image that the function gives for each pixel and its index, computed in parallel.
+Image<Rgb8> ColorIndices(const Image<std::int32_t>& indices,
+                         const std::function<Rgb8(int u, int v, std::int32_t index)>& color_of);
+
+// The colour at this share of its brightness, 0 <= brightness <= 1.
+Rgb8 Dimmed(Rgb8 color, float brightness);
+
+// One way of colouring the surfels of a map, with what a reader must know to read the colours.
+// Refers to the map: it must outlive the colouring.
+struct SurfelColoring {
+  std::string title;
+  std::function<Rgb8(std::int32_t)> color_of;  // of the surfel with this id
+  // The share of the colour that is lit from the camera: 0 = the same brightness everywhere.
+  float headlight = 0;
+  std::string legend;               // in words
+  std::optional<ColorScale> scale;  // as a bar of colours
+};
+
+// The surfels' own colours.
+SurfelColoring ColorByColor(const SurfelMap& map);
+// (1 + n) / 2 of the normal in the world: x red, y green, z blue.
+SurfelColoring ColorByNormal(const SurfelMap& map);
+// From min(1, least) to the greatest confidence, logarithmic, but at most four decades.
+SurfelColoring ColorByConfidence(const SurfelMap& map);
+// From the first to the last frame in which any surfel was last seen.
+SurfelColoring ColorByLastSeen(const SurfelMap& map);
 
 }  // namespace surfit

@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "output/pictures/coloring.h"
+#include "output/pictures/canvas.h"
 #include "output/pictures/map_views.h"
 #include "output/pictures/pictures.h"
 #include "output/pictures/splat_renderer.h"

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "output/pictures/canvas.h"
-#include "output/pictures/coloring.h"
 #include "output/pictures/pictures.h"
 #include "surfit/mapping/model_renderer.h"
 

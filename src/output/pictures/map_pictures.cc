@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "mapping/rendering/blended_view.h"
-#include "output/pictures/coloring.h"
+#include "output/pictures/canvas.h"
 #include "output/pictures/map_views.h"
 #include "output/pictures/pictures.h"
 #include "output/pictures/splat_renderer.h"

@@ -8,7 +8,6 @@
 #include "io/images/image_files.h"
 #include "mapping/rendering/blended_view.h"
 #include "output/pictures/canvas.h"
-#include "output/pictures/coloring.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
 
