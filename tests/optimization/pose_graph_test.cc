@@ -119,7 +119,8 @@ TEST(OptimizePoseGraph, FindsTheTruthOfExactMeasurements) {
 
 // Three measurements of one rotation: half turns about x, y and z, with weights 0.25, 0.35 and 0.4.
 // Their mean is diag(-0.5, -0.3, -0.2), a mirror. The sum of weight * |R - R_i|^2 over rotations is
-// least at the measurement of the largest weight.
+// least at the measurement of the largest weight. The mirror as a quaternion is the half turn about
+// x.
 TEST(ChordalPoses, ReturnRotationsIfTheLinearSolutionIsAMirror) {
   PoseGraph graph;
   graph.poses.resize(2);

@@ -1,4 +1,4 @@
-// How a calibration is compared with the given one, and scaled to whole images.
+// Comparison of a calibration with the given calibration, and its scaling to whole images.
 #include <gtest/gtest.h>
 
 #include "optimization/refinement/joint_state.h"
@@ -30,8 +30,8 @@ TEST(CalibrationChange, CountsTheNumbersThatHaveAVariance) {
   EXPECT_NEAR(change.squared_distance, 4 + 1, 1e-12);
 }
 
-// Of every second pixel: px are half as large. Variances of px have the square of the scale,
-// covariances of px and inverse depth the scale.
+// The calibration of every second pixel has half the px. The scale multiplies covariances of px and
+// inverse depth, and its square multiplies variances of px.
 TEST(ScaleUp, ScalesPixelsAndTheirCovariance) {
   constexpr int kStride = 2;
   RefinementSummary summary;

@@ -185,7 +185,7 @@ TEST(TrustedInformation, TakesAShareOfWhatIntensitiesSay) {
               VectorNear((10 * Matrix6d::Identity()).eval(), 1e-6));
 }
 
-// Floors and disagreements are the same of both.
+// Both covariances have the same floor and the same disagreement, which cancel.
 TEST(RealisticCovariance, GrowsByTheNumberOfPointsThatShareAnError) {
   const Matrix6d covariance = (1e-6 * Vector6d::LinSpaced(1, 6)).asDiagonal();
   const Matrix6d difference =

@@ -57,8 +57,8 @@ INSTANTIATE_TEST_SUITE_P(All, PhotometricSolvers,
                          [](const auto& instance) { return instance.param; });
 
 // Every third row of points, and intensities of all rows with a third of the weight, have a third
-// of the information in each direction. Shape holds three of the directions, intensities the
-// others.
+// of the information in each direction. Shape holds three directions, and intensities
+// hold the other directions.
 TEST(PhotometricIcp, WeighsIntensitiesAsTheRowsOfPoints) {
   const WallFrames frames(AlongTheWall());
   IcpOptions options = Options(0.1);
