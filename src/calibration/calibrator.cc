@@ -11,7 +11,7 @@ namespace surfit {
 namespace {
 
 // Of keyframes every n-th column and row is kept: there are far more pixels than surfels.
-constexpr int kStride = 2;
+constexpr int kFrameStride = 2;
 
 // So many cells of surfels, in a row and in a column, share one error: what the model leaves out is
 // the same in large parts of an image, and few keyframes see few places.
@@ -27,15 +27,16 @@ std::size_t MoreKeyframes(std::size_t keyframes) { return std::max<std::size_t>(
 int DelayFrames(int keyframes) { return 1 + keyframes / 2 + keyframes * keyframes / 40; }
 
 DepthSensor Subsampled(DepthSensor sensor) {
-  sensor.camera = sensor.camera.Subsampled(kStride);
+  sensor.camera = sensor.camera.Subsampled(kFrameStride);
   return sensor;
 }
 
 template <typename T>
 Image<T> Subsampled(const Image<T>& image) {
-  Image<T> few((image.width() + kStride - 1) / kStride, (image.height() + kStride - 1) / kStride);
+  Image<T> few((image.width() + kFrameStride - 1) / kFrameStride,
+               (image.height() + kFrameStride - 1) / kFrameStride);
   for (int v = 0; v < few.height(); ++v) {
-    for (int u = 0; u < few.width(); ++u) few(u, v) = image(kStride * u, kStride * v);
+    for (int u = 0; u < few.width(); ++u) few(u, v) = image(kFrameStride * u, kFrameStride * v);
   }
   return few;
 }
@@ -107,10 +108,11 @@ Calibrator::Outcome Calibrator::Run(const Frames& frames, const std::vector<Came
         {world_from_keyframe[k], MakeKeyframeImages(*frames[k], sensor_, motions[k], preprocess_)});
   }
   Outcome outcome;
-  outcome.summary = Refine(options_.refinement, Subsampled(given_, kStride),
-                           Subsampled(start, kStride), &keyframes, [](const RefinementRound&) {});
+  outcome.summary =
+      Refine(options_.refinement, Subsampled(given_, kFrameStride), Subsampled(start, kFrameStride),
+             &keyframes, [](const RefinementRound&) {});
   outcome.color_latency = LatencyOf(frames, keyframes, outcome.summary.calibration);
-  ScaleUp(camera_, kStride, &outcome.summary);
+  ScaleUp(camera_, kFrameStride, &outcome.summary);
   outcome.world_from_keyframe_before = std::move(world_from_keyframe);
   for (const RefinementKeyframe& keyframe : keyframes) {
     outcome.world_from_keyframe.push_back(keyframe.world_from_camera);

@@ -9,7 +9,7 @@ namespace surfit {
 namespace {
 
 // A camera's stamps are off by its exposure, readout and transfer: by less than three frames.
-constexpr int kSteps = 20;         // either way
+constexpr int kOffsetSteps = 20;         // either way
 constexpr double kStep_s = 0.005;  // far less than the time in which a hand turns round
 constexpr double kTolerance_s = 1e-5;
 
@@ -26,7 +26,7 @@ Trajectory KnownThroughout(const Trajectory& ground_truth, const Trajectory& est
   Trajectory known;
   for (const StampedPose& pose : estimate) {
     bool throughout = true;
-    for (int i = -kSteps; i <= kSteps && throughout; ++i) {
+    for (int i = -kOffsetSteps; i <= kOffsetSteps && throughout; ++i) {
       throughout = InterpolatePose(ground_truth, pose.stamp_s + i * kStep_s, options.max_gap_s,
                                    options.max_difference_s)
                        .has_value();
@@ -105,13 +105,13 @@ std::optional<TimeOffset> EstimateTimeOffset(const Trajectory& ground_truth,
   if (known.size() < 3) return std::nullopt;
   Search search(ground_truth, known, options);
   search.Try(0);
-  for (int i = 1; i <= kSteps; ++i) {
+  for (int i = 1; i <= kOffsetSteps; ++i) {
     search.Try(-i * kStep_s);
     search.Try(i * kStep_s);
   }
   const double coarse_s = search.best_s();
-  search.Narrow(std::max(coarse_s - kStep_s, -kSteps * kStep_s),
-                std::min(coarse_s + kStep_s, kSteps * kStep_s));
+  search.Narrow(std::max(coarse_s - kStep_s, -kOffsetSteps * kStep_s),
+                std::min(coarse_s + kStep_s, kOffsetSteps * kStep_s));
   return EvaluateTimeOffset(ground_truth, estimate, search.best_s(), options);
 }
 

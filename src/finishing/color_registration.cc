@@ -21,7 +21,7 @@ constexpr double kSigma = 0.01;            // of the expected pose, m and rad
 constexpr double kLeastSlope = 0.008;      // of intensity per pixel, of what tells anything
 constexpr int kStride_px = 2;
 constexpr int kMinPoints = 500;
-constexpr int kGrain = 4096;
+constexpr int kPixelGrain = 4096;
 // The images are smoothed by so many pixels: what is out of place by more finds its way.
 constexpr double kSmoothings_px[] = {2, 0.75};
 constexpr int kIterations = 6;
@@ -83,7 +83,7 @@ class ColorRegistration {
   // points are seen.
   bool Step(Rigid3d* color_from_expected, Eigen::Vector2d* exposure) const {
     System system = ParallelSum(
-        0, static_cast<int>(points_.size()), kGrain, System(),
+        0, static_cast<int>(points_.size()), kPixelGrain, System(),
         [&](int begin, int end) { return SystemOf(begin, end, *color_from_expected, *exposure); });
     if (system.points < kMinPoints) return false;
     AddPrior(*color_from_expected, &system);

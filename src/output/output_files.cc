@@ -62,6 +62,12 @@ void WriteCsv(const Json& rows, const std::string& path) {
   });
 }
 
+Json ToJson(const Rigid3d& pose) {
+  const Eigen::Vector3d& t = pose.translation;
+  const Eigen::Quaterniond& q = pose.rotation;
+  return {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()};
+}
+
 Json CameraToJson(const PinholeCamera& camera) {
   return {{"width", camera.width}, {"height", camera.height}, {"fx", camera.fx},
           {"fy", camera.fy},       {"cx", camera.cx},         {"cy", camera.cy}};

@@ -58,6 +58,8 @@ DepthCalibration OfMeasuredDepth(const SequenceInfo& info, const InverseDepthFie
 void WriteFoundCamera(const SequenceInfo& info, const InverseDepthField& given_field,
                       const DepthCalibration& found, const std::string& path);
 
+// [tx, ty, tz, qx, qy, qz, qw]
+Json ToJson(const Rigid3d& pose);
 Json ToJson(const DepthCalibration& calibration);
 // Standard deviations, from RefinementSummary::calibration_covariance; null where that is empty.
 Json CalibrationSigmasToJson(const Eigen::MatrixXd& covariance);

@@ -12,7 +12,7 @@
 namespace surfit {
 namespace {
 
-constexpr int kPatience_ms = 3000;  // with another program that has locked the database
+constexpr int kLockTimeout_ms = 3000;  // with another program that has locked the database
 
 // Of the table's name, and of each value with its type.
 std::int64_t ChecksumOf(const std::string& table, const Row& row) {
@@ -88,7 +88,7 @@ Database::Database(const std::string& path, Mode mode) : path_(path) {
       sqlite3_open_v2(path.c_str(), &database_, flags | SQLITE_OPEN_NOMUTEX, nullptr);
   try {
     Require(result);
-    sqlite3_busy_timeout(database_, kPatience_ms);
+    sqlite3_busy_timeout(database_, kLockTimeout_ms);
     sqlite3_db_config(database_, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
     sqlite3_db_config(database_, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
     Run("PRAGMA cell_size_check = ON; PRAGMA mmap_size = 0");

@@ -10,7 +10,7 @@ namespace {
 
 constexpr char kMagic[] = "surfit tile 2\n";
 constexpr std::size_t kHeadBytes = sizeof(kMagic) - 1 + sizeof(std::uint32_t);
-constexpr int kCellsAcross = 4;  // of a tile
+constexpr int kTileCellsAcross = 4;  // of a tile
 constexpr int kAxisBits = 20;
 constexpr int kFarthest = 1 << (kAxisBits - 1);
 
@@ -37,7 +37,7 @@ bool IsSane(const SurfelBlock& block, int k) {
 std::int64_t TileKey(const SurfelCell& cell) {
   std::int64_t key = 0;
   for (const int cube : SurfelMap::CubeOf(cell)) {
-    key = key << kAxisBits | (FloorDiv(cube, kCellsAcross) + kFarthest);
+    key = key << kAxisBits | (FloorDiv(cube, kTileCellsAcross) + kFarthest);
   }
   return key;
 }

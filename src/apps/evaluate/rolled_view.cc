@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kPasses = 3;  // the motion of the pixel found last tells where to look next
 
-struct Place {
+struct RowPlace {
   double u, v;
 };
 
@@ -20,8 +20,8 @@ class Roller {
       : view_(view), camera_(camera), motion_(motion) {}
 
   // The place in the picture of what is at (u, v) a time t later.
-  Place OriginOf(int u, int v, double t) const {
-    Place at = {1. * u, 1. * v};
+  RowPlace OriginOf(int u, int v, double t) const {
+    RowPlace at = {1. * u, 1. * v};
     for (int pass = 0; pass < kPasses; ++pass) {
       const int near_u = Nearest(at.u, camera_.width), near_v = Nearest(at.v, camera_.height);
       const double z = view_.depth_m(near_u, near_v);
@@ -36,7 +36,7 @@ class Roller {
     return at;
   }
 
-  Rgb8 ColorAt(Place at) const {
+  Rgb8 ColorAt(RowPlace at) const {
     const int left = static_cast<int>(std::floor(at.u)), top = static_cast<int>(std::floor(at.v));
     double sum[3] = {}, weights = 0;
     for (int k = 0; k < 4; ++k) {
@@ -55,7 +55,7 @@ class Roller {
     return {byte(sum[0]), byte(sum[1]), byte(sum[2])};
   }
 
-  float DepthAt(Place at) const {
+  float DepthAt(RowPlace at) const {
     const double u = std::floor(at.u + 0.5), v = std::floor(at.v + 0.5);
     if (!(u >= 0 && v >= 0 && u < camera_.width && v < camera_.height)) return 0;
     return view_.depth_m(static_cast<int>(u), static_cast<int>(v));
@@ -90,7 +90,7 @@ BlendedView Rolled(const BlendedView& with_margin, const PinholeCamera& camera,
     for (int v = begin; v < end; ++v) {
       const double t = times.middle_s + ((v + 0.5) / camera.height - 0.5) * times.readout_s;
       for (int u = 0; u < camera.width; ++u) {
-        const Place at = roller.OriginOf(u + kRollMargin_px, v + kRollMargin_px, t);
+        const RowPlace at = roller.OriginOf(u + kRollMargin_px, v + kRollMargin_px, t);
         rolled.depth_m(u, v) = roller.DepthAt(at);
         if (rolled.depth_m(u, v) > 0) rolled.color(u, v) = roller.ColorAt(at);
       }

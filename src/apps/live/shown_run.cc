@@ -3,31 +3,18 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
-#include <nlohmann/json.hpp>
 
 #include "io/images/image_files.h"
+#include "output/output_files.h"
 
 namespace surfit {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::size_t PlaceOf(Shown what) { return static_cast<std::size_t>(what); }
 
 std::int64_t Now_ms() {
   const auto now = std::chrono::steady_clock::now().time_since_epoch();
   return std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
-}
-
-Json ToJson(const Rigid3d& pose) {
-  const Eigen::Vector3d& t = pose.translation;
-  const Eigen::Quaterniond& q = pose.rotation;
-  return {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()};
-}
-
-Json ToJson(const PinholeCamera& c) {
-  return {{"width", c.width}, {"height", c.height}, {"fx", c.fx},
-          {"fy", c.fy},       {"cx", c.cx},         {"cy", c.cy}};
 }
 
 Json ToJson(const std::vector<Advice>& all) {
@@ -127,7 +114,7 @@ std::string ShownRun::StateJson(bool is_paused) const {
                {"at_result", state_.is_at_result},
                {"done", state_.is_done},
                {"advice", ToJson(state_.advice)},
-               {"camera", ToJson(state_.camera)},
+               {"camera", CameraToJson(state_.camera)},
                {"loops", state_.loops}};
   json["pose"] = state_.world_from_camera ? ToJson(*state_.world_from_camera) : Json();
   json["last_loop"] =

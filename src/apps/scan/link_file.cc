@@ -10,12 +10,6 @@
 namespace surfit {
 namespace {
 
-Json ToJson(const Rigid3d& pose) {
-  const Eigen::Vector3d& t = pose.translation;
-  const Eigen::Quaterniond& q = pose.rotation;
-  return {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()};
-}
-
 Rigid3d PoseFrom(const Json& json) {
   const auto n = json.get<std::array<double, 7>>();
   return {Eigen::Quaterniond(n[6], n[3], n[4], n[5]).normalized(), {n[0], n[1], n[2]}};

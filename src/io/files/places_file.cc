@@ -10,7 +10,7 @@
 namespace surfit {
 namespace {
 
-constexpr char kMagic[] = "surfit places 1\n";
+constexpr char kPlacesMagic[] = "surfit places 1\n";
 constexpr std::size_t kMostBytes = std::size_t{4} << 30;  // of the file
 
 void PutEdge(const PoseGraphEdge& edge, Packer* writer) {
@@ -54,13 +54,13 @@ void WritePlaces(const RunPlaces& places, const std::string& path) {
   }
   writer.PutCount(places.edges.size());
   for (const PoseGraphEdge& edge : places.edges) PutEdge(edge, &writer);
-  WriteFileAtomically(path, [&](std::ostream& file) { file << kMagic << writer.bytes(); });
+  WriteFileAtomically(path, [&](std::ostream& file) { file << kPlacesMagic << writer.bytes(); });
 }
 
 RunPlaces ReadPlaces(const std::string& path, PlacesPart part) {
   constexpr std::size_t kPoseBytes = 7 * sizeof(double);
   Unpacker reader(ReadFile(path, kMostBytes), path);
-  reader.TakeMagic(kMagic, "places");
+  reader.TakeMagic(kPlacesMagic, "places");
   RunPlaces places;
   places.frames.resize(reader.TakeCount(kPoseBytes));
   for (std::size_t i = 0; i < places.frames.size(); ++i) {

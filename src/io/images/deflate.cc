@@ -9,7 +9,7 @@
 namespace surfit {
 namespace {
 
-struct Closer {
+struct DeflateCloser {
   void operator()(libdeflate_decompressor* inflater) const {
     libdeflate_free_decompressor(inflater);
   }
@@ -19,14 +19,16 @@ struct Closer {
 }  // namespace
 
 bool Inflate(const void* data, std::size_t size, void* bytes, std::size_t count) {
-  const std::unique_ptr<libdeflate_decompressor, Closer> inflater(libdeflate_alloc_decompressor());
+  const std::unique_ptr<libdeflate_decompressor, DeflateCloser> inflater(
+      libdeflate_alloc_decompressor());
   if (!inflater) throw std::bad_alloc();
   return libdeflate_zlib_decompress(inflater.get(), data, size, bytes, count, nullptr) ==
          LIBDEFLATE_SUCCESS;
 }
 
 std::string Deflate(const void* bytes, std::size_t count, int level) {
-  const std::unique_ptr<libdeflate_compressor, Closer> deflater(libdeflate_alloc_compressor(level));
+  const std::unique_ptr<libdeflate_compressor, DeflateCloser> deflater(
+      libdeflate_alloc_compressor(level));
   if (!deflater) throw std::bad_alloc();
   std::string data(libdeflate_zlib_compress_bound(deflater.get(), count), '\0');
   const std::size_t size =

@@ -18,7 +18,7 @@ constexpr float kStep_m = 0.001f;
 constexpr float kNormalsApart = 0.1f;  // 1 - their cosine
 
 // A surfel as others see it.
-struct Neighbour {
+struct NearSurfel {
   Eigen::Vector3f position, normal;
   float sigma_m;  // along its normal
   float weight;
@@ -28,13 +28,13 @@ struct Neighbour {
 class NeighbourGrid {
  public:
   NeighbourGrid(const Eigen::Vector3f& low, const Eigen::Vector3f& high,
-                const std::vector<Neighbour>& neighbours)
+                const std::vector<NearSurfel>& neighbours)
       : low_(low), size_(CubeAt(high) + Cube::Ones()), sorted_(neighbours.size()) {
     begin_.assign(static_cast<std::size_t>(size_.prod()) + 1, 0);
-    for (const Neighbour& one : neighbours) ++begin_[IndexOf(CubeAt(one.position)) + 1];
+    for (const NearSurfel& one : neighbours) ++begin_[IndexOf(CubeAt(one.position)) + 1];
     for (std::size_t c = 1; c < begin_.size(); ++c) begin_[c] += begin_[c - 1];
     std::vector<int> next(begin_.begin(), begin_.end() - 1);
-    for (const Neighbour& one : neighbours) sorted_[next[IndexOf(CubeAt(one.position))]++] = one;
+    for (const NearSurfel& one : neighbours) sorted_[next[IndexOf(CubeAt(one.position))]++] = one;
   }
 
   // Calls f(neighbour) for all that are no farther than that along each axis, and some beyond.
@@ -64,7 +64,7 @@ class NeighbourGrid {
 
   const Eigen::Vector3f low_;
   const Cube size_;
-  std::vector<Neighbour> sorted_;
+  std::vector<NearSurfel> sorted_;
   std::vector<int> begin_;  // of each cube, and the end of the last
 };
 
@@ -103,8 +103,8 @@ class Smoothing {
     ForEach(cell, [&](std::int32_t id) { moved_[id] = MovedBy(grid, map_[id]); });
   }
 
-  std::vector<Neighbour> Within(const Eigen::Vector3f& low, const Eigen::Vector3f& high) const {
-    std::vector<Neighbour> within;
+  std::vector<NearSurfel> Within(const Eigen::Vector3f& low, const Eigen::Vector3f& high) const {
+    std::vector<NearSurfel> within;
     for (std::int32_t i = 0; i < map_.cell_count(); ++i) {
       if (!Meets(map_.cell(i).bounds, low, high)) continue;
       for (const std::int32_t b : map_.cell(i).blocks) {
@@ -121,7 +121,7 @@ class Smoothing {
   }
 
   void AddWithin(const SurfelBlock& block, const Eigen::Vector3f& low, const Eigen::Vector3f& high,
-                 std::vector<Neighbour>* within) const {
+                 std::vector<NearSurfel>* within) const {
     for (int k = 0; k < block.count; ++k) {
       const Surfel surfel = block[k];
       const Eigen::Vector3f& p = surfel.position_in_world;
@@ -146,7 +146,7 @@ class Smoothing {
     const float sigma = SigmaOf(surfel), per_reach2 = 1 / (reach * reach);
     float weights = 0, sum = 0;
     Eigen::Vector3f normals = Eigen::Vector3f::Zero();
-    grid.ForEachAround(p, reach, [&](const Neighbour& other) {
+    grid.ForEachAround(p, reach, [&](const NearSurfel& other) {
       const Eigen::Vector3f way = other.position - p;
       const float d2 = way.squaredNorm() * per_reach2, cosine = n.dot(other.normal);
       if (d2 > 1.f || cosine < 1.f - kNormalsApart) return;

@@ -114,7 +114,7 @@ Json ToJson(const std::vector<KeyframeLink>& keyframes) {
   return rows;
 }
 
-constexpr char kColumns[] =
+constexpr char kLoopColumns[] =
     "source,target,similarity,prior,reason,matches,agreeing_features,inlier_share,rmse_m,"
     "overlap_share,free_space_share,value_correlation,detail_correlation,lead,sigma_m,sigma_rad,"
     "disagreement_m,disagreement_rad,tx,ty,tz,qx,qy,qz,qw";
@@ -265,7 +265,7 @@ void WritePosesJson(const RunPoses& run, const std::string& path) {
 
 void WriteLoopsCsv(const std::vector<LoopRecord>& loops, const std::string& path) {
   WriteFileAtomically(path, [&](std::ostream& file) {
-    file << kColumns << '\n';
+    file << kLoopColumns << '\n';
     for (const LoopRecord& loop : loops) {
       if (loop.is_kept) continue;
       WriteColumns(loop, ReasonOf(loop), file);
