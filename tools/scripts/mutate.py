@@ -36,7 +36,7 @@ MODULES = {
 }
 
 # Labels that test.sh excludes, and test programs that check the sources or the package.
-EXCLUDED_LABELS = "sweep|fuzz|soak|cluster"
+EXCLUDED_LABELS = "sweep|fuzz|soak|cluster|benchmark"
 EXCLUDED_PROGRAMS = "structure|package"
 
 INCLUDE = '#include "mutation.h"\n'

@@ -10,4 +10,4 @@ bash "$scripts/install_dependencies.sh"
 bash "$scripts/check_changes.sh"
 bash "$scripts/build.sh" release
 echo "Running the tests, without sweeps over whole sequences, scans on Slurm and what else takes minutes"
-ctest --preset release --parallel "$(nproc)" --label-exclude "sweep|fuzz|soak|cluster" </dev/null
+ctest --preset release --parallel "$(nproc)" --label-exclude "sweep|fuzz|soak|cluster|benchmark" </dev/null
