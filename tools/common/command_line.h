@@ -14,7 +14,7 @@ namespace surfit::tools {
 // cannot be read, or that names another one.
 std::vector<std::string> ExpandFlagFiles(const std::vector<std::string>& arguments);
 
-// Sentence about a flag that the program does not have; empty if there is nothing to say.
+// Explains why a program does not have a flag. Returns an empty text for unknown flags.
 using UnknownFlag = std::function<std::string(const std::string& flag)>;
 
 // Gives gflags the arguments of the program, flag files expanded. -h is --help, --help=all is

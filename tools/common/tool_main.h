@@ -12,9 +12,8 @@ enum ExitCode { kDone = 0, kBadInput = 1, kAlgorithmFailed = 2, kFaultsFound = 3
 
 // Runs a program. The flags are those of the option table of the selected mode, with the values of
 // its options as defaults. Options that the user sets take precedence over `prepare` of the mode.
-// InputError, bad flags and any other exception print "error: ..." on stderr and give kBadInput,
-// and so does an output that is one of the inputs. -h, --help, --help=all, --help=GROUP and
-// --version print on stdout.
+// Exceptions, bad flags and an output that is one of the inputs print "error: ..." on stderr and
+// give kBadInput. -h, --help, --help=all, --help=GROUP and --version print on stdout.
 int ToolMain(int argc, char** argv, const std::string& summary, const ModeFlag& flag,
              std::vector<Mode> modes);
 
