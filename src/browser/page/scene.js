@@ -30,7 +30,7 @@ surfit.Scene = class {
     const narrow = Math.max(1, 1.3 / this.aspect());
     this.camera.up.copy(up);
     this.camera.fov = 50;
-    this.look(centre.clone().addScaledVector(back.add(up).normalize(), 2 * narrow * size), centre);
+    this.look(centre.clone().addScaledVector(back.add(up).normalize(), 2.2 * narrow * size), centre);
   }
 
   canvasSize() {
