@@ -20,7 +20,7 @@ out=docs/performance.md
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 
-tools/scripts/build.sh release all
+tools/scripts/build.sh release all benchmarks
 
 # A heading, and what a command prints.
 table() {

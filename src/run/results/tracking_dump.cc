@@ -25,7 +25,7 @@ DepthSensor SensorFromJson(const Json& json) {
   return sensor;
 }
 
-Json ToJson(const Rigid3d& pose) {
+Json PoseToJson(const Rigid3d& pose) {
   const Eigen::Vector3d& t = pose.translation;
   const Eigen::Vector4d& q = pose.rotation.coeffs();
   return {{"translation_m", {t.x(), t.y(), t.z()}}, {"rotation_xyzw", {q[0], q[1], q[2], q[3]}}};
@@ -92,7 +92,7 @@ void WriteTrackingDump(const LostFrame& lost, const SlamOptions& options,
   json["termination"] = ToString(lost.icp.termination);
   json["source_sensor"] = ToJson(source.sensor());
   json["target_sensor"] = ToJson(target.sensor());
-  json["target_from_source_initial"] = ToJson(lost.target_from_source_initial);
+  json["target_from_source_initial"] = PoseToJson(lost.target_from_source_initial);
   json["preprocess"] = OptionsToJson(options.preprocess);
   json["icp"] = OptionsToJson(options.icp);
   WriteJson(json, folder + "/frame.json");
