@@ -13,7 +13,7 @@
 namespace surfit {
 namespace {
 
-constexpr NamedValue<Termination> kTerminations[] = {
+constexpr NamedValue<Termination> kRegistrationEnds[] = {
     {"converged", Termination::kConverged},
     {"rmse_increased", Termination::kRmseIncreased},
     {"max_iterations", Termination::kMaxIterations},
@@ -88,7 +88,7 @@ void CheckFreeSpace(const FrameLevel& source, const FrameLevel& target, const Ic
 
 }  // namespace
 
-std::string ToString(Termination termination) { return NameOf(termination, kTerminations); }
+std::string ToString(Termination termination) { return NameOf(termination, kRegistrationEnds); }
 
 std::vector<std::string> AssociationNames() { return {"projective", "kd_tree"}; }
 
