@@ -187,7 +187,7 @@ TEST(CalibrationAndLoops, CalibrationKeepsTheCorrectionOfALoop) {
     EXPECT_TRUE(backend.is_recalibrated());
     EXPECT_EQ(backend.counts().loops_accepted, finds_loop ? 1u : 0u);
     const auto pose_of = [&](int keyframe) {
-      return backend.frames()[backend.FrameOfKeyframe(keyframe)].world_from_camera;
+      return backend.poses().FrameOf(keyframe).world_from_camera;
     };
     return pose_of(0).Inverse() * pose_of(4);
   };

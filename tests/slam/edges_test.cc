@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "slam/edge_information.h"
-#include "slam/loop_closer.h"
+#include "loop_closure/edge_information.h"
 #include "slam/simulated_sequence.h"
+#include "surfit/poses/pose_store.h"
 #include "surfit/slam/slam.h"
 #include "testing/matchers.h"
 #include "testing/random_pose.h"
@@ -36,8 +36,8 @@ TEST(SlamEdges, OdometryHasTheInformationOfAllItsFrames) {
   std::vector<FrameReport> reports;
   for (const RgbdFrame& frame : room.frames) reports.push_back(slam.Process(frame));
   slam.Finish();
-  const std::vector<KeyframeLink> keyframes = slam.backend()->keyframes();
-  const std::vector<PoseGraphEdge>& edges = slam.backend()->edges();
+  const std::vector<KeyframeLink> keyframes = slam.backend()->poses().keyframes();
+  const std::vector<PoseGraphEdge>& edges = slam.backend()->poses().edges();
   ASSERT_GE(edges.size(), 2u);
   int most_frames = 0;
   for (const PoseGraphEdge& edge : edges) {
@@ -68,11 +68,11 @@ TEST(SlamEdges, RelocalisationHasTheInformationOfALoop) {
   ASSERT_EQ(proposed.state, FrameState::kLost);
   ASSERT_EQ(slam.Process(room.frames[3]).state, FrameState::kRelocalized);
 
-  const std::vector<KeyframeLink> keyframes = slam.backend()->keyframes();
+  const std::vector<KeyframeLink> keyframes = slam.backend()->poses().keyframes();
   ASSERT_EQ(keyframes.back().frame, 2);
   ASSERT_EQ(keyframes.back().parent_frame, 0);
   const EdgeNoise& noise = options.loops.noise;
-  const PoseGraphEdge& edge = slam.backend()->edges().back();
+  const PoseGraphEdge& edge = slam.backend()->poses().edges().back();
   ExpectSameInformation(edge.information, LoopInformation(proposed.icp.information, noise));
   // Loop noise is part of the covariance in every direction.
   const Matrix6d covariance = edge.information.inverse();

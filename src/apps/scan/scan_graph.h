@@ -4,6 +4,8 @@
 #include <optional>
 #include <vector>
 
+#include "io/files/places_file.h"
+#include "surfit/loop_closure/loop_closure.h"
 #include "surfit/optimization/pose_graph.h"
 
 namespace surfit {
