@@ -37,7 +37,7 @@ void AddLoop(int source, int target, PoseStore* store) {
   record.target_frame = 10 * target;
   record.attempt.verdict.reason = FarReason::kAccepted;
   record.in_graph = true;
-  store->AddLoop(record, Edge(target, source, true));
+  store->AddLoop(std::move(record), Edge(target, source, true));
 }
 
 std::vector<std::vector<int>> PairsOf(const PoseGraph& graph) {

@@ -27,10 +27,10 @@ surfit.Scene = class {
   // Shows the whole path and 90 % of the points from behind and above.
   lookAtAll({ centre, size }, ahead, up) {
     const back = surfit.level(ahead, up).negate();
-    const narrow = Math.max(1, 1.3 / this.aspect());
+    const narrow = Math.max(1, 1.35 / this.aspect());
     this.camera.up.copy(up);
     this.camera.fov = 50;
-    this.look(centre.clone().addScaledVector(back.add(up).normalize(), 2.2 * narrow * size), centre);
+    this.look(centre.clone().addScaledVector(back.add(up).normalize(), 2.12 * narrow * size), centre);
   }
 
   canvasSize() {
