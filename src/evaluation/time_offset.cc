@@ -9,7 +9,7 @@ namespace surfit {
 namespace {
 
 // A camera's stamps are off by its exposure, readout and transfer: by less than three frames.
-constexpr int kOffsetSteps = 20;         // either way
+constexpr int kOffsetSteps = 20;   // either way
 constexpr double kStep_s = 0.005;  // far less than the time in which a hand turns round
 constexpr double kTolerance_s = 1e-5;
 
