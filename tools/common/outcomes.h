@@ -1,6 +1,5 @@
 #pragma once
 
-#include "apps/solvers/refine_run.h"
 #include "common/tool_main.h"
 #include "output/report/write_report.h"
 #include "surfit/registration/icp.h"
@@ -15,10 +14,6 @@ void PrintPose(const IcpResult& icp);
 
 // The exit code; says on stderr what an unsuccessful registration lacks, value and constraint.
 ExitCode PrintFailure(const IcpResult& icp, const IcpOptions& options);
-
-// Refines, says on stderr how far it is, and prints errors and calibration before and after.
-// Returns the program's exit code.
-int RefineAndPrint(const RefineRunOptions& options);
 
 // Writes the report and says where it is and what of the maps it shows. Throws like WriteReport().
 void WriteAndPrintReport(const ReportOptions& options);
