@@ -27,10 +27,10 @@ ROOT = Path(__file__).resolve().parents[2]
 
 # Test programs of each module, as a regular expression.
 MODULES = {
-    "tracking": "slam|tracking|frame",
-    "loop_closure": "slam|places|loop_closure",
+    "tracking": "slam|frame",
+    "loop_closure": "slam|places",
     "optimization": "optimization|refinement",
-    "calibration": "calibration|refinement|slam",
+    "calibration": "refinement|slam",
     "mapping": "mapping",
     "registration": "registration",
 }
