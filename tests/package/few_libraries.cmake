@@ -8,7 +8,7 @@ if(NOT programs)
 endif()
 foreach(program ${programs})
   file(READ "${program}" head LIMIT 2)
-  if(head STREQUAL "#!")
+  if(head MATCHES "^#!")
     continue()  # the name of a removed program
   endif()
   execute_process(COMMAND ldd "${program}" OUTPUT_VARIABLE libraries COMMAND_ERROR_IS_FATAL ANY)
