@@ -61,7 +61,7 @@ endif()
 file(GLOB programs "${prefix}/bin/*")
 foreach(program ${programs})
   file(READ "${program}" head LIMIT 2)
-  if(head STREQUAL "#!")
+  if(head MATCHES "^#!")
     continue()  # the name of a removed program
   endif()
   execute_process(COMMAND "${program}" --help OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
