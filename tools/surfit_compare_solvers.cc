@@ -6,7 +6,7 @@
 
 #include "apps/solvers/compare_solvers.h"
 #include "common/console.h"
-#include "common/recorded_run.h"
+#include "common/recorded_flags.h"
 #include "common/tool_main.h"
 #include "surfit/registration/register_clouds.h"
 

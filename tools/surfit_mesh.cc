@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "common/console.h"
-#include "common/recorded_run.h"
+#include "common/recorded_flags.h"
 #include "common/tool_main.h"
 #include "core/shared_options.h"
 #include "mesh/texture/texture_frames.h"

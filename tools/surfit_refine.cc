@@ -1,13 +1,12 @@
 // Refines a run of surfit_slam: poses, surfels and the camera's calibration, all at once.
 
-#include "apps/solvers/refine_run.h"
-
 #include <cmath>
 #include <iostream>
 #include <vector>
 
+#include "apps/solvers/refine_run.h"
 #include "common/console.h"
-#include "common/recorded_run.h"
+#include "common/recorded_flags.h"
 #include "common/tool_main.h"
 #include "core/shared_options.h"
 #include "surfit/core/error.h"

@@ -11,7 +11,7 @@
 #include "apps/live/live_server.h"
 #include "common/console.h"
 #include "common/outcomes.h"
-#include "common/recorded_run.h"
+#include "common/recorded_flags.h"
 #include "common/tool_main.h"
 #include "surfit/core/error.h"
 #include "surfit/run/slam_run.h"

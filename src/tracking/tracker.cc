@@ -86,18 +86,18 @@ Prediction Tracker::Predict(const PreparedFrame& frame) {
 }
 
 Tracked Tracker::Track(const PreparedFrame& frame, const Prediction& prediction) {
-  return Validate(frame, RegisterOrSearch(frame, prediction));
+  return CheckFeatures(frame, RegisterOrSearch(frame, prediction));
 }
 
 Tracked Tracker::TrackFirst(const PreparedFrame& frame) {
   Tracked tracked;
   tracked.state = HasEnoughDepth(frame, options_.icp) ? FrameState::kFirst : FrameState::kLost;
   tracked.world_from_camera = last_.world_from_view;
-  return Validate(frame, std::move(tracked));
+  return CheckFeatures(frame, std::move(tracked));
 }
 
 // Checks the features, and remembers the frame for the detection of moving objects.
-Tracked Tracker::Validate(const PreparedFrame& frame, Tracked tracked) {
+Tracked Tracker::CheckFeatures(const PreparedFrame& frame, Tracked tracked) {
   if (options_.VerifiesBySearch()) {
     CameraMotion since_last;
     if (tracked.is_held() && state_.is_localised) {

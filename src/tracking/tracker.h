@@ -28,9 +28,9 @@ struct Prediction {
 
 // Tracks the camera. Each frame passes Predict(), Track() and Update() in this order:
 //   Predict  motion model, reference view       motion_model.h, model_views.h
-//   Track    registration                       frame_registration.h
+//   Track    registration, its validation       frame_registration.h, pose_validation.h
 //            search for uncertain frames        pose_search.h
-//            validation                         pose_validation.h
+//            feature check of the pose          feature_watch.h
 //   Update   state transition                   tracking_state.h
 class Tracker {
  public:
@@ -71,7 +71,7 @@ class Tracker {
   void Move(const Rigid3d& new_from_old_world);
 
  private:
-  Tracked Validate(const PreparedFrame& frame, Tracked tracked);
+  Tracked CheckFeatures(const PreparedFrame& frame, Tracked tracked);
   Tracked RegisterOrSearch(const PreparedFrame& frame, const Prediction& prediction);
   Tracked Register(const PreparedFrame& frame, const ReferenceView& reference,
                    const Rigid3d& world_from_predicted) const;

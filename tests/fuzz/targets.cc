@@ -5,7 +5,7 @@
 
 #include "apps/evaluate/view_evaluation.h"
 #include "common/command_line.h"
-#include "common/recorded_run.h"
+#include "common/recorded_flags.h"
 #include "io/files/places_file.h"
 #include "io/images/image_files.h"
 #include "output/report/report_data.h"

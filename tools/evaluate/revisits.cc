@@ -7,7 +7,7 @@
 
 #include "common/console.h"
 #include "common/json.h"
-#include "common/recorded_run.h"
+#include "common/recorded_flags.h"
 #include "common/tool_main.h"
 #include "core/shared_options.h"
 #include "evaluate/evaluations.h"

@@ -4,7 +4,7 @@
 
 #include "apps/evaluate/view_evaluation.h"
 #include "common/console.h"
-#include "common/recorded_run.h"
+#include "common/recorded_flags.h"
 #include "common/tool_main.h"
 #include "evaluate/evaluations.h"
 #include "surfit/core/error.h"

@@ -1,4 +1,4 @@
-// The options of this room.
+// The options of this module.
 #include "apps/scan/batch.h"
 #include "core/shared_options.h"
 #include "surfit/core/error.h"

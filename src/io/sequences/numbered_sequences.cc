@@ -87,17 +87,6 @@ std::string NameOf(long number, const std::map<long, std::string>& images,
   return other.substr(0, other.rfind('.')) + some.substr(some.rfind('.'));
 }
 
-class FolderRecording : public Recording {
- public:
-  explicit FolderRecording(std::vector<FrameFiles> frames) : frames_(std::move(frames)) {}
-  int frame_count() const override { return static_cast<int>(frames_.size()); }
-  FrameStamps stamps(int index) const override { return frames_[index].stamps; }
-  FrameImages Read(int index) const override { return ReadFrameFiles(frames_[index]); }
-
- private:
-  std::vector<FrameFiles> frames_;
-};
-
 // Blocks of one line of numbers, the first of which is the frame's, and a 4 x 4 pose.
 Trajectory ReadLog(const std::string& path, double frames_per_second) {
   const auto rows = ReadTextRows(path);
@@ -154,19 +143,6 @@ std::vector<FrameFiles> ListNumberedFrames(const std::string& depth_folder,
     sorted.push_back(frame);
   }
   return sorted;
-}
-
-FrameImages ReadFrameFiles(const FrameFiles& files) {
-  FrameImages images;
-  images.depth_name = files.depth_path;
-  images.color_name = files.color_path;
-  images.depth = ReadDepthImage(files.depth_path);
-  if (!files.color_path.empty()) images.color = ReadColorImage(files.color_path);
-  return images;
-}
-
-std::unique_ptr<Recording> MakeFolderRecording(std::vector<FrameFiles> frames) {
-  return std::make_unique<FolderRecording>(std::move(frames));
 }
 
 SequenceFiles ListRedwoodSequence(const std::string& folder, double frames_per_second) {

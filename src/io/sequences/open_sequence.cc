@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "io/sequences/folder.h"
+#include "io/sequences/folder_recording.h"
 #include "io/sequences/image_sequence.h"
 #include "io/sequences/raw_frames.h"
 #include "io/sequences/recording.h"

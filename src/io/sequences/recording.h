@@ -99,12 +99,6 @@ SequenceFiles ListRedwoodSequence(const std::string& folder, double frames_per_s
 // stamps are N / frames_per_second, a pose's N is its line.
 SequenceFiles ListReplicaSequence(const std::string& folder, double frames_per_second);
 
-// Throws InputError naming the file that cannot be read.
-FrameImages ReadFrameFiles(const FrameFiles& files);
-
-// The listed files as a recording.
-std::unique_ptr<Recording> MakeFolderRecording(std::vector<FrameFiles> frames);
-
 // Pairs the images of two folders by the numbers in their names, in ascending order; both stamps
 // are the number. A frame of which one image is missing is listed with the name it should have, so
 // that reading it reports that name. color_folder may be empty: no colour. Throws InputError where

@@ -10,6 +10,7 @@
 
 #include "core/trace.h"
 #include "io/sequences/folder.h"
+#include "io/sequences/folder_recording.h"
 #include "io/sequences/raw_frames.h"
 #include "io/sequences/sequence_camera.h"
 #include "surfit/core/error.h"

@@ -1,4 +1,4 @@
-// The options of this room.
+// The options of this module.
 #include "surfit/core/options.h"
 
 #include <ceres/types.h>

@@ -1,4 +1,4 @@
-#include "common/recorded_run.h"
+#include "common/recorded_flags.h"
 
 #include <gflags/gflags.h>
 
