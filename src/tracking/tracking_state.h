@@ -20,14 +20,19 @@ enum class TrackingEvent {
   kTentativeCompared,  // the next frame has confirmed or rejected the tentative pose
 };
 
-// Transitions:
+// Transitions. A tracker begins in kNotStarted, or in kLost if the map is given (InGivenMap()).
+// Tracker::Update() makes the transition at the end of each frame, except duplicates. In kTentative
+// Tracker::Track() makes the transition kTentativeCompared first. kPose is also the event of the
+// first frame, of a given pose and of the first frame of a new submap. An event with a pose sets
+// lost_frames to 0 and is_localised to true; an event without a pose increments lost_frames.
+// "-": does not occur.
 //
 //                | kPose     | kFound       | kNoPose     | kTentativePose | kTentativeCompared
 //   kNotStarted  | kTracking | kRelocalised | kNotStarted | -              | -
 //   kTracking    | kTracking | kRelocalised | kLost       | kTentative     | -
 //   kRelocalised | kTracking | kRelocalised | kLost       | kTentative     | -
 //   kLost        | kTracking | kRelocalised | kLost       | kTentative     | -
-//   kTentative   | kTracking | kRelocalised | kLost       | -              | kLost
+//   kTentative   | kTracking | -            | -           | -              | kLost
 
 // Properties of a registered frame that its successor depends on.
 struct FrameQuality {
