@@ -7,7 +7,7 @@
 #include "bindings/arrays.h"
 #include "bindings/bind.h"
 #include "bindings/options_class.h"
-#include "io/sequences/image_sequence.h"
+#include "io/sequences/raw_frames.h"
 #include "surfit/core/error.h"
 #include "surfit/io/camera_files.h"
 
@@ -45,8 +45,8 @@ Frame FrameMaker::Make(const py::object& color, const py::array& depth, double s
   ThrowIf(!std::isfinite(stamp_s), "stamp_s is ", stamp_s, ", must be finite");
   FrameImages images{DepthOf(depth), ColorOf(color), "depth", "color"};
   const py::gil_scoped_release release;
-  const FrameStamps moments = MomentsOf({stamp_s, stamp_s}, camera_);
-  return {MakeFrame(camera_, preparer_, std::move(images), index, moments), sensor(), mirrored_};
+  return {PrepareFrame(camera_, preparer_, std::move(images), index, {stamp_s, stamp_s}), sensor(),
+          mirrored_};
 }
 
 void BindFrame(py::module_& module) {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "io/sequences/image_sequence.h"
+#include "io/sequences/depth_scale.h"
 #include "surfit/io/sequence.h"
 #include "testing/matchers.h"
 #include "testing/sequence_writer.h"

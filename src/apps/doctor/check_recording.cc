@@ -7,7 +7,7 @@
 #include "apps/doctor/recording_checks.h"
 #include "core/repeated_warning.h"
 #include "finishing/known_sequence.h"
-#include "io/sequences/image_sequence.h"
+#include "io/sequences/depth_scale.h"
 #include "surfit/core/error.h"
 #include "surfit/core/options.h"
 #include "surfit/core/parallel.h"
@@ -111,11 +111,7 @@ class RecordingLook {
 
  private:
   void Look(const RawFrame& raw, const FrameImages& images) {
-    const RgbdCamera& camera = sequence_.info.camera;
-    RgbdFrame frame = MakeFrame(camera, sequence_.preparer, images, raw.head.index,
-                                MomentsOf(raw.stamps, camera));
-    if (!sequence_.field.IsZero())
-      CorrectDepth(sequence_.info.pinhole, sequence_.field, &frame.depth_m);
+    RgbdFrame frame = sequence_.MakeFrame(raw, images);
     figures_.Add(raw.head.index, raw.stamps, images, frame.depth_m);
     if (count_++ % sample_every_ == 0) Sample(images, frame);
     if (tracker_) tracker_->Process(frame);

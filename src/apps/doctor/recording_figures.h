@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "io/sequences/image_sequence.h"
+#include "io/sequences/raw_frames.h"
 #include "surfit/core/image.h"
 
 namespace surfit {

@@ -235,8 +235,8 @@ RawSequence OpenOpenNiCamera(const SequenceOptions& options, int capacity,
         return {queue->link().device().Camera(options), queue->link().name() + "'s field of view"};
       },
       &info);
-  return Complete(std::move(info), std::make_unique<OpenNiCamera>(options, std::move(queue), stop),
-                  options);
+  return MakeRawSequence(std::move(info),
+                         std::make_unique<OpenNiCamera>(options, std::move(queue), stop), options);
 }
 
 }  // namespace surfit

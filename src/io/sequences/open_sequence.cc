@@ -3,7 +3,6 @@
 
 #include "io/sequences/folder.h"
 #include "io/sequences/folder_recording.h"
-#include "io/sequences/image_sequence.h"
 #include "io/sequences/raw_frames.h"
 #include "io/sequences/recording.h"
 #include "io/sequences/sequence_camera.h"
@@ -45,6 +44,44 @@ std::vector<int> SelectFrames(int count, const SequenceOptions& options) {
   return indices;
 }
 
+// The frames `indices` of a recording, in this order.
+class RecordedFrames : public RawFrames {
+ public:
+  RecordedFrames(std::unique_ptr<Recording> recording, std::vector<int> indices)
+      : recording_(std::move(recording)), indices_(std::move(indices)) {}
+
+  std::vector<FrameImages> FirstImages() override {
+    constexpr std::size_t kImages = 8, kApart = 15;
+    std::vector<FrameImages> images;
+    std::string first_error;
+    for (std::size_t i = 0; i < indices_.size() && images.size() < kImages;
+         i += images.empty() ? 1 : kApart) {
+      try {
+        images.push_back(recording_->Read(indices_[i]));
+      } catch (const InputError& error) {
+        if (first_error.empty()) first_error = error.what();
+      }
+    }
+    ThrowIf(images.empty(), "no frame can be read: ", first_error);
+    return images;
+  }
+
+  std::optional<RawFrame> Next() override {
+    if (next_ == indices_.size()) return std::nullopt;
+    RawFrame frame;
+    frame.head.index = indices_[next_++];
+    frame.stamps = recording_->stamps(frame.head.index);
+    return frame;
+  }
+
+  FrameImages Read() override { return recording_->Read(indices_[next_ - 1]); }
+
+ private:
+  std::unique_ptr<Recording> recording_;
+  std::vector<int> indices_;
+  std::size_t next_ = 0;
+};
+
 }  // namespace
 
 bool IsLive(const SequenceOptions& options) {
@@ -61,7 +98,7 @@ RawSequence OpenRawLive(const SequenceOptions& options, int capacity,
 
 std::unique_ptr<FrameSource> OpenLive(const SequenceOptions& options, int capacity,
                                       const std::atomic<bool>& stop) {
-  return Prepared(OpenRawLive(options, capacity, stop));
+  return MakeFrameSource(OpenRawLive(options, capacity, stop));
 }
 
 RawSequence OpenRawSequence(const SequenceOptions& options) {
@@ -91,13 +128,13 @@ RawSequence OpenRawSequence(const SequenceOptions& options) {
   }
   std::vector<int> indices = SelectFrames(opened.frames->frame_count(), options);
   info.frame_count = static_cast<int>(indices.size());
-  return Complete(std::move(info),
-                  std::make_unique<ImageSequence>(std::move(opened.frames), std::move(indices)),
-                  options);
+  return MakeRawSequence(
+      std::move(info),
+      std::make_unique<RecordedFrames>(std::move(opened.frames), std::move(indices)), options);
 }
 
 std::unique_ptr<FrameSource> OpenSequence(const SequenceOptions& options) {
-  return Prepared(OpenRawSequence(options));
+  return MakeFrameSource(OpenRawSequence(options));
 }
 
 }  // namespace surfit

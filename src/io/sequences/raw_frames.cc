@@ -3,38 +3,39 @@
 #include <utility>
 
 #include "core/trace.h"
-#include "io/sequences/image_sequence.h"
+#include "io/sequences/sequence_info.h"
 #include "surfit/core/error.h"
-#include "surfit/geometry/inverse_depth_field.h"
 
 namespace surfit {
 namespace {
 
-// Prepares what is read.
-class ImageSource : public FrameSource {
+template <typename T>
+void RequireSize(const Image<T>& image, const PinholeCamera& camera, const char* whose,
+                 const std::string& name) {
+  if (image.width() == camera.width && image.height() == camera.height) return;
+  throw InputError(name, " is ", image.width(), " x ", image.height(), " pixels, must be ",
+                   camera.width, " x ", camera.height, " as ", whose);
+}
+
+// Reads and rectifies the frames of a sequence.
+class SequenceSource : public FrameSource {
  public:
-  explicit ImageSource(RawSequence sequence) : sequence_(std::move(sequence)) {}
+  explicit SequenceSource(RawSequence sequence) : sequence_(std::move(sequence)) {}
 
   const SequenceInfo& info() const override { return sequence_.info; }
 
   std::optional<ReadResult> Next() override {
     std::optional<RawFrame> raw = sequence_.frames->Next();
     if (!raw) return std::nullopt;
-    ReadResult result = std::move(raw->head);
-    const RgbdCamera& camera = info().camera;
-    const FrameStamps moments = MomentsOf(raw->stamps, camera);
-    result.stamp_s = moments.depth_s;
+    ReadResult result = raw->head;
+    result.stamp_s = CaptureTimes(raw->stamps, info().camera).depth_s;
     if (!result.error.empty()) return result;
     try {
       const StageTimer timer("decode", result.index, &result.decode_ms);
-      result.frame =
-          MakeFrame(camera, sequence_.preparer, sequence_.frames->Read(), result.index, moments);
+      result.frame = sequence_.MakeFrame(*raw, sequence_.frames->Read());
     } catch (const InputError& error) {
       result.error = error.what();
-      return result;
     }
-    if (!sequence_.field.IsZero())
-      CorrectDepth(info().pinhole, sequence_.field, &result.frame->depth_m);
     return result;
   }
 
@@ -44,15 +45,55 @@ class ImageSource : public FrameSource {
 
 }  // namespace
 
-RawSequence Complete(SequenceInfo info, std::unique_ptr<RawFrames> frames,
-                     const SequenceOptions& options) {
+RgbdFrame RawSequence::MakeFrame(const RawFrame& raw, FrameImages images) const {
+  RgbdFrame frame =
+      PrepareFrame(info.camera, preparer, std::move(images), raw.head.index, raw.stamps);
+  if (!field.IsZero()) CorrectDepth(info.pinhole, field, &frame.depth_m);
+  return frame;
+}
+
+FrameStamps CaptureTimes(const FrameStamps& stamps, const RgbdCamera& camera) {
+  return {stamps.depth_s - camera.latency_s,
+          stamps.color_s - camera.latency_s - camera.color_latency_s};
+}
+
+void RequireSizeOf(const RgbdCamera& camera, const FrameImages& images) {
+  std::visit(
+      [&](const auto& depth) {
+        RequireSize(depth, camera.depth, "the depth camera", images.depth_name);
+      },
+      images.depth);
+  if (images.color.empty()) return;
+  if (camera.color_is_registered) {
+    RequireSize(images.color, camera.depth,
+                "depth, to which colour is registered; else tell the camera of its own that it "
+                "has: color_camera and color_from_depth in a camera.yaml, or color_intrinsics",
+                images.color_name);
+  } else {
+    RequireSize(images.color, camera.color, "the colour camera", images.color_name);
+  }
+}
+
+RgbdFrame PrepareFrame(const RgbdCamera& camera, const FramePreparer& preparer, FrameImages images,
+                       int index, const FrameStamps& stamps) {
+  RequireSizeOf(camera, images);
+  RgbdFrame frame = preparer.Prepare(images.depth, std::move(images.color));
+  const FrameStamps captured = CaptureTimes(stamps, camera);
+  frame.index = index;
+  frame.stamp_s = captured.depth_s;
+  frame.color_stamp_s = captured.color_s;
+  return frame;
+}
+
+RawSequence MakeRawSequence(SequenceInfo info, std::unique_ptr<RawFrames> frames,
+                            const SequenceOptions& options) {
   FramePreparer preparer = CompleteInfo(frames->FirstImages(), options.prepare, &info);
   InverseDepthField field = ReadDepthField(options, info.format);
   return {std::move(info), std::move(frames), std::move(preparer), field};
 }
 
-std::unique_ptr<FrameSource> Prepared(RawSequence sequence) {
-  return std::make_unique<ImageSource>(std::move(sequence));
+std::unique_ptr<FrameSource> MakeFrameSource(RawSequence sequence) {
+  return std::make_unique<SequenceSource>(std::move(sequence));
 }
 
 }  // namespace surfit

@@ -140,4 +140,8 @@ RgbdCamera ReadSensCamera(const std::string& path);
 // stamps. Throws InputError naming the file, and the topic or option at fault.
 OpenedRecording OpenBag(const SequenceOptions& options, const std::string& format, bool is_folder);
 
+// A recording of OpenNI2 (.oni). Its camera comes from the field of view. Throws InputError naming
+// the file, also in a build without OpenNI2.
+OpenedRecording OpenOni(const SequenceOptions& options);
+
 }  // namespace surfit

@@ -165,14 +165,14 @@ RawSequence OpenWatchedFolder(const SequenceOptions& options, const std::atomic<
   ResolveCamera(options, /*tell=*/{}, &info);
   DropLatency(options, &info.camera);
   WatchedFolder folder(options.path, info.camera.frames_per_second, stop);
-  return Complete(std::move(info), std::make_unique<WatchedFrames>(options, std::move(folder)),
-                  options);
+  return MakeRawSequence(std::move(info),
+                         std::make_unique<WatchedFrames>(options, std::move(folder)), options);
 }
 
 std::unique_ptr<FrameSource> WatchFolder(const SequenceOptions& options,
                                          const std::atomic<bool>& stop) {
   Validate(options);
-  return Prepared(OpenWatchedFolder(options, stop));
+  return MakeFrameSource(OpenWatchedFolder(options, stop));
 }
 
 }  // namespace surfit
