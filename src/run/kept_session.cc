@@ -33,12 +33,13 @@ int LastFrameOf(const SessionRun& run, int end_index, const SlamState& state) {
   return last;
 }
 
-std::vector<Rigid3d> PosesOfKeyframes(const SlamState& state) {
+std::vector<Rigid3d> PosesOfKeyframes(const std::vector<PosedFrame>& frames,
+                                      const std::vector<KeyframeLink>& keyframes) {
   std::vector<Rigid3d> poses;
   std::size_t frame = 0;
-  for (const KeyframeLink& link : state.keyframes) {
-    while (state.frames[frame].index != link.frame) ++frame;
-    poses.push_back(state.frames[frame].world_from_camera);
+  for (const KeyframeLink& link : keyframes) {
+    while (frames[frame].index != link.frame) ++frame;
+    poses.push_back(frames[frame].world_from_camera);
   }
   return poses;
 }
@@ -55,11 +56,14 @@ void MoveFrames(const std::map<int, Rigid3d>& world_from_camera, std::vector<Pos
   }
 }
 
-// To other poses of frames. Edges of the pose graph stay as far from agreeing as they are.
-void MovePoses(const std::map<int, Rigid3d>& world_from_camera, SlamState* state) {
-  const std::vector<Rigid3d> before = PosesOfKeyframes(*state);
-  MoveFrames(world_from_camera, &state->frames);
-  Recalibrate(before, PosesOfKeyframes(*state), &state->edges);
+// Moves the measurements with the keyframes, so that the residuals stay the same.
+void MoveEdges(const std::vector<Rigid3d>& world_from_keyframe_before,
+               const std::vector<Rigid3d>& world_from_keyframe_after,
+               std::vector<KeptEdge>* edges) {
+  std::vector<PoseGraphEdge> moved;
+  for (const KeptEdge& kept : *edges) moved.push_back(kept.edge);
+  Recalibrate(world_from_keyframe_before, world_from_keyframe_after, &moved);
+  for (std::size_t i = 0; i < moved.size(); ++i) (*edges)[i].edge = moved[i];
 }
 
 }  // namespace
@@ -149,27 +153,23 @@ void KeptSession::Finish(const Slam& slam) {
   if (writer_) writer_->Finish(slam);
 }
 
-// By a writer of its own, which writes all of map and graph anew, in one save.
-void KeptSession::Improve(const Trajectory& trajectory, const std::vector<int>& frames,
-                          const FoundSensor& found, const SurfelMap& map) {
+void KeptSession::Improve(const Slam& slam, const Trajectory& trajectory,
+                          const std::vector<int>& frames, const FoundSensor& found,
+                          const SurfelMap& map) {
   if (!writer_) return;
-  waits_ = writer_->waits();
-  writer_.reset();
-  SlamState state = ReadSession(options_.session).state;
   std::map<int, Rigid3d> world_from_camera;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     world_from_camera[frames[i]] = trajectory[i].world_from_camera;
   }
-  MovePoses(world_from_camera, &state);
-  state.map = map;
-  state.calibration = found.calibration;
-  state.color_latency_s = found.color_latency_s;
-  SlamOptions options = options_.slam;
-  options.tracking = SlamOptions().tracking;  // it takes no frames, whatever they are tracked by
-  Slam improved(sensor_, options, std::move(state), StateUse::kContinue);
-  writer_ = std::make_unique<SessionWriter>(options_.session, SessionWriter::Mode::kContinue);
-  writer_->Begin({}, sensor_, &improved);
-  writer_->Finish(improved);
+  const SessionContent tracked = ContentOf(slam);
+  std::vector<PosedFrame> moved = tracked.frames;
+  MoveFrames(world_from_camera, &moved);
+  std::vector<KeptEdge> edges = tracked.edges;
+  MoveEdges(PosesOfKeyframes(tracked.frames, tracked.keyframes),
+            PosesOfKeyframes(moved, tracked.keyframes), &edges);
+  writer_->Replace({moved, tracked.keyframes, std::move(edges), tracked.settled_keyframes,
+                    tracked.is_calibrating, found.calibration, found.color_latency_s, map,
+                    tracked.map_corrections});
 }
 
 }  // namespace surfit

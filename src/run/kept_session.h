@@ -33,11 +33,11 @@ class KeptSession {
   void Begin(const SequenceInfo& info, Slam* slam);
   void Offer(const Slam& slam, double stamp_s);
   void Finish(const Slam& slam);
-  // After that, what is known better of the run: poses of frames by their indices, the sensor, and
-  // the map. The pose graph follows.
-  void Improve(const Trajectory& trajectory, const std::vector<int>& frames,
+  // Replaces poses, sensor and map after Finish(). `frames` are the frame indices of the poses. The
+  // residuals of the pose graph stay the same.
+  void Improve(const Slam& slam, const Trajectory& trajectory, const std::vector<int>& frames,
                const FoundSensor& found, const SurfelMap& map);
-  std::int64_t waits() const { return waits_ + (writer_ ? writer_->waits() : 0); }
+  std::int64_t waits() const { return writer_ ? writer_->waits() : 0; }
 
  private:
   void GoOnAfter(const std::vector<SessionRun>& runs, SequenceOptions* sequence);
@@ -45,9 +45,8 @@ class KeptSession {
   const SlamRunOptions& options_;
   std::unique_ptr<SessionWriter> writer_;  // null where the camera is only localised
   std::optional<SlamState> state_;
-  DepthSensor sensor_;      // as given
-  std::int64_t waits_ = 0;  // of the writer before
-  bool goes_on_ = false;    // the sequence follows the session's last frame
+  DepthSensor sensor_;    // as given
+  bool goes_on_ = false;  // the sequence follows the session's last frame
   int first_index_ = 0, shift_ = 0;
 };
 

@@ -265,7 +265,7 @@ class SlamRun {
     trajectory_->Replace(std::move(refined->trajectory));
     found_ = refined->found;
     if (session_ && is_better) {
-      session_->Improve(trajectory_->poses(), trajectory_->frames(), found_, *final_map_);
+      session_->Improve(*slam_, trajectory_->poses(), trajectory_->frames(), found_, *final_map_);
     }
   }
 

@@ -73,6 +73,17 @@ void WriteNewFile(const std::string& path, const std::string& bytes) {
 
 }  // namespace
 
+SessionContent ContentOf(const Slam& slam) {
+  const Backend& backend = *slam.backend();
+  SessionContent content = {backend.poses().frames(),  backend.poses().keyframes(),
+                            EdgesOf(backend),          backend.settled_keyframes(),
+                            backend.is_calibrating(),  std::nullopt,
+                            backend.color_latency_s(), slam.map(),
+                            slam.corrections_of_map()};
+  if (backend.is_recalibrated()) content.calibration = *backend.calibration();
+  return content;
+}
+
 // What a save commits.
 struct SessionWriter::Update {
   SessionRow facts;  // but for views and tiles, which are counted as they are written
@@ -144,14 +155,20 @@ void SessionWriter::Offer(const Slam& slam, double stamp_s) {
   if (!is_due) return;
   saved_stamp_s_ = stamp_s;
   frames_since_save_ = 0;
-  Save(slam);
+  Save(ContentOf(slam));
 }
 
-void SessionWriter::Finish(const Slam& slam) {
-  if (slam.backend()->poses().frames().empty()) return Wait();
+void SessionWriter::Replace(const SessionContent& content) {
+  changed_tiles_ = ChangedTiles();
+  has_saved_ = false;
+  Finish(content);
+}
+
+void SessionWriter::Finish(const SessionContent& content) {
+  if (content.frames.empty()) return Wait();
   for (SessionRun& run : runs_) run.ended = true;
   are_runs_saved_ = false;
-  Save(slam);
+  Save(content);
   Wait();
   RemoveStrayTiles(folder_, tiles_);
   database_->Run("PRAGMA wal_checkpoint(TRUNCATE)");
@@ -165,30 +182,29 @@ void SessionWriter::Wait() {
   if (writing_.valid()) writing_.get();
 }
 
-void SessionWriter::Save(const Slam& slam) {
+void SessionWriter::Save(const SessionContent& content) {
   waits_ +=
       writing_.valid() && writing_.wait_for(std::chrono::seconds(0)) == std::future_status::timeout;
   Wait();
-  writing_ = std::async(std::launch::async,
-                        [this, update = Difference(slam)]() mutable { Write(std::move(update)); });
+  writing_ = std::async(std::launch::async, [this, update = Difference(content)]() mutable {
+    Write(std::move(update));
+  });
 }
 
-SessionWriter::Update SessionWriter::Difference(const Slam& slam) {
+SessionWriter::Update SessionWriter::Difference(const SessionContent& content) {
   const TraceSlice slice("save_session");
-  const Backend& backend = *slam.backend();
   Update update;
   update.is_all = !has_saved_;
   for (std::size_t i = 0; i < runs_.size() && !are_runs_saved_; ++i) {
     update.runs.push_back(RowOf(first_run_ + static_cast<std::int64_t>(i), runs_[i]));
   }
-  update.frames = Changed(backend.poses().frames(), frames_,
+  update.frames = Changed(content.frames, frames_,
                           [](std::int64_t, const PosedFrame& frame) { return RowOf(frame); });
-  frames_ = backend.poses().frames();
-  std::vector<KeptEdge> edges = EdgesOf(backend);
-  update.edges = Changed(edges, edges_,
+  frames_ = content.frames;
+  update.edges = Changed(content.edges, edges_,
                          [](std::int64_t key, const KeptEdge& edge) { return RowOf(key, edge); });
-  edges_ = std::move(edges);
-  const std::vector<KeyframeLink> links = backend.poses().keyframes();
+  edges_ = content.edges;
+  const std::vector<KeyframeLink>& links = content.keyframes;
   for (; keyframes_ < links.size(); ++keyframes_) {
     update.keyframes.push_back(RowOf(static_cast<std::int64_t>(keyframes_), links[keyframes_]));
   }
@@ -199,15 +215,14 @@ SessionWriter::Update SessionWriter::Difference(const Slam& slam) {
     update.views.emplace_back(at - links.begin(), std::move(view));
   }
   new_views_.clear();
-  update.keeps_calibration = backend.is_calibrating();
-  update.tiles = changed_tiles_.Take(slam.map(), slam.corrections_of_map(), frames_.back().index);
-  facts_.calibration.reset();
-  if (backend.is_recalibrated()) facts_.calibration = *backend.calibration();
-  facts_.color_latency_s = backend.color_latency_s();
+  update.keeps_calibration = content.is_calibrating;
+  update.tiles = changed_tiles_.Take(content.map, content.map_corrections, frames_.back().index);
+  facts_.calibration = content.calibration;
+  facts_.color_latency_s = content.color_latency_s;
   facts_.frames = static_cast<std::int64_t>(frames_.size());
   facts_.keyframes = static_cast<std::int64_t>(links.size());
   facts_.edges = static_cast<std::int64_t>(edges_.size());
-  facts_.settled_keyframes = static_cast<std::int64_t>(backend.settled_keyframes());
+  facts_.settled_keyframes = static_cast<std::int64_t>(content.settled_keyframes);
   update.facts = facts_;
   has_saved_ = are_runs_saved_ = true;
   return update;

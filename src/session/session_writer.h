@@ -4,6 +4,7 @@
 #include <future>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,23 @@
 #include "surfit/slam/slam.h"
 
 namespace surfit {
+
+// What a session holds, except views and calibration frames. The references must outlive the call
+// that takes it.
+struct SessionContent {
+  const std::vector<PosedFrame>& frames;
+  const std::vector<KeyframeLink>& keyframes;
+  std::vector<KeptEdge> edges;
+  std::size_t settled_keyframes = 0;
+  bool is_calibrating = false;                  // Backend::is_calibrating()
+  std::optional<DepthCalibration> calibration;  // none: as given
+  double color_latency_s = 0;
+  const SurfelMap& map;
+  int map_corrections = 0;  // Slam::corrections_of_map()
+};
+
+// The content of a Slam with loops enabled.
+SessionContent ContentOf(const Slam& slam);
 
 // Keeps a session on disk while SLAM runs. Saves are written on a thread of their own; what they
 // hold does not depend on how fast that is.
@@ -40,7 +58,11 @@ class SessionWriter {
   void Offer(const Slam& slam, double stamp_s);
 
   // Saves what there is, and flushes it to the disk.
-  void Finish(const Slam& slam);
+  void Finish(const Slam& slam) { Finish(ContentOf(slam)); }
+
+  // Replaces map, poses and edges after Finish(), and flushes them to the disk. Frames and
+  // keyframes must be those of the last save.
+  void Replace(const SessionContent& content);
 
   std::int64_t waits() const { return waits_; }  // saves due before the former was written
 
@@ -54,8 +76,9 @@ class SessionWriter {
   struct Update;
 
   void Open(const DepthSensor& sensor);
-  void Save(const Slam& slam);
-  Update Difference(const Slam& slam);
+  void Finish(const SessionContent& content);
+  void Save(const SessionContent& content);
+  Update Difference(const SessionContent& content);
   void Wait();
   void Write(Update update);
   void WriteTiles(const Update& update);
