@@ -4,6 +4,8 @@
 #include <optional>
 #include <vector>
 
+#include "core/shared_options.h"
+#include "surfit/core/error.h"
 #include "surfit/geometry/rigid3.h"
 
 namespace surfit::python {
@@ -123,7 +125,39 @@ std::string ReprOf(const py::object& object, const std::function<bool(py::handle
   return py::type::of(object).attr("__name__").cast<std::string>() + "(" + text + ")";
 }
 
+// Returns the present name. Warns if `name` is an old one.
+std::string PresentNameWithWarning(const std::string& name) {
+  const std::string present = PresentName(name);
+  if (present == name) return name;
+  const std::string warning = name + " is an old name that version 0.3 drops: use " + present;
+  if (PyErr_WarnEx(PyExc_DeprecationWarning, warning.c_str(), 1) != 0)
+    throw py::error_already_set();
+  return present;
+}
+
 }  // namespace
+
+void AddOldNames(py::object python_class) {
+  const py::is_method method(python_class);
+  // Python calls it for attributes that the class does not have.
+  python_class.attr("__getattr__") = py::cpp_function(
+      [](const py::object& self, const std::string& name) -> py::object {
+        const std::string present = PresentNameWithWarning(name);
+        if (present != name) return self.attr(present.c_str());
+        throw py::attribute_error(Concat("'",
+                                         py::type::of(self).attr("__name__").cast<std::string>(),
+                                         "' object has no attribute '", name, "'"));
+      },
+      method);
+  python_class.attr("__setattr__") = py::cpp_function(
+      [](const py::object& self, const std::string& name, const py::object& value) {
+        const py::str present(PresentNameWithWarning(name));
+        if (PyObject_GenericSetAttr(self.ptr(), present.ptr(), value.ptr()) != 0) {
+          throw py::error_already_set();
+        }
+      },
+      method);
+}
 
 void AddFieldType(std::type_index type, FieldType field_type) {
   FieldTypes().emplace(type, std::move(field_type));

@@ -29,8 +29,12 @@ py::class_<T> BindReport(py::module_& module, const char* name, const char* doc)
   report.def("__repr__", &ReprOfReport);
   report.def("__reduce__", &ReductionOf,
              "Pickled, it comes back as a types.SimpleNamespace of the same attributes.");
+  AddOldNames(report);
   return report;
 }
+
+// Makes old names of attributes (PresentName()) work, with a DeprecationWarning.
+void AddOldNames(py::object python_class);
 
 // Sets the named options. Throws TypeError for a name that is none.
 void SetOptions(const py::kwargs& values, py::object options);
@@ -89,6 +93,7 @@ py::class_<T> BindPlain(
                                     py::cast(&options, py::return_value_policy::reference));
                          return options;
                        }));
+  AddOldNames(plain);
   plain.def("__copy__", [](const T& options) { return T(options); });
   plain.def(
       "__deepcopy__", [](const T& options, const py::dict&) { return T(options); },

@@ -1,9 +1,21 @@
 #include "core/shared_options.h"
 
+#include <array>
+
 #include "surfit/core/error.h"
 
 namespace surfit {
 namespace {
+
+struct RenamedOption {
+  const char *old_name, *name;
+};
+
+// In alphabetical order.
+constexpr std::array kRenamedOptions = {
+    // RENAMED
+    RenamedOption{"max_dormant_frames", "max_inactive_frames"},
+};
 
 const std::vector<Option>& SharedOptions() {
   static const std::vector<Option> kOptions = {
@@ -52,6 +64,13 @@ Option SharedOption(const std::string& flag) {
 
 OptionRule InField(const std::string& field) {
   return [=](Option& o) { o.name = field; };
+}
+
+std::string PresentName(const std::string& name) {
+  for (const RenamedOption& renamed : kRenamedOptions) {
+    if (name == renamed.old_name) return renamed.name;
+  }
+  return name;
 }
 
 }  // namespace surfit

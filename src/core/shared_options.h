@@ -18,6 +18,10 @@ Option SharedOption(const std::string& flag, const Rules&... rules) {
   return option;
 }
 
+// The present name of an option, a flag or a Python attribute that has another name in version 0.1.
+// Returns other names unchanged. Version 0.3 drops the old names.
+std::string PresentName(const std::string& name);
+
 OptionRule InField(const std::string& field);  // the field has another name than the flag
 
 }  // namespace surfit

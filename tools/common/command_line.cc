@@ -1,6 +1,7 @@
 #include "common/command_line.h"
 
 #include <gflags/gflags.h>
+#include <glog/logging.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -12,6 +13,7 @@
 #include <sstream>
 #include <utility>
 
+#include "core/shared_options.h"
 #include "surfit/core/error.h"
 
 namespace google {
@@ -186,6 +188,22 @@ std::vector<std::string> ExpandFlagFiles(const std::vector<std::string>& argumen
     }
   }
   return expanded;
+}
+
+std::vector<std::string> WithPresentNames(std::vector<std::string> arguments) {
+  for (std::string& argument : arguments) {
+    const std::size_t begin = argument.find_first_not_of('-'), equals = argument.find('=');
+    if (begin != 1 && begin != 2) continue;
+    const std::string flag = argument.substr(begin, equals - begin);
+    const bool is_negated = flag.rfind("no", 0) == 0 && PresentName(flag) == flag;
+    const std::string no = is_negated ? "no" : "", name = flag.substr(no.size());
+    const std::string present = PresentName(name);
+    if (present == name) continue;
+    LOG(WARNING) << "--" << no << name << " is an old name that version 0.3 drops: use --" << no
+                 << present;
+    argument = "--" + no + present + (equals == argument.npos ? "" : argument.substr(equals));
+  }
+  return arguments;
 }
 
 void ParseCommandLine(std::vector<std::string> arguments, const std::vector<FlagHelp>& flags,

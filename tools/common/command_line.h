@@ -14,6 +14,9 @@ namespace surfit::tools {
 // cannot be read, or that names another one.
 std::vector<std::string> ExpandFlagFiles(const std::vector<std::string>& arguments);
 
+// The arguments with the present names of renamed flags. Logs a warning per renamed flag.
+std::vector<std::string> WithPresentNames(std::vector<std::string> arguments);
+
 // Explains why a program does not have a flag. Returns an empty text for unknown flags.
 using UnknownFlag = std::function<std::string(const std::string& flag)>;
 

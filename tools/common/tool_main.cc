@@ -74,7 +74,8 @@ int ToolMain(int argc, char** argv, const std::string& summary, const ModeFlag& 
     google::InitGoogleLogging(argv[0], &WriteKind);
     ResidualLibrary residuals;
     for (Mode& mode : modes) mode.options = residuals.With(mode.options);
-    const std::vector<std::string> arguments = ExpandFlagFiles({argv, argv + argc});
+    const std::vector<std::string> arguments =
+        WithPresentNames(ExpandFlagFiles({argv, argv + argc}));
     const Modes all(flag, std::move(modes), arguments);
     const Mode& mode = all.selected();
     const Flags flags(mode.options);

@@ -3,6 +3,7 @@
 #include <map>
 #include <ostream>
 
+#include "core/shared_options.h"
 #include "output/output_files.h"
 #include "surfit/core/atomic_file.h"
 #include "surfit/core/error.h"
@@ -232,7 +233,7 @@ std::map<std::string, std::string> RecordedFlags(const std::string& summary_json
       throw InputError(
           Concat(summary_json, ": options: ", name, " is ", value.dump(), ", must be a text"));
     }
-    flags[name] = value;
+    flags[PresentName(name)] = value;
   }
   return flags;
 }
