@@ -1,5 +1,7 @@
 // Dense SLAM over a recorded sequence: trajectory, surfel map, figures and pictures.
 
+#include <glog/logging.h>
+
 #include <atomic>
 #include <cmath>
 #include <cstdio>
@@ -81,6 +83,14 @@ void PrintOtherClocks(const SlamRunSummary& s) {
     std::printf("  %.4f m with stamps moved by %.4f s, which fits the ground truth best\n",
                 s.time_offset->ate.translation_m.rmse, s.time_offset->offset_s);
   }
+}
+
+void PrintMount(const SlamRunSummary& s) {
+  if (!s.mount) return;
+  std::printf("  %.4f m with a fitted mount of %.4f m\n", s.mount->ate.translation_m.rmse,
+              s.mount->true_body_in_estimated_m.norm());
+  const std::string warning = MountWarning(*s.mount);
+  if (!warning.empty()) LOG(WARNING) << warning;
 }
 
 const CalibrationRecord& LastCalibration(const SlamRunSummary& s) {
@@ -196,6 +206,7 @@ void PrintSummary(const SlamRunSummary& s, const SlamRunOptions& options) {
     std::printf("ATE RMSE %.4f m over %.1f %% of the frames\n",
                 s.evaluation->ate->translation_m.rmse, 100 * s.evaluation->coverage);
     PrintOtherClocks(s);
+    PrintMount(s);
   } else if (s.evaluation) {
     std::printf("ATE unknown: %d of %d frames with ground truth have a pose, 3 must have one\n",
                 s.evaluation->matched, s.evaluation->expected);

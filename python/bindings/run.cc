@@ -54,6 +54,8 @@ void BindRunSummary(py::module_& module) {
                     "that poses are earlier than the files' stamps")
       .def_readonly(FIELD(Summary, ate_without_latency),
                     "the absolute error if poses had the files' stamps; None without ground truth")
+      .def_readonly(FIELD(Summary, mount),
+                    "MountFit with the option fit_mount and ground truth, else None")
       .def_readonly(FIELD(Summary, total_s), "wall time")
       .def_readonly(FIELD(Summary, final_map_s),
                     "of it to fuse the map anew; None where it was not")

@@ -23,7 +23,13 @@ const std::vector<Option>& SharedOptions() {
        InUnit("s")},
       {"downsample", "keep every n-th column and row", Between(1, 16)},
       {"estimate", "estimated trajectory, TUM format"},
-      {"groundtruth", "ground truth trajectory: TUM format, or .gt.freiburg of ICL-NUIM"},
+      {"fit_mount",
+       "fit a constant offset between the bodies of the estimate and of the ground truth, for "
+       "ground truth of a marker or of another camera",
+       AsFlag()},
+      {"groundtruth",
+       "ground truth trajectory: TUM format, or .gt.freiburg of ICL-NUIM; empty: the trajectory of "
+       "the sequence"},
       {"inverse_depth_sigma", "noise of the depth sensor: standard deviation of inverse depth",
        AtLeast(0), Below(1), InUnit("1/m")},
       {"latency_s", "time from the middle of the exposure and readout of depth to the timestamp",

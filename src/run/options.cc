@@ -32,6 +32,8 @@ void SlamRunOptions::Visit(OptionVisitor& v) {
         "in the end read the sequence once more, and fuse the map anew along the final poses, by "
         "the calibration that was found",
         AsFlag());
+  v.Add(groundtruth, SharedOption("groundtruth"));
+  v.Add(fit_mount, SharedOption("fit_mount"));
   v.Add(pictures, SharedOption("pictures"));
   v.Add(keep_views, "keep_views",
         "write report.html: map and trajectory in 3D, plots, views, options", AsFlag("report"),

@@ -19,6 +19,7 @@
 #include "output/output_files.h"
 #include "run/kept_session.h"
 #include "run/map_period.h"
+#include "run/posed_views.h"
 #include "run/results/failures.h"
 #include "run/results/kept_views.h"
 #include "run/results/localization.h"
@@ -49,8 +50,12 @@ std::unique_ptr<FrameSource> OpenSource(const SlamRunOptions& options,
   return OfferFrames(std::move(source), options.offered_fps, options.queue_capacity);
 }
 
-// Throws InputError if the options ask for true poses that the sequence lacks.
-const SequenceInfo& WithTruthIfAsked(const SequenceInfo& info, const SlamRunOptions& options) {
+// Replaces the ground truth by the file of the options. Throws InputError if the options require
+// ground truth and there is none.
+SequenceInfo WithGroundTruth(SequenceInfo info, const SlamRunOptions& options) {
+  if (!options.groundtruth.empty()) info.ground_truth = ReadEstimate(options.groundtruth, info);
+  ThrowIf(options.fit_mount && info.ground_truth.empty(), "fit_mount is true, but ",
+          options.sequence.path, " has no ground truth");
   ThrowIf(options.poses == "groundtruth" && info.ground_truth.empty(),
           "poses is 'groundtruth', but ", options.sequence.path, " has no ground truth");
   return info;
@@ -77,7 +82,7 @@ class SlamRun {
         statistics_(options.slam),
         map_period_(options.slam.map_period),
         source_(OpenSource(options, interrupted)),
-        info_(WithTruthIfAsked(source_->info(), options)),
+        info_(WithGroundTruth(source_->info(), options)),
         given_field_(ReadDepthField(options.sequence, info_.format)),
         folder_(options.output, RunFileNames(), {options.sequence.camera}) {
     if (!options.trace.empty()) trace_ = std::make_unique<TraceRecorder>(options.trace);
@@ -325,6 +330,7 @@ class SlamRun {
     const auto without = EvaluateTimeOffset(truth, estimate, summary->sensor_latency_s, {});
     if (without) summary->ate_without_latency = without->ate;
     summary->time_offset = EstimateTimeOffset(truth, estimate, {});
+    if (options_.fit_mount) summary->mount = FitMount(MatchPoses(truth, estimate, {}), false);
   }
 
   void FinishBackend(SlamRunSummary* summary) {

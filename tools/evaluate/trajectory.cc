@@ -1,5 +1,7 @@
 // Compares an estimated trajectory with the ground truth: ATE and RPE.
 
+#include <glog/logging.h>
+
 #include <iomanip>
 #include <iostream>
 #include <optional>
@@ -18,6 +20,7 @@ namespace {
 struct TrajectoryOptions {
   std::string groundtruth, estimate, frames;
   std::string time_offset_s;  // a number, estimate, or empty
+  bool fit_mount = false, fit_scale = false;
   TrajectoryEvaluationOptions evaluation;
 
   void Visit(OptionVisitor& v) {
@@ -32,8 +35,15 @@ struct TrajectoryOptions {
           "beside the plain error, tell that with the estimate's stamps moved by so much; "
           "estimate: by what makes it least",
           InUnit("s"), AsFlag());
+    v.Add(fit_mount, SharedOption("fit_mount"));
+    v.Add(fit_scale, "fit_scale", "with fit_mount: also fit the scale of the estimate", AsFlag());
     v.AddPart(evaluation, "evaluation", "how they are compared");
-    v.Check([this] { GivenOffset(); });
+    v.Check([this] {
+      GivenOffset();
+      if (fit_scale && !fit_mount) {
+        throw InputError("fit_scale is true, must be false without fit_mount");
+      }
+    });
   }
 
   // Nothing where it is not given as a number.
@@ -71,11 +81,14 @@ std::optional<TimeOffset> FindTimeOffset(const Trajectory& ground_truth, const T
 }
 
 Json ToJson(const TrajectoryEvaluation& e, const std::optional<TimeOffset>& offset,
-            TrajectoryOptions options) {
+            const std::optional<MountFit>& mount, TrajectoryOptions options) {
   Json json;
   SetStatistics("ate", "m", &e.ate->translation_m, &json);
   json["time_offset_s"] = offset ? Json(offset->offset_s) : Json();
   SetStatistics("ate_at_time_offset", "m", offset ? &offset->ate.translation_m : nullptr, &json);
+  SetStatistics("ate_fit_mount", "m", mount ? &mount->ate.translation_m : nullptr, &json);
+  json["mount_m"] = mount ? Json(mount->true_body_in_estimated_m) : Json();
+  json["fitted_scale"] = mount && options.fit_scale ? Json(mount->scale) : Json();
   json["ate_coverage"] = e.coverage;
   json["ate_rotation_unique"] = e.ate->alignment.status == AlignmentStatus::kAligned;
   SetStatistics("rpe_translation", "m", e.rpe ? &e.rpe->translation_m : nullptr, &json);
@@ -88,6 +101,14 @@ Json ToJson(const TrajectoryEvaluation& e, const std::optional<TimeOffset>& offs
                                        {"quaternion_xyzw", a.rotation.coeffs()}};
   json["options"] = FlagsToJson(TableOf(&options));
   return json;
+}
+
+void PrintMount(const MountFit& mount) {
+  std::cerr << "with a fitted mount of " << mount.true_body_in_estimated_m.norm() << " m";
+  if (mount.scale != 1) std::cerr << " and a fitted scale of " << mount.scale;
+  std::cerr << ": ATE RMSE " << mount.ate.translation_m.rmse << " m" << std::endl;
+  const std::string warning = MountWarning(mount);
+  if (!warning.empty()) LOG(WARNING) << warning;
 }
 
 void PrintSummary(const TrajectoryEvaluation& e, const std::optional<TimeOffset>& offset,
@@ -121,8 +142,14 @@ int RunTrajectory(const TrajectoryOptions& options) {
         ", ", options.estimate, " has ", DescribeStamps(estimate)));
   }
   const std::optional<TimeOffset> offset = FindTimeOffset(ground_truth, estimate, options);
-  PrintJson(ToJson(evaluation, offset, options));
+  std::optional<MountFit> mount;
+  if (options.fit_mount) {
+    mount =
+        FitMount(MatchPoses(ground_truth, estimate, options.evaluation.match), options.fit_scale);
+  }
+  PrintJson(ToJson(evaluation, offset, mount, options));
   PrintSummary(evaluation, offset, options);
+  if (mount) PrintMount(*mount);
   return kDone;
 }
 

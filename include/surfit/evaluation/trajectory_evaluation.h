@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "surfit/evaluation/error_statistics.h"
@@ -150,5 +151,22 @@ std::optional<TimeOffset> EvaluateTimeOffset(const Trajectory& ground_truth,
 std::optional<TimeOffset> EstimateTimeOffset(const Trajectory& ground_truth,
                                              const Trajectory& estimate,
                                              const MatchOptions& options);
+
+// Fit of a constant offset between two bodies: the ground truth describes another body than the
+// estimate, for example a marker or a colour camera beside the depth camera.
+struct MountFit {
+  Eigen::Vector3d true_body_in_estimated_m = Eigen::Vector3d::Zero();  // in the estimate's body
+  double scale = 1;             // true metres per estimated metre; 1 if it is not fitted
+  bool is_unique = true;        // false: the path does not determine all parameters
+  AbsoluteTrajectoryError ate;  // of the true body's positions
+};
+
+// Minimises sum |q_i - R (s p_i + R_i m) - t|^2 over R, t, the offset m and optionally the scale s.
+// The estimate has position p_i and rotation R_i, the ground truth has position q_i. The rotations
+// of the ground truth are not used. Returns std::nullopt for fewer than 3 poses.
+std::optional<MountFit> FitMount(const std::vector<MatchedPose>& poses, bool fit_scale);
+
+// Warning if the offset is longer than 5 cm, or is not unique. Else empty.
+std::string MountWarning(const MountFit& fit);
 
 }  // namespace surfit

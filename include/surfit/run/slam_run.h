@@ -20,7 +20,10 @@ class OptionVisitor;
 struct SlamRunOptions {
   SequenceOptions sequence;
   SlamOptions slam;
-  std::string output;                     // folder for all results; made if missing
+  std::string output;  // folder for all results; made if missing
+  // Ground truth trajectory instead of the sequence's. TUM format. Empty: the sequence's.
+  std::string groundtruth;
+  bool fit_mount = false;                 // SlamRunSummary::mount
   std::string initial_pose = "identity";  // identity, groundtruth or tx,ty,tz,qx,qy,qz,qw
   std::string poses = "track";            // track, or groundtruth: fuse along the given poses
   int threads = 2;                        // that compute at the same time
@@ -160,6 +163,7 @@ struct SlamRunSummary {
   // stamps that is fitted to the truth.
   std::optional<AbsoluteTrajectoryError> ate_without_latency;
   std::optional<TimeOffset> time_offset;
+  std::optional<MountFit> mount;  // with SlamRunOptions::fit_mount and ground truth
   double total_s = 0;
   std::optional<double> final_map_s;  // that fusing the map anew took; none where it was not
   TimeStatistics frame;    // between the completions of consecutive frames, less the time waited

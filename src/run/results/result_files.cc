@@ -18,9 +18,10 @@ Json ToJson(const TimeStatistics& times) {
 
 void SetErrors(const SlamRunSummary& summary, Json* json) {
   Json& j = *json;
-  for (const char* key : {"ate_rmse_m", "ate_coverage", "rpe_translation_rmse_m",
-                          "rpe_rotation_rmse_deg", "ate_without_latency_rmse_m",
-                          "estimated_time_offset_s", "ate_at_estimated_time_offset_rmse_m"}) {
+  for (const char* key :
+       {"ate_rmse_m", "ate_coverage", "rpe_translation_rmse_m", "rpe_rotation_rmse_deg",
+        "ate_without_latency_rmse_m", "estimated_time_offset_s",
+        "ate_at_estimated_time_offset_rmse_m", "ate_fit_mount_rmse_m", "mount_m"}) {
     j[key] = nullptr;
   }
   const std::optional<TrajectoryEvaluation>& evaluation = summary.evaluation;
@@ -33,6 +34,10 @@ void SetErrors(const SlamRunSummary& summary, Json* json) {
   }
   if (summary.ate_without_latency) {
     j["ate_without_latency_rmse_m"] = summary.ate_without_latency->translation_m.rmse;
+  }
+  if (summary.mount) {
+    j["ate_fit_mount_rmse_m"] = summary.mount->ate.translation_m.rmse;
+    j["mount_m"] = summary.mount->true_body_in_estimated_m;
   }
   if (summary.time_offset) {
     j["estimated_time_offset_s"] = summary.time_offset->offset_s;
