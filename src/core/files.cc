@@ -22,7 +22,6 @@ constexpr int kMostNested = 100;
   throw InputError("cannot read '", path, "': ", reason.message());
 }
 
-// A file descriptor that is open for reading.
 class OpenFile {
  public:
   // Opening a pipe blocks until a process opens it for writing, unless `flags` contain O_NONBLOCK.
@@ -36,7 +35,6 @@ class OpenFile {
   bool is_regular() const { return S_ISREG(status_.st_mode); }
   std::size_t size() const { return static_cast<std::size_t>(status_.st_size); }
 
-  // Reads up to `most` bytes.
   std::string Read(std::size_t most) const {
     std::string bytes;
     std::size_t used = 0;

@@ -8,7 +8,6 @@
 
 namespace surfit {
 
-// Named value of an option.
 template <typename T>
 struct NamedValue {
   const char* name;

@@ -43,7 +43,7 @@ std::string NumberRule(const Option& option, double unit) {
   return rule;
 }
 
-// Text of the bounds of a number with an upper bound.
+// Bounds of a number as text. Requires an upper bound.
 std::string Bounds(const Option& option, double unit) {
   const bool two_sided = !option.above_min && !option.below_max && option.zero.empty();
   if (two_sided) return Concat(option.min / unit, " to ", option.max / unit);

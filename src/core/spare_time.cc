@@ -22,7 +22,6 @@ namespace {
 thread_local bool is_least_thread = false;
 thread_local const bool* is_task_awaited = nullptr;  // of the task on this thread; null: none
 
-// A parallel loop of a task.
 struct Loop {
   const std::function<void(int)>& run_block;
   const int block_count;
@@ -103,7 +102,7 @@ class LeastThread {
   std::mutex mutex_;  // guards the members below and all loops
   std::condition_variable changed_;
   std::vector<Loop*> loops_;
-  std::thread thread_;  // last member: its function uses the others
+  std::thread thread_;  // last: its function uses the other members
 };
 
 LeastThread& TheLeastThread() {

@@ -21,7 +21,7 @@ class TraceFile {
 
   explicit TraceFile(const std::string& path) : file_(path), start_(Clock::now()) {
     text_ << '[';
-    ThreadNumber();  // number 1
+    ThreadNumber();  // gives number 1 to this thread
     Write();
   }
 

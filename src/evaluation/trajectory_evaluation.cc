@@ -27,7 +27,6 @@ using Unit = RelativePoseErrorOptions::Unit;
 constexpr double kDegreesPerRadian = 57.295779513082320877;
 constexpr double kSecondsTolerance = 0.1;  // relative to delta
 
-// Index of the pose with the timestamp nearest to stamp_s.
 std::size_t FindNearest(const std::vector<MatchedPose>& poses, double stamp_s) {
   const auto after =
       std::lower_bound(poses.begin(), poses.end(), stamp_s,

@@ -33,7 +33,7 @@ class KdTree {
   explicit KdTree(const std::vector<Eigen::Vector3f>& points);
 
   std::size_t size() const { return order_.size(); }
-  // Index in the input of the point of each rank.
+  // Input index of each rank.
   const std::vector<std::uint32_t>& order() const { return order_; }
   Eigen::Vector3f Point(std::uint32_t rank) const { return {x_[rank], y_[rank], z_[rank]}; }
 
@@ -44,9 +44,8 @@ class KdTree {
     return dx * dx + dy * dy + dz * dz;
   }
 
-  // Nearest point within the maximum distance. Of equally near points, returns the first in the
-  // input. Returns rank kNone if there is none. `hint`: rank of a point that is probably near,
-  // which shortens the search.
+  // Nearest point within the maximum distance; rank kNone: none. Ties are resolved by input order.
+  // `hint`: rank of a point that is probably near, which shortens the search.
   Neighbor Nearest(const Eigen::Vector3f& query, float max_squared_distance = kAnyDistance,
                    std::uint32_t hint = kNone) const;
 
@@ -78,7 +77,7 @@ class KdTree {
   int depth_ = 0;                     // number of binary splits; the tree has 2^depth leaves
   std::vector<std::uint32_t> order_;  // by rank
   std::vector<float> x_, y_, z_;      // by rank; padded with kWidth NaN
-  // root first; child c of node i is node 8 i + c of the next level
+  // Root first. Child c of node i is node 8 i + c of the next level.
   std::vector<std::vector<Node>> levels_;
 };
 

@@ -4,7 +4,6 @@
 
 namespace surfit {
 
-// Common part of the nearest-neighbour search and the range search.
 class KdTree::Search {
  protected:
   Search(const KdTree& tree, const Eigen::Vector3f& query)

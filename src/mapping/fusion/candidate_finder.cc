@@ -5,7 +5,6 @@
 
 namespace surfit {
 
-// Surfels of a block with their pixels and the measurements at these pixels.
 struct CandidateFinder::BlockPixels {
   BlockCentres centre;
   BlockNormals normal;

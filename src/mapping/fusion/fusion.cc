@@ -37,7 +37,6 @@ int DropBeyond(int max_map_points, std::size_t map_points, std::vector<Surfel>* 
 
 }  // namespace
 
-// Indices of the last fused frames.
 class FrameWindow {
  public:
   // Window of the newest frame and `frames` frames before it.
@@ -221,7 +220,7 @@ void Fusion::Workspace::FindCandidates(const PosedCamera& camera, SurfelMap* map
 std::vector<Surfel> Fusion::Workspace::NewSurfels(const PosedCamera& camera,
                                                   const FrameColors& colors) {
   const std::vector<std::vector<int>>& bands = choice.ChooseNew(points);
-  // index of the first surfel per band; the last entry is the total
+  // Index of the first surfel per band. The last entry is the total.
   std::vector<std::size_t> begins = {0};
   for (const std::vector<int>& of_band : bands) begins.push_back(begins.back() + of_band.size());
   std::vector<Surfel> added(begins.back());

@@ -18,7 +18,6 @@ float FreeDepth(float depth_m, const DepthNoise& noise, const FusionOptions& opt
   return std::max(0.f, depth_m - options.free_space_margin_m - 4.f * sigma);
 }
 
-// Computes points with normals from the depth of a frame.
 class Points {
  public:
   Points(const Image<float>& depth_m, const FrameLevel& surface, const FusionOptions& options)
@@ -129,7 +128,6 @@ void MeasurePoints(const RgbdFrame& frame, const FrameLevel& surface, const Fusi
   });
 }
 
-// Minimum of FreeDepth() over the 3 x 3 neighbourhood of each pixel.
 Image<float> FreeDepths(const Image<float>& depth_m, const DepthNoise& noise,
                         const FusionOptions& options) {
   const int width = depth_m.width(), height = depth_m.height();

@@ -61,7 +61,6 @@ class PointAverage {
   bool at_edge_ = true;
 };
 
-// Observations of surfels in one frame.
 class Sightings {
  public:
   struct Counts {

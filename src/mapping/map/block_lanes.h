@@ -74,7 +74,6 @@ inline void BoundPositions(SurfelBlock* block) {
   });
 }
 
-// Prefetches the memory [begin, end).
 inline void Fetch(const void* begin, const void* end) {
   constexpr std::ptrdiff_t kLine = 64;
   for (auto* line = static_cast<const char*>(begin); line < end; line += kLine) {

@@ -10,7 +10,6 @@ namespace surfit {
 // Observations of the surfels of a block in one frame, for vectorised merging.
 class BlockSightings {
  public:
-  // Removes all observations.
   void Clear();
   // Adds the observation of the surfel at `place`. Requires a positive weight and no earlier
   // observation of this surfel.
@@ -25,7 +24,7 @@ class BlockSightings {
   void MergeShapes(SurfelBlock* block) const;
   void MergeColors(SurfelBlock* block) const;
 
-  // surfels seen, and surfels seen inside a surface (not only at edges)
+  // Surfels with an observation, and surfels that are not only observed at edges.
   std::uint64_t mask_ = 0, within_mask_ = 0;
   // Members of SurfelObservation. Weights are 0 for surfels without observation, and other values
   // are unspecified.

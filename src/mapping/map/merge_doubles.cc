@@ -15,7 +15,6 @@
 namespace surfit {
 namespace {
 
-// Surfel data of the search grid.
 struct GridSurfel {
   Patch patch = {};
   std::int32_t id = 0;
@@ -104,7 +103,7 @@ class SurfelGrid {
 };
 
 constexpr std::int32_t kNobody = -1;
-// a trade-off: larger cubes contain many surfels, smaller cubes are empty
+// A trade-off: larger cubes contain many surfels, smaller cubes are empty.
 constexpr float kSpacingsPerCube = 3;
 
 Patch PatchAt(const SurfelBlock& block, int k) {
@@ -114,7 +113,6 @@ Patch PatchAt(const SurfelBlock& block, int k) {
 
 Eigen::Vector3f PositionOf(const Patch& patch) { return {patch.x, patch.y, patch.z}; }
 
-// Surfel that may duplicate an older one.
 struct NewerSurfel {
   std::int32_t id;
   std::int32_t first_seen;
@@ -229,7 +227,7 @@ class DoubleFinder {
     const Patch& p = newer.patch;
     const PatchOf<Number> patch = {p.x, p.y, p.z, p.nx, p.ny, p.nz};
     const Number radius_m = newer.radius_m, seen_before = newer.first_seen - doubles_.frames_apart;
-    // `from`: first place of the vector of the minimum
+    // `from` is the first place of the vector that contains the minimum.
     Number least = MergeGate::kNever, from = 0.;
     const Eigen::Vector3f reach = gate_.Reach({p.nx, p.ny, p.nz});
     grid.ForEachRowAround(PositionOf(p), reach, [&](int begin, int end) {

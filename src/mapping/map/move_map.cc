@@ -11,7 +11,6 @@
 namespace surfit {
 namespace {
 
-// Corrections in single precision, for many surfels.
 class RigidMoves {
  public:
   explicit RigidMoves(const FrameCorrections& corrections) {

@@ -17,7 +17,6 @@ constexpr float kReachInRadii = 3, kMostReach_m = 0.03f;
 constexpr float kStep_m = 0.001f;
 constexpr float kNormalsApart = 0.1f;  // 1 - their cosine
 
-// Neighbour data of a surfel.
 struct NearSurfel {
   Eigen::Vector3f position, normal;
   float sigma_m;  // standard deviation along the normal
@@ -68,7 +67,6 @@ class NeighbourGrid {
   std::vector<int> begin_;  // first index of each cube; the last entry is the number of surfels
 };
 
-// New position and normal of a surfel.
 struct Moved {
   Eigen::Vector3f position, normal;
 };

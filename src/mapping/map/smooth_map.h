@@ -6,13 +6,14 @@
 namespace surfit {
 
 // Moves each surfel along its normal to the average of its neighbours on the same surface, and
-// averages the normals. This reduces noise on surfaces that are covered by several surfels. The
-// plane of neighbour j, at distance d_j with normal n_j, is at the height
-//   h_j = n_j . (p_j - p_i) / n_j . n_i      along n_i.
-// Surfel i moves by the average height with the weights
+// averages the normals. This reduces noise on surfaces that are covered by several surfels.
+// Neighbour j has the distance d_j and a plane with normal n_j. The distance between surfel i and
+// this plane along n_i is
+//   h_j = n_j . (p_j - p_i) / n_j . n_i.
+// Surfel i moves by the average of h_j with the weights
 //   c_j exp(-2 d_j^2 / R^2 - h_j^2 / s^2) max(0, 1 - (1 - n_i . n_j) / 0.1),
 //   R = min(3 r_i, 3 cm),   s = 1 mm + sigma_i / sqrt(c_i) + sigma_j / sqrt(c_j).
-// c is the confidence (at least 1 in s), r the radius, and sigma the sensor noise at the distance
+// c is the confidence (at least 1 in s) and r the radius. sigma is the sensor noise at the distance
 // at which a pixel has the size of the surfel. Steps and creases above the noise remain.
 //
 // Neighbours at depth edges are ignored, because their normals come from other pixels. The

@@ -98,7 +98,7 @@ void LoadSurfels(Candidate* const* own, int width, PatchRow* row) {
 }
 
 // Assigns the points of a row to the surfels of three rows. Marks surfels of the middle row that
-// are duplicates of better ones. Of equally good surfels the later one is marked.
+// are duplicates of better ones. Ties are resolved in favour of the earlier surfel.
 template <typename Instructions>
 void Meet(const MergeGate& gate, const PatchRow& points, const PatchRow* const rows[3], int width,
           RowOutcome* outcome) {

@@ -25,7 +25,6 @@ struct Candidate {
   const SurfelObservation* seen = nullptr;  // observation by its points; null: no points
 };
 
-// Candidates of a cell of the map.
 struct CandidateList {
   std::vector<Candidate> candidates;  // sorted by surfel
   BucketList bands;                   // indices of candidates by band
@@ -65,7 +64,7 @@ class CandidateFinder {
   const std::vector<MeasuredPoint>& points_;
   const Image<float>& free_depth_m_;
   const MergeGate& gate_;
-  // first frame of the active window: surfels last seen earlier are ignored
+  // First frame of the active window. Surfels last seen earlier are ignored.
   const int active_since_;
 };
 

@@ -164,7 +164,6 @@ void BandCanvas::WriteTo(ModelView* view) const {
   }
 }
 
-// Collects the visible discs of a row.
 void BandCanvas::FindDiscs(int v, PixelDiscs* discs, ModelView* view) const {
   static constexpr Disc kNoDisc = {};
   const int width = camera_.width;

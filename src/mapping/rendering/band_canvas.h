@@ -36,7 +36,6 @@ struct Disc {
   int u_end() const { return u_begin + columns; }
   int v_end() const { return v_begin + rows; }
 
-  // Inverse depth at a pixel.
   float Rho(float pixel_u, float pixel_v) const {
     return rho + rho_u * (pixel_u - u) + rho_v * (pixel_v - v);
   }
@@ -109,7 +108,6 @@ class BandCanvas {
   // Draws the discs of one layer into pixels that earlier layers have not drawn.
   void Draw(const std::vector<DiscList>& lists, Layer layer);
 
-  // Writes the visible surface of each pixel.
   void WriteTo(ModelView* view) const;
 
  private:

@@ -32,7 +32,6 @@ float WeightAt(float offset2) {
   return a4 * a4 + 1e-6f;
 }
 
-// Blending state of a pixel.
 struct Blend {
   float first = 0;  // inverse depth of the first surface; 0 if none
   float weight = 0;
@@ -53,7 +52,6 @@ class BlendBand {
         sigma_(static_cast<float>(noise.inverse_depth_sigma)),
         pixels_(static_cast<std::size_t>(v_end_ - v_begin_) * camera.width) {}
 
-  // Draws a layer into pixels that earlier layers have not drawn.
   void Draw(const SurfelMap& map, const std::vector<DiscList>& lists, Layer layer) {
     ForEachPixel(lists, layer, [](Blend* pixel, const Disc&, float rho, float) {
       pixel->first = std::max(pixel->first, rho);

@@ -7,7 +7,6 @@
 
 namespace surfit {
 
-// Rendered image of a map.
 struct BlendedView {
   Image<Rgb8> color;     // (0, 0, 0): no surface
   Image<float> depth_m;  // 0: no surface

@@ -16,7 +16,6 @@ struct BlockDiscs {
   alignas(32) PerSurfel<float> rho_u, rho_v, aa, ab, bb;
   alignas(32) PerSurfel<std::int32_t> u_begin, u_end, v_begin, v_end;
 
-  // Returns disc k for the surfel with this id.
   Disc Get(int k, std::int32_t surfel) const {
     Disc disc;
     disc.surfel = surfel;
@@ -102,7 +101,6 @@ std::uint64_t FindShapes(const SurfelBlock& block, const PosedCamera& camera,
   return MaskOf(seen);
 }
 
-// Returns the mask of the possibly visible discs.
 std::uint64_t FindDiscs(const SurfelBlock& block, const PosedCamera& camera,
                         const RenderOptions& options, BlockDiscs* discs) {
   return WithInstructions([&](auto) {

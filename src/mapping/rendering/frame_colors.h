@@ -47,7 +47,6 @@ class FrameColors {
 
   // Sets colours and weights of all points of the batch. Requires a frame with colours.
   void LookUp(ColorBatch* batch) const;
-  // Colour of a single point.
   SeenColor At(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) const;
 
  private:
@@ -75,7 +74,7 @@ class FrameColors {
   const Image<Rgb8>& color_;
   const float fx_, fy_, cx_, cy_;
   const Eigen::Vector3f turn_, velocity_;  // per second
-  // times relative to the pose: capture time of the middle row, and time per row
+  // Times relative to the pose: capture time of the middle row, and time per row.
   const float middle_s_, row_s_;
   std::vector<Range> rows_, columns_;  // indexed by the first of the two
 };

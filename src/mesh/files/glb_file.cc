@@ -32,7 +32,6 @@ class Glb {
     accessors_.push_back(std::move(accessor));
     return static_cast<int>(accessors_.size()) - 1;
   }
-  // Adds the JPEG image of the texture.
   void AddPicture(const std::string& jpeg) { picture_ = AddView(jpeg.data(), jpeg.size()); }
 
   void Write(const Json& attributes, int indices, std::ostream& out) const {

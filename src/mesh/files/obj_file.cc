@@ -8,7 +8,6 @@ namespace {
 
 constexpr std::size_t kTextAtOnce = 1 << 20;  // bytes
 
-// Buffered text lines.
 class TextLines {
  public:
   explicit TextLines(std::ostream& out) : out_(out) {}

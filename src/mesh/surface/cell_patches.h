@@ -25,7 +25,6 @@ constexpr int EdgeCorner(int axis, int k) {
   return (k & 1) << (axis + 1) % 3 | (k >> 1) << (axis + 2) % 3;
 }
 
-// Patches of all 256 patterns.
 const std::array<CellPatches, 256>& AllCellPatches();
 
 }  // namespace surfit

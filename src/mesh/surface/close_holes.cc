@@ -117,7 +117,6 @@ std::vector<std::vector<std::uint32_t>> FindRims(const Sides& sides, const Trian
   return rims;
 }
 
-// Fills one hole.
 class Filler {
  public:
   Filler(std::vector<std::uint32_t> rim, TriangleMesh* mesh) : ring_(std::move(rim)), mesh_(*mesh) {

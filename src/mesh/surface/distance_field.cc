@@ -35,7 +35,6 @@ DistanceField::DistanceField(const SurfelCubes& surfels, float cell_m,
     for (int i = begin; i < end; ++i) values_[i] = Compute(i, surfels, &ranges);
     done(static_cast<double>(end - begin) / block_count());
   });
-  // Removes blocks without surfels.
   std::size_t kept = 0;
   for (std::size_t i = 0; i < keys_.size(); ++i) {
     if (!values_[i]) continue;
@@ -125,7 +124,7 @@ int DistanceField::FindBlock(const Cube& block) const {
 void DistanceField::Load(int i, WideBlock* values) const {
   values->fill(kUnknown);
   const Cube own = BlockAt(i);
-  // start index in the other block
+  // Start index in the other block.
   const auto from = [](int step) { return step < 0 ? kSide - 1 : 0; };
   const auto count = [](int step) { return step == 0 ? kSide : 1; };
   const auto to = [](int step) { return step < 0 ? 0 : step == 0 ? 1 : kSide + 1; };

@@ -58,7 +58,7 @@ class DistanceField {
   void Load(int i, WideBlock* values) const;
 
  private:
-  // includes all corners of the cells that a plane cuts
+  // Includes all corners of the cells that a plane cuts.
   static constexpr float kFewestCells = 2.5f;
   using Values = std::array<float, kPoints>;  // x is the fastest index
 

@@ -22,7 +22,6 @@ struct SurfaceVertex {
   bool is_supported = false;  // a surfel with the same orientation reaches this vertex
 };
 
-// Weighted sums over the surfels around a position.
 struct Around {
   float weight = 0, height = 0;                      // sums of w and of w n . (x - p)
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // sum of w n
@@ -105,7 +104,6 @@ class VertexRefiner {
   std::vector<SurfelCubes::Range> ranges_;
 };
 
-// Part of the mesh from one block of the field.
 struct BlockMesh {
   std::array<std::uint16_t, DistanceField::kPoints> first;  // vertex of each cell
   std::vector<SurfaceVertex> vertices;
@@ -121,7 +119,6 @@ int CellIndex(const Cube& cell) {
 }
 Cube Corner(int c) { return {c & 1, c >> 1 & 1, c >> 2}; }
 
-// Field values at the corners of a cell.
 struct Cell {
   std::array<float, CellPatches::kCorners> values;
   int pattern = 0;  // CellPatches
@@ -184,7 +181,6 @@ void FindVertices(const DistanceField& field, int block, const DistanceField::Wi
   }
 }
 
-// Adds the triangles of one block. All vertices must exist.
 class Joiner {
  public:
   Joiner(const DistanceField& field, std::vector<BlockMesh>* blocks)
@@ -237,7 +233,6 @@ class Joiner {
     return vertex.is_supported ? Place{block.begin + index, &vertex} : Place{};
   }
 
-  // Splits the quad along its shorter diagonal.
   static void AddQuad(const std::array<Place, 4>& q, BlockMesh* mesh) {
     const auto squared = [&](int i, int j) {
       return (q[i].vertex->position - q[j].vertex->position).squaredNorm();

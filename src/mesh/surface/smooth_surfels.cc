@@ -17,13 +17,11 @@ constexpr float kMostSpacings = 8;      // maximum radius of a neighbourhood, in
 constexpr float kFewestSpacings = 2.5f;
 constexpr float kPlaneSpacings = 4;  // radius for the scale of the sigmas
 
-// A plane fitted to weighted surfels.
 struct Plane {
   Eigen::Vector3f point, normal;
   float rms_m = 0;  // RMS distance of the surfels along the normal
 };
 
-// Weighted sums over offsets from a surfel.
 class PlaneSum {
  public:
   void Add(float weight, const Eigen::Vector3f& offset, const Eigen::Vector3f& normal) {
@@ -69,7 +67,6 @@ class PlaneSum {
   std::array<float, 6> second_ = {};
 };
 
-// Fits planes to the neighbourhoods of surfels.
 class PlaneFitter {
  public:
   explicit PlaneFitter(const SurfelCubes& cubes) : cubes_(cubes) {}

@@ -8,7 +8,6 @@
 
 namespace surfit {
 
-// A surfel as input of meshing.
 struct MeshSurfel {
   Eigen::Vector3f position;  // m
   Eigen::Vector3f normal;    // unit length
@@ -73,7 +72,7 @@ class SurfelCubes {
   std::vector<MeshSurfel> surfels_;
   std::vector<std::uint32_t> order_;
   std::vector<std::uint64_t> keys_;
-  // index of the first surfel of each cube; the last entry is the number of surfels
+  // Index of the first surfel of each cube. The last entry is the number of surfels.
   std::vector<std::uint32_t> begin_;
 };
 

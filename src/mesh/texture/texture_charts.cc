@@ -147,8 +147,8 @@ PackedSize PackCharts(int max_side_px, std::vector<TextureChart>* charts) {
     if (PlaceOnShelves(size.pixel_share, size.width, max_side_px, order, charts, &size.height))
       return size;
   }
-  throw InputError("max_texture_px is ", max_side_px, ", too small for the ", charts->size(),
-                   " charts of the mesh: increase max_texture_px or cell_m");
+  throw InputError("max_texture_px is ", max_side_px, ", which is too small for the mesh's ",
+                   charts->size(), " charts: increase it or cell_m");
 }
 
 }  // namespace surfit

@@ -26,7 +26,6 @@ class ColorViews {
   explicit ColorViews(const TriangleMesh& mesh);
 
   static constexpr int kCount = 6;
-  // Best view of a triangle.
   int ViewOf(const TriangleMesh& mesh, const TriangleMesh::Triangle& triangle) const;
   Eigen::Vector2f See(int view, const Eigen::Vector3f& point) const;
 
@@ -42,7 +41,6 @@ struct TextureLayout {
   std::vector<TriangleMesh::Triangle> triangles;  // indices of places
 };
 
-// `views`: view of each triangle.
 TextureLayout MakeCharts(const TriangleMesh& mesh, const TriangleNeighbors& neighbors,
                          const std::vector<int>& views, const std::vector<TextureCamera>& cameras,
                          const ColorViews& color_views);

@@ -127,7 +127,6 @@ class FrameChoice {
   int frame_count_ = 0;
 };
 
-// Data of all frames that are necessary for painting.
 struct SeenFrames {
   std::vector<TextureCamera> cameras;
   std::vector<Eigen::Vector3f> gains;

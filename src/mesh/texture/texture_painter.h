@@ -8,7 +8,6 @@
 
 namespace surfit {
 
-// Paints charts into the texture.
 class TexturePainter {
  public:
   TexturePainter(const TriangleMesh& mesh, const TextureLayout& layout, const PackedSize& size);

@@ -15,8 +15,8 @@ namespace {
 constexpr int kVerticesPerTask = 8192, kTrianglesPerTask = 8192;
 constexpr int kMargin_px = 3;             // range of mixed colours at depth edges and image borders
 constexpr float kLeastCosine = 0.2f;      // between ray and normal
-constexpr float kHidden_m = 0.03f;        // minimum depth behind an occluder,
-constexpr float kHiddenPerMetre = 0.03f;  // plus this depth per metre of distance
+constexpr float kHidden_m = 0.03f;        // minimum depth behind an occluder
+constexpr float kHiddenPerMetre = 0.03f;  // added to kHidden_m, per metre of depth
 constexpr float kMissed_m = 0.1f;         // maximum difference to the measured depth
 constexpr int kDark = 20, kBright = 245;  // limits of reliable colours
 constexpr float kLossByBrightness = 0.7f;
@@ -138,7 +138,7 @@ float TextureView::SharpnessOf(const Triangle& triangle) const {
   const Eigen::Vector3f &a = mesh_.vertices[triangle[0]], &b = mesh_.vertices[triangle[1]],
                         &c = mesh_.vertices[triangle[2]];
   const Eigen::Vector3f own = (b - a).cross(c - a), ray = camera_.center() - (a + b + c) / 3;
-  // average of vertex normals, smoother than `own`
+  // Average of the vertex normals, smoother than `own`.
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();
   float z = 0, speed = 0, bright = 0;
   for (const std::uint32_t v : triangle) {

@@ -8,7 +8,6 @@
 
 namespace surfit {
 
-// View of a mesh in one frame.
 class TextureView {
  public:
   TextureView(const TriangleMesh& mesh, const TextureFrame& frame);

@@ -22,11 +22,11 @@ namespace surfit {
 namespace {
 
 constexpr int kGridColumns = 8, kGridRows = 6;
-constexpr int kDetectedPerKept = 4;  // factor of detected to selected features
+constexpr int kDetectedPerKept = 4;  // detected features per selected feature
 constexpr float kScaleFactor = 1.2f;
 constexpr int kScales = 8;
 constexpr int kBorderPx = 15;  // half the patch size; patches can extend over the image border
-// of 255; OpenCV's default is 20, too much for rooms with little contrast
+// Of 255. OpenCV's default is 20, too much for rooms with little contrast.
 constexpr int kFastContrast = 7;
 
 constexpr int kDepthRadiusPx = 2;
@@ -59,7 +59,6 @@ std::vector<cv::KeyPoint> Spread(std::vector<cv::KeyPoint> keys, const cv::Size&
   return kept;
 }
 
-// Nearest and second-nearest descriptor.
 struct Nearest {
   static constexpr int kFarthest = 257;
   int index = -1;
@@ -131,7 +130,7 @@ struct Found {
   float alike;  // correlation
 };
 
-// Aligns the patch around `from` with the target, with the initial position `at`.
+// Searches the target for the patch around `from`, starting at `at`. std::nullopt: not found.
 std::optional<Found> FindPatch(const Image<float>& source, const Eigen::Vector2f& from,
                                const Image<float>& target, Eigen::Vector2f at) {
   const std::optional<Patch> wanted = LookAt(source, from);

@@ -47,7 +47,6 @@ struct FeatureMatch {
 // still contains outliers.
 std::vector<FeatureMatch> MatchFeatures(const FeaturePoints& source, const FeaturePoints& target);
 
-// A pose and its inlier matches.
 struct Consensus {
   Rigid3d target_from_source;
   std::vector<int> inliers;  // indices of the matches, ascending
@@ -59,7 +58,6 @@ struct Consensus {
 Rigid3d FitPose(const FeaturePoints& source, const FeaturePoints& target,
                 const std::vector<FeatureMatch>& matches, const std::vector<int>& used);
 
-// Number of random samples.
 inline constexpr int kConsensusSamples = 20000;
 
 // RANSAC (Fischler and Bolles 1981) with samples of three matches and a fixed seed. Returns up to

@@ -13,7 +13,6 @@ namespace {
 
 constexpr double kRivalShiftM = 0.1;  // shift of the additional initial poses
 
-// Result of registration from one initial pose, and the agreement of the views there.
 struct Fit {
   Rigid3d start;
   IcpResult icp;
@@ -171,7 +170,7 @@ class FarRegistration {
   FarVerdict verdict_;
   std::vector<Fit> fits_;          // successful registrations
   std::vector<ScoredPose> poses_;  // fits_ and other candidate poses
-  // of the most promising initial pose, because these are sorted
+  // Failure of the most promising initial pose, because these are sorted.
   std::optional<Fit> first_failure_;
   bool is_degenerate_ = false;  // an initial pose led to a degenerate system
 };

@@ -10,7 +10,7 @@ namespace surfit {
 // Input view of a global registration. References must outlive the registration.
 struct FarView {
   const FramePyramid& pyramid;  // registered from all initial poses
-  // for the final registration of the best pose; `pyramid` itself: no final registration
+  // For the final registration of the best pose. No final registration if it is `pyramid` itself.
   const FramePyramid& finest;
   ViewLevel level;  // for the score of fits
   bool has_color = false;

@@ -14,7 +14,6 @@ namespace {
 constexpr int kMostFeatures = 2000;
 constexpr int kFeaturePoses = 10;  // maximum number of RANSAC poses
 
-// Thresholds for duplicate poses.
 struct Nearness {
   double distance_m;
   double angle_rad;

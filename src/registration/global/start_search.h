@@ -20,7 +20,6 @@ struct DescentOptions {
   double damping = 3e-3;  // of an unconstrained direction, relative to a well constrained one
 };
 
-// Selection of correspondences and residuals.
 struct JointOptions {
   double max_distance_m = 0.4;
   bool use_brightness = true;
@@ -52,7 +51,6 @@ JointSystem LinearizeJointly(const ViewLevel& source, const ViewLevel& target,
 Rigid3d Descend(const ViewLevel& source, const ViewLevel& target, const Rigid3d& start,
                 const DescentOptions& options);
 
-// Candidate initial pose for registration.
 struct StartPose {
   Rigid3d target_from_source;
   double score = 0;  // ViewFit::Score() on the level of the search

@@ -10,13 +10,11 @@
 
 namespace surfit {
 
-// Brightness of one pyramid level.
 struct BrightnessLevel {
   Image<float> value;   // 0: black, 1: white
   Image<float> detail;  // value minus its local mean: edges and texture without shading
 };
 
-// Computes the detail of `value`.
 BrightnessLevel BrightnessOf(Image<float> value);
 
 // Pyramid with `levels` levels. Each level averages 2 x 2 pixels of the previous one, as in
@@ -49,7 +47,7 @@ struct Landing {
 template <typename Visit>
 void ForEachLanding(const FrameLevel& source, const FrameLevel& target,
                     const Rigid3d& target_from_source, const Visit& visit, int stride = 1) {
-  // m; minimum depth, as projections diverge near the camera plane
+  // Minimum depth in m, because projections diverge near the camera plane.
   constexpr float kNearest = 0.05f;
   const Eigen::Matrix3f rotation = target_from_source.rotation.toRotationMatrix().cast<float>();
   const Eigen::Vector3f translation = target_from_source.translation.cast<float>();
@@ -118,7 +116,6 @@ inline constexpr double kFreeSpaceSigmas = 5;
 double FreeSpaceShare(const FrameLevel& source, const FrameLevel& target,
                       const ErrorModel& error_model, const Rigid3d& target_from_source);
 
-// Sums for the correlation of two images.
 struct CorrelationSums {
   double count = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
 

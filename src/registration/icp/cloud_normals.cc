@@ -84,7 +84,6 @@ Plane FitPlane(const KdTree& tree, const Eigen::Vector3f& center,
   return plane;
 }
 
-// Fits planes to the neighbourhoods of points.
 class PlaneFinder {
  public:
   PlaneFinder(const std::vector<Eigen::Vector3f>& points, const CloudSensor& sensor,

@@ -73,7 +73,6 @@ void RegisterLevel(const FrameLevel& source, const FrameLevel& target, int level
   RunLevel({*association, *solver, level, start, target.camera.fx}, options, result);
 }
 
-// Rejects fits with too many free-space violations.
 void CheckFreeSpace(const FrameLevel& source, const FrameLevel& target, const IcpOptions& options,
                     IcpResult* result) {
   if (options.max_free_space_share >= 1) return;

@@ -8,7 +8,6 @@ namespace {
 
 constexpr double kLeastPairs = 6;  // number of unknowns of a pose
 
-// A pose and the linearised system at this pose.
 struct PoseState {
   Rigid3d pose;
   StepResult step;

@@ -144,7 +144,6 @@ NormalSystem SumOwnPairs(const OwnResidual& own, const Pairs<S>& pairs, int begi
                                 });
 }
 
-// Photometric system of the pairs [begin, end).
 PhotometricSystem SumPairs(const IntensityPairs& pairs, int begin, int end,
                            const PhotometricTerm& term) {
   RowSums sums;

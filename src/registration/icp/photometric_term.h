@@ -40,7 +40,6 @@ struct Exposure {
   float gain = 1;
   float offset = 0;
 
-  // Photometric residual r_I of a pair.
   float Residual(const IntensityPairs& pairs, int i) const {
     return pairs.target[i] - (gain * pairs.source[i] + offset);
   }
@@ -52,9 +51,9 @@ struct Exposure {
 class PhotometricTerm {
  public:
   // Keeps references: both levels must outlive this object and have intensities. Estimates the
-  // exposure at `start` and keeps it, so that all steps minimise the same cost. Without 100 points
-  // for this estimate, the term is empty. Points whose depth differs from the target depth by more
-  // than max_distance_m are occluded; 0: no limit.
+  // exposure at `start` and keeps it, so that all steps minimise the same cost. The term is empty
+  // if fewer than 100 points are available for this estimate. Points whose depth differs from the
+  // target depth by more than max_distance_m are occluded; 0: no limit.
   PhotometricTerm(const FrameLevel& source, const FrameLevel& target, double max_distance_m,
                   const ErrorModel& error_model, const Rigid3d& start);
 

@@ -26,8 +26,8 @@ V Dot(const V* a, const V* b) {
 // Sets the row [a r] of a residual r with the derivative g by p. The left increment (w, v) moves p
 // to p + w x p + v. Therefore a = [p x g, g], because g . (w x p) = w . (p x g).
 //
-// kNormalShare of the row types is the ratio of the variance of a normal that acts in the direction
-// of the rows, see FeignedInformation().
+// kNormalShare of the row types is the variance of the row direction relative to the variance of a
+// normal, see FeignedInformation().
 template <typename V>
 void SetRow(const V* p, const V* g, const V& r, V* row) {
   Cross(p, g, row);

@@ -165,7 +165,6 @@ class QrSolver final : public PairSolver<QrSolver> {
   }
 };
 
-// Weighted sums of the points of a block.
 struct PointSums {
   double weight = 0;
   Eigen::Vector3d p = Eigen::Vector3d::Zero(), q = Eigen::Vector3d::Zero();
@@ -238,7 +237,7 @@ std::unique_ptr<PoseSolver> MakeSvdSolver(const PoseSolverOptions& options) {
   if (options.name != "svd") return nullptr;
   if (options.residual != ResidualType::kPointToPoint) {
     throw InputError("residual is '", ToString(options.residual),
-                     "', must be point_to_point with solver svd; all other solvers support ",
+                     "', must be point_to_point with solver svd; all other solvers take ",
                      "every residual");
   }
   ThrowIf(options.error_model.UsesIntensities(), "photometric_weight is ",

@@ -6,7 +6,7 @@ namespace surfit {
 
 // Decompositions of fixed-size matrices, compiled once because Eigen's templates take seconds to
 // compile.
-//
+
 // Solves matrix * x = right_side for a symmetric matrix by LDLT.
 Vector6d SolveLdlt(const Matrix6d& matrix, const Vector6d& right_side);
 Eigen::Vector3d SolveLdlt3(const Eigen::Matrix3d& matrix, const Eigen::Vector3d& right_side);

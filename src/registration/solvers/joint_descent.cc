@@ -13,7 +13,7 @@ namespace surfit {
 
 namespace {
 
-// surface errors of coarse levels, in addition to sensor noise
+// Surface errors of coarse levels, in addition to sensor noise.
 constexpr float kSurfaceSigmaM = 0.02f;
 constexpr float kBrightnessSigma = 0.05f;  // includes reflections that differ between distant views
 constexpr float kBrightnessKernelWidth = 3;  // in sigmas
@@ -117,7 +117,6 @@ V KernelWeight(const V& residual) {
   return V(1.) / (s * s);
 }
 
-// Sums of a JointSystem, one per lane.
 template <typename V>
 struct JointLanes {
   RowLanes<V> rows;
@@ -137,7 +136,7 @@ struct JointLanes {
   }
 
  private:
-  // weights are precomputed
+  // Weights are precomputed.
   static inline const RobustKernel kNoKernel = {RobustKernelType::kNone};
 };
 

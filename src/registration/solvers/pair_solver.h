@@ -8,7 +8,6 @@
 
 namespace surfit {
 
-// Milliseconds since its construction.
 class Stopwatch {
  public:
   double Milliseconds() const {

@@ -43,7 +43,7 @@ void RegisterResidual(const std::string& name, std::unique_ptr<const OwnResidual
   const std::vector<std::string> names = ResidualTypeNames();
   if (name.empty() || std::find(names.begin(), names.end(), name) != names.end()) {
     throw InputError("name of a residual is '", name,
-                     "', must not be empty or one of: ", Listed(names));
+                     "', must not be empty and must be none of: ", Listed(names));
   }
   OwnResiduals().push_back({name, std::move(residual)});
 }

@@ -18,7 +18,6 @@ template <typename S>
 std::unique_ptr<ReducedBlock> MakeReducedCost(Pairs<S> pairs, ResidualType residual,
                                               const RobustKernel& kernel);
 
-// All photometric residuals as one ReducedBatch.
 std::unique_ptr<ReducedBlock> MakeReducedCost(const IntensityPairs& pairs,
                                               const PhotometricTerm& term);
 
@@ -33,8 +32,8 @@ inline Vector6d AsIncrement(const PoseBlock& pose) {
   return increment;
 }
 
-// Tolerances of Levenberg-Marquardt. Single precision: limited by the rounding of the sums, but too
-// small to change an association. Double precision: rounding of the cost.
+// Tolerances of Levenberg-Marquardt. Single precision: rounding of the sums, too small to affect
+// the association. Double precision: rounding of the cost.
 template <typename S>
 struct LmTolerances {
   static constexpr bool kSingle = sizeof(S) == sizeof(float);
