@@ -14,8 +14,8 @@ inline constexpr const char* kPartialMark = ".partial-";
 // Throws InputError "cannot write '<path>': <reason of errno>".
 [[noreturn]] void ThrowCannotWrite(const std::string& path);
 
-// Creates a file for writing and returns its descriptor. Returns -1 and sets errno if the name
-// exists, also as a symbolic link.
+// Creates a file for writing and returns its descriptor. Returns -1 and sets errno on errors, for
+// example if the name exists, also as a symbolic link.
 int MakeNewFile(const std::string& path);
 
 // Opens a device or a pipe for writing and returns its descriptor. Returns -1 and sets errno on

@@ -32,9 +32,9 @@ class SpareTime {
 };
 
 // An asynchronous task, one at a time, with low-priority loops. With a thread limit of 1 the task
-// runs lazily in Take(), unless `always_beside` is true. The result is due after a fixed number of
-// steps of the caller, so that results do not depend on the machine. The destructor waits for a
-// running task.
+// runs lazily in Wait() or Take(), unless `always_beside` is true. The result is due after a fixed
+// number of steps of the caller, so that results do not depend on the machine. The destructor waits
+// for a running task.
 template <typename Result>
 class SpareTimeTask {
  public:

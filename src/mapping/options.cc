@@ -37,8 +37,9 @@ void FusionOptions::Visit(OptionVisitor& v) {
   v.Add(max_confidence, "max_confidence",
         "upper limit of the confidence, so that the map can still change", Positive());
   v.Add(active_frames, "active_frames",
-        "number of fused frames after which an unobserved surfel is neither tracked nor fused",
-        ZeroIs("no limit, or with loop_closure its default"), AsFlag());
+        "number of fused frames after which an unobserved surfel is neither tracked nor fused; "
+        "loop_closure replaces 0 by its own default",
+        ZeroIs("no limit"), AsFlag());
   v.Add(max_map_points, "max_map_points",
         "maximum number of surfels in the map; further surfels are dropped and counted",
         ZeroIs("no limit"), AsFlag());

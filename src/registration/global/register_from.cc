@@ -170,7 +170,7 @@ class FarRegistration {
   FarVerdict verdict_;
   std::vector<Fit> fits_;          // successful registrations
   std::vector<ScoredPose> poses_;  // fits_ and other candidate poses
-  // Failure of the most promising initial pose, because these are sorted.
+  // First failure: the most promising one, because initial poses are sorted.
   std::optional<Fit> first_failure_;
   bool is_degenerate_ = false;  // an initial pose led to a degenerate system
 };

@@ -17,7 +17,7 @@ struct DescentOptions {
   bool use_brightness = true;
   bool rotation_only = false;
   int stride = 1;         // subsampling of source rows and columns
-  double damping = 3e-3;  // of an unconstrained direction, relative to a well constrained one
+  double damping = 3e-3;  // relative to the information of a well constrained direction
 };
 
 struct JointOptions {
