@@ -30,10 +30,12 @@ void FusionOptions::Visit(OptionVisitor& v) {
         "points whose radius is larger than a surfel's by this factor do not change its shape",
         Positive());
   v.Add(lasting_confidence, "lasting_confidence",
-        "dormant surfels with less confidence are removed", AtLeast(0), AsFlag());
+        "surfels with less confidence are removed after max_dormant_frames without observation",
+        AtLeast(0), AsFlag());
   v.Add(max_dormant_frames, "max_dormant_frames",
-        "number of fused frames without observation after which a surfel is dormant", AtLeast(0),
-        AsFlag());
+        "number of fused frames without observation after which surfels below lasting_confidence "
+        "are removed",
+        AtLeast(0), AsFlag());
   v.Add(max_confidence, "max_confidence",
         "upper limit of the confidence, so that the map can still change", Positive());
   v.Add(active_frames, "active_frames",

@@ -83,8 +83,8 @@ struct Fusion::Workspace {
   SurfelChoice choice;
   Sightings sightings;
   const RgbdFrame* frame = nullptr;
-  FrameWindow awake;   // surfels last seen before this window are dormant
-  FrameWindow active;  // surfels last seen before this window are inactive
+  FrameWindow awake;   // surfels last seen before this window can be removed
+  FrameWindow active;  // surfels last seen before this window are not fused
   Image<float> weights;
   double weights_cx = 0, weights_cy = 0;  // principal point of `weights`
   std::vector<MeasuredPoint> points;      // per pixel
@@ -157,13 +157,13 @@ int Fusion::Workspace::ActiveSince() const {
   return options.active_frames == 0 ? std::numeric_limits<int>::min() : active.Begin();
 }
 
-// True if the set may contain dormant surfels with low confidence.
+// True if the set may contain surfels that MarkDormant() marks.
 bool Fusion::Workspace::MayBeDormant(const SurfelBounds& bounds) const {
   return bounds.least_last_seen < awake.Begin() &&
          bounds.least_confidence < options.lasting_confidence;
 }
 
-// Marks dormant surfels with low confidence for removal. Updates the bounds of the block.
+// Marks surfels with low confidence outside of the window `awake` for removal. Updates the bounds.
 void Fusion::Workspace::MarkDormant(SurfelBlock* block) const {
   constexpr int kCapacity = SurfelBlock::kCapacity;
   const float lasting = options.lasting_confidence;
@@ -185,7 +185,8 @@ void Fusion::Workspace::MarkDormant(SurfelBlock* block) const {
 }
 
 // Filter passes 1 and 2: surfels that project into the image (pass 1) and pass the merge gate with
-// the point of their pixel (pass 2). Marks dormant surfels and free-space violations for removal.
+// the point of their pixel (pass 2). Marks unobserved surfels and free-space violations for
+// removal.
 void Fusion::Workspace::FindCandidates(const PosedCamera& camera, SurfelMap* map) {
   const CandidateFinder finder(camera, points, free_depth_m, gate, ActiveSince());
   cells.clear();
