@@ -1,5 +1,5 @@
-# Compiles for 64-bit ARM under Debian, with its libraries from build/arm-system, and runs programs in an
-# emulator: see tools/scripts/arm.sh.
+# Cross-compilation for 64-bit ARM with the Debian libraries in build/arm-system. Programs run in an
+# emulator, see tools/scripts/arm.sh.
 set(CMAKE_SYSTEM_NAME Linux)
 set(CMAKE_SYSTEM_PROCESSOR aarch64)
 set(CMAKE_C_COMPILER aarch64-linux-gnu-gcc)

@@ -1,28 +1,28 @@
-# Warnings, sanitizers and floating-point rules that every target of ours shares.
-# No contraction: a*b+c must round the same way on every machine and at every inlining. Nobody reads
-# errno or floating-point traps, and without them more loops become SIMD code.
+# Warnings, sanitizers and floating-point options of all targets.
+# - No contraction: a*b+c is rounded equally on all machines.
+# - No errno and no floating-point traps: more loops can be vectorised.
 function(surfit_compile_options target)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -ffp-contract=off
                          -fno-math-errno -fno-trapping-math)
   if(SURFIT_SANITIZE)
-    # Of UBSan without the checks at each access, which take 40 % of the compiler's time: the
-    # processor and AddressSanitizer tell null, aligned vector loads tell misalignment.
+    # Without UBSan's checks of each memory access, which take 40 % of the compile time. Null
+    # pointers fault anyway, and AddressSanitizer and aligned vector loads detect misalignment.
     target_compile_options(${target} PRIVATE -fsanitize=${SURFIT_SANITIZE}
       -fno-sanitize=null,alignment,vptr -fno-sanitize-recover=all -fno-omit-frame-pointer
-      $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>  # instrumented code misleads it, within <regex> for one
+      $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>  # false positives in instrumented code, for example in <regex>
       $<$<BOOL:${SURFIT_BUILD_FUZZERS}>:-fsanitize=fuzzer-no-link>)
     target_link_options(${target} PUBLIC -fsanitize=${SURFIT_SANITIZE})
-    # Eigen would change its allocator under AddressSanitizer and disagree with prebuilt libraries.
+    # Eigen's allocator under AddressSanitizer is incompatible with prebuilt libraries.
     target_compile_definitions(${target} PUBLIC EIGEN_MALLOC_ALREADY_ALIGNED=1)
     if(SURFIT_SANITIZE MATCHES "thread")
-      # ThreadSanitizer knows no fences. Boost.Asio has locks beside them.
+      # ThreadSanitizer does not support fences. Boost.Asio also uses locks.
       target_compile_definitions(${target} PRIVATE BOOST_ASIO_DISABLE_FENCED_BLOCK)
     endif()
   endif()
 endfunction()
 
-# What nearly every source file includes, and more headers if given, is compiled once for the targets of
-# a kind, which compile alike: the first makes the precompiled header, the others use it.
+# Precompiles common headers, and the headers of the further arguments. Targets of one kind have the
+# same compile options: the first target creates the precompiled header, the others reuse it.
 function(surfit_precompile target kind)
   get_property(owner GLOBAL PROPERTY surfit_precompiled_${kind})
   if(owner)

@@ -1,18 +1,18 @@
-# `cpack` in a build of the preset `package` makes Debian packages: libsurfit0, libsurfit-dev,
-# surfit-tools and python3-surfit. tests/package/lintian.sh has them checked.
+# `cpack` in a build with the preset `package` creates the Debian packages libsurfit0,
+# libsurfit-dev, surfit-tools and python3-surfit. tests/package/lintian.sh checks them.
 if(NOT BUILD_SHARED_LIBS)
   return()
 endif()
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGING_INSTALL_PREFIX "${CMAKE_INSTALL_PREFIX}")
-# Packages must name an address; nobody reads one for Surfit, and .invalid (RFC 2606) says so.
+# Packages need a contact address. Surfit has none, so this one is invalid by RFC 2606.
 set(CPACK_PACKAGE_CONTACT "Surfit developers <developers@surfit.invalid>")
 set(CPACK_COMPONENTS_ALL library dev)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_ENABLE_COMPONENT_DEPENDS OFF)
-# Dependencies on libraries are read from what is linked; our own is not installed yet.
+# Library dependencies come from the linked libraries. Surfit's own libraries are in the build folder.
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS "${PROJECT_BINARY_DIR}/src")
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
@@ -26,10 +26,10 @@ set(CPACK_DEBIAN_LIBRARY_DESCRIPTION "dense RGB-D SLAM - shared libraries
 ${about}
 This package has the libraries that the programs, the Python module and
 other programs link.")
-# Loaded for cameras, and not linked.
+# Loaded at run time for cameras, not linked.
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SUGGESTS "libopenni2-0")
-# A trigger is the way to tell of new libraries. CPack would also write scripts that call ldconfig,
-# but for scripts that are named here: these do not exist, and so there are none.
+# The trigger runs ldconfig. Without the two names of missing scripts, CPack would also generate
+# scripts that call ldconfig.
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA "${PROJECT_SOURCE_DIR}/cmake/debian/triggers"
   "${PROJECT_BINARY_DIR}/no/postinst" "${PROJECT_BINARY_DIR}/no/postrm")
 
@@ -57,7 +57,7 @@ if(SURFIT_BUILD_PYTHON)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-surfit)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
   math(EXPR next_minor "${Python3_VERSION_MINOR} + 1")
-  # The module is compiled for one interface of NumPy (/usr/share/numpy3/versions).
+  # The module depends on one NumPy ABI (/usr/share/numpy3/versions).
   execute_process(OUTPUT_VARIABLE numpy_abi OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND
     "${Python3_EXECUTABLE}" -c
     "from numpy.core import _multiarray_umath as m; print(m._get_ndarray_c_version() - 0x1000000)")
@@ -69,7 +69,8 @@ ${about}
 This package has the Python module, with types.")
 endif()
 
-# Each package says what licence it has and what it is made with; one, what lintian is to pass over.
+# Each package contains its licence and the notices of its components. One package contains lintian
+# overrides.
 execute_process(COMMAND date --rfc-email --utc --date=@0 OUTPUT_VARIABLE date
   OUTPUT_STRIP_TRAILING_WHITESPACE)
 set(debian "${PROJECT_BINARY_DIR}/debian")

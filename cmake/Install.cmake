@@ -1,5 +1,5 @@
-# Install and export, so that find_package(surfit) and pkg-config work from another project. Each
-# component becomes a Debian package: see DebianPackages.cmake.
+# Installation and export for find_package(surfit) and pkg-config. Each component becomes a Debian
+# package, see DebianPackages.cmake.
 include(CMakePackageConfigHelpers)
 set(SURFIT_CMAKE_DIR "${CMAKE_INSTALL_LIBDIR}/cmake/surfit")
 install(TARGETS surfit_core surfit_registration surfit_mapping surfit_io surfit_app surfit
@@ -17,7 +17,8 @@ write_basic_package_version_file("${PROJECT_BINARY_DIR}/surfit-config-version.cm
 install(FILES "${PROJECT_BINARY_DIR}/surfit-config.cmake" "${PROJECT_BINARY_DIR}/surfit-config-version.cmake"
   DESTINATION "${SURFIT_CMAKE_DIR}" COMPONENT dev)
 
-# A shared library brings along what it links; a static one says so, for `pkg-config --static`.
+# Static libraries list their dependencies for `pkg-config --static`. Shared libraries do not need
+# this.
 if(BUILD_SHARED_LIBS)
   set(SURFIT_PC_REQUIRES "")
   set(SURFIT_PC_LIBS "")

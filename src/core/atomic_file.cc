@@ -25,7 +25,8 @@ void Fill(int file, const std::string& path, bool to_disk,
   if (!buffer.Close(to_disk)) ThrowCannotWrite(path);
 }
 
-// One that no other process or thread has; those of processes that were killed may be there still.
+// Creates a partial file with a name that is unique among processes and threads. Partial files of
+// killed processes can still exist.
 std::string MakePartial(const std::string& path, int* file) {
   static std::atomic<int> count{0};
   std::string partial;
@@ -37,7 +38,8 @@ std::string MakePartial(const std::string& path, int* file) {
   return partial;
 }
 
-// So that the new name is on the disk as well. A folder that may not be read is left to the system.
+// Writes the directory entry to the disk. Errors are ignored, for example if the folder is not
+// readable.
 void FlushFolderOf(const std::string& path) {
   const fs::path folder = fs::path(path).parent_path();
   const int opened =
@@ -69,7 +71,8 @@ void WriteFileAtomically(const std::string& path, const std::function<void(std::
   if (fs::exists(status) && !fs::is_regular_file(status)) {
     Fill(OpenSpecialFile(path), path, /*to_disk=*/false, write);
   } else if (is_link) {
-    throw InputError("cannot write '", path, "': it is a link, must be a file or nothing");
+    throw InputError("cannot write '", path,
+                     "': it is a symbolic link, must be a regular file or a new name");
   } else {
     Replace(path, write);
   }

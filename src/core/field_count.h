@@ -6,11 +6,12 @@
 
 namespace surfit {
 
-// Takes the place of a field of any type, but not of the struct itself, as a copy of it would.
+// Converts to any type except the struct itself, so that no copy of the struct is counted as a
+// field.
 template <typename Struct>
 struct AnyField {
   template <typename T, typename = std::enable_if_t<!std::is_same_v<T, Struct>>>
-  operator T() const;  // never defined: only its type is looked at
+  operator T() const;  // declared only: used in unevaluated contexts
 };
 
 template <typename Struct, std::size_t>
@@ -22,8 +23,8 @@ auto TakesFields(std::index_sequence<I...>)
 template <typename Struct>
 std::false_type TakesFields(...);
 
-// How many fields a plain struct has: as many as initialise it. Not for structs with a field that
-// can be made from anything, such as std::optional.
+// Number of fields of an aggregate, at most `Count`. Not valid for structs with a field that is
+// constructible from any type, such as std::optional.
 template <typename Struct, std::size_t Count = 64>
 constexpr std::size_t FieldCount() {
   if constexpr (Count == 0 ||

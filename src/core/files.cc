@@ -22,10 +22,9 @@ constexpr int kMostNested = 100;
   throw InputError("cannot read '", path, "': ", reason.message());
 }
 
-// A file that is open for reading.
 class OpenFile {
  public:
-  // Opening a pipe waits for who writes to it, unless `flags` say otherwise.
+  // Opening a pipe blocks until a process opens it for writing, unless `flags` contain O_NONBLOCK.
   OpenFile(const std::string& path, int flags)
       : path_(path), file_(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY | flags)) {
     if (file_ < 0 || fstat(file_, &status_) != 0) ThrowCannotRead(path);
@@ -36,11 +35,10 @@ class OpenFile {
   bool is_regular() const { return S_ISREG(status_.st_mode); }
   std::size_t size() const { return static_cast<std::size_t>(status_.st_size); }
 
-  // At most so many bytes.
   std::string Read(std::size_t most) const {
     std::string bytes;
     std::size_t used = 0;
-    // One more byte than there are meets the end at once.
+    // One byte more than the file size: the second read() returns 0 without a larger buffer.
     std::size_t room = is_regular() ? size() + 1 : std::size_t{1} << 16;
     while (used < most) {
       bytes.resize(std::min(room, most));
@@ -66,7 +64,7 @@ void RequireNoMoreThan(std::size_t most, std::size_t bytes, const std::string& p
   throw InputError(path, " is too large, must have ", most, " bytes at most");
 }
 
-// Of JSON: brackets within strings do not count.
+// Brackets within JSON strings are not counted.
 void RequireShallow(const std::string& json, const std::string& path) {
   int depth = 0;
   bool in_string = false;
@@ -156,7 +154,7 @@ FileBuffer::pos_type FileBuffer::seekpos(pos_type position, std::ios_base::openm
 
 std::string ReadFile(const std::string& path, std::size_t most) {
   const OpenFile file(path, O_NONBLOCK);
-  ThrowIf(!file.is_regular(), "cannot read '", path, "': it is no regular file");
+  ThrowIf(!file.is_regular(), "cannot read '", path, "': it is not a regular file");
   RequireNoMoreThan(most, file.size(), path);
   return file.Read(most);
 }

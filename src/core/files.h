@@ -8,30 +8,32 @@
 
 namespace surfit {
 
-// In the names of files that are still being written, between that of the file to be and a number.
+// Part of the name of a partially written file: `<final name>.partial-<process>-<number>`.
 inline constexpr const char* kPartialMark = ".partial-";
 
 // Throws InputError "cannot write '<path>': <reason of errno>".
 [[noreturn]] void ThrowCannotWrite(const std::string& path);
 
-// Begins a file: -1 and errno if there is one of that name, or a link, which is never followed.
+// Creates a file for writing and returns its descriptor. Returns -1 and sets errno on errors, for
+// example if the name exists, also as a symbolic link.
 int MakeNewFile(const std::string& path);
 
-// Opens what is no regular file (a device, a pipe) to be written to: -1 and errno if it cannot be.
+// Opens a device or a pipe for writing and returns its descriptor. Returns -1 and sets errno on
+// errors.
 int OpenSpecialFile(const std::string& path);
 
-// Writes all bytes: false and errno if not all found place.
+// Returns false and sets errno if not all bytes were written.
 bool WriteAll(int file, const char* bytes, std::size_t count);
 
-// Bytes for an open file, which it closes. The first error stays, and fails the streams on it.
+// Stream buffer that owns an open file. After the first error all later writes fail.
 class FileBuffer final : public std::streambuf {
  public:
   explicit FileBuffer(int file);
   ~FileBuffer() override;
   FileBuffer& operator=(FileBuffer&&) = delete;
 
-  // Writes what is left, to the disk if asked for, and closes the file: false and errno if any of
-  // it has failed, now or before.
+  // Flushes the buffer, writes the file to the disk if `to_disk`, and closes the file. Returns
+  // false and sets errno if this or an earlier operation failed.
   bool Close(bool to_disk);
 
  protected:
@@ -51,16 +53,16 @@ class FileBuffer final : public std::streambuf {
 
 inline constexpr std::size_t kAnySize = std::numeric_limits<std::size_t>::max() - 1;
 
-// All bytes of a regular file. Throws InputError naming the file if it cannot be read, has more
-// than `most` bytes, or is something else, which might never end or hold the program up for good: a
-// device, a pipe.
+// Reads a regular file. Throws InputError with the file name if the file cannot be read, is larger
+// than `most` bytes, or is not a regular file. Reading a device or a pipe might never end.
 std::string ReadFile(const std::string& path, std::size_t most = kAnySize);
 
-// The same for what a user has named, who may name a pipe or a device: of these a gigabyte at most.
+// Reads a regular file, a pipe or a device that the user named. Pipes and devices are limited to 1
+// GiB.
 std::string ReadFileOrPipe(const std::string& path);
 
-// The text of a file of JSON: 256 megabytes at most, and at most 100 brackets in each other, as
-// many as can safely be read and written by recursion.
+// Reads a JSON file. Throws InputError above 256 MiB or above 100 nested brackets, which bounds the
+// recursion of the JSON parser and writer.
 std::string ReadJsonText(const std::string& path);
 
 }  // namespace surfit

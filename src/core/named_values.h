@@ -8,7 +8,6 @@
 
 namespace surfit {
 
-// A choice that users make by name.
 template <typename T>
 struct NamedValue {
   const char* name;
@@ -30,7 +29,7 @@ std::string NameOf(const T& value, const NamedValue<T> (&choices)[kCount]) {
   return "unknown";
 }
 
-// "a, b, c".
+// Returns "a, b, c".
 inline std::string Listed(const std::vector<std::string>& names) {
   std::string list;
   for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;

@@ -1,4 +1,4 @@
-// What options are as text: in flags, records and help.
+// Conversion of options from and to text, for flags, JSON records and help.
 #include <charconv>
 #include <sstream>
 

@@ -21,9 +21,9 @@ namespace surfit {
 
 namespace {
 
-// ThreadSanitizer sees nothing of oneTBB: its prebuilt library is not instrumented, and so this
-// file, which alone includes its headers, is not either. A fence states the order that oneTBB
-// imposes; in other builds it is nothing.
+// ThreadSanitizer does not see the synchronisation of oneTBB, because its prebuilt library is not
+// instrumented. This file includes the headers of oneTBB and is compiled without instrumentation,
+// too. A fence reports the synchronisation to ThreadSanitizer. In other builds it is empty.
 class SanitizerFence {
  public:
 #if defined(SURFIT_THREAD_SANITIZER)
@@ -38,7 +38,8 @@ class SanitizerFence {
   [[maybe_unused]] char address_ = 0;
 };
 
-// Sets a library's number of threads and returns the former one; 0 where it is not loaded.
+// Sets the number of threads of a library and returns the previous number. Returns 0 if the library
+// is not loaded.
 int SetThreads(const char* getter, const char* setter, int count) {
   const auto get = reinterpret_cast<int (*)()>(dlsym(RTLD_DEFAULT, getter));
   const auto set = reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, setter));
@@ -66,7 +67,7 @@ struct ThreadLimit::State {
 
 ThreadLimit::ThreadLimit(int threads) {
   ThrowIf(threads < 1 || threads > 1024, "threads is ", threads, ", must be from 1 to 1024");
-  // OpenCV only decodes and draws for us; its own loops would add threads beside ours.
+  // OpenCV only decodes and draws images here. Its own threads would exceed the limit.
   cv::setNumThreads(1);
   state_ = std::make_unique<State>(threads);
 }
@@ -103,8 +104,8 @@ void ParallelFor(int begin, int end, int grain, const std::function<void(int, in
 }
 
 void RunInBackground(std::function<void()> task) {
-  CHECK_GT(ThreadCount(), 1) << "a background task needs a second thread";
-  // Isolated from the caller's arena, so that a waiting parallel loop never picks the task up.
+  CHECK_GT(ThreadCount(), 1) << "background tasks need a limit of at least 2 threads";
+  // A separate arena, so that a waiting parallel loop never executes the task.
   static tbb::task_arena* const arena = new tbb::task_arena(2, 1);
   static SanitizerFence fork;
   fork.Release();

@@ -4,11 +4,10 @@
 
 namespace surfit {
 
-// A warning that may come for thousands of frames: the first few are logged, the others counted,
-// and their number is told in the end.
+// Logs the first three occurrences of a warning. The destructor logs the number of further ones.
 class RepeatedWarning {
  public:
-  // Of what there may be many, for the count: "frames skipped".
+  // `what`: plural noun for the final count, for example "frames skipped".
   explicit RepeatedWarning(std::string what);
   ~RepeatedWarning();
   RepeatedWarning& operator=(RepeatedWarning&&) = delete;

@@ -6,11 +6,11 @@
 
 namespace surfit {
 
-// Declaration of a flag that several tables have: the flag has one text and one set of bounds. The
-// defaults may differ.
+// Declaration of a flag that several tables share, with one help text and one set of bounds.
+// Defaults may differ. Throws InputError for an unknown flag.
 Option SharedOption(const std::string& flag);
 
-// Declaration with additional rules of one table.
+// Declaration with additional rules for one table.
 template <typename... Rules>
 Option SharedOption(const std::string& flag, const Rules&... rules) {
   Option option = SharedOption(flag);
@@ -22,6 +22,6 @@ Option SharedOption(const std::string& flag, const Rules&... rules) {
 // Returns other names unchanged. Version 0.3 drops the old names.
 std::string PresentName(const std::string& name);
 
-OptionRule InField(const std::string& field);  // the field has another name than the flag
+OptionRule InField(const std::string& field);  // name of the field, if it differs from the flag
 
 }  // namespace surfit

@@ -20,27 +20,27 @@ struct SpareTime::State {
 namespace {
 
 thread_local bool is_least_thread = false;
-thread_local const bool* is_task_awaited = nullptr;  // of the task that the thread is at
+thread_local const bool* is_task_awaited = nullptr;  // of the task on this thread; null: none
 
-// A loop of a task, as long as its thread is in it.
 struct Loop {
   const std::function<void(int)>& run_block;
   const int block_count;
   const bool& is_awaited;
-  int next = 0;     // block
-  int running = 0;  // blocks
+  int next = 0;     // first block that has not started
+  int running = 0;  // number of running blocks
   std::exception_ptr error;
 
   bool HasMore() const { return next < block_count; }
   bool IsDone() const { return !HasMore() && running == 0; }
 };
 
-// The thread that does the loops of all tasks, for as long as the process lives.
+// The lowest-priority thread, shared by all tasks until the process ends.
 class LeastThread {
  public:
   LeastThread() : thread_([this] { Work(); }) { thread_.detach(); }
 
-  // False if the task is waited for. If that comes later, the rest is done by the calling thread.
+  // Returns false if the task is awaited. If Await() is called during the loop, the calling thread
+  // executes the remaining blocks.
   bool Run(Loop* loop) {
     std::unique_lock<std::mutex> lock(mutex_);
     if (loop->is_awaited) return false;
@@ -64,7 +64,7 @@ class LeastThread {
   [[noreturn]] void Work() {
 #ifdef __linux__
     constexpr int kThisThread = 0, kLeastPriority = 19;
-    setpriority(PRIO_PROCESS, kThisThread, kLeastPriority);  // on Linux a thread has its own
+    setpriority(PRIO_PROCESS, kThisThread, kLeastPriority);  // Linux: per thread
 #endif
     is_least_thread = true;
     std::unique_lock<std::mutex> lock(mutex_);
@@ -79,7 +79,7 @@ class LeastThread {
     }
   }
 
-  // Without the lock. No block begins after one that has thrown.
+  // Executes one block without the lock. After an exception no further block starts.
   void RunBlock(Loop* loop, std::unique_lock<std::mutex>* lock) {
     const int block = loop->next++;
     ++loop->running;
@@ -99,10 +99,10 @@ class LeastThread {
     if (loop->IsDone()) changed_.notify_all();
   }
 
-  std::mutex mutex_;  // guards all below, and the loops
+  std::mutex mutex_;  // guards the members below and all loops
   std::condition_variable changed_;
   std::vector<Loop*> loops_;
-  std::thread thread_;  // last: it uses the others
+  std::thread thread_;  // last: its function uses the other members
 };
 
 LeastThread& TheLeastThread() {

@@ -10,20 +10,19 @@
 
 namespace surfit {
 
-// Spare time for a task on a thread of one's own beside the bounded set. The task keeps its
-// thread's priority; the blocks of its parallel loops are done one after the other by a thread of
-// least priority (on Linux), in time that no other thread wants, until somebody waits for the task:
-// then the loops are as all others. So nobody waits for a thread of less priority than their own,
-// but for one block at most.
+// Runs the parallel loops of a task at low priority. The thread of the task keeps its priority. On
+// Linux, one thread of the lowest priority executes the blocks of the loops in sequence. After
+// Await() the loops run in parallel as usual. Priority inversion is limited: a waiting thread waits
+// for at most one block of the low-priority thread.
 class SpareTime {
  public:
   SpareTime();
   ~SpareTime();
   SpareTime& operator=(SpareTime&&) = delete;
 
-  // Runs the task on the calling thread. What it throws is thrown on.
+  // Runs the task on the calling thread. Exceptions of the task propagate.
   void Run(const std::function<void()>& task);
-  // From now on the task is waited for.
+  // Ends the low priority, because a thread waits for the task. Callable from any thread.
   void Await();
 
   struct State;
@@ -32,10 +31,10 @@ class SpareTime {
   std::unique_ptr<State> state_;
 };
 
-// A task on a thread of its own, one at a time, in spare time; where only one thread may compute,
-// when its result is asked for, unless `always_beside`. The result is due after a number of steps
-// of who began it, so that no machine has a say in when it takes effect. Going, it waits for the
-// task.
+// An asynchronous task, one at a time, with low-priority loops. With a thread limit of 1 the task
+// runs lazily in Wait() or Take(), unless `always_beside` is true. The result is due after a fixed
+// number of steps of the caller, so that results do not depend on the machine. The destructor waits
+// for a running task.
 template <typename Result>
 class SpareTimeTask {
  public:
@@ -43,7 +42,7 @@ class SpareTimeTask {
   ~SpareTimeTask() { Drop(); }
   SpareTimeTask& operator=(SpareTimeTask&&) = delete;
 
-  // None may be under way.
+  // Requires that no task is pending.
   template <typename Task>
   void Start(int due_after_steps, Task task) {
     steps_left_ = due_after_steps;
@@ -58,21 +57,21 @@ class SpareTimeTask {
     });
   }
 
-  // A task was begun whose result has not been taken.
+  // True from Start() until Take() or Drop().
   bool IsUnderWay() const { return result_.valid(); }
-  // Counts one step: whether there is a result that is due.
+  // Counts one step. Returns true if a result is due.
   bool IsDueAfterStep() { return IsUnderWay() && --steps_left_ <= 0; }
-  // The same where nobody must wait: whether the result is there as well. What is late is done in
-  // spare time no longer.
+  // Counts one step. Returns true if a result is due and available without waiting. Ends the low
+  // priority of an overdue task.
   bool IsThereAfterStep() {
     if (!IsDueAfterStep()) return false;
     if (!IsAtWork()) return true;
     spare_time_->Await();
     return false;
   }
-  // Its result can be taken at once.
+  // True if Take() returns without waiting for another thread.
   bool IsThere() const { return IsUnderWay() && !IsAtWork(); }
-  // Its result is to be waited for.
+  // True if the task is running.
   bool IsAtWork() const {
     return IsUnderWay() && result_.wait_for(std::chrono::seconds(0)) == std::future_status::timeout;
   }
@@ -81,12 +80,12 @@ class SpareTimeTask {
     if (spare_time_) spare_time_->Await();
     result_.wait();
   }
-  // Waits for it; throws on what the task has thrown.
+  // Waits for the result. Rethrows exceptions of the task.
   Result Take() {
     Wait();
     return result_.get();
   }
-  // Its result is not wanted any more: waits for it where it has a thread.
+  // Discards the result. Waits for a running task.
   void Drop() {
     if (spare_time_) Wait();
     result_ = {};
@@ -94,7 +93,7 @@ class SpareTimeTask {
 
  private:
   bool always_beside_;
-  std::shared_ptr<SpareTime> spare_time_;  // null where the task has no thread
+  std::shared_ptr<SpareTime> spare_time_;  // null for a lazy task
   std::future<Result> result_;
   int steps_left_ = 0;
 };

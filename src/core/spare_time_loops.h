@@ -4,8 +4,9 @@
 
 namespace surfit {
 
-// Does the blocks of a loop of the calling thread, if that is at a task in spare time that nobody
-// waits for when the loop begins, or does the blocks of such tasks; else false.
+// Runs the loop at low priority if the calling thread executes a low-priority task that is not
+// awaited. Runs the loop serially on the low-priority thread itself. Otherwise returns false
+// without running it.
 bool RunLoopInSpareTime(int block_count, const std::function<void(int)>& run_block);
 
 }  // namespace surfit

@@ -21,7 +21,7 @@ class TraceFile {
 
   explicit TraceFile(const std::string& path) : file_(path), start_(Clock::now()) {
     text_ << '[';
-    ThreadNumber();  // the recorder's own thread is the first
+    ThreadNumber();  // gives number 1 to this thread
     Write();
   }
 
@@ -54,7 +54,7 @@ class TraceFile {
     text_.str("");
   }
 
-  // What is measured goes on; Close() tells.
+  // Write errors do not stop the measured program. Close() throws them.
   void WriteUnlessItFailed() {
     try {
       if (!failure_) Write();
@@ -64,7 +64,7 @@ class TraceFile {
     text_.str("");
   }
 
-  // To the nanosecond, so that slices nest in the file as they did in time.
+  // Nanosecond resolution, so that slices nest in the file as in time.
   static std::string Microseconds(Clock::duration duration) {
     const long long ns = std::chrono::nanoseconds(duration).count();
     char text[40];
@@ -72,8 +72,8 @@ class TraceFile {
     return text;
   }
 
-  // Of the calling thread, counted from 1 in the order in which they are first heard of; its name
-  // is written then.
+  // Number of the calling thread, from 1 in the order of first use. Writes the thread name at the
+  // first use.
   int ThreadNumber() {
     const auto [thread, is_new] =
         threads_.emplace(std::this_thread::get_id(), static_cast<int>(threads_.size()) + 1);
@@ -86,9 +86,9 @@ class TraceFile {
     return number;
   }
 
-  std::mutex mutex_;  // guards all that changes
+  std::mutex mutex_;  // guards all other members
   AppendedFile file_;
-  std::ostringstream text_;  // that is still to be written
+  std::ostringstream text_;  // not yet written
   std::exception_ptr failure_;
   const Clock::time_point start_;
   std::map<std::thread::id, int> threads_;
@@ -102,7 +102,7 @@ std::atomic<TraceFile*> active{nullptr};
 }  // namespace
 
 TraceRecorder::TraceRecorder(const std::string& path) : file_(std::make_unique<TraceFile>(path)) {
-  CHECK(active.exchange(file_.get()) == nullptr) << "slices are being recorded already";
+  CHECK(active.exchange(file_.get()) == nullptr) << "another TraceRecorder exists";
 }
 
 TraceRecorder::~TraceRecorder() {

@@ -8,42 +8,43 @@ namespace surfit {
 
 class TraceFile;
 
-// While one of these lives, all slices of the process go to a file that ui.perfetto.dev and
-// chrome://tracing show: an array of trace events (docs: "Trace Event Format", complete events),
-// one a line, in microseconds since the recorder was made. Slices of other threads must not
-// outlive it. Without a recorder a slice costs one load.
+// Records all slices of the process to a file for ui.perfetto.dev and chrome://tracing. The file is
+// an array of complete events ("Trace Event Format"), one per line. Times are in microseconds since
+// the construction of the recorder. Slices of other threads must end before the recorder is
+// destroyed. Without a recorder, a slice costs one atomic load.
 class TraceRecorder {
  public:
-  // Throws InputError if the file cannot be written; CHECK-fails if there is another recorder.
+  // Throws InputError if the file cannot be written. Aborts if another recorder exists.
   explicit TraceRecorder(const std::string& path);
   ~TraceRecorder();
   TraceRecorder& operator=(TraceRecorder&&) = delete;
 
-  // Ends the file; slices that end later are not recorded. Throws InputError if it is not whole.
+  // Completes the file. Slices that end later are not recorded. Throws InputError if any write
+  // failed.
   void Close();
 
  private:
   std::unique_ptr<TraceFile> file_;
 };
 
-// The time of its life, as a slice of its thread.
+// Records its lifetime as a slice of the calling thread.
 class TraceSlice {
  public:
   static constexpr int kNoFrame = -1;
 
-  // The name is kept as a pointer and written as it is: a literal without quotes.
+  // `name` is stored as a pointer and written without escaping: a literal without quotes.
   explicit TraceSlice(const char* name, int frame = kNoFrame);
   ~TraceSlice();
   TraceSlice& operator=(TraceSlice&&) = delete;
 
  private:
-  TraceFile* file_;  // null where nothing records
+  TraceFile* file_;  // null: not recorded
   const char* name_;
   int frame_;
   std::chrono::steady_clock::time_point begin_;
 };
 
-// A slice whose time is also added to a sum, recorded or not.
+// A slice that also adds its duration to a sum. The sum does not need a recorder.
 class StageTimer {
  public:
   StageTimer(const char* name, int frame, double* sum_ms)

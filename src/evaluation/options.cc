@@ -1,4 +1,3 @@
-// The options of this module.
 #include "surfit/core/options.h"
 
 #include <cmath>
@@ -22,15 +21,17 @@ static void OptionFromText(const std::string& text, Unit* unit) {
 
 void MatchOptions::Visit(OptionVisitor& v) {
   v.Add(max_difference_s, "max_difference_s",
-        "where no true pose is interpolated, how far away the nearest one may be (evo: 0.01, TUM "
-        "scripts: 0.02)",
+        "maximum time difference to the nearest ground-truth pose without interpolation, s "
+        "(evo: 0.01, TUM scripts: 0.02)",
         Between(0, 1), AsFlag());
-  v.Add(max_gap_s, "max_gap_s", "interpolate between true poses at most so far apart",
-        Between(0, 1), ZeroIs("take the nearest, as evo and the TUM scripts do"), AsFlag());
+  v.Add(max_gap_s, "max_gap_s", "maximum gap between ground-truth poses for interpolation, s",
+        Between(0, 1), ZeroIs("nearest pose without interpolation, as in evo and the TUM scripts"),
+        AsFlag());
 }
 
 void RelativePoseErrorOptions::Visit(OptionVisitor& v) {
-  v.Add(delta, "delta", "step of the relative pose error", Positive(), AsFlag());
+  v.Add(delta, "delta", "distance between the two poses of a relative pose error", Positive(),
+        AsFlag());
   v.Add(delta_unit, "delta_unit", "unit of delta: frames or seconds", AsFlag());
   v.Check([this] {
     if (delta_unit != Unit::kFrames || (delta == std::floor(delta) && delta < 1e9)) return;
@@ -39,13 +40,13 @@ void RelativePoseErrorOptions::Visit(OptionVisitor& v) {
 }
 
 void TrajectoryEvaluationOptions::Visit(OptionVisitor& v) {
-  v.AddPart(match, "match", "which poses belong to the same moment");
-  v.AddPart(rpe, "rpe", "the relative pose error");
+  v.AddPart(match, "match", "association of poses by timestamp");
+  v.AddPart(rpe, "rpe", "relative pose error");
 }
 
 void MapErrorOptions::Visit(OptionVisitor& v) {
   v.Add(completeness_distance_m, "completeness_distance_m",
-        "a reference point counts as mapped if a map point is at most this far", Positive(),
+        "maximum distance to the nearest map point of a mapped reference point, m", Positive(),
         AsFlag());
 }
 

@@ -8,19 +8,20 @@
 namespace surfit {
 namespace {
 
-// A camera's stamps are off by its exposure, readout and transfer: by less than three frames.
-constexpr int kOffsetSteps = 20;   // either way
-constexpr double kStep_s = 0.005;  // far less than the time in which a hand turns round
+// Exposure, readout and transfer shift timestamps by less than three frame periods.
+constexpr int kOffsetSteps = 20;   // in each direction
+constexpr double kStep_s = 0.005;  // much shorter than the period of hand-held motion
 constexpr double kTolerance_s = 1e-5;
 
-// The root mean square of the absolute error with the estimate's stamps moved.
+// RMSE of the absolute trajectory error for an offset of the estimated timestamps.
 double RmseAt(double offset_s, const Trajectory& ground_truth, const Trajectory& estimate,
               const MatchOptions& options) {
   const auto at = EvaluateTimeOffset(ground_truth, estimate, offset_s, options);
   return at ? at->ate.translation_m.rmse : std::numeric_limits<double>::infinity();
 }
 
-// The poses that the ground truth knows at every step, so that the errors are over the same ones.
+// Estimated poses with ground truth at every tested offset. All offsets are compared over these
+// poses.
 Trajectory KnownThroughout(const Trajectory& ground_truth, const Trajectory& estimate,
                            const MatchOptions& options) {
   Trajectory known;
@@ -36,7 +37,7 @@ Trajectory KnownThroughout(const Trajectory& ground_truth, const Trajectory& est
   return known;
 }
 
-// Of all offsets that were tried the best one; of equally good ones the first.
+// Stores the offset with the lowest RMSE. For equal RMSE, the first tested offset wins.
 class Search {
  public:
   Search(const Trajectory& ground_truth, const Trajectory& estimate, const MatchOptions& options)
@@ -53,7 +54,7 @@ class Search {
     return rmse_m;
   }
 
-  // Golden sections of an interval that holds the minimum.
+  // Golden-section search in an interval with one minimum.
   void Narrow(double begin_s, double end_s) {
     const double section = (std::sqrt(5.) - 1) / 2;
     std::array<double, 2> inner_s = {end_s - section * (end_s - begin_s),

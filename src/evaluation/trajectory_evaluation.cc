@@ -11,8 +11,9 @@
 namespace surfit {
 namespace {
 
-// Rounding leaves a line's cross-covariance with a second singular value of some 1e-16 of the
-// first; the millimetre noise of a real path of 10 m leaves 1e-8.
+// Relative second singular value of the cross-covariance below which the points are collinear. It
+// is about 1e-16 (rounding) for a straight line, and 1e-8 for a real path of 10 m with millimetre
+// noise.
 constexpr double kRankTolerance = 1e-12;
 
 Eigen::Vector3d Mean(const std::vector<Eigen::Vector3d>& points) {
@@ -24,9 +25,8 @@ Eigen::Vector3d Mean(const std::vector<Eigen::Vector3d>& points) {
 using Unit = RelativePoseErrorOptions::Unit;
 
 constexpr double kDegreesPerRadian = 57.295779513082320877;
-constexpr double kSecondsTolerance = 0.1;  // of delta
+constexpr double kSecondsTolerance = 0.1;  // relative to delta
 
-// The position of the pose whose stamp is nearest to stamp_s.
 std::size_t FindNearest(const std::vector<MatchedPose>& poses, double stamp_s) {
   const auto after =
       std::lower_bound(poses.begin(), poses.end(), stamp_s,
@@ -38,7 +38,7 @@ std::size_t FindNearest(const std::vector<MatchedPose>& poses, double stamp_s) {
   return (take_before ? before : after) - poses.begin();
 }
 
-// The partner of pose i, if it has one.
+// Index of the pose at distance delta from pose i; std::nullopt if there is none.
 std::optional<std::size_t> FindPartner(const std::vector<MatchedPose>& poses, std::size_t i,
                                        const RelativePoseErrorOptions& options) {
   if (options.delta_unit == Unit::kFrames) {
@@ -66,9 +66,9 @@ Rigid3d RelativeError(const MatchedPose& i, const MatchedPose& j) {
 
 }  // namespace
 
-// With centred points, R maximises tr(R^T C), C = sum target_i source_i^T = U D V^T, D >= 0 in
-// descending order. The maximum over rotations is R = U S V^T, S = diag(1, 1, det U det V). It is
-// attained by one R only if d_2 + s_3 d_3 > 0: otherwise turning the last two axes costs nothing.
+// For centred points, R maximises tr(R^T C), where C = sum target_i source_i^T = U D V^T and D >= 0
+// is in descending order. The maximum over rotations is R = U S V^T with S = diag(1, 1, det U det
+// V). R is unique only if d_2 + s_3 d_3 > 0. Otherwise a rotation of the last two axes has no cost.
 Alignment AlignPoints(const std::vector<Eigen::Vector3d>& source,
                       const std::vector<Eigen::Vector3d>& target) {
   CHECK_EQ(source.size(), target.size());
@@ -81,7 +81,7 @@ Alignment AlignPoints(const std::vector<Eigen::Vector3d>& source,
   }
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance,
                                               Eigen::ComputeFullU | Eigen::ComputeFullV);
-  CHECK_EQ(svd.info(), Eigen::Success) << "a point is not finite";
+  CHECK_EQ(svd.info(), Eigen::Success) << "the SVD failed: a point is not finite";
   const Eigen::Matrix3d &u = svd.matrixU(), &v = svd.matrixV();
   const Eigen::Vector3d& d = svd.singularValues();
   const Eigen::Vector3d s(1, 1, u.determinant() * v.determinant() < 0 ? -1 : 1);

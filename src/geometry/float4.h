@@ -8,8 +8,8 @@
 
 namespace surfit {
 
-// Four numbers to compute with at once: vector types of GCC and Clang, on any processor.
-// Comparisons are -1 or 0 in each lane; `mask ? a : b` takes each lane from a or b.
+// Vectors of four numbers: extensions of GCC and Clang for all processors. A comparison gives -1
+// (true) or 0 per lane. `mask ? a : b` selects lanes from a or b.
 using Float4 = float __attribute__((vector_size(16)));
 using Int4 = std::int32_t __attribute__((vector_size(16)));
 
@@ -24,7 +24,7 @@ inline void Store4(Float4 values, float* to) { std::memcpy(to, &values, sizeof(v
 
 inline Float4 Max(Float4 a, Float4 b) { return a < b ? b : a; }
 
-// Bit k of the result is set where lane k of the mask is.
+// Bit k is set if lane k of the mask is set.
 inline unsigned Bits(Int4 mask) {
 #ifdef __SSE2__
   return static_cast<unsigned>(_mm_movemask_ps(reinterpret_cast<__m128>(mask)));

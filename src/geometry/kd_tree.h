@@ -7,17 +7,17 @@
 
 namespace surfit {
 
-// A balanced KD-tree (Friedman, Bentley and Finkel 1977) over points in single precision. A node
-// holds the tight boxes of eight children, three binary splits in one; they and the points are
+// Balanced k-d tree (Friedman, Bentley and Finkel 1977) over points in single precision. A node
+// stores the tight boxes of eight children, which is three binary splits. Boxes and points are
 // tested four at a time.
 //
-// What is found is exact in the arithmetic of SquaredDistance() and so does not depend on where a
-// search starts: the distance to a box is computed by the same operations, which round
-// monotonically, and never exceeds that to a point in it.
+// Results are exact in the arithmetic of SquaredDistance() and do not depend on hints. The distance
+// to a box uses the same operations, which round monotonically, so it never exceeds the distance to
+// a point in the box.
 //
-// The tree keeps a copy of the points in an order of its own, in which points that follow each
-// other lie near each other, and names them by their rank in it. Queries that come in the order of
-// another tree find memory in the cache. They are safe from many threads.
+// The tree stores a copy of the points, sorted so that neighbours in memory are close in space. The
+// rank of a point is its position in this order. Queries in the order of another tree use the cache
+// well. Queries are thread-safe.
 class KdTree {
  public:
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
@@ -28,36 +28,38 @@ class KdTree {
     float squared_distance = kAnyDistance;
   };
 
-  // Takes finite points, fewer than 2^31. Built by all threads, and the same at any number of them.
+  // Requires fewer than 2^31 finite points. Built in parallel, with the same result for any number
+  // of threads.
   explicit KdTree(const std::vector<Eigen::Vector3f>& points);
 
   std::size_t size() const { return order_.size(); }
-  // Where the point of each rank stood in what the tree was made from.
+  // Input index of each rank.
   const std::vector<std::uint32_t>& order() const { return order_; }
   Eigen::Vector3f Point(std::uint32_t rank) const { return {x_[rank], y_[rank], z_[rank]}; }
 
-  // dx^2 + dy^2 + dz^2 from left to right, each operation rounded to single precision.
+  // dx^2 + dy^2 + dz^2, summed from left to right, with single-precision rounding of each
+  // operation.
   float SquaredDistance(const Eigen::Vector3f& query, std::uint32_t rank) const {
     const float dx = query.x() - x_[rank], dy = query.y() - y_[rank], dz = query.z() - z_[rank];
     return dx * dx + dy * dy + dz * dz;
   }
 
-  // The nearest point at most that far; of equally near ones the first in order(). The nearer the
-  // point of rank `hint`, the less there is to search.
+  // Nearest point within the maximum distance; rank kNone: none. Ties are resolved by input order.
+  // `hint`: rank of a point that is probably near, which shortens the search.
   Neighbor Nearest(const Eigen::Vector3f& query, float max_squared_distance = kAnyDistance,
                    std::uint32_t hint = kNone) const;
 
-  // Replaces `ranks` by those of all points at most that far, in ascending order.
+  // Replaces `ranks` by the ranks of all points within the maximum distance, in ascending order.
   void FindWithin(const Eigen::Vector3f& query, float max_squared_distance,
                   std::vector<std::uint32_t>* ranks) const;
 
  private:
-  static constexpr int kWidth = 4;     // tested at once
-  static constexpr int kChildren = 8;  // of a node
+  static constexpr int kWidth = 4;     // lanes
+  static constexpr int kChildren = 8;  // per node
 
   struct Box;
-  // The sides of the children's boxes by axis; NaN, which is within no distance, where the root has
-  // fewer children.
+  // Bounds of the boxes of the children by axis. The bounds of missing children of the root are
+  // NaN, which is within no distance.
   struct Node {
     Node();
     float low[3][kChildren], high[3][kChildren];
@@ -72,10 +74,11 @@ class KdTree {
     return static_cast<std::uint32_t>(leaf * order_.size() >> depth_);
   }
 
-  int depth_ = 0;                          // binary splits above each of the 2^depth leaves
-  std::vector<std::uint32_t> order_;       // by rank
-  std::vector<float> x_, y_, z_;           // by rank; padded by a few lanes of NaN
-  std::vector<std::vector<Node>> levels_;  // the root's first; child c of node i is 8 i + c below
+  int depth_ = 0;                     // number of binary splits; the tree has 2^depth leaves
+  std::vector<std::uint32_t> order_;  // by rank
+  std::vector<float> x_, y_, z_;      // by rank; padded with kWidth NaN
+  // Root first. Child c of node i is node 8 i + c of the next level.
+  std::vector<std::vector<Node>> levels_;
 };
 
 }  // namespace surfit

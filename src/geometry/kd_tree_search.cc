@@ -4,7 +4,6 @@
 
 namespace surfit {
 
-// A query on its way through the tree: what both kinds of search share.
 class KdTree::Search {
  protected:
   Search(const KdTree& tree, const Eigen::Vector3f& query)
@@ -12,7 +11,8 @@ class KdTree::Search {
 
   bool IsLeaf(std::size_t level) const { return level == tree_.levels_.size(); }
 
-  // The squared distances to a node's children; a bit is set for each that is at most `bound`.
+  // Squared distances to the children of a node. Bit c of the result is set if child c is within
+  // `bound`.
   unsigned ChildrenWithin(std::size_t level, std::uint32_t index, float bound,
                           float* distances) const {
     const Node& node = tree_.levels_[level][index];
@@ -27,7 +27,8 @@ class KdTree::Search {
     return bits;
   }
 
-  // The same for the points from `rank` on.
+  // Squared distances to the four points that start at `rank`. Bit k is set if point k is within
+  // `bound`.
   unsigned PointsWithin(std::uint32_t rank, float bound, float* distances) const {
     const Float4 distance = Square(x_ - Load4(&tree_.x_[rank])) +
                             Square(y_ - Load4(&tree_.y_[rank])) +
@@ -40,7 +41,7 @@ class KdTree::Search {
 
  private:
   static Float4 Square(Float4 a) { return a * a; }
-  // How far a coordinate lies outside of the intervals; NaN for intervals of NaN.
+  // Distance of a coordinate to the intervals; 0 inside, NaN for intervals of NaN.
   static Float4 Outside(const float* low, const float* high, Float4 coordinate) {
     return Max(Max(Load4(low) - coordinate, coordinate - Load4(high)), Float4{});
   }
@@ -59,7 +60,7 @@ class KdTree::NearestSearch : private Search {
   }
 
  private:
-  // Near children first, so that the others need no visit.
+  // Visits the nearest children first, so that the remaining ones can be skipped.
   void Visit(std::size_t level, std::uint32_t index) {
     if (IsLeaf(level)) return VisitLeaf(index);
     alignas(16) float distances[kChildren];
@@ -76,7 +77,7 @@ class KdTree::NearestSearch : private Search {
     }
   }
 
-  // Lanes past the leaf's end hold points of the next one, which may be considered as well.
+  // Lanes after the end of the leaf contain points of the next leaf. They are valid candidates.
   void VisitLeaf(std::uint32_t leaf) {
     alignas(16) float distances[kWidth];
     const std::uint32_t end = tree_.LeafBegin(std::uint64_t{leaf} + 1);

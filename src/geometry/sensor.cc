@@ -12,26 +12,30 @@ void DepthNoise::Visit(OptionVisitor& v) {
   v.Add(inverse_depth_sigma, SharedOption("inverse_depth_sigma"));
 }
 
-// Filters and depth edges are measured in sigmas: none is too few.
+// Filters and depth edges use thresholds in sigmas, so sigma must not be 0.
 void DepthNoise::Validate(const std::string& what) const {
   ThrowIf(!(inverse_depth_sigma > 0 && inverse_depth_sigma < 1), what, ": inverse_depth_sigma is ",
           inverse_depth_sigma, ", must be positive and below 1 (1/m)");
 }
 
 void CalibrationPrior::Visit(OptionVisitor& v) {
-  v.Add(focal_share, "focal_share", "standard deviation of the given fx and fy, as a share of them",
+  v.Add(focal_share, "focal_share", "standard deviation of fx and fy, relative to the input value",
         ZeroIs("unknown"));
-  v.Add(aspect_share, "aspect_share", "and of the given fx / fy", ZeroIs("unknown"));
-  v.Add(center_px, "center_px", "and of the given cx and cy", ZeroIs("unknown"), InUnit("px"));
-  v.Add(inverse_depth_sigma, "inverse_depth_sigma", "and of the given correction of inverse depth",
-        ZeroIs("unknown"), InUnit("1/m"));
-  v.Add(latency_s, "latency_s", "and of the given latency of depth", ZeroIs("unknown"));
-  v.Add(color_latency_s, "color_latency_s", "and of the given latency of colour beyond depth's",
+  v.Add(aspect_share, "aspect_share", "standard deviation of fx / fy, relative to the input value",
         ZeroIs("unknown"));
-  v.Add(readout_s, "readout_s", "and of the given readout of a rolling shutter", ZeroIs("unknown"));
+  v.Add(center_px, "center_px", "standard deviation of cx and cy", ZeroIs("unknown"), InUnit("px"));
+  v.Add(inverse_depth_sigma, "inverse_depth_sigma",
+        "standard deviation of the correction of inverse depth", ZeroIs("unknown"), InUnit("1/m"));
+  v.Add(latency_s, "latency_s", "standard deviation of the latency of depth, s", ZeroIs("unknown"));
+  v.Add(color_latency_s, "color_latency_s",
+        "standard deviation of the additional latency of colour, s", ZeroIs("unknown"));
+  v.Add(readout_s, "readout_s", "standard deviation of the readout time of a rolling shutter, s",
+        ZeroIs("unknown"));
   v.Add(color_translation_m, "color_translation_m",
-        "and of where the colour camera is beside the depth camera", ZeroIs("unknown"));
-  v.Add(color_rotation_rad, "color_rotation_rad", "and of how it is turned against it",
+        "standard deviation of the translation between colour and depth camera, m",
+        ZeroIs("unknown"));
+  v.Add(color_rotation_rad, "color_rotation_rad",
+        "standard deviation of the rotation between colour and depth camera, rad",
         ZeroIs("unknown"));
 }
 

@@ -1,4 +1,3 @@
-// The options of this module.
 #include "surfit/core/options.h"
 
 #include <cmath>
@@ -10,50 +9,56 @@ namespace surfit {
 
 void FusionOptions::Visit(OptionVisitor& v) {
   v.Group("map");
-  v.Add(weighting, "weighting", "weight of a point in the map; confidence is less off the centre",
+  v.Add(weighting, "weighting", "weight of a point; confidence: lower far from the image centre",
         OneOf({"confidence", "uniform"}), AsFlag());
   v.Add(merge_distance_m, "merge_distance_m",
-        "points merge with surfels at most this far along the normal", Positive(), AsFlag());
+        "maximum distance along the normal between a surfel and a point that merge", Positive(),
+        AsFlag());
   v.Add(merge_angle_rad, "merge_angle_rad",
-        "points merge with surfels whose normal differs by at most this", Positive(),
+        "maximum angle between the normals of a surfel and a point that merge", Positive(),
         Below(M_PI / 2), AsFlag());
   v.Add(max_spacing_m, "max_spacing_m",
-        "points merge with surfels at most this far across the surface", Positive(), AsFlag());
+        "maximum distance across the surface between a surfel and a point that merge", Positive(),
+        AsFlag());
   v.Add(duplicate_share, "duplicate_share",
-        "of two surfels closer than this share of their radii, and of max_spacing_m, the less "
-        "confident one is removed",
+        "maximum distance of duplicate surfels, relative to their radii and to max_spacing_m; the "
+        "less confident duplicate is removed",
         ZeroIs("none"), AsFlag());
   v.Add(max_slant_scale, "max_slant_scale",
-        "the radius grows by this factor at most on slanted surfaces", AtLeast(1));
+        "maximum growth factor of the radius on slanted surfaces", AtLeast(1));
   v.Add(max_radius_ratio, "max_radius_ratio",
-        "points that are coarser by this factor do not move a surfel", Positive());
-  v.Add(lasting_confidence, "lasting_confidence",
-        "surfels of less confidence are removed when dormant", AtLeast(0), AsFlag());
-  v.Add(max_dormant_frames, "max_dormant_frames",
-        "surfels not seen in more fused frames are dormant for lasting_confidence", AtLeast(0),
-        AsFlag());
-  v.Add(max_confidence, "max_confidence", "confidence is limited so that the map can still change",
+        "points whose radius is larger than a surfel's by this factor do not change its shape",
         Positive());
+  v.Add(lasting_confidence, "lasting_confidence",
+        "surfels with less confidence are removed after max_dormant_frames without observation",
+        AtLeast(0), AsFlag());
+  v.Add(max_dormant_frames, "max_dormant_frames",
+        "number of fused frames without observation after which surfels below lasting_confidence "
+        "are removed",
+        AtLeast(0), AsFlag());
+  v.Add(max_confidence, "max_confidence",
+        "upper limit of the confidence, so that the map can still change", Positive());
   v.Add(active_frames, "active_frames",
-        "surfels not seen in this many fused frames are neither tracked against nor fused with; "
-        "with loop_closure what loops need",
+        "number of fused frames after which an unobserved surfel is neither tracked nor fused; "
+        "loop_closure replaces 0 by its own default",
         ZeroIs("no limit"), AsFlag());
-  v.Add(max_map_points, "max_map_points", "surfels in the map at most; those refused are counted",
+  v.Add(max_map_points, "max_map_points",
+        "maximum number of surfels in the map; further surfels are dropped and counted",
         ZeroIs("no limit"), AsFlag());
   v.Add(free_space_margin_m, "free_space_margin_m",
-        "surfels are removed where depth is measured farther behind them, plus 4 sigma", Positive(),
+        "surfels this far in front of the measured depth, plus 4 sigma, are removed", Positive(),
         AsFlag());
 }
 
 void RenderOptions::Visit(OptionVisitor& v) {
   v.Add(stable_confidence, "stable_confidence",
-        "surfels of less confidence are drawn only where no others are", AtLeast(0));
-  v.Add(radius_share, "radius_share", "a disc covers pixels within this share of its radius",
+        "surfels with less confidence are drawn only at pixels without other surfels", AtLeast(0));
+  v.Add(radius_share, "radius_share", "radius of drawn discs, relative to the radius of the surfel",
         Positive());
-  v.Add(max_half_window_px, "max_half_window_px", "half the window of pixels that a disc may cover",
+  v.Add(max_half_window_px, "max_half_window_px", "maximum half width of a drawn disc",
         Between(0, 64));
   v.Add(surface_thickness_m, "surface_thickness_m",
-        "discs this far behind the first one, plus 4 sigma, are the same surface", AtLeast(0));
+        "maximum depth difference of discs that are blended, plus 4 sigma", AtLeast(0));
 }
 
 }  // namespace surfit

@@ -10,42 +10,47 @@
 
 namespace surfit {
 
-// The steps of MeshSurfels(), in their order.
+// Steps of MeshSurfels(), in order of execution.
 
-// Finds the standard deviations of surfels along their normals, which are known but for a common
-// factor: by how far the surfels around each are off a plane, the median of which is the factor.
-// Where they are farther off than it says they count as noisier.
+// Scales the sigmas of surfels, which are known up to a common factor. The factor is the median
+// ratio of the RMS distance of neighbours from a fitted plane to sigma. Surfels with a larger
+// distance get a larger sigma, up to four times the scaled one.
 void FindSigmas(std::vector<MeshSurfel>* surfels);
 
-// Moves surfels along their normals into planes fitted to those around them that face the same way
-// and lie within their noise, weighted by 1 / sigma^2, and gives them the planes' normals. Each
-// looks so far around that, by sigma and spacing, its normal comes out to normal_noise_rad.
-// `done` is called from any thread with the share of the surfels that a part of them is.
+// Moves surfels along their normals into local planes, and replaces their normals. Planes are
+// fitted to neighbours with similar normals and heights within the noise, weighted by 1 / sigma^2.
+// The radius of the neighbourhood follows from sigma and spacing, so that the normals have the
+// standard deviation normal_noise_rad. `done` is called from several threads with the ratio of
+// surfels in a finished part.
 void SmoothSurfels(double normal_noise_rad, const std::function<void(double)>& done,
                    std::vector<MeshSurfel>* surfels);
 
-// The surface where the field is zero, by dual marching cubes (Nielson 2004): a vertex for each
-// patch of the surface in a cell, moved onto the zero of the field, with normal and colour of the
-// surfels around it, and two triangles around each edge of the grid that the surface cuts. Only
-// where the surfels' normals say, as the field does, which side was seen, and where a surfel
-// reaches. `done` is called from any thread with a share of the work.
+// Zero level set of the field by dual marching cubes (Nielson 2004). Each surface patch in a cell
+// becomes a vertex, which is moved onto the zero of the field. Its normal and colour come from
+// nearby surfels. Each grid edge that the surface cuts becomes two triangles.
+//
+// A vertex needs a surfel within its reach, and normals that agree with the sign of the field.
+// `done` is called from several threads with the ratio of finished work.
 TriangleMesh ExtractSurface(const DistanceField& field, const SurfelCubes& surfels,
                             const std::function<void(double)>& done);
 
-// Leaves out what hangs together by shared vertices and whose bounding box has a shorter diagonal
-// than that. Counts in the summary what goes, and the pieces that stay.
+// Removes connected pieces whose bounding box has a diagonal below min_piece_m. Counts removed
+// triangles and pieces in the summary.
 void DropSmallPieces(double min_piece_m, MeshSummary* summary, TriangleMesh* mesh);
 
-// Leaves at most so many triangles, by collapsing edges where the surface changes least (Garland
-// and Heckbert 1997), which keeps borders and pieces. Returns by how much it has changed, metres.
+// Reduces the mesh to max_triangles by edge collapses with the least change (Garland and Heckbert
+// 1997), which keep borders and pieces. If this is not sufficient, clusters of vertices are merged.
+// Returns the geometric error, m.
 double Decimate(std::size_t max_triangles, TriangleMesh* mesh);
 
-// Makes every edge one of two triangles that go along it in opposite directions. Triangles at edges
-// that more than two have, or two in the same direction, are left out; vertices where several parts
-// of the surface touch become several; and each hole is filled: from its rim inwards by rings of
-// half as many vertices each, which are new, and in the end by a triangle or a fan. A sheet has one
-// hole, its outline, and so gets a back. The new vertices have normals and colours if the others
-// do.
+// Makes the mesh watertight:
+// 1. Removes triangles at edges with more than two triangles, or with two triangles of the same
+//   direction.
+// 2. Duplicates vertices where several parts of the surface touch.
+// 3. Fills each hole from its rim inwards by rings with half the number of vertices, and by a final
+//   triangle or fan.
+// The outline of an open sheet is a hole, so a sheet gets a back side. New vertices get normals and
+// colours if the mesh has them.
 void CloseHoles(MeshSummary* summary, TriangleMesh* mesh);
 
 }  // namespace surfit

@@ -1,4 +1,3 @@
-// The options of this module.
 #include "surfit/core/options.h"
 
 #include <cmath>
@@ -10,39 +9,44 @@ namespace surfit {
 
 void MeshOptions::Visit(OptionVisitor& v) {
   v.Group("mesh");
-  v.Add(cell_m, "cell_m", "size of the cells that the surface is found in: about a triangle's side",
+  v.Add(cell_m, "cell_m", "cell size of surface extraction, about the side of a triangle",
         Positive(), AsFlag(), Everyday());
-  v.Add(max_triangles, "max_triangles", "triangles at most: flat parts get larger ones",
-        ZeroIs("no limit"), AsFlag(), Everyday());
+  v.Add(max_triangles, "max_triangles",
+        "maximum number of triangles; flat regions get larger triangles", ZeroIs("no limit"),
+        AsFlag(), Everyday());
   v.Add(watertight, "watertight",
-        "fill all holes, with triangles that are made up; a sheet gets a back", AsFlag(),
+        "fill all holes with artificial triangles; open sheets get a back side", AsFlag(),
         Everyday());
-  v.Add(min_piece_m, "min_piece_m", "loose pieces that are smaller across are left out",
-        ZeroIs("none"), AsFlag(), Everyday());
+  v.Add(min_piece_m, "min_piece_m",
+        "minimum diameter of disconnected pieces; smaller pieces are removed", ZeroIs("keep all"),
+        AsFlag(), Everyday());
   v.Add(normal_noise_rad, "normal_noise_rad",
-        "surfels are smoothed until noise tilts their normals by about this", ZeroIs("as they are"),
+        "smooth surfels until the noise of their normals is about this", ZeroIs("no smoothing"),
         Below(M_PI / 2), AsFlag());
-  v.Add(support_radii, "support_radii",
-        "the surface goes on beside surfels by so many of their radii; maps without radii are "
-        "trimmed by distance alone",
-        Positive(), AsFlag());
+  v.Add(
+      support_radii, "support_radii",
+      "maximum extent of the surface beside surfels, in surfel radii; for maps without radii only "
+      "trim_distance_m applies",
+      Positive(), AsFlag());
   v.Add(trim_distance_m, "trim_distance_m",
-        "nothing farther than this from all points of the map is kept", Positive(), AsFlag());
+        "maximum distance between the surface and the points of the map", Positive(), AsFlag());
 }
 
 void TextureOptions::Visit(OptionVisitor& v) {
   v.Group("texture");
   v.Add(max_texture_px, "max_texture_px",
-        "sides of the picture at most; phones take 4096, and some viewers no more than 8192",
-        ZeroIs("none: colours of vertices"), Between(0, 16384), AsFlag(), Everyday());
+        "maximum side of the texture image; phones support 4096, some viewers at most 8192",
+        ZeroIs("vertex colours, no texture"), Between(0, 16384), AsFlag(), Everyday());
   v.Add(max_texture_frames, "max_texture_frames",
-        "frames that are looked at: of equal parts of the run the ones that moved least",
+        "maximum number of texture frames: the slowest frame in each of this many parts of the run",
         ZeroIs("all"), AsFlag());
   v.Add(least_sharpness, "least_sharpness",
-        "of the frame that a triangle has, as a share of that of its sharpest", Share(), AsFlag());
-  v.Add(seam_cost, "seam_cost",
-        "share of its sharpness that a triangle gives up to have a neighbour's frame", AtLeast(0),
+        "minimum sharpness of the frame of a triangle, relative to its sharpest frame", Share(),
         AsFlag());
+  v.Add(
+      seam_cost, "seam_cost",
+      "relative loss of sharpness that is accepted for using the frame of a neighbouring triangle",
+      AtLeast(0), AsFlag());
 }
 
 }  // namespace surfit

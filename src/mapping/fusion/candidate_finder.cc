@@ -5,13 +5,12 @@
 
 namespace surfit {
 
-// A block's surfels and the pixels they project to, with what was measured there.
 struct CandidateFinder::BlockPixels {
   BlockCentres centre;
   BlockNormals normal;
   alignas(32) PerSurfel<std::int32_t> pixel;
   alignas(32) PerSurfel<float> free_depth_m;
-  alignas(32) PerSurfel<float> x, y, z, nx, ny, nz, radius_m;  // the point's
+  alignas(32) PerSurfel<float> x, y, z, nx, ny, nz, radius_m;  // of the point
   alignas(32) PerSurfel<float> distance2;
 };
 
@@ -19,7 +18,7 @@ namespace {
 
 using BlockPixels = CandidateFinder::BlockPixels;
 
-// Returns a mask of the surfels that are in the image; only these have a pixel.
+// Computes the pixels of the surfels. Returns the mask of the surfels inside the image.
 std::uint64_t FindPixels(const SurfelBlock& block, const PosedCamera& camera, BlockPixels* found) {
   FindCentres(block, camera, &found->centre);
   const BlockCentres& c = found->centre;
@@ -52,7 +51,7 @@ void Gather(std::uint64_t mask, const std::vector<MeasuredPoint>& points,
   });
 }
 
-// Returns a mask of the surfels that are seen through.
+// Returns the mask of the surfels in observed free space.
 std::uint64_t FindSeenThrough(BlockPixels* p) {
   PerSurfel<std::uint8_t> through;
   for (int k = 0; k < SurfelBlock::kCapacity; ++k) {
@@ -61,7 +60,7 @@ std::uint64_t FindSeenThrough(BlockPixels* p) {
   return MaskOf(through);
 }
 
-// Returns a mask of the surfels that belong to the points of their pixels.
+// Returns the mask of the surfels that pass the merge gate with the point of their pixel.
 template <typename Instructions>
 std::uint64_t FindSame(const MergeGate& gate, BlockPixels* p) {
   using Numbers = Lanes<float, Instructions>;
@@ -80,7 +79,8 @@ std::uint64_t FindSame(const MergeGate& gate, BlockPixels* p) {
 
 }  // namespace
 
-// Asks for what was measured at the pixels of a block. Some time must pass until it is looked at.
+// Prefetches the measurements of the pixels of a block. Returns the mask of active surfels inside
+// the image.
 std::uint64_t CandidateFinder::Project(const SurfelBlock& block, BlockPixels* p) const {
   const std::uint64_t inside =
       WithInstructions([&](auto) { return FindPixels(block, camera_, p); }) &
@@ -111,7 +111,7 @@ void CandidateFinder::Judge(std::uint64_t inside, std::int32_t first_id, SurfelB
 
 void CandidateFinder::Find(const std::vector<std::int32_t>& blocks, SurfelMap* map,
                            std::vector<Candidate>* candidates) const {
-  BlockPixels two[2] = {};  // all is computed, also of surfels without a pixel
+  BlockPixels two[2] = {};  // initialised, because lanes without a pixel are computed, too
   std::uint64_t inside[2];
   const std::size_t count = blocks.size();
   for (std::size_t i = 0; i <= count; ++i) {

@@ -9,11 +9,11 @@
 namespace surfit {
 namespace {
 
-constexpr float kHiddenBehind = 1.05f;  // as a share of the depth of what is before it
+constexpr float kHiddenBehind = 1.05f;  // maximum depth relative to the depth of an occluder
 
 enum class Missing { kIsPassedOver, kHides };
 
-// What a picture tells of where points are hidden.
+// Occlusion test against a depth image.
 class Hiding {
  public:
   Hiding(const DepthPicture& picture, Missing missing)
@@ -42,7 +42,7 @@ class Hiding {
   }
 
  private:
-  // 0 where nothing is shown.
+  // Smallest depth of the 3 x 3 neighbourhood; 0: no depth.
   static float NearestAround(const Image<float>& depth, int u, int v, Missing missing) {
     if (missing == Missing::kHides && !(depth(u, v) > 0)) return 0;
     float nearest = 0;
@@ -71,7 +71,7 @@ void ColorAverage::Add(const FrameColors& colors, const PosedCamera& camera,
     for (const std::int32_t b : map_.cell(cells[i]).blocks) {
       const SurfelBlock& block = map_.block(b);
       ColorBatch seen;
-      int places[SurfelBlock::kCapacity];  // of those that are seen
+      int places[SurfelBlock::kCapacity];  // of the visible surfels
       for (int k = 0; k < block.count; ++k) {
         const Eigen::Vector3f in_world = block.Position(k);
         const Eigen::Vector3f point = camera.rotation * in_world + camera.translation;

@@ -9,28 +9,29 @@
 
 namespace surfit {
 
-// Depth that a camera sees, metres; 0 where there is none.
+// A depth image (m, 0: no depth) and its camera.
 struct DepthPicture {
   const Image<float>& depth_m;
   const PosedCamera& camera;
 };
 
-// New colours of a map whose surfels stay where they are: the average of what frames show of each,
-// by the weights of FrameColors.
+// New colours of a map with constant geometry: averages over frames with the weights of
+// FrameColors.
 class ColorAverage {
  public:
-  // The map is not to change but by WriteTo().
+  // Keeps a reference. The map may only be changed by WriteTo().
   explicit ColorAverage(const SurfelMap& map);
 
-  // A frame's colours as the camera took them at a pose, and what tells what is hidden then, both
-  // about as fine: a picture of the map, and the frame's own depth. Hidden is what lies more than
-  // 5 % behind something that one of them shows within a pixel of it: beside the rim of a thing its
-  // colours reach over what is behind. So is what is seen where no depth was measured: the
-  // map does not know of black and shiny things that return none.
+  // Adds the colours of a frame. `drawn` is the rendered depth of the map, and `measured` is the
+  // depth of the frame. Their resolutions should be similar.
+  //
+  // A surfel is occluded if it is more than 5 % behind the smallest depth within one pixel, in
+  // either image. The margin of one pixel excludes mixed colours at the rims of objects. Surfels
+  // without measured depth are occluded, too: the map lacks black and shiny objects.
   void Add(const FrameColors& colors, const PosedCamera& camera, const DepthPicture& drawn,
            const DepthPicture& measured);
 
-  // Surfels that no frame has shown keep their colours.
+  // Surfels without observations keep their colours.
   void WriteTo(SurfelMap* map) const;
 
  private:

@@ -21,10 +21,10 @@
 namespace surfit {
 namespace {
 
-// So much before its turn a candidate and what it needs is asked for, to be in the cache by then.
+// Prefetch distance in candidates.
 constexpr int kCandidatesAhead = 16;
 
-// Drops the last of the new surfels that a full map has no place for; returns how many.
+// Drops new surfels that exceed the size limit of the map. Returns the number of dropped surfels.
 int DropBeyond(int max_map_points, std::size_t map_points, std::vector<Surfel>* added) {
   if (max_map_points == 0) return 0;
   const auto most = static_cast<std::size_t>(max_map_points);
@@ -37,10 +37,9 @@ int DropBeyond(int max_map_points, std::size_t map_points, std::vector<Surfel>* 
 
 }  // namespace
 
-// The last frames that were fused, by their index.
 class FrameWindow {
  public:
-  // So many before the newest one.
+  // Window of the newest frame and `frames` frames before it.
   explicit FrameWindow(int frames) : most_(static_cast<std::size_t>(frames) + 1) {}
 
   void Push(int index) {
@@ -48,7 +47,7 @@ class FrameWindow {
     if (indices_.size() > most_) indices_.pop_front();
   }
 
-  // What was last seen before this frame is outside; nothing is while there were fewer frames.
+  // Index of the first frame in the window. The minimum of int if there were fewer frames.
   int Begin() const {
     return indices_.size() == most_ ? indices_.front() : std::numeric_limits<int>::min();
   }
@@ -58,7 +57,7 @@ class FrameWindow {
   std::deque<int> indices_;
 };
 
-// The fusion of one frame; owns the buffers that are kept between frames.
+// State of the fusion of one frame. Keeps its buffers between frames.
 struct Fusion::Workspace {
   explicit Workspace(const FusionOptions& fusion_options)
       : options(fusion_options),
@@ -84,14 +83,14 @@ struct Fusion::Workspace {
   SurfelChoice choice;
   Sightings sightings;
   const RgbdFrame* frame = nullptr;
-  FrameWindow awake;   // surfels last seen before this are dormant
-  FrameWindow active;  // and before this inactive
+  FrameWindow awake;   // surfels last seen before this window can be removed
+  FrameWindow active;  // surfels last seen before this window are not fused
   Image<float> weights;
-  double weights_cx = 0, weights_cy = 0;  // the principal point they belong to
+  double weights_cx = 0, weights_cy = 0;  // principal point of `weights`
   std::vector<MeasuredPoint> points;      // per pixel
   Image<float> free_depth_m;              // per pixel
-  std::vector<std::int32_t> cells;        // of the map: those to look at
-  std::vector<CandidateList> candidates;  // per cell of these
+  std::vector<std::int32_t> cells;        // indices of the map cells to process
+  std::vector<CandidateList> candidates;  // per entry of `cells`
 };
 
 Fusion::Fusion(const FusionOptions& options)
@@ -158,13 +157,13 @@ int Fusion::Workspace::ActiveSince() const {
   return options.active_frames == 0 ? std::numeric_limits<int>::min() : active.Begin();
 }
 
-// Whether there may be dormant surfels to remove.
+// True if the set may contain surfels that MarkDormant() marks.
 bool Fusion::Workspace::MayBeDormant(const SurfelBounds& bounds) const {
   return bounds.least_last_seen < awake.Begin() &&
          bounds.least_confidence < options.lasting_confidence;
 }
 
-// Marks those for removal, and looks again at what bounds the others.
+// Marks surfels with low confidence outside of the window `awake` for removal. Updates the bounds.
 void Fusion::Workspace::MarkDormant(SurfelBlock* block) const {
   constexpr int kCapacity = SurfelBlock::kCapacity;
   const float lasting = options.lasting_confidence;
@@ -185,8 +184,9 @@ void Fusion::Workspace::MarkDormant(SurfelBlock* block) const {
   });
 }
 
-// Filter passes 1 and 2: the surfels that project into the image (pass 1) and belong to the point
-// found there (pass 2). Marks what is to be removed.
+// Filter passes 1 and 2: surfels that project into the image (pass 1) and pass the merge gate with
+// the point of their pixel (pass 2). Marks unobserved surfels and free-space violations for
+// removal.
 void Fusion::Workspace::FindCandidates(const PosedCamera& camera, SurfelMap* map) {
   const CandidateFinder finder(camera, points, free_depth_m, gate, ActiveSince());
   cells.clear();
@@ -221,7 +221,8 @@ void Fusion::Workspace::FindCandidates(const PosedCamera& camera, SurfelMap* map
 std::vector<Surfel> Fusion::Workspace::NewSurfels(const PosedCamera& camera,
                                                   const FrameColors& colors) {
   const std::vector<std::vector<int>>& bands = choice.ChooseNew(points);
-  std::vector<std::size_t> begins = {0};  // of each band's surfels, and the end of all
+  // Index of the first surfel per band. The last entry is the total.
+  std::vector<std::size_t> begins = {0};
   for (const std::vector<int>& of_band : bands) begins.push_back(begins.back() + of_band.size());
   std::vector<Surfel> added(begins.back());
   ParallelFor(0, static_cast<int>(bands.size()), 1, [&](int band, int) {
@@ -247,7 +248,7 @@ Surfel Fusion::Workspace::NewSurfel(const PosedCamera& camera, int pixel) const 
   return surfel;
 }
 
-// Of new surfels at pixels; black where no colour is seen.
+// Colours of new surfels at pixels; black without a colour.
 void Fusion::Workspace::SetColors(const FrameColors& colors, const std::vector<int>& pixels,
                                   Surfel* surfels) const {
   ColorBatch batch;
@@ -265,7 +266,7 @@ void Fusion::Workspace::SetColors(const FrameColors& colors, const std::vector<i
   }
 }
 
-// Merges the candidates with what was seen of them, and marks the superfluous ones for removal.
+// Merges candidates with their observations. Marks superfluous candidates for removal.
 void Fusion::Workspace::MergePoints(SurfelMap* map) const {
   ParallelFor(0, static_cast<int>(candidates.size()), 1, [&](int list, int) {
     MergePoints(candidates[list].candidates, map);

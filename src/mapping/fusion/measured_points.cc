@@ -11,14 +11,13 @@
 namespace surfit {
 namespace {
 
-// The depth in front of which a pixel with this measured depth has seen free space.
+// Depth up to which a pixel with this measured depth has observed free space.
 float FreeDepth(float depth_m, const DepthNoise& noise, const FusionOptions& options) {
   if (!(depth_m > 0)) return 0.f;
   const float sigma = static_cast<float>(noise.inverse_depth_sigma) * depth_m * depth_m;
   return std::max(0.f, depth_m - options.free_space_margin_m - 4.f * sigma);
 }
 
-// The measured depth of a frame as points with normals.
 class Points {
  public:
   Points(const Image<float>& depth_m, const FrameLevel& surface, const FusionOptions& options)
@@ -89,8 +88,8 @@ class Points {
     return {ray_x_[u] * depth, ray_y_[v] * depth, depth};
   }
 
-  // The normal of the neighbour whose plane passes nearest to the point, within half a sigma of its
-  // depth: the one that continues its surface. Zero if there is none.
+  // Normal of the neighbour whose plane is nearest to the point, within half a sigma of the depth.
+  // Zero if there is none.
   Eigen::Vector3f NormalOfNeighbour(int u, int v, const Eigen::Vector3f& point) const {
     Eigen::Vector3f normal = Eigen::Vector3f::Zero();
     float nearest = 0.5f * sigma_ * point.z() * point.z();
@@ -112,7 +111,7 @@ class Points {
   const float pixel_size_;
   const float max_slant_scale_;
   const float sigma_;                 // of inverse depth
-  std::vector<float> ray_x_, ray_y_;  // by column, by row: of the ray with z = 1
+  std::vector<float> ray_x_, ray_y_;  // components of the rays with z = 1, by column and by row
 };
 
 }  // namespace
@@ -129,7 +128,6 @@ void MeasurePoints(const RgbdFrame& frame, const FrameLevel& surface, const Fusi
   });
 }
 
-// The minimum of FreeDepth over the 3 x 3 pixels around each one.
 Image<float> FreeDepths(const Image<float>& depth_m, const DepthNoise& noise,
                         const FusionOptions& options) {
   const int width = depth_m.width(), height = depth_m.height();

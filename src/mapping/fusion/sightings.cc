@@ -9,13 +9,13 @@
 namespace surfit {
 namespace {
 
-// So many pixels ahead a candidate is asked for, to be in the cache by then.
+// Prefetch distance in pixels.
 constexpr int kPixelsSoon = 24;
 
-// Gives observations, in their order, the colours of where their surfels are.
+// Sets the colours of observations, in the order of the calls of Add().
 class ColorsOfSurfels {
  public:
-  // The observations must stay where they are.
+  // The observations must be contiguous and must not move.
   ColorsOfSurfels(const FrameColors& colors, SurfelObservation* first)
       : colors_(colors), next_(first) {}
 
@@ -24,7 +24,7 @@ class ColorsOfSurfels {
     if (batch_.count == ColorBatch::kCapacity) Flush();
   }
 
-  // To be called in the end as well.
+  // Call this after the last Add(), too.
   void Flush() {
     colors_.LookUp(&batch_);
     for (int k = 0; k < batch_.count; ++k, ++next_) {
@@ -49,14 +49,14 @@ Sightings::Counts Sightings::Gather(const RgbdFrame& frame, const FrameColors& c
                                     const SurfelChoice& choice) {
   const int width = camera.width;
   const bool has_color = !frame.color.empty();
-  int beside[9];  // the pixels around one, row by row
+  int beside[9];  // index offsets of the 3 x 3 neighbourhood, row by row
   for (int k = 0; k < 9; ++k) beside[k] = (k / 3 - 1) * width + k % 3 - 1;
   in_band_.resize(BandCount(camera.height));
   return ParallelSum(0, camera.height, kBandRows, Counts(), [&](int begin, int end) {
     Counts counts;
     std::vector<SurfelObservation>& seen = in_band_[begin / kBandRows];
     seen.clear();
-    seen.reserve(static_cast<std::size_t>(kBandRows) * width);  // so that none is moved
+    seen.reserve(static_cast<std::size_t>(kBandRows) * width);  // avoids reallocation
     ColorsOfSurfels surfel_colors(colors, seen.data());
     std::vector<std::uint16_t> choosing(width);
     for (int v = begin; v < end; ++v) {
@@ -64,7 +64,7 @@ Sightings::Counts Sightings::Gather(const RgbdFrame& frame, const FrameColors& c
       for (int u = 0; u < width; ++u) {
         const int soon = std::min(u + kPixelsSoon, width - 1);
         if (choosing[soon] != 0) __builtin_prefetch(choice.OfPixel(v * width + soon));
-        if (choosing[u] == 0) continue;  // its own point is nearer to a neighbour's surfel
+        if (choosing[u] == 0) continue;  // the point of this pixel is assigned elsewhere
         Candidate* const candidate = choice.OfPixel(v * width + u);
         PointAverage sum(max_radius_ratio_ * candidate->radius_m);
         ForEachBit(choosing[u], [&](int k) {

@@ -12,10 +12,10 @@
 
 namespace surfit {
 
-// The average of the points that have chosen a surfel, as one observation of it. Free of branches.
+// Average of the points that are assigned to a surfel, as one observation. Branch-free.
 class PointAverage {
  public:
-  // Points with a larger radius do not tell of the surfel's shape, nor do those at depth edges.
+  // Points with a larger radius and points at depth edges do not affect the shape.
   explicit PointAverage(float max_radius_m)
       : max_radius_m_(max_radius_m), radius_m_(max_radius_m) {}
 
@@ -34,7 +34,7 @@ class PointAverage {
     at_edge_ &= point.at_edge;
   }
 
-  // There must be a point; all of them have colours or none has.
+  // Requires at least one point. Colours are added later.
   SurfelObservation Observation(const PosedCamera& camera) const {
     SurfelObservation seen;
     seen.weight = weight_;
@@ -61,12 +61,11 @@ class PointAverage {
   bool at_edge_ = true;
 };
 
-// What the points of a frame have seen of the surfels they chose.
 class Sightings {
  public:
   struct Counts {
-    int points = 0;   // that have chosen a surfel
-    int surfels = 0;  // that have been chosen
+    int points = 0;   // points assigned to a surfel
+    int surfels = 0;  // surfels with at least one point
     Counts& operator+=(const Counts& other) {
       points += other.points;
       surfels += other.surfels;
@@ -74,12 +73,13 @@ class Sightings {
     }
   };
 
-  // Points with a larger radius than this times a surfel's do not tell of its shape.
+  // Points whose radius is larger than `max_radius_ratio` times the surfel radius do not affect the
+  // shape.
   explicit Sightings(float max_radius_ratio) : max_radius_ratio_(max_radius_ratio) {}
 
-  // Averages the points of each candidate that was chosen, and tells it so: what it is given stays
-  // until the next frame. In the order of the image, as gathering them surfel by surfel would wait
-  // for memory half of the time.
+  // Averages the points of each chosen candidate and sets Candidate::seen, which is valid until the
+  // next call. Works in image order, because gathering by surfel spends half of its time waiting
+  // for memory.
   Counts Gather(const RgbdFrame& frame, const FrameColors& colors,
                 const std::vector<MeasuredPoint>& points, const Image<float>& weights,
                 const PosedCamera& camera, const SurfelChoice& choice);

@@ -9,12 +9,12 @@
 
 namespace surfit {
 
-// Numbers of each surfel of a block. Loops over all of them are free of branches, for the compiler
-// to do several surfels at once; see WithInstructions().
+// One value per surfel of a block. Loops over all of them are branch-free, so that the compiler
+// vectorises them; see WithInstructions().
 template <typename T>
 using PerSurfel = T[SurfelBlock::kCapacity];
 
-// A mask of those for which the flag is 1 and not 0.
+// Mask of the flags that are 1. Flags must be 0 or 1.
 inline std::uint64_t MaskOf(const PerSurfel<std::uint8_t>& flags) {
   std::uint64_t mask = 0;
   for (int byte = 0; byte < 8; ++byte) {
@@ -26,12 +26,12 @@ inline std::uint64_t MaskOf(const PerSurfel<std::uint8_t>& flags) {
   return mask;
 }
 
-// Of those in use.
+// Mask of the surfels in use.
 inline std::uint64_t MaskOfAll(const SurfelBlock& block) {
   return ~std::uint64_t{0} >> (SurfelBlock::kCapacity - block.count);
 }
 
-// Of those that were last seen in this frame or later.
+// Mask of the surfels last seen in `frame` or later.
 inline std::uint64_t MaskOfSeenSince(const SurfelBlock& block, int frame) {
   if (block.bounds.least_last_seen >= frame) return ~std::uint64_t{0};
   PerSurfel<std::uint8_t> seen;
@@ -39,14 +39,14 @@ inline std::uint64_t MaskOfSeenSince(const SurfelBlock& block, int frame) {
   return MaskOf(seen);
 }
 
-// Calls f(k) for the bits that are set, in order.
+// Calls f(k) for all set bits in ascending order.
 template <typename F>
 void ForEachBit(std::uint64_t mask, const F& f) {
   for (; mask != 0; mask &= mask - 1) f(__builtin_ctzll(mask));
 }
 
-// The least of the numbers. In eight parts, as the order of comparisons must not be left to the
-// compiler for it to do several at once.
+// Minimum of the values. Eight partial minima, because the compiler must not reorder floating-point
+// comparisons for vectorisation.
 inline float LeastOf(const PerSurfel<float>& numbers) {
   float least[8];
   for (int j = 0; j < 8; ++j) least[j] = numbers[j];
@@ -57,7 +57,7 @@ inline float LeastOf(const PerSurfel<float>& numbers) {
   return least[0];
 }
 
-// Finds the bounds of the positions once more, after merging.
+// Recomputes the bounds of the positions after merging.
 inline void BoundPositions(SurfelBlock* block) {
   WithInstructions([&](auto) {
     const PerSurfel<float>* const positions[] = {&block->x, &block->y, &block->z};
@@ -74,7 +74,6 @@ inline void BoundPositions(SurfelBlock* block) {
   });
 }
 
-// Asks for the memory [begin, end) that is soon to be looked at.
 inline void Fetch(const void* begin, const void* end) {
   constexpr std::ptrdiff_t kLine = 64;
   for (auto* line = static_cast<const char*>(begin); line < end; line += kLine) {
@@ -82,8 +81,8 @@ inline void Fetch(const void* begin, const void* end) {
   }
 }
 
-// Ask for parts of a block that is soon to be looked at. Blocks are anywhere in memory, and too
-// short for the processor to see what comes next.
+// Prefetch parts of a block. Blocks are scattered in memory and too short for the hardware
+// prefetcher.
 inline void FetchShapes(const SurfelBlock& block) { Fetch(&block, block.first_seen); }
 inline void FetchAll(const SurfelBlock& block) { Fetch(&block, &block + 1); }
 inline void FetchAges(const SurfelBlock& block) {

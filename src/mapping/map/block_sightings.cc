@@ -46,7 +46,7 @@ void BlockSightings::MergeInto(SurfelBlock* block, float max_confidence) const {
   block->at_edge &= ~within_mask_;
 }
 
-// With the confidences as they are before.
+// Uses the confidences before the merge.
 void BlockSightings::MergeShapes(SurfelBlock* block) const {
   for (int k = 0; k < SurfelBlock::kCapacity; ++k) {
     const bool moves = shape_weight_[k] > 0.f;

@@ -4,9 +4,9 @@
 
 namespace surfit {
 
-// Eight records of eight numbers each as eight lanes of each number, and back: columns[i] holds
-// number i of all records. Two halves of records share a vector, so that what is shuffled never
-// crosses the halves.
+// Transposes eight records of eight numbers to eight vectors and back: columns[i] contains number i
+// of all records. Each vector combines halves of two records, so that no shuffle crosses the
+// 128-bit halves.
 template <typename Instructions>
 class EightRecords {
  public:
@@ -36,7 +36,7 @@ class EightRecords {
   }
 
  private:
-  // Of both halves, a matrix of 4 x 4 each.
+  // Transposes the 4 x 4 matrices in both halves of the vectors.
   static void TransposeHalves(const V (&a)[4], V* b) {
     const V low01 = __builtin_shufflevector(a[0].v, a[1].v, 0, 8, 1, 9, 4, 12, 5, 13);
     const V high01 = __builtin_shufflevector(a[0].v, a[1].v, 2, 10, 3, 11, 6, 14, 7, 15);

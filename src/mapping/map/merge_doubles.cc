@@ -15,19 +15,17 @@
 namespace surfit {
 namespace {
 
-// A surfel where others look for it.
 struct GridSurfel {
   Patch patch = {};
   std::int32_t id = 0;
   std::int32_t last_seen = 0;
 };
 
-// Surfels within a box, sorted into cubes of it, for those who look for near ones: several of them
-// at once, over lanes.
+// Surfels within a box, sorted into cubes, for vectorised neighbour searches.
 class SurfelGrid {
  public:
-  // Cubes are as large as that, or larger where there would be too many. Surfels outside of the box
-  // must not be among them.
+  // Cubes have the side `cube_m`, or a larger one to limit their number. All surfels must be inside
+  // the box.
   SurfelGrid(const Eigen::Vector3f& low, const Eigen::Vector3f& high, float cube_m,
              const std::vector<GridSurfel>& surfels)
       : low_(low), ids_(surfels.size()) {
@@ -47,8 +45,8 @@ class SurfelGrid {
     for (std::size_t i = 0; i < surfels.size(); ++i) Set(next[cube_of[i]]++, surfels[i]);
   }
 
-  // Calls f(begin, end) for places in the order that the surfels are sorted in. All that are no
-  // farther from a position than a margin along each axis are at these, and some beyond.
+  // Calls f(begin, end) for ranges of places in sorted order. The ranges contain all surfels within
+  // `margin` of the position along each axis, and some others.
   template <typename F>
   void ForEachRowAround(const Eigen::Vector3f& position, const Eigen::Vector3f& margin,
                         const F& f) const {
@@ -63,13 +61,13 @@ class SurfelGrid {
     }
   }
 
-  // Of as many surfels as there are lanes, from a place on; those beyond the last are nowhere.
+  // Patches of one vector of surfels, starting at `place`. Lanes after the last surfel are NaN.
   template <typename Number>
   PatchOf<Number> Patches(int place) const {
     const auto load = [&](int i) { return Number::Load(&numbers_[i][place]); };
     return {load(0), load(1), load(2), load(3), load(4), load(5)};
   }
-  // The frames in which these were last seen: whole numbers, exact up to 2^24.
+  // Frames in which these surfels were last seen. Integers, exact up to 2^24.
   template <typename Number>
   Number LastSeen(int place) const {
     return Number::Load(&numbers_[6][place]);
@@ -79,8 +77,8 @@ class SurfelGrid {
  private:
   using Cube = Eigen::Vector3i;
   static constexpr int kMostCubes = 64;  // along each axis
-  static constexpr int kPadding = 8;     // lanes that may be read beyond the last surfel
-  static constexpr float kNowhere = std::numeric_limits<float>::quiet_NaN();  // near to nothing
+  static constexpr int kPadding = 8;     // lanes that are read after the last surfel
+  static constexpr float kNowhere = std::numeric_limits<float>::quiet_NaN();  // passes no gate
 
   void Set(int place, const GridSurfel& surfel) {
     const Patch& p = surfel.patch;
@@ -101,11 +99,12 @@ class SurfelGrid {
   Cube size_ = Cube::Ones();
   std::array<std::vector<float>, 7> numbers_;  // x y z nx ny nz, last_seen
   std::vector<std::int32_t> ids_;
-  std::vector<int> begin_;  // of each cube, and the end of the last
+  std::vector<int> begin_;  // first place of each cube; the last entry is the number of surfels
 };
 
 constexpr std::int32_t kNobody = -1;
-constexpr float kSpacingsPerCube = 3;  // of the grid: larger ones hold many surfels, smaller none
+// A trade-off: larger cubes contain many surfels, smaller cubes are empty.
+constexpr float kSpacingsPerCube = 3;
 
 Patch PatchAt(const SurfelBlock& block, int k) {
   const Eigen::Vector3f n = block.Normal(k);
@@ -114,7 +113,6 @@ Patch PatchAt(const SurfelBlock& block, int k) {
 
 Eigen::Vector3f PositionOf(const Patch& patch) { return {patch.x, patch.y, patch.z}; }
 
-// A surfel that may have been mapped before.
 struct NewerSurfel {
   std::int32_t id;
   std::int32_t first_seen;
@@ -122,14 +120,14 @@ struct NewerSurfel {
   float radius_m;
 };
 
-// The newer ones of a cell, and the box that their older ones lie in.
+// Newer surfels of a cell, and the box that contains their older duplicates.
 struct NewerOfCell {
   std::vector<NewerSurfel> surfels;
   Eigen::Vector3f low, high;
   std::int32_t most_first_seen = std::numeric_limits<std::int32_t>::min();
 };
 
-// Finds the older surfels that newer ones belong to.
+// Finds older duplicates of newer surfels.
 class DoubleFinder {
  public:
   DoubleFinder(const FusionOptions& options, const DoublesOptions& doubles, const SurfelMap& map)
@@ -139,7 +137,7 @@ class DoubleFinder {
         doubles_(doubles),
         map_(map) {}
 
-  // By id: the older one of each surfel, or kNobody. Chains of them lead from newer to older ones.
+  // Older duplicate per surfel id, or kNobody. Chains lead from newer to older surfels.
   std::vector<std::int32_t> FindAll() const {
     std::vector<std::int32_t> older(map_.id_end(), kNobody);
     ParallelFor(0, map_.cell_count(), 1, [&](int cell, int) {
@@ -182,7 +180,7 @@ class DoubleFinder {
     return newer;
   }
 
-  // Whether some of a set may be older ones of these.
+  // True if a set of surfels may contain older duplicates.
   bool MayHaveOlder(const SurfelBounds& bounds, const NewerOfCell& newer) const {
     if (newer.most_first_seen - bounds.least_last_seen <= doubles_.frames_apart) return false;
     for (int axis = 0; axis < 3; ++axis) {
@@ -223,13 +221,14 @@ class DoubleFinder {
     });
   }
 
-  // Of two that are equally near, the first in the grid.
+  // Nearest older duplicate. Ties are resolved by grid order.
   template <typename Number>
   std::int32_t NearestTo(const NewerSurfel& newer, const SurfelGrid& grid) const {
     const Patch& p = newer.patch;
     const PatchOf<Number> patch = {p.x, p.y, p.z, p.nx, p.ny, p.nz};
     const Number radius_m = newer.radius_m, seen_before = newer.first_seen - doubles_.frames_apart;
-    Number least = MergeGate::kNever, from = 0.;  // and the place that was read from then
+    // `from` is the first place of the vector that contains the minimum.
+    Number least = MergeGate::kNever, from = 0.;
     const Eigen::Vector3f reach = gate_.Reach({p.nx, p.ny, p.nz});
     grid.ForEachRowAround(PositionOf(p), reach, [&](int begin, int end) {
       for (int i = begin; i < end; i += Number::kCount) {

@@ -9,7 +9,7 @@
 
 namespace surfit {
 
-// Position and normal of a point or surfel, or of several of them (Lanes).
+// Position and normal of a point or surfel, or of several (Lanes).
 template <typename Number>
 struct PatchOf {
   Number x, y, z;
@@ -17,10 +17,11 @@ struct PatchOf {
 };
 using Patch = PatchOf<float>;
 
-// Decides whether a point and a surfel are the same piece of surface; Number is float or Lanes.
+// Decides if a point and a surfel belong to the same piece of surface. Number is float or Lanes.
 //
-// The noise of a depth moves a point p along its ray, and on a slanted surface with normal n and
-// centre s thereby across it as well. What counts is therefore where the ray meets the plane:
+// Depth noise moves a point p along its ray. On a slanted surface with normal n and centre s, this
+// also moves the point across the surface. Therefore the distances use the intersection of the ray
+// with the plane:
 //   h = n . (p - s) along the normal,  a = p - s - h / (n . p) p across the surface.
 class MergeGate {
  public:
@@ -32,8 +33,8 @@ class MergeGate {
         min_cosine_(std::cos(options.merge_angle_rad)),
         duplicate_share_(options.duplicate_share) {}
 
-  // h^2 + a^2 between a measured point and a surfel, both in the camera's frame, if they are the
-  // same; else kNever. A point of radius 0 is none, nor is a surfel without a normal.
+  // h^2 + a^2 between a measured point and a surfel in the camera frame; kNever if they do not
+  // match. Points with radius 0 and surfels without normal never match.
   template <typename Number>
   Number SquaredDistanceOnRay(const PatchOf<Number>& point, const Number& point_radius_m,
                               const PatchOf<Number>& surfel) const {
@@ -45,15 +46,14 @@ class MergeGate {
     return IfSame(reach, along * along, ax * ax + ay * ay + az * az, point, surfel);
   }
 
-  // No farther from a surfel with this normal, along each axis, is any patch that is the same by
+  // Half size per axis of the box around a surfel with this normal that contains all matches of
   // SquaredDistance().
   Eigen::Vector3f Reach(const Eigen::Vector3f& normal) const {
     const Eigen::Array3f across = (1 - normal.array().square()).max(0).sqrt();
     return max_distance_m_ * normal.array().abs() + max_spacing_m_ * across;
   }
 
-  // The squared distance between two patches that nobody looks at, if they are the same; else
-  // kNever.
+  // Squared distance between two patches without a viewing ray; kNever if they do not match.
   template <typename Number>
   Number SquaredDistance(const PatchOf<Number>& point, const Number& point_radius_m,
                          const PatchOf<Number>& surfel) const {
@@ -61,8 +61,8 @@ class MergeGate {
     return SquaredDistanceWithin(reach, point, surfel);
   }
 
-  // Less than kNever if two surfels are so close together across the surface that one of them will
-  // do.
+  // Squared distance of two duplicate surfels; kNever if the surfels are not duplicates. The
+  // distance gate is `duplicate_share` of the smaller radius, or of max_spacing_m if that is less.
   template <typename Number>
   Number SquaredDistanceOfDoubles(const PatchOf<Number>& a, const Number& radius_a_m,
                                   const PatchOf<Number>& b, const Number& radius_b_m) const {

@@ -5,19 +5,19 @@
 
 namespace surfit {
 
-// Moves each surfel along its normal to where those beside it, of the same surface, have it, and
-// takes the mean of their normals: of a surface that several surfels show, each one alone has more
-// noise than all together. A neighbour j, at the distance d_j and with the normal n_j, has surfel i
-// on its own plane, so that i moves by
-//   h_j = n_j . (p_j - p_i) / n_j . n_i      along n_i,
-// on average by the weights
+// Moves each surfel along its normal to the average of its neighbours on the same surface, and
+// averages the normals. This reduces noise on surfaces that are covered by several surfels.
+// Neighbour j has the distance d_j and a plane with normal n_j. The distance between surfel i and
+// this plane along n_i is
+//   h_j = n_j . (p_j - p_i) / n_j . n_i.
+// Surfel i moves by the average of h_j with the weights
 //   c_j exp(-2 d_j^2 / R^2 - h_j^2 / s^2) max(0, 1 - (1 - n_i . n_j) / 0.1),
-//   R = min(3 r_i, 3 cm),   s = 1 mm + sigma_i / sqrt(c_i) + sigma_j / sqrt(c_j),
-// with confidences c, the surfel's radius r and the noise sigma of one measurement by the sensor
-// from where a pixel is as large as the surfel. A confidence below 1 counts as 1 there. So steps
-// and creases that are more than noise stay. Surfels at depth edges, whose normals are not their
-// own, count for nothing. It is done twice. The same map gives the same one bit for bit at any
-// number of threads.
+//   R = min(3 r_i, 3 cm),   s = 1 mm + sigma_i / sqrt(c_i) + sigma_j / sqrt(c_j).
+// c is the confidence (at least 1 in s) and r the radius. sigma is the sensor noise at the distance
+// at which a pixel has the size of the surfel. Steps and creases above the noise remain.
+//
+// Neighbours at depth edges are ignored, because their normals come from other pixels. The
+// algorithm makes two passes. The result is bitwise identical for any number of threads.
 void SmoothMap(const DepthSensor& sensor, SurfelMap* map);
 
 }  // namespace surfit

@@ -9,15 +9,14 @@
 
 namespace surfit {
 
-// A row of patches as structure of arrays, to do several at once. It goes beyond the image on
-// either side, by one patch, and to the right by as many as are done at once. Where there is none
-// its normal and radius are zero, so that no gate lets it pass.
+// A row of patches as structure of arrays. It has one extra patch on the left and one vector of
+// extra patches on the right. Missing patches have zero normal and radius, so they never match.
 class PatchRow {
  public:
   explicit PatchRow(int width) : stride_(width + 9), numbers_(kNumbers * stride_, 0.f) {}
 
-  // Eight records from u on, the first `count` of each one's numbers: of patch, radius and
-  // confidence. Records beyond the row's end must be zero.
+  // Sets eight patches from column u. Each record contains patch, radius and confidence; the first
+  // `count` numbers are used. Records after the end of the row must be zero.
   template <typename Instructions>
   void SetEight(int u, const float* const (&records)[8], int count) {
     Lanes<float, Instructions> columns[kNumbers];
@@ -25,7 +24,7 @@ class PatchRow {
     for (int i = 0; i < count; ++i) columns[i].Store(&numbers_[i * stride_ + u + 1]);
   }
 
-  // Those from u >= -1 on.
+  // Patches from column u >= -1.
   template <typename Numbers>
   PatchOf<Numbers> Patches(int u) const {
     return {Load<Numbers>(0, u), Load<Numbers>(1, u), Load<Numbers>(2, u),
@@ -52,18 +51,17 @@ class PatchRow {
   std::vector<float> numbers_;
 };
 
-// What becomes of the points and surfels of a row's pixels, with room for as many as are done at
-// once beyond its end.
+// Results of the pixels of a row, padded to whole vectors.
 struct RowOutcome {
   explicit RowOutcome(int width) : state(width + 7), superfluous(width + 7) {}
 
   std::vector<std::int32_t> state;        // SurfelChoice::State
-  std::vector<std::int32_t> superfluous;  // 1 where another surfel does as well
+  std::vector<std::int32_t> superfluous;  // 1: duplicate of a better candidate
 };
 
 namespace {
 
-// So many pixels ahead a candidate is asked for, to be in the cache by then.
+// Prefetch distance in pixels.
 constexpr int kPixelsAhead = 16;
 
 constexpr float kNoRecord[8] = {};
@@ -99,8 +97,8 @@ void LoadSurfels(Candidate* const* own, int width, PatchRow* row) {
   });
 }
 
-// Lets points choose among the surfels of three rows, and finds those of the middle row that others
-// make superfluous: of two that are equally good the later one.
+// Assigns the points of a row to the surfels of three rows. Marks surfels of the middle row that
+// are duplicates of better ones. Ties are resolved in favour of the earlier surfel.
 template <typename Instructions>
 void Meet(const MergeGate& gate, const PatchRow& points, const PatchRow* const rows[3], int width,
           RowOutcome* outcome) {
@@ -115,7 +113,7 @@ void Meet(const MergeGate& gate, const PatchRow& points, const PatchRow* const r
     const auto has_point = point_radius > zero;
     Numbers state =
         Select(has_point, Numbers(SurfelChoice::kOpen), Numbers(SurfelChoice::kNoPoint));
-    // Without points there are no surfels that belong to them.
+    // Pixels without points have no candidates.
     for (int k = 0; k < 9 && Numbers::Any(has_point); ++k) {
       const PatchRow& row = *rows[k / 3];
       const int beside = u + k % 3 - 1;
@@ -194,7 +192,7 @@ int SurfelChoice::ChooseAll(const std::vector<MeasuredPoint>& points) {
 int SurfelChoice::ChooseBand(const std::vector<MeasuredPoint>& points, int begin, int end) {
   for (std::vector<int>& phase : open_[begin / kBandRows]) phase.clear();
   PatchRow of_points(width_);
-  std::vector<PatchRow> surfels(3, PatchRow(width_));  // of rows v, the third of v + 3, ...
+  std::vector<PatchRow> surfels(3, PatchRow(width_));  // row v is at index v % 3
   const PatchRow none(width_);
   RowOutcome outcome(width_);
   if (begin > 0) LoadSurfels(own_.row(begin - 1), width_, &surfels[(begin - 1) % 3]);
@@ -213,7 +211,7 @@ int SurfelChoice::ChooseBand(const std::vector<MeasuredPoint>& points, int begin
   return count;
 }
 
-// Returns how many points the row has.
+// Returns the number of points in the row.
 int SurfelChoice::Keep(int v, const RowOutcome& outcome) {
   auto& open = open_[v / kBandRows];
   State* states = states_.row(v + 1) + 1;
@@ -232,7 +230,7 @@ const std::vector<std::vector<int>>& SurfelChoice::ChooseNew(
   const int bands = BandCount(height_);
   new_.resize(bands);
   for (std::vector<int>& of_band : new_) of_band.clear();
-  // Pixels of one phase are no neighbours: none has a say in what becomes of another.
+  // Pixels of one phase are not neighbours, so they can be processed in parallel.
   for (const int phase : {0, 3, 1, 2}) {
     ParallelFor(0, bands, 1, [&](int band, int) { ChooseNewOfPhase(points, band, phase); });
   }
@@ -248,7 +246,7 @@ void SurfelChoice::ChooseNewOfPhase(const std::vector<MeasuredPoint>& points, in
   }
 }
 
-// Whether the point belongs to a new surfel of a pixel around it.
+// True if the point matches a new surfel of a neighbouring pixel.
 bool SurfelChoice::IsCovered(const std::vector<MeasuredPoint>& points, int pixel) const {
   const State* middle = &states_[PaddedIndex(pixel)];
   for (int k = 0; k < 9; ++k) {

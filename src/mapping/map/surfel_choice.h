@@ -14,42 +14,41 @@
 
 namespace surfit {
 
-// A surfel that belongs to the point of the pixel it projects to.
+// Surfel that passes the merge gate with the point of its pixel.
 struct Candidate {
   Patch patch;  // in the camera frame
   float radius_m, confidence;
   std::int32_t surfel;
   int pixel;
-  float distance2;              // between point and surfel, squared
-  bool is_superfluous = false;  // another one of its pixel or of one beside does as well
-  const SurfelObservation* seen = nullptr;  // by the points that chose it; null if none did
+  float distance2;              // squared distance to the point
+  bool is_superfluous = false;  // duplicate of a better candidate at this or a neighbouring pixel
+  const SurfelObservation* seen = nullptr;  // observation by its points; null: no points
 };
 
-// The candidates of a cell of a map.
 struct CandidateList {
-  std::vector<Candidate> candidates;  // in the order of their surfels
-  BucketList bands;                   // of their numbers
+  std::vector<Candidate> candidates;  // sorted by surfel
+  BucketList bands;                   // indices of candidates by band
 };
 
-// Finds the surfels of a map that the points of a frame may be merged with.
+// Finds the surfels that points of a frame may merge with.
 class CandidateFinder {
  public:
   CandidateFinder(const PosedCamera& camera, const std::vector<MeasuredPoint>& points,
                   const Image<float>& free_depth_m, const MergeGate& gate, int active_since)
       : camera_(camera),
-        frustum_(camera, 0.5f),  // to the borders of the outermost pixels
+        frustum_(camera, 0.5f),  // includes the borders of the outermost pixels
         points_(points),
         free_depth_m_(free_depth_m),
         gate_(gate),
         active_since_(active_since) {}
 
-  // Surfels of these may be candidates, or seen through.
+  // False if none of the surfels in these bounds can be a candidate or violate free space.
   bool MaySee(const SurfelBounds& bounds) const {
     return !bounds.empty() && frustum_.MaySee(bounds);
   }
 
-  // Adds the candidates of some blocks to a list. None of them is marked for removal; those that
-  // are seen through are marked so as well.
+  // Appends the candidates of some blocks. Marks surfels that violate free space for removal.
+  // Surfels marked for removal are no candidates.
   void Find(const std::vector<std::int32_t>& blocks, SurfelMap* map,
             std::vector<Candidate>* candidates) const;
 
@@ -65,38 +64,39 @@ class CandidateFinder {
   const std::vector<MeasuredPoint>& points_;
   const Image<float>& free_depth_m_;
   const MergeGate& gate_;
-  const int active_since_;  // surfels that were last seen before this frame are left alone
+  // First frame of the active window. Surfels last seen earlier are ignored.
+  const int active_since_;
 };
 
 struct RowOutcome;
 
-// Chooses the surfel that each point is merged with: of those its own and the eight pixels around
-// it have, the nearest.
+// Assigns each point to the nearest matching surfel among the candidates of its pixel and the eight
+// pixels around it.
 class SurfelChoice {
  public:
-  // What became of a pixel's point. Below kOpen: it chose the surfel of the pixel
-  // (u + state % 3 - 1, v + state / 3 - 1).
+  // State of the point of a pixel. Values below kOpen: index of the assigned surfel's pixel, (u +
+  // state % 3 - 1, v + state / 3 - 1). kOpen: not assigned. kNew: becomes a new surfel.
   enum State : std::uint8_t { kOwn = 4, kOpen = 9, kNew = 10, kNoPoint = 11 };
 
   explicit SurfelChoice(const MergeGate& gate) : gate_(gate) {}
 
-  // Begins a frame: gives each pixel the nearest of its candidates, and of those the first, and
-  // finds out which others are superfluous. The lists must stay where they are from then on.
+  // Starts a frame. Keeps the nearest candidate per pixel, the first of equally near ones, and
+  // marks superfluous candidates. The lists must not move or change their size during the frame.
   void SetCandidates(int width, int height, std::vector<CandidateList>* lists);
 
-  // All points choose, and each pixel's candidate finds out whether those around make it
-  // superfluous. Returns how many points there are.
+  // Assigns all points. Marks candidates of pixels that are duplicates of neighbouring candidates.
+  // Returns the number of points.
   int ChooseAll(const std::vector<MeasuredPoint>& points);
 
-  // Those points that nothing in the map stands for become surfels, but for those that others of
-  // these stand for. Returns the pixels of the new ones in raster order, a list for each band.
+  // Selects points without assignment as new surfels, except points that match another new surfel.
+  // Returns the pixels of the new surfels in raster order, one list per band.
   const std::vector<std::vector<int>>& ChooseNew(const std::vector<MeasuredPoint>& points);
 
-  // The candidate of a pixel, null if it has none.
+  // Candidate of a pixel; null: none.
   Candidate* OfPixel(int pixel) const { return own_[pixel]; }
 
-  // For each pixel of row v, as a mask: which of the nine pixels around it, row by row, have points
-  // that chose its surfel.
+  // Masks for the pixels of row v. Bit k is set if the point of pixel k of the 3 x 3 neighbourhood,
+  // row by row, is assigned to the surfel of this pixel.
   void ChoosingOfRow(int v, std::uint16_t* masks) const;
 
  private:
@@ -105,16 +105,17 @@ class SurfelChoice {
   int Keep(int v, const RowOutcome& outcome);
   void ChooseNewOfPhase(const std::vector<MeasuredPoint>& points, int band, int phase);
   bool IsCovered(const std::vector<MeasuredPoint>& points, int pixel) const;
-  // In the image of states, which has a border of one pixel.
+  // Index in the image of states, which has a border of one pixel.
   std::size_t PaddedIndex(int pixel) const {
     return static_cast<std::size_t>(pixel / width_ + 1) * (width_ + 2) + pixel % width_ + 1;
   }
 
   const MergeGate& gate_;
   int width_ = 0, height_ = 0;
-  Image<Candidate*> own_;  // null where there is none
+  Image<Candidate*> own_;  // null: no candidate
   Image<State> states_;
-  // Pixels, by band and phase: whether rows and columns are even or odd.
+  // Pixels of points without assignment, by band and phase. The phase is the parity of row and
+  // column.
   std::vector<std::array<std::vector<int>, 4>> open_;
   std::vector<std::vector<int>> new_;  // pixels, by band
 };

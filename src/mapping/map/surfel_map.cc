@@ -10,11 +10,12 @@
 namespace surfit {
 namespace {
 
-// A key has so many bits of each of x, y and z, that count from the farthest cube on.
+// Bits of a key per axis. Indices start at the farthest negative cube.
 constexpr int kAxisBits = 21;
 constexpr int kFarthest = 1 << (kAxisBits - 1);
 
-// Of the cell that is centred at a multiple of the cell size: far from the origin all are one.
+// Key of the cell whose centre is the nearest multiple of the cell size. Indices are clamped far
+// from the origin.
 std::uint64_t CellKey(const Eigen::Vector3f& position_in_world) {
   constexpr auto kMost = static_cast<float>(kFarthest);
   std::uint64_t key = 0;
@@ -68,7 +69,8 @@ void SurfelMap::AddBlock(std::int32_t cell) {
   cells_[cell].blocks.push_back(added);
 }
 
-// Makes place for a surfel: all but what SurfelBlock::Write does. Returns its id.
+// Allocates a place for a surfel and updates all bounds. SurfelBlock::Write() must follow. Returns
+// the id.
 std::int32_t SurfelMap::Place(const Surfel& surfel) {
   const std::int32_t i = CellAt(surfel.position_in_world);
   SurfelCell& cell = cells_[i];
@@ -97,7 +99,7 @@ void SurfelMap::Append(const std::vector<Surfel>& surfels) {
   };
   try {
     for (const Surfel& surfel : surfels) ids.push_back(Place(surfel));
-  } catch (...) {  // no memory is left: those that found a place are whole all the same
+  } catch (...) {  // out of memory: completes the surfels that have a place
     write(0, static_cast<int>(ids.size()));
     throw;
   }
@@ -141,7 +143,7 @@ std::size_t SurfelMap::Rehome() {
   return strays.size();
 }
 
-// Those that lie in the cubes of other cells.
+// Surfels outside the cube of their cell.
 std::vector<std::int32_t> SurfelMap::Strays() const {
   std::vector<std::vector<std::int32_t>> of_cell(cells_.size());
   ParallelFor(0, cell_count(), 1, [&](int i, int) {
@@ -158,7 +160,8 @@ std::vector<std::int32_t> SurfelMap::Strays() const {
   return strays;
 }
 
-// The last surfel takes the place of the first that is marked, unless it is marked itself.
+// Replaces each marked surfel by the last surfel of the cell. Removes the last surfel first if it
+// is marked, too.
 void SurfelMap::RemoveMarked(SurfelCell* cell) {
   for (std::size_t b = 0; b < cell->blocks.size(); ++b) {
     SurfelBlock& hole = block(cell->blocks[b]);

@@ -4,10 +4,10 @@ namespace surfit {
 
 ViewFrustum::ViewFrustum(const PosedCamera& camera, float margin_px)
     : camera_position_norm_(camera.world_translation.lpNorm<1>()) {
-  // Beyond what is asked for, what rounding may do to pixel coordinates of thousands.
+  // Adds a margin for rounding errors of pixel coordinates in the thousands.
   const float margin = margin_px + 0.01f;
   const float width = static_cast<float>(camera.width), height = static_cast<float>(camera.height);
-  // -margin <= u = fx x / z + cx <= width + margin, and the same of v.
+  // -margin <= u = fx x / z + cx <= width + margin, and v accordingly.
   const Eigen::Vector3f in_camera[] = {{0, 0, 1},
                                        {camera.fx, 0, camera.cx + margin},
                                        {-camera.fx, 0, width + margin - camera.cx},

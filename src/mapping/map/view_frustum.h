@@ -10,18 +10,18 @@
 
 namespace surfit {
 
-// The part of space that a camera sees, with a margin around the image: five planes, in the world.
+// Viewing volume of a camera with a margin around the image. Five planes in the world frame.
 class ViewFrustum {
  public:
   ViewFrustum(const PosedCamera& camera, float margin_px);
 
-  // False only if none of the surfels is seen.
+  // False only if no surfel in these bounds is visible.
   bool MaySee(const SurfelBounds& bounds) const {
     const Eigen::Map<const Eigen::Vector3f> low(bounds.low), high(bounds.high);
     const Eigen::Vector3f middle = 0.5f * (high + low);
     const Eigen::Vector3f half = 0.5f * (high - low) + RoundingAt(middle);
     for (const Plane& plane : planes_) {
-      // The corner that is farthest inside; so that NaN and infinity count as seen.
+      // Tests the corner that is farthest inside. NaN and infinity are treated as visible.
       if (plane.inwards.dot(middle) + plane.inwards.cwiseAbs().dot(half) < plane.offset) {
         return false;
       }
@@ -35,7 +35,7 @@ class ViewFrustum {
     float offset;
   };
 
-  // Bounds what single precision makes of a position on its way into the camera's frame.
+  // Bound of the rounding errors of the transformation to the camera frame.
   Eigen::Vector3f RoundingAt(const Eigen::Vector3f& position) const {
     return Eigen::Vector3f::Constant(2e-6f * (position.lpNorm<1>() + camera_position_norm_));
   }
@@ -44,7 +44,7 @@ class ViewFrustum {
   float camera_position_norm_;
 };
 
-// The cells that have surfels which the camera may see, in their order.
+// Indices of the cells with possibly visible surfels, in ascending order.
 std::vector<std::int32_t> VisibleCells(const SurfelMap& map, const ViewFrustum& frustum);
 
 }  // namespace surfit

@@ -10,21 +10,20 @@ namespace {
 
 constexpr float kNone = -1;
 constexpr float kClosed = std::numeric_limits<float>::infinity();
-constexpr float kOutside = 2;               // more than the offset2 of any pixel on a disc
-constexpr std::size_t kDiscsAhead = 8;      // asked for so long before, to be in the cache by then
-constexpr std::size_t kMaxDiscs = 1 << 24;  // whose ids a float holds
+constexpr float kOutside = 2;               // above the offset2 of all pixels on a disc
+constexpr std::size_t kDiscsAhead = 8;      // prefetch distance in discs
+constexpr std::size_t kMaxDiscs = 1 << 24;  // exact integers in a float
 constexpr int kLanes = Lanes<float>::kCount;
 
-// Inverse depth of the back of a surface that starts at an inverse depth rho: behind it by the
-// thickness of surfaces and 4 sigma of the depth 1 / rho, sigma = inverse_depth_sigma / rho^2.
+// Inverse depth of the back of a surface that starts at the inverse depth rho. The thickness is
+// `thickness` plus 4 sigma of the depth 1 / rho, where sigma = inverse_depth_sigma / rho^2.
 float BackOfSurface(float rho, float thickness, float inverse_depth_sigma) {
   return rho / (1.f + thickness * rho + 4.f * inverse_depth_sigma / rho);
 }
 
 }  // namespace
 
-// What is shown of the discs that a row's pixels show, with room for as many as are done at once
-// beyond its end; see Disc.
+// Members of the visible Disc per pixel of a row, padded to whole vectors.
 struct BandCanvas::PixelDiscs {
   explicit PixelDiscs(int width)
       : u(width + kLanes),
@@ -44,7 +43,7 @@ BandCanvas::BandCanvas(int band, const PosedCamera& camera, const DepthNoise& no
       camera_(camera),
       noise_(noise),
       options_(options) {
-  // Where a row ends, up to three more pixels are read and written back.
+  // At the end of a row, up to three more pixels are read and written back.
   const std::size_t size = static_cast<std::size_t>(v_end_ - v_begin_ + 1) * camera.width + 3;
   first_.assign(size, 0.f);
   back_.assign(size, 0.f);
@@ -79,7 +78,7 @@ void BandCanvas::DrawWith(const std::vector<DiscList>& lists, Layer layer) {
   CloseDrawnPixels();
 }
 
-// Whether the disc is met by a pixel that can still be drawn.
+// Updates first_. Returns true if the disc meets a pixel that is not yet drawn.
 template <typename Instructions>
 bool BandCanvas::FindFirst(const Disc& disc) {
   using Numbers = Lanes<float, Instructions>;
@@ -119,7 +118,8 @@ void BandCanvas::FindBacks() {
   }
 }
 
-// Draws the disc where it is on the first surface, and closer to the ray than those before.
+// Draws the disc at pixels where it belongs to the first surface and its centre is nearest to the
+// ray.
 template <typename Instructions>
 void BandCanvas::Pick(const Disc& disc, float id) {
   using Numbers = Lanes<float, Instructions>;
@@ -164,7 +164,6 @@ void BandCanvas::WriteTo(ModelView* view) const {
   }
 }
 
-// The discs that a row's pixels show.
 void BandCanvas::FindDiscs(int v, PixelDiscs* discs, ModelView* view) const {
   static constexpr Disc kNoDisc = {};
   const int width = camera_.width;
@@ -181,8 +180,9 @@ void BandCanvas::FindDiscs(int v, PixelDiscs* discs, ModelView* view) const {
   }
 }
 
-// Vertices from the inverse depth rho, and normals from the discs' planes: as rho = n . r / (n . p)
-// for all rays r, n / -(n . p) is minus the inverse depths along the axes, (a, b, c).
+// Computes vertices from the inverse depth rho, and normals from the planes of the discs. As rho =
+// n . r / (n . p) for all rays r, the vector n / -(n . p) is the negative of (a, b, c), the inverse
+// depths along the axes.
 template <typename Instructions>
 void BandCanvas::WriteLanes(const PixelDiscs& discs, int u, int v, ModelView* view) const {
   using V = Lanes<float, Instructions>;

@@ -13,41 +13,40 @@
 
 namespace surfit {
 
-// A surfel's disc in the image of a camera: which pixels' rays meet it, and where.
+// A surfel's disc in the image of a camera, for intersections with pixel rays.
 //
-// With centre p, unit normal n and radius R in the camera's frame, the pixel (du, dv) away from the
-// image of p has the ray r = p / p_z + e, e = (du / fx, dv / fy, 0). It meets the disc's plane
-// n . X = n . p where the inverse depth is
+// The disc has centre p, unit normal n and radius R in the camera frame. The pixel at offset (du,
+// dv) from the image of p has the ray r = p / p_z + e with e = (du / fx, dv / fy, 0). This ray
+// meets the plane n . X = n . p at the inverse depth
 //   rho = (n . r) / (n . p) = 1 / p_z + rho_u du + rho_v dv,
-//   rho_u = n_x / (fx n . p),  rho_v = n_y / (fy n . p),
-// and the point r / rho there is off the centre by
+//   rho_u = n_x / (fx n . p),  rho_v = n_y / (fy n . p).
+// The intersection r / rho has the offset from the centre
 //   r / rho - p = (e - (rho_u du + rho_v dv) p) / rho = R (du a + dv b) / rho,
 //   a = (e_x / fx - rho_u p) / R,  b = (e_y / fy - rho_v p) / R.
-// So the ray meets the disc if rho > 0 and |du a + dv b|^2 <= rho^2. As all is relative to the
-// centre, nothing cancels, however far away the disc is.
+// Therefore the ray meets the disc if rho > 0 and |du a + dv b|^2 <= rho^2. All values are relative
+// to the centre, which avoids cancellation for distant discs.
 struct Disc {
   float u, v;               // the image of p, px
   float rho, rho_u, rho_v;  // 1 / p_z and the derivatives, 1/m and 1/(m px)
   float aa, ab, bb;         // |a|^2, 2 a . b, |b|^2
   std::int32_t surfel;
-  std::int16_t u_begin, v_begin;  // the pixels to look at begin here
-  std::uint8_t columns, rows;     // and are so many
+  std::int16_t u_begin, v_begin;  // first pixel of the bounding rectangle
+  std::uint8_t columns, rows;     // size of the bounding rectangle, px
 
   int u_end() const { return u_begin + columns; }
   int v_end() const { return v_begin + rows; }
 
-  // Inverse depth at a pixel.
   float Rho(float pixel_u, float pixel_v) const {
     return rho + rho_u * (pixel_u - u) + rho_v * (pixel_v - v);
   }
 };
 
-// Looks at the pixels of a disc in the rows [v_begin, v_end), eight at a time: (u, v) to (u + 3,
-// v), and below these (u, v + 1) to (u + 3, v + 1). Some of them may be outside of the rows or the
-// image. Where wants(u, v), calls f(u, v, met, rho, across2):
-//   met: a mask of the pixels whose rays meet the disc, none of them outside;
-//   rho: the inverse depth where they do;
-//   across2: rho^2 times the squared distance from the centre there, as a share of R.
+// Visits the pixels of a disc in the rows [v_begin, v_end), eight at a time: (u, v) to (u + 3, v)
+// and (u, v + 1) to (u + 3, v + 1). Pixels can be outside of the rows or the image. If wants(u, v),
+// calls f(u, v, met, rho, across2):
+//   met: mask of the pixels whose rays meet the disc, without pixels outside;
+//   rho: inverse depth of the intersection;
+//   across2: rho^2 times the squared distance from the centre, relative to R.
 template <typename Instructions, typename Wants, typename F>
 void ForEachEightPixels(const Disc& disc, int v_begin, int v_end, const Wants& wants, const F& f) {
   using Numbers = Lanes<float, Instructions>;
@@ -76,19 +75,18 @@ void ForEachEightPixels(const Disc& disc, int v_begin, int v_end, const Wants& w
   }
 }
 
-// Unstable discs are drawn only where no stable ones are.
+// Unstable discs are drawn only at pixels without stable discs.
 enum Layer { kStable, kUnstable, kLayerCount };
 
-// The discs of one layer, by band and there by surfel. A disc on the border of two bands is in
-// both.
+// Discs of one layer, sorted by band and then by surfel. Discs can belong to several bands.
 struct DiscLayer {
   std::vector<Disc> discs;
-  BucketList bands;  // of their numbers
+  BucketList bands;  // indices of discs by band
 
   void Add(const Disc& disc);
 };
 
-// The discs that a camera may see of a cell of a map.
+// Discs of a cell of the map that are possibly visible.
 class DiscList {
  public:
   void Assign(const SurfelMap& map, const SurfelCell& cell, const PosedCamera& camera,
@@ -100,17 +98,16 @@ class DiscList {
   std::array<DiscLayer, kLayerCount> layers_;
 };
 
-// Draws one band of the image. Nothing in it depends on other bands, and it meets its discs in the
-// order of their surfels, so that bands can be drawn at the same time with the same outcome.
+// Renders one band of the image. Bands are independent and draw their discs in the order of the
+// surfels, so parallel rendering is deterministic.
 class BandCanvas {
  public:
   BandCanvas(int band, const PosedCamera& camera, const DepthNoise& noise,
              const RenderOptions& options);
 
-  // Draws the discs of one layer into the pixels that no layer before it has drawn.
+  // Draws the discs of one layer into pixels that earlier layers have not drawn.
   void Draw(const std::vector<DiscList>& lists, Layer layer);
 
-  // Writes what the pixels see.
   void WriteTo(ModelView* view) const;
 
  private:
@@ -131,14 +128,14 @@ class BandCanvas {
   const PosedCamera& camera_;
   const DepthNoise noise_;
   const RenderOptions& options_;
-  std::vector<const Disc*> discs_;  // by id: those that pixels were open for
-  // Per pixel, and one more row, as two are read and written back at once. Depths are inverse, so
-  // that nearer ones are larger.
-  std::vector<float> first_;  // where the ray meets the first disc; 0 if none
-  // What may still be drawn is no farther: all at first, then the first surface, then nothing.
+  std::vector<const Disc*> discs_;  // by id: discs that meet at least one undrawn pixel
+  // Buffers per pixel, with one extra row because two rows are processed at once. Depths are
+  // inverse, so nearer depths are larger.
+  std::vector<float> first_;  // nearest intersection; 0: none
+  // Minimum inverse depth to draw: first 0, then the back of the first surface, then infinity.
   std::vector<float> back_;
-  std::vector<float> offset2_;  // of the disc drawn: squared, as a share of its radius
-  std::vector<float> drawn_;    // its id, a whole number
+  std::vector<float> offset2_;  // squared offset of the drawn disc, relative to its radius
+  std::vector<float> drawn_;    // id of the drawn disc, an integer
 };
 
 }  // namespace surfit

@@ -5,14 +5,14 @@
 
 namespace surfit {
 
-// Images are worked on in bands of so many rows.
+// Height of the bands in which images are processed, px.
 constexpr int kBandRows = 16;
 inline int BandCount(int height) { return (height + kBandRows - 1) / kBandRows; }
 
-// Numbers of items in buckets: in the order they came there.
+// Indices of items per bucket, in order of insertion.
 class BucketList {
  public:
-  // Empties all buckets, and keeps their memory.
+  // Removes all items. Keeps the memory.
   void Clear(int bucket_count) {
     buckets_.resize(bucket_count);
     for (std::vector<int>& bucket : buckets_) bucket.clear();
@@ -25,8 +25,8 @@ class BucketList {
   std::vector<std::vector<int>> buckets_;
 };
 
-// Empties a buffer that is used again and again, for at most so many items. It keeps its memory,
-// but not that of one which needed far more.
+// Clears a reused buffer for at most `most` items. Releases its memory if the capacity is more than
+// twice as large.
 template <typename T>
 void ClearClosely(std::size_t most, std::vector<T>* buffer) {
   if (buffer->capacity() > 2 * most) *buffer = std::vector<T>();

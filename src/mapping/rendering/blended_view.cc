@@ -16,9 +16,9 @@ namespace {
 
 constexpr float kThickness_m = 0.03f;  // of a surface
 
-constexpr int kMostHalfWindow_px = 127;  // that a Disc has room for
+constexpr int kMostHalfWindow_px = 127;  // limit of Disc
 
-// How large splats are drawn, in radii.
+// Options for splats with `radius_share` times the surfel radius.
 RenderOptions SplatOptions(float radius_share) {
   RenderOptions options;
   options.radius_share = radius_share;
@@ -26,23 +26,22 @@ RenderOptions SplatOptions(float radius_share) {
   return options;
 }
 
-// (1 - o^2)^8, and so much everywhere that no sum of weights is zero.
+// (1 - o^2)^8, with a minimum that prevents a zero sum of weights.
 float WeightAt(float offset2) {
   const float a = 1.f - offset2, a2 = a * a, a4 = a2 * a2;
   return a4 * a4 + 1e-6f;
 }
 
-// What the rays of a pixel have met.
 struct Blend {
   float first = 0;  // inverse depth of the first surface; 0 if none
   float weight = 0;
-  // Times weight: inverse depth, and colour in 8-bit steps.
+  // Weighted sums of inverse depth and colour (0 to 255).
   float rho = 0;
   Eigen::Vector3f color = Eigen::Vector3f::Zero();
-  bool is_drawn = false;  // and nothing more is to be
+  bool is_drawn = false;  // true: later layers do not change the pixel
 };
 
-// One band of the picture. It meets splats in the order of their surfels, whatever others do.
+// One band of the image. Splats are drawn in the order of their surfels.
 class BlendBand {
  public:
   BlendBand(int band, const PinholeCamera& camera, const DepthNoise& noise)
@@ -53,7 +52,6 @@ class BlendBand {
         sigma_(static_cast<float>(noise.inverse_depth_sigma)),
         pixels_(static_cast<std::size_t>(v_end_ - v_begin_) * camera.width) {}
 
-  // Draws a layer into the pixels that none before it has drawn.
   void Draw(const SurfelMap& map, const std::vector<DiscList>& lists, Layer layer) {
     ForEachPixel(lists, layer, [](Blend* pixel, const Disc&, float rho, float) {
       pixel->first = std::max(pixel->first, rho);
@@ -74,7 +72,7 @@ class BlendBand {
   }
 
  private:
-  // Inverse depth of the back of the surface that begins at rho.
+  // Inverse depth of the back of the surface that starts at rho.
   float BackOf(float rho) const { return rho / (1.f + kThickness_m * rho + 4.f * sigma_ / rho); }
 
   static void Add(const SurfelMap& map, std::int32_t id, float rho, float weight, Blend* pixel) {
@@ -84,7 +82,7 @@ class BlendBand {
     pixel->color += weight * block.FineColor(id % SurfelBlock::kCapacity);
   }
 
-  // Calls f(pixel, disc, inverse depth, squared offset as a share of the splat's radius).
+  // Calls f(pixel, disc, inverse depth, squared offset relative to the radius of the splat).
   template <typename F>
   void ForEachPixel(const std::vector<DiscList>& lists, Layer layer, const F& f) {
     for (const DiscList& list : lists) {

@@ -10,13 +10,12 @@
 namespace surfit {
 namespace {
 
-// The discs of a block's surfels; fields as in Disc.
+// Discs of the surfels of a block. Members as in Disc.
 struct BlockDiscs {
   BlockCentres centre;
   alignas(32) PerSurfel<float> rho_u, rho_v, aa, ab, bb;
   alignas(32) PerSurfel<std::int32_t> u_begin, u_end, v_begin, v_end;
 
-  // Disc k, of the surfel with this id.
   Disc Get(int k, std::int32_t surfel) const {
     Disc disc;
     disc.surfel = surfel;
@@ -36,14 +35,14 @@ struct BlockDiscs {
   }
 };
 
-// Discs closer to edge-on than this sine are not seen: rho_u and rho_v would overflow.
+// Minimum sine of the viewing angle; rho_u and rho_v overflow below it.
 constexpr float kMinSine = 1e-6f;
 
-// The largest integer not above x, for -1024 < x < 2^22: a conversion alone, unlike std::floor.
+// Floor of x for -1024 < x < 2^22. A single conversion, faster than std::floor.
 std::int32_t FloorOf(float x) { return static_cast<std::int32_t>(x + 1024.f) - 1024; }
 
-// The pixels that discs may cover. Returns a mask: the others are outside the image, too close or
-// so small that they are between the pixels.
+// Computes the pixel rectangles of discs. Returns the mask of the discs that cover pixels of the
+// image and are not too close.
 std::uint64_t FindPixels(const SurfelBlock& block, const PosedCamera& camera,
                          const RenderOptions& options, BlockDiscs* discs) {
   FindCentres(block, camera, &discs->centre);
@@ -73,7 +72,8 @@ std::uint64_t FindPixels(const SurfelBlock& block, const PosedCamera& camera,
   return MaskOf(seen) & MaskOfAll(block);
 }
 
-// Where rays meet the discs: see Disc. Returns a mask: the others are turned away.
+// Computes rho_u, rho_v, aa, ab and bb, see Disc. Returns the mask of the discs that face the
+// camera.
 std::uint64_t FindShapes(const SurfelBlock& block, const PosedCamera& camera,
                          const RenderOptions& options, BlockDiscs* discs) {
   BlockNormals n;
@@ -101,7 +101,6 @@ std::uint64_t FindShapes(const SurfelBlock& block, const PosedCamera& camera,
   return MaskOf(seen);
 }
 
-// Returns a mask of the discs that may be seen.
 std::uint64_t FindDiscs(const SurfelBlock& block, const PosedCamera& camera,
                         const RenderOptions& options, BlockDiscs* discs) {
   return WithInstructions([&](auto) {

@@ -31,14 +31,14 @@ FrameColors::FrameColors(const RgbdFrame& frame, const PosedCamera& camera,
 }
 
 void FrameColors::FindBorders() {
-  // Of each row or column and the one after it; is_black(i, j) of pixel i of line j.
+  // Ranges of each line and the next one. is_black(i, j): pixel i of line j is black.
   const auto ranges_of = [](int lines, int size, const auto& is_black) {
     std::vector<Range> ranges;
     for (int j = 0; j < lines; ++j) {
       Range own = {0, size};
       while (own.begin < size && is_black(own.begin, j)) ++own.begin;
       while (own.end > own.begin && is_black(own.end - 1, j)) --own.end;
-      --own.end;  // of the first of two pixels
+      --own.end;  // index of the first of two pixels
       if (j > 0) {
         ranges[j - 1] = {std::max(ranges[j - 1].begin, own.begin),
                          std::min(ranges[j - 1].end, own.end)};
@@ -55,16 +55,16 @@ void FrameColors::FindBorders() {
 template <typename V>
 struct FrameColors::Samples {
   V color[3];
-  V weight;  // 1, or 0 where nothing is seen
+  V weight;  // 1, or 0 without colour
 };
 
-// The four pixels around each place, row by row.
+// The 2 x 2 pixels around each position, row by row.
 template <typename V>
 struct FrameColors::Corners {
-  float u[V::kCount], v[V::kCount];  // of the first of them
-  float is_seen[V::kCount];          // 1, or 0 where a border's pixel is among them
+  float u[V::kCount], v[V::kCount];  // position of the first pixel
+  float is_seen[V::kCount];          // 1, or 0 with a border pixel among them
   float color[4][3][V::kCount];
-  float is_lit[4][V::kCount];  // 0 where it is black
+  float is_lit[4][V::kCount];  // 0 for black pixels
 };
 
 SeenColor FrameColors::At(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) const {
@@ -93,7 +93,7 @@ void FrameColors::LookUp(int first, ColorBatch* batch) const {
   const V u = V(fx_) * ray_x + V(cx_), v = V(fy_) * ray_y + V(cy_);
   const V u_per_s = V(-fx_) * rho * (way_x - ray_x * way_z);
   const V v_per_s = V(-fy_) * rho * (way_y - ray_y * way_z);
-  // The row that shows it is read at t = t0 + (v + v_per_s t) row_s.
+  // Solves t = t0 + v_per_s t row_s for the capture time of the row at v + v_per_s t.
   const V half_height = 0.5f * static_cast<float>(color_.height());
   const V t0 = V(middle_s_) + (v + V(0.5f) - half_height) * V(row_s_);
   const V t = t0 / Max(V(0.5f), V(1.f) - v_per_s * V(row_s_));
@@ -107,8 +107,8 @@ void FrameColors::LookUp(int first, ColorBatch* batch) const {
   Select(seen.weight > V(0.f), sharpness, V(0.f)).Store(&batch->weight[first]);
 }
 
-// Pixels beside the border's count for nothing; black ones count only where all four are, as where
-// there is no depth there may be no colour. Nothing is seen outside the image.
+// Bilinear interpolation. No colour outside the image and next to black borders. Black pixels
+// inside (missing colour) are ignored, unless all four are black.
 template <typename V>
 FrameColors::Samples<V> FrameColors::Sample(const V& u, const V& v) const {
   const V zero = 0.f, one = 1.f;
@@ -154,7 +154,7 @@ void FrameColors::ReadCorners(const V& at_u, const V& at_v, Corners<V>* corners)
   for (int k = 0; k < V::kCount; ++k) {
     corners->is_seen[k] = rows_[top[k]].Has(left[k]) & columns_[left[k]].Has(top[k]) ? 1.f : 0.f;
     for (int row = 0; row < 2; ++row) {
-      // Two pixels, as four bytes each, none of them beyond these.
+      // Reads two pixels of three bytes as four bytes each, within the six bytes.
       const Rgb8* const two = color_.row(top[k] + row) + left[k];
       std::memcpy(&pixels[2 * row][k], &two[0].r, 4);
       std::memcpy(&pixels[2 * row + 1][k], &two[0].b, 4);

@@ -9,14 +9,14 @@
 
 namespace surfit {
 
-// A colour that a frame saw, in 8-bit steps of sRGB, and how much it tells; 0 if nothing.
+// Observed colour in sRGB (0 to 255) and its weight; 0: not observed.
 struct SeenColor {
   Eigen::Vector3f color = Eigen::Vector3f::Zero();
   float weight = 0;
 };
 
-// Points with their normals, in the camera's frame, and what was seen of them. Initialised, as
-// whole lanes are worked on.
+// Points with normals in the camera frame, and their observed colours. Initialised, because whole
+// vectors are processed.
 struct ColorBatch {
   static constexpr int kCapacity = 64;
 
@@ -33,34 +33,31 @@ struct ColorBatch {
   alignas(32) float weight[kCapacity] = {};
 };
 
-// What a frame's colour image shows of points. Colour is not taken at the moment of depth, nor are
-// its rows taken at one moment, while the camera moves. So a point X of the frame's pose is looked
-// up, bilinearly, where it was at the time t of the row that shows it,
-//   X - t (turn x X + velocity).
-// A colour tells the more, the finer and the less slanted the pixels are that show it, and the less
-// the motion blurs them: with n pixels per metre at the point, the angle a between its normal and
-// the ray, and b pixels of motion in 5 ms,
-//   weight = (n / 500)^2 |cos a| / (1 + b^2)^2.
-// Black borders, which undistorted images have, tell nothing.
+// Colours of points from the colour image of a frame. Colour and depth have different capture
+// times, and the rows of colour can have different capture times as well. Therefore a point X at
+// the pose of the frame is projected from its position at the capture time t of its row,
+//   X - t (turn x X + velocity),
+// and its colour is interpolated bilinearly. The weight of a colour is
+//   (n / 500)^2 |cos a| / (1 + b^2)^2,
+// with n pixels per metre at the point, the angle a between normal and ray, and b pixels of motion
+// in 5 ms. Black borders of undistorted images have weight 0.
 class FrameColors {
  public:
   FrameColors(const RgbdFrame& frame, const PosedCamera& camera, const FrameMotion& motion);
 
-  // What is seen of all points of the batch, in the camera's frame at the frame's pose. The frame
-  // has colours.
+  // Sets colours and weights of all points of the batch. Requires a frame with colours.
   void LookUp(ColorBatch* batch) const;
-  // Of a single point with its normal.
   SeenColor At(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) const;
 
  private:
-  // Of two rows or columns beside each other: where a pixel and the next are between the black ends
-  // of both.
+  // Valid range of the first of two neighbouring pixels, in two neighbouring rows or columns.
+  // Excludes the black borders of both.
   struct Range {
     int begin, end;
     bool Has(int i) const { return i >= begin && i < end; }
   };
 
-  // As many places in the image as there are lanes, and what is seen there.
+  // Colours at one vector of image positions.
   template <typename V>
   struct Samples;
 
@@ -77,8 +74,9 @@ class FrameColors {
   const Image<Rgb8>& color_;
   const float fx_, fy_, cx_, cy_;
   const Eigen::Vector3f turn_, velocity_;  // per second
-  const float middle_s_, row_s_;  // of the middle row, after the pose's moment, and of one row more
-  std::vector<Range> rows_, columns_;  // by the first of the two
+  // Times relative to the pose: capture time of the middle row, and time per row.
+  const float middle_s_, row_s_;
+  std::vector<Range> rows_, columns_;  // indexed by the first of the two
 };
 
 }  // namespace surfit

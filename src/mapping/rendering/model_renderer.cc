@@ -12,7 +12,7 @@
 namespace surfit {
 namespace {
 
-// Whose pixels are all still to be written.
+// View with unwritten pixels.
 ModelView BlankView(const DepthSensor& sensor, const Rigid3d& world_from_view) {
   const PinholeCamera& camera = sensor.camera;
   ModelView view;

@@ -8,7 +8,7 @@
 
 namespace surfit {
 
-// A pinhole camera at a pose, in single precision, as the loops over pixels and surfels need it.
+// A pinhole camera at a pose, in single precision for loops over pixels and surfels.
 struct PosedCamera {
   PosedCamera(const PinholeCamera& camera, const Rigid3d& world_from_camera)
       : rotation(world_from_camera.Inverse().rotation.toRotationMatrix().cast<float>()),
@@ -34,13 +34,13 @@ struct PosedCamera {
   float fx, fy, cx, cy;
 };
 
-// Surfels with less depth than this, those behind the camera included, are not seen.
+// Surfels with a smaller depth are not visible.
 constexpr float kMinDepth = 0.05f;  // metres
 
-// Where a camera sees the surfels of a block.
+// Projections of the surfels of a block.
 struct BlockCentres {
-  alignas(32) PerSurfel<float> x, y, z;  // in the camera frame, metres
-  // Inverse depth, 1/m, and px; meaningless where z is not above kMinDepth.
+  alignas(32) PerSurfel<float> x, y, z;  // in the camera frame, m
+  // Inverse depth (1/m) and pixel; invalid if z <= kMinDepth.
   alignas(32) PerSurfel<float> rho, u, v;
 };
 
@@ -66,7 +66,7 @@ inline void FindCentres(const SurfelBlock& block, const PosedCamera& camera, Blo
   }
 }
 
-// The normals in the camera frame.
+// Normals in the camera frame.
 struct BlockNormals {
   alignas(32) PerSurfel<float> x, y, z;
 };

@@ -10,7 +10,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// From sRGB to the linear scale that glTF has, as a share of 65535.
+// Conversion from sRGB to the linear scale of glTF, 0 to 65535.
 std::array<std::uint16_t, 256> LinearOfBytes() {
   std::array<std::uint16_t, 256> linear;
   for (int byte = 0; byte < 256; ++byte) {
@@ -21,18 +21,17 @@ std::array<std::uint16_t, 256> LinearOfBytes() {
   return linear;
 }
 
-// The parts of a binary glTF (Khronos, glTF 2.0): buffer views behind each other, and what they
-// hold.
+// A binary glTF file (Khronos, glTF 2.0): consecutive buffer views and the JSON that describes
+// them.
 class Glb {
  public:
-  // A table of rows of numbers of a type of OpenGL's; returns the accessor's number.
+  // Adds a table of numbers. `target`: OpenGL buffer type. Returns the index of the accessor.
   int Add(const void* bytes, std::size_t size, Json accessor, int target) {
     accessor["bufferView"] = AddView(bytes, size);
     views_.back()["target"] = target;
     accessors_.push_back(std::move(accessor));
     return static_cast<int>(accessors_.size()) - 1;
   }
-  // What the surface shows: a JPEG.
   void AddPicture(const std::string& jpeg) { picture_ = AddView(jpeg.data(), jpeg.size()); }
 
   void Write(const Json& attributes, int indices, std::ostream& out) const {
@@ -41,7 +40,7 @@ class Glb {
                      {"doubleSided", true},
                      {"extensions", {{"KHR_materials_unlit", Json::object()}}}};
     if (picture_) material["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}};
-    // Half a turn about x: from y down and z forward to y up.
+    // Rotates by 180 degrees about x: from y down, z forward to y up.
     const Json node = {{"mesh", 0}, {"rotation", {1, 0, 0, 0}}};
     Json json = {{"asset", {{"version", "2.0"}, {"generator", "Surfit"}}},
                  {"extensionsUsed", {"KHR_materials_unlit"}},
@@ -86,7 +85,7 @@ class Glb {
 
   std::string binary_;
   Json views_ = Json::array(), accessors_ = Json::array();
-  std::optional<std::size_t> picture_;  // its view
+  std::optional<std::size_t> picture_;  // index of its buffer view
 };
 
 constexpr int kFloatType = 5126, kUnsignedType = 5125, kShortType = 5123;
@@ -129,7 +128,7 @@ int AddTriangles(const std::vector<TriangleMesh::Triangle>& triangles, Glb* glb)
   return glb->Add(triangles.data(), 12 * triangles.size(), accessor, kOfIndices);
 }
 
-// Those of the mesh's vertices at the places of a picture.
+// Values of the vertices, duplicated per texture coordinate.
 std::vector<Eigen::Vector3f> AtPlaces(const std::vector<Eigen::Vector3f>& vectors,
                                       const MeshTexture& texture) {
   std::vector<Eigen::Vector3f> found;

@@ -11,7 +11,7 @@
 namespace surfit {
 namespace {
 
-// Rows are put together in memory, and written when there are so many bytes.
+// Rows are collected in memory, and written in pieces of this size.
 constexpr std::size_t kBytesAtOnce = 1 << 20;
 
 std::string EndingOf(const std::string& path) { return std::filesystem::path(path).extension(); }
@@ -59,7 +59,7 @@ void RequireMeshEnding(const std::string& path) {
 void RequireTextureEnding(const std::string& path) {
   const std::string ending = EndingOf(path);
   ThrowIf(ending != ".obj" && ending != ".glb", "the mesh is ", path,
-          ", must end in .obj or .glb to have a picture");
+          ", must end in .obj or .glb for a texture");
 }
 
 std::string EncodeTexture(const MeshTexture& texture) {

@@ -8,17 +8,16 @@
 
 namespace surfit {
 
-// The formats of meshes that may have a picture; null: vertices have the colours.
-
-// With a picture, `material` is the name of the .mtl file beside it.
+// Writers of mesh formats. Without a texture (null), vertices have colours. `material`: name of the
+// .mtl file in the same folder, only with a texture.
 void WriteObjMesh(const TriangleMesh& mesh, const MeshTexture* texture, const std::string& material,
                   std::ostream& out);
-// A material of this name's stem that shows the picture as it is.
+// Writes a material that shows the image `picture` without shading.
 void WriteMtl(const std::string& picture, std::ostream& out);
 
 void WriteGlbMesh(const TriangleMesh& mesh, const MeshTexture* texture, std::ostream& out);
 
-// The picture as a JPEG. Throws InputError.
+// The texture as JPEG. Throws InputError.
 std::string EncodeTexture(const MeshTexture& texture);
 
 }  // namespace surfit

@@ -8,7 +8,6 @@ namespace {
 
 constexpr std::size_t kTextAtOnce = 1 << 20;  // bytes
 
-// Lines of words and numbers.
 class TextLines {
  public:
   explicit TextLines(std::ostream& out) : out_(out) {}
@@ -36,9 +35,9 @@ class TextLines {
   std::string text_;
 };
 
-constexpr int kDigits = 5;  // of a metre: a hundredth of a millimetre
+constexpr int kDigits = 5;  // decimals of metres: 0.01 mm
 constexpr int kDigitsOfOne = 4;
-constexpr int kDigitsOfPlace = 6;  // hundredths of a texel
+constexpr int kDigitsOfPlace = 6;  // decimals of texture coordinates: 0.01 texel
 
 void WriteVertices(const TriangleMesh& mesh, bool has_colors, TextLines* to) {
   TextLines& lines = *to;
@@ -79,7 +78,7 @@ void WriteTriangles(const TriangleMesh& mesh, const MeshTexture* texture, TextLi
 
 }  // namespace
 
-// Vertices' colours would be multiplied with the picture's by some viewers.
+// With a texture, vertex colours are omitted, because some viewers multiply both.
 void WriteObjMesh(const TriangleMesh& mesh, const MeshTexture* texture, const std::string& material,
                   std::ostream& out) {
   TextLines lines(out);
@@ -92,7 +91,7 @@ void WriteObjMesh(const TriangleMesh& mesh, const MeshTexture* texture, const st
     for (const Eigen::Vector2f& place : texture->places) {
       lines.Word("vt");
       lines.Number(place.x(), kDigitsOfPlace);
-      lines.Number(1 - place.y(), kDigitsOfPlace);  // from the lower left corner
+      lines.Number(1 - place.y(), kDigitsOfPlace);  // origin at the lower left corner
       lines.End();
     }
     lines.Word("usemtl frames");

@@ -5,26 +5,26 @@
 
 namespace surfit {
 
-// How a surface cuts a cell (Nielson 2004, dual marching cubes). Corner c of a cell is at (c & 1,
-// c >> 1 & 1, c >> 2); a pattern has bit c set where corner c is behind the surface. The surface
-// cuts the edges between corners of different sides, and passes each face from edge to edge; where
-// two ways are open it keeps the corners that are behind apart. So cut edges form cycles, and the
-// surface has a patch, and the mesh a vertex, for each of these.
+// Surface patches in a grid cell (Nielson 2004, dual marching cubes). Corner c of a cell is at (c &
+// 1, c >> 1 & 1, c >> 2). Bit c of a pattern is set if corner c is behind the surface.
+//
+// The surface cuts edges between corners on different sides, and connects the cut edges of each
+// face. If a face is ambiguous, the corners behind the surface are separated. The cut edges form
+// cycles. Each cycle is a patch of the surface and a vertex of the mesh.
 struct CellPatches {
   static constexpr int kEdges = 12, kCorners = 8;
-  static constexpr std::uint8_t kNone = 0xff;  // an edge that is not cut
+  static constexpr std::uint8_t kNone = 0xff;  // edge without cut
 
   std::uint8_t count = 0;
-  std::array<std::uint8_t, kEdges> of_edge = {};  // which patch cuts it
+  std::array<std::uint8_t, kEdges> of_edge = {};  // patch that cuts the edge
 };
 
-// Edge 4 a + k is along axis a and begins in EdgeCorner(a, k): k counts the other two axes, a + 1
-// first.
+// Edge 4 a + k is parallel to axis a and begins at EdgeCorner(a, k). The bits of k are the
+// coordinates along the axes a + 1 and a + 2.
 constexpr int EdgeCorner(int axis, int k) {
   return (k & 1) << (axis + 1) % 3 | (k >> 1) << (axis + 2) % 3;
 }
 
-// Of all 256 patterns.
 const std::array<CellPatches, 256>& AllCellPatches();
 
 }  // namespace surfit

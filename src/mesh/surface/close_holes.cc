@@ -13,7 +13,7 @@ namespace {
 using Triangle = TriangleMesh::Triangle;
 constexpr std::uint32_t kNoSide = std::numeric_limits<std::uint32_t>::max();
 
-// Side 3 i + k of the triangles goes from corner k of triangle i to the next one.
+// Side 3 i + k of the triangles goes from corner k of triangle i to the next corner.
 std::uint32_t NextSide(std::uint32_t side) { return side % 3 == 2 ? side - 2 : side + 1; }
 std::uint32_t LastSide(std::uint32_t side) { return side % 3 == 0 ? side + 2 : side - 1; }
 
@@ -21,11 +21,11 @@ std::uint32_t BeginOf(const std::vector<Triangle>& triangles, std::uint32_t side
   return triangles[side / 3][side % 3];
 }
 
-// Which side goes along the same edge in the other direction.
+// Opposite sides: the same edge in the other direction.
 struct Sides {
-  std::vector<std::uint32_t> opposite;  // kNoSide where there is none
+  std::vector<std::uint32_t> opposite;  // kNoSide: none
   std::vector<std::uint8_t>
-      is_usual;  // of triangles: no edge is of more, or of two in one direction
+      is_usual;  // per triangle; 0: an edge has more than two sides, or two in the same direction
 };
 
 Sides PairSides(const std::vector<Triangle>& triangles) {
@@ -58,7 +58,7 @@ Sides PairSides(const std::vector<Triangle>& triangles) {
   return sides;
 }
 
-// Leaves out what is not usual, until all is.
+// Removes non-manifold triangles repeatedly until none are left.
 Sides KeepUsualTriangles(MeshSummary* summary, TriangleMesh* mesh) {
   while (true) {
     Sides sides = PairSides(mesh->triangles);
@@ -76,13 +76,13 @@ std::uint32_t CopyVertex(std::uint32_t vertex, TriangleMesh* mesh) {
   return static_cast<std::uint32_t>(mesh->vertices.size() - 1);
 }
 
-// Gives each vertex one fan of triangles: those that are reached from side to side around it.
+// Duplicates vertices, so that each has a single fan of connected triangles.
 void SeparateFans(const Sides& sides, TriangleMesh* mesh) {
   std::vector<std::uint8_t> is_taken(mesh->vertices.size()), is_done(sides.opposite.size());
   for (std::uint32_t first = 0; first < is_done.size(); ++first) {
     if (is_done[first] != 0) continue;
     const std::uint32_t vertex = BeginOf(mesh->triangles, first);
-    std::uint32_t start = first;  // where an open fan begins
+    std::uint32_t start = first;  // first side of an open fan
     while (sides.opposite[start] != kNoSide) {
       start = NextSide(sides.opposite[start]);
       if (start == first) break;
@@ -97,7 +97,7 @@ void SeparateFans(const Sides& sides, TriangleMesh* mesh) {
   }
 }
 
-// The rims of holes as vertices, each in the direction of the triangles that are to fill it.
+// Vertices of the rims of holes, in the direction of the filling triangles.
 std::vector<std::vector<std::uint32_t>> FindRims(const Sides& sides, const TriangleMesh& mesh) {
   constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> before(mesh.vertices.size(), kNone);
@@ -117,7 +117,6 @@ std::vector<std::vector<std::uint32_t>> FindRims(const Sides& sides, const Trian
   return rims;
 }
 
-// Fills one hole.
 class Filler {
  public:
   Filler(std::vector<std::uint32_t> rim, TriangleMesh* mesh) : ring_(std::move(rim)), mesh_(*mesh) {
@@ -140,7 +139,7 @@ class Filler {
  private:
   std::uint32_t At(std::size_t i) const { return ring_[i % ring_.size()]; }
 
-  // A vertex with the mean of others' normals and colours.
+  // Adds a vertex with the average normal and colour of `others`.
   std::uint32_t Add(const std::vector<std::uint32_t>& others, const Eigen::Vector3f& position) {
     Eigen::Vector3f normal = Eigen::Vector3f::Zero(), color = Eigen::Vector3f::Zero();
     for (const std::uint32_t v : others) {
@@ -158,8 +157,8 @@ class Filler {
     return static_cast<std::uint32_t>(mesh_.vertices.size() - 1);
   }
 
-  // A new vertex for every two of the ring, by the height of a triangle on both farther inside; of
-  // an odd number the last one has its own.
+  // Adds one inner vertex per two vertices of the ring, at the height of an equilateral triangle.
+  // The last vertex of an odd ring gets its own inner vertex.
   void AddRing() {
     std::vector<std::uint32_t> inner;
     for (std::size_t i = 0; i < ring_.size(); i += 2) {

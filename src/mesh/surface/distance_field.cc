@@ -11,7 +11,7 @@ namespace {
 constexpr int kFieldBlocksPerTask = 16;
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
-// The grid points of a block's side within the support of a surfel.
+// Grid points along one axis of a block within the support of a surfel.
 struct Span {
   int from, to;
 
@@ -35,7 +35,6 @@ DistanceField::DistanceField(const SurfelCubes& surfels, float cell_m,
     for (int i = begin; i < end; ++i) values_[i] = Compute(i, surfels, &ranges);
     done(static_cast<double>(end - begin) / block_count());
   });
-  // Those that no surfel reaches go.
   std::size_t kept = 0;
   for (std::size_t i = 0; i < keys_.size(); ++i) {
     if (!values_[i]) continue;
@@ -106,7 +105,7 @@ void DistanceField::Add(const MeshSurfel& surfel, const Eigen::Vector3f& origin,
       if (square >= kernel.square) continue;
       float* weight = &(*weights)[(z * kSide + y) * kSide];
       float* distance = &(*distances)[(z * kSide + y) * kSide];
-      for (int x = 0; x < kSide; ++x) {  // all of the row: so many at once
+      for (int x = 0; x < kSide; ++x) {  // whole row, for vectorisation
         const float dx = static_cast<float>(x) * cell_m_ - center.x();
         const float w = kernel.Weight(square + dx * dx);
         weight[x] += w;
@@ -125,7 +124,8 @@ int DistanceField::FindBlock(const Cube& block) const {
 void DistanceField::Load(int i, WideBlock* values) const {
   values->fill(kUnknown);
   const Cube own = BlockAt(i);
-  const auto from = [](int step) { return step < 0 ? kSide - 1 : 0; };  // in the other block
+  // Start index in the other block.
+  const auto from = [](int step) { return step < 0 ? kSide - 1 : 0; };
   const auto count = [](int step) { return step == 0 ? kSide : 1; };
   const auto to = [](int step) { return step < 0 ? 0 : step == 0 ? 1 : kSide + 1; };
   for (int dz = -1; dz <= 1; ++dz) {

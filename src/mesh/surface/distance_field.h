@@ -10,7 +10,7 @@
 
 namespace surfit {
 
-// How much a surfel counts at a place: w = (1 - d^2 / support^2)^2 / sigma^2 at a distance of d.
+// Weight of a surfel at distance d: w = (1 - d^2 / support^2)^2 / sigma^2.
 struct SurfelKernel {
   float square, per_square, scale;  // support^2, 1 / support^2, 1 / sigma^2
 
@@ -24,41 +24,43 @@ struct SurfelKernel {
   }
 };
 
-// The signed distance to the surface, positive on the side that was seen, at the points of a grid:
-// an implicit moving least squares (Kolluri 2005),
+// Signed distance to the surface at the points of a grid, positive on the observed side. Implicit
+// moving least squares (Kolluri 2005),
 //   f(x) = sum w_i(x) n_i . (x - p_i) / sum w_i(x),
-// by the kernels of the surfels near x, and NaN where there are none. Points are in blocks.
+// with the weights of SurfelKernel. NaN without surfels near x. Points are stored in blocks.
 class DistanceField {
  public:
-  static constexpr int kSide = 8;  // points along a block's side
+  static constexpr int kSide = 8;  // points per side of a block
   static constexpr int kPoints = kSide * kSide * kSide;
-  // A block with one further point on each side: from -1 to kSide.
+  // A block with one additional point on each side: indices -1 to kSide.
   static constexpr int kWide = kSide + 2;
   using WideBlock = std::array<float, kWide * kWide * kWide>;
 
-  // Surfels in cubes of kSide cells. `done` is called from any thread with a share of the work.
+  // Requires surfels in cubes of kSide cells. `done` is called from several threads with the ratio
+  // of finished work.
   DistanceField(const SurfelCubes& surfels, float cell_m, const std::function<void(double)>& done);
 
   float cell_m() const { return cell_m_; }
-  // How far a surfel's kernel reaches: over the points around each place that it supports.
+  // Radius of the kernel of a surfel, m.
   float SupportOf(const MeshSurfel& surfel) const {
     return std::max(surfel.reach_m, kFewestCells * cell_m_);
   }
-  // The farthest of all.
+  // Maximum SupportOf() of all surfels.
   float support_m() const { return support_m_; }
 
   int block_count() const { return static_cast<int>(keys_.size()); }
   Cube BlockAt(int i) const { return CubeKey::ToCube(keys_[i]); }
-  // -1 where there is none.
+  // Index of a block; -1: none.
   int FindBlock(const Cube& block) const;
-  // The place of a grid point.
+  // Position of a grid point, m.
   Eigen::Vector3f PointAt(const Cube& point) const { return point.cast<float>() * cell_m_; }
-  // With NaN in blocks that are not there.
+  // Loads block i with its border. Points in missing blocks are NaN.
   void Load(int i, WideBlock* values) const;
 
  private:
-  static constexpr float kFewestCells = 2.5f;  // all corners of the cells that a plane cuts
-  using Values = std::array<float, kPoints>;   // x first
+  // Includes all corners of the cells that a plane cuts.
+  static constexpr float kFewestCells = 2.5f;
+  using Values = std::array<float, kPoints>;  // x is the fastest index
 
   void FindBlocks(const SurfelCubes& surfels);
   std::unique_ptr<Values> Compute(int i, const SurfelCubes& surfels,

@@ -16,13 +16,12 @@ constexpr int kBlockSide = DistanceField::kSide, kWideSide = DistanceField::kWid
 constexpr std::uint16_t kNoVertex = 0xffff;
 
 struct SurfaceVertex {
-  Eigen::Vector3f position;  // metres
-  Eigen::Vector3f normal;    // first any vector to the side that was seen
+  Eigen::Vector3f position;  // m
+  Eigen::Vector3f normal;    // initially any vector towards the observed side
   Rgb8 color;
-  bool is_supported = false;  // by a surfel that faces the same way, and reaches here
+  bool is_supported = false;  // a surfel with the same orientation reaches this vertex
 };
 
-// What the surfels around a place say about it.
 struct Around {
   float weight = 0, height = 0;                      // sums of w and of w n . (x - p)
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // sum of w n
@@ -33,13 +32,13 @@ struct Around {
   float Distance() const { return weight > 0 ? height / weight : 0; }
 };
 
-// Completes vertices of the field's zero by the surfels around them. One for each thread.
+// Refines vertices by their surrounding surfels. Not thread-safe: one object per thread.
 class VertexRefiner {
  public:
   VertexRefiner(const DistanceField& field, const SurfelCubes& surfels)
       : field_(field), surfels_(surfels) {}
 
-  // Those of a small part of space.
+  // The vertices must be close together.
   void Refine(std::vector<SurfaceVertex>* vertices) {
     if (vertices->empty()) return;
     Eigen::Vector3f low = vertices->front().position, high = low;
@@ -68,7 +67,7 @@ class VertexRefiner {
         around.weight += weight;
         around.height += weight * height;
         around.normal += weight * surfel.normal;
-        // Colours change faster than heights: of nearer surfels.
+        // Colours vary faster than heights, so their weights are concentrated on near surfels.
         const float share = 1 - square * kernel.per_square;
         const float color_weight = weight * share * share * share * share;
         around.color_weight += color_weight;
@@ -105,12 +104,11 @@ class VertexRefiner {
   std::vector<SurfelCubes::Range> ranges_;
 };
 
-// The part of the mesh that a block of the field gives.
 struct BlockMesh {
   std::array<std::uint16_t, DistanceField::kPoints> first;  // vertex of each cell
   std::vector<SurfaceVertex> vertices;
   std::vector<TriangleMesh::Triangle> triangles;
-  std::uint32_t begin = 0;  // of its vertices among all
+  std::uint32_t begin = 0;  // index of its first vertex in the whole mesh
 };
 
 int WideIndex(const Cube& point) {
@@ -121,7 +119,6 @@ int CellIndex(const Cube& cell) {
 }
 Cube Corner(int c) { return {c & 1, c >> 1 & 1, c >> 2}; }
 
-// The values at a cell's corners.
 struct Cell {
   std::array<float, CellPatches::kCorners> values;
   int pattern = 0;  // CellPatches
@@ -136,8 +133,7 @@ struct Cell {
   }
   bool IsCut() const { return is_known && pattern != 0 && pattern != 255; }
 
-  // The middle of where the field is zero on the edges of a patch, from the cell's corner 0 in
-  // cells.
+  // Mean of the zero crossings on the edges of a patch, relative to corner 0, in cells.
   Eigen::Vector3f MiddleOf(const CellPatches& patches, int patch) const {
     Eigen::Vector3f sum = Eigen::Vector3f::Zero();
     int count = 0;
@@ -152,7 +148,7 @@ struct Cell {
     return sum / static_cast<float>(count);
   }
 
-  // Towards the side that was seen.
+  // Gradient of the field, which points to the observed side.
   Eigen::Vector3f Gradient() const {
     Eigen::Vector3f gradient = Eigen::Vector3f::Zero();
     for (int c = 0; c < CellPatches::kCorners; ++c)
@@ -185,7 +181,6 @@ void FindVertices(const DistanceField& field, int block, const DistanceField::Wi
   }
 }
 
-// Triangles of one block, once all have their vertices.
 class Joiner {
  public:
   Joiner(const DistanceField& field, std::vector<BlockMesh>* blocks)
@@ -207,7 +202,7 @@ class Joiner {
     const SurfaceVertex* vertex = nullptr;
   };
 
-  // The quad around the edge from a point along an axis, if the surface cuts it.
+  // Adds the quad around a grid edge if the surface cuts it.
   void JoinAround(const Cube& point, int axis, const DistanceField::WideBlock& values,
                   BlockMesh* mesh) const {
     const float from = values[WideIndex(point)];
@@ -215,13 +210,13 @@ class Joiner {
     if (std::isnan(from) || std::isnan(to) || (from < 0) == (to < 0)) return;
     const Cube u = Cube::Unit((axis + 1) % 3), v = Cube::Unit((axis + 2) % 3);
     const std::array<Cube, 4> cells = {point - u - v, point - v, point, point - u};
-    constexpr std::array<int, 4> kEdgeOf = {3, 2, 0, 1};  // of the cells, that the edge is
+    constexpr std::array<int, 4> kEdgeOf = {3, 2, 0, 1};  // index of this edge in each cell
     std::array<Place, 4> corners;
     for (int i = 0; i < 4; ++i) {
       corners[i] = Find(cells[i], 4 * axis + kEdgeOf[i], values);
       if (corners[i].vertex == nullptr) return;
     }
-    if (!(from < 0)) std::swap(corners[1], corners[3]);  // seen from `from`
+    if (!(from < 0)) std::swap(corners[1], corners[3]);  // orientation towards `from`
     AddQuad(corners, mesh);
   }
 
@@ -238,7 +233,6 @@ class Joiner {
     return vertex.is_supported ? Place{block.begin + index, &vertex} : Place{};
   }
 
-  // As two triangles along the shorter diagonal.
   static void AddQuad(const std::array<Place, 4>& q, BlockMesh* mesh) {
     const auto squared = [&](int i, int j) {
       return (q[i].vertex->position - q[j].vertex->position).squaredNorm();

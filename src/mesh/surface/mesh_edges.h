@@ -9,8 +9,8 @@
 
 namespace surfit {
 
-// The triangle beyond each side of each triangle: side k goes from corner k to the next one.
-// kNone where there is none, or more than one.
+// Neighbouring triangle at each side of each triangle. Side k goes from corner k to the next
+// corner. kNone: no neighbour, or more than one.
 class TriangleNeighbors {
  public:
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();

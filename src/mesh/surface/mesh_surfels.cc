@@ -13,12 +13,12 @@
 namespace surfit {
 namespace {
 
-// Adds up shares of one stage, from many threads.
+// Sums the progress of a stage over several threads.
 class StageProgress {
  public:
   StageProgress(const MeshProgress& progress) : progress_(progress) {}
 
-  // The next stage, which is so large a part of all.
+  // Starts the next stage. `part`: its ratio of the total work.
   std::function<void(double)> Begin(const char* stage, double part) {
     begin_ += part_;
     part_ = part;
@@ -38,7 +38,8 @@ class StageProgress {
   const char* stage_ = "";
 };
 
-// The spacing of n points in a disc of a radius R: pi R^2 = n spacing^2.
+// Sets the spacing of surfels from the number n of points in a disc with radius R: pi R^2 = n
+// spacing^2.
 void MeasureSpacings(float radius_m, std::vector<MeshSurfel>* surfels) {
   const SurfelCubes cubes(*surfels, radius_m);
   ParallelFor(0, cubes.cube_count(), 16, [&](int begin, int end) {
@@ -62,8 +63,9 @@ void MeasureSpacings(float radius_m, std::vector<MeshSurfel>* surfels) {
   });
 }
 
-// The points with normals. Depth's noise grows with the square of the distance, a surfel's radius
-// with the distance; confidence counts sightings: sigma ~ radius^2 / sqrt(confidence).
+// Converts points with normals. Depth noise grows with the square of the distance, and the radius
+// grows with the distance. Confidence is about the number of observations. Therefore sigma ~
+// radius^2 / sqrt(confidence).
 std::vector<MeshSurfel> ToSurfels(const PointCloud& cloud, const MeshOptions& options) {
   constexpr float kLeastConfidence = 0.1f;
   const auto trim_m = static_cast<float>(options.trim_distance_m);
@@ -90,7 +92,7 @@ std::vector<MeshSurfel> ToSurfels(const PointCloud& cloud, const MeshOptions& op
   return surfels;
 }
 
-// How far the points are from the mesh, along the normal of its nearest vertex.
+// Distances between the points and the mesh, along the normal of the nearest vertex.
 void MeasureDistances(const PointCloud& cloud, const TriangleMesh& mesh, double cell_m,
                       MeshSummary* summary) {
   constexpr int kPointsPerTask = 4096;

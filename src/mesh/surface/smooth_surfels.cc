@@ -9,21 +9,19 @@ namespace surfit {
 namespace {
 
 constexpr int kCubesPerTask = 16;
-constexpr int kFewest = 6;              // surfels that make a plane
+constexpr int kFewest = 6;              // minimum number of surfels for a plane
 constexpr float kFacingSameWay = 0.5f;  // cosine between normals
-constexpr double kFlat = 4;             // variance along a plane, of that across it
-constexpr float kLeastSigma = 5e-4f;    // metres: errors that neighbours share do not average out
-constexpr float kMostSpacings = 8;      // that a surfel looks around
+constexpr double kFlat = 4;             // minimum ratio of the variances along and across a plane
+constexpr float kLeastSigma = 5e-4f;    // m; correlated errors, which do not average out
+constexpr float kMostSpacings = 8;      // maximum radius of a neighbourhood, in spacings
 constexpr float kFewestSpacings = 2.5f;
-constexpr float kPlaneSpacings = 4;  // for the scale of the sigmas
+constexpr float kPlaneSpacings = 4;  // radius for the scale of the sigmas
 
-// A plane fitted to weighted surfels.
 struct Plane {
   Eigen::Vector3f point, normal;
-  float rms_m = 0;  // of the surfels, along the normal
+  float rms_m = 0;  // RMS distance of the surfels along the normal
 };
 
-// Sums of weighted offsets from a surfel.
 class PlaneSum {
  public:
   void Add(float weight, const Eigen::Vector3f& offset, const Eigen::Vector3f& normal) {
@@ -40,8 +38,8 @@ class PlaneSum {
     second_[5] += weighted.z() * offset.z();
   }
 
-  // Around the surfel; false if there are too few. Where they are so noisy that they are no flatter
-  // than wide, or in a line, the plane has their mean normal.
+  // Fits a plane. Returns false with too few surfels. If the surfels are not flat or lie on a line,
+  // the plane gets their mean normal.
   bool Fit(const MeshSurfel& surfel, Plane* plane) const {
     if (count_ < kFewest) return false;
     const Eigen::Vector3f mean = first_ / weight_;
@@ -69,12 +67,11 @@ class PlaneSum {
   std::array<float, 6> second_ = {};
 };
 
-// Fits planes to the surfels around others.
 class PlaneFitter {
  public:
   explicit PlaneFitter(const SurfelCubes& cubes) : cubes_(cubes) {}
 
-  // From now on for the surfels of this cube, that look so far around at most.
+  // Selects the cube of the following surfels, and their maximum neighbourhood radius.
   void Enter(int cube, float reach_m) {
     const Eigen::Vector3f low = cubes_.CubeOf(cube).cast<float>() * cubes_.cube_m();
     const Eigen::Vector3f margin = Eigen::Vector3f::Constant(reach_m);
@@ -82,8 +79,8 @@ class PlaneFitter {
                       &ranges_);
   }
 
-  // With the surfels within reach_m whose height above the surfel's plane is within gates of both
-  // sigmas.
+  // Fits a plane to the surfels within reach_m with similar normals. Their heights must be within
+  // `gates` times the sum of both sigmas.
   bool Fit(const MeshSurfel& surfel, float reach_m, float gates, Plane* plane) const {
     PlaneSum sum;
     const float squared_reach = reach_m * reach_m, per_square = 1 / squared_reach;
@@ -95,7 +92,7 @@ class PlaneFitter {
         if (square >= squared_reach) continue;
         const float cosine = surfel.normal.dot(other.normal);
         if (cosine < kFacingSameWay) continue;
-        // A normal that is off by a quarter of a radian tells a height so wrong.
+        // Allows a normal error of 0.25 rad.
         const float height = std::abs(surfel.normal.dot(offset));
         if (height > gates * (surfel.sigma_m + other.sigma_m) + 0.25f * std::sqrt(square)) continue;
         const float share = 1 - square * per_square;
@@ -127,9 +124,9 @@ float MedianSpacing(const std::vector<MeshSurfel>& surfels) {
 
 void FindSigmas(std::vector<MeshSurfel>* surfels) {
   constexpr float kAllHeights = 1e6f;
-  constexpr float kMostTimes = 4;  // that what a surfel shows counts more than what is expected
+  constexpr float kMostTimes = 4;  // limit of the measured sigma, relative to the scaled sigma
   const SurfelCubes cubes(*surfels, kPlaneSpacings * MedianSpacing(*surfels));
-  std::vector<float> shown_m(surfels->size(), -1.f);  // in the surfels' order
+  std::vector<float> shown_m(surfels->size(), -1.f);  // in the order of `surfels`; -1: unknown
   ParallelFor(0, cubes.cube_count(), kCubesPerTask, [&](int begin, int end) {
     PlaneFitter fitter(cubes);
     for (int c = begin; c < end; ++c) {
@@ -158,9 +155,9 @@ void FindSigmas(std::vector<MeshSurfel>* surfels) {
 void SmoothSurfels(double normal_noise_rad, const std::function<void(double)>& done,
                    std::vector<MeshSurfel>* surfels) {
   constexpr float kGates = 3;  // standard deviations
-  // A plane's slope over n = pi reach^2 / spacing^2 surfels in a disc has the standard deviation
-  // 2 sigma / (reach sqrt(n)) = 2 sigma spacing / (sqrt(pi) reach^2). Weights that fall to zero at
-  // the reach leave about a third of them.
+  // The slope of a plane over n = pi reach^2 / spacing^2 surfels has the standard deviation 2 sigma
+  // / (reach sqrt(n)) = 2 sigma spacing / (sqrt(pi) reach^2). Decreasing weights reduce the
+  // effective n to about a third.
   const auto factor = static_cast<float>(2 * 1.7 / (std::sqrt(M_PI) * normal_noise_rad));
   const float most_m = kMostSpacings * MedianSpacing(*surfels);
   const auto reach_of = [&](const MeshSurfel& surfel) {

@@ -13,7 +13,7 @@ SurfelCubes::SurfelCubes(const std::vector<MeshSurfel>& surfels, float cube_m) :
     const Eigen::Vector3f& p = surfels[i].position;
     const float farthest_m = p.cwiseAbs().maxCoeff();
     ThrowIf(!(farthest_m / cube_m < CubeKey::kMostCubes - 2), "a point ", farthest_m,
-            " m from the origin is too far for cells of ", "this size: enlarge cell_m");
+            " m from the origin is too far for cells of ", "this size: increase cell_m");
     keyed[i] = {CubeKey::Of(CubeAt(p)), static_cast<std::uint32_t>(i)};
   }
   std::sort(keyed.begin(), keyed.end());

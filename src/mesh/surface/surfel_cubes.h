@@ -8,19 +8,18 @@
 
 namespace surfit {
 
-// What a mesh is made of: a disc with what is known about it.
 struct MeshSurfel {
-  Eigen::Vector3f position;  // metres
+  Eigen::Vector3f position;  // m
   Eigen::Vector3f normal;    // unit length
-  float spacing_m = 0;       // of surfels around it
-  float reach_m = 0;         // the surface goes on so far beside it
+  float spacing_m = 0;       // spacing of the surfels around it
+  float reach_m = 0;         // extent of the surface beside it
   float sigma_m = 0;         // standard deviation along the normal
   Rgb8 color;
 };
 
-using Cube = Eigen::Vector3i;  // its place in a grid of cubes from the origin on
+using Cube = Eigen::Vector3i;  // coordinates in a grid of cubes
 
-// Cubes as numbers in the order of z, y, x. Coordinates are within +-2^20.
+// Cube coordinates as integers, in the order of z, y, x. Coordinates are within +-2^20.
 class CubeKey {
  public:
   static constexpr int kMostCubes = 1 << 20;
@@ -39,28 +38,28 @@ class CubeKey {
   static std::uint64_t Part(int i) { return static_cast<std::uint32_t>(i + kMostCubes); }
 };
 
-// Surfels sorted into the cubes of a grid, those of a cube in their former order.
+// Surfels sorted by cubes of a grid. The order within a cube is kept.
 class SurfelCubes {
  public:
   struct Range {
     std::uint32_t begin, end;
   };
 
-  // Throws InputError if surfels are farther than CubeKey::kMostCubes cubes from the origin.
+  // Throws InputError for surfels more than CubeKey::kMostCubes cubes from the origin.
   SurfelCubes(const std::vector<MeshSurfel>& surfels, float cube_m);
 
   float cube_m() const { return cube_m_; }
   const std::vector<MeshSurfel>& surfels() const { return surfels_; }
-  // Where each of them stood before.
+  // Input index of each surfel.
   const std::vector<std::uint32_t>& order() const { return order_; }
 
-  // The cubes that hold surfels, by their keys in ascending order.
+  // Number of cubes with surfels. Cubes are sorted by key.
   int cube_count() const { return static_cast<int>(keys_.size()); }
   Cube CubeOf(int i) const { return CubeKey::ToCube(keys_[i]); }
   Range SurfelsOf(int i) const { return {begin_[i], begin_[i + 1]}; }
 
-  // Replaces `ranges` by those of all surfels in cubes that touch the box, which are all surfels in
-  // it and some beyond.
+  // Replaces `ranges` by the surfels of all cubes that overlap the box. These are all surfels in
+  // the box, and some others.
   void FindWithin(const Eigen::Vector3f& low, const Eigen::Vector3f& high,
                   std::vector<Range>* ranges) const;
 
@@ -73,7 +72,8 @@ class SurfelCubes {
   std::vector<MeshSurfel> surfels_;
   std::vector<std::uint32_t> order_;
   std::vector<std::uint64_t> keys_;
-  std::vector<std::uint32_t> begin_;  // of each cube, and the end of the last
+  // Index of the first surfel of each cube. The last entry is the number of surfels.
+  std::vector<std::uint32_t> begin_;
 };
 
 }  // namespace surfit

@@ -7,12 +7,13 @@
 
 namespace surfit {
 
-// Where a frame's colours show points of the world. As in FrameColors, a point X of the frame's
-// pose is where it was at the time t of the row that shows it, X - t (turn x X + velocity).
+// Projection of world points into the colour image of a frame. As in FrameColors, a point X at the
+// pose of the frame is projected from X - t (turn x X + velocity), where t is the capture time of
+// its row.
 class TextureCamera {
  public:
-  // A pixel with depth along the optical axis, m, and motion in px/s; of no place (z = 0) for what
-  // is behind the camera.
+  // Pixel coordinates, depth along the optical axis in m, and image motion in px/s. z = 0: behind
+  // the camera.
   struct Place {
     float u = 0, v = 0, z = 0, speed = 0;
   };
@@ -42,7 +43,7 @@ class TextureCamera {
     const float rho = 1 / x.z(), u = fx_ * x.x() * rho + cx_, v = fy_ * x.y() * rho + cy_;
     const float u_per_s = -fx_ * rho * (way.x() - x.x() * rho * way.z());
     const float v_per_s = -fy_ * rho * (way.y() - x.y() * rho * way.z());
-    // t = middle + (v + v_per_s t - middle_v) row
+    // Solves t = middle + (v + v_per_s t - middle_v) row.
     const float t = (middle_s_ + (v - middle_v_) * row_s_) / std::max(0.5f, 1 - v_per_s * row_s_);
     return {u + u_per_s * t, v + v_per_s * t, std::max(kLeastDepth, x.z() - way.z() * t),
             std::sqrt(u_per_s * u_per_s + v_per_s * v_per_s)};

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint32_t kNoPlace = std::numeric_limits<std::uint32_t>::max();
 
-// Collects the triangles of one view that hang together.
+// Collects the connected triangles with the same view.
 std::vector<std::uint32_t> ConnectedTo(std::uint32_t first, const TriangleNeighbors& neighbors,
                                        const std::vector<int>& views, std::vector<bool>* is_done) {
   std::vector<std::uint32_t> found = {first};
@@ -30,7 +30,8 @@ std::vector<std::uint32_t> ConnectedTo(std::uint32_t first, const TriangleNeighb
   return found;
 }
 
-// Their size in the picture, and whether they fit: shelves from the top, charts from the left.
+// Places the charts in rows ("shelves") from the top, each from left to right. Sets their sizes and
+// `height`. Returns false if they do not fit.
 bool PlaceOnShelves(double share, int width, int max_height, const std::vector<std::size_t>& order,
                     std::vector<TextureChart>* charts, int* height) {
   int left = 0, top = 0, shelf = 0;
@@ -59,7 +60,7 @@ bool PlaceOnShelves(double share, int width, int max_height, const std::vector<s
 
 }  // namespace
 
-// Two pixels along a triangle's side.
+// Sets two pixels per average side of a triangle.
 ColorViews::ColorViews(const TriangleMesh& mesh) {
   double sum = 0;
   for (const TriangleMesh::Triangle& t : mesh.triangles)
@@ -132,7 +133,7 @@ PackedSize PackCharts(int max_side_px, std::vector<TextureChart>* charts) {
   constexpr double kSmaller = 0.95, kSmallest = 0.02;
   PackedSize size;
   for (; size.pixel_share > kSmallest; size.pixel_share *= kSmaller) {
-    // As square as may be.
+    // As square as possible.
     double area = 0, widest = 0;
     for (const TextureChart& chart : *charts) {
       const Eigen::Vector2d sides = size.pixel_share * (chart.high - chart.low).cast<double>() +
@@ -147,7 +148,7 @@ PackedSize PackCharts(int max_side_px, std::vector<TextureChart>* charts) {
       return size;
   }
   throw InputError("max_texture_px is ", max_side_px, ", which is too small for the mesh's ",
-                   charts->size(), " charts: enlarge it, or cell_m");
+                   charts->size(), " charts: increase it or cell_m");
 }
 
 }  // namespace surfit

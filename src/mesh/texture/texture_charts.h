@@ -9,24 +9,23 @@
 
 namespace surfit {
 
-// A connected part of the mesh that one view shows: a frame, or, where none does, the mesh's own
-// colours as seen along an axis.
+// A connected part of the mesh with the same view. The view is a frame or, without a suitable
+// frame, an orthographic view of the vertex colours.
 struct TextureChart {
-  int view = 0;  // frames first, then ColorViews
+  int view = 0;  // index of a frame, or frame count + ColorViews index
   std::vector<std::uint32_t> triangles;
   std::uint32_t first_place = 0, end_place = 0;
-  Eigen::Vector2f low, high;  // of its places, in the view's pixels
-  int left = 0, top = 0;      // where it begins in the picture, with its margin
-  int width = 0, height = 0;  // there
+  Eigen::Vector2f low, high;  // bounds of its places, in pixels of the view
+  int left = 0, top = 0;      // position in the texture, including the margin
+  int width = 0, height = 0;  // size in the texture
 };
 
-// Six orthographic views that show vertices' colours, towards the axes' directions.
+// Six orthographic views of the vertex colours along the directions of the axes.
 class ColorViews {
  public:
   explicit ColorViews(const TriangleMesh& mesh);
 
   static constexpr int kCount = 6;
-  // Which of them shows a triangle best.
   int ViewOf(const TriangleMesh& mesh, const TriangleMesh::Triangle& triangle) const;
   Eigen::Vector2f See(int view, const Eigen::Vector3f& point) const;
 
@@ -34,30 +33,30 @@ class ColorViews {
   float pixel_m_;
 };
 
-// The charts of a mesh, with their places in pixels of their views.
+// Charts of a mesh with pixel coordinates in their views.
 struct TextureLayout {
   std::vector<TextureChart> charts;
-  std::vector<std::uint32_t> vertices;            // of each place
-  std::vector<Eigen::Vector2f> pixels;            // of the view of its chart
-  std::vector<TriangleMesh::Triangle> triangles;  // of places
+  std::vector<std::uint32_t> vertices;            // mesh vertex of each place
+  std::vector<Eigen::Vector2f> pixels;            // in the view of the chart
+  std::vector<TriangleMesh::Triangle> triangles;  // indices of places
 };
 
-// `views` are of each triangle.
 TextureLayout MakeCharts(const TriangleMesh& mesh, const TriangleNeighbors& neighbors,
                          const std::vector<int>& views, const std::vector<TextureCamera>& cameras,
                          const ColorViews& color_views);
 
-// The margin around charts in the picture, so that nothing beside them is mixed in.
+// Margin around charts in the texture. It prevents colours of other charts in interpolation.
 inline constexpr int kChartMargin_px = 2;
 
-// A picture and how large frames' pixels are in it.
+// Size of the texture, and its scale relative to the frames.
 struct PackedSize {
   int width = 0, height = 0;
   double pixel_share = 1;
 };
 
-// Puts the charts into a picture of at most this size, on shelves, the highest first; as large as
-// in their views, or all smaller by the same factor. Throws InputError if there are too many.
+// Packs the charts into an image with sides of at most max_side_px, on shelves in descending order
+// of height. If necessary, all charts are reduced by the same factor. Throws InputError if there
+// are too many charts.
 PackedSize PackCharts(int max_side_px, std::vector<TextureChart>* charts);
 
 }  // namespace surfit

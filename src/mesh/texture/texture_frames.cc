@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kFramesAhead = 4;
 
-// How far the image of what is 1.5 m away moves in a second, in rays.
+// Image speed of a point at 1.5 m on the optical axis, in focal lengths per second.
 double SpeedOf(const CameraMotion& motion) {
   constexpr double kUsualDepth_m = 1.5;
   const Eigen::Vector3d way = motion.turn_rad_per_s.cross(Eigen::Vector3d::UnitZ()) +
@@ -21,9 +21,9 @@ double SpeedOf(const CameraMotion& motion) {
   return way.head<2>().norm();
 }
 
-// The slowest frame of each part.
+// Indices of the slowest frame of each part.
 std::set<int> ChooseFrames(const RecordedRun& run, int max_frames) {
-  std::vector<std::pair<int, double>> frames;  // with their speeds
+  std::vector<std::pair<int, double>> frames;  // index and speed
   std::size_t i = 0;
   for (const auto& [index, pose] : run.world_from_camera) {
     const double stamp_s = run.trajectory[i++].stamp_s;

@@ -7,11 +7,11 @@
 
 namespace surfit {
 
-// The frames of a run of surfit_slam, as it saw them in the end: by the poses of its poses.json, by
-// the camera and at colour's moment that it found. Frames that it held out are left out. Of each of
-// max_frames equal parts of the others that is given whose image moved least; 0 = all. `sequence`
-// is what the run read. Throws InputError naming the file at fault, now or when frames are read; a
-// frame that cannot be read or has no colour is passed over.
+// Frames of a run of surfit_slam with the final poses of its poses.json, its estimated calibration
+// and colour latency. Held-out frames are omitted. The other frames are divided into max_frames
+// equal parts, and the frame with the least image motion of each part is used; 0: all frames.
+// `sequence` is the input of the run. Frames without colour and unreadable frames are skipped.
+// Throws InputError with the file name, here or when frames are read.
 TextureFrames TextureFramesOf(const std::string& run, const SequenceOptions& sequence,
                               int max_frames);
 

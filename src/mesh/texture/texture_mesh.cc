@@ -25,15 +25,14 @@ double AreaOf(const TriangleMesh& mesh, std::size_t triangle) {
   return 0.5 * (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a).norm();
 }
 
-// Which frame each triangle has its colours from.
+// Selects the frame that provides the texture of each triangle.
 class FrameChoice {
  public:
   static constexpr int kNoFrame = -1;
 
   explicit FrameChoice(std::size_t triangles) : candidates_(triangles) {}
 
-  // A frame, how sharply it shows each triangle, and which one it is. Of many frames that show a
-  // triangle the sharpest ones are kept.
+  // Adds a frame with its sharpness per triangle. Keeps the sharpest frames of each triangle.
   void Add(int frame, const std::vector<float>& sharpness) {
     frame_count_ = std::max(frame_count_, frame + 1);
     const int count = static_cast<int>(candidates_.size());
@@ -48,9 +47,9 @@ class FrameChoice {
     });
   }
 
-  // Frames are taken one after the other, each time that which shows most of what is left, by area
-  // and sharpness, where it is sharp enough; then triangles take their neighbours' frames where
-  // that saves seams that cost more than the sharpness that is lost.
+  // Selects frames greedily: each step takes the frame that shows the largest area of remaining
+  // triangles, weighted by sharpness, if it is sharp enough. Then triangles switch to frames of
+  // their neighbours if this reduces the cost of seams and lost sharpness.
   std::vector<int> Choose(const TriangleMesh& mesh, const TriangleNeighbors& neighbors,
                           const TextureOptions& options) const {
     std::vector<int> frames = CoverGreedily(mesh, static_cast<float>(options.least_sharpness));
@@ -64,10 +63,10 @@ class FrameChoice {
     std::int32_t frame = kNoFrame;
     float sharpness = 0;
   };
-  using Candidates = std::array<Candidate, kCandidates>;  // the sharpest first
+  using Candidates = std::array<Candidate, kCandidates>;  // descending sharpness
 
   std::vector<int> CoverGreedily(const TriangleMesh& mesh, float least_share) const {
-    // What a triangle adds to the worth of its candidates while it has no frame.
+    // Contribution of a triangle without frame to the value of a candidate.
     const auto worth = [&](std::size_t i, const Candidate& candidate) {
       const float share = candidate.sharpness / candidates_[i][0].sharpness;
       return share >= least_share ? share * AreaOf(mesh, i) : 0.;
@@ -92,7 +91,7 @@ class FrameChoice {
         for (const Candidate& candidate : candidates_[i])
           if (candidate.frame != kNoFrame) worths[candidate.frame] -= worth(i, candidate);
       }
-      *best = 0;  // but for what is lost by rounding
+      *best = 0;  // removes rounding errors
     }
     return frames;
   }
@@ -111,7 +110,7 @@ class FrameChoice {
             if (other != TriangleNeighbors::kNone && (*frames)[other] != candidate.frame)
               cost += seam_cost;
           }
-          // Of equal ones that which it has.
+          // For equal costs the current frame is kept.
           const bool is_less = cost < least_cost;
           if (best != kNoFrame && !is_less &&
               !(cost == least_cost && candidate.frame == (*frames)[i]))
@@ -128,11 +127,10 @@ class FrameChoice {
   int frame_count_ = 0;
 };
 
-// All that frames tell before the picture is painted.
 struct SeenFrames {
   std::vector<TextureCamera> cameras;
   std::vector<Eigen::Vector3f> gains;
-  std::vector<int> views;  // of each triangle: frames first, then ColorViews
+  std::vector<int> views;  // per triangle: frame index, or frame count + ColorViews index
 };
 
 SeenFrames LookAtFrames(const TriangleMesh& mesh, const TriangleNeighbors& neighbors,

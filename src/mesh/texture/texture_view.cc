@@ -13,16 +13,16 @@ namespace surfit {
 namespace {
 
 constexpr int kVerticesPerTask = 8192, kTrianglesPerTask = 8192;
-constexpr int kMargin_px = 3;         // around depth edges and borders colours are mixed
-constexpr float kLeastCosine = 0.2f;  // between ray and normal
-constexpr float kHidden_m = 0.03f;    // what lies so much farther than the nearest is hidden ...
-constexpr float kHiddenPerMetre = 0.03f;  // ... and so much more at a depth of 1 m
-constexpr float kMissed_m = 0.1f;         // what was measured so far away is something else
-constexpr int kDark = 20, kBright = 245;  // beyond, colours tell less
+constexpr int kMargin_px = 3;             // range of mixed colours at depth edges and image borders
+constexpr float kLeastCosine = 0.2f;      // between ray and normal
+constexpr float kHidden_m = 0.03f;        // minimum depth behind an occluder
+constexpr float kHiddenPerMetre = 0.03f;  // added to kHidden_m, per metre of depth
+constexpr float kMissed_m = 0.1f;         // maximum difference to the measured depth
+constexpr int kDark = 20, kBright = 245;  // limits of reliable colours
 constexpr float kLossByBrightness = 0.7f;
 constexpr float kBlur_s = 0.005f, kPixelsPerMetre = 500.f;  // as in FrameColors
 
-// The least value in the square around each pixel.
+// Minimum of the square neighbourhood of each pixel.
 template <typename T>
 Image<T> LeastAround(const Image<T>& image, int radius) {
   const int width = image.width(), height = image.height();
@@ -45,7 +45,7 @@ Image<T> LeastAround(const Image<T>& image, int radius) {
   return least;
 }
 
-// Positive floats are in the order of their bits.
+// Atomic minimum. The bits of positive floats have the order of their values.
 void Lower(std::atomic<std::uint32_t>* bits, float value) {
   std::uint32_t lower = 0, seen = bits->load(std::memory_order_relaxed);
   std::memcpy(&lower, &value, sizeof(lower));
@@ -138,7 +138,8 @@ float TextureView::SharpnessOf(const Triangle& triangle) const {
   const Eigen::Vector3f &a = mesh_.vertices[triangle[0]], &b = mesh_.vertices[triangle[1]],
                         &c = mesh_.vertices[triangle[2]];
   const Eigen::Vector3f own = (b - a).cross(c - a), ray = camera_.center() - (a + b + c) / 3;
-  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // smoother than its own
+  // Average of the vertex normals, smoother than `own`.
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();
   float z = 0, speed = 0, bright = 0;
   for (const std::uint32_t v : triangle) {
     normal += mesh_.normals[v];
@@ -159,7 +160,8 @@ Rgb8 TextureView::ColorOf(std::uint32_t vertex) const {
   return frame_.frame.color(static_cast<int>(place.u + 0.5f), static_cast<int>(place.v + 0.5f));
 }
 
-// The ratio of sums over triangles, of colours that are neither dark nor too bright in the frame.
+// Ratio of the sums of mesh and frame colours over visible triangles, without dark and overexposed
+// colours.
 void TextureView::FindGain() {
   constexpr int kFewest = 100;
   struct Sums {

@@ -8,16 +8,14 @@
 
 namespace surfit {
 
-// What a frame shows of a mesh.
 class TextureView {
  public:
   TextureView(const TriangleMesh& mesh, const TextureFrame& frame);
 
   const TextureCamera& camera() const { return camera_; }
-  // How sharply it shows each triangle, as FrameColors weighs colours; 0 where it does not.
+  // Sharpness of each triangle, defined as the colour weight of FrameColors. 0: not visible.
   const std::vector<float>& sharpness() const { return sharpness_; }
-  // What the colours of frames, red, green and blue, are to be multiplied by to be those of the
-  // mesh.
+  // Per-channel gains that map frame colours to mesh colours.
   Eigen::Vector3f gain() const { return gain_; }
 
  private:
@@ -26,18 +24,19 @@ class TextureView {
   void DrawDepths();
   void FindClearPixels();
   float SharpnessOf(const Triangle& triangle) const;
-  // Whether nothing hides it, what the frame measured is there, and colours are all around.
+  // True if the triangle is not occluded, agrees with the measured depth, and has colours at all
+  // pixels.
   bool IsClear(const Triangle& triangle) const;
   bool IsClearAt(float u, float v, float z) const;
-  Rgb8 ColorOf(std::uint32_t vertex) const;  // that is seen clearly
+  Rgb8 ColorOf(std::uint32_t vertex) const;  // requires a visible vertex
   void FindGain();
 
   const TriangleMesh& mesh_;
   const TextureFrame& frame_;
   const TextureCamera camera_;
-  std::vector<TextureCamera::Place> places_;  // of the mesh's vertices
-  Image<float> nearest_m_;                    // depth of the mesh in and around each pixel
-  Image<std::uint8_t> is_clear_;              // no border, and nothing without colour, is near
+  std::vector<TextureCamera::Place> places_;  // per vertex of the mesh
+  Image<float> nearest_m_;        // smallest depth of the mesh around each pixel; infinity: none
+  Image<std::uint8_t> is_clear_;  // 0 close to the image border and to missing colours
   std::vector<float> sharpness_;
   Eigen::Vector3f gain_ = Eigen::Vector3f::Ones();
 };

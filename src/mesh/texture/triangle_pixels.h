@@ -6,8 +6,8 @@
 
 namespace surfit {
 
-// Calls visit(u, v, shares) for the pixels of an image whose centres are in a triangle, the shares
-// of its corners at each. Which way round the corners are does not matter.
+// Calls visit(u, v, shares) for all pixels of an image with their centre in a triangle. `shares`
+// are the barycentric coordinates. The orientation of the triangle is arbitrary.
 template <typename Visit>
 void VisitPixels(const Eigen::Vector2f& a, const Eigen::Vector2f& b, const Eigen::Vector2f& c,
                  int width, int height, const Visit& visit) {

@@ -12,7 +12,7 @@
 namespace surfit {
 namespace {
 
-constexpr std::size_t kRegistered = 3;  // of the poses found, the best
+constexpr std::size_t kRegistered = 3;  // number of poses from features that are registered
 
 constexpr NamedValue<FarReason> kReasons[] = {{"no_view", FarReason::kNoView},
                                               {"no_start", FarReason::kNoStart},
@@ -84,9 +84,9 @@ std::string Doubt(const FarVerdict& verdict, const FitCriteria& fit) {
                     ", must be at most ", fit.max_rmse_m, " m and at least ", fit.min_inlier_share,
                     " of the overlap share");
     case FarReason::kAmbiguous:
-      return at_least("lead over other poses", verdict.lead, fit.min_lead);
+      return at_least("score margin over other poses", verdict.lead, fit.min_lead);
     case FarReason::kInconsistent:
-      return at_most("disagreement with the way back, m,", verdict.disagreement_m,
+      return at_most("forward-backward disagreement in m", verdict.disagreement_m,
                      fit.max_disagreement_m);
     default:
       return "";

@@ -22,15 +22,16 @@ namespace surfit {
 namespace {
 
 constexpr int kGridColumns = 8, kGridRows = 6;
-constexpr int kDetectedPerKept = 4;  // before the strongest of each cell are chosen
+constexpr int kDetectedPerKept = 4;  // detected features per selected feature
 constexpr float kScaleFactor = 1.2f;
 constexpr int kScales = 8;
-constexpr int kBorderPx = 15;     // the patch's half width: turned corners wrap into its border
-constexpr int kFastContrast = 7;  // of 255: even rooms have little; OpenCV's is 20
+constexpr int kBorderPx = 15;  // half the patch size; patches can extend over the image border
+// Of 255. OpenCV's default is 20, too much for rooms with little contrast.
+constexpr int kFastContrast = 7;
 
 constexpr int kDepthRadiusPx = 2;
 
-constexpr int kMaxHamming = 70;  // of 256
+constexpr int kMaxHamming = 70;  // bits of 256
 constexpr double kMaxRatio = 0.9;
 
 cv::Ptr<cv::ORB> MakeOrb(int max_count) {
@@ -40,7 +41,7 @@ cv::Ptr<cv::ORB> MakeOrb(int max_count) {
                          kFastContrast);
 }
 
-// The strongest of each cell, those of equal strength in the order found.
+// The strongest keypoints of each cell. Ties keep the detection order.
 std::vector<cv::KeyPoint> Spread(std::vector<cv::KeyPoint> keys, const cv::Size& size,
                                  int max_count) {
   std::stable_sort(keys.begin(), keys.end(), [](const cv::KeyPoint& a, const cv::KeyPoint& b) {
@@ -58,7 +59,6 @@ std::vector<cv::KeyPoint> Spread(std::vector<cv::KeyPoint> keys, const cv::Size&
   return kept;
 }
 
-// The descriptors that are nearest and second nearest to one.
 struct Nearest {
   static constexpr int kFarthest = 257;
   int index = -1;
@@ -76,13 +76,13 @@ struct Nearest {
 };
 
 constexpr int kLevels = 3;
-constexpr double kQuality = 0.01;  // of the strongest corner
+constexpr double kQuality = 0.01;  // relative to the strongest corner
 constexpr double kApart_px = 6;
 
 constexpr int kRadius_px = 4, kSide_px = 2 * kRadius_px + 1;
 constexpr int kSteps = 15;
 constexpr float kSmallStep_px = 0.02f, kFarthest_px = 12;
-// Correlations with the image before, and with the first.
+// Minimum correlation with the previous image and with the first image.
 constexpr float kAlikeNext = 0.6f, kAlikeFirst = 0.5f;
 constexpr float kLeastContrast = 0.008f;
 constexpr int kTracksPerBlock = 16;
@@ -96,7 +96,8 @@ bool IsWithin(const Image<float>& image, const Eigen::Vector2f& at) {
          at.y() < static_cast<float>(image.height()) - kMargin;
 }
 
-// The patch around a pixel that IsWithin() the image, bilinear, from so many pixels beside it.
+// Patch around a pixel that is inside by IsWithin(), shifted by (beside_u, beside_v) px.
+// Interpolates bilinearly.
 Patch PatchAt(const Image<float>& image, const Eigen::Vector2f& at, int beside_u = 0,
               int beside_v = 0) {
   const int left = static_cast<int>(at.x()), top = static_cast<int>(at.y());
@@ -113,8 +114,8 @@ Patch PatchAt(const Image<float>& image, const Eigen::Vector2f& at, int beside_u
 
 float LengthOf(const Patch& patch) { return patch.matrix().norm(); }
 
-// Less its mean, and of unit length: what gain and offset do not change. Nothing beyond the image
-// and where it is even.
+// Patch with zero mean and unit norm, which is invariant to gain and offset. std::nullopt outside
+// the image and at low contrast.
 std::optional<Patch> LookAt(const Image<float>& image, const Eigen::Vector2f& at) {
   if (!IsWithin(image, at)) return std::nullopt;
   Patch patch = PatchAt(image, at);
@@ -129,7 +130,7 @@ struct Found {
   float alike;  // correlation
 };
 
-// From `at` on, where the patch around `from` is.
+// Searches the target for the patch around `from`, starting at `at`. std::nullopt: not found.
 std::optional<Found> FindPatch(const Image<float>& source, const Eigen::Vector2f& from,
                                const Image<float>& target, Eigen::Vector2f at) {
   const std::optional<Patch> wanted = LookAt(source, from);
@@ -160,11 +161,11 @@ std::optional<Found> FindPatch(const Image<float>& source, const Eigen::Vector2f
   return Found{at, (*here * *wanted).sum()};
 }
 
-// The pixel's place in an image of half the size.
+// Pixel coordinates at half the resolution.
 Eigen::Vector2f Coarser(const Eigen::Vector2f& at) { return (at.array() - 0.5f) / 2; }
 Eigen::Vector2f Finer(const Eigen::Vector2f& at) { return at.array() * 2 + 0.5f; }
 
-// Coarse to fine, from the expected place on.
+// Coarse-to-fine alignment from the expected position.
 std::optional<Eigen::Vector2f> FindCorner(const GreyPyramid& source, const Eigen::Vector2f& from,
                                           const GreyPyramid& target,
                                           const Eigen::Vector2f& expected) {
@@ -255,7 +256,7 @@ namespace {
 constexpr double kInlierSigmas = 3;
 constexpr std::size_t kMinInliers = 4;
 constexpr int kRefinements = 5;
-constexpr double kMinSide = 0.05;  // m; smaller triangles hold no rotation
+constexpr double kMinSide = 0.05;  // m; smaller triangles do not constrain the rotation
 
 class ConsensusSearch {
  public:
@@ -263,7 +264,7 @@ class ConsensusSearch {
                   const std::vector<FeatureMatch>& matches)
       : source_(source), target_(target), matches_(matches) {}
 
-  // In descending order of their inliers, first drawn first.
+  // In descending order of inliers; ties keep the order of the samples.
   std::vector<Consensus> Draw(int max_tries) const {
     std::mt19937_64 generator(1);
     std::vector<Consensus> found;
@@ -297,7 +298,8 @@ class ConsensusSearch {
            std::pow(target_.sigmas_m[match.target], 2);
   }
 
-  // Sides are as long in both views, and long enough. Two equal matches make a side of no length.
+  // True if the side lengths are equal in both views and at least kMinSide. Rejects repeated
+  // matches, whose side has zero length.
   bool IsRigid(const std::vector<int>& sample) const {
     for (int i = 0; i < 3; ++i) {
       const FeatureMatch &a = matches_[sample[i]], &b = matches_[sample[(i + 1) % 3]];

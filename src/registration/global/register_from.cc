@@ -11,9 +11,8 @@
 namespace surfit {
 namespace {
 
-constexpr double kRivalShiftM = 0.1;  // of the starts to both sides of the best pose
+constexpr double kRivalShiftM = 0.1;  // shift of the additional initial poses
 
-// Where registration from a start ended, and how well the views agree there.
 struct Fit {
   Rigid3d start;
   IcpResult icp;
@@ -24,7 +23,7 @@ struct Fit {
 
 struct ScoredPose {
   Rigid3d target_from_source;
-  double score;  // of its ViewFit
+  double score;  // ViewFit::Score()
 };
 
 double MeanDepth(const FrameLevel& level) {
@@ -73,7 +72,8 @@ class FarRegistration {
     return FarReason::kAccepted;
   }
 
-  // Poses that fill free space are no fits, but rivals of any.
+  // Poses with free-space violations are not fits, but they count as alternatives in the score
+  // margin.
   void RegisterFromStart(const Rigid3d& start) {
     IcpResult icp = Register(source_.pyramid, target_.pyramid, start, options_.icp_from_start);
     is_degenerate_ = is_degenerate_ || icp.termination == Termination::kSingularSystem;
@@ -168,10 +168,11 @@ class FarRegistration {
   const FarView& target_;
   const FarOptions& options_;
   FarVerdict verdict_;
-  std::vector<Fit> fits_;             // that succeeded
-  std::vector<ScoredPose> poses_;     // theirs, and further ones that might be as good
-  std::optional<Fit> first_failure_;  // the starts stand in the order of their promise
-  bool is_degenerate_ = false;        // registration from a start left directions free
+  std::vector<Fit> fits_;          // successful registrations
+  std::vector<ScoredPose> poses_;  // fits_ and other candidate poses
+  // First failure: the most promising one, because initial poses are sorted.
+  std::optional<Fit> first_failure_;
+  bool is_degenerate_ = false;  // an initial pose led to a degenerate system
 };
 
 }  // namespace
@@ -190,8 +191,8 @@ bool AreSame(const Rigid3d& a, const Rigid3d& b) {
 
 Matrix6d RealisticCovariance(const Matrix6d& covariance, double disagreement_rad,
                              double disagreement_m) {
-  // In simulated rooms all loops are within three sigmas of it, most far within; a real Kinect's
-  // loops differ from each other by about as much.
+  // All loops in simulated rooms are within three sigmas of this covariance, most far within. Loops
+  // of a real Kinect differ by about the same amount.
   constexpr double kFloorRad = 0.002, kFloorM = 0.004;
   Matrix6d realistic = kSharedPoints * covariance;
   realistic.diagonal().head<3>().array() +=

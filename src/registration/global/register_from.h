@@ -7,35 +7,37 @@
 
 namespace surfit {
 
-// A view as registration from afar needs it.
+// Input view of a global registration. References must outlive the registration.
 struct FarView {
-  const FramePyramid& pyramid;  // on which all starts are registered
-  const FramePyramid& finest;   // on which the best of them is then; the same where that is done
-  ViewLevel level;              // on which fits are measured
+  const FramePyramid& pyramid;  // registered from all initial poses
+  // For the final registration of the best pose. No final registration if it is `pyramid` itself.
+  const FramePyramid& finest;
+  ViewLevel level;  // for the score of fits
   bool has_color = false;
 };
 
 struct FarOptions {
-  IcpOptions icp_from_start;  // on the pyramid; its error model measures fits
-  IcpOptions icp;             // on the finest
+  IcpOptions icp_from_start;  // on `pyramid`; the error model also scores fits
+  IcpOptions icp;             // on `finest`
   FitCriteria fit;
 };
 
-// Registers a view to another from each of the starts, and looks for reasons to refuse the best
-// fit: in how the views look there, in the registration on the finest level, in rival poses (from
-// other starts, and to both sides along what the data holds least) and in the registration the
-// other way round. Adds what it finds to a verdict.
+// Registers two views from several initial poses and verifies the best fit. The checks are:
+// 1. agreement of the views at that pose,
+// 2. final registration on the finest level,
+// 3. score margin over other poses: other initial poses, and shifts along the weakest direction,
+// 4. backward registration.
+// The result extends `verdict`.
 FarVerdict RegisterFrom(const std::vector<Rigid3d>& starts, const FarView& source,
                         const FarView& target, const FarOptions& options,
                         const FarVerdict& verdict = {});
 
-// Whether two poses are one and the same fit.
+// True if two poses are equal within the tolerance of a registration.
 bool AreSame(const Rigid3d& a, const Rigid3d& b);
 
-// What a fit's covariance is in truth, from registration's and from how far registration the other
-// way round disagrees. Registration's own is as if all residuals were independent, but neighbours
-// share noise through filters; and both views share what is wrong with the camera's calibration,
-// which many points do not make less.
+// Covariance of a fit with systematic errors. Registration assumes independent residuals, but
+// filters correlate neighbouring pixels. Calibration errors are common to both views, so more
+// points do not reduce them. The disagreement of forward and backward registration is added, too.
 Matrix6d RealisticCovariance(const Matrix6d& covariance, double disagreement_rad,
                              double disagreement_m);
 

@@ -12,9 +12,8 @@ namespace surfit {
 namespace {
 
 constexpr int kMostFeatures = 2000;
-constexpr int kFeaturePoses = 10;  // that are tried at most
+constexpr int kFeaturePoses = 10;  // maximum number of RANSAC poses
 
-// Poses nearer to each other than this are one.
 struct Nearness {
   double distance_m;
   double angle_rad;
@@ -23,10 +22,10 @@ constexpr Nearness kCoarseNearness = {0.08, 4 * kRadPerDeg};
 constexpr Nearness kMiddleNearness = {0.03, 1 * kRadPerDeg};
 constexpr Nearness kFineNearness = {0.02, 1 * kRadPerDeg};
 
-// A quarter of the coarsest level's points tells which rotations lead anywhere.
+// Subsampling of the coarsest level for the first scores of all rotations.
 constexpr int kSketchStride = 2;
 
-// How many different poses are left at each stage.
+// Maximum number of distinct poses after each stage.
 constexpr std::size_t kCoarsePoses = 40;
 constexpr std::size_t kMiddlePoses = 6;
 constexpr std::size_t kFinePoses = 8;
@@ -36,7 +35,7 @@ bool AreNear(const Rigid3d& a, const Rigid3d& b, const Nearness& nearness) {
          RotationAngle(a.rotation.conjugate() * b.rotation) < nearness.angle_rad;
 }
 
-// The best of poses near to each other, in descending order.
+// Removes duplicates of better poses and sorts by descending score.
 std::vector<StartPose> BestDifferent(std::vector<StartPose> poses, const Nearness& nearness,
                                      std::size_t max_count) {
   std::stable_sort(poses.begin(), poses.end(),
@@ -53,7 +52,7 @@ std::vector<StartPose> BestDifferent(std::vector<StartPose> poses, const Nearnes
   return different;
 }
 
-// change(pose) of each, in their order.
+// Applies `change` to all poses in parallel. The order is kept.
 std::vector<StartPose> ForAll(const std::vector<StartPose>& poses,
                               const std::function<StartPose(const StartPose&)>& change) {
   std::vector<StartPose> changed(poses.size());
@@ -67,7 +66,7 @@ std::vector<StartPose> ForAll(const std::vector<StartPose>& poses,
 
 std::vector<Eigen::Quaterniond> RotationGrid() {
   constexpr double kReachRad = 60 * kRadPerDeg;
-  // The side of the lattice's cubes. What is farthest from all of its points is sqrt(5) / 4 of it.
+  // Side of the lattice cubes. The largest distance to a lattice point is sqrt(5) / 4 of it.
   constexpr double kSideRad = 19 * kRadPerDeg;
   const int reach = static_cast<int>(kReachRad / kSideRad) + 1;
   std::vector<Eigen::Vector3d> vectors;
@@ -105,7 +104,7 @@ StartSearch::StartSearch(const ColoredView& source, const ColoredView& target,
   target_brightness_ = brightness(target);
 }
 
-// Every stage looks at about as many points as the coarsest level has.
+// Each stage uses about as many points as the coarsest level.
 int StartSearch::StrideOf(Stage stage) const {
   return 1 << std::max(0, LevelOf(kCoarse) - LevelOf(stage));
 }
@@ -120,7 +119,7 @@ ViewLevel StartSearch::Target(Stage stage) const {
   return {target_.pyramid.levels[LevelOf(stage)], target_brightness_[LevelOf(stage)]};
 }
 
-// A coarser level shows shapes less exactly.
+// The surface error doubles with each coarser level.
 double StartSearch::Score(Stage stage, const Rigid3d& pose, int stride) const {
   ErrorModel error_model = error_model_;
   error_model.floor_sigma_m *= std::pow(2, LevelOf(stage));
@@ -145,7 +144,7 @@ std::vector<StartPose> StartSearch::FromRotations() const {
   for (const Eigen::Quaterniond& rotation : RotationGrid()) {
     poses.push_back({Rigid3d(rotation, Eigen::Vector3d::Zero()), 0});
   }
-  // Steps that let the room's walls find each other from far.
+  // A large distance gate, so that walls converge over long distances.
   DescentOptions descent;
   descent.max_steps = 15;
   descent.max_distance_m = 1.5;
@@ -170,8 +169,8 @@ StartPose StartSearch::Improve(const StartPose& start) const {
   return {pose, Score(kMiddle, pose, StrideOf(kMiddle))};
 }
 
-// Where shapes hold a direction badly (two walls and nothing else), the descent ends anywhere
-// along it, and only the images tell where.
+// If the geometry does not constrain a direction (for example two walls only), the result along it
+// is arbitrary. Brightness scores select the position along this direction.
 std::vector<StartPose> StartSearch::AlongWeakestDirection(const Rigid3d& pose) const {
   constexpr double kReachM = 1, kStepM = 0.05;
   constexpr std::size_t kBest = 6;

@@ -9,25 +9,24 @@
 
 namespace surfit {
 
-// How a pose descends on one pyramid level.
+// Options of the joint alignment on one pyramid level.
 struct DescentOptions {
   int max_steps = 10;
-  double max_distance_m = 0.4;      // points farther apart are no pairs; shrinks by 0.85 a step ...
-  double max_distance_end_m = 0.2;  // ... down to this
+  double max_distance_m = 0.4;      // initial distance gate; times 0.85 per step
+  double max_distance_end_m = 0.2;  // final distance gate
   bool use_brightness = true;
   bool rotation_only = false;
-  int stride = 1;         // of the source's columns and rows every n-th is taken
-  double damping = 3e-3;  // of a direction that the pairs do not hold, as a share of one they do
+  int stride = 1;         // subsampling of source rows and columns
+  double damping = 3e-3;  // relative to the information of a well constrained direction
 };
 
-// Which pairs of points, and which of their residuals.
 struct JointOptions {
   double max_distance_m = 0.4;
   bool use_brightness = true;
   int stride = 1;
 };
 
-// The normal equations of both residuals of the pairs at a pose.
+// Normal equations of the point-to-plane and brightness residuals at a pose.
 struct JointSystem {
   Matrix6d hessian = Matrix6d::Zero();
   Vector6d right_side = Vector6d::Zero();
@@ -35,47 +34,47 @@ struct JointSystem {
   double weighted_square_sum = 0;  // sum of these weights times |p'|^2
   int pair_count = 0;
 
-  // Measuring rotations as arc lengths at this distance, metres.
+  // RMS of |p'|, m: length that converts rotations to arc lengths.
   double RmsDistance() const;
 };
 
-// For each pair of points that land on each other, p' = R p + t with the surface (q, n) and the
-// target's brightness I at its pixel: the point-to-plane residual n . (p' - q), row [p' x n, n],
-// and the brightness residual I(p') - (a J + b), row [p' x d, d] with d = dI/dp'. J is the source's
-// brightness, a and b match the means and standard deviations of both (exposure). Both residuals
-// have a Geman-McClure kernel.
+// Linearises both residuals for all projective correspondences. p' = R p + t is the source point,
+// (q, n) is the surface at its target pixel, and I is the target brightness.
+// - point-to-plane residual: n . (p' - q), row [p' x n, n]
+// - brightness residual: I(p') - (a J + b), row [p' x d, d] with d = dI/dp'
+// J is the source brightness. Gain a and offset b equalise mean and standard deviation (exposure).
+// Both residuals have a Geman-McClure kernel.
 JointSystem LinearizeJointly(const ViewLevel& source, const ViewLevel& target,
                              const JointOptions& options, const Rigid3d& target_from_source);
 
-// Gauss-Newton steps from a start.
+// Gauss-Newton iterations from an initial pose.
 Rigid3d Descend(const ViewLevel& source, const ViewLevel& target, const Rigid3d& start,
                 const DescentOptions& options);
 
-// A pose that registration may start from.
 struct StartPose {
   Rigid3d target_from_source;
-  double score = 0;  // ViewFit::Score() on the level where it was found
+  double score = 0;  // ViewFit::Score() on the level of the search
 };
 
-// Rotations of up to 60 degrees, the nearest to none first: their rotation vectors are a
-// body-centred cubic lattice, at most 11 degrees from any rotation in between.
+// Rotations of up to 60 degrees in ascending order of the angle. The rotation vectors form a
+// body-centred cubic lattice. Every rotation in this range is within 11 degrees of a lattice point.
 std::vector<Eigen::Quaterniond> RotationGrid();
 
-// Searches for the pose of one view in another's frame on the three coarsest levels of both. Of the
-// finer ones as many points are looked at as the coarsest has: their places are more exact, and
-// more of them would hardly change where a descent ends.
+// Global search for the relative pose of two views, on the three coarsest levels of both pyramids.
+// All levels are subsampled to the number of points of the coarsest level. Points of finer levels
+// are more accurate, and a larger number of points would not change the result.
 class StartSearch {
  public:
-  // Keeps references: both views must outlive this object. Each has one level at least.
+  // Keeps references: both views must outlive this object. Each pyramid needs at least one level.
   StartSearch(const ColoredView& source, const ColoredView& target, const ErrorModel& error_model);
 
-  // The rotation about the camera's centre that makes the coarsest images most alike.
+  // Rotation about the camera centre with the highest score on the coarsest level.
   Rigid3d FindRotation() const;
 
-  // Different poses, the best first.
+  // Distinct poses in descending order of their scores.
   std::vector<StartPose> FindPoses() const;
 
-  // The finest of the three levels.
+  // Finest of the three levels.
   ViewLevel SourceLevel() const { return Source(kFine); }
   ViewLevel TargetLevel() const { return Target(kFine); }
 

@@ -24,7 +24,7 @@ struct Count {
   }
 };
 
-// Index of the pixel nearest to a point in the camera's frame, or -1.
+// Index of the pixel nearest to a point in the camera frame; -1 outside the image.
 int PixelOf(const Eigen::Vector3d& point, const PinholeCamera& camera) {
   if (!(point.z() > 0)) return -1;
   const Eigen::Vector2d pixel = camera.Project(point) + Eigen::Vector2d(0.5, 0.5);
@@ -33,7 +33,7 @@ int PixelOf(const Eigen::Vector3d& point, const PinholeCamera& camera) {
   return inside ? static_cast<int>(pixel.y()) * camera.width + static_cast<int>(pixel.x()) : -1;
 }
 
-// From the target's surface, both at these depths.
+// Distance bound to the target surface, m.
 double FreeSpaceBound(const FrameLevel& source, double source_z_m, const FrameLevel& target,
                       double target_z_m, const ErrorModel& error_model) {
   const double of_source_m = error_model.Sigma(source_z_m, source.noise);
@@ -97,7 +97,7 @@ double FreeSpaceShare(const FrameLevel& source, const FrameLevel& target,
 
 namespace {
 
-// 8-bit colours are rounded by 1 / 255 at least, and noisy.
+// 8-bit colours have a rounding error of 1 / 255 and noise.
 constexpr double kValueFloorVariance = 1e-5;
 constexpr double kDetailFloorVariance = 1e-6;
 
@@ -142,9 +142,9 @@ OneWayFit MeasureOneWay(const ViewLevel& source, const ViewLevel& target,
   return fit;
 }
 
-// What one image tells of the other, in nats per pixel.
+// Mutual information in nats per pixel.
 double Information(double correlation) {
-  constexpr double kLargest = 0.98;  // of what noise leaves
+  constexpr double kLargest = 0.98;  // bound for the effect of image noise
   const double rho = std::clamp(correlation, 0., kLargest);
   return -0.5 * std::log(1 - rho * rho);
 }

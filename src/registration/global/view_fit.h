@@ -10,46 +10,45 @@
 
 namespace surfit {
 
-// How bright one pyramid level of a frame is.
 struct BrightnessLevel {
-  Image<float> value;   // 0 = black, 1 = white
-  Image<float> detail;  // value less its mean over some pixels: edges and texture without shading
+  Image<float> value;   // 0: black, 1: white
+  Image<float> detail;  // value minus its local mean: edges and texture without shading
 };
 
-// With the detail of these values.
 BrightnessLevel BrightnessOf(Image<float> value);
 
-// As many levels as asked for, each further one the mean of 2 x 2 pixels like HalfResolution();
-// all zero where there is no colour.
+// Pyramid with `levels` levels. Each level averages 2 x 2 pixels of the previous one, as in
+// HalfResolution(). All values are 0 without colour.
 std::vector<BrightnessLevel> BrightnessPyramid(const Image<Rgb8>& color, int width, int height,
                                                int levels);
 
-// The brightness `halvings` levels below that of the colours, without detail; empty without
-// colours.
+// Brightness at 1 / 2^halvings of the resolution of `color`, without detail. Empty without colour.
 BrightnessLevel CoarseBrightness(const Image<Rgb8>& color, int halvings);
 
-// One resolution of a frame: shape and brightness of the same pixels.
+// One pyramid level: geometry and brightness of the same pixels. Keeps references.
 struct ViewLevel {
   const FrameLevel& surface;
   const BrightnessLevel& brightness;
 };
 
-// Surfaces of two views are the same only if their normals differ by no more.
+// Minimum cosine between the normals of equal surfaces.
 inline constexpr float kMinNormalCosine = 0.8f;
 
-// Where a source pixel with depth lands in the target's image.
+// Projection of a source pixel into the target image.
 struct Landing {
   int source_pixel = 0;   // index of the source pixel
-  int target_pixel = 0;   // and of the target pixel nearest to
-  float u = 0, v = 0;     // where it lands, px
-  Eigen::Vector3f point;  // p' = R p + t, metres
+  int target_pixel = 0;   // index of the nearest target pixel
+  float u = 0, v = 0;     // projected position, px
+  Eigen::Vector3f point;  // p' = R p + t in the target frame, m
 };
 
-// Calls visit(landing) for each, row by row, of every n-th column and row of the source.
+// Calls visit(landing) row by row for every stride-th source row and column. Skips pixels without
+// depth and projections outside the target image.
 template <typename Visit>
 void ForEachLanding(const FrameLevel& source, const FrameLevel& target,
                     const Rigid3d& target_from_source, const Visit& visit, int stride = 1) {
-  constexpr float kNearest = 0.05f;  // m; closer to the camera's plane pixels fly apart
+  // Minimum depth in m, because projections diverge near the camera plane.
+  constexpr float kNearest = 0.05f;
   const Eigen::Matrix3f rotation = target_from_source.rotation.toRotationMatrix().cast<float>();
   const Eigen::Vector3f translation = target_from_source.translation.cast<float>();
   const PinholeCamera& camera = target.camera;
@@ -70,7 +69,7 @@ void ForEachLanding(const FrameLevel& source, const FrameLevel& target,
       return;
     }
     landing.source_pixel = i;
-    const float from_left = landing.u + 0.5f, from_top = landing.v + 0.5f;  // not negative
+    const float from_left = landing.u + 0.5f, from_top = landing.v + 0.5f;  // at least 0
     landing.target_pixel = static_cast<int>(from_top) * camera.width + static_cast<int>(from_left);
     visit(landing);
   };
@@ -83,15 +82,15 @@ inline Eigen::Vector3f At(const VectorImage& image, int pixel) {
   return {image.x[pixel], image.y[pixel], image.z[pixel]};
 }
 
-// A value between four pixels, and how it changes per pixel.
+// Bilinear interpolation of an image, and its derivatives per pixel.
 struct BilinearSample {
   float value = 0;
   float slope_u = 0;
   float slope_v = 0;
 };
 
-// At a place within half a pixel of the image, which is at least 2 x 2; beyond the outermost pixel
-// centres it goes on linearly.
+// Requires an image of at least 2 x 2 pixels, and (u, v) within half a pixel of it. Extrapolates
+// linearly outside the outermost pixel centres.
 inline BilinearSample SampleAt(const Image<float>& image, float u, float v) {
   const int left = std::clamp(static_cast<int>(u), 0, image.width() - 2);
   const int top = std::clamp(static_cast<int>(v), 0, image.height() - 2);
@@ -103,46 +102,46 @@ inline BilinearSample SampleAt(const Image<float>& image, float u, float v) {
           (1 - b) * (upper[1] - upper[0]) + b * (lower[1] - lower[0]), below - on_top};
 }
 
-// A point farther in front of a surface than so many sigmas contradicts it.
+// Height above a surface, in sigmas, from which a point is a free-space violation.
 inline constexpr double kFreeSpaceSigmas = 5;
 
-// How far the source contradicts the target at a pose: a source point p' in front of the surface
-// (vertex q, normal n facing the camera) at the target pixel it projects to fills space that the
-// target camera saw through. Returns the share of points with r > kFreeSpaceSigmas * sigma among
-// those with r >= -kFreeSpaceSigmas * sigma,
+// Ratio of free-space violations of the source in the target view. A source point p' violates free
+// space if it is in front of the surface (vertex q, normal n facing the camera) at its target
+// pixel. The ratio is the number of points with r > kFreeSpaceSigmas * sigma, divided by the number
+// of points with r >= -kFreeSpaceSigmas * sigma, where
 //   r = n . (p' - q),  sigma^2 = floor_sigma_m^2 + sigma_z(p'_z)^2 + sigma_z(q_z)^2.
-// Points behind may be hidden and say nothing, nor do pixels without a normal (missing depth, depth
-// edges); 0 where no point says anything. Two views of a rigid scene hardly contradict each other
-// at the true pose, while a fit of some surfaces to others leaves the rest in each other's free
-// space.
+// Points behind the surface can be occluded and are ignored. Pixels without a normal (missing
+// depth, depth edges) are ignored, too. Returns 0 without usable points. Views of a rigid scene
+// have few violations at the true pose, and many at a wrong pose.
 double FreeSpaceShare(const FrameLevel& source, const FrameLevel& target,
                       const ErrorModel& error_model, const Rigid3d& target_from_source);
 
-// Sums that the correlation of two images follows from.
 struct CorrelationSums {
   double count = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
 
   void Add(double value_a, double value_b);
-  // From -1 to 1; near 0 where an image is even: `floor_variance` is added to both variances.
+  // Correlation from -1 to 1. `floor_variance` is added to both variances, so that the result is
+  // near 0 for uniform images.
   double Correlation(double floor_variance) const;
 };
 
-// How well two views agree at a pose: the correlations are means of both ways.
+// Agreement of two views at a pose. Correlations are averages over both directions.
 struct ViewFit {
-  double overlap_share = 0;       // of all points, those that lie on the other view's surface
-  double free_space_share = 0;    // the larger share of telling points in the other's free space
-  double value_correlation = 0;   // of the brightness where the surfaces lie on each other
-  double detail_correlation = 0;  // and of its detail
+  double overlap_share = 0;       // ratio of points on the surface of the other view
+  double free_space_share = 0;    // larger FreeSpaceShare() of both directions
+  double value_correlation = 0;   // brightness correlation in the overlap
+  double detail_correlation = 0;  // correlation of the brightness detail
 
-  // The larger, the better: the square root of the overlap, times what the images tell of each
-  // other in nats per pixel (for normally distributed values, -log(1 - rho^2) / 2) and a constant
-  // for the shapes, less where free space is filled. The root, as sliding along what the shapes
-  // leave open often adds overlap where hardly anything tells.
+  // Score of a fit; larger is better:
+  //   sqrt(overlap_share) * (1 + I(value_correlation) + 2 I(detail_correlation)),
+  // reduced by free-space violations. I(rho) = -log(1 - rho^2) / 2 is the mutual information of
+  // normally distributed values, in nats per pixel. The square root limits the gain from sliding
+  // along unconstrained directions, which adds overlap.
   double Score() const;
 };
 
-// Surfaces lie on each other where the distance is within kFreeSpaceSigmas of the error model and
-// the normals agree. Of both views every n-th column and row is taken.
+// Evaluates every stride-th row and column of both views. Surfaces overlap if their distance is
+// within kFreeSpaceSigmas and their normals agree.
 ViewFit MeasureFit(const ViewLevel& source, const ViewLevel& target, const ErrorModel& error_model,
                    const Rigid3d& target_from_source, int stride = 1);
 

@@ -10,7 +10,7 @@
 
 namespace surfit {
 
-// Each block is found where there is room for it in any case; then they close up, array by array.
+// Each block writes to its own range with full capacity. Then the ranges are compacted in place.
 PairBuffer Association::Collect(const Rigid3d& target_from_source) const {
   constexpr int kGrain = 8;
   const auto finder = At(target_from_source);
@@ -47,7 +47,7 @@ namespace {
 
 constexpr int kLanes = Lanes<float>::kCount;
 
-// Of every row_stride-th row.
+// Counts every row_stride-th row only.
 int CountValid(const FrameLevel& level, int row_stride) {
   const auto& z = level.vertex.z;
   int count = 0;
@@ -95,7 +95,7 @@ int ProjectiveAssociation::block_count() const {
   return (source_.vertex.height() + row_stride_ - 1) / row_stride_;
 }
 
-// The last lanes of a row are written as a whole.
+// The last store of a row writes all lanes.
 int ProjectiveAssociation::block_capacity() const { return source_.vertex.width() + kLanes; }
 
 std::unique_ptr<const PairFinder> ProjectiveAssociation::At(

@@ -12,17 +12,17 @@ namespace {
 
 constexpr int kGrain = 512;
 constexpr double kRadiusStep = M_SQRT2;
-constexpr double kLeastWidth = 0.01;  // sqrt(l1 / l2): narrower neighbourhoods are lines
+constexpr double kLeastWidth = 0.01;  // sqrt(l1 / l2); narrower neighbourhoods are lines
 
-// Coordinates are taken relative to the point itself, so that nothing cancels far from the origin.
+// Coordinates relative to `from`, which avoids cancellation far from the origin.
 Eigen::Vector3d Offset(const KdTree& tree, std::uint32_t from, std::uint32_t to) {
   return tree.Point(to).cast<double>() - tree.Point(from).cast<double>();
 }
 
 float SquaredBound(double radius_m) { return static_cast<float>(radius_m * radius_m); }
 
-// The side of the square that each point has for itself, where points are many: k of them within
-// r have pi r^2. The median over points all over the cloud; 0 if there are too few.
+// Median point spacing of the cloud, m; 0: too few points. Assumes that k neighbours within radius
+// r share the area pi r^2.
 double Spacing(const KdTree& tree) {
   constexpr std::size_t kNeighbors = 8, kSamples = 500;
   if (tree.size() <= kNeighbors) return 0;
@@ -84,7 +84,6 @@ Plane FitPlane(const KdTree& tree, const Eigen::Vector3f& center,
   return plane;
 }
 
-// Searches for planes in a cloud.
 class PlaneFinder {
  public:
   PlaneFinder(const std::vector<Eigen::Vector3f>& points, const CloudSensor& sensor,
@@ -99,13 +98,13 @@ class PlaneFinder {
   const KdTree& all() const { return thinned_.front(); }
   double radius_m() const { return radius_m_; }
 
-  // From the smallest radius that gives a good plane.
+  // Returns the plane of the smallest radius that gives a good fit.
   Plane Find(const Eigen::Vector3f& point, std::vector<std::uint32_t>* found) const {
     const double distance_m = (point.cast<double>() - sensor_.viewpoint).norm();
     const double noise_radius_m = 2 * sensor_.noise.SigmaZ(distance_m) / options_.max_thickness;
     const double largest_m = options_.max_growth * radius_m_ * (1 + 1e-9);
     Plane plane;
-    if (!(radius_m_ > 0)) return plane;  // too few points, or all in one place
+    if (!(radius_m_ > 0)) return plane;  // too few points, or all at the same position
     for (double radius_m = std::clamp(noise_radius_m, radius_m_, options_.max_growth * radius_m_);
          !plane.good && radius_m <= largest_m; radius_m *= kRadiusStep) {
       const KdTree& tree = TreeFor(radius_m);
@@ -118,15 +117,15 @@ class PlaneFinder {
  private:
   static constexpr int kTrees = 6;
 
-  // Every fourth point, all over the cloud.
+  // Keeps every fourth point in tree order, which samples the whole cloud.
   static KdTree Thinned(const KdTree& tree) {
     std::vector<Eigen::Vector3f> points;
     for (std::uint32_t i = 0; i < tree.size(); i += 4) points.push_back(tree.Point(i));
     return KdTree(points);
   }
 
-  // Some hundred neighbours will do: all points up to four times the radius to begin with, a
-  // quarter up to twice as far, and so on.
+  // Limits the number of neighbours to a few hundred. Radii below four times the initial radius use
+  // all points. Each further doubling of the radius uses a quarter of the points.
   const KdTree& TreeFor(double radius_m) const {
     const int doublings = static_cast<int>(std::log2(radius_m / radius_m_ + 1e-9));
     return thinned_[std::clamp(doublings - 1, 0, kTrees - 1)];

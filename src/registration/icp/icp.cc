@@ -32,8 +32,8 @@ int RowStride(const IcpOptions& options, const FrameLevel& source, int level) {
   return std::max(1, source.vertex.height() / options.min_source_rows);
 }
 
-// Points of all rows say what intensities do: few have any texture. Against fewer points' shapes
-// they must weigh less, each.
+// Photometric residuals use all rows, because few points have texture. Their weight is divided by
+// the row stride to keep the balance with the geometric residuals.
 ErrorModel ErrorModelOfLevel(const IcpOptions& options, int level, int row_stride) {
   ErrorModel error_model = options.error_model;
   error_model.photometric_weight /= row_stride;
@@ -73,7 +73,6 @@ void RegisterLevel(const FrameLevel& source, const FrameLevel& target, int level
   RunLevel({*association, *solver, level, start, target.camera.fx}, options, result);
 }
 
-// Rejects a fit after which one view's surfaces stand in what the other saw through.
 void CheckFreeSpace(const FrameLevel& source, const FrameLevel& target, const IcpOptions& options,
                     IcpResult* result) {
   if (options.max_free_space_share >= 1) return;
@@ -102,7 +101,7 @@ IcpResult Register(const FramePyramid& source, const FramePyramid& target,
     if (!options.middle_levels && level > 0 && level < levels - 1) continue;
     RegisterLevel(source.levels[level], target.levels[level], level, target_from_source_initial,
                   options, &result);
-    // What a coarse level leaves free, a finer one may hold.
+    // Finer levels can constrain directions that are degenerate on a coarse level.
     if (result.termination == Termination::kTooFewInliers) return result;
   }
   if (levels > 0 && result.Succeeded())

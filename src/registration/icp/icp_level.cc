@@ -6,14 +6,13 @@
 namespace surfit {
 namespace {
 
-constexpr double kLeastPairs = 6;  // as many as a pose has unknowns
+constexpr double kLeastPairs = 6;  // number of unknowns of a pose
 
-// A pose and what the pairs say there.
 struct PoseState {
   Rigid3d pose;
   StepResult step;
 
-  // What the rules of termination look at: without intensities the RMSE.
+  // Residual of the termination rules; without intensities equal to the RMSE.
   double JointRmse() const { return std::sqrt(step.system.JointLoss()); }
 };
 
@@ -68,7 +67,7 @@ class LevelRun {
 
   void TakeBackFreeMotion(const Observability& held) {
     const Rigid3d moved = result_.target_from_source * level_.start.Inverse();
-    Vector6d motion;  // as one increment, to first order
+    Vector6d motion;  // first-order increment
     motion << QuaternionLog<double>(moved.rotation), moved.translation;
     result_.target_from_source = LeftIncrement(held.Held(motion), level_.start);
   }
@@ -79,8 +78,8 @@ class LevelRun {
     return state.step.system.pair_count < std::max({least_pairs, least_share, kLeastPairs});
   }
 
-  // Beyond what counts as no change. RMSE may rise on the way to a better pose as well, where more
-  // pairs come to fit: then inliers rise with it.
+  // The threshold is the tolerance of convergence. The RMSE may also rise on the way to a better
+  // pose if the number of inliers rises.
   bool RmseRose(const PoseState& best, const PoseState& state) const {
     return options_.stop_at_rmse_increase &&
            state.JointRmse() > (1 + options_.min_relative_rmse_change) * best.JointRmse() &&
@@ -130,8 +129,8 @@ class LevelRun {
   const IcpOptions& options_;
   IcpResult& result_;
   int source_count_;
-  bool checks_normal_noise_ = false;  // for directions to be held
-  NormalSystem last_system_;          // at the pose where the iterations ended
+  bool checks_normal_noise_ = false;  // apply options.held in Iterate()
+  NormalSystem last_system_;          // at the final pose of the iterations
 };
 
 }  // namespace

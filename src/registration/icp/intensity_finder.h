@@ -7,14 +7,14 @@
 
 namespace surfit {
 
-// Where textured points are looked up.
+// Input of an IntensityFinder. Keeps references.
 struct IntensitySearch {
   const FrameLevel& target;
   Rigid3d target_from_source;
-  double max_distance_m = 0;  // from the target's depth; 0 = off
+  double max_distance_m = 0;  // to the target depth; 0: no limit
 };
 
-// Looks up points in the target's image, eight at a time.
+// Samples the target image at projected points, eight at a time.
 template <typename Instructions>
 class IntensityFinder {
  public:
@@ -27,8 +27,8 @@ class IntensityFinder {
     if (search.max_distance_m > 0) max_distance_ = V(search.max_distance_m);
   }
 
-  // Writes the pairs of all points from an index on; returns how many there are. There must be
-  // room for all points and as many as there are lanes.
+  // Writes the pairs of all points from index `first`. Returns the number of pairs. The arrays need
+  // space for all points plus one vector of lanes.
   int Find(const TexturedPoints& points, int first, IntensityPairs* pairs) const {
     const int count = static_cast<int>(points.x.size());
     int next = first;
@@ -40,7 +40,7 @@ class IntensityFinder {
   using V = Lanes<float, Instructions>;
   using Mask = typename V::Mask;
 
-  // The image about (u, v), px, by bilinear interpolation.
+  // Bilinear interpolation of the image at (u, v), px.
   struct Sample {
     V value, slope_u, slope_v, depth_m;
   };
@@ -62,7 +62,7 @@ class IntensityFinder {
     const Mask inside = (p[2] > V(0.)) & (u >= V(0.)) & (v >= V(0.)) & (u < V(camera.width - 1.)) &
                         (v < V(camera.height - 1.));
     const Sample sample = SampleAt(Select(inside, u, V(0.)), Select(inside, v, V(0.)));
-    // NaN is not >= 0.
+    // Rejects NaN, too.
     const Mask valid = inside & (sample.value >= V(0.)) & (sample.depth_m > V(0.)) &
                        (abs(sample.depth_m - p[2]) <= max_distance_) & (V(1.).UpTo(count) > V(0.));
     const LanePacking<Instructions> packing(valid);

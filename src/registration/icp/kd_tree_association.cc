@@ -16,7 +16,7 @@ constexpr int kPointsPerBlock = 512;
 
 }  // namespace
 
-// Everything but the tree's points in the tree's order.
+// Tree, normals and information in tree order.
 struct SearchablePoints::Data {
   explicit Data(const PointSet& set) : tree(set.points) {
     normals.reserve(set.size());
@@ -40,8 +40,8 @@ SearchablePoints::SearchablePoints(const PointSet& points) {
 
 int SearchablePoints::size() const { return static_cast<int>(data_->tree.size()); }
 
-// Of each source point that is used. Atomic for the sake of finders at work at the same time: any
-// value is as good as another.
+// Last match of each source point, as a search hint. Atomic, because several finders can run at the
+// same time. Any value is valid.
 struct KdTreeAssociation::LastMatches {
   explicit LastMatches(int count) : ranks(count) {
     for (auto& rank : ranks) rank.store(KdTree::kNone, std::memory_order_relaxed);
@@ -72,7 +72,7 @@ class KdTreeAssociation::Finder final : public PairFinder {
     int next = first;
     const int begin = block * kPointsPerBlock;
     const int end = std::min(begin + kPointsPerBlock, static_cast<int>(last_matches_.size()));
-    std::uint32_t neighbor = KdTree::kNone;  // the match of the source point before
+    std::uint32_t neighbor = KdTree::kNone;  // match of the previous source point
     for (int i = begin; i < end; ++i) {
       const std::uint32_t rank = static_cast<std::uint32_t>(i) * options_.source_stride;
       if (source_normal_ && source_.normals[rank].isZero(0.f)) continue;

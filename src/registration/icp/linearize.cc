@@ -14,7 +14,7 @@
 namespace surfit {
 namespace {
 
-// Lanes beyond the first `count` repeat the last pair, without information.
+// Lanes after the first `count` repeat the last pair with zero information.
 template <typename V, typename S>
 void LoadPairs(const Pairs<S>& pairs, int first, int count, PairValues<V>* values) {
   const auto load = [&](const RawVector<S>& x, const RawVector<S>& y, const RawVector<S>& z,
@@ -40,10 +40,10 @@ void LoadIntensities(const IntensityPairs& pairs, const Exposure& exposure, int 
   values->slope_u = load(pairs.slope_u), values->slope_v = load(pairs.slope_v);
 }
 
-// What is summed over pairs: all, or what a NormalSystem has besides products of rows.
+// Sums over pairs: all, or all except products of rows.
 enum class Sums { kAll, kBesides };
 
-// Sums of what else makes a NormalSystem, one a lane.
+// Sums for a NormalSystem except products of rows, one per lane.
 template <typename V>
 struct PairLanes {
   RowLanes<V> rows;
@@ -78,8 +78,8 @@ struct PairLanes {
   }
 };
 
-// The system of the pairs [begin, end), whose rows set_rows(first, count, pair, rows) gives for as
-// many of them as there are lanes.
+// Normal system of the pairs [begin, end). set_rows(first, count, pair, rows) computes the rows of
+// one vector of lanes.
 template <Sums kSums, int kRows, typename S, typename SetRows>
 NormalSystem SystemOf(const Pairs<S>& pairs, int begin, int end, const RobustKernel& kernel,
                       double normal_share, const SetRows& set_rows) {
@@ -144,7 +144,6 @@ NormalSystem SumOwnPairs(const OwnResidual& own, const Pairs<S>& pairs, int begi
                                 });
 }
 
-// The same of intensities.
 PhotometricSystem SumPairs(const IntensityPairs& pairs, int begin, int end,
                            const PhotometricTerm& term) {
   RowSums sums;
@@ -189,7 +188,7 @@ PairSummer<S> PairSummerOf(ResidualType residual) {
                     [](auto rows) -> PairSummer<S> { return SumPairs<kSums, decltype(rows), S>; });
 }
 
-// |r|^2 / sigma^2 of the pairs [begin, end).
+// Sets |r|^2 / sigma^2 of the pairs [begin, end).
 template <typename Rows, typename S>
 void SetSquares(const Pairs<S>& pairs, int begin, int end, S* squares) {
   using V = Lanes<S>;
@@ -217,7 +216,7 @@ void SetSquares(const OwnResidual& own, const Pairs<S>& pairs, int begin, int en
   }
 }
 
-// The root of the median of what set(begin, end, squares) gives; 0 without pairs.
+// Square root of the median of the values from set(begin, end, squares); 0 without pairs.
 template <typename S, typename Set>
 double MedianResidual(int pair_count, const Set& set) {
   if (pair_count == 0) return 0;
@@ -229,8 +228,8 @@ double MedianResidual(int pair_count, const Set& set) {
   return std::sqrt(static_cast<double>(*middle));
 }
 
-// The sigmas that the residuals have by their median: that of the length of a vector of so many
-// normal errors is known (the root of the median of chi squared).
+// Standard deviation of the residuals, in sigmas, estimated from their median. kOfNormalErrors is
+// the median length of a vector of 1, 2 or 3 standard normal errors.
 template <typename S>
 double ScaleOf(const Pairs<S>& pairs, ResidualType residual) {
   constexpr double kOfNormalErrors[] = {0.6745, 1.1774, 1.5382};
@@ -318,7 +317,7 @@ RobustKernel KernelFor(const Pairs<S>& pairs, ResidualType residual,
                        const ErrorModel& error_model) {
   RobustKernel kernel = error_model.kernel;
   if (!error_model.estimate_scale || kernel.type == RobustKernelType::kNone) return kernel;
-  constexpr double kSmallest = 1e-3;  // residuals that vanish leave no scale
+  constexpr double kSmallest = 1e-3;  // avoids a zero width for zero residuals
   kernel.width *= std::max(ScaleOf(pairs, residual), kSmallest);
   return kernel;
 }

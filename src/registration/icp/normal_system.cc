@@ -9,7 +9,7 @@
 namespace surfit {
 namespace {
 
-// Information without unit: see Observability.
+// Scales information matrices to unitless ones: see Observability.
 struct UnitFree {
   explicit UnitFree(const NormalSystem& system) : weight_sum(system.weight_sum) {
     length.head<3>().setConstant(system.RmsDistance());
@@ -19,7 +19,7 @@ struct UnitFree {
     return inverse.asDiagonal() * information * inverse.asDiagonal() / weight_sum;
   }
 
-  Vector6d length = Vector6d::Ones();  // of a unit of each component, in metres
+  Vector6d length = Vector6d::Ones();  // metres per unit of each component
   double weight_sum;
 };
 
@@ -95,7 +95,7 @@ Observability Observe(const NormalSystem& system, const HeldOptions& options) {
   const UnitFree unit_free(system);
   const Matrix6d hessian = unit_free(system.hessian);
   result.eigenvalues = EigenvaluesOf(hessian);
-  // Directions x with H x = mu B x: they diagonalise both, and x^T H x > x^T B x where mu > 1.
+  // Directions x with H x = mu B x diagonalise both matrices. x^T H x > x^T B x for mu > 1.
   constexpr double kRounding = 1e-15;
   const Matrix6d needed = std::max(options.min_eigenvalue, kRounding) * Matrix6d::Identity() +
                           options.min_information_ratio * unit_free(system.FeignedInformation());
@@ -122,7 +122,7 @@ Vector6d SolveHeld(const NormalSystem& system, const Observability& observabilit
 
 Matrix6d TrustedInformation(const NormalSystem& system, double photometric_share) {
   if (!(system.RmsDistance() > 0)) return Matrix6d::Zero();
-  constexpr double kSmallest = 1e-9;  // of the metric: sums in single precision have such errors
+  constexpr double kSmallest = 1e-9;  // relative to the metric: error of single-precision sums
   const UnitFree unit_free(system);
   const Matrix6d metric = kSmallest * Matrix6d::Identity() + unit_free(system.FeignedInformation());
   const GeneralizedEigen eigen =
@@ -133,7 +133,7 @@ Matrix6d TrustedInformation(const NormalSystem& system, double photometric_share
   const Matrix6d of_points =
       system.weight_sum * (columns * trusted.asDiagonal() * columns.transpose());
   const Matrix6d sum = of_points + photometric_share * system.photometric.hessian;
-  constexpr double kSmallestVariance = 1e-3;  // of a fit that is better than any sensor's
+  constexpr double kSmallestVariance = 1e-3;  // bound for residuals far below the sensor noise
   return (0.5 / (kSharedPoints * std::max(system.VarianceFactor(), kSmallestVariance))) *
          (sum + sum.transpose());
 }

@@ -4,11 +4,11 @@
 
 namespace surfit {
 
-// What was registered under the type's name; null for one of our own.
+// User-defined residual with the name of the type; null for a built-in residual.
 const OwnResidual* OwnResidualOf(ResidualType type);
 
-// The share of a normal's variance that the direction of its rows has, as far as its normals tell
-// (FeignedInformation()): all, half where it goes by both, or none.
+// Variance of the row direction relative to the variance of a normal, see FeignedInformation(). 1:
+// target normal, 0.5: mean of both normals, 0: no normal.
 inline double NormalShareOf(const OwnResidual& residual) {
   if (residual.needed_normals() == NeededNormals::kNone) return 0;
   return residual.needed_normals() == NeededNormals::kTarget ? 1 : 0.5;

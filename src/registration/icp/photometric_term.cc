@@ -11,13 +11,13 @@
 namespace surfit {
 namespace {
 
-constexpr int kRowsOfPoints = 8;   // of a block
-constexpr int kFewestPairs = 100;  // that tell the exposure: else nothing is known
+constexpr int kRowsOfPoints = 8;   // per block
+constexpr int kFewestPairs = 100;  // minimum for an exposure estimate
 
-// The points of some rows whose intensity changes by as much per px. At depth edges, where there
-// are no normals, it changes with the background: these have no say, nor have unknown intensities.
+// Points of some rows with a minimum intensity gradient per px. Skips depth edges, which have no
+// normals, because their gradient depends on the background. Skips unknown intensities.
 TexturedPoints PointsOfRows(const FrameLevel& level, int begin, int end, double min_slope) {
-  const auto min_square = static_cast<float>(4 * min_slope * min_slope);  // over two pixels
+  const auto min_square = static_cast<float>(4 * min_slope * min_slope);  // for central differences
   TexturedPoints points;
   const Image<float>& image = level.intensity;
   for (int v = std::max(begin, 1); v < std::min(end, image.height() - 1); ++v) {
@@ -49,10 +49,10 @@ Quartiles QuartilesOf(RawVector<float> values) {
   return {quantile(1), quantile(2), quantile(3)};
 }
 
-// Makes both images' quartiles over the same points equal. Unlike a regression's, this gain does
-// not shrink where the start is off and the points meet others' intensities.
+// Exposure that equalises the quartiles of both images over the same points. The gain of a
+// regression would be too small for an inaccurate start.
 Exposure MatchExposure(const IntensityPairs& pairs) {
-  constexpr float kFloor = 1e-3f;  // of quartiles that 8 bits do not tell apart
+  constexpr float kFloor = 1e-3f;  // quantisation of 8-bit intensities
   const Quartiles source = QuartilesOf(pairs.source), target = QuartilesOf(pairs.target);
   const float ratio =
       (target.upper - target.lower + kFloor) / (source.upper - source.lower + kFloor);
@@ -74,8 +74,8 @@ PhotometricTerm::PhotometricTerm(const FrameLevel& source, const FrameLevel& tar
   CHECK_EQ(source.intensity.width(), source.vertex.width());
   CHECK_EQ(target.intensity.width(), target.camera.width);
   CHECK_EQ(target.vertex.width(), target.camera.width);
-  // All kernels are of the form rho(s) = k^2 f(s / k^2), so that W rho(s) is rho(W s) of the width
-  // k sqrt(W).
+  // All kernels have the form rho(s) = k^2 f(s / k^2). Therefore W rho(s) equals rho(W s) with the
+  // width k sqrt(W).
   kernel_.width *= std::sqrt(error_model.photometric_weight);
   const int height = source.intensity.height();
   blocks_.resize((height + kRowsOfPoints - 1) / kRowsOfPoints);

@@ -10,12 +10,12 @@
 
 namespace surfit {
 
-// Source points at one pose, and where they land in the target's image I.
+// Source points at one pose, with their projections into the target image I.
 struct IntensityPairs {
-  RawVector<float> px, py, pz;        // p' = R p + t, metres
-  RawVector<float> source;            // the point's own intensity J
+  RawVector<float> px, py, pz;        // p' = R p + t in the target frame, m
+  RawVector<float> source;            // intensity J of the source point
   RawVector<float> target;            // I at the pixel (u, v) of p'
-  RawVector<float> slope_u, slope_v;  // dI/du, dI/dv there, per px
+  RawVector<float> slope_u, slope_v;  // dI/du and dI/dv at (u, v), per px
   int size = 0;
 
   static constexpr int kArrays = 7;
@@ -27,33 +27,33 @@ struct IntensityPairs {
   }
 };
 
-// Source points with their intensities.
+// Source points with their intensities. Positions in the camera frame, m.
 struct TexturedPoints {
   std::vector<float> x, y, z, intensity;
 };
 
-// By how much the exposures of two images differ at most, either way.
+// Maximum ratio of the exposures of two images.
 inline constexpr double kMaxGain = 1.5;
 
-// The source's intensities as the target would see them: gain * J + offset.
+// Exposure correction from source to target intensities: gain * J + offset.
 struct Exposure {
   float gain = 1;
   float offset = 0;
 
-  // r_I of a pair.
   float Residual(const IntensityPairs& pairs, int i) const {
     return pairs.target[i] - (gain * pairs.source[i] + offset);
   }
 };
 
-// What intensities say of a pose, r_I = I(pi(R p + t)) - (gain J(p) + offset), over the source
-// points where J changes by a sigma per px or more: elsewhere r_I is noise, whatever the pose. What
-// the target sees at another depth is hidden there, and has no say.
+// Photometric residuals r_I = I(pi(R p + t)) - (gain J(p) + offset). Uses source points with an
+// intensity gradient of at least one sigma per px, because residuals of other points are noise.
+// Ignores points that are occluded in the target.
 class PhotometricTerm {
  public:
-  // Keeps references: both levels must outlive this object, and have intensities. The exposure is
-  // estimated at the start and kept, so that all steps minimise the same. Points are hidden if
-  // their depth differs by more than max_distance_m; 0 = off.
+  // Keeps references: both levels must outlive this object and have intensities. Estimates the
+  // exposure at `start` and keeps it, so that all steps minimise the same cost. The term is empty
+  // if fewer than 100 points are available for this estimate. Points whose depth differs from the
+  // target depth by more than max_distance_m are occluded; 0: no limit.
   PhotometricTerm(const FrameLevel& source, const FrameLevel& target, double max_distance_m,
                   const ErrorModel& error_model, const Rigid3d& start);
 
@@ -62,11 +62,11 @@ class PhotometricTerm {
   double information() const { return information_; }     // W / sigma^2
   const RobustKernel& kernel() const { return kernel_; }  // of r_I^2 * information
 
-  // The points come in blocks of a fixed order. Blocks may be asked for at the same time.
+  // Blocks have a fixed order. Find() is thread-safe.
   int block_count() const { return static_cast<int>(blocks_.size()); }
-  // Replaces `pairs` by those of a block; their arrays may be longer than their size.
+  // Replaces `pairs` by the pairs of a block. The arrays can be longer than pairs->size.
   void Find(int block, const Rigid3d& target_from_source, IntensityPairs* pairs) const;
-  // The pairs of all blocks; arrays of their size.
+  // Pairs of all blocks. The arrays have exactly the size of the result.
   IntensityPairs Collect(const Rigid3d& target_from_source) const;
 
  private:

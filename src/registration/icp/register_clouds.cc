@@ -18,7 +18,7 @@ IcpOptions RegisterCloudsOptions::DefaultIcp() {
 
 namespace {
 
-// The coarsest level that leaves enough points.
+// Coarsest level with at least kMinPoints source points.
 int CoarsestLevel(int source_count, int levels) {
   int level = levels - 1;
   while (level > 0 && source_count >> 2 * level < RegisterCloudsOptions::kMinPoints) --level;
@@ -30,7 +30,7 @@ void RegisterLevel(const SearchablePoints& source, const SearchablePoints& targe
   IcpOptions icp = options.icp;
   icp.gates.max_distance_m *= std::pow(icp.gate_growth, level);
   icp.error_model.kernel.width *= std::pow(icp.kernel_growth, level);
-  icp.min_coarse_step_px = 0;  // there are no pixels
+  icp.min_coarse_step_px = 0;  // clouds have no pixels
   const ResidualType residual = ResidualTypeFromName(icp.residual);
   const std::unique_ptr<PoseSolver> solver = MakePoseSolver(SolverOptions(icp, icp.error_model));
   const KdTreeAssociation association(
@@ -53,7 +53,7 @@ IcpResult RegisterClouds(const PointSet& source, const PointSet& target,
     if (!options.icp.middle_levels && level > 0 && level < coarsest) continue;
     RegisterLevel(source_points, target_points, level, target_from_source_initial, options,
                   &result);
-    // What a coarse level leaves free, a finer one may hold.
+    // Finer levels can constrain directions that are degenerate on a coarse level.
     if (result.termination == Termination::kTooFewInliers) return result;
   }
   return result;

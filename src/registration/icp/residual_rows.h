@@ -11,7 +11,7 @@
 
 namespace surfit {
 
-// One pair, or as many as the lanes of V hold, in the target's frame.
+// One pair, or one pair per lane of V, in the target frame.
 template <typename V>
 struct PairValues {
   V p[3], q[3], n[3], m[3];
@@ -23,9 +23,11 @@ V Dot(const V* a, const V* b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-// The rows [a r] of the hand-built systems. The left increment moves p to p + w x p + v, so that a
-// residual with the derivative g by p has a = [p x g, g]:  g . (w x p) = w . (p x g). kNormalShare
-// is the share of a normal's variance that their direction has: see FeignedInformation().
+// Sets the row [a r] of a residual r with the derivative g by p. The left increment (w, v) moves p
+// to p + w x p + v. Therefore a = [p x g, g], because g . (w x p) = w . (p x g).
+//
+// kNormalShare of the row types is the variance of the row direction relative to the variance of a
+// normal, see FeignedInformation().
 template <typename V>
 void SetRow(const V* p, const V* g, const V& r, V* row) {
   Cross(p, g, row);
@@ -61,11 +63,11 @@ struct PointToPlaneRows {
   }
 };
 
-// r = g . (p - q), g = (n + m) / 2. The increment turns m as well, to m + w x m, which adds
-// (w x m) . (p - q) / 2 = w . (m x (p - q)) / 2: a = [p x g + m x (p - q) / 2, g].
+// r = g . (p - q), g = (n + m) / 2. The increment also rotates m to m + w x m, which adds (w x m) .
+// (p - q) / 2 = w . (m x (p - q)) / 2. Therefore a = [p x g + m x (p - q) / 2, g].
 struct SymmetricPointToPlaneRows {
   static constexpr int kRows = 1;
-  static constexpr double kNormalShare = 0.5;  // the mean of two
+  static constexpr double kNormalShare = 0.5;  // mean of two normals
   template <typename V>
   static void Evaluate(const PairValues<V>& pair, V rows[][kRowColumns]) {
     const V half(0.5);
@@ -80,28 +82,29 @@ struct SymmetricPointToPlaneRows {
   }
 };
 
-// r = U (p - q) with U^T U = C^-1, upper triangular, held during the step. C is the mean of the two
-// planes' covariances in units of sigma^2, each 1 along its normal and 1 / e within the plane:
-//   C = 1/2 (C_n + C_m),  C_n = n n^T + (I - n n^T) / e,
-// so that for equal normals r has the length of the point-to-plane residual, plus sqrt(e) of what
-// is along the plane. e = 1e-3 as in Segal, Haehnel and Thrun 2009.
+// r = U (p - q) with upper triangular U, U^T U = C^-1. U is constant during the step. C is the mean
+// of the covariances of both planes in units of sigma^2. Each covariance is 1 along the normal and
+// 1 / e within the plane:
+//   C = 1/2 (C_n + C_m),  C_n = n n^T + (I - n n^T) / e.
+// For equal normals, r is the point-to-plane residual plus sqrt(e) times the offset within the
+// plane. e = 1e-3 as in Segal, Haehnel and Thrun 2009.
 struct PlaneToPlaneRows {
   static constexpr int kRows = 3;
-  static constexpr double kNormalShare = 0.5;  // nearly the mean of two
+  static constexpr double kNormalShare = 0.5;  // approximately the mean of two normals
   static constexpr double kFlatness = 1e-3;
 
-  // U as its entries 00, 01, 02, 11, 12, 22.
+  // Entries 00, 01, 02, 11, 12, 22 of U.
   template <typename V>
   static void Whitening(const V* n, const V* m, V* u) {
     using std::sqrt;
-    // e C = I - (1 - e) / 2 (n n^T + m m^T), whose entries are of the size of one.
+    // e C = I - (1 - e) / 2 (n n^T + m m^T) has entries of order 1.
     const V c(0.5 * (1 - kFlatness));
     const auto entry = [&](int i, int j) {
       return V(i == j ? 1. : 0.) - c * (n[i] * n[j] + m[i] * m[j]);
     };
     const V a = entry(0, 0), b = entry(0, 1), d = entry(0, 2), e = entry(1, 1), f = entry(1, 2),
             g = entry(2, 2);
-    // The inverse by cofactors, then its Cholesky factor.
+    // Inverse by cofactors, then its Cholesky factor.
     const V c00 = e * g - f * f, c01 = d * f - b * g, c02 = b * f - d * e;
     const V scale = V(kFlatness) / (a * c00 + b * c01 + d * c02);
     const V w00 = c00 * scale, w01 = c01 * scale, w02 = c02 * scale;
@@ -126,10 +129,9 @@ struct PlaneToPlaneRows {
   }
 };
 
-// g = dI/dp of an image's intensity I(u, v), u = fx x / z + cx, v = fy y / z + cy, at p = (x, y,
-// z):
+// Intensity gradient g = dI/dp at p = (x, y, z), for u = fx x / z + cx and v = fy y / z + cy:
 //   g = (I_u fx / z, I_v fy / z, -(I_u fx x + I_v fy y) / z^2).
-// over_z(a) = a / z, as exactly as the caller wants it.
+// over_z(a) returns a / z.
 template <typename V, typename OverZ>
 void IntensityGradient(const V& slope_u, const V& slope_v, const V& fx, const V& fy, const V* p,
                        const OverZ& over_z, V* g) {
@@ -138,15 +140,15 @@ void IntensityGradient(const V& slope_u, const V& slope_v, const V& fx, const V&
   g[2] = over_z(-(g[0] * p[0] + g[1] * p[1]));
 }
 
-// What a point that landed in the target's image, or as many as the lanes of V hold, says.
+// Input of a photometric row: one point, or one point per lane of V.
 template <typename V>
 struct IntensityValues {
-  V p[3];              // p', metres
+  V p[3];              // p' in the target frame, m
   V residual;          // r
   V slope_u, slope_v;  // dI/du, dI/dv, per px
 };
 
-// r = I(u, v) - ...: a = [p x g, g].
+// r = I(u, v) - (gain J + offset): a = [p x g, g].
 struct IntensityRows {
   static constexpr int kRows = 1;
   template <typename V>
@@ -161,7 +163,7 @@ struct IntensityRows {
   }
 };
 
-// Adds a a^T to the Hessian, -r a to the right side and r^2 to the square sum.
+// Adds a a^T to the Hessian, -r a to the right side and r^2 to the square sum, for all rows [a r].
 inline void AddProducts(const RowSums& sums, Matrix6d* hessian, Vector6d* right_side,
                         double* square_sum) {
   for (int i = 0, k = 0; i < kRowColumns; ++i) {
@@ -178,7 +180,7 @@ inline void AddProducts(const RowSums& sums, Matrix6d* hessian, Vector6d* right_
   }
 }
 
-// Calls f with the rows of a residual of ours, so that it is known to the compiler.
+// Calls f with the row type of a built-in residual, known at compile time.
 template <typename F>
 auto WithRowsOf(ResidualType type, const F& f) {
   switch (type) {

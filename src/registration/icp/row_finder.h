@@ -16,8 +16,8 @@
 
 namespace surfit {
 
-// Moves those of eight lanes that a mask selects to the front, in their order; what the others then
-// hold is unspecified.
+// Moves the selected lanes of a vector to its front, in order. The other lanes of the result are
+// unspecified.
 template <typename Instructions>
 class LanePacking {
  public:
@@ -42,7 +42,7 @@ class LanePacking {
 };
 
 #if SURFIT_HAS_AVX2
-// For each set of eight bits: which are set, ascending.
+// Indices of the set bits in ascending order, for each 8-bit number.
 inline constexpr auto kSetBits = [] {
   std::array<std::array<std::int32_t, 8>, 256> table{};
   for (int bits = 0; bits < 256; ++bits) {
@@ -75,7 +75,7 @@ class LanePacking<Avx2Instructions> {
 };
 #endif
 
-// What ProjectiveAssociation looks for at a pose.
+// Input of a RowFinder. Keeps references.
 struct ProjectiveSearch {
   const FrameLevel& source;
   const FrameLevel& target;
@@ -85,7 +85,7 @@ struct ProjectiveSearch {
   NeededNormals needed_normals;
 };
 
-// Finds the pairs of a row of source pixels, eight pixels at a time.
+// Finds the pairs of one row of source pixels, eight pixels at a time.
 template <typename Instructions>
 class RowFinder {
  public:
@@ -100,7 +100,7 @@ class RowFinder {
     const bool gates_normals = gates.max_normal_angle_rad > 0;
     if (gates.max_distance_m > 0) max_distance2_ = V(gates.max_distance_m * gates.max_distance_m);
     if (gates_normals) min_cosine_ = V(std::cos(gates.max_normal_angle_rad));
-    // Normals are unit or zero.
+    // Normals have length 1 or 0.
     if (gates_normals || search.needed_normals != NeededNormals::kNone)
       min_target_normal2_ = V(0.5);
     if (gates_normals || search.needed_normals == NeededNormals::kBoth)
@@ -111,7 +111,7 @@ class RowFinder {
     inverse_depth_variance_ = V(inverse_depth_sigma * inverse_depth_sigma);
   }
 
-  // As PairFinder::Find(), for the row v.
+  // Implements PairFinder::Find() for row v.
   int Find(int v, int first, PairBuffer* pairs) const {
     const int width = source_.vertex.width();
     int next = first;
@@ -129,7 +129,7 @@ class RowFinder {
     V Dot(const Point& other) const { return x * other.x + y * other.y + z * other.z; }
   };
 
-  // The source pixels from an index on, at most `count` of them.
+  // Finds the pairs of up to `count` source pixels from index `pixel`.
   int FindLanes(int pixel, int count, int first, PairBuffer* pairs) const {
     const Point s = Load(source_.vertex, pixel, count);
     const V depth = s.z.UpTo(count);
@@ -178,8 +178,8 @@ class RowFinder {
     return {row(rotation_[0]), row(rotation_[1]), row(rotation_[2])};
   }
 
-  // The index of the target pixel that each p projects to, 0 where there is none; returns where
-  // there is one.
+  // Indices of the target pixels of the projections of p; 0 outside the image. Returns the mask of
+  // the points inside.
   Mask Project(const Point& p, int* pixel) const {
     const PinholeCamera& camera = target_.camera;
     const V inverse_z = V(1.) / p.z;

@@ -21,23 +21,23 @@ constexpr NamedValue<ceres::LinearSolverType> kLinearSolvers[] = {
     {"dense_normal_cholesky", ceres::DENSE_NORMAL_CHOLESKY},
     {"sparse_normal_cholesky", ceres::SPARSE_NORMAL_CHOLESKY}};
 
-// A pose that starts at the identity, and what is to be minimised over it.
+// Minimisation over a pose that starts at the identity.
 //
-// Ceres drops the step that ends a solve, by changing the cost by less than the tolerance. Where
-// that is more than precision can tell, the step is most of the way that is left: the next would be
-// as much smaller again as this one was. So the last point that Ceres evaluated is kept.
+// Ceres discards the step that ends a solve by the function tolerance. For a tolerance above
+// numerical precision, this step is most of the remaining distance to the minimum. Therefore the
+// last evaluated pose is used.
 class PoseProblem final : private ceres::EvaluationCallback {
  public:
   PoseProblem() : problem_(ProblemOptions(this)) {
     problem_.AddParameterBlock(pose_.data(), kPoseSize, new LeftPoseManifold);
   }
 
-  // The loss function, if any, stays the caller's and must outlive the problem.
+  // `loss` must outlive the problem. It can be null.
   void Add(ceres::CostFunction* cost, ceres::LossFunction* loss = nullptr) {
     problem_.AddResidualBlock(cost, loss, pose_.data());
   }
 
-  // Gives the increment of the pose, from pairs of precision S.
+  // Returns the increment of the pose. S: precision of the pairs.
   template <typename S>
   Vector6d Solve(ceres::LinearSolverType type, double min_relative_cost_change,
                  SolveReport* report) {
@@ -47,7 +47,7 @@ class PoseProblem final : private ceres::EvaluationCallback {
     options.parameter_tolerance = LmTolerances<S>::kParameter;
     options.max_num_iterations = LmTolerances<S>::kMaxIterations;
     options.linear_solver_type = type;
-    options.num_threads = 1;  // a reduced block has its own; sums over points must keep their order
+    options.num_threads = 1;  // reduced blocks are parallel; sums over points keep their order
     options.logging_type = ceres::SILENT;
     ceres::Solver::Summary summary;
     const Stopwatch solving;

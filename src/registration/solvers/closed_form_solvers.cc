@@ -12,7 +12,7 @@
 namespace surfit {
 namespace {
 
-// Solves the 6 x 6 system, which is summed while pairs are found.
+// Solves the 6 x 6 normal equations, which are accumulated during the association.
 class NormalSystemSolver final : public PoseSolver {
  public:
   using SystemSolver = Vector6d (*)(const Matrix6d&, const Vector6d&);
@@ -54,8 +54,8 @@ class NormalSystemSolver final : public PoseSolver {
   SystemSolver solve_;
 };
 
-// Householder QR of the matrix of all rows, each times the root of its weight: the condition number
-// is not squared.
+// Householder QR of the weighted Jacobian. It avoids the squared condition number of the normal
+// equations.
 class QrSolver final : public PairSolver<QrSolver> {
  public:
   using PairSolver::PairSolver;
@@ -79,7 +79,7 @@ class QrSolver final : public PairSolver<QrSolver> {
  private:
   using AllRows = Eigen::Matrix<double, Eigen::Dynamic, kRowColumns>;
 
-  // Those of the pairs, and room for more at the end.
+  // Weighted rows of the pairs, with `more` uninitialised rows at the end.
   template <typename S>
   AllRows RowsOf(const Pairs<S>& pairs, const RobustKernel& kernel, int more) const {
     if (const OwnResidual* const own = OwnResidualOf(options().residual))
@@ -128,8 +128,8 @@ class QrSolver final : public PairSolver<QrSolver> {
     return all;
   }
 
-  // The least-squares solution. Column by column: Eigen's own class works by blocks of columns as
-  // well, which six do not need, and takes the compiler seconds.
+  // Least-squares solution by QR, column by column. Eigen's blocked class is not faster for six
+  // columns, and its compilation takes seconds.
   static Vector6d SolveByQr(AllRows* rows) {
     const Eigen::Index count = rows->rows();
     Eigen::VectorXd right_side = -rows->col(6);
@@ -165,7 +165,6 @@ class QrSolver final : public PairSolver<QrSolver> {
   }
 };
 
-// Weighted points of a block, and their products.
 struct PointSums {
   double weight = 0;
   Eigen::Vector3d p = Eigen::Vector3d::Zero(), q = Eigen::Vector3d::Zero();
@@ -180,9 +179,9 @@ struct PointSums {
   }
 };
 
-// The rigid motion that minimises sum w |R p + t - q|^2 (Kabsch 1976, Umeyama 1991): with centroids
-// p0, q0, R is the rotation nearest to sum w (q - q0) (p - p0)^T, and t = q0 - R p0. Weights are
-// the kernel's at the present pose.
+// Rigid motion that minimises sum w |R p + t - q|^2 (Kabsch 1976, Umeyama 1991). With the centroids
+// p0 and q0, R is the rotation nearest to sum w (q - q0) (p - p0)^T, and t = q0 - R p0. The weights
+// are the kernel weights at the current pose.
 class SvdSolver final : public PairSolver<SvdSolver> {
  public:
   using PairSolver::PairSolver;
@@ -196,7 +195,7 @@ class SvdSolver final : public PairSolver<SvdSolver> {
                  const StepResult&, SolveReport* report) const {
     constexpr int kGrain = 4096;
     const Stopwatch solving;
-    // Products about the first pair: far from the origin, centring afterwards would lose digits.
+    // Relative to the first pair, which avoids cancellation far from the origin.
     const Eigen::Vector3d origin = pairs.p(0).template cast<double>();
     const PointSums sums = ParallelSum(0, pairs.size, kGrain, PointSums(), [&](int begin, int end) {
       PointSums sum;
@@ -243,7 +242,7 @@ std::unique_ptr<PoseSolver> MakeSvdSolver(const PoseSolverOptions& options) {
   }
   ThrowIf(options.error_model.UsesIntensities(), "photometric_weight is ",
           options.error_model.photometric_weight,
-          ", must be 0 with solver svd, which knows points only");
+          ", must be 0 with solver svd, which has no photometric residuals");
   return std::make_unique<SvdSolver>(options);
 }
 

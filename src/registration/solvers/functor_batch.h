@@ -16,8 +16,9 @@
 
 namespace surfit {
 
-// Pairs as data of a functor; their arrays must be of their size. Their source points are moved
-// already: the pose to solve for starts at the identity, and what it becomes is the left increment.
+// Data of the functors in cost_functions/ from pairs with arrays of exact size. Source points are
+// already transformed. The pose starts at the identity, so the estimated pose is the left
+// increment.
 
 template <typename S>
 RawVector<S> InverseSigmas(RawVector<S> information) {
@@ -51,7 +52,7 @@ BatchData<SymmetricPointToPlane, S> MakeBatch(Pairs<S> pairs, const SymmetricPoi
        InverseSigmas(std::move(pairs.information))});
 }
 
-// With the whitening of the hand-built rows, at the present rotation.
+// The whitening matrix is evaluated at the current rotation.
 template <typename S>
 BatchData<PlaneToPlane, S> MakeBatch(Pairs<S> pairs, const PlaneToPlane&) {
   constexpr int kEntries = 6;
@@ -76,8 +77,8 @@ inline Photometric FunctorOf(const PinholeCamera& camera) {
   return {camera.fx, camera.fy, camera.cx, camera.cy};
 }
 
-// Intensities as data of Photometric: I0 - i is the residual at the present pose, looked up where
-// the point projects to.
+// Data of the functor Photometric. The residual at the current pose is I0 - i, sampled at the
+// projection of the point.
 inline BatchData<Photometric, float> MakeBatch(const IntensityPairs& pairs,
                                                const PhotometricTerm& term) {
   const PinholeCamera& camera = term.camera();
@@ -96,7 +97,7 @@ inline BatchData<Photometric, float> MakeBatch(const IntensityPairs& pairs,
                                         RawVector<float>(pairs.size, inverse_sigma)});
 }
 
-// Calls f with the functor of a residual of ours, so that its type is known to the compiler.
+// Calls f with the functor of a built-in residual, with the type known at compile time.
 template <typename F>
 auto WithFunctorOf(ResidualType type, const F& f) {
   switch (type) {

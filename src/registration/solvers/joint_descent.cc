@@ -13,14 +13,14 @@ namespace surfit {
 
 namespace {
 
-constexpr float kSurfaceSigmaM = 0.02f;      // of the coarse levels' shapes, near
-constexpr float kBrightnessSigma = 0.05f;    // views far apart see surfaces shine differently
+// Surface errors of coarse levels, in addition to sensor noise.
+constexpr float kSurfaceSigmaM = 0.02f;
+constexpr float kBrightnessSigma = 0.05f;  // includes reflections that differ between distant views
 constexpr float kBrightnessKernelWidth = 3;  // in sigmas
-constexpr double kKernelsPerDistance = 1.5;  // a pair's greatest distance in kernel widths
+constexpr double kKernelsPerDistance = 1.5;  // distance gate in kernel widths
 constexpr int kMinPairs = 100;
 
-// Source points that land on a target surface near enough and of the same orientation, column by
-// column.
+// Projective correspondences that pass the gates on distance and normal angle, stored by column.
 class JointPairs {
  public:
   enum Column {
@@ -31,7 +31,7 @@ class JointPairs {
     kNormalY,
     kNormalZ,
     kHeight,
-    kShapes,  // their number; with brightness there are more
+    kShapes,  // number of columns without brightness
     kFrom = kShapes,
     kTo,
     kSlopeU,
@@ -47,14 +47,14 @@ class JointPairs {
   const float* operator[](int column) const {
     return values_.data() + static_cast<std::ptrdiff_t>(column) * capacity_;
   }
-  // The height is n . (p' - q).
+  // height_m is n . (p' - q).
   void Add(const Eigen::Vector3f& point, const Eigen::Vector3f& normal, float height_m) {
     for (int i = 0; i < 3; ++i) Last(kX + i) = point[i];
     for (int i = 0; i < 3; ++i) Last(kNormalX + i) = normal[i];
     Last(kHeight) = height_m;
     ++size_;
   }
-  // Of the pair that is to be added next.
+  // Sets the brightness of the next pair. Call this before Add().
   void SetBrightness(float from, const BilinearSample& to) {
     Last(kFrom) = from;
     Last(kTo) = to.value;
@@ -110,14 +110,13 @@ Exposure MatchExposure(const JointPairs& pairs) {
   return {static_cast<float>(clamped), static_cast<float>(b - clamped * a)};
 }
 
-// Geman and McClure's weight of a residual in units of the kernel's width.
+// Geman-McClure weight of a residual in units of the kernel width.
 template <typename V>
 V KernelWeight(const V& residual) {
   const V s = V(1.) + residual * residual;
   return V(1.) / (s * s);
 }
 
-// The sums of a JointSystem, one a lane.
 template <typename V>
 struct JointLanes {
   RowLanes<V> rows;
@@ -137,10 +136,11 @@ struct JointLanes {
   }
 
  private:
-  static inline const RobustKernel kNoKernel = {RobustKernelType::kNone};  // weights are given
+  // Weights are precomputed.
+  static inline const RobustKernel kNoKernel = {RobustKernelType::kNone};
 };
 
-// Adds up to V::kCount pairs from `first` on.
+// Adds up to V::kCount pairs that start at index `first`.
 template <typename V>
 void AddPairs(const JointPairs& pairs, int first, int count, const FrameLevel& source,
               const PinholeCamera& camera, const JointOptions& options, const Exposure& exposure,

@@ -8,7 +8,6 @@
 
 namespace surfit {
 
-// Milliseconds since it was made.
 class Stopwatch {
  public:
   double Milliseconds() const {
@@ -20,12 +19,12 @@ class Stopwatch {
   Clock::time_point start_ = Clock::now();
 };
 
-// A solver that is written once for pairs of either precision: Derived has
+// Base of solvers with one implementation for both precisions. Derived has
 //   template <typename S>
 //   Vector6d Solve(Pairs<S> pairs, const RobustKernel& kernel, const IntensityPairs& intensities,
 //                  const StepResult& before, SolveReport* report) const
-// which gives the increment from pairs whose arrays are of their size, and intensities if there are
-// any: then photometric() is not null. `before` is the result so far: system and observability.
+// Solve() returns the increment. The arrays of `pairs` have exact size. If `intensities` is not
+// empty, photometric() is not null. `before` contains the system and the observability.
 template <typename Derived>
 class PairSolver : public PoseSolver {
  public:
@@ -63,7 +62,7 @@ class PairSolver : public PoseSolver {
   }
 };
 
-// What makes solvers by their options' name. Null for names that are not theirs.
+// Factories of the pose solvers. Return null for names of other solvers.
 std::unique_ptr<PoseSolver> MakeClosedFormSolver(const PoseSolverOptions& options);
 std::unique_ptr<PoseSolver> MakeSvdSolver(const PoseSolverOptions& options);
 std::unique_ptr<PoseSolver> MakeCeresSolver(const PoseSolverOptions& options);

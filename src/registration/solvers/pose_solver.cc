@@ -12,7 +12,7 @@ namespace surfit {
 
 namespace {
 
-// In the order of their values.
+// In the order of the enum values.
 constexpr NamedValue<ResidualType> kTypes[] = {
     {"point_to_point", ResidualType::kPointToPoint},
     {"point_to_plane", ResidualType::kPointToPlane},
@@ -24,7 +24,7 @@ struct NamedResidual {
   std::unique_ptr<const OwnResidual> residual;
 };
 
-// Their types follow the built-in ones.
+// User-defined residuals. Their types follow the built-in types.
 std::vector<NamedResidual>& OwnResiduals() {
   static std::vector<NamedResidual> residuals;
   return residuals;
@@ -42,7 +42,8 @@ const NamedResidual* Own(ResidualType type) {
 void RegisterResidual(const std::string& name, std::unique_ptr<const OwnResidual> residual) {
   const std::vector<std::string> names = ResidualTypeNames();
   if (name.empty() || std::find(names.begin(), names.end(), name) != names.end()) {
-    throw InputError("a residual's name is '", name, "', must be none of: ", Listed(names));
+    throw InputError("name of a residual is '", name,
+                     "', must not be empty and must be none of: ", Listed(names));
   }
   OwnResiduals().push_back({name, std::move(residual)});
 }

@@ -12,13 +12,12 @@
 
 namespace surfit {
 
-// All pairs as one ReducedBatch over the residual's functor, in the precision of the pairs, whose
-// arrays must be of their size. The pose block starts at the identity: see functor_batch.h.
+// All pairs as one ReducedBatch of the residual's functor, in the precision of the pairs. The
+// arrays must have exact size. The pose block starts at the identity, see functor_batch.h.
 template <typename S>
 std::unique_ptr<ReducedBlock> MakeReducedCost(Pairs<S> pairs, ResidualType residual,
                                               const RobustKernel& kernel);
 
-// The same of intensities.
 std::unique_ptr<ReducedBlock> MakeReducedCost(const IntensityPairs& pairs,
                                               const PhotometricTerm& term);
 
@@ -26,15 +25,15 @@ using PoseBlock = std::array<double, kPoseSize>;
 
 inline PoseBlock IdentityBlock() { return {0, 0, 0, 1, 0, 0, 0}; }
 
-// The left increment from the identity to a pose.
+// Left increment from the identity to a pose.
 inline Vector6d AsIncrement(const PoseBlock& pose) {
   Vector6d increment;
   LeftPoseManifold().Minus(pose.data(), IdentityBlock().data(), increment.data());
   return increment;
 }
 
-// What Levenberg-Marquardt stops at: in single precision what its sums can meet, far below what
-// moves an association; in double precision the rounding of the cost.
+// Tolerances of Levenberg-Marquardt. Single precision: rounding of the sums, too small to affect
+// the association. Double precision: rounding of the cost.
 template <typename S>
 struct LmTolerances {
   static constexpr bool kSingle = sizeof(S) == sizeof(float);
@@ -44,14 +43,14 @@ struct LmTolerances {
   static constexpr int kMaxIterations = 50;
 };
 
-// One block of the pairs, and one of intensities if there are any.
+// One block of the pairs, and one of the photometric residuals if there are any.
 using ReducedBlocks = std::vector<std::unique_ptr<ReducedBlock>>;
 
-// A solver that minimises over reduced blocks. What a StepResult tells of the products of rows is
-// theirs at the start, so that these are summed once. Derived has
+// Base of solvers that minimise over reduced blocks. The normal equations of the StepResult come
+// from the blocks, so they are summed only once. Derived has
 //   template <typename S>
 //   Vector6d Minimum(ReducedBlocks blocks, const StepResult& before, SolveReport* report) const
-// which gives the increment.
+// Minimum() returns the increment.
 template <typename Derived>
 class ReducedSolver : public PairSolver<Derived> {
  public:

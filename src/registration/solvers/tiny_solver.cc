@@ -13,13 +13,14 @@
 namespace surfit {
 namespace {
 
-// Reduced blocks for ceres::TinySolver, whose six parameters are (w, v) of the pose (exp(w), v).
+// Reduced blocks as a function for ceres::TinySolver. The six parameters are (w, v) of the pose
+// (exp(w), v).
 template <int kBlocks>
 struct TinyFunction {
   using Scalar = double;
   enum { NUM_RESIDUALS = kBlocks * kRowColumns, NUM_PARAMETERS = kPoseTangentSize };
 
-  // `jacobian` is stored by columns.
+  // `jacobian` is column-major.
   bool operator()(const double* x, double* residuals, double* jacobian) const {
     using Jet = ceres::Jet<double, NUM_PARAMETERS>;
     Eigen::Matrix<Jet, 3, 1> w, v;
@@ -56,7 +57,7 @@ struct TinyFunction {
   SolveReport* report;
 };
 
-// What ceres::TinySolver wants of a linear solver.
+// Linear solver with the interface of ceres::TinySolver.
 class CompiledLdlt {
  public:
   void compute(const Matrix6d& matrix) { matrix_ = matrix; }
@@ -86,7 +87,7 @@ class TinyPoseSolver final : public ReducedSolver<TinyPoseSolver> {
     solver.options.max_num_iterations = LmTolerances<S>::kMaxIterations;
     solver.options.gradient_tolerance = LmTolerances<S>::kGradient;
     solver.options.parameter_tolerance = LmTolerances<S>::kParameter;
-    // Absolute tolerances, unlike those of ceres::Solver.
+    // TinySolver has absolute tolerances, unlike ceres::Solver.
     solver.options.function_tolerance =
         std::max(LmTolerances<S>::kFunction, options().min_relative_cost_change) *
         before.system.JointCost();
@@ -94,7 +95,7 @@ class TinyPoseSolver final : public ReducedSolver<TinyPoseSolver> {
     report->costs.clear();
     Vector6d x = Vector6d::Zero();
     solver.Solve(Function{costs, report}, &x);
-    return x;  // (exp(w), v) is the increment itself
+    return x;  // the pose (exp(w), v) is the increment
   }
 };
 
