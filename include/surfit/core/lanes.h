@@ -54,8 +54,8 @@ struct LaneMask {
   operator B() const {  // NOLINT(google-explicit-constructor): required for if ()
     static_assert(
         kNever<B>,
-        "surfit: a functor for batches must be free of branches on its numbers, as it runs "
-        "for several points at once: use Select(condition, a, b) instead of if or ?:");
+        "surfit: a functor for batches must not branch on its values, because it processes "
+        "several points at once: use Select(condition, a, b) instead of if or ?:");
     return false;
   }
 };
