@@ -8,8 +8,8 @@
 
 namespace surfit {
 
-// Parameter block of a depth camera calibration: [fx fy cx cy c0 .. c5 T] with intrinsics in px,
-// the coefficients of InverseDepthField in 1/m, and the readout time T of a rolling shutter in s.
+// Parameter block of a depth camera calibration: [fx fy cx cy c0 .. c5 T]. Intrinsics in px,
+// coefficients of InverseDepthField in 1/m, readout time T of a rolling shutter in s.
 inline constexpr int kFieldBegin = 4;
 inline constexpr int kReadout = kFieldBegin + static_cast<int>(InverseDepthField::kSize);
 inline constexpr int kCalibrationSize = kReadout + 1;
@@ -19,13 +19,13 @@ inline constexpr int kCalibrationSize = kReadout + 1;
 struct RowMotion {
   Eigen::Vector3d turn = Eigen::Vector3d::Zero();  // s times the angular velocity, rad/s
   Eigen::Vector3d way = Eigen::Vector3d::Zero();   // s times the linear velocity, m/s
-  double readout_s = 0;  // readout time in the correction of pixel and depth to the middle
+  double readout_s = 0;                            // readout time used to correct pixel and depth
 };
 
 // r = (1/z_measured + c(x, y) - 1/z_plane) / sigma, one row: corrected inverse depth of a pixel
-// minus the inverse depth of the intersection of its ray with a surfel plane. The plane has the
-// unit normal n and the point p in the world, displaced by d along n. With the pose (R, t) =
-// world_from_camera and the ray e = ((u - cx)/fx, (v - cy)/fy, 1),
+// minus the inverse depth of a surfel plane on its ray. The plane has the unit normal n and the
+// point p in the world, displaced by d along n. With the pose (R, t) = world_from_camera and the
+// ray e = ((u - cx)/fx, (v - cy)/fy, 1),
 //   1/z_plane = n . R e / (n . (p - t) + d).
 // If the readout time is longer by dT than in `RowMotion::readout_s`, the measured point X is at X
 // + dT (turn x X + way) (see AtMiddleOfReadout()). Then e + dT turn x e replaces e, and t + dT R

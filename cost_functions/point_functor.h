@@ -7,9 +7,9 @@
 namespace surfit {
 
 // Base of functors of one source point p. The data, data[kDataSize], start with p. A functor
-// defines its residuals for scalars T and data D, as a function of the moved point y = R p + t,
+// defines residuals of the moved point y = R p + t, for scalars T and data D:
 //   template <typename T, typename D> void AtMovedPoint(const T* y, const D* data, T* residuals)
-// or also of a rotated vector m = R data[kTurned, kTurned + 3) with scalars M,
+// Residuals can also depend on a rotated vector m = R data[kTurned, kTurned + 3) with scalars M:
 //   template <typename T, typename M, typename D>
 //   void AtMovedPoint(const T* y, const M* m, const D* data, T* residuals)
 // The code must not branch on T, M or D. It is used for single residual blocks

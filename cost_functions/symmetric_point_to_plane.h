@@ -5,9 +5,9 @@
 namespace surfit {
 
 // r = (R p + t - q) . (R m + n) / (2 sigma), one row: distance along the mean of the source normal
-// m and the target normal n (Rusinkiewicz 2019, with the rotation on one side). It is 0 if p and q
-// are on a common plane, sphere or cylinder, so the convergence range is larger. It depends on the
-// pose through R m and y = R p + t.
+// m and the target normal n. The residual is that of Rusinkiewicz 2019, with the rotation on one
+// side. It is 0 if p and q are on a common plane, sphere or cylinder, so the convergence range is
+// larger. It depends on the pose through R m and y = R p + t.
 struct SymmetricPointToPlane : PointFunctor<SymmetricPointToPlane, 13, 1, 9> {
   SymmetricPointToPlane() = default;  // without data, for batches
   // p and its unit normal m in the source frame, q and n in the target frame; p, q and sigma in m.

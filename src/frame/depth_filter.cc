@@ -21,8 +21,8 @@ std::vector<float> TriangleWeights(int radius) {
   return weights;
 }
 
-// Filtered inverse depth in units of the cut-off. Sums differences to the central pixel instead of
-// values, to keep the precision of float.
+// Filtered inverse depth in units of the cut-off. Sums differences to the central pixel, because
+// sums of values would lose precision.
 template <typename V>
 V FilteredInverse(const float* at, std::ptrdiff_t stride, int radius, const float* weights) {
   const V center = V::Load(at);

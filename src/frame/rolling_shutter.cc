@@ -30,8 +30,8 @@ std::vector<float> ColumnsOf(int width) {
   return columns;
 }
 
-// Moves the points X of row v to X + tau (turn x X + velocity). Computes in units of the depth of
-// X.
+// Moves the points X of row v to X + tau (turn x X + velocity). All terms are divided by the depth
+// of X.
 template <typename V>
 void MoveRow(const Image<float>& depth_m, const DepthSensor& sensor, const CameraMotion& motion,
              const std::vector<float>& columns, int v, MovedPixels* moved) {
@@ -78,8 +78,8 @@ class OriginFinder {
   OriginFinder(const MovedPixels& moved, const std::vector<float>& columns, double max_bend)
       : moved_(moved), columns_(columns), max_bend_(max_bend) {}
 
-  // `depth_m` in m; 0: missing. `origin` may be null: indices of the source pixels; -1: outside the
-  // image.
+  // Writes depth in m (0: missing) and the indices of the source pixels (-1: outside the image).
+  // `origin` may be null.
   void FindRow(int v, float* depth_m, std::int32_t* origin) const {
     for (int u = 0; u < width_; u += V::kCount) {
       const int count = std::min(width_ - u, V::kCount);

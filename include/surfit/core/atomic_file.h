@@ -18,7 +18,7 @@ void WriteFileAtomically(const std::string& path, const std::function<void(std::
 
 // File for records that are appended while a program runs. It contains complete records only.
 // Append() hands each record to the operating system without a buffer. A partly written record is
-// removed again. Not thread-safe.
+// removed, except on devices and pipes. Not thread-safe.
 class AppendedFile {
  public:
   // Creates the file. An old file or symbolic link at `path` is deleted first. Devices and pipes

@@ -16,8 +16,8 @@ struct CameraMotion {
   bool IsZero() const { return turn_rad_per_s.isZero(0) && velocity_m_per_s.isZero(0); }
 };
 
-// Constant motion that moves the camera from the first pose to the second pose in `seconds`. The
-// velocity refers to the camera frame halfway. Zero if seconds <= 0.
+// Constant motion from the first to the second pose within `seconds`. The velocity is in the camera
+// frame halfway. Zero if seconds <= 0.
 CameraMotion MotionOver(const Rigid3d& first_from_second, double seconds);
 
 // Motion at a pose of the trajectory with the time `stamp_s` (within 1e-5 s), from the previous

@@ -33,9 +33,8 @@ struct VectorImage {
   }
 };
 
-// Vertex and normal map of one resolution, in the camera frame. `noise` is the noise of the sensor
-// that measured the depth. In a model view it is the noise of the sensor that is compared with the
-// view.
+// Vertex and normal map of one resolution, in the camera frame. `noise` belongs to the sensor that
+// measured the depth, or in a model view to the sensor that is registered to it.
 struct FrameLevel {
   PinholeCamera camera;
   DepthNoise noise;

@@ -14,8 +14,8 @@ namespace surfit {
 class OptionVisitor;
 
 // Raw depth image: depth along the optical axis, or disparities if RgbdCamera::disparity is given.
-// std::uint16_t: counts of 1/depth_units_per_metre or of the disparity; 0 and 65535 are missing.
-// float: metres or counts of the disparity; NaN, infinity, 0 and negative values are missing.
+// - std::uint16_t: counts of 1/depth_units_per_metre or of the disparity; 0 and 65535 are missing.
+// - float: metres or counts of the disparity; NaN, infinity, 0 and negative values are missing.
 using RawDepth = std::variant<Image<std::uint16_t>, Image<float>>;
 
 // Selection of pixels and depths.

@@ -8,13 +8,13 @@ namespace surfit {
 
 class OptionVisitor;
 
-// Conversion of depth images to vertex and normal maps. All steps use inverse depth: it is linear
-// on planes, and its noise does not depend on the depth, so one threshold applies to all depths.
+// Conversion of depth images to vertex and normal maps. All steps use inverse depth, which is
+// linear on planes. Its noise does not depend on the depth, so one threshold applies to all depths.
 struct PreprocessOptions {
   int filter_radius_px = 2;     // half the filter window; 0: no filter
-  double filter_cutoff = 4;     // larger differences have weight 0 in the filter, sigmas
+  double filter_cutoff = 4;     // larger differences have no filter weight, in sigmas
   int normal_radius_px = 3;     // maximum pixel offset for the normals
-  double max_slant_rad = 1.45;  // steeper surfaces are depth edges, angle to the ray
+  double max_slant_rad = 1.45;  // surfaces at larger angles to the ray are depth edges
   int pyramid_levels = 4;       // fewer if a level would be smaller than 40 x 30 pixels
 
   void Visit(OptionVisitor& visitor);
@@ -22,8 +22,8 @@ struct PreprocessOptions {
 
 // Edge-preserving depth filter: weighted mean of inverse depth in a square window. A weight is the
 // product of a triangle function of the pixel distance and a biweight function of the difference in
-// inverse depth, which is 0 beyond filter_cutoff. Depth in m. Missing pixels (0) stay missing and
-// have no weight.
+// inverse depth. It is 0 beyond filter_cutoff. Depth in m. Missing pixels (0) stay missing and have
+// no weight.
 Image<float> FilterDepth(const Image<float>& depth_m, const DepthNoise& noise,
                          const PreprocessOptions& options);
 
@@ -38,20 +38,19 @@ VectorImage VertexMap(Image<float> depth_m, const PinholeCamera& camera);
 VectorImage NormalMap(const VectorImage& vertex, const DepthSensor& sensor,
                       const PreprocessOptions& options);
 
-// Removes normals (sets them to 0) where NormalMap() finds a depth edge. Applied to model views,
-// because the map is less accurate at depth edges.
+// Sets normals to 0 at the depth edges of NormalMap(). For model views: the map is less accurate at
+// its depth edges.
 void DropNormalsAtEdges(const PreprocessOptions& options, FrameLevel* surface);
 
-// Level of half the resolution. A pixel is the mean inverse depth of a block of 2 x 2 pixels, on
-// the central ray of the block. Normals are means as well. Pixels behind a depth edge in the block
-// are ignored. Intensities are not computed.
+// Level of half the resolution, without intensities. A pixel has the mean normal and the mean
+// inverse depth of a block of 2 x 2 pixels, on the central ray of the block. Pixels behind a depth
+// edge in the block are ignored.
 FrameLevel HalfResolution(const FrameLevel& fine, const PreprocessOptions& options);
 
 // Pyramid from a finest level, with at most `pyramid_levels` levels.
 FramePyramid BuildPyramid(FrameLevel finest, const PreprocessOptions& options);
 
-// Depth filter, vertex map, normal map and pyramid of a depth image in m. Does not compute
-// intensities.
+// Depth filter, vertex map, normal map and pyramid of a depth image in m. No intensities.
 FramePyramid PreprocessDepth(const Image<float>& depth_m, const DepthSensor& sensor,
                              const PreprocessOptions& options);
 

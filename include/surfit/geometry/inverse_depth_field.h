@@ -72,9 +72,8 @@ inline bool AreSame(const DepthCalibration& a, const DepthCalibration& b) {
          a.readout_s == b.readout_s;
 }
 
-// Position of a point under another calibration. `point` is in the camera frame, in m, computed
-// with `from` from a pixel and its measured depth. Returns the point for the same pixel and
-// measured depth, computed with `to`. Requires point.z() > 0.
+// Converts a point in the camera frame, m, from one calibration to another. Pixel and measured
+// depth of the point do not change. Requires point.z() > 0.
 inline Eigen::Vector3d Recalibrated(const Eigen::Vector3d& point, const DepthCalibration& from,
                                     const DepthCalibration& to) {
   const Eigen::Vector2d pixel = from.camera.Project(point);

@@ -51,8 +51,7 @@ Eigen::Matrix<Scalar, 3, 1> QuaternionLog(const Eigen::Quaternion<Scalar>& q) {
   return v * (Scalar(2) * atan2(norm, real) / norm);
 }
 
-// Rigid transform target_from_source: x_target = rotation * x_source + translation. Translation in
-// m.
+// Rigid transform target_from_source: x_target = rotation * x_source + translation (m).
 template <typename Scalar>
 struct Rigid3 {
   using Vector3 = Eigen::Matrix<Scalar, 3, 1>;

@@ -20,24 +20,23 @@ struct FusionOptions {
   std::string weighting = "confidence";  // "confidence" or "uniform" (weight 1 for every point)
   float merge_distance_m = 0.05f;        // between point and surfel, along the normal of the surfel
   float merge_angle_rad = 0.6f;          // between the normals of point and surfel
-  // Maximum distance of merging across the surface. The limit is smaller if the radius of the point
-  // is smaller. On distant or coarsely sampled surfaces this is the spacing of surfels.
+  // Maximum distance of merging across the surface; the radius of the point is a further limit.
+  // This is the spacing of surfels on distant or coarsely sampled surfaces.
   float max_spacing_m = 0.01f;
-  // Removes the less confident of two surfels that are closer across the surface than this ratio of
-  // max_spacing_m and of both radii. 0: off.
+  // Two surfels are duplicates if they are closer across the surface than this ratio of
+  // max_spacing_m and of both radii. The less confident surfel is removed. 0: off.
   float duplicate_share = 0.7f;
-  float max_slant_scale = 2;  // radius = sqrt(2) z / f * min(1 / |n_z|, max_slant_scale)
-  float max_radius_ratio =
-      1.5f;  // relative to the radius of a surfel; coarser points do not move it
-  float lasting_confidence = 1;  // surfels below this confidence are noise ...
-  int max_dormant_frames = 20;   // ... and removed after this many fused frames without observation
-  float max_confidence = 200;    // limit that keeps the map adaptable
+  float max_slant_scale = 2;      // radius = sqrt(2) z / f * min(1 / |n_z|, max_slant_scale)
+  float max_radius_ratio = 1.5f;  // of point to surfel; coarser points do not move the surfel
+  float lasting_confidence = 1;   // less confident surfels are noise, see max_dormant_frames
+  int max_dormant_frames = 20;    // fused frames without observation before noise is removed
+  float max_confidence = 200;     // limit that keeps the map adaptable
   // Surfels without observation in the last active_frames fused frames are inactive: points do not
   // merge with them. After drift, a revisited surface is therefore mapped again. 0: no limit.
   int active_frames = 0;
   int max_map_points = 0;  // a full map accepts no new surfels; 0: no limit
-  // Surfels are removed if the measured depth is farther behind them than this plus 4 sigma of the
-  // depth.
+  // Surfels are free-space violations if the measured depth is larger by more than this plus 4
+  // sigma of the depth. They are removed.
   float free_space_margin_m = 0.05f;
 
   void Visit(OptionVisitor& visitor);
@@ -62,9 +61,9 @@ struct FusionReport {
 
 // Point-based fusion of frames with poses into a surfel map (Keller et al., 3DV 2013). The surfels
 // are projected into the frame, and each point merges with the nearest surfel, even if another
-// surfel occludes it. The radius of sqrt(2) pixels lets the discs of every second pixel and row
-// cover a surface. Stores the indices of the fused frames: max_dormant_frames and active_frames do
-// not count skipped or lost frames. Not thread-safe.
+// surfel occludes it. With a radius of sqrt(2) pixels, the discs of every second row and column
+// just cover a surface. Stores the indices of the fused frames: max_dormant_frames and
+// active_frames do not count skipped or lost frames. Not thread-safe.
 class Fusion {
  public:
   // Throws InputError for invalid options.
@@ -74,9 +73,9 @@ class Fusion {
   // Merges the measured depth of `frame` with the normals and the noise model of `surface`, the
   // filtered level of the same frame. The map averages the noise of the measured depth. Points at
   // depth edges have no normal. They take the normal of a neighbour if they are on its plane, and
-  // do not move surfels. Colours are sampled at the centres of the surfels, with the motion between
-  // depth and colour row compensated. The result does not depend on the number of threads. Aborts
-  // if the image sizes differ.
+  // do not move surfels. Colours are sampled at the centres of the surfels. The camera motion
+  // between depth and the colour row is compensated. The result does not depend on the number of
+  // threads. Aborts if the image sizes differ.
   FusionReport Fuse(const RgbdFrame& frame, const FrameLevel& surface,
                     const Rigid3d& world_from_camera, const FrameMotion& motion, SurfelMap* map);
   FusionReport Fuse(const RgbdFrame& frame, const FrameLevel& surface,
@@ -84,8 +83,7 @@ class Fusion {
     return Fuse(frame, surface, world_from_camera, {}, map);
   }
 
-  // Index of the first frame whose surfels are active: surfels last observed in this frame or
-  // later. The minimum of int: all surfels are active.
+  // Surfels last observed in this frame or later are active. The minimum of int: all surfels.
   int ActiveSince() const;
   // Restores the state after the fusion of these frames (ascending indices).
   void GoOnAfter(const std::vector<int>& fused_frames);
@@ -99,11 +97,10 @@ class Fusion {
 
 // Selection of duplicate surfels.
 struct DoublesOptions {
-  // Minimum number of frames between the last observation of the older surfel and the first
-  // observation of the newer surfel. Closer observations were fused together already.
+  // Duplicates have more than this number of frames between the last observation of the older and
+  // the first observation of the newer surfel. Closer observations are already fused.
   int frames_apart = 100;
-  int newer_since =
-      std::numeric_limits<int>::min();  // lower bound of first_seen of the newer surfel
+  int newer_since = std::numeric_limits<int>::min();  // minimum first_seen of the newer surfel
 };
 
 // Merges surfaces that were mapped twice, after a map correction has aligned them. Each newer

@@ -22,9 +22,9 @@ struct RenderOptions {
   // covers pixels up to f / z times this radius from its centre.
   float radius_share = 1;
   int max_half_window_px = 4;  // limit of the pixels around a disc centre
-  // Discs up to this distance plus 4 sigma of the depth behind the first disc of a ray are one
-  // surface. The ray takes the disc whose centre is nearest to it. The first disc would be biased
-  // towards the camera by noise.
+  // Thickness of a surface: discs within this distance plus 4 sigma of the depth behind the first
+  // disc of a ray belong to it. The pixel shows the disc whose centre is nearest to the ray. The
+  // first disc is biased towards the camera by noise.
   float surface_thickness_m = 0.02f;
 
   void Visit(OptionVisitor& visitor);
@@ -32,7 +32,7 @@ struct RenderOptions {
 
 // Renders surfel maps as oriented discs with occlusion. Each pixel shows one disc of the first
 // surface of its ray; stable discs take precedence over unstable discs. Vertices are intersections
-// of ray and disc. Back faces are not drawn, nor surfels with observations at depth edges only,
+// of ray and disc. Back faces and surfels with observations at depth edges only are not drawn,
 // because they degrade tracking. Not thread-safe.
 class ModelRenderer {
  public:

@@ -36,8 +36,7 @@ struct Recalibration {
 
 // Statistics of a map correction.
 struct MoveReport {
-  std::size_t moved =
-      0;  // surfels with a correction other than the identity; all with a Recalibration
+  std::size_t moved = 0;         // surfels with a correction other than identity; see MoveMap()
   std::size_t changed_cell = 0;  // moved surfels that are in another cell now
 };
 

@@ -10,8 +10,8 @@
 
 namespace surfit {
 
-// Surfels of a cubic cell of the grid. Merging can move some of them slightly out of the cube. All
-// blocks except the last are full.
+// Surfels of a cubic cell of the grid. Merging can move some of them slightly out of the cube. Only
+// the last block can be partly empty.
 struct SurfelCell {
   std::vector<std::int32_t> blocks;
   SurfelBounds bounds;     // of all blocks

@@ -34,11 +34,11 @@ struct Pairs {
     return {&px, &py, &pz, &qx, &qy, &qz, &nx, &ny, &nz, &mx, &my, &mz, &information};
   }
 
-  // Sets the length of all arrays, at least `size`. Does not change `size`.
+  // Sets the length of all arrays, at least `size`.
   void SetCapacity(int capacity) {
     for (auto* array : Arrays()) array->resize(capacity);
   }
-  // Writes correspondence i. i must be below the capacity. Does not change `size`.
+  // Writes correspondence i, which must be below the capacity. Does not change `size`.
   void Set(int i, const Vector3& p, const Vector3& q, const Vector3& n, const Vector3& m,
            S pair_information) {
     px[i] = p.x(), py[i] = p.y(), pz[i] = p.z();
@@ -47,7 +47,6 @@ struct Pairs {
     mx[i] = m.x(), my[i] = m.y(), mz[i] = m.z();
     information[i] = pair_information;
   }
-  // Appends a correspondence, and grows the arrays if necessary.
   void Add(const Vector3& p, const Vector3& q, const Vector3& n, const Vector3& m,
            S pair_information) {
     if (size == static_cast<int>(px.size())) SetCapacity(2 * size + 16);
@@ -80,10 +79,10 @@ struct AssociationGates {
 class PairFinder {
  public:
   virtual ~PairFinder() = default;
-  // Writes the correspondences of one block of source points to `pairs`, from index `first` on.
-  // Returns their number. Does not change the size of `pairs`. `pairs` must have a capacity of
-  // first + block_capacity(); all values of this range may be overwritten. Different blocks may be
-  // searched in parallel if their ranges are disjoint.
+  // Writes the correspondences of one block of source points to `pairs`, beginning at index
+  // `first`, and returns their number. Does not change the size of `pairs`. The values in [first,
+  // first + block_capacity()) must exist and may be overwritten. Different blocks may be searched
+  // in parallel if their ranges are disjoint.
   virtual int Find(int block, int first, PairBuffer* pairs) const = 0;
 };
 
@@ -103,10 +102,10 @@ class Association {
 
 // Projective data association (Blais and Levine 1995). Moves a source point p by the pose, p' = R p
 // + t, and projects p' into the target image. The target point is the vertex q with normal n at the
-// nearest pixel (u, v). A correspondence must pass the gates and satisfy
+// nearest pixel (u, v). A correspondence must have the needed normals, pass the gates and satisfy
 //   p_z > 0,  p'_z > 0,  0 <= u < W,  0 <= v < H,  q_z > 0.
-// It must have the needed normals. The normal gate needs both normals. A block is a row of the
-// source image; every row_stride-th row is used.
+// The normal gate needs both normals. A block is a row of the source image; every row_stride-th row
+// is used.
 class ProjectiveAssociation final : public Association {
  public:
   // Stores references: both levels must outlive this object. Aborts if the size of the target
@@ -171,10 +170,10 @@ struct KdTreeAssociationOptions {
 };
 
 // Nearest-neighbour data association (Besl and McKay 1992). Moves a source point p by the pose, p'
-// = R p + t, and finds the nearest target point q. Of equally near points it takes the first in the
-// point set. A correspondence must have the needed normals and pass the gates. The normal gate
-// needs both normals. Searches start at the match of the previous pose. This changes the speed, not
-// the result.
+// = R p + t, and finds the nearest target point q. The first point of the set wins a tie. A
+// correspondence must have the needed normals and pass the gates. The normal gate needs both
+// normals. Searches start at the match of the previous pose, which changes the speed but not the
+// result.
 class KdTreeAssociation final : public Association {
  public:
   KdTreeAssociation(SearchablePoints source, SearchablePoints target,

@@ -34,7 +34,7 @@ class OptionVisitor;
 
 // Error model of registration. A residual r in m (ResidualType) has the variance
 //   sigma^2 = floor_sigma_m^2 + sigma_z(z)^2,
-// where z is the measured depth of the source point, sigma_z is the sensor noise of its level, and
+// with the measured depth z of the source point. sigma_z is the sensor noise of its level.
 // floor_sigma_m covers errors of map, normals and calibration. With s = |r|^2 / sigma^2, the cost
 // is
 //   1/2 sum rho(s).
@@ -43,8 +43,8 @@ class OptionVisitor;
 //
 // With a photometric weight W > 0, and if both views have intensities, the cost is
 //   1/2 sum rho(s) + W/2 sum rho_I(s_I),  s_I = r_I^2 / intensity_sigma^2,
-// where r_I is the difference of the intensities of a point in both views, after compensation of
-// the exposure.
+// r_I is the difference of the intensities of a point in both views, after compensation of the
+// exposure.
 struct ErrorModel {
   // Correspondences with a residual of at most this many sigmas are inliers.
   static constexpr double kInlierSigmas = 3;

@@ -17,7 +17,7 @@ struct ColoredView {
   Image<Rgb8> color;  // same pixels as the finest level; empty: no colour
 };
 
-// Acceptance criteria of a global registration. All criteria must hold. They are strict, because a
+// Acceptance criteria of a global registration, which must all hold. They are strict, because a
 // wrong registration distorts the map, while a rejected registration costs little.
 struct FitCriteria {
   double min_overlap_share = 0.3;       // of points on the surface of the other view
@@ -38,7 +38,7 @@ struct FitCriteria {
 
 // Result of the verification: the first violated criterion, or kAccepted.
 enum class FarReason {
-  kNoView,           // a view has no depth, or its images were removed
+  kNoView,           // a view has no depth, or was discarded to limit memory
   kNoStart,          // too few consistent features, and no initial pose from elsewhere
   kNotRegistered,    // registration failed from all initial poses
   kDegenerate,       // the pose is unobservable or weakly constrained
@@ -59,8 +59,8 @@ std::vector<FarReason> FarReasons();
 struct FarVerdict {
   FarReason reason = FarReason::kNoView;
   Rigid3d target_from_source;  // best registration; valid only if accepted
-  Matrix6d information =
-      Matrix6d::Zero();       // of the left perturbation (1/rad^2, 1/m^2), if verified and accepted
+  // Information of the left perturbation (1/rad^2, 1/m^2). 0 if not verified or not accepted.
+  Matrix6d information = Matrix6d::Zero();
   int matches = 0;            // matched features
   int agreeing_features = 0;  // inliers of the best pose hypothesis
   double inlier_share = 0;
@@ -78,16 +78,16 @@ struct FarVerdict {
   bool accepted() const { return reason == FarReason::kAccepted; }
 };
 
-// Reason for the rejection, with value and constraint. Empty if the result is accepted, or if
-// registration itself failed.
+// Violated criterion with value and limit. Empty for kAccepted, kNoView, kNoStart, kNotRegistered
+// and kDegenerate.
 std::string Doubt(const FarVerdict& verdict, const FitCriteria& criteria);
 
 // Options for the initial pose of the registration of two frames, and its verification.
 struct InitializeOptions {
-  // identity: identity, without verification.
-  // so3: rotation about the camera centre with the best alignment of the coarsest images.
-  // features: poses from feature matches, and from descent on the coarsest level from a grid of
-  // rotations; the best of them is used.
+  // Source of the initial pose:
+  // - identity: no motion; the result is not verified.
+  // - so3: rotation about the camera centre that aligns the coarsest images.
+  // - features: best pose from feature matches and from a grid of rotations on the coarsest level.
   std::string method = "identity";
   // Factor of IcpOptions::max_iterations, and divisor of min_relative_rmse_change, for initial
   // poses of `so3` and `features`. Different initial poses must converge to the same pose.
@@ -98,12 +98,12 @@ struct InitializeOptions {
   FitCriteria fit = FrameCriteria();
 
   // Criteria for two frames that are far apart. ICP then checks free space at full resolution, so
-  // the criteria can be weaker than those for loops. FarPairsSweep: of 100 frame pairs at a
-  // distance of 90 frames with more than 30 % overlap, 95 are registered and accepted. The criteria
-  // for loops accept 68. Each criterion for loops alone would lose: overlap 5, details 7, inlier
-  // ratio 4, backward registration 10, free space at half the resolution 15. The brightness
-  // criterion for loops would accept 2 more wrong poses. Frames without colour are verified
-  // geometrically.
+  // the criteria can be weaker than those for loops. FarPairsSweep has 100 frame pairs at a
+  // distance of 90 frames with more than 30 % overlap. 95 are registered and accepted, and 68 with
+  // the criteria for loops. Correct poses lost by a single criterion for loops: overlap 5, details
+  // 7, inlier ratio 4, backward registration 10, free space at half the resolution 15. The
+  // brightness criterion for loops would accept 2 more wrong poses. Frames without colour are
+  // verified geometrically.
   static FitCriteria FrameCriteria();
 
   void Visit(OptionVisitor& visitor);
@@ -126,8 +126,8 @@ IcpOptions FarIcpOptions();
 IcpOptions IcpOptionsFromStart(const InitializeOptions& options, const IcpOptions& icp_options);
 
 // Finds initial poses by the method, registers from the best of them, and verifies the best result.
-// `identity` is neither verified nor has `information`. Throws InputError for invalid options. A
-// rejected registration is a result, not an error.
+// The result of `identity` is not verified, and its `information` is 0. Throws InputError for
+// invalid options. A rejected registration is a result, not an error.
 FarVerdict RegisterFar(const ColoredView& source, const ColoredView& target,
                        const InitializeOptions& options, const IcpOptions& icp_options);
 
@@ -140,10 +140,10 @@ struct ViewPair {
   const Image<Rgb8>& target_color;
 };
 
-// Aligns rotation at the coarsest level: rotates about the target camera until brightness and depth
-// match best (Gauss-Newton; SO(3) pre-alignment of Whelan et al., ElasticFusion, RSS 2015). A fast
-// initial pose for fast rotations, with a convergence range of some ten degrees. Without colour it
-// uses depth only.
+// Estimates a rotation about the target camera that aligns brightness and depth of the coarsest
+// level (Gauss-Newton). This is the SO(3) pre-alignment of Whelan et al., ElasticFusion, RSS 2015.
+// A fast initial pose for fast rotations, with a convergence range of some ten degrees. Without
+// colour it uses depth only.
 Rigid3d AlignRotation(const ViewPair& views, const Rigid3d& target_from_source_initial);
 
 }  // namespace surfit

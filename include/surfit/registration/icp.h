@@ -27,17 +27,17 @@ struct IcpOptions {
   double gate_growth = 2;                   // factor of the distance gate per coarser level
   double kernel_growth = 1;                 // factor of the robust kernel width per coarser level
   ErrorModel error_model;                   // for the finest level
-  // Minimum number of source rows on the finest level; 0: all rows. Uses every n-th row with the
-  // largest possible n. Intensities always use all rows.
+  // Minimum number of source rows on the finest level; 0: all rows. Every n-th row is used, with
+  // the largest possible n. Intensities use all rows.
   int min_source_rows = 0;
-  double min_coarse_step_px = 0;  // a coarser level also ends at smaller steps, px of this level
-  double min_relative_rmse_change = 1e-3;  // a level ends at a smaller change of the RMSE
-  double min_increment = 1e-5;             // a level ends at a smaller step, rad and m
-  bool stop_at_rmse_increase = true;       // unless the number of inliers rises
-  int min_inliers = 200;                   // correspondences; halved per coarser level
-  double min_inlier_share = 0.1;           // correspondences per valid source point
-  HeldOptions held;                        // thresholds for observable directions
-  double max_free_space_share = 1;         // IcpResult::free_space_share; 1: no limit
+  double min_coarse_step_px = 0;  // coarser levels also end at smaller steps, px of the level
+  double min_relative_rmse_change = 1e-3;  // a level ends at smaller relative changes of the RMSE
+  double min_increment = 1e-5;             // a level ends at smaller steps, rad and m
+  bool stop_at_rmse_increase = true;       // end a level if the RMSE rises and the inliers do not
+  int min_inliers = 200;                   // minimum of correspondences, halved per coarser level
+  double min_inlier_share = 0.1;    // minimum ratio of correspondences to valid source points
+  HeldOptions held;                 // thresholds for observable directions
+  double max_free_space_share = 1;  // IcpResult::free_space_share; 1: no limit
 
   void Visit(OptionVisitor& visitor);
 };
@@ -72,7 +72,7 @@ struct IcpResult {
   Rigid3d target_from_source;
   std::vector<IcpIteration> iterations;
   int step_count = 0;  // sum of all levels
-  // Statistics at target_from_source, on the last level:
+  // Statistics at the final pose, on the last level:
   int inlier_count = 0;                     // residual within ErrorModel::kInlierSigmas
   double inlier_share = 0;                  // inliers per valid source point
   double rmse_m = 0;                        // square root of the weighted mean of |r|^2
@@ -97,11 +97,11 @@ struct IcpResult {
 };
 
 // Registers source to target with ICP, coarse to fine over the levels that both have. Each level
-// starts at the final pose of the level before. With photometric residuals, the convergence test
-// uses NormalSystem::JointLoss() instead of the RMSE. They require ErrorModel::UsesIntensities()
-// and intensities in both pyramids. Directions that `held` rejects on the finest level are reset to
-// the initial pose. Throws InputError for invalid options. A failed registration is a termination,
-// not an error.
+// starts at the final pose of the level before. Photometric residuals require
+// ErrorModel::UsesIntensities() and intensities in both pyramids. The convergence test then uses
+// NormalSystem::JointLoss() instead of the RMSE. The motion along directions that `held` rejects on
+// the finest level is reset to the initial pose. Throws InputError for invalid options. A failed
+// registration is a termination, not an error.
 IcpResult Register(const FramePyramid& source, const FramePyramid& target,
                    const Rigid3d& target_from_source_initial, const IcpOptions& options);
 

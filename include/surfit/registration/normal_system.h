@@ -22,10 +22,10 @@ struct PhotometricSystem {
 };
 
 // Normal equations at the current pose, for the left perturbation (w, v) [rad, m] in the target
-// frame: p' moves to exp(w) p' + v = p' + w x p' + v + O(w^2). A residual has Jacobian rows a with
-// r(w, v) = a . (w, v) + r; residual_rows.h derives them for each ResidualType. The least-squares
-// increment x solves A^T W A x = -A^T W r. The centre of rotation is the target camera, so the
-// conditioning does not depend on the origin of the world frame.
+// frame. It moves p' to exp(w) p' + v = p' + w x p' + v + O(w^2). A residual has Jacobian rows a
+// with r(w, v) = a . (w, v) + r; residual_rows.h derives them for each ResidualType. The
+// least-squares increment x solves A^T W A x = -A^T W r. The centre of rotation is the target
+// camera, so the conditioning does not depend on the origin of the world frame.
 struct NormalSystem {
   Matrix6d hessian = Matrix6d::Zero();     // A^T W A
   Vector6d right_side = Vector6d::Zero();  // -A^T W r
@@ -59,12 +59,11 @@ struct NormalSystem {
   // Square root of the weighted mean of |p'|^2, m. 0 without correspondences.
   double RmsDistance() const;
 
-  // Spurious information from normal noise: its contribution to the Hessian. A row is a = n G with
-  // G = [-[p']x | I]. Normal noise of variance s^2, in both directions across n, adds s^2 (G^T G -
-  // a^T a) on average. The system then seems to constrain unobservable directions. The two normals
-  // of a correspondence estimate the same normal. If both are equally noisy, the mean of |m - n| is
-  // s sqrt(pi). The mean of squares is not used, because few correspondences of different surfaces
-  // dominate it.
+  // Spurious information: contribution of normal noise to the Hessian. A row is a = n G with G =
+  // [-[p']x | I]. Normal noise of variance s^2, in both directions across n, adds s^2 (G^T G - a^T
+  // a) on average. The system then seems to constrain unobservable directions. For equally noisy
+  // normals of the same surface the mean of |m - n| is s sqrt(pi). The mean of squares is not used,
+  // because it is dominated by a few correspondences of different surfaces.
   Matrix6d FeignedInformation() const;
 
   // Variance factor of the residuals: sum of w |r|^2 per degree of freedom. 1 if there are at most
@@ -94,8 +93,8 @@ struct HeldOptions {
   // share cause up to 3e-4 in noise-free views of walls, spheres and corridors. Views of rooms have
   // 5e-3 and more, but small distant surfaces also have small eigenvalues.
   double min_eigenvalue = 1e-6;
-  // Minimum ratio of information to spurious information; 0: off. Along a plane the ratio is 1. An
-  // ICP step covers 1 - 1 / ratio of the remaining distance.
+  // Minimum ratio of information to spurious information; 0: off. The ratio is 1 along a plane.
+  // An ICP step covers 1 - 1 / ratio of the remaining distance.
   double min_information_ratio = 0;
 
   void Visit(OptionVisitor& visitor);
@@ -113,9 +112,9 @@ Vector6d SolveHeld(const NormalSystem& system, const Observability& observabilit
 inline constexpr double kSharedPoints = 25;
 
 // Conservative information of the increment (1/rad^2, 1/m^2). Subtracts the spurious information F
-// from the geometric Hessian H: with H x = mu F x, the ratio 1 - 1 / mu remains, or 0 if mu < 1.
-// Adds the photometric Hessian times `photometric_share`. Divides the sum by kSharedPoints and by
-// the variance factor (at least 1e-3).
+// from the geometric Hessian H. For H x = mu F x, this multiplies the information along x by 1 - 1
+// / mu, or by 0 if mu < 1. Adds the photometric Hessian times `photometric_share`. Divides the sum
+// by kSharedPoints and by the variance factor (at least 1e-3).
 Matrix6d TrustedInformation(const NormalSystem& system, double photometric_share);
 
 // Covariance of the increment (rad, m): inverse Hessian times the variance factor. Requires that

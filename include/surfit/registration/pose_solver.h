@@ -52,15 +52,15 @@ class PoseSolver {
   // valid during these steps.
   void Use(const PhotometricTerm& photometric) { photometric_ = &photometric; }
 
-  // Step for the correspondences of an association at a pose, in single precision.
+  // Finds correspondences at a pose in single precision, and computes a step.
   virtual StepResult Step(const Association& association,
                           const Rigid3d& target_from_source) const = 0;
-  // Steps for given correspondences, without photometric residuals.
+  // Computes a step for given correspondences, without photometric residuals.
   virtual StepResult Step(const PairBuffer& pairs) const = 0;
   virtual StepResult Step(const Correspondences& pairs) const = 0;
 
-  // Returns true if a step reaches the minimum of the robust cost for fixed correspondences. False:
-  // one linearised step.
+  // True: a step minimises the robust cost for fixed correspondences. False: a step solves one
+  // linearised system.
   virtual bool ReachesMinimum() const { return false; }
 
   // System and observability at a pose. The increment is 0.
@@ -68,21 +68,20 @@ class PoseSolver {
 
  protected:
   const PoseSolverOptions& options() const { return options_; }
-  const PhotometricTerm* photometric() const {
-    return photometric_;
-  }  // null: no photometric residuals
+  const PhotometricTerm* photometric() const { return photometric_; }  // null: none
 
  private:
   PoseSolverOptions options_;
   const PhotometricTerm* photometric_ = nullptr;
 };
 
-// closed_form_ldlt, closed_form_lu, closed_form_qr: one Gauss-Newton step. The QR solver decomposes
-// the matrix of all rows.
-// svd: optimal rigid motion in closed form; point_to_point without photometric residuals only.
-// ceres, ceres_per_point, tiny: Levenberg-Marquardt on the robust cost for fixed correspondences.
-// ceres uses one reduced residual block, tiny the same block with ceres::TinySolver, and
-// ceres_per_point one block per correspondence (slow, the reference).
+// Solver names:
+// - closed_form_ldlt, closed_form_lu: one Gauss-Newton step from the normal equations.
+// - closed_form_qr: one Gauss-Newton step from the matrix of all rows.
+// - svd: optimal rigid motion; for point_to_point without photometric residuals only.
+// - ceres: Levenberg-Marquardt on the robust cost of fixed correspondences, as one reduced block.
+// - ceres_per_point: as ceres, with one block per correspondence. Slow, the reference.
+// - tiny: as ceres, with ceres::TinySolver.
 std::vector<std::string> PoseSolverNames();
 
 // dense_qr, dense_normal_cholesky, sparse_normal_cholesky (with SuiteSparse if Ceres has it).

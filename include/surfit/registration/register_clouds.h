@@ -22,8 +22,8 @@ struct RegisterCloudsOptions {
 
   static constexpr int kMinPoints = 1000;
 
-  // Options for frames with association "kd_tree", the only one for clouds. Coarse levels have a
-  // wide kernel, because most residuals are large at a wrong initial pose.
+  // IcpOptions with association "kd_tree", which clouds require, and a wide kernel on coarse
+  // levels, because residuals are large at a wrong initial pose.
   static IcpOptions DefaultIcp();
 
   void Visit(OptionVisitor& visitor);
@@ -46,10 +46,11 @@ IcpResult RegisterClouds(const PointSet& source, const PointSet& target,
 // Nguyen 2003). It is small for accurate data and larger for noisy data. Points without a suitable
 // radius, for example at edges and in foliage, get no normal.
 //
-// The initial radius is at least 2 sigma / max_thickness for the known noise sigma, because near
-// neighbours can hide the noise: depth cameras quantise depth, so distant surfaces consist of
-// layers that look like exact planes across the viewing direction. At this radius noise gives a
-// thin plane; the deviation of the points along the plane is half the radius.
+// The initial radius is at least 2 sigma / max_thickness, with the known noise sigma, because near
+// neighbours can hide the noise. Depth cameras quantise depth, so distant surfaces consist of
+// layers that look like exact planes across the viewing direction. The deviation of the points
+// along the plane is half the radius, so a plane of noisy points is just thin enough at this
+// radius.
 struct CloudNormalOptions {
   double radius_m = 0;                 // initial radius; 0: kSpacings times the point spacing
   double max_growth = 8;               // maximum growth factor of the radius
