@@ -42,7 +42,7 @@ class OptionVisitor;
 // The other solvers use Levenberg-Marquardt.
 //
 // With a photometric weight W > 0, and if both views have intensities, the cost is
-//   1/2 sum rho(s) + W/2 sum rho_I(s_I),  s_I = r_I^2 / intensity_sigma^2,
+//   1/2 sum rho(s) + W/2 sum rho_I(s_I),  s_I = r_I^2 / intensity_sigma^2.
 // r_I is the difference of the intensities of a point in both views, after compensation of the
 // exposure.
 struct ErrorModel {
