@@ -8,27 +8,28 @@
 
 namespace surfit {
 
-// The inverse of SO(3)'s left Jacobian: log(exp(d) exp(w)) = w + J d + O(d^2), with
+// Inverse of the left Jacobian of SO(3): log(exp(d) exp(w)) = w + J d + O(d^2), with
 //   J = I - 1/2 [w]x + (1/|w|^2 - (1 + cos|w|) / (2 |w| sin|w|)) [w]x^2, |w| <= pi.
 // (Sola, Deray, Atchuthan: A micro Lie theory for state estimation in robotics, 2018, eq. 146.)
 inline Eigen::Matrix3d InverseLeftJacobian(const Eigen::Vector3d& w) {
   const double angle2 = w.squaredNorm(), half = std::sqrt(angle2) / 2;
-  // (1 + cos a) / sin a = 1 / tan(a/2); the series' next term is a^4 / 30240.
+  // (1 + cos a) / sin a = 1 / tan(a/2). The next term of the series is a^4 / 30240.
   const double scale =
       angle2 < 1e-4 ? 1. / 12 + angle2 / 720 : (1 - half / std::tan(half)) / angle2;
   const Eigen::Matrix3d cross = CrossMatrix<double>(w);
   return Eigen::Matrix3d::Identity() - 0.5 * cross + scale * cross * cross;
 }
 
-// RelativePose with derivatives by hand, for graphs of many edges. With A = world_from_a,
-// B = world_from_b, M = b_from_a as measured, E = A^-1 B M is the error and
+// RelativePose with analytic derivatives, for graphs with many edges. With A = world_from_a, B =
+// world_from_b and the measurement M = b_from_a, the error is E = A^-1 B M:
 //   E_R = A_R^T B_R M_R,  E_t = A_R^T y,  y = B_R M_t + B_t - A_t.
-// Increments turn from the left and leave the translation alone (ProductPoseManifold):
+// Left perturbations of the rotation do not change the translation (ProductPoseManifold):
 //   A_R -> exp(w) A_R: d log(E_R)/dw = -J A_R^T,  dE_t/dw =  A_R^T [y]x,       dE_t/dA_t = -A_R^T
 //   B_R -> exp(w) B_R: d log(E_R)/dw =  J A_R^T,  dE_t/dw = -A_R^T [B_R M_t]x, dE_t/dB_t =  A_R^T
-// with J = InverseLeftJacobian(log E_R). Ceres wants derivatives by the quaternion (u, s): these
-// times dw/d(u, s) = 2 [s I + [u]x | -u], which the manifold's Jacobian undoes. They agree with
-// autodiff's along the sphere of unit quaternions, the only way that a step goes.
+// with J = InverseLeftJacobian(log E_R). Ceres requires derivatives by the quaternion (u, s): the
+// product with dw/d(u, s) = 2 [s I + [u]x | -u]. The Jacobian of the manifold cancels this factor.
+// The derivatives equal those of autodiff in the tangent space of unit quaternions, which contains
+// all steps.
 class AnalyticRelativePose final : public ceres::SizedCostFunction<6, kPoseSize, kPoseSize> {
  public:
   AnalyticRelativePose(const Rigid3d& a_from_b, const PoseInformation& information)
@@ -62,7 +63,7 @@ class AnalyticRelativePose final : public ceres::SizedCostFunction<6, kPoseSize,
  private:
   using Columns = Eigen::Matrix<double, 6, 3>;
 
-  // From derivatives by w and translation to those by the parameter block.
+  // Converts derivatives by w and translation to derivatives by the parameter block.
   static void Fill(const Columns& by_w, const Columns& by_t, const Rigid3d& pose,
                    double* jacobian) {
     const Eigen::Vector3d u = pose.rotation.vec();

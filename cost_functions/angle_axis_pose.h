@@ -7,8 +7,8 @@
 
 namespace surfit {
 
-// Lets any functor of a pose take it as a rotation vector and a translation, six parameters without
-// a manifold: [wx wy wz tx ty tz], y = exp(w) p + t. Singular where |w| nears 2 pi.
+// Adapts a functor of a pose block to a rotation vector and a translation: [wx wy wz tx ty tz], y =
+// exp(w) p + t. These parameters need no manifold. Singular at |w| = 2 pi.
 template <typename Functor>
 struct WithAngleAxisPose {
   explicit WithAngleAxisPose(Functor functor_of_pose) : functor(std::move(functor_of_pose)) {}

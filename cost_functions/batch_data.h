@@ -10,7 +10,7 @@
 
 namespace surfit {
 
-// The data of N functors of one kind (see point_functor.h) as structure of arrays in precision S.
+// Data of N functors of one type (point_functor.h) as structure of arrays in precision S.
 template <typename Functor, typename S>
 class BatchData {
  public:

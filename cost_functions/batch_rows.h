@@ -6,15 +6,15 @@
 
 namespace surfit {
 
-// Evaluates a functor (see point_functor.h) and its rows [J r], J by the left increment (w, v), for
-// as many points at once as the lanes V hold.
+// Evaluates the residuals r of a functor (point_functor.h) and their rows [J r], with J by the left
+// perturbation (w, v). One point per lane of V.
 template <typename Functor, typename V>
 class BatchRows {
  public:
   static constexpr int kRows = Functor::kResidualSize;
   using Rows = V[kRows][kRowColumns];
 
-  // pose: a block (pose.h).
+  // `pose` is a pose block (pose.h). Stores a reference to the functor.
   BatchRows(const Functor& functor, const double* pose) : functor_(functor) {
     for (int i = 0; i < kPoseSize; ++i) pose_[i] = V(pose[i]);
   }
@@ -25,8 +25,8 @@ class BatchRows {
     for (int k = 0; k < kRows; ++k) residuals[k] = moving[k].value;
   }
 
-  // y = R p + t moves to y + w x y + v and a turned vector m to m + w x m, so that with g = dr/dy
-  // and h = dr/dm the row is [y x g + m x h, g].
+  // The perturbation moves y = R p + t to y + w x y + v, and a rotated vector m to m + w x m. With
+  // g = dr/dy and h = dr/dm the row is [y x g + m x h, g].
   void Linearize(const V* data, Rows& rows) const {
     const Moved moved(pose_, data);
     Dual<V, kVariables> residuals[kRows];
@@ -34,7 +34,7 @@ class BatchRows {
     SetRows(moved, residuals, rows);
   }
 
-  // The same at the identity, where y = p has lost nothing.
+  // Linearises at the identity, where y = p has no rounding error.
   static void LinearizeAtStart(const Functor& functor, const V* data, Rows& rows) {
     const Moved moved(data);
     Dual<V, kVariables> residuals[kRows];
@@ -44,10 +44,10 @@ class BatchRows {
 
  private:
   static constexpr bool kTurns = Functor::kTurned >= 0;
-  static constexpr int kVariables = kTurns ? 6 : 3;  // y, and m if there is one
+  static constexpr int kVariables = kTurns ? 6 : 3;  // y, and m if the functor has a rotated vector
 
-  // y = R p + t = p + d as its rounded value and what that lost: the moves d of a pose near the
-  // identity are small, and so is their rounding beside that of y.
+  // y = R p + t = p + d as the rounded value and its rounding error. Near the identity the motion d
+  // is small, so its own rounding error is much smaller than that of y.
   struct Moved {
     Moved(const V* pose, const V* data) {
       TurnByPose(pose, data, lost);
@@ -59,7 +59,7 @@ class BatchRows {
       }
       if constexpr (kTurns) RotateByPose(pose, data + Functor::kTurned, m);
     }
-    explicit Moved(const V* data) {  // by nothing
+    explicit Moved(const V* data) {  // identity
       for (int i = 0; i < 3; ++i) {
         y[i] = data[i];
         if constexpr (kTurns) m[i] = data[Functor::kTurned + i];
@@ -83,8 +83,8 @@ class BatchRows {
     }
   }
 
-  // Residuals and their derivatives by y, and where N is six by m. To first order what y lost
-  // counts as well: residuals are often differences a thousand times smaller than the points.
+  // Residuals and their derivatives by y, and by m if N is 6. Adds the rounding error of y to first
+  // order, because residuals are often differences a thousand times smaller than the points.
   template <int N>
   void Evaluate(const Moved& moved, const V* data, Dual<V, N>* residuals) const {
     EvaluateAt(functor_, moved, data, residuals);

@@ -7,7 +7,7 @@
 
 namespace surfit {
 
-// Sums over the rows of points of a batch, J by the left increment (w, v).
+// Sums over the rows of a batch, with J by the left perturbation (w, v).
 template <typename V, typename Functor, typename S>
 class BatchSummer {
  public:
@@ -19,14 +19,14 @@ class BatchSummer {
     return SumBy(begin, end, [&](const V* data, auto& rows) { rows_.Linearize(data, rows); });
   }
 
-  // At the identity, whatever the pose.
+  // Sums at the identity. Ignores the pose of the constructor.
   RowSums SumAtStart(int begin, int end) const {
     return SumBy(begin, end, [&](const V* data, auto& rows) {
       BatchRows<Functor, V>::LinearizeAtStart(functor_, data, rows);
     });
   }
 
-  // Of rho alone.
+  // Sum of rho only.
   double Rho(int begin, int end) const {
     double sum = 0;
     SumByLanes<V, V>(
@@ -71,7 +71,8 @@ class BatchSummer {
   const RobustKernel kernel_;
 };
 
-// sum(summer, begin, end) over a whole batch at a pose block, the same at any number of threads.
+// Sum of sum(summer, begin, end) over a batch at a pose block. Runs in parallel. The result does
+// not depend on the number of threads.
 template <typename Sum, typename Functor, typename S, typename F>
 Sum SumBatch(const Functor& functor, const BatchData<Functor, S>& data, const double* pose,
              const RobustKernel& kernel, const F& sum) {
@@ -93,7 +94,6 @@ RowSums SumRows(const Functor& functor, const BatchData<Functor, S>& data, const
   });
 }
 
-// At the identity.
 template <typename Functor, typename S>
 RowSums SumRowsAtStart(const Functor& functor, const BatchData<Functor, S>& data,
                        const RobustKernel& kernel) {

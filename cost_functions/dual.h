@@ -4,9 +4,9 @@
 
 namespace surfit {
 
-// A number with N derivatives, for automatic differentiation over lanes: what ceres::Jet is for
-// plain numbers. V is Lanes<float> or Lanes<double>. Mixes with V and with plain numbers, which
-// have no derivatives and cost none.
+// Number with N derivatives for automatic differentiation with SIMD lanes, like ceres::Jet for
+// scalars. V is Lanes<float> or Lanes<double>. Operators accept V and scalars as constants without
+// extra cost.
 template <typename V, int N>
 struct Dual {
   V value;
@@ -23,7 +23,7 @@ struct Dual {
 
   Dual operator-() const { return Chain(-value, V(-1.)); }
 
-  // The dual of f(value), given f'(value).
+  // Dual number of f(value), given f'(value).
   Dual Chain(const V& f, const V& slope) const {
     Dual result(f);
     for (int i = 0; i < N; ++i) result.derivative[i] = slope * derivative[i];
@@ -96,7 +96,7 @@ Dual<V, N> sqrt(const Dual<V, N>& x) {
   return x.Chain(root, V(0.5) / root);
 }
 
-// condition ? a : b, lane by lane, derivatives included.
+// condition ? a : b per lane, including the derivatives.
 template <typename V, int N>
 Dual<V, N> Select(const typename V::Mask& condition, const Dual<V, N>& a, const Dual<V, N>& b) {
   Dual<V, N> result(Select(condition, a.value, b.value));

@@ -6,8 +6,8 @@
 
 namespace surfit {
 
-// A kernel as Ceres' loss. Its second derivative is given as zero: Ceres leaves negative ones out
-// of the step as well, and rho is concave.
+// Robust kernel as a loss function for Ceres. The second derivative is set to 0: rho is concave,
+// and Ceres ignores negative second derivatives in the step.
 class KernelLoss final : public ceres::LossFunction {
  public:
   explicit KernelLoss(const RobustKernel& kernel) : kernel_(kernel) {}

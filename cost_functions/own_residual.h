@@ -14,9 +14,9 @@
 
 namespace surfit {
 
-// What registration asks of a residual that is not among its own. Pairs hold points and normals
-// that are moved already (pairs.h): the pose to solve for starts at the identity, and what it
-// becomes is the left increment.
+// Interface of a user-defined residual of registration. The points and normals of Pairs
+// (association.h) are already moved, so the pose starts at the identity, and the solution is the
+// left perturbation. Const members are called from several threads.
 class OwnResidual {
  public:
   static constexpr int kMostRows = 3;
@@ -24,40 +24,42 @@ class OwnResidual {
   using Block = std::unique_ptr<ReducedBlock>;
 
   virtual ~OwnResidual() = default;
-  virtual int row_count() const = 0;  // from 1 to kMostRows
+  virtual int row_count() const = 0;  // 1 to kMostRows
   virtual NeededNormals needed_normals() const = 0;
 
-  // The rows [a r] of the pairs [begin, end), r in metres (row_sums.h): column c of row k of the
-  // pair i becomes rows[(kRowColumns k + c) (end - begin) + i - begin].
+  // Computes the rows [a r] of the correspondences [begin, end), r in m (row_sums.h). Column c of
+  // row k of correspondence i is rows[(kRowColumns k + c) (end - begin) + i - begin].
   virtual void FillRows(const Pairs<float>& pairs, int begin, int end, float* rows) const = 0;
   virtual void FillRows(const Pairs<double>& pairs, int begin, int end, double* rows) const = 0;
 
-  // All pairs as one block, in units of their sigma. Their arrays are of their size.
+  // Residual block of all correspondences, in units of their sigma. The arrays of `pairs` have
+  // `size` values.
   virtual Block Reduced(Pairs<float> pairs, const RobustKernel& kernel) const = 0;
   virtual Block Reduced(Pairs<double> pairs, const RobustKernel& kernel) const = 0;
 
-  // One pair as a block, in units of its sigma.
+  // Residual block of one correspondence, in units of its sigma.
   virtual Cost OfPair(const Pairs<float>& pairs, int i) const = 0;
   virtual Cost OfPair(const Pairs<double>& pairs, int i) const = 0;
 };
 
-// Makes `name` one of ResidualTypeNames(), for all that registers after it: to be called before
-// anything does. Throws InputError if the name is taken, or nothing.
+// Adds `name` to ResidualTypeNames(). Not thread-safe: call it before any registration. Throws
+// InputError if the name is empty or already used.
 void RegisterResidual(const std::string& name, std::unique_ptr<const OwnResidual> residual);
 
-// All of that of a functor (point_functor.h) whose data are those of the functors here: p, q,
-// 1 / sigma (7 numbers), with the target's normal n before 1 / sigma (10), or also with the
-// source's normal m before it (13), which turns with the pose if kTurned is 9. Which data it has
-// tells which normals pairs must have.
+// OwnResidual of a functor (point_functor.h). The data size of the functor selects the data and the
+// normals that a correspondence must have:
+// - 7: p, q, 1 / sigma,
+// - 10: p, q, target normal n, 1 / sigma,
+// - 13: p, q, n, source normal m, 1 / sigma; m is rotated by the pose if kTurned is 9.
 template <typename Functor>
 class FunctorResidual final : public OwnResidual {
   static constexpr int kSize = Functor::kDataSize, kRows = Functor::kResidualSize;
   static_assert(kSize == 7 || kSize == 10 || kSize == 13,
-                "surfit: data of a residual are p, q, 1/sigma; p, q, n, 1/sigma; or p, q, n, m, "
-                "1/sigma");
+                "surfit: the data of a residual must be p, q, 1/sigma; p, q, n, 1/sigma; or p, "
+                "q, n, m, 1/sigma");
   static_assert(Functor::kTurned < 0 || (kSize == 13 && Functor::kTurned == 9),
-                "surfit: of a residual's data, m is what turns");
-  static_assert(kRows >= 1 && kRows <= kMostRows, "surfit: a residual has one to three rows");
+                "surfit: kTurned of a residual must be negative, or 9 with 13 data values");
+  static_assert(kRows >= 1 && kRows <= kMostRows, "surfit: a residual must have one to three rows");
 
  public:
   int row_count() const override { return kRows; }
@@ -82,7 +84,8 @@ class FunctorResidual final : public OwnResidual {
   Cost OfPair(const Pairs<double>& pairs, int i) const override { return BlockOf(pairs, i); }
 
  private:
-  // Pairs have their arrays in the order of the data; sigma is 1 m for residuals in metres.
+  // The arrays of Pairs have the order of the functor data. Here 1 / sigma is 1, because the
+  // residuals are in m.
   template <typename S>
   static void Fill(const Pairs<S>& pairs, int begin, int end, S* to) {
     WithInstructions([&](auto instructions) {

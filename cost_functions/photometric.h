@@ -4,17 +4,17 @@
 
 namespace surfit {
 
-// r = (I(u, v) - i) / sigma, one residual: the target image's intensity where the moved point
-// y = R p + t projects to, u = fx y_x / y_z + cx, v = fy y_y / y_z + cy, against the point's own
-// intensity i. Around the pixel (u0, v0) that was looked up, the image is its first-order expansion
-// I(u, v) = I0 + g_u (u - u0) + g_v (v - v0), with derivatives that autodiff carries on.
+// Photometric residual r = (I(u, v) - i) / sigma, one row: the difference between the target
+// intensity I and the intensity i of the point. The point y = R p + t projects to u = fx y_x / y_z
+// + cx, v = fy y_y / y_z + cy. I is linearised at the pixel (u0, v0): I(u, v) = I0 + g_u (u - u0) +
+// g_v (v - v0). Autodiff differentiates this expansion.
 struct Photometric : PointFunctor<Photometric, 9, 1> {
   // Intrinsics of the target camera, px.
   Photometric(double focal_u, double focal_v, double center_u, double center_v)
       : fx(focal_u), fy(focal_v), cx(center_u), cy(center_v) {}
 
-  // The point p (source frame, metres) of intensity i, which looked up I0 and its gradient (per px)
-  // at (u0, v0). Intensities and sigma in one unit.
+  // Sets the point p (source frame, m) with intensity i, and the target intensity I0 with its
+  // gradient (per px) at (u0, v0). Intensities and sigma have the same unit.
   void SetPoint(const Eigen::Vector3d& p, double i, double u0, double v0, double intensity,
                 const Eigen::Vector2d& gradient, double sigma) {
     Set(0, p);

@@ -8,34 +8,33 @@
 
 namespace surfit {
 
-// The parameter block of a depth camera's calibration: [fx fy cx cy c0 .. c5 T], px and 1/m (see
-// InverseDepthField), and the readout T of a rolling shutter, s.
+// Parameter block of a depth camera calibration: [fx fy cx cy c0 .. c5 T]. Intrinsics in px,
+// coefficients of InverseDepthField in 1/m, readout time T of a rolling shutter in s.
 inline constexpr int kFieldBegin = 4;
 inline constexpr int kReadout = kFieldBegin + static_cast<int>(InverseDepthField::kSize);
 inline constexpr int kCalibrationSize = kReadout + 1;
 
-// How the camera moves while a pixel's row waits to be read: the row of share s of the readout,
-// from -1/2 to 1/2, is read s T after its middle.
+// Motion of the camera between the middle of the readout and the row of a pixel. The row at the
+// ratio s of the readout, from -1/2 to 1/2, is read s T after the middle.
 struct RowMotion {
-  Eigen::Vector3d turn = Eigen::Vector3d::Zero();  // s times the camera's turn, rad/s
-  Eigen::Vector3d way = Eigen::Vector3d::Zero();   // s times its velocity, m/s
-  double readout_s = 0;  // by which pixel and depth were brought to the middle already
+  Eigen::Vector3d turn = Eigen::Vector3d::Zero();  // s times the angular velocity, rad/s
+  Eigen::Vector3d way = Eigen::Vector3d::Zero();   // s times the linear velocity, m/s
+  double readout_s = 0;                            // readout time used to correct pixel and depth
 };
 
-// r = (1/z_measured + c(x, y) - 1/z_plane) / sigma, one residual: the corrected inverse depth of a
-// pixel against that of a surfel's plane where the pixel's ray meets it. With the plane's unit
-// normal n and a point p of it in the world, moved by a displacement d along n, the pose (R, t)
-// world_from_camera and the ray e = ((u - cx)/fx, (v - cy)/fy, 1),
+// r = (1/z_measured + c(x, y) - 1/z_plane) / sigma, one row: corrected inverse depth of a pixel
+// minus the inverse depth of a surfel plane on its ray. The plane has the unit normal n and the
+// point p in the world, displaced by d along n. With the pose (R, t) = world_from_camera and the
+// ray e = ((u - cx)/fx, (v - cy)/fy, 1),
 //   1/z_plane = n . R e / (n . (p - t) + d).
-// With a readout that is longer by dT than the pixel's own, the point X it measures lies at
-// X + dT (turn x X + way) (AtMiddleOfReadout()), so that e + dT turn x e stands for e above, and
-// t + dT R way for t.
-// It is the point-to-plane distance over that of the camera from the plane, and over the depth.
-// As an error of what the sensor measures, inverse depth, it has the same sigma whatever the
-// calibration: errors in metres would be least for a calibration that makes all depths small.
+// If the readout time is longer by dT than in `RowMotion::readout_s`, the measured point X is at X
+// + dT (turn x X + way) (see AtMiddleOfReadout()). Then e + dT turn x e replaces e, and t + dT R
+// way replaces t. The residual equals the point-to-plane distance, divided by the distance of the
+// camera to the plane and by the depth. It is in units of the measurement, so sigma does not depend
+// on the calibration. A residual in m would favour calibrations with small depths.
 class PlaneInverseDepth {
  public:
-  // A pixel (u, v) in px, its measured inverse depth and sigma in 1/m; p in metres.
+  // Pixel (u, v) in px, measured inverse depth and sigma in 1/m, point in m.
   PlaneInverseDepth(double u, double v, double inverse_depth, double sigma,
                     const Eigen::Vector3d& point_in_world, const Eigen::Vector3d& normal_in_world,
                     const RowMotion& motion = {})
@@ -47,7 +46,7 @@ class PlaneInverseDepth {
         normal_(normal_in_world),
         motion_(motion) {}
 
-  // Pose block (pose.h), calibration block, displacement in metres.
+  // Pose block (pose.h), calibration block, displacement in m.
   template <typename T>
   bool operator()(const T* pose, const T* calibration, const T* displacement, T* residual) const {
     const T ray[3] = {(u_ - calibration[2]) / calibration[0],

@@ -6,25 +6,25 @@
 
 namespace surfit {
 
-// r = U (R p + t - q), three residuals, with U^T U = C^-1 and C = C_q + R C_p R^T the covariance of
-// the difference of two points that each lie somewhere on their own plane: Generalized-ICP (Segal,
-// Haehnel and Thrun 2009). C is evaluated at a given rotation and held during a solve, as there.
+// r = U (R p + t - q), three rows, with U^T U = C^-1. C = C_q + R C_p R^T is the covariance of the
+// difference of two points on planes: Generalized-ICP (Segal, Haehnel and Thrun 2009). As in that
+// paper, C is computed for a given rotation and is constant during a solve.
 struct PlaneToPlane : PointFunctor<PlaneToPlane, 12, 3> {
-  PlaneToPlane() = default;  // no data: for batches
-  // p in the source frame, q in the target frame, metres; C in the target frame, m^2.
+  PlaneToPlane() = default;  // without data, for batches
+  // p in the source frame, q in the target frame, m. Covariance C in the target frame, m^2.
   PlaneToPlane(const Eigen::Vector3d& p, const Eigen::Vector3d& q,
                const Eigen::Matrix3d& covariance) {
     Set(0, p);
     Set(3, q);
-    // C^-1 = L L^T: the whitening factor is L^T, not L.
+    // C^-1 = L L^T, so the whitening factor is L^T and not L.
     const Eigen::Matrix3d inverse = covariance.inverse();
     const Eigen::Matrix3d u = inverse.llt().matrixU();
     data[6] = u(0, 0), data[7] = u(0, 1), data[8] = u(0, 2);
     data[9] = u(1, 1), data[10] = u(1, 2), data[11] = u(2, 2);
   }
 
-  // The covariance of a point that is known to sigma along the unit normal of its plane, and to
-  // sigma / flatness within it.
+  // Covariance of a point on a plane: standard deviation sigma_m along the unit normal, and sigma_m
+  // / flatness within the plane.
   static Eigen::Matrix3d CovarianceOfPlane(const Eigen::Vector3d& normal, double sigma_m,
                                            double flatness) {
     const Eigen::Matrix3d across = normal * normal.transpose();

@@ -6,20 +6,20 @@
 
 namespace surfit {
 
-// What functors on one source point p have in common. Their numbers, data[kDataSize], start with p.
-// A functor defines its residuals once, on numbers T (with derivatives) and data D, of the moved
-// point y = R p + t,
+// Base of functors of one source point p. The data, data[kDataSize], start with p. A functor
+// defines residuals of the moved point y = R p + t, for scalars T and data D:
 //   template <typename T, typename D> void AtMovedPoint(const T* y, const D* data, T* residuals)
-// or also of a vector that turns with the pose, m = R data[kTurned, kTurned + 3), of numbers M,
+// Residuals can also depend on a rotated vector m = R data[kTurned, kTurned + 3) with scalars M:
 //   template <typename T, typename M, typename D>
 //   void AtMovedPoint(const T* y, const M* m, const D* data, T* residuals)
-// without branches on T, M or D, and serves then both one residual block per point
-// (ceres::AutoDiffCostFunction, T = ceres::Jet, D = double) and ReducedBatch (lanes of points).
+// The code must not branch on T, M or D. It is used for single residual blocks
+// (ceres::AutoDiffCostFunction, T = ceres::Jet, D = double) and for ReducedBatch (SIMD lanes of
+// points).
 template <typename Derived, int kData, int kResiduals, int kTurnedData = -1>
 struct PointFunctor {
   static constexpr int kDataSize = kData;
   static constexpr int kResidualSize = kResiduals;
-  static constexpr int kTurned = kTurnedData;  // where the turned vector starts; negative: none
+  static constexpr int kTurned = kTurnedData;  // start of the rotated vector; negative: none
 
   std::array<double, kData> data = {};
 

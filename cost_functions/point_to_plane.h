@@ -4,12 +4,11 @@
 
 namespace surfit {
 
-// r = n . (R p + t - q) / sigma, one residual: the distance to the plane through q with the unit
-// normal n (Chen and Medioni 1992). With the left increment, dr = [y x n, n] . (w, v) / sigma,
-// y = R p + t.
+// r = n . (R p + t - q) / sigma, one row: distance to the plane through q with unit normal n (Chen
+// and Medioni 1992). For the left perturbation, dr = [y x n, n] . (w, v) / sigma with y = R p + t.
 struct PointToPlane : PointFunctor<PointToPlane, 10, 1> {
-  PointToPlane() = default;  // no data: for batches
-  // p in the source frame, q and n in the target frame; p, q and sigma in metres.
+  PointToPlane() = default;  // without data, for batches
+  // p in the source frame, q and n in the target frame; p, q and sigma in m.
   PointToPlane(const Eigen::Vector3d& p, const Eigen::Vector3d& q, const Eigen::Vector3d& n,
                double sigma_m) {
     Set(0, p);

@@ -4,11 +4,11 @@
 
 namespace surfit {
 
-// r = (R p + t - q) / sigma, three residuals: the distance to the matched point (Besl and McKay
-// 1992). With the left increment, dr = [-[y]x | I] (w, v) / sigma, y = R p + t.
+// r = (R p + t - q) / sigma, three rows: difference to the corresponding point (Besl and McKay
+// 1992). For the left perturbation, dr = [-[y]x | I] (w, v) / sigma with y = R p + t.
 struct PointToPoint : PointFunctor<PointToPoint, 7, 3> {
-  PointToPoint() = default;  // no data: for batches
-  // p in the source frame, q in the target frame, sigma: all metres.
+  PointToPoint() = default;  // without data, for batches
+  // p in the source frame, q in the target frame; p, q and sigma in m.
   PointToPoint(const Eigen::Vector3d& p, const Eigen::Vector3d& q, double sigma_m) {
     Set(0, p);
     Set(3, q);

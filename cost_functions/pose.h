@@ -7,8 +7,8 @@
 
 namespace surfit {
 
-// The parameter block of a pose target_from_source: [qx qy qz qw tx ty tz], a unit quaternion in
-// the order of Eigen and of TUM files, and a translation in metres.
+// Parameter block of a pose target_from_source: [qx qy qz qw tx ty tz]. Unit quaternion in the
+// order of Eigen and TUM files, translation in m.
 inline constexpr int kPoseSize = 7;
 inline constexpr int kPoseTangentSize = 6;  // (w [rad], v [m])
 inline constexpr double kIdentityBlock[kPoseSize] = {0, 0, 0, 1, 0, 0, 0};
@@ -25,7 +25,7 @@ void PoseToBlock(const Rigid3<T>& pose, T* block) {
   for (int i = 0; i < 3; ++i) block[4 + i] = pose.translation[i];
 }
 
-// result = a x b, for any mixture of numbers.
+// result = a x b, for different scalar types.
 template <typename A, typename B, typename T>
 void Cross(const A* a, const B* b, T* result) {
   result[0] = a[1] * b[2] - a[2] * b[1];
@@ -33,7 +33,8 @@ void Cross(const A* a, const B* b, T* result) {
   result[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-// result = R x - x, R the rotation of the unit quaternion (u, w): w 2 (u x x) + u x 2 (u x x).
+// result = R x - x = w 2 (u x x) + u x 2 (u x x), with the rotation R of the unit quaternion (u,
+// w).
 template <typename T, typename D>
 void TurnByPose(const T* pose, const D* x, T* result) {
   T twice[3], across[3];

@@ -10,9 +10,9 @@ namespace surfit {
 
 using PoseInformation = Eigen::Matrix<double, 6, 6>;
 
-// U with U^T U = information. From the Cholesky factor L L^T of the information U is L^T; L itself
-// would whiten wrongly as soon as the matrix is not diagonal. Where some directions were not
-// measured there is no such factor, and U is made of eigenvectors; eigenvalues below 0 count as 0.
+// Matrix U with U^T U = information. With the Cholesky factor L L^T of the information, U is L^T; L
+// is wrong unless the matrix is diagonal. A singular matrix (unmeasured directions) has no such
+// factor. U is then computed from eigenvectors, with negative eigenvalues set to 0.
 inline PoseInformation InformationRoot(const PoseInformation& information) {
   const Eigen::LLT<PoseInformation> cholesky(information);
   if (cholesky.info() == Eigen::Success) return cholesky.matrixU();
@@ -21,8 +21,8 @@ inline PoseInformation InformationRoot(const PoseInformation& information) {
          eigen.eigenvectors().transpose();
 }
 
-// residuals = U (log of the rotation [rad], translation [m]) of an error transform, with
-// U = InformationRoot(information): |residuals|^2 = e^T information e.
+// residuals = U (rotation log [rad], translation [m]) of an error transform, with U =
+// InformationRoot(information): |residuals|^2 = e^T information e.
 class WhitenedPoseError {
  public:
   explicit WhitenedPoseError(const PoseInformation& information)
@@ -36,7 +36,7 @@ class WhitenedPoseError {
     r = root_.cast<T>() * e;
   }
 
-  // U.
+  // Returns U.
   const PoseInformation& root() const { return root_; }
 
  private:

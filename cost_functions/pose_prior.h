@@ -4,8 +4,8 @@
 
 namespace surfit {
 
-// Six residuals between a pose X and what is known of it, a prior Z with full information matrix:
-// the error X Z^-1 is the left increment (w, v) that takes Z to X, in the target frame.
+// Prior Z of a pose X with a full information matrix, six residuals. The error X Z^-1 is the left
+// perturbation (w, v) that moves Z to X, in the target frame.
 class PosePrior {
  public:
   PosePrior(const Rigid3d& prior, const PoseInformation& information)

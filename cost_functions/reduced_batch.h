@@ -12,29 +12,30 @@
 
 namespace surfit {
 
-// A Ceres residual block of all points: see ReducedBatch.
+// Ceres residual block of many points, see ReducedBatch.
 class ReducedBlock : public ceres::CostFunction {
  public:
-  // The sums over all rows at the identity. Later, Evaluate() with Jacobians has these at once.
+  // Computes the sums over all rows at the identity, and caches them for Evaluate() with Jacobians.
   virtual const RowSums& Prepare() = 0;
 };
 
-// N functors of one kind (see point_functor.h) as one Ceres residual block of seven rows.
+// Ceres residual block of seven rows for N functors of one type (point_functor.h).
 //
-// The triangular factor [R q; 0 e] of all rows [J r] has R^T R = J^T J, R^T q = J^T r and
-// |q|^2 + e^2 = |r|^2: cost, gradient and Gauss-Newton matrix of all N rows, so that
-// Levenberg-Marquardt takes the same steps. With a robust kernel per point, rows count rho'(s)-fold
-// and e is chosen so that |q|^2 + e^2 = sum rho(s): cost and gradient stay exact, as
-// rho(s) >= s rho'(s) for all kernels (rho is concave). The factor comes from the Cholesky
-// decomposition of the sums of products, evaluated by automatic differentiation over lanes.
+// The triangular factor [R q; 0 e] of all rows [J r] satisfies R^T R = J^T J, R^T q = J^T r and
+// |q|^2 + e^2 = |r|^2. Cost, gradient and Gauss-Newton matrix equal those of all N rows, so the
+// steps of Levenberg-Marquardt are the same. With a robust kernel per point, the rows have the
+// weight rho'(s), and e is chosen for |q|^2 + e^2 = sum rho(s). Cost and gradient stay exact,
+// because rho(s) >= s rho'(s) for all kernels (rho is concave). The factor is the Cholesky
+// decomposition of the summed products, which are computed by automatic differentiation with SIMD
+// lanes.
 //
-// S is the precision of residuals and products; sums are in double. Float: cost and gradient to
-// 1e-5 of the sum of their absolute terms; double: 1e-9. Functors of the moved point (see
-// point_functor.h) have residuals as exact as their data where the pose is near the identity.
-// Evaluation runs in parallel, and gives the same bit for bit at any number of threads.
+// S is the precision of residuals and products; sums are double. The relative errors of cost and
+// gradient are 1e-5 (float) or 1e-9 (double) of the sum of absolute terms. Near the identity, the
+// residuals of functors of the moved point are as exact as their data. Evaluation is parallel and
+// bitwise identical for every number of threads.
 //
 // The parameter block is a pose (pose.h) on LeftPoseManifold or ProductPoseManifold. Do not add a
-// loss function to the block: the kernel is one per point, a loss would see the sum.
+// loss function: it would apply to the sum instead of each point.
 template <typename Functor, typename S = float>
 class ReducedBatch final : public ReducedBlock {
  public:
@@ -74,7 +75,8 @@ class ReducedBatch final : public ReducedBlock {
   using Factor = Eigen::Matrix<double, kRows, kPoseTangentSize>;
 
   // Cholesky decomposition of the semidefinite matrix of products: R, and [q e] as residuals.
-  // Pivots are at least what the sums' rounding leaves of zero: R^T q = J^T r holds in any case.
+  // Pivots are bounded from below by the rounding error of the sums. R^T q = J^T r holds for
+  // bounded pivots as well.
   static void Decompose(const RowSums& sums, Factor* factor, double* residuals) {
     constexpr double kPrecision = sizeof(S) == sizeof(float) ? 1e-6 : 1e-13;
     Eigen::Matrix<double, kRows, kRows> rest;  // upper triangle

@@ -4,10 +4,9 @@
 
 namespace surfit {
 
-// Six residuals between two poses world_from_a, world_from_b and a measured a_from_b with full
-// information matrix, the edge of a pose graph. The error (world_from_a^-1 world_from_b)
-// a_from_b^-1 is the left increment (w, v), in the frame of a, that takes the measured pose to the
-// estimate.
+// Edge of a pose graph, six residuals: two poses world_from_a and world_from_b, and a measured
+// a_from_b with a full information matrix. The error (world_from_a^-1 world_from_b) a_from_b^-1 is
+// the left perturbation (w, v), in frame a, that moves the measurement to the estimate.
 class RelativePose {
  public:
   RelativePose(const Rigid3d& a_from_b, const PoseInformation& information)

@@ -5,13 +5,13 @@
 
 namespace surfit {
 
-// A robust kernel at one s.
+// Value and derivative of a robust kernel.
 template <typename V>
 struct KernelValue {
   V rho, slope;  // rho(s), rho'(s)
 };
 
-// V is a plain number or Lanes.
+// V is a scalar or Lanes.
 template <RobustKernelType kType, typename V>
 KernelValue<V> EvaluateKernel(const V& s, double width) {
   using std::log;
@@ -21,7 +21,7 @@ KernelValue<V> EvaluateKernel(const V& s, double width) {
     return {s, one};
   } else if constexpr (kType == RobustKernelType::kHuber) {
     const auto inside = s <= k2;
-    const V root = sqrt(Select(inside, k2, s));  // no division by zero
+    const V root = sqrt(Select(inside, k2, s));  // avoids a division by zero
     return {Select(inside, s, V(2. * width) * root - k2), V(width) / root};
   } else if constexpr (kType == RobustKernelType::kTukey) {
     const V rest = Select(share < one, one - share, V(0.));
@@ -34,7 +34,7 @@ KernelValue<V> EvaluateKernel(const V& s, double width) {
   }
 }
 
-// The same of a type that is known at run time only.
+// Evaluates a kernel whose type is known at run time only.
 template <typename V>
 KernelValue<V> EvaluateKernel(const RobustKernel& kernel, const V& s) {
   switch (kernel.type) {

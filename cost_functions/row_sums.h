@@ -7,17 +7,16 @@
 
 namespace surfit {
 
-// The kernel of linearisation, for all that is summed over points, whoever makes their rows.
+// Weighted sums of rows, shared by all linearisations.
 //
-// A point has rows [a r]: six derivatives by the left increment (w, v), and the residual. With the
-// information 1 / sigma^2 of a point and s = information * sum r^2 over its rows, products of the
-// columns are summed with the weight information * rho'(s), and so is rho(s).
+// A point has rows [a r]: six derivatives by the left perturbation (w, v), and the residual. With
+// the information 1 / sigma^2 of a point and s = information * sum of r^2 over its rows, products
+// of columns are summed with the weight information * rho'(s). rho(s) is summed as well.
 inline constexpr int kRowColumns = 7;
 inline constexpr int kRowProducts = kRowColumns * (kRowColumns + 1) / 2;
 
-// Weighted sums of the products of columns, and of rho(s).
 struct RowSums {
-  double product[kRowProducts] = {};  // of the columns: the upper triangle, row by row
+  double product[kRowProducts] = {};  // upper triangle, row by row
   double rho = 0;
 
   RowSums& operator+=(const RowSums& other) {
@@ -34,17 +33,17 @@ double SumOfLanes(const V& lanes) {
   return sum;
 }
 
-// Short sums, one a lane.
+// Partial sums, one per lane. They have few terms, to limit rounding errors.
 template <typename V>
 struct RowLanes {
   V product[kRowProducts];
   V rho;
 
-  // What each point's rows were weighted with: s, and information * rho'(s).
+  // Weights of the rows of a point: s, and information * rho'(s).
   struct Weights {
     V s, weight;
   };
-  // Adds the rows of as many points as there are lanes; information is 0 where there is no point.
+  // Adds the rows of one point per lane. Lanes without a point have information 0.
   template <int kRows>
   Weights Add(const V (&rows)[kRows][kRowColumns], const V& information,
               const RobustKernel& kernel) {
@@ -55,7 +54,7 @@ struct RowLanes {
     return weights;
   }
 
-  // Adds nothing.
+  // Computes the weights without adding the rows.
   template <int kRows>
   static Weights Weigh(const V (&rows)[kRows][kRowColumns], const V& information,
                        const RobustKernel& kernel, KernelValue<V>* value) {
@@ -80,9 +79,9 @@ struct RowLanes {
   }
 };
 
-// Walks through the points [begin, end) by lanes V: add(first, count, &sums) adds up to V::kCount
-// of them to new Sums, from which flush(sums) takes what at most eight calls have added, so that
-// sums in single precision stay short. In a fixed order.
+// Iterates over the points [begin, end) in a fixed order. add(first, count, &sums) adds up to
+// V::kCount points to new Sums. flush(sums) collects the sums after at most eight calls, which
+// limits rounding errors of single precision.
 template <typename V, typename Sums, typename Add, typename Flush>
 void SumByLanes(int begin, int end, const Add& add, const Flush& flush) {
   constexpr int kFlush = 8 * V::kCount;

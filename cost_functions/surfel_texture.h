@@ -7,28 +7,28 @@
 
 namespace surfit {
 
-// An image around the pixel (u, v) by its first-order expansion.
+// Linearised image at the pixel (u, v).
 struct IntensityTap {
   float u = 0, v = 0;              // px
-  float value = 0;                 // there
+  float value = 0;                 // intensity
   float slope_u = 0, slope_v = 0;  // per px
 };
 
-// The intensities that a keyframe sees at a surfel's centre and at the two points beside it.
+// Intensities of a keyframe at the centre of a surfel and at two points beside it.
 using TextureTaps = std::array<IntensityTap, 3>;
 
-// r_j = ((I(q_j) - I(q_0)) - a_j) / sigma, j = 1, 2, two residuals: the differences of intensity
-// between two points beside a surfel's centre and the centre itself, as a keyframe sees them,
-// against those that are the surfel's own, a (after Schoeps, Sattler and Pollefeys, BAD SLAM, CVPR
-// 2019). What all of them share, such as a brighter exposure's offset, drops out.
+// r_j = ((I(q_j) - I(q_0)) - a_j) / sigma for j = 1, 2, two rows: intensity differences between two
+// points beside a surfel centre and the centre in a keyframe, minus the texture parameters a of the
+// surfel. A common offset, for example of the exposure, cancels (after Schoeps, Sattler and
+// Pollefeys, BAD SLAM, CVPR 2019).
 //
-// The points are p_j + d n in the world: the surfel's centre p_0 and p_j = p_0 + t_j, t_j tangents,
-// moved by the displacement d along its normal n. With the pose (R, t) world_from_camera,
-//   (x, y, z) = R^T (p_j + d n - t),  q_j = (fx x / z + cx, fy y / z + cy),
-// and I is the first-order expansion of the keyframe's image around where the point was looked up.
+// The points are p_j + d n in the world: the surfel centre p_0 and p_j = p_0 + t_j with tangents
+// t_j, displaced by d along the normal n. With the pose (R, t) = world_from_camera,
+//   (x, y, z) = R^T (p_j + d n - t),  q_j = (fx x / z + cx, fy y / z + cy).
+// I is the keyframe image, linearised at the pixel of the point.
 class SurfelTexture {
  public:
-  // Intensities and sigma in one unit, points in metres.
+  // Intensities and sigma have the same unit. Points in m.
   SurfelTexture(const TextureTaps& taps, double sigma,
                 const std::array<Eigen::Vector3d, 3>& points_in_world,
                 const Eigen::Vector3d& normal_in_world)
@@ -37,7 +37,7 @@ class SurfelTexture {
         points_(points_in_world),
         normal_(normal_in_world) {}
 
-  // Pose block (pose.h), calibration block, displacement in metres, texture [a_1 a_2].
+  // Pose block (pose.h), calibration block, displacement in m, texture [a_1 a_2].
   template <typename T>
   bool operator()(const T* pose, const T* calibration, const T* displacement, const T* texture,
                   T* residuals) const {
@@ -48,7 +48,7 @@ class SurfelTexture {
     }
     return true;
   }
-  // The surfel's own numbers as one block [d a_1 a_2], to be eliminated together.
+  // Surfel parameters as one block [d a_1 a_2], for the Schur complement.
   template <typename T>
   bool operator()(const T* pose, const T* calibration, const T* numbers, T* residuals) const {
     return (*this)(pose, calibration, numbers, numbers + 1, residuals);

@@ -4,13 +4,13 @@
 
 namespace surfit {
 
-// r = (R p + t - q) . (R m + n) / (2 sigma), one residual: the distance along the mean of the
-// source's and the target's normals m and n (Rusinkiewicz 2019, with the rotation on one side). It
-// is zero wherever p and q lie on one and the same sphere or cylinder, not only on a plane, and so
-// converges from farther. It depends on the pose through R m as well as through y = R p + t.
+// r = (R p + t - q) . (R m + n) / (2 sigma), one row: distance along the mean of the source normal
+// m and the target normal n. The residual is that of Rusinkiewicz 2019, with the rotation on one
+// side. It is 0 if p and q are on a common plane, sphere or cylinder, so the convergence range is
+// larger. It depends on the pose through R m and y = R p + t.
 struct SymmetricPointToPlane : PointFunctor<SymmetricPointToPlane, 13, 1, 9> {
-  SymmetricPointToPlane() = default;  // no data: for batches
-  // p and its unit normal m in the source frame, q and n in the target frame; metres.
+  SymmetricPointToPlane() = default;  // without data, for batches
+  // p and its unit normal m in the source frame, q and n in the target frame; p, q and sigma in m.
   SymmetricPointToPlane(const Eigen::Vector3d& p, const Eigen::Vector3d& m,
                         const Eigen::Vector3d& q, const Eigen::Vector3d& n, double sigma_m) {
     Set(0, p);

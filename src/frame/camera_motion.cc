@@ -7,13 +7,13 @@ namespace surfit {
 CameraMotion MotionOver(const Rigid3d& first_from_second, double seconds) {
   if (!(seconds > 0)) return {};
   const Eigen::Vector3d turn = QuaternionLog(first_from_second.rotation);
-  // Halfway, as the second camera is by half the turn.
+  // Velocity in the camera frame halfway: rotated by half the rotation.
   const Eigen::Vector3d way = QuaternionExp<double>(-0.5 * turn) * first_from_second.translation;
   return {turn / seconds, way / seconds};
 }
 
 CameraMotion MotionAt(const Trajectory& trajectory, double stamp_s, double max_gap_s) {
-  constexpr double kSameStamp = 1e-5;  // s; files have 6 decimals
+  constexpr double kSameStamp = 1e-5;  // s; timestamps in files have 6 decimals
   const auto at =
       std::lower_bound(trajectory.begin(), trajectory.end(), stamp_s - kSameStamp,
                        [](const StampedPose& pose, double stamp) { return pose.stamp_s < stamp; });

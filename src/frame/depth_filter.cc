@@ -9,7 +9,7 @@
 namespace surfit {
 namespace {
 
-// The weights by distance of the window's pixels, row by row.
+// Distance weights of the filter window, row by row.
 std::vector<float> TriangleWeights(int radius) {
   std::vector<float> weights;
   for (int dv = -radius; dv <= radius; ++dv) {
@@ -21,8 +21,8 @@ std::vector<float> TriangleWeights(int radius) {
   return weights;
 }
 
-// Filters the lanes at a pixel of a band of inverse depth in units of the cut-off: weighted sums of
-// differences from the lanes' own pixels, which keep all digits.
+// Filtered inverse depth in units of the cut-off. Sums differences to the central pixel, because
+// sums of values would lose precision.
 template <typename V>
 V FilteredInverse(const float* at, std::ptrdiff_t stride, int radius, const float* weights) {
   const V center = V::Load(at);
@@ -40,7 +40,7 @@ V FilteredInverse(const float* at, std::ptrdiff_t stride, int radius, const floa
   return center + sum / weight_sum;
 }
 
-// Filters one row of a band; inverse depth is `scale` times what it is in 1/m.
+// Filters one row of a band with inverse depths in units of 1/scale, 1/m.
 template <typename V>
 void FilterRow(const InverseDepthBand& band, int v, int width, int radius, const float* weights,
                float scale, float* depth_m) {

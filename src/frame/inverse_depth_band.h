@@ -9,22 +9,22 @@
 
 namespace surfit {
 
-// Inverse depth, times a scale, of some rows of a depth image and of a margin around them on all
-// sides: wide enough that neither windows nor whole lanes leave it. Missing pixels and what lies
-// outside the image are kMissing, so far from all inverse depths that no difference with it passes
-// for one on a surface: what computes on windows needs no branch for them.
+// Scaled inverse depth of some rows of a depth image, with a margin on all sides. The margin holds
+// the windows and SIMD lanes at the image border. Missing pixels and pixels outside the image are
+// kMissing. This value differs from every inverse depth by more than any threshold, so windows need
+// no branch for it.
 class InverseDepthBand {
  public:
   static constexpr float kMissing = -1e30f;
 
-  // Room for `rows` rows of an image of this width, and the margin (px).
+  // Allocates `rows` rows of an image with this width, and the margin in px.
   InverseDepthBand(int width, int rows, int margin)
       : width_(width),
         margin_(margin),
         stride_((width + kLanes - 1) / kLanes * kLanes + 2 * margin),
         values_(new float[static_cast<std::size_t>(rows + 2 * margin) * stride_]) {}
 
-  // Takes the rows [begin, end) of a depth image (m, 0 = missing).
+  // Loads the rows [begin, end) of a depth image (m; 0: missing).
   template <typename V>
   void Fill(const Image<float>& depth_m, int begin, int end, float scale) {
     first_ = begin - margin_;
@@ -44,7 +44,7 @@ class InverseDepthBand {
     }
   }
 
-  // Pixel 0 of row v of the image; the row above or below is stride() before or after it.
+  // Pointer to pixel 0 of image row v. stride() is the distance of rows.
   const float* row(int v) const { return values_.get() + (v - first_) * stride_ + margin_; }
   std::ptrdiff_t stride() const { return stride_; }
 
@@ -54,7 +54,7 @@ class InverseDepthBand {
   int width_;
   int margin_;
   std::ptrdiff_t stride_;
-  int first_ = 0;  // row of the image that the uppermost row holds
+  int first_ = 0;  // image row of the uppermost row
   std::unique_ptr<float[]> values_;
 };
 

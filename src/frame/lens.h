@@ -6,20 +6,20 @@
 
 namespace surfit {
 
-// Scalar: float, double, or Lanes of them.
+// Scalar: float, double, or Lanes of float or double.
 template <typename Scalar>
 struct LensPixel {
   using Truth = decltype(Scalar() > Scalar());
   Scalar u = 0, v = 0;  // px
-  Truth is_seen{};      // else u and v mean nothing
+  Truth is_seen{};      // false: u and v are invalid
 };
 
-// A camera with its lens distortion. With x = X/Z, y = Y/Z, r2 = x^2 + y^2 and k = 1 + k1 r2
-// + k2 r2^2 + k3 r2^3 (Brown's model, as OpenCV's calibration has it) a point appears at
+// Camera with lens distortion (Brown's model, coefficients as in OpenCV). With x = X/Z, y = Y/Z, r2
+// = x^2 + y^2 and k = 1 + k1 r2 + k2 r2^2 + k3 r2^3, the pixel of a point is
 //   u = fx (x k + 2 p1 x y + p2 (r2 + 2 x^2)) + cx,
 //   v = fy (y k + p1 (r2 + 2 y^2) + 2 p2 x y) + cy.
-// Not seen are points with Z <= 0, and those where r k falls with growing r: there the polynomial
-// folds the outside of the picture back into it. The image's borders are not considered.
+// A point is invisible if Z <= 0, or if r k decreases with r: the polynomial would fold the point
+// back into the image. The image border is not tested.
 template <typename Scalar>
 class Lens {
  public:
@@ -54,7 +54,7 @@ class Lens {
   Scalar fx_, fy_, cx_, cy_, k1_, k2_, p1_, p2_, k3_;
 };
 
-// Whether a pixel is seen and lies on the camera's image.
+// Returns true if the pixel is visible and inside the image.
 template <typename Scalar>
 typename LensPixel<Scalar>::Truth IsInImage(const PinholeCamera& camera,
                                             const LensPixel<Scalar>& pixel) {

@@ -9,7 +9,7 @@
 namespace surfit {
 namespace {
 
-// Normals, row by row.
+// Computes normals row by row.
 class NormalRows {
  public:
   NormalRows(const DepthSensor& sensor, const PreprocessOptions& options)
@@ -24,7 +24,6 @@ class NormalRows {
     }
   }
 
-  // The normals of row v of the image that the band holds.
   template <typename V>
   void Compute(const InverseDepthBand& band, int v, VectorImage* normal) const {
     const int width = normal->width();
@@ -35,7 +34,7 @@ class NormalRows {
       const auto along_u = SlopeAlong<V>(row + u, 1, radius_, bounds_.noise + bounds_.slant_u * r);
       const auto along_v =
           SlopeAlong<V>(row + u, band.stride(), radius_, bounds_.noise + bounds_.slant_v * r);
-      // n . X = d with d < 0 for a normal that faces the camera: the negative of the formula.
+      // Negative of the formula in the header: a normal towards the camera has n . X = d < 0.
       const V nx = -fx_ * along_u.value, ny = -fy_ * along_v.value;
       const V nz = V::Load(du_.data() + u) * along_u.value + dv * along_v.value - r;
       const V scale = 1. / sqrt(nx * nx + ny * ny + nz * nz);
@@ -51,10 +50,10 @@ class NormalRows {
   int radius_;
   float fx_, fy_;
   double cy_;
-  std::vector<float> du_;  // u - cx of each column, and room for whole lanes
+  std::vector<float> du_;  // u - cx per column, padded to complete lanes
 };
 
-// Zeroes the normals of a row where a neighbour does not continue the surface.
+// Removes the normals of a row at depth edges.
 template <typename V>
 void DropRow(const InverseDepthBand& band, const EdgeBounds& bounds, int v, VectorImage* normal) {
   const int width = normal->width();

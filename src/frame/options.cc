@@ -9,21 +9,24 @@ namespace surfit {
 
 void PreprocessOptions::Visit(OptionVisitor& v) {
   v.Group("surfaces");
-  v.Add(filter_radius_px, "filter_radius_px", "half the window of the depth filter", Between(0, 7),
-        ZeroIs("no filter"), InUnit("px"), AsFlag("depth_filter_radius"));
+  v.Add(filter_radius_px, "filter_radius_px", "half width of the depth filter window",
+        Between(0, 7), ZeroIs("no filter"), InUnit("px"), AsFlag("depth_filter_radius"));
   v.Add(filter_cutoff, "filter_cutoff",
-        "depths that differ by more sigmas have no weight in the filter", Positive(), Below(1000));
-  v.Add(normal_radius_px, "normal_radius_px", "normals come from depths this far around",
-        Between(1, 7), InUnit("px"), AsFlag("normal_radius"));
+        "inverse depths that differ by more sigmas have no weight in the depth filter", Positive(),
+        Below(1000));
+  v.Add(normal_radius_px, "normal_radius_px",
+        "maximum pixel offset of the depths that a normal is computed from", Between(1, 7),
+        InUnit("px"), AsFlag("normal_radius"));
   v.Add(max_slant_rad, "max_slant_rad",
-        "surfaces at a larger angle to the ray are taken for depth edges", Positive(), Below(1.57));
-  v.Add(pyramid_levels, "pyramid_levels", "resolutions to register on, as far as the image allows",
-        Between(1, 8), AsFlag());
+        "surfaces at a larger angle to the viewing ray are depth edges", Positive(), Below(1.57));
+  v.Add(pyramid_levels, "pyramid_levels",
+        "maximum number of pyramid levels for registration; small images have fewer", Between(1, 8),
+        AsFlag());
 }
 
 void PrepareOptions::Visit(OptionVisitor& v) {
   v.Add(downsample, SharedOption("downsample", Everyday()));
-  v.Add(max_depth_m, "max_depth_m", "larger depths count as missing", Positive(), Everyday());
+  v.Add(max_depth_m, "max_depth_m", "larger depths are missing", Positive(), Everyday());
 }
 
 }  // namespace surfit

@@ -32,13 +32,13 @@ float Metres(std::uint16_t raw, float units_per_metre, float max_m) {
   return raw != kMissing && metres <= max_m ? metres : 0;
 }
 
-// False comparisons make NaN missing.
+// Comparisons with NaN are false, so NaN is missing.
 float Metres(float raw, float /*units_per_metre*/, float max_m) {
   return raw > 0 && raw <= max_m ? raw : 0;
 }
 
 bool IsMissing(std::uint16_t raw) { return raw == 0 || raw == kMissing; }
-bool IsMissing(float raw) { return !(raw > 0); }  // NaN too
+bool IsMissing(float raw) { return !(raw > 0); }  // also NaN
 
 template <typename T>
 float MetresOf(const Disparity& disparity, T raw, float max_m) {
@@ -48,8 +48,8 @@ float MetresOf(const Disparity& disparity, T raw, float max_m) {
   return metres <= max_m ? metres : 0;
 }
 
-// For each pixel of the undistorted, downsampled image: the index of the nearest pixel of the
-// camera's own image, or -1 where the camera does not see it.
+// Index of the nearest raw pixel for each pixel of the undistorted, downsampled image; -1: not
+// visible.
 Image<std::int32_t> NearestPixels(const PinholeCamera& camera, int downsample) {
   const PinholeCamera out = camera.Subsampled(downsample);
   const Lens<double> lens(camera);
@@ -65,7 +65,7 @@ Image<std::int32_t> NearestPixels(const PinholeCamera& camera, int downsample) {
   return pixels;
 }
 
-// Metres at the given pixels of the raw image; 0 where depth is missing or beyond max_depth_m.
+// Depth in m at the given raw pixels; 0: missing or beyond max_depth_m.
 Image<float> DepthAt(const Image<std::int32_t>& pixels, const RawDepth& raw,
                      const RgbdCamera& camera, double max_depth_m) {
   const float units = static_cast<float>(camera.depth_units_per_metre);

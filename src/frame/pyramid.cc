@@ -11,13 +11,13 @@ namespace {
 constexpr int kMinWidth = 40;
 constexpr int kMinHeight = 30;
 
-// The four pixels of each lane's 2 x 2 block.
+// Blocks of 2 x 2 pixels, one per lane.
 template <typename V>
 struct Block {
   V pixel[4];
 };
 
-// The blocks of row v of blocks from block u on, `count` of them or as many as there are lanes.
+// Loads the blocks from block (u, v) to the right: `count` blocks, limited by the number of lanes.
 template <typename V>
 Block<V> LoadBlocks(const Image<float>& image, int u, int v, int count) {
   Block<V> block;
@@ -32,7 +32,7 @@ Block<V> LoadBlocks(const Image<float>& image, int u, int v, int count) {
   return block;
 }
 
-// Means over those pixels of each block that belong to its nearest surface, for a row of blocks.
+// Averages the pixels of the nearest surface in each block, for a row of blocks.
 template <typename V>
 void HalveRow(const FrameLevel& fine, const EdgeBounds& bounds, int v, Image<float>* depth_m,
               VectorImage* normal) {

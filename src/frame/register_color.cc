@@ -11,14 +11,15 @@ namespace {
 constexpr float kColumns[] = {0, 1, 2, 3, 4, 5, 6, 7};
 constexpr double kOutside = -1;
 
-// Positions along a row in the colour image, in 1/256 px; u is kOutside where there is none.
+// Colour pixels of a row of depth pixels, in 1/256 px. u is kOutside if the colour camera does not
+// see the point.
 struct TapPositions {
   explicit TapPositions(int width)
       : u(width + Lanes<float>::kCount), v(width + Lanes<float>::kCount) {}
   std::vector<std::int32_t> u, v;
 };
 
-// A row of points d (first + column step) + t in the colour camera's frame, d their depth.
+// Row of points d (first + column step) + t in the frame of the colour camera, with depths d.
 struct PointRow {
   Eigen::Vector3f first, step, t;
 };

@@ -11,15 +11,15 @@
 namespace surfit {
 namespace {
 
-// Second differences of inverse depth beyond that many sigmas are edges: those of noise have 2.4.
+// Bound on second differences of inverse depth at edges, in sigmas of inverse depth. Second
+// differences of noise have a standard deviation of 2.4 sigmas.
 constexpr double kMaxBendSigmas = 6;
 
-// Nothing moves towards the camera so fast: numbers stay finite.
+// Lower bound of the depth ratio, which keeps the values finite. Real motion is never so fast.
 constexpr double kMinScale = 0.1;
 
-// How far the pixels of an image move to where they are in the middle of the readout, what their
-// depth is multiplied by, and inverse depth before: 0 where there is none. What has none moves as
-// what is far away.
+// Displacement of each pixel to the middle of the readout in px, ratio of new to old depth, and old
+// inverse depth in 1/m (0: missing). Missing pixels move as points at infinity.
 struct MovedPixels {
   Image<float> du, dv, scale, inverse_depth;
 };
@@ -30,7 +30,8 @@ std::vector<float> ColumnsOf(int width) {
   return columns;
 }
 
-// X + tau (turn x X + velocity), divided by the depth z of X, in row v.
+// Moves the points X of row v to X + tau (turn x X + velocity). All terms are divided by the depth
+// of X.
 template <typename V>
 void MoveRow(const Image<float>& depth_m, const DepthSensor& sensor, const CameraMotion& motion,
              const std::vector<float>& columns, int v, MovedPixels* moved) {
@@ -70,14 +71,15 @@ MovedPixels MovePixels(const Image<float>& depth_m, const DepthSensor& sensor,
   return moved;
 }
 
-// Finds for the pixels of a row the nearest pixels that move there, and with them the depth there.
+// Finds the source pixel of each output pixel of a row, and the depth of the output pixel.
 template <typename V>
 class OriginFinder {
  public:
   OriginFinder(const MovedPixels& moved, const std::vector<float>& columns, double max_bend)
       : moved_(moved), columns_(columns), max_bend_(max_bend) {}
 
-  // Depth in metres, 0 = missing; the indices of those pixels, -1 outside the image, where wanted.
+  // Writes depth in m (0: missing) and the indices of the source pixels (-1: outside the image).
+  // `origin` may be null.
   void FindRow(int v, float* depth_m, std::int32_t* origin) const {
     for (int u = 0; u < width_; u += V::kCount) {
       const int count = std::min(width_ - u, V::kCount);
@@ -90,13 +92,13 @@ class OriginFinder {
  private:
   using Mask = typename V::Mask;
 
-  // Pixels and those beside them.
+  // Pixels with their four neighbours.
   struct Neighbours {
     V u, v, du, dv, scale, inverse, left, right, above, below;
   };
 
-  // A pixel moves the farther, the more rows it is away from the middle: its origin at v0 is where
-  // v0 + dv(v) rows(v0) / rows(v) = v.
+  // The displacement grows linearly with the distance of the row from the middle. The source row v0
+  // satisfies v0 + dv(v) rows(v0) / rows(v) = v.
   V FindLanes(int u, int v, int count, std::int32_t* pixels) const {
     const float rows = static_cast<float>(v) + 0.5f - 0.5f * static_cast<float>(height_);
     const V at_u = V::LoadUpTo(columns_.data() + u, count), at_v(v);
@@ -137,8 +139,7 @@ class OriginFinder {
     return near;
   }
 
-  // By how much inverse depth grows from one pixel to the next, by those on both sides; 0 where
-  // they do not continue a surface.
+  // Slope of inverse depth per pixel from both neighbours; 0 at depth edges.
   V Slope(const V& before, const V& here, const V& after) const {
     const Mask continues =
         (before > V(0.)) & (after > V(0.)) & (abs(before + after - here * 2.) <= max_bend_);

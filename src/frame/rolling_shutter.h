@@ -7,22 +7,24 @@
 
 namespace surfit {
 
-// The frame as a global shutter would have seen it in the middle of the readout. A rolling shutter
-// reads row v of h rows (v + 0.5) / h - 0.5 of the readout later than that, by the time tau. In the
-// middle of the readout the point X it sees lies, with a steady motion, at
+// Converts a rolling-shutter frame to a global-shutter frame at the middle of the readout. Row v of
+// h rows is read at tau = ((v + 0.5) / h - 0.5) readout_s after the middle. With constant motion, a
+// point X of this row is at the middle of the readout at
 //   X + tau (turn x X + velocity).
-// Each pixel takes the colour and the depth of the nearest pixel that moves there, the depth along
-// the surface where that is not an edge. Pixels without depth move as what is far away. The same
-// frame without motion or readout.
+// An output pixel gets colour and depth of the nearest pixel that moves to it. Depth is
+// extrapolated along the surface, except at depth edges. Pixels without depth move as points at
+// infinity. Returns the input frame if the readout or the motion is 0.
 RgbdFrame AtMiddleOfReadout(const RgbdFrame& frame, const DepthSensor& sensor,
                             const CameraMotion& motion);
 
-// By how much the pose of a frame is to change that was brought to the middle of its readout by an
-// expected motion m and then registered: by its pose the camera has moved with m' since the last
-// frame, `seconds` ago. By m' its points X lie at X + tau (m' - m)(X) instead, and the pose, and m'
-// with it, depend on that. All agree at the pose x exp(d) with
+// Correction of a pose for the error of the predicted motion during the readout.
+// AtMiddleOfReadout() has used the motion m = `expected`. The registered pose gives the motion m' =
+// `found` since the last frame, `seconds` earlier. With m' the points X are at X + tau (m' - m)(X),
+// which changes the pose and m' again. The consistent pose is world_from_camera * exp(d) with
 //   (A + B / seconds) d = -B (m' - m),   A = sum w a a^T,  B = sum w tau a a^T,  a = (X x n, n),
-// points weighted by their noise. Returns exp(d); the identity where the surface does not hold it.
+// and weights w = 1 / sigma_z^2. Returns exp(d), or the identity if d is not finite. The caller
+// must ensure that the surface constrains all six degrees of freedom: this is not tested, and d is
+// arbitrary along unconstrained directions.
 Rigid3d ReadoutCorrection(const FrameLevel& surface, double readout_s, const CameraMotion& expected,
                           const CameraMotion& found, double seconds);
 

@@ -8,8 +8,9 @@
 
 namespace surfit {
 
-// By how much inverse depth r (1/m) may change from pixel to pixel without being a depth edge:
-// noise, and a surface slanted by max_slant_rad, whose r changes by r tan(slant) / f.
+// Maximum change of inverse depth r (1/m) between neighbouring pixels of one surface. Larger
+// changes are depth edges. The bound is the sum of 3 sigma and the slope r tan(slant) / f of a
+// surface with the angle max_slant_rad.
 struct EdgeBounds {
   EdgeBounds(const DepthSensor& sensor, const PreprocessOptions& options)
       : noise(static_cast<float>(3 * sensor.noise.inverse_depth_sigma)) {
@@ -22,8 +23,8 @@ struct EdgeBounds {
   float slant_u, slant_v;
 };
 
-// Whether both neighbours at offset k continue the surface from offset k - 1, for the lanes at a
-// pixel of an InverseDepthBand; offset k lies k * stride away.
+// Returns true, per lane, if the step from offset k - 1 to offset k is within `bound` on both sides
+// of the pixel. Offset k is k * stride values away in an InverseDepthBand.
 template <typename V>
 typename V::Mask Continues(const float* at, std::ptrdiff_t stride, int k, const V& bound) {
   const V ahead = V::Load(at + k * stride) - V::Load(at + (k - 1) * stride);
@@ -34,11 +35,11 @@ typename V::Mask Continues(const float* at, std::ptrdiff_t stride, int k, const 
 template <typename V>
 struct SurfaceSlope {
   V value;
-  typename V::Mask valid;  // else not even the nearest offset continues the surface
+  typename V::Mask valid;  // false: a depth edge at the nearest offset
 };
 
-// Least-squares slope of inverse depth along one direction: sum over offsets k of
-// k (r(+k) - r(-k)) / sum 2 k^2, as far as both sides continue the surface from offset to offset.
+// Least-squares slope of inverse depth in one direction: sum of k (r(+k) - r(-k)) / sum of 2 k^2
+// over the offsets k, up to the first depth edge.
 template <typename V>
 SurfaceSlope<V> SlopeAlong(const float* at, std::ptrdiff_t stride, int radius, const V& bound) {
   SurfaceSlope<V> slope;

@@ -7,31 +7,33 @@
 
 namespace surfit {
 
-// Writes a file that is there either as a whole or not at all, whatever ends the program or the
-// machine: `write` fills a new file beside `path`, which is flushed to the disk and then takes the
-// place of `path` in one step. If `write` throws, or the disk is full, an older file stays as it
-// was and the new one is removed. A symbolic link to a file is refused: what it leads to is
-// somebody else's. What is no regular file (a device, a pipe) is written to directly.
-// Throws InputError naming the file if it cannot be written, and whatever `write` throws.
+// Replaces a file in one step: `path` has either the old or the complete new content, also after a
+// crash of the program or the machine. `write` fills a temporary file in the folder of `path`. The
+// file is flushed to the disk and then renamed to `path`. If `write` throws or the disk is full,
+// the old file is unchanged and the temporary file is removed. A killed process may leave the
+// temporary file. Devices and pipes, also behind a symbolic link, are written to directly. Other
+// symbolic links are rejected. Throws InputError with the path if the file cannot be written.
+// Exceptions of `write` are passed on.
 void WriteFileAtomically(const std::string& path, const std::function<void(std::ostream&)>& write);
 
-// A file that grows while a program runs, and holds whole pieces only, whatever happens: each piece
-// is with the system when Append() returns, and one for which there is no place is taken back.
+// File for records that are appended while a program runs. It contains complete records only.
+// Append() hands each record to the operating system without a buffer. A partly written record is
+// removed, except on devices and pipes. Not thread-safe.
 class AppendedFile {
  public:
-  // Begins a new file in the place of an older one, or of a link, which is not followed. What is
-  // neither file nor link (a device, a pipe) is written to. Throws InputError naming the file.
+  // Creates the file. An old file or symbolic link at `path` is deleted first. Devices and pipes
+  // are written to directly. Throws InputError with the path if the file cannot be opened.
   explicit AppendedFile(const std::string& path);
   ~AppendedFile();
   AppendedFile& operator=(AppendedFile&&) = delete;
 
-  // Throws InputError naming the file and the reason if not all of it could be written.
+  // Throws InputError with the path and the reason if the record cannot be written completely.
   void Append(const std::string& piece);
 
  private:
   std::string path_;
   int file_ = -1;
-  std::int64_t size_ = 0;  // bytes
+  std::int64_t size_ = 0;  // bytes of complete records
 };
 
 }  // namespace surfit

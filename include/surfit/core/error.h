@@ -6,7 +6,7 @@
 
 namespace surfit {
 
-// Joins anything streamable into one string, for messages.
+// Concatenates streamable values to one string.
 template <typename... Parts>
 std::string Concat(const Parts&... parts) {
   std::ostringstream stream;
@@ -14,22 +14,22 @@ std::string Concat(const Parts&... parts) {
   return stream.str();
 }
 
-// Bad input from outside: a file, a flag, an option. The message, joined of its parts, is one
-// sentence that names the thing, the value found and the constraint it breaks. Tools print it as
-// "error: ..." and exit 1.
+// Invalid input: a file, a flag or an option. The message is the concatenation of the arguments. It
+// is one sentence with the name of the input, its value and the violated constraint. The tools
+// print "error: ..." and exit with status 1.
 class InputError : public std::runtime_error {
  public:
   template <typename... Parts>
   explicit InputError(const Parts&... parts) : std::runtime_error(Concat(parts...)) {}
 };
 
-// Throws InputError of the parts if the condition holds.
+// Throws InputError with the message `parts` if `condition` is true.
 template <typename... Parts>
 void ThrowIf(bool condition, const Parts&... parts) {
   if (condition) throw InputError(parts...);
 }
 
-// Returns what `work` returns. If it throws InputError, the place comes first in the message.
+// Returns the result of `work()`. Prepends `place` and a colon to the message of an InputError.
 template <typename Work>
 auto WithPlace(const std::string& place, const Work& work) {
   try {

@@ -8,11 +8,12 @@
 
 namespace surfit {
 
-// Leaves new elements of a plain type as they are in memory.
+// Allocator that default-initialises elements: new elements of a plain type have unspecified
+// values.
 template <typename T>
 struct RawAllocator : std::allocator<T> {
   using std::allocator<T>::allocator;
-  // Of the standard: the same allocator of another type.
+  // Allocator for another type. The standard requires this member.
   template <typename U>
   struct rebind {
     using other = RawAllocator<U>;
@@ -27,11 +28,12 @@ struct RawAllocator : std::allocator<T> {
   }
 };
 
-// A vector whose resize() leaves new numbers unspecified, for large arrays that are written next.
+// Vector for large arrays that are overwritten at once: new elements after resize() have
+// unspecified values.
 template <typename T>
 using RawVector = std::vector<T, RawAllocator<T>>;
 
-// One 8-bit sRGB colour.
+// 8-bit sRGB colour.
 struct Rgb8 {
   std::uint8_t r = 0;
   std::uint8_t g = 0;
@@ -40,8 +42,8 @@ struct Rgb8 {
   friend bool operator!=(Rgb8 x, Rgb8 y) { return !(x == y); }
 };
 
-// A contiguous row-major array of pixels. u is the column in [0, width), v the row in [0, height).
-// Access is unchecked.
+// Image as a contiguous row-major array of pixels. u is the column in [0, width), v is the row in
+// [0, height). Indices are not checked.
 template <typename T>
 class Image {
  public:
@@ -56,7 +58,8 @@ class Image {
   std::size_t size() const { return pixels_.size(); }
   bool empty() const { return pixels_.empty(); }
 
-  // Gives the image a new size; pixel values are unspecified afterwards. Keeps the allocation.
+  // Changes the size. All pixel values are unspecified afterwards. Keeps the memory if the new size
+  // fits.
   void Resize(int width, int height) {
     width_ = width;
     height_ = height;

@@ -5,7 +5,8 @@
 #include <cstring>
 #include <type_traits>
 
-// Vectors wider than what the compiler may assume are passed in memory; all of these are inlined.
+// GCC warns about vectors that are wider than the registers of the base architecture. The warning
+// does not apply: all functions with such vectors are inlined.
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wpsabi"
@@ -13,14 +14,14 @@
 
 namespace surfit {
 
-// The instructions that code over lanes is compiled to: those that the compiler may assume, or AVX2
-// as well (never contracted to fused operations), for processors found to have them at run time.
-// Both give the same results bit for bit.
+// Instruction sets for code with Lanes: the base architecture of the build, or AVX2 if the
+// processor supports it at run time. AVX2 code does not use fused multiply-add, so the results of
+// both sets are bitwise identical.
 struct BaseInstructions {};
 struct Avx2Instructions {};
 
-// Code over Lanes<S, Avx2Instructions> must all be inlined into one function that is compiled for
-// AVX2: see WithInstructions(). That takes an optimising compiler.
+// Code with Lanes<S, Avx2Instructions> must be inlined completely into a function that is compiled
+// for AVX2 (see WithInstructions()). Inlining requires an optimised build.
 #if defined(__GNUC__) && defined(__OPTIMIZE__)
 #define SURFIT_INLINE_ALL __attribute__((flatten))
 #else
@@ -33,15 +34,15 @@ struct Avx2Instructions {};
 #define SURFIT_HAS_AVX2 0
 #endif
 
-// Several numbers of type float or double to compute with at once, in the vector types of GCC and
-// Clang. Mixes with plain numbers; comparisons give a LaneMask for Select().
+// SIMD vector of float or double values, based on the vector types of GCC and Clang. Operators
+// accept scalars. Comparisons return a LaneMask for Select().
 template <typename S, typename Instructions = BaseInstructions>
 struct Lanes;
 
 template <typename>
 inline constexpr bool kNever = false;
 
-// The outcome of a comparison, one per lane. It is no bool: lanes may differ.
+// Result of a comparison, one per lane. There is no conversion to bool, because lanes can differ.
 template <typename S, typename Instructions>
 struct LaneMask {
   using Vector __attribute__((vector_size(32))) = S;
@@ -50,27 +51,27 @@ struct LaneMask {
   LaneMask operator&(const LaneMask& other) const { return {v & other.v}; }
 
   template <typename B, typename = std::enable_if_t<std::is_same_v<B, bool>>>
-  operator B() const {  // NOLINT(google-explicit-constructor): if () asks for it
+  operator B() const {  // NOLINT(google-explicit-constructor): required for if ()
     static_assert(
         kNever<B>,
-        "surfit: a functor for batches must be free of branches on its numbers, as it runs "
-        "for several points at once: use Select(condition, a, b) instead of if or ?:");
+        "surfit: a functor for batches must not branch on its values, because it processes "
+        "several points at once: use Select(condition, a, b) instead of if or ?:");
     return false;
   }
 };
 
-// The definition for each kind of instructions: a function's attribute can't depend on a template's
-// argument.
-//   LoadUpTo(from, count): the first `count` >= 1 values, the last of them repeated.
-//   StoreUpTo(to, count): writes the first `count` values only.
-//   StoreTruncated(to): as integers, rounded towards zero.
-//   LoadHalves(low, high), StoreHalves(low, high): the first and the second half of the lanes in
-//   two places; the second half is stored last.
-//   UpTo(count): zeros beyond the first `count` values.
-//   Select(condition, a, b): condition ? a : b, lane by lane.
-//   Both(a, b), Any(mask): whether both masks are set in a lane, whether one is in any.
-//   Evens(a, b), Odds(a, b): every other one of the values of a and then b.
-// NOLINTBEGIN(bugprone-macro-parentheses): TARGET is an attribute, or nothing
+// Defines Lanes for one instruction set. A macro is necessary: the target attribute of a function
+// cannot depend on a template argument.
+//   LoadUpTo(from, count): the first `count` >= 1 values; further lanes repeat the last value.
+//   StoreUpTo(to, count): writes only the first `count` values.
+//   StoreTruncated(to): writes integers, rounded towards zero.
+//   LoadHalves(low, high), StoreHalves(low, high): lower and upper half of the lanes at two
+//   addresses. StoreHalves() writes the upper half last.
+//   UpTo(count): sets the lanes from index `count` on to zero.
+//   Select(condition, a, b): condition ? a : b for each lane.
+//   Both(a, b): mask a and b for each lane. Any(mask): true if the mask is set in any lane.
+//   Evens(a, b), Odds(a, b): values at even and odd indices of the concatenation of a and b.
+// NOLINTBEGIN(bugprone-macro-parentheses): TARGET is an attribute or empty
 #define SURFIT_DEFINE_LANES(INSTRUCTIONS, TARGET)                                             \
   template <typename S>                                                                       \
   struct Lanes<S, INSTRUCTIONS> {                                                             \
@@ -211,12 +212,12 @@ SURFIT_AVX2 SURFIT_INLINE_ALL auto WithAvx2Instructions(const F& f) {
 }
 #endif
 
-// Whether WithInstructions() uses AVX2: where the processor has it, unless the environment has
-// SURFIT_INSTRUCTIONS=base when first asked, which shows that the results do not depend on it.
+// Returns true if WithInstructions() uses AVX2: the processor supports it, and the environment does
+// not set SURFIT_INSTRUCTIONS=base. The environment is read at the first call only.
 bool UsesAvx2();
 
-// Calls f(instructions) with the best that there is. All that f calls is inlined; neither
-// its argument nor its result may contain lanes.
+// Calls f(instructions) with the best available instruction set and returns the result. All
+// functions that f calls are inlined. The captures and the result of f must not contain Lanes.
 template <typename F>
 auto WithInstructions(const F& f) {
 #if SURFIT_HAS_AVX2

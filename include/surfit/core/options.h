@@ -16,12 +16,12 @@
 
 namespace surfit {
 
-// Options are plain structs: defaults are those of their members. Each struct has one table,
+// Options are plain structs with default member values. Each struct has one table,
 //   void Visit(OptionVisitor& visitor);
-// that names its fields and says what they mean and may be. Validation, JSON, flags, help and
-// Python's classes follow from it.
+// with the name, the help text and the constraints of each field. Validation, JSON, flags, help
+// texts and the Python classes are derived from the table.
 
-// What a table says of a field: its name, what it means, and rules from below.
+// Table entry of a field: name, help text and the rules below.
 struct Option {
   template <typename... Rules>
   Option(std::string field, std::string what, const Rules&... rules)
@@ -29,8 +29,8 @@ struct Option {
     (rules(*this), ...);
   }
 
-  double FlagUnit() const;   // a flag's value 1 in the field's unit: a degree of an angle
-  std::string Help() const;  // with choices, unit and what zero means
+  double FlagUnit() const;   // value in the unit of the field for a flag value of 1: angles in deg
+  std::string Help() const;  // help text with choices, unit and the meaning of zero
 
   std::string name, help;
   double min = -std::numeric_limits<double>::infinity();
@@ -39,44 +39,44 @@ struct Option {
   std::string zero, unit;
   std::vector<std::string> choices;
   bool required = false, everyday = false, repeatable = false, optional_part = false;
-  std::string flag;   // empty = none
-  std::string group;  // set by the visitor
+  std::string flag;   // empty: no flag
+  std::string group;  // set by OptionVisitor
   std::optional<std::vector<std::string>> only_flags;
   std::vector<std::string> without_flags;
 };
 
 using OptionRule = std::function<void(Option&)>;
 
-// What a number may be; it must be finite in any case.
+// Rules for numbers. All numbers must be finite.
 OptionRule AtLeast(double least);
 OptionRule Positive();
-OptionRule Below(double limit);  // besides one of the above
+OptionRule Below(double limit);  // exclusive upper bound; combined with AtLeast() or Positive()
 OptionRule Between(double least, double most);
 inline OptionRule Share() { return Between(0, 1); }
-OptionRule ZeroIs(const std::string& meaning);  // zero is no quantity, but means "off", "all", ...
-// What a text may be.
+OptionRule ZeroIs(const std::string& meaning);  // minimum 0; 0 has this meaning, e.g. "off"
+// Rules for texts.
 OptionRule OneOf(const std::vector<std::string>& names);
-OptionRule Required();  // it must not be empty
+OptionRule Required();  // must not be empty
 
-OptionRule InUnit(const std::string& of_value);  // where the name does not end in it
+OptionRule InUnit(const std::string& of_value);  // unit, if the field name does not end in it
 
-// Programs have it as a flag of this name, or of the field's. A field in radians (_rad) is a flag
-// in degrees (_deg).
+// Adds a flag with this name, or with the field name if `as` is empty. A field in radians (`_rad`)
+// becomes a flag in degrees (`_deg`).
 OptionRule AsFlag(const std::string& as = "");
-OptionRule Everyday();    // a flag that --help shows
-OptionRule Repeatable();  // each further use of the flag adds a value
-// Of a part, whose fields are options of their own: which of its flags programs have.
+OptionRule Everyday();    // flag is shown by --help
+OptionRule Repeatable();  // each use of the flag adds a value
+// Rules for a part, which is a field with its own table. They select the flags of the part.
 OptionRule OnlyFlags(const std::vector<std::string>& flags);
 OptionRule WithoutFlags(const std::vector<std::string>& flags);
 inline OptionRule NoFlags() { return OnlyFlags({}); }
-OptionRule OptionalPart();  // nothing in the part is Required()
+OptionRule OptionalPart();  // disables Required() in the part
 
-// A field of a type that is read and written as text.
+// Field that is read and written as text.
 class OptionText {
  public:
   virtual ~OptionText() = default;
   virtual std::string Get() const = 0;
-  // Throws InputError that says what the text must be, without naming the field.
+  // Throws InputError with the constraint on the text. The message does not contain the field name.
   virtual void Set(const std::string& text) = 0;
   virtual const std::type_info& type() const = 0;
   virtual void* field() = 0;
@@ -85,18 +85,19 @@ class OptionText {
 using OptionValue =
     std::variant<bool*, int*, std::size_t*, float*, double*, std::string*, OptionText*>;
 
-// How other types are texts: overloads for further ones stand beside their types.
+// Conversion of other types to and from text. Overloads for further types are declared with these
+// types.
 std::string OptionToText(const std::vector<std::string>& names);
 std::string OptionToText(const std::vector<int>& numbers);
 std::string OptionToText(const std::vector<double>& numbers);
 void OptionFromText(const std::string& text, std::vector<std::string>* names);
 void OptionFromText(const std::string& text, std::vector<int>* numbers);
 void OptionFromText(const std::string& text, std::vector<double>* numbers);
-// The shortest text that gives the same number again; an empty one for none.
+// Shortest text that restores the same number. Empty for std::nullopt.
 std::string OptionToText(double number);
 std::string OptionToText(const std::optional<double>& number);
 void OptionFromText(const std::string& text, std::optional<double>* number);
-// Throws InputError unless the text holds so many numbers.
+// Throws InputError unless the text consists of `count` numbers.
 std::vector<double> NumbersFromText(const std::string& text, std::size_t count);
 
 template <std::size_t N>
@@ -111,17 +112,16 @@ void OptionFromText(const std::string& text, std::optional<std::array<double, N>
   std::copy(read.begin(), read.end(), numbers->emplace().begin());
 }
 
-// Goes through a table.
 class OptionVisitor {
  public:
   virtual ~OptionVisitor() = default;
 
-  // To which group the flags that follow belong, those of parts included that do not say.
+  // Sets the group of the following flags. Flags of a part without Group() get this group as well.
   void Group(const std::string& name) { group_ = name; }
 
   template <typename T>
   void Add(T& field, const Option& option);
-  // A struct of options.
+  // Visits the fields of a nested struct of options.
   template <typename T>
   void AddPart(T& part, const Option& option) {
     if (!Enter(option, typeid(T), &part)) return;
@@ -131,7 +131,7 @@ class OptionVisitor {
     Leave();
   }
   void AddText(OptionText& text, const Option& option) { AddValue(option, &text); }
-  // The same, with what Option is made of.
+  // Constructs the Option from its arguments.
   template <typename T, typename... Rules>
   void Add(T& field, const char* name, const std::string& help, const Rules&... rules) {
     Add(field, Option(name, help, rules...));
@@ -140,12 +140,12 @@ class OptionVisitor {
   void AddPart(T& part, const char* name, const std::string& help, const Rules&... rules) {
     AddPart(part, Option(name, help, rules...));
   }
-  // What must hold between fields: `check` throws InputError where it does not.
+  // Adds a constraint between fields. `check` throws InputError if the constraint is violated.
   virtual void Check(const std::function<void()>& /*check*/) {}
 
  protected:
   virtual void Visit(const Option& option, const OptionValue& value) = 0;
-  // Whether to go through the part as well.
+  // Returns true if the fields of the part are visited.
   virtual bool Enter(const Option& /*part*/, const std::type_info& /*type*/, void* /*field*/) {
     return true;
   }
@@ -164,10 +164,10 @@ class OptionVisitor {
 
   std::string group_;
   bool optional_ = false;
-  std::vector<Option> filters_;  // parts that leave out flags
+  std::vector<Option> filters_;  // enclosing parts that restrict the flags
 };
 
-// A table bound to one struct.
+// Table of one object. The object must outlive it.
 using OptionTable = std::function<void(OptionVisitor&)>;
 
 template <typename Options>
@@ -177,25 +177,26 @@ OptionTable TableOf(Options* options) {
 
 void ValidateTable(const OptionTable& table);
 
-// Throws InputError naming field, value and constraint.
+// Throws InputError with the field, its value and the violated constraint.
 template <typename Options>
 void Validate(Options options) {
   ValidateTable(TableOf(&options));
 }
 
-// Throws InputError, naming the option by `name`, where the value breaks what the option says. Of
-// angles value and bounds are told in degrees if asked for.
+// Throws InputError if the value violates a rule of the option. The message contains `name`, the
+// value and the constraint. Angles are printed in degrees if `in_degrees` is true.
 void RequireOption(const std::string& name, const Option& option, const OptionValue& value,
                    bool in_degrees = false);
 
-// A value as its flag has it: text that gives the same value again, angles in degrees.
+// Value of the flag as text that restores the same value. Angles are in degrees.
 std::string FlagText(const Option& option, const OptionValue& value);
-// Throws InputError naming the option for a text that does not fit.
+// Parses a text. Throws InputError with the name, the text and the constraint if the text is
+// invalid.
 void SetText(const std::string& name, const std::string& text, OptionText* value);
 
 std::map<std::string, std::string> TableFlags(const OptionTable& table);
 
-// All flags of options with their values, to be kept with results.
+// Values of all flags of the options, for example to save them with results.
 template <typename Options>
 std::map<std::string, std::string> FlagValues(Options options) {
   return TableFlags(TableOf(&options));
@@ -203,7 +204,7 @@ std::map<std::string, std::string> FlagValues(Options options) {
 
 namespace internal {
 
-// A field whose type has OptionToText() and OptionFromText().
+// Field of a type with OptionToText() and OptionFromText().
 template <typename T>
 class TextOf final : public OptionText {
  public:

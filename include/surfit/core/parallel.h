@@ -6,9 +6,11 @@
 
 namespace surfit {
 
-// Bounds the number of threads that compute at the same time in this process, the calling one
-// included, for as long as the object lives: parallel loops, background tasks and OpenCV together.
-// With nested limits the smallest holds.
+// Limits the number of threads that compute at the same time in this process, including the calling
+// thread. The limit applies to ParallelFor() and RunInBackground() during the lifetime of the
+// object. The smallest of several limits applies. OpenCV is set to one thread, and keeps one thread
+// after the lifetime of the object. Threads that the program starts itself are not counted, for
+// example those of loop closure and calibration.
 class ThreadLimit {
  public:
   // Throws InputError unless 1 <= threads <= 1024.
@@ -21,19 +23,20 @@ class ThreadLimit {
   std::unique_ptr<State> state_;
 };
 
-// The number of threads that may compute at the same time now.
+// Maximum number of threads that compute at the same time under the present limits.
 int ThreadCount();
 
-// Rows of an image that are worth a task.
+// Number of image rows per block of a parallel loop.
 inline constexpr int kRowsPerBlock = 16;
 
-// Calls body(block_begin, block_end) for the blocks [begin + k * grain, ...) that cover
-// [begin, end). The blocks depend on grain alone, never on the number of threads; they may run at
-// the same time and in any order. Returns when all are done.
+// Calls body(block_begin, block_end) for the blocks [begin + k * grain, ...) that cover [begin,
+// end). The blocks do not depend on the number of threads. They may run in parallel and in any
+// order. Returns when all blocks are done. Rethrows an exception of a block; later blocks may not
+// run then. Aborts if grain <= 0.
 void ParallelFor(int begin, int end, int grain, const std::function<void(int, int)>& body);
 
-// Sums body(block_begin, block_end) over the blocks of ParallelFor in block order, so that the
-// result is the same bit for bit at any number of threads.
+// Sum of body(block_begin, block_end) over the blocks of ParallelFor(). The values are added in
+// block order, so the sum is bitwise identical for every number of threads.
 template <typename T, typename Body>
 T ParallelSum(int begin, int end, int grain, T zero, const Body& body) {
   if (end <= begin) return zero;
@@ -46,13 +49,13 @@ T ParallelSum(int begin, int end, int grain, T zero, const Body& body) {
   return sum;
 }
 
-// Runs the task on another thread of the bounded set, soon. Must not be called when ThreadCount()
-// is 1: nothing would run it before the caller waits. The task must not throw.
+// Runs the task on another thread within the limit, and returns immediately. Aborts if
+// ThreadCount() is 1. The task must not throw.
 void RunInBackground(std::function<void()> task);
 
-// While it lives, OpenMP's loops that begin on this thread (CHOLMOD's) and OpenBLAS, where they are
-// loaded, use one thread, so that sums have the same order on every machine. Debian's own BLAS
-// has one anyway.
+// Limits OpenMP and OpenBLAS to one thread during the lifetime of the object, so that their sums do
+// not depend on the machine. The OpenMP limit applies to loops of the calling thread, for example
+// of CHOLMOD. The OpenBLAS limit applies to the process. Libraries that are not loaded are ignored.
 class SingleThreadedLibraries {
  public:
   SingleThreadedLibraries();
@@ -60,7 +63,7 @@ class SingleThreadedLibraries {
   SingleThreadedLibraries& operator=(SingleThreadedLibraries&&) = delete;
 
  private:
-  int openmp_threads_, openblas_threads_;  // before; 0 where not loaded
+  int openmp_threads_, openblas_threads_;  // former number of threads; 0: not loaded
 };
 
 }  // namespace surfit

@@ -7,25 +7,25 @@ namespace surfit {
 
 class OptionVisitor;
 
-// rho(s) of a squared residual s in units of sigma^2, with rho(0) = 0, rho'(0) = 1 and width k in
-// sigmas: the cost is 1/2 sum rho(s), and a least-squares step weights its rows by rho'(s).
+// Robust kernel rho(s), where s is the squared residual in units of sigma^2, and k is the kernel
+// width in sigmas. rho(0) = 0 and rho'(0) = 1. The cost is 1/2 sum rho(s). Iteratively reweighted
+// least squares uses the weights rho'(s).
 enum class RobustKernelType {
   kNone,          // s
-  kHuber,         // s within k, 2 k sqrt(s) - k^2 beyond
-  kTukey,         // k^2/3 (1 - (1 - s/k^2)^3) within k, k^2/3 beyond: far residuals have no say
+  kHuber,         // s if s <= k^2, else 2 k sqrt(s) - k^2
+  kTukey,         // k^2/3 (1 - (1 - s/k^2)^3) if s < k^2, else k^2/3: weight 0
   kGemanMcClure,  // s / (1 + s/k^2)
-  kStudentT,      // k^2 log(1 + s/k^2), of a Student t distribution of scale k
+  kStudentT,      // k^2 log(1 + s/k^2), for a Student t distribution of scale k
 };
 
-// A kernel of that type and width.
 struct RobustKernel {
   RobustKernelType type = RobustKernelType::kNone;
-  double width = 3;  // k
+  double width = 3;  // k, in sigmas
 
   void Visit(OptionVisitor& visitor);
 };
 
-// "none", "huber", "tukey", "geman_mcclure", "student_t", in this order.
+// "none", "huber", "tukey", "geman_mcclure", "student_t".
 std::vector<std::string> RobustKernelNames();
 std::string ToString(RobustKernelType type);
 

@@ -7,10 +7,10 @@
 
 namespace surfit {
 
-// The 256 bits of an ORB descriptor (Rublee et al. 2011).
+// ORB descriptor, 256 bits (Rublee et al. 2011).
 using BinaryDescriptor = std::array<std::uint64_t, 4>;
 
-// In how many bits they differ.
+// Number of different bits.
 inline int Hamming(const BinaryDescriptor& a, const BinaryDescriptor& b) {
   int distance = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {

@@ -7,8 +7,8 @@
 
 namespace surfit {
 
-// How a camera moves, as it sees it itself: a point X that stands still moves by
-// -(turn x X + velocity) a second.
+// Angular and linear velocity of a camera, in the camera frame. A static point X moves by -(turn x
+// X + velocity) per second in the camera frame.
 struct CameraMotion {
   Eigen::Vector3d turn_rad_per_s = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_m_per_s = Eigen::Vector3d::Zero();
@@ -16,12 +16,13 @@ struct CameraMotion {
   bool IsZero() const { return turn_rad_per_s.isZero(0) && velocity_m_per_s.isZero(0); }
 };
 
-// The steady motion that takes the camera from one pose to the next within so many seconds; none
-// unless these are positive.
+// Constant motion from the first to the second pose within `seconds`. The velocity is in the camera
+// frame halfway. Zero if seconds <= 0.
 CameraMotion MotionOver(const Rigid3d& first_from_second, double seconds);
 
-// The motion along a trajectory at the time of one of its poses: from the pose before to the one
-// after, of which both, or one, are at most max_gap_s away; else none.
+// Motion at a pose of the trajectory with the time `stamp_s` (within 1e-5 s), from the previous
+// pose to the next pose. Neighbours more than max_gap_s away are ignored. Zero without a pose at
+// this time or without neighbours.
 CameraMotion MotionAt(const Trajectory& trajectory, double stamp_s, double max_gap_s = 0.1);
 
 }  // namespace surfit

@@ -10,7 +10,7 @@
 
 namespace surfit {
 
-// An image of 3-vectors, one contiguous plane for each coordinate.
+// Image of 3-vectors, with one contiguous plane per coordinate.
 struct VectorImage {
   Image<float> x, y, z;
 
@@ -33,43 +33,43 @@ struct VectorImage {
   }
 };
 
-// Vertex and normal map of one resolution, both in the frame of the camera that sees them, how
-// exact the depth sensor is whose measurements they come from or are to be compared with, and how
-// bright these pixels are where anybody asks (AddIntensity).
+// Vertex and normal map of one resolution, in the camera frame. `noise` belongs to the sensor that
+// measured the depth, or in a model view to the sensor that is registered to it.
 struct FrameLevel {
   PinholeCamera camera;
   DepthNoise noise;
-  VectorImage vertex;      // metres; z = 0 where missing
-  VectorImage normal;      // unit length, facing the camera; (0, 0, 0) where missing
-  Image<float> intensity;  // grey, 0 = black, 1 = white; NaN where unknown; empty = none
+  VectorImage vertex;      // m; z = 0: missing
+  VectorImage normal;      // unit length, towards the camera; (0, 0, 0): missing
+  Image<float> intensity;  // 0: black, 1: white; NaN: unknown; empty image: none
 
   DepthSensor sensor() const { return {camera, noise}; }
 };
 
-// Level 0 is the finest; each further one has half the width and height.
+// Level 0 is the finest. Each level has half the width and height of the level before.
 struct FramePyramid {
   std::vector<FrameLevel> levels;
 };
 
-// What the map predicts a camera sees from a pose: where mapping and registration meet.
+// Predicted depth and normals of the map at a pose, the target of frame-to-model registration.
 struct ModelView {
   static constexpr std::int32_t kNoSurfel = -1;
 
   Rigid3d world_from_view;
-  FrameLevel surface;                // in the view's camera frame
-  Image<std::int32_t> surfel_index;  // ids in the map; kNoSurfel where nothing is seen
+  FrameLevel surface;                // in the camera frame of the view
+  Image<std::int32_t> surfel_index;  // ids in the map; kNoSurfel: no surface
 };
 
-// Grey value of a colour from 0 (black) to 1 (white), with the weights of ITU-R BT.601.
+// Grey value from 0 (black) to 1 (white) with the weights of ITU-R BT.601.
 inline float GreyOf(Rgb8 color) {
   return (0.299f * color.r + 0.587f * color.g + 0.114f * color.b) / 255.f;
 }
 
-// The mean of each block of 2 x 2 pixels; NaN where one of them is.
+// Means of blocks of 2 x 2 pixels. NaN if a pixel of the block is NaN.
 Image<float> HalfResolution(const Image<float>& fine);
 
-// Gives all levels their intensities from the colours of the finest level's pixels, each level from
-// the one before. (0, 0, 0) is no colour. Nothing is done where the colour image is empty.
+// Sets the intensity of all levels from a colour image of the finest level. (0, 0, 0) is a missing
+// colour and becomes NaN. Does nothing if the image is empty. Aborts if its size differs from the
+// finest level.
 void AddIntensity(const Image<Rgb8>& color, FramePyramid* pyramid);
 
 }  // namespace surfit

@@ -10,61 +10,60 @@
 
 namespace surfit {
 
-// What is known of a sequence before its first frame is read.
+// Properties of a sequence. Available before the first frame is read.
 struct SequenceInfo {
-  std::string format;  // one of those that SequenceOptions names, never auto
-  // As the files have it, fy < 0 included. Its latency is what frames are earlier than their files'
-  // stamps: 0 where these are none of a clock, but made of the frames' numbers.
+  std::string format;  // a format name of SequenceOptions, never "auto"
+  // Camera of the files; fy can be negative. latency_s is 0 if `has_clock` is false.
   RgbdCamera camera;
-  std::string camera_from;         // the file, preset or option that tells it
-  bool camera_is_guessed = false;  // nothing tells it: it is a usual one
-  // What is taken for granted, logged already, in two lines: format, frames, sizes and whether
-  // colour is registered; the depth camera with its scale, and where it is from.
+  std::string camera_from;         // origin of the camera: file, preset or option
+  bool camera_is_guessed = false;  // no origin found: a common camera is assumed
+  // Assumed properties in two log lines, already logged. Line 1: format, number of frames, image
+  // sizes, colour registration. Line 2: depth camera, depth scale and `camera_from`.
   std::string assumed;
-  PinholeCamera pinhole;  // of the frames that Next() returns: undistorted, downsampled, fy > 0
-  // What the depth of these frames is.
+  PinholeCamera pinhole;  // of the frames of Next(): undistorted, downsampled, fy > 0
+  // Sensor model of the frames of Next().
   DepthSensor sensor() const { return {pinhole, camera.noise, camera.readout_s, camera.prior}; }
   int frame_count =
-      0;  // how many frames Next() will attempt; -1: as many as will come (OpenLive())
-  // Stamps are of a clock, to which the sensor has a latency; else they are the frames' numbers, or
-  // poses are given frame by frame.
+      0;  // number of frames that Next() tries to read; -1: unknown, as for OpenLive()
+  // True if timestamps are times of a clock. False if they are frame numbers, or if the files
+  // assign poses to frames. Latencies apply to clocks only.
   bool has_clock = false;
-  // Of all the recording's images of depth and colour, those that no frame has, for want of one of
-  // the other that was taken at about the same time; 0 where the recording pairs them itself.
+  // Ratio of depth and colour images without a partner of about the same time. 0 if the recording
+  // stores pairs.
   double unpaired_share = 0;
-  // The files' image y axis points up (fy < 0). Frames and ground truth are then mirrored by
-  // S = diag(1, -1, 1) when read: camera and world, poses become S pose S. Whoever writes poses
-  // back in the source's convention conjugates them again.
+  // True if the image y axis of the files points up (fy < 0). Frames and ground truth are then
+  // mirrored by S = diag(1, -1, 1) when they are read: poses become S pose S. Apply Mirrored()
+  // again to write poses in the convention of the files.
   bool mirrored = false;
-  // World-from-camera poses in our (mirrored, if so) convention, for evaluation; empty if there
-  // are none. Poses that belong to the frames have their stamps; others (motion capture) the
-  // files', which need not equal the frames'.
+  // Ground-truth poses world_from_camera, mirrored if `mirrored` is true. Empty: none. Poses of
+  // single frames have the timestamps of these frames. Other poses, for example of motion capture,
+  // have the timestamps of the files.
   Trajectory ground_truth;
-  // What the user should know, logged already: doubtful camera, depth scale, registration.
+  // Warnings about camera, depth scale and colour registration, already logged.
   std::vector<std::string> warnings;
 };
 
-// One attempt to read a frame.
+// Result of an attempt to read a frame.
 struct ReadResult {
   int index = 0;                   // position in the sequence, before --stride
-  double stamp_s = 0;              // the frame's, also of one that could not be read
-  std::optional<RgbdFrame> frame;  // empty if the files could not be read
-  std::string error;               // then why, naming the file
-  double decode_ms = 0;            // time spent reading and preparing it
-  // Of frames that are offered at a rate (OfferFrames()) or come from a camera:
-  double waited_ms = 0;    // time that the reader was early
-  double queued_ms = 0;    // or the frame waited to be taken
-  int dropped_before = 0;  // frames that were not taken in time
-  // Of a camera: how long it had been unplugged before this frame.
+  double stamp_s = 0;              // timestamp, also of an unreadable frame
+  std::optional<RgbdFrame> frame;  // std::nullopt: unreadable files
+  std::string error;               // reason with the file name, if unreadable
+  double decode_ms = 0;            // time for reading and preparation
+  // Set by OfferFrames() and by cameras only:
+  double waited_ms = 0;    // time that Next() waited for the frame
+  double queued_ms = 0;    // time that the frame waited for Next()
+  int dropped_before = 0;  // frames dropped since the last result
+  // Time without a connection to the camera before this frame.
   double paused_before_s = 0;
 };
 
-// A sequence of RGB-D frames. Not thread-safe.
+// Sequence of RGB-D frames. Not thread-safe.
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
   virtual const SequenceInfo& info() const = 0;
-  // The next frame in order, or nothing at the end.
+  // Returns the next frame, or std::nullopt at the end.
   virtual std::optional<ReadResult> Next() = 0;
 };
 

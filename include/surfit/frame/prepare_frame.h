@@ -13,36 +13,36 @@ namespace surfit {
 
 class OptionVisitor;
 
-// Depth along the optical axis as a sensor or file gives it: counts of 1/depth_units_per_metre, 0
-// and 65535 meaning missing, or metres, where what is not finite or not positive is missing; or
-// both as disparities, where the camera tells their formula.
+// Raw depth image: depth along the optical axis, or disparities if RgbdCamera::disparity is given.
+// - std::uint16_t: counts of 1/depth_units_per_metre or of the disparity; 0 and 65535 are missing.
+// - float: metres or counts of the disparity; NaN, infinity, 0 and negative values are missing.
 using RawDepth = std::variant<Image<std::uint16_t>, Image<float>>;
 
-// Which pixels and depths of a camera's images are used.
+// Selection of pixels and depths.
 struct PrepareOptions {
   int downsample = 1;      // keep every downsample-th column and row
-  double max_depth_m = 8;  // depth beyond is missing: noise there outgrows what it could tell
+  double max_depth_m = 8;  // larger depths are missing, because their noise is too high
 
   void Visit(OptionVisitor& visitor);
 };
 
-// Turns the images of an RGB-D camera into frames whose depth and colour share the pixels of one
-// pinhole camera: undistorted, colour registered to depth, every downsample-th pixel kept. All
-// that does not depend on the images is worked out once, and only the kept pixels are computed.
+// Converts the images of an RGB-D camera to frames: removes distortion, registers colour to depth
+// and downsamples. All tables are computed once. Prepare() may be called from several threads.
 class FramePreparer {
  public:
-  // Throws InputError unless the options and the camera are valid, fy > 0 (see geometry/mirror.h)
-  // and the images at least 2 x 2 pixels.
+  // Throws InputError if the options or the camera are invalid, if fy < 0 (see Mirrored() in
+  // sensor.h), or if an image has less than 2 x 2 pixels.
   FramePreparer(const RgbdCamera& camera, const PrepareOptions& options);
   FramePreparer(FramePreparer&&) noexcept;
   ~FramePreparer();
 
-  // The camera of the frames: the depth camera's fx fy cx cy without its distortion, subsampled.
+  // Camera of the frames: the depth camera without distortion, subsampled by `downsample`.
   const PinholeCamera& pinhole() const;
 
-  // Takes images of the depth camera's and of the colour camera's size (the depth camera's where
-  // colour is registered to it); color may be empty. Depth is the nearest pixel's, so that no
-  // value across an edge is invented; colour is bilinear. Index and stamp are left to the caller.
+  // Prepares a frame without index and timestamps. The depth image has the size of the depth
+  // camera. The colour image has the size of the colour camera, or of the depth camera if colour is
+  // registered; it may be empty. Aborts on other sizes. Depth is taken from the nearest pixel,
+  // because interpolation invents values at edges. Colour is bilinear.
   RgbdFrame Prepare(const RawDepth& depth, Image<Rgb8> color) const;
 
  private:
@@ -50,8 +50,8 @@ class FramePreparer {
   std::unique_ptr<const Tables> tables_;
 };
 
-// Corrects the depth of an undistorted camera's pixels (m, 0 = missing) by the field at their rays.
-// What then has no finite positive depth is missing.
+// Corrects a depth image of an undistorted camera, in m, by the field. Depth is missing (0) if the
+// corrected inverse depth is not above InverseDepthField::kLeastInverse.
 void CorrectDepth(const PinholeCamera& camera, const InverseDepthField& field,
                   Image<float>* depth_m);
 

@@ -8,48 +8,49 @@ namespace surfit {
 
 class OptionVisitor;
 
-// How a depth image becomes vertex and normal maps. All of it works on inverse depth: a plane is
-// linear there in pixel coordinates, and the sensor's noise is the same at every depth, so that
-// one threshold serves near and far.
+// Conversion of depth images to vertex and normal maps. All steps use inverse depth, which is
+// linear on planes. Its noise does not depend on the depth, so one threshold applies to all depths.
 struct PreprocessOptions {
-  int filter_radius_px = 2;     // of the depth filter's window; 0 = no filter
-  double filter_cutoff = 4;     // differences beyond this many sigmas have no weight in the filter
-  int normal_radius_px = 3;     // differences up to this offset make a normal
-  double max_slant_rad = 1.45;  // a surface steeper than this to the ray counts as a depth edge
-  int pyramid_levels = 4;  // the pyramid is shorter where a level would be under 40 x 30 pixels
+  int filter_radius_px = 2;     // half the filter window; 0: no filter
+  double filter_cutoff = 4;     // larger differences have no filter weight, in sigmas
+  int normal_radius_px = 3;     // maximum pixel offset for the normals
+  double max_slant_rad = 1.45;  // surfaces at larger angles to the ray are depth edges
+  int pyramid_levels = 4;       // fewer if a level would be smaller than 40 x 30 pixels
 
   void Visit(OptionVisitor& visitor);
 };
 
-// Edge-preserving depth filter: the weighted mean of inverse depth over a square window, weights
-// from the distance in pixels (triangle) and from the difference in inverse depth (biweight,
-// zero at the cut-off). Depth in metres, 0 = missing; missing pixels stay missing and have no say.
+// Edge-preserving depth filter: weighted mean of inverse depth in a square window. A weight is the
+// product of a triangle function of the pixel distance and a biweight function of the difference in
+// inverse depth. It is 0 beyond filter_cutoff. Depth in m. Missing pixels (0) stay missing and have
+// no weight.
 Image<float> FilterDepth(const Image<float>& depth_m, const DepthNoise& noise,
                          const PreprocessOptions& options);
 
-// Vertices z * ray(u, v) in the camera frame, 0 where depth is missing.
+// Vertices z * ray(u, v) in the camera frame, m. (0, 0, 0): missing depth.
 VectorImage VertexMap(Image<float> depth_m, const PinholeCamera& camera);
 
-// Normals of the vertex map's surface, facing the camera. With inverse depth r(u, v), a plane
-// n . X = d is seen as r = (n_x (u - cx)/fx + n_y (v - cy)/fy + n_z) / d, so that
+// Normals of a vertex map, towards the camera. A plane n . X = d has the inverse depth r = (n_x (u
+// - cx)/fx + n_y (v - cy)/fy + n_z) / d, so
 //   n ~ (fx r_u, fy r_v, r - (u - cx) r_u - (v - cy) r_v).
-// The gradient is the least-squares slope of symmetric differences up to normal_radius_px, as far
-// as both sides continue the surface; (0, 0, 0) where that fails at one pixel (depth edges).
+// The gradient (r_u, r_v) is the least-squares slope of symmetric differences. Offsets grow up to
+// normal_radius_px, or until a depth edge. (0, 0, 0) if a direct neighbour is beyond a depth edge.
 VectorImage NormalMap(const VectorImage& vertex, const DepthSensor& sensor,
                       const PreprocessOptions& options);
 
-// Zeroes the surface's normals where NormalMap would give none: a map is less exact at its depth
-// edges, and a view of it shows these as any depth image does.
+// Sets normals to 0 at the depth edges of NormalMap(). For model views: the map is less accurate at
+// its depth edges.
 void DropNormalsAtEdges(const PreprocessOptions& options, FrameLevel* surface);
 
-// Half the resolution: each pixel is the mean inverse depth of its 2 x 2 block, seen along the
-// block's central ray, without pixels that lie behind a depth edge; normals are averaged likewise.
+// Level of half the resolution, without intensities. A pixel has the mean normal and the mean
+// inverse depth of a block of 2 x 2 pixels, on the central ray of the block. Pixels behind a depth
+// edge in the block are ignored.
 FrameLevel HalfResolution(const FrameLevel& fine, const PreprocessOptions& options);
 
-// A level and its coarser ones, as many as the options and the size allow.
+// Pyramid from a finest level, with at most `pyramid_levels` levels.
 FramePyramid BuildPyramid(FrameLevel finest, const PreprocessOptions& options);
 
-// Filter, vertex map, normal map and pyramid of one depth image.
+// Depth filter, vertex map, normal map and pyramid of a depth image in m. No intensities.
 FramePyramid PreprocessDepth(const Image<float>& depth_m, const DepthSensor& sensor,
                              const PreprocessOptions& options);
 

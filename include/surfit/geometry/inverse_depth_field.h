@@ -8,19 +8,18 @@
 
 namespace surfit {
 
-// What is to be added to the measured inverse depth of a pixel, in 1/m:
-//   1/z = 1/z_measured + c0 + c1 x + c2 y + c3 x^2 + c4 x y + c5 y^2,
-// (x, y, 1) the pixel's ray. The first coefficient is an offset, the same everywhere; the others
-// bend the image smoothly. Errors of triangulating sensors are of this kind: their noise and their
-// errors of calibration are errors of the disparity, which is proportional to inverse depth.
+// Additive correction of the measured inverse depth, 1/m, for the pixel with the ray (x, y, 1):
+//   1/z = 1/z_measured + c0 + c1 x + c2 y + c3 x^2 + c4 x y + c5 y^2.
+// c0 is a constant offset. The other coefficients describe a smooth distortion of the depth image.
+// The model fits triangulating sensors: their noise and calibration errors are disparity errors,
+// and disparity is proportional to inverse depth.
 struct InverseDepthField {
   static constexpr std::size_t kSize = 6;
-  static constexpr double kLeastInverse =
-      1e-3;  // 1/m: what comes to lie beyond a kilometre is missing
+  static constexpr double kLeastInverse = 1e-3;  // 1/m; a corrected depth beyond 1 km is missing
 
   std::array<double, kSize> coefficients = {};
 
-  // The factors of the coefficients. T is any number.
+  // Basis functions of the coefficients. T is a scalar or a ceres::Jet.
   template <typename T>
   static std::array<T, kSize> Basis(const T& x, const T& y) {
     return {T(1), x, y, x * x, x * y, y * y};
@@ -33,16 +32,17 @@ struct InverseDepthField {
     return sum;
   }
 
-  // The depth for a measured one at the ray (x, y, 1), in metres; 0 where that is missing (0) or
-  // would have no finite positive depth.
+  // Corrected depth in m for a measured depth in m at the ray (x, y, 1). 0: missing depth, or a
+  // corrected inverse depth of at most kLeastInverse.
   float Corrected(float measured_m, double x, double y) const {
     if (!(measured_m > 0)) return 0;
     const double inverse = 1. / measured_m + At(x, y);
     return inverse > kLeastInverse ? static_cast<float>(1 / inverse) : 0;
   }
 
-  // The same field by the rays of another camera of the same pixels, whose (x, y) are
-  // (x_scale x + x_shift, y_scale y + y_shift) of those of this one's.
+  // The same field as a function of the rays of another camera with the same pixels. The other
+  // camera's ray (x', y') of a pixel is the ray (x_scale x' + x_shift, y_scale y' + y_shift) of
+  // this camera.
   InverseDepthField Substituted(double x_scale, double x_shift, double y_scale,
                                 double y_shift) const {
     const auto& [c0, c1, c2, c3, c4, c5] = coefficients;
@@ -59,11 +59,11 @@ struct InverseDepthField {
   }
 };
 
-// What self-calibration may change of an undistorted depth camera.
+// Calibration of an undistorted depth camera, as estimated by self-calibration.
 struct DepthCalibration {
-  PinholeCamera camera;     // size in px, fx fy cx cy; no distortion
-  InverseDepthField field;  // by the rays of this camera
-  double readout_s = 0;     // of a rolling shutter: RgbdCamera
+  PinholeCamera camera;     // size, fx, fy, cx, cy in px; no distortion
+  InverseDepthField field;  // as a function of the rays of `camera`
+  double readout_s = 0;     // RgbdCamera::readout_s
 };
 
 inline bool AreSame(const DepthCalibration& a, const DepthCalibration& b) {
@@ -72,8 +72,8 @@ inline bool AreSame(const DepthCalibration& a, const DepthCalibration& b) {
          a.readout_s == b.readout_s;
 }
 
-// Where a point in the camera's frame, in metres, that was measured by one calibration lies by
-// another one: its pixel and its measured depth are the same.
+// Converts a point in the camera frame, m, from one calibration to another. Pixel and measured
+// depth of the point do not change. Requires point.z() > 0.
 inline Eigen::Vector3d Recalibrated(const Eigen::Vector3d& point, const DepthCalibration& from,
                                     const DepthCalibration& to) {
   const Eigen::Vector2d pixel = from.camera.Project(point);
@@ -83,7 +83,8 @@ inline Eigen::Vector3d Recalibrated(const Eigen::Vector3d& point, const DepthCal
   return ray / (inverse + to.field.At(ray.x(), ray.y()));
 }
 
-// The same before points mirrored by S (mirror.h): at the ray (x, -y).
+// Field for the mirrored camera (see Mirrored() in sensor.h): its ray (x, y) is the ray (x, -y) of
+// the original camera.
 inline InverseDepthField Mirrored(const InverseDepthField& field) {
   return field.Substituted(1, 0, -1, 0);
 }

@@ -6,36 +6,36 @@
 
 namespace surfit {
 
-// A pinhole camera: u = fx x/z + cx, v = fy y/z + cy; x right, y down, z forward; the centre of
-// the first pixel is (0, 0). Lens distortion follows OpenCV's k1 k2 p1 p2 k3; Project() and Ray()
-// ignore it: they serve images that have been undistorted.
+// Pinhole camera: u = fx x/z + cx, v = fy y/z + cy. Axes: x right, y down, z forward. The centre of
+// the top-left pixel is (0, 0). Lens distortion uses the OpenCV coefficients k1, k2, p1, p2, k3.
+// Project() and Ray() ignore the distortion and apply to undistorted images.
 struct PinholeCamera {
   int width = 0;   // px
   int height = 0;  // px
   double fx = 0;   // px
-  double fy = 0;   // px; negative in files whose image y axis points up
+  double fy = 0;   // px; negative if the image y axis points up
   double cx = 0;   // px
   double cy = 0;   // px
   std::array<double, 5> distortion = {0, 0, 0, 0, 0};
 
   bool HasDistortion() const;
 
-  // Throws InputError naming `what`, the field, its value and the constraint.
+  // Throws InputError with `what`, the field, its value and the constraint.
   void Validate(const std::string& what) const;
 
-  // Pixel coordinates (u, v) of a point with z > 0.
+  // Pixel coordinates (u, v) of a point with z > 0. The point need not be in the image.
   Eigen::Vector2d Project(const Eigen::Vector3d& point_in_camera) const {
     return {fx * point_in_camera.x() / point_in_camera.z() + cx,
             fy * point_in_camera.y() / point_in_camera.z() + cy};
   }
-  // The point at depth z = 1 that projects to (u, v).
+  // Point at depth z = 1 that projects to (u, v).
   Eigen::Vector3d Ray(double u, double v) const { return {(u - cx) / fx, (v - cy) / fy, 1.0}; }
 
-  // The camera of an image that keeps every factor-th pixel, starting with the first: the size is
-  // rounded up; focal length and principal point are divided (pixel centres are integers).
+  // Camera of an image with every `factor`-th column and row, starting with index 0. Divides fx,
+  // fy, cx and cy by `factor`, and rounds the size up.
   PinholeCamera Subsampled(int factor) const;
-  // The camera of an image whose pixels are means of factor x factor blocks; the size is rounded
-  // down, and the block's centre is its pixel's centre.
+  // Camera of an image whose pixels are the means of blocks of `factor` x `factor` pixels. Rounds
+  // the size down. The centre of a block becomes the centre of a pixel.
   PinholeCamera Binned(int factor) const;
 };
 

@@ -7,7 +7,7 @@ namespace surfit {
 
 inline constexpr double kRadPerDeg = 3.14159265358979323846 / 180;
 
-// The matrix [v]x with [v]x w = v x w.
+// Skew-symmetric matrix [v]x with [v]x w = v x w.
 template <typename Scalar>
 Eigen::Matrix<Scalar, 3, 3> CrossMatrix(const Eigen::Matrix<Scalar, 3, 1>& v) {
   Eigen::Matrix<Scalar, 3, 3> m;
@@ -15,8 +15,8 @@ Eigen::Matrix<Scalar, 3, 3> CrossMatrix(const Eigen::Matrix<Scalar, 3, 1>& v) {
   return m;
 }
 
-// exp(w) as a unit quaternion, w a rotation vector in rad: q = [cos(|w|/2), sin(|w|/2) w/|w|].
-// Near zero a Taylor series keeps value and derivatives (also of dual numbers) exact.
+// Unit quaternion exp(w) of a rotation vector w in rad: q = [cos(|w|/2), sin(|w|/2) w/|w|]. Uses a
+// Taylor series near zero, so that values and derivatives are exact, also for ceres::Jet.
 template <typename Scalar>
 Eigen::Quaternion<Scalar> QuaternionExp(const Eigen::Matrix<Scalar, 3, 1>& w) {
   using std::cos;
@@ -35,7 +35,7 @@ Eigen::Quaternion<Scalar> QuaternionExp(const Eigen::Matrix<Scalar, 3, 1>& w) {
   return Eigen::Quaternion<Scalar>(real, scale * w.x(), scale * w.y(), scale * w.z());
 }
 
-// The rotation vector w in rad, |w| <= pi, with exp(w) = q.
+// Rotation vector w in rad, |w| <= pi, of a unit quaternion: exp(w) = q.
 template <typename Scalar>
 Eigen::Matrix<Scalar, 3, 1> QuaternionLog(const Eigen::Quaternion<Scalar>& q) {
   using std::atan2;
@@ -51,7 +51,7 @@ Eigen::Matrix<Scalar, 3, 1> QuaternionLog(const Eigen::Quaternion<Scalar>& q) {
   return v * (Scalar(2) * atan2(norm, real) / norm);
 }
 
-// A rigid transform target_from_source: x_target = rotation * x_source + translation (metres).
+// Rigid transform target_from_source: x_target = rotation * x_source + translation (m).
 template <typename Scalar>
 struct Rigid3 {
   using Vector3 = Eigen::Matrix<Scalar, 3, 1>;
@@ -62,7 +62,7 @@ struct Rigid3 {
 
   Rigid3() = default;
   Rigid3(const Eigen::Quaternion<Scalar>& r, const Vector3& t) : rotation(r), translation(t) {}
-  // From a rotation matrix, re-orthonormalised through the unit quaternion.
+  // Constructs the transform from a rotation matrix. Normalises the quaternion.
   Rigid3(const Eigen::Matrix<Scalar, 3, 3>& r, const Vector3& t)
       : rotation(Eigen::Quaternion<Scalar>(r).normalized()), translation(t) {}
 
@@ -85,7 +85,7 @@ struct Rigid3 {
   Rigid3<Other> cast() const {
     return Rigid3<Other>(rotation.template cast<Other>(), translation.template cast<Other>());
   }
-  // The same numbers: q and -q are not the same.
+  // Compares coefficients. q and -q are different, although they are the same rotation.
   bool operator==(const Rigid3& other) const {
     return translation == other.translation && rotation.coeffs() == other.rotation.coeffs();
   }
@@ -94,8 +94,8 @@ struct Rigid3 {
 using Rigid3d = Rigid3<double>;
 using Rigid3f = Rigid3<float>;
 
-// The pose after the left increment (w [rad], v [m]): (exp(w) R, exp(w) t + v), that is
-// x -> exp(w) (R x + t) + v. The rotation stays a unit quaternion.
+// Applies the left perturbation (w [rad], v [m]): x -> exp(w) (R x + t) + v. The pose becomes
+// (exp(w) R, exp(w) t + v). Normalises the rotation.
 template <typename Scalar>
 Rigid3<Scalar> LeftIncrement(const typename Rigid3<Scalar>::Vector6& increment,
                              const Rigid3<Scalar>& pose) {
@@ -104,7 +104,8 @@ Rigid3<Scalar> LeftIncrement(const typename Rigid3<Scalar>::Vector6& increment,
   return delta * pose;
 }
 
-// Takes left increments (w, v) of b_from_c to those of a_from_c: w' = R w, v' = R v + t x R w.
+// Adjoint of a_from_b: maps left perturbations (w, v) of b_from_c to those of a_from_c, w' = R w,
+// v' = R v + t x R w.
 template <typename Scalar>
 Eigen::Matrix<Scalar, 6, 6> IncrementTransform(const Rigid3<Scalar>& a_from_b) {
   const Eigen::Matrix<Scalar, 3, 3> rotation = a_from_b.rotation.toRotationMatrix();
@@ -116,7 +117,7 @@ Eigen::Matrix<Scalar, 6, 6> IncrementTransform(const Rigid3<Scalar>& a_from_b) {
   return transform;
 }
 
-// The angle of the rotation in rad, in [0, pi].
+// Rotation angle in rad, in [0, pi].
 template <typename Scalar>
 Scalar RotationAngle(const Eigen::Quaternion<Scalar>& q) {
   return QuaternionLog<Scalar>(q).norm();

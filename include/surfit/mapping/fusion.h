@@ -15,66 +15,67 @@ namespace surfit {
 
 class OptionVisitor;
 
-// How frames become surfels.
+// Options of the fusion of frames into a surfel map.
 struct FusionOptions {
-  std::string weighting = "confidence";  // or "uniform": a = 1 for every point
-  float merge_distance_m = 0.05f;        // along the surfel's normal, between point and surfel
-  float merge_angle_rad = 0.6f;          // between their normals
-  // A point merges with a surfel if its ray passes the surfel's centre within the point's radius,
-  // but never farther than this across the surface: so much stays between the surfels of a far or
-  // coarsely sampled surface.
+  std::string weighting = "confidence";  // "confidence" or "uniform" (weight 1 for every point)
+  float merge_distance_m = 0.05f;        // between point and surfel, along the normal of the surfel
+  float merge_angle_rad = 0.6f;          // between the normals of point and surfel
+  // Maximum distance of merging across the surface; the radius of the point is a further limit.
+  // This is the spacing of surfels on distant or coarsely sampled surfaces.
   float max_spacing_m = 0.01f;
-  // Of two surfels that are closer across the surface than this share of their radii, and of the
-  // spacing, the one of less confidence is removed. 0 = none.
+  // Two surfels are duplicates if they are closer across the surface than this ratio of
+  // max_spacing_m and of both radii. The less confident surfel is removed. 0: off.
   float duplicate_share = 0.7f;
-  float max_slant_scale = 2;      // radius = sqrt(2) z / f times at most this for 1 / |n_z|
-  float max_radius_ratio = 1.5f;  // points that are coarser than this do not move a surfel
-  float lasting_confidence = 1;   // a surfel with less, seen about once, is noise ...
-  int max_dormant_frames = 20;    // ... and removed after so many fused frames without it
-  float max_confidence = 200;     // so that the map can still change
-  // Surfels not seen in so many fused frames do not meet points: where the camera has drifted, what
-  // it sees again is not fused with what it saw long ago, but mapped once more. 0 = no limit.
+  float max_slant_scale = 2;      // radius = sqrt(2) z / f * min(1 / |n_z|, max_slant_scale)
+  float max_radius_ratio = 1.5f;  // of point to surfel; coarser points do not move the surfel
+  float lasting_confidence = 1;   // less confident surfels are noise, see max_dormant_frames
+  int max_dormant_frames = 20;    // fused frames without observation before noise is removed
+  float max_confidence = 200;     // limit that keeps the map adaptable
+  // Surfels without observation in the last active_frames fused frames are inactive: points do not
+  // merge with them. After drift, a revisited surface is therefore mapped again. 0: no limit.
   int active_frames = 0;
-  int max_map_points = 0;  // a map of so many surfels takes no further ones; 0 = no limit
-  // Measured farther than this behind a surfel, plus 4 sigma of the depth: it is not there.
+  int max_map_points = 0;  // a full map accepts no new surfels; 0: no limit
+  // Surfels are free-space violations if the measured depth is larger by more than this plus 4
+  // sigma of the depth. They are removed.
   float free_space_margin_m = 0.05f;
 
   void Visit(OptionVisitor& visitor);
 };
 
-// How a frame's camera moved while it took the images.
+// Motion of the camera during the exposure of a frame.
 struct FrameMotion {
   CameraMotion camera;
-  double readout_s = 0;  // of both images' rows
+  double readout_s = 0;  // of depth and colour
 };
 
-// What the fusion of one frame did.
+// Statistics of the fusion of one frame.
 struct FusionReport {
-  int input_points = 0;    // pixels with depth and a normal, their own or a neighbour's
-  int merged_points = 0;   // of those, the ones that met a surfel
-  int covered_points = 0;  // points without one that a new surfel of a pixel beside stands for
+  int input_points = 0;    // pixels with depth and a normal, or the normal of a neighbour
+  int merged_points = 0;   // points that merged with a surfel
+  int covered_points = 0;  // points represented by the new surfel of a neighbouring pixel
   int merged = 0;          // surfels updated
-  int added = 0;           // surfels, each from one of the other points
-  int refused = 0;         // surfels that max_map_points left no place for
-  int removed = 0;         // surfels: dormant noise, free-space violations and doubles
+  int added = 0;           // new surfels, each from one point
+  int refused = 0;         // new surfels rejected because of max_map_points
+  int removed = 0;         // inactive noise, free-space violations and duplicate surfels
 };
 
-// Fuses posed frames into a map: point-based fusion (Keller et al., 3DV 2013). The map is projected
-// into the frame at its tracked pose, so that each point meets the surfel nearest to itself rather
-// than the one that happens to hide the others. A surfel stands for all points within their radius:
-// with sqrt(2) pixels, discs of every second pixel of rows and columns just cover a surface. Keeps
-// its buffers between frames, and remembers which frames it has fused: surfels go dormant by these,
-// not by those that were skipped or lost.
+// Point-based fusion of frames with poses into a surfel map (Keller et al., 3DV 2013). The surfels
+// are projected into the frame, and each point merges with the nearest surfel, even if another
+// surfel occludes it. With a radius of sqrt(2) pixels, the discs of every second row and column
+// just cover a surface. Stores the indices of the fused frames: max_dormant_frames and
+// active_frames do not count skipped or lost frames. Not thread-safe.
 class Fusion {
  public:
+  // Throws InputError for invalid options.
   explicit Fusion(const FusionOptions& options);
   ~Fusion();
 
-  // Merges the measured depth of the frame, whose noise averages out in the map, with the normals
-  // of `surface`, its filtered vertex and normal map, which tells the noise. Points at depth edges
-  // have none: they take that of a neighbour whose plane they lie in. They complete the map, but
-  // move no surfel. Surfels take the frame's colours where they lie, at the moment when their row
-  // of the colour image was read. The result does not depend on the number of threads.
+  // Merges the measured depth of `frame` with the normals and the noise model of `surface`, the
+  // filtered level of the same frame. The map averages the noise of the measured depth. Points at
+  // depth edges have no normal. They take the normal of a neighbour if they are on its plane, and
+  // do not move surfels. Colours are sampled at the centres of the surfels. The camera motion
+  // between depth and the colour row is compensated. The result does not depend on the number of
+  // threads. Aborts if the image sizes differ.
   FusionReport Fuse(const RgbdFrame& frame, const FrameLevel& surface,
                     const Rigid3d& world_from_camera, const FrameMotion& motion, SurfelMap* map);
   FusionReport Fuse(const RgbdFrame& frame, const FrameLevel& surface,
@@ -82,9 +83,9 @@ class Fusion {
     return Fuse(frame, surface, world_from_camera, {}, map);
   }
 
-  // The surfels that were last seen in this frame or later are active after the last one.
+  // Surfels last observed in this frame or later are active. The minimum of int: all surfels.
   int ActiveSince() const;
-  // As if these frames, by ascending index, had been fused.
+  // Restores the state after the fusion of these frames (ascending indices).
   void GoOnAfter(const std::vector<int>& fused_frames);
 
  private:
@@ -94,20 +95,20 @@ class Fusion {
   std::unique_ptr<Workspace> workspace_;
 };
 
-// Which surfels may be doubles.
+// Selection of duplicate surfels.
 struct DoublesOptions {
-  // The older one was last seen more than so many frames before the newer one was first seen: those
-  // were never fused together.
+  // Duplicates have more than this number of frames between the last observation of the older and
+  // the first observation of the newer surfel. Closer observations are already fused.
   int frames_apart = 100;
-  int newer_since = std::numeric_limits<int>::min();  // the newer one was first seen then or later
+  int newer_since = std::numeric_limits<int>::min();  // minimum first_seen of the newer surfel
 };
 
-// Merges surfaces that were mapped twice, once the map has been moved so that they coincide. A
-// surfel is merged with the nearest older one that is the same by the gates of fusion, measured
-// along and across its own normal, as nobody looks at both: a surfel stands for what is within
-// their radius. The older one stays, as the average of both by their
-// confidences; the newer one is removed. Returns how many were. The result does not depend on the
-// number of threads. Ids change.
+// Merges surfaces that were mapped twice, after a map correction has aligned them. Each newer
+// surfel merges with the nearest older surfel within the gates of fusion. Distances are measured
+// along and across the normal of the newer surfel, because there is no viewing ray. The older
+// surfel becomes the average weighted by confidence. Returns the number of removed newer surfels.
+// Ids become invalid. The result does not depend on the number of threads. Throws InputError for
+// invalid `options`.
 std::size_t MergeDoubles(const FusionOptions& options, const DoublesOptions& doubles,
                          SurfelMap* map);
 

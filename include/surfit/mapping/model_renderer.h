@@ -12,46 +12,47 @@ class OptionVisitor;
 
 class DiscList;
 
-// How the map is drawn.
+// Options of map rendering.
 struct RenderOptions {
-  // Surfels with less confidence (Keller et al., 3DV 2013) are drawn only where no others are: they
-  // are mostly noise, and would otherwise hide the surface behind them.
+  // Surfels below this confidence (Keller et al., 3DV 2013) are drawn only in pixels without other
+  // surfels. Most of them are noise that would occlude the surface.
   float stable_confidence = 10;
-  // A disc covers the pixels within this share of its radius. A surfel made from one pixel has a
-  // radius of sqrt(2) pixels, so that half of it just closes the gaps of the pixel grid. Pixels
-  // farther than f / z times that from the disc's centre, in u or v, are not looked at.
+  // Radius of the drawn disc, relative to the radius of the surfel. A surfel of one pixel has a
+  // radius of sqrt(2) pixels, so 0.5 just closes the gaps of the pixel grid. In u and v a disc
+  // covers pixels up to f / z times this radius from its centre.
   float radius_share = 1;
-  int max_half_window_px = 4;  // of the pixels that one disc may cover
-  // Discs this far behind the first one that a ray meets, plus 4 sigma of the depth, belong to the
-  // same surface. Of these the ray takes the one whose centre it passes closest. Taking the first
-  // would pick those that noise brought nearest, and with them a surface that is too near.
+  int max_half_window_px = 4;  // limit of the pixels around a disc centre
+  // Thickness of a surface: discs within this distance plus 4 sigma of the depth behind the first
+  // disc of a ray belong to it. The pixel shows the disc whose centre is nearest to the ray. The
+  // first disc is biased towards the camera by noise.
   float surface_thickness_m = 0.02f;
 
   void Visit(OptionVisitor& visitor);
 };
 
-// Draws surfel maps as oriented discs with hidden surfaces removed: each pixel shows one disc of
-// the surface that its ray meets first, stable ones before unstable ones. Vertices lie where the
-// ray meets that disc. Not drawn are discs seen from behind, and surfels that were observed at
-// depth edges alone: tracking would suffer. Keeps its buffers between calls.
+// Renders surfel maps as oriented discs with occlusion. Each pixel shows one disc of the first
+// surface of its ray; stable discs take precedence over unstable discs. Vertices are intersections
+// of ray and disc. Back faces and surfels with observations at depth edges only are not drawn,
+// because they degrade tracking. Not thread-safe.
 class ModelRenderer {
  public:
+  // Throws InputError for invalid options.
   explicit ModelRenderer(const RenderOptions& options);
   ~ModelRenderer();
   ModelRenderer& operator=(ModelRenderer&&) = delete;
 
-  // What the sensor would see, of the surfels that were last seen in frame `active_since` or later.
-  // The same map and pose give the same view bit for bit at any number of threads.
+  // Predicted view of the sensor, with the surfels last observed in frame `active_since` or later.
+  // The view is bitwise identical for every number of threads.
   ModelView Render(const SurfelMap& map, const DepthSensor& sensor, const Rigid3d& world_from_view,
                    int active_since = std::numeric_limits<int>::min());
 
  private:
   RenderOptions options_;
-  std::vector<DiscList> lists_;  // the discs of the cells in view
+  std::vector<DiscList> lists_;  // buffers, one per visible cell
 };
 
-// The colours of the surfels that a view of the map shows, (0, 0, 0) where there is none. The map
-// must not have changed since.
+// Colours of the surfels in a view; (0, 0, 0): no surfel. The map must be unchanged since the view
+// was rendered.
 Image<Rgb8> ColorsOf(const ModelView& view, const SurfelMap& map);
 
 }  // namespace surfit

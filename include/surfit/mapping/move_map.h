@@ -9,16 +9,16 @@
 
 namespace surfit {
 
-// Where what each frame saw belongs, after the poses of frames have been corrected.
+// Map corrections, one per frame, after an optimisation of the poses.
 class FrameCorrections {
  public:
-  // new_from_old_world[i] takes what frame first_frame + i has seen first from where it was in the
-  // world to where it is now. There must be one; frames beyond the ends take the nearest one.
+  // new_from_old_world[i] maps surfels first seen in frame first_frame + i from the old to the new
+  // world frame. Other frames use the nearest entry. Aborts if the vector is empty.
   FrameCorrections(int first_frame, std::vector<Rigid3d> new_from_old_world);
 
   const Rigid3d& At(int frame) const { return new_from_old_world_[IndexOf(frame)]; }
 
-  // The number of a frame's correction, from 0 to size() - 1.
+  // Index of the correction of a frame, in [0, size()).
   std::size_t IndexOf(int frame) const;
   std::size_t size() const { return new_from_old_world_.size(); }
   const Rigid3d& operator[](std::size_t index) const { return new_from_old_world_[index]; }
@@ -28,30 +28,30 @@ class FrameCorrections {
   std::vector<Rigid3d> new_from_old_world_;
 };
 
-// A calibration that has changed: what was measured by one is seen by the other.
+// Change of the calibration.
 struct Recalibration {
   DepthCalibration from, to;
-  std::vector<Rigid3d> world_from_camera;  // of each of the corrections' frames, before these
+  std::vector<Rigid3d> world_from_camera;  // old poses, one per correction
 };
 
-// What became of a map that was moved.
+// Statistics of a map correction.
 struct MoveReport {
-  std::size_t moved = 0;         // surfels whose frame's correction is not the identity
-  std::size_t changed_cell = 0;  // of those, the ones that came to another cell of the map
+  std::size_t moved = 0;         // surfels with a correction other than identity; see MoveMap()
+  std::size_t changed_cell = 0;  // moved surfels that are in another cell now
 };
 
-// Moves each surfel rigidly with the frame that saw it first: later frames were registered to it.
-// The same map and corrections give the same map bit for bit at any number of threads. Ids change.
+// Moves each surfel rigidly with the frame that saw it first, because later frames were registered
+// to it. Ids become invalid. The result is bitwise identical for every number of threads.
 MoveReport MoveMap(const FrameCorrections& corrections, SurfelMap* map);
 
-// The same where the calibration has changed as well: each surfel keeps its pixel and measured
-// depth in the frame that saw it first.
+// Also applies a new calibration: each surfel keeps its pixel and measured depth in the frame that
+// saw it first. Surfels less than 1 cm in front of this camera only move rigidly. `moved` counts
+// every surfel. Aborts if recalibration.world_from_camera and `corrections` differ in size.
 MoveReport MoveMap(const FrameCorrections& corrections, const Recalibration& recalibration,
                    SurfelMap* map);
 
-// Raises the last sight of the surfels that were last seen from frame `first` to `last` to frame
-// `now`, so that what is known to be near again is active: see FusionOptions::active_frames.
-// Returns how many there were.
+// Reactivates surfels: sets last_seen to `now` if it is in [first, last]. Used after a loop
+// closure, see FusionOptions::active_frames. Returns the number of changed surfels.
 std::size_t WakeSurfels(int first, int last, int now, SurfelMap* map);
 
 }  // namespace surfit

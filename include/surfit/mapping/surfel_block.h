@@ -10,20 +10,20 @@
 
 namespace surfit {
 
-// One surfel: an oriented disc, in the world frame.
+// Oriented disc in the world frame.
 struct Surfel {
-  Eigen::Vector3f position_in_world = Eigen::Vector3f::Zero();  // metres
+  Eigen::Vector3f position_in_world = Eigen::Vector3f::Zero();  // m
   Eigen::Vector3f normal_in_world = Eigen::Vector3f::Zero();    // unit length, towards the observer
   Rgb8 color;
   float radius_m = 0;
   float confidence = 0;         // sum of the weights of its observations
   std::int32_t first_seen = 0;  // frame index
   std::int32_t last_seen = 0;   // frame index
-  bool at_edge = false;         // no observation yet but at depth edges
-  float color_weight = 0;       // sum of the weights of its colours; 0 without any
+  bool at_edge = false;         // observed at depth edges only
+  float color_weight = 0;       // sum of the weights of its colours; 0: no colour
 };
 
-// The nearest colour, of 8-bit steps.
+// Rounds to the nearest 8-bit colour.
 inline Rgb8 ToRgb8(const Eigen::Vector3f& color) {
   const auto byte = [](float value) {
     return static_cast<std::uint8_t>(std::min(std::max(value, 0.f), 255.f) + 0.5f);
@@ -31,8 +31,8 @@ inline Rgb8 ToRgb8(const Eigen::Vector3f& color) {
   return {byte(color.x()), byte(color.y()), byte(color.z())};
 }
 
-// A number from 2^-20 to 2^12 in few bits: five of a power of two, the others of what is between,
-// rounded down; 0 is none.
+// Floating-point format for 2^-20 to 2^12 in one or two bytes: 5 exponent bits, the other bits for
+// the mantissa, rounded down. Smaller and larger positive values are clamped. 0 is exact.
 template <typename Bits>
 class SmallFloat {
  public:
@@ -51,17 +51,18 @@ class SmallFloat {
 
  private:
   static constexpr std::uint32_t kMost = std::numeric_limits<Bits>::max();
-  static constexpr std::uint32_t kDropped = 28 - 8 * sizeof(Bits);  // of 23 between two powers
+  static constexpr std::uint32_t kDropped = 28 - 8 * sizeof(Bits);           // of 23 mantissa bits
   static constexpr std::uint32_t kOffset = (127u - 20u) << (23 - kDropped);  // 2^-20
 };
 
-// To an eighth: a sum of equal weights ends at 16 of them, and an average by it goes on with a
-// share of a seventeenth.
+// Relative precision of 1/8. Increments of 1 saturate at 16, so a running average continues with a
+// weight of 1/17.
 using WeightByte = SmallFloat<std::uint8_t>;
-// To .05 % of a length in metres.
+// Relative precision of 0.05 %, for lengths in m.
 using SmallLength = SmallFloat<std::uint16_t>;
 
-// A number from -1 to 1 to the nearest 1 / 32767. So a unit vector turns by .03 mrad at most.
+// Fixed-point format for [-1, 1] with steps of 1 / 32767. The rounding error of a unit vector is at
+// most 0.03 mrad.
 class SmallUnit {
  public:
   static std::int16_t From(float number) {
@@ -74,24 +75,23 @@ class SmallUnit {
   static constexpr float kSteps = 32767.f;
 };
 
-// What a frame has measured of a surfel: the average of its points there.
+// Observation of a surfel by one frame: the average of its points.
 struct SurfelObservation {
-  // Of those points that its shape can gain from.
-  Eigen::Vector3f position_in_world = Eigen::Vector3f::Zero();  // metres
-  Eigen::Vector3f normal_in_world = Eigen::Vector3f::Zero();    // not longer than one
-  float radius_m = 0;                                           // the least
-  float shape_weight = 1;                                       // the sum of their weights, or 0
-  // Of what the frame shows where the surfel lies.
-  Eigen::Vector3f color = Eigen::Vector3f::Zero();  // sRGB, in 8-bit steps
-  float color_weight = 1;                           // 0 without a colour
-  float weight = 1;                                 // a, the sum
-  bool at_edge = false;                             // at depth edges, with normals of neighbours
+  // Average of the points that are accurate enough for the shape.
+  Eigen::Vector3f position_in_world = Eigen::Vector3f::Zero();  // m
+  Eigen::Vector3f normal_in_world = Eigen::Vector3f::Zero();    // length of at most 1
+  float radius_m = 0;                                           // minimum
+  float shape_weight = 1;  // sum of the weights of these points; 0: none
+  // Colour at the centre of the surfel, and values of all points.
+  Eigen::Vector3f color = Eigen::Vector3f::Zero();  // sRGB, 0 to 255
+  float color_weight = 1;                           // 0: no colour
+  float weight = 1;                                 // a, sum of the weights of all points
+  bool at_edge = false;                             // all points are at depth edges
 };
 
-// What is known of all surfels of a set without looking at them: bounds, which hold but need not be
-// tight.
+// Conservative bounds of a set of surfels.
 struct SurfelBounds {
-  float low[3] = {kMost, kMost, kMost};  // of positions in the world, metres
+  float low[3] = {kMost, kMost, kMost};  // of positions in the world, m
   float high[3] = {-kMost, -kMost, -kMost};
   float least_confidence = kMost;
   std::int32_t least_last_seen = std::numeric_limits<std::int32_t>::max();
@@ -104,56 +104,55 @@ struct SurfelBounds {
   static constexpr float kMost = std::numeric_limits<float>::infinity();
 };
 
-// Up to kCapacity surfels that are close together, as structure of arrays: 39 bytes each. The first
-// `count` are in use; the others hold finite numbers.
+// Up to kCapacity neighbouring surfels as structure of arrays, 39 bytes per surfel. The first
+// `count` are in use. The others hold finite numbers, because loops process the whole block.
 struct SurfelBlock {
-  static constexpr int kCapacity = 64;  // one bit each in a mask
+  static constexpr int kCapacity = 64;  // one bit per surfel in a mask
 
-  std::uint64_t at_edge = 0;    // mask: no observation yet but at depth edges
+  std::uint64_t at_edge = 0;    // mask: observed at depth edges only
   std::uint64_t to_remove = 0;  // mask: see SurfelMap::RemoveMarked()
   std::int32_t count = 0;
-  std::int32_t cell = 0;  // of the map, that it belongs to
+  std::int32_t cell = 0;  // index of its cell in the map
   SurfelBounds bounds;
 
-  float x[kCapacity] = {}, y[kCapacity] = {}, z[kCapacity] = {};  // position in the world, metres
+  float x[kCapacity] = {}, y[kCapacity] = {}, z[kCapacity] = {};  // position in the world, m
   std::int16_t nx[kCapacity] = {}, ny[kCapacity] = {}, nz[kCapacity] = {};  // SmallUnit: Normal()
   std::uint16_t radius[kCapacity] = {};  // SmallLength: Radius_m()
   float confidence[kCapacity] = {};
   std::int32_t first_seen[kCapacity] = {}, last_seen[kCapacity] = {};  // frame index
-  // sRGB in 1/256 of an 8-bit step, of which the three last bits are other things: together, those
-  // of blue first, the WeightByte of the colour.
+  // sRGB in units of 1/256 of an 8-bit step. The three lowest bits store the WeightByte of the
+  // colour instead: bits 0 to 2 in blue, 3 to 5 in green, 6 and 7 in red.
   std::uint16_t red[kCapacity] = {}, green[kCapacity] = {}, blue[kCapacity] = {};
 
   Surfel operator[](int k) const;
   Eigen::Vector3f Position(int k) const { return {x[k], y[k], z[k]}; }
   void SetPosition(int k, const Eigen::Vector3f& position);
-  // Of unit length, but for .03 mrad along each axis.
+  // Unit length, up to the rounding of SmallUnit.
   Eigen::Vector3f Normal(int k) const;
   void SetNormal(int k, const Eigen::Vector3f& normal);
   float Radius_m(int k) const { return SmallLength::ToFloat(radius[k]); }
   void SetRadius_m(int k, float radius_m) { radius[k] = SmallLength::From(radius_m); }
   Rgb8 Color(int k) const;
-  // In 8-bit steps, finer than these; and the weight that it has.
+  // sRGB from 0 to 255, in steps of 1/32.
   Eigen::Vector3f FineColor(int k) const;
   float ColorWeight(int k) const;
   void SetColor(int k, const Eigen::Vector3f& color, float weight);
 
-  // Writes surfel k. Different ones may be written at the same time.
+  // Writes surfel k, except masks and bounds. Different surfels may be written in parallel.
   void Write(int k, const Surfel& surfel);
-  // Does the rest for a surfel that is, or will be, written: the mask and the bounds.
+  // Updates masks and bounds for surfel k, before or after Write(). Not thread-safe.
   void Announce(int k, const Surfel& surfel);
-  // Takes surfel j of another block as surfel k.
+  // Copies surfel j of another block to k.
   void Take(int k, const SurfelBlock& other, int j);
 
-  // The weighted average of surfel k with an observation of weight a: position, normal and colour
-  // become (w q + a p) / (w + a), w the confidence; the normal is unit again, the radius the
-  // smaller of both, and w becomes w + a, but at most max_confidence. Position and normal follow
-  // the observation's only by its shape_weight; without any they stay, and so does the radius. The
-  // colour is averaged likewise by the weights of colours. The bounds stay as they are.
+  // Averages surfel k (confidence w) with an observation of weight a. The confidence becomes w + a,
+  // at most max_confidence. Position and normal move by the ratio shape_weight / (w + a) towards
+  // the observation, and the radius becomes the minimum of both. With shape_weight 0 they do not
+  // change. The colour is averaged by the colour weights. Does not update the bounds or last_seen.
   void Merge(int k, const SurfelObservation& observation, float max_confidence);
 };
 
-// Here, as fusion does it hundreds of thousands of times a frame.
+// Defined inline for speed: fusion calls these functions several hundred thousand times per frame.
 inline void SurfelBlock::SetPosition(int k, const Eigen::Vector3f& position) {
   x[k] = position.x();
   y[k] = position.y();

@@ -10,59 +10,60 @@
 
 namespace surfit {
 
-// The surfels of one cube of space, but for the little way that merging has moved some since: all
-// blocks but the last are full.
+// Surfels of a cubic cell of the grid. Merging can move some of them slightly out of the cube. Only
+// the last block can be partly empty.
 struct SurfelCell {
   std::vector<std::int32_t> blocks;
-  SurfelBounds bounds;     // of all of them
-  bool is_marked = false;  // some of the surfels are: see SurfelMap::RemoveMarked()
-  std::uint64_t key = 0;   // of its cube, among the map's cells
+  SurfelBounds bounds;     // of all blocks
+  bool is_marked = false;  // contains marked surfels, see SurfelMap::RemoveMarked()
+  std::uint64_t key = 0;   // identifies the cube
 };
 
-// The fused map: surfels in blocks, blocks in the cells of a grid, so that work on what a camera
-// sees touches little else, and growing moves nothing.
+// Map of surfels. Surfels are stored in blocks, and blocks in the cells of a grid, so operations on
+// a view access nearby cells only. Blocks keep their address when the map grows. Modifying the map
+// is not thread-safe.
 //
-// An id names a surfel until one is removed from its cell: block * SurfelBlock::kCapacity + place.
-// Ids are below id_end(), but not all of these are in use.
+// An id is block * SurfelBlock::kCapacity + place. It is valid until a surfel of the same cell is
+// removed. Ids are below id_end(), but not all of them are in use (see Has()). Ids are not checked.
 class SurfelMap {
  public:
-  static constexpr float kCellSize = 0.5f;  // metres
+  static constexpr float kCellSize = 0.5f;  // m
 
   std::size_t size() const { return size_; }
   std::int32_t id_end() const {
     return static_cast<std::int32_t>(blocks_.size()) * SurfelBlock::kCapacity;
   }
   bool Has(std::int32_t id) const { return PlaceOf(id) < block(BlockOf(id)).count; }
-  // All ids, cell by cell. The same changes to a map give the same order.
+  // All ids, cell by cell. The order depends only on the sequence of changes.
   std::vector<std::int32_t> Ids() const;
 
   Surfel operator[](std::int32_t id) const { return block(BlockOf(id))[PlaceOf(id)]; }
   Rgb8 Color(std::int32_t id) const { return block(BlockOf(id)).Color(PlaceOf(id)); }
 
-  // Returns its id.
+  // Returns the id of the new surfel.
   std::int32_t Append(const Surfel& surfel);
-  // Appends them in their order, written in parallel.
+  // Appends in the given order. If memory runs out, throws std::bad_alloc and keeps the surfels
+  // appended so far.
   void Append(const std::vector<Surfel>& surfels);
 
-  // SurfelBlock::Merge, and keeps the bounds.
+  // Calls SurfelBlock::Merge() and updates the bounds.
   void Merge(std::int32_t id, const SurfelObservation& observation, float max_confidence);
 
-  // Marks a surfel for RemoveMarked().
+  // Marks a surfel for RemoveMarked(). Aborts if the id is not in use.
   void Mark(std::int32_t id);
-  // Removes all marked surfels; the last ones of a cell take their places. Returns how many there
-  // were.
+  // Removes all marked surfels. The last surfels of a cell fill the gaps, so their ids change.
+  // Returns the number of removed surfels.
   std::size_t RemoveMarked();
 
-  // Takes surfels that lie in the cubes of other cells to these, after their positions have been
-  // changed. Returns how many there were.
+  // Moves surfels into the cells of their present positions. Call after changes of positions.
+  // Returns the number of moved surfels.
   std::size_t Rehome();
 
-  // For those who work on many surfels at once. Who changes them keeps true what blocks and cells
-  // tell about them.
+  // Direct access to cells and blocks. The caller must keep masks and bounds consistent.
   std::int32_t cell_count() const { return static_cast<std::int32_t>(cells_.size()); }
   SurfelCell& cell(std::int32_t i) { return cells_[i]; }
   const SurfelCell& cell(std::int32_t i) const { return cells_[i]; }
-  // A cell's cube, counted along each axis from the one that is centred at the world's origin.
+  // Grid coordinates of a cell. The cube (0, 0, 0) is centred at the world origin.
   static Eigen::Vector3i CubeOf(const SurfelCell& cell);
   SurfelBlock& block(std::int32_t i) { return blocks_[i]; }
   const SurfelBlock& block(std::int32_t i) const { return blocks_[i]; }
@@ -78,7 +79,7 @@ class SurfelMap {
   void RemoveLast(SurfelCell* cell);
 
   std::size_t size_ = 0;
-  std::deque<SurfelBlock> blocks_;  // never moved
+  std::deque<SurfelBlock> blocks_;  // deque: blocks keep their address
   std::vector<std::int32_t> free_blocks_;
   std::vector<SurfelCell> cells_;
   std::unordered_map<std::uint64_t, std::int32_t> cell_of_key_;

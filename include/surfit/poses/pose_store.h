@@ -12,17 +12,15 @@
 
 namespace surfit {
 
-// Frames with poses, keyframes, pose graph edges and loop records: their types, and the store that
-// owns them. Depends on optimization and mapping, and lies below tracking, loop closure and
-// calibration.
+// Frames with poses, keyframes, pose graph edges and loop records, and the store that owns them.
+// Depends on optimization and mapping, not on tracking, loop closure and calibration.
 
-// Frame with a pose.
 struct PosedFrame {
   int index = 0;
   double stamp_s = 0;
   Rigid3d world_from_camera;  // with all corrections so far
-  int keyframe = 0;           // position of the last keyframe, which may be this frame
-  int stretch = 0;            // number of the trajectory segment: tracked without relocalisation
+  int keyframe = 0;           // position of the last keyframe, or of this frame if it is a keyframe
+  int stretch = 0;            // trajectory segment: relocalisation starts a new number
 };
 
 // Keyframe, by frame indices.
@@ -34,7 +32,7 @@ struct KeyframeLink {
   static constexpr int kNone = -1;
 };
 
-// Loop candidate: two keyframes that may show one place.
+// Loop candidate: two keyframes that may show the same place.
 struct LoopProposal {
   int source = 0, target = 0;  // positions of the later and the earlier keyframe
   double similarity = 0;       // by place recognition; 0: proposed by pose
@@ -64,13 +62,15 @@ struct StoredPoses {
   std::size_t settled_keyframes = 0;    // number of keyframes with a completed search for loops
 };
 
-// Moves the measurements of edges with their keyframes: the errors of all edges are as before.
+// Changes the measurements of edges with their keyframe poses, so that the residuals of all edges
+// are unchanged. Both vectors have one pose per keyframe.
 void Recalibrate(const std::vector<Rigid3d>& world_from_keyframe_before,
                  const std::vector<Rigid3d>& world_from_keyframe_after,
                  std::vector<PoseGraphEdge>* edges);
 
-// Owns the poses of frames and keyframes, the edges of the pose graph and the loop records. Tasks
-// of loop closure and calibration work on snapshots, and their outcome is applied here.
+// Owns frames, keyframes, edges and loop records. Background tasks of loop closure and calibration
+// work on snapshots; their results are applied here. Indices and saved states are not checked.
+// References are valid until the next change. Not thread-safe.
 class PoseStore {
  public:
   PoseStore() = default;
@@ -96,7 +96,7 @@ class PoseStore {
   // Number of submaps that no loop connects to the first submap.
   std::size_t CountDisconnectedSubmaps() const;
 
-  // Adds a frame that belongs to the last keyframe.
+  // Adds a frame with a larger index than all frames before. It belongs to the last keyframe.
   void AddFrame(int index, double stamp_s, const Rigid3d& world_from_camera, int stretch);
   // Makes the last frame a keyframe. Without a parent (KeyframeLink::kNone) it begins a submap.
   void MakeKeyframe(int parent);

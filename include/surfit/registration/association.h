@@ -12,16 +12,16 @@
 
 namespace surfit {
 
-// Matched points of two surfaces as structure of arrays, in the target's frame. Values count up to
-// size; the arrays may be longer.
+// Correspondences of two surfaces as structure of arrays, in the target frame, m. The first `size`
+// values of each array are valid.
 template <typename S>
 struct Pairs {
   using Vector3 = Eigen::Matrix<S, 3, 1>;
 
-  RawVector<S> px, py, pz;   // source point, moved: p' = R p + t
+  RawVector<S> px, py, pz;   // source point after the motion: p' = R p + t
   RawVector<S> qx, qy, qz;   // target point
-  RawVector<S> nx, ny, nz;   // unit normal of the target; (0, 0, 0) if unknown
-  RawVector<S> mx, my, mz;   // unit normal of the source, rotated; (0, 0, 0) if unknown
+  RawVector<S> nx, ny, nz;   // unit normal of the target; (0, 0, 0): unknown
+  RawVector<S> mx, my, mz;   // rotated unit normal of the source; (0, 0, 0): unknown
   RawVector<S> information;  // 1 / sigma^2 of the residual, 1/m^2 (ErrorModel)
   int size = 0;
 
@@ -34,11 +34,11 @@ struct Pairs {
     return {&px, &py, &pz, &qx, &qy, &qz, &nx, &ny, &nz, &mx, &my, &mz, &information};
   }
 
-  // Makes room for so many pairs, at least size, without changing size.
+  // Sets the length of all arrays, at least `size`.
   void SetCapacity(int capacity) {
     for (auto* array : Arrays()) array->resize(capacity);
   }
-  // Writes a pair at an index for which there is room; size stays.
+  // Writes correspondence i, which must be below the capacity. Does not change `size`.
   void Set(int i, const Vector3& p, const Vector3& q, const Vector3& n, const Vector3& m,
            S pair_information) {
     px[i] = p.x(), py[i] = p.y(), pz[i] = p.z();
@@ -47,7 +47,6 @@ struct Pairs {
     mx[i] = m.x(), my[i] = m.y(), mz[i] = m.z();
     information[i] = pair_information;
   }
-  // Appends a pair, making room where needed.
   void Add(const Vector3& p, const Vector3& q, const Vector3& n, const Vector3& m,
            S pair_information) {
     if (size == static_cast<int>(px.size())) SetCapacity(2 * size + 16);
@@ -60,55 +59,57 @@ struct Pairs {
   Vector3 m(int i) const { return {mx[i], my[i], mz[i]}; }
 };
 
-using PairBuffer = Pairs<float>;        // what associations find
-using Correspondences = Pairs<double>;  // given from elsewhere
+using PairBuffer = Pairs<float>;        // result of an Association
+using Correspondences = Pairs<double>;  // input of the caller
 
-// The pairs after the source has moved by a further transform of the target's frame.
+// Correspondences after a further motion of the source in the target frame.
 Correspondences Moved(Correspondences pairs, const Rigid3d& motion);
 
 class OptionVisitor;
 
-// What a pair of points must satisfy beyond being valid.
+// Association gates: thresholds on distance and normal angle of a correspondence.
 struct AssociationGates {
-  double max_distance_m = 0.1;        // |p' - q|; 0 = off
-  double max_normal_angle_rad = 0.5;  // between the rotated source normal and n; 0 = off
+  double max_distance_m = 0.1;        // |p' - q|; 0: no limit
+  double max_normal_angle_rad = 0.5;  // between the rotated source normal and n; 0: no limit
 
   void Visit(OptionVisitor& visitor);
 };
 
-// Finds pairs at one pose.
+// Finds correspondences at one pose. Must not outlive its Association.
 class PairFinder {
  public:
   virtual ~PairFinder() = default;
-  // Writes the pairs of a block of source points from an index on, and returns how many there are;
-  // for the association's block_capacity() pairs there must be room, whose rest is unspecified
-  // afterwards. The size of `pairs` stays. Blocks may be asked for at the same time.
+  // Writes the correspondences of one block of source points to `pairs`, beginning at index
+  // `first`, and returns their number. Does not change the size of `pairs`. The values in [first,
+  // first + block_capacity()) must exist and may be overwritten. Different blocks may be searched
+  // in parallel if their ranges are disjoint.
   virtual int Find(int block, int first, PairBuffer* pairs) const = 0;
 };
 
-// Decides which source point belongs to which target point. Source points come in blocks of a
-// fixed order, so that sums over all pairs are the same at any number of threads.
+// Data association between source and target points. The source points are divided into blocks in a
+// fixed order, so sums over all correspondences do not depend on the number of threads.
 class Association {
  public:
   virtual ~Association() = default;
   virtual int source_count() const = 0;    // valid source points
-  virtual int block_count() const = 0;     // of source points
-  virtual int block_capacity() const = 0;  // room for the pairs of a block
+  virtual int block_count() const = 0;     // number of blocks of source points
+  virtual int block_capacity() const = 0;  // maximum number of values that Find() writes per block
   virtual std::unique_ptr<const PairFinder> At(const Rigid3d& target_from_source) const = 0;
 
-  // The pairs of all blocks, in their order.
+  // Correspondences of all blocks in block order. Searches in parallel.
   PairBuffer Collect(const Rigid3d& target_from_source) const;
 };
 
-// Projective data association (Blais and Levine 1995): a source point p is moved by the pose,
-// p' = R p + t, projected into the target's image, and matched with the vertex q and normal n
-// found at the nearest pixel (u, v). Valid are pairs with
-//   p_z > 0,  p'_z > 0,  0 <= u < W,  0 <= v < H,  q_z > 0 and the needed normals,
-// that pass the gates. The normal gate needs both normals. A block is a row of the source image, of
-// which every row_stride-th is used.
+// Projective data association (Blais and Levine 1995). Moves a source point p by the pose, p' = R p
+// + t, and projects p' into the target image. The target point is the vertex q with normal n at the
+// nearest pixel (u, v). A correspondence must have the needed normals, pass the gates and satisfy
+//   p_z > 0,  p'_z > 0,  0 <= u < W,  0 <= v < H,  q_z > 0.
+// The normal gate needs both normals. A block is a row of the source image; every row_stride-th row
+// is used.
 class ProjectiveAssociation final : public Association {
  public:
-  // Keeps references: both levels must outlive this object.
+  // Stores references: both levels must outlive this object. Aborts if the size of the target
+  // differs from its camera.
   ProjectiveAssociation(const FrameLevel& source, const FrameLevel& target,
                         const AssociationGates& gates, const ErrorModel& error_model,
                         NeededNormals needed_normals = NeededNormals::kTarget, int row_stride = 1);
@@ -128,11 +129,11 @@ class ProjectiveAssociation final : public Association {
   int source_count_;
 };
 
-// Points of a surface in no particular order; all of these have the same size.
+// Unordered points of a surface. All vectors have the same size.
 struct PointSet {
-  std::vector<Eigen::Vector3f> points;   // metres, finite
-  std::vector<Eigen::Vector3f> normals;  // unit length; (0, 0, 0) if unknown
-  std::vector<float> sigma_m;            // standard deviation of a residual of the point
+  std::vector<Eigen::Vector3f> points;   // m, finite
+  std::vector<Eigen::Vector3f> normals;  // unit length; (0, 0, 0): unknown
+  std::vector<float> sigma_m;            // standard deviation of the residual of a point
 
   std::size_t size() const { return points.size(); }
   void Add(const Eigen::Vector3f& point, const Eigen::Vector3f& normal, float point_sigma_m) {
@@ -142,10 +143,11 @@ struct PointSet {
   }
 };
 
-// The valid points of a frame, with the error model's sigma for their depth.
+// Valid points of a frame, in the camera frame, with the standard deviations of the error model.
 PointSet PointSetOf(const FrameLevel& level, const ErrorModel& error_model);
 
-// A point set made ready to be searched, by a KD-tree that all copies share.
+// Point set with a KD-tree. Copies share the data. Aborts if the vectors of the point set have
+// different sizes.
 class SearchablePoints {
  public:
   explicit SearchablePoints(const PointSet& points);
@@ -157,22 +159,21 @@ class SearchablePoints {
   std::shared_ptr<const Data> data_;
 };
 
-// Which points are paired with their nearest neighbours.
 struct KdTreeAssociationOptions {
   AssociationGates gates;
   NeededNormals needed_normals = NeededNormals::kTarget;
-  // A pair must be each other's nearest points, the source's among all of its points.
+  // Requires mutual nearest neighbours. The search in the source includes all source points.
   bool reciprocal = false;
-  // Only every stride-th source point is used, in an order of the source's tree that visits all of
-  // space evenly.
+  // Uses every source_stride-th source point, at least 1. The order is that of the KD-tree, so the
+  // selection is spatially uniform.
   int source_stride = 1;
 };
 
-// Nearest-neighbour data association (Besl and McKay 1992): a source point p is moved by the pose,
-// p' = R p + t, and matched with the target point q nearest to it, of equally near ones the first
-// of the target's points. Valid are pairs with the needed normals that pass the gates; the normal
-// gate needs both normals. What the last pose found is where the next search starts, which saves
-// time and changes nothing.
+// Nearest-neighbour data association (Besl and McKay 1992). Moves a source point p by the pose, p'
+// = R p + t, and finds the nearest target point q. The first point of the set wins a tie. A
+// correspondence must have the needed normals and pass the gates. The normal gate needs both
+// normals. Searches start at the match of the previous pose, which changes the speed but not the
+// result.
 class KdTreeAssociation final : public Association {
  public:
   KdTreeAssociation(SearchablePoints source, SearchablePoints target,

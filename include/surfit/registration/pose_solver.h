@@ -12,80 +12,82 @@ namespace surfit {
 
 class PhotometricTerm;
 
-// How the increment of a pose is computed.
+// Options of the solver for a pose increment.
 struct PoseSolverOptions {
-  std::string name = "closed_form_ldlt";   // one of PoseSolverNames()
-  std::string linear_solver = "dense_qr";  // of ceres_per_point: one of LinearSolverNames()
+  std::string name = "closed_form_ldlt";   // a name of PoseSolverNames()
+  std::string linear_solver = "dense_qr";  // for ceres_per_point: a name of LinearSolverNames()
   ResidualType residual = ResidualType::kPointToPlane;
   ErrorModel error_model;
   HeldOptions held;
-  // Iterative solvers end where a step changes the cost by less than this share of it; 0 = by less
-  // than the pairs' precision can tell.
+  // Iterative solvers stop if a step changes the cost by a smaller ratio. 0: the precision of the
+  // correspondences.
   double min_relative_cost_change = 0;
 };
 
-// What a solve took, and what it went through.
+// Times and costs of a solve.
 struct SolveReport {
-  double build_ms = 0;        // what Ceres is given
-  double linearize_ms = 0;    // one linearisation; association included where both are done at once
-  double solve_ms = 0;        // all but building
-  std::vector<double> costs;  // what is minimised, at each linearisation, the first at the start
+  double build_ms = 0;        // construction of the Ceres problem
+  double linearize_ms = 0;    // one linearisation, with data association if both are combined
+  double solve_ms = 0;        // everything except build_ms
+  std::vector<double> costs;  // cost at each linearisation; costs[0]: before the step
 };
 
-// One solve over given pairs.
+// Result of one solver step.
 struct StepResult {
-  NormalSystem system;                    // the hand-built one, about the pose before the step
-  Observability observability;            // of that system
-  Vector6d increment = Vector6d::Zero();  // left increment (w [rad], v [m]) in the target frame,
-                                          // with no part along free directions
+  NormalSystem system;          // normal equations at the pose before the step
+  Observability observability;  // of `system`
+  // Left perturbation (w [rad], v [m]) in the target frame, 0 along unobservable directions.
+  Vector6d increment = Vector6d::Zero();
   SolveReport report;
 };
 
-// Computes the increment of a pose from pairs of points. Where the data leaves directions free, the
-// increment has no part along them.
+// Computes the increment of a pose from correspondences. The increment is 0 along unobservable
+// directions.
 class PoseSolver {
  public:
   explicit PoseSolver(const PoseSolverOptions& options) : options_(options) {}
   virtual ~PoseSolver() = default;
 
-  // Makes steps from associations see the term's intensities as well. Keeps a reference.
+  // Adds photometric residuals to steps with an Association. Stores a reference, which must be
+  // valid during these steps.
   void Use(const PhotometricTerm& photometric) { photometric_ = &photometric; }
 
-  // From what an association finds at a pose, in single precision.
+  // Finds correspondences at a pose in single precision, and computes a step.
   virtual StepResult Step(const Association& association,
                           const Rigid3d& target_from_source) const = 0;
-  // From given pairs.
+  // Computes a step for given correspondences, without photometric residuals.
   virtual StepResult Step(const PairBuffer& pairs) const = 0;
   virtual StepResult Step(const Correspondences& pairs) const = 0;
 
-  // Whether a step ends at the minimum of the robust cost over its pairs, rather than one
-  // linearised step nearer.
+  // True: a step minimises the robust cost for fixed correspondences. False: a step solves one
+  // linearised system.
   virtual bool ReachesMinimum() const { return false; }
 
-  // The system at a pose and what it holds, without an increment.
+  // System and observability at a pose. The increment is 0.
   StepResult Describe(const Association& association, const Rigid3d& target_from_source) const;
 
  protected:
   const PoseSolverOptions& options() const { return options_; }
-  const PhotometricTerm* photometric() const { return photometric_; }  // may be null
+  const PhotometricTerm* photometric() const { return photometric_; }  // null: none
 
  private:
   PoseSolverOptions options_;
   const PhotometricTerm* photometric_ = nullptr;
 };
 
-// closed_form_ldlt, closed_form_lu, closed_form_qr: one Gauss-Newton step, the last from the matrix
-// of all rows.
-// svd: the rigid motion of the weighted points that is best in closed form; point_to_point only.
-// ceres, ceres_per_point, tiny: Levenberg-Marquardt to the minimum of the robust cost over the
-// given pairs, by Ceres on one reduced block of all pairs, by Ceres with a residual block for each
-// pair (slow: the reference), and by Ceres' TinySolver on the reduced block.
+// Solver names:
+// - closed_form_ldlt, closed_form_lu: one Gauss-Newton step from the normal equations.
+// - closed_form_qr: one Gauss-Newton step from the matrix of all rows.
+// - svd: optimal rigid motion; for point_to_point without photometric residuals only.
+// - ceres: Levenberg-Marquardt on the robust cost of fixed correspondences, as one reduced block.
+// - ceres_per_point: as ceres, with one block per correspondence. Slow, the reference.
+// - tiny: as ceres, with ceres::TinySolver.
 std::vector<std::string> PoseSolverNames();
 
-// dense_qr, dense_normal_cholesky, sparse_normal_cholesky (over SuiteSparse where Ceres has it).
+// dense_qr, dense_normal_cholesky, sparse_normal_cholesky (with SuiteSparse if Ceres has it).
 std::vector<std::string> LinearSolverNames();
 
-// Throws InputError that lists what is possible for unknown names and impossible combinations.
+// Throws InputError for unknown names and invalid combinations. The message lists the valid values.
 std::unique_ptr<PoseSolver> MakePoseSolver(const PoseSolverOptions& options);
 
 }  // namespace surfit
