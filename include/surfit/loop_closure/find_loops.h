@@ -72,7 +72,9 @@ struct Relocalization {
   int keyframe = kNone;       // position of the matching keyframe; kNone: not found
   Rigid3d world_from_camera;  // from the pose of this keyframe; undefined if not found
   std::vector<LoopAttempt>
-      attempts;  // tested candidates, with source kNone; the last is the match, if there is one
+      // Verified candidates in their order, with source kNone. If there is a match, it is the last
+      // element.
+      attempts;
 
   bool found() const { return keyframe != kNone; }
 };

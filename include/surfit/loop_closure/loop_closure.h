@@ -63,6 +63,7 @@ struct LoopOptions {
   // Loop closures do not move the map if the displacement of each keyframe is at most this value.
   // The displacement is the translation plus 2 m times the rotation in rad.
   double min_correction_m = 0.002;
+  // Memory of keyframe views, for LimitKeyframes().
   std::size_t max_view_bytes = std::size_t{512}
                                << 20;  // memory of keyframe views: LimitKeyframes()
   // Number of consecutive lost frames after which a new submap starts. A loop closure connects it

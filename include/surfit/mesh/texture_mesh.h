@@ -19,13 +19,17 @@ class OptionVisitor;
 
 // Options of TextureMesh().
 struct TextureOptions {
-  int max_texture_px = 8192;  // Maximum width and height of the texture, px. 0: no texture. Do not
-                              // call TextureMesh() with 0: it aborts.
+  // Maximum width and height of the texture, px. 0: no texture, for callers that check it:
+  // TextureMesh() aborts with 0.
+  int max_texture_px = 8192;
+  // Maximum number of frames; 0: all. TextureMesh() ignores it. The supplier of the frames uses it:
+  // surfit_mesh selects the slowest frame in equal parts of the run.
   int max_texture_frames =
       200;  // Maximum number of frames. 0: all. TextureMesh() ignores it. It is for the supplier of
             // the frames, who selects the slowest frame in equal parts of the run (surfit_mesh).
-  double least_sharpness = 0.6;  // Minimum sharpness of the frame of a triangle, relative to the
-                                 // sharpest frame of the triangle.
+  // Minimum sharpness of the frame of a triangle, relative to the sharpest frame of the triangle.
+  double least_sharpness = 0.6;
+  // Cost of an edge between triangles of different frames, in units of relative sharpness.
   double seam_cost =
       0.3;  // Cost of an edge between triangles of different frames, in the same unit as sharpness.
 
@@ -50,7 +54,8 @@ struct MeshTexture {
   std::vector<std::uint32_t> vertices;  // index of the mesh vertex, per texture coordinate
   std::vector<Eigen::Vector2f> places;  // in [0, 1] of width and height, from the upper left corner
   std::vector<TriangleMesh::Triangle>
-      triangles;  // triangles of the mesh in their order, as indices of texture coordinates
+      // triangles of the mesh in their order, as indices of texture coordinates
+      triangles;
   Image<Rgb8> image;
 };
 

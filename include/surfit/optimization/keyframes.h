@@ -23,6 +23,7 @@ struct KeyframeReadout {
 // except on the input readout.
 struct KeyframeImages {
   Image<float> inverse_depth;  // 1/m, as measured; 0: missing
+  // Slopes of inverse depth along rows and columns, 1/m per px. NaN: missing.
   Image<float> slope_u,
       slope_v;       // slopes of inverse depth along rows and columns, 1/m per px; NaN: missing
   DepthNoise noise;  // depth noise

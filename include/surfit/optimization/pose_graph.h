@@ -57,16 +57,18 @@ double Cost(const PoseGraph& graph);
 // and SURFIT_SUITESPARSE is on), "eigen_sparse". Throws InputError if Ceres has none of them.
 std::vector<std::string> SparseBackendNames();
 
+// Initial poses:
 // - "given": poses of the graph
 // - "odometry": poses chained along odometry edges, from a fixed pose
 // - "chordal": rotations by linear least squares over the matrices of all edges, then translations
 //   (Carlone et al.: Initialization techniques for 3D SLAM, ICRA 2015, IV.B)
 std::vector<std::string> PoseGraphInitializationNames();
 
+// Treatment of outlier loop closures:
 // - "none": all loop closures are used
-// - "gnc": rejects outlier loop closures by graduated non-convexity with truncated least squares
-//   (Yang et al., RA-L 2020). With "chordal", it starts from "odometry", because outliers would
-//   distort the chordal initial poses.
+// - "gnc": rejects outliers by graduated non-convexity with truncated least squares (Yang et al.,
+//   RA-L 2020). With "chordal", it starts from "odometry", because outliers would distort the
+//   chordal initial poses.
 std::vector<std::string> LoopRobustnessNames();
 
 // Options of the optimisation of a pose graph.

@@ -29,10 +29,10 @@ struct PriorOptions {
   void Visit(OptionVisitor& visitor);
 };
 
+// Solvers of a round, with the same cost:
 // - "reduced": normal equations of poses and calibration, with the surfel parameters eliminated by
 //   the Schur complement
-// - "ceres": a ceres::Problem with one autodiff residual block per observation Both minimise the
-//   same cost.
+// - "ceres": a ceres::Problem with one autodiff residual block per observation
 std::vector<std::string> RefinementSolverNames();
 // Linear solvers of "ceres": "sparse_schur" (sparse factorisation, SuiteSparse if Ceres has it) or
 // "iterative_schur" (conjugate gradients).
@@ -51,6 +51,7 @@ struct RefinementOptions {
   // Number of columns of square cells of a keyframe image. Each cell has at most one surfel.
   int cells_across = 120;
   int min_observations = 3;  // minimum number of keyframes that observe a surfel
+  // Maximum distance of a measured point from the surfel plane.
   double observation_distance_m =
       0.05;                            // maximum distance of a measured point from the surfel plane
   double observation_angle_rad = 0.6;  // maximum angle between the normals
@@ -131,8 +132,9 @@ struct RefinementRound {
 // Result of a refinement.
 struct RefinementSummary {
   RefinementTermination termination = RefinementTermination::kFailed;
-  DepthCalibration calibration;  // Estimated calibration. If it is kept, or if only poses are
-                                 // refined: `given`. After a failed estimation: `start`.
+  // Estimated calibration. It is `given` if the input calibration is kept or only poses are
+  // refined, and `start` after a failed estimation.
+  DepthCalibration calibration;
   // Covariance of fx fy cx cy [px], c0 .. c5 [1/m] and the readout [s], 11 x 11. 0 for fixed
   // parameters, empty after a failure. It is scaled by the final residuals, where surfels at a
   // distance of `correlation_px` have independent errors. It includes the error of the model.
@@ -144,8 +146,8 @@ struct RefinementSummary {
   // Covariance of each keyframe pose, 6 x 6, of (w [rad], v [m]) in exp(w) R and t + v. 0 for the
   // first keyframe, which is fixed. Infinite on the diagonal for a keyframe without shared surfels.
   std::vector<Eigen::MatrixXd> pose_covariances;
-  RefinementFit before,
-      after;  // with surfels of the initial poses, with surfels of the final poses
+  // Fit with surfels of the initial poses, and fit with surfels of the final poses.
+  RefinementFit before, after;
   std::vector<RefinementRound> rounds;  // all rounds, including the rounds of a second refinement
 
   bool Succeeded() const {
