@@ -71,7 +71,7 @@ ReferenceView Mapper::Render(ModelRenderer* renderer, const Rigid3d& world_from_
   return reference;
 }
 
-// Renders one view per fused frame, or more.
+// A new view is due after each fusion.
 bool Mapper::Update(const Rigid3d& world_from_predicted, bool must, bool with_intensities) {
   if (is_view_new_ && view_.world_from_view == world_from_predicted &&
       view_.has_intensities() == with_intensities) {

@@ -19,8 +19,8 @@ constexpr double kLeastSeenThrough = 0.5, kLeastMoved = 0.3;
 // Margin behind a surfel for a free-space violation, as in Fusion.
 constexpr double kMargin_m = 0.05, kMarginSigmas = 4;
 
-// Returns whether most neighbours are in front of the model as well. Depth edges cause lines of
-// cells.
+// Returns whether a cell and most of its neighbours are in front of the model. Depth edges cause
+// lines of cells.
 bool IsCore(const Image<Side>& sides, int u, int v) {
   constexpr int kLeastNeighbours = 6;
   if (u < 1 || v < 1 || u + 1 >= sides.width() || v + 1 >= sides.height()) return false;

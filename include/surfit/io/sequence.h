@@ -22,11 +22,11 @@ struct SequenceOptions {
   std::string format = "auto";
 
   // Name of a preset (CameraPreset()), or path of a camera.yaml. If empty, the search order is:
-  //  1. camera.yaml in the folder, or F.klg.yaml for a file F.klg
-  //  2. the recording. tum: the name freiburg1, 2 or 3 in the head of rgb.txt or depth.txt.
+  //   1. camera.yaml in the folder, or F.klg.yaml for a file F.klg
+  //   2. the recording. tum: the name freiburg1, 2 or 3 in the head of rgb.txt or depth.txt.
   //     redwood: camera_intrinsic.json or intrinsic.json. replica: cam_params.json. sens: the file
   //     header. bag, db3, mcap: CameraInfo and tf. openni2: the field of view.
-  //  3. the default camera of the format
+  //   3. the default camera of the format
   std::string camera;
 
   // Overrides of single values of this camera. With `intrinsics` or `color_intrinsics`, the image

@@ -71,10 +71,9 @@ struct Relocalization {
 
   int keyframe = kNone;       // position of the matching keyframe; kNone: not found
   Rigid3d world_from_camera;  // from the pose of this keyframe; undefined if not found
-  std::vector<LoopAttempt>
-      // Verified candidates in their order, with source kNone. If there is a match, it is the last
-      // element.
-      attempts;
+  // Verified candidates in their order, with source kNone. If there is a match, it is the last
+  // element.
+  std::vector<LoopAttempt> attempts;
 
   bool found() const { return keyframe != kNone; }
 };

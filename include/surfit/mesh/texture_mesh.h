@@ -53,9 +53,8 @@ using TextureFrames = std::function<void(const std::function<void(const TextureF
 struct MeshTexture {
   std::vector<std::uint32_t> vertices;  // index of the mesh vertex, per texture coordinate
   std::vector<Eigen::Vector2f> places;  // in [0, 1] of width and height, from the upper left corner
-  std::vector<TriangleMesh::Triangle>
-      // triangles of the mesh in their order, as indices of texture coordinates
-      triangles;
+  // triangles of the mesh in their order, as indices of texture coordinates
+  std::vector<TriangleMesh::Triangle> triangles;
   Image<Rgb8> image;
 };
 

@@ -24,9 +24,9 @@ struct ColoredKeyframe {
 // deviation of a latency of 0. A surface point has the same colour in two keyframes, except for
 // exposure. The point has the coordinates X in the first camera, with image I, and Y in the second
 // camera, with image J. The cameras move as in KeyframeReadout:
-//  I(pi(X - t m(X))) = gain J(pi(Y - s n(Y))) + offset,
-//  t = color_after_s - latency of the first keyframe, s of the second keyframe,
-//  m(X) = turn x X + velocity of the first camera, n(Y) of the second camera.
+//   I(pi(X - t m(X))) = gain J(pi(Y - s n(Y))) + offset,
+//   t = color_after_s - latency of the first keyframe, s of the second keyframe,
+//   m(X) = turn x X + velocity of the first camera, n(Y) of the second camera.
 // Gauss-Newton over the latency, with a robust kernel (Geman-McClure). Gain and offset of each pair
 // of keyframes are eliminated. The variance is that of the sum of the gradients of the keyframes,
 // from their scatter (Huber 1967), combined with the prior.

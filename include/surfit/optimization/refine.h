@@ -158,8 +158,8 @@ struct RefinementSummary {
 
 // Refines the keyframe poses and, by the options, the calibration. Minimises the residuals of
 // shared surfels:
-//  minimise over poses, calibration and displacements d_s of the surfels
-//    1/2 sum_(s, k) rho(r_sk^2),  r_sk the PlaneInverseDepth residual.
+//   minimise over poses, calibration and displacements d_s of the surfels
+//     1/2 sum_(s, k) rho(r_sk^2),  r_sk the PlaneInverseDepth residual.
 // With a photometric weight W > 0 in the error model, textured surfels have two differences of
 // intensity as additional parameters. The sum then includes W/2 rho_I(|r_I|^2) with the
 // SurfelTexture residuals r_I of keyframes that see the texture. Images are linearised again in

@@ -135,9 +135,8 @@ struct SlamRunSummary {
   // Frames in which the feature check found two motions, lost or not (FrameReport::is_apart).
   int frames_apart = 0;
   int frames_fused = 0;  // tracked frames that were fused
-  std::vector<int>
-      // Indices of tracked frames that were not fused because of SlamOptions::hold_out.
-      held_out_frames;
+  // Indices of tracked frames that were not fused because of SlamOptions::hold_out.
+  std::vector<int> held_out_frames;
   int frames_skipped = 0;  // frames with read errors
   // Frames that arrived but were not processed in time. Not included in `frames_total`.
   int frames_dropped =
@@ -149,9 +148,8 @@ struct SlamRunSummary {
   double paused_s = 0;         // total time without camera
   BackendCounts loops;         // 0 without loops and calibration
   std::vector<CalibrationRecord> calibrations;  // calibrations during tracking, in their order
-  std::optional<FinalRefinement>
-      // std::nullopt if the calibration has not changed or is not refined.
-      refinement;
+  // std::nullopt if the calibration has not changed or is not refined.
+  std::optional<FinalRefinement> refinement;
   // Final calibration of the input frames. std::nullopt if it has not changed.
   std::optional<DepthCalibration> calibration;
   // Warning if this calibration is implausible for the input sensor, else empty.

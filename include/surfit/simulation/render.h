@@ -85,7 +85,7 @@ struct KinectOptions {
 };
 
 // Simulates the depth of a Kinect from the exact depth:
-//  z_cm = 35130 / round(35130 / z_cm(u + N(0, 1/2), v + N(0, 1/2)) + N(0, 1/6)).
+//   z_cm = 35130 / round(35130 / z_cm(u + N(0, 1/2), v + N(0, 1/2)) + N(0, 1/6)).
 // The disparity is interpolated linearly between pixels. The angle of incidence follows from
 // central differences of the depth image, so pixels at depth edges are missing as well. 0: missing,
 // in both images. The same seed gives the same noise for any number of threads. Throws InputError
@@ -110,15 +110,15 @@ struct ColorOptions {
 };
 
 // Computes the gains of the channels per frame from the mean light of each frame:
-//  gain = channel gain * exp(e_i + w_i),
-//  e_(i+1) = e_i + (1 - exp(-dt / lag)) (log(0.18 / y_i) - e_i).
+//   gain = channel gain * exp(e_i + w_i),
+//   e_(i+1) = e_i + (1 - exp(-dt / lag)) (log(0.18 / y_i) - e_i).
 // y_i is the mean of all channels, and c_i the mean of one channel. w_i follows log(y_i / c_i) by
 // the same rule with its own lag. The image of a frame changes the gains of the next frame (mean
 // grey, and a world that is grey on average). The first frame has the gains for its own light.
 std::vector<Eigen::Vector3f> ColorGains(const std::vector<Eigen::Vector3d>& mean_light,
                                         double frames_per_second, const ColorOptions& options);
 
-// Moving RGB-D camera with exact images except for their timing: test data for calibration and
+// Moving RGB-D camera with exact measurements and realistic timing: test data for calibration and
 // refinement. Frame i has the timestamp of pose i of the path, the true middle of its depth
 // readout. Row v of h rows is read (v + 0.5) / h - 0.5 of the readout later. The middle of the
 // exposure and readout of colour is `color_latency_s` earlier. Colour has the pixels of depth, but

@@ -52,6 +52,7 @@ ShapePtr MakeHalfSpace();  // z <= 0; its face is the plane z = 0
 ShapePtr MakeBox(const Eigen::Vector3d& size);
 ShapePtr MakeSphere(double radius);
 ShapePtr MakeRoundedBox(const Eigen::Vector3d& size, double edge_radius);
+// Capsule along z. `length` is the distance between the centres of its caps.
 ShapePtr MakeCapsule(double radius,
                      double length);  // along z; `length` is between the centres of the caps
 // Truncated cone along z, a cylinder if both radii are equal. Faces: 0 bottom, 1 top.
@@ -138,10 +139,10 @@ class Scene {
 
   std::vector<PointLight> lights;
   Eigen::AlignedBox3d camera_space;  // space of camera paths
-  std::vector<Eigen::Vector3d>
-      route;  // corners of the loop that camera paths follow; empty: any path in the space
+  // Corners of the loop that camera paths follow. Empty: paths are free in `camera_space`.
+  std::vector<Eigen::Vector3d> route;
   std::vector<Eigen::Vector3d> targets;  // points that camera paths look at
-  std::vector<SceneCell> cells;          // empty: all targets are visible from everywhere
+  std::vector<SceneCell> cells;          // empty: all targets can be selected from everywhere
 
  private:
   struct Placement {
@@ -175,18 +176,17 @@ struct BuildingOptions {
 };
 
 // Names for MakeScene():
-//  room          a furnished room of 4 to 8 m; size, furniture and colours vary with the seed
-//  three_rooms   three rooms connected by doorways; a path leads through them and back in about
-//                1500 frames, and then again
-//  building      furnished rooms on several floors (BuildingOptions), around a ring of corridors
-//  per
-//                floor, with a staircase at each end. Rooms 2 k and 2 k + 1 are identical except
-//                for pictures, rugs and an object on the floor. A path leads through every room and
-//                closes its loops after whole floors
-//  three_planes  floor and two walls that intersect at right angles in (0, 0, 0)
-//  wall          the textured plane y = 2 m
-//  sphere        a ball of radius 0.5 m at (0, 2, 1) above the floor z = 0
-//  corridor      floor, ceiling (z = 2.4 m) and two walls (x = -1 and 1 m), unbounded along y
+//   room          a furnished room of 4 to 8 m; size, furniture and colours vary with the seed
+//   three_rooms   three rooms connected by doorways; a path leads through them and back in about
+//                 1500 frames, and then again
+//   building      furnished rooms on several floors (BuildingOptions), around a ring of corridors
+//                 on each floor, with a staircase at each end. Rooms 2 k and 2 k + 1 are identical
+//                 except for pictures, rugs and an object on the floor. A path leads through every
+//                 room and closes its loops after whole floors
+//   three_planes  floor and two walls that intersect at right angles in (0, 0, 0)
+//   wall          the textured plane y = 2 m
+//   sphere        a ball of radius 0.5 m at (0, 2, 1) above the floor z = 0
+//   corridor      floor, ceiling (z = 2.4 m) and two walls (x = -1 and 1 m), unbounded along y
 // All scenes have z up. Except for the rooms, the seed changes the textures only.
 std::vector<std::string> SceneNames();
 

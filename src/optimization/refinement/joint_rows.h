@@ -38,7 +38,7 @@ struct JointRow {
 
 // PlaneInverseDepth of one observation, for one pose and calibration. Terms without the
 // displacement are precomputed: with N = n . R e and D = n . (p - t),
-//  r(d) = (1/z_measured + c - N / (D + d)) / sigma.
+//   r(d) = (1/z_measured + c - N / (D + d)) / sigma.
 // e and t belong to the capture time of the pixel row.
 class PlaneSight {
  public:
@@ -68,9 +68,9 @@ class PlaneSight {
   }
 
   // Derivatives, with D for D + d, and with m = n + dT n x turn because n . e = m . ray:
-  //  dr/dw = -(R (ray + dT flow) x n) / D,  dr/dv = -1/z_plane n / D,
-  //  dr/dx = dc/dx - m_x / D, dx/dfx = -x / fx, dx/dcx = -1 / fx,
-  //  dr/dT = -(n . flow) / D, flow = turn x ray + way / z_plane.
+  //   dr/dw = -(R (ray + dT flow) x n) / D,  dr/dv = -1/z_plane n / D,
+  //   dr/dx = dc/dx - m_x / D, dx/dfx = -x / fx, dx/dcx = -1 / fx,
+  //   dr/dT = -(n . flow) / D, flow = turn x ray + way / z_plane.
   // n is in the camera frame in the last two lines.
   JointRow Row(double displacement, const Eigen::Vector3d& normal_in_world,
                const Eigen::Matrix3d& rotation, const DepthCalibration& calibration) const {
@@ -146,8 +146,8 @@ class TextureSight {
 
   // Residuals with derivatives. With the gradient g of the intensity by the point in the camera
   // frame (IntensityGradient()):
-  //  dI/dw = R g x (p + d n - t),  dI/dv = -R g,  dI/dd = g . R^T n,
-  //  dI/dfx = I_u x / z,  dI/dcx = I_u.
+  //   dI/dw = R g x (p + d n - t),  dI/dv = -R g,  dI/dd = g . R^T n,
+  //   dI/dfx = I_u x / z,  dI/dcx = I_u.
   std::array<JointRow, 2> Rows(const SurfelNumbers& surfel, const Eigen::Vector3d& normal_in_world,
                                const Eigen::Matrix3d& rotation) const {
     const double displacement = surfel.displacement;

@@ -133,7 +133,7 @@ bool ReducedFactor::Factorize(const ReducedSystem& system, double damping) {
 }
 
 // With (S H S + damping I) y = S g, the step is -S y. The predicted rho = r^2 of the model is
-//  rho - 2 g . S y + y . S H S y = rho - g . S y - damping y . y.
+//   rho - 2 g . S y + y . S H S y = rho - g . S y - damping y . y.
 ReducedStep ReducedFactor::Solve(const Eigen::VectorXd& gradient) const {
   const Eigen::VectorXd scaled = scale_.cwiseProduct(gradient);
   const Eigen::Index poses = scaled.size() - kPoseTangentSize - kCalibrationSize;

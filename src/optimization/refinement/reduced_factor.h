@@ -64,7 +64,7 @@ struct JointCovariance {
 // Factor of a reduced Hessian. All poses depend on the calibration, which is a dense border of the
 // pose part. It is scaled to a unit diagonal, because metres, radians and pixels differ by orders
 // of magnitude:
-//  S H S + damping I = [P B; B^T C],  (C - B^T P^-1 B) dense.
+//   S H S + damping I = [P B; B^T C],  (C - B^T P^-1 B) dense.
 // Parameters that are fixed or without residuals have 0 in S and 1 on the diagonal: they do not
 // change.
 class ReducedFactor {

@@ -31,7 +31,7 @@ struct Coupling {
   }
 
   // Multiplies all by the inverse root of b^T W b = L L^T, so that
-  //  A^T W b (b^T W b)^-1 b^T W A = (A^T W b L^-T) (A^T W b L^-T)^T.
+  //   A^T W b (b^T W b)^-1 b^T W A = (A^T W b L^-T) (A^T W b L^-T)^T.
   // Returns false, without changes, if the surfel parameters are not observable.
   bool Whiten() {
     const Eigen::LLT<Square> llt(information);

@@ -38,8 +38,8 @@ class BlockPattern {
 
 // Normal equations of poses and calibration with eliminated surfel parameters. Unknowns are the
 // perturbation (w, v) of each pose (ProductPoseManifold), and then the calibration parameters:
-//  hessian = A^T W A - A^T W b (b^T W b)^-1 b^T W A,
-//  gradient = A^T W r - A^T W b (b^T W b)^-1 b^T W r.
+//   hessian = A^T W A - A^T W b (b^T W b)^-1 b^T W A,
+//   gradient = A^T W r - A^T W b (b^T W b)^-1 b^T W r.
 // The rows are J = [A b], with the derivatives b by the surfel parameters. The weights are W =
 // diag(rho'(r^2)). b^T W b is block diagonal, because each observation has one surfel. Poses
 // without shared surfels have no block.
