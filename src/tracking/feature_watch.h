@@ -24,7 +24,6 @@ struct FeatureMotion {
   bool IsRefuted() const { return IsApart() && (is_apart_behind ? 2 : 1) * apart > as_posed; }
 };
 
-// Pose and motion of a frame.
 struct MovingPose {
   Rigid3d world_from_camera;
   CameraMotion motion;

@@ -10,7 +10,6 @@ namespace surfit {
 
 class OptionVisitor;
 
-// Options of the comparison of a map with a reference.
 struct MapErrorOptions {
   // Largest distance from a reference point to a map point for the reference point to be complete.
   double completeness_distance_m = 0.01;

@@ -110,7 +110,6 @@ struct RelativePoseError {
 std::optional<RelativePoseError> ComputeRelativePoseError(const std::vector<MatchedPose>& poses,
                                                           const RelativePoseErrorOptions& options);
 
-// Options of the comparison of a trajectory with ground truth.
 struct TrajectoryEvaluationOptions {
   MatchOptions match;
   RelativePoseErrorOptions rpe;
@@ -118,7 +117,6 @@ struct TrajectoryEvaluationOptions {
   void Visit(OptionVisitor& visitor);
 };
 
-// Evaluation of an estimated trajectory.
 struct TrajectoryEvaluation {
   int expected = 0;  // frames that have ground truth
   int matched = 0;   // estimated poses that have ground truth

@@ -8,7 +8,6 @@
 
 namespace surfit {
 
-// Content of a .g2o file.
 struct G2oFile {
   PoseGraph graph;
   std::map<std::string, std::size_t> ignored_lines;  // number of lines per unknown tag

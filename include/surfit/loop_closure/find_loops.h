@@ -13,7 +13,6 @@ namespace surfit {
 
 class OptionVisitor;
 
-// Options of the verification of a loop candidate.
 struct VerifyLoopOptions {
   PreprocessOptions preprocess;  // for normals and pyramids of the views
   IcpOptions icp = DefaultIcp();
@@ -57,7 +56,6 @@ std::vector<LoopProposal> ProposeLoops(int source, const std::vector<Keyframe>& 
 std::vector<LoopAttempt> FindLoops(int source, const std::vector<Keyframe>& keyframes,
                                    const PlaceIndex& index, const FindLoopsOptions& options);
 
-// Options of relocalisation.
 struct RelocalizeOptions {
   int max_candidates = 5;  // maximum number of keyframes to verify, by descending similarity
   VerifyLoopOptions verify;
@@ -65,7 +63,6 @@ struct RelocalizeOptions {
   void Visit(OptionVisitor& visitor);
 };
 
-// Result of relocalisation.
 struct Relocalization {
   static constexpr int kNone = -1;
 

@@ -25,8 +25,8 @@ struct PlaceFeature {
 // Compact view of a keyframe for place recognition and registration. A camera of 640 x 480 takes
 // about 260 kB, with images at half resolution.
 struct PlaceView {
-  PinholeCamera camera;                // camera of the images
-  DepthNoise noise;                    // depth noise
+  PinholeCamera camera;
+  DepthNoise noise;
   Image<std::uint16_t> depth;          // filtered, in 1/kDepthUnitsPerMetre m; 0: missing
   Image<std::uint8_t> intensity;       // 1: black, 255: white, 0: unknown; empty without colour
   std::vector<PlaceFeature> features;  // empty without colour
@@ -47,7 +47,6 @@ struct Keyframe {
   PlaceView view;             // empty if removed by LimitKeyframes()
 };
 
-// Options of MakePlaceView().
 struct PlaceViewOptions {
   int max_width = 320;     // px; images are halved until their width is at most this
   int max_features = 500;  // distributed over the image

@@ -11,7 +11,6 @@ namespace surfit {
 
 class OptionVisitor;
 
-// Options of place recognition.
 struct PlaceIndexOptions {
   int tables = 8;                // hash tables of descriptors, each with its own random bits
   int bits = 14;                 // bits of a hash, at most 20

@@ -24,9 +24,8 @@ struct KeyframeReadout {
 struct KeyframeImages {
   Image<float> inverse_depth;  // 1/m, as measured; 0: missing
   // Slopes of inverse depth along rows and columns, 1/m per px. NaN: missing.
-  Image<float> slope_u,
-      slope_v;       // slopes of inverse depth along rows and columns, 1/m per px; NaN: missing
-  DepthNoise noise;  // depth noise
+  Image<float> slope_u, slope_v;
+  DepthNoise noise;
   Image<float> intensity;  // in [0, 1], smoothed; NaN: unknown; empty without colour
   KeyframeReadout readout;
 };

@@ -12,7 +12,6 @@ namespace surfit {
 
 class OptionVisitor;
 
-// Node of a pose graph.
 struct PoseGraphPose {
   std::int64_t id = 0;  // id in files and messages
   Rigid3d world_from_pose;
@@ -71,7 +70,6 @@ std::vector<std::string> PoseGraphInitializationNames();
 //   chordal initial poses.
 std::vector<std::string> LoopRobustnessNames();
 
-// Options of the optimisation of a pose graph.
 struct PoseGraphOptions {
   std::string sparse_backend = SparseBackendNames().front();
   std::string initialization = "chordal";  // one of PoseGraphInitializationNames()
@@ -103,7 +101,6 @@ struct PoseGraphIteration {
   double time_ms = 0;
 };
 
-// Summary of an optimisation.
 struct PoseGraphSummary {
   PoseGraphTermination termination = PoseGraphTermination::kFailed;
   std::string sparse_backend;

@@ -129,7 +129,6 @@ struct RefinementRound {
   DepthCalibration calibration;  // after the round
 };
 
-// Result of a refinement.
 struct RefinementSummary {
   RefinementTermination termination = RefinementTermination::kFailed;
   // Estimated calibration. It is `given` if the input calibration is kept or only poses are

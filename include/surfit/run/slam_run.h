@@ -67,13 +67,12 @@ struct SlamRunFrame {
   const RgbdFrame& frame;
   const FrameReport& report;
   const SurfelMap& map;
-  DepthSensor sensor;                // sensor of the frame
+  DepthSensor sensor;
   const Backend* backend = nullptr;  // null without loops and calibration
   // Time since the frame arrived, ms. 0 if frames do not arrive at a fixed rate.
   double age_ms = 0;
 };
 
-// Progress of a run.
 struct SlamRunProgress {
   int frames_done = 0;
   int frames_total = 0;  // number of frames; -1: unknown
@@ -105,7 +104,6 @@ struct StageStatistics {
   double share = 0;  // ratio of the total time of all frames
 };
 
-// Final refinement of poses and calibration.
 struct FinalRefinement {
   CalibrationRecord record;
   double seconds = 0;

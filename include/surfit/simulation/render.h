@@ -78,8 +78,7 @@ struct KinectOptions {
   double max_depth_m = 4.5;             // larger depth is missing
   double max_incidence_deg = 80;        // larger angles of incidence are missing
   // Shifts do not cross depth edges beyond this ratio of the depth.
-  double max_edge_ratio =
-      0.02;  // shifts do not cross steps of depth beyond this share of the depth
+  double max_edge_ratio = 0.02;
 
   void Visit(OptionVisitor& visitor);
 };

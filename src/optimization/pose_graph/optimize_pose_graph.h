@@ -41,7 +41,6 @@ std::optional<std::vector<Rigid3d>> ChordalPoses(const PoseGraph& graph,
 // iterations.
 inline constexpr double kFarFromMinimum = 1e4, kNearMinimum = 1e10;
 
-// Pose graph as a ceres::Problem.
 class PoseGraphProblem {
  public:
   // Held poses, and poses without edges, do not move. Keeps a reference to the graph.

@@ -55,7 +55,6 @@ struct JointProblem {
 
 inline constexpr int kNoSolution = -1;
 
-// Report of a solver.
 struct JointReport {
   int iterations = 0;  // number of steps, or kNoSolution if the initial cost is not finite
   // Initial cost, and the cost after each accepted step.
