@@ -7,13 +7,15 @@ namespace surfit {
 void CalibrationOptions::Visit(OptionVisitor& v) {
   v.Group("calibration");
   v.Add(enabled, "enabled",
-        "calibrate the depth camera by the keyframes while it is tracked: focal lengths, principal "
-        "point and the error of depth over the image",
+        "calibrate the depth camera during tracking, from keyframes: focal lengths, principal "
+        "point and the depth error over the image",
         AsFlag("calibrate"), Everyday());
   v.Add(first_keyframes, "first_keyframes",
-        "keyframes for the first time; then whenever there are a quarter more", AtLeast(2));
-  v.Add(max_keyframes, "max_keyframes", "with more, the camera stays as it was found", AtLeast(2));
-  v.AddPart(refinement, "refinement", "how it is found", NoFlags());
+        "number of keyframes of the first calibration; repeated for every 25 % more keyframes",
+        AtLeast(2));
+  v.Add(max_keyframes, "max_keyframes",
+        "number of keyframes after which the calibration does not change", AtLeast(2));
+  v.AddPart(refinement, "refinement", "refinement of poses and calibration", NoFlags());
 }
 
 }  // namespace surfit

@@ -10,20 +10,20 @@
 namespace surfit {
 namespace {
 
-// Of keyframes every n-th column and row is kept: there are far more pixels than surfels.
+// Subsampling of keyframe columns and rows: there are far more pixels than surfels.
 constexpr int kFrameStride = 2;
 
-// So many cells of surfels, in a row and in a column, share one error: what the model leaves out is
-// the same in large parts of an image, and few keyframes see few places.
+// Size in cells of an image region with fully correlated model error. The error of the model is
+// similar in large parts of an image, and few keyframes see few places.
 constexpr int kSharedCells = 4;
 
-// After a task the next one waits for so many keyframes more: frames are soon seen by what these
-// tell, and all tasks together take about five times as long as the last.
+// Number of additional keyframes before the next task. Early results are soon used for tracking,
+// and all tasks together take about five times as long as the last task.
 std::size_t MoreKeyframes(std::size_t keyframes) { return std::max<std::size_t>(1, keyframes / 4); }
 
-// From the beginning of a task until it takes effect: two cores that track 30 frames a second have
-// done it by then. It computes about half as long as that takes: 2 frames for 4 keyframes, 10 for
-// 19, 32 for 42, as keyframes see one another the more often the more there are.
+// Number of frames from the start of a task to the use of its result. Two cores that track 30
+// frames per second need about half of this time: 2 frames for 4 keyframes, 10 for 19, 32 for 42.
+// Keyframes have more neighbours if there are more of them.
 int DelayFrames(int keyframes) { return 1 + keyframes / 2 + keyframes * keyframes / 40; }
 
 DepthSensor Subsampled(DepthSensor sensor) {
@@ -86,10 +86,10 @@ void Calibrator::StartTask(std::vector<Rigid3d> world_from_keyframe, const Traje
   next_count_ += MoreKeyframes(next_count_);
   Frames frames = frames_;
   if (next_count_ > static_cast<std::size_t>(options_.max_keyframes)) {
-    next_count_ = 0;  // the task's copy is the last
+    next_count_ = 0;  // no further task: the frames belong to this task
     frames_.clear();
   }
-  // Before the frames move into the task.
+  // Computed before the frames are moved into the task.
   const int delay_frames = DelayFrames(static_cast<int>(frames.size()));
   task_.Start(delay_frames,
               [this, frames = std::move(frames), motions = std::move(motions),
@@ -120,7 +120,7 @@ Calibrator::Outcome Calibrator::Run(const Frames& frames, const std::vector<Came
   return outcome;
 }
 
-// By the calibration of the images that are kept.
+// Uses the calibration of the subsampled images.
 ColorLatency Calibrator::LatencyOf(const Frames& frames,
                                    const std::vector<RefinementKeyframe>& keyframes,
                                    const DepthCalibration& calibration) const {

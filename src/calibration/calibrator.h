@@ -15,7 +15,7 @@
 
 namespace surfit {
 
-// Calibrates the depth camera by the keyframes so far, beside tracking.
+// Calibrates the depth camera from all keyframes so far, in background tasks.
 class Calibrator {
  public:
   struct Outcome {
@@ -24,42 +24,44 @@ class Calibrator {
     std::vector<Rigid3d> world_from_keyframe_before, world_from_keyframe;
   };
 
-  // The sensor as given; where `always_beside`, tasks are SpareTimeTask's.
+  // `sensor` is the input sensor. If `always_beside`, tasks run in a SpareTimeTask with any number
+  // of threads.
   Calibrator(const DepthSensor& sensor, const PreprocessOptions& preprocess,
              const CalibrationOptions& options, bool always_beside);
 
   using Frames = std::vector<std::shared_ptr<const RgbdFrame>>;
-  // Takes up what another one has found by these keyframes; without them that is the last word.
+  // Continues from a saved calibration and its keyframes. Without keyframes, the calibration does
+  // not change any more.
   void GoOnFrom(const std::optional<DepthCalibration>& calibration, double color_latency_s,
                 Frames frames);
 
-  // What frames are to be seen by.
+  // Current calibration.
   const DepthCalibration& calibration() const { return calibration_; }
   bool IsAsGiven() const { return AreSame(calibration_, given_); }
-  // By how much colour is earlier than frames have it.
+  // Estimated colour latency in addition to RgbdCamera::color_latency_s, s.
   double color_latency_s() const { return color_latency_s_; }
 
-  // A keyframe as it was measured; frames are copied.
+  // Adds a keyframe with measured images. They are copied.
   void AddKeyframe(const RgbdFrame& frame);
-  // That keyframe as it is kept; null where none are kept any more.
+  // Last stored keyframe; null if calibration needs no more keyframes.
   std::shared_ptr<const RgbdFrame> last_keyframe() const {
     return frames_.empty() ? nullptr : frames_.back();
   }
-  // Another task may come, or is under way.
+  // Returns whether a task is running or another one can start.
   bool IsCalibrating() const { return next_count_ > 0 || task_.IsUnderWay(); }
-  // There are as many keyframes as a task waits for, and none is under way.
+  // Returns whether there are enough keyframes for the next task, and no task is running.
   bool IsTaskDue() const {
     return !task_.IsUnderWay() && next_count_ > 0 && frames_.size() >= next_count_;
   }
-  // Begins it with the poses of all keyframes so far; trajectory has all frames, for the motion
-  // during their readout.
+  // Starts a task with the poses of all keyframes so far. `trajectory` has all frames, for the
+  // motion during their readout.
   void StartTask(std::vector<Rigid3d> world_from_keyframe, const Trajectory& trajectory);
 
   SpareTimeTask<Outcome>& task() { return task_; }
-  // Of the task; the calibration is then what it found.
+  // Returns the result of the task, and makes it the current calibration.
   Outcome Take();
 
-  // Gives up the task and begins no other.
+  // Drops the task and starts no other task.
   void End();
 
  private:
@@ -68,15 +70,15 @@ class Calibrator {
   ColorLatency LatencyOf(const Frames& frames, const std::vector<RefinementKeyframe>& keyframes,
                          const DepthCalibration& calibration) const;
 
-  PinholeCamera camera_;  // as given
-  DepthSensor sensor_;    // likewise, of the images that are kept
+  PinholeCamera camera_;  // input camera
+  DepthSensor sensor_;    // input sensor for the subsampled images
   PreprocessOptions preprocess_;
   CalibrationOptions options_;
   DepthCalibration given_, calibration_;
   double color_latency_s_ = 0;
-  Frames frames_;                // keyframes, until no task needs them
-  std::size_t next_count_;       // of keyframes, for the next task; 0 = there is none
-  SpareTimeTask<Outcome> task_;  // last: it is waited for before the others go
+  Frames frames_;                // stored keyframes; empty after the last task has started
+  std::size_t next_count_;       // number of keyframes for the next task; 0: no further task
+  SpareTimeTask<Outcome> task_;  // last member: its destructor waits for the task
 };
 
 }  // namespace surfit

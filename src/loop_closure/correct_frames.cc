@@ -3,7 +3,7 @@
 namespace surfit {
 namespace {
 
-// Turns by a share of the way from one to the other, and displaces the point likewise.
+// Interpolates the rotation of two transforms, and the displacement of a point by them.
 Rigid3d Between(const Rigid3d& from, const Rigid3d& to, double share,
                 const Eigen::Vector3d& point) {
   const Eigen::Quaterniond rotation = from.rotation.slerp(share, to.rotation);
@@ -38,8 +38,8 @@ class KeyframeCorrections {
   const std::vector<Rigid3d>& of_keyframe_;
 };
 
-// A value of each frame for each index from the first one's to the last one's; indices without a
-// frame have that of the frame before.
+// Values for all indices from the first to the last frame. An index without a frame has the value
+// of the frame before.
 template <typename ValueOf>
 std::vector<Rigid3d> OfIndices(const std::vector<PosedFrame>& frames, const ValueOf& value_of) {
   std::vector<Rigid3d> of_index;

@@ -7,15 +7,17 @@
 
 namespace surfit {
 
-// The corrections of all frames, one for each index from the first one's to the last one's, from
-// those of keyframes (new_from_old in the world). Between two keyframes of a stretch the camera's
-// displacement and turn grow with the frame's index from one's to the other's; all after the last
-// keyframe of a stretch moves with that. Indices without a frame go with the frame before.
+// Computes the corrections of all frame indices, from the first to the last frame, from the
+// corrections of the keyframes (new_from_old in the world frame). Between two keyframes of a
+// trajectory segment, displacement and rotation are interpolated by the frame index. Frames after
+// the last keyframe of a segment move with this keyframe. An index without a frame has the
+// correction of the frame before.
 FrameCorrections CorrectionsOfFrames(const std::vector<PosedFrame>& frames,
                                      const std::vector<int>& frame_of_keyframe,
                                      const std::vector<Rigid3d>& new_from_old_of_keyframe);
 
-// The poses of all indices from the first frame's to the last one's, likewise.
+// Poses of all indices from the first to the last frame. An index without a frame has the pose of
+// the frame before.
 std::vector<Rigid3d> PosesOfIndices(const std::vector<PosedFrame>& frames);
 
 }  // namespace surfit

@@ -5,14 +5,13 @@
 
 namespace surfit {
 
-// The information of the edge from keyframe a to b, which is so many frames later and was
-// registered to the map: the inverse of the covariance of so many registrations, brought into the
-// frame of a, and of the noise between both. Directions that the registration left free are held
-// loosely.
+// Information of the odometry edge from keyframe a to keyframe b, `frames` frames later: the
+// inverse of the accumulated registration covariance plus the noise, in the frame of a.
+// Unobservable directions have a large variance.
 Matrix6d OdometryInformation(const IcpResult& icp, int frames, const Rigid3d& a_from_b,
                              const EdgeNoise& noise);
 
-// The information of a loop: the inverse of the covariance of its registration and the noise.
+// Information of a loop closure: the inverse of its registration covariance plus the noise.
 Matrix6d LoopInformation(const Matrix6d& registration_information, const EdgeNoise& noise);
 
 }  // namespace surfit

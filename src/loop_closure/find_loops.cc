@@ -8,10 +8,10 @@ namespace surfit {
 
 namespace {
 
-// An earlier keyframe whose pose is near.
+// Earlier keyframe with a near pose.
 struct Neighbour {
   int keyframe;
-  double farness;  // 1 at the bound
+  double farness;  // relative to the bounds of the options
   Rigid3d target_from_source;
 };
 

@@ -30,7 +30,7 @@ Image<float> DepthOf(const PlaceView& view) {
   return depth_m;
 }
 
-// 0 is what is unknown; the mean of pixels one of which is unknown is unknown as well.
+// NaN for unknown pixels. The mean of pixels is NaN if one of them is unknown.
 Image<float> GreyImage(const Image<Rgb8>& color) {
   Image<float> grey(color.width(), color.height());
   for (std::size_t i = 0; i < color.size(); ++i) {

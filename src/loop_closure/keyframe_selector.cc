@@ -5,8 +5,11 @@
 namespace surfit {
 namespace {
 
-constexpr int kStridePx = 8;          // of the pixels that overlap is measured by
-constexpr double kHiddenShare = 0.1;  // so much of its depth behind a surface a point is hidden
+constexpr int kStridePx = 8;  // stride of the pixels for the overlap
+// A point is occluded if it is behind a surface by more than this ratio of the depth.
+constexpr double kHiddenShare =
+    0.1;  // a point is occluded behind a surface by more than this ratio of its depth
+// Minimum motion for the criteria of overlap and frame count, relative to the other two criteria.
 constexpr double kLittleMotion = 0.1;
 
 bool IsSeen(const Eigen::Vector3d& point, const FrameLevel& surface) {

@@ -28,8 +28,8 @@ std::vector<bool> LoopsInGraph(const PoseGraph& graph, const PoseGraphSummary& s
   return in_graph;
 }
 
-// Made by whoever asks first; what it is made from goes then. Nobody waits for another thread,
-// which may have less priority: both make it then.
+// Computes a view at the first call and then releases its source. Threads do not wait for each
+// other, because the other thread may have a lower priority: both may compute the view.
 class MadeView {
  public:
   MadeView(ColoredView source, const PlaceViewOptions& options)

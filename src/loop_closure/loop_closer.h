@@ -13,7 +13,7 @@
 
 namespace surfit {
 
-// The view of a keyframe, to be made when it is asked for first.
+// Returns a callback that computes the view of a keyframe at its first call.
 ViewOfKeyframe ViewOf(ColoredView source, const PlaceViewOptions& options);
 
 // Edge of the pose graph for a verified loop.

@@ -5,40 +5,50 @@
 namespace surfit {
 
 void EdgeNoise::Visit(OptionVisitor& v) {
-  v.Add(shared_points, "shared_points", "neighbouring points whose errors in odometry are one",
-        AtLeast(1));
-  v.Add(odometry_m, "odometry_m", "standard deviation between consecutive keyframes,", Positive());
-  v.Add(odometry_rad, "odometry_rad", "of the rotation between them,", Positive());
-  v.Add(odometry_share, "odometry_share", "and as a share of the way and turn between them",
-        AtLeast(0));
-  v.Add(loop_m, "loop_m", "standard deviation of a loop beyond its registration's,", Positive());
-  v.Add(loop_rad, "loop_rad", "and of its rotation", Positive());
+  v.Add(shared_points, "shared_points",
+        "number of neighbouring points with fully correlated odometry errors", AtLeast(1));
+  v.Add(odometry_m, "odometry_m",
+        "standard deviation of the translation between consecutive keyframes", Positive());
+  v.Add(odometry_rad, "odometry_rad",
+        "standard deviation of the rotation between consecutive keyframes", Positive());
+  v.Add(
+      odometry_share, "odometry_share",
+      "additional standard deviation, as a ratio of the translation and rotation between keyframes",
+      AtLeast(0));
+  v.Add(loop_m, "loop_m",
+        "standard deviation of the translation of a loop closure, in addition to its registration",
+        Positive());
+  v.Add(loop_rad, "loop_rad",
+        "standard deviation of the rotation of a loop closure, in addition to its registration",
+        Positive());
 }
 
 void LoopOptions::Visit(OptionVisitor& v) {
   v.Group("loops");
   v.Add(enabled, "enabled",
-        "close loops: find places again, correct poses and map; a lost camera is relocalised "
-        "anywhere in the map",
+        "close loops: correct poses and map, and relocalise a lost camera anywhere in the map",
         AsFlag("loop_closure"), Everyday());
-  v.AddPart(keyframes, "keyframes", "when a frame becomes a keyframe", NoFlags());
-  v.AddPart(views, "views", "what is kept of a keyframe", NoFlags());
-  v.AddPart(places, "places", "how places are looked up", NoFlags());
-  v.AddPart(find, "find", "which keyframes may be joined", NoFlags());
-  v.AddPart(relocalize, "relocalize", "how a lost camera is found", NoFlags());
+  v.AddPart(keyframes, "keyframes", "selection of keyframes", NoFlags());
+  v.AddPart(views, "views", "stored views of keyframes", NoFlags());
+  v.AddPart(places, "places", "place recognition", NoFlags());
+  v.AddPart(find, "find", "search for loop closures", NoFlags());
+  v.AddPart(relocalize, "relocalize", "relocalisation", NoFlags());
   v.AddPart(noise, "noise", "uncertainty of the pose graph's edges", NoFlags());
-  v.AddPart(graph, "graph", "how the pose graph is optimised", NoFlags());
-  v.Add(delay_frames, "delay_frames", "frames from a keyframe until its loops take effect",
-        AtLeast(1));
-  v.Add(active_frames, "active_frames", "FusionOptions.active_frames where that sets no limit",
-        ZeroIs("no limit"));
+  v.AddPart(graph, "graph", "optimisation of the pose graph", NoFlags());
+  v.Add(delay_frames, "delay_frames",
+        "number of frames from a keyframe to the correction by its loop closures", AtLeast(1));
+  v.Add(active_frames, "active_frames",
+        "FusionOptions.active_frames with loop closure, if that option is 0", ZeroIs("no limit"));
   v.Add(frames_apart, "frames_apart",
-        "surfels seen this far apart in time are merged where a loop joins them", AtLeast(1));
-  v.Add(min_correction_m, "min_correction_m", "smaller corrections are not applied", AtLeast(0));
-  v.Add(max_view_bytes, "max_view_bytes", "memory for the keyframes' views");
+        "minimum number of frames between the observations of duplicate surfels that a loop "
+        "closure merges",
+        AtLeast(1));
+  v.Add(min_correction_m, "min_correction_m",
+        "minimum displacement of a keyframe for a correction of the map", AtLeast(0));
+  v.Add(max_view_bytes, "max_view_bytes", "memory of keyframe views");
   v.Add(new_map_after, "new_map_after",
-        "with loop_closure: begin a new map after this many lost frames in a row, to be joined to "
-        "the first by a loop",
+        "with loop_closure: number of consecutive lost frames after which a new submap starts; a "
+        "loop closure connects it to the first submap",
         ZeroIs("never"), AsFlag());
 }
 

@@ -9,34 +9,33 @@ namespace surfit {
 
 void KeyframeOptions::Visit(OptionVisitor& v) {
   v.Group("keyframes");
-  v.Add(max_distance_m, "max_distance_m",
-        "a frame becomes a keyframe if the camera has moved this far,", Positive());
-  v.Add(max_angle_rad, "max_angle_rad", "has turned by this much,", Positive());
-  v.Add(min_overlap_share, "min_overlap_share",
-        "or sees less than this share of what the last keyframe saw,", Share());
-  v.Add(max_frames, "max_frames", "or moved in this many frames, by a tenth of that at least",
+  v.Add(max_distance_m, "max_distance_m", "distance between keyframes", Positive());
+  v.Add(max_angle_rad, "max_angle_rad", "rotation between keyframes", Positive());
+  v.Add(min_overlap_share, "min_overlap_share", "minimum overlap with the last keyframe", Share());
+  v.Add(max_frames, "max_frames", "maximum number of frames between keyframes of a moving camera",
         AtLeast(1));
 }
 
 void PlaceViewOptions::Visit(OptionVisitor& v) {
-  v.Add(max_width, "max_width", "images are halved until no wider", AtLeast(80), InUnit("px"));
-  v.Add(max_features, "max_features", "features of a keyframe, spread over the image", AtLeast(48));
+  v.Add(max_width, "max_width", "maximum width of keyframe images, which are halved", AtLeast(80),
+        InUnit("px"));
+  v.Add(max_features, "max_features", "maximum number of features per keyframe", AtLeast(48));
 }
 
 void PlaceIndexOptions::Visit(OptionVisitor& v) {
-  v.Add(tables, "tables", "hash tables, each by other bits of a descriptor", Between(1, 64));
-  v.Add(bits, "bits", "bits that are the key of a table", Between(1, 20));
-  v.Add(max_hamming, "max_hamming", "descriptors that differ in more bits do not match",
+  v.Add(tables, "tables", "number of hash tables", Between(1, 64));
+  v.Add(bits, "bits", "bits of a hash", Between(1, 20));
+  v.Add(max_hamming, "max_hamming", "maximum Hamming distance of matching descriptors, bits",
         Between(0, 256));
-  v.Add(min_similarity, "min_similarity", "of a candidate", Share());
+  v.Add(min_similarity, "min_similarity", "minimum similarity of a loop candidate", Share());
 }
 
 void VerifyLoopOptions::Visit(OptionVisitor& v) {
-  v.AddPart(preprocess, "preprocess", "how the views get normals and coarser levels");
-  v.AddPart(icp, "icp", "the dense registration");
+  v.AddPart(preprocess, "preprocess", "normals and pyramids of the views");
+  v.AddPart(icp, "icp", "dense registration of the views");
   v.Add(min_agreeing_features, "min_agreeing_features",
-        "features that must agree on a proposed pose", AtLeast(4));
-  v.AddPart(fit, "fit", "what a fit must show");
+        "minimum number of inlier features of an initial pose", AtLeast(4));
+  v.AddPart(fit, "fit", "acceptance criteria");
 }
 
 IcpOptions VerifyLoopOptions::DefaultIcp() {
@@ -52,19 +51,21 @@ IcpOptions VerifyLoopOptions::DefaultIcp() {
 
 void FindLoopsOptions::Visit(OptionVisitor& v) {
   v.Group("loops");
-  v.Add(min_gap, "min_gap", "frames between the two keyframes of a loop", AtLeast(1));
-  v.Add(max_alike, "max_alike", "keyframes that are tried because they look most alike",
+  v.Add(min_gap, "min_gap", "minimum number of frames between the keyframes of a loop closure",
+        AtLeast(1));
+  v.Add(max_alike, "max_alike", "maximum number of loop candidates from place recognition",
         AtLeast(0));
-  v.Add(max_near, "max_near", "further keyframes that are tried because their poses are near",
+  v.Add(max_near, "max_near", "maximum number of additional loop candidates with near poses",
         AtLeast(0));
-  v.Add(max_near_m, "max_near_m", "near is no farther", AtLeast(0));
-  v.Add(max_near_rad, "max_near_rad", "nor turned by more", AtLeast(0));
-  v.AddPart(verify, "verify", "what a loop must show", NoFlags());
+  v.Add(max_near_m, "max_near_m", "maximum distance of a near pose", AtLeast(0));
+  v.Add(max_near_rad, "max_near_rad", "maximum rotation of a near pose", AtLeast(0));
+  v.AddPart(verify, "verify", "verification of loop candidates", NoFlags());
 }
 
 void RelocalizeOptions::Visit(OptionVisitor& v) {
-  v.Add(max_candidates, "max_candidates", "keyframes that are tried, most alike first", AtLeast(1));
-  v.AddPart(verify, "verify", "what the right one must show");
+  v.Add(max_candidates, "max_candidates",
+        "maximum number of keyframes to verify, by descending similarity", AtLeast(1));
+  v.AddPart(verify, "verify", "verification of candidates");
 }
 
 }  // namespace surfit

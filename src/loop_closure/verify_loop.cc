@@ -10,7 +10,7 @@
 namespace surfit {
 namespace {
 
-// A view of a place as registration needs it.
+// View of a keyframe, prepared for registration.
 class ExpandedView {
  public:
   // The view must not be empty.
@@ -35,9 +35,9 @@ class ExpandedView {
   }
 
  private:
-  FramePyramid finest_;         // of one level
-  FramePyramid coarser_;        // of the next, or the same as the finest
-  BrightnessLevel brightness_;  // of the coarser pyramid's first level; zeros where it is unknown
+  FramePyramid finest_;         // finest level only
+  FramePyramid coarser_;        // coarser levels; the finest level if there are none
+  BrightnessLevel brightness_;  // brightness of the first coarse level; 0: unknown
   bool has_color_;
 };
 
@@ -52,7 +52,7 @@ FeaturePoints PointsOf(const PlaceView& view, const ErrorModel& error_model) {
   return features;
 }
 
-// Poses that enough of the views' features agree on, those that most do first.
+// Returns initial poses with enough inlier features, by descending number of inliers.
 std::vector<Rigid3d> StartsFromFeatures(const PlaceView& source, const PlaceView& target,
                                         const VerifyLoopOptions& options, FarVerdict* verdict) {
   constexpr int kMostPoses = 3, kConsensusTries = 500;

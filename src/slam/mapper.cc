@@ -10,7 +10,7 @@
 namespace surfit {
 namespace {
 
-// How bright the surfels are that the view's cells show.
+// Brightness of the surfels in the cells of a view.
 Image<float> GreyOfCells(const ModelView& seen, const SurfelMap& map) {
   const ViewGrid grid(seen.surface.camera);
   Image<float> grey(grid.width, grid.height, 0.f);
@@ -63,15 +63,15 @@ ReferenceView Mapper::Render(ModelRenderer* renderer, const Rigid3d& world_from_
                              world_from_view,
                              std::move(grey)};
   if (with_intensities) {
-    // The map's colours keep the pose from drifting as it would against the last frame's, by which
-    // ATE was larger: by a seventh in simulated rooms, 5 and 8 times before a ball and a wall.
+    // Uses the colours of the map. With the colours of the last frame, drift increases the ATE: by
+    // a seventh in simulated rooms, by factors of 5 and 8 in front of a ball and a wall.
     reference.view.color = ColorsOf(seen, map_);
     AddIntensity(reference.view.color, &reference.view.pyramid);
   }
   return reference;
 }
 
-// In turn with fusion.
+// A new view is due after each fusion.
 bool Mapper::Update(const Rigid3d& world_from_predicted, bool must, bool with_intensities) {
   if (is_view_new_ && view_.world_from_view == world_from_predicted &&
       view_.has_intensities() == with_intensities) {
@@ -115,11 +115,12 @@ void Mapper::Correct(const WorldCorrection& correction, int frame_index) {
     MoveMap(correction.corrections, &map_);
     view_.world_from_view = correction.new_from_old_now * view_.world_from_view;
   }
-  // A calibration moves neighbours alike: it puts no surfels on others.
+  // A calibration moves neighbouring surfels equally, so it creates no duplicates.
   if ((correction.moves && !correction.recalibration) || active_frames > 0) {
     DoublesOptions doubles;
     doubles.frames_apart = std::max(active_frames, options_.loops.frames_apart);
-    if (!correction.moves) doubles.newer_since = merged_until_;  // before that nothing has changed
+    if (!correction.moves)
+      doubles.newer_since = merged_until_;  // surfels before this frame have not changed
     merged_doubles_ += MergeDoubles(options_.fusion, doubles, &map_);
     merged_until_ = frame_index;
   }

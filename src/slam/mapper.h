@@ -10,8 +10,8 @@
 
 namespace surfit {
 
-// Keeps the map: fuses frames into it, draws the views that frames are registered to, in turns,
-// and moves it where loops have been closed.
+// Owns the map: fuses frames, renders the views that frames are registered to, and applies
+// corrections by loop closures and calibrations.
 class Mapper : public ModelViews {
  public:
   // Keeps a reference to the options. If loops are enabled, fusion.active_frames is the bound of
@@ -24,9 +24,9 @@ class Mapper : public ModelViews {
   void UseCalibration(const DepthCalibration* calibration) { calibration_ = calibration; }
 
   const SurfelMap& map() const { return map_; }
-  // Surfels that became part of others when the map was moved, in all.
+  // Number of duplicate surfels that corrections have merged.
   std::size_t merged_doubles() const { return merged_doubles_; }
-  // How often surfels have changed that no frame was fused to.
+  // Number of map changes other than fusion.
   int corrections() const { return corrections_; }
 
   // Sensor with the estimated calibration.
@@ -43,11 +43,10 @@ class Mapper : public ModelViews {
   // Does nothing if the map is only used for localisation.
   void ActivateAround(int frame_index, int now) override;
 
-  // Of so many frames that are held one has its turn to be fused, of SlamOptions::map_period at
-  // first.
+  // Fuses every `frames`-th frame with a pose, instead of every SlamOptions::map_period-th.
   void SetPeriod(int frames) { period_ = frames; }
   bool is_hurried() const { return period_ > options_.map_period; }
-  // Also one that sees much that the last did not.
+  // True after the period, or after a large shift of the image since the last fused frame.
   bool IsTurnToFuse(const PreparedFrame& frame, const Rigid3d& world_from_camera) const;
   FusionReport Fuse(const PreparedFrame& frame, const Rigid3d& world_from_camera,
                     const CameraMotion& motion);
@@ -64,18 +63,18 @@ class Mapper : public ModelViews {
   const DepthSensor input_sensor_;
   const DepthCalibration* calibration_ = nullptr;
   ModelRenderer renderer_;
-  ModelRenderer newest_renderer_;  // for which all surfels are stable
+  ModelRenderer newest_renderer_;  // treats all surfels as stable
   Fusion fusion_;
   SurfelMap map_;
   ReferenceView view_;
-  bool has_view_ = false;     // of today's camera
-  bool is_view_new_ = false;  // the map has not changed since it was drawn
+  bool has_view_ = false;     // `view_` uses the current calibration
+  bool is_view_new_ = false;  // the map has not changed since `view_` was rendered
   int period_;
-  int unfused_count_ = 0;     // frames that were held since the last one that was fused
-  Rigid3d world_from_fused_;  // of that one
+  int unfused_count_ = 0;     // frames with a pose since the last fused frame
+  Rigid3d world_from_fused_;  // pose of the last fused frame
   std::size_t merged_doubles_ = 0;
   int corrections_ = 0;
-  int merged_until_ = 0;  // frame before which all doubles of the map are merged
+  int merged_until_ = 0;  // frame before which all duplicate surfels are merged
 };
 
 }  // namespace surfit

@@ -8,62 +8,63 @@
 namespace surfit {
 
 void SlamOptions::Visit(OptionVisitor& v) {
-  v.AddPart(preprocess, "preprocess", "how depth images become surfaces");
-  v.AddPart(icp, "icp", "registration of a frame to the map",
+  v.AddPart(preprocess, "preprocess", "preprocessing of depth images");
+  v.AddPart(icp, "icp", "registration of frames to the map",
             WithoutFlags({"max_free_space_share"}));
-  v.AddPart(fusion, "fusion", "how frames become surfels");
-  v.AddPart(render, "render", "how the map is drawn for tracking", NoFlags());
+  v.AddPart(fusion, "fusion", "fusion of frames into the map");
+  v.AddPart(render, "render", "rendering of the map for tracking", NoFlags());
   v.Group("tracking");
-  v.Add(tracking, "tracking", "what a frame is registered to",
+  v.Add(tracking, "tracking", "target of the registration of a frame",
         OneOf({"frame_to_model", "frame_to_frame"}), AsFlag());
   v.Add(map_period, "map_period",
-        "fuse every n-th tracked frame, and draw the map anew for every n-th; 1 = for all",
+        "fuse every n-th tracked frame, and render a new model view for every n-th frame; 1: all "
+        "frames",
         AtLeast(1), Everyday());
   v.Add(max_view_shift, "max_view_shift",
-        "draw the map anew, and fuse, where the image has moved by more since, as a share of its "
-        "width",
+        "image shift that triggers a new model view and fusion, as a ratio of the image width",
         AtLeast(0), AsFlag());
   v.Add(min_turn_eigenvalue, "min_turn_eigenvalue",
-        "after a frame whose data constrain a direction of motion less, ignore map_period and "
-        "register all rows",
+        "smallest eigenvalue of a sufficiently constrained frame; after other frames, map_period "
+        "is ignored and all rows are registered",
         ZeroIs("never"), AsFlag());
   v.Add(poorly_held_photometric_weight, "poorly_held_photometric_weight",
-        "weight of intensity residuals after and in such a frame, where photometric_weight is 0",
-        ZeroIs("surfaces only"), AsFlag());
-  v.Add(
-      motion_model, "motion_model",
-      "pose that tracking starts at; so3: the last one, turned so that small images are most alike",
-      OneOf({"constant_velocity", "constant_pose", "so3"}), AsFlag());
+        "photometric weight of weakly constrained frames and of the next frame, if "
+        "photometric_weight is 0",
+        ZeroIs("geometric residuals only"), AsFlag());
+  v.Add(motion_model, "motion_model",
+        "predicted pose of tracking; so3: last pose with the rotation that aligns small images",
+        OneOf({"constant_velocity", "constant_pose", "so3"}), AsFlag());
   v.Add(acceleration_m_per_s2, "acceleration_m_per_s2",
-        "standard deviation of the camera's acceleration, which tells how it moves where the data "
-        "do not; needs motion_model=constant_velocity",
-        ZeroIs("the data alone tell"), AsFlag());
-  v.Add(turn_acceleration_rad_per_s2, "turn_acceleration_rad_per_s2", "the same of how it turns",
-        Positive(), AsFlag());
-  v.Add(min_inlier_share, "min_inlier_share", "a frame with a smaller share of inliers is lost",
-        Share(), AsFlag());
+        "standard deviation of the acceleration in the motion prior, which constrains directions "
+        "that the data do not; requires motion_model=constant_velocity",
+        ZeroIs("no motion prior"), AsFlag());
+  v.Add(turn_acceleration_rad_per_s2, "turn_acceleration_rad_per_s2",
+        "standard deviation of the angular acceleration in the motion prior", Positive(), AsFlag());
+  v.Add(min_inlier_share, "min_inlier_share",
+        "minimum inlier ratio of a tracked frame; frames below are lost", Share(), AsFlag());
   v.Add(sure_inlier_share, "sure_inlier_share",
-        "a frame with a smaller share of inliers is looked for by `initialize` as well", Share(),
-        AsFlag());
-  v.Add(max_rmse_m, "max_rmse_m", "a frame with larger residuals is lost", Positive(), AsFlag());
+        "inlier ratio below which global registration (initialize) verifies a frame; 0: only lost "
+        "frames",
+        Share(), AsFlag());
+  v.Add(max_rmse_m, "max_rmse_m", "maximum residual RMSE of a tracked frame; frames above are lost",
+        Positive(), AsFlag());
   v.Add(initialize, "initialize",
-        "how a frame that would be lost is recovered from the last good one; identity: not at all",
+        "global registration of lost frames to the last tracked frame; identity: none",
         OneOf(InitializeMethods()), AsFlag());
   v.Add(hold_out, "hold_out",
-        "leave the last of so many frames out of the map, to judge it by (surfit_evaluate "
-        "--what=views)",
+        "exclude every n-th frame from fusion, to evaluate the map (surfit_evaluate --what=views)",
         ZeroIs("none"), AsFlag());
   v.AddPart(loops, "loops", "loop closure and relocalisation");
   v.AddPart(calibration, "calibration", "calibration of the depth camera");
   v.Add(real_time, "real_time",
-        "let no frame wait for what is found of loops and the camera: it takes effect when it is "
-        "there, and the result depends on the machine; always so with --offered_fps and cameras",
+        "do not wait for loop closure and calibration; the result depends on the machine; always "
+        "on with --offered_fps and cameras",
         AsFlag());
   v.Check([this] {
     if (hold_out == 1) throw InputError("hold_out is 1, must be 0 (none) or at least 2");
     if (acceleration_m_per_s2 > 0 && motion_model != "constant_velocity") {
       throw InputError(Concat("acceleration_m_per_s2 is ", acceleration_m_per_s2,
-                              ", must be 0 where motion_model is ", motion_model));
+                              ", must be 0 with motion_model ", motion_model));
     }
   });
 }

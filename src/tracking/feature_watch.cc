@@ -10,27 +10,28 @@ namespace surfit {
 namespace {
 
 constexpr int kMostColumns = 400, kMostCorners = 250;
-// A feature has moved as the poses say within so much beyond its own error, and what the camera
-// moves in the time between depth and colour, or while rows are read out.
-constexpr double kPlaceSigma_px = 0.5;  // of a corner that was followed
+// Tolerances of a feature that agrees with the poses: in addition to its own error, the camera
+// motion between depth and colour and during the readout.
+constexpr double kPlaceSigma_px = 0.5;  // of a tracked corner
 constexpr double kTogether_m = 0.03, kSigmas = 3, kBetweenImages_s = 0.03;
-// Of features that look alike and are not the same, so many agree on a motion by chance; fewer if
-// they are no small part.
+// Minimum number of features of a second motion, because wrong matches agree by chance. The number
+// is smaller if they are a large part of all features.
 constexpr int kLeastApart = 12, kLeastOfMost = 7;
 constexpr double kLeastShare = 0.25, kMost = 0.5;
 constexpr int kTries = 400;
 
-// In the beginning, later, and the most between two frames that are compared.
+// Time between checks: at first, at most, and as a ratio of the elapsed time. Maximum time between
+// compared frames.
 constexpr double kBetween_s = 0.5, kMostBetween_s = 8, kShareOfTime = 0.25, kComparable_s = 1;
 constexpr double kSlack_s = 0.005;
 
-// How far a point of the camera's frame goes there meanwhile.
+// Motion of a point of the camera frame between the images, m.
 double Way(const CameraMotion& motion, const Eigen::Vector3d& point) {
   return kBetweenImages_s *
          (motion.velocity_m_per_s.norm() + motion.turn_rad_per_s.norm() * point.norm());
 }
 
-// The mean of each block of pixels.
+// Mean of each block of pixels.
 Image<Rgb8> Reduced(const Image<Rgb8>& color, int step) {
   if (step == 1) return color;
   Image<Rgb8> small(color.width() / step, color.height() / step);
@@ -41,7 +42,7 @@ Image<Rgb8> Reduced(const Image<Rgb8>& color, int step) {
   return small;
 }
 
-// At 400 columns or less.
+// Finest level with at most 400 columns.
 const FrameLevel& SmallLevel(const FramePyramid& pyramid) {
   const std::vector<FrameLevel>& levels = pyramid.levels;
   const auto small = std::find_if(levels.begin(), levels.end(), [](const FrameLevel& level) {
@@ -65,7 +66,7 @@ GreyPyramid GreyOf(const ColoredView& view) {
       Reduced(view.color, view.color.width() / SmallLevel(view.pyramid).camera.width));
 }
 
-// Without depth there is no point, and false is returned.
+// Adds the 3D point of a feature. Returns false without depth.
 bool AddPoint(const FrameLevel& surface, const Eigen::Vector2f& at, const ErrorModel& error_model,
               FeaturePoints* points) {
   const double depth_m = DepthOfFeature(surface.vertex.z, at.x(), at.y());

@@ -42,7 +42,7 @@ class FrameRegistration {
     std::optional<Matrix6d> covariance;  // of the left increment, with a prior
   };
 
-  // Registers by shapes, and a weakly constrained frame by intensities as well.
+  // Registers geometrically, and a weakly constrained frame with photometric residuals as well.
   Estimate FromData(const FramePyramid& frame, const Target& target,
                     const Rigid3d& reference_from_initial) const;
   // Combines the registration with the motion prior.

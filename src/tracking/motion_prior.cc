@@ -9,7 +9,7 @@
 namespace surfit {
 namespace {
 
-// Of a hand that is not followed.
+// Standard deviations of an unknown hand motion.
 constexpr double kTurn_rad_per_s = 1.5, kSpeed_m_per_s = 3;
 
 }  // namespace
@@ -23,7 +23,7 @@ ExpectedPose In(const Rigid3d& new_from_old_target, const ExpectedPose& expected
 ExpectedPose MostLikely(const ExpectedPose& expected, const Rigid3d& registered,
                         const Matrix6d& information, double most_sigmas) {
   const Rigid3d moved = registered * expected.target_from_source.Inverse();
-  Vector6d motion;  // as one increment, to first order
+  Vector6d motion;  // as one perturbation, to first order
   motion << QuaternionLog<double>(moved.rotation), moved.translation;
   const Matrix6d of_expected = SymmetricInverse(expected.covariance);
   const GeneralizedEigen both = EigenOf(information, of_expected);

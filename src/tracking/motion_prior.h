@@ -7,41 +7,41 @@
 
 namespace surfit {
 
-// Where a camera is expected, and the covariance of the left increment (rad, m) from there to where
-// it is.
+// Predicted pose, and the covariance of the left perturbation (rad, m) from it to the true pose.
 struct ExpectedPose {
   Rigid3d target_from_source;
   Matrix6d covariance;
 };
 
-// The same in another frame.
+// Transforms a predicted pose into another target frame.
 ExpectedPose In(const Rigid3d& new_from_old_target, const ExpectedPose& expected);
 
-// Registration found a pose, with some information I on the left increment. The most likely one,
-// given both, P the expected one's covariance: along columns v with V^T P^-1 V = 1 and
-// V^T I V = diag(w), it goes w / (1 + w) of the way z from the expected pose, and 1 / (1 + w) of
-// the variance is left (a Kalman filter's update). By what both say, z has the variance 1 + 1 / w.
-// Where it is more than so many standard deviations, registration is surer than it can be, and w is
-// taken as small as makes it that many.
+// Combines a predicted pose and a registered pose, with the information I of the left perturbation:
+// the update of a Kalman filter. P is the covariance of the predicted pose. Along the columns v of
+// V with V^T P^-1 V = 1 and V^T I V = diag(w), the result moves by w / (1 + w) of the distance z
+// between both poses. 1 / (1 + w) of the variance remains.
+//
+// z has the variance 1 + 1 / w. If z exceeds `most_sigmas` standard deviations, the registration is
+// overconfident: w is reduced until z is within this bound.
 ExpectedPose MostLikely(const ExpectedPose& expected, const Rigid3d& registered,
                         const Matrix6d& information, double most_sigmas);
 
-// What is known of a camera's steady motion, and how surely: a Kalman filter over its velocity,
-// which random accelerations change.
+// Constant-velocity motion prior: a Kalman filter over the camera velocity with random
+// accelerations.
 class MotionPrior {
  public:
   MotionPrior(double acceleration_m_per_s2, double turn_acceleration_rad_per_s2);
 
-  // The camera may have moved in any way.
+  // Resets the velocity to unknown.
   void Forget() { of_velocity_.reset(); }
-  // It has moved within so many seconds, by a motion of this covariance in the camera's frame.
+  // Sets the covariance of the last motion, in the camera frame, and its duration.
   void Keep(const Matrix6d& covariance, double seconds);
-  // Of the motion within the next seconds; of any motion of a hand where nothing is known.
+  // Covariance of the motion in the next seconds. With unknown velocity, that of any hand motion.
   Matrix6d Covariance(double seconds) const;
 
  private:
   Matrix6d of_acceleration_;             // covariance, (rad/s^2)^2 and (m/s^2)^2
-  std::optional<Matrix6d> of_velocity_;  // likewise, (rad/s)^2 and (m/s)^2
+  std::optional<Matrix6d> of_velocity_;  // covariance, (rad/s)^2 and (m/s)^2
 };
 
 }  // namespace surfit

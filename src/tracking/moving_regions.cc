@@ -7,19 +7,20 @@
 namespace surfit {
 namespace {
 
-// What the camera saw is remembered five times a second, for ten seconds: what has come and stays
-// is part of the scene after that.
+// Views are stored five times per second, for ten seconds. An object that stays longer becomes a
+// part of the scene.
 constexpr double kBetweenSights_s = 0.2;
 constexpr std::size_t kMostSights = 50;
-// Of all cells a region has so many at least; less is noise at edges.
+// Minimum size of a region as a ratio of all cells. Smaller regions are noise at edges.
 constexpr double kLeastMovingShare = 0.01;
-// Of a region's points that were in view some moment ago, so many were seen through; or so many of
-// its cells moved a frame ago.
+// Minimum ratio of a region that an earlier view saw as free space, or that was moving in the last
+// frame.
 constexpr double kLeastSeenThrough = 0.5, kLeastMoved = 0.3;
-// As far behind a surfel as Fusion must see to know that it is not there.
+// Margin behind a surfel for a free-space violation, as in Fusion.
 constexpr double kMargin_m = 0.05, kMarginSigmas = 4;
 
-// A line of cells is what a depth edge leaves, not a thing.
+// Returns whether a cell and most of its neighbours are in front of the model. Depth edges cause
+// lines of cells.
 bool IsCore(const Image<Side>& sides, int u, int v) {
   constexpr int kLeastNeighbours = 6;
   if (u < 1 || v < 1 || u + 1 >= sides.width() || v + 1 >= sides.height()) return false;
@@ -30,12 +31,10 @@ bool IsCore(const Image<Side>& sides, int u, int v) {
   return sides(u, v) == Side::kInFront && count > kLeastNeighbours;
 }
 
-// What a region can be made of, and what of it is passed on to the next frame: not what is merely
-// beside.
+// Kinds of cells of a region. Cells of kind kBeside are not passed on to the next frame.
 enum : std::uint8_t { kNone, kBeside, kCore };
 
-// Takes the cells of a region, from one of them on: core or beside, no farther apart in depth than
-// the parts of one thing.
+// Returns the connected region of a cell: neighbours with a similar depth. Removes it from `left`.
 std::vector<int> Grow(int first, const FrameLevel& frame, CellMask* left) {
   constexpr float kSamePart = 0.04f;  // of the depth
   const ViewGrid grid(frame.camera);
@@ -60,7 +59,7 @@ std::vector<int> Grow(int first, const FrameLevel& frame, CellMask* left) {
   return cells;
 }
 
-// The cells, and what is beside.
+// Marks the cells and their neighbourhood.
 void Mark(const std::vector<int>& cells, const CellMask& kinds, CellMask* mask) {
   constexpr int kBeyond = 2;
   const int width = mask->width(), height = mask->height();
@@ -81,24 +80,24 @@ bool IsMasked(const CellMask& mask, double scale, int u, int v) {
   return mask(x, y) != 0;
 }
 
-// Where the points of a region lie to what was seen.
+// Number of points of a region in an earlier view.
 struct SightCount {
-  int seen = 0;     // in view, and not hidden
-  int through = 0;  // of these, those that the camera saw through
+  int seen = 0;     // visible and not occluded
+  int through = 0;  // observed as free space
 };
 
 }  // namespace
 
-// What was seen at a moment, of the cells.
+// Stored view at the resolution of the cells.
 struct MovingRegions::Sight {
   double stamp_s = 0;
   Rigid3d world_from_camera;
   PinholeCamera camera;
   DepthNoise noise;
   Image<float> depth_m;
-  CellMask moving;  // of the last frame only
+  CellMask moving;  // in `last_` only
 
-  // The cell that shows a point of the camera's frame, or -1.
+  // Returns the cell of a point of the camera frame, or -1.
   int CellOf(const Eigen::Vector3d& point) const {
     if (!(point.z() > 0)) return -1;
     const ViewGrid grid(camera);
@@ -175,7 +174,7 @@ bool MovingRegions::Moves(const std::vector<int>& cells, const FrameLevel& frame
   });
 }
 
-// What was in front a frame ago need not be where the model shows something.
+// Includes cells without a model surface: a moving object can enter them.
 CellMask MovingRegions::MovedBefore(const FrameLevel& frame, const Image<Side>& sides,
                                     const Rigid3d& world_from_camera, double stamp_s) const {
   constexpr double kSameThing_m = 0.15, kMost_m = 0.45, kMetresPerSecond = 1.5;
@@ -199,8 +198,8 @@ CellMask MovingRegions::MovedBefore(const FrameLevel& frame, const Image<Side>& 
   return moved;
 }
 
-// Where the model shows nothing, a surface may belong to what moves, or lie beside it. It rests if
-// the last sight but one, some tenths of a second old, shows it at the same place.
+// Without a model surface, a cell may belong to the moving object or lie beside it. It is static if
+// the second to last stored view, some tenths of a second old, shows the same surface there.
 void MovingRegions::DropWhatRests(const FrameLevel& frame, const Image<Side>& sides,
                                   const Rigid3d& world_from_camera, std::vector<int>* cells) const {
   constexpr double kSame_m = 0.015, kSameSigmas = 3, kResting = 0.8, kLeastSeen = 0.2;

@@ -10,32 +10,30 @@
 
 namespace surfit {
 
-// Cells of a ViewGrid, not 0 where something moves; empty where nothing does.
+// Mask of ViewGrid cells: not 0 on moving objects. Empty without moving objects.
 using CellMask = Image<std::uint8_t>;
 
-// Finds what moves before the camera. Whatever hides the model may be something that is seen for
-// the first time, or has come there: that tells who looked there a moment ago. A connected region
-// of points in front of the model moves if the camera saw through a good part of it some moment
-// ago.
+// Detects moving objects. A surface in front of the model may be new or moving. A connected region
+// of such points is moving if an earlier frame saw free space at a large part of it.
 class MovingRegions {
  public:
   MovingRegions();
   ~MovingRegions();
 
-  // In a frame, by what CompareViews() says of it.
+  // Returns the moving cells of a frame, from its CompareViews().
   CellMask Find(const FrameLevel& frame, const ViewComparison& comparison,
                 const Rigid3d& world_from_camera, double stamp_s) const;
 
-  // A frame that has a pose, and what Find() found in it: the next ones are compared with it.
+  // Stores a frame with a pose and its moving cells, for the comparison with the next frames.
   void Remember(const FrameLevel& frame, const CellMask& moving, const Rigid3d& world_from_camera,
                 double stamp_s);
-  // The world has been corrected.
+  // Applies a correction of the world.
   void Move(const Rigid3d& new_from_old_world);
 
  private:
   struct Sight;
 
-  // The cells that show what moved in the last frame; empty if nothing did.
+  // Cells that show the moving objects of the last frame; empty if there were none.
   CellMask MovedBefore(const FrameLevel& frame, const Image<Side>& sides,
                        const Rigid3d& world_from_camera, double stamp_s) const;
   void DropWhatRests(const FrameLevel& frame, const Image<Side>& sides,
@@ -43,11 +41,11 @@ class MovingRegions {
   bool Moves(const std::vector<int>& cells, const FrameLevel& frame, const CellMask& kinds,
              const CellMask& moved, const Rigid3d& world_from_camera) const;
 
-  std::deque<Sight> sights_;     // in the order of time
-  std::unique_ptr<Sight> last_;  // with what moves in it; null if nothing does
+  std::deque<Sight> sights_;     // by time
+  std::unique_ptr<Sight> last_;  // last frame with its moving cells; null if there are none
 };
 
-// The same without what moves.
+// Removes the moving cells.
 Image<float> Without(Image<float> depth_m, const CellMask& moving);
 RgbdFrame Without(RgbdFrame frame, const CellMask& moving);
 FramePyramid Without(FramePyramid pyramid, const CellMask& moving);

@@ -32,7 +32,6 @@ class Relocalizer {
   virtual std::optional<Rigid3d> BeginSubmap(int lost_frames, const Rigid3d& world_from_last) = 0;
 };
 
-// Known before the search of a frame.
 struct SearchStart {
   const TrackingState& state;
   const ReferenceView& last;  // last frame with a pose

@@ -7,7 +7,7 @@
 namespace surfit {
 namespace {
 
-// Where points of one view land in the other.
+// Projects points of one view into the other view.
 class Landings {
  public:
   Landings(const FrameLevel& to, const ErrorModel& error_model, const Rigid3d& to_from_view)
@@ -53,7 +53,7 @@ class Landings {
   Eigen::Vector3f translation_;
 };
 
-// Even images are alike at any pose, and noise is not.
+// Returns 1 for images without texture, which correlate at any pose or by noise only.
 double Alike(const CorrelationSums& sums) {
   constexpr double kLeastCells = 200, kLeastVariance = 0.03 * 0.03;
   const auto variance = [&](double sum, double squares) {
@@ -64,7 +64,7 @@ double Alike(const CorrelationSums& sums) {
   return tells ? sums.Correlation(0) : 1;
 }
 
-// By the brightness of the model's own cells, as its other pixels have none.
+// Uses the model cells, because other model pixels have no brightness.
 CorrelationSums CompareBrightness(const FrameLevel& frame, const Image<Rgb8>& color,
                                   const FrameLevel& model, const Image<float>& model_grey,
                                   const Landings& in_frame) {

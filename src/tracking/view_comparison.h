@@ -10,8 +10,8 @@
 
 namespace surfit {
 
-// Views are compared on a grid of about 80 columns: a cell stands for step x step pixels, by the
-// one in its middle.
+// Grid of about 80 columns for the comparison of views. A cell represents step x step pixels by its
+// centre pixel.
 struct ViewGrid {
   explicit ViewGrid(const PinholeCamera& camera)
       : step(std::max(1, camera.width / 80)),
@@ -23,25 +23,25 @@ struct ViewGrid {
   int step, width, height;
 };
 
-// Where a point of a frame lies to the surface that the model shows there.
+// Position of a point of a frame relative to the model surface.
 enum class Side : std::uint8_t { kUnknown, kAtSurface, kInFront, kBehind };
 
-// What a frame and the model show of each other at a pose.
+// Comparison of a frame with the model at a pose.
 struct ViewComparison {
-  Image<Side> sides;  // of the frame's cells
+  Image<Side> sides;  // per cell of the frame
   int points = 0;     // cells with depth
-  int compared = 0;   // of these, those where the model shows a surface
-  int in_front = 0;   // of these, those well in front of it,
-  int behind = 0;     // and those well behind it: the frame sees through the surface
-  double alike = 1;   // correlation of brightness at the surface; 1 where there is nothing to tell
+  int compared = 0;   // cells with depth and a model surface
+  int in_front = 0;   // cells clearly in front of the model
+  int behind = 0;     // cells clearly behind the model: free-space violations
+  double alike = 1;   // correlation of brightness at the surface; 1 if it cannot be computed
 
-  // Of the cells of a mask, those in front of the model.
+  // Number of cells of a mask in front of the model.
   int CountInFront(const Image<std::uint8_t>& mask) const;
 };
 
-// Well in front or behind is beyond kFreeSpaceSigmas of the error model, along the model's normal.
-// `model_grey` is the brightness of the model's cells, 0 where there is none; it may be empty, and
-// so may `color`.
+// Compares a frame with the model. "Clearly" is beyond kFreeSpaceSigmas of the error model, along
+// the normal of the model. `model_grey` is the brightness of the model cells, 0 if unknown.
+// `model_grey` and `color` may be empty.
 ViewComparison CompareViews(const FrameLevel& frame, const Image<Rgb8>& color,
                             const FrameLevel& model, const Image<float>& model_grey,
                             const ErrorModel& error_model, const Rigid3d& model_from_frame);

@@ -12,7 +12,7 @@ class OptionVisitor;
 // Calibration of the depth camera during tracking: options and results. Depends on refinement. Read
 // src/calibration/calibrator.h next.
 
-// Few surfels and rounds: a camera has few numbers, and is found again soon.
+// Options of a fast refinement: few surfels and few rounds, because it is repeated during tracking.
 inline RefinementOptions CoarseRefinementOptions() {
   RefinementOptions options;
   options.cells_across = 40;
@@ -21,26 +21,27 @@ inline RefinementOptions CoarseRefinementOptions() {
   return options;
 }
 
-// How the depth camera is calibrated while it is tracked: by Refine() of all keyframes so far, when
-// there are first_keyframes, and each time there are a quarter more. What n keyframes tell takes
-// effect 1 + n/2 + n^2/40 frames later, however long it takes: the same on every machine. What is
-// no other than the given calibration, as far as the covariance tells, changes nothing.
+// Options of calibration during tracking. Refine() runs on all keyframes so far: first with
+// `first_keyframes` keyframes, then each time their number has grown by a quarter. An estimate from
+// n keyframes is applied 1 + n/2 + n^2/40 frames after the task starts, so that the result does not
+// depend on the machine. An estimate that does not differ significantly from the input calibration
+// is discarded.
 struct CalibrationOptions {
   bool enabled = true;
   int first_keyframes = 4;
-  int max_keyframes = 45;  // beyond this the camera stays as it was found
+  int max_keyframes = 45;  // keyframes; with more, the calibration does not change
   RefinementOptions refinement = CoarseRefinementOptions();
 
   void Visit(OptionVisitor& visitor);
 };
 
-// A calibration that was found while the camera was tracked.
+// Record of one calibration during tracking.
 struct CalibrationRecord {
   std::size_t keyframes = 0;
-  int begun_frame = 0;  // the last of them
-  int frame = 0;        // the last one before it took effect
+  int begun_frame = 0;  // index of the last of these keyframes
+  int frame = 0;        // index of the last frame before the result was applied
   RefinementSummary summary;
-  ColorLatency color_latency;  // beyond the given one
+  ColorLatency color_latency;  // in addition to RgbdCamera::color_latency_s
 };
 
 }  // namespace surfit

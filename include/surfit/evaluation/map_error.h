@@ -10,31 +10,32 @@ namespace surfit {
 
 class OptionVisitor;
 
-// How a map is compared with its reference.
 struct MapErrorOptions {
-  // A reference point counts as mapped if a map point is at most this far.
+  // Largest distance from a reference point to a map point for the reference point to be complete.
   double completeness_distance_m = 0.01;
 
   void Visit(OptionVisitor& visitor);
 };
 
-// How near a map is to a reference surface that is given as points, and how much of it it holds.
+// Accuracy and completeness of a map, with respect to a reference surface that is given as points.
 struct MapError {
-  // From each map point to the nearest reference point. The reference's own spacing s is part of
-  // it: a perfect map of a square grid still has a mean of 0.38 s.
+  // Distances from each map point to the nearest reference point. They include the spacing s of the
+  // reference: a perfect map of a square grid has a mean of 0.38 s.
   ErrorStatistics accuracy_m;
-  // The same to the plane of the nearest reference point, if the reference has normals: without
-  // the reference's spacing, but blind to errors along the surface.
+  // Distances from each map point to the plane of the nearest reference point. The spacing of the
+  // reference has no effect, but errors along the surface are not visible. std::nullopt if the
+  // reference has no normals.
   std::optional<ErrorStatistics> plane_accuracy_m;
-  // Share of the reference points that have a map point within completeness_distance_m.
+  // Ratio of reference points with a map point within `completeness_distance_m`.
   double completeness = 0;
-  // Points with finite coordinates; others are left out.
+  // Number of points with finite coordinates. Other points are ignored.
   std::size_t map_points = 0;
   std::size_t reference_points = 0;
 };
 
-// All points in one frame, metres. reference_normals are unit vectors, or none at all.
-// Throws InputError if the options are not valid, or if a cloud has no finite point.
+// All points are in one frame, in metres. `reference_normals` are unit vectors, one per reference
+// point, or empty. Throws InputError for invalid options, for a cloud without a finite point, and
+// for more than 2^30 points. Aborts on another number of normals.
 MapError ComputeMapError(const std::vector<Eigen::Vector3f>& map,
                          const std::vector<Eigen::Vector3f>& reference,
                          const std::vector<Eigen::Vector3f>& reference_normals,

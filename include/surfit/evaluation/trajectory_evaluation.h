@@ -15,64 +15,69 @@ class OptionVisitor;
 
 enum class AlignmentStatus {
   kAligned,
-  // The points lie on a line or in one spot: other rotations fit as well, with the same residuals.
+  // The points lie on a line or coincide: other rotations give the same residuals.
   kRotationNotUnique,
   // Fewer than 3 points; the transform is the identity.
   kTooFewPoints,
 };
 
-// A rigid transform between two sets of points.
+// Rigid transform between two sets of points.
 struct Alignment {
   AlignmentStatus status = AlignmentStatus::kTooFewPoints;
   Rigid3d target_from_source;
 };
 
-// The rigid transform, without scale, that minimises sum |target_i - (R source_i + t)|^2 over
-// pairs of points in metres (Horn 1987; Umeyama, PAMI 1991, eq. 39-43 with c = 1). R is a proper
-// rotation also where a reflection would fit better.
+// Computes the rigid transform without scale that minimises sum |target_i - (R source_i + t)|^2
+// (Horn 1987; Umeyama, PAMI 1991, eq. 39-43 with c = 1). Points are in metres. R is a proper
+// rotation, even if a reflection fits better. Aborts if the sizes differ or a point is not finite.
 Alignment AlignPoints(const std::vector<Eigen::Vector3d>& source,
                       const std::vector<Eigen::Vector3d>& target);
 
-// What the ground truth knows of a moment.
+// Options of the association of estimated poses with ground truth.
 struct MatchOptions {
-  // Where its stamps are further apart, its nearest pose is taken if it is at most this far: evo's
-  // default; the TUM scripts use 0.02.
+  // Largest time to the nearest ground-truth pose, if no pose is interpolated. Default of evo; the
+  // TUM scripts use 0.02.
   double max_difference_s = 0.01;
-  // Between two true poses at most this far apart, the pose is interpolated: translation linear,
-  // rotation along the shortest arc. At an acceleration a that misses by a max_gap_s^2 / 8 at most,
-  // 1 mm at 3 m/s^2; the nearest pose of motion capture at 100 Hz, up to 5 ms away, misses by as
-  // much at 0.2 m/s. 0: always the nearest, as evo and the TUM scripts do.
+  // Ground truth is interpolated between poses at most this far apart: translation linearly,
+  // rotation along the shortest arc. At an acceleration a, the error is at most a max_gap_s^2 / 8:
+  // 1 mm at 3 m/s^2. The nearest pose of motion capture at 100 Hz is up to 5 ms away and has this
+  // error at 0.2 m/s. 0: the nearest pose, as in evo and the TUM scripts.
   double max_gap_s = 0.05;
 
   void Visit(OptionVisitor& visitor);
 };
 
-// What the ground truth and the estimate say of the same moment, each in its own world.
+// Estimated pose with the ground-truth pose of the same time. Both are world-from-camera, each in
+// its own world frame.
 struct MatchedPose {
-  double stamp_s = 0;  // the estimate's
+  double stamp_s = 0;  // timestamp of the estimate
   Rigid3d ground_truth;
   Rigid3d estimate;
 };
 
-// The poses of the estimate at whose stamps the ground truth knows one, in order of time. At a true
-// stamp that is the true pose itself, bit for bit.
+// Estimated poses that have ground truth at their timestamps, by time. At a timestamp of the ground
+// truth, the ground-truth pose is returned bitwise identical. Throws InputError for invalid
+// options.
 std::vector<MatchedPose> MatchPoses(const Trajectory& ground_truth, const Trajectory& estimate,
                                     const MatchOptions& options);
 
+// Timestamps of the poses, s.
 std::vector<double> Stamps(const Trajectory& trajectory);
 
-// How far the estimated camera centres are from the true ones, once the estimate as a whole is
-// placed as well as a rigid motion can (Sturm et al., IROS 2012, eq. 3-4).
+// Absolute trajectory error (ATE): distances of the camera centres after rigid alignment of the
+// whole estimate (Sturm et al., IROS 2012, eq. 3-4).
 struct AbsoluteTrajectoryError {
-  Alignment alignment;            // target: the ground truth's world, source: the estimate's
-  ErrorStatistics translation_m;  // of |true centre - aligned centre|
+  Alignment alignment;  // target: world of the ground truth; source: world of the estimate
+  ErrorStatistics translation_m;  // |true centre - aligned centre|
 };
 
-// Nothing if fewer than 3 poses match. On a straight path the rotation is not unique, the error is.
+// Returns std::nullopt for fewer than 3 poses. On a straight path the rotation is not unique, but
+// the error is.
 std::optional<AbsoluteTrajectoryError> ComputeAbsoluteTrajectoryError(
     const std::vector<MatchedPose>& poses);
 
-// How far an estimated motion is from the true one.
+// Difference of two rigid transforms: norm of the translation and angle of the rotation of truth^-1
+// * estimated.
 struct PoseError {
   double translation_m = 0;
   double rotation_deg = 0;
@@ -80,11 +85,12 @@ struct PoseError {
 
 PoseError ErrorOf(const Rigid3d& estimated, const Rigid3d& truth);
 
-// The interval over which drift is measured.
+// Interval of the relative pose error.
 struct RelativePoseErrorOptions {
   enum class Unit {
-    kFrames,  // delta counts matched poses, as in evo and the TUM scripts: lost frames are no steps
-    kSeconds,  // the pose whose stamp is nearest to delta later, if off by at most a tenth of delta
+    kFrames,   // `delta` is a number of matched poses, as in evo and the TUM scripts; lost frames
+               // are not counted
+    kSeconds,  // `delta` is a time; the nearest pose may deviate by a tenth of `delta`
   };
   double delta = 1;
   Unit delta_unit = Unit::kFrames;
@@ -92,20 +98,19 @@ struct RelativePoseErrorOptions {
   void Visit(OptionVisitor& visitor);
 };
 
-// Drift over a fixed interval. With P the estimate and Q the ground truth, for every pose i and
-// its partner j: E = (Q_i^-1 Q_j)^-1 (P_i^-1 P_j) (Sturm et al., IROS 2012, eq. 1; evo's
-// --all_pairs). The TUM script takes the relative poses the other way round, j to i: the same
-// rotation, and a translation that differs in second order.
+// Relative pose error (RPE): drift over a fixed interval. With the estimate P, the ground truth Q,
+// and every pair of poses i and j: E = (Q_i^-1 Q_j)^-1 (P_i^-1 P_j) (Sturm et al., IROS 2012, eq.
+// 1; --all_pairs of evo). The TUM script inverts the relative poses: its rotation error is equal,
+// and its translation error differs in second order.
 struct RelativePoseError {
-  ErrorStatistics translation_m;  // of the length of E's translation
-  ErrorStatistics rotation_deg;   // of the angle of E's rotation
+  ErrorStatistics translation_m;  // norm of the translation of E
+  ErrorStatistics rotation_deg;   // rotation angle of E
 };
 
-// Nothing if no two poses are delta apart.
+// Returns std::nullopt if no pair of poses is `delta` apart. Throws InputError for invalid options.
 std::optional<RelativePoseError> ComputeRelativePoseError(const std::vector<MatchedPose>& poses,
                                                           const RelativePoseErrorOptions& options);
 
-// How a trajectory is compared with the ground truth.
 struct TrajectoryEvaluationOptions {
   MatchOptions match;
   RelativePoseErrorOptions rpe;
@@ -113,41 +118,41 @@ struct TrajectoryEvaluationOptions {
   void Visit(OptionVisitor& visitor);
 };
 
-// What is said of an estimated trajectory.
 struct TrajectoryEvaluation {
-  int expected = 0;  // frames that should have a pose: those that the ground truth knows
-  int matched = 0;   // poses of the estimate that the ground truth knows
-  // matched / expected, at most 1; 0 if nothing is expected. An error over few poses says little.
+  int expected = 0;  // frames that have ground truth
+  int matched = 0;   // estimated poses that have ground truth
+  // matched / expected, at most 1; 0 without expected frames. Errors are not representative at a
+  // low coverage.
   double coverage = 0;
   std::optional<AbsoluteTrajectoryError> ate;
   std::optional<RelativePoseError> rpe;
 };
 
-// All that is said of an estimated trajectory. frame_stamps_s are the stamps of all frames that the
-// estimate was to have a pose for, ascending.
-// Throws InputError if the options are not valid.
+// Computes coverage, ATE and RPE. `frame_stamps_s` are the ascending timestamps of all frames that
+// should have an estimated pose. Throws InputError for invalid options.
 TrajectoryEvaluation EvaluateTrajectory(const Trajectory& ground_truth, const Trajectory& estimate,
                                         const std::vector<double>& frame_stamps_s,
                                         const TrajectoryEvaluationOptions& options);
 
-// The trajectory with its stamps moved by so much.
+// Returns the trajectory with `by_s` added to its timestamps.
 Trajectory WithStampsMoved(Trajectory trajectory, double by_s);
 
-// A difference of the clocks of estimate and ground truth.
+// Time offset between estimate and ground truth, with its ATE.
 struct TimeOffset {
-  double offset_s = 0;  // to be added to the estimate's stamps
+  double offset_s = 0;  // added to the timestamps of the estimate
   AbsoluteTrajectoryError ate;
 };
 
-// The error of the estimate with an offset that is given. Nothing if fewer than 3 poses match.
+// ATE with a given time offset. Returns std::nullopt if fewer than 3 poses match. Throws InputError
+// for invalid options.
 std::optional<TimeOffset> EvaluateTimeOffset(const Trajectory& ground_truth,
                                              const Trajectory& estimate, double offset_s,
                                              const MatchOptions& options);
 
-// The offset within 0.1 s either way at which the absolute error is least: what the error would be
-// if the clocks were set by the ground truth. It takes out errors of the estimate, too, that look
-// like an offset: to be told beside the plain error, never instead of it. Nothing if fewer than 3
-// poses match at each offset.
+// Estimates the time offset within +-0.1 s that minimises the ATE. The offset also removes errors
+// of the estimate that resemble an offset: report its ATE in addition to the plain ATE, never
+// instead of it. Poses without ground truth at one of the tested offsets are not used. Returns
+// std::nullopt for fewer than 3 remaining poses. Throws InputError for invalid options.
 std::optional<TimeOffset> EstimateTimeOffset(const Trajectory& ground_truth,
                                              const Trajectory& estimate,
                                              const MatchOptions& options);

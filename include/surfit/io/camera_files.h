@@ -8,40 +8,41 @@
 
 namespace surfit {
 
-// The cameras of well-known data sets, 640 x 480: tum_fr1, tum_fr2, tum_fr3, icl_nuim (fy < 0, as
-// published), seven_scenes (colour camera not registered to depth), redwood, replica (1200 x 680,
-// as rendered for NICE-SLAM), klg (ElasticFusion's default); and of sensors as they come, colour
-// registered to depth: kinect_v1, xtion, kinect_v2, azure_kinect, realsense_d415, realsense_d435,
-// realsense_d455. Throws InputError listing the known names for any other.
+// Returns a camera preset. Throws InputError with the list of names for an unknown name.
+// - Data sets, 640 x 480 px: tum_fr1, tum_fr2, tum_fr3, icl_nuim (fy < 0, as published),
+//   seven_scenes (colour camera not registered to depth), redwood, klg (default of ElasticFusion).
+// - Data set, 1200 x 680 px: replica (as rendered for NICE-SLAM).
+// - Sensors with factory settings and colour registered to depth: kinect_v1, xtion, kinect_v2,
+//   azure_kinect, realsense_d415, realsense_d435, realsense_d455.
 RgbdCamera CameraPreset(const std::string& name);
 
 std::vector<std::string> CameraPresetNames();
 
-// A camera as YAML (as OpenCV's FileStorage writes it):
-//   depth_camera: { width, height, fx, fy, cx, cy, distortion: [ k1, k2, p1, p2, k3 ] }   pixels
-//   color_camera: { the same keys }          only where colour is not registered to depth
+// Reads a camera from YAML, as written by cv::FileStorage:
+//   depth_camera: { width, height, fx, fy, cx, cy, distortion: [ k1, k2, p1, p2, k3 ] }   px
+//   color_camera: { the same keys }          if colour is not registered to depth
 //   color_from_depth: { translation_m: [ x, y, z ], rotation_xyzw: [ x, y, z, w ] }
 //   depth_units_per_metre: 5000.
-//   disparity: { focal_px: 570., baseline_m: 0.075, counts_per_px: 8. }   in place of the units
+//   disparity: { focal_px: 570., baseline_m: 0.075, counts_per_px: 8., count_at_infinity: 0. }
 //   inverse_depth_sigma: 0.002               1/m: DepthNoise
 //   inverse_depth_field: [ c0, c1, c2, c3, c4, c5 ]      1/m: ReadInverseDepthField()
 //   frames_per_second: 30.
-//   latency_s: 0.02                          how long before its stamp a depth frame was measured
-//   color_latency_s: 0.01                    and how much longer a colour frame
-//   readout_s: 0.033                         of a rolling shutter
-//   prior: { focal_share: 0.01, ... }        any fields of CalibrationPrior
-// depth_camera and depth_units_per_metre (or disparity) must stand; distortion is zero,
-// color_from_depth the identity, and the others the RgbdCamera's defaults where they do not. A key
-// that is none of these is an error, for it is a misspelt one. Throws InputError naming the file,
-// the key, the value and the constraint.
+//   latency_s: 0.02                          timestamp minus capture time of a depth frame
+//   color_latency_s: 0.01                    additional latency of colour
+//   readout_s: 0.033                         rolling-shutter readout
+//   prior: { focal_share: 0.01, ... }        fields of CalibrationPrior
+// `depth_camera` is required, and either `depth_units_per_metre` or `disparity`. Missing keys have
+// these defaults: no distortion, the identity for `color_from_depth`, otherwise the defaults of
+// RgbdCamera. Unknown keys are errors. Throws InputError that names the file, the key, the value
+// and the constraint.
 RgbdCamera ReadCameraYaml(const std::string& path);
 
-// Its inverse_depth_field, what its depth needs to be right; zero where there is none.
-// Throws InputError as ReadCameraYaml() does.
+// Reads only the key `inverse_depth_field` of such a file: the correction of its depth. Returns the
+// zero field without the key. Throws InputError that names the file.
 InverseDepthField ReadInverseDepthField(const std::string& path);
 
-// Writes such a file, without a field or a color_latency_s that is zero and a prior that is the
-// default. Throws InputError naming the file if it cannot be written.
+// Writes such a file atomically. A zero `field`, a zero `color_latency_s` and the default prior are
+// omitted. Throws InputError that names the file if it cannot be written.
 void WriteCameraYaml(const RgbdCamera& camera, const std::string& path,
                      const InverseDepthField& field = {});
 

@@ -8,27 +8,31 @@
 
 namespace surfit {
 
-// What a .g2o file holds.
 struct G2oFile {
   PoseGraph graph;
-  std::map<std::string, std::size_t> ignored_lines;  // by tags that are not known: how many
+  std::map<std::string, std::size_t> ignored_lines;  // number of lines per unknown tag
 };
 
-// Reads a pose graph in three dimensions, in the text format of g2o (Kummerle et al.: g2o: A
-// general framework for graph optimization, ICRA 2011):
+// Reads a 3D pose graph in the text format of g2o (Kummerle et al.: g2o: A general framework for
+// graph optimization, ICRA 2011), with lines in any order:
 //   VERTEX_SE3:QUAT id x y z qx qy qz qw          world_from_pose, metres
-//   EDGE_SE3:QUAT i j x y z qx qy qz qw I11 ...   i_from_j, and the upper triangle, row by row, of
-//                                                 the information of (translation, rotation)
+//   EDGE_SE3:QUAT i j x y z qx qy qz qw I11 ...   i_from_j, and the upper triangle of the
+//                                                 information of (translation, rotation), by rows
 //   FIX id ...
-// in any order; # begins a comment. As GTSAM and Ceres' examples do, the rotation is taken as a
-// vector in rad; g2o itself means the quaternion's (qx, qy, qz), half of that. The error is that of
-// i_from_j^-1 (estimated i_from_j), in the frame of j: the edge in the graph is b = i, a = j.
-// An edge between ids that do not follow one another is a loop.
-// Throws InputError naming file, line and constraint; and if there are no vertices.
+//   # comment
+// The rotation part of the information refers to a rotation vector in rad, as in GTSAM and in the
+// examples of Ceres. g2o itself refers to (qx, qy, qz) of the quaternion, half of that vector.
+//
+// The error of the edge is that of i_from_j^-1 (estimated i_from_j), in the frame of j. Therefore
+// the edge in the graph has a = j and b = i. An edge between ids that are not consecutive is a loop
+// closure.
+//
+// Throws InputError that names the file, the line and the constraint. A file without vertices is an
+// error.
 G2oFile ReadG2o(const std::string& path);
 
-// Writes all of it in the same format and order, atomically, with as many digits as give the same
-// numbers again. Throws InputError naming the file if it cannot be written.
+// Writes poses, fixed poses and edges atomically in the same format, with enough digits for an
+// exact round trip. Throws InputError that names the file if it cannot be written.
 void WriteG2o(const PoseGraph& graph, const std::string& path);
 
 }  // namespace surfit

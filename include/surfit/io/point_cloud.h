@@ -10,49 +10,50 @@
 
 namespace surfit {
 
-// Points with optional normals, colours, radii and confidences: each of these is empty or of the
-// points' size.
+// Points with optional attributes. The vector of an attribute is empty or has the size of `points`.
 struct PointCloud {
   std::vector<Eigen::Vector3f> points;  // metres
   std::vector<Eigen::Vector3f> normals;
   std::vector<Rgb8> colors;
-  std::vector<float> radii_m = {};      // of surfels
+  std::vector<float> radii_m = {};      // of surfels; metres
   std::vector<float> confidences = {};  // of surfels
 };
 
-// Reads the element `vertex` of a PLY file, ascii or binary little endian: x y z of any scalar
-// type, nx ny nz where there are all three, red green blue where there are all three as uchar,
-// radius, confidence. Everything else in the file is skipped. Coordinates come as they are, NaN
-// included. Throws InputError naming the file and what is wrong with it. A count that the file is
-// too short for is refused before any memory is taken for it.
+// Reads the element `vertex` of a PLY file, ascii or binary little endian. x, y and z have any
+// scalar type. Optional properties: nx ny nz, red green blue (uchar), radius, confidence. Other
+// content is ignored. Coordinates are not checked and may be NaN. Throws InputError that names the
+// file and the error. A vertex count that exceeds the file size is rejected before memory is
+// allocated.
 PointCloud ReadPly(const std::string& path);
 
-// Reads a PLY file or, where the first line is not `ply`, a PCD file (Point Cloud Data 0.7: ascii,
-// binary or binary_compressed): x y z of any type, normal_x normal_y normal_z where there are all
-// three, rgb or rgba where there is one of four bytes. VIEWPOINT is not applied, no radii are read.
-// The rest is as with ReadPly().
+// Reads a PLY file as ReadPly(), or a PCD file (Point Cloud Data 0.7: ascii, binary or
+// binary_compressed) if the first line is not `ply`. PCD fields: x y z of any type, and optionally
+// normal_x normal_y normal_z and one 4-byte rgb or rgba. VIEWPOINT is not applied. Radii and
+// confidences are not read from PCD. Throws InputError that names the file and the error.
 PointCloud ReadPointCloud(const std::string& path);
 
-// Leaves out the points with a coordinate that is not finite; returns how many.
+// Removes the points with a coordinate that is not finite. Returns the number of removed points.
+// Aborts if an attribute has another size than `points`.
 std::size_t RemoveNonFinite(PointCloud* cloud);
 
-// Writes binary little endian PLY, atomically. Throws InputError naming the file if it cannot be
-// written.
+// Writes binary little-endian PLY atomically. Throws InputError that names the file if it cannot be
+// written. Aborts if an attribute has another size than `points`.
 void WritePly(const PointCloud& cloud, const std::string& path);
 
-// Writes binary PCD 0.7, atomically: x y z, normal_x normal_y normal_z and rgb (the bits 0x00rrggbb
-// as a float, as PCL has it) where the cloud has them; no radii. Throws InputError naming the file
-// if it cannot be written.
+// Writes binary PCD 0.7 atomically: x y z, and normal_x normal_y normal_z and rgb (the bits
+// 0x00rrggbb as a float, as in PCL) if the cloud has them. Radii and confidences are not written.
+// Throws InputError that names the file if it cannot be written. Aborts if normals or colours have
+// another size than `points`.
 void WritePcd(const PointCloud& cloud, const std::string& path);
 
-// Writes the map as binary little endian PLY, atomically, one vertex a surfel:
-// float x y z nx ny nz, uchar red green blue, float radius confidence, int first_seen last_seen
-// (metres, world frame, frame indices). Opens in CloudCompare, MeshLab and Open3D.
-// Throws InputError naming the file if it cannot be written.
+// Writes the map atomically as binary little-endian PLY, one vertex per surfel: float x y z nx ny
+// nz, uchar red green blue, float radius confidence, int first_seen last_seen (metres, world frame,
+// frame indices). CloudCompare, MeshLab and Open3D can open the file. Throws InputError that names
+// the file if it cannot be written.
 void WriteSurfelPly(const SurfelMap& map, const std::string& path);
 
-// Reads such a file: all of these properties must be there, in any order and of any scalar type.
-// Throws InputError naming the file and what is wrong with it.
+// Reads a file of WriteSurfelPly(). All its properties are required, in any order and of any scalar
+// type. Throws InputError that names the file and the error.
 std::vector<Surfel> ReadSurfelPly(const std::string& path);
 
 }  // namespace surfit

@@ -13,69 +13,70 @@ namespace surfit {
 
 class OptionVisitor;
 
-// How a loop is verified.
 struct VerifyLoopOptions {
-  PreprocessOptions preprocess;  // of the views' normals and coarser levels
+  PreprocessOptions preprocess;  // for normals and pyramids of the views
   IcpOptions icp = DefaultIcp();
-  int min_agreeing_features = 12;  // for a pose that features propose
+  int min_agreeing_features = 12;  // of an initial pose from features
   FitCriteria fit;
 
-  // Symmetric residual, from a coarse level within the reach of what starts it.
+  // Symmetric point-to-plane residual with a gate of 5 cm and 0.5 rad, and photometric residuals.
   static IcpOptions DefaultIcp();
 
   void Visit(OptionVisitor& visitor);
 };
 
-// Registers one view of a place to another and judges the fit: poses that features agree on and, if
-// given, a prior are refined densely on a coarse level, the best on the finest. Throws InputError
-// for impossible options; a loop that is not believed is a verdict, not an error. The same bit for
-// bit at any number of threads.
+// Registers `source` to `target` and verifies the result. Initial poses come from feature
+// correspondences and from the prior, if there is one. They are refined by ICP on a coarse level,
+// and the best pose on the finest level. A rejected candidate is a FarVerdict with its reason, not
+// an error. The result is bitwise identical for any number of threads. Throws InputError for
+// invalid options.
 FarVerdict VerifyLoop(const PlaceView& source, const PlaceView& target,
                       const VerifyLoopOptions& options,
                       const std::optional<Rigid3d>& target_from_source_prior = std::nullopt);
 
-// Which pairs of keyframes are verified.
+// Options of the search for loop candidates.
 struct FindLoopsOptions {
-  int min_gap = 100;           // frames between the two
-  int max_alike = 3;           // keyframes that look most alike
-  int max_near = 2;            // further ones whose estimated poses are nearest
-  double max_near_m = 0.5;     // near is no farther than this,
-  double max_near_rad = 0.52;  // nor turned by more: 30 degrees
+  int min_gap = 100;           // minimum difference of the frame indices
+  int max_alike = 3;           // maximum number of candidates from place recognition
+  int max_near = 2;            // maximum number of additional candidates with a near estimated pose
+  double max_near_m = 0.5;     // maximum distance of a near pose
+  double max_near_rad = 0.52;  // maximum rotation of a near pose: 30 degrees
   VerifyLoopOptions verify;
 
   void Visit(OptionVisitor& visitor);
 };
 
-// Earlier keyframes to which keyframe `source` may be joined: those most alike first, then those
-// that are near. The index knows keyframes by their positions.
+// Returns loop candidates between keyframe `source` and earlier keyframes: first by descending
+// similarity, then by increasing pose distance. `source` and the keyframes of the index are
+// positions in `keyframes`.
 std::vector<LoopProposal> ProposeLoops(int source, const std::vector<Keyframe>& keyframes,
                                        const PlaceIndex& index, const FindLoopsOptions& options);
 
-// Verifies all proposals, in their order. Throws InputError for impossible options.
+// Verifies all candidates of ProposeLoops(), in their order. Throws InputError for invalid options.
 std::vector<LoopAttempt> FindLoops(int source, const std::vector<Keyframe>& keyframes,
                                    const PlaceIndex& index, const FindLoopsOptions& options);
 
-// How a lost camera is found again.
 struct RelocalizeOptions {
-  int max_candidates = 5;  // keyframes that are tried, those most alike first
+  int max_candidates = 5;  // maximum number of keyframes to verify, by descending similarity
   VerifyLoopOptions verify;
 
   void Visit(OptionVisitor& visitor);
 };
 
-// Where a camera was found, or why not.
 struct Relocalization {
   static constexpr int kNone = -1;
 
-  int keyframe = kNone;               // position of the one it was found by
-  Rigid3d world_from_camera;          // by that keyframe's pose; meaningless if there is none
-  std::vector<LoopAttempt> attempts;  // their source is kNone; the last may be accepted
+  int keyframe = kNone;       // position of the matching keyframe; kNone: not found
+  Rigid3d world_from_camera;  // from the pose of this keyframe; undefined if not found
+  // Verified candidates in their order, with source kNone. If there is a match, it is the last
+  // element.
+  std::vector<LoopAttempt> attempts;
 
   bool found() const { return keyframe != kNone; }
 };
 
-// Looks for the view among the keyframes, without any prior pose: the first that looks alike and is
-// verified.
+// Relocalises a view without a prior pose: returns the first candidate of place recognition that is
+// verified. Throws InputError for invalid options.
 Relocalization Relocalize(const PlaceView& view, const std::vector<Keyframe>& keyframes,
                           const PlaceIndex& index, const RelocalizeOptions& options);
 

@@ -16,72 +16,74 @@ namespace surfit {
 
 class OptionVisitor;
 
-// A point that can be found again in another image.
+// Image feature with depth.
 struct PlaceFeature {
-  Eigen::Vector3f point;  // in the camera's frame, metres
+  Eigen::Vector3f point;  // in the camera frame, metres
   BinaryDescriptor descriptor = {};
 };
 
-// What is kept of a frame to be found again and to be registered to: about 260 kB for a camera of
-// 640 x 480, whose images are kept at half the size.
+// Compact view of a keyframe for place recognition and registration. A camera of 640 x 480 takes
+// about 260 kB, with images at half resolution.
 struct PlaceView {
-  PinholeCamera camera;                // of the images
-  DepthNoise noise;                    // of the depth
-  Image<std::uint16_t> depth;          // filtered, in 1/kDepthUnitsPerMetre; 0 = missing
-  Image<std::uint8_t> intensity;       // 1 = black to 255 = white; 0 = unknown; empty = none
-  std::vector<PlaceFeature> features;  // none without colour
+  PinholeCamera camera;
+  DepthNoise noise;
+  Image<std::uint16_t> depth;          // filtered, in 1/kDepthUnitsPerMetre m; 0: missing
+  Image<std::uint8_t> intensity;       // 1: black, 255: white, 0: unknown; empty without colour
+  std::vector<PlaceFeature> features;  // empty without colour
 
-  // Depth to 13.1 m; what is farther is missing. Rounding is 0.1 mm.
+  // Resolution of the depth: rounding errors are 0.1 mm. Depth above 13.1 m is missing.
   static constexpr double kDepthUnitsPerMetre = 5000;
 
   bool empty() const { return depth.empty(); }
+  // Memory of images and features.
   std::size_t Bytes() const;
 };
 
-// A frame that stands for its place.
+// Frame with a stored view.
 struct Keyframe {
   int frame_index = 0;
   double stamp_s = 0;
-  Rigid3d world_from_camera;  // as last estimated
-  PlaceView view;             // empty where it was given up to bound memory (LimitKeyframes)
+  Rigid3d world_from_camera;  // latest estimate
+  PlaceView view;             // empty if removed by LimitKeyframes()
 };
 
-// How views of places are made.
 struct PlaceViewOptions {
-  int max_width = 320;     // px; images are halved until they are no wider
-  int max_features = 500;  // spread over the image
+  int max_width = 320;     // px; images are halved until their width is at most this
+  int max_features = 500;  // distributed over the image
 
   void Visit(OptionVisitor& visitor);
 };
 
-// Takes the finest level of the pyramid that is not too wide, and features of the colours, which
-// are of the finest level's pixels or empty. Throws InputError for impossible options.
+// Makes a view from the finest pyramid level within `max_width`, and features of the colour image.
+// `color` has the pixels of the finest level, or is empty. Throws InputError for invalid options.
 PlaceView MakePlaceView(const FramePyramid& pyramid, const Image<Rgb8>& color,
                         const PlaceViewOptions& options);
 
-// The view's surfaces again, normals computed anew, with intensities where it has them.
+// Returns the surfaces of a view as a pyramid, with new normals, and with intensities if the view
+// has them.
 FramePyramid PyramidOf(const PlaceView& view, const PreprocessOptions& options);
 
-// When a frame becomes a keyframe.
+// Criteria of a new keyframe. One criterion is sufficient. The last two criteria also require a
+// tenth of `max_distance_m` or of `max_angle_rad` since the last keyframe.
 struct KeyframeOptions {
-  // From the last keyframe the camera has moved so far,
-  double max_distance_m = 0.2;
-  double max_angle_rad = 0.21;  // 12 degrees
-  // or sees less than this share of what the keyframe sees,
+  double max_distance_m = 0.2;  // distance from the last keyframe
+  double max_angle_rad = 0.21;  // rotation from the last keyframe: 12 degrees
+  // Minimum OverlapShare() with the last keyframe. Not used if the view of that keyframe is empty.
   double min_overlap_share = 0.7;
-  // or so many frames have passed since in which it moved at all: by a tenth of what is above.
+  // Number of frames since the last keyframe.
   int max_frames = 60;
 
   void Visit(OptionVisitor& visitor);
 };
 
-// Whether a frame at that pose is to become a keyframe, after the last one. `surface` is any level
-// of its pyramid.
+// Returns whether a frame with this pose becomes a keyframe after `last`. `surface` is any level of
+// its pyramid.
 bool IsKeyframe(const Keyframe& last, int frame_index, const FrameLevel& surface,
                 const Rigid3d& world_from_camera, const KeyframeOptions& options);
 
-// The share of the points that a keyframe sees which fall into the image of a camera there, and are
-// not hidden from it by the surface it sees. 0 where the keyframe's view is empty.
+// Overlap: ratio of the points of a keyframe that are visible in a camera at `world_from_camera`.
+// They project into its image, and `surface` does not occlude them. 0 if the view of the keyframe
+// is empty.
 double OverlapShare(const Keyframe& keyframe, const FrameLevel& surface,
                     const Rigid3d& world_from_camera);
 

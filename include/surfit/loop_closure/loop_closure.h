@@ -17,30 +17,30 @@ class OptionVisitor;
 // Loop closure: options and callbacks. Depends on place recognition, poses and optimization. Read
 // src/loop_closure/loop_closer.h next.
 
-// What registrations do not know of their errors. The covariance of odometry is what they say,
-// times the points that share one error and the frames between the keyframes: drift is a walk at
-// random, and goes above all where a view holds the camera least. Errors of calibration and of
-// surfaces that are not what the model of noise says do not average out at all: they are added to
-// the covariance of every edge of the pose graph, as standard deviations of each component.
+// Uncertainty added to pose graph edges. The odometry covariance is the registration covariance,
+// times `shared_points`, times the number of frames between the keyframes. Drift is a random walk,
+// largest along weakly constrained directions. Errors of the calibration and of the surface model
+// do not average out. They are standard deviations per component, and are added to the covariance
+// of every edge.
 struct EdgeNoise {
   double shared_points = kSharedPoints;
-  double odometry_m = 0.0002;     // between consecutive keyframes, and
-  double odometry_rad = 0.0001;   //
-  double odometry_share = 0.001;  // of the way and of the turn between them
-  double loop_m = 0.003;          // of a loop, beyond FarVerdict::information
-  double loop_rad = 0.0015;
+  double odometry_m = 0.0002;     // between consecutive keyframes, m
+  double odometry_rad = 0.0001;   // between consecutive keyframes, rad
+  double odometry_share = 0.001;  // additional ratio of the translation and rotation between them
+  double loop_m = 0.003;          // of loop closures, in addition to FarVerdict::information, m
+  double loop_rad = 0.0015;       // of loop closures, rad
 
   void Visit(OptionVisitor& visitor);
 };
 
-// Of loops: wrong ones are left out.
+// Options of the pose graph with outlier rejection of loop closures by GNC.
 inline PoseGraphOptions RobustPoseGraphOptions() {
   PoseGraphOptions options;
   options.loop_robustness = "gnc";
   return options;
 }
 
-// How loops are closed, and how a lost camera is found again.
+// Options of loop closure and relocalisation.
 struct LoopOptions {
   bool enabled = false;
   KeyframeOptions keyframes;
@@ -50,30 +50,36 @@ struct LoopOptions {
   RelocalizeOptions relocalize;
   EdgeNoise noise;
   PoseGraphOptions graph = RobustPoseGraphOptions();
-  // What is found out from a keyframe on takes effect before the so-many-th frame after it, however
-  // long it takes: the same on every machine.
+  // Loop closures of a keyframe are applied this many frames later, so that the result does not
+  // depend on the machine. In real time, they may be applied later.
   int delay_frames = 30;
-  // FusionOptions::active_frames where loops are closed and that sets no limit: what the camera has
-  // drifted from must not hold it until a loop has put both together. 0 = no limit either.
+  // Value of FusionOptions::active_frames with loop closure, if that option is 0. Old surfels must
+  // not constrain a drifted camera before a loop closure corrects the drift. 0: no limit.
   int active_frames = 200;
-  // Surfels last seen longer before others were first seen are merged with these where a loop puts
-  // them together; FusionOptions::active_frames where that is more.
+  // A loop closure merges duplicate surfels with at least this number of frames between the last
+  // observation of the older surfel and the first observation of the newer surfel.
+  // FusionOptions::active_frames is used instead if it is larger.
   int frames_apart = 100;
-  // A correction that moves no keyframe farther is not applied: the map is as good as it was.
+  // Loop closures do not move the map if the displacement of each keyframe is at most this value.
+  // The displacement is the translation plus 2 m times the rotation in rad.
   double min_correction_m = 0.002;
-  std::size_t max_view_bytes = std::size_t{512} << 20;  // of keyframes: LimitKeyframes()
-  // After so many lost frames in a row a new map is begun, and joined to the first by a loop. 0 =
-  // never.
+  // Memory of keyframe views, for LimitKeyframes().
+  std::size_t max_view_bytes = std::size_t{512}
+                               << 20;  // memory of keyframe views: LimitKeyframes()
+  // Number of consecutive lost frames after which a new submap starts. A loop closure connects it
+  // to the first submap. 0: never.
   int new_map_after = 0;
 
   void Visit(OptionVisitor& visitor);
 };
 
-// Tries to join keyframe `source` to earlier ones: FindLoops(), or another way.
+// Finds and verifies loop closures of keyframe `source`, a position in `keyframes`: FindLoops() or
+// another method. Runs in the background thread of loop closure, or in the thread of Slam if only
+// one thread may compute. Exceptions are thrown again by the call of Slam that applies the result.
 using LoopFinder = std::function<std::vector<LoopAttempt>(
     int source, const std::vector<Keyframe>& keyframes, const PlaceIndex& index)>;
 
-// A keyframe's view, made by whichever thread asks for it first.
+// Returns the view of a keyframe. The view is computed at the first call. Safe from any thread.
 using ViewOfKeyframe = std::function<PlaceView()>;
 
 }  // namespace surfit

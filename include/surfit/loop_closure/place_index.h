@@ -11,41 +11,39 @@ namespace surfit {
 
 class OptionVisitor;
 
-// How places are looked up.
 struct PlaceIndexOptions {
-  int tables = 8;                // of descriptors, each by bits of its own
-  int bits = 14;                 // by which a table's descriptors are found, at most 20
-  int max_hamming = 48;          // of 256: descriptors that differ by more do not show the same
-  double min_similarity = 0.02;  // of a candidate
+  int tables = 8;                // hash tables of descriptors, each with its own random bits
+  int bits = 14;                 // bits of a hash, at most 20
+  int max_hamming = 48;          // maximum Hamming distance of matching descriptors, of 256 bits
+  double min_similarity = 0.02;  // minimum PlaceCandidate::similarity
 
   void Visit(OptionVisitor& visitor);
 };
 
-// A keyframe that may show the place that was asked for.
+// Candidate keyframe for a query view.
 struct PlaceCandidate {
   int keyframe = 0;
-  // From 0 to 1: the share of the view's features that the keyframe has too, each weighted by how
-  // few keyframes have it.
+  // Ratio of the features of the query view that the keyframe has as well, in [0, 1]. Features that
+  // few keyframes have are weighted more.
   double similarity = 0;
 };
 
-// Tells which keyframes look like a view, without any training: each table finds descriptors by a
-// random selection of their bits, a fern (Ozuysal et al. 2010) or hash (Gionis et al. 1999), and
-// descriptors found and near enough vote for their keyframe. Its time grows with the number of
-// features that share a hash, in practice with a small part of all. The same calls give the same
-// answers.
+// Place recognition without training. Each table finds descriptors by a random selection of their
+// bits, a fern (Ozuysal et al. 2010) or hash (Gionis et al. 1999). Descriptors within `max_hamming`
+// vote for their keyframe. The time of a query grows with the number of features that share a hash,
+// in practice a small part of all features. Results are deterministic. Concurrent queries are safe.
 class PlaceIndex {
  public:
-  // Throws InputError for impossible options.
+  // Throws InputError for invalid options.
   explicit PlaceIndex(const PlaceIndexOptions& options = {});
 
-  // Adds what a keyframe shows, under any number that is not in the index.
+  // Adds a keyframe under a number that is not in the index. Aborts if the number is in the index.
   void Add(int keyframe, const PlaceView& view);
-  // Takes it out again, where it is in.
+  // Removes a keyframe. No effect if it is not in the index. Rebuilds all tables.
   void Remove(int keyframe);
 
-  // The keyframes that look most like the view, the best first, ties by their number, of those that
-  // `is_wanted`; at most `max_count`.
+  // Returns at most `max_count` keyframes that satisfy `is_wanted`, by descending similarity, then
+  // by their number.
   std::vector<PlaceCandidate> Query(const PlaceView& view, int max_count,
                                     const std::function<bool(int keyframe)>& is_wanted) const;
 
@@ -61,16 +59,16 @@ class PlaceIndex {
   void Insert(const Entry& entry);
 
   PlaceIndexOptions options_;
-  std::vector<std::vector<int>> chosen_bits_;        // of each table
-  std::vector<std::vector<std::uint32_t>> buckets_;  // of all tables: indices of entries
+  std::vector<std::vector<int>> chosen_bits_;        // per table
+  std::vector<std::vector<std::uint32_t>> buckets_;  // of all tables: indices of `entries_`
   std::vector<Entry> entries_;
-  std::vector<int> keyframes_;  // in the order added
+  std::vector<int> keyframes_;  // in insertion order
 };
 
-// Bounds the memory of keyframes' views: while they take more than `max_bytes`, the two whose
-// cameras are most alike are found, and the view of the older is given up; the keyframe itself
-// stays, with its pose. Returns the positions of those given up, in that order, which are also
-// taken out of the index.
+// Limits the memory of keyframe views. While they exceed `max_bytes`, finds the two keyframes with
+// the most similar poses and removes the view of the older keyframe, also from the index. The
+// keyframe keeps its pose. Returns the positions of these keyframes, in the order of removal.
+// Keyframes have their positions as numbers in the index.
 std::vector<int> LimitKeyframes(std::size_t max_bytes, std::vector<Keyframe>* keyframes,
                                 PlaceIndex* index);
 

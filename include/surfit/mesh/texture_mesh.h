@@ -17,63 +17,78 @@ namespace surfit {
 
 class OptionVisitor;
 
-// How a picture for a mesh is made of frames.
 struct TextureOptions {
-  int max_texture_px = 8192;     // along the picture's sides; 0 = no picture
-  int max_texture_frames = 200;  // that are looked at, those that moved least; 0 = all
-  double least_sharpness = 0.6;  // of a triangle's frame, as a share of that of its sharpest one
-  double seam_cost = 0.3;        // of an edge between frames, as a share of sharpness
+  // Maximum width and height of the texture, px. 0: no texture, for callers that check it:
+  // TextureMesh() aborts with 0.
+  int max_texture_px = 8192;
+  // Maximum number of frames; 0: all. TextureMesh() ignores it. The supplier of the frames uses it:
+  // surfit_mesh selects the slowest frame in equal parts of the run.
+  int max_texture_frames =
+      200;  // Maximum number of frames. 0: all. TextureMesh() ignores it. It is for the supplier of
+            // the frames, who selects the slowest frame in equal parts of the run (surfit_mesh).
+  // Minimum sharpness of the frame of a triangle, relative to the sharpest frame of the triangle.
+  double least_sharpness = 0.6;
+  // Cost of an edge between triangles of different frames, in units of relative sharpness.
+  double seam_cost =
+      0.3;  // Cost of an edge between triangles of different frames, in the same unit as sharpness.
 
   void Visit(OptionVisitor& visitor);
 };
 
-// A frame with colours, and how its camera moved while it took them.
+// Colour frame for a texture, with its camera motion.
 struct TextureFrame {
   RgbdFrame frame;
-  PinholeCamera camera;  // of its pixels
+  PinholeCamera camera;  // camera of the depth and colour pixels
   Rigid3d world_from_camera;
   CameraMotion motion;
-  double readout_s = 0;  // of the rows
+  double readout_s = 0;  // rolling-shutter readout
 };
 
-// Calls its argument with frames, one after the other, the same ones each time.
+// Calls its argument with each frame, one at a time. Each call of TextureFrames must supply the
+// same frames in the same order.
 using TextureFrames = std::function<void(const std::function<void(const TextureFrame&)>&)>;
 
-// A picture for a mesh. Corners of triangles that are one place of the mesh may be several places
-// of the picture.
+// Texture of a mesh. A mesh vertex at a seam has several texture coordinates.
 struct MeshTexture {
-  std::vector<std::uint32_t> vertices;  // of the mesh, one for each place
-  std::vector<Eigen::Vector2f> places;  // shares of width and height, from the upper left corner
-  std::vector<TriangleMesh::Triangle> triangles;  // the mesh's in their order, of places
+  std::vector<std::uint32_t> vertices;  // index of the mesh vertex, per texture coordinate
+  std::vector<Eigen::Vector2f> places;  // in [0, 1] of width and height, from the upper left corner
+  // triangles of the mesh in their order, as indices of texture coordinates
+  std::vector<TriangleMesh::Triangle> triangles;
   Image<Rgb8> image;
 };
 
-// What was made of frames.
 struct TextureSummary {
-  int frames = 0, frames_shown = 0;  // looked at, and those that the picture shows
-  std::size_t charts = 0;            // pieces of the picture
-  std::size_t triangles_unseen = 0;  // that no frame shows: they have their vertices' colours
-  double pixel_share = 1;            // texels for a pixel of a frame, along a side
+  int frames = 0, frames_shown = 0;  // candidate frames, and frames in the texture
+  std::size_t charts = 0;            // connected regions of the texture
+  std::size_t triangles_unseen = 0;  // visible in no frame: textured by vertex colours
+  double pixel_share = 1;            // texels per frame pixel, along one axis
 };
 
-// Makes a picture for a mesh with normals and colours from the frames that show it sharpest (as
-// Lempitsky and Ivanov, "Seamless mosaicing of image-based texture maps", 2007). A frame shows a
-// triangle that faces it and that no other part of the mesh, nor what the frame has measured,
-// hides; it shows it the sharper, the finer and the less slanted its pixels are there and the less
-// motion blurs them, as in FrameColors. Frames that show most of the mesh nearly as sharply as any
-// are taken first, so that there are few seams, and brightened to fit the mesh's own colours. The
-// result does not depend on the number of threads; one frame is in memory at a time. Throws
-// InputError if the options are not valid or the picture is too small for so many pieces.
+// Computes a texture for a mesh with normals and colours (as Lempitsky and Ivanov, "Seamless
+// mosaicing of image-based texture maps", 2007). Each triangle takes its texture from a frame that
+// sees it sharply:
+// - A triangle is visible in a frame if it faces the camera and if neither another part of the mesh
+//   nor the measured depth occludes it.
+// - Sharpness increases with image resolution and decreases with slant and motion blur, as in
+//   FrameColors.
+// - Frames that see most of the mesh nearly as sharply as any other frame are selected first, so
+//   that there are few seams.
+// - Frames are adapted to the brightness of the vertex colours.
+//
+// Calls `frames` twice and keeps one frame in memory at a time. The result does not depend on the
+// number of threads. Throws InputError for invalid options, and if the texture is too small for the
+// number of its regions. Aborts if `max_texture_px` is 0, and if the mesh lacks a normal or a
+// colour per vertex.
 MeshTexture TextureMesh(const TriangleMesh& mesh, const TextureFrames& frames,
                         const TextureOptions& options, TextureSummary* summary);
 
-// Writes the mesh with its picture, by the ending of the path:
-//   .obj  with a .mtl and a .jpg of the same name beside it;
-//   .glb  with the picture in it.
-// Throws InputError as WriteMesh() does, and for .ply, which has no pictures.
+// Writes the mesh with its texture, by the extension of the path:
+//   .obj  with a .mtl and a .jpg of the same name in the same folder
+//   .glb  with the texture in the file
+// Throws InputError for other extensions, and if a file cannot be written.
 void WriteMesh(const TriangleMesh& mesh, const MeshTexture& texture, const std::string& path);
 
-// Throws InputError unless the path has one of these endings.
+// Throws InputError unless the extension of the path is .obj or .glb.
 void RequireTextureEnding(const std::string& path);
 
 }  // namespace surfit

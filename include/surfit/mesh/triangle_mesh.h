@@ -10,28 +10,29 @@
 
 namespace surfit {
 
-// Triangles with what their corners have: normals and colours are empty or of the vertices' size.
+// Triangle mesh. Normals and colours are empty, or one per vertex.
 struct TriangleMesh {
   using Triangle = std::array<std::uint32_t, 3>;
 
   std::vector<Eigen::Vector3f> vertices;  // metres
-  std::vector<Eigen::Vector3f> normals;   // unit length, to the side that was seen
+  std::vector<Eigen::Vector3f> normals;   // unit length, towards the observed side
   std::vector<Rgb8> colors;
-  std::vector<Triangle> triangles;  // counterclockwise from the side that was seen
+  std::vector<Triangle> triangles;  // counterclockwise, as seen from the observed side
 };
 
-// Keeps the triangles with kept[i] != 0, in their order, and the vertices that these have.
+// Keeps the triangles with kept[i] != 0, in their order, and the vertices of these triangles.
+// Aborts unless `kept` has one element per triangle.
 void KeepTriangles(const std::vector<std::uint8_t>& kept, TriangleMesh* mesh);
 
-// Writes the mesh atomically, by the ending of the path:
-//   .ply  binary little endian: float x y z nx ny nz, uchar red green blue, lists of int;
-//   .obj  Wavefront's text, with the colours of vertices as 0 to 1 after their positions;
-//   .glb  glTF 2.0 in one file. It has y up: x right, y down and z forward become x, -y and -z,
-//         and colours become linear.
-// Throws InputError if the path has another ending, or the file cannot be written.
+// Writes the mesh atomically, by the extension of the path:
+//   .ply  binary little endian: float x y z nx ny nz, uchar red green blue, lists of int
+//   .obj  Wavefront text, with vertex colours in [0, 1] after the positions
+//   .glb  glTF 2.0 in one file, y up: x right, y down and z forward become x, -y and -z; colours
+//         become linear
+// Throws InputError for other extensions, and if the file cannot be written.
 void WriteMesh(const TriangleMesh& mesh, const std::string& path);
 
-// Throws InputError unless the path has one of these endings.
+// Throws InputError unless the extension of the path is .ply, .obj or .glb.
 void RequireMeshEnding(const std::string& path);
 
 }  // namespace surfit

@@ -12,52 +12,52 @@
 
 namespace surfit {
 
-// How the rows of a rolling shutter's image were brought to the middle of its readout: by the
-// camera's motion, as if that took so long.
+// Rolling-shutter correction of an image: rows were moved to the middle of the readout by this
+// camera motion and readout time.
 struct KeyframeReadout {
   CameraMotion motion;
   double readout_s = 0;
 };
 
-// One frame's images as refinement needs them, all of one size: none depends on the calibration,
-// but for its readout as given.
+// Images of one frame for refinement, all of one size. They do not depend on the calibration,
+// except on the input readout.
 struct KeyframeImages {
-  Image<float> inverse_depth;  // 1/m, as measured; 0 = missing
-  Image<float> slope_u,
-      slope_v;             // of inverse depth along rows and columns, 1/m per px; NaN = missing
-  DepthNoise noise;        // of the depth
-  Image<float> intensity;  // from 0 to 1, smoothed; NaN where unknown; empty without colours
+  Image<float> inverse_depth;  // 1/m, as measured; 0: missing
+  // Slopes of inverse depth along rows and columns, 1/m per px. NaN: missing.
+  Image<float> slope_u, slope_v;
+  DepthNoise noise;
+  Image<float> intensity;  // in [0, 1], smoothed; NaN: unknown; empty without colour
   KeyframeReadout readout;
 };
 
-// A frame whose pose is refined.
+// Keyframe with a pose to refine.
 struct RefinementKeyframe {
   Rigid3d world_from_camera;
   KeyframeImages images;
 };
 
-// The images of a frame of that sensor, as of the middle of its readout while the camera moved so.
-// The slopes are those of the surface that the normals of
-// preprocessing tell, over a window: with the plane n . X = d, 1/z = n . ray / d, so that 1/z
-// grows by n_x / (fx d) per column and n_y / (fy d) per row. Inverse depth itself is not filtered:
-// the errors of its pixels are independent, as the covariance takes them to be, and nothing is
-// smoothed where a surface bends.
+// Computes the images of a frame at the middle of its readout. `motion` is the camera motion at
+// that time. The slopes follow from the normals of preprocessing, which use a window: with the
+// plane n . X = d and 1/z = n . ray / d, 1/z grows by n_x / (fx d) per column and n_y / (fy d) per
+// row. Inverse depth is not filtered: its errors stay independent per pixel, as the covariance
+// assumes, and curved surfaces are not smoothed.
 KeyframeImages MakeKeyframeImages(const RgbdFrame& frame, const DepthSensor& sensor,
                                   const CameraMotion& motion, const PreprocessOptions& options);
 
-// Whether the camera has moved from one pose to the other by more than these.
+// Returns whether the motion between two poses exceeds the translation or the rotation.
 bool HasMoved(const Rigid3d& a, const Rigid3d& b, double min_translation_m,
               double min_rotation_rad);
 
-// Which poses of a trajectory become keyframes: the first, and each that has moved from the last
-// keyframe by more than one of the two. With more than max_count (0 = no limit) both are enlarged
-// until there are no more. Ascending.
+// Returns the ascending indices of keyframes: the first pose, and each pose that HasMoved() since
+// the last keyframe. If there are more than `max_count` (0: no limit), both thresholds grow until
+// there are at most `max_count`.
 std::vector<std::size_t> ChooseKeyframes(const Trajectory& trajectory, double min_translation_m,
                                          double min_rotation_rad, std::size_t max_count);
 
-// A trajectory moved along with some of its poses: between two keyframes each pose is what both of
-// them, moved, make of it, interpolated by time; beyond the last keyframe it moves with that.
-// keyframes are ascending indices, not empty; world_from_keyframe their new poses.
+// Moves a trajectory with its keyframes. A pose between two keyframes moves with both, and both
+// results are interpolated by time. A pose after the last keyframe moves with that keyframe.
+// `keyframes` are ascending indices with the new poses `world_from_keyframe`. Aborts if they are
+// empty or have different sizes.
 Trajectory CorrectTrajectory(const Trajectory& trajectory,
                              const std::vector<std::size_t>& keyframes,
                              const std::vector<Rigid3d>& world_from_keyframe);

@@ -11,11 +11,11 @@ namespace surfit {
 
 class OptionVisitor;
 
-// How a hand-held camera moves.
+// Options of a hand-held camera motion.
 struct PathOptions {
   double frames_per_second = 30;
-  // Distance and angle between consecutive frames vary slowly inside these bounds, the trembling
-  // of the hand included.
+  // Bounds of the translation and rotation between consecutive frames, including the hand tremor.
+  // Both vary slowly.
   double min_step_m = 0.010;
   double max_step_m = 0.020;
   double min_turn_deg = 0.5;
@@ -24,24 +24,29 @@ struct PathOptions {
   void Visit(OptionVisitor& visitor);
 };
 
-// A smooth hand-held camera path of world_from_camera poses through scene.camera_space, or round
-// and round along scene.route, the gaze wandering over scene.targets, x right, y down, z forward,
-// the horizon level but for a tremble. It keeps half a metre away from objects where the camera
-// space allows; and as far as the targets allow, one or two planes hold at least 80 % of what is
-// seen in a quarter to a half of the frames, and more than 95 % in none; in a building, where a
-// camera has planes enough, in as few as it comes. Throws InputError if frames < 1.
+// Generates a smooth hand-held camera path of world_from_camera poses (x right, y down, z forward).
+// It leads through `scene.camera_space`, or repeatedly along `scene.route`. The camera looks at
+// `scene.targets` with a level horizon, except for the hand tremor. It keeps a distance of 0.5 m
+// from objects if the camera space allows it.
+//
+// Views with little structure are limited, as far as the targets allow it. One or two planes cover
+// at least 80 % of the view in a quarter to a half of the frames, and more than 95 % in no frame.
+// In a building, the quarter is not enforced.
+//
+// The same seed gives the same path. Throws InputError for invalid options and if `frames` < 1.
+// Aborts if the scene has no camera space or fewer than two targets.
 Trajectory MakePath(const Scene& scene, int frames, std::uint64_t seed,
                     const PathOptions& options = {});
 
-// A path between its poses, with continuous accelerations: a natural cubic spline through the
-// positions, and one through the quaternions, which are brought to unit length. Before the first
-// and after the last pose it goes on as it was going.
+// Interpolates poses with continuous accelerations: natural cubic splines through the positions and
+// through the quaternions, which are then normalised. Extrapolates with constant velocity before
+// the first and after the last pose.
 class SmoothPath {
  public:
-  // Stamps must rise; there must be a pose.
+  // Aborts unless there is a pose and the timestamps increase.
   explicit SmoothPath(Trajectory poses);
 
-  // At a stamp of a pose that pose, bit for bit.
+  // Pose at a time. At the timestamp of a pose, that pose is bitwise identical.
   Rigid3d At(double stamp_s) const;
 
   const Trajectory& poses() const { return poses_; }

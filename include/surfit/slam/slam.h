@@ -28,119 +28,128 @@ struct PreparedFrame;
 struct Tracked;
 
 // SLAM: the pipeline from frames to poses and a map, and its state. Depends on tracking, mapping,
-// loop closure and calibration. Reads and writes no files. Read Slam::Process() in src/slam/slam.cc
-// first.
+// loop closure and calibration. Does not read or write files. Read Slam::Process() in
+// src/slam/slam.cc first.
 
 // Options of SLAM.
 struct SlamOptions : TrackingOptions {
   PreprocessOptions preprocess;
   FusionOptions fusion;
   RenderOptions render;
-  // Every map_period-th tracked frame is fused, and gets a new model view. 1: all frames. At 30 Hz
+  // Every map_period-th tracked frame is fused and gets a new model view. 1: all frames. At 30 Hz,
   // the views of consecutive frames are almost equal. With photometric residuals, each frame gets
   // its own view.
   int map_period = 2;
   LoopOptions loops;
   CalibrationOptions calibration;
-  // Frames come at a camera's rate: none waits for what is found of loops and the camera, which
-  // takes effect when it is there. So the result depends on the machine. Else a frame that it does
-  // not depend on waits.
+  // Frames arrive at the rate of a camera. Tracking does not wait for loop closure or calibration,
+  // so the result depends on the machine. Only relocalisation waits for the current loop closure
+  // task.
   bool real_time = false;
-  // The last of so many frames is tracked, but never fused: the map can be judged by it. A frame
-  // that begins a map is fused. 0: all frames are.
+  // Every hold_out-th frame is tracked, but not fused, for the evaluation of the map. The first
+  // frame of a map is always fused. 0: all frames can be fused. 1 is invalid.
   int hold_out = 0;
 
   void Visit(OptionVisitor& visitor);
 };
 
-// Wall time spent in each stage, milliseconds.
+// Wall time of each stage.
 struct StageTimes {
   double prepare_ms = 0;
-  double predict_ms = 0;  // drawing the map, for this frame or ahead for the next
+  double predict_ms = 0;  // rendering, for this frame or in advance for the next frame
   double track_ms = 0;
   double fuse_ms = 0;
-  double correct_ms = 0;  // of the map, by loops
+  double correct_ms = 0;  // corrections by loop closures and calibrations
 };
 
-// What became of one frame.
+// Outcome of a frame.
 struct FrameReport {
   int index = 0;
   double stamp_s = 0;
   FrameState state = FrameState::kLost;
-  Rigid3d world_from_camera;  // meaningless if lost
-  bool found_again = false;   // tracked after a jump, by SlamOptions::initialize
-  bool has_own_view = false;  // the map was drawn for it, unless it is not to be tracked against
-  bool is_fused = false;      // into the map
-  bool is_held_out = false;   // tracked, but not to be fused: SlamOptions::hold_out
-  double moving_share = 0;    // of its points, those that move by themselves: neither tracked nor
-                              // fused
-  // The images were asked, and parts of them have moved apart: the camera may be seen against
-  // something that moves. Where most of them speak against the pose, it is lost.
+  Rigid3d world_from_camera;  // undefined if lost
+  bool found_again = false;  // found by search: global registration, relocalisation or confirmation
+  bool has_own_view = false;  // the reference view was rendered for this frame
+  bool is_fused = false;      // fused into the map
+  bool is_held_out = false;   // tracked, and excluded from fusion by SlamOptions::hold_out
+  // Ratio of the points on moving objects, which are neither registered nor fused.
+  double moving_share =
+      0;  // ratio of the points on moving objects, which are neither registered nor fused
+  // The feature check found two motions: the camera may be registered to a moving object. If most
+  // features contradict the pose, the frame is lost.
   bool is_apart = false;
-  Image<std::uint8_t>
-      moving;           // where they are: cells of the image, not 0; empty where nothing moves
-  IcpResult icp;        // of a tracked or lost frame
-  FusionReport fusion;  // of a fused frame
-  std::optional<PosedFrame> confirmed;  // the lost frame before, whose pose this frame confirms
+  Image<std::uint8_t> moving;  // cells with moving objects: not 0; empty without moving objects
+  IcpResult icp;               // last registration of a tracked or lost frame
+  FusionReport fusion;         // if fused
+  std::optional<PosedFrame> confirmed;  // previous lost frame, if this frame has confirmed its pose
   StageTimes times;
 
   bool HasPose() const { return state != FrameState::kLost; }
 };
 
-// Dense SLAM by point-based fusion: each frame is registered to what the map predicts, and one of
-// SlamOptions::map_period is fused into the map at the pose found. Where SlamOptions::loops are
-// enabled, the map follows the poses that closed loops correct.
+// Dense SLAM by point-based fusion: each frame is registered to a model view, and every
+// SlamOptions::map_period-th frame is fused into the map at its pose. With loop closure, the map is
+// deformed with the corrected poses.
+//
+// Not thread-safe. Uses up to ThreadLimit threads, and one background thread each for loop closure
+// and calibration.
 class Slam {
  public:
-  // The sensor's camera has fy > 0. Throws InputError for a bad sensor or bad options.
+  // The camera of the sensor has fy > 0. Throws InputError for an invalid sensor or invalid
+  // options.
   Slam(const DepthSensor& sensor, const SlamOptions& options,
        const Rigid3d& world_from_first_camera);
-  // Takes up what another Slam has known of the same sensor, with loops enabled and tracking from
-  // frame to model. The camera may be anywhere: it is looked for among the keyframes, and from the
-  // last pose if the first frame follows that soon; what is found counts once the next frame
-  // agrees. Frames' indices must go on from the state's. Throws InputError for options that do not
-  // fit.
+  // Continues from the state of another Slam of the same sensor. Loop closure must be enabled, and
+  // tracking must be frame_to_model. The camera pose is unknown: the camera is relocalised by
+  // keyframes, or tracked from the last pose if the first frame follows within 1 s. The next frame
+  // must confirm the first pose. Frame indices must be larger than those of the state. Throws
+  // InputError for options that do not meet these conditions, and for a state without keyframes.
   Slam(const DepthSensor& sensor, const SlamOptions& options, SlamState state, StateUse use);
   ~Slam();
 
-  // Tracks and fuses the next frame. The frame's size must be the sensor's.
+  // Tracks and fuses the next frame. Frames must have increasing indices and timestamps. Aborts if
+  // an image does not have the size of the sensor. Throws the exception of a failed loop closure or
+  // calibration.
   FrameReport Process(const RgbdFrame& frame);
 
-  // Fuses the next frame at a known pose. From then on the camera stays as it was found: it is not
-  // calibrated by poses that must not move.
+  // Fuses the next frame at a given pose. Ends calibration, because given poses are not corrected
+  // by it. Aborts as Process().
   FrameReport ProcessAt(const RgbdFrame& frame, const Rigid3d& world_from_camera);
 
-  // Sets a callback for the report of each tracked or lost frame before its fusion, which takes
-  // longer than tracking. The callback must not throw, nor call this object.
+  // Sets a callback for the report of each frame as soon as its outcome is known. The report has no
+  // fusion, `confirmed` and times yet. The callback runs on the thread of Process(). It must not
+  // throw or call this object.
   void OnPose(std::function<void(const FrameReport&)> call);
 
-  // To be called with each frame that tracking loses.
+  // Sets a callback for each frame whose registration and search have failed.
   void OnLostFrame(std::function<void(const LostFrame&)> call);
 
-  // How loops are found, instead of FindLoops(). To be called before the first frame, with loops
-  // enabled.
+  // Replaces FindLoops(). Aborts unless loops are enabled and no frame was processed. Call it
+  // before OnKeyframe(), whose callback it discards.
   void UseLoopFinder(LoopFinder finder);
 
-  // To be called with each new keyframe, with loops enabled.
+  // Sets a callback for each new keyframe. Loops must be enabled.
   void OnKeyframe(KeyframeCall call);
 
-  // From the next frame on, in place of SlamOptions::map_period: where frames come faster than they
-  // are done, fewer of them are fused. If it is longer than that one, min_turn_eigenvalue no longer
-  // makes frames be fused out of turn. Throws InputError unless that is at least 1.
+  // Sets the period of fusion for the following frames, instead of SlamOptions::map_period: a
+  // longer period fuses fewer frames if they arrive too fast. Frames after lost or weakly
+  // constrained frames are then no longer fused out of turn. Throws InputError unless `frames` is
+  // at least 1.
   void SetMapPeriod(int frames);
 
-  // Takes in what is still being found out about loops and the camera. To be called after the last
+  // Completes loop closure and calibration, and applies their corrections. Call after the last
   // frame.
   void Finish();
 
+  // The map changes with each frame. The reference is valid until this object is destroyed.
   const SurfelMap& map() const;
-  // Surfels that became part of others when the map was moved, in all.
+  // Number of duplicate surfels that corrections have merged.
   std::size_t merged_doubles() const;
-  // How often surfels have changed that no frame was fused to.
+  // Number of map changes other than fusion: corrections by loop closures and calibrations.
   int corrections_of_map() const;
   // Sensor with the estimated calibration.
   DepthSensor sensor() const;
-  // Null unless loops or calibration are enabled.
+  // Null without loops and calibration.
   const Backend* backend() const;
 
  private:
@@ -160,11 +169,10 @@ class Slam {
   void Fuse(const PreparedFrame& frame, const Tracked& tracked, FrameReport* report,
             StageTimes* times);
   bool IsHeldOut(const Tracked& tracked) const;
-  // The back end, if frames are added to it: null without loops and calibration, and for
-  // localisation.
+  // Back end that stores the frames: null without loops and calibration, and for localisation.
   Backend* keeper() const { return use_ == StateUse::kLocalize ? nullptr : backend_.get(); }
 
-  const DepthSensor sensor_;  // as given
+  const DepthSensor sensor_;  // input sensor
   const SlamOptions options_;
   const StateUse use_;
   std::unique_ptr<FramePreparation> preparation_;

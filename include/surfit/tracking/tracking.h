@@ -28,14 +28,14 @@ inline IcpOptions TrackingIcpOptions() {
 struct TrackingOptions {
   IcpOptions icp = TrackingIcpOptions();
   std::string tracking = "frame_to_model";  // or "frame_to_frame"
-  // Largest shift of the image since the last model view or fused frame, as a fraction of the image
+  // Largest shift of the image since the last model view or fused frame, as a ratio of the image
   // width at the mean depth. A larger shift triggers a new view, fusion and global registration.
   double max_view_shift = 0.1;
   // Smallest value of IcpResult::eigenvalues of a sufficiently constrained frame. After a weakly
-  // constrained frame, the next frame gets its own view, all rows are registered, and it is fused.
+  // constrained frame, the next frame gets its own view, is registered with all rows, and is fused.
   double min_turn_eigenvalue = 2e-3;
-  // ErrorModel::photometric_weight of weakly constrained frames. 0: shapes only. Not used if
-  // icp.error_model has a photometric weight.
+  // ErrorModel::photometric_weight of weakly constrained frames. 0: geometric residuals only. Not
+  // used if icp.error_model has a photometric weight.
   double poorly_held_photometric_weight = 0;
   // Initial pose: constant_velocity, constant_pose, or so3: the last pose with the rotation of
   // AlignRotation().

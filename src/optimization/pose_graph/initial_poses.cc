@@ -7,7 +7,7 @@
 namespace surfit {
 namespace {
 
-// An edge as seen from one of its ends.
+// Edge, from the point of view of one of its poses.
 struct LinkedPose {
   std::size_t pose;
   Rigid3d pose_from_neighbour;
@@ -37,7 +37,7 @@ class Chain {
     Place(pose, graph_.poses[pose].world_from_pose);
   }
 
-  // Goes on from where poses are, odometry first.
+  // Chains all reachable poses, along odometry edges first.
   void Spread() {
     while (!open_.empty()) {
       const auto [pose, world_from_pose] = open_.front();
@@ -73,7 +73,7 @@ class Chain {
 using RowsOf3 = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 constexpr int kHeld = -1;
 
-// The number of each pose among those that are not held.
+// Index of each pose among the poses that are not held.
 std::vector<int> NumberUnknowns(const std::vector<bool>& held, int* count) {
   std::vector<int> numbers(held.size(), kHeld);
   *count = 0;
@@ -83,8 +83,8 @@ std::vector<int> NumberUnknowns(const std::vector<bool>& held, int* count) {
   return numbers;
 }
 
-// Least squares over blocks X_i of kSize rows and 3 columns: terms k |X_b - F X_a - c|^2, F
-// orthogonal.
+// Linear least squares over blocks X_i of kSize rows and 3 columns, with terms k |X_b - F X_a -
+// c|^2 and orthogonal F.
 template <int kSize>
 class BlockSystem {
  public:
@@ -93,7 +93,7 @@ class BlockSystem {
 
   explicit BlockSystem(int count) : right_side_(RowsOf3::Zero(kSize * count, 3)) {}
 
-  // Blocks of held poses (number kHeld) have the values known_a, known_b.
+  // Held poses (number kHeld) have the constant blocks known_a, known_b.
   void Add(double k, int a, int b, const Factor& factor, const Block& constant,
            const Block& known_a, const Block& known_b) {
     if (a != kHeld) AddDiagonal(k, a);
@@ -138,7 +138,7 @@ class BlockSystem {
   RowsOf3 right_side_;
 };
 
-// The rotation nearest to a matrix in the least squares of its elements.
+// Rotation with the least squared difference from the elements of a matrix.
 Eigen::Quaterniond NearestRotation(const Eigen::Matrix3d& matrix) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Matrix3d u = svd.matrixU();

@@ -13,10 +13,10 @@
 namespace surfit {
 namespace {
 
-// Rounds before the last need to know which loops fit, not the minimum itself.
+// Rounds before the last classify the loop closures. They need not converge.
 constexpr int kRoundIterations = 10;
 constexpr double kRoundCostChange = 1e-3;
-// mu grows by 1.4 a round: from the 1e-30 of an absurd error to weights that are all 0 or 1.
+// mu grows by a factor of 1.4 per round: from 1e-30 for an extreme error to binary weights.
 constexpr int kMaxRounds = 300;
 
 std::vector<Rigid3d> PosesOf(const PoseGraph& graph) {
@@ -36,7 +36,7 @@ PoseGraphInitialization InitializationOf(const PoseGraphOptions& options) {
   return misled ? PoseGraphInitialization::kOdometry : way;
 }
 
-// Where to begin; none where chordal initialisation cannot be solved.
+// Returns the initial poses, or std::nullopt if the chordal initialisation has no solution.
 std::optional<std::vector<Rigid3d>> Initialize(PoseGraphInitialization way, const PoseGraph& graph,
                                                const ChainedPoses& chained) {
   switch (way) {
@@ -72,7 +72,7 @@ std::vector<double> EdgeWeights(const std::vector<double>& loop_weights,
   return weights;
 }
 
-// Gives the problem weights of 0 and 1: see LoopWeights. False if a solve failed.
+// Sets binary weights of the loop closures: see LoopWeights. Returns false if a solver run failed.
 bool FindWrongLoops(const PoseGraph& graph, const PoseGraphOptions& options,
                     PoseGraphProblem* problem, PoseGraphSummary* summary) {
   PoseGraphOptions round = options;
@@ -115,7 +115,7 @@ PoseGraphTermination Solve(const PoseGraph& graph, const PoseGraphOptions& optio
   return problem->Minimize(options, is_near ? kNearMinimum : kFarFromMinimum, summary);
 }
 
-// Fixed poses keep their very bits.
+// Held poses stay bitwise identical.
 void TakePoses(const PoseGraphProblem& problem, const std::vector<bool>& held, PoseGraph* graph) {
   const std::vector<Rigid3d> poses = problem.Poses();
   for (std::size_t i = 0; i < poses.size(); ++i) {

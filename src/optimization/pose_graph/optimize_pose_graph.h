@@ -15,52 +15,53 @@
 
 namespace surfit {
 
-// Poses along a spanning forest of the graph.
+// Poses chained along a spanning forest of the graph.
 struct ChainedPoses {
   std::vector<Rigid3d> world_from_pose;
-  // Those where trees begin, which the gauge's freedom is taken from: all fixed poses, and the
-  // first of each part of the graph that has none.
+  // Roots of the trees, which fix the gauge: all fixed poses, and the first pose of each component
+  // without a fixed pose.
   std::vector<bool> held;
 };
 
-// Chains measurements from held poses on, along loops only where no odometry leads.
+// Chains measurements from the held poses. Uses loop closures only to reach poses without odometry.
 ChainedPoses ChainPoses(const PoseGraph& graph);
 
-// Poses from two linear systems, whatever the drift: rotations R_i that minimise the sum of
-// k |R_b - R_a R_ab|^2 over all edges as if they were any matrices, made rotations afterwards, then
-// translations that minimise the sum of k' |t_b - t_a - R_a t_ab|^2; k, k' are the mean information
-// of rotation and translation. Held poses stay. Nothing where a system cannot be solved. Carlone et
-// al.: Initialization techniques for 3D SLAM, ICRA 2015, IV.B.
+// Chordal initial poses from two linear systems. They do not depend on the drift. First, the
+// matrices R_i minimise the sum of k |R_b - R_a R_ab|^2 over all edges, and are then projected to
+// rotations. Second, the translations minimise the sum of k' |t_b - t_a - R_a t_ab|^2. k and k' are
+// the mean information of rotation and translation. Held poses do not move. Returns std::nullopt if
+// a system cannot be solved. Carlone et al.: Initialization techniques for 3D SLAM, ICRA 2015,
+// IV.B.
 std::optional<std::vector<Rigid3d>> ChordalPoses(const PoseGraph& graph,
                                                  const std::vector<bool>& held);
 
-// How far Levenberg-Marquardt's first steps may go: Ceres' default, and nearly as far as those of
-// Gauss-Newton. Damped more, what long chains bend in most easily takes ten more iterations from
-// chordal poses, on a sphere of 10,000; from odometry's it takes some less.
+// Initial trust-region radii of Levenberg-Marquardt: the default of Ceres, and nearly that of
+// Gauss-Newton. From chordal poses, the default takes ten more iterations on a sphere of 10,000
+// poses: damping slows down the bending of long chains. From odometry poses, it takes fewer
+// iterations.
 inline constexpr double kFarFromMinimum = 1e4, kNearMinimum = 1e10;
 
-// A pose graph as Ceres' problem.
 class PoseGraphProblem {
  public:
-  // Poses that are held or on no edge do not move. The graph must live longer.
+  // Held poses, and poses without edges, do not move. Keeps a reference to the graph.
   PoseGraphProblem(const PoseGraph& graph, const std::vector<Rigid3d>& world_from_pose,
                    const std::vector<bool>& held);
 
-  // Minimises the weighted cost by Levenberg-Marquardt from the present poses, which move unless it
-  // fails. Adds its iterations to the summary.
+  // Minimises the weighted cost by Levenberg-Marquardt from the current poses. The poses stay
+  // unchanged after a failure. Adds its iterations to the summary.
   PoseGraphTermination Minimize(const PoseGraphOptions& options, double initial_radius,
                                 PoseGraphSummary* summary);
 
-  // A weight for each of graph.edges.
+  // Sets one weight per edge. Odometry edges ignore it.
   void SetWeights(const std::vector<double>& weights);
 
-  // Of each edge at the present poses, unweighted.
+  // Unweighted squared errors of all edges at the current poses.
   std::vector<double> SquaredErrors() const;
 
   std::vector<Rigid3d> Poses() const;
 
  private:
-  // Scales the squared error of an edge by a weight that may change between solves.
+  // Scales the squared error of an edge by a weight that can change between solver runs.
   struct WeightLoss final : ceres::LossFunction {
     void Evaluate(double squared_error, double rho[3]) const override {
       rho[0] = weight * squared_error;
@@ -71,22 +72,23 @@ class PoseGraphProblem {
   };
 
   std::vector<std::array<double, kPoseSize>> poses_;
-  std::vector<WeightLoss> losses_;  // an edge each
+  std::vector<WeightLoss> losses_;  // per edge
   std::vector<const ceres::CostFunction*> costs_;
   const PoseGraph& graph_;
   ProductPoseManifold manifold_;
-  ceres::Problem problem_;  // last: it points to the others
+  ceres::Problem problem_;  // last member: points to other members
 };
 
-// Graduated non-convexity with truncated least squares: min(e^2, c^2) of each loop's squared error
-// e^2 is reached from a convex surrogate by a control parameter mu that grows by 1.4 a round. Yang,
-// Antonante, Tzoumas, Carlone: Graduated Non-Convexity for Robust Spatial Perception, RA-L 2020,
-// eq. 12 to 14 and remark 5; r^2 there is e^2 here.
+// Weights of graduated non-convexity with truncated least squares. A convex surrogate of the cost
+// is transformed into min(e^2, c^2) of the squared error e^2 of each loop closure, by a control
+// parameter mu that grows by a factor of 1.4 per round. Yang, Antonante, Tzoumas, Carlone:
+// Graduated Non-Convexity for Robust Spatial Perception, RA-L 2020, eq. 12 to 14 and remark 5,
+// where e^2 is called r^2.
 class LoopWeights {
  public:
-  // max_squared_error is c^2; squared_errors are those of all loops at the start. That is odometry
-  // here, not the paper's minimum of all weights 1: wrong loops fold a trajectory so that it stays
-  // folded.
+  // `max_squared_error` is c^2. `squared_errors` are the errors of all loop closures at the initial
+  // poses. The paper starts from the minimum with all weights 1. Here they are odometry poses,
+  // because outliers fold a trajectory, and it does not unfold later.
   LoopWeights(double max_squared_error, const std::vector<double>& squared_errors)
       : max_squared_error_(max_squared_error) {
     double largest = 0;
@@ -95,7 +97,7 @@ class LoopWeights {
     if (!all_fit_) mu_ = max_squared_error / (2 * largest - max_squared_error);
   }
 
-  // The weights, from 0 to 1, at the present mu, which then grows.
+  // Returns the weights, in [0, 1], for the current mu, and then increases mu.
   std::vector<double> Update(const std::vector<double>& squared_errors) {
     std::vector<double> weights(squared_errors.size(), 1);
     if (all_fit_) return weights;
@@ -117,10 +119,9 @@ class LoopWeights {
 
   double max_squared_error_;
   double mu_ = 0;
-  bool all_fit_ = false;  // no error is above the truncation from the start: all weights stay 1
+  bool all_fit_ = false;  // no initial error exceeds c^2: all weights stay 1
 };
 
-// Every weight is 0 or 1.
 inline bool AreBinary(const std::vector<double>& weights) {
   return std::all_of(weights.begin(), weights.end(), [](double w) { return w == 0 || w == 1; });
 }

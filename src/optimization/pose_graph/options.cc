@@ -39,19 +39,20 @@ void PoseGraphOptions::Visit(OptionVisitor& v) {
   v.Add(sparse_backend, "sparse_backend", "sparse linear solver of Ceres",
         OneOf(SparseBackendNames()), AsFlag());
   v.Add(initialization, "initialization",
-        "poses to start at; given: the file's; odometry: chained along edges of consecutive ids; "
+        "initial poses; given: from the file; odometry: chained along edges of consecutive ids; "
         "chordal: from all edges, by two linear systems",
         OneOf(PoseGraphInitializationNames()), AsFlag());
   v.Add(loop_robustness, "loop_robustness",
-        "none: all edges count; gnc: loops (edges of other ids) that do not fit are left out",
+        "outlier rejection; none: all edges are used; gnc: reject inconsistent loop closures "
+        "(edges between ids that are not consecutive)",
         OneOf(LoopRobustnessNames()), AsFlag());
   v.Add(max_loop_squared_error, "max_loop_squared_error",
-        "for gnc: a loop of a larger error (e^T information e) is wrong", Positive(), AsFlag());
+        "for gnc: maximum error e^T information e of an inlier loop closure", Positive(), AsFlag());
   v.Add(max_iterations, "max_iterations",
-        "maximum number of Levenberg-Marquardt iterations, in each round of gnc", AtLeast(1),
+        "maximum number of Levenberg-Marquardt iterations, per round of gnc", AtLeast(1),
         AsFlag("max_graph_iterations"));
   v.Add(min_relative_cost_change, "min_relative_cost_change",
-        "iterations end where the cost changes by a smaller share", AtLeast(0), AsFlag());
+        "relative cost change below which iterations end", AtLeast(0), AsFlag());
 }
 
 }  // namespace surfit

@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kNormTolerance = 1e-6;
 constexpr double kSymmetryTolerance = 1e-9;  // of the largest element
-// Of the largest eigenvalue: six elements of a row, each rounded by half of its sixth digit at
-// most, move eigenvalues by 6 * 5e-6 of the largest element.
+// Relative to the largest eigenvalue. Six elements of a row, each with a rounding error of half of
+// its sixth digit, move eigenvalues by at most 6 * 5e-6 of the largest element.
 constexpr double kRounding = 3e-5;
 
 bool IsRigid(const Rigid3d& pose) {
@@ -47,7 +47,7 @@ bool IsInformation(const Eigen::Matrix<double, 6, 6>& matrix) {
   if (!matrix.allFinite()) return false;
   const double asymmetry = (matrix - matrix.transpose()).cwiseAbs().maxCoeff();
   if (asymmetry > kSymmetryTolerance * matrix.cwiseAbs().maxCoeff()) return false;
-  if (matrix.llt().info() == Eigen::Success) return true;  // nearly always, and soon known
+  if (matrix.llt().info() == Eigen::Success) return true;  // the common case, fast to test
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> eigen(matrix,
                                                                          Eigen::EigenvaluesOnly);
   return eigen.eigenvalues()(0) >= -kRounding * eigen.eigenvalues()(5);

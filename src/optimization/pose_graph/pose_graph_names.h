@@ -7,7 +7,7 @@
 
 namespace surfit {
 
-// The choices of PoseGraphOptions and their names.
+// Values of PoseGraphOptions with their names.
 enum class PoseGraphInitialization { kGiven, kOdometry, kChordal };
 enum class LoopRobustness { kNone, kGnc };
 

@@ -23,9 +23,9 @@ ceres::Solver::Options SolverOptions(const PoseGraphOptions& options) {
       ValueOf("sparse_backend", options.sparse_backend, kSparseBackends);
   o.max_num_iterations = options.max_iterations;
   o.function_tolerance = options.min_relative_cost_change;
-  o.gradient_tolerance = 0;  // has units of the information: the cost alone decides
+  o.gradient_tolerance = 0;  // depends on the unit of the information: only the cost is tested
   o.parameter_tolerance = 0;
-  o.num_threads = 1;  // with more, Ceres sums costs and gradients in no fixed order
+  o.num_threads = 1;  // with more threads, Ceres sums costs and gradients in a varying order
   o.logging_type = ceres::SILENT;
   return o;
 }

@@ -1,4 +1,4 @@
-// The joint problem as Ceres' own, with all residuals and all unknowns.
+// Solver of the joint problem by Ceres, with all residuals and all parameters.
 #include <ceres/autodiff_cost_function.h>
 #include <ceres/problem.h>
 #include <ceres/solver.h>
@@ -20,12 +20,12 @@ namespace {
 constexpr NamedValue<ceres::LinearSolverType> kLinearSolvers[] = {
     {"sparse_schur", ceres::SPARSE_SCHUR}, {"iterative_schur", ceres::ITERATIVE_SCHUR}};
 
-// How exactly conjugate gradients solve for a step. With Ceres' own 0.1 they take less time for a
-// step and many more steps.
+// Relative precision of a step by conjugate gradients. The default of Ceres, 0.1, takes less time
+// per step and many more steps.
 constexpr double kStepPrecision = 1e-3;
 
-// Residuals of surfels without and with texture. A surfel's numbers are one block, [d] or
-// [d a_1 a_2]: the blocks of what is eliminated first must not share a residual.
+// Residuals of surfels without and with texture. The parameters of a surfel are one block, [d] or
+// [d a_1 a_2]: blocks that are eliminated first must not share a residual.
 using PlaneCost =
     ceres::AutoDiffCostFunction<PlaneInverseDepth, 1, kPoseSize, kCalibrationSize, kPlaneUnknowns>;
 using TexturedPlaneCost = ceres::AutoDiffCostFunction<PlaneInverseDepth, 1, kPoseSize,
@@ -42,7 +42,7 @@ ceres::Problem::Options RowsOwnedByUs() {
   return options;
 }
 
-// Poses, calibration and surfels as parameter blocks, and all residuals.
+// Poses, calibration and surfels as parameter blocks, with all residuals.
 class AllRows {
  public:
   AllRows(const JointProblem& joint, const RefinementOptions& options, const JointState& state)
@@ -78,7 +78,7 @@ class AllRows {
   }
 
   void TakeState(JointState* state) const {
-    for (std::size_t k = 1; k < poses_.size(); ++k) {  // the first is held, bit for bit
+    for (std::size_t k = 1; k < poses_.size(); ++k) {  // the first pose is fixed
       state->world_from_camera[k] = PoseFromBlock(poses_[k].data());
     }
     CalibrationFromBlock(calibration_.data(), &state->calibration);
@@ -110,7 +110,7 @@ class AllRows {
     }
   }
 
-  // At their best for the poses and calibration of the start.
+  // Initialises the surfel parameters to their optimum for the initial poses and calibration.
   void PlaceSurfels(const JointState& state) {
     constexpr int kGrain = 512;
     const PlacedPoses placed(state);
@@ -120,7 +120,7 @@ class AllRows {
         const SurfelNumbers best = SurfelSight(joint_.shared, surfel, placed).Best(joint_.kernels);
         numbers_[s][0] = best.displacement;
         if (surfel.textures_begin == surfel.textures_end) continue;
-        // Ours are in standard deviations, those of all keyframes alike.
+        // SurfelNumbers::texture is in standard deviations, which are equal for all keyframes.
         const double sigma = 1. / joint_.shared.textures[surfel.textures_begin].inverse_sigma;
         numbers_[s][1] = sigma * best.texture[0];
         numbers_[s][2] = sigma * best.texture[1];
@@ -172,7 +172,7 @@ class AllRows {
   std::vector<std::unique_ptr<ceres::LossFunction>> prior_losses_;
   ProductPoseManifold manifold_;
   std::unique_ptr<ceres::SubsetManifold> free_calibration_;
-  ceres::Problem problem_;  // last: it points to the others
+  ceres::Problem problem_;  // last member: points to other members
 };
 
 ceres::Solver::Options SolverOptions(const RefinementOptions& options) {
@@ -184,7 +184,7 @@ ceres::Solver::Options SolverOptions(const RefinementOptions& options) {
   o.eta = kStepPrecision;
   o.max_num_iterations = options.max_iterations;
   o.function_tolerance = options.min_relative_step_change;
-  o.gradient_tolerance = 0;  // has units: the cost alone decides
+  o.gradient_tolerance = 0;  // depends on units: only the cost is tested
   o.parameter_tolerance = 0;
   o.num_threads = 1;
   o.logging_type = ceres::SILENT;

@@ -9,30 +9,31 @@
 namespace surfit {
 namespace {
 
-constexpr int kStride = 4;         // of the pixels that are compared, in rows and columns
-constexpr int kNeighbours = 3;     // a keyframe is compared with so many before it
-constexpr int kMinKeyframes = 10;  // fewer say little of their scatter
+constexpr int kStride = 4;         // stride of the compared pixels, in rows and columns
+constexpr int kNeighbours = 3;     // number of preceding keyframes that a keyframe is compared with
+constexpr int kMinKeyframes = 10;  // fewer keyframes do not determine their scatter
 constexpr int kMaxIterations = 15;
 constexpr double kConverged_s = 1e-4;
-constexpr double kMaxLatency_s = 0.1;  // beyond this the motion of a frame is not steady
-// Of intensity, from 0 to 1: wide, as the points that tell most differ most before it is found.
+constexpr double kMaxLatency_s = 0.1;  // the motion of a frame is not constant for longer
+// In units of intensity in [0, 1]. Wide, because informative points have large initial residuals.
 constexpr double kKernelWidth = 0.3;
-constexpr double kMaxDepthSigmas = 6;     // between what both see of one point
-constexpr double kModelSigma_s = 0.0015;  // what stamps and exposures leave out at least
+constexpr double kMaxDepthSigmas = 6;     // gate on the difference of inverse depth
+constexpr double kModelSigma_s = 0.0015;  // minimum error by timestamps and exposure
 constexpr double kSureSigmas = 3;
 
-// What an image shows of a point, and how that changes with the latency.
+// Intensity of a point in an image, and its derivative by the latency.
 struct Sighting {
   double value = 0, by_latency = 0;
 };
 
-// Sums of weighted rows (by latency, gain, offset | residual) over the points of one pair.
+// Normal equations of one pair of keyframes, from weighted rows (by latency, gain, offset |
+// residual).
 struct PairSums {
   Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
 };
 
-// Of the latency alone, gain and offset eliminated.
+// Normal equations of the latency, with gain and offset eliminated.
 struct LatencySums {
   double hessian = 0, gradient = 0;
 };
@@ -42,7 +43,7 @@ class ColorComparison {
   ColorComparison(const std::vector<ColoredKeyframe>& keyframes, const PinholeCamera& camera)
       : keyframes_(keyframes), camera_(camera) {}
 
-  // Of a keyframe with those before it.
+  // Sums of keyframe k with its preceding keyframes.
   LatencySums SumsOf(int k, double latency_s) const {
     LatencySums sums;
     for (int j = std::max(0, k - kNeighbours); j < k; ++j) {
@@ -126,7 +127,8 @@ std::vector<ColorComparison::Row> ColorComparison::RowsOf(const ColoredKeyframe&
   return rows;
 }
 
-// Gain and offset come from all rows, and then from those that fit.
+// The first pass estimates gain and offset from all rows, the second from rows with small
+// residuals.
 std::optional<LatencySums> ColorComparison::SumsOfPair(const ColoredKeyframe& here,
                                                        const ColoredKeyframe& there,
                                                        double latency_s) const {
@@ -161,7 +163,8 @@ std::optional<LatencySums> ColorComparison::SumsOfPair(const ColoredKeyframe& he
   return sums;
 }
 
-// The variance of a sum of terms of which neighbours share keyframes (Newey and West 1987).
+// Variance of a sum of correlated terms, as neighbouring terms share keyframes (Newey and West
+// 1987).
 double VarianceOfSum(const std::vector<double>& terms) {
   double variance = 0;
   for (std::size_t lag = 0; lag <= kNeighbours; ++lag) {
@@ -171,7 +174,7 @@ double VarianceOfSum(const std::vector<double>& terms) {
   return variance;
 }
 
-// Both in s^2.
+// Combines an estimate with the prior. Variances are in s^2.
 ColorLatency WithPrior(double latency_s, double variance, double prior_variance, int keyframes) {
   const double joint_s = latency_s * prior_variance / (prior_variance + variance);
   const double sigma_s = std::sqrt(variance * prior_variance / (prior_variance + variance));

@@ -9,8 +9,8 @@
 namespace surfit {
 namespace {
 
-// Six residuals of unit variance have a norm of 2.4. Beyond, as where tracking was lost in between,
-// an edge pulls no stronger.
+// Six residuals of unit variance have a norm of 2.4. An edge with a larger norm, for example across
+// lost frames, has a bounded gradient.
 constexpr RobustKernel kKernel = {RobustKernelType::kHuber, 4};
 
 PoseInformation InformationOf(double sigma_m, double sigma_rad) {
@@ -20,7 +20,7 @@ PoseInformation InformationOf(double sigma_m, double sigma_rad) {
   return information;
 }
 
-// A matrix A of A^T A = information, which may be singular: it is P^T L D L^T P.
+// Returns A with A^T A = information. The information P^T L D L^T P may be singular.
 ceres::Matrix RootOf(const ReducedSystem::CalibrationMatrix& information) {
   using Matrix = ReducedSystem::CalibrationMatrix;
   const Eigen::LDLT<Matrix> ldlt(information);
@@ -29,10 +29,10 @@ ceres::Matrix RootOf(const ReducedSystem::CalibrationMatrix& information) {
   return roots.asDiagonal() * upper * order;
 }
 
-// One edge at the poses of a state.
+// Residuals and Jacobian of an edge.
 struct EdgeRows {
   Eigen::Matrix<double, 6, 1> residual;
-  Eigen::Matrix<double, 6, 2 * kPoseTangentSize> jacobian;  // by the increments of both poses
+  Eigen::Matrix<double, 6, 2 * kPoseTangentSize> jacobian;  // by the perturbations of both poses
 };
 
 EdgeRows RowsOf(const AnalyticRelativePose& edge, const Rigid3d& a, const Rigid3d& b) {
@@ -73,7 +73,7 @@ JointPrior::JointPrior(const DepthCalibration& given, const CalibrationPrior& pr
   information_.diagonal().head<kFieldBegin>() << information(prior.focal_share * camera.fx),
       information(prior.focal_share * camera.fy), information(prior.center_px),
       information(prior.center_px);
-  // (fx / given fx - fy / given fy) / aspect_share.
+  // Residual of the aspect ratio: (fx / given fx - fy / given fy) / aspect_share.
   CalibrationRow aspect = CalibrationRow::Zero();
   aspect.head<2>() << 1 / camera.fx, -1 / camera.fy;
   information_ += information(prior.aspect_share) * aspect * aspect.transpose();

@@ -11,7 +11,8 @@
 
 namespace surfit {
 
-// How many numbers are found of a surfel: its displacement, and with texture two of that.
+// Number of parameters of a surfel: its displacement, and two differences of intensity with
+// texture.
 inline constexpr int kPlaneUnknowns = 1;
 inline constexpr int kTexturedUnknowns = 3;
 
@@ -20,13 +21,13 @@ using CalibrationRow = Eigen::Matrix<double, kCalibrationSize, 1>;
 template <int kUnknowns>
 using SurfelRow = Eigen::Matrix<double, kUnknowns, 1>;
 
-// A surfel's own numbers.
+// Parameters of a surfel.
 struct SurfelNumbers {
   double displacement = 0;                            // m, along its normal
-  Eigen::Vector2d texture = Eigen::Vector2d::Zero();  // in standard deviations
+  Eigen::Vector2d texture = Eigen::Vector2d::Zero();  // differences of intensity, in sigmas
 };
 
-// A residual and its derivatives by the pose's increment (w, v) of ProductPoseManifold, the
+// Residual and its derivatives by the pose perturbation (w, v) of ProductPoseManifold, the
 // calibration and the displacement.
 struct JointRow {
   double residual = 0;
@@ -35,10 +36,10 @@ struct JointRow {
   double by_displacement = 0;
 };
 
-// PlaneInverseDepth of one observation of a surfel from one pose with one calibration, all that
-// does not depend on the surfel's displacement worked out: with N = n . R e and D = n . (p - t),
-//   r(d) = (1/z_measured + c - N / (D + d)) / sigma,
-// e and t being those of the moment of the pixel's row.
+// PlaneInverseDepth of one observation, for one pose and calibration. Terms without the
+// displacement are precomputed: with N = n . R e and D = n . (p - t),
+//   r(d) = (1/z_measured + c - N / (D + d)) / sigma.
+// e and t belong to the capture time of the pixel row.
 class PlaneSight {
  public:
   PlaneSight(const PlaneObservation& observation, const SharedSurfel& surfel,
@@ -61,16 +62,16 @@ class PlaneSight {
   double ByDisplacement(double displacement) const {
     return PlaneInverse(displacement) / (from_camera_ + displacement) * inverse_sigma_;
   }
-  // Metres between the measured point and the plane.
+  // Distance of the measured point from the plane, m.
   double Distance(double displacement) const {
     return (along_ray_ / corrected_) - (from_camera_ + displacement);
   }
 
-  // With D standing for D + d:
+  // Derivatives, with D for D + d, and with m = n + dT n x turn because n . e = m . ray:
   //   dr/dw = -(R (ray + dT flow) x n) / D,  dr/dv = -1/z_plane n / D,
   //   dr/dx = dc/dx - m_x / D, dx/dfx = -x / fx, dx/dcx = -1 / fx,
-  //   dr/dT = -(n . flow) / D, flow = turn x ray + way / z_plane,
-  // n in the camera's frame in the last two lines, and m = n + dT n x turn, as n . e = m . ray.
+  //   dr/dT = -(n . flow) / D, flow = turn x ray + way / z_plane.
+  // n is in the camera frame in the last two lines.
   JointRow Row(double displacement, const Eigen::Vector3d& normal_in_world,
                const Eigen::Matrix3d& rotation, const DepthCalibration& calibration) const {
     const double inverse_distance = 1 / (from_camera_ + displacement);
@@ -106,7 +107,7 @@ class PlaneSight {
   double along_ray_, from_camera_;  // N, D
 };
 
-// The motion of the row of an observation, in a keyframe's image of so many rows.
+// Motion of the image row of an observation. `rows` is the height of the image.
 inline RowMotion MotionOf(const PlaneObservation& observation, const KeyframeReadout& readout,
                           int rows) {
   const double share = (observation.v + 0.5) / rows - 0.5;
@@ -114,8 +115,8 @@ inline RowMotion MotionOf(const PlaneObservation& observation, const KeyframeRea
           readout.readout_s};
 }
 
-// SurfelTexture of one observation of a surfel from one pose with one calibration, all that does
-// not depend on the surfel's own numbers worked out.
+// SurfelTexture of one observation, for one pose and calibration. Terms without the surfel
+// parameters are precomputed.
 class TextureSight {
  public:
   TextureSight(const TextureObservation& observation, const SharedSurfel& surfel,
@@ -132,7 +133,7 @@ class TextureSight {
     }
   }
 
-  // The differences of intensity in standard deviations, without the surfel's own.
+  // Measured differences of intensity, in standard deviations.
   Eigen::Vector2d Differences(double displacement) const {
     const double center = Intensity(0, displacement);
     return inverse_sigma_ * Eigen::Vector2d(Intensity(1, displacement) - center,
@@ -143,7 +144,8 @@ class TextureSight {
   }
   double inverse_sigma() const { return inverse_sigma_; }
 
-  // With the intensity's slope by the point in the camera, g of IntensityGradient(),
+  // Residuals with derivatives. With the gradient g of the intensity by the point in the camera
+  // frame (IntensityGradient()):
   //   dI/dw = R g x (p + d n - t),  dI/dv = -R g,  dI/dd = g . R^T n,
   //   dI/dfx = I_u x / z,  dI/dcx = I_u.
   std::array<JointRow, 2> Rows(const SurfelNumbers& surfel, const Eigen::Vector3d& normal_in_world,
@@ -161,7 +163,7 @@ class TextureSight {
     }
     return rows;
   }
-  // Their derivatives by the displacement alone.
+  // Derivatives of the residuals by the displacement.
   Eigen::Vector2d ByDisplacement(double displacement) const {
     const double center = Slope(0, displacement).dot(normal_in_camera_);
     return inverse_sigma_ * Eigen::Vector2d(Slope(1, displacement).dot(normal_in_camera_) - center,

@@ -11,15 +11,15 @@
 namespace surfit {
 namespace {
 
-// A step counts if the cost falls by more than this share of what the model promised.
+// Minimum ratio of actual and predicted cost decrease of an accepted step.
 constexpr double kLeastGain = 1e-3;
 
-// The damping of Levenberg-Marquardt as Nielsen's rule changes it (Madsen, Nielsen and Tingleff:
-// Methods for non-linear least squares problems, 2004, 3.16); start and rule are Ceres'.
+// Damping of Levenberg-Marquardt by Nielsen's rule (Madsen, Nielsen and Tingleff: Methods for
+// non-linear least squares problems, 2004, 3.16), with the initial value of Ceres.
 class Damping {
  public:
   double value() const { return value_; }
-  // gain: how the cost fell, by what the model promised.
+  // `gain`: ratio of actual and predicted decrease.
   void Accept(double gain) {
     const double excess = 2 * gain - 1;
     value_ *= std::max(1. / 3, 1 - excess * excess * excess);
@@ -49,7 +49,7 @@ JointState Moved(JointState state, const Eigen::VectorXd& increments) {
   return state;
 }
 
-// The cost of a state, and its quadratic model there.
+// Cost of a state, with its quadratic model.
 class JointCost {
  public:
   JointCost(const JointProblem& problem, std::size_t pose_count)
@@ -115,7 +115,7 @@ JointReport MinimizeReduced(const JointProblem& problem, const RefinementOptions
     const JointState moved = Moved(*state, step.increments);
     const double rho = cost.RhoAt(moved);
     const double change = model.rho - rho, gain = change / step.rho_decrease;
-    const bool accepted = gain > kLeastGain;  // not if one of them is no number
+    const bool accepted = gain > kLeastGain;  // false if a value is NaN
     if (accepted) {
       *state = moved;
       report.costs.push_back(rho / 2);

@@ -11,26 +11,27 @@
 
 namespace surfit {
 
-// What is known before the observations, each with standard deviations of its own.
+// Prior of poses and calibration.
 class JointPrior {
  public:
-  // Says nothing.
+  // Empty prior.
   JointPrior() = default;
-  // Each keyframe lies where it did as the one before sees it. Keyframes that share few surfels
-  // would otherwise be moved by the errors of these.
+  // Prior of the relative poses of consecutive keyframes, at the given poses. It holds keyframes
+  // that share few surfels, whose errors would otherwise move them.
   JointPrior(const std::vector<Rigid3d>& world_from_camera, double sigma_m, double sigma_rad);
-  // The calibration is about the given one. What a recording does not show stays as it was.
+  // Prior of the calibration. It holds parameters that are not observable.
   JointPrior(const DepthCalibration& given, const CalibrationPrior& prior);
 
-  // The variance of the observations, in the error model's: the prior counts as much more, as its
-  // own standard deviations are true ones.
+  // Sets the variance of the observations, relative to the error model. The prior is multiplied by
+  // it, because its own standard deviations are absolute.
   void SetWeight(double weight) { weight_ = weight; }
 
-  // Sum of the weighted rho: twice its part of the cost.
+  // Sum of the weighted rho: twice the cost of the prior.
   double Rho(const JointState& state) const;
-  // Adds its normal equations to those of poses and calibration.
+  // Adds the normal equations of the prior.
   void AddTo(const JointState& state, ReducedSystem* system) const;
-  // Adds its residuals to a problem that owns neither these nor losses; both must outlive it.
+  // Adds the residuals to a problem that does not own residuals and losses. Prior and `losses` must
+  // outlive the problem.
   void AddTo(const std::vector<double*>& poses, double* calibration,
              std::vector<std::unique_ptr<ceres::LossFunction>>* losses,
              ceres::Problem* problem) const;
@@ -38,14 +39,14 @@ class JointPrior {
  private:
   CalibrationRow ChangeOf(const DepthCalibration& calibration) const;
 
-  std::vector<std::unique_ptr<AnalyticRelativePose>> edges_;  // from each keyframe to the next
-  std::unique_ptr<ceres::CostFunction> residuals_;            // of the calibration, or none
+  std::vector<std::unique_ptr<AnalyticRelativePose>> edges_;  // between consecutive keyframes
+  std::unique_ptr<ceres::CostFunction> residuals_;            // of the calibration; may be null
   CalibrationRow given_ = CalibrationRow::Zero();
   ReducedSystem::CalibrationMatrix information_ = ReducedSystem::CalibrationMatrix::Zero();
   double weight_ = 1;
 };
 
-// A round's problem: surfels and who sees them, which stay the same throughout.
+// Problem of a round, with fixed surfels and observations.
 struct JointProblem {
   const SharedSurfels& shared;
   const JointPrior& prior;
@@ -54,34 +55,33 @@ struct JointProblem {
 
 inline constexpr int kNoSolution = -1;
 
-// What a solver did.
 struct JointReport {
-  int iterations = 0;  // steps tried, or kNoSolution where the cost is not finite
-  // At poses and calibration of the start and after each accepted step.
+  int iterations = 0;  // number of steps, or kNoSolution if the initial cost is not finite
+  // Initial cost, and the cost after each accepted step.
   std::vector<double> costs;
-  double build_ms = 0;      // what a solver is given
+  double build_ms = 0;      // setup of the problem
   double linearize_ms = 0;  // one linearisation
-  double solve_ms = 0;      // all but building
+  double solve_ms = 0;      // everything except setup
 };
 
-// Which of the calibration's eleven numbers are not to change.
+// Returns which of the 11 calibration parameters are fixed.
 std::vector<bool> HeldCalibration(const RefinementOptions& options);
 
-// Moves poses, but for the first, and the free calibration to the least cost, by
-// Levenberg-Marquardt, with the options' solver. Leaves the state as it was where there is no
-// solution. The same at any number of threads.
+// Minimises the cost over the poses and the estimated calibration parameters by
+// Levenberg-Marquardt, with the solver of the options. The first pose is fixed. The state does not
+// change without a solution. The result is the same for any number of threads.
 JointReport MinimizeJointly(const JointProblem& problem, const RefinementOptions& options,
                             JointState* state);
 
-// "reduced": the surfels' own numbers are at their best for poses and calibration at every step.
-// Steps are those of Ceres' trust region (Nielsen's rule for the damping).
+// Solver "reduced": the surfel parameters are optimal for the poses and calibration of each step.
+// Steps follow the trust region of Ceres (Nielsen's rule for the damping).
 JointReport MinimizeReduced(const JointProblem& problem, const RefinementOptions& options,
                             JointState* state);
 
-// "ceres": a ceres::Problem of the functors of PlaneInverseDepth and SurfelTexture, by autodiff,
-// whose unknowns the surfels' own numbers are as well. Ceres eliminates these first, and solves the
-// Schur complement as the options' linear solver says. On one thread: with more, Ceres sums costs
-// and gradients in no fixed order.
+// Solver "ceres": a ceres::Problem with autodiff residuals PlaneInverseDepth and SurfelTexture,
+// whose parameters include those of the surfels. Ceres eliminates the surfels first and solves the
+// Schur complement with the linear solver of the options. Runs on one thread: with more threads,
+// Ceres sums costs and gradients in a varying order.
 JointReport MinimizeWithCeres(const JointProblem& problem, const RefinementOptions& options,
                               JointState* state);
 

@@ -14,13 +14,13 @@ namespace surfit {
 
 struct SharedSurfels;
 
-// What is to be found, but for the surfels' own numbers.
+// Parameters of the joint problem, except the surfel parameters.
 struct JointState {
   std::vector<Rigid3d> world_from_camera;
   DepthCalibration calibration;
 };
 
-// Poses as the rows use them. The state must outlive it.
+// Poses with rotation matrices, for the rows. The state must outlive it.
 struct PlacedPoses {
   explicit PlacedPoses(const JointState& joint) : state(joint) {
     for (const Rigid3d& pose : joint.world_from_camera) {
@@ -32,7 +32,7 @@ struct PlacedPoses {
   std::vector<Eigen::Matrix3d> rotations;
 };
 
-// The calibration as parameter block of kCalibrationSize; the size of the image is left as it is.
+// Parameter block of the calibration, of size kCalibrationSize. The image size is not included.
 inline void CalibrationToBlock(const DepthCalibration& calibration, double* block) {
   const PinholeCamera& camera = calibration.camera;
   block[0] = camera.fx, block[1] = camera.fy, block[2] = camera.cx, block[3] = camera.cy;
@@ -48,9 +48,9 @@ inline void CalibrationFromBlock(const double* block, DepthCalibration* calibrat
   calibration->readout_s = block[kReadout];
 }
 
-// The robust kernels of all residuals. Those of texture have the photometric weight W in their
-// standard deviation: all kernels are of the form rho(s) = k^2 f(s / k^2), so that W rho(s) is
-// rho(W s) of the width k sqrt(W).
+// Robust kernels of all residuals. The photometric weight W is part of the standard deviation of
+// texture residuals. All kernels have the form rho(s) = k^2 f(s / k^2), so W rho(s) is rho(W s)
+// with the width k sqrt(W).
 struct JointKernels {
   RobustKernel plane, texture;
 
@@ -68,26 +68,26 @@ inline JointKernels KernelsOf(const ErrorModel& model) {
   return kernels;
 }
 
-// 1 / sigma of inverse depth where that is measured, m.
+// 1 / sigma of the measured inverse depth, m.
 inline double InversePlaneSigma(const ErrorModel& model, const DepthNoise& noise,
                                 double inverse_depth) {
   const double z = 1 / inverse_depth;  // sigma_(1/z) = sigma_z / z^2
   return z * z / model.Sigma(z, noise);
 }
 
-// Of the differences of intensity, the weight included.
+// 1 / sigma of the differences of intensity, including the photometric weight.
 inline double InverseTextureSigma(const ErrorModel& model) {
   return std::sqrt(model.photometric_weight) / model.intensity_sigma;
 }
 
-// How far observations are from the surfels at their best numbers.
+// Residuals of all observations at the optimal surfel parameters.
 struct JointFit {
-  double rho = 0;                  // the sum: twice the cost
-  double weight = 0;               // the sum of rho' of planes
-  double squared_sigmas = 0;       // the sums, so weighted, of r^2
-  double squared_metres = 0;       // and of the squared distances of points to planes
-  double texture_weight = 0;       // the sum of rho' of differences of intensity
-  double squared_differences = 0;  // the sum, so weighted, of their squared errors
+  double rho = 0;                  // sum of rho: twice the cost
+  double weight = 0;               // sum of the kernel weights rho' of plane residuals
+  double squared_sigmas = 0;       // weighted sum of r^2
+  double squared_metres = 0;       // weighted sum of the squared point-to-plane distances
+  double texture_weight = 0;       // sum of the kernel weights rho' of texture residuals
+  double squared_differences = 0;  // weighted sum of the squared differences of intensity
 
   JointFit& operator+=(const JointFit& other) {
     rho += other.rho;
@@ -102,25 +102,24 @@ struct JointFit {
 
 RefinementFit Agreement(const JointFit& fit);
 
-// What the residuals of planes show an observation's variance to be, in the model's: their weighted
-// mean square, for as many as they are more than what they determine; and more by as many as share
-// the errors of their normals. 0 if they determine nothing.
+// Variance of an observation relative to the error model: the weighted mean square of the plane
+// residuals, corrected for the degrees of freedom. It is larger if surfels share the errors of
+// their normals (`correlation_px`). 0 without redundant observations.
 double VarianceOf(const JointFit& fit, const SharedSurfels& shared, const JointState& state,
                   const RefinementOptions& options);
 
-// The covariance that RefinementOptions::model_error_share stands for, 11 x 11 and diagonal: zero
-// of what is held.
+// Covariance of RefinementOptions::model_error_share, 11 x 11 and diagonal; 0 for fixed parameters.
 Eigen::MatrixXd ModelErrorOf(const DepthCalibration& calibration, const std::vector<bool>& held,
                              const RefinementOptions& options);
 
-// The squared distance of a calibration from another by its covariance (11 x 11, zero of what was
-// held), and the number of those that were free.
+// Squared Mahalanobis distance between two calibrations by a covariance (11 x 11, 0 for fixed
+// parameters), with the number of estimated parameters.
 struct CalibrationChange {
   double squared_distance = 0;
   int free = 0;
 
-  // Mean and variance of the squared distance, were the other the true one: as many as are free,
-  // and twice as many.
+  // Mean plus `sigmas` standard deviations of the squared distance of equal calibrations: a
+  // chi-square distribution with `free` degrees of freedom.
   double Limit(double sigmas) const;
 };
 CalibrationChange ChangeOf(const DepthCalibration& calibration, const DepthCalibration& given,

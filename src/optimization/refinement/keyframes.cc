@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kSmoothingPx = 2;
 
-// Nearer pixels differ by noise and by how they fall on the texture.
+// Smoothing suppresses the noise and sampling of the texture below this scale.
 Image<float> Smoothed(Image<float> intensity) {
   if (intensity.empty()) return intensity;
   cv::Mat image(intensity.height(), intensity.width(), CV_32F, intensity.data());

@@ -11,7 +11,7 @@ namespace {
 constexpr int kSize = kPoseTangentSize;
 
 // Calls add(row, column, value) for the lower triangle of S P S + damping I without the first pose,
-// column by column, rows ascending.
+// by columns, with ascending rows.
 template <typename Add>
 void ForEachLower(const ReducedSystem& system, const Eigen::VectorXd& scale, double damping,
                   const Add& add) {
@@ -73,11 +73,11 @@ Eigen::MatrixXd PoseFactor::Solve(const Eigen::MatrixXd& right) const {
   return lower.transpose().solve(lower.solve(right));
 }
 
-// With E the pose's columns of the identity, that is X^T X for L X = E.
+// With the columns E of the identity for this pose, the block is X^T X for L X = E.
 ReducedSystem::PoseMatrix PoseFactor::InverseBlock(int pose) const {
   const Eigen::Index begin = kSize * (pose - 1);
   if (is_dense_) {
-    // All above the pose's rows is zero.
+    // The rows above this pose are zero.
     const Eigen::Index rest = size_ - begin;
     const Eigen::MatrixXd x = dense_.bottomRightCorner(rest, rest)
                                   .triangularView<Eigen::Lower>()
@@ -132,7 +132,7 @@ bool ReducedFactor::Factorize(const ReducedSystem& system, double damping) {
   return calibration_.info() == Eigen::Success;
 }
 
-// With (S H S + damping I) y = S g the step is -S y, for which the model's rho = r^2 becomes
+// With (S H S + damping I) y = S g, the step is -S y. The predicted rho = r^2 of the model is
 //   rho - 2 g . S y + y . S H S y = rho - g . S y - damping y . y.
 ReducedStep ReducedFactor::Solve(const Eigen::VectorXd& gradient) const {
   const Eigen::VectorXd scaled = scale_.cwiseProduct(gradient);
@@ -146,7 +146,7 @@ ReducedStep ReducedFactor::Solve(const Eigen::VectorXd& gradient) const {
   return {-scale_.cwiseProduct(y), scaled.dot(y) + damping_ * y.squaredNorm()};
 }
 
-// By the inverse of a bordered matrix: P^-1 + P^-1 B (C - B^T P^-1 B)^-1 B^T P^-1.
+// Inverse of a bordered matrix: P^-1 + P^-1 B (C - B^T P^-1 B)^-1 B^T P^-1.
 Eigen::MatrixXd ReducedFactor::PoseCovariance(int pose) const {
   using Rows = Eigen::Matrix<double, kPoseTangentSize, kCalibrationSize>;
   const Eigen::Index begin = kPoseTangentSize * pose;
@@ -176,8 +176,8 @@ JointCovariance ReducedFactor::Covariance() const {
 
 JointCovariance CovarianceOf(const ReducedSystem& system,
                              const std::vector<bool>& held_calibration) {
-  // Rounding leaves about as much of the zeros of a singular hessian whose diagonal is of ones;
-  // should it leave more, a larger damping factorises.
+  // Rounding errors of a singular Hessian with a unit diagonal are about this large. With larger
+  // errors, the factorisation needs more damping.
   constexpr double kLeastPivot = 1e-12, kGrowth = 10;
   ReducedFactor factor(*system.pattern, held_calibration);
   double damping = kLeastPivot;

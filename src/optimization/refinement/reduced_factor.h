@@ -9,34 +9,34 @@
 
 namespace surfit {
 
-// A Cholesky factor L L^T of the poses' part P of a reduced hessian, without the first pose, which
-// is held.
+// Cholesky factor L L^T of the pose part P of a reduced Hessian, without the fixed first pose.
 //
-// By Eigen's sparse solver, in minimum degree order, or by its dense one where that is faster: in a
-// room that is seen all over again half of all pairs share surfels, and the factor of those is
-// nearly full. Both run on one thread.
+// Uses the sparse solver of Eigen with minimum degree ordering, or the dense solver if it is
+// faster: in a room that is seen repeatedly, half of all keyframe pairs share surfels, and the
+// sparse factor is nearly full. Both run on one thread.
 class PoseFactor {
  public:
-  // Orders the unknowns and counts the operations.
+  // Computes the ordering and the number of operations.
   explicit PoseFactor(const BlockPattern& pattern);
 
   bool is_dense() const { return is_dense_; }
 
-  // Of S P S + damping I, with ones on the diagonal of S P S in any case: scale, the diagonal of S,
-  // makes them ones or is zero. False if that is not positive definite.
+  // Factorises S P S + damping I. `scale` is the diagonal of S. It normalises the diagonal of P to
+  // 1, or is 0 for parameters without residuals, whose diagonal is set to 1. Returns false if the
+  // matrix is not positive definite.
   bool Factorize(const ReducedSystem& system, const Eigen::VectorXd& scale, double damping);
 
   Eigen::MatrixXd Solve(const Eigen::MatrixXd& right) const;
 
-  // The block of the inverse for a pose from 1 on.
+  // Diagonal block of the inverse for a pose, from pose 1.
   ReducedSystem::PoseMatrix InverseBlock(int pose) const;
 
  private:
   struct SparseLlt : Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower> {
-    // Multiplications that factorising takes, about; after analyzePattern().
+    // Approximate number of multiplications of a factorisation. Call after analyzePattern().
     double Operations() const { return m_nonZerosPerCol.cast<double>().squaredNorm() / 2; }
   };
-  // How many times as many operations the dense solver does in the same time, about: 6 with 1300
+  // Approximate speed of the dense solver relative to the sparse solver, per operation: 6 with 1300
   // unknowns, 10 with 2300.
   static constexpr double kDenseSpeed = 10;
 
@@ -46,31 +46,32 @@ class PoseFactor {
   bool is_dense_;
 };
 
-// The step to the least of the quadratic model of a cost, damped.
+// Damped step to the minimum of the quadratic model of the cost.
 struct ReducedStep {
-  Eigen::VectorXd increments;  // of poses and calibration; zero of what is held
-  double rho_decrease = 0;     // that the model promises without the damping
+  Eigen::VectorXd increments;  // of poses and calibration; 0 for fixed parameters
+  double rho_decrease = 0;     // predicted decrease of rho, without the damping
 };
 
-// Covariances for errors of unit variance: blocks of the inverse of the reduced hessian, so that
-// all else is free, but for the first pose and what of the calibration is held.
+// Marginal covariances for residuals of unit variance: blocks of the inverse of the reduced
+// Hessian. The first pose and fixed calibration parameters are constant.
 struct JointCovariance {
-  Eigen::MatrixXd calibration;  // 11 x 11; rows and columns of held numbers are zero
-  // Of each pose's increment (w [rad], v [m]), 6 x 6: zero of the first, infinite on the diagonal
-  // of poses that share no surfel.
+  Eigen::MatrixXd calibration;  // 11 x 11; rows and columns of fixed parameters are 0
+  // Covariance of each pose perturbation (w [rad], v [m]), 6 x 6. 0 for the first pose, infinite on
+  // the diagonal of poses without shared surfels.
   std::vector<Eigen::MatrixXd> poses;
 };
 
-// A factor of a reduced hessian: that of its poses, with the calibration, which all poses share, as
-// its dense border. Scaled to a diagonal of ones, as metres, radians and pixels differ by orders of
-// magnitude:
+// Factor of a reduced Hessian. All poses depend on the calibration, which is a dense border of the
+// pose part. It is scaled to a unit diagonal, because metres, radians and pixels differ by orders
+// of magnitude:
 //   S H S + damping I = [P B; B^T C],  (C - B^T P^-1 B) dense.
-// What is held, or in no residual, has zeros in S and a one on the diagonal: it stays where it is.
+// Parameters that are fixed or without residuals have 0 in S and 1 on the diagonal: they do not
+// change.
 class ReducedFactor {
  public:
   ReducedFactor(const BlockPattern& pattern, const std::vector<bool>& held_calibration);
 
-  // False if the damped hessian is not positive definite.
+  // Returns false if the damped Hessian is not positive definite.
   bool Factorize(const ReducedSystem& system, double damping);
 
   ReducedStep Solve(const Eigen::VectorXd& gradient) const;
@@ -91,8 +92,8 @@ class ReducedFactor {
   Eigen::LLT<CalibrationMatrix> calibration_;
 };
 
-// Directions that nothing in the residuals tells have a variance about 1e12 times that which
-// their own rows alone would give.
+// Covariance by the smallest damping that can be factorised. The variance of unobservable
+// directions is about 1e12 times the variance that their diagonal elements alone would give.
 JointCovariance CovarianceOf(const ReducedSystem& system,
                              const std::vector<bool>& held_calibration);
 

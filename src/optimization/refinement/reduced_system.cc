@@ -10,8 +10,9 @@ namespace surfit {
 
 namespace {
 
-// What ties one surfel's own unknowns to poses and calibration, for its elimination: with weighted
-// rows [A b], b of its unknowns, A^T W b by blocks, b^T W b and b^T W r.
+// Coupling of the parameters of one surfel to poses and calibration, for their elimination. With
+// weighted rows [A b], where b are the derivatives by the surfel parameters: A^T W b by blocks, b^T
+// W b and b^T W r.
 template <int kUnknowns>
 struct Coupling {
   using Square = Eigen::Matrix<double, kUnknowns, kUnknowns>;
@@ -19,7 +20,7 @@ struct Coupling {
   explicit Coupling(std::size_t observations)
       : poses(observations, Eigen::Matrix<double, kPoseTangentSize, kUnknowns>::Zero()) {}
 
-  // A row of the observation-th keyframe that sees the surfel.
+  // Adds a row of the keyframe with the given position in the observations of the surfel.
   void Add(std::size_t observation, const JointRow& row, const SurfelRow<kUnknowns>& by_surfel,
            double weight) {
     const SurfelRow<kUnknowns> weighted = weight * by_surfel;
@@ -29,9 +30,9 @@ struct Coupling {
     gradient += weighted * row.residual;
   }
 
-  // Divides all by the root L of b^T W b = L L^T, so that
+  // Multiplies all by the inverse root of b^T W b = L L^T, so that
   //   A^T W b (b^T W b)^-1 b^T W A = (A^T W b L^-T) (A^T W b L^-T)^T.
-  // False if the surfel's unknowns are not determined; then nothing is changed.
+  // Returns false, without changes, if the surfel parameters are not observable.
   bool Whiten() {
     const Eigen::LLT<Square> llt(information);
     if (!(llt.info() == Eigen::Success && information.diagonal().minCoeff() > 0)) return false;
@@ -194,7 +195,7 @@ JointFit FitOf(const SharedSurfels& shared, const JointState& state, const Joint
 
 ReducedSystem Reduce(const SharedSurfels& shared, const BlockPattern& pattern,
                      const JointState& state, const JointKernels& kernels) {
-  constexpr int kBlocks = 4;  // each has a system of its own
+  constexpr int kBlocks = 4;  // each block of surfels has its own system
   const PlacedPoses placed(state);
   const int count = static_cast<int>(shared.surfels.size());
   return ParallelSum(0, count, std::max(1, (count + kBlocks - 1) / kBlocks), ReducedSystem(pattern),

@@ -11,8 +11,8 @@
 
 namespace surfit {
 
-// Which pairs of poses the reduced system ties: those that share a surfel, and each pose with
-// itself and the next one (JointPrior). Others have no block.
+// Sparsity pattern of the reduced system. It has blocks for poses that share a surfel, and for each
+// pose with itself and with the next pose (JointPrior).
 class BlockPattern {
  public:
   static constexpr std::int32_t kNoBlock = -1;
@@ -22,8 +22,8 @@ class BlockPattern {
   int pose_count() const { return pose_count_; }
   std::size_t block_count() const { return block_count_; }
 
-  // The index of the block of two poses, row >= column, or kNoBlock. Blocks are numbered row by
-  // row. The table takes 4 bytes for each pair, 1 / 72 of what its block would.
+  // Index of the block of two poses, row >= column, or kNoBlock. Blocks are numbered by rows. The
+  // table takes 4 bytes per pair, 1/72 of the size of a block.
   std::int32_t IndexOf(int row, int column) const { return indices_[PairOf(row, column)]; }
 
  private:
@@ -33,41 +33,41 @@ class BlockPattern {
 
   int pose_count_;
   std::size_t block_count_ = 0;
-  std::vector<std::int32_t> indices_;  // of the lower triangle, row by row
+  std::vector<std::int32_t> indices_;  // of the lower triangle, by rows
 };
 
-// The normal equations of poses and calibration, the surfels' own numbers eliminated: for the
-// increments (w, v) of each pose, by ProductPoseManifold, and then of the calibration's ten
-// numbers. With the rows J = [A b], b of the surfels' numbers, and weights W = diag(rho'(r^2)),
+// Normal equations of poses and calibration with eliminated surfel parameters. Unknowns are the
+// perturbation (w, v) of each pose (ProductPoseManifold), and then the calibration parameters:
 //   hessian = A^T W A - A^T W b (b^T W b)^-1 b^T W A,
 //   gradient = A^T W r - A^T W b (b^T W b)^-1 b^T W r.
-// b^T W b is block diagonal: each observation has one surfel. Poses that share no surfel have no
-// block.
+// The rows are J = [A b], with the derivatives b by the surfel parameters. The weights are W =
+// diag(rho'(r^2)). b^T W b is block diagonal, because each observation has one surfel. Poses
+// without shared surfels have no block.
 struct ReducedSystem {
   using PoseMatrix = Eigen::Matrix<double, kPoseTangentSize, kPoseTangentSize>;
   using MixedMatrix = Eigen::Matrix<double, kCalibrationSize, kPoseTangentSize>;
   using CalibrationMatrix = Eigen::Matrix<double, kCalibrationSize, kCalibrationSize>;
 
-  // Zero. The pattern must outlive it.
+  // Initialises with zeros. Keeps a pointer to the pattern.
   explicit ReducedSystem(const BlockPattern& block_pattern);
   ReducedSystem& operator+=(const ReducedSystem& other);
 
-  // Of a pair that has one, row >= column.
+  // Block of a pair in the pattern, row >= column.
   PoseMatrix& PoseBlock(int row, int column) { return poses[pattern->IndexOf(row, column)]; }
-  // Where the calibration begins in the gradient.
+  // Position of the calibration in the gradient.
   Eigen::Index CalibrationBegin() const { return gradient.size() - kCalibrationSize; }
 
   const BlockPattern* pattern;
-  // The hessian: pairs of poses in the pattern's order, of whose diagonal blocks the lower triangle
-  // counts; the calibration's rows of each pose; and the calibration's own.
+  // Hessian: blocks of pose pairs in the order of the pattern, with the lower triangle of diagonal
+  // blocks; blocks of the calibration with each pose; block of the calibration.
   std::vector<PoseMatrix> poses;
   std::vector<MixedMatrix> mixed;
   CalibrationMatrix calibration = CalibrationMatrix::Zero();
   Eigen::VectorXd gradient;
-  double rho = 0;  // the sum: twice the cost
+  double rho = 0;  // sum of rho: twice the cost
 };
 
-// All that keyframes at one state see of a surfel.
+// All observations of a surfel, at one state of poses and calibration.
 class SurfelSight {
  public:
   SurfelSight(const SharedSurfels& shared, const SharedSurfel& surfel, const PlacedPoses& placed);
@@ -75,9 +75,9 @@ class SurfelSight {
   const std::vector<PlaneSight>& planes() const { return planes_; }
   const std::vector<TextureSight>& textures() const { return textures_; }  // empty without texture
 
-  // Those for which its observations agree best, from no displacement on.
+  // Optimal parameters of the surfel, starting from a displacement of 0.
   SurfelNumbers Best(const JointKernels& kernels) const;
-  // How far its observations are from those.
+  // Residuals at the optimal parameters.
   JointFit FitOf(const JointKernels& kernels) const;
 
  private:
@@ -87,8 +87,8 @@ class SurfelSight {
 
 JointFit FitOf(const SharedSurfels& shared, const JointState& state, const JointKernels& kernels);
 
-// At the surfels' best numbers; the pattern is that of these surfels. The same at any number of
-// threads.
+// Computes the reduced system at the optimal surfel parameters. The pattern must belong to these
+// surfels. The result is the same for any number of threads.
 ReducedSystem Reduce(const SharedSurfels& shared, const BlockPattern& pattern,
                      const JointState& state, const JointKernels& kernels);
 

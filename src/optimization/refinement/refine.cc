@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kLeastSurfels = 100;
 
-// One round: how it failed, if it did.
+// Runs one round. Returns the kind of failure, or std::nullopt.
 std::optional<RefinementTermination> RunRound(const RefinementOptions& options,
                                               const JointKernels& kernels,
                                               const std::vector<RefinementKeyframe>& keyframes,
@@ -47,8 +47,8 @@ void TakePoses(const JointState& state, std::vector<RefinementKeyframe>* keyfram
   }
 }
 
-// Makes surfels from the keyframes, moves all, and again, until a round gains nothing. State and
-// keyframes are where they were if it fails. Appends the rounds, and calls progress after each.
+// Repeats rounds until they converge. Restores state and keyframes after a failure. Appends the
+// rounds, and calls `progress` after each round.
 RefinementTermination RunRounds(const RefinementOptions& options,
                                 std::vector<RefinementKeyframe>* keyframes, JointPrior* prior,
                                 JointState* state, std::vector<RefinementRound>* rounds,
@@ -86,7 +86,7 @@ JointState StateOf(const std::vector<RefinementKeyframe>& keyframes,
   return state;
 }
 
-// Sets the fit and the covariances of where all is, but for the distance of the calibration.
+// Sets the final fit and the covariances, except the distance of the calibration.
 void SetAgreement(const RefinementOptions& options,
                   const std::vector<RefinementKeyframe>& keyframes, JointPrior* prior,
                   const JointState& state, RefinementSummary* summary) {
@@ -115,14 +115,14 @@ RefinementFit FitOf(const RefinementOptions& options,
   return Agreement(FitOf(shared, state, KernelsOf(options.error_model)));
 }
 
-// Refines from the given poses; those and the calibration stay as given if it fails.
+// Refines from the given poses and calibration, and restores them after a failure.
 void RefineFrom(const JointState& given, const RefinementOptions& options, JointPrior prior,
                 std::vector<RefinementKeyframe>* keyframes, RefinementSummary* summary,
                 const std::function<void(const RefinementRound&)>& progress) {
   TakePoses(given, keyframes);
   JointState state = given;
   summary->termination = RunRounds(options, keyframes, &prior, &state, &summary->rounds, progress);
-  // Noise may tell less than none.
+  // Noise can make the estimate negative.
   state.calibration.readout_s = std::max(0., state.calibration.readout_s);
   summary->calibration = state.calibration;
   if (summary->Succeeded()) SetAgreement(options, *keyframes, &prior, state, summary);
@@ -138,7 +138,7 @@ bool FindsCalibration(const RefinementOptions& options) {
          options.free_readout;
 }
 
-// The options without what these keyframes cannot tell.
+// Fixes the readout if no keyframe has motion.
 RefinementOptions ThatTell(RefinementOptions options,
                            const std::vector<RefinementKeyframe>& keyframes) {
   options.free_readout &=
@@ -147,7 +147,7 @@ RefinementOptions ThatTell(RefinementOptions options,
   return options;
 }
 
-// The options with which poses alone are refined.
+// Options of the refinement of poses only.
 RefinementOptions OfPoses(RefinementOptions options) {
   options.free_intrinsics = options.free_depth_offset = options.free_depth_field = false;
   options.free_readout = false;
@@ -156,7 +156,7 @@ RefinementOptions OfPoses(RefinementOptions options) {
   return options;
 }
 
-// Refines the poses with the given calibration.
+// Refines the poses with the input calibration.
 void RefinePoses(const JointState& given, const RefinementOptions& options,
                  std::vector<RefinementKeyframe>* keyframes, RefinementSummary* summary,
                  const std::function<void(const RefinementRound&)>& progress) {

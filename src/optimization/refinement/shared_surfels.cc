@@ -27,7 +27,7 @@ std::optional<Pixel> PixelOf(const Eigen::Vector3d& point_in_camera, const Pinho
   return Pixel{static_cast<int>(u), static_cast<int>(v)};
 }
 
-// What a keyframe measures at its pose, by the calibration.
+// Keyframe at its pose, with a calibration.
 class PosedKeyframe {
  public:
   PosedKeyframe(const RefinementKeyframe& keyframe, const DepthCalibration& calibration,
@@ -39,9 +39,9 @@ class PosedKeyframe {
         least_cosine_of_slant_(std::cos(options.max_slant_rad)),
         least_cosine_of_normals_(std::cos(options.observation_angle_rad)) {}
 
-  // The calibrated plane in the camera's frame that a pixel measures; nothing if it has none or is
-  // seen too obliquely. From 1/z = n . ray / d with d < 0, n ~ -(fx r_u, fy r_v, r - (u - cx) r_u -
-  // (v - cy) r_v).
+  // Returns the calibrated plane of a pixel in the camera frame, or std::nullopt if there is none
+  // or it is too slanted. The normal follows from 1/z = n . ray / d with d < 0: n ~ -(fx r_u, fy
+  // r_v, r - (u - cx) r_u - (v - cy) r_v).
   std::optional<Plane> PlaneAt(int u, int v) const {
     const float measured = images_.inverse_depth(u, v);
     const double slope_u = images_.slope_u(u, v), slope_v = images_.slope_v(u, v);
@@ -58,7 +58,7 @@ class PosedKeyframe {
     return Plane{ray / inverse_depth, normal};
   }
 
-  // The pixel that sees a plane of the world: within the image and the gates.
+  // Returns the observation of a plane, or std::nullopt if it is outside the image or the gates.
   std::optional<PlaneObservation> Observe(const Plane& in_world) const {
     const Eigen::Vector3d point = camera_from_world_ * in_world.point;
     const std::optional<Pixel> pixel = PixelOf(point, calibration_.camera);
@@ -87,7 +87,7 @@ class PosedKeyframe {
   const double least_cosine_of_slant_, least_cosine_of_normals_;
 };
 
-// Which cells of a keyframe's image show a surfel already.
+// Cells of a keyframe image that contain a surfel.
 class Cells {
  public:
   Cells(const PinholeCamera& camera, int size_px)
@@ -97,7 +97,7 @@ class Cells {
   void Take(float u, float v) {
     taken_(static_cast<int>(u) / size_px_, static_cast<int>(v) / size_px_) = 1;
   }
-  // The middle pixels of all free cells that lie within the image, row by row.
+  // Centre pixels of all free cells within the image, by rows.
   std::vector<Pixel> FreeMiddles(const PinholeCamera& camera) const {
     std::vector<Pixel> pixels;
     for (int j = 0; j < taken_.height(); ++j) {
@@ -116,7 +116,7 @@ class Cells {
   Image<std::uint8_t> taken_;
 };
 
-// A plane of the world, and what keyframes measure of it, in their order.
+// Plane in the world frame, with its observations in the order of the keyframes.
 struct SeenPlane {
   Plane plane;
   std::vector<PlaneObservation> observations;
@@ -129,7 +129,7 @@ void ObserveBy(const PosedKeyframe& view, int keyframe, SeenPlane* seen) {
   seen->observations.push_back(*observation);
 }
 
-// Makes planes where a cell of a keyframe's image shows none of those from earlier ones.
+// Creates planes in cells of a keyframe image without a plane of an earlier keyframe.
 std::vector<SeenPlane> MakePlanes(const std::vector<RefinementKeyframe>& keyframes,
                                   const std::vector<PosedKeyframe>& views,
                                   const DepthCalibration& calibration,
@@ -164,8 +164,8 @@ std::vector<SeenPlane> MakePlanes(const std::vector<RefinementKeyframe>& keyfram
   return planes;
 }
 
-// In the world. The noise of one normal would turn the plane about the surfel's own point, and
-// with it what others see beside that point.
+// Mean normal in the world frame. The noise of a single normal would rotate the plane about the
+// surfel centre, and displace it at the observations of other keyframes.
 Eigen::Vector3d MeanNormal(const std::vector<PlaneObservation>& observations,
                            const std::vector<RefinementKeyframe>& keyframes,
                            const std::vector<PosedKeyframe>& views) {

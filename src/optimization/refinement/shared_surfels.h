@@ -10,62 +10,64 @@
 
 namespace surfit {
 
-// What one keyframe has measured of a surfel's plane.
+// Observation of a surfel plane by a keyframe.
 struct PlaneObservation {
   int keyframe = 0;
   float u = 0, v = 0;       // px
   float inverse_depth = 0;  // 1/m, as measured
-  float inverse_sigma = 0;  // m: 1 / sigma of that
+  float inverse_sigma = 0;  // 1 / sigma of the inverse depth, m
 };
 
-// What a keyframe that has measured a surfel's plane sees of its texture.
+// Observation of a surfel texture by a keyframe that observes the plane.
 struct TextureObservation {
   int keyframe = 0;
-  int index = 0;            // of that keyframe among those that see the surfel
-  float inverse_sigma = 0;  // of differences of intensity, the photometric weight included
+  int index = 0;  // position of the keyframe in the observations of the surfel
+  float inverse_sigma =
+      0;  // 1 / sigma of differences of intensity, including the photometric weight
   TextureTaps taps;
 };
 
-// A surfel that several keyframes see: a plane, free to move along its normal.
+// Surfel that several keyframes observe: a plane with a displacement along its normal.
 struct SharedSurfel {
   Eigen::Vector3d point_in_world, normal_in_world;  // metres, unit length
-  double texture_radius_m = 0;                      // to the points beside it: TexturePoints()
-  std::size_t begin = 0, end = 0;                   // of its observations
+  double texture_radius_m = 0;     // distance of the neighbouring points: TexturePoints()
+  std::size_t begin = 0, end = 0;  // range of its observations
   std::size_t textures_begin = 0, textures_end = 0;
 };
 
-// A surfel's centre and the two points beside it, in tangential directions that are at right angles
-// to each other; metres, in the world.
+// Returns the centre of a surfel and two neighbouring points, in orthogonal tangential directions;
+// metres, world frame.
 std::array<Eigen::Vector3d, 3> TexturePoints(const SharedSurfel& surfel);
 
-// All surfels of a set of keyframes, and what these have measured of them. The observations of a
-// surfel follow one another, in the keyframes' order.
+// All surfels of a set of keyframes with their observations. The observations of a surfel are
+// contiguous, in the order of the keyframes.
 struct SharedSurfels {
   std::vector<SharedSurfel> surfels;
   std::vector<PlaneObservation> observations;
   std::vector<TextureObservation> textures;
-  std::vector<KeyframeReadout> readouts;  // of the keyframes
+  std::vector<KeyframeReadout> readouts;  // per keyframe
 };
 
-// The side of the cells of a keyframe's image, px.
+// Cell size of a keyframe image, px.
 int CellSize(const DepthCalibration& calibration, const RefinementOptions& options);
 
-// Makes surfels from keyframes at their poses: where a cell of a keyframe's image shows none of
-// those from earlier ones, the pixel in its middle becomes one. Then finds for each the keyframes
-// that see it, and gives it the mean of the normals measured there. Surfels that fewer keyframes
-// see than the options ask for are left out. The same at any number of threads.
+// Creates surfels from keyframes. If a cell of a keyframe image has no surfel of an earlier
+// keyframe, its centre pixel becomes a surfel. Then finds the keyframes that observe each surfel,
+// and averages their normals. Surfels with fewer than `min_observations` observations are removed.
+// The result is the same for any number of threads.
 SharedSurfels MakeSharedSurfels(const std::vector<RefinementKeyframe>& keyframes,
                                 const DepthCalibration& calibration,
                                 const RefinementOptions& options);
 
-// From a surfel's centre to the points beside it, in the keyframe that it was made from.
+// Distance of the neighbouring points of a surfel, in the keyframe that created it.
 inline constexpr double kTextureRadiusPx = 4;
 
-// Moves each surfel to where its plane agrees best with what keyframes measure, as images are
-// expanded there, and adds what those that have measured the plane see of its texture. A keyframe
-// sees it where it measures the plane all around the points: what is before or behind that moves
-// otherwise in the image. A surfel has none if fewer than two see it, or if for none of them it
-// changes by a standard deviation per px. The same at any number of threads.
+// Moves each surfel to the optimal displacement of its plane, the linearisation point of the
+// images, and adds texture observations. A keyframe observes the texture if it observes the plane
+// everywhere around the points, because other surfaces move differently in the image. A surfel has
+// no texture if fewer than two keyframes observe it, or if its differences of intensity change by
+// less than a standard deviation per px in all keyframes. The result is the same for any number of
+// threads.
 void ObserveTextures(const std::vector<RefinementKeyframe>& keyframes,
                      const DepthCalibration& calibration, const ErrorModel& model,
                      SharedSurfels* shared);

@@ -4,10 +4,10 @@
 
 namespace surfit {
 
-// A calibration as it is for every stride-th column and row.
+// Returns the calibration of an image with every stride-th column and row.
 DepthCalibration Subsampled(DepthCalibration calibration, int stride);
 
-// What was found for these, as it is for the whole images that camera has.
+// Converts the calibration of subsampled images to the whole images of a camera.
 void ScaleUp(const PinholeCamera& whole, int stride, RefinementSummary* summary);
 
 }  // namespace surfit

@@ -8,7 +8,7 @@ namespace {
 
 constexpr int kSteps = 4;
 
-// Gauss-Newton on one number, reweighted in each step.
+// Reweighted Gauss-Newton over the displacement.
 double BestDisplacement(const std::vector<PlaneSight>& sights, const RobustKernel& kernel) {
   double displacement = 0;
   for (int step = 0; step < kSteps; ++step) {
@@ -26,7 +26,7 @@ double BestDisplacement(const std::vector<PlaneSight>& sights, const RobustKerne
   return displacement;
 }
 
-// The normal equations of a surfel's own numbers.
+// Normal equations of the surfel parameters.
 struct OwnSystem {
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();

@@ -11,7 +11,7 @@
 namespace surfit {
 namespace {
 
-// Where a keyframe's image shows a point; nothing if it does not.
+// Returns the pixel of a point, or std::nullopt if it is outside the image.
 std::optional<Eigen::Vector2d> ImageOf(const Eigen::Vector3d& point_in_world,
                                        const Rigid3d& camera_from_world,
                                        const PinholeCamera& camera) {
@@ -24,7 +24,7 @@ std::optional<Eigen::Vector2d> ImageOf(const Eigen::Vector3d& point_in_world,
   return at;
 }
 
-// Nothing where the intensity is unknown.
+// Returns std::nullopt if the intensity is unknown.
 std::optional<IntensityTap> TapAt(const Image<float>& image, const Eigen::Vector2d& at) {
   IntensityTap tap;
   tap.u = static_cast<float>(at.x());
@@ -50,7 +50,7 @@ std::optional<TextureTaps> TapsOf(const SharedSurfel& surfel, const Image<float>
   return taps;
 }
 
-// Whether the pixel nearest to there measures the surfel's plane.
+// Returns whether the nearest pixel observes the plane of the surfel.
 bool MeasuresPlane(const Eigen::Vector2d& at, const SharedSurfel& surfel,
                    const RefinementKeyframe& keyframe, const DepthCalibration& calibration,
                    const ErrorModel& model) {
@@ -69,7 +69,8 @@ bool MeasuresPlane(const Eigen::Vector2d& at, const SharedSurfel& surfel,
   return std::abs(sight.Residual(0)) <= ErrorModel::kInlierSigmas;
 }
 
-// Whether a ring about the points, which the smoothing of the image reaches, is of the plane.
+// Returns whether a ring around the points observes the plane. The smoothing of the image reaches
+// as far as the ring.
 bool IsPlaneAround(const SharedSurfel& surfel, const RefinementKeyframe& keyframe,
                    const Rigid3d& camera_from_world, const DepthCalibration& calibration,
                    const ErrorModel& model) {
@@ -85,7 +86,8 @@ bool IsPlaneAround(const SharedSurfel& surfel, const RefinementKeyframe& keyfram
   return true;
 }
 
-// Whether a shift of the image by one pixel changes the differences between the taps by as much.
+// Returns whether an image shift of one pixel changes the differences between the taps by at least
+// `min_slope_per_px`.
 bool IsTextured(const TextureTaps& taps, double min_slope_per_px) {
   double squared = 0;
   for (int j = 1; j <= 2; ++j) {
