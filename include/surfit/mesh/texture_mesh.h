@@ -23,14 +23,11 @@ struct TextureOptions {
   int max_texture_px = 8192;
   // Maximum number of frames; 0: all. TextureMesh() ignores it. The supplier of the frames uses it:
   // surfit_mesh selects the slowest frame in equal parts of the run.
-  int max_texture_frames =
-      200;  // Maximum number of frames. 0: all. TextureMesh() ignores it. It is for the supplier of
-            // the frames, who selects the slowest frame in equal parts of the run (surfit_mesh).
+  int max_texture_frames = 200;
   // Minimum sharpness of the frame of a triangle, relative to the sharpest frame of the triangle.
   double least_sharpness = 0.6;
   // Cost of an edge between triangles of different frames, in units of relative sharpness.
-  double seam_cost =
-      0.3;  // Cost of an edge between triangles of different frames, in the same unit as sharpness.
+  double seam_cost = 0.3;
 
   void Visit(OptionVisitor& visitor);
 };

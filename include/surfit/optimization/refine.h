@@ -52,8 +52,7 @@ struct RefinementOptions {
   int cells_across = 120;
   int min_observations = 3;  // minimum number of keyframes that observe a surfel
   // Maximum distance of a measured point from the surfel plane.
-  double observation_distance_m =
-      0.05;                            // maximum distance of a measured point from the surfel plane
+  double observation_distance_m = 0.05;
   double observation_angle_rad = 0.6;  // maximum angle between the normals
   double max_slant_rad = 1.2;  // maximum angle between the surface normal and the viewing ray
   // Error model of the plane residuals. With a photometric weight (0: off, the default), texture

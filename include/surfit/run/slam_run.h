@@ -47,9 +47,7 @@ struct SlamRunOptions {
   std::string session;
   // Continues an existing session. Tracking starts at its last pose if the recording follows within
   // 1 s. Otherwise the camera is relocalised.
-  bool continue_session =
-      false;  // Continues an existing session. Tracking starts at its last pose if the recording
-              // follows directly, otherwise the camera is relocalised.
+  bool continue_session = false;
   // Localises the camera in an existing session. The session and its map do not change.
   bool localize = false;
   std::string trace;  // file for the times of all stages and threads (TraceRecorder); empty: none
@@ -130,8 +128,7 @@ struct SlamRunSummary {
   int frames_with_motion = 0;  // tracked frames with more than 10 % of the points on moving objects
   int frames_confirmed = 0;    // lost frames with a pose that the next frame has confirmed
   // Lost frames after a last tracked frame with more than 10 % moving points.
-  int frames_lost_in_motion =
-      0;  // lost frames after a last tracked frame with more than 10 % moving points
+  int frames_lost_in_motion = 0;
   // Frames in which the feature check found two motions, lost or not (FrameReport::is_apart).
   int frames_apart = 0;
   int frames_fused = 0;  // tracked frames that were fused
@@ -139,8 +136,7 @@ struct SlamRunSummary {
   std::vector<int> held_out_frames;
   int frames_skipped = 0;  // frames with read errors
   // Frames that arrived but were not processed in time. Not included in `frames_total`.
-  int frames_dropped =
-      0;  // frames that arrived but were not processed in time; not in `frames_total`
+  int frames_dropped = 0;
   // Frames with a longer map period than SlamOptions::map_period, because frames arrived too fast.
   int frames_hurried = 0;
   int longest_map_period = 0;  // longest map period; 0 if frames do not arrive at a fixed rate

@@ -73,8 +73,7 @@ struct FrameReport {
   bool is_fused = false;      // fused into the map
   bool is_held_out = false;   // tracked, and excluded from fusion by SlamOptions::hold_out
   // Ratio of the points on moving objects, which are neither registered nor fused.
-  double moving_share =
-      0;  // ratio of the points on moving objects, which are neither registered nor fused
+  double moving_share = 0;
   // The feature check found two motions: the camera may be registered to a moving object. If most
   // features contradict the pose, the frame is lost.
   bool is_apart = false;
