@@ -22,6 +22,9 @@ py::dict PropertiesOf(const py::object& object);
 // What pickle is to do: the same properties come back as a types.SimpleNamespace.
 py::tuple ReductionOf(const py::object& report);
 
+// Makes old names of attributes (PresentName()) work, with a DeprecationWarning.
+void AddOldNames(py::object python_class);
+
 // What a program says of a frame, a run, ...: Python can print it and, as plain numbers, keep it.
 template <typename T>
 py::class_<T> BindReport(py::module_& module, const char* name, const char* doc) {
@@ -32,9 +35,6 @@ py::class_<T> BindReport(py::module_& module, const char* name, const char* doc)
   AddOldNames(report);
   return report;
 }
-
-// Makes old names of attributes (PresentName()) work, with a DeprecationWarning.
-void AddOldNames(py::object python_class);
 
 // Sets the named options. Throws TypeError for a name that is none.
 void SetOptions(const py::kwargs& values, py::object options);
