@@ -1,5 +1,6 @@
 // The extension module surfit._surfit; surfit/__init__.py makes it the package.
 #include "bindings/bind.h"
+#include "core/shared_options.h"
 
 PYBIND11_MODULE(_surfit, module) {
   using namespace surfit::python;
@@ -24,6 +25,7 @@ PYBIND11_MODULE(_surfit, module) {
   BindMapEvaluation(module);
   BindMesh(module);
   BindPoseGraph(module);
+  module.def("_present_name", &surfit::PresentName);
   module.attr("__version__") = SURFIT_VERSION;
   module.attr("__name__") = name;
 }

@@ -125,10 +125,10 @@ std::string ReprOf(const py::object& object, const std::function<bool(py::handle
   return py::type::of(object).attr("__name__").cast<std::string>() + "(" + text + ")";
 }
 
-// Returns the present name. Warns if `name` is an old one.
-std::string PresentNameWithWarning(const std::string& name) {
+// Returns the present name of an attribute. Warns if the class has it by another name only.
+std::string PresentNameWithWarning(const py::object& self, const std::string& name) {
   const std::string present = PresentName(name);
-  if (present == name) return name;
+  if (present == name || py::hasattr(py::type::of(self), name.c_str())) return name;
   const std::string warning = name + " is an old name that version 0.3 drops: use " + present;
   if (PyErr_WarnEx(PyExc_DeprecationWarning, warning.c_str(), 1) != 0)
     throw py::error_already_set();
@@ -142,7 +142,7 @@ void AddOldNames(py::object python_class) {
   // Python calls it for attributes that the class does not have.
   python_class.attr("__getattr__") = py::cpp_function(
       [](const py::object& self, const std::string& name) -> py::object {
-        const std::string present = PresentNameWithWarning(name);
+        const std::string present = PresentNameWithWarning(self, name);
         if (present != name) return self.attr(present.c_str());
         throw py::attribute_error(Concat("'",
                                          py::type::of(self).attr("__name__").cast<std::string>(),
@@ -151,7 +151,7 @@ void AddOldNames(py::object python_class) {
       method);
   python_class.attr("__setattr__") = py::cpp_function(
       [](const py::object& self, const std::string& name, const py::object& value) {
-        const py::str present(PresentNameWithWarning(name));
+        const py::str present(PresentNameWithWarning(self, name));
         if (PyObject_GenericSetAttr(self.ptr(), present.ptr(), value.ptr()) != 0) {
           throw py::error_already_set();
         }

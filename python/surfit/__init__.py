@@ -14,8 +14,20 @@ Bad input raises ValueError with a sentence that names it. Other Python threads 
 works. Ctrl-C takes effect after the call at work, run_slam() after the frame at work.
 """
 
+import warnings as _warnings
+
 from surfit import _surfit
 from surfit._surfit import *  # noqa: F401,F403
 from surfit._surfit import __version__  # noqa: F401
 
 __all__ = [name for name in dir(_surfit) if not name.startswith("_")]
+
+
+def __getattr__(name):
+    """Make old names of classes work until version 0.3."""
+    present = _surfit._present_name(name)
+    if present == name:
+        raise AttributeError(f"module 'surfit' has no attribute '{name}'")
+    _warnings.warn(f"{name} is an old name that version 0.3 drops: use {present}",
+                   DeprecationWarning, stacklevel=2)
+    return getattr(_surfit, present)
