@@ -1,5 +1,5 @@
-# Doxygen's filter for our plain comments: one on lines of its own documents what follows, one after
-# code, with the lines aligned below it, what stands before it.
+# Doxygen filter for plain comments. A comment on its own lines documents the next declaration. A
+# comment after code, with aligned lines below it, documents the declaration before it.
 function Escaped(text) {
   gsub(/[\\@<>#&"]/, "\\\\&", text)
   return text

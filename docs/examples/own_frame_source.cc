@@ -1,4 +1,4 @@
-// Frames from anywhere: a source of one's own, here a simulated camera in a simulated room.
+// Custom frame source: a simulated camera in a simulated room.
 #include <cstdio>
 
 #include "surfit/frame/frame_source.h"
@@ -12,7 +12,7 @@ class SimulatedCamera : public surfit::FrameSource {
   explicit SimulatedCamera(int frames)
       : scene_(surfit::MakeScene("room")), path_(surfit::MakePath(scene_, frames, /*seed=*/1)) {
     info_.format = "simulated";
-    info_.pinhole = {160, 120, 131, 131, 79.5, 59.5};  // width height fx fy cx cy
+    info_.pinhole = {160, 120, 131, 131, 79.5, 59.5};  // width height fx fy cx cy, px
     info_.frame_count = frames;
     info_.ground_truth = path_;
   }
@@ -34,7 +34,7 @@ class SimulatedCamera : public surfit::FrameSource {
   int next_ = 0;
 };
 
-// Tracks the camera and says how far from the truth it ends.
+// Tracks the camera and prints the error of the last pose. Returns 0 if it is below 15 mm.
 int main() {
   SimulatedCamera camera(30);
   const surfit::Trajectory& truth = camera.info().ground_truth;
@@ -45,6 +45,6 @@ int main() {
       report.world_from_camera.translation - truth.back().world_from_camera.translation;
   std::printf("%s, %zu surfels, %.1f mm off\n", surfit::ToString(report.state).c_str(),
               slam.map().size(), 1000 * error.norm());
-  // Pixels lie about 15 mm apart on a wall at 2 m.
+  // 15 mm is the distance of two pixels on a wall at 2 m.
   return report.state == surfit::FrameState::kTracked && error.norm() < 0.015 ? 0 : 1;
 }

@@ -1,4 +1,4 @@
-// A residual of one's own: the distance of a point to a line in space, for Ceres.
+// Custom residual for Ceres: the distance of a point to a line.
 #include <ceres/ceres.h>
 
 #include <cmath>
@@ -7,10 +7,10 @@
 #include "cost_functions/point_functor.h"
 #include "cost_functions/pose_manifold.h"
 
-// r = d x (R p + t - q) / sigma, three residuals: p meets the line through q along the unit vector
-// d. Everything else (derivatives, SIMD batches by surfit::ReducedBatch) comes of these lines.
+// Three residuals r = d x (R p + t - q) / sigma of a point p and the line through q with the unit
+// vector d. The base class adds derivatives and SIMD batches (surfit::ReducedBatch).
 struct PointToLine : surfit::PointFunctor<PointToLine, 10, 3> {
-  PointToLine() = default;  // no data: for batches
+  PointToLine() = default;  // required by batches
   PointToLine(const Eigen::Vector3d& p, const Eigen::Vector3d& q, const Eigen::Vector3d& d,
               double sigma_m) {
     Set(0, p);
@@ -26,7 +26,7 @@ struct PointToLine : surfit::PointFunctor<PointToLine, 10, 3> {
   }
 };
 
-// Points on three edges of a room, moved by (0.01, 0.02, 0.03) m: the pose must find that back.
+// Estimates the translation (0.01, 0.02, 0.03) m from points on three edges of a room.
 int main() {
   double pose[] = {0, 0, 0, 1, 0, 0, 0};  // qx qy qz qw tx ty tz
   ceres::Problem problem;

@@ -1,10 +1,10 @@
-// A residual of one's own inside SLAM, built as a library that a program loads:
+// Custom residual in SLAM, built as a library that programs load at run time:
 //   surfit_slam --residual_library=./residual_in_slam.so --residual=soft_plane ...
 #include "cost_functions/own_residual.h"
 #include "cost_functions/point_functor.h"
 
-// Point to plane, with a share of point to point that keeps a view of bare walls from sliding:
-// r = ((n . x) n + k (x - (n . x) n)) / sigma, x = R p + t - q. Its data are p, q, n, 1 / sigma.
+// Point-to-plane residual with a small point-to-point part, which limits sliding along bare walls:
+// r = ((n . x) n + k (x - (n . x) n)) / sigma, x = R p + t - q. Data: p, q, n, 1 / sigma.
 struct SoftPlane : surfit::PointFunctor<SoftPlane, 10, 3> {
   template <typename T, typename D>
   void AtMovedPoint(const T* y, const D* d, T* residuals) const {

@@ -1,4 +1,4 @@
-// SLAM over a sequence in 30 lines: use_slam SEQUENCE OUTPUT_FOLDER (which must exist)
+// SLAM over a sequence: use_slam SEQUENCE OUTPUT_FOLDER. The output folder must exist.
 #include <cstdio>
 #include <exception>
 #include <string>
@@ -20,7 +20,7 @@ int main(int argc, char** argv) try {
   surfit::Slam slam(source->info().sensor(), surfit::SlamOptions(), surfit::Rigid3d());
   surfit::TumTrajectoryWriter trajectory(output + "/trajectory.txt");
   while (const auto result = source->Next()) {
-    if (!result->frame) continue;  // result->error says why it could not be read
+    if (!result->frame) continue;  // unreadable frame: result->error has the reason
     const surfit::FrameReport report = slam.Process(*result->frame);
     std::printf("%d %s\n", report.index, surfit::ToString(report.state).c_str());
     if (report.state == surfit::FrameState::kLost) continue;

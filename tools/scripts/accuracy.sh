@@ -33,31 +33,31 @@ fi
 # The rows: a name, and flags of surfit_slam.
 rows=(
   "default|"
-  "the camera as given, not calibrated|--nocalibrate"
+  "no calibration|--nocalibrate"
   "point-to-plane residual|--residual=point_to_plane"
   "plane-to-plane residual (GICP)|--residual=plane_to_plane"
   "point-to-point residual|--residual=point_to_point"
-  "intensities too|--photometric_weight=0.01"
+  "photometric residuals|--photometric_weight=0.01"
   "no robust kernel|--kernel=none"
-  "kernel's scale estimated|--estimate_scale"
-  "a tenth of the depth noise in weights, filter and gates|--inverse_depth_sigma=0.0002"
-  "no gate on normals|--max_normal_angle_deg=0"
+  "estimated kernel scale|--estimate_scale"
+  "a tenth of the depth noise|--inverse_depth_sigma=0.0002"
+  "no normal gate|--max_normal_angle_deg=0"
   "no depth filter|--depth_filter_radius=0"
-  "one resolution|--pyramid_levels=1"
-  "all rows of points|--min_source_rows=0"
-  "moves along directions that nothing holds|--min_eigenvalue=0"
-  "every frame fused, every frame a view of its own|--map_period=1"
-  "uniform weights in the map|--weighting=uniform"
-  "keeps surfels that others make superfluous|--duplicate_share=0"
-  "keeps surfels seen once|--lasting_confidence=0"
-  "keeps surfels in free space|--free_space_margin_m=100"
-  "leaves surfels alone that 50 frames have not seen|--active_frames=50"
-  "loops closed|--loop_closure"
-  "start: the last pose|--motion_model=constant_pose"
-  "start: the last pose, turned|--motion_model=so3"
+  "one pyramid level|--pyramid_levels=1"
+  "all image rows|--min_source_rows=0"
+  "motion along unobservable directions|--min_eigenvalue=0"
+  "every frame fused, with its own view|--map_period=1"
+  "uniform fusion weights|--weighting=uniform"
+  "duplicate surfels kept|--duplicate_share=0"
+  "surfels observed once kept|--lasting_confidence=0"
+  "surfels in free space kept|--free_space_margin_m=100"
+  "surfels inactive after 50 frames|--active_frames=50"
+  "loop closure|--loop_closure"
+  "last pose as prediction|--motion_model=constant_pose"
+  "predicted rotation by images|--motion_model=so3"
   "every third frame|--stride=3"
-  "every third frame, start: the last pose|--stride=3 --motion_model=constant_pose"
-  "every third frame, start: the last pose, turned|--stride=3 --motion_model=so3"
+  "every third frame, last pose as prediction|--stride=3 --motion_model=constant_pose"
+  "every third frame, predicted rotation by images|--stride=3 --motion_model=so3"
   "every third frame, point-to-plane residual|--stride=3 --residual=point_to_plane"
   "frame to frame|--tracking=frame_to_frame"
   "frame to frame, point-to-plane residual|--tracking=frame_to_frame --residual=point_to_plane"
@@ -136,7 +136,7 @@ if [[ ! $quick && -d $data/seven_scenes_kitchen ]]; then
   echo "all of seven_scenes_kitchen" >&2
   figures=$(run --sequence="$data/seven_scenes_kitchen")
   read -r ate lost cpu_s <<<"$figures"
-  kitchen="All frames of seven_scenes_kitchen, by default: $(with_losses "$ate" "$lost") mm."
+  kitchen="All frames of seven_scenes_kitchen with the defaults: $(with_losses "$ate" "$lost") mm."
 fi
 
 {
@@ -146,10 +146,10 @@ fi
     "$(git -C "$root" rev-parse --short HEAD):"
   echo "$(nproc) processors, $(sed -n 's/^model name\s*: //p' /proc/cpuinfo | head -1)."
   echo
-  echo "What each part buys: ATE RMSE in mm with the flags given, all else by default. Simulated"
-  echo "rooms are \`surfit_simulate --sensor=kinect --downsample=$downsample --frames=$frames\`," \
-    "seeds ${seeds[*]}. CPU time is"
-  echo "that of all processors, start to end, as a multiple of the default's."
+  echo "ATE RMSE in mm with the given flags; other flags have their defaults. Simulated rooms:"
+  echo "\`surfit_simulate --sensor=kinect --downsample=$downsample --frames=$frames\`," \
+    "seeds ${seeds[*]}. CPU time is the"
+  echo "sum over all processors, relative to the default."
   echo
   echo "$table"
   echo

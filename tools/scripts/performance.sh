@@ -52,14 +52,14 @@ if [[ -d $data/seven_scenes_kitchen ]]; then
       "$benchmarks/frame_time" "$data/seven_scenes_kitchen" "$scratch/run" 200 1e9 "$solver"
   done
   if [[ -x $benchmarks/peers/slam_peers ]]; then
-    table "Beside other systems" "$benchmarks/peers/slam_peers" "$data/seven_scenes_kitchen" "$peer_frames"
+    table "Comparison with other systems" "$benchmarks/peers/slam_peers" "$data/seven_scenes_kitchen" "$peer_frames"
   fi
   if [[ -x $benchmarks/peers/registration_peers ]]; then
-    table "Registration of clouds beside other libraries" \
+    table "Comparison with registration libraries" \
       "$benchmarks/peers/registration_peers" "$data" 1
   fi
 fi
-table "While the map grows" "$benchmarks/map_growth" "$scratch/out" 30 40
+table "Growing map" "$benchmarks/map_growth" "$scratch/out" 30 40
 for benchmark in tracking mapping cost_functions; do
   table "Functions: $benchmark" "$benchmarks/benchmark_$benchmark"
 done
