@@ -33,7 +33,8 @@ BlendedView DrawDiscs(const SurfelMap& map, const DepthSensor& sensor,
 //
 // `drawn` is the view of the map from `world_from_drawn` by the camera of `sensor`. The size of the
 // image is a multiple of the size of the view, and the image is reduced to that size. Returns
-// `world_from_drawn` if the image shows fewer than 500 textured points of the view.
+// `world_from_drawn` if the image shows fewer than 500 textured points of the view, or if a step is
+// not finite.
 Rigid3d RegisterColors(const Image<Rgb8>& color, const BlendedView& drawn,
                        const DepthSensor& sensor, const CameraMotion& motion,
                        const Rigid3d& world_from_drawn);

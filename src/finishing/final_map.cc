@@ -216,8 +216,7 @@ class FinalMap {
   const std::atomic<bool>& interrupted_;
   const FinalMapProgress& progress_;
   SurfelMap map_;
-  int fused_ = 0,
-      done_ = 0;  // fused frames; work in thirds of a frame: 2 for fusion, 1 for colours
+  int fused_ = 0, done_ = 0;  // frames; work, 3 per frame: 2 for fusion, 1 for colours
 };
 
 }  // namespace

@@ -40,9 +40,9 @@ struct MapPart {
   std::vector<MapSource> sources;
 };
 
-// Fuses a part of a map from one sequence after the other, like FuseAnew(). The memory depends on
-// the size of the part, the time on the number of frames. `part.sources` must not be empty. Uses
-// the fusion options of the first source.
+// Fuses a part of a map from all its sequences, like FuseAnew(). The memory depends on the size of
+// the part, the time on the number of frames. `part.sources` must not be empty. Uses the fusion
+// options of the first source.
 std::optional<SurfelMap> FusePart(const MapPart& part, const std::atomic<bool>& interrupted,
                                   const FinalMapProgress& progress);
 

@@ -11,7 +11,7 @@
 namespace surfit {
 namespace {
 
-// Reads several ranges of a sequence, one after the other.
+// Source of several ranges of a sequence.
 class RangesOfSequence final : public FrameSource {
  public:
   RangesOfSequence(const SequenceOptions& sequence, const std::vector<FrameRange>& ranges)
@@ -35,8 +35,7 @@ class RangesOfSequence final : public FrameSource {
   }
 
  private:
-  // Opens the current range. Its first frame is a multiple of the stride after the first frame of
-  // the sequence.
+  // Opens the current range, from its first frame that the stride of the sequence selects.
   void Open() {
     SequenceOptions part = sequence_;
     const int past = ranges_[at_].first - sequence_.first;
@@ -107,7 +106,7 @@ std::string DoubtOfGiven(const DepthSensor& given, const DepthCalibration& found
   return Concat(
       "the estimated calibration contradicts the input camera (squared distance ",
       std::round(squared_distance), ", limit ", kLimit,
-      "): the input may be of another camera, and poses and map may be wrong: check camera, "
+      "): the input may belong to another camera, so poses and map may be wrong; check camera, "
       "intrinsics and depth_scale");
 }
 

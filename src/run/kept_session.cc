@@ -45,7 +45,8 @@ std::vector<Rigid3d> PosesOfKeyframes(const std::vector<PosedFrame>& frames,
   return poses;
 }
 
-// Sets the poses of frames in the map. All other frames move rigidly with the frame before.
+// Sets the poses of the frames in `world_from_camera`. The other frames move rigidly with the frame
+// before.
 void MoveFrames(const std::map<int, Rigid3d>& world_from_camera, std::vector<PosedFrame>* frames) {
   Rigid3d new_from_old;
   for (PosedFrame& frame : *frames) {
@@ -103,7 +104,7 @@ KeptSession::KeptSession(SlamRunOptions* options) : options_(*options) {
 void KeptSession::GoOnAfter(const std::vector<SessionRun>& runs, SequenceOptions* sequence) {
   const std::string path = FullPath(sequence->path);
   const int newest = state_->frames.back().index;
-  int newest_here = -1;  // its index in this recording; -1: it is of another recording
+  int newest_here = -1;  // `newest` as an index of this recording; -1: other recording
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const SessionRun& run = runs[i];
     if (run.sequence != path) continue;

@@ -16,10 +16,11 @@ namespace surfit {
 // Session of a run: the run saves it, continues it, or localises the camera in it.
 class KeptSession {
  public:
-  // Opens the session and keeps a reference to the options. Enables loop closure in them. If the
-  // session is continued, sets sequence.first behind the last frame that the session already has of
-  // this sequence. Throws InputError like ReadSession() and SessionWriter, if all frames of the
-  // sequence are in the session, and for localisation in a session without frames.
+  // Opens the session, and enables loop closure in the options. Keeps a reference to the options.
+  // If the session already has frames of this sequence and is continued, `sequence.first` is set to
+  // the frame after the last of them. Throws InputError like ReadSession() and SessionWriter. Also
+  // throws if the session already has all frames of the sequence, and for localisation without
+  // frames.
   explicit KeptSession(SlamRunOptions* options);
 
   // Converts the frame index from the sequence to the session.
@@ -43,7 +44,7 @@ class KeptSession {
   // poses. The residuals of the pose graph do not change.
   void Improve(const Slam& slam, const Trajectory& trajectory, const std::vector<int>& frames,
                const FoundSensor& found, const SurfelMap& map);
-  // Number of saves that had to wait for the previous save.
+  // Number of saves that were due before the previous save was written.
   std::int64_t waits() const { return writer_ ? writer_->waits() : 0; }
 
  private:

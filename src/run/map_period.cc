@@ -7,7 +7,7 @@ namespace surfit {
 int MapPeriod::For(double queued_ms) {
   // Two frames and one frame at 30 Hz. The frame after a fused frame often waits a little.
   constexpr double kLate_ms = 67, kInTime_ms = 33;
-  constexpr int kMostTimes = 8;  // maximum ratio to the minimum period; more saves little time
+  constexpr int kMostTimes = 8;  // limit of period / given_; longer periods save little time
   // Number of frames until a change has an effect, and until the queue should be empty again.
   constexpr int kUntilSeen = 4, kUntilDone = 30;
   // One slow frame, for example with a map correction, delays two or three frames. A late frame

@@ -18,11 +18,10 @@ void SlamRunOptions::Visit(OptionVisitor& v) {
   v.Add(poses, "poses", "track: estimate the poses; groundtruth: fuse at the ground-truth poses",
         OneOf({"track", "groundtruth"}), AsFlag());
   v.Add(queue_capacity, "queue_capacity",
-        "frames to read ahead, or with offered_fps or a camera: frames that wait at most",
-        Between(1, 1000));
+        "frames to read ahead; with offered_fps or a camera: size of the queue", Between(1, 1000));
   v.Add(offered_fps, "offered_fps",
-        "play the sequence at this rate, Hz, like a live camera; frames that wait too long are "
-        "dropped and counted, and sure_inlier_share is 0",
+        "play the sequence at this rate, Hz, like a live camera; frames beyond "
+        "queue_capacity are dropped and counted, and sure_inlier_share is 0",
         ZeroIs("as fast as frames are processed"), AsFlag());
   v.Add(refine, "refine",
         "before the final map, refine poses and calibration jointly, if the run has changed the "

@@ -14,8 +14,8 @@
 
 namespace surfit {
 
-// Parses "tx,ty,tz,qx,qy,qz,qw" (translation in metres, quaternion that is not zero).
-// Throws InputError naming the option and the text.
+// Parses "tx,ty,tz,qx,qy,qz,qw" (translation in metres, non-zero quaternion). Throws InputError
+// naming the option and the text.
 Rigid3d ParsePose(const std::string& option, const std::string& text);
 
 // World-from-camera pose of the first frame: "identity", "groundtruth" (ground-truth pose at the

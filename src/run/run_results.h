@@ -21,7 +21,7 @@ struct RunOutcome {
   const SurfelMap& map;
   const KeptViews& views;
   const Thumbnails& thumbnails;
-  const std::vector<double>& stamps_s;  // of all frames, including unreadable frames
+  const std::vector<double>& stamps_s;  // timestamps of all frames, including unreadable frames
   const std::optional<TrajectoryEvaluation>& evaluation;
   const SlamRunOptions& options;
 };

@@ -196,8 +196,7 @@ class SlamRun {
 
   SlamRunSummary Finish(const std::atomic<bool>& interrupted, const ProgressCall& progress) {
     source_.reset();  // frees the frame list, which is large for long recordings
-    // After a failure, the pose store may contain the failed frame. RunTrajectory::Replace() drops
-    // it.
+    // The pose store may contain a failed frame. RunTrajectory::Replace() drops this frame.
     if (!is_whole_ || !failures_.Try([&] { FinishSlam(); })) {
       failures_.Try([&] { TakeCorrections(); });
     }
@@ -251,7 +250,7 @@ class SlamRun {
   }
 
   // Refines the run and fuses the final map. Does nothing for live sequences, after an early end of
-  // the run, and with a session that is continued or only localised in.
+  // the run, for continued sessions and for localisation.
   void Improve(const std::atomic<bool>& interrupted, const ProgressCall& progress) {
     if (!options_.final_map || IsLive(options_.sequence) || !is_whole_ || interrupted ||
         failures_.any() || options_.continue_session || options_.localize) {
@@ -375,9 +374,8 @@ class SlamRun {
   OutputFolder folder_;
   std::unique_ptr<RunTrajectory> trajectory_;
   std::unique_ptr<FrameTable> frame_table_;
-  std::unique_ptr<Slam>
-      slam_;           // null before the first frame, whose timestamp selects the initial pose
-  FoundSensor found_;  // estimated calibration of the frames as read
+  std::unique_ptr<Slam> slam_;                      // null before the first frame
+  FoundSensor found_;                               // estimated calibration of the frames as read
   std::unique_ptr<LocalizationFile> localization_;  // null without localisation
   KeptViews views_;
   Thumbnails thumbnails_;
@@ -399,8 +397,8 @@ SlamRunSummary RunSlam(const SlamRunOptions& options, const std::atomic<bool>& i
   Validate(options);
   const ThreadLimit limit(options.threads);
   SlamRunOptions run = options;
-  // Frames at sensor rate do not wait: during a global registration, the camera moves too far for
-  // the next frame. So only lost frames are registered globally.
+  // During a global registration of an uncertain frame, the camera moves on, and the next frame
+  // would be uncertain as well. So only lost frames are registered globally.
   if (options.OffersFrames()) {
     run.slam.sure_inlier_share = 0;
     run.slam.real_time = true;

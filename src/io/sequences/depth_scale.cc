@@ -12,8 +12,8 @@ namespace surfit {
 namespace {
 
 // Depth cameras measure from 0.4 m to about 5 m. Indoors, the median depth is usually 1 to 3 m.
-// Outside of the first range, the warning depends on a scale that fits better. Outside of the
-// second range, the scale is always wrong.
+// Outside of the first range, a warning requires a scale that fits better. Outside of the second
+// range, the scale is always reported.
 constexpr double kNearest_m = 0.4, kFarthest_m = 5;
 constexpr double kAbsurdlyNear_m = 0.2, kAbsurdlyFar_m = 20;
 constexpr double kUsual_m = 1.8;

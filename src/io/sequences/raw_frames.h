@@ -33,7 +33,7 @@ class RawFrames {
   virtual FrameImages Read() = 0;
 };
 
-// Open sequence with everything that is needed to convert its images to RgbdFrames.
+// Open sequence: its frames and the conversion of their images to RgbdFrames.
 struct RawSequence {
   SequenceInfo info;
   std::unique_ptr<RawFrames> frames;
@@ -65,8 +65,8 @@ RawSequence OpenRawLive(const SequenceOptions& options, int capacity,
 // Opens the frames of WatchFolder(). Requires valid options.
 RawSequence OpenWatchedFolder(const SequenceOptions& options, const std::atomic<bool>& stop);
 
-// Opens the OpenNI2 camera `options.path`, with a queue of `capacity` frames.
-// Throws InputError naming the device, also in a build without OpenNI2.
+// Opens the OpenNI2 camera `options.path`, with a queue of `capacity` frames. Throws InputError
+// naming the device, also in a build without OpenNI2.
 RawSequence OpenOpenNiCamera(const SequenceOptions& options, int capacity,
                              const std::atomic<bool>& stop);
 

@@ -85,9 +85,8 @@ struct SequenceFiles {
 SequenceFiles ListTumSequence(const std::string& folder);
 
 // Lists an ICL-NUIM folder, like ListTumSequence() if it has associations.txt or depth.txt.
-// Otherwise the frames are rgb/N.png and depth/N.png. Their timestamps are the frame numbers N, as
-// in
-// *.gt.freiburg.
+// Otherwise the frames are rgb/N.png and depth/N.png. Their timestamps are N, as in the ground
+// truth (*.gt.freiburg).
 SequenceFiles ListIclNuimSequence(const std::string& folder);
 
 // Lists a 7-Scenes folder: frame-N.depth.png, frame-N.color.png or frame-N.color.jpg, and

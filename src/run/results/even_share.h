@@ -6,9 +6,9 @@
 
 namespace surfit {
 
-// Evenly spaced sample of a stream of unknown length. Keeps every stride-th item. When `most` items
-// are kept and another one is due, drops every second item and doubles the stride. The sample has
-// most / 2 to `most` items if the stream is long enough.
+// Evenly spaced sample of a stream of unknown length. Keeps every stride-th item. When it has
+// `most` items, it drops every second item and doubles the stride before it keeps the next item.
+// The sample has most / 2 to `most` items if the stream is long enough.
 template <typename T>
 class EvenShare {
  public:

@@ -38,8 +38,8 @@ class KeptViews {
   // Call it with each frame. `map` is the map after this frame.
   void Offer(const RgbdFrame& frame, const FrameReport& report, const SurfelMap& map,
              const DepthSensor& sensor);
-  // Returns the views in the order of frames. Call it after the last frame. `map` and `sensor` are
-  // for the view of the last frame.
+  // Returns the views in the order of frames. Call it after the last frame. The map is rendered for
+  // the last frame.
   std::vector<KeptView> Finish(const SurfelMap& map, const DepthSensor& sensor) const;
 
   // Path of a picture, relative to the output folder.
@@ -66,8 +66,7 @@ class KeptViews {
 class Thumbnails {
  public:
   static constexpr int kMost = 120;
-  static constexpr int kWidth_px =
-      320;  // approximate, because images are reduced by integer factors
+  static constexpr int kWidth_px = 320;  // approximate: images are reduced by integer factors
 
   // Call it with each frame, including lost frames.
   void Offer(const RgbdFrame& frame);

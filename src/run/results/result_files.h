@@ -65,7 +65,7 @@ class Fnv1a {
   void Add(const void* data, std::size_t size) {
     const auto* bytes = static_cast<const unsigned char*>(data);
     for (std::size_t i = 0; i < size; ++i) {
-      hash_ = (hash_ ^ bytes[i]) * 1099511628211u;  // NOLINT: the bytes are set
+      hash_ = (hash_ ^ bytes[i]) * 1099511628211u;  // NOLINT: the bytes are initialised
     }
   }
   std::uint64_t hash() const { return hash_; }
