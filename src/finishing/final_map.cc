@@ -39,7 +39,6 @@ void DropFlying(const FusionOptions& options, SurfelMap* map) {
   map->RemoveMarked();
 }
 
-// Fuses the frames of one sequence into a map.
 class SequenceFusion {
  public:
   SequenceFusion(const MapSource& of_sequence, const SequenceInfo& info)
@@ -118,7 +117,6 @@ class Recoloring {
   ColorAverage* average_;
 };
 
-// Removes depth outside of the box and its margin.
 Image<float> Within(const MapPart& part, const PinholeCamera& camera,
                     const Rigid3d& world_from_camera, Image<float> depth_m) {
   const Rigid3f pose = world_from_camera.cast<float>();
@@ -148,7 +146,6 @@ void Crop(const Eigen::AlignedBox3f& box, SurfelMap* map) {
   map->RemoveMarked();
 }
 
-// Fuses sequences into one map, or into a part of a map.
 class FinalMap {
  public:
   FinalMap(const std::vector<MapSource>& sources, const MapPart* part,
@@ -156,7 +153,7 @@ class FinalMap {
       : sources_(sources), part_(part), interrupted_(interrupted), progress_(progress) {}
 
   std::optional<SurfelMap> Run() {
-    std::optional<DepthSensor> sensor;  // sensor of the first sequence
+    std::optional<DepthSensor> sensor;
     Fusion fusion(Finer(sources_.front().known.slam.fusion));
     for (const MapSource& of_sequence : sources_) {
       if (!FuseSource(of_sequence, &fusion, &sensor)) return std::nullopt;

@@ -26,7 +26,6 @@ using FinalMapProgress = std::function<void(int frames, std::size_t map_points)>
 std::optional<SurfelMap> FuseAnew(const KnownSequence& known, const std::atomic<bool>& interrupted,
                                   const FinalMapProgress& progress);
 
-// Frames of a sequence for fusion.
 struct MapSource {
   const KnownSequence& known;
   std::vector<FrameRange> frames;  // empty: all frames

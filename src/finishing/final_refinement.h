@@ -10,7 +10,6 @@
 
 namespace surfit {
 
-// Refined poses and calibration of a run.
 struct RefinedSequence {
   std::size_t keyframes = 0;
   RefinementSummary summary;  // calibration of the frames as read

@@ -11,7 +11,6 @@
 namespace surfit {
 namespace {
 
-// Source of several ranges of a sequence.
 class RangesOfSequence final : public FrameSource {
  public:
   RangesOfSequence(const SequenceOptions& sequence, const std::vector<FrameRange>& ranges)

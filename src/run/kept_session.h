@@ -17,10 +17,9 @@ namespace surfit {
 class KeptSession {
  public:
   // Opens the session, and enables loop closure in the options. Keeps a reference to the options.
-  // If the session already has frames of this sequence and is continued, `sequence.first` is set to
-  // the frame after the last of them. Throws InputError like ReadSession() and SessionWriter. Also
-  // throws if the session already has all frames of the sequence, and for localisation without
-  // frames.
+  // If a continued session already has frames of this sequence, `sequence.first` is set to the next
+  // frame. Throws InputError like ReadSession() and SessionWriter. Also throws if the session
+  // already has all frames of the sequence, and for localisation without frames.
   explicit KeptSession(SlamRunOptions* options);
 
   // Converts the frame index from the sequence to the session.

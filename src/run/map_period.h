@@ -13,7 +13,7 @@ class MapPeriod {
   // per frame.
   int For(double queued_ms);
 
-  int longest() const { return longest_; }         // longest period so far
+  int longest() const { return longest_; }
   int frames_hurried() const { return hurried_; }  // frames with more than the minimum period
 
  private:

@@ -28,7 +28,6 @@ Rigid3d InitialPose(const std::string& initial_pose, const SequenceInfo& info,
 // the sequence is mirrored. Throws InputError naming the file.
 Trajectory ReadEstimate(const std::string& path, const SequenceInfo& info);
 
-// Frame of a sequence, preprocessed for registration.
 struct PosedView {
   ColoredView view;
   std::optional<Rigid3d> world_from_camera;  // ground-truth pose, if known
@@ -39,7 +38,6 @@ struct PosedView {
 PosedView ReadPosedView(const SequenceOptions& options, int index,
                         const PreprocessOptions& preprocess);
 
-// Two frames for registration.
 struct PosedPair {
   PosedView source, target;
 

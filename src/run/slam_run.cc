@@ -49,7 +49,6 @@ std::unique_ptr<FrameSource> OpenSource(const SlamRunOptions& options,
   return OfferFrames(std::move(source), options.offered_fps, options.queue_capacity);
 }
 
-// Throws InputError if the options require ground truth and the sequence has none.
 const SequenceInfo& WithTruthIfAsked(const SequenceInfo& info, const SlamRunOptions& options) {
   ThrowIf(options.poses == "groundtruth" && info.ground_truth.empty(),
           "poses is 'groundtruth', but ", options.sequence.path, " has no ground truth");
@@ -183,7 +182,6 @@ class SlamRun {
     return report;
   }
 
-  // Stores the data of the frame for the final results.
   void Keep(const RgbdFrame& frame, const FrameReport& report) {
     statistics_.CountProcessed(frame, report);
     if (localization_) localization_->Add(report);

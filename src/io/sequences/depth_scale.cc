@@ -26,7 +26,6 @@ constexpr double kFew = 0.02;  // ratio of pixels that are ignored as outliers
 constexpr std::array<double, 2> kCommonScales = {1000, 5000};
 constexpr std::array<double, 2> kRareScales = {6553.5, 10000};
 
-// Counts with valid depth.
 std::vector<std::uint16_t> ValidCounts(const Image<std::uint16_t>& depth) {
   std::vector<std::uint16_t> valid;
   std::copy_if(depth.begin(), depth.end(), std::back_inserter(valid),

@@ -10,7 +10,6 @@ namespace surfit {
 // Reads the images of a frame. Throws InputError naming the file that cannot be read.
 FrameImages ReadFrameFiles(const FrameFiles& files);
 
-// Recording of the listed files.
 std::unique_ptr<Recording> MakeFolderRecording(std::vector<FrameFiles> frames);
 
 }  // namespace surfit

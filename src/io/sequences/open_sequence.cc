@@ -44,7 +44,6 @@ std::vector<int> SelectFrames(int count, const SequenceOptions& options) {
   return indices;
 }
 
-// The frames `indices` of a recording, in this order.
 class RecordedFrames : public RawFrames {
  public:
   RecordedFrames(std::unique_ptr<Recording> recording, std::vector<int> indices)

@@ -17,7 +17,6 @@ void RequireSize(const Image<T>& image, const PinholeCamera& camera, const char*
                    camera.width, " x ", camera.height, ", the size of ", whose);
 }
 
-// Reads and rectifies the frames of a sequence.
 class SequenceSource : public FrameSource {
  public:
   explicit SequenceSource(RawSequence sequence) : sequence_(std::move(sequence)) {}

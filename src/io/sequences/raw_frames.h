@@ -13,7 +13,6 @@
 
 namespace surfit {
 
-// Frame whose images have not been read yet.
 struct RawFrame {
   ReadResult head;     // index, times and counts; an error if the frame has no images
   FrameStamps stamps;  // as recorded

@@ -11,7 +11,6 @@
 namespace surfit {
 namespace {
 
-// Frame that was read, or the exception of reading it.
 struct Item {
   std::optional<ReadResult> result;
   std::exception_ptr exception;
@@ -92,7 +91,7 @@ class ReadAheadSource : public FrameSource {
   std::condition_variable changed_;
   std::deque<Item> queue_;
   bool producing_ = false;  // a background task is running
-  bool ended_ = false;      // the source has no more frames
+  bool ended_ = false;
   bool stop_ = false;
   std::exception_ptr failure_;  // error of adding to the queue
 };

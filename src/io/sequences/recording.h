@@ -23,7 +23,6 @@ struct FrameStamps {
 // Maximum time between colour and depth of one frame.
 constexpr double kMaxBetweenImages_s = 0.02;
 
-// Images of one frame as recorded.
 struct FrameImages {
   RawDepth depth;
   Image<Rgb8> color;       // empty: no colour
@@ -52,7 +51,6 @@ struct ToldCamera {
 // Returns the camera that a recording or device contains. Empty function: it contains none.
 using TellCamera = std::function<ToldCamera()>;
 
-// Recording with its ground truth and warnings.
 struct OpenedRecording {
   std::unique_ptr<Recording> frames;
   Trajectory ground_truth;            // in the convention of the files
@@ -62,7 +60,6 @@ struct OpenedRecording {
   TellCamera tell_camera = {};        // valid as long as `frames`
 };
 
-// Files of one frame.
 struct FrameFiles {
   FrameStamps stamps;
   std::string depth_path;

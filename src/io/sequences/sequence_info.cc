@@ -51,7 +51,6 @@ void CompleteCamera(const FrameImages& first, SequenceInfo* info) {
   RequireSizeOf(*camera, first);
 }
 
-// Text of SequenceInfo::assumed.
 std::string Assumed(const FrameImages& first, const SequenceInfo& info) {
   const RgbdCamera& c = info.camera;
   std::string frames = info.frame_count < 0 ? "live frames" : Concat(info.frame_count, " frames");

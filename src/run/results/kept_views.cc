@@ -96,7 +96,6 @@ void WritePictures(const std::vector<KeptView>& views, const std::string& folder
   }
 }
 
-// Factor that reduces frames of this width to thumbnails.
 int FactorOf(int width) { return std::max(1, width / Thumbnails::kWidth_px); }
 
 Image<Rgb8> Smaller(const Image<Rgb8>& image, int factor) {

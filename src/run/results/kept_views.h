@@ -19,7 +19,7 @@ struct KeptView {
     std::string name;  // input_color, model_color, input_depth or model_depth
     std::string jpeg;
   };
-  int index = 0;  // frame index
+  int index = 0;
   double stamp_s = 0;
   std::string why;                // reasons for keeping the view, separated by ", "
   std::vector<Picture> pictures;  // colour pictures only if the frame has colour
@@ -58,7 +58,7 @@ class KeptViews {
   EvenShare<KeptView> evenly_spread_{10};
   std::optional<KeptView> first_lost_, first_degenerate_, worst_;
   double worst_rmse_m_ = 0;
-  std::optional<Last> last_;  // last frame with a pose
+  std::optional<Last> last_;
 };
 
 // Keeps small pictures of 60 to 120 evenly spaced frames (EvenShare). Frames with a pose also get

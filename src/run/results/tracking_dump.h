@@ -12,7 +12,7 @@ struct TrackingDump {
   FramePyramid source, target;
   Rigid3d target_from_source_initial;
   IcpOptions icp;
-  std::string termination;  // result of the registration
+  std::string termination;
 };
 
 // Writes the registration of a lost frame into a folder, which is created if missing.
