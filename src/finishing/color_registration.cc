@@ -15,14 +15,15 @@
 namespace surfit {
 namespace {
 
-constexpr double kKernelWidth = 0.06;      // of intensities from 0 to 1
-constexpr double kPointsPerResidual = 25;  // that share their errors
-constexpr double kSigma = 0.01;            // of the expected pose, m and rad
-constexpr double kLeastSlope = 0.008;      // of intensity per pixel, of what tells anything
+constexpr double kKernelWidth = 0.06;      // intensity, from 0 to 1
+constexpr double kPointsPerResidual = 25;  // points with correlated errors
+constexpr double kSigma = 0.01;            // prior of the rendered pose, m and rad
+constexpr double kLeastSlope = 0.008;      // minimum intensity gradient of a used point, 1/px
 constexpr int kStride_px = 2;
 constexpr int kMinPoints = 500;
 constexpr int kPixelGrain = 4096;
-// The images are smoothed by so many pixels: what is out of place by more finds its way.
+// Standard deviation of the image smoothing in each pass. The first pass converges from larger
+// errors.
 constexpr double kSmoothings_px[] = {2, 0.75};
 constexpr int kIterations = 6;
 
@@ -46,7 +47,7 @@ Image<float> Smoothed(const Image<float>& grey, double smoothing_px) {
   return smoothed;
 }
 
-// A point of the map, in the frame of the camera at the expected pose.
+// Point of the view with its intensity, in the camera frame of the rendered pose.
 struct Point {
   Eigen::Vector3d at;
   double intensity;
@@ -79,8 +80,8 @@ class ColorRegistration {
                     const DepthSensor& sensor, const CameraMotion& motion)
       : image_(image), points_(points), sensor_(sensor), motion_(motion) {}
 
-  // One step of Gauss-Newton from the pose and the exposure, which it changes. False if too few
-  // points are seen.
+  // Updates pose and exposure by one Gauss-Newton step. Returns false if fewer than kMinPoints
+  // points are visible, or if the step is not finite.
   bool Step(Rigid3d* color_from_expected, Eigen::Vector2d* exposure) const {
     System system = ParallelSum(
         0, static_cast<int>(points_.size()), kPixelGrain, System(),
@@ -96,7 +97,7 @@ class ColorRegistration {
   }
 
  private:
-  // The normal equations of a step; of the matrix the lower half.
+  // Normal equations. `hessian` has the lower triangle only.
   struct System {
     Matrix8d hessian = Matrix8d::Zero();
     Vector8d gradient = Vector8d::Zero();
@@ -112,7 +113,7 @@ class ColorRegistration {
 
   struct Row {
     double residual;
-    Vector8d jacobian;  // by the left increment, gain and offset
+    Vector8d jacobian;  // with respect to the left perturbation, gain and offset
   };
 
   System SystemOf(int begin, int end, const Rigid3d& color_from_expected,

@@ -10,23 +10,31 @@
 
 namespace surfit {
 
-// Where the camera is at `seconds` after the moment of a pose that it moves so at.
+// Extrapolates a pose by `seconds` with constant motion.
 Rigid3d PoseAfter(const Rigid3d& world_from_camera, const CameraMotion& motion, double seconds);
 
-// A picture of the map by the discs of ModelRenderer, which takes less time than DrawBlended().
+// Renders colour and depth of the map with ModelRenderer, which is faster than DrawBlended().
 BlendedView DrawDiscs(const SurfelMap& map, const DepthSensor& sensor,
                       const Rigid3d& world_from_view, ModelRenderer* renderer);
 
-// Where the camera was when it took a colour image, as far as a picture of a map from about there
-// tells. The stamps of colours are not exact, nor is the motion from depth's moment to theirs, nor
-// a pose along what shapes do not hold. With a point X that the picture shows with intensity J,
-//   minimise over the pose's increment d, gain and offset of the exposure
-//     sum rho((I(pi(X - tau (turn x X + velocity)) - gain J - offset) / 0.06) / 25 + |d|^2 / s^2,
-// I the image, tau the time of the row that shows it from the middle row on, rho of Geman and
-// McClure. Neighbouring pixels share most of their errors: of each fourth one, 25 count as one. The
-// pose that the picture was drawn from, by the sensor, is right to s = 1 cm and 10 mrad; it is
-// returned where too little is seen. The image has the size of the picture, or a multiple of it,
-// and is made as small.
+// Registers a colour image to a rendered view of the map, and returns the camera pose at the
+// capture time of the image. This corrects errors of colour timestamps, of the interpolated motion
+// and of poses along weakly constrained directions.
+//
+// Minimises over the pose increment d and the exposure (gain, offset):
+//   sum rho((I(pi(X - tau (turn x X + velocity))) - gain J - offset) / 0.06) / 25 + |d|^2 / s^2
+//   X    point of the view with the intensity J, in the camera frame
+//   I    intensity of the image
+//   tau  capture time of the image row of X, relative to the middle row
+//   rho  robust kernel of Geman and McClure
+//   s    prior of the rendered pose: 1 cm and 10 mrad
+// Every fourth pixel is used. Neighbouring pixels share most of their errors, so 25 of these pixels
+// have the weight of one.
+//
+// `drawn` is the view of the map from `world_from_drawn` by the camera of `sensor`. The size of the
+// image is a multiple of the size of the view, and the image is reduced to that size. Returns
+// `world_from_drawn` if the image shows fewer than 500 textured points of the view, or if a step is
+// not finite.
 Rigid3d RegisterColors(const Image<Rgb8>& color, const BlendedView& drawn,
                        const DepthSensor& sensor, const CameraMotion& motion,
                        const Rigid3d& world_from_drawn);

@@ -18,9 +18,10 @@
 namespace surfit {
 namespace {
 
-// Tracking by so many surfels would take longer, and be no better.
+// Ratio of the surfel spacing to the spacing in tracking. Denser surfels would slow down tracking
+// without better poses.
 constexpr float kSpacingShare = 0.7f;
-// Of so many frames one tells the final colours: its neighbours show nearly the same.
+// Every kColorStride-th frame is used for colours, because consecutive frames are almost equal.
 constexpr int kColorStride = 2;
 
 FusionOptions Finer(FusionOptions options) {
@@ -28,8 +29,8 @@ FusionOptions Finer(FusionOptions options) {
   return options;
 }
 
-// What was seen about once goes from a map once it has not been seen for a while. Nothing comes
-// after the last frames, which most of what flies is from: that lies at depth edges.
+// Removes surfels that were observed about once and only at depth edges. Fusion removes unconfirmed
+// surfels after `max_dormant_frames`, so those of the last frames remain.
 void DropFlying(const FusionOptions& options, SurfelMap* map) {
   for (const std::int32_t id : map->Ids()) {
     const Surfel surfel = (*map)[id];
@@ -38,7 +39,6 @@ void DropFlying(const FusionOptions& options, SurfelMap* map) {
   map->RemoveMarked();
 }
 
-// What one sequence adds to a map.
 class SequenceFusion {
  public:
   SequenceFusion(const MapSource& of_sequence, const SequenceInfo& info)
@@ -64,7 +64,7 @@ class SequenceFusion {
   DepthSensor sensor_;
 };
 
-// The colours of a map from where each frame's of a sequence were taken.
+// Recolours a map from frames of one sequence, at the registered poses of their colour images.
 class Recoloring {
  public:
   Recoloring(const KnownSequence& known, const SequenceInfo& info, const SurfelMap& map,
@@ -84,16 +84,16 @@ class Recoloring {
     const PosedCamera camera(sensor_.camera,
                              RegisterColors(frame.color, drawn, coarse_, motion, expected));
     const Image<float> measured_m = Coarse(AtMiddleOfReadout(frame, sensor_, motion).depth_m);
-    frame.stamp_s = frame.color_stamp_s;  // the camera is where it was then
+    frame.stamp_s = frame.color_stamp_s;  // `camera` is the pose at this time
     average_->Add(FrameColors(frame, camera, {motion, sensor_.readout_s}), camera,
                   {drawn.depth_m, PosedCamera(coarse_.camera, expected)},
                   {measured_m, PosedCamera(coarse_.camera, world_from_camera)});
   }
 
  private:
-  static constexpr int kColumns = 320;  // of the pictures that frames are registered to, about
+  static constexpr int kColumns = 320;  // approximate width of the rendered views, px
 
-  // The nearest of each block of pixels; 0 where one is missing.
+  // Minimum depth of each block of pixels. 0: a pixel of the block has no depth.
   Image<float> Coarse(const Image<float>& depth_m) const {
     Image<float> coarse_m(coarse_.camera.width, coarse_.camera.height);
     const int step = depth_m.width() / coarse_m.width();
@@ -117,7 +117,6 @@ class Recoloring {
   ColorAverage* average_;
 };
 
-// Leaves out what a frame sees outside of the part and its margin.
 Image<float> Within(const MapPart& part, const PinholeCamera& camera,
                     const Rigid3d& world_from_camera, Image<float> depth_m) {
   const Rigid3f pose = world_from_camera.cast<float>();
@@ -136,7 +135,7 @@ Image<float> Within(const MapPart& part, const PinholeCamera& camera,
   return depth_m;
 }
 
-// Each point of space is in one of the boxes that stand side by side.
+// Removes surfels outside of the half-open box. Adjacent boxes share no surfel.
 void Crop(const Eigen::AlignedBox3f& box, SurfelMap* map) {
   for (const std::int32_t id : map->Ids()) {
     const Eigen::Vector3f at = (*map)[id].position_in_world;
@@ -147,7 +146,6 @@ void Crop(const Eigen::AlignedBox3f& box, SurfelMap* map) {
   map->RemoveMarked();
 }
 
-// Fuses sequences into one map, of which only a part may be wanted.
 class FinalMap {
  public:
   FinalMap(const std::vector<MapSource>& sources, const MapPart* part,
@@ -155,7 +153,7 @@ class FinalMap {
       : sources_(sources), part_(part), interrupted_(interrupted), progress_(progress) {}
 
   std::optional<SurfelMap> Run() {
-    std::optional<DepthSensor> sensor;  // of the first
+    std::optional<DepthSensor> sensor;
     Fusion fusion(Finer(sources_.front().known.slam.fusion));
     for (const MapSource& of_sequence : sources_) {
       if (!FuseSource(of_sequence, &fusion, &sensor)) return std::nullopt;
@@ -174,7 +172,7 @@ class FinalMap {
   }
 
  private:
-  // Its list of frames is large for a long recording, and gone in the end.
+  // Opens and closes the sequence, because the frame list of a long recording is large.
   bool FuseSource(const MapSource& of_sequence, Fusion* fusion,
                   std::optional<DepthSensor>* sensor) {
     const auto frames = OpenAgain(of_sequence.known.sequence, of_sequence.frames);
@@ -215,7 +213,7 @@ class FinalMap {
   const std::atomic<bool>& interrupted_;
   const FinalMapProgress& progress_;
   SurfelMap map_;
-  int fused_ = 0, done_ = 0;  // frames, and what is done of them: a third of it is recolouring
+  int fused_ = 0, done_ = 0;  // frames; work, 3 per frame: 2 for fusion, 1 for colours
 };
 
 }  // namespace

@@ -12,35 +12,36 @@
 
 namespace surfit {
 
-// Called with the frames that are done, and the surfels that the map has of them.
+// Called with the number of completed frames and the number of surfels.
 using FinalMapProgress = std::function<void(int frames, std::size_t map_points)>;
 
-// A map of a sequence, fused anew along the poses that are known in the end, by the calibration
-// that was found, without what moves. Depth is brought to the middle of its readout, and colours
-// are taken at the moment of their rows, by the motion between the poses before and after. Surfels
-// are closer to each other than in a map to track by, those that were seen about once and only at
-// depth edges are left out, and the others are smoothed (SmoothMap). In the end colours are taken
-// anew, from where each second frame's own colours say that they were seen (RegisterColors,
-// ColorAverage). Nothing if it is interrupted. Throws InputError if the sequence cannot be read.
+// Fuses a new map of a sequence with the final poses and the estimated calibration:
+//   1. fuses all frames, without moving objects and without `left_out` frames. Rolling shutter is
+//      corrected by the motion between the neighbouring poses. Surfels are denser than in tracking.
+//   2. removes surfels that were observed about once and only at depth edges, and smooths the
+//      others (SmoothMap)
+//   3. recolours the surfels from every second frame, at the registered poses of the colour images
+//      (RegisterColors, ColorAverage)
+// Returns std::nullopt if interrupted. Throws InputError if the sequence cannot be read.
 std::optional<SurfelMap> FuseAnew(const KnownSequence& known, const std::atomic<bool>& interrupted,
                                   const FinalMapProgress& progress);
 
-// What of a sequence is fused.
 struct MapSource {
   const KnownSequence& known;
-  std::vector<FrameRange> frames;  // empty: all
-  int first_frame = 0;             // added to its frames' indices, so that the map's are ascending
+  std::vector<FrameRange> frames;  // empty: all frames
+  int first_frame = 0;             // offset of the frame indices; keeps those of the map ascending
 };
 
-// A part of a map: what lies in a box of the world, half-open, seen by frames of some sequences.
+// Part of a map: the surfels in a half-open box of the world frame.
 struct MapPart {
   Eigen::AlignedBox3f box;
-  float margin_m = 0;  // around it is fused as well, and left out in the end
+  float margin_m = 0;  // width of the region around the box that is fused, then removed
   std::vector<MapSource> sources;
 };
 
-// The same of a part, of one sequence after the other: memory goes by what is in the box, time by
-// the frames. There must be a source.
+// Fuses a part of a map from all its sequences, like FuseAnew(). The memory depends on the size of
+// the part, the time on the number of frames. `part.sources` must not be empty. Uses the fusion
+// options of the first source.
 std::optional<SurfelMap> FusePart(const MapPart& part, const std::atomic<bool>& interrupted,
                                   const FinalMapProgress& progress);
 

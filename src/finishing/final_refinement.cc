@@ -13,11 +13,12 @@
 namespace surfit {
 namespace {
 
-constexpr int kColumns = 320;  // of images, about
+constexpr int kColumns = 320;  // approximate image width, px
 constexpr int kCellsAcross = 60;
-// A frame is a keyframe if it has moved so far from the last one, in one way or the other.
+// A frame becomes a keyframe if its translation or its rotation from the last keyframe exceeds this
+// threshold.
 constexpr double kTranslation_m = 0.1, kRotation_rad = 0.15;
-constexpr std::size_t kMaxKeyframes = 120;  // beyond it both grow
+constexpr std::size_t kMaxKeyframes = 120;  // the thresholds grow until this is satisfied
 
 struct Interrupted {};
 
@@ -34,7 +35,7 @@ int StrideOf(const PinholeCamera& camera, int downsample) {
   return std::clamp(camera.width / kColumns, 1, std::max(1, kMostDownsample / downsample));
 }
 
-// Keyframes, and their places in the trajectory.
+// Keyframes with their indices in the trajectory.
 struct Keyframes {
   std::vector<std::size_t> poses;
   std::vector<RefinementKeyframe> keyframes;

@@ -11,7 +11,6 @@
 namespace surfit {
 namespace {
 
-// Ranges of a sequence, one after the other.
 class RangesOfSequence final : public FrameSource {
  public:
   RangesOfSequence(const SequenceOptions& sequence, const std::vector<FrameRange>& ranges)
@@ -35,7 +34,7 @@ class RangesOfSequence final : public FrameSource {
   }
 
  private:
-  // Its frames are those of the whole sequence with that stride.
+  // Opens the current range, from its first frame that the stride of the sequence selects.
   void Open() {
     SequenceOptions part = sequence_;
     const int past = ranges_[at_].first - sequence_.first;
@@ -90,7 +89,7 @@ void FoundSensor::Correct(RgbdFrame* frame) const {
 }
 
 std::string DoubtOfGiven(const DepthSensor& given, const DepthCalibration& found) {
-  constexpr double kLimit = 23.2;  // of chi square with 10 degrees of freedom, 1 in 100
+  constexpr double kLimit = 23.2;  // 99 % quantile of chi-square with 10 degrees of freedom
   const PinholeCamera &a = given.camera, &b = found.camera;
   const CalibrationPrior& prior = given.prior;
   double squared_distance = 0;
@@ -104,11 +103,10 @@ std::string DoubtOfGiven(const DepthSensor& given, const DepthCalibration& found
   for (const double c : found.field.coefficients) add(c, prior.inverse_depth_sigma);
   if (squared_distance <= kLimit) return "";
   return Concat(
-      "the camera that was found is too far from the given one to be the same sensor "
-      "(squared distance ",
+      "the estimated calibration contradicts the input camera (squared distance ",
       std::round(squared_distance), ", limit ", kLimit,
-      "): intrinsics, depth scale or image size may be those of another camera, and then "
-      "neither poses nor map are right");
+      "): the input may belong to another camera, so poses and map may be wrong; check camera, "
+      "intrinsics and depth_scale");
 }
 
 }  // namespace surfit

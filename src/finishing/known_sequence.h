@@ -20,48 +20,49 @@
 
 namespace surfit {
 
-// What a run has found of the sensor, beyond what was given.
+// Estimated calibration of a sensor.
 struct FoundSensor {
-  std::optional<DepthCalibration> calibration;  // none: as given
-  double color_latency_s = 0;  // by how much colour was found to be earlier than frames have it
+  std::optional<DepthCalibration> calibration;  // std::nullopt: input calibration
+  double color_latency_s = 0;                   // beyond the input latency
 
-  // The sensor that the frames are seen by.
+  // Returns the input sensor with the estimated camera and readout.
   DepthSensor Of(DepthSensor given) const;
-  // A frame as it was given, to depth and the moment of colour as they were found.
+  // Corrects depth and colour timestamp of a frame as read.
   void Correct(RgbdFrame* frame) const;
 };
 
-// A sentence where a depth camera that was found is farther from the given one than what is known
-// of such sensors leaves room for, so that the given one may be that of another sensor, or another
-// size of image: one in a hundred right ones is. Empty otherwise. Of undistorted and downsampled
-// images with the given field applied.
+// Returns a warning if the estimated calibration contradicts the prior of the input sensor
+// (chi-square test with 10 degrees of freedom, 1 % false alarms): the input camera may be that of
+// another sensor or image size. Returns "" otherwise. Both cameras are for undistorted and
+// downsampled images with the input depth field applied.
 std::string DoubtOfGiven(const DepthSensor& given, const DepthCalibration& found);
 
-// What is known of a sequence in the end.
+// Sequence with the final results of a run. The references must outlive the object.
 struct KnownSequence {
-  const SequenceOptions& sequence;  // as the run read it
-  const SlamOptions& slam;          // how frames are preprocessed and fused
+  const SequenceOptions& sequence;  // options of the run
+  const SlamOptions& slam;          // options of preprocessing and fusion
   const Trajectory& trajectory;
-  const std::vector<int>& frames;  // of the trajectory's poses: the frames' indices, ascending
-  const std::set<int>& left_out;   // of these frames, those that are not to be in the map
-  // What moves in frames, FrameReport::moving, by their indices.
+  const std::vector<int>& frames;  // frame index of each pose, ascending
+  const std::set<int>& left_out;   // indices of frames that are not fused
+  // FrameReport::moving by frame index.
   const std::map<int, Image<std::uint8_t>>& moving;
   FoundSensor found;
 };
 
-// Frames of a sequence, by their indices, both inclusive.
+// Range of frame indices, both inclusive.
 struct FrameRange {
   int first = 0, last = 0;
 };
 
-// Opens a sequence, reading a few frames ahead: all that the options say, or of these only some
-// ranges, ascending, apart from each other and at least one.
+// Opens a sequence and reads a few frames ahead. Without `ranges`, reads all frames of the options.
+// Otherwise, reads the frames in the ranges, which must be ascending and disjoint. Throws
+// InputError like OpenSequence().
 std::unique_ptr<FrameSource> OpenAgain(const SequenceOptions& sequence,
                                        const std::vector<FrameRange>& ranges = {});
 
-// Reads the frames that have a pose from the source, which may have other sizes of images, and
-// calls with the pose's place in the trajectory and the frame as it was measured, without what
-// moves. Returns false if it is interrupted.
+// Calls `call` for each frame of `source` that has a pose, with the index of the pose in the
+// trajectory. The frame is uncalibrated and without moving objects. The image size of the source
+// may differ from that of the run. Skips unreadable frames. Returns false if interrupted.
 bool ReadKnownFrames(const KnownSequence& known, FrameSource* source,
                      const std::atomic<bool>& interrupted,
                      const std::function<void(std::size_t pose, RgbdFrame frame)>& call);

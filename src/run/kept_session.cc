@@ -13,8 +13,8 @@
 namespace surfit {
 namespace {
 
-// A camera that is not found in the session for so many frames begins a map of its own, until a
-// loop joins it to the others.
+// Default of LoopOptions::new_map_after for a continued session: lost frames in a row before a new
+// submap starts.
 constexpr int kNewMapAfter = 10;
 
 std::string FullPath(const std::string& path) {
@@ -23,7 +23,8 @@ std::string FullPath(const std::string& path) {
   return full.empty() ? path : full.string();
 }
 
-// The last frame of the recording that a run has, by the recording's index; -1 without any.
+// Last frame of a run, as an index of its recording; -1: the run has no frame. `end_index` is the
+// session index of the first frame of the next run.
 int LastFrameOf(const SessionRun& run, int end_index, const SlamState& state) {
   int last = -1;
   for (const auto& frame : state.frames) {
@@ -44,7 +45,8 @@ std::vector<Rigid3d> PosesOfKeyframes(const std::vector<PosedFrame>& frames,
   return poses;
 }
 
-// Frames without another pose go with the one before.
+// Sets the poses of the frames in `world_from_camera`. The other frames move rigidly with the frame
+// before.
 void MoveFrames(const std::map<int, Rigid3d>& world_from_camera, std::vector<PosedFrame>* frames) {
   Rigid3d new_from_old;
   for (PosedFrame& frame : *frames) {
@@ -56,7 +58,7 @@ void MoveFrames(const std::map<int, Rigid3d>& world_from_camera, std::vector<Pos
   }
 }
 
-// Moves the measurements with the keyframes, so that the residuals stay the same.
+// Adapts the relative pose measurements to the new keyframe poses. The residuals do not change.
 void MoveEdges(const std::vector<Rigid3d>& world_from_keyframe_before,
                const std::vector<Rigid3d>& world_from_keyframe_after,
                std::vector<KeptEdge>* edges) {
@@ -77,13 +79,15 @@ KeptSession::KeptSession(SlamRunOptions* options) : options_(*options) {
   options->slam.loops.enabled = true;
   if (!options->localize && !options->continue_session) return;
   if (options->continue_session && !HasSession(options->session)) {
-    LOG(WARNING) << options->session << " holds no session yet: a new one is begun";
+    LOG(WARNING) << options->session << " has no session: starting a new session";
     return;
   }
   Session session = ReadSession(options->session);
   sensor_ = session.sensor;
   if (session.state.frames.empty()) {
-    if (options->localize) throw InputError(options->session + " has no frames to localise in");
+    if (options->localize)
+      throw InputError(options->session +
+                       " has no frames: localisation needs a session with frames");
     return;
   }
   state_ = std::move(session.state);
@@ -96,11 +100,11 @@ KeptSession::KeptSession(SlamRunOptions* options) : options_(*options) {
   shift_ = first_index_ - options->sequence.first;
 }
 
-// A recording that the session has already is not taken twice.
+// Skips the frames of the sequence that the session already has.
 void KeptSession::GoOnAfter(const std::vector<SessionRun>& runs, SequenceOptions* sequence) {
   const std::string path = FullPath(sequence->path);
   const int newest = state_->frames.back().index;
-  int newest_here = -1;  // the same by the recording, if it is of this one
+  int newest_here = -1;  // `newest` as an index of this recording; -1: other recording
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const SessionRun& run = runs[i];
     if (run.sequence != path) continue;
@@ -109,14 +113,14 @@ void KeptSession::GoOnAfter(const std::vector<SessionRun>& runs, SequenceOptions
     if (last >= 0 && last + run.shift == newest) newest_here = last;
     if (last < sequence->first) continue;
     LOG(WARNING) << options_.session << " has frames of " << sequence->path << " up to " << last
-                 << ": it goes on after that";
+                 << ": the run continues with the next frame";
     sequence->first = last + 1;
   }
   const int step = sequence->first - newest_here;
   goes_on_ = newest_here >= 0 && step > 0 && step <= sequence->stride;
   if (sequence->last >= 0 && sequence->last < sequence->first) {
-    throw InputError(Concat(options_.session, " has all frames of ", sequence->path, " up to ",
-                            sequence->last, " already"));
+    throw InputError(Concat(options_.session, ": all frames of ", sequence->path, " up to ",
+                            sequence->last, " are already in the session"));
   }
 }
 

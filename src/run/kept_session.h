@@ -13,40 +13,47 @@
 
 namespace surfit {
 
-// The session that a run keeps, goes on in, or is localised in.
+// Session of a run: the run saves it, continues it, or localises the camera in it.
 class KeptSession {
  public:
-  // Opens it as the options say, and has the sequence begin after the last frame that the session
-  // has of it. Throws InputError as ReadSession() and SessionWriter do.
+  // Opens the session, and enables loop closure in the options. Keeps a reference to the options.
+  // If a continued session already has frames of this sequence, `sequence.first` is set to the next
+  // frame. Throws InputError like ReadSession() and SessionWriter. Also throws if the session
+  // already has all frames of the sequence, and for localisation without frames.
   explicit KeptSession(SlamRunOptions* options);
 
-  // Makes a frame's index one of the session.
+  // Converts the frame index from the sequence to the session.
   void Shift(ReadResult* result) const;
-  int first_index() const { return first_index_; }  // of the run's first frame
+  int first_index() const { return first_index_; }  // session index of the run's first frame
   bool is_localized() const { return options_.localize; }
-  // Whether there is something to go on from.
+  // False for a new session.
   bool has_state() const { return state_.has_value(); }
 
-  // A Slam that goes on from the session. Once.
+  // Creates a Slam that continues from the session. Requires has_state(). Call it once, as it moves
+  // the state. Throws InputError if the session was recorded by another sensor.
   std::unique_ptr<Slam> MakeSlam(const SequenceInfo& info);
-  // The frames that come next go through this Slam.
+  // Starts saving. Call it before `slam` processes the first frame. The functions that save do
+  // nothing for localisation.
   void Begin(const SequenceInfo& info, Slam* slam);
+  // Saves periodically. Call it after each frame.
   void Offer(const Slam& slam, double stamp_s);
+  // Saves after the last frame.
   void Finish(const Slam& slam);
-  // Replaces poses, sensor and map after Finish(). `frames` are the frame indices of the poses. The
-  // residuals of the pose graph stay the same.
+  // Replaces poses, calibration and map after Finish(). `frames` are the session indices of the
+  // poses. The residuals of the pose graph do not change.
   void Improve(const Slam& slam, const Trajectory& trajectory, const std::vector<int>& frames,
                const FoundSensor& found, const SurfelMap& map);
+  // Number of saves that were due before the previous save was written.
   std::int64_t waits() const { return writer_ ? writer_->waits() : 0; }
 
  private:
   void GoOnAfter(const std::vector<SessionRun>& runs, SequenceOptions* sequence);
 
   const SlamRunOptions& options_;
-  std::unique_ptr<SessionWriter> writer_;  // null where the camera is only localised
+  std::unique_ptr<SessionWriter> writer_;  // null for localisation
   std::optional<SlamState> state_;
-  DepthSensor sensor_;    // as given
-  bool goes_on_ = false;  // the sequence follows the session's last frame
+  DepthSensor sensor_;    // input sensor of the session
+  bool goes_on_ = false;  // the run starts directly after the session's last frame
   int first_index_ = 0, shift_ = 0;
 };
 

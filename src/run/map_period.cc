@@ -5,14 +5,13 @@
 namespace surfit {
 
 int MapPeriod::For(double queued_ms) {
-  // Of a camera's gaps two and one: of eight frames that may wait two do. After a frame that is
-  // fused the next one may wait a little.
+  // Two frames and one frame at 30 Hz. The frame after a fused frame often waits a little.
   constexpr double kLate_ms = 67, kInTime_ms = 33;
-  constexpr int kMostTimes = 8;  // as long as given: beyond it little is gained
-  // Frames that a change takes to show, and those in which what waits should have been done.
+  constexpr int kMostTimes = 8;  // limit of period / given_; longer periods save little time
+  // Number of frames until a change has an effect, and until the queue should be empty again.
   constexpr int kUntilSeen = 4, kUntilDone = 30;
-  // After a frame that takes long by itself, as one that moves the map, two or three are late, and
-  // it counts as much as so many in time.
+  // One slow frame, for example with a map correction, delays two or three frames. A late frame
+  // cancels kOneLate frames in time.
   constexpr int kLateInARow = 3, kOneLate = 5;
   constexpr int kMostPatience = 16 * kInTime;
   ++since_change_;
@@ -20,7 +19,7 @@ int MapPeriod::For(double queued_ms) {
   in_time_ = queued_ms < kInTime_ms ? in_time_ + 1 : std::max(0, in_time_ - kOneLate);
   const bool helps_not = since_change_ > (queued_ms > queued_ms_ ? kUntilSeen : kUntilDone);
   if (late_ >= kLateInARow && helps_not && period_ < kMostTimes * given_) {
-    // Where there was too little time for what was taken up again, that is tried later next time.
+    // Halving the period was too early: wait twice as long before the next attempt.
     if (was_shorter_ && since_change_ < patience_) {
       patience_ = std::min(2 * patience_, kMostPatience);
     }

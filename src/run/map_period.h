@@ -2,29 +2,31 @@
 
 namespace surfit {
 
-// How many of the frames that a camera offers are fused: fewer while they come faster than they are
-// done, so that none has to be dropped; as many as before when there is time for it again.
+// Adapts SlamOptions::map_period to the load. The period doubles while frames arrive faster than
+// they are processed, so that no frame has to be dropped. It is halved when there is time again.
 class MapPeriod {
  public:
+  // `given` is the minimum period.
   explicit MapPeriod(int given) : given_(given), period_(given) {}
 
-  // SlamOptions::map_period for the next frame, which has waited so long to be taken.
+  // Returns the period for the next frame, which has waited `queued_ms` in the queue. Call it once
+  // per frame.
   int For(double queued_ms);
 
-  int longest() const { return longest_; }         // that has been
-  int frames_hurried() const { return hurried_; }  // with a longer one than was given
+  int longest() const { return longest_; }
+  int frames_hurried() const { return hurried_; }  // frames with more than the minimum period
 
  private:
   void Change(int period);
 
   int given_, period_;
   int longest_ = 0, hurried_ = 0;
-  int since_change_ = 0;      // frames
-  double queued_ms_ = 0;      // what frames waited when the period was made longer
-  int late_ = 0;              // frames in a row
-  int in_time_ = 0;           // frames that were, less those that were not
-  int patience_ = kInTime;    // so many of them make the period shorter
-  bool was_shorter_ = false;  // by the last change
+  int since_change_ = 0;      // frames since the last change
+  double queued_ms_ = 0;      // wait of the frame that doubled the period; 0: after halving
+  int late_ = 0;              // consecutive late frames
+  int in_time_ = 0;           // frames in time, minus a penalty per other frame
+  int patience_ = kInTime;    // value of in_time_ that halves the period
+  bool was_shorter_ = false;  // the last change halved the period
   static constexpr int kInTime = 90;
 };
 

@@ -37,8 +37,9 @@ Rigid3d InitialPose(const std::string& initial_pose, const SequenceInfo& info,
   if (initial_pose == "groundtruth") {
     const std::optional<Rigid3d> pose = InterpolatePose(info.ground_truth, first_stamp_s);
     if (pose) return *pose;
-    throw InputError(Concat("initial_pose is 'groundtruth', but the sequence has no true pose at ",
-                            std::to_string(first_stamp_s), " s"));
+    throw InputError(
+        Concat("initial_pose is 'groundtruth', but the sequence has no ground-truth pose at ",
+               std::to_string(first_stamp_s), " s"));
   }
   const Rigid3d pose = ParsePose("initial_pose", initial_pose);
   return info.mirrored ? Mirrored(pose) : pose;

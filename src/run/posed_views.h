@@ -14,48 +14,48 @@
 
 namespace surfit {
 
-// Reads "tx,ty,tz,qx,qy,qz,qw" (metres, quaternion of any length but zero).
-// Throws InputError naming the option and the text.
+// Parses "tx,ty,tz,qx,qy,qz,qw" (translation in metres, non-zero quaternion). Throws InputError
+// naming the option and the text.
 Rigid3d ParsePose(const std::string& option, const std::string& text);
 
-// The pose that a run begins at: "identity", "groundtruth" (the true pose at that time) or numbers,
-// these in the source's convention. Throws InputError naming the constraint that fails.
+// World-from-camera pose of the first frame: "identity", "groundtruth" (ground-truth pose at the
+// timestamp) or the format of ParsePose(), in the convention of the sequence. Throws InputError for
+// other texts, or without a ground-truth pose at the timestamp.
 Rigid3d InitialPose(const std::string& initial_pose, const SequenceInfo& info,
                     double first_stamp_s);
 
-// An estimated trajectory of the sequence, from a file (TUM format) in the source's convention.
-// Throws InputError naming the file.
+// Reads an estimated trajectory (TUM format) in the convention of the sequence, and mirrors it if
+// the sequence is mirrored. Throws InputError naming the file.
 Trajectory ReadEstimate(const std::string& path, const SequenceInfo& info);
 
-// One frame of a sequence, ready to be registered.
 struct PosedView {
   ColoredView view;
-  std::optional<Rigid3d> world_from_camera;  // true pose
+  std::optional<Rigid3d> world_from_camera;  // ground-truth pose, if known
 };
 
-// The frame with this index; the options' first, last and stride are not used. Throws InputError
-// where there is none or it cannot be read.
+// Reads the frame `index` without intensities. Ignores `first`, `last` and `stride` of the options.
+// Throws InputError if the frame does not exist or cannot be read.
 PosedView ReadPosedView(const SequenceOptions& options, int index,
                         const PreprocessOptions& preprocess);
 
-// Two frames to be registered.
 struct PosedPair {
   PosedView source, target;
 
-  // The true pose, where it is known.
+  // Ground-truth relative pose, or std::nullopt if one of the poses is unknown.
   std::optional<Rigid3d> TargetFromSource() const;
 };
 
-// With intensities where the error model uses them. Throws like ReadPosedView().
+// Reads two frames, with intensities if the error model uses them. Throws like ReadPosedView().
 PosedPair ReadPosedPair(const SequenceOptions& options, int source, int target,
                         const PreprocessOptions& preprocess, const ErrorModel& error_model);
 
-// The median of |n . (p' - q)| over projected pixels, in metres. Nothing if there is no pair of
-// points within the default gates.
+// Median point-to-plane distance |n . (p' - q)| of projective correspondences, in metres. Returns
+// std::nullopt without correspondences within the default gates.
 std::optional<double> MedianSurfaceDistance(const FrameLevel& source, const FrameLevel& target,
                                             const Rigid3d& target_from_source);
 
-// The part of the ground truth from the first to the last stamp, with a margin for interpolation.
+// Returns the ground truth from the first to the last timestamp, with a margin for interpolation.
+// `stamps_s` must not be empty.
 Trajectory TruthDuring(const std::vector<double>& stamps_s, const Trajectory& ground_truth);
 
 }  // namespace surfit

@@ -37,7 +37,8 @@ void WriteThumbnails(const RunOutcome& run, const DepthSensor& sensor,
   Thumbnails::Write(*thumbnails, run.options.output);
 }
 
-// Those of the frames that the run has a pose of, and what leads from one of these to the next.
+// Keyframes of this run, without keyframes of earlier runs of the session. Parents in earlier runs
+// become KeyframeLink::kNone.
 std::vector<KeyframeLink> OwnKeyframes(const RunOutcome& run) {
   std::vector<KeyframeLink> keyframes;
   if (!run.backend || run.trajectory.frames().empty()) return keyframes;

@@ -12,7 +12,7 @@
 
 namespace surfit {
 
-// What a run has come to.
+// Results of a run. The references must outlive the call of WriteRunResults().
 struct RunOutcome {
   const SequenceInfo& info;
   const RunTrajectory& trajectory;
@@ -21,13 +21,13 @@ struct RunOutcome {
   const SurfelMap& map;
   const KeptViews& views;
   const Thumbnails& thumbnails;
-  const std::vector<double>& stamps_s;  // of all frames, those that could not be read included
+  const std::vector<double>& stamps_s;  // timestamps of all frames, including unreadable frames
   const std::optional<TrajectoryEvaluation>& evaluation;
   const SlamRunOptions& options;
 };
 
-// Writes map, views, poses and pictures into the output folder, each whatever becomes of the
-// others.
+// Writes map, views, poses and pictures into the output folder. Errors are added to `failures` and
+// do not stop the remaining files.
 void WriteRunResults(const RunOutcome& run, Failures* failures);
 
 }  // namespace surfit

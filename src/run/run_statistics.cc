@@ -10,7 +10,7 @@
 namespace surfit {
 namespace {
 
-constexpr double kMuchMoves = 0.1;  // of a frame's points
+constexpr double kMuchMoves = 0.1;  // ratio of moving points
 
 double Sum(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.);
@@ -72,7 +72,8 @@ void RunStatistics::CountFused(const FrameReport& report, std::int64_t valid_poi
   summary_.added += report.fusion.added;
   summary_.removed += report.fusion.removed;
   if (summary_.refused == 0 && report.fusion.refused > 0) {
-    LOG(WARNING) << "from frame " << report.index << " on the map is full: max_map_points is "
+    LOG(WARNING) << "frame " << report.index
+                 << ": the map is full, new surfaces are not mapped: max_map_points is "
                  << options_.fusion.max_map_points;
   }
   summary_.refused += report.fusion.refused;

@@ -10,27 +10,29 @@
 
 namespace surfit {
 
-// Counts and times of a run's frames, for its summary. Its life is the run's time.
+// Counts and times of the frames of a run, for the summary. elapsed_s() is measured from the
+// construction. The frame time is the time between the completions of consecutive frames, minus
+// excluded times.
 class RunStatistics {
  public:
+  // Keeps a reference to the options.
   explicit RunStatistics(const SlamOptions& options);
 
-  // From here on time is the first frame's: to open a sequence is no frame's.
+  // Starts the time of the first frame. Opening the sequence is not part of a frame time.
   void BeginFrames() { last_completion_ = Clock::now(); }
-  // A frame has come, or could not be read. The time that was waited for it is no frame's.
+  // Counts a frame that was read or could not be read. Excludes ReadResult::waited_ms.
   void CountRead(const ReadResult& result);
   void CountSkipped() { ++summary_.frames_skipped; }
   void CountProcessed(const RgbdFrame& frame, const FrameReport& report);
-  // Of the frame at work.
+  // Records when the pose of the current frame became known.
   void PoseIsKnown() { pose_known_ = Clock::now(); }
-  // The time from the last frame's completion to now, ms: this frame's.
+  // Completes the current frame and returns its frame time, ms.
   double CompleteFrame();
-  // How long each stage of a processed frame took. An offered frame was taken from the queue by
-  // CountRead().
+  // Adds the stage times of a processed frame, and the latencies of an offered frame.
   void AddTimes(const ReadResult& result, const StageTimes& times, double write_ms, bool offered);
-  // Of an offered frame that was taken by CountRead(): since it was offered.
+  // Age of an offered frame, ms: time in the queue plus time since CountRead().
   double AgeMs(const ReadResult& result) const { return AgeMs(result, Clock::now()); }
-  // What `call` takes is no frame's time.
+  // Calls `call` and excludes its duration.
   template <typename Call>
   void LeaveOut(const Call& call) {
     const Clock::time_point before = Clock::now();
@@ -40,10 +42,10 @@ class RunStatistics {
 
   int frames_done() const { return summary_.frames_total + summary_.frames_dropped; }
   double elapsed_s() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
-  // Of all frames, those that could not be read included.
+  // Timestamps of all frames, including unreadable frames.
   const std::vector<double>& stamps_s() const { return stamps_s_; }
 
-  // All counts and times of frames; the summary's other fields are not set.
+  // Returns a summary with the counts and times of frames. Other fields have their defaults.
   SlamRunSummary Summary(std::size_t map_points) const;
 
  private:
@@ -58,7 +60,7 @@ class RunStatistics {
   const Clock::time_point start_ = Clock::now();
   Clock::time_point last_completion_ = start_, taken_ = start_, pose_known_ = start_;
   SlamRunSummary summary_;
-  bool much_moves_ = false;  // in the last tracked frame
+  bool much_moves_ = false;  // more than 10 % of the last tracked frame's points moved
   std::vector<double> stamps_s_, frame_ms_, latency_ms_, pose_latency_ms_, match_shares_;
   std::array<std::vector<double>, kStages.size()> stages_ms_;
 };

@@ -39,7 +39,7 @@ namespace {
 
 using ProgressCall = std::function<void(const SlamRunProgress&)>;
 
-// Frames that are still to come are read when asked for: waiting for them would hold a thread.
+// Live sequences are not read ahead, because waiting for a frame would block a worker thread.
 std::unique_ptr<FrameSource> OpenSource(const SlamRunOptions& options,
                                         const std::atomic<bool>& interrupted) {
   if (IsLive(options.sequence)) {
@@ -67,15 +67,15 @@ std::int64_t PeakRssBytes() {
   return static_cast<std::int64_t>(usage.ru_maxrss) * 1024;
 }
 
-// A run in progress. The stages of a frame are:
-//   read      the frame of the sequence                     FrameSource
+// Run of SLAM over one sequence. The stages of a frame are:
+//   read                                                    FrameSource
 //   correct, prepare, predict, track, keyframe, fuse        Slam::Process()
-//   write     pose and row of the frame                     RunTrajectory, FrameTable
-// After the last frame poses and camera are refined, the final map is fused, and all results are
-// written (finishing, run_results.h).
+//   write (pose, row of frames.csv)                         RunTrajectory, FrameTable
+// After the last frame, poses and calibration are refined, the final map is fused, and all results
+// are written (finishing, run_results.h).
 class SlamRun {
  public:
-  // The session is null without one.
+  // `session` may be null. Options and session must outlive this object.
   SlamRun(const SlamRunOptions& options, KeptSession* session, const std::atomic<bool>& interrupted)
       : options_(options),
         session_(session),
@@ -93,7 +93,8 @@ class SlamRun {
     }
   }
 
-  // Writes the results of all complete frames, whatever ends the run early.
+  // Processes all frames and writes the results. After an error, writes the results of all complete
+  // frames, and then throws InputError.
   SlamRunSummary Run(const std::atomic<bool>& interrupted, const ProgressCall& progress) {
     failures_.Try([&] { ProcessFrames(interrupted, progress); });
     if (!slam_) {
@@ -129,7 +130,7 @@ class SlamRun {
     }
   }
 
-  // Whoever is told may take their time, and pause.
+  // The callback may block, for example to pause the run.
   void Tell(const SlamRunFrame* frame, const ProgressCall& progress) {
     statistics_.LeaveOut([&] {
       SlamRunProgress now = Progress();
@@ -179,14 +180,14 @@ class SlamRun {
   FrameReport FuseAtTruth(const RgbdFrame& frame) {
     const std::optional<Rigid3d> pose = InterpolatePose(info_.ground_truth, frame.stamp_s);
     if (pose) return slam_->ProcessAt(frame, *pose);
-    without_truth_.Tell(Concat("frame ", frame.index, " has no true pose within reach: not fused"));
+    without_truth_.Tell(
+        Concat("frame ", frame.index, " has no ground-truth pose at its time and is not fused"));
     FrameReport report;
     report.index = frame.index;
     report.stamp_s = frame.stamp_s;
     return report;
   }
 
-  // Keeps what the results in the end need of the frame.
   void Keep(const RgbdFrame& frame, const FrameReport& report) {
     statistics_.CountProcessed(frame, report);
     if (localization_) localization_->Add(report);
@@ -198,8 +199,8 @@ class SlamRun {
   }
 
   SlamRunSummary Finish(const std::atomic<bool>& interrupted, const ProgressCall& progress) {
-    source_.reset();  // of a long recording its list of frames is large
-    // The store may hold the frame in which SLAM has failed.
+    source_.reset();  // frees the frame list, which is large for long recordings
+    // The pose store may contain a failed frame. RunTrajectory::Replace() drops this frame.
     if (!is_whole_ || !failures_.Try([&] { FinishSlam(); })) {
       failures_.Try([&] { TakeCorrections(); });
     }
@@ -235,8 +236,8 @@ class SlamRun {
     if (session_ && slam_->backend()) session_->Finish(*slam_);
   }
 
-  // Takes the corrected poses of this run and the estimated sensor. Poses of a camera that is only
-  // localised are never corrected.
+  // Takes the corrected poses of this run and the estimated calibration. Poses are not corrected in
+  // localisation.
   void TakeCorrections() {
     const Backend* const backend = slam_->backend();
     if (!backend) return;
@@ -252,7 +253,8 @@ class SlamRun {
     found_.color_latency_s = backend->color_latency_s();
   }
 
-  // Not of a run that has ended early, nor of frames that are gone.
+  // Refines the run and fuses the final map. Does nothing for live sequences, after an early end of
+  // the run, for continued sessions and for localisation.
   void Improve(const std::atomic<bool>& interrupted, const ProgressCall& progress) {
     if (!options_.final_map || IsLive(options_.sequence) || !is_whole_ || interrupted ||
         failures_.any() || options_.continue_session || options_.localize) {
@@ -260,7 +262,8 @@ class SlamRun {
     }
     std::optional<RefinedSequence> refined;
     const KnownSequence known = Known(trajectory_->poses(), found_);
-    // Where the camera is as given, tracking has seen more than keyframes tell.
+    // If the calibration did not change, tracking with all frames is more accurate than a
+    // refinement of keyframes.
     if (options_.refine && known.found.calibration) refined = Refine(known, interrupted, progress);
     if (interrupted) return;
     FuseFinalMap(refined ? Known(refined->trajectory, refined->found) : known, interrupted,
@@ -372,23 +375,23 @@ class SlamRun {
   std::unique_ptr<TraceRecorder> trace_;  // outlives the source, which decodes on another thread
   std::unique_ptr<FrameSource> source_;   // closed once its frames have been processed
   const SequenceInfo info_;
-  InverseDepthField given_field_;  // that frames come with
+  InverseDepthField given_field_;  // input depth correction, already applied to the frames
   OutputFolder folder_;
   std::unique_ptr<RunTrajectory> trajectory_;
   std::unique_ptr<FrameTable> frame_table_;
-  std::unique_ptr<Slam> slam_;  // null before the first frame, whose time may tell the first pose
-  FoundSensor found_;           // estimated sensor, of the frames as they are read
-  std::unique_ptr<LocalizationFile> localization_;  // null unless the camera is localised
+  std::unique_ptr<Slam> slam_;                      // null before the first frame
+  FoundSensor found_;                               // estimated calibration of the frames as read
+  std::unique_ptr<LocalizationFile> localization_;  // null without localisation
   KeptViews views_;
   Thumbnails thumbnails_;
-  RepeatedWarning skipped_{"frames skipped"}, without_truth_{"frames without a true pose"};
+  RepeatedWarning skipped_{"frames skipped"}, without_truth_{"frames without a ground-truth pose"};
   Failures failures_;
-  std::set<int> left_out_;                     // frames that are not to be in the map
-  std::map<int, Image<std::uint8_t>> moving_;  // FrameReport::moving, by frame
+  std::set<int> left_out_;  // held-out and duplicate frames, not in the final map
+  std::map<int, Image<std::uint8_t>> moving_;  // FrameReport::moving by frame index
   std::optional<FinalRefinement> refinement_;
   std::optional<SurfelMap> final_map_;
   std::optional<double> final_map_s_;
-  bool is_whole_ = true;  // no frame has ended within its processing
+  bool is_whole_ = true;  // false: an exception has interrupted a frame
 };
 
 }  // namespace
@@ -399,7 +402,8 @@ SlamRunSummary RunSlam(const SlamRunOptions& options, const std::atomic<bool>& i
   Validate(options);
   const ThreadLimit limit(options.threads);
   SlamRunOptions run = options;
-  // While a doubtful frame is looked for, the camera moves on: the next would be far, too.
+  // During a global registration of an uncertain frame, the camera moves on, and the next frame
+  // would be uncertain as well. So only lost frames are registered globally.
   if (options.OffersFrames()) {
     run.slam.sure_inlier_share = 0;
     run.slam.real_time = true;

@@ -16,8 +16,8 @@ PreparedFrame FramePreparation::Prepare(const RgbdFrame& frame, const CameraMoti
   return {frame, images, {std::move(pyramid), images.color}, motion, sensor.readout_s};
 }
 
-// Corrects the depth and the capture time of the colours. The colour pixels keep their places: the
-// motion of their rows is applied when they are looked up.
+// Corrects depth and the colour timestamp. Colour pixels are not moved: the motion during their
+// readout is applied when they are looked up.
 const RgbdFrame& FramePreparation::Corrected(const RgbdFrame& frame, const CameraMotion& motion,
                                              const DepthSensor& sensor,
                                              const SensorCorrection& correction) {

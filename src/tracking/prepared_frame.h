@@ -11,12 +11,12 @@
 
 namespace surfit {
 
-// Frame for tracking and fusion.
+// Frame for tracking and fusion. The references must outlive the object.
 struct PreparedFrame {
   const RgbdFrame& measured;
-  const RgbdFrame& images;  // calibrated, depth in the middle of the readout
+  const RgbdFrame& images;  // calibrated, depth at the middle of the readout
   ColoredView view;
-  CameraMotion motion;  // predicted, for the readout
+  CameraMotion motion;  // predicted motion during the readout
   double readout_s = 0;
 
   const FrameLevel& surface() const { return view.pyramid.levels.front(); }
@@ -25,22 +25,25 @@ struct PreparedFrame {
 
 // Estimated calibration of a sensor.
 struct SensorCorrection {
-  const DepthCalibration* calibration = nullptr;  // null: as given
-  double color_latency_s = 0;                     // beyond the given latency
+  const DepthCalibration* calibration = nullptr;  // null: input calibration
+  double color_latency_s = 0;                     // beyond the input latency
 };
 
-// Prepares frames. A prepared frame may refer to images of this object, which are valid until the
-// next frame.
+// Corrects frames with the estimated calibration and the camera motion, and preprocesses them. A
+// PreparedFrame refers to the input frame or to images of this object. The latter are valid until
+// the next call of the same function.
 class FramePreparation {
  public:
   // Keeps a reference to the options.
   explicit FramePreparation(const PreprocessOptions& options) : options_(options) {}
 
+  // Preprocesses a frame, with intensities if `with_intensities`. `motion` is the predicted motion
+  // during the readout.
   PreparedFrame Prepare(const RgbdFrame& frame, const CameraMotion& motion,
                         const DepthSensor& sensor, const SensorCorrection& correction,
                         bool with_intensities);
 
-  // Removes moving objects.
+  // Removes the pixels of moving objects. Returns `frame` if the mask is empty.
   PreparedFrame AtRest(PreparedFrame frame, const CellMask& moving);
 
  private:

@@ -11,20 +11,21 @@
 namespace surfit {
 namespace {
 
-// Depth cameras see from 0.4 m to some 5 m; 1 to 3 m are usual medians indoors. Outside the first
-// range a scale that fits better is named; outside the second the scale is wrong in any case.
+// Depth cameras measure from 0.4 m to about 5 m. Indoors, the median depth is usually 1 to 3 m.
+// Outside of the first range, a warning requires a scale that fits better. Outside of the second
+// range, the scale is always reported.
 constexpr double kNearest_m = 0.4, kFarthest_m = 5;
 constexpr double kAbsurdlyNear_m = 0.2, kAbsurdlyFar_m = 20;
 constexpr double kUsual_m = 1.8;
-// Nor is nearly all that they see so near: the nearest of it nearer than they measure.
+// The scale is also implausible if almost all depth is below kAllNear_m, and some of it is closer
+// than sensors measure (kTooNear_m).
 constexpr double kAllNear_m = 1.2, kTooNear_m = 0.3;
-constexpr double kFew = 0.02;  // share of the pixels that may be off
-// Millimetres and TUM's. Replica's scale and tenths of millimetres are close to TUM's and much
-// rarer: they are considered only for counts beyond TUM's range.
+constexpr double kFew = 0.02;  // ratio of pixels that are ignored as outliers
+// Units per metre. Common: millimetres and TUM. Rare: Replica and 0.1 mm. The rare scales are close
+// to that of TUM, so they are only considered for counts beyond the range of TUM.
 constexpr std::array<double, 2> kCommonScales = {1000, 5000};
 constexpr std::array<double, 2> kRareScales = {6553.5, 10000};
 
-// The valid counts.
 std::vector<std::uint16_t> ValidCounts(const Image<std::uint16_t>& depth) {
   std::vector<std::uint16_t> valid;
   std::copy_if(depth.begin(), depth.end(), std::back_inserter(valid),
@@ -32,7 +33,7 @@ std::vector<std::uint16_t> ValidCounts(const Image<std::uint16_t>& depth) {
   return valid;
 }
 
-// What a share of the counts is below; there must be some.
+// Quantile of the counts, which must not be empty.
 double Quantile(std::vector<std::uint16_t> counts, double share) {
   const auto at =
       counts.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(counts.size()));
@@ -40,7 +41,7 @@ double Quantile(std::vector<std::uint16_t> counts, double share) {
   return *at;
 }
 
-// The scale that brings the median nearest to the usual one, as a ratio.
+// Scale with the median depth closest to kUsual_m, compared by ratio.
 double LikelyScale(double median_count) {
   const auto distance = [&](double scale) {
     return std::abs(std::log(median_count / scale / kUsual_m));
@@ -67,7 +68,7 @@ std::optional<std::string> DepthScaleWarning(const RawDepth& depth, double depth
   const bool absurd = median_m < kAbsurdlyNear_m || median_m > kAbsurdlyFar_m;
   if (plausible || (likely == depth_units_per_metre && !absurd)) return std::nullopt;
   return Concat("the median depth of ", path, " is ", median_m, " m at ", depth_units_per_metre,
-                " units per metre; the scale is more likely ", likely, ", which makes it ",
+                " units per metre: depth_scale is more likely ", likely, ", with a median of ",
                 median_count / likely, " m");
 }
 

@@ -41,13 +41,14 @@ std::string DetectFolderFormat(const std::string& folder) {
     }
   }
   throw InputError(
-      folder, " holds no sequence of a known format: looked for depth.txt or associations.txt (",
+      folder, " has no sequence of a known format: looked for depth.txt or associations.txt (",
       "tum), *.gt.freiburg or rgb/ with depth/0.png or depth/1.png (icl_nuim), frame-*.depth.png ",
       "(seven_scenes), depth/ (redwood), results/ with traj.txt (replica), metadata.yaml with ",
       "*.db3 or *.mcap");
 }
 
-// How many folders above that of a sequence its relative path leads to; many if it is absolute.
+// Number of levels that a path relative to the sequence folder goes up. Largest integer for an
+// absolute path.
 int Beyond(const fs::path& path) {
   if (path.is_absolute()) return std::numeric_limits<int>::max();
   int above = 0;
@@ -80,7 +81,7 @@ bool HasFile(const std::string& path) {
   std::error_code none;
   if (fs::is_regular_file(path, none)) return true;
   if (!fs::exists(fs::symlink_status(path, none))) return false;
-  throw InputError(path, " is no regular file, must be one or missing");
+  throw InputError(path, " is not a regular file");
 }
 
 bool EndsWith(const std::string& name, const std::string& ending) {
@@ -115,7 +116,7 @@ std::string FollowTextLink(const std::string& folder, const std::string& name) {
   const fs::path at_sequence = fs::path(name).parent_path().parent_path() / target;
   if (Beyond(at_sequence) > 1) {
     throw InputError(link.string(), ": the link to '", target,
-                     "' leads beyond the folders beside the sequence's");
+                     "' leaves the parent folder of the sequence");
   }
   const fs::path linked = fs::path(folder) / at_sequence;
   return IsFolder(linked.string()) ? (linked / path.filename()).string() : path.string();

@@ -6,43 +6,45 @@
 
 namespace surfit {
 
-// The names of what a folder holds, sorted; empty if there is no such folder.
+// Sorted names of the entries of a folder. Empty if the folder does not exist.
 std::vector<std::string> NamesIn(const std::string& folder);
 
 bool IsFolder(const std::string& path);
 bool IsFile(const std::string& path);
-// The same, for a file that may be missing, but then altogether: throws InputError naming the path
-// where something else has its name, a folder, a pipe or a link to nothing.
+// Returns whether an optional file exists. Throws InputError naming the path if it is not a regular
+// file, for example a folder, a pipe or a dangling symbolic link.
 bool HasFile(const std::string& path);
 bool EndsWith(const std::string& name, const std::string& ending);
 
-// The value of the first run of digits in a file's name, if any: 12 for frame-000012.color.png.
+// Number of the first digits in a file name: 12 for frame-000012.color.png. Returns std::nullopt
+// without digits.
 std::optional<long> NumberInName(const std::string& name);
 
-// The time that a file's name is, in seconds: 1763820000.134 for 1763820000.134.png, whatever
-// stands before it. Nothing for whole numbers.
+// Time in a file name, in seconds: 1763820000.134 for 1763820000.134.png. A prefix without digits
+// and points is ignored. Returns std::nullopt for other names, including integers.
 std::optional<double> StampInName(const std::string& name);
 
-// The path of a file that a sequence's list names, relative to its folder, after following the
-// file's folder if this is a link written out as text: where links are unknown (archives, some file
-// systems, git without them), a link to a folder becomes a small file that holds the folder's
-// relative path. Data sets share images so. Throws InputError naming the link if it leads beyond
-// the folders beside the sequence's.
+// Returns the path of the file `name` in `folder`, and follows a text link. Data sets share image
+// folders by symbolic links. Archives and some file systems replace such a link by a small text
+// file with the relative path of the folder. Throws InputError naming the link if its target is
+// outside of the parent folder of the sequence.
 std::string FollowTextLink(const std::string& folder, const std::string& name);
 
-// The names that a sequence's format may have: tum, icl_nuim, seven_scenes, redwood,
-// replica (folders), klg, sens and bag (files), db3 and mcap (files, or folders of them), watch (a
-// folder that is being filled).
+// Names of the sequence formats:
+//   folders: tum, icl_nuim, seven_scenes, redwood, replica
+//   files: klg, sens, bag, oni
+//   files or folders: db3, mcap
+//   live: watch (folder of new images), openni2 (camera)
 const std::vector<std::string>& SequenceFormats();
 
-// bag, db3 and mcap: recordings of ROS.
+// True for recordings of ROS: bag, db3, mcap.
 bool IsBag(const std::string& format);
-// Whether the format can be a single file, or a folder.
+// True if a sequence of the format can be a file, or a folder.
 bool MayBeFile(const std::string& format);
 bool MayBeFolder(const std::string& format);
 
-// The format of a folder by what it holds, or of a file by its name's ending; never watch. Throws
-// InputError naming the path and what was looked for if it is none of them.
+// Detects the format of a folder from its files, or of a file from its extension. Never returns a
+// live format. Throws InputError naming the path and the known formats if the format is unknown.
 std::string DetectFormat(const std::string& path);
 
 }  // namespace surfit

@@ -7,10 +7,9 @@
 
 namespace surfit {
 
-// Throws InputError naming the file that cannot be read.
+// Reads the images of a frame. Throws InputError naming the file that cannot be read.
 FrameImages ReadFrameFiles(const FrameFiles& files);
 
-// The listed files as a recording.
 std::unique_ptr<Recording> MakeFolderRecording(std::vector<FrameFiles> frames);
 
 }  // namespace surfit

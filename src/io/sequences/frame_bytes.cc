@@ -22,11 +22,12 @@ Image<T> CopyPixels(const std::string& bytes, ImageSize size, const std::string&
 
 Image<std::uint16_t> InflateDepth(const std::string& bytes, ImageSize size,
                                   const std::string& name) {
-  constexpr std::size_t kMaxRatio = 1032;  // of deflate: 258 bytes from two bits
+  constexpr std::size_t kMaxRatio = 1032;  // maximum ratio of deflate: 258 bytes from 2 bits
   const std::size_t count = 2 * size.pixels();
   const auto damaged = [&] {
-    return InputError(Concat(name, " is damaged: its ", bytes.size(), " bytes do not expand to ",
-                             size.width, " x ", size.height, " counts of 16 bits"));
+    return InputError(Concat(name, " is damaged: its ", bytes.size(),
+                             " bytes do not decompress to ", size.width, " x ", size.height,
+                             " 16-bit values"));
   };
   if (count / kMaxRatio > bytes.size()) throw damaged();
   Image<std::uint16_t> image(size.width, size.height);
@@ -55,13 +56,13 @@ BinaryFile::BinaryFile(const std::string& path) : path_(path), file_(path, std::
 }
 
 std::string BinaryFile::Read(std::uint64_t at, std::uint64_t count) const {
-  ThrowIf(!Has(at, count), path_, " is ", size_, " bytes long and ends before ", count,
-          " bytes from byte ", at);
+  ThrowIf(!Has(at, count), path_, " has ", size_, " bytes, cannot read ", count,
+          " bytes at offset ", at);
   std::string bytes(count, '\0');
   file_.clear();
   file_.seekg(static_cast<std::streamoff>(at));
   ThrowIf(!file_.read(bytes.data(), static_cast<std::streamsize>(count)), "cannot read '", path_,
-          "' at byte ", at);
+          "' at offset ", at);
   return bytes;
 }
 

@@ -10,8 +10,7 @@
 
 namespace surfit {
 
-// A file of binary little endian values that is too large to be read at once. Whether bytes are
-// there is checked before memory is taken for them.
+// Binary file, read in parts. The file size is checked before memory is allocated.
 class BinaryFile {
  public:
   // Throws InputError naming the file if it cannot be opened.
@@ -19,10 +18,12 @@ class BinaryFile {
 
   const std::string& path() const { return path_; }
   std::uint64_t size() const { return size_; }
+  // True if the file has `count` bytes at the offset `at`.
   bool Has(std::uint64_t at, std::uint64_t count) const {
     return at <= size_ && count <= size_ - at;
   }
-  // Throws InputError naming the file if it ends before, or cannot be read.
+  // Reads `count` bytes at the offset `at`. Throws InputError naming the file if it is too short or
+  // cannot be read.
   std::string Read(std::uint64_t at, std::uint64_t count) const;
 
  private:
@@ -31,26 +32,26 @@ class BinaryFile {
   std::uint64_t size_ = 0;
 };
 
-// The place of an image in a .klg or .sens file. Raw depth is 16-bit little endian counts, other
-// depth is compressed by zlib. Raw colour is red, green and blue, other colour is a JPEG or PNG.
+// Position of an image in a .klg or .sens file, in bytes. Raw depth has 16-bit little endian
+// counts, other depth is compressed by zlib. Raw colour is RGB, other colour is a JPEG or PNG file.
 struct ImageBytes {
   std::uint64_t at = 0, count = 0;
   ImageSize size;
   bool is_raw = false;
 };
 
-// Reads the images of a frame, without colour if it has no bytes. Throws InputError naming the file
-// and the frame if the bytes do not hold an image of that size. The size is compared with the bytes
-// before memory is taken for the image.
+// Reads the images of a frame, without colour if `color` has no bytes. Throws InputError naming
+// file and frame if the bytes are not an image of this size. The size is checked before memory is
+// allocated.
 FrameImages ReadImages(const BinaryFile& file, int frame, const ImageBytes& depth,
                        const ImageBytes& color);
 
-// Warns of a file that has fewer frames than it claims.
+// Adds a warning if the file has fewer frames than its header declares.
 template <typename Count>
 void WarnIfShort(const std::string& path, Count claimed, int found, OpenedRecording* opened) {
   if (claimed == static_cast<Count>(found)) return;
   opened->warnings.push_back(
-      Concat(path, " claims ", claimed, " frames, but is damaged or ends after ", found));
+      Concat(path, " declares ", claimed, " frames, but is damaged or truncated after ", found));
 }
 
 }  // namespace surfit

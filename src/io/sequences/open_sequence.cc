@@ -44,7 +44,6 @@ std::vector<int> SelectFrames(int count, const SequenceOptions& options) {
   return indices;
 }
 
-// The frames `indices` of a recording, in this order.
 class RecordedFrames : public RawFrames {
  public:
   RecordedFrames(std::unique_ptr<Recording> recording, std::vector<int> indices)
@@ -93,7 +92,8 @@ RawSequence OpenRawLive(const SequenceOptions& options, int capacity,
   Validate(options);
   if (options.format == "watch") return OpenWatchedFolder(options, stop);
   if (options.format == "openni2") return OpenOpenNiCamera(options, capacity, stop);
-  throw InputError("format is '", options.format, "', must be watch or openni2 to be live");
+  throw InputError("format is '", options.format,
+                   "', must be watch or openni2 for a live sequence");
 }
 
 std::unique_ptr<FrameSource> OpenLive(const SequenceOptions& options, int capacity,
@@ -104,14 +104,14 @@ std::unique_ptr<FrameSource> OpenLive(const SequenceOptions& options, int capaci
 RawSequence OpenRawSequence(const SequenceOptions& options) {
   Validate(options);
   ThrowIf(IsLive(options), "format is '", options.format,
-          "': only a live run (surfit_slam) waits for frames to come");
+          "': live sequences are only read by surfit_slam and surfit_record");
   ThrowIf(!IsFolder(options.path) && !IsFile(options.path), options.path,
           " is neither a folder nor a file");
   SequenceInfo info;
   info.format = options.format == "auto" ? DetectFormat(options.path) : options.format;
   const bool is_file = IsFile(options.path);
   ThrowIf(is_file ? !MayBeFile(info.format) : !MayBeFolder(info.format), options.path, " is a ",
-          is_file ? "file" : "folder", ", which ", info.format, " is not");
+          is_file ? "file" : "folder", ", which format ", info.format, " does not support");
   OpenedRecording opened;
   if (IsBag(info.format)) opened = OpenBag(options, info.format, /*is_folder=*/!is_file);
   if (info.format == "oni") opened = OpenOni(options);

@@ -14,10 +14,9 @@ void RequireSize(const Image<T>& image, const PinholeCamera& camera, const char*
                  const std::string& name) {
   if (image.width() == camera.width && image.height() == camera.height) return;
   throw InputError(name, " is ", image.width(), " x ", image.height(), " pixels, must be ",
-                   camera.width, " x ", camera.height, " as ", whose);
+                   camera.width, " x ", camera.height, ", the size of ", whose);
 }
 
-// Reads and rectifies the frames of a sequence.
 class SequenceSource : public FrameSource {
  public:
   explicit SequenceSource(RawSequence sequence) : sequence_(std::move(sequence)) {}
@@ -66,8 +65,8 @@ void RequireSizeOf(const RgbdCamera& camera, const FrameImages& images) {
   if (images.color.empty()) return;
   if (camera.color_is_registered) {
     RequireSize(images.color, camera.depth,
-                "depth, to which colour is registered; else tell the camera of its own that it "
-                "has: color_camera and color_from_depth in a camera.yaml, or color_intrinsics",
+                "the depth image, because colour is registered to depth; for a separate colour "
+                "camera set color_camera and color_from_depth in camera.yaml, or color_intrinsics",
                 images.color_name);
   } else {
     RequireSize(images.color, camera.color, "the colour camera", images.color_name);

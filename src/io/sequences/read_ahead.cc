@@ -11,15 +11,14 @@
 namespace surfit {
 namespace {
 
-// A frame read, or the exception in its place.
 struct Item {
   std::optional<ReadResult> result;
   std::exception_ptr exception;
 };
 
-// At any time at most one task, or with one thread the caller, uses the source. The task reads
-// until the queue is full or the sequence at its end, and is started anew by Next(), so that no
-// thread of the bounded set waits.
+// A background task reads frames until the queue is full or the sequence ends. Next() starts it
+// again when there is space, so that no worker thread waits. With one thread, Next() reads the
+// frame itself. The source is used by one thread at a time.
 class ReadAheadSource : public FrameSource {
  public:
   ReadAheadSource(std::unique_ptr<FrameSource> source, int capacity)
@@ -63,10 +62,10 @@ class ReadAheadSource : public FrameSource {
       changed_.notify_all();
     }
     producing_ = false;
-    changed_.notify_all();  // under the lock: after it, the destructor may end
+    changed_.notify_all();  // under the lock, because the destructor may finish after unlocking
   }
 
-  // Reads without holding the lock and puts what it got into the queue.
+  // Reads one frame with the lock released, then adds it to the queue.
   void ReadOne(std::unique_lock<std::mutex>* lock) {
     lock->unlock();
     Item item;
@@ -79,7 +78,7 @@ class ReadAheadSource : public FrameSource {
     ended_ = !item.result;
     try {
       if (item.result || item.exception) queue_.push_back(std::move(item));
-    } catch (...) {  // no memory is left
+    } catch (...) {  // out of memory
       ended_ = true;
       failure_ = std::current_exception();
     }
@@ -88,19 +87,19 @@ class ReadAheadSource : public FrameSource {
   const std::unique_ptr<FrameSource> source_;
   const std::size_t capacity_;
 
-  std::mutex mutex_;  // guards all below
+  std::mutex mutex_;  // guards the members below
   std::condition_variable changed_;
   std::deque<Item> queue_;
-  bool producing_ = false;  // a task is under way
-  bool ended_ = false;      // the source has nothing more
+  bool producing_ = false;  // a background task is running
+  bool ended_ = false;
   bool stop_ = false;
-  std::exception_ptr failure_;  // of the queue itself
+  std::exception_ptr failure_;  // error of adding to the queue
 };
 
 }  // namespace
 
 std::unique_ptr<FrameSource> ReadAhead(std::unique_ptr<FrameSource> source, int capacity) {
-  ThrowIf(capacity < 1, "the capacity of reading ahead is ", capacity, ", must be at least 1");
+  ThrowIf(capacity < 1, "read-ahead capacity is ", capacity, ", must be at least 1");
   return std::make_unique<ReadAheadSource>(std::move(source), capacity);
 }
 

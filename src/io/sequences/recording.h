@@ -14,134 +14,141 @@
 
 namespace surfit {
 
-// When the images of one frame were taken: the same without colour.
+// Timestamps of the images of one frame. Both are equal without colour.
 struct FrameStamps {
   double depth_s = 0;
   double color_s = 0;
 };
 
-// Colour and depth whose stamps differ by more are not of one frame.
+// Maximum time between colour and depth of one frame.
 constexpr double kMaxBetweenImages_s = 0.02;
 
-// The images of one frame as recorded.
 struct FrameImages {
   RawDepth depth;
-  Image<Rgb8> color;       // empty where the frame has no colour
-  std::string depth_name;  // the file, and the place in it, for messages
+  Image<Rgb8> color;       // empty: no colour
+  std::string depth_name;  // file and position in the file, for messages
   std::string color_name;
 };
 
-// The frames of a sequence, in a folder of images or in one file. Not thread-safe.
+// Frames of a sequence in a folder of images or in one file. Not thread-safe.
 class Recording {
  public:
   virtual ~Recording() = default;
   virtual int frame_count() const = 0;
   virtual FrameStamps stamps(int index) const = 0;
-  // Throws InputError naming what cannot be read.
+  // Reads the images of a frame. Throws InputError naming the file or the frame that cannot be
+  // read.
   virtual FrameImages Read(int index) const = 0;
 };
 
-// A camera and where it is from.
+// Camera of a recording or device, and the source of its parameters.
 struct ToldCamera {
   RgbdCamera camera;
   std::string from;
-  bool is_guessed = false;
+  bool is_guessed = false;  // default of the format
 };
 
-// What a recording or device itself tells of its camera; empty where it tells nothing.
+// Returns the camera that a recording or device contains. Empty function: it contains none.
 using TellCamera = std::function<ToldCamera()>;
 
-// A recording with its ground truth and warnings.
 struct OpenedRecording {
   std::unique_ptr<Recording> frames;
-  Trajectory ground_truth;            // as the files have it
-  bool has_clock = false;             // SequenceInfo
-  std::vector<std::string> warnings;  // what the user should know
-  int unpaired_images = 0;            // of depth or colour, without one of the other
-  TellCamera tell_camera = {};        // as long as the frames are there
+  Trajectory ground_truth;            // in the convention of the files
+  bool has_clock = false;             // SequenceInfo::has_clock
+  std::vector<std::string> warnings;  // SequenceInfo::warnings
+  int unpaired_images = 0;            // number of images without a partner for a frame
+  TellCamera tell_camera = {};        // valid as long as `frames`
 };
 
-// The files of one frame.
 struct FrameFiles {
   FrameStamps stamps;
   std::string depth_path;
-  std::string color_path;  // empty where the sequence has no colour
+  std::string color_path;  // empty: no colour
 };
 
-// What a folder of images holds. Whether the images can be read shows when they are.
+// Files of a folder of images. The images are not opened.
 struct SequenceFiles {
   std::vector<FrameFiles> frames;
-  Trajectory ground_truth;  // as the files have it
-  bool has_clock = false;   // SequenceInfo
-  int unpaired_images = 0;  // OpenedRecording
+  Trajectory ground_truth;  // in the convention of the files
+  bool has_clock = false;   // SequenceInfo::has_clock
+  int unpaired_images = 0;  // OpenedRecording::unpaired_images
 };
 
-// Each throws InputError naming the file, and the line, that is missing or malformed.
+// The List functions throw InputError naming the file and line that is missing or malformed.
 
-// associations.txt, or else rgb.txt and depth.txt paired by time (depth.txt alone: no colour), in
-// order of depth's stamps. Ground truth from groundtruth.txt or *.gt.freiburg.
+// Lists a TUM folder: associations.txt, otherwise rgb.txt and depth.txt paired by time. Without
+// rgb.txt, frames have no colour. Frames are sorted by the depth timestamp. Ground truth:
+// groundtruth.txt or *.gt.freiburg.
 SequenceFiles ListTumSequence(const std::string& folder);
 
-// The same, or without such lists rgb/N.png and depth/N.png. Stamps are the frame numbers N, for
-// so they stand in *.gt.freiburg.
+// Lists an ICL-NUIM folder, like ListTumSequence() if it has associations.txt or depth.txt.
+// Otherwise the frames are rgb/N.png and depth/N.png. Their timestamps are N, as in the ground
+// truth (*.gt.freiburg).
 SequenceFiles ListIclNuimSequence(const std::string& folder);
 
-// frame-N.{color.png|color.jpg, depth.png, pose.txt}; stamps are N / frames_per_second.
+// Lists a 7-Scenes folder: frame-N.depth.png, frame-N.color.png or frame-N.color.jpg, and
+// frame-N.pose.txt. Timestamps are N / frames_per_second.
 SequenceFiles ListSevenScenesSequence(const std::string& folder, double frames_per_second);
 
-// Numbered images in depth/ and color/, rgb/ or image/ (or no colour), poses in trajectory.log;
-// stamps are position / frames_per_second, and the log's first number is that position. Where all
-// names in depth/ are times in seconds (1763820000.134.png), these are the stamps, colour is paired
-// by time, and poses are those of groundtruth.txt.
+// Lists a Redwood folder: numbered images in depth/, and in the folder of FindColorFolder(). Poses
+// are in trajectory.log, with the position of the frame as the first number. Timestamps are
+// position / frames_per_second.
+//
+// If all file names in depth/ are times in seconds (1763820000.134.png), these are the timestamps.
+// Colour is then paired by time, and poses are in groundtruth.txt.
 SequenceFiles ListRedwoodSequence(const std::string& folder, double frames_per_second);
 
-// results/frameN.jpg and results/depthN.png with poses in traj.txt, as rendered for NICE-SLAM;
-// stamps are N / frames_per_second, a pose's N is its line.
+// Lists a Replica folder as rendered for NICE-SLAM: results/frameN.jpg and results/depthN.png, and
+// the pose of frame N in line N of traj.txt, from 0. Timestamps are N / frames_per_second.
 SequenceFiles ListReplicaSequence(const std::string& folder, double frames_per_second);
 
-// Pairs the images of two folders by the numbers in their names, in ascending order; both stamps
-// are the number. A frame of which one image is missing is listed with the name it should have, so
-// that reading it reports that name. color_folder may be empty: no colour. Throws InputError where
-// two images of a folder have the same number.
+// Pairs the images of two folders by the numbers in their names, in ascending order. Both
+// timestamps are the number. If one image of a frame is missing, the list has its expected name,
+// and reading the frame reports this name. Empty color_folder: no colour. Throws InputError if two
+// images of a folder have the same number.
 std::vector<FrameFiles> ListNumberedFrames(const std::string& depth_folder,
                                            const std::string& color_folder);
 
-// The same, but calls `twice` with a sentence where two images have the same number.
+// Calls `twice` with a message instead of throwing if two images have the same number. The image
+// with the shorter name is used.
 using TwiceCall = std::function<void(const std::string&)>;
 std::vector<FrameFiles> ListNumberedFrames(const std::string& depth_folder,
                                            const std::string& color_folder, const TwiceCall& twice);
 
-// The folder of colour beside depth/: color/, rgb/ or image/ of `folder`, or "" without one.
+// Returns the path of color/, rgb/ or image/ in `folder`, or "" without such a folder.
 std::string FindColorFolder(const std::string& folder);
 
-// The .klg files of ElasticFusion and its Logger, little endian: int32 number of frames; per frame
-// int64 stamp (microseconds), int32 size of depth, int32 size of colour, depth (16-bit counts if
-// that many bytes, else the same compressed by zlib), colour (red green blue if that many bytes,
-// else JPEG; size 0: none).
-// The file does not say how large its images are: they have the first JPEG's size, or without any
-// the one given (0 x 0: unknown). Where the file ends before its number of frames, those that are
-// whole are read, and a warning says so. Throws InputError naming the file if it cannot be read, or
-// nothing tells the size.
+// Opens a .klg file of ElasticFusion or its Logger. Format, little endian:
+//   int32 number of frames, then per frame:
+//   int64 timestamp, us
+//   int32 size of depth in bytes, int32 size of colour in bytes (0: no colour)
+//   depth: raw 16-bit counts if the size matches, otherwise compressed by zlib
+//   colour: raw RGB if the size matches, otherwise JPEG
+// The file does not contain the image size. It is taken from the first JPEG, otherwise from `size`
+// (0 x 0: unknown). A truncated file gives its complete frames and a warning. Throws InputError
+// naming the file if it cannot be read or if the image size is unknown.
 OpenedRecording OpenKlg(const std::string& path, ImageSize size);
 
-// ScanNet's .sens files (SensorData, version 4). Per frame: 4 x 4 floats camera-to-world (not
-// finite: no pose), uint64 stamps of colour and of depth (microseconds), uint64 sizes of colour and
-// of depth in bytes, colour, depth. Where the stamps of one are all 0 or not ascending, they are
-// the other's; where those of both are, index / frames_per_second. What follows the frames
-// (inertial data) is left alone. Where the file ends before its number of frames, those that are
-// whole are read, and a warning says so. Throws InputError naming the file and what is wrong with
-// it.
+// Opens a .sens file of ScanNet (SensorData, version 4). Each frame has:
+//   4 x 4 floats, camera-to-world (not finite: no pose)
+//   uint64 timestamps of colour and of depth, us
+//   uint64 sizes of colour and of depth in bytes
+//   colour, depth
+// If the timestamps of colour or of depth are not ascending, for example all 0, those of the other
+// images are used. If neither are ascending, timestamps are index / frames_per_second. Inertial
+// data after the frames is ignored. A truncated file gives its complete frames and a warning.
+// Throws InputError naming the file and the error.
 OpenedRecording OpenSens(const std::string& path, double frames_per_second);
 
-// The camera in the header of such a file. Throws as OpenSens().
+// Reads the camera in the header of a .sens file. Throws like OpenSens().
 RgbdCamera ReadSensCamera(const std::string& path);
 
-// A ROS bag of this format, or a folder of such ones: messages of depth and colour paired by their
-// stamps. Throws InputError naming the file, and the topic or option at fault.
+// Opens a ROS bag of this format, or a folder of bags. Depth and colour messages are paired by
+// their timestamps. Throws InputError naming the file, and the topic or option at fault.
 OpenedRecording OpenBag(const SequenceOptions& options, const std::string& format, bool is_folder);
 
-// A recording of OpenNI2 (.oni). Its camera comes from the field of view. Throws InputError naming
-// the file, also in a build without OpenNI2.
+// Opens a recording of OpenNI2 (.oni). Its intrinsics are computed from the field of view. Throws
+// InputError naming the file, also in a build without OpenNI2.
 OpenedRecording OpenOni(const SequenceOptions& options);
 
 }  // namespace surfit

@@ -21,7 +21,7 @@ void TakeSizeIfUnknown(const Image<T>& image, PinholeCamera* camera) {
   camera->height = image.height();
 }
 
-// A guess is none where images have another size.
+// Throws InputError if the camera is guessed and the image has another size.
 void RequireGuessedSize(const FrameImages& first, const SequenceInfo& info) {
   const PinholeCamera& guess = info.camera.depth;
   std::visit(
@@ -31,11 +31,11 @@ void RequireGuessedSize(const FrameImages& first, const SequenceInfo& info) {
           return;
         }
         const std::string presets = PresetsOfSize(depth.width(), depth.height());
-        throw InputError(first.depth_name, " is ", depth.width(), " x ", depth.height(),
-                         " pixels, and nothing names its camera (usual ones have ", guess.width,
-                         " x ", guess.height,
-                         "): give a camera.yaml, intrinsics and depth_scale, or a preset ",
-                         "as camera", presets.empty() ? "" : " (of this size: " + presets + ")");
+        throw InputError(
+            first.depth_name, " is ", depth.width(), " x ", depth.height(),
+            " pixels, and its camera is unknown (the default camera has ", guess.width, " x ",
+            guess.height, "): set camera to a camera.yaml or a preset, or set intrinsics ",
+            "and depth_scale", presets.empty() ? "" : " (presets of this size: " + presets + ")");
       },
       first.depth);
 }
@@ -51,16 +51,14 @@ void CompleteCamera(const FrameImages& first, SequenceInfo* info) {
   RequireSizeOf(*camera, first);
 }
 
-// SequenceInfo::assumed.
 std::string Assumed(const FrameImages& first, const SequenceInfo& info) {
   const RgbdCamera& c = info.camera;
-  std::string frames =
-      info.frame_count < 0 ? "frames as they come" : Concat(info.frame_count, " frames");
+  std::string frames = info.frame_count < 0 ? "live frames" : Concat(info.frame_count, " frames");
   std::string color = "no colour";
   if (!first.color.empty()) {
     color = c.color_is_registered
                 ? "colour registered to depth"
-                : Concat("colour of its own camera, ", c.color.width, " x ", c.color.height);
+                : Concat("separate colour camera, ", c.color.width, " x ", c.color.height);
   }
   return Concat("format ", info.format, ", ", frames, ", depth ", c.depth.width, " x ",
                 c.depth.height, ", ", color, "\ndepth camera ", DepthFigures(c), ": ",
@@ -71,7 +69,7 @@ void Mirror(Trajectory* trajectory) {
   for (StampedPose& pose : *trajectory) pose.world_from_camera = Mirrored(pose.world_from_camera);
 }
 
-// Once, where one sequence is opened several times in a row.
+// Logs the assumptions, once if the same sequence is opened several times in a row.
 void Tell(const std::string& assumed) {
   static std::mutex mutex;
   static auto* const told = new std::string;

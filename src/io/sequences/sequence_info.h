@@ -8,10 +8,10 @@
 
 namespace surfit {
 
-// Adds to `info` what only the images show: unknown image sizes, and warnings about the depth scale
-// and the registration of colour. Mirrors the ground truth if the camera is mirrored. Logs the
-// assumptions and warnings. Returns the rectifier of the frames. Throws InputError naming the image
-// if the size of the first images differs from the camera's.
+// Completes `info` from the first images of a sequence: unknown image sizes, and warnings about the
+// depth scale and the registration of colour. Mirrors the ground truth if the camera is mirrored.
+// Logs the assumptions and warnings. Returns the rectifier of the frames. `first` must not be
+// empty. Throws InputError naming the image if its size differs from the size of the camera.
 FramePreparer CompleteInfo(const std::vector<FrameImages>& first, const PrepareOptions& options,
                            SequenceInfo* info);
 

@@ -6,16 +6,16 @@
 
 namespace surfit {
 
-// Keeps an even share of things that come one after the other, nobody knows how many: every
-// stride-th, and whenever there are too many, every other is dropped and the stride doubled, so
-// that half of `most` to `most` remain.
+// Evenly spaced sample of a stream of unknown length. Keeps every stride-th item. When it has
+// `most` items, it drops every second item and doubles the stride before it keeps the next item.
+// The sample has most / 2 to `most` items if the stream is long enough.
 template <typename T>
 class EvenShare {
  public:
-  // An even number.
+  // `most` must be even.
   explicit EvenShare(std::size_t most) : most_(most) {}
 
-  // Whether the next one is to be kept. To be called once for each.
+  // Returns true if the next item must be passed to Keep(). Call it once per item.
   bool TakesNext() {
     if (offered_++ % stride_ != 0) return false;
     if (kept_.size() == most_) DropEveryOther();
@@ -26,7 +26,7 @@ class EvenShare {
   const std::vector<T>& kept() const { return kept_; }
 
  private:
-  // The next one, at `most` strides, is a multiple of the new stride as well.
+  // The current item has index most * stride. This is also a multiple of the new stride.
   void DropEveryOther() {
     for (std::size_t i = 1; 2 * i < kept_.size(); ++i) kept_[i] = std::move(kept_[2 * i]);
     kept_.resize(kept_.size() / 2);

@@ -25,10 +25,10 @@ void Failures::AddCurrent() {
     throw;
   } catch (const std::bad_alloc&) {
     reserve_ = std::vector<char>();
-    what = "memory is exhausted: max_map_points bounds the map";
+    what = "out of memory: set max_map_points to limit the map";
   } catch (const std::exception& error) {
     what = error.what();
-  } catch (...) {  // keeps the word
+  } catch (...) {  // keeps "unknown"
   }
   if (std::find(all_.begin(), all_.end(), what) == all_.end()) all_.push_back(what);
 }

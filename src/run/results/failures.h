@@ -5,13 +5,13 @@
 
 namespace surfit {
 
-// What has gone wrong in a run that goes on, so that what it has done is not lost: each step is
-// tried, whatever has become of those before it.
+// Errors of a run. Each step is tried even if earlier steps have failed, so that results are not
+// lost.
 class Failures {
  public:
   Failures();
 
-  // Whether the step has done what it should: any exception is kept as its message.
+  // Runs the step. Returns false after an exception, whose message is stored once.
   template <typename Step>
   bool Try(const Step& step) {
     try {
@@ -24,14 +24,14 @@ class Failures {
   }
 
   bool any() const { return !all_.empty(); }
-  // One sentence of all of them; empty without any.
+  // All messages, joined by "; ". Empty without errors.
   std::string text() const;
 
  private:
   void AddCurrent();
 
   std::vector<std::string> all_;
-  std::vector<char> reserve_;  // memory for saving a run that has no more
+  std::vector<char> reserve_;  // freed when memory runs out, so that results can be written
 };
 
 }  // namespace surfit

@@ -14,14 +14,14 @@
 namespace surfit {
 namespace {
 
-constexpr int kQuality = 85;  // of JPEG: differences of pictures stay visible, files small
+constexpr int kQuality = 85;  // JPEG quality: small files in which differences remain visible
 constexpr Rgb8 kNoDepth = {40, 40, 40};
 
 std::vector<std::string> PictureNames() {
   return {"input_color", "model_color", "input_depth", "model_depth"};
 }
 
-// The same colours in both pictures of a view, so that they can be compared.
+// Colour scale from the depth range of the frame, used for both depth pictures of a view.
 ColorScale ScaleOf(const Image<float>& depth_m) {
   float low = 0, high = 0;
   for (const float depth : depth_m) {
@@ -54,7 +54,7 @@ KeptView MakeView(const RgbdFrame& frame, const SurfelMap& map, const DepthSenso
   return view;
 }
 
-// In order of their frames; of a frame that was kept twice the first, for both reasons.
+// Sorts the views by frame and merges views of the same frame, with all reasons.
 std::vector<KeptView> Merge(std::vector<KeptView> views) {
   std::stable_sort(views.begin(), views.end(),
                    [](const KeptView& a, const KeptView& b) { return a.index < b.index; });
@@ -69,7 +69,7 @@ std::vector<KeptView> Merge(std::vector<KeptView> views) {
   return merged;
 }
 
-// The files of all pictures that Kept, KeptViews or Thumbnails, may write.
+// Paths of all pictures that Kept::Write() may create. Kept is KeptViews or Thumbnails.
 template <typename Kept>
 std::vector<std::string> AllFileNames(const std::vector<std::string>& pictures) {
   std::vector<std::string> names;
@@ -89,14 +89,13 @@ void WritePictures(const std::vector<KeptView>& views, const std::string& folder
       std::filesystem::create_directories(path.parent_path(), error);
       if (error) {
         throw InputError(
-            Concat(path.parent_path().string(), ": cannot be made: ", error.message()));
+            Concat(path.parent_path().string(), ": cannot create the folder: ", error.message()));
       }
       WriteFileAtomically(path.string(), [&](std::ostream& file) { file << picture.jpeg; });
     }
   }
 }
 
-// By which frames of that width become thumbnails.
 int FactorOf(int width) { return std::max(1, width / Thumbnails::kWidth_px); }
 
 Image<Rgb8> Smaller(const Image<Rgb8>& image, int factor) {
@@ -107,7 +106,7 @@ Image<Rgb8> Smaller(const Image<Rgb8>& image, int factor) {
   return small;
 }
 
-// Every factor-th pixel: a mean of depths across an edge is none.
+// Takes every factor-th pixel, because the mean of depths across an edge is not a surface point.
 Image<float> EveryOf(const Image<float>& depth_m, int factor) {
   Image<float> some((depth_m.width() + factor - 1) / factor,
                     (depth_m.height() + factor - 1) / factor);
@@ -131,18 +130,18 @@ void KeptViews::Offer(const RgbdFrame& frame, const FrameReport& report, const S
   const Rigid3d& pose = is_lost ? last_->world_from_camera : report.world_from_camera;
   const auto make = [&](const char* why) { return MakeView(frame, map, sensor, pose, why); };
   if (is_lost) {
-    first_lost_ = make("first that was lost, the model from the pose before");
+    first_lost_ = make("first lost frame, model view at the last pose");
     return;
   }
   if (evenly_spread_.TakesNext()) evenly_spread_.Keep(make("evenly spread"));
   const bool is_degenerate = report.state == FrameState::kDegenerate;
   if (is_degenerate && !first_degenerate_) {
-    first_degenerate_ = make("first with directions that the data leaves free");
+    first_degenerate_ = make("first degenerate frame");
   }
   const bool is_registered = is_degenerate || report.state == FrameState::kTracked;
   if (is_registered && report.icp.rmse_m > worst_rmse_m_) {
     worst_rmse_m_ = report.icp.rmse_m;
-    worst_ = make("largest RMSE of registration");
+    worst_ = make("largest registration RMSE");
   }
   last_ = {frame, pose};
 }

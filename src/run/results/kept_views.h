@@ -13,36 +13,40 @@
 
 namespace surfit {
 
-// What a frame saw beside what the map shows from its pose after it. JPEG files.
+// Pictures of a frame and of the model view at its pose, for comparison. JPEG.
 struct KeptView {
   struct Picture {
     std::string name;  // input_color, model_color, input_depth or model_depth
     std::string jpeg;
   };
-  int index = 0;  // of the frame
+  int index = 0;
   double stamp_s = 0;
-  std::string why;                // it was kept: "evenly spread, largest RMSE of registration"
-  std::vector<Picture> pictures;  // those of colour only where the frame has colour
+  std::string why;                // reasons for keeping the view, separated by ", "
+  std::vector<Picture> pictures;  // colour pictures only if the frame has colour
 };
 
-// Keeps the views of a few frames of a run whose length nobody knows. Evenly spread (EvenShare): 5
-// to 10 of 5 frames or more. And those where something happened: the first that was lost (seen from
-// the pose before), the first with free directions, the one of largest RMSE, the last.
+// Keeps the views of a few frames of a run of unknown length:
+//   5 to 10 evenly spaced frames with a pose (EvenShare),
+//   the first lost frame, with the model view at the last pose before it,
+//   the first degenerate frame,
+//   the frame with the largest registration RMSE,
+//   the last frame with a pose.
 class KeptViews {
  public:
   static constexpr int kMost = 14;
 
-  // To be called with each frame, and the map after it.
+  // Call it with each frame. `map` is the map after this frame.
   void Offer(const RgbdFrame& frame, const FrameReport& report, const SurfelMap& map,
              const DepthSensor& sensor);
-  // The views in order of their frames, to be called after the last frame.
+  // Returns the views in the order of frames. Call it after the last frame. The map is rendered for
+  // the last frame.
   std::vector<KeptView> Finish(const SurfelMap& map, const DepthSensor& sensor) const;
 
-  // Where the pictures are to be, relative to the run's folder.
+  // Path of a picture, relative to the output folder.
   static std::string FileName(int view, const std::string& picture);
-  // All that may be written.
+  // Paths of all pictures that Write() may create.
   static std::vector<std::string> FileNames();
-  // Writes them. Throws InputError naming the file.
+  // Writes the pictures into the output folder. Throws InputError naming the file.
   static void Write(const std::vector<KeptView>& views, const std::string& folder);
 
  private:
@@ -54,23 +58,23 @@ class KeptViews {
   EvenShare<KeptView> evenly_spread_{10};
   std::optional<KeptView> first_lost_, first_degenerate_, worst_;
   double worst_rmse_m_ = 0;
-  std::optional<Last> last_;  // that was not lost
+  std::optional<Last> last_;
 };
 
-// Keeps small pictures of frames, 60 to 120 of 60 or more (EvenShare): what a frame saw and, where
-// it has a pose, the map in the end from there. KeptView::why stays empty.
+// Keeps small pictures of 60 to 120 evenly spaced frames (EvenShare). Frames with a pose also get
+// the view of the final map. KeptView::why is empty.
 class Thumbnails {
  public:
   static constexpr int kMost = 120;
-  static constexpr int kWidth_px = 320;  // about: frames are made smaller by whole factors
+  static constexpr int kWidth_px = 320;  // approximate: images are reduced by integer factors
 
-  // To be called with each frame, lost ones, too.
+  // Call it with each frame, including lost frames.
   void Offer(const RgbdFrame& frame);
-  // In order of their frames, with the poses by the frames' indices.
+  // Returns the thumbnails in the order of frames. `world_from_camera` has poses by frame index.
   std::vector<KeptView> Finish(const SurfelMap& map, const DepthSensor& sensor,
                                const std::map<int, Rigid3d>& world_from_camera) const;
 
-  // As those of KeptViews.
+  // Like the functions of KeptViews.
   static std::string FileName(int thumbnail, const std::string& picture);
   static std::vector<std::string> FileNames();
   static void Write(const std::vector<KeptView>& thumbnails, const std::string& folder);
@@ -79,8 +83,8 @@ class Thumbnails {
   struct Kept {
     int index = 0;
     double stamp_s = 0;
-    Image<Rgb8> color;  // or none, and
-    Image<float> depth_m;
+    Image<Rgb8> color;
+    Image<float> depth_m;  // only without colour
   };
 
   EvenShare<Kept> kept_{kMost};

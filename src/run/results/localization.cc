@@ -13,7 +13,8 @@
 namespace surfit {
 namespace {
 
-// Of a part of a covariance, which counts each point as one of its own: neighbours share errors.
+// Largest standard deviation over all directions. The covariance assumes independent points, so it
+// is multiplied by EdgeNoise::shared_points.
 double LargestSigma(const Eigen::Matrix3d& covariance) {
   const double largest =
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance, Eigen::EigenvaluesOnly)

@@ -8,13 +8,14 @@
 
 namespace surfit {
 
-// Writes where a camera was found in a map that stays as it is, frame by frame, and how sure that
-// is: the standard deviations of position and turn, along the direction where they are largest, as
-// the registration to the map tells. A frame that was lost when it came has another row once the
-// next has confirmed it.
+// Writes localization.csv: state, pose and standard deviations of each frame. These are the largest
+// standard deviations of translation and rotation over all directions, from the covariance of the
+// registration. A lost frame that the next frame confirms gets a second row, with the state
+// "confirmed".
 class LocalizationFile {
  public:
-  // Throws InputError naming the file if it cannot be written.
+  // `mirrored` is SequenceInfo::mirrored. Throws InputError naming the file if it cannot be
+  // written.
   LocalizationFile(const std::string& path, bool mirrored);
 
   void Add(const FrameReport& report);

@@ -60,8 +60,8 @@ Json ToJson(const CalibrationRecord& record) {
           {"color_latency_standard_deviation", record.color_latency.sigma_s}};
 }
 
-// A row of each frame. There may be hundreds of thousands, which as a tree of JSON would take more
-// memory than all else that is kept of them.
+// Writes one row per frame. Rows are written directly, because a JSON tree of hundreds of thousands
+// of rows takes too much memory.
 void WritePoses(const RunPoses& run, std::ostream& out) {
   out << '[';
   for (std::size_t i = 0; i < run.trajectory.size(); ++i) {
@@ -138,7 +138,8 @@ void WriteColumns(const LoopRecord& loop, const std::string& reason, std::ostrea
        << t.z() << ',' << q.x() << ',' << q.y() << ',' << q.z() << ',' << q.w();
 }
 
-// Of the verdict, or that the pose graph has overruled it.
+// Reason of the verification, or "contradicts_others" for a verified loop that the pose graph has
+// rejected.
 std::string ReasonOf(const LoopRecord& loop) {
   const FarVerdict& verdict = loop.attempt.verdict;
   return verdict.accepted() && !loop.in_graph ? "contradicts_others" : ToString(verdict.reason);
@@ -230,13 +231,13 @@ void WriteSummaryJson(const SlamRunSummary& s, const SlamRunOptions& options,
 std::map<std::string, std::string> RecordedFlags(const std::string& summary_json) {
   const Json json = ReadJson(summary_json);
   if (!json.contains("options") || !json["options"].is_object()) {
-    throw InputError(summary_json + " is no summary of a run: it has no options");
+    throw InputError(summary_json + " is not the summary.json of a run: it has no key 'options'");
   }
   std::map<std::string, std::string> flags;
   for (const auto& [name, value] : json["options"].items()) {
     if (!value.is_string()) {
       throw InputError(
-          Concat(summary_json, ": options: ", name, " is ", value.dump(), ", must be a text"));
+          Concat(summary_json, ": options: ", name, " is ", value.dump(), ", must be a string"));
     }
     flags[PresentName(name)] = value;
   }

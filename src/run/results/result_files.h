@@ -18,51 +18,54 @@
 
 namespace surfit {
 
-// Writes summary.json: what is known of the run, null where it is not. Throws InputError naming
-// the file if it cannot be written.
+// Writes summary.json. Unknown values are null. Throws InputError naming the file if it cannot be
+// written.
 void WriteSummaryJson(const SlamRunSummary& summary, const SlamRunOptions& options,
                       const std::string& path);
 
-// Where a run's cameras were, in the frame of its map.
+// Content of poses.json. Poses are in the world frame of the map. The references must outlive the
+// object.
 struct RunPoses {
   const PinholeCamera& camera;
-  const FoundSensor& found;        // of the frames as they are read
-  const Trajectory& trajectory;    // as estimated
-  const std::vector<int>& frames;  // of the trajectory's poses: the frames' indices
-  const Trajectory& truth;         // in its own world; empty if unknown
+  const FoundSensor& found;        // estimated calibration of the frames as read
+  const Trajectory& trajectory;    // estimated poses
+  const std::vector<int>& frames;  // frame index of each pose
+  const Trajectory& truth;         // ground truth in its own world frame; empty if unknown
   const std::optional<TrajectoryEvaluation>& evaluation;
   const std::vector<KeptView>& views;
   const std::vector<KeptView>& thumbnails;
   const std::vector<KeyframeLink>& keyframes;
 };
 
-// Writes, in metres and in the frame of map.ply (trajectory.txt is in the sequence's own):
-//   camera          width height fx fy cx cy, pixels
-//   calibration     what the run found of the frames as they are read: fx fy cx cy, pixels,
-//                   inverse_depth_field, 1/m, readout_s; null where the camera is as given
-//   color_latency_s by how much colour was found to be earlier than the frames have it
-//   poses           of each tracked frame: index stamp_s tx ty tz qx qy qz qw, camera-to-world
-//   truth           positions of the ground truth, moved onto the estimate as for ATE: stamp_s tx
-//                   ty tz; null where unknown, or where nothing says how to move it
-//   errors_m        of each frame with a true pose: index, distance from that position; or null
-//   views           of each KeptView: index, stamp_s, and files: picture's name to path
-//   thumbnails      the same of Thumbnails
-//   keyframes       of each KeyframeLink: frame, parent_frame (-1: none), submap
+// Writes poses.json. Lengths are in metres. Poses are in the world frame of map.ply, which can
+// differ from the convention of the sequence that trajectory.txt uses. Content:
+//   camera          width height fx fy cx cy, px
+//   calibration     estimated calibration of the frames as read: fx fy cx cy (px),
+//                   inverse_depth_field (1/m), readout_s; null: input calibration
+//   color_latency_s estimated colour latency beyond the input latency
+//   poses           one row per tracked frame: index stamp_s tx ty tz qx qy qz qw, camera-to-world
+//   truth           ground-truth positions, aligned to the estimate as for the ATE: stamp_s tx ty
+//                   tz; null without an ATE
+//   errors_m        position error of each frame with a ground-truth pose: index, distance; null
+//                   without an ATE
+//   views           one per KeptView: index, stamp_s, why, and files: path by picture name
+//   thumbnails      one per thumbnail, with the keys of `views`
+//   keyframes       one row per KeyframeLink: frame, parent_frame (-1: none), submap
 // Throws InputError naming the file if it cannot be written.
 void WritePosesJson(const RunPoses& run, const std::string& path);
 
-// Writes all loops that were tried, one per line, with the figures and the reason of the verdict.
-// The pose graph may have overruled a verdict. Loops of earlier runs of a session are left out.
+// Writes loops.csv: one row per loop candidate of this run, with the verification result and the
+// reason. Verified loops that the pose graph has rejected have the reason `contradicts_others`.
 // Throws InputError naming the file.
 void WriteLoopsCsv(const std::vector<LoopRecord>& loops, const std::string& path);
 
-// The 64-bit FNV-1a hash (Fowler, Noll, Vo).
+// 64-bit FNV-1a hash (Fowler, Noll, Vo).
 class Fnv1a {
  public:
   void Add(const void* data, std::size_t size) {
     const auto* bytes = static_cast<const unsigned char*>(data);
     for (std::size_t i = 0; i < size; ++i) {
-      hash_ = (hash_ ^ bytes[i]) * 1099511628211u;  // NOLINT: the bytes are set
+      hash_ = (hash_ ^ bytes[i]) * 1099511628211u;  // NOLINT: the bytes are initialised
     }
   }
   std::uint64_t hash() const { return hash_; }
@@ -71,7 +74,7 @@ class Fnv1a {
   std::uint64_t hash_ = 14695981039346656037u;
 };
 
-// The hash of a trajectory's and a map's bytes, in hexadecimal.
+// Hexadecimal hash of all poses and surfels. Bitwise identical results have the same digest.
 inline std::string Digest(const Trajectory& trajectory, const SurfelMap& map) {
   Fnv1a hash;
   for (const StampedPose& pose : trajectory) {

@@ -10,25 +10,26 @@
 
 namespace surfit {
 
-// All that a run may write into its output folder.
+// Names of all files that a run may write into its output folder.
 std::vector<std::string> RunFileNames();
 
-// Owns the poses that a run writes: trajectory.txt, and trajectory_online.txt with each pose as it
-// was at its time. Both files grow with every frame. They are in the convention of the sequence.
+// Poses of a run. Appends each pose to trajectory.txt and trajectory_online.txt, in the convention
+// of the sequence. Corrections change trajectory.txt only.
 class RunTrajectory {
  public:
-  // Throws InputError naming the file.
+  // `mirrored` is SequenceInfo::mirrored. Throws InputError naming the file.
   RunTrajectory(const std::string& folder, bool mirrored);
 
-  // Adds the pose of a frame, and of the frame before if this frame has confirmed it.
+  // Adds the pose of a frame, and the confirmed pose of the frame before. The confirmed pose is not
+  // in trajectory_online.txt.
   void Add(const FrameReport& report);
-  // Replaces the poses of all frames. Fewer poses drop the last frames.
+  // Replaces the poses of all frames. If the counts differ, drops the last poses or frames.
   void Replace(Trajectory corrected);
   // Writes trajectory.txt again if poses were replaced.
   void Finish() const;
 
   const Trajectory& poses() const { return poses_; }
-  // Index of the frame of each pose, ascending.
+  // Frame index of each pose, ascending.
   const std::vector<int>& frames() const { return frames_; }
 
  private:
@@ -43,14 +44,14 @@ class RunTrajectory {
   std::vector<int> frames_;
 };
 
-// frames.csv: one row per frame.
+// Writes frames.csv, one row per frame.
 class FrameTable {
  public:
   // Throws InputError naming the file.
   explicit FrameTable(const std::string& folder);
 
   void Add(const FrameReport& report, double decode_ms, double frame_ms);
-  // Adds a frame that could not be read.
+  // Adds the row of a frame that could not be read.
   void AddSkipped(const ReadResult& result, double frame_ms);
 
  private:

@@ -58,7 +58,7 @@ void WriteView(const FrameLevel& level, const Image<Rgb8>& color, const std::str
   WritePly({AllPixels(level.vertex), AllPixels(level.normal), {color.begin(), color.end()}}, path);
 }
 
-// With intensities where it was written with colours.
+// Reads a view, with intensities if the file has colours.
 FramePyramid ReadView(const DepthSensor& sensor, const PreprocessOptions& options,
                       const std::string& path) {
   const PinholeCamera& camera = sensor.camera;

@@ -6,23 +6,24 @@
 
 namespace surfit {
 
-// A registration as tracking did it, to be done again elsewhere.
+// Input and result of one registration of the tracker, for repeating it in another program.
 struct TrackingDump {
   int frame = 0;
   FramePyramid source, target;
   Rigid3d target_from_source_initial;
   IcpOptions icp;
-  std::string termination;  // of the registration
+  std::string termination;
 };
 
-// Writes a lost frame into a folder, made if missing: source.ply and target.ply, the finest levels
-// as clouds of all pixels row by row, (0, 0, 0) where one is missing, and frame.json with cameras,
-// initial pose, options and outcome. Coarser levels follow from these, so that the registration can
-// be repeated bit for bit. Throws InputError naming the file that cannot be written.
+// Writes the registration of a lost frame into a folder, which is created if missing.
+//   source.ply, target.ply  all pixels of the finest level, row by row; (0, 0, 0): invalid pixel
+//   frame.json              cameras, initial pose, options, termination
+// Coarser levels are computed from the finest level, so the repeated registration is bitwise
+// identical. Throws InputError naming the file that cannot be written.
 void WriteTrackingDump(const LostFrame& lost, const SlamOptions& options,
                        const std::string& folder);
 
-// Throws InputError naming the file and what is wrong with it.
+// Reads a folder of WriteTrackingDump(). Throws InputError naming the file and the error.
 TrackingDump ReadTrackingDump(const std::string& folder);
 
 }  // namespace surfit
