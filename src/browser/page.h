@@ -17,18 +17,16 @@ struct Page {
 };
 extern const Page kReportPage, kComparisonPage, kLivePage, kPlainPage;
 
-// Writes a self-contained page. `write_data` writes its data elements. Throws InputError with the
-// path if writing fails.
+// Writes a self-contained page. Throws InputError with the path if writing fails.
 void WritePage(const Page& page, const std::string& path,
                const std::function<void(std::ostream&)>& write_data);
 
 // Writes the data as an element <script type="application/json" class="name">.
 void WriteData(const std::string& name, const nlohmann::ordered_json& data, std::ostream* page);
 
-// Number with `digits` decimals.
 std::string Fixed(double number, int digits);
 
-// Page of text, tables and pictures without scripts.
+// Page of text, tables and pictures without scripts. Write() throws as WritePage().
 class PlainPage {
  public:
   struct Cell {
@@ -45,7 +43,6 @@ class PlainPage {
   void Picture(const std::string& file);  // path relative to the page
   // The first row has the column headings.
   void Table(const std::vector<std::vector<Cell>>& rows);
-  // Throws InputError with the path if writing fails.
   void Write(const std::string& title, const std::string& path) const;
 
  private:

@@ -15,7 +15,7 @@ namespace surfit {
 // Keys stay in the order in which they are set.
 using Json = nlohmann::ordered_json;
 
-// Throws InputError with the path if the file cannot be read or is not a JSON object.
+// Throws InputError with the path unless the file is a JSON object.
 Json ReadJson(const std::string& path);
 
 // Writes a JSON file atomically. indent -1: one line. Replaces invalid UTF-8, for example in file

@@ -16,7 +16,7 @@ struct Blob {
   std::string bytes;
 };
 
-// Values of a row without its checksum. The first value is the key.
+// Values of a row without its checksum, key first.
 using Row = std::vector<std::variant<std::int64_t, double, std::string, Blob>>;
 
 // CRC-32 of bytes. `before`: CRC of the preceding bytes.
@@ -38,7 +38,7 @@ class Database {
   std::int64_t Number(const std::string& sql);             // first column of the first row, or 0
   std::vector<std::string> Texts(const std::string& sql);  // first column of each row
 
-  // Inserts rows with checksums. Replaces rows with equal keys.
+  // Inserts rows with checksums, and replaces rows with equal keys.
   void Put(const std::string& table, const std::vector<Row>& rows);
   void Delete(const std::string& table, std::int64_t key);
   // Calls `take` for each row by ascending key. `columns`: expected number of columns without the
@@ -46,7 +46,7 @@ class Database {
   void ForEach(const std::string& table, std::size_t columns,
                const std::function<void(const Row&, bool is_intact)>& take);
 
-  // Runs `change` in a transaction. Rolls back if it throws.
+  // Runs `change` in a transaction, with a rollback if it throws.
   void Transact(const std::function<void()>& change);
 
  private:

@@ -10,8 +10,7 @@ namespace surfit {
 // Callback for damaged or missing data, with a description. May throw.
 using TellDamage = std::function<void(const std::string& damage)>;
 
-// Reads all intact data of a session. Calls `tell` for damaged or missing data. Throws InputError
-// if the folder has no session.
+// Reads all intact data of a session. Throws InputError if the folder has no session.
 Session LoadSession(const std::string& folder, const TellDamage& tell);
 
 }  // namespace surfit

@@ -15,7 +15,6 @@
 namespace surfit {
 namespace {
 
-// Adds offsets to the indices of frames, keyframes, segments (stretches) and submaps.
 void Shift(int shift, int keyframes, int stretches, int submaps, SlamState* state) {
   for (PosedFrame& frame : state->frames) {
     frame.index += shift;
@@ -65,7 +64,6 @@ void SortLoops(SlamState* state) {
   }
 }
 
-// Appends all surfels with shifted frame indices.
 void AddSurfels(const SurfelMap& from, int shift, SurfelMap* to) {
   for (std::int32_t c = 0; c < from.cell_count(); ++c) {
     for (const std::int32_t b : from.cell(c).blocks) {

@@ -12,7 +12,7 @@ namespace surfit {
 struct MergeSummary {
   std::size_t sessions = 0;
   std::size_t loops_between = 0;   // accepted loop closures between sessions
-  std::vector<std::string> apart;  // sessions without a loop closure to the first session
+  std::vector<std::string> apart;  // sessions that are not connected to the first session
   std::size_t frames = 0, keyframes = 0, surfels = 0;
   std::size_t merged_doubles = 0;  // surfels that were merged as duplicates
 };

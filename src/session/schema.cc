@@ -15,7 +15,6 @@ namespace {
 constexpr std::int64_t kApplicationId = 0x73726674;  // "srft"
 constexpr std::int64_t kVersion = 2;
 
-// Collects the values of a row in the order of RowReader.
 class RowWriter {
  public:
   template <typename... Ts>

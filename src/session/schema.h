@@ -51,7 +51,7 @@ inline constexpr TableLayout kTables[] = {
 
 const TableLayout& LayoutOf(const std::string& table);
 
-// Row of table `session`. Stores the number of rows of every other table.
+// Row of table `session`, with the number of rows of every other table.
 struct SessionRow {
   DepthSensor sensor;
   std::optional<DepthCalibration> calibration;
@@ -103,7 +103,6 @@ class RowReader {
     return *value;
   }
   int TakeInt();  // fails for values outside the range of int
-  // Reads the next values into the arguments.
   template <typename... Ts>
   void Pass(Ts&... values) {
     (TakeInto(&values), ...);

@@ -73,7 +73,6 @@ void WriteNewFile(const std::string& path, const std::string& bytes) {
 
 }  // namespace
 
-// Content of a save.
 struct SessionWriter::Update {
   SessionRow facts;  // without the counts of views and tiles, which Write() sets
   std::vector<Row> runs, frames, keyframes, edges;

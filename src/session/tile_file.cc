@@ -16,7 +16,7 @@ constexpr int kFarthest = 1 << (kAxisBits - 1);
 
 int FloorDiv(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
 
-// Calls `column` for each column of a block, in file order.
+// Calls `column` in file order.
 template <typename Block, typename Call>
 void ForEachColumn(Block& block, const Call& column) {
   for (auto* floats : {block.x, block.y, block.z, block.confidence}) column(floats);

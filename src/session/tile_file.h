@@ -16,7 +16,6 @@ namespace surfit {
 std::int64_t TileKey(const SurfelCell& cell);
 std::string TileName(std::int64_t key, std::int64_t save);
 
-// Serialises the surfels of the cells of a tile.
 std::string PackTile(const SurfelMap& map, const std::vector<std::int32_t>& cells);
 // Appends the surfels of a tile to a map and returns their number. Throws InputError with `from`
 // for invalid bytes.

@@ -39,7 +39,6 @@ BuildingPlan::Place PlaceOf(int floor, int column, Row row) {
   return place;
 }
 
-// Building under construction.
 struct Site {
   const BuildingPlan& plan;
   Scene* scene;

@@ -83,7 +83,6 @@ class RouteMaker {
     }
   }
 
-  // Walks along the north or south corridor between the west and the east corridor.
   void Along(int floor, bool north, bool eastwards, bool visit) {
     const double y = north ? plan_.NorthAisle() : plan_.SouthAisle();
     GoTo(eastwards ? plan_.WestAisle() : plan_.EastAisle(), y, floor);
@@ -98,7 +97,6 @@ class RouteMaker {
     GoTo(eastwards ? plan_.EastAisle() : plan_.WestAisle(), y, floor);
   }
 
-  // Walks around the ring and back to the start.
   void TourGroundFloor() {
     Along(0, false, true, true);
     Along(0, true, false, true);

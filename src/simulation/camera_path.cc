@@ -48,7 +48,6 @@ Walk ChooseWalk(const Scene& scene, int frames, double step_m, Random* random) {
   return best;
 }
 
-// Simulated camera operator: position, gaze and hand motion.
 struct Operator {
   Walk walk;
   Gaze gaze;
@@ -74,8 +73,7 @@ double Shortfall(const Scene& scene, const PathQuality& quality) {
          std::max(0.0, quality.planar_share - kMostPlanar) + 2 * quality.bare_share;
 }
 
-// Appends a piece to the path. Tries random gazes and takes the first without cost, or else the
-// best.
+// Tries random gazes and takes the first without cost, or else the best.
 void FilmPiece(const Scene& scene, int begin, int end, double frames_per_second, Random* random,
                Operator* person, Trajectory* path) {
   const int candidates = Attempts(scene, 16, 12);

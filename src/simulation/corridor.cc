@@ -12,7 +12,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Adds ceiling lamps at distances of up to 5 m.
 void AddLamps(const RoomPlan& corridor) {
   constexpr double kApart_m = 5, kBelowCeiling_m = 0.3;
   const double length = std::max(corridor.width_m, corridor.depth_m);

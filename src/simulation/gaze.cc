@@ -122,8 +122,7 @@ std::vector<int> Gaze::TargetsFrom(const Vector3d& position) const {
   return targets;
 }
 
-// Chooses another random target. Prefers targets in front of the camera and views of the wanted
-// kind (planar or not planar).
+// Prefers targets in front of the camera, and views of the wanted kind (planar or not planar).
 void Gaze::ChooseTarget(const Vector3d& position) {
   const double planar_choices = scene_->cells.empty() ? 0.8 : 0;
   constexpr int kAttempts = 40, kMostViews = 12;

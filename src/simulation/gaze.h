@@ -40,7 +40,6 @@ class Gaze {
   // Keeps a pointer to the scene, which must outlive this object and have at least two targets.
   Gaze(const Scene& scene, const Eigen::Vector3d& position, std::uint64_t seed);
 
-  // Reseeds the random choice of further targets.
   void Reseed(std::uint64_t seed) { random_ = Random(seed); }
 
   // world_from_camera: z along the gaze, x right, y down, level horizon.

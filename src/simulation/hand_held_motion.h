@@ -80,7 +80,7 @@ class Hand {
   Wander3 tremble_;
 };
 
-// Closed Catmull-Rom spline through corners.
+// Closed Catmull-Rom spline.
 class Loop {
  public:
   explicit Loop(std::vector<Eigen::Vector3d> corners) : corners_(std::move(corners)) {}

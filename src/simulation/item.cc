@@ -54,7 +54,6 @@ void Item::Cone(const Vector3d& bottom, double bottom_radius, double top_radius,
 }
 
 Color RandomPaint(Random* random) {
-  // Random hue mixed with grey.
   const double hue = random->Uniform(0, 2 * M_PI), strength = random->Uniform(0.05, 0.22);
   const double grey = random->Uniform(0.2, 0.45);
   const auto channel = [&](double phase) {

@@ -39,7 +39,7 @@ class Item {
  public:
   Item(Scene* scene, const Rigid3d& world_from_item) : scene_(scene), frame_(world_from_item) {}
 
-  // Item at a position in this frame, rotated about z.
+  // Item in this frame, rotated about z.
   Item At(const Eigen::Vector3d& position, double turn_rad = 0) const;
   Eigen::Vector3d InWorld(const Eigen::Vector3d& point) const { return frame_ * point; }
   // Adds a point for camera paths to look at.
@@ -64,18 +64,18 @@ class Item {
   Rigid3d frame_;
 };
 
-// Items on the floor. Origin: middle of the back edge; y points away from the wall.
+// Items on the floor, with the origin in the middle of the back edge; y points away from the wall.
 void AddBookshelf(const Item& item, double width_m, Random* random);
 void AddSofa(const Item& item, double width_m, Random* random);
 void AddCabinet(const Item& item, double width_m, Random* random);
 void AddCrates(const Item& item, Random* random);
-// Items on the floor. Origin: on the floor, below the centre.
+// Items on the floor, with the origin below the centre.
 void AddTable(const Item& item, double width_m, double depth_m, Random* random);
 void AddChair(const Item& item, Random* random);  // back at -y
 void AddFloorLamp(const Item& item, Random* random);
 void AddPlant(const Item& item, Random* random);
 
-// Items on other items. Origin: below the centre.
+// Items on other items, with the origin below the centre.
 void AddCup(const Item& item, Random* random);
 void AddPileOfBooks(const Item& item, Random* random);
 void AddBowlOfFruit(const Item& item, Random* random);
@@ -85,10 +85,9 @@ void AddMonitor(const Item& item, Random* random);
 // Row of upright books from x = 0 to at most x = width_m, with spines at y <= depth_m.
 void AddRowOfBooks(const Item& item, double width_m, double depth_m, double height_m,
                    Random* random);
-// Random small items on a table top.
 void AddClutter(const Item& item, double width_m, double depth_m, Random* random);
 
-// Items on a wall. Origin: middle of the lower edge, on the wall.
+// Items on a wall, with the origin in the middle of the lower edge.
 void AddPoster(const Item& item, double width_m, double height_m, Random* random);
 void AddDoor(const Item& item, Random* random);
 void AddCurtain(const Item& item, double width_m, double height_m, Random* random);

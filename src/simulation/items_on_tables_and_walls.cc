@@ -128,7 +128,6 @@ void AddDoor(const Item& item, Random* random) {
 }
 
 void AddCurtain(const Item& item, double width_m, double height_m, Random* random) {
-  // Folds are adjacent cylinders, alternately in front and behind.
   const std::uint64_t seed = random->Index(1 << 30);
   const Texture cloth = Mottled(RandomPaint(random), 0.05, 0.25f, seed);
   const int folds = static_cast<int>(width_m / 0.075);

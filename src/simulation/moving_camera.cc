@@ -77,7 +77,6 @@ MovingCamera::MovingCamera(const Scene& scene, const RgbdCamera& camera, const T
                       camera.frames_per_second, options);
 }
 
-// Mean light of each frame, from a small image.
 std::vector<Eigen::Vector3d> MovingCamera::MeanLight() const {
   constexpr int kWidth = 80;
   const PinholeCamera small = camera_.depth.Binned(std::max(1, camera_.depth.width / kWidth));
@@ -106,7 +105,6 @@ Rigid3d MovingCamera::ColorPose(int i, int v) const {
   return PoseAt(ColorMoment(i), options_.color_readout_s, v);
 }
 
-// Averages the light at evenly spaced times of the exposure.
 LightImage MovingCamera::Light(int i) const {
   const int samples = options_.exposure_s == 0 ? 1 : options_.exposure_samples;
   LightImage sum;

@@ -148,7 +148,7 @@ void Draw(const Scene& scene, const PinholeCamera& camera, const Rigid3d& world_
   });
 }
 
-// Renders with a separate pose for each row. Tiles are 32 x 1 pixels.
+// Tiles are 32 x 1 pixels, because each row has a separate pose.
 void DrawRows(const Scene& scene, const PinholeCamera& camera, const PoseOfRow& world_from_camera,
               SceneImages* images) {
   constexpr int kTile = 32;

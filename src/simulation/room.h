@@ -13,7 +13,6 @@ namespace surfit {
 // Furnished room. Size, furniture and colours depend on the seed.
 Scene MakeRoom(std::uint64_t seed);
 
-// Opening in a wall for passing through.
 struct Doorway {
   static constexpr double kWidth_m = 1.2, kHeight_m = 2.1;
   int wall;             // index for RoomPlan::WallFrame()
@@ -21,13 +20,11 @@ struct Doorway {
   double bottom_m = 0;  // z of the lower edge in the wall frame
 };
 
-// Item along a wall.
 struct Stretch {
   double width_m;
   std::function<void(const Item&)> add;
 };
 
-// Plan of a room that is being furnished.
 struct RoomPlan {
   static constexpr double kHeight_m = 2.5;
   static constexpr double kThick_m = 0.2;  // thickness of walls, floor and ceiling, outwards
@@ -63,10 +60,10 @@ struct RoomPlan {
   void OpenAt(const Eigen::Vector3d& point_in_world);
 };
 
-// Adds floor, ceiling and four walls with skirting boards and doorways.
+// Adds floor, ceiling and walls with skirting boards and doorways.
 void AddShell(const RoomPlan& room);
 
-// Adds shell, lamp and furniture. Walls with a doorway have only posters.
+// Adds shell, lamp and furniture; walls with a doorway have only posters.
 void AddFurnishedRoom(const RoomPlan& room);
 
 // Adds the stretches along a wall from `from_m` to `to_m`, in random order with random gaps. Wide
@@ -74,10 +71,9 @@ void AddFurnishedRoom(const RoomPlan& room);
 void Line(const RoomPlan& room, int wall, double from_m, double to_m,
           std::vector<Stretch> stretches);
 
-// Picture on a wall, with a target for the camera.
 Stretch PosterStretch(const RoomPlan& room);
 
-// Adds shell, lamps, and items along the walls. The middle stays free.
+// Adds shell, lamps, and items along the walls; the middle stays free.
 void AddFurnishedCorridor(const RoomPlan& corridor);
 
 }  // namespace surfit

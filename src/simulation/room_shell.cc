@@ -35,7 +35,7 @@ void AddWall(const RoomPlan& room, int i, const Texture& paint) {
       skirting_end = to;
     }
     double bottom = 0;
-    for (; k < doorways.size() && doorways[k].at_m == at; ++k) {  // doorways on top of each other
+    for (; k < doorways.size() && doorways[k].at_m == at; ++k) {
       piece(from, to, bottom, doorways[k].bottom_m);
       bottom = doorways[k].bottom_m + Doorway::kHeight_m;
     }

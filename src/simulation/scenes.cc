@@ -67,7 +67,6 @@ Scene MakeThreeRooms(std::uint64_t seed) {
 
 const Color kPale(0.65f, 0.62f, 0.55f), kDark(0.25f, 0.2f, 0.16f), kBlue(0.2f, 0.3f, 0.5f);
 
-// Adds a half space whose face contains `point`.
 void AddPlane(const Vector3d& point, const Vector3d& normal, const Texture& texture, Scene* scene) {
   scene->Add(MakeHalfSpace(), Rigid3d(TurnZInto(normal), point), texture);
 }

@@ -31,7 +31,6 @@ void AddSteps(const RoomPlan& staircase, const Item& flight, bool on_ground) {
   if (!on_ground) flight.Box({0, 0, -kThick_m}, {width, BuildingPlan::kCorridor_m, 0}, wood);
 }
 
-// Adds handrails and pictures along both walls of a flight.
 void AddWallThings(const RoomPlan& staircase, const Item& flight) {
   constexpr double kApart_m = 1.5, kRail_m = 0.95, kFromWall_m = 0.07;
   Random* random = staircase.random;

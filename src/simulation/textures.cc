@@ -54,7 +54,6 @@ Color RandomColor(Random* random) {
   return {r, g, b};
 }
 
-// Disc or rectangle in a picture.
 struct Figure {
   Vector2d center, half;
   bool round;

@@ -104,7 +104,7 @@ PinholeCamera PinholeOf(const CameraInfo& info, const std::string& topic, const 
   return camera;
 }
 
-// Frames of a ROS bag. Depth and colour messages are paired by timestamp, as in TUM folders.
+// Frames of a ROS bag: depth and colour messages paired by timestamp, as in TUM folders.
 class BagRecording : public Recording {
  public:
   // Throws InputError with the path, and the topic or option at fault.

@@ -40,7 +40,7 @@ class ChunkedLog : public MessageLog {
   // Adds a message with the given bytes at position `at` of the part.
   void AddMessage(std::size_t topic, std::int64_t recorded_ns, int part, std::uint64_t at,
                   std::string_view bytes);
-  // Returns the index of the topic. Adds it if it does not exist.
+  // Index of a topic, which is added if it does not exist.
   std::size_t AddTopic(const std::string& name, const std::string& type,
                        Serialization serialization);
   void Warn(const std::string& sentence) { warnings_.push_back(path() + sentence); }

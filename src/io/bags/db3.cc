@@ -109,7 +109,6 @@ class Db3 : public MessageLog {
     }
   }
 
-  // Reads only the first bytes of a message.
   void ReadHead(MessagePlace* place) const {
     MoveTo(static_cast<sqlite3_int64>(place->at));
     place->size = static_cast<std::uint64_t>(sqlite3_blob_bytes(blob_.get()));

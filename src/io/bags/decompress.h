@@ -17,7 +17,7 @@ Compression CompressionOf(const std::string& word, const std::string& name);
 std::string Decompress(Compression compression, const std::string& bytes, std::uint64_t size,
                        const std::string& name);
 
-// Decompresses a zstd frame that stores its content size. Throws InputError with `name`.
+// Same for a zstd frame that stores its content size.
 std::string DecompressZstd(const std::string& bytes, const std::string& name);
 
 }  // namespace surfit

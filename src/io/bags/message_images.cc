@@ -16,7 +16,6 @@ namespace {
 
 bool Names(const std::string& text, const char* word) { return text.find(word) != text.npos; }
 
-// Positions of red, green and blue in a pixel.
 struct Layout {
   int bytes = 3;
   int r = 0, g = 1, b = 2;

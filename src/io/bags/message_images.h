@@ -8,7 +8,6 @@
 
 namespace surfit {
 
-// Content of an image message.
 enum class ImageKind { kDepth, kColor, kGrey, kUnreadable };
 
 // Kind of an image by its encoding. mono16 is depth if the topic name contains "depth".

@@ -35,7 +35,7 @@ class MessageLog {
   virtual const std::vector<Topic>& topics() const = 0;
   // Descriptions of damaged or missing parts that were skipped.
   virtual const std::vector<std::string>& warnings() const = 0;
-  // Returns the bytes of a message. Throws InputError with the path if they cannot be read.
+  // Throws InputError with the path if the message cannot be read.
   virtual std::string Read(const MessagePlace& place) const = 0;
 };
 

@@ -127,7 +127,6 @@ PcdHeader ParsePcdHeader(std::string_view file, const std::string& path) {
   });
 }
 
-// Removes an unsigned 32-bit integer from the front.
 std::size_t NextUint32(std::string_view* bytes) {
   std::uint32_t value = 0;
   if (bytes->size() < sizeof(value)) throw InputError("the file ends before its points");
@@ -173,7 +172,7 @@ std::string ExpandToRows(std::string_view body, const PlyElement& points) {
   return rows;
 }
 
-// Column of a colour in 32 bits; std::nullopt if there is none.
+// Column of a packed 32-bit colour; std::nullopt if there is none.
 std::optional<std::size_t> FindColor(const PlyElement& points) {
   for (std::size_t k = 0; k < points.properties.size(); ++k) {
     const PlyProperty& property = points.properties[k];

@@ -54,16 +54,14 @@ const PlyElement& FindPlyElement(const PlyHeader& header, std::string_view name,
 // Column of a scalar property; std::nullopt if there is no such property.
 std::optional<std::size_t> FindPlyColumn(const PlyElement& element, std::string_view name);
 
-// Columns of three scalar properties; std::nullopt if one of them is missing.
+// std::nullopt if one of three scalar properties is missing.
 using PlyNames = std::array<const char*, 3>;
 using PlyColumns = std::array<std::size_t, 3>;
 std::optional<PlyColumns> FindPlyColumns(const PlyElement& element, const PlyNames& names);
-// Values of three columns of a row.
 inline Eigen::Vector3f VectorAt(const double* row, const PlyColumns& c) {
   return Eigen::Vector3d(row[c[0]], row[c[1]], row[c[2]]).cast<float>();
 }
 
-// Header text of a binary little-endian file.
 std::string FormatPlyHeader(const std::vector<PlyElement>& elements);
 
 // Calls `row` for each row of the first element with this name. The argument has one value per

@@ -43,13 +43,12 @@ double Load(PlyType type, const char* bytes) {
   return 0;
 }
 
-// Reads the values of a binary body.
 class BinaryCursor {
  public:
   explicit BinaryCursor(std::string_view body) : rest_(body) {}
 
   std::size_t BytesLeft() const { return rest_.size(); }
-  // Minimum size of a value in bytes. A list may be empty, so only its length counts.
+  // Minimum size of a value in bytes. A list may be empty and has only its length.
   static std::size_t LeastSize(const PlyProperty& p) {
     return PlySize(p.count_type ? *p.count_type : p.type);
   }

@@ -29,7 +29,6 @@ Rgb8 Color(const double* row, const PlyColumns& c) {
   return {byte(0), byte(1), byte(2)};
 }
 
-// Calls a function for each optional array of a cloud.
 template <typename Cloud, typename F>
 void ForEachOptional(Cloud& cloud, const F& f) {
   f(cloud.normals);

@@ -29,7 +29,7 @@ std::string OwnerIn(int lock) {
   return owner;
 }
 
-// True if `path` still refers to the open file. The previous owner may have removed it.
+// The previous owner may have removed the path while it was being opened.
 bool IsStillAt(const std::string& path, int file) {
   struct stat opened {};
   struct stat there {};

@@ -26,7 +26,7 @@ std::vector<TextRow> ReadTextRows(const std::string& path);
 // Parses a finite number. Throws InputError with the word.
 double FiniteNumber(std::string_view word);
 
-// Parses a finite number. Throws InputError with place and text.
+// FiniteNumber() with the place in the error message.
 double ParseNumber(const std::string& text, const std::string& place);
 
 // Rigid transform from tx ty tz qx qy qz qw, translation in m. Normalises the quaternion. Throws

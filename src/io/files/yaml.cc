@@ -62,7 +62,7 @@ class YamlParser {
     }
   }
 
-  // Parses the items of a list or map. Each item begins at `column`.
+  // Parses the items of a list or map, which begin at `column`.
   YamlNode ParseBlock(int column) {
     YamlNode node;
     node.kind = IsItem() ? YamlNode::Kind::kList : YamlNode::Kind::kMap;

@@ -42,8 +42,7 @@ bool IsJpeg(const std::string& bytes);
 // format, an invalid size, or more pixels than the file size permits.
 ImageSize ClaimedSize(const std::string& bytes, const std::string& path);
 
-// Image size from a JPEG header. The file may be truncated after the header. Throws InputError with
-// `path` for a missing header or an invalid size.
+// ClaimedSize() of a JPEG file that may be truncated after its header.
 ImageSize JpegSize(const std::string& bytes, const std::string& path);
 
 // Throws InputError with `path` if the image is truncated or damaged. The decoder would fill in
@@ -54,15 +53,14 @@ Image<Rgb8> DecodeJpeg(const std::string& bytes, const std::string& path);
 // of memory.
 std::string EncodeJpeg(const Image<Rgb8>& image, int quality);
 
-// Fast compression: files are about one third larger than with default settings. Throw InputError
-// if encoding fails, including out of memory.
+// Fast compression: files are about one third larger than with default settings. Throw as
+// EncodeJpeg().
 std::string EncodePng(const Image<Rgb8>& image);
 std::string EncodePng(const Image<std::uint16_t>& image);
 
 bool IsPng(const std::string& bytes);
 
-// Image size from a PNG header. The file may be truncated after the header. Throws InputError with
-// `path` for a missing header or an invalid size.
+// ClaimedSize() of a PNG file that may be truncated after its header.
 ImageSize PngSize(const std::string& bytes, const std::string& path);
 
 }  // namespace surfit

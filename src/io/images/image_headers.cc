@@ -23,7 +23,6 @@ const std::uint8_t* BytesOf(const std::string& bytes) {
   return reinterpret_cast<const std::uint8_t*>(bytes.data());
 }
 
-// Reads unsigned integers in the byte order of a TIFF file.
 class TiffReader {
  public:
   explicit TiffReader(const std::string& bytes) : bytes_(bytes), is_little_(bytes[0] == 'I') {}
@@ -150,7 +149,7 @@ std::vector<PngChunk> PngChunks(const std::string& png, const std::string& path)
 }
 
 ImageSize PngSize(const std::string& bytes, const std::string& path) {
-  // The IHDR chunk follows the signature: length, type, width, height.
+  // The IHDR chunk: length, type, width, height.
   constexpr std::size_t kSizeAt = 16;
   ThrowIf(!IsPng(bytes) || bytes.size() < kSizeAt + 8, path, " is truncated");
   const std::uint8_t* const data = BytesOf(bytes);

@@ -51,7 +51,6 @@ std::vector<png_bytep> RowsOf(const Image<T>& image) {
   return rows;
 }
 
-// Owner of the libpng structs of a reader or writer.
 struct PngStructs {
   bool of_writer;
   png_structp png = nullptr;

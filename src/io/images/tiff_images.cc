@@ -11,7 +11,6 @@
 namespace surfit {
 namespace {
 
-// File in memory for the I/O callbacks of libtiff.
 struct TiffSource {
   const std::string& bytes;
   std::uint64_t at = 0;

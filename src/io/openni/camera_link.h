@@ -36,7 +36,6 @@ class CameraLink {
   using Clock = std::chrono::steady_clock;
 
   void Open(const std::string& uri);
-  // Returns true if the device could be opened.
   bool TryToReopen();
   std::string FindAgain() const;  // URI of the reconnected device; empty: not found
   void LockExposureInTime(const DeviceImage& image);

@@ -63,8 +63,7 @@ class PlayerName {
   std::string text_;
 };
 
-// OpenNI2 recording (.oni), played image by image. Depth and colour are paired by timestamp, as in
-// TUM folders.
+// OpenNI2 recording (.oni). Depth and colour are paired by timestamp, as in TUM folders.
 class OniRecording : public Recording {
  public:
   // Plays the file once to read its timestamps. Throws InputError with the path.
@@ -174,7 +173,6 @@ class OniRecording : public Recording {
     ThrowIf(frames_.empty(), options_.path, ": no colour timestamp is within ", kMaxBetweenImages_s,
             " s of a depth timestamp");
   }
-  // Number of images in kRounds playback loops.
   int ImagesInRounds() const { return kRounds * (device_.depth_count() + device_.color_count()); }
 
   SequenceOptions options_;

@@ -20,7 +20,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Frame of the camera.
 struct CameraFrame {
   int index = 0;
   ImagePair images;
@@ -179,7 +178,7 @@ class OpenNiCamera : public RawFrames {
   FrameImages Read() override { return ImagesOf(std::exchange(last_, {})); }
 
  private:
-  // Moves the next frame to last_. Returns false if there is none.
+  // Moves the next frame to last_, false without one.
   bool TakeArrival() {
     if (std::exchange(is_first_, false)) return true;
     std::optional<CameraFrame> arrival = queue_->Next(stop_);

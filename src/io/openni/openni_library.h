@@ -6,7 +6,6 @@
 
 namespace surfit {
 
-// The functions of OpenNI2 that are used here.
 #define SURFIT_OPENNI_CALLS(X)     \
   X(oniInitialize)                 \
   X(oniShutdown)                   \

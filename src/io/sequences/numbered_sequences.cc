@@ -100,7 +100,6 @@ Trajectory ReadLog(const std::string& path, double frames_per_second) {
   return poses;
 }
 
-// True for frame-<number><ending>.
 bool IsFrameFile(const std::string& name, const std::string& ending) {
   return name.compare(0, 6, "frame-") == 0 && EndsWith(name, ending) && NumberInName(name);
 }

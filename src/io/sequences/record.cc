@@ -51,7 +51,7 @@ Image<std::uint16_t> ToCounts(const Image<float>& depth_m, RecordSummary* summar
   return counts;
 }
 
-// Output folder of a recording. Either all frames have colour or none.
+// Either all frames have colour or none.
 class RecordedFolder {
  public:
   RecordedFolder(const RecordOptions& options, const RawSequence& sequence)

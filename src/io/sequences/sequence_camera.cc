@@ -133,7 +133,6 @@ std::string GuessWarning(const std::string& path, const RgbdCamera& camera) {
          "with intrinsics and depth_scale, or with a preset as camera";
 }
 
-// Camera before the values of the options are applied.
 ToldCamera BaseCamera(const SequenceOptions& options, const std::string& format,
                       const TellCamera& tell) {
   const std::string yaml = CameraFile(options, format);

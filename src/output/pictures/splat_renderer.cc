@@ -10,7 +10,6 @@ namespace {
 
 constexpr int kGrain = 4096;
 
-// View in single precision, and its output image.
 struct Canvas {
   Canvas(const PictureView& view, NearestIndexImage* nearest)
       : rotation(view.camera_from_world.rotation.toRotationMatrix().cast<float>()),
@@ -26,7 +25,6 @@ struct Canvas {
   NearestIndexImage& image;
 };
 
-// Rows or columns [begin, end).
 struct PixelRange {
   int begin, end;
 };
@@ -75,7 +73,6 @@ void DrawDisc(const Canvas& canvas, const Eigen::Vector3f& c, const Eigen::Vecto
   }
 }
 
-// Offers size x size pixels around the projection of c.
 void DrawSquare(const Canvas& canvas, const Eigen::Vector3f& c, int size, std::int32_t index) {
   const float u = canvas.focal_px * c.x() / c.z() + canvas.cx - 0.5f * size;
   const float v = canvas.focal_px * c.y() / c.z() + canvas.cy - 0.5f * size;

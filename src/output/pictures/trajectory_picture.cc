@@ -35,7 +35,6 @@ void DrawEnd(Image<Rgb8>* image, PixelPoint at, const PathStyle& style) {
   FillBox(image, {at.u - half, at.v - half, at.u + half, at.v + half}, style.color);
 }
 
-// World x, y and z coordinates of a path.
 using Path = std::array<std::vector<double>, 3>;
 
 Path PositionsOf(const Trajectory& trajectory) {
@@ -61,7 +60,6 @@ std::array<AxisRange, 3> FindRanges(const Path& a, const Path& b) {
   return ranges;
 }
 
-// Draws a view of both paths, the estimate on top.
 void DrawView(const ShownAxes& shown, const std::array<AxisRange, 3>& ranges, const PixelBox& box,
               const Path& truth, const Path& estimate, Image<Rgb8>* image) {
   AxisRange vertical = ranges[shown.vertical];
@@ -83,7 +81,6 @@ void DrawView(const ShownAxes& shown, const std::array<AxisRange, 3>& ranges, co
   }
 }
 
-// Draws the legend: line colours, then markers.
 void DrawLegend(bool has_ground_truth, Image<Rgb8>* image) {
   constexpr double kMiddle = 32, kLine = 50, kSpace = 14, kBetween = 40;
   double u = kBoxes[0].left;
@@ -104,7 +101,6 @@ void DrawLegend(bool has_ground_truth, Image<Rgb8>* image) {
   text("end");
 }
 
-// Draws the position error of the matched poses over the time since begin_s.
 void DrawErrors(const std::vector<MatchedPose>& poses, double begin_s, Image<Rgb8>* image) {
   std::vector<double> times_s, errors_m;
   for (const MatchedPose& pose : poses) {

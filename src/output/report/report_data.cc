@@ -79,7 +79,6 @@ std::string TextOf(const std::string& file) {
   return std::filesystem::exists(file) ? ReadFile(file) : "";
 }
 
-// Reads poses.json and embeds its pictures.
 Json ReadPoses(const std::string& folder, std::size_t max_thumbnails) {
   Json poses = ReadJson(folder + "/poses.json");
   EmbedPictures(folder, &poses.at("views"));
@@ -103,7 +102,6 @@ Trajectory TrajectoryOf(const Json& poses) {
   return trajectory;
 }
 
-// Last components of a path.
 std::string Ending(const std::filesystem::path& path, int parts) {
   const std::vector<std::filesystem::path> all(path.begin(), path.end());
   std::filesystem::path ending;

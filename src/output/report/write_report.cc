@@ -39,7 +39,7 @@ Json ToJson(const RunAlignment& alignment) {
           {"rms_m", alignment.rms_m}};
 }
 
-// Compares the first run with the second run, and all other runs with the first run.
+// The first run is compared with the second run, all other runs with the first run.
 void Compare(const std::vector<ReportedRun>& runs, std::size_t max_points,
              std::vector<Json>* pages) {
   if (runs.size() < 2) return;

@@ -17,7 +17,6 @@ struct ReportOptions {
   void Visit(OptionVisitor& visitor);
 };
 
-// Map of a run in a report.
 struct ReportedMap {
   std::string run;
   std::size_t points = 0;        // number of surfels in the map
@@ -29,6 +28,7 @@ struct ReportedMap {
 // - errors against ground truth, and statistics of every frame
 // - input images next to model views
 // - map differences, calibrations, summaries and options
+//
 // Reads map.ply, frames.csv, summary.json, poses.json, loops.csv, thumbnails/ and views/ of each
 // run, or the results of RunRefinement(). Embeds three.js and Chart.js. Throws InputError with the
 // path of a missing, invalid or unwritable file.
