@@ -1,4 +1,4 @@
-# Puts a page together and writes it to OUTPUT as the Page NAME of browser/page.h:
+# Assembles a page and writes it to OUTPUT as the Page NAME of browser/page.h:
 #   cmake -D NAME=kPage -D FILES=body.html,a.css,a.js -D OUTPUT=page.cc -P embed_page.cmake
 cmake_minimum_required(VERSION 3.25)
 set(folder "${CMAKE_CURRENT_LIST_DIR}/page")
@@ -20,7 +20,7 @@ foreach(file ${FILES})
     set(tag script)
   endif()
   if(text MATCHES "</${tag}")
-    message(FATAL_ERROR "${file} holds </${tag}: it would end there")
+    message(FATAL_ERROR "${file} contains </${tag}, which would end the element")
   endif()
   string(APPEND ${tag}s "<${tag}>\n${text}</${tag}>\n")
 endforeach()

@@ -10,8 +10,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// JSON without '<', which is in strings only: no text ends the element. Invalid UTF-8 is replaced,
-// because the name of a folder may be any bytes.
+// JSON with '<' escaped, so that no string ends the script element. Replaces invalid UTF-8, for
+// example in folder names.
 std::string ToScriptText(const Json& json) {
   const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
   std::string safe;
@@ -37,7 +37,7 @@ std::string Escaped(const std::string& text) {
   return escaped;
 }
 
-// A file's path as an address: what has a meaning in one is written as %XX.
+// Converts a file path to a URL: percent-encodes reserved characters.
 std::string AddressOf(const std::string& path) {
   std::ostringstream address;
   for (const char c : path) {

@@ -9,26 +9,24 @@
 
 namespace surfit {
 
-// An HTML page around its data: style, scripts and the libraries that the scripts need. The build
-// puts the parts together (CMakeLists.txt).
+// HTML page before and after its data: styles, scripts and libraries. Assembled by the build
+// (CMakeLists.txt).
 struct Page {
   const char* before_data;
   const char* after_data;
 };
 extern const Page kReportPage, kComparisonPage, kLivePage, kPlainPage;
 
-// Writes a page that needs no other file. Throws InputError naming the file if it cannot be
-// written.
+// Writes a self-contained page. Throws InputError with the path if writing fails.
 void WritePage(const Page& page, const std::string& path,
                const std::function<void(std::ostream&)>& write_data);
 
-// Writes the element <script type="application/json" class="name"> that holds the data.
+// Writes the data as an element <script type="application/json" class="name">.
 void WriteData(const std::string& name, const nlohmann::ordered_json& data, std::ostream* page);
 
-// A number with so many digits after its point.
 std::string Fixed(double number, int digits);
 
-// A page of text, tables and pictures, without scripts.
+// Page of text, tables and pictures without scripts. Write() throws as WritePage().
 class PlainPage {
  public:
   struct Cell {
@@ -37,15 +35,14 @@ class PlainPage {
     Cell(std::string cell_text, std::string to) : text(std::move(cell_text)), link(std::move(to)) {}
 
     std::string text;
-    std::string link;  // a file beside the page; empty if none
+    std::string link;  // path relative to the page; empty: no link
   };
 
   void Section(const std::string& title);
   void Paragraph(const std::string& text);
-  void Picture(const std::string& file);  // beside the page
-  // Rows of cells, the first of which are heads.
+  void Picture(const std::string& file);  // path relative to the page
+  // The first row has the column headings.
   void Table(const std::vector<std::vector<Cell>>& rows);
-  // Throws InputError naming the file if it cannot be written.
   void Write(const std::string& title, const std::string& path) const;
 
  private:

@@ -16,7 +16,7 @@ using Matrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 constexpr int kMaxIterations = 100;
 constexpr double kConverged = 1e-12;  // length of the last increment, m and rad
 // Relative to the largest eigenvalue. The millimetre noise of real paths leaves more than 1e-8.
-constexpr double kRankTolerance = 1e-10;
+constexpr double kInformationTolerance = 1e-10;
 
 struct Fit {
   Rigid3d true_from_estimated;  // of the worlds
@@ -74,7 +74,7 @@ Step Solve(const NormalEquations& normal, bool fit_scale) {
   const Eigen::VectorXd projected = eigen.eigenvectors().transpose() * normal.g.head(unknowns);
   Step step;
   for (int i = 0; i < unknowns; ++i) {
-    if (values[i] > kRankTolerance * values[unknowns - 1]) {
+    if (values[i] > kInformationTolerance * values[unknowns - 1]) {
       step.increment.head(unknowns) += projected[i] / values[i] * eigen.eigenvectors().col(i);
     } else {
       step.is_unique = false;

@@ -9,17 +9,17 @@
 
 namespace surfit {
 
-// Takes little endian values one after the other from bytes that may be anything.
+// Reads consecutive little-endian values from untrusted bytes.
 class Cursor {
  public:
-  // `name` is told where the bytes end too early; both must outlive the cursor.
+  // `name` appears in error messages. Both arguments must outlive the cursor.
   Cursor(std::string_view bytes, const std::string& name) : bytes_(bytes), name_(name) {}
 
   std::uint64_t at() const { return at_; }
   std::uint64_t left() const { return bytes_.size() - at_; }
   const std::string& name() const { return name_; }
 
-  // All throw InputError naming `name` if fewer bytes are left.
+  // All functions below throw InputError with `name` if too few bytes are left.
   std::string_view Bytes(std::uint64_t count) {
     if (count > left()) {
       throw InputError(name_, " is damaged: it ends ", count - left(), " bytes too early");
@@ -34,7 +34,7 @@ class Cursor {
     std::memcpy(&value, Bytes(sizeof(T)).data(), sizeof(T));
     return value;
   }
-  // As many bytes as the 32-bit number before them says.
+  // Reads a 32-bit byte count, then that number of bytes.
   std::string_view Counted() { return Bytes(Take<std::uint32_t>()); }
 
  private:

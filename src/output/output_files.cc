@@ -26,7 +26,7 @@ void WriteJson(const Json& json, const std::string& path, int indent) {
 
 namespace {
 
-// A value of a row; a text with commas, quotes or lines stands in quotes (RFC 4180).
+// Formats a value. Texts with commas, quotes or line breaks are quoted (RFC 4180).
 std::string CsvCell(const Json& value) {
   if (value.is_null()) return "";
   if (!value.is_string()) return value.dump();
@@ -157,8 +157,7 @@ void ReadTable(const Json& json, const OptionTable& table) {
 
 namespace {
 
-// The field of both corrections, one after the other: the given one by the rays of its own camera,
-// the found one by those of the found camera.
+// Sum of the given field, converted to the rays of the estimated camera, and the estimated field.
 InverseDepthField Combined(const DepthCalibration& given, const DepthCalibration& found) {
   const PinholeCamera &a = given.camera, &b = found.camera;
   InverseDepthField sum =
@@ -169,7 +168,8 @@ InverseDepthField Combined(const DepthCalibration& given, const DepthCalibration
   return sum;
 }
 
-// The file's camera with what was found of its undistorted and downsampled images.
+// Camera of the full-size images with the calibration `found`, which was estimated from undistorted
+// and downsampled images.
 RgbdCamera Calibrated(RgbdCamera camera, const DepthCalibration& given,
                       const DepthCalibration& found) {
   const bool mirrored = camera.depth.fy < 0;

@@ -15,32 +15,33 @@ namespace surfit {
 // Keys stay in the order in which they are set.
 using Json = nlohmann::ordered_json;
 
-// Throws InputError naming the file if it cannot be read or is no JSON object.
+// Throws InputError with the path unless the file is a JSON object.
 Json ReadJson(const std::string& path);
 
-// Writes a JSON file, indented unless indent is -1. What is no UTF-8 (a file's name may be
-// anything) is replaced. Throws InputError naming the file.
+// Writes a JSON file atomically. indent -1: one line. Replaces invalid UTF-8, for example in file
+// names. Throws InputError with the path if writing fails.
 void WriteJson(const Json& json, const std::string& path, int indent = 2);
 
-// Writes rows of JSON objects that have the same keys as CSV: the keys, then each row's values,
-// null as nothing. Throws InputError naming the file.
+// Writes an array of JSON objects with equal keys as CSV: a header with the keys, then one line per
+// object. null becomes an empty cell. Throws InputError with the path if writing fails.
 void WriteCsv(const Json& rows, const std::string& path);
 
-// Width, height, fx, fy, cx and cy.
+// Converts width, height, fx, fy, cx and cy. CameraFromJson() throws exceptions of nlohmann::json
+// for missing fields, and InputError for an invalid camera.
 Json CameraToJson(const PinholeCamera& camera);
 PinholeCamera CameraFromJson(const Json& json);
 
 nlohmann::ordered_json TableToJson(const OptionTable& table);
 void ReadTable(const nlohmann::ordered_json& json, const OptionTable& table);
 
-// All fields by name, numbers without loss, parts as objects.
+// Converts all fields, numbers without loss and parts as objects.
 template <typename Options>
 nlohmann::ordered_json OptionsToJson(Options options) {
   return TableToJson(TableOf(&options));
 }
 
-// Throws nlohmann's exceptions for a missing field or one of another type, and InputError for a
-// text that does not fit.
+// Throws exceptions of nlohmann::json for missing fields and wrong types, and InputError for
+// invalid texts.
 template <typename Options>
 Options OptionsFromJson(const nlohmann::ordered_json& json) {
   Options options;
@@ -48,20 +49,20 @@ Options OptionsFromJson(const nlohmann::ordered_json& json) {
   return options;
 }
 
-// A calibration that was found of a sequence's frames, which come with the field that was given
-// applied, as one of the depth as it is measured.
+// Converts a calibration to measured depth. `found` was estimated from frames to which
+// `given_field` had already been applied.
 DepthCalibration OfMeasuredDepth(const SequenceInfo& info, const InverseDepthField& given_field,
                                  const DepthCalibration& found);
 
-// Writes the sequence's camera with such a calibration as camera.yaml. Throws InputError naming the
-// file.
+// Writes the camera of the sequence with the estimated calibration as camera.yaml. `found` as in
+// OfMeasuredDepth(). Throws InputError with the path if writing fails.
 void WriteFoundCamera(const SequenceInfo& info, const InverseDepthField& given_field,
                       const DepthCalibration& found, const std::string& path);
 
 // [tx, ty, tz, qx, qy, qz, qw]
 Json ToJson(const Rigid3d& pose);
 Json ToJson(const DepthCalibration& calibration);
-// Standard deviations, from RefinementSummary::calibration_covariance; null where that is empty.
+// Standard deviations from RefinementSummary::calibration_covariance; null if it is empty.
 Json CalibrationSigmasToJson(const Eigen::MatrixXd& covariance);
 
 }  // namespace surfit

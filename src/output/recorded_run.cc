@@ -51,7 +51,7 @@ void RequireCameraOfFrames(const RecordedRun& run, const std::string& folder,
   if (found.width == frames.width && found.height == frames.height) return;
   throw InputError(Concat(folder, "/poses.json: the camera has ", found.width, " x ", found.height,
                           " pixels, must have ", frames.width, " x ", frames.height,
-                          " as the frames"));
+                          " like the frames"));
 }
 
 std::string ViewPictureName(int rank) {

@@ -10,24 +10,24 @@
 
 namespace surfit {
 
-// What a run of surfit_slam has left of itself beside its map.
+// Results of a run of surfit_slam without the map.
 struct RecordedRun {
   Trajectory trajectory;
-  std::map<int, Rigid3d> world_from_camera;  // by the frame's index
-  FoundSensor found;                         // of the frames as the run read them
-  std::set<int> held_out;                    // frames
+  std::map<int, Rigid3d> world_from_camera;  // by frame index
+  FoundSensor found;       // estimated calibration of the frames as the run read them
+  std::set<int> held_out;  // indices of held-out frames
 };
 
-// Reads poses.json and summary.json of the run's folder. Throws InputError naming the file at
+// Reads poses.json and summary.json in the folder of a run. Throws InputError with the path at
 // fault.
 RecordedRun ReadRecordedRun(const std::string& folder);
 
-// Throws InputError unless frames have the size of those that the run was calibrated by.
+// Throws InputError if the run has a calibration for another image size than `frames`.
 void RequireCameraOfFrames(const RecordedRun& run, const std::string& folder,
                            const PinholeCamera& frames);
 
-// Files that the judge of views (EvaluateViews()) writes into the folder of a run by default:
-// tables and at most kMostViewPictures pictures. `rank` is 0 for the worst view.
+// Names of the files that EvaluateViews() writes into the folder of a run by default: tables and up
+// to kMostViewPictures pictures. `rank`: 0 for the worst view.
 inline constexpr int kMostViewPictures = 100;
 std::string ViewPictureName(int rank);
 std::vector<std::string> ViewFileNames();

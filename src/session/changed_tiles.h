@@ -9,24 +9,25 @@
 
 namespace surfit {
 
-// A tile whose surfels have changed; without any left it is empty.
+// Tile with changed surfels. If no surfels are left, `bytes` is empty.
 struct ChangedTile {
   std::int64_t key = 0;  // TileKey()
   std::string bytes;     // PackTile()
   std::int64_t surfels = 0;
 };
 
-// Tells which tiles of a map change from save to save. Fusion leaves the number of its frame with
-// each surfel that it changes, and the cells that others leave have fewer.
+// Finds the tiles that change between saves. Changes by fusion are detected by `last_seen` of the
+// surfels and by the number of surfels per cell.
 class ChangedTiles {
  public:
-  // Those that have changed since the last call, all by the first: by ascending key. `corrections`
-  // counts the changes of surfels that no frame was fused to, Slam::corrections_of_map(), and
-  // `last_frame` is the newest that may have been fused.
+  // Returns the tiles that have changed since the last call, by ascending key. Returns all tiles in
+  // the first call, and if `corrections` has changed.
+  // - corrections: Slam::corrections_of_map()
+  // - last_frame: index of the newest fused frame
   std::vector<ChangedTile> Take(const SurfelMap& map, int corrections, int last_frame);
 
  private:
-  std::vector<std::int32_t> counts_;  // of each cell, when it was looked at last
+  std::vector<std::int32_t> counts_;  // number of surfels per cell at the last call
   std::map<std::int64_t, std::vector<std::int32_t>> cells_of_tile_;
   int corrections_ = 0;
   int last_frame_ = 0;

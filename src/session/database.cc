@@ -12,9 +12,9 @@
 namespace surfit {
 namespace {
 
-constexpr int kLockTimeout_ms = 3000;  // with another program that has locked the database
+constexpr int kLockTimeout_ms = 3000;  // maximum wait for a lock of another program
 
-// Of the table's name, and of each value with its type.
+// Checksum of the table name and of the type and value of each column.
 std::int64_t ChecksumOf(const std::string& table, const Row& row) {
   std::uint32_t sum = Crc(table.data(), table.size());
   for (const auto& value : row) {
@@ -79,7 +79,7 @@ std::uint32_t Crc(const void* bytes, std::size_t size, std::uint32_t before) {
 
 void Database::Finalizer::operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
 
-// As SQLite advises for databases that anybody may have made (sqlite.org/security.html).
+// Uses the settings for untrusted files (sqlite.org/security.html).
 Database::Database(const std::string& path, Mode mode) : path_(path) {
   const int flags = mode == Mode::kRead    ? SQLITE_OPEN_READONLY
                     : mode == Mode::kWrite ? SQLITE_OPEN_READWRITE
@@ -105,9 +105,9 @@ void Database::Require(int result) {
   const int code = result & 0xff;
   if (code == SQLITE_NOMEM) throw std::bad_alloc();
   ThrowIf(code == SQLITE_BUSY || code == SQLITE_LOCKED, path_,
-          " is locked by another program, which must end or let it go first");
+          " is locked by another program: end this program first");
   if (code == SQLITE_CORRUPT || code == SQLITE_NOTADB) {
-    throw InputError(path_, " is damaged, or no session: ", sqlite3_errmsg(database_));
+    throw InputError(path_, " is damaged or not a session: ", sqlite3_errmsg(database_));
   }
   throw InputError(path_, ": ", database_ ? sqlite3_errmsg(database_) : sqlite3_errstr(result));
 }

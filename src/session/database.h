@@ -16,14 +16,15 @@ struct Blob {
   std::string bytes;
 };
 
-// The values of a row, without its checksum; the first is its key.
+// Values of a row without its checksum, key first.
 using Row = std::vector<std::variant<std::int64_t, double, std::string, Blob>>;
 
-// The CRC-32 of bytes, on from one of those before.
+// CRC-32 of bytes. `before`: CRC of the preceding bytes.
 std::uint32_t Crc(const void* bytes, std::size_t size, std::uint32_t before = 0);
 
-// An SQLite database. All throw InputError naming the file if it is damaged, full, no database, or
-// locked by another program for longer than some seconds.
+// SQLite database whose rows have checksums. All functions throw InputError with the path if the
+// file is damaged, not a database, or locked by another program for more than 3 s, or if the disk
+// is full.
 class Database {
  public:
   enum class Mode { kRead, kWrite, kCreate };
@@ -34,18 +35,18 @@ class Database {
   const std::string& path() const { return path_; }
 
   void Run(const std::string& sql);
-  std::int64_t Number(const std::string& sql);             // the first of the first row
-  std::vector<std::string> Texts(const std::string& sql);  // the first of each row
+  std::int64_t Number(const std::string& sql);             // first column of the first row, or 0
+  std::vector<std::string> Texts(const std::string& sql);  // first column of each row
 
-  // Puts rows of a table, or replaces those of their keys, with their checksums.
+  // Inserts rows with checksums, and replaces rows with equal keys.
   void Put(const std::string& table, const std::vector<Row>& rows);
   void Delete(const std::string& table, std::int64_t key);
-  // All rows by ascending key, of tables that have so many columns besides the checksum.
-  // `take` is given a row and whether its checksum is right; whatever it throws ends it.
+  // Calls `take` for each row by ascending key. `columns`: expected number of columns without the
+  // checksum. is_intact: the checksum is correct. Exceptions of `take` end the iteration.
   void ForEach(const std::string& table, std::size_t columns,
                const std::function<void(const Row&, bool is_intact)>& take);
 
-  // What makes a change whole: all of it is done, or nothing.
+  // Runs `change` in a transaction, with a rollback if it throws.
   void Transact(const std::function<void()>& change);
 
  private:

@@ -7,10 +7,10 @@
 
 namespace surfit {
 
-// Called with a sentence for what is damaged or missing; may throw.
+// Callback for damaged or missing data, with a description. May throw.
 using TellDamage = std::function<void(const std::string& damage)>;
 
-// Reads all that is intact, and tells what is not. Throws InputError where there is no session.
+// Reads all intact data of a session. Throws InputError if the folder has no session.
 Session LoadSession(const std::string& folder, const TellDamage& tell);
 
 }  // namespace surfit

@@ -15,7 +15,6 @@
 namespace surfit {
 namespace {
 
-// Takes frames and what they name to other indices.
 void Shift(int shift, int keyframes, int stretches, int submaps, SlamState* state) {
   for (PosedFrame& frame : state->frames) {
     frame.index += shift;
@@ -33,7 +32,7 @@ void Shift(int shift, int keyframes, int stretches, int submaps, SlamState* stat
   }
 }
 
-// Takes poses to another place in the world; surfels go with their frames.
+// Transforms all poses. Returns the correction for the surfels.
 FrameCorrections MoveTo(const Rigid3d& new_from_old, SlamState* state) {
   for (PosedFrame& frame : state->frames) {
     frame.world_from_camera = new_from_old * frame.world_from_camera;
@@ -41,7 +40,8 @@ FrameCorrections MoveTo(const Rigid3d& new_from_old, SlamState* state) {
   return {state->frames.front().index, {new_from_old}};
 }
 
-// In the order in which keyframes that wait bring them.
+// Moves loop closures behind the odometry edges and sorts them by their later keyframe. The backend
+// adds loop closures in this order.
 void SortLoops(SlamState* state) {
   std::vector<std::pair<PoseGraphEdge, bool>> loops;
   std::vector<PoseGraphEdge> odometry;
@@ -64,7 +64,6 @@ void SortLoops(SlamState* state) {
   }
 }
 
-// Their frames get other indices.
 void AddSurfels(const SurfelMap& from, int shift, SurfelMap* to) {
   for (std::int32_t c = 0; c < from.cell_count(); ++c) {
     for (const std::int32_t b : from.cell(c).blocks) {
@@ -86,7 +85,7 @@ void Append(std::vector<T> from, std::vector<T>* to) {
 
 class Merger {
  public:
-  // Sessions come to stand `gap` frames apart.
+  // `gap`: difference of frame indices between sessions.
   Merger(Session first, int gap) : gap_(gap), all_(std::move(first)) {
     all_.state.settled_keyframes = all_.state.keyframes.size();
     first_keyframe_.push_back(0);
@@ -137,11 +136,11 @@ class Merger {
 
   const int gap_;
   Session all_;
-  std::vector<std::size_t> first_keyframe_;  // of each session
+  std::vector<std::size_t> first_keyframe_;  // first keyframe of each session
   std::vector<int> first_frame_;
 };
 
-// More frames than any of the sessions spans.
+// Gap of frame indices that is larger than the frame range of each session.
 int GapBetween(const std::vector<Session>& sessions, const LoopOptions& options) {
   int gap = SessionGap(options);
   for (const Session& session : sessions) {
@@ -155,7 +154,8 @@ std::vector<Session> ReadSessions(const std::vector<std::string>& folders) {
   std::vector<Session> sessions;
   for (const std::string& folder : folders) {
     sessions.push_back(ReadSession(folder));
-    ThrowIf(sessions.back().state.frames.empty(), folder, " has no frames to be merged");
+    ThrowIf(sessions.back().state.frames.empty(), folder,
+            " has no frames, must have at least one for merging");
     RequireSameSensor(folder, sessions.back().sensor, sessions.front().sensor);
   }
   return sessions;
@@ -177,8 +177,8 @@ MergeSummary MergeSessions(const std::vector<std::string>& folders, const SlamOp
   const std::vector<PlaceView> views = merger.all().state.views;
   SlamOptions slam_options = options;
   slam_options.loops.enabled = true;
-  // A session's own keyframes look most alike, and have been tried when it was recorded: the few
-  // that are tried are to be of others.
+  // Restricts the loop search to other sessions. Loops within a session were searched when it was
+  // recorded, and its keyframes would displace the candidates of other sessions.
   slam_options.loops.find.min_gap = gap;
   Slam slam(sensor, slam_options, std::move(merger.all().state), StateUse::kContinue);
   writer.Begin(runs, sensor, &slam);
@@ -218,7 +218,7 @@ MergeSummary MergeSessions(const std::vector<std::string>& folders, const SlamOp
 }
 
 void CompactSession(const std::string& folder) {
-  ReadSession(folder);  // nothing of a damaged one is touched
+  ReadSession(folder);  // throws for a damaged session, which is not changed
   const OutputFolder lock(folder, {});
   Database database(DatabaseOf(folder), Database::Mode::kWrite);
   RemoveStrayTiles(folder, ReadTileRows(&database));

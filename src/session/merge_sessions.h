@@ -8,25 +8,26 @@
 
 namespace surfit {
 
-// What came of sessions that were made one.
+// Statistics of a merge.
 struct MergeSummary {
   std::size_t sessions = 0;
-  std::size_t loops_between = 0;   // keyframes of two sessions that show one place, consistently
-  std::vector<std::string> apart;  // sessions that nothing joins to the first: they stand beside it
+  std::size_t loops_between = 0;   // accepted loop closures between sessions
+  std::vector<std::string> apart;  // sessions that are not connected to the first session
   std::size_t frames = 0, keyframes = 0, surfels = 0;
-  std::size_t merged_doubles = 0;  // surfels of one session that became part of another's
+  std::size_t merged_doubles = 0;  // surfels that were merged as duplicates
 };
 
-// Makes one session of several of the same sensor: each keyframe is looked for in the sessions
-// before its own, one pose graph is solved, wrong loops left out, the maps follow, and surfaces
-// that two have seen become one. The calibration is that of the first that has one. Those that are
-// read stay as they are; frames get new indices. Throws InputError as ReadSession() and
-// SessionWriter do, and for sessions of different sensors.
+// Merges sessions of the same sensor into a new session. Each keyframe is compared with the
+// keyframes of the sessions before it, and a joint pose graph is optimised with outlier rejection.
+// Then the maps are corrected and duplicate surfels are merged. The calibration is the one of the
+// first session with a calibration. Frames get new indices. The input sessions are not changed;
+// sessions without a loop closure stay disconnected submaps. Throws InputError in the cases of
+// ReadSession() and SessionWriter, and for different sensors.
 MergeSummary MergeSessions(const std::vector<std::string>& folders, const SlamOptions& options,
                            const std::string& output);
 
-// Gives back the room on disk that is of no use any more. Throws InputError naming the folder if it
-// holds no session, or another program writes into it.
+// Removes unused tile files and unused space in the database. Throws InputError with the path if
+// the session is missing or damaged, or another program writes to it.
 void CompactSession(const std::string& folder);
 
 }  // namespace surfit

@@ -20,7 +20,7 @@ class Loader {
   }
 
   Session Load() {
-    database_.Run("BEGIN");  // all that follows is of one save
+    database_.Run("BEGIN");  // all tables are read from the same save
     ReadFacts();
     session_.runs = ReadRuns();
     ReadFrames();
@@ -58,7 +58,7 @@ class Loader {
  private:
   SlamState& state() { return session_.state; }
 
-  // Rows that are damaged are told and passed over.
+  // Calls `take` for each intact row. Reports and skips damaged rows.
   void ForEach(const char* table, const std::function<void(RowReader*)>& take) {
     try {
       database_.ForEach(table, LayoutOf(table).count, [&](const Row& row, bool is_intact) {
@@ -79,7 +79,7 @@ class Loader {
 
   void Expect(const char* table, std::int64_t found, std::int64_t told) {
     if (found == told) return;
-    tell_(Concat(database_.path(), ": table ", table, " has ", found, " good rows, must have ",
+    tell_(Concat(database_.path(), ": table ", table, " has ", found, " intact rows, must have ",
                  told));
   }
 
@@ -94,7 +94,7 @@ class Loader {
   }
 
   std::size_t KeyOfKeyframe(const RowReader& row) const {
-    if (key_ < 0 || key_ >= facts_.keyframes) row.Fail("is of no keyframe");
+    if (key_ < 0 || key_ >= facts_.keyframes) row.Fail("belongs to no keyframe");
     return static_cast<std::size_t>(key_);
   }
 
@@ -110,7 +110,7 @@ class Loader {
     Expect("views", count, facts_.views);
   }
 
-  // They are of use only where all keyframes have one.
+  // Calibration frames are used only if all keyframes have one.
   void ReadCalibration() {
     auto& frames = state().calibration_frames;
     ForEach("calibration", [&](RowReader* row) {
@@ -128,8 +128,9 @@ class Loader {
       const auto settled = static_cast<std::size_t>(facts_.settled_keyframes);
       const auto& [a, b] = std::make_pair(kept.edge.a, kept.edge.b);
       if (a >= keyframes || b >= keyframes || a == b)
-        row->Fail("joins keyframes that there are not");
-      if (kept.edge.loop ? std::max(a, b) >= settled : a > b) row->Fail("joins keyframes too soon");
+        row->Fail("connects keyframes that do not exist");
+      if (kept.edge.loop ? std::max(a, b) >= settled : a > b)
+        row->Fail("is a loop of an unsettled keyframe, or an odometry edge in wrong order");
       state().edges.push_back(kept.edge);
       if (kept.edge.loop) state().loops_in_graph.push_back(kept.in_graph);
     });
@@ -154,21 +155,21 @@ class Loader {
   void CheckLinks() {
     const auto keyframes = static_cast<int>(state().keyframes.size());
     if (facts_.settled_keyframes < 0 || facts_.settled_keyframes > keyframes) {
-      tell_(database_.path() + ": more keyframes are settled than there are");
+      tell_(database_.path() + ": settled_keyframes is larger than the number of keyframes");
     }
     if (state().frames.empty() != state().keyframes.empty()) {
-      tell_(database_.path() + ": there are frames without keyframes, or keyframes without frames");
+      tell_(database_.path() + ": there are only frames or only keyframes, must be both");
     }
     for (const PosedFrame& frame : state().frames) {
       if (frame.keyframe >= 0 && frame.keyframe < keyframes) continue;
-      tell_(Concat(database_.path(), ": frame ", frame.index, " is of no keyframe"));
+      tell_(Concat(database_.path(), ": frame ", frame.index, " belongs to no keyframe"));
     }
     int before = -1;
     for (const KeyframeLink& link : state().keyframes) {
       if (!IsFrame(link.frame) || link.frame <= before || link.submap < 0 ||
           (link.parent_frame != KeyframeLink::kNone && !IsParent(link))) {
         tell_(Concat(database_.path(), ": the keyframe of frame ", link.frame,
-                     " has no frame, or no parent before it"));
+                     " has a missing frame, a missing parent or a wrong order"));
       }
       before = link.frame;
     }
@@ -194,7 +195,7 @@ class Loader {
   Database database_;
   SessionRow facts_;
   Session session_;
-  std::int64_t key_ = 0;  // of the row at work
+  std::int64_t key_ = 0;  // key of the current row
 };
 
 bool IsSameSensor(const DepthSensor& a, const DepthSensor& b) {
@@ -215,7 +216,7 @@ std::string Text(const DepthSensor& sensor) {
 
 void RequireSession(const std::string& folder) {
   if (HasSession(folder)) return;
-  throw InputError(folder, " is no session: it has no session.db");
+  throw InputError(folder, " is not a session: session.db is missing");
 }
 
 }  // namespace

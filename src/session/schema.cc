@@ -15,7 +15,6 @@ namespace {
 constexpr std::int64_t kApplicationId = 0x73726674;  // "srft"
 constexpr std::int64_t kVersion = 2;
 
-// Collects the values of a row. They have the order in which a RowReader takes them.
 class RowWriter {
  public:
   template <typename... Ts>
@@ -41,8 +40,8 @@ class RowWriter {
   Row row_;
 };
 
-// PassColumns() names the columns of a table once, for a RowWriter and for a RowReader. A key that
-// is no field of the struct is written and read beside it.
+// PassColumns() lists the columns of a table for RowWriter and RowReader. Keys that are no fields
+// of the struct are written and read separately.
 template <typename Io>
 void PassColumns(SessionRow& session, Io* io) {
   PinholeCamera& camera = session.sensor.camera;
@@ -76,7 +75,7 @@ void PassColumns(KeyframeLink& keyframe, Io* io) {
   io->Pass(keyframe.frame, keyframe.parent_frame, keyframe.submap);
 }
 
-// The information of the edge is packed into bytes.
+// `information`: packed information matrix of the edge.
 template <typename Io>
 void PassColumns(KeptEdge& kept, Blob& information, Io* io) {
   io->Pass(kept.edge.a, kept.edge.b, kept.edge.a_from_b, information, kept.edge.loop,
@@ -139,7 +138,7 @@ void ForEachIntact(Database* database, const char* table,
 
 void RequireSchema(Database* database) {
   ThrowIf(database->Number("PRAGMA application_id") != kApplicationId, database->path(),
-          " is no session: its application_id is another one");
+          " is not a session: it has another application_id");
   const std::int64_t version = database->Number("PRAGMA user_version");
   ThrowIf(version != kVersion, database->path(), " is a session of version ", version, ", must be ",
           kVersion, " for this program");
@@ -208,10 +207,10 @@ RgbdFrame TakeCalibrationFrame(RowReader* row) {
   frame.color = unpacker.TakeImage<Rgb8>();
   unpacker.End();
   for (const float z : frame.depth_m) {
-    if (!(z >= 0) || !std::isfinite(z)) row->Fail("has a depth that is none");
+    if (!(z >= 0) || !std::isfinite(z)) row->Fail("has an invalid depth");
   }
   if (!frame.color.empty() && frame.color.size() != frame.depth_m.size()) {
-    row->Fail("has colours of another size than its depth");
+    row->Fail("has a colour image of another size than the depth image");
   }
   return frame;
 }
@@ -235,7 +234,7 @@ KeptEdge TakeEdge(RowReader* row) {
   Unpacker unpacker(information.bytes, row->from());
   for (double& number : kept.edge.information.reshaped()) number = unpacker.Take<double>();
   unpacker.End();
-  if (!IsInformation(kept.edge.information)) row->Fail("has an information that is none");
+  if (!IsInformation(kept.edge.information)) row->Fail("has an invalid information matrix");
   return kept;
 }
 
@@ -260,7 +259,7 @@ int RowReader::TakeInt() {
 void RowReader::TakeInto(Rigid3d* value) {
   for (double& number : value->translation) TakeInto(&number);
   for (double& number : value->rotation.coeffs()) TakeInto(&number);
-  if (!(std::abs(value->rotation.norm() - 1) < 1e-6)) Fail("has a rotation that is none");
+  if (!(std::abs(value->rotation.norm() - 1) < 1e-6)) Fail("has an invalid rotation");
 }
 
 }  // namespace surfit

@@ -10,15 +10,15 @@
 
 namespace surfit {
 
-// The tables of session.db, and how their rows are written and read.
+// Tables of session.db and conversion of their rows.
 
 inline std::string DatabaseOf(const std::string& folder) { return folder + "/session.db"; }
 inline std::string TilesOf(const std::string& folder) { return folder + "/tiles"; }
 
 struct TableLayout {
   const char* name;
-  const char* columns;  // with types, the key first, without the checksum
-  std::size_t count;    // of them
+  const char* columns;  // columns with types, key first, without checksum
+  std::size_t count;    // number of columns
 };
 
 inline constexpr TableLayout kTables[] = {
@@ -51,7 +51,7 @@ inline constexpr TableLayout kTables[] = {
 
 const TableLayout& LayoutOf(const std::string& table);
 
-// How many rows the others have is told by the row of the session.
+// Row of table `session`, with the number of rows of every other table.
 struct SessionRow {
   DepthSensor sensor;
   std::optional<DepthCalibration> calibration;
@@ -75,9 +75,9 @@ struct TileRow {
   std::int64_t surfels = 0;
 };
 
-// A new database, with the row of a session that holds nothing yet: there as a whole or not at all.
+// Creates a database atomically with the row of an empty session.
 void MakeDatabase(const std::string& path, const Row& session);
-// Throws InputError if the database is none of a session, or of another version.
+// Throws InputError if the database is not a session or has another version.
 void RequireSchema(Database* database);
 
 Row RowOf(const SessionRow& session);
@@ -89,8 +89,8 @@ Row RowOf(std::int64_t key, const RgbdFrame& calibration_frame);
 Row RowOf(std::int64_t key, const KeptEdge& edge);
 Row RowOf(const TileRow& tile);
 
-// Takes the values of a row one after the other. Throws InputError naming the row for one of
-// another type or that means nothing.
+// Reads the values of a row in order. Throws InputError with `from` for a wrong type or an invalid
+// value. `row` must outlive the reader.
 class RowReader {
  public:
   RowReader(const Row& row, std::string from) : row_(row), from_(std::move(from)) {}
@@ -102,8 +102,7 @@ class RowReader {
     ++at_;
     return *value;
   }
-  int TakeInt();  // that fits
-  // Takes the next values into these, which may have any type of a column or field.
+  int TakeInt();  // fails for values outside the range of int
   template <typename... Ts>
   void Pass(Ts&... values) {
     (TakeInto(&values), ...);
@@ -127,7 +126,7 @@ class RowReader {
   std::size_t at_ = 0;
 };
 
-// Calls `take` with each row of a table; throws InputError naming the first that is damaged.
+// Calls `take` for each row of a table. Throws InputError at the first damaged row.
 void ForEachIntact(Database* database, const char* table,
                    const std::function<void(RowReader*)>& take);
 

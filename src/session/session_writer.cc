@@ -23,15 +23,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kPeriod_s = 0.5;  // between saves, of the recording
-constexpr int kPeriodFrames = 15;  // or so many
+constexpr double kPeriod_s = 0.5;  // recording time between saves
+constexpr int kPeriodFrames = 15;  // maximum number of frames between saves
 
 bool AreSame(const PosedFrame& a, const PosedFrame& b) {
   return a.index == b.index && a.keyframe == b.keyframe && a.stretch == b.stretch &&
          a.stamp_s == b.stamp_s && a.world_from_camera == b.world_from_camera;
 }
 
-// What was measured once only moves with the calibration.
+// An edge changes only with the calibration, which changes a_from_b.
 bool AreSame(const KeptEdge& a, const KeptEdge& b) {
   return a.in_graph == b.in_graph && a.edge.a_from_b == b.edge.a_from_b;
 }
@@ -46,7 +46,7 @@ std::vector<KeptEdge> EdgesOf(const Backend& backend) {
   return edges;
 }
 
-// The rows of those that are new or have changed.
+// Rows of new and changed items.
 template <typename Kept, typename RowOfOne>
 std::vector<Row> Changed(const std::vector<Kept>& now, const std::vector<Kept>& saved,
                          const RowOfOne& row_of) {
@@ -84,20 +84,19 @@ SessionContent ContentOf(const Slam& slam) {
   return content;
 }
 
-// What a save commits.
 struct SessionWriter::Update {
-  SessionRow facts;  // but for views and tiles, which are counted as they are written
+  SessionRow facts;  // without the counts of views and tiles, which Write() sets
   std::vector<Row> runs, frames, keyframes, edges;
   std::vector<std::pair<std::int64_t, UnsavedView>> views;  // by keyframe
   bool keeps_calibration = true;
   std::vector<ChangedTile> tiles;
-  bool is_all = false;  // there are no other tiles
+  bool is_all = false;  // `tiles` has all tiles of the map
 };
 
 SessionWriter::SessionWriter(const std::string& folder, Mode mode)
     : folder_(folder), lock_(folder, {}) {
   ThrowIf(HasSession(folder_) && mode == Mode::kNew, folder_,
-          " holds a session already, must be continued or another folder");
+          " contains a session already: continue this session or choose another folder");
 }
 
 void SessionWriter::Open(const DepthSensor& sensor) {
@@ -123,7 +122,7 @@ SessionWriter::~SessionWriter() {
   try {
     Wait();
   } catch (const std::exception& error) {
-    LOG(WARNING) << folder_ << ": the last save was not written: " << error.what();
+    LOG(WARNING) << folder_ << ": the last save of the session failed: " << error.what();
   }
 }
 
@@ -258,7 +257,8 @@ void SessionWriter::Write(Update update) {
     update.facts.saves = saves_;
     database_->Put("session", {RowOf(update.facts)});
   });
-  // Who reads the save before may still open its tiles.
+  // Readers of the previous save may still open its tiles, so their files are removed one save
+  // later.
   std::error_code none;
   for (const std::string& file : removable_) fs::remove(file, none);
   removable_ = std::exchange(superseded_, {});

@@ -16,7 +16,7 @@
 
 namespace surfit {
 
-// What a session holds, except views and calibration frames. The references must outlive the call
+// Content of a session except views and calibration frames. The references must outlive the call
 // that takes it.
 struct SessionContent {
   const std::vector<PosedFrame>& frames;
@@ -33,41 +33,42 @@ struct SessionContent {
 // The content of a Slam with loops enabled.
 SessionContent ContentOf(const Slam& slam);
 
-// Keeps a session on disk while SLAM runs. Saves are written on a thread of their own; what they
-// hold does not depend on how fast that is.
+// Saves a session while SLAM runs. A background thread writes the saves. Their content does not
+// depend on the writing speed. Not thread-safe: call all functions from one thread.
 class SessionWriter {
  public:
-  // Locks the folder, which is made if it is missing, for as long as the object lives. Throws
-  // InputError naming it if another program writes into it, or if it holds a session already that
-  // is not to be gone on with.
+  // Creates the folder if it is missing, and locks it during the lifetime of the object. Throws
+  // InputError with the path if another program has locked it, or if mode is kNew and the folder
+  // contains a session.
   enum class Mode { kNew, kContinue };
   SessionWriter(const std::string& folder, Mode mode);
   ~SessionWriter();
   SessionWriter& operator=(SessionWriter&&) = delete;
 
-  // Opens or makes the session. To be called once, before the first of the frames of the last of
-  // these runs, with the Slam that they go through. Throws InputError if the session is one of
-  // another sensor, or damaged.
+  // Opens or creates the session. Call once, before the first frame of the last of `new_runs`.
+  // Registers a callback in `slam`, so this object must outlive its use of keyframes. Throws
+  // InputError if the session is damaged or has another sensor.
   void Begin(const std::vector<SessionRun>& new_runs, const DepthSensor& sensor, Slam* slam);
-  // Adds the views of a state that the Slam has taken up and the session does not have.
+  // Adds views that `slam` got from another session and that this session does not contain.
   void KeepViews(const std::vector<KeyframeLink>& keyframes, const std::vector<PlaceView>& views);
 
-  // To be called after each frame. Saves where half a second of the recording, or 15 frames, have
-  // come since the last save; waits for that if it is still being written. So at most a second is
-  // not on disk. Throws InputError if the former save could not be written.
+  // Call after each frame. Saves after 0.5 s of recording time or 15 frames since the last save.
+  // Waits if the last save is still being written, so at most 1 s of the recording is not on disk.
+  // Throws InputError if the last save failed.
   void Offer(const Slam& slam, double stamp_s);
 
-  // Saves what there is, and flushes it to the disk.
+  // Saves the final state and flushes it to the disk.
   void Finish(const Slam& slam) { Finish(ContentOf(slam)); }
 
   // Replaces map, poses and edges after Finish(), and flushes them to the disk. Frames and
   // keyframes must be those of the last save.
   void Replace(const SessionContent& content);
 
-  std::int64_t waits() const { return waits_; }  // saves due before the former was written
+  // Number of saves that waited for the previous save.
+  std::int64_t waits() const { return waits_; }
 
  private:
-  // A keyframe whose view is still to be made, or made by now.
+  // Keyframe whose view is not saved yet.
   struct UnsavedView {
     int frame = 0;
     ViewOfKeyframe view;
@@ -88,24 +89,24 @@ class SessionWriter {
   std::unique_ptr<Database> database_;
   SessionRow facts_;
 
-  // As they were saved last; nothing of what another process has saved.
+  // State of the last save of this process.
   std::vector<PosedFrame> frames_;
   std::vector<KeptEdge> edges_;
   std::size_t keyframes_ = 0;
   ChangedTiles changed_tiles_;
   bool has_saved_ = false;
   std::vector<UnsavedView> new_views_;
-  std::vector<SessionRun> runs_;  // that are new
-  std::int64_t first_run_ = 0;    // the key of the first of them
+  std::vector<SessionRun> runs_;  // new runs
+  std::int64_t first_run_ = 0;    // key of the first new run
   bool are_runs_saved_ = false;
 
   int frames_since_save_ = 0;
   double saved_stamp_s_ = 0;
   std::int64_t waits_ = 0;
 
-  // Of the writing thread, while it is at work.
+  // Used by the writing thread while writing_ is valid.
   std::map<std::int64_t, TileRow> tiles_;
-  std::vector<std::string> superseded_, removable_;  // files of tiles
+  std::vector<std::string> superseded_, removable_;  // tile files
   std::int64_t views_ = 0, calibration_frames_ = 0, saves_ = 0;
   std::future<void> writing_;
 };

@@ -10,13 +10,13 @@ namespace {
 
 constexpr char kMagic[] = "surfit tile 2\n";
 constexpr std::size_t kHeadBytes = sizeof(kMagic) - 1 + sizeof(std::uint32_t);
-constexpr int kTileCellsAcross = 4;  // of a tile
+constexpr int kTileCellsAcross = 4;  // cells per tile and axis
 constexpr int kAxisBits = 20;
 constexpr int kFarthest = 1 << (kAxisBits - 1);
 
 int FloorDiv(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
 
-// Goes through the columns of a block, in the order of files. `column` is called with each.
+// Calls `column` in file order.
 template <typename Block, typename Call>
 void ForEachColumn(Block& block, const Call& column) {
   for (auto* floats : {block.x, block.y, block.z, block.confidence}) column(floats);
@@ -48,8 +48,7 @@ std::string TileName(std::int64_t key, std::int64_t save) {
   return Concat(axis(0), "_", axis(1), "_", axis(2), ".", save, ".tile");
 }
 
-// Block by block, so that a tile is read as it was written: the count of a block, the bits of
-// those at edges, and its columns.
+// Format: file signature, number of blocks, then per block: count, edge bits, columns.
 std::string PackTile(const SurfelMap& map, const std::vector<std::int32_t>& cells) {
   std::string bytes(kMagic);
   std::uint32_t blocks = 0;
@@ -72,7 +71,7 @@ std::string PackTile(const SurfelMap& map, const std::vector<std::int32_t>& cell
 std::size_t UnpackTile(const std::string& bytes, const std::string& from, SurfelMap* map) {
   const auto fail = [&](const char* why) { throw InputError(from, ": ", why); };
   if (bytes.size() < kHeadBytes || bytes.compare(0, sizeof(kMagic) - 1, kMagic) != 0) {
-    fail("does not begin as a tile");
+    fail("does not begin with the signature of a tile");
   }
   std::size_t at = sizeof(kMagic) - 1, count = 0;
   const auto take = [&](void* data, std::size_t size) {
@@ -85,17 +84,17 @@ std::size_t UnpackTile(const std::string& bytes, const std::string& from, Surfel
   for (; blocks > 0; --blocks) {
     SurfelBlock block;
     take(&block.count, sizeof(block.count));
-    if (block.count < 0 || block.count > SurfelBlock::kCapacity) fail("has a block that is none");
+    if (block.count < 0 || block.count > SurfelBlock::kCapacity) fail("has an invalid block");
     take(&block.at_edge, sizeof(block.at_edge));
     ForEachColumn(block, [&](auto* column) { take(column, block.count * sizeof(*column)); });
     for (int k = 0; k < block.count; ++k) {
-      if (!IsSane(block, k)) fail("has a surfel that is none");
+      if (!IsSane(block, k)) fail("has an invalid surfel");
       const std::int32_t id = map->Append(block[k]);
       map->block(id / SurfelBlock::kCapacity).Take(id % SurfelBlock::kCapacity, block, k);
     }
     count += block.count;
   }
-  if (at != bytes.size()) fail("goes on after its end");
+  if (at != bytes.size()) fail("has bytes after its end");
   return count;
 }
 

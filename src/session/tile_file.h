@@ -9,16 +9,16 @@
 
 namespace surfit {
 
-// A map in cubes of 2 m, the tiles, each as bytes: what its cells hold, to the bit, in their order.
+// Serialisation of a map as tiles: cubes of 2 m. Surfels are restored bitwise identical and in the
+// same order.
 
-// Which tile a cell is of, as a number by which tiles can be sorted, and its name in files.
+// Key of the tile that contains a cell, and file name of a tile in a save.
 std::int64_t TileKey(const SurfelCell& cell);
 std::string TileName(std::int64_t key, std::int64_t save);
 
-// The surfels of these cells.
 std::string PackTile(const SurfelMap& map, const std::vector<std::int32_t>& cells);
-// Adds them to a map. Throws InputError naming where the bytes are from if they are no such tile.
-// Returns how many there are.
+// Appends the surfels of a tile to a map and returns their number. Throws InputError with `from`
+// for invalid bytes.
 std::size_t UnpackTile(const std::string& bytes, const std::string& from, SurfelMap* map);
 
 }  // namespace surfit

@@ -8,10 +8,10 @@
 
 namespace surfit {
 
-// The tiles of the last save, by their keys. Throws InputError if a row is damaged.
+// Tiles of the last save by key. Throws InputError if a row is damaged.
 std::map<std::int64_t, TileRow> ReadTileRows(Database* database);
 
-// Removes the files of all other tiles: of saves that were not committed, or that were superseded.
+// Removes the files of all other tiles: tiles of uncommitted saves, and replaced tiles.
 void RemoveStrayTiles(const std::string& folder, const std::map<std::int64_t, TileRow>& tiles);
 
 }  // namespace surfit

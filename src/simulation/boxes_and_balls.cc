@@ -1,5 +1,5 @@
-// Half space and box, and all points within a radius of a point (sphere), a segment (capsule) or a
-// box (rounded box).
+// Half space, box, sphere, capsule and rounded box. The last three are the points within a radius
+// of a point, a segment or a box.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -26,8 +26,8 @@ class Box : public Shape {
  public:
   explicit Box(const Vector3d& size) : half_(size / 2) {}
 
-  // The ray is inside each pair of parallel faces for an interval of t; it enters the box at the
-  // last of the three entries, if that comes before the first exit.
+  // Slab method: the ray is between each pair of parallel faces for an interval of t. It enters the
+  // box at the last entry if this is before the first exit.
   std::optional<ShapeHit> Intersect(const Vector3d& origin,
                                     const Vector3d& direction) const override {
     double enter = 0, exit = std::numeric_limits<double>::infinity();
@@ -68,16 +68,15 @@ class Box : public Shape {
 
 class RoundShape : public Shape {
  public:
-  // The core is the box |x_i| <= core_half_i; some or all of the half sizes may be 0.
+  // The core is the box |x_i| <= core_half_i. Half sizes may be 0.
   RoundShape(const Vector3d& core_half, double radius) : core_half_(core_half), radius_(radius) {}
 
   // Newton's method on the distance along the ray. The distance from a convex body is a convex
-  // function: its tangent lies below it, so that no step ever passes the root, and once the
-  // distance grows, the ray has missed. Each step is at least the distance itself.
+  // function, so no step passes the root. The ray has missed once the distance grows.
   std::optional<ShapeHit> Intersect(const Vector3d& origin,
                                     const Vector3d& direction) const override {
     constexpr double kOnSurface_m = 1e-10;
-    constexpr int kMostSteps = 200;  // tangent rays only halve the distance: 2^-200 is below any
+    constexpr int kMostSteps = 200;  // for tangent rays, each step halves the distance
     const double speed = direction.norm();
     const double bound = BoundingRadius();
     const double middle = -origin.dot(direction) / (speed * speed);

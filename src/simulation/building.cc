@@ -15,10 +15,11 @@ using Row = BuildingPlan::Row;
 
 constexpr int kRows = 4;
 
-// Streams of random numbers of one seed, of pairs of rooms and of rooms.
+// Independent random streams of one seed: one for the structure, one for the furniture of each pair
+// of rooms, and one for the pictures of each room.
 constexpr int kMostRooms = 2000;
 enum Stream : std::uint64_t { kStructure = 1, kFurniture = 1000, kPictures = 2000 };
-static_assert(kFurniture + kMostRooms / 2 <= kPictures, "streams are of one thing each");
+static_assert(kFurniture + kMostRooms / 2 <= kPictures, "streams must not overlap");
 
 bool HasDoorwayInTheSouth(Row row) { return row == Row::kInnerSouth || row == Row::kOuterNorth; }
 
@@ -38,7 +39,6 @@ BuildingPlan::Place PlaceOf(int floor, int column, Row row) {
   return place;
 }
 
-// The parts of a building while it is being furnished.
 struct Site {
   const BuildingPlan& plan;
   Scene* scene;
@@ -52,7 +52,7 @@ struct Site {
   }
 };
 
-// Furnishes by a function, and notes what there is to look at.
+// Calls `furnish` and adds a SceneCell with the targets that `furnish` has added.
 template <typename Furnish>
 void AddCell(const RoomPlan& cell, Furnish furnish) {
   Scene& scene = *cell.scene;
@@ -66,7 +66,7 @@ void AddCell(const RoomPlan& cell, Furnish furnish) {
   scene.cells.push_back(std::move(added));
 }
 
-// Rooms 2 k and 2 k + 1 are alike.
+// Rooms 2 k and 2 k + 1 have the same furniture and different pictures.
 void AddRoom(const Site& site, int index) {
   const BuildingPlan::Place& place = site.plan.rooms[index];
   Random furniture(site.seed, kFurniture + index / 2), pictures(site.seed, kPictures + index);
@@ -133,12 +133,13 @@ void AddStaircase(const Site& site, bool is_east, Random* random) {
 }  // namespace
 
 void BuildingOptions::Visit(OptionVisitor& v) {
-  v.Add(floors, "floors", "floors of the scene building", Between(1, 100), AsFlag(), Everyday());
-  v.Add(rooms, "rooms", "its rooms, on all floors together", Between(1, kMostRooms), AsFlag(),
+  v.Add(floors, "floors", "number of floors of the scene building", Between(1, 100), AsFlag(),
         Everyday());
+  v.Add(rooms, "rooms", "total number of rooms of the scene building, a multiple of floors",
+        Between(1, kMostRooms), AsFlag(), Everyday());
   v.Check([this] {
     if (rooms % floors == 0) return;
-    throw InputError("rooms is ", rooms, ", must be as many on each of the ", floors, " floors");
+    throw InputError("rooms is ", rooms, ", must be a multiple of floors (", floors, ")");
   });
 }
 

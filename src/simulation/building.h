@@ -10,8 +10,8 @@
 
 namespace surfit {
 
-// Where what is in a building. Each floor is a ring of four corridors around two rows of rooms,
-// with a row on either side of it; x leads along the rows, y across:
+// Floor plan of a building. Each floor is a ring of four corridors around two rows of rooms, with
+// another row on each side. x is along the rows, y is across:
 //
 //   y   outer north rooms
 //   |   north corridor
@@ -20,14 +20,14 @@ namespace surfit {
 //   |   south corridor         a staircase beyond each)
 //   +-- outer south rooms
 //
-// Staircases lead up from their south end to their north end, one flight a floor.
+// Staircases go up from their south end to their north end, one flight per floor.
 struct BuildingPlan {
   static constexpr double kRoomWidth_m = 5.2, kRoomDepth_m = 4.8, kCorridor_m = 2.2,
                           kStaircase_m = 2.0, kStorey_m = 2.9;
 
   enum class Row { kOuterSouth, kInnerSouth, kInnerNorth, kOuterNorth };
 
-  // A room's own frame has its doorway in the middle of the wall y = 0.
+  // In the room frame, the doorway is in the middle of the wall y = 0.
   struct Place {
     int floor, column;
     Row row;
@@ -35,28 +35,30 @@ struct BuildingPlan {
     Eigen::Vector3d doorway;  // on the floor, in the middle of the wall
   };
 
-  // Throws InputError unless each floor has as many rooms.
+  // Throws InputError unless all floors have the same number of rooms.
   explicit BuildingPlan(const BuildingOptions& options);
 
-  double Length() const { return columns * (kRoomWidth_m + kGap_m) - kGap_m; }       // of the rows
-  static double Depth() { return 2 * kCorridor_m + 2 * kRoomDepth_m + 3 * kGap_m; }  // of the ring
-  static double SouthAisle() { return kCorridor_m / 2; }  // y of the middle of a corridor
+  // Length of the rows, and depth of the ring, m.
+  double Length() const { return columns * (kRoomWidth_m + kGap_m) - kGap_m; }
+  static double Depth() { return 2 * kCorridor_m + 2 * kRoomDepth_m + 3 * kGap_m; }
+  // Centre lines of the corridors, m: y of the south and north corridors, x of all others.
+  static double SouthAisle() { return kCorridor_m / 2; }
   static double NorthAisle() { return Depth() - kCorridor_m / 2; }
-  static double WestAisle() { return -kGap_m - kCorridor_m / 2; }  // and x
+  static double WestAisle() { return -kGap_m - kCorridor_m / 2; }
   double EastAisle() const { return Length() - WestAisle(); }
   double StaircaseAisle(bool east) const;
 
-  static constexpr double kGap_m = 0.4;  // two walls
+  static constexpr double kGap_m = 0.4;  // thickness of two walls
 
   int floors, columns;
   std::vector<Place> rooms;
 };
 
-// The way through all of it, the corners of a closed curve, at the height of the eyes.
+// Control points of a closed camera path through all rooms, at eye height.
 std::vector<Eigen::Vector3d> BuildingRoute(const BuildingPlan& plan);
 
 struct RoomPlan;
-// Steps of the flight from a floor to the next, landings, handrails and pictures.
+// Adds steps, landings, handrails and pictures of the flight from `floor` to the next floor.
 void AddFlight(const RoomPlan& staircase, int floor);
 
 Scene MakeBuilding(std::uint64_t seed, const BuildingOptions& options);

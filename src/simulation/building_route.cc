@@ -33,8 +33,8 @@ class RouteMaker {
     Along(0, false, false, false);
   }
 
-  // In pieces of similar length, so that the curve through them does not swing out. Where the
-  // curve closes is the way from the last corner to the first.
+  // Splits the closed route into pieces of about 1 m, so that the curve through the corners does
+  // not overshoot.
   std::vector<Vector3d> Corners() const {
     constexpr double kPiece_m = 1.0;
     std::vector<Vector3d> corners;
@@ -42,7 +42,7 @@ class RouteMaker {
       const Vector3d& from = route_[i];
       const Vector3d& to = route_[(i + 1) % route_.size()];
       const double length = (to - from).norm();
-      if (length < 0.05) continue;  // the same corner twice
+      if (length < 0.05) continue;  // repeated corner
       const int pieces = std::max(1, static_cast<int>(std::lround(length / kPiece_m)));
       for (int k = 0; k < pieces; ++k) {
         corners.push_back(from + static_cast<double>(k) / pieces * (to - from));
@@ -56,7 +56,7 @@ class RouteMaker {
     route_.emplace_back(x, y, floor * BuildingPlan::kStorey_m + kEye_m);
   }
 
-  // From the south landing of the staircase to the north landing one floor above, or back.
+  // Walks from the south landing of a staircase to the north landing one floor above, or back.
   void Climb(int floor, bool east, bool upwards) {
     const double x = plan_.StaircaseAisle(east), edge = BuildingPlan::kCorridor_m;
     std::vector<Vector3d> way = {
@@ -69,7 +69,7 @@ class RouteMaker {
     if (upwards) GoTo(plan_.WestAisle(), plan_.NorthAisle(), floor + 1);
   }
 
-  // In by the doorway, once around the middle, and out again.
+  // Enters through the doorway, circles the middle of the room once, and leaves.
   void Visit(const BuildingPlan::Place& room) {
     constexpr double kMiddle_m = BuildingPlan::kRoomWidth_m / 2, kAside_m = 0.8;
     for (const Vector3d& corner :
@@ -83,7 +83,6 @@ class RouteMaker {
     }
   }
 
-  // Along the north or south corridor, from where the west or east one meets it to the other.
   void Along(int floor, bool north, bool eastwards, bool visit) {
     const double y = north ? plan_.NorthAisle() : plan_.SouthAisle();
     GoTo(eastwards ? plan_.WestAisle() : plan_.EastAisle(), y, floor);
@@ -98,7 +97,6 @@ class RouteMaker {
     GoTo(eastwards ? plan_.EastAisle() : plan_.WestAisle(), y, floor);
   }
 
-  // Around the ring; then the loop is closed where it began.
   void TourGroundFloor() {
     Along(0, false, true, true);
     Along(0, true, false, true);

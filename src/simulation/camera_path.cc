@@ -15,8 +15,8 @@
 namespace surfit {
 namespace {
 
-// What is tried of a path at random, and how often. A building's path is long: as a whole it is
-// tried but once, and chosen in shorter pieces, none of which needs to be lucky for long.
+// Number of random candidates, or length of a piece. Paths of buildings are long, so they have
+// fewer candidates as a whole and shorter pieces.
 int Attempts(const Scene& scene, int in_a_room, int in_a_building) {
   return scene.cells.empty() ? in_a_room : in_a_building;
 }
@@ -31,7 +31,8 @@ double LeastDistance(const Scene& scene, Walk walk, int frames, double step_m) {
   return least;
 }
 
-// Of some random walks the first that keeps away from objects, or the one that does best.
+// Returns the first random walk with a distance of 0.5 m from all objects, or else the walk with
+// the largest distance.
 Walk ChooseWalk(const Scene& scene, int frames, double step_m, Random* random) {
   const int candidates = Attempts(scene, 24, 2);
   constexpr double kFarEnough_m = 0.5;
@@ -47,11 +48,10 @@ Walk ChooseWalk(const Scene& scene, int frames, double step_m, Random* random) {
   return best;
 }
 
-// Who holds the camera: where they are and what they look at.
 struct Operator {
   Walk walk;
   Gaze gaze;
-  Hand moving, turning;  // in metres and rad a frame
+  Hand moving, turning;  // m and rad per frame
 
   void Film(int begin, int end, double frames_per_second, Trajectory* path) {
     for (int i = begin; i < end; ++i) {
@@ -64,8 +64,8 @@ struct Operator {
   }
 };
 
-// How far a path falls short of what we want to see; 0 where it does not. A building has planes
-// enough without being asked.
+// Cost of a path; 0 if it meets all requirements. In buildings, a minimum ratio of planar views is
+// not required.
 double Shortfall(const Scene& scene, const PathQuality& quality) {
   constexpr double kMostPlanar = 0.45;
   const double least_planar = scene.cells.empty() ? 0.28 : 0;
@@ -73,8 +73,7 @@ double Shortfall(const Scene& scene, const PathQuality& quality) {
          std::max(0.0, quality.planar_share - kMostPlanar) + 2 * quality.bare_share;
 }
 
-// Goes on with the path: of some random ways to look around the first that does not fall short, or
-// the best.
+// Tries random gazes and takes the first without cost, or else the best.
 void FilmPiece(const Scene& scene, int begin, int end, double frames_per_second, Random* random,
                Operator* person, Trajectory* path) {
   const int candidates = Attempts(scene, 16, 12);
@@ -123,7 +122,7 @@ Trajectory MakePath(const Scene& scene, int frames, std::uint64_t seed,
   Trajectory best;
   double least_shortfall = std::numeric_limits<double>::infinity();
   for (int i = 1; i <= walks && least_shortfall > kGoodEnough; ++i) {
-    Trajectory path = FilmPath(scene, frames, options, Random(seed, i));  // stream 0: the scene's
+    Trajectory path = FilmPath(scene, frames, options, Random(seed, i));  // stream 0: scene
     const double shortfall = Shortfall(scene, JudgePath(scene, path));
     if (shortfall >= least_shortfall) continue;
     least_shortfall = shortfall;
@@ -139,13 +138,13 @@ SmoothPath::SmoothPath(Trajectory poses) : poses_(std::move(poses)) {
     const Eigen::Quaterniond& q = pose.world_from_camera.rotation;
     Knot knot;
     knot << pose.world_from_camera.translation, q.coeffs();
-    // Of the two quaternions of a rotation the one on the side of that before.
+    // Uses the sign of the quaternion that is closer to the previous quaternion.
     if (!values_.empty() && knot.tail<4>().dot(values_.back().tail<4>()) < 0) knot.tail<4>() *= -1;
     values_.push_back(knot);
   }
-  // The second derivatives m: continuous slopes make, with steps h before and after,
+  // Natural cubic spline. The second derivatives m with steps h satisfy
   //   h0 m0 + 2 (h0 + h1) m1 + h1 m2 = 6 ((y2 - y1) / h1 - (y1 - y0) / h0),
-  // and m is zero at both ends: a tridiagonal system (Thomas).
+  // with m = 0 at both ends. The tridiagonal system is solved by the Thomas algorithm.
   second_derivatives_.assign(count, Knot::Zero());
   std::vector<double> above(count, 0);
   const auto step = [&](std::size_t i) { return poses_[i + 1].stamp_s - poses_[i].stamp_s; };
@@ -170,7 +169,7 @@ Rigid3d SmoothPath::At(double stamp_s) const {
   const auto i = std::clamp<std::ptrdiff_t>(next - poses_.begin() - 1, 0, last - 1);
   const double h = poses_[i + 1].stamp_s - poses_[i].stamp_s;
   const double a = (poses_[i + 1].stamp_s - stamp_s) / h, b = 1 - a;
-  // Beyond an end, where the second derivative is zero, straight on.
+  // Linear extrapolation beyond the ends.
   const auto cubic = [](double x) { return x < 0 ? -x : x * x * x - x; };
   const Knot bend = cubic(a) * second_derivatives_[i] + cubic(b) * second_derivatives_[i + 1];
   const Knot value = a * values_[i] + b * values_[i + 1] + h * h / 6 * bend;

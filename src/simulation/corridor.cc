@@ -12,7 +12,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Lamps on the ceiling, about as far from each other as the walls leave in a room.
 void AddLamps(const RoomPlan& corridor) {
   constexpr double kApart_m = 5, kBelowCeiling_m = 0.3;
   const double length = std::max(corridor.width_m, corridor.depth_m);
@@ -50,7 +49,7 @@ Stretch RandomStretch(const RoomPlan& corridor) {
   }
 }
 
-// As much as there is space for, so that there is something to hold on to everywhere.
+// Fills 75 % of the wall, so that registration is constrained everywhere.
 void FurnishStretch(const RoomPlan& corridor, int wall, double from_m, double to_m) {
   constexpr double kShareOfWall = 0.75;
   double free = kShareOfWall * (to_m - from_m);
@@ -71,7 +70,7 @@ void AddFurnishedCorridor(const RoomPlan& corridor) {
   AddLamps(corridor);
   for (int wall = 0; wall < 4; ++wall) {
     const double length = corridor.WallLength(wall);
-    if (length < std::max(corridor.width_m, corridor.depth_m)) continue;  // its ends
+    if (length < std::max(corridor.width_m, corridor.depth_m)) continue;  // end walls
     double from = kCorner_m;
     for (const Doorway& doorway : corridor.DoorwaysIn(wall)) {
       FurnishStretch(corridor, wall, from, doorway.at_m - kBesideDoorway_m);

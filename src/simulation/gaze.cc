@@ -12,7 +12,7 @@
 namespace surfit {
 
 ViewQuality JudgeView(const Scene& scene, const Rigid3d& world_from_camera) {
-  PinholeCamera camera;  // every 32nd pixel
+  PinholeCamera camera;  // 640 x 480 reduced by 32
   camera.width = 20;
   camera.height = 15;
   camera.fx = camera.fy = 525.0 / 32;
@@ -62,7 +62,7 @@ double Angle(const Vector3d& a, const Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
-// Neither too near nor so high or low that the horizon could not be kept level.
+// True for targets that are not too near, and at elevations that permit a level horizon.
 bool InSight(const Vector3d& to_target) {
   const double elevation = std::asin(to_target.z() / to_target.norm());
   return to_target.norm() > 0.6 && elevation > -52 * kRadPerDeg && elevation < 25 * kRadPerDeg;
@@ -89,7 +89,8 @@ void Gaze::Advance(const Vector3d& position, double turn_rad) {
     ChooseTarget(position);
   }
   Steer((scene_->targets[target_] - position).normalized());
-  // The camera turns more than its gaze where it looks up or down: the fixed point of the arc.
+  // At high or low elevations, the camera rotates by more than the arc of the gaze direction. A
+  // fixed-point iteration finds the arc for a rotation by turn_rad.
   constexpr int kIterations = 10;
   const Eigen::Quaterniond before = Orientation();
   const Vector3d direction = direction_, heading = heading_;
@@ -107,7 +108,7 @@ bool Gaze::MayTurnTo(const Vector3d& to_target) const {
          Angle(direction_, to_target) < kFarthestTurn_rad;
 }
 
-// Of the scene, or of the cells that one is in or about to enter.
+// Targets of the cells within 0.5 m, or all targets of the scene.
 std::vector<int> Gaze::TargetsFrom(const Vector3d& position) const {
   constexpr double kAtDoorway_m = 0.5;
   std::vector<int> targets;
@@ -121,8 +122,7 @@ std::vector<int> Gaze::TargetsFrom(const Vector3d& position) const {
   return targets;
 }
 
-// Another target, at random among those in sight and not far behind, if there are any; if possible
-// one whose view from here is of the kind that is sought.
+// Prefers targets in front of the camera, and views of the wanted kind (planar or not planar).
 void Gaze::ChooseTarget(const Vector3d& position) {
   const double planar_choices = scene_->cells.empty() ? 0.8 : 0;
   constexpr int kAttempts = 40, kMostViews = 12;

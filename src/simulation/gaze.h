@@ -11,42 +11,41 @@
 
 namespace surfit {
 
-// What a depth camera of 640 x 480 pixels and a focal length of 525 px holds on to in one view.
-// Only what lies 0.4 to 4.5 m away counts as seen.
+// Geometric content of a view of a depth camera with 640 x 480 pixels and a focal length of 525 px.
+// Pixels at depths of 0.4 to 4.5 m are visible.
 struct ViewQuality {
-  double seen_share = 0;        // of the pixels
-  double two_planes_share = 0;  // of the seen pixels: those on the two largest flat faces
+  double seen_share = 0;        // ratio of visible pixels to all pixels
+  double two_planes_share = 0;  // ratio of visible pixels on the two largest flat faces
 
   bool IsPlanar() const { return two_planes_share >= 0.8; }
-  // Leaves a depth camera without hold.
+  // True if registration would be degenerate.
   bool IsBare() const { return two_planes_share > 0.95 || seen_share < 0.5; }
 };
 
 ViewQuality JudgeView(const Scene& scene, const Rigid3d& world_from_camera);
 
-// What a camera path shows, judged by some of its frames.
+// View quality of a camera path, from every 10th frame.
 struct PathQuality {
-  double planar_share = 0;  // of the views
-  double bare_share = 0;    // of the views
+  double planar_share = 0;  // ratio of planar views
+  double bare_share = 0;    // ratio of degenerate views
 };
 
 PathQuality JudgePath(const Scene& scene, const Trajectory& path);
 
-// A gaze that glides from target to target and never rests: it moves on the sphere of directions
-// at a given speed and only steers, turning its heading little by little towards the target. Often
-// it seeks a view of hardly more than one or two planes, otherwise any other.
+// Viewing direction that moves from target to target without stopping. It moves on the unit sphere
+// at a given speed and gradually steers its heading towards the target. In scenes without cells, 80
+// % of the targets are chosen for a view of one or two planes.
 class Gaze {
  public:
-  // Keeps a pointer to the scene, which must have two targets at least.
+  // Keeps a pointer to the scene, which must outlive this object and have at least two targets.
   Gaze(const Scene& scene, const Eigen::Vector3d& position, std::uint64_t seed);
 
-  // Goes on to other targets from here: changes the random choices to come.
   void Reseed(std::uint64_t seed) { random_ = Random(seed); }
 
-  // World from camera: z along the gaze, x right, y down, the horizon level.
+  // world_from_camera: z along the gaze, x right, y down, level horizon.
   Eigen::Quaterniond Orientation() const;
 
-  // Moves on so that the orientation turns by this angle.
+  // Moves the gaze so that the orientation rotates by `turn_rad`. `position`: camera in world, m.
   void Advance(const Eigen::Vector3d& position, double turn_rad);
 
  private:
@@ -59,8 +58,8 @@ class Gaze {
   Random random_;
   int target_ = -1;
   int frames_on_target_ = 0;
-  // Unit vectors in the world's frame, z up, at right angles: where the gaze is, and where on the
-  // sphere it moves to.
+  // Orthogonal unit vectors in the world frame (z up): gaze, and direction of its motion on the
+  // sphere.
   Eigen::Vector3d direction_ = Eigen::Vector3d::UnitY(), heading_ = Eigen::Vector3d::UnitX();
 };
 

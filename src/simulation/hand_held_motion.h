@@ -14,7 +14,8 @@
 
 namespace surfit {
 
-// A sum of sines of random phase: smooth, never repeating soon, in [-1, 1].
+// Smooth random function with values in [-1, 1]: a sum of three sines with random frequency and
+// phase.
 class Wander {
  public:
   Wander(double lowest_frequency, double highest_frequency, Random* random) {
@@ -53,9 +54,9 @@ class Wander3 {
   Wander x_, y_, z_;
 };
 
-// Slow variation of speed, and the trembling of a hand. Speeds take the middle of the bounds; the
-// rest is for the tremble, whose speed at frequency f and amplitude a is at most 2 pi f a on each
-// of three axes.
+// Slow variation of speed, and tremor of a hand, per frame. The total speed is within [low, high]:
+// 70 % of the half range is for the variation of speed, 30 % for the tremor. A tremor of frequency
+// f and amplitude a has a speed of at most 2 pi f a on each of three axes.
 class Hand {
  public:
   Hand(double low, double high, double frames_per_second, Random* random)
@@ -79,12 +80,12 @@ class Hand {
   Wander3 tremble_;
 };
 
-// A smooth closed curve through its corners (Catmull-Rom).
+// Closed Catmull-Rom spline.
 class Loop {
  public:
   explicit Loop(std::vector<Eigen::Vector3d> corners) : corners_(std::move(corners)) {}
 
-  // At corner i for place = i, and again a whole round later.
+  // Point at corner i for place = i. Periodic with the number of corners.
   Eigen::Vector3d At(double place) const {
     const double whole = std::floor(place), s = place - whole;
     const Eigen::Vector3d a = Corner(whole - 1), b = Corner(whole), c = Corner(whole + 1),
@@ -102,8 +103,8 @@ class Loop {
   std::vector<Eigen::Vector3d> corners_;
 };
 
-// Points at equal or slowly varying distances along a curve: anywhere in the scene's camera space,
-// or along its route with little swerves.
+// Walk along a random curve in the camera space of a scene, or along its route with small
+// deviations.
 class Walk {
  public:
   Walk(const Scene& scene, Random* random)
@@ -117,7 +118,7 @@ class Walk {
 
   Eigen::Vector3d Position() const { return At(place_); }
 
-  // Goes on to the next point of the curve at this distance.
+  // Advances to the next point of the curve at a straight distance of `step_m`.
   void Advance(double step_m) {
     const Eigen::Vector3d from = Position();
     const auto too_near = [&](double place) { return (At(place) - from).norm() < step_m; };
@@ -136,7 +137,8 @@ class Walk {
   }
 
   std::optional<Loop> loop_;
-  Eigen::Vector3d center_, half_;  // of the box, or of the swerves
+  Eigen::Vector3d center_,
+      half_;  // centre and half size of the camera space; half size of deviations
   Wander3 curve_;
   double place_ = 0;
 };

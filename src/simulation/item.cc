@@ -9,11 +9,11 @@ namespace surfit {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-// By the half-angle formulas (1 + cos a, sin a * axis) = 2 cos(a/2) (cos(a/2), sin(a/2) * axis),
-// with cos a = z . d and sin a * axis = z x d.
+// Half-angle formulas: (1 + cos a, sin a * axis) = 2 cos(a/2) (cos(a/2), sin(a/2) * axis), with
+// cos a = z . d and sin a * axis = z x d.
 Eigen::Quaterniond TurnZInto(const Eigen::Vector3d& direction) {
   const Eigen::Vector3d d = direction.normalized();
-  if (d.z() < -1 + 1e-12) return {0, 1, 0, 0};  // upside down, about the x axis
+  if (d.z() < -1 + 1e-12) return {0, 1, 0, 0};  // half a turn about the x axis
   return Eigen::Quaterniond(1 + d.z(), -d.y(), d.x(), 0).normalized();
 }
 
@@ -54,7 +54,6 @@ void Item::Cone(const Vector3d& bottom, double bottom_radius, double top_radius,
 }
 
 Color RandomPaint(Random* random) {
-  // A hue, half mixed with grey.
   const double hue = random->Uniform(0, 2 * M_PI), strength = random->Uniform(0.05, 0.22);
   const double grey = random->Uniform(0.2, 0.45);
   const auto channel = [&](double phase) {

@@ -155,7 +155,6 @@ void AddPlant(const Item& item, Random* random) {
     const Vector3d root = 0.05 * outward + Vector3d(0, 0, 0.31);
     const Vector3d tip = reach * outward + Vector3d(0, 0, 0.31 + height);
     item.Rod(root, tip, 0.006, green);
-    // Leaves are thin discs, tilted outward.
     for (const double share : {0.6, 0.8, 1.0}) {
       const Vector3d tilt = (Vector3d(0, 0, 1) + random->Uniform(0.4, 1.2) * outward).normalized();
       const Vector3d center = root + share * (tip - root) + 0.05 * outward;

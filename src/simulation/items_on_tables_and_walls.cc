@@ -93,7 +93,7 @@ void AddClutter(const Item& item, double width_m, double depth_m, Random* random
   using Adder = void (*)(const Item&, Random*);
   constexpr Adder kThings[] = {&AddCup, &AddPileOfBooks, &AddBowlOfFruit,
                                &AddCup, &AddRing,        &AddVase};
-  // A grid of places, so that nothing stands in anything else; some stay free.
+  // A grid avoids intersections of items; 30 % of the cells stay empty.
   const int columns = std::max(1, static_cast<int>(width_m / 0.33));
   const int rows = std::max(1, static_cast<int>(depth_m / 0.33));
   const double column = width_m / columns, row = depth_m / rows;
@@ -128,7 +128,6 @@ void AddDoor(const Item& item, Random* random) {
 }
 
 void AddCurtain(const Item& item, double width_m, double height_m, Random* random) {
-  // Folds are half cylinders side by side, each second one further back.
   const std::uint64_t seed = random->Index(1 << 30);
   const Texture cloth = Mottled(RandomPaint(random), 0.05, 0.25f, seed);
   const int folds = static_cast<int>(width_m / 0.075);

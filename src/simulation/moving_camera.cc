@@ -10,14 +10,15 @@ namespace surfit {
 namespace {
 
 constexpr double kMeanGrey = 0.18;
-constexpr double kLeastLight = 1e-3;  // darker counts as this
+constexpr double kLeastLight = 1e-3;  // lower bound of the mean light
 
-// Follows what is wished for, frame by frame; stays at zero without a lag.
+// First-order low-pass filter, updated once per frame. Always returns 0 if the lag is 0.
 class Lagged {
  public:
   Lagged(double lag_s, double frame_s) : is_on_(lag_s > 0), share_(-std::expm1(-frame_s / lag_s)) {}
 
-  // The value for a frame; what it wishes is for the next one, unless it is the first.
+  // Returns the value for the current frame. `wish` takes effect in the next frame; in the first
+  // frame it takes effect at once.
   double Next(double wish) {
     if (!is_on_) return 0;
     if (!has_begun_) next_ = wish;
@@ -76,7 +77,6 @@ MovingCamera::MovingCamera(const Scene& scene, const RgbdCamera& camera, const T
                       camera.frames_per_second, options);
 }
 
-// Of each frame, by a small image.
 std::vector<Eigen::Vector3d> MovingCamera::MeanLight() const {
   constexpr int kWidth = 80;
   const PinholeCamera small = camera_.depth.Binned(std::max(1, camera_.depth.width / kWidth));
@@ -105,7 +105,6 @@ Rigid3d MovingCamera::ColorPose(int i, int v) const {
   return PoseAt(ColorMoment(i), options_.color_readout_s, v);
 }
 
-// The mean of what is seen at moments that share the exposure evenly.
 LightImage MovingCamera::Light(int i) const {
   const int samples = options_.exposure_s == 0 ? 1 : options_.exposure_samples;
   LightImage sum;

@@ -6,12 +6,12 @@
 
 namespace surfit {
 
-// Random numbers that are the same on every platform: std's engines are fixed by the standard, its
-// distributions are not. Of a call's arguments only one may draw: in which order they are evaluated
-// is up to the compiler.
+// Random numbers that are identical on all platforms. The C++ standard specifies the engines, but
+// not the distributions. At most one argument of a call may draw a number, because the evaluation
+// order of arguments depends on the compiler.
 class Random {
  public:
-  // Streams of the same seed are independent of each other.
+  // Streams of the same seed are independent.
   explicit Random(std::uint64_t seed, std::uint64_t stream = 0)
       : engine_(Mix(Mix(seed) + stream)) {}
 
@@ -19,7 +19,7 @@ class Random {
   double Uniform(double low, double high) { return low + (high - low) * Uniform(); }
   int Index(int count) { return static_cast<int>(Uniform() * count); }  // 0 ... count - 1
 
-  // Standard normal, after Box and Muller; values come in pairs.
+  // Standard normal distribution (Box and Muller).
   double Normal() {
     if (has_spare_) {
       has_spare_ = false;
@@ -32,7 +32,7 @@ class Random {
     return length * std::cos(angle);
   }
 
-  // A well-mixed bijection of 64 bits (Steele, Lea and Flood 2014, SplitMix64).
+  // SplitMix64 hash, a bijection (Steele, Lea and Flood 2014).
   static std::uint64_t Mix(std::uint64_t x) {
     x += 0x9e3779b97f4a7c15u;
     x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;

@@ -28,7 +28,6 @@ void AddCeilingLamp(const RoomPlan& room) {
       {room.Frame().InWorld(above - Vector3d(0, 0, 0.45)), 1.15f, true, room.Lit()});
 }
 
-// Along a whole wall; the corners stay free.
 void LineWall(const RoomPlan& room, int wall, std::vector<Stretch> stretches) {
   constexpr double kCorner_m = 0.8;
   Line(room, wall, kCorner_m, room.WallLength(wall) - kCorner_m, std::move(stretches));
@@ -67,7 +66,6 @@ void AddCabinetWall(const RoomPlan& room, int wall) {
              }}});
 }
 
-// Hardly anything but plain wall.
 void AddBareWall(const RoomPlan& room, int wall) {
   Random* random = room.random;
   const auto shelf = [=](const Item& at) { AddWallShelf(at.At({0, 0, 1.45}), 0.8, random); };
@@ -131,7 +129,6 @@ void AddMiddle(const RoomPlan& room) {
   const double width = random->Uniform(1.1, 1.5), depth = random->Uniform(0.7, 0.9);
   AddTable(place, width, depth, random);
   for (const double side : {-1, 1}) {
-    // A chair faces the table, its back away from it.
     const double x = random->Uniform(-0.25, 0.25),
                  y = side * (depth / 2 + random->Uniform(0.1, 0.3));
     AddChair(place.At({x, y, 0}, (side > 0 ? M_PI : 0) + random->Uniform(-0.4, 0.4)), random);
@@ -140,7 +137,7 @@ void AddMiddle(const RoomPlan& room) {
   AddChair(place.At({width / 2 + 0.3, random->Uniform(-0.1, 0.1), 0}, turn), random);
 }
 
-// A thing on the floor beside the doorway that rooms alike do not share.
+// Adds an item beside the doorway that differs between rooms with the same furniture.
 void AddKeepsake(const RoomPlan& room) {
   constexpr std::array<void (*)(const Item&, Random*), 3> kThings = {&AddBall, &AddBin, &AddRing};
   const Item at = room.WallFrame(0).At({room.pictures->Uniform(0.9, 1.4), 0.4, 0});

@@ -10,39 +10,36 @@
 
 namespace surfit {
 
-// A furnished room; what stands where, its size and its colours vary with the seed.
+// Furnished room. Size, furniture and colours depend on the seed.
 Scene MakeRoom(std::uint64_t seed);
 
-// An opening in a wall, 2.1 m high, that one can walk through.
 struct Doorway {
   static constexpr double kWidth_m = 1.2, kHeight_m = 2.1;
-  int wall;             // of RoomPlan::WallFrame()
-  double at_m;          // of its middle, along the wall's foot
-  double bottom_m = 0;  // above the wall's foot
+  int wall;             // index for RoomPlan::WallFrame()
+  double at_m;          // x of the middle in the wall frame
+  double bottom_m = 0;  // z of the lower edge in the wall frame
 };
 
-// Something that takes up a stretch of wall.
 struct Stretch {
   double width_m;
   std::function<void(const Item&)> add;
 };
 
-// Where the walls of a room are while it is being furnished.
 struct RoomPlan {
   static constexpr double kHeight_m = 2.5;
-  static constexpr double kThick_m = 0.2;  // of walls, floor and ceiling, outwards
+  static constexpr double kThick_m = 0.2;  // thickness of walls, floor and ceiling, outwards
 
   Scene* scene;
   Random* random;
-  double width_m, depth_m;  // x from 0 to width_m, y from 0 to depth_m, the floor at z = 0
+  double width_m, depth_m;  // x in [0, width_m], y in [0, depth_m], floor at z = 0
   Eigen::Vector3d corner_in_world = Eigen::Vector3d::Zero();
   std::vector<Doorway> doorways = {};
-  double turn_rad = 0;  // of the room about its corner
+  double turn_rad = 0;  // rotation of the room about its corner
   double height_m = kHeight_m;
-  // Rooms alike are furnished by equal `random`; what is painted on pictures and rugs is of this,
-  // unless null.
+  // Random numbers of pictures and rugs; null: `random`. Rooms with equal `random` have the same
+  // furniture.
   Random* pictures = nullptr;
-  bool keeps_light = false;  // its lamps light it alone
+  bool keeps_light = false;  // lamps do not light other rooms
 
   Random* Pictures() const { return pictures != nullptr ? pictures : random; }
   Item Frame() const { return Item(scene, WorldFromRoom()); }
@@ -50,34 +47,33 @@ struct RoomPlan {
     return {Eigen::Quaterniond(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitZ())),
             corner_in_world};
   }
-  // What its lamps light, for PointLight::lit: half of each doorway as well.
+  // Space that the lamps light, for PointLight::lit. Includes half of each doorway.
   Eigen::AlignedBox3d Lit() const;
-  // What is between the walls.
+  // Space between the walls.
   Eigen::AlignedBox3d SpaceInWorld() const;
-  // Wall i's frame: x from 0 to WallLength(i) along its foot, y into the room, z up.
+  // Frame of wall i: x from 0 to WallLength(i) along its lower edge, y into the room, z up.
   Item WallFrame(int i) const;
   double WallLength(int i) const { return i % 2 == 0 ? width_m : depth_m; }
-  // From left to right, and from the floor up.
+  // Doorways sorted from left to right, then from bottom to top.
   std::vector<Doorway> DoorwaysIn(int wall) const;
-  // A doorway at this place of the floor, in the wall that is nearest.
+  // Adds a doorway in the nearest wall. `point_in_world`: middle of its lower edge.
   void OpenAt(const Eigen::Vector3d& point_in_world);
 };
 
-// Floor, ceiling and four walls with skirting boards, open where there are doorways.
+// Adds floor, ceiling and walls with skirting boards and doorways.
 void AddShell(const RoomPlan& room);
 
-// Shell, lamp and furniture; posters beside doorways, and nothing before them.
+// Adds shell, lamp and furniture; walls with a doorway have only posters.
 void AddFurnishedRoom(const RoomPlan& room);
 
-// Puts the stretches side by side in random order along the wall, from one place of it to another,
-// with random gaps, which are worth a look where they are wide.
+// Adds the stretches along a wall from `from_m` to `to_m`, in random order with random gaps. Wide
+// gaps become targets of the camera.
 void Line(const RoomPlan& room, int wall, double from_m, double to_m,
           std::vector<Stretch> stretches);
 
-// A picture on the wall, and a look at it.
 Stretch PosterStretch(const RoomPlan& room);
 
-// Shell, lamps, and things along the walls that leave the middle free.
+// Adds shell, lamps, and items along the walls; the middle stays free.
 void AddFurnishedCorridor(const RoomPlan& corridor);
 
 }  // namespace surfit

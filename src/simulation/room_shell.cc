@@ -23,8 +23,8 @@ void AddWall(const RoomPlan& room, int i, const Texture& paint) {
     wall.Box({from, 0, 0}, {to, 0.015, 0.08}, board);
   };
   const std::vector<Doorway> doorways = room.DoorwaysIn(i);
-  double end = -kThick_m;  // of what is built already, and of its skirting
-  double skirting_end = 0;
+  double end = -kThick_m;   // end of the wall so far
+  double skirting_end = 0;  // end of the skirting board so far
   for (std::size_t k = 0; k < doorways.size();) {
     const double at = doorways[k].at_m;
     const double from = at - Doorway::kWidth_m / 2, to = from + Doorway::kWidth_m;
@@ -35,7 +35,7 @@ void AddWall(const RoomPlan& room, int i, const Texture& paint) {
       skirting_end = to;
     }
     double bottom = 0;
-    for (; k < doorways.size() && doorways[k].at_m == at; ++k) {  // one above the other
+    for (; k < doorways.size() && doorways[k].at_m == at; ++k) {
       piece(from, to, bottom, doorways[k].bottom_m);
       bottom = doorways[k].bottom_m + Doorway::kHeight_m;
     }
@@ -79,7 +79,7 @@ void RoomPlan::OpenAt(const Vector3d& point_in_world) {
   const double to_wall[] = {point.y(), width_m - point.x(), depth_m - point.y(), point.x()};
   const double along[] = {point.x(), point.y(), width_m - point.x(), depth_m - point.y()};
   const auto wall = std::min_element(std::begin(to_wall), std::end(to_wall)) - to_wall;
-  constexpr double kGrid_m = 1e-6;  // doorways one above the other are at the same place
+  constexpr double kGrid_m = 1e-6;  // doorways on top of each other must have equal at_m
   doorways.push_back({static_cast<int>(wall), kGrid_m * std::round(along[wall] / kGrid_m),
                       kGrid_m * std::round(point.z() / kGrid_m)});
 }

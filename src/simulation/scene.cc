@@ -22,7 +22,7 @@ Sphere BoundingSphere(const std::vector<ScenePoint>& points) {
   return {box.center(), box.diagonal().norm() / 2};
 }
 
-// Where shadow rays begin: off the surface, so that it is not met itself.
+// Start of a shadow ray, with a small offset that avoids a hit of the surface itself.
 Vector3d OffSurface(const ScenePoint& point) {
   constexpr double kOffSurface_m = 1e-4;
   return point.point_in_world + kOffSurface_m * point.hit.normal_in_world;
@@ -40,7 +40,7 @@ float Daylight(const Vector3d& normal_in_world) {
   return 0.26f + 0.1f * static_cast<float>(normal_in_world.z());
 }
 
-// Light per unit reflectance; falls off slower than 1/r^2, as light in a room with pale walls does.
+// Light per unit reflectance. It decreases slower than 1/r^2, as in a room with bright walls.
 float LightFrom(const PointLight& light, const Vector3d& normal, const Vector3d& to_light) {
   constexpr double kReach_m = 2.5;
   const double distance = to_light.norm();
@@ -65,7 +65,7 @@ Eigen::AlignedBox3d BoxInWorld(const Shape& shape, const Rigid3d& world_from_obj
   return {world_from_object.translation - reach, world_from_object.translation + reach};
 }
 
-// The points in a cone about a unit axis and at most reach_m from its apex.
+// Cone about a unit axis, limited to a distance of reach_m from the apex.
 struct Cone {
   Cone(Vector3d cone_apex, Vector3d unit_axis, double half_angle_rad, double cone_reach_m)
       : apex(std::move(cone_apex)),
@@ -75,8 +75,8 @@ struct Cone {
         reach_m(cone_reach_m),
         is_narrow(half_angle_rad < M_PI / 2) {}
 
-  // A ball of radius r at a distance d looms r / d = sin(b) wide; it reaches into the cone where
-  // the angle to its centre is at most a + b, a the cone's half angle:
+  // A sphere of radius r at distance d has the angular radius b with sin(b) = r / d. It intersects
+  // a cone of half angle a if the angle to its centre is at most a + b:
   //   cos(angle) >= cos(a + b) = cos(a) cos(b) - sin(a) sin(b), for a + b < pi.
   bool Meets(const Vector3d& center, double radius) const {
     if (!(radius < kInfinity)) return true;
@@ -113,7 +113,7 @@ std::optional<SceneHit> Scene::Intersect(const Vector3d& origin, const Vector3d&
   return Intersect(origin, direction, all);
 }
 
-// Of objects that the ray enters at the same t, the first that was added counts.
+// If the ray hits several objects at the same t, the object that was added first is the hit.
 std::optional<SceneHit> Scene::Intersect(const Vector3d& origin, const Vector3d& direction,
                                          const std::vector<RayCandidate>& candidates) const {
   constexpr double kRounding = 1 + 1e-9;
@@ -168,8 +168,8 @@ std::vector<RayCandidate> Scene::ObjectsInCone(const Vector3d& apex, const Vecto
   return inside;
 }
 
-// The objects that can stand between the light and the points: in the cone from the light about the
-// points, and in the box that holds both.
+// Objects that can occlude the light: inside the cone from the light to the points, and inside the
+// bounding box of light and points.
 std::vector<RayCandidate> Scene::Occluders(const PointLight& light,
                                            const std::vector<ScenePoint>& points) const {
   const Sphere sphere = BoundingSphere(points);

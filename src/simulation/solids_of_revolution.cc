@@ -25,7 +25,7 @@ class Frustum : public Shape {
 
   std::optional<ShapeHit> Intersect(const Vector3d& origin,
                                     const Vector3d& direction) const override {
-    // A convex body is entered only once, at a cap or at the side.
+    // A ray enters a convex body only once, at a cap or at the side.
     if (auto hit = IntersectCap(origin, direction)) return hit;
     return IntersectSide(origin, direction);
   }
@@ -57,7 +57,7 @@ class Frustum : public Shape {
     return ShapeHit{t, {0, 0, side}, side > 0 ? 1 : 0};
   }
 
-  // x^2 + y^2 - r(z)^2 along the ray is a t^2 + 2 b t + c.
+  // Solves x^2 + y^2 - r(z)^2 = a t^2 + 2 b t + c = 0 along the ray.
   std::optional<ShapeHit> IntersectSide(const Vector3d& origin, const Vector3d& direction) const {
     const double radius = RadiusAt(origin.z()), growth = slope_ * direction.z();
     const double a = direction.head<2>().squaredNorm() - growth * growth;
@@ -65,7 +65,7 @@ class Frustum : public Shape {
     const double c = origin.head<2>().squaredNorm() - radius * radius;
     const double discriminant = b * b - a * c;
     if (discriminant <= 0) return std::nullopt;
-    // Both roots without cancellation; a may be zero, the first root is then infinite.
+    // Both roots without cancellation. If a is 0, the first root is infinite.
     const double q = -(b + std::copysign(std::sqrt(discriminant), b));
     for (const double t : {q / a, c / q}) {
       if (!(t > 0) || !std::isfinite(t)) continue;
@@ -85,11 +85,11 @@ class Torus : public Shape {
  public:
   Torus(double ring_radius, double tube_radius) : ring_radius_(ring_radius), tube_(tube_radius) {}
 
-  // Sphere tracing (Hart 1996): a step as long as the distance never passes the surface.
+  // Sphere tracing (Hart 1996): a step of the length of the distance never passes the surface.
   std::optional<ShapeHit> Intersect(const Vector3d& origin,
                                     const Vector3d& direction) const override {
     constexpr double kOnSurface_m = 1e-10;
-    constexpr int kMostSteps = 2000;  // hardly ever more than 100; then the ray counts as a miss
+    constexpr int kMostSteps = 2000;  // typically below 100; beyond the limit, the ray is a miss
     const double speed = direction.norm(), bound = BoundingRadius();
     const double middle = -origin.dot(direction) / (speed * speed);
     const double chord2 = bound * bound - (origin + middle * direction).squaredNorm();

@@ -12,7 +12,7 @@ using Eigen::Vector3d;
 
 constexpr int kSteps = 20;
 constexpr double kRise_m = BuildingPlan::kStorey_m / kSteps;
-constexpr double kThick_m = 0.25;  // of what does not stand on the ground
+constexpr double kThick_m = 0.25;  // thickness of steps and landings above the ground floor
 
 double Tread(const RoomPlan& staircase) {
   return (staircase.depth_m - 2 * BuildingPlan::kCorridor_m) / kSteps;
@@ -31,7 +31,6 @@ void AddSteps(const RoomPlan& staircase, const Item& flight, bool on_ground) {
   if (!on_ground) flight.Box({0, 0, -kThick_m}, {width, BuildingPlan::kCorridor_m, 0}, wood);
 }
 
-// On both walls, which rise with the flight.
 void AddWallThings(const RoomPlan& staircase, const Item& flight) {
   constexpr double kApart_m = 1.5, kRail_m = 0.95, kFromWall_m = 0.07;
   Random* random = staircase.random;
@@ -45,7 +44,7 @@ void AddWallThings(const RoomPlan& staircase, const Item& flight) {
     for (double y = begin + random->Uniform(0.3, 0.9); y < end - 0.3;
          y += kApart_m * random->Uniform(0.8, 1.2)) {
       const double floor = (y - begin) / (end - begin) * BuildingPlan::kStorey_m;
-      // A frame on the wall whose y points into the staircase.
+      // Wall frame with y into the staircase.
       const Item at = flight.At({x, y, floor}, -inward * M_PI / 2);
       const double height = random->Uniform(0.4, 0.8), width = random->Uniform(0.4, 0.8);
       AddPoster(at.At({0, 0, random->Uniform(1.2, 1.4)}), width, height, random);

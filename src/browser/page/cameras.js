@@ -3,7 +3,7 @@
 surfit.positionOf = (pose) => new THREE.Vector3(pose[2], pose[3], pose[4]);
 surfit.rotationOf = (pose) => new THREE.Quaternion(pose[5], pose[6], pose[7], pose[8]);
 
-// Unit mean over the poses of a direction in the camera, the direction itself without a mean.
+// Unit vector of the mean world direction of a direction in the camera frame; `inCamera` if the mean vanishes.
 surfit.meanDirection = (poses, ...inCamera) => {
   const sum = new THREE.Vector3();
   for (const pose of poses) sum.add(new THREE.Vector3(...inCamera).applyQuaternion(surfit.rotationOf(pose)));
@@ -12,7 +12,7 @@ surfit.meanDirection = (poses, ...inCamera) => {
 surfit.upOf = (poses) => surfit.meanDirection(poses, 0, -1, 0);
 surfit.forwardOf = (poses) => surfit.meanDirection(poses, 0, 0, 1);
 
-// The horizontal unit vector nearest to a direction, any horizontal unit vector for a vertical direction.
+// Horizontal unit vector nearest to a direction; any horizontal unit vector for a vertical direction.
 surfit.level = (direction, up) => {
   const level = direction.clone().addScaledVector(up, -direction.dot(up));
   if (level.length() < 1e-3) level.set(up.y, up.z, up.x).cross(up);
@@ -26,13 +26,13 @@ surfit.makeLines = (color, points = [], Lines = THREE.LineSegments) => {
   return lines;
 };
 
-// A new geometry, because the size of a geometry's buffers on the graphics card is fixed.
+// Replaces the geometry, because the buffers of a geometry have a fixed size.
 surfit.setPoints = (lines, points) => {
   lines.geometry.dispose();
   lines.geometry = new THREE.BufferGeometry().setFromPoints(points);
 };
 
-// Pairs of points: the edges of a pyramid from a pose's camera to `depth` metres before it.
+// Edges of a camera frustum as pairs of points. depth: height of the frustum, m.
 surfit.frustum = (camera, pose, depth) => {
   const corners = [[0, 0], [camera.width, 0], [camera.width, camera.height], [0, camera.height]].map(
     ([u, v]) => new THREE.Vector3((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1)

@@ -1,6 +1,6 @@
 'use strict';
-// Charts of Chart.js in the colours of the page. A chart is made before it is visible, because the charts of a
-// report together take longer than its map. Dragging zooms, a double click shows the whole chart.
+// Charts of Chart.js in the colours of the page. A chart is created shortly before it becomes visible, because
+// creating all charts of a report takes longer than the map. Dragging zooms, a double click resets the zoom.
 surfit.charts = [];
 surfit.runColors = ['#2f81d6', '#e4572e', '#3a9d5d', '#9b5de5', '#c98b00', '#00a5a5', '#e06fae', '#8f7258',
   '#8a949e'];
@@ -11,11 +11,11 @@ surfit.axis = (text, more = {}) => ({ title: { display: true, text }, ...more })
 surfit.line = (label, color, data, more = {}) => ({
   label, data, borderColor: color, backgroundColor: color, borderWidth: 1.2, pointRadius: 0, ...more });
 
-// A line per run. dataOf(run) returns its points.
+// One line per run. dataOf(run) returns its points.
 surfit.runLines = (runs, dataOf, more = {}) => runs.map(
   (run, i) => surfit.line(run.label, surfit.runColor(i), dataOf(run), more));
 
-// Points { x, y } of two columns. Values that are not finite leave a gap.
+// Points { x, y } of two columns. Non-finite values become gaps.
 surfit.pairs = (xs, ys) => xs.map((x, i) => ({ x, y: Number.isFinite(ys[i]) ? ys[i] : NaN }));
 
 // Calls `made` with the chart. Zooming needs a plugin, which is optional (src/browser/CMakeLists.txt).
@@ -49,7 +49,7 @@ surfit.applyTheme = (theme) => {
   for (const chart of surfit.charts) chart.update('none');
 };
 
-// Connects the button of the header. The theme is the system's until the button is pressed.
+// Connects the theme button of the header. The system theme is used until the button is pressed.
 surfit.connectTheme = () => {
   Chart.defaults.color = () => surfit.themeColor('--ink');
   Chart.defaults.borderColor = () => surfit.themeColor('--line');

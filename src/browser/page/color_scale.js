@@ -11,7 +11,7 @@ surfit.viridis = (() => {
   });
 })();
 
-// The place of a value in surfit.viridis.
+// Index of the colour of a value in surfit.viridis.
 surfit.scaleIndex = (value, low, high) => {
   const share = high > low ? (value - low) / (high - low) : 0;
   return 3 * Math.round(255 * Math.min(Math.max(share, 0), 1));

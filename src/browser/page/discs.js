@@ -1,5 +1,5 @@
 'use strict';
-// Surfels as discs. A disc is drawn as a point of three.js without the pixels whose rays miss the disc.
+// Surfels as discs. A disc is a three.js point, whose fragment shader discards pixels with rays that miss the disc.
 surfit.discVertexShader = `
 attribute vec3 shade;
 attribute float confidence, radius;
@@ -24,8 +24,8 @@ void main() {
   bool away = dot(facing, centre) > 0.;
   if (confidence < leastConfidence || cropped || (cull && away)) gl_Position = vec4(2., 2., 2., 1.);
 }`;
-// The ray r of the pixel meets the plane of the disc at t r, t = n.c / n.r. Discs of at most two pixels are drawn
-// as squares, because a smaller disc could miss all pixel centres.
+// The ray r of the pixel intersects the plane of the disc at t r with t = n.c / n.r. Discs of up to two pixels are
+// drawn as squares, because small discs could miss all pixel centres.
 surfit.discFragmentShader = `
 uniform float pixelsAtOneMetre;
 varying vec3 color, centre, facing;
@@ -40,7 +40,7 @@ void main() {
   gl_FragColor = vec4(color, 1.);
 }`;
 
-// Sets the vertex data of a geometry. Positions are three floats, or four integers: shares of the largest integer.
+// Sets the vertex data of a geometry. Positions are three floats, or four integers that are normalised to [0, 1].
 surfit.setDiscs = (geometry, { position, normal, confidence, radius, shade }) => {
   const set = (name, array, items, normalised) => geometry.setAttribute(name,
     new THREE.BufferAttribute(array, items, normalised));
@@ -52,7 +52,7 @@ surfit.setDiscs = (geometry, { position, normal, confidence, radius, shade }) =>
   set('shade', shade, 4, true);
 };
 
-// position = origin + extent * the geometry's position.
+// Discs at origin + extent * position of the geometry.
 surfit.makeDiscs = (geometry, origin = [0, 0, 0], extent = [1, 1, 1]) => {
   const material = new THREE.ShaderMaterial({
     vertexShader: surfit.discVertexShader,
@@ -60,7 +60,7 @@ surfit.makeDiscs = (geometry, origin = [0, 0, 0], extent = [1, 1, 1]) => {
     uniforms: {
       origin: { value: new THREE.Vector3(...origin) },
       extent: { value: new THREE.Vector3(...extent) },
-      metresPerRadius: { value: 0 },  // of the largest number of `radius`
+      metresPerRadius: { value: 0 },  // metres of the largest value of `radius`
       pixelsAtOneMetre: { value: 1 }, leastConfidence: { value: 0 }, cull: { value: true },
       boxFromWorld: { value: new THREE.Matrix3() },
       boxLow: { value: new THREE.Vector3(-1e9, -1e9, -1e9) },
@@ -68,12 +68,12 @@ surfit.makeDiscs = (geometry, origin = [0, 0, 0], extent = [1, 1, 1]) => {
     },
   });
   const discs = new THREE.Points(geometry, material);
-  discs.frustumCulled = false;  // the bounds of the geometry are in its own unit
+  discs.frustumCulled = false;  // the bounds of the geometry are not in world units
   return discs;
 };
 
-// Growth of the radii that closes the surface if only `drawn` of all surfels are drawn. Centres are irregular:
-// hence 1.4.
+// Factor of the radii that closes gaps if only `drawn` surfels of the map are drawn. The factor 1.4 accounts for
+// irregular spacing.
 surfit.growth = (map, drawn) => 1.4 * Math.sqrt(map.points / Math.max(drawn, 1));
 
 // Functions of (map, i, k): component k of the colour of surfel i. `color` and `normal` have four bytes per surfel.
@@ -82,7 +82,7 @@ surfit.colorings = {
   normal: (map, i, k) => 127.5 + map.normal[4 * i + k],
 };
 
-// Numbers valueOf(map, i) as colours of the scale, NaN as grey.
+// Colouring of the values valueOf(map, i) by the colour scale. NaN is grey.
 surfit.scaledColoring = (valueOf, [low, high]) => (map, i, k) => {
   const value = valueOf(map, i);
   return Number.isNaN(value) ? 128 : surfit.viridis[surfit.scaleIndex(value, low, high) + k];

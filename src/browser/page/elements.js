@@ -1,8 +1,8 @@
 'use strict';
-// Shared by all pages: the name space of the scripts and helpers for elements.
+// Namespace of the scripts and helpers for elements, for all pages.
 const surfit = {};
 
-// A new element, appended to its parent unless that is null.
+// Creates an element. Appends it to the parent unless `parent` is null.
 surfit.element = (tag, parent, properties = {}) => {
   const element = Object.assign(document.createElement(tag), properties);
   if (parent) parent.append(element);
@@ -36,7 +36,7 @@ surfit.whenInSight = (element, build) => {
   window.addEventListener('beforeprint', once);
 };
 
-// Returns what `make` returns. The rest of the page works without WebGL: null then.
+// Returns the result of `make`, or null without WebGL.
 surfit.withWebGl = (parent, make) => {
   try {
     return make();
@@ -46,13 +46,13 @@ surfit.withWebGl = (parent, make) => {
   }
 };
 
-// The objects in the elements <script class="name">, which are removed.
+// Removes the elements <script class="name"> and returns their objects.
 surfit.takeData = (name) => [...document.querySelectorAll(`script.${name}`)].map((element) => {
   element.remove();
   return JSON.parse(element.textContent);
 });
 
-// The least and the greatest of many numbers, [0, 0] without numbers.
+// Minimum and maximum of numbers; [0, 0] without numbers.
 surfit.range = (values) => {
   let low = Infinity, high = -Infinity;
   for (const value of values) {
@@ -62,7 +62,7 @@ surfit.range = (values) => {
   return low <= high ? [low, high] : [0, 0];
 };
 
-// Lists of items by key, in the order of their first items.
+// Map from keys to lists of items, in the order of the first items.
 surfit.groupBy = (items, keyOf) => {
   const groups = new Map();
   for (const item of items) {

@@ -1,5 +1,5 @@
 'use strict';
-// A 3D view on a canvas. Dragging and keys turn, move and zoom the view about a target.
+// 3D view on a canvas. Mouse and keys rotate, move and zoom the view about a target.
 surfit.Scene = class {
   constructor(canvas) {
     this.canvas = canvas;
@@ -8,7 +8,7 @@ surfit.Scene = class {
     new ResizeObserver(() => this.draw()).observe(canvas.parentElement);
   }
 
-  // Called when the user turns the view.
+  // Called when the user rotates the view.
   isTurned() {}
 
   look(from, at) {
@@ -40,7 +40,7 @@ surfit.Scene = class {
 
   aspect() { return this.canvasSize().width / this.canvasSize().height; }
 
-  // A canvas is cleared by a new size: only if the size has changed.
+  // Resizes the canvas only if its size has changed, because resizing clears it.
   fitCanvas(pixelRatio) {
     const { width, height } = this.canvasSize();
     const size = this.renderer.getSize(new THREE.Vector2());
@@ -55,12 +55,12 @@ surfit.Scene = class {
     this.camera.updateMatrixWorld();
   }
 
-  // On a view of so many CSS pixels.
+  // Pixels per metre at a distance of 1 m. height: height of the view in CSS pixels.
   pixelsAtOneMetre(height) {
     return height * this.renderer.getPixelRatio() / (2 * Math.tan(this.camera.fov * Math.PI / 360));
   }
 
-  // Turns about the target by angles, rad. A rotation over the top is limited.
+  // Rotates the camera about the target by angles in rad. Rotations over the top are blocked.
   turn(right, upwards) {
     const { camera, controls: { target } } = this;
     const offset = camera.position.clone().sub(target).applyAxisAngle(camera.up, right);
@@ -70,7 +70,7 @@ surfit.Scene = class {
     this.look(target.clone().add(fromTop > 0.05 && fromTop < Math.PI - 0.05 ? raised : offset), target.clone());
   }
 
-  // By shares of the distance to the target.
+  // Moves camera and target. Unit: distance to the target.
   move(right, upwards) {
     const { camera, controls: { target } } = this;
     const ahead = target.clone().sub(camera.position), step = ahead.length();
@@ -85,7 +85,7 @@ surfit.Scene = class {
   }
 };
 
-// The median of all points, and the distance from it of 90 % of the points and of the whole path, m.
+// Median of all points, and the radius about it that contains 90 % of the points and the whole path, m.
 surfit.boundsOf = (points, path) => {
   const all = [...points, ...path];
   const middle = (values) => values.sort((a, b) => a - b)[Math.floor(values.length / 2)] || 0;
@@ -105,7 +105,8 @@ surfit.sceneKeys = {
   '-': (scene) => scene.zoom(1 / 0.85),
 };
 
-// Keys of the scene, which may be null, and other keys: functions by name. Controls keep their own keys.
+// Connects the keys of the scene (may be null) and otherKeys (functions by key). Buttons, selects and inputs keep
+// their own keys.
 surfit.connectKeys = (target, scene, otherKeys) => target.addEventListener('keydown', (event) => {
   const turn = scene && surfit.sceneKeys[event.key];
   const isElsewhere = /^(BUTTON|SELECT|INPUT)$/.test(event.target.tagName);

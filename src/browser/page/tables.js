@@ -1,6 +1,6 @@
 'use strict';
 
-// A table with a head. Cells are texts or elements. classOf(row) is optional.
+// Adds a table with headings. Cells are texts or elements. classOf(row) is optional.
 surfit.addTable = (parent, heads, rows, classOf = () => '') => {
   const table = surfit.element('table', parent);
   const addRow = (place, tag, cells, className) => {
@@ -13,7 +13,7 @@ surfit.addTable = (parent, heads, rows, classOf = () => '') => {
   return table;
 };
 
-// Rows of a nested object: names joined by spaces.
+// Rows [name, value] of a nested object. Nested names are joined by spaces.
 surfit.flatten = (object, prefix = '') => Object.entries(object).flatMap(([key, value]) => (
   value !== null && typeof value === 'object' ? surfit.flatten(value, `${prefix}${key} `)
     : [[prefix + key, value]]));
@@ -24,7 +24,8 @@ surfit.cellText = (value, unknown = 'unknown') => {
   return String(typeof value === 'number' && !Number.isInteger(value) ? Number(value.toPrecision(6)) : value);
 };
 
-// A column per run, a row per name of its object. Rows that differ are marked.
+// Adds a table with a column per run and a row per name in objectOf(run). Rows with different values have the class
+// `differs`.
 surfit.addRunTable = (parent, runs, objectOf) => {
   const columns = runs.map((run) => new Map(surfit.flatten(objectOf(run))));
   const names = [...new Set(columns.flatMap((column) => [...column.keys()]))];

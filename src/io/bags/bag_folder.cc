@@ -7,8 +7,7 @@
 namespace surfit {
 namespace {
 
-// The files that a recorder has split a bag into. A place's part is the file's number and the part
-// in it.
+// Bag that the recorder split into several files. MessagePlace::part is an index of `origins_`.
 class BagFolder : public MessageLog {
  public:
   BagFolder(std::string folder, const std::string& ending) : folder_(std::move(folder)) {
@@ -18,7 +17,7 @@ class BagFolder : public MessageLog {
       files_.push_back(ending == ".mcap" ? OpenMcap(path) : OpenDb3(path));
       Take(*files_.back());
     }
-    ThrowIf(files_.empty(), folder_, " holds no ", ending, " file");
+    ThrowIf(files_.empty(), folder_, " contains no ", ending, " file");
   }
 
   const std::string& path() const override { return folder_; }
@@ -33,7 +32,7 @@ class BagFolder : public MessageLog {
   }
 
  private:
-  // A part of a file.
+  // File index, and MessagePlace::part in that file.
   struct Origin {
     std::size_t file = 0;
     int part = -1;

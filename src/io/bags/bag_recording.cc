@@ -18,8 +18,8 @@
 namespace surfit {
 namespace {
 
-// The coordinate frames that a bag's tf tells of, each with the first pose that is told of it in
-// its parent: between cameras of one device poses do not change.
+// Tree of the tf frames of a bag. Keeps the first transform of each frame: transforms between the
+// cameras of one device are constant.
 class FrameTree {
  public:
   void Add(const std::vector<FrameTransform>& transforms) {
@@ -27,8 +27,8 @@ class FrameTree {
       by_child_.emplace(transform.child, transform);
   }
 
-  // Nothing if the frames are not connected. Both hang on the same frames; which of these is taken
-  // does not matter but for rounding.
+  // target_from_source; std::nullopt if the frames are not connected. Any common ancestor gives the
+  // same transform.
   std::optional<Rigid3d> Transform(const std::string& target, const std::string& source) const {
     const auto targets = Ancestors(target), sources = Ancestors(source);
     for (const auto& [frame, frame_from_target] : targets) {
@@ -39,14 +39,14 @@ class FrameTree {
   }
 
  private:
-  // The frame and those that it hangs on, with its own poses in them.
+  // Transforms ancestor_from_frame by ancestor. The frame itself is included.
   std::map<std::string, Rigid3d> Ancestors(const std::string& frame) const {
     std::map<std::string, Rigid3d> found{{frame, Rigid3d()}};
     Rigid3d pose;
     for (auto link = by_child_.find(frame); link != by_child_.end();
          link = by_child_.find(link->second.parent)) {
       pose = link->second.parent_from_child * pose;
-      if (!found.emplace(link->second.parent, pose).second) break;  // a damaged tree has a ring
+      if (!found.emplace(link->second.parent, pose).second) break;  // cycle in a damaged tree
     }
     return found;
   }
@@ -61,7 +61,7 @@ std::unique_ptr<MessageLog> OpenLog(const std::string& path, const std::string& 
   return format == "mcap" ? OpenMcap(path) : OpenDb3(path);
 }
 
-// The number that the same stamp is in a list of text, to the last bit.
+// Timestamp in s, bitwise identical to the same timestamp in a text file.
 double Seconds(std::int64_t stamp_ns) {
   constexpr std::int64_t kPerSecond = 1000000000;
   char text[40];
@@ -70,23 +70,24 @@ double Seconds(std::int64_t stamp_ns) {
   return FiniteNumber(text);
 }
 
-// k1 k2 p1 p2 k3 of plumb_bob; what rational_polynomial has beyond them must be zero.
+// Coefficients k1 k2 p1 p2 k3 of plumb_bob. Throws InputError if further coefficients of
+// rational_polynomial are not 0, and for other models.
 std::array<double, 5> Distortion(const CameraInfo& info, const std::string& name) {
   std::array<double, 5> distortion{};
   for (std::size_t i = 0; i < info.distortion.size(); ++i) {
     if (info.distortion[i] == 0) continue;
     const bool is_known =
         info.distortion_model == "plumb_bob" || info.distortion_model == "rational_polynomial";
-    ThrowIf(!is_known || i >= distortion.size(), name, ": the lens is distorted by the model '",
+    ThrowIf(!is_known || i >= distortion.size(), name, ": the distortion model is '",
             info.distortion_model, "' with ", info.distortion.size(),
-            " numbers, must be plumb_bob's five; rectify the images, or give intrinsics and "
+            " coefficients, must be plumb_bob with 5; rectify the images, or set intrinsics and "
             "distortion");
     distortion[i] = info.distortion[i];
   }
   return distortion;
 }
 
-// K and D are of the image as the camera gives it, P of the rectified one, which is called so.
+// Uses P for rectified images ("rect" in the topic name), and K and D for all others.
 PinholeCamera PinholeOf(const CameraInfo& info, const std::string& topic, const std::string& name) {
   PinholeCamera camera;
   camera.width = static_cast<int>(info.width);
@@ -103,11 +104,10 @@ PinholeCamera PinholeOf(const CameraInfo& info, const std::string& topic, const 
   return camera;
 }
 
-// The frames of a ROS bag: messages of depth and colour paired by their stamps, as images of TUM
-// folders are.
+// Frames of a ROS bag: depth and colour messages paired by timestamp, as in TUM folders.
 class BagRecording : public Recording {
  public:
-  // Throws InputError naming the file, and the topic or option at fault.
+  // Throws InputError with the path, and the topic or option at fault.
   BagRecording(const SequenceOptions& options, const std::string& format, bool is_folder)
       : log_(OpenLog(options.path, format, is_folder)),
         topics_(FindTopics(*log_, options.depth_topic, options.color_topic)),
@@ -136,27 +136,27 @@ class BagRecording : public Recording {
   const std::vector<std::string>& warnings() const { return warnings_; }
   int unpaired_images() const { return unpaired_images_; }  // OpenedRecording
 
-  // What the options tell of the camera, so that the bag need not.
+  // Camera parameters that the options set, so that the bag may lack them.
   struct Known {
     bool depth = false, color = false, color_from_depth = false;
   };
-  // The camera by CameraInfo and tf, at 1000 counts a metre (REP 118) and with the latency 0.
-  // Throws InputError naming what the bag does not tell and the options to give.
+  // Camera from CameraInfo and tf, with 1000 depth counts per metre (REP 118) and latency 0.
+  // Throws InputError with the missing parameter and the options that set it.
   RgbdCamera Camera(const Known& known) const {
     RgbdCamera camera = CameraPreset("redwood");
     const auto depth = Pinhole(topics_.depth);
     if (depth) camera.depth = *depth;
     if (!depth && !known.depth) {
-      throw InputError(log_->path(), " has no CameraInfo of ", topics_.depth.topic->name,
-                       ": give intrinsics, a camera.yaml, or a preset as camera");
+      throw InputError(log_->path(), " has no CameraInfo for ", topics_.depth.topic->name,
+                       ": set intrinsics, a camera.yaml, or a preset as camera");
     }
     if (topics_.color.topic == nullptr) return camera;
     const auto color = Pinhole(topics_.color);
     const bool one_frame = topics_.color.frame == topics_.depth.frame;
     if (one_frame && (!depth || !color || HaveSamePixels(*depth, *color))) return camera;
     if (!color && !known.color) {
-      throw InputError(log_->path(), " has no CameraInfo of ", topics_.color.topic->name,
-                       ": give color_intrinsics, or a camera.yaml");
+      throw InputError(log_->path(), " has no CameraInfo for ", topics_.color.topic->name,
+                       ": set color_intrinsics, or a camera.yaml");
     }
     camera.color_is_registered = false;
     camera.color = color ? *color : camera.depth;
@@ -185,7 +185,7 @@ class BagRecording : public Recording {
                     [](const Stamped& message) { return message.stamp_ns != 0; });
     if (!has_stamps) {
       warnings_.push_back(Concat(log_->path(), ": the messages of ", topic.name,
-                                 " have no stamps; the times when they were recorded are taken"));
+                                 " have no timestamps, their recording times are used"));
       for (Stamped& message : messages)
         message.stamp_ns = std::max<std::int64_t>(message.place.recorded_ns, 0);
     }
@@ -213,15 +213,15 @@ class BagRecording : public Recording {
       frames_.push_back({{depth_s[d], color_s[c]}, depth[d].place, color[c].place});
     unpaired_images_ = static_cast<int>(color.size() + depth.size() - 2 * frames_.size());
     if (frames_.empty()) {
-      throw InputError(log_->path(), ": no stamp of ", topics_.color.topic->name, " is within ",
-                       kMaxBetweenImages_s, " s of one of ", topics_.depth.topic->name);
+      throw InputError(log_->path(), ": no timestamp of ", topics_.color.topic->name, " is within ",
+                       kMaxBetweenImages_s, " s of a timestamp of ", topics_.depth.topic->name);
     }
   }
   ImageMessage ReadImage(const Topic& topic, const MessagePlace& place,
                          const std::string& name) const {
     return ReadImageMessage(log_->Read(place), topic, name);
   }
-  // Nothing where no CameraInfo is of these images.
+  // Intrinsics of an image topic; std::nullopt without CameraInfo.
   std::optional<PinholeCamera> Pinhole(const ImageTopic& image) const {
     const Topic* const topic = FindCameraInfo(*log_, image);
     if (topic == nullptr) return std::nullopt;
@@ -240,9 +240,9 @@ class BagRecording : public Recording {
         tree.Add(ReadTransforms(log_->Read(place), topic, name));
     }
     if (const auto transform = tree.Transform(target, source)) return *transform;
-    throw InputError(log_->path(), ": no tf tells where ", topics_.color.topic->name, " (", target,
-                     ") is from ", topics_.depth.topic->name, " (", source,
-                     "): give color_from_depth, or a camera.yaml");
+    throw InputError(log_->path(), ": tf has no transform to ", topics_.color.topic->name, " (",
+                     target, ") from ", topics_.depth.topic->name, " (", source,
+                     "): set color_from_depth, or a camera.yaml");
   }
 
   std::unique_ptr<MessageLog> log_;
@@ -265,7 +265,7 @@ OpenedRecording OpenBag(const SequenceOptions& options, const std::string& forma
   opened.warnings = bag->warnings();
   opened.unpaired_images = bag->unpaired_images();
   opened.tell_camera = [known, recording = bag.get()] {
-    return ToldCamera{recording->Camera(known), "the bag's CameraInfo"};
+    return ToldCamera{recording->Camera(known), "CameraInfo of the bag"};
   };
   opened.frames = std::move(bag);
   return opened;

@@ -14,7 +14,7 @@ struct Candidate {
   ImageKind kind = ImageKind::kUnreadable;
   bool is_compressed = false;
   std::string encoding;
-  std::string base;  // the name without image_transport's ending
+  std::string base;  // topic name without the suffix of image_transport
 };
 
 bool IsReadable(const Topic& topic) {
@@ -55,7 +55,7 @@ std::string List(const std::vector<Candidate>& candidates) {
   return list;
 }
 
-// What the bag has instead of images.
+// All topics with messages and their types, for error messages.
 std::string ListTypes(const MessageLog& log) {
   std::string list;
   for (const Topic& topic : log.topics()) {
@@ -65,6 +65,7 @@ std::string ListTypes(const MessageLog& log) {
   return list.empty() ? "no messages" : list;
 }
 
+// Omits compressed topics that also exist uncompressed.
 std::vector<Candidate> OfKind(const std::vector<Candidate>& candidates, ImageKind kind) {
   std::vector<Candidate> chosen;
   for (const Candidate& c : candidates) {
@@ -83,25 +84,25 @@ ImageTopic Named(const std::string& name, const char* option, const MessageLog& 
   for (const Candidate& c : candidates) {
     if (c.image.topic->name == name) return c.image;
   }
-  throw InputError(option, " is '", name, "', must be a topic of images of ", log.path(), ": ",
+  throw InputError(option, " is '", name, "', must be an image topic of ", log.path(), ": ",
                    candidates.empty() ? "it has none" : List(candidates));
 }
 
 ImageTopic OnlyOne(const std::vector<Candidate>& found, const char* what, const char* option,
                    const MessageLog& log) {
   if (found.size() == 1) return found[0].image;
-  throw InputError(log.path(), " has ", found.size(), " topics of ", what, ": ", List(found),
-                   "; name one as ", option);
+  throw InputError(log.path(), " has ", found.size(), " topics with ", what, ": ", List(found),
+                   "; select one with ", option);
 }
 
 ImageTopic FindDepth(const MessageLog& log, const std::vector<Candidate>& candidates) {
   if (candidates.empty()) {
-    throw InputError(log.path(), " has no topic of images that is read; it has ", ListTypes(log));
+    throw InputError(log.path(), " has no readable image topic; it has ", ListTypes(log));
   }
   const auto found = OfKind(candidates, ImageKind::kDepth);
   if (found.empty()) {
-    throw InputError(log.path(), " has no topic of depth images (16UC1, 32FC1) among ",
-                     List(candidates), "; if one is, name it as depth_topic");
+    throw InputError(log.path(), " has no topic with depth images (16UC1, 32FC1) among ",
+                     List(candidates), "; if one of them has depth, select it with depth_topic");
   }
   return OnlyOne(found, "depth images", "depth_topic", log);
 }

@@ -6,26 +6,27 @@
 
 namespace surfit {
 
-// A topic of images, with what its first message tells.
+// Image topic, with properties of its first message.
 struct ImageTopic {
   const Topic* topic = nullptr;
-  std::string frame;                    // the camera's, in tf
-  std::uint32_t width = 0, height = 0;  // px; 0 of compressed images
+  std::string frame;                    // tf frame of the camera
+  std::uint32_t width = 0, height = 0;  // px; compressed images: 0
 };
 
 struct BagTopics {
   ImageTopic depth;
-  ImageTopic color;  // topic is null where the bag has no colour
+  ImageTopic color;  // without colour, `topic` is null
 };
 
-// Finds depth and colour in a bag: of images that are told raw and compressed the raw ones, of
-// colour and grey the colour. `depth` and `color` name topics instead where they are not empty;
-// "none" is no colour. Throws InputError naming the file, its topics and the option to give where
-// there is no depth, more than one, or more than one colour.
+// Finds the depth and colour topics of a bag. Prefers raw to compressed images and colour to grey.
+// `depth`, `color`: topic names; empty: automatic; `color` "none": no colour.
+// Throws InputError with path, topics and option if a named topic does not exist, there is no depth
+// topic, or several topics are possible. The topics refer to `log`.
 BagTopics FindTopics(const MessageLog& log, const std::string& depth, const std::string& color);
 
-// The CameraInfo beside a topic of images, as image_transport and RealSense's recorder name it, or
-// the only one of the camera's frame; null if there is none.
+// CameraInfo topic of an image topic, by the names of image_transport and of the RealSense
+// recorder. Otherwise the only CameraInfo topic with the same tf frame; null if there is none.
+// Refers to `log`.
 const Topic* FindCameraInfo(const MessageLog& log, const ImageTopic& image);
 
 }  // namespace surfit

@@ -14,7 +14,8 @@ void ChunkedLog::AddChunk(const Chunk& chunk, std::uint64_t at, const std::strin
     Cursor cursor(ChunkBytes(number), name);
     while (cursor.left() > 0) take(number, &cursor);
   } catch (const InputError& error) {
-    Warn(Concat(": the messages from byte ", at, " on are left out: ", error.what()));
+    Warn(Concat(": the chunk at byte ", at,
+                " is damaged, its remaining messages are skipped: ", error.what()));
   }
 }
 

@@ -14,7 +14,7 @@
 
 namespace surfit {
 
-// What files of chunks have in common: ROS 1 bags and MCAP.
+// Common base of formats with chunks: ROS 1 bags and MCAP.
 class ChunkedLog : public MessageLog {
  public:
   explicit ChunkedLog(const std::string& path) : file_(path) {}
@@ -26,33 +26,34 @@ class ChunkedLog : public MessageLog {
 
  protected:
   struct Chunk {
-    std::uint64_t at = 0, size = 0;  // in the file
+    std::uint64_t at = 0, size = 0;  // position and size in the file, bytes
     Compression compression = Compression::kNone;
-    std::uint64_t expanded_size = 0;
+    std::uint64_t expanded_size = 0;  // size after decompression, bytes
   };
 
   const BinaryFile& file() const { return file_; }
-  // Calls `take` with the chunk's number and its bytes until no bytes are left. If they cannot be
-  // expanded or taken, the rest is left out, and a warning names the record at byte `at`.
+  // Calls `take` with the chunk number and the decompressed bytes until no bytes are left. If
+  // decompression or `take` throws InputError, the rest of the chunk is skipped with a warning that
+  // names byte `at`.
   void AddChunk(const Chunk& chunk, std::uint64_t at, const std::string& name,
                 const std::function<void(int, Cursor*)>& take);
-  // Lists a message, whose bytes are at `at` of the part.
+  // Adds a message with the given bytes at position `at` of the part.
   void AddMessage(std::size_t topic, std::int64_t recorded_ns, int part, std::uint64_t at,
                   std::string_view bytes);
-  // Returns the number of the topic. A topic that is there already is not added again.
+  // Index of a topic, which is added if it does not exist.
   std::size_t AddTopic(const std::string& name, const std::string& type,
                        Serialization serialization);
   void Warn(const std::string& sentence) { warnings_.push_back(path() + sentence); }
 
  private:
-  // The chunk's bytes, valid until the next but one is asked for.
+  // Decompressed bytes of a chunk, valid until two other chunks are read.
   const std::string& ChunkBytes(int number) const;
 
   BinaryFile file_;
   std::vector<Chunk> chunks_;
   std::vector<Topic> topics_;
   std::vector<std::string> warnings_;
-  // Two: depth and colour of one moment may stand in neighbours.
+  // The last two chunks: depth and colour of a frame may be in consecutive chunks.
   mutable std::deque<std::pair<int, std::string>> loaded_;
 };
 

@@ -17,7 +17,7 @@ struct SqliteCloser {
   void operator()(sqlite3_blob* blob) const { sqlite3_blob_close(blob); }
 };
 
-// What messages begin with that are compressed by zstd (RFC 8878, 3.1.1); CDR begins with 0.
+// Signature of messages compressed with zstd (RFC 8878, 3.1.1). Uncompressed CDR begins with 0.
 constexpr std::string_view kZstdMagic = "\x28\xB5\x2F\xFD";
 
 class Db3 : public MessageLog {
@@ -48,7 +48,7 @@ class Db3 : public MessageLog {
                      database_ ? sqlite3_errmsg(database_.get()) : sqlite3_errstr(result));
   }
 
-  // As SQLite advises for databases that anybody may have made (sqlite.org/security.html).
+  // Opens the database with the settings for untrusted files (sqlite.org/security.html).
   void Open() {
     sqlite3* database = nullptr;
     const int result = sqlite3_open_v2(path_.c_str(), &database,
@@ -59,12 +59,12 @@ class Db3 : public MessageLog {
     sqlite3_db_config(database, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
     Require(sqlite3_exec(database, "PRAGMA cell_size_check = ON; PRAGMA mmap_size = 0", nullptr,
                          nullptr, nullptr));
-    // No views, which might compute for ever.
+    // Views are rejected: a malicious view could run forever.
     auto tables = Prepare(
         "SELECT count(*) FROM sqlite_master WHERE type = 'table' AND sql NOT LIKE '%VIRTUAL%' AND "
         "name IN ('topics', 'messages')");
     ThrowIf(!Step(tables.get()) || sqlite3_column_int(tables.get(), 0) != 2, path_,
-            " is no ROS 2 bag: it must have tables of topics and messages");
+            " is not a ROS 2 bag: the tables 'topics' and 'messages' are missing");
   }
 
   using Statement = std::unique_ptr<sqlite3_stmt, SqliteCloser>;
@@ -109,7 +109,6 @@ class Db3 : public MessageLog {
     }
   }
 
-  // The first bytes, without the pages of the rest.
   void ReadHead(MessagePlace* place) const {
     MoveTo(static_cast<sqlite3_int64>(place->at));
     place->size = static_cast<std::uint64_t>(sqlite3_blob_bytes(blob_.get()));
@@ -131,7 +130,7 @@ class Db3 : public MessageLog {
 
   std::string path_;
   std::unique_ptr<sqlite3, SqliteCloser> database_;
-  mutable std::unique_ptr<sqlite3_blob, SqliteCloser> blob_;  // closed before the database
+  mutable std::unique_ptr<sqlite3_blob, SqliteCloser> blob_;  // must be closed before database_
   std::vector<Topic> topics_;
   std::vector<std::string> warnings_;
   std::map<sqlite3_int64, std::size_t> topic_of_;

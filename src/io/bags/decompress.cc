@@ -13,11 +13,11 @@
 namespace surfit {
 namespace {
 
-constexpr std::uint64_t kMostOfChunk = std::uint64_t{256}
-                                       << 20;  // bytes; chunks have some millions
-constexpr std::uint64_t kStep = std::uint64_t{1} << 18;
+// Maximum size of a chunk, bytes. Typical chunks have a few megabytes.
+constexpr std::uint64_t kMostOfChunk = std::uint64_t{256} << 20;
+constexpr std::uint64_t kStep = std::uint64_t{1} << 18;  // minimum growth of the output, bytes
 
-// What a decompressor is given and gives: it takes from the one and adds to the other.
+// Input and output buffers of a decompressor.
 struct Flow {
   const char* in = nullptr;
   std::size_t in_left = 0;
@@ -107,14 +107,14 @@ template <typename Stream>
 std::string Run(const std::string& bytes, std::uint64_t size, const std::string& name) {
   const auto damaged = [&] {
     return InputError(Concat(name, " is damaged: its ", bytes.size(),
-                             " compressed bytes do not expand to ", size));
+                             " compressed bytes do not decompress to ", size));
   };
   Stream stream;
   std::string expanded;
   Flow flow{bytes.data(), bytes.size(), nullptr, 0};
   for (Progress progress = Progress::kMore; progress == Progress::kMore;) {
     const std::uint64_t done = expanded.size();
-    // One byte more than there should be shows what is too long.
+    // The buffer has one extra byte to detect data that are too long.
     expanded.resize(std::min(size + 1, done + std::max(done, kStep)));
     flow.out = expanded.data() + done;
     const std::size_t room = flow.out_left = expanded.size() - done;
@@ -136,7 +136,7 @@ Compression CompressionOf(const std::string& word, const std::string& name) {
   if (word == "lz4") return Compression::kLz4;
   if (word == "zstd") return Compression::kZstd;
   if (word == "bz2") return Compression::kBz2;
-  throw InputError(name, " is compressed by '", word, "', must be by lz4, zstd, bz2 or not at all");
+  throw InputError(name, " has compression '", word, "', must be lz4, zstd, bz2 or none");
 }
 
 std::string Decompress(Compression compression, const std::string& bytes, std::uint64_t size,
@@ -159,7 +159,7 @@ std::string Decompress(Compression compression, const std::string& bytes, std::u
 std::string DecompressZstd(const std::string& bytes, const std::string& name) {
   const auto size = ZSTD_getFrameContentSize(bytes.data(), bytes.size());
   ThrowIf(size == ZSTD_CONTENTSIZE_UNKNOWN || size == ZSTD_CONTENTSIZE_ERROR, name,
-          " is damaged: its compressed bytes do not tell their size");
+          " is damaged: its zstd frame has no content size");
   return Decompress(Compression::kZstd, bytes, size, name);
 }
 

@@ -7,17 +7,17 @@ namespace surfit {
 
 enum class Compression { kNone, kLz4, kZstd, kBz2 };
 
-// The compression of that name, as bags have it; "" and "none" are kNone. Throws InputError naming
-// `name` and the known ones for any other.
+// Parses the compression of a bag; "" and "none": kNone. Throws InputError with `name` for an
+// unknown compression.
 Compression CompressionOf(const std::string& word, const std::string& name);
 
-// What the bytes were before they were compressed (LZ4 as frames), `size` bytes. Memory grows with
-// what comes out, whatever `size` claims, and to 256 megabytes at most. Throws InputError naming
-// `name` if the bytes are damaged, or more or fewer come out.
+// Decompresses `bytes` to exactly `size` bytes, at most 256 MiB. LZ4 data must be frames. Memory
+// grows with the actual output, so a wrong `size` cannot exhaust it. Throws InputError with `name`
+// if the data is damaged or has another size.
 std::string Decompress(Compression compression, const std::string& bytes, std::uint64_t size,
                        const std::string& name);
 
-// The same of one frame of zstd that tells its size itself.
+// Same for a zstd frame that stores its content size.
 std::string DecompressZstd(const std::string& bytes, const std::string& name);
 
 }  // namespace surfit

@@ -20,7 +20,7 @@ class Mcap : public ChunkedLog {
  public:
   explicit Mcap(const std::string& path) : ChunkedLog(path) {
     ThrowIf(!file().Has(0, kMcapMagic.size()) || file().Read(0, kMcapMagic.size()) != kMcapMagic,
-            path, " is no MCAP file, which begins with MCAP0");
+            path, " is not an MCAP file: the signature MCAP0 is missing");
     Index();
   }
 
@@ -53,22 +53,23 @@ class Mcap : public ChunkedLog {
       }
       at += size;
     }
-    Warn(Concat(" is damaged or ends early: nothing is read from byte ", at, " on"));
+    Warn(Concat(" is damaged or truncated: the data from byte ", at, " to the end are skipped"));
   }
 
   void TakeChunk(std::uint64_t at, std::uint64_t size, const std::string& name) {
     constexpr std::uint64_t kLongestHead =
-        8 + 8 + 8 + 4 + 4 + 16 + 8;  // "zstd" is the longest word
+        8 + 8 + 8 + 4 + 4 + 16 + 8;  // allows 16 bytes for the compression name
     const std::string head = file().Read(at, std::min(size, kLongestHead));
     Cursor cursor(head, name);
-    cursor.Bytes(8 + 8);  // the span of time
+    cursor.Bytes(8 + 8);  // first and last time
     Chunk chunk;
     chunk.expanded_size = cursor.Take<std::uint64_t>();
     cursor.Bytes(4);  // checksum
     chunk.compression = CompressionOf(std::string(cursor.Counted()), name);
     chunk.size = cursor.Take<std::uint64_t>();
     chunk.at = at + cursor.at();
-    ThrowIf(chunk.size > size - cursor.at(), name, " is damaged: its chunk is larger than itself");
+    ThrowIf(chunk.size > size - cursor.at(), name,
+            " is damaged: its chunk is larger than the record");
     AddChunk(chunk, at, name, [&](int number, Cursor* inner) {
       const auto operation = inner->Take<std::uint8_t>();
       const std::string_view record = inner->Bytes(inner->Take<std::uint64_t>());
@@ -86,17 +87,17 @@ class Mcap : public ChunkedLog {
       TakeChannel(&cursor);
     } else if (operation == kMessage) {
       const auto topic = topic_of_.find(cursor.Take<std::uint16_t>());
-      ThrowIf(topic == topic_of_.end(), name, " is damaged: nothing tells a message's channel");
+      ThrowIf(topic == topic_of_.end(), name, " is damaged: a message has an unknown channel");
       cursor.Bytes(4);  // sequence number
       const auto recorded_ns = cursor.Take<std::uint64_t>();
-      cursor.Bytes(8);  // when it was published
+      cursor.Bytes(8);  // publish time
       const std::uint64_t begin = cursor.at();
       AddMessage(topic->second, static_cast<std::int64_t>(recorded_ns), part, at + begin,
                  bytes.substr(begin));
     }
   }
 
-  // Channels are told again in every chunk.
+  // Every chunk repeats its channels.
   void TakeChannel(Cursor* cursor) {
     const auto id = cursor->Take<std::uint16_t>();
     if (topic_of_.count(id) > 0) return;

@@ -16,7 +16,6 @@ namespace {
 
 bool Names(const std::string& text, const char* word) { return text.find(word) != text.npos; }
 
-// Where a pixel's red, green and blue stand among its bytes.
 struct Layout {
   int bytes = 3;
   int r = 0, g = 1, b = 2;
@@ -35,10 +34,10 @@ std::optional<Layout> LayoutOf(const std::string& encoding) {
 bool IsCounts(const std::string& encoding) { return encoding == "16UC1" || encoding == "mono16"; }
 
 InputError WrongEncoding(const ImageMessage& message, const char* must, const std::string& name) {
-  return InputError(Concat(name, " is encoded as '", message.encoding, "', must be ", must));
+  return InputError(Concat(name, " has encoding '", message.encoding, "', must be ", must));
 }
 
-// Throws InputError unless the data are rows of so many bytes a pixel.
+// Throws InputError if image size, step and data size do not fit. `bytes`: bytes per pixel.
 void RequireRows(const ImageMessage& message, int bytes, const std::string& name) {
   constexpr std::uint32_t kMost = 1u << 30;
   const ImageSize size{static_cast<int>(std::min(message.width, kMost)),
@@ -63,8 +62,8 @@ Image<T> CopyRows(const ImageMessage& message, const std::string& name) {
   return image;
 }
 
-// compressed_depth_image_transport: an int32 and two floats before a PNG. Of depth in metres the
-// PNG has counts of inverse depth, z = a / (count - b), and 0 where nothing is known.
+// Decodes compressed_depth_image_transport: an int32, two floats a and b, then a PNG. For 32FC1,
+// the PNG stores inverse depth: z = a / (count - b) in m. Count 0: no depth.
 RawDepth CompressedDepth(const ImageMessage& message, const std::string& name) {
   Cursor cursor(message.data, name);
   cursor.Take<std::int32_t>();

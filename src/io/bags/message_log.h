@@ -8,55 +8,55 @@
 
 namespace surfit {
 
-// How messages are written: ROS 1's own way, or CDR (OMG's Common Data Representation), ROS 2's.
+// Serialisation of messages: ROS 1, or CDR (Common Data Representation, OMG) of ROS 2.
 enum class Serialization { kRos1, kCdr, kOther };
 
-// One message in the file, and its first bytes, as many as tell its stamp.
+// Position of a message in the file, and its first bytes, which contain the timestamp.
 struct MessagePlace {
-  std::int64_t recorded_ns = 0;
-  int part = -1;         // the chunk that holds it, -1: the file itself
-  std::uint64_t at = 0;  // its first byte in the part, or its row
-  std::uint64_t size = 0;
-  std::array<char, 16> head{};  // zeros beyond its end
+  std::int64_t recorded_ns = 0;  // recording time
+  int part = -1;                 // chunk with the message; -1: not in a chunk
+  std::uint64_t at = 0;          // position of the first byte in the part; SQLite: row id
+  std::uint64_t size = 0;        // bytes
+  std::array<char, 16> head{};   // first bytes, padded with zeros
 };
 
 struct Topic {
   std::string name;
-  std::string type;  // package/Name, also in ROS 2, where it is package/msg/Name
+  std::string type;  // package/Name, also for package/msg/Name of ROS 2
   Serialization serialization = Serialization::kOther;
-  std::vector<MessagePlace> messages;  // as they were recorded
+  std::vector<MessagePlace> messages;  // in file order
 };
 
-// A file of messages that were recorded from topics. Not thread-safe.
+// Bag file: recorded messages of topics. Not thread-safe.
 class MessageLog {
  public:
   virtual ~MessageLog() = default;
   virtual const std::string& path() const = 0;
   virtual const std::vector<Topic>& topics() const = 0;
-  // What is damaged or missing, though the rest can be read.
+  // Descriptions of damaged or missing parts that were skipped.
   virtual const std::vector<std::string>& warnings() const = 0;
-  // The message's bytes. Throws InputError naming the file if they cannot be read.
+  // Throws InputError with the path if the message cannot be read.
   virtual std::string Read(const MessagePlace& place) const = 0;
 };
 
-// Each reads the file once, to find its messages, and throws InputError naming the file if it
-// cannot be read, or is of another kind. A file that ends early or has damaged chunks is read as
-// far as it goes, with a warning.
+// The functions below read the file once to index its messages. They throw InputError with the path
+// if the file cannot be read or has another format. Damaged chunks and a missing end are skipped
+// with a warning.
 
-// ROS 1: bag format 2.0 (wiki.ros.org/Bags/Format/2.0), chunks plain or compressed by lz4 or bz2.
+// ROS 1 bag, format 2.0 (wiki.ros.org/Bags/Format/2.0). Chunk compression: none, lz4 or bz2.
 std::unique_ptr<MessageLog> OpenRosBag(const std::string& path);
 
-// MCAP (mcap.dev/spec), with chunks or without, plain or compressed by lz4 or zstd; messages of
-// ROS 1 and ROS 2.
+// MCAP (mcap.dev/spec) with or without chunks, messages of ROS 1 or ROS 2. Chunk compression: none,
+// lz4 or zstd.
 std::unique_ptr<MessageLog> OpenMcap(const std::string& path);
 
-// ROS 2's storage in SQLite; messages may be compressed by zstd one by one.
+// SQLite bag of ROS 2. Messages may be compressed with zstd individually.
 std::unique_ptr<MessageLog> OpenDb3(const std::string& path);
 
-// All files of a ROS 2 bag's folder as one, which ends in `ending` (".db3" or ".mcap").
+// Folder of a ROS 2 bag: all files with `ending` (".db3" or ".mcap") as one log.
 std::unique_ptr<MessageLog> OpenBagFolder(const std::string& folder, const std::string& ending);
 
-// The type without /msg of ROS 2.
+// Message type without "/msg" of ROS 2.
 std::string PlainType(std::string type);
 
 }  // namespace surfit

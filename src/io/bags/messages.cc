@@ -7,8 +7,8 @@
 namespace surfit {
 namespace {
 
-// The fields of a message one after the other. ROS 1 packs them; CDR aligns numbers to their size,
-// counted from behind its own four bytes, and ends strings with a zero.
+// Reads the fields of a message in order. ROS 1 packs fields. CDR has a 4-byte header, aligns
+// numbers to their size relative to the end of the header, and terminates strings with a zero.
 class MessageFields {
  public:
   MessageFields(std::string_view bytes, Serialization serialization, const std::string& name)
@@ -16,7 +16,7 @@ class MessageFields {
     if (!is_cdr_) return;
     const auto representation = cursor_.Take<std::uint32_t>() & 0xFFFF;
     ThrowIf(representation != kLittleEndianCdr, name,
-            " is not plain little endian CDR, which alone is read");
+            " has an unsupported CDR representation, must be plain little endian");
     begin_ = cursor_.at();
   }
 
@@ -29,7 +29,7 @@ class MessageFields {
   void Numbers(Array* array) {
     for (double& number : *array) number = Number<double>();
   }
-  // As many as the count before them says.
+  // Array with a leading count.
   std::vector<double> Numbers() {
     const auto count = Number<std::uint32_t>();
     std::vector<double> numbers;
@@ -121,7 +121,7 @@ std::vector<FrameTransform> ReadTransforms(const std::string& bytes, const Topic
     try {
       transform.parent_from_child = RigidFromNumbers(numbers.data());
     } catch (const InputError&) {
-      continue;  // robots tell of many frames, also of such as are not known yet
+      continue;  // invalid transforms are common in robot bags, for example before initialisation
     }
     transforms.push_back(std::move(transform));
   }

@@ -10,26 +10,26 @@
 
 namespace surfit {
 
-// The messages of ROS that tell of images (docs.ros.org: sensor_msgs, geometry_msgs, tf2_msgs).
-// All readers throw InputError naming `name` if the bytes are not such a message.
+// ROS messages of images and cameras (docs.ros.org: sensor_msgs, geometry_msgs, tf2_msgs). All
+// readers throw InputError with `name` for invalid bytes.
 
 // std_msgs/Header.
 struct MessageHeader {
   std::int64_t stamp_ns = 0;
-  std::string frame;  // without the slash that old ones begin with
+  std::string frame;  // without a leading slash
 };
 
-// The stamp that a message's first bytes tell; 0 where it is not set.
+// Timestamp in ns from the first bytes of a message; 0: not set.
 std::int64_t StampOf(const MessagePlace& place, const Topic& topic, const std::string& name);
 
-// sensor_msgs/Image, or sensor_msgs/CompressedImage, whose format is its encoding and which has
-// neither size nor step.
+// sensor_msgs/Image or sensor_msgs/CompressedImage. For compressed images, `encoding` is the field
+// `format`, and size and step are 0.
 struct ImageMessage {
   MessageHeader header;
   std::uint32_t width = 0, height = 0;  // px
   std::string encoding;
   bool is_big_endian = false;
-  std::uint32_t step = 0;  // bytes from row to row
+  std::uint32_t step = 0;  // bytes per row
   std::string data;
   bool is_compressed = false;
 };
@@ -42,8 +42,8 @@ struct CameraInfo {
   std::uint32_t width = 0, height = 0;  // px
   std::string distortion_model;
   std::vector<double> distortion;
-  std::array<double, 9> intrinsics{};   // K, row by row, of the image as the camera gives it
-  std::array<double, 12> projection{};  // P, likewise, of the rectified one
+  std::array<double, 9> intrinsics{};   // K of the raw image, row-major
+  std::array<double, 12> projection{};  // P of the rectified image, row-major
 };
 CameraInfo ReadCameraInfo(const std::string& bytes, const Topic& topic, const std::string& name);
 
@@ -52,7 +52,7 @@ struct FrameTransform {
   std::string parent, child;
   Rigid3d parent_from_child;
 };
-// Those of a tf2_msgs/TFMessage or tf/tfMessage; without what is no rigid transform.
+// Transforms of a tf2_msgs/TFMessage or tf/tfMessage. Omits invalid rigid transforms.
 std::vector<FrameTransform> ReadTransforms(const std::string& bytes, const Topic& topic,
                                            const std::string& name);
 

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::string_view kRosBagLine = "#ROSBAG V2.0\n";
 
-// The fields of a record's header, which have any order.
+// Fields of a record header by name.
 using RecordFields = std::map<std::string, std::string_view, std::less<>>;
 
 RecordFields ParseFields(std::string_view bytes, const std::string& name) {
@@ -37,7 +37,7 @@ std::string Text(const RecordFields& fields, std::string_view key) {
   return found == fields.end() ? "" : std::string(found->second);
 }
 
-// Seconds and nanoseconds, of 32 bits each.
+// Converts a ROS time to ns. Low 32 bits: seconds, high 32 bits: nanoseconds.
 std::int64_t Nanoseconds(std::uint64_t time) {
   constexpr std::int64_t kPerSecond = 1000000000;
   return static_cast<std::int64_t>(time & 0xFFFFFFFF) * kPerSecond +
@@ -48,14 +48,14 @@ class RosBag : public ChunkedLog {
  public:
   explicit RosBag(const std::string& path) : ChunkedLog(path) {
     ThrowIf(!file().Has(0, kRosBagLine.size()) || file().Read(0, kRosBagLine.size()) != kRosBagLine,
-            path, " is no ROS 1 bag of format 2.0, which begins with #ROSBAG V2.0");
+            path, " is not a ROS 1 bag of format 2.0: the first line must be #ROSBAG V2.0");
     Index();
   }
 
  private:
   enum Operation : std::uint8_t { kMessage = 2, kBagHeader = 3, kChunk = 5, kConnection = 7 };
 
-  // Records follow each other: size and bytes of a header, size and bytes of data.
+  // Record layout: header size, header, data size, data.
   void Index() {
     std::uint64_t at = kRosBagLine.size();
     while (at < file().size()) {
@@ -76,8 +76,8 @@ class RosBag : public ChunkedLog {
   }
 
   void EndsEarly(std::uint64_t at) {
-    Warn(Concat(" is damaged or ends early: nothing is read from byte ", at,
-                " on (`rosbag reindex` mends recordings that were cut off)"));
+    Warn(Concat(" is damaged or truncated: the data from byte ", at,
+                " to the end are skipped (`rosbag reindex` repairs truncated recordings)"));
   }
 
   void TakeRecord(std::uint64_t header, std::uint64_t header_size, std::uint64_t data,
@@ -87,7 +87,7 @@ class RosBag : public ChunkedLog {
     const RecordFields fields = ParseFields(bytes, name);
     const auto operation = Value<std::uint8_t>(fields, "op", name);
     if (operation == kBagHeader && !Text(fields, "encryptor").empty())
-      throw InputError(path(), " is encrypted, which is not read");
+      throw InputError(path(), " is encrypted, must be unencrypted");
     if (operation == kChunk) return TakeChunk(fields, data, data_size, name);
     if (operation != kMessage && operation != kConnection) return;
     TakeInner(operation, fields, -1, data, file().Read(data, data_size), name);
@@ -114,12 +114,13 @@ class RosBag : public ChunkedLog {
     const auto connection = Value<std::uint32_t>(fields, "conn", name);
     if (operation == kConnection) return TakeConnection(connection, fields, data, name);
     const auto topic = topic_of_.find(connection);
-    ThrowIf(topic == topic_of_.end(), name, " is damaged: nothing tells connection ", connection);
+    ThrowIf(topic == topic_of_.end(), name, " is damaged: a message has the unknown connection ",
+            connection);
     AddMessage(topic->second, Nanoseconds(Value<std::uint64_t>(fields, "time", name)), part, at,
                data);
   }
 
-  // Publishers of one topic have connections of their own.
+  // A topic has one connection per publisher.
   void TakeConnection(std::uint32_t connection, const RecordFields& fields, std::string_view data,
                       const std::string& name) {
     if (topic_of_.count(connection) > 0) return;

@@ -22,17 +22,17 @@ namespace {
 struct PcdHeader {
   enum class Data { kAscii, kBinary, kBinaryCompressed };
 
-  // The points as an element of a PLY file, whose rows a PCD file has as well; a field of several
-  // values becomes as many properties of its name. `rgb` of four bytes is a uint32 where it is
-  // binary, even if it says float: its bits are the colour.
+  // Fields as a PLY element: both formats store the same rows. A field of several values becomes
+  // several properties with the same name. Binary `rgb` of four bytes is a uint32, even if its TYPE
+  // is F, because its bits are the colour.
   PlyElement points;
   Data data = Data::kAscii;
-  std::size_t size = 0;  // bytes, the line DATA and its line feed included
+  std::size_t size = 0;  // bytes of the header, including the line DATA
 };
 
 constexpr std::int64_t kMostValuesInField = 1 << 16;
 
-// The words after the first of each line, by the first.
+// Header lines: the first word is the key, the other words are the value.
 using Entries = std::map<std::string_view, Words, std::less<>>;
 
 const Words& Find(const Entries& entries, std::string_view key, std::size_t count) {
@@ -99,7 +99,7 @@ std::int64_t ParsePointCount(const Entries& entries) {
 constexpr std::string_view kKeys[] = {"VERSION", "FIELDS", "SIZE",      "TYPE",   "COUNT",
                                       "WIDTH",   "HEIGHT", "VIEWPOINT", "POINTS", "DATA"};
 
-// Reads the lines up to DATA, which takes *size bytes.
+// Parses the header lines up to DATA. *size: number of bytes read.
 Entries ParseLines(std::string_view file, std::size_t* size) {
   Entries entries;
   while (entries.count("DATA") == 0) {
@@ -116,7 +116,7 @@ Entries ParseLines(std::string_view file, std::size_t* size) {
   return entries;
 }
 
-// Throws InputError naming `path` and what is wrong with it.
+// Throws InputError with `path` and reason.
 PcdHeader ParsePcdHeader(std::string_view file, const std::string& path) {
   return WithPlace(path, [&] {
     PcdHeader header;
@@ -127,7 +127,6 @@ PcdHeader ParsePcdHeader(std::string_view file, const std::string& path) {
   });
 }
 
-// Takes 32 bits from the front.
 std::size_t NextUint32(std::string_view* bytes) {
   std::uint32_t value = 0;
   if (bytes->size() < sizeof(value)) throw InputError("the file ends before its points");
@@ -136,9 +135,10 @@ std::size_t NextUint32(std::string_view* bytes) {
   return value;
 }
 
-// Expands LZF (M. Lehmann) that holds exactly `size` bytes.
+// Decompresses LZF data (M. Lehmann) to exactly `size` bytes. Throws InputError if the size
+// differs.
 std::string ExpandLzf(std::string_view compressed, std::size_t size) {
-  constexpr std::size_t kMostExpansion = 88;  // the longest match, 264 bytes, takes three
+  constexpr std::size_t kMostExpansion = 88;  // the longest match is 264 bytes, stored in 3 bytes
   std::string bytes;
   std::size_t expanded = 0;
   if (!compressed.empty() && size / kMostExpansion <= compressed.size()) {
@@ -150,8 +150,7 @@ std::string ExpandLzf(std::string_view compressed, std::size_t size) {
   return bytes;
 }
 
-// Compressed data holds all values of the first field, then all of the next, and so on: the same
-// as rows.
+// Decompresses the body and converts it to rows: compressed files store field by field.
 std::string ExpandToRows(std::string_view body, const PlyElement& points) {
   const std::size_t compressed_size = NextUint32(&body), size = NextUint32(&body);
   std::size_t row_size = 0;
@@ -173,7 +172,7 @@ std::string ExpandToRows(std::string_view body, const PlyElement& points) {
   return rows;
 }
 
-// The column that holds a colour in its 32 bits, if any.
+// Column of a packed 32-bit colour; std::nullopt if there is none.
 std::optional<std::size_t> FindColor(const PlyElement& points) {
   for (std::size_t k = 0; k < points.properties.size(); ++k) {
     const PlyProperty& property = points.properties[k];
@@ -183,7 +182,7 @@ std::optional<std::size_t> FindColor(const PlyElement& points) {
   return std::nullopt;
 }
 
-// 0xaarrggbb, which ascii files may give as the float of the same bits.
+// Unpacks the colour 0xaarrggbb. Ascii files may store the bits as a float.
 Rgb8 UnpackColor(double value, PlyType type) {
   std::uint32_t bits = 0;
   if (type == PlyType::kFloat32) {

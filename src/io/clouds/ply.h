@@ -14,7 +14,8 @@
 
 namespace surfit {
 
-// The header of a PLY file (G. Turk, 1994): elements, each a table of rows with named properties.
+// PLY files (G. Turk, 1994). The header lists elements. An element is a table with named
+// properties.
 
 enum class PlyType { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
 
@@ -26,7 +27,7 @@ std::string_view PlyName(PlyType type);
 struct PlyProperty {
   std::string name;
   PlyType type = PlyType::kFloat32;
-  std::optional<PlyType> count_type = {};  // of a list: the type of the count before its values
+  std::optional<PlyType> count_type = {};  // type of the length of a list; empty for a scalar
 };
 
 struct PlyElement {
@@ -36,43 +37,42 @@ struct PlyElement {
 };
 
 struct PlyHeader {
-  bool ascii = false;  // else binary little endian
+  bool ascii = false;  // false: binary little endian
   std::vector<PlyElement> elements;
-  std::size_t size = 0;  // bytes, end_header and its line feed included
+  std::size_t size = 0;  // bytes of the header, including the line end_header
   int line_count = 0;
 };
 
-// Throws InputError naming `path`, the line and what is wrong with it.
+// Throws InputError with `path`, line and reason.
 PlyHeader ParsePlyHeader(std::string_view file, const std::string& path);
 
-// Throws InputError naming `path` and the element if there is none of that name.
+// First element with this name, valid as long as `header`. Throws InputError with `path` and `name`
+// if there is none.
 const PlyElement& FindPlyElement(const PlyHeader& header, std::string_view name,
                                  const std::string& path);
 
-// Returns the column of a scalar property, or nothing if there is no such property.
+// Column of a scalar property; std::nullopt if there is no such property.
 std::optional<std::size_t> FindPlyColumn(const PlyElement& element, std::string_view name);
 
-// Where three scalar properties stand in a row, if all of them do.
+// std::nullopt if one of three scalar properties is missing.
 using PlyNames = std::array<const char*, 3>;
 using PlyColumns = std::array<std::size_t, 3>;
 std::optional<PlyColumns> FindPlyColumns(const PlyElement& element, const PlyNames& names);
-// The numbers in these columns of a row.
 inline Eigen::Vector3f VectorAt(const double* row, const PlyColumns& c) {
   return Eigen::Vector3d(row[c[0]], row[c[1]], row[c[2]]).cast<float>();
 }
 
-// The text of a binary little endian header.
 std::string FormatPlyHeader(const std::vector<PlyElement>& elements);
 
-// Calls `row` with the values of each row of the first element of that name, one for each property
-// (0 for a list), in the file's order. `begin` is called before the first row, once the file is
-// known to be long enough for all of them.
-// Throws InputError naming `path`, the element and the row if the body breaks its header's promise.
+// Calls `row` for each row of the first element with this name. The argument has one value per
+// property in file order; the value of a list is 0. `begin` is called before the first row, after
+// the file size has been checked.
+// Throws InputError with `path`, element and row if the body is truncated or invalid.
 void ReadPlyElement(std::string_view file, const PlyHeader& header, const std::string& name,
                     const std::string& path, const std::function<void()>& begin,
                     const std::function<void(const double*)>& row);
 
-// One row of a binary little endian table, filled value by value.
+// Row of a binary little-endian table, filled value by value.
 class PlyRow {
  public:
   template <typename T>
@@ -88,15 +88,15 @@ class PlyRow {
   std::string bytes_;
 };
 
-// Writes a PLY file whose only element is `vertex`, atomically; `fill(i, row)` puts the values of
-// row i in the properties' order and types.
+// Writes a PLY file with the single element `vertex` atomically. `fill(i, row)` must put the values
+// of row i in the order and types of `properties`. Throws InputError with the path if writing
+// fails.
 void WritePlyVertices(const std::string& path, std::size_t count,
                       const std::vector<PlyProperty>& properties,
                       const std::function<void(std::size_t, PlyRow*)>& fill);
 
-// The cloud in the bytes of a PCD file: x y z of any type, normal_x normal_y normal_z where there
-// are all three, rgb or rgba of four bytes. VIEWPOINT is not applied.
-// Throws InputError naming `path` and what is wrong with it.
+// Parses a PCD file. Reads x y z of any type, normal_x normal_y normal_z if all exist, and rgb or
+// rgba of four bytes. VIEWPOINT is not applied. Throws InputError with `path` and reason.
 PointCloud ParsePcd(std::string_view file, const std::string& path);
 
 }  // namespace surfit

@@ -43,13 +43,12 @@ double Load(PlyType type, const char* bytes) {
   return 0;
 }
 
-// Walks through the values of a binary body.
 class BinaryCursor {
  public:
   explicit BinaryCursor(std::string_view body) : rest_(body) {}
 
   std::size_t BytesLeft() const { return rest_.size(); }
-  // The least size of a value of a row, its list counts included.
+  // Minimum size of a value in bytes. A list may be empty and has only its length.
   static std::size_t LeastSize(const PlyProperty& p) {
     return PlySize(p.count_type ? *p.count_type : p.type);
   }
@@ -70,12 +69,12 @@ class BinaryCursor {
   std::string_view rest_;
 };
 
-// Walks through the values of an ascii body, one row a line.
+// Reads the values of an ascii body, one row per line.
 class AsciiCursor {
  public:
   explicit AsciiCursor(std::string_view body) : rest_(body) {}
 
-  // One more than there are: the last line needs no line feed.
+  // Adds one byte, because the last line may have no line feed.
   std::size_t BytesLeft() const { return rest_.size() + 1; }
   // A digit and a separator.
   static std::size_t LeastSize(const PlyProperty&) { return 2; }

@@ -14,7 +14,7 @@
 namespace surfit {
 namespace {
 
-// The colour's columns, if they are bytes.
+// Columns of the colour; std::nullopt unless all three exist with type uchar.
 std::optional<PlyColumns> FindColorColumns(const PlyElement& element) {
   const auto columns = FindPlyColumns(element, {"red", "green", "blue"});
   const auto is_byte = [&](std::size_t c) { return element.properties[c].type == PlyType::kUint8; };
@@ -29,7 +29,6 @@ Rgb8 Color(const double* row, const PlyColumns& c) {
   return {byte(0), byte(1), byte(2)};
 }
 
-// Calls a function with each column that a cloud need not have.
 template <typename Cloud, typename F>
 void ForEachOptional(Cloud& cloud, const F& f) {
   f(cloud.normals);

@@ -18,7 +18,7 @@ constexpr std::array<std::string_view, 13> kNames = {
     "green", "blue", "radius", "confidence", "first_seen", "last_seen"};
 using Columns = std::array<std::size_t, kNames.size()>;
 
-// What is beyond the type's range becomes its end, what is no number 0.
+// Clamps a value to the range of T. NaN becomes 0.
 template <typename T>
 T WithinRange(double value) {
   const double low = std::numeric_limits<T>::min(), high = std::numeric_limits<T>::max();
@@ -69,7 +69,7 @@ std::vector<Surfel> ReadSurfelPly(const std::string& path) {
   for (std::size_t i = 0; i < kNames.size(); ++i) {
     const auto column = FindPlyColumn(vertices, kNames[i]);
     if (!column)
-      throw InputError(path, ": is not a surfel map: 'vertex' has no property ", kNames[i]);
+      throw InputError(path, ": not a surfel map: element 'vertex' has no property ", kNames[i]);
     columns[i] = *column;
   }
   std::vector<Surfel> surfels;

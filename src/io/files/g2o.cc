@@ -24,7 +24,7 @@ Rigid3d ParsePose(const std::string_view* words) {
   return RigidFromNumbers(v);
 }
 
-// A standard deviation of less than 1e-15 is none.
+// Entry of an information matrix. The maximum of 1e30 is a standard deviation of 1e-15.
 double InformationOf(std::string_view word) {
   constexpr double kMost = 1e30;
   const double value = FiniteNumber(word);
@@ -32,7 +32,7 @@ double InformationOf(std::string_view word) {
   throw InputError("an entry of the information matrix is ", word, ", must be at most 1e30");
 }
 
-// From the order (translation, rotation) to ours.
+// Converts from the order (translation, rotation) of g2o to (rotation, translation).
 Eigen::Matrix<double, 6, 6> ParseInformation(const std::string_view* words) {
   Eigen::Matrix<double, 6, 6> information;
   for (int i = 0; i < 6; ++i) {
@@ -49,7 +49,7 @@ void RequireWords(const Words& words, std::size_t count) {
   ThrowIf(words.size() != count, words[0], " has ", words.size(), " words, must have ", count);
 }
 
-// Reads line by line; ids are looked up at the end, as vertices may follow their edges.
+// Parses line by line. Finish() resolves the ids, because vertices may follow their edges.
 class G2oReader {
  public:
   void ReadLine(std::string_view line, int number) {
@@ -67,7 +67,7 @@ class G2oReader {
     }
   }
 
-  // Calls at(line) before what a line may have wrong.
+  // Resolves all ids. Calls at(line) before each lookup, so that errors name the line.
   template <typename At>
   G2oFile Finish(const At& at) {
     for (const auto& [id, line] : fixed_) {
@@ -99,7 +99,7 @@ class G2oReader {
   void ReadEdge(const Words& words, int line) {
     RequireWords(words, 3 + kPoseWords + kInformationWords);
     const Ends ends{ParseCount(words[1]), ParseCount(words[2]), line};
-    ThrowIf(ends.from == ends.to, "an edge must join two poses");
+    ThrowIf(ends.from == ends.to, "an edge must connect two different poses");
     PoseGraphEdge edge;
     edge.a_from_b = ParsePose(&words[3]).Inverse();
     edge.information = ParseInformation(&words[3 + kPoseWords]);
@@ -110,7 +110,7 @@ class G2oReader {
 
   std::size_t Find(std::int64_t id) const {
     const auto found = index_of_.find(id);
-    ThrowIf(found == index_of_.end(), "there is no vertex of the id ", id);
+    ThrowIf(found == index_of_.end(), "there is no vertex with id ", id);
     return found->second;
   }
 
@@ -151,7 +151,7 @@ G2oFile ReadG2o(const std::string& path) {
   } catch (const InputError& error) {
     throw InputError(path, ":", line_number, ": ", error.what());
   }
-  ThrowIf(file.graph.poses.empty(), path, " has no lines VERTEX_SE3:QUAT, must have one or more");
+  ThrowIf(file.graph.poses.empty(), path, " has no VERTEX_SE3:QUAT line, must have at least one");
   return file;
 }
 

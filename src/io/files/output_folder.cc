@@ -29,7 +29,7 @@ std::string OwnerIn(int lock) {
   return owner;
 }
 
-// Whether the path is still that of the open file, which its last owner may have removed.
+// The previous owner may have removed the path while it was being opened.
 bool IsStillAt(const std::string& path, int file) {
   struct stat opened {};
   struct stat there {};
@@ -37,7 +37,7 @@ bool IsStillAt(const std::string& path, int file) {
          opened.st_ino == there.st_ino && opened.st_dev == there.st_dev;
 }
 
-// The system gives the lock up when the process ends, however it does.
+// The operating system releases the lock when the process ends, even after a crash.
 int Lock(const std::string& folder, const std::string& path) {
   for (;;) {
     const int lock = open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
@@ -45,8 +45,8 @@ int Lock(const std::string& folder, const std::string& path) {
     if (flock(lock, LOCK_EX | LOCK_NB) != 0) {
       const std::string owner = OwnerIn(lock);
       close(lock);
-      throw InputError(folder, " is being written into by process ", owner,
-                       ", must be another folder");
+      throw InputError(folder, " is in use as output folder of process ", owner,
+                       ": choose another folder");
     }
     if (IsStillAt(path, lock)) return lock;
     close(lock);
@@ -56,11 +56,12 @@ int Lock(const std::string& folder, const std::string& path) {
 void WriteOwner(const std::string& folder, int lock) {
   const std::string former = OwnerIn(lock);
   if (!former.empty()) {
-    LOG(WARNING) << folder << ": process " << former << " has ended without a word: taken over";
+    LOG(WARNING) << folder << ": process " << former
+                 << " ended without removing its lock: taken over";
   }
   const std::string own = Concat(getpid(), "\n");
   if (ftruncate(lock, 0) != 0 || pwrite(lock, own.data(), own.size(), 0) < 0) {
-    LOG(WARNING) << folder << ": the lock has no place for the process's number";
+    LOG(WARNING) << folder << ": cannot write the process id to the lock file";
   }
 }
 
@@ -68,7 +69,7 @@ void RequireNoInput(const std::string& path, const std::vector<std::string>& inp
   std::error_code none;
   for (const std::string& input : inputs) {
     ThrowIf(!input.empty() && fs::equivalent(path, input, none), path,
-            " is read, must not be in the folder that is written into");
+            " is an input file, must not be in the output folder");
   }
 }
 
@@ -76,7 +77,7 @@ void Remove(const std::string& folder, const std::string& name) {
   const fs::path path = fs::path(folder) / name, in = path.parent_path();
   std::error_code error;
   if (in != fs::path(folder) && fs::is_symlink(fs::symlink_status(in, error))) {
-    throw InputError(in.string(), " is a link, must be a folder of the output's own");
+    throw InputError(in.string(), " is a symbolic link, must be a real folder");
   }
   fs::remove(path, error);
   if (error && error != std::errc::not_a_directory) {
@@ -84,7 +85,7 @@ void Remove(const std::string& folder, const std::string& name) {
   }
 }
 
-// What WriteFileAtomically() had no time to remove.
+// Removes temporary files of an interrupted WriteFileAtomically().
 void RemovePartials(const std::string& folder, const std::vector<std::string>& files) {
   std::set<fs::path> folders, partials;
   for (const std::string& file : files) folders.insert((fs::path(folder) / file).parent_path());
@@ -107,7 +108,7 @@ void MakeFolder(const std::string& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error || !fs::is_directory(folder)) {
-    throw InputError(folder, ": cannot make the output folder: ", error.message());
+    throw InputError(folder, ": cannot create the output folder: ", error.message());
   }
 }
 

@@ -5,18 +5,19 @@
 
 namespace surfit {
 
-// Makes a folder, with those that it is in, unless it is there. Throws InputError naming it.
+// Creates a folder and its parents if they do not exist. Throws InputError with the path.
 void MakeFolder(const std::string& folder);
 
-// A folder that results are written into, owned by one process while it does so: a lock file in it
-// holds that process's number, and goes with the object. Of a process that has ended without that,
-// a killed one, the lock does not hold, and is taken over with a word in the log.
+// Output folder, locked by one process. A lock file in the folder stores the process id and is
+// removed by the destructor. The lock of a killed process is taken over with a warning.
 class OutputFolder {
  public:
-  // Makes the folder if it is missing, and removes a former run's files from it, and what a killed
-  // one has left half written. Throws InputError naming the folder if it cannot be made or somebody
-  // else owns it, a folder in it that is a link (what that leads to is not touched), or a file to
-  // be removed that is one of the inputs.
+  // Creates the folder if it is missing. Removes `former_files` (paths relative to the folder) and
+  // their partially written versions.
+  // Throws InputError in these cases:
+  // - The folder cannot be created, or another process has locked it.
+  // - A subfolder of a former file is a symbolic link. Its target is not changed.
+  // - A former file is one of `inputs`.
   OutputFolder(const std::string& folder, const std::vector<std::string>& former_files,
                const std::vector<std::string>& inputs = {});
   ~OutputFolder();

@@ -37,7 +37,7 @@ PlaceView TakeView(PlacesPart part, Unpacker* unpacker) {
   const bool fits = view.depth.width() == camera.width && view.depth.height() == camera.height &&
                     (view.intensity.empty() || view.intensity.size() == view.depth.size());
   if (!fits || !(camera.fx > 0) || !(camera.fy > 0) || !(view.noise.inverse_depth_sigma > 0)) {
-    unpacker->Fail("has a view whose camera is none");
+    unpacker->Fail("has a view with an invalid camera");
   }
   return view;
 }

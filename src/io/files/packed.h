@@ -16,7 +16,7 @@
 
 namespace surfit {
 
-// Puts values one after the other, little endian, images in zlib's format.
+// Serialises values in little-endian byte order and images in the zlib format.
 class Packer {
  public:
   template <typename T>
@@ -47,17 +47,17 @@ class Packer {
   std::string bytes_;
 };
 
-// Takes them in the same order. Throws InputError naming where they are from.
+// Deserialises the values in the same order. All functions throw InputError with `from`.
 class Unpacker {
  public:
-  // `from` is for messages.
+  // `from`: source of the bytes, for error messages.
   Unpacker(std::string bytes, std::string from)
       : bytes_(std::move(bytes)), from_(std::move(from)) {}
 
-  // What a file of `what` begins with.
+  // Reads the file signature. `what`: content of the file, for the error message.
   void TakeMagic(const std::string& magic, const char* what) {
     if (bytes_.compare(0, magic.size(), magic) != 0)
-      Fail(Concat("does not begin as a file of ", what));
+      Fail(Concat("does not begin with the signature of a file of ", what));
     at_ = magic.size();
   }
 
@@ -72,24 +72,25 @@ class Unpacker {
     for (double& number : pose.rotation.coeffs()) number = Take<double>();
     for (double& number : pose.translation) number = Take<double>();
     if (!pose.translation.allFinite() || !(std::abs(pose.rotation.norm() - 1) < 1e-6)) {
-      Fail("has a pose that is none");
+      Fail("has an invalid pose");
     }
     return pose;
   }
-  // Of things that take so many bytes each at least.
+  // Number of items of at least `bytes_each` bytes each.
   std::size_t TakeCount(std::size_t bytes_each) {
     const std::size_t count = Take<std::uint32_t>();
     if (count > (bytes_.size() - at_) / bytes_each) Fail("ends too early");
     return count;
   }
+  // Index in [0, count). `what`: name of the indexed item, for the error message.
   int TakeBelow(std::size_t count, const char* what) {
     const int number = Take<int>();
     if (number < 0 || static_cast<std::size_t>(number) >= count) {
-      Fail(Concat("names ", what, " ", number, " of ", count));
+      Fail(Concat("has the index of ", what, " ", number, ", must be below ", count));
     }
     return number;
   }
-  // Of a pixel's type; an empty one where it is passed over.
+  // Image with pixels of type T. If not `is_wanted`: skips it and returns an empty image.
   template <typename T>
   Image<T> TakeImage(bool is_wanted = true) {
     const int width = Take<int>(), height = Take<int>();
@@ -97,22 +98,22 @@ class Unpacker {
     const char* compressed = Skip(count);
     if (!is_wanted) return {};
     const auto bytes = static_cast<std::uint64_t>(width) * height * sizeof(T);
-    // zlib makes at most about 1000 bytes of one.
+    // The compression ratio of zlib is at most 1032.
     if (width < 0 || height < 0 || width > 16384 || height > 16384 || bytes > kMostImageBytes ||
         bytes > 1100 * (count + 1)) {
-      Fail(Concat("has an image of ", width, " x ", height));
+      Fail(Concat("has an image of invalid size ", width, " x ", height));
     }
     Image<T> image(width, height);
     if (bytes > 0 && !Inflate(compressed, count, image.data(), bytes)) Fail("has a damaged image");
     return image;
   }
   void End() const {
-    if (at_ != bytes_.size()) Fail("goes on after its end");
+    if (at_ != bytes_.size()) Fail("has bytes after its end");
   }
   [[noreturn]] void Fail(const std::string& why) const { throw InputError(from_, ": ", why); }
 
  private:
-  // What a damaged number may ask for.
+  // Maximum size of an image, so that a damaged size does not exhaust the memory.
   static constexpr std::uint64_t kMostImageBytes = std::uint64_t{64} << 20;
 
   const char* Skip(std::size_t count) {
@@ -126,7 +127,8 @@ class Unpacker {
   std::size_t at_ = 0;
 };
 
-// A view as bytes, and back. Throws InputError for one that is none.
+// Serialisation of a view. TakeView() throws InputError for an invalid view. With
+// PlacesPart::kFeatures, its images are empty.
 void PutView(const PlaceView& view, Packer* packer);
 PlaceView TakeView(PlacesPart part, Unpacker* unpacker);
 

@@ -11,7 +11,7 @@ namespace surfit {
 namespace {
 
 constexpr char kPlacesMagic[] = "surfit places 1\n";
-constexpr std::size_t kMostBytes = std::size_t{4} << 30;  // of the file
+constexpr std::size_t kMostBytes = std::size_t{4} << 30;  // maximum file size
 
 void PutEdge(const PoseGraphEdge& edge, Packer* writer) {
   writer->PutCount(edge.a);
@@ -28,8 +28,7 @@ PoseGraphEdge TakeEdge(std::size_t keyframes, Unpacker* reader) {
   edge.a_from_b = reader->TakePose();
   for (double& number : edge.information.reshaped()) number = reader->Take<double>();
   edge.loop = reader->Take<std::uint8_t>() != 0;
-  if (edge.a == edge.b || !IsInformation(edge.information))
-    reader->Fail("has an edge that is none");
+  if (edge.a == edge.b || !IsInformation(edge.information)) reader->Fail("has an invalid edge");
   return edge;
 }
 
@@ -70,7 +69,8 @@ RunPlaces ReadPlaces(const std::string& path, PlacesPart part) {
     frame.world_from_camera = reader.TakePose();
     frame.keyframe = reader.Take<int>();
     frame.stretch = reader.Take<int>();
-    if (i > 0 && frame.index <= places.frames[i - 1].index) reader.Fail("has frames in disorder");
+    if (i > 0 && frame.index <= places.frames[i - 1].index)
+      reader.Fail("has frames in wrong order");
   }
   places.keyframes.resize(reader.TakeCount(kPoseBytes));
   for (Keyframe& keyframe : places.keyframes) {
@@ -81,7 +81,8 @@ RunPlaces ReadPlaces(const std::string& path, PlacesPart part) {
   }
   for (const PosedFrame& frame : places.frames) {
     if (frame.keyframe < 0 || frame.keyframe >= static_cast<int>(places.keyframes.size())) {
-      reader.Fail(Concat("names keyframe ", frame.keyframe, " of ", places.keyframes.size()));
+      reader.Fail(Concat("has the index of keyframe ", frame.keyframe, ", must be below ",
+                         places.keyframes.size()));
     }
   }
   places.edges.resize(reader.TakeCount(kPoseBytes));

@@ -9,22 +9,22 @@
 
 namespace surfit {
 
-// What a run knows of where it was, to be joined to other runs.
+// Poses, keyframes and pose graph of a run, for merging runs.
 struct RunPlaces {
-  std::vector<PosedFrame> frames;    // all with a pose, by ascending index
-  std::vector<Keyframe> keyframes;   // with their views; their poses are the frames'
-  std::vector<PoseGraphEdge> edges;  // between keyframes, by their positions: odometry and loops
+  std::vector<PosedFrame> frames;    // all frames with a pose, by ascending index
+  std::vector<Keyframe> keyframes;   // with views; poses are equal to those in `frames`
+  std::vector<PoseGraphEdge> edges;  // odometry and loop closures; a and b: indices of `keyframes`
 };
 
-// Writes a file of binary little endian values, compressed by zlib, atomically. Throws InputError
-// naming the file if it cannot be written.
+// Writes a binary file atomically: little-endian values, images compressed with zlib. Throws
+// InputError with the path if writing fails.
 void WritePlaces(const RunPlaces& places, const std::string& path);
 
-// Which parts of a file are wanted.
-enum class PlacesPart { kAll, kFeatures };  // of the views: images and features, or these alone
+// Parts of the views to read: images and features, or features only.
+enum class PlacesPart { kAll, kFeatures };
 
-// Throws InputError naming the file if it cannot be read, or is no such file. What it takes in
-// memory is bounded by the file's size.
+// Throws InputError with the path if the file cannot be read or is invalid. A damaged file cannot
+// exhaust the memory.
 RunPlaces ReadPlaces(const std::string& path, PlacesPart part = PlacesPart::kAll);
 
 }  // namespace surfit

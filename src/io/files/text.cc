@@ -71,7 +71,7 @@ Rigid3d RigidFromMatrix(const Eigen::Matrix4d& matrix, const std::string& place)
 }
 
 Rigid3d ParseRigid(const std::vector<TextRow>& rows, std::size_t first, const std::string& path) {
-  ThrowIf(rows.size() < first + 4, path, " ends before a 4 x 4 matrix does");
+  ThrowIf(rows.size() < first + 4, path, " ends within a 4 x 4 matrix");
   Eigen::Matrix4d matrix;
   for (int i = 0; i < 4; ++i) {
     const TextRow& row = rows[first + i];
@@ -98,7 +98,7 @@ std::int64_t ParseCount(std::string_view word) {
   const char* const end = word.data() + word.size();
   const auto [parsed, error] = std::from_chars(word.data(), end, count);
   ThrowIf(error != std::errc() || parsed != end || count < 0, "the count is '", word,
-          "', must be an integer from 0");
+          "', must be an integer of at least 0");
   return count;
 }
 

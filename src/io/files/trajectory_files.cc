@@ -21,7 +21,7 @@ namespace {
 constexpr std::string_view kSeparators = " \t,\r";
 constexpr const char* kHead = "# timestamp tx ty tz qx qy qz qw\n";
 
-// The next column of the line, which is removed from it; empty at the end.
+// Removes the next column from the line and returns it; empty at the end of the line.
 std::string_view TakeColumn(std::string_view* line) {
   line->remove_prefix(std::min(line->find_first_not_of(kSeparators), line->size()));
   const std::string_view column = line->substr(0, line->find_first_of(kSeparators));
@@ -40,8 +40,8 @@ StampedPose ParsePose(std::string_view line) {
   return {v[0], RigidFromNumbers(&v[1])};
 }
 
-// Calls parse(line) for each line that is neither empty nor a comment, and adds file and line
-// number to the message of an InputError that it throws.
+// Calls parse(line) for each line, except empty lines and comments. Adds file and line number to
+// the messages of InputErrors.
 template <typename Parse>
 void ForEachLine(const std::string& path, const Parse& parse) {
   const std::string text = ReadFileOrPipe(path);

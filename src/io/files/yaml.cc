@@ -7,7 +7,7 @@
 namespace surfit {
 namespace {
 
-constexpr std::size_t kMostKeys = 100;  // of one map
+constexpr std::size_t kMostKeys = 100;  // maximum per map
 
 bool IsBlank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
@@ -19,14 +19,14 @@ class YamlParser {
     SkipHeader();
     YamlNode root;
     if (NextLine()) root = ParseBlock(Column());
-    if (NextLine()) Fail("is indented otherwise than those before");
+    if (NextLine()) Fail("has a different indentation than the lines above");
     return root;
   }
 
  private:
   [[noreturn]] void Fail(const std::string& what) const {
     const auto line = 1 + std::count(text_.begin(), text_.begin() + std::ptrdiff_t(at_), '\n');
-    throw InputError(path_, ":", line, " is not YAML as a camera needs it: it ", what);
+    throw InputError(path_, ":", line, " is invalid or unsupported YAML: the text ", what);
   }
 
   bool AtEnd() const { return at_ >= text_.size(); }
@@ -47,8 +47,7 @@ class YamlParser {
     if (StartsWith("---")) at_ += 3;
   }
 
-  // To the first word of the next line that has one; false at the document's end. Before it stand
-  // no words of the present line.
+  // Skips blanks, line ends and comments. Returns false at the end of the document.
   bool NextLine() {
     for (;;) {
       SkipBlanks();
@@ -63,7 +62,7 @@ class YamlParser {
     }
   }
 
-  // Items of a list or a map, of which each line begins at this column.
+  // Parses the items of a list or map, which begin at `column`.
   YamlNode ParseBlock(int column) {
     YamlNode node;
     node.kind = IsItem() ? YamlNode::Kind::kList : YamlNode::Kind::kMap;
@@ -75,7 +74,7 @@ class YamlParser {
       }
       node.values.push_back(ParseBlockValue(column, node.kind == YamlNode::Kind::kMap));
     }
-    if (!AtEnd() && Column() > column) Fail("is indented otherwise than those before");
+    if (!AtEnd() && Column() > column) Fail("has a different indentation than the lines above");
     return node;
   }
 
@@ -84,7 +83,8 @@ class YamlParser {
            (at_ + 1 >= text_.size() || IsBlank(text_[at_ + 1]) || text_[at_ + 1] == '\n');
   }
 
-  // On the line, or in those below, which are indented (a list in a map need not be).
+  // Parses a value on the same line, or an indented block below. A list in a map may have the
+  // indentation of its key.
   YamlNode ParseBlockValue(int column, bool is_in_map) {
     SkipBlanks();
     if (Now() != '\n' && Now() != '#') {
@@ -104,12 +104,12 @@ class YamlParser {
     const std::string key = ParseScalar(":,{}[]\n");
     if (key.empty() || Now() != ':') Fail("has no key with a colon");
     if (map->keys.size() == kMostKeys) Fail("has too many keys");
-    if (map->Find(key) != nullptr) Fail(Concat("has the key '", key, "' once more"));
+    if (map->Find(key) != nullptr) Fail(Concat("has the key '", key, "' twice"));
     ++at_;
     map->keys.push_back(key);
   }
 
-  // A value in brackets, which may take several lines, or a word.
+  // Parses a list or map in brackets, also across lines, or a scalar.
   YamlNode ParseFlow() {
     YamlNode node;
     if (Now() == '{' || Now() == '[') {
@@ -136,7 +136,7 @@ class YamlParser {
     ++at_;
   }
 
-  // Up to one of the ends, or within quotation marks.
+  // Parses a scalar in quotation marks, or up to a character of `ends`.
   std::string ParseScalar(const char* ends) {
     const char quote = Now();
     const bool is_quoted = quote == '"' || quote == '\'';

@@ -5,22 +5,23 @@
 
 namespace surfit {
 
-// A value of a YAML file (YAML 1.2, of which this is a part): maps and lists, line by line or in
-// brackets, of numbers and words. No tags, anchors, or texts of several lines.
+// Value of a YAML file. Supports a subset of YAML 1.2: maps, lists and scalars, in block style or
+// in brackets. Tags, anchors and texts of several lines are not supported.
 struct YamlNode {
   enum class Kind { kNothing, kScalar, kList, kMap };
 
   Kind kind = Kind::kNothing;
-  std::string scalar;             // as it stands there, without quotation marks
-  std::vector<std::string> keys;  // of a map: one of each of the values
-  std::vector<YamlNode> values;   // of a list or map
+  std::string scalar;             // text without quotation marks
+  std::vector<std::string> keys;  // keys of a map, in the order of `values`
+  std::vector<YamlNode> values;   // values of a list or map
 
-  // Of a map; null without such a key.
+  // Value of a key of a map; null if the key does not exist. Valid as long as this node is
+  // unchanged.
   const YamlNode* Find(const std::string& key) const;
 };
 
-// The only document of a text. The depth of recursion is that of the text's nesting, which is for
-// the caller to bound. Throws InputError naming `path`, the line, and what is wrong with it.
+// Parses a text with a single document. Recursion is as deep as the nesting of the text, so the
+// caller must limit the length of the text. Throws InputError with `path`, line and reason.
 YamlNode ParseYaml(const std::string& text, const std::string& path);
 
 }  // namespace surfit

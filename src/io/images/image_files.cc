@@ -11,7 +11,7 @@
 namespace surfit {
 namespace {
 
-constexpr std::size_t kMostOfImage = std::size_t{1} << 30;  // bytes of a file
+constexpr std::size_t kMostOfImage = std::size_t{1} << 30;  // maximum file size, bytes
 
 struct Closer {
   void operator()(void* handle) const { tjDestroy(handle); }
@@ -30,8 +30,9 @@ const unsigned char* Data(const std::string& bytes) {
 }  // namespace
 
 InputError NotADepthImage(int channels, int bits, const std::string& path) {
-  return InputError(Concat(path, " has ", channels, " channel(s) of ", bits,
-                           " bits, a depth image must have one of 16 bits or of 32-bit floats"));
+  return InputError(
+      Concat(path, " has ", channels, " channel(s) of ", bits,
+             " bits, a depth image must have one of 16-bit integers or 32-bit floats"));
 }
 
 InputError DamagedImage(const std::string& path) {
@@ -47,7 +48,7 @@ RawDepth DecodeDepthImage(const std::string& bytes, const std::string& path) {
   if (IsPng(bytes)) return DecodeDepthPng(bytes, path);
   if (IsTiff(bytes)) return DecodeDepthTiff(bytes, path);
   if (IsPnm(bytes)) return DecodeDepthPnm(bytes, path);
-  throw InputError(path, " is a JPEG, which a depth image cannot be");
+  throw InputError(path, " is a JPEG file, a depth image must be PNG, TIFF or PGM");
 }
 
 Image<Rgb8> ReadColorImage(const std::string& path) {
@@ -80,7 +81,7 @@ std::string EncodeJpeg(const Image<Rgb8>& image, int quality) {
   const int result = tjCompress2(encoder.get(), &image.data()->r, image.width(), 0, image.height(),
                                  TJPF_RGB, &bytes, &size, TJSAMP_444, quality, 0);
   if (result != 0) {
-    throw InputError("cannot make a JPEG of ", image.width(), " x ", image.height(),
+    throw InputError("cannot encode a JPEG of ", image.width(), " x ", image.height(),
                      " pixels: ", tjGetErrorStr2(encoder.get()));
   }
   std::string jpeg(reinterpret_cast<const char*>(bytes), size);

@@ -20,47 +20,47 @@ struct ImageSize {
   friend bool operator!=(ImageSize a, ImageSize b) { return !(a == b); }
 };
 
-// Throws InputError naming `path` if either is below 1 or above 16384, so that a damaged header
-// cannot ask for all memory.
+// Throws InputError with `path` if width or height is below 1 or above 16384. Prevents huge
+// allocations for damaged headers.
 void RequireUsualSize(ImageSize size, const std::string& path);
 
-// Image files: PNG, JPEG, TIFF, PGM or PPM, of a gigabyte at most. All throw InputError naming the
-// file if it is missing, truncated, damaged (as far as its kind can tell) or of another kind.
+// Readers of image files: PNG, JPEG, TIFF, PGM and PPM of up to 1 GiB. All functions throw
+// InputError with the path if the file is missing, truncated, visibly damaged or of another format.
 
-// 16-bit counts or 32-bit float metres of one channel.
+// One channel of 16-bit raw counts, or of 32-bit floats in metres.
 RawDepth ReadDepthImage(const std::string& path);
 RawDepth DecodeDepthImage(const std::string& bytes, const std::string& path);
 
-// 8-bit colour; grey is spread over the channels. The file's pixels as they are: an orientation
-// tag is ignored, for the camera's geometry belongs to the pixels.
+// 8-bit RGB. Grey images get three equal channels. Orientation tags are ignored, because the
+// intrinsics refer to the stored pixels.
 Image<Rgb8> ReadColorImage(const std::string& path);
 Image<Rgb8> DecodeColorImage(const std::string& bytes, const std::string& path);
 
 bool IsJpeg(const std::string& bytes);
 
-// The size that the header of an image of any of these kinds claims. Throws InputError naming
-// `path` if it is none of them, or claims an absurd size or more pixels than so few bytes can hold.
+// Image size from the header, without decoding. Throws InputError with `path` for an unknown
+// format, an invalid size, or more pixels than the file size permits.
 ImageSize ClaimedSize(const std::string& bytes, const std::string& path);
 
-// The same of a JPEG, however many bytes of it there are.
+// ClaimedSize() of a JPEG file that may be truncated after its header.
 ImageSize JpegSize(const std::string& bytes, const std::string& path);
 
-// Throws InputError naming `path` unless the picture is whole: decoders make up what is missing of
-// a truncated or damaged one and only warn, and here a warning is an error.
+// Throws InputError with `path` if the image is truncated or damaged. The decoder would fill in
+// missing pixels with a warning; here a warning is an error.
 Image<Rgb8> DecodeJpeg(const std::string& bytes, const std::string& path);
 
-// quality from 1 to 100; colour is kept at full resolution. Throws InputError, as where memory is
-// missing.
+// `quality`: 1 to 100. Chroma is not subsampled. Throws InputError if encoding fails, including out
+// of memory.
 std::string EncodeJpeg(const Image<Rgb8>& image, int quality);
 
-// Quick to write, a third larger than need be. Throw InputError as EncodeJpeg does.
+// Fast compression: files are about one third larger than with default settings. Throw as
+// EncodeJpeg().
 std::string EncodePng(const Image<Rgb8>& image);
 std::string EncodePng(const Image<std::uint16_t>& image);
 
 bool IsPng(const std::string& bytes);
 
-// The size that the header of such a file claims, however many bytes of it there are. Throws
-// InputError naming `path` if it has none, or an absurd one.
+// ClaimedSize() of a PNG file that may be truncated after its header.
 ImageSize PngSize(const std::string& bytes, const std::string& path);
 
 }  // namespace surfit

@@ -1,4 +1,4 @@
-// What image files say of themselves, looked at before any decoder takes memory for them.
+// Reads image sizes and PNG chunks from file headers, before a decoder allocates memory.
 #include <libdeflate.h>
 #include <turbojpeg.h>
 
@@ -23,12 +23,11 @@ const std::uint8_t* BytesOf(const std::string& bytes) {
   return reinterpret_cast<const std::uint8_t*>(bytes.data());
 }
 
-// The numbers of a TIFF file, in its own order of bytes.
 class TiffReader {
  public:
   explicit TiffReader(const std::string& bytes) : bytes_(bytes), is_little_(bytes[0] == 'I') {}
 
-  // Throws InputError beyond the end.
+  // `size` in bytes. Throws InputError with `path` beyond the end of the file.
   std::uint32_t Number(std::size_t at, int size, const std::string& path) const {
     ThrowIf(at + size > bytes_.size(), path, " is truncated");
     std::uint32_t number = 0;
@@ -44,8 +43,8 @@ class TiffReader {
   bool is_little_;
 };
 
-// At least that of the image and of its tiles. The first directory has two bytes of a count, and
-// entries of twelve: two of tag, two of type, four of a count, the value (TIFF 6.0).
+// Larger of image size and tile size. The first directory has a 2-byte count, then entries of 12
+// bytes: 2 bytes of tag, 2 of type, 4 of count, 4 of value (TIFF 6.0).
 ImageSize TiffSize(const std::string& bytes, const std::string& path) {
   constexpr std::uint32_t kWidth = 256, kHeight = 257, kTileWidth = 322, kTileHeight = 323;
   constexpr std::uint32_t kShort = 3, kLong = 4, kMost = 1 << 30;
@@ -58,14 +57,15 @@ ImageSize TiffSize(const std::string& bytes, const std::string& path) {
     const std::uint32_t tag = tiff.Number(entry, 2, path), type = tiff.Number(entry + 2, 2, path);
     const bool is_width = tag == kWidth || tag == kTileWidth;
     if (!is_width && tag != kHeight && tag != kTileHeight) continue;
-    ThrowIf(type != kShort && type != kLong, path, " is damaged: its size is odd");
+    ThrowIf(type != kShort && type != kLong, path,
+            " is damaged: its width or height has a wrong type");
     std::uint32_t& side = is_width ? width : height;
     side = std::max(side, std::min(tiff.Number(entry + 8, type == kShort ? 2 : 4, path), kMost));
   }
   return {static_cast<int>(width), static_cast<int>(height)};
 }
 
-// Of a PNG of less than eight bits a pixel.
+// Number of pixels per byte of a PNG with fewer than 8 bits per pixel; otherwise 1.
 int PixelsOfByte(const std::string& bytes) {
   constexpr std::size_t kBitsAt = 24;
   const int bits = IsPng(bytes) && bytes.size() > kBitsAt ? BytesOf(bytes)[kBitsAt] : 8;
@@ -101,7 +101,7 @@ void RequireUsualSize(ImageSize size, const std::string& path) {
 }
 
 ImageSize ClaimedSize(const std::string& bytes, const std::string& path) {
-  constexpr std::size_t kMaxRatio = 1032;  // of deflate; JPEG has less
+  constexpr std::size_t kMaxRatio = 1032;  // maximum compression ratio of deflate; JPEG: less
   const ImageSize size = SizeByKind(bytes, path);
   RequireUsualSize(size, path);
   if (size.pixels() / kMaxRatio / PixelsOfByte(bytes) <= bytes.size()) return size;
@@ -136,7 +136,7 @@ std::vector<PngChunk> PngChunks(const std::string& png, const std::string& path)
   std::vector<PngChunk> chunks;
   std::size_t at = kSignature.size();
   do {
-    // A chunk: length of the data, type, data, checksum of type and data.
+    // Chunk layout: length of the data, type, data, checksum of type and data.
     const std::size_t left = bytes.size() - at;
     ThrowIf(left < 12 || left - 12 < BigEndian(data + at), path, " is truncated");
     const std::size_t length = BigEndian(data + at);
@@ -149,7 +149,7 @@ std::vector<PngChunk> PngChunks(const std::string& png, const std::string& path)
 }
 
 ImageSize PngSize(const std::string& bytes, const std::string& path) {
-  // After the signature comes IHDR: length, type, width, height.
+  // The IHDR chunk: length, type, width, height.
   constexpr std::size_t kSizeAt = 16;
   ThrowIf(!IsPng(bytes) || bytes.size() < kSizeAt + 8, path, " is truncated");
   const std::uint8_t* const data = BytesOf(bytes);

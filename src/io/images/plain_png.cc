@@ -1,5 +1,5 @@
-// PNG files as cameras' recorders write them, by libdeflate, which is several times as fast as the
-// zlib of libpng.
+// Fast decoder of common PNG files. Uses libdeflate, which is several times faster than zlib in
+// libpng.
 #include <algorithm>
 #include <array>
 #include <cstdlib>
@@ -13,7 +13,7 @@ namespace {
 
 using Bytes = const std::uint8_t*;
 
-// The nearest of left, above and above left to left + above - above left (PNG specification, 9.4).
+// Paeth predictor: the neighbour that is nearest to left + above - corner (PNG specification, 9.4).
 int Paeth(int left, int above, int corner) {
   const int to_left = above - corner, to_above = left - corner;
   const int from_left = std::abs(to_left), from_above = std::abs(to_above);
@@ -22,8 +22,8 @@ int Paeth(int left, int above, int corner) {
   return from_left <= std::min(from_above, from_corner) ? left : other;
 }
 
-// Undoes the filter of a row of pixels of kSize bytes each. `above` is the row before, as it is in
-// the end.
+// Undoes the Paeth filter of a row. kSize: bytes per pixel. `above`: decoded previous row, zeros
+// for the first row.
 template <int kSize>
 void UndoPaeth(Bytes above, std::size_t count, std::uint8_t* row) {
   std::array<int, kSize> left{}, corner{};
@@ -37,7 +37,7 @@ void UndoPaeth(Bytes above, std::size_t count, std::uint8_t* row) {
   }
 }
 
-// False if there is no such filter.
+// Returns false for an unknown filter type.
 template <int kSize>
 bool UndoFilter(int filter, Bytes above, std::size_t count, std::uint8_t* row) {
   switch (filter) {
@@ -61,7 +61,7 @@ bool UndoFilter(int filter, Bytes above, std::size_t count, std::uint8_t* row) {
   }
 }
 
-// What the header of a plain PNG says (PNG specification, 11.2.2): one of two kinds of pixels.
+// Image size, bit depth and colour type of the IHDR chunk (PNG specification, 11.2.2).
 struct PlainHeader {
   ImageSize size;
   int bits = 0, type = 0;
@@ -79,8 +79,8 @@ std::optional<PlainHeader> ReadHeader(const PngChunk& chunk) {
   return PlainHeader{{number(data), number(data + 4)}, data[8], data[9]};
 }
 
-// The compressed data of a PNG that has none but its header, its data, all of them after each
-// other, its end, and what decoders may ignore.
+// Joined data of the IDAT chunks. Returns std::nullopt if they are not consecutive or the file has
+// further critical chunks, for example a palette.
 std::optional<std::string> CompressedRows(const std::vector<PngChunk>& png) {
   std::string data;
   bool has_ended = false;
@@ -95,9 +95,9 @@ std::optional<std::string> CompressedRows(const std::vector<PngChunk>& png) {
   return data;
 }
 
-// Rows of pixels of so many bytes, each after a byte that tells its filter.
+// Decompressed rows. Each row is one byte of filter type, then the pixels.
 struct Rows {
-  std::size_t count = 0;  // bytes of a row
+  std::size_t count = 0;  // bytes per row without the filter type
   std::vector<std::uint8_t> bytes;
 
   std::uint8_t* row(int v) { return bytes.data() + (count + 1) * v; }

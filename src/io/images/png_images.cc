@@ -1,7 +1,7 @@
-// PNG files as their pixels are: nothing is converted for a display's gamma. Those that are not as
-// most are read by libpng, which also writes.
+// Decodes and encodes PNG files without gamma conversion. Plain files are decoded by plain_png.cc,
+// all others by libpng.
 #include <png.h>
-#include <zlib.h>  // names of levels and strategies, for libpng
+#include <zlib.h>  // Z_BEST_SPEED, Z_RLE
 
 #include <csetjmp>
 #include <cstdint>
@@ -17,11 +17,12 @@ namespace {
 
 static_assert(sizeof(Rgb8) == 3, "rows are read as red, green, blue");
 
-// libpng tells errors by a jump out of its own calls.
+// libpng reports errors by longjmp().
 [[noreturn]] void JumpOut(png_structp png, png_const_charp) { png_longjmp(png, 1); }
 void IgnoreWarning(png_structp, png_const_charp) {}
 
-// False where libpng failed in a task, which calls it and has nothing to destroy: a jump leaves it.
+// Returns false if libpng fails in `task`. longjmp() skips destructors, so `task` must not create
+// objects that need one.
 template <typename Task>
 bool Succeeds(png_structp png, const Task& task) {
   if (setjmp(png_jmpbuf(png)) != 0) return false;
@@ -50,7 +51,6 @@ std::vector<png_bytep> RowsOf(const Image<T>& image) {
   return rows;
 }
 
-// What libpng keeps of a picture that is read or written.
 struct PngStructs {
   bool of_writer;
   png_structp png = nullptr;
@@ -81,7 +81,7 @@ struct PngStructs {
 
 class PngReader {
  public:
-  // Throws InputError unless the bytes begin with a header.
+  // Reads the header. Throws InputError with `path`. Both arguments must outlive the reader.
   PngReader(const std::string& bytes, const std::string& path)
       : path_(path), source_{bytes.data(), bytes.size()} {
     Require(Succeeds(png_, [this] {
@@ -97,7 +97,7 @@ class PngReader {
     return type() == PNG_COLOR_TYPE_PALETTE ? 3 : png_get_channels(png_, info_);
   }
 
-  // Rows of counts as this machine has them.
+  // 16-bit counts in host byte order.
   Image<std::uint16_t> ReadCounts() {
     return Read<std::uint16_t>([this] { png_set_swap(png_); });
   }
@@ -148,8 +148,7 @@ class PngWriter {
       png_set_write_fn(png_, this, Append, nullptr);
       png_set_IHDR(png_, info_, image.width(), image.height(), bits, type, PNG_INTERLACE_NONE,
                    PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-      // Fast: files are a third larger than with the default, and written in a fraction of its
-      // time.
+      // Files are one third larger than with default settings, and much faster to write.
       png_set_filter(png_, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
       png_set_compression_level(png_, Z_BEST_SPEED);
       png_set_compression_strategy(png_, Z_RLE);
@@ -159,12 +158,12 @@ class PngWriter {
       png_write_end(png_, nullptr);
     });
     if (written) return std::move(bytes_);
-    throw InputError("cannot make a PNG of ", image.width(), " x ", image.height(),
-                     " pixels: memory is missing, or there are none");
+    throw InputError("cannot encode a PNG of ", image.width(), " x ", image.height(),
+                     " pixels: out of memory, or the image is empty");
   }
 
  private:
-  // Where memory is missing, the exception must not pass through libpng.
+  // Converts std::bad_alloc to a libpng error: exceptions must not pass through C code.
   static void Append(png_structp png, png_bytep from, std::size_t count) {
     bool done = true;
     try {

@@ -1,5 +1,5 @@
-// PGM and PPM files (netpbm's manual): P2 and P3 have their numbers as text, P5 and P6 as bytes, of
-// two with the high one first where the largest number is above 255.
+// PGM and PPM files (netpbm manual). P2 and P3 store numbers as text, P5 and P6 as bytes. Numbers
+// have two bytes, big endian, if the maximum value is above 255.
 #include <algorithm>
 #include <cctype>
 #include <cstdint>
@@ -17,13 +17,14 @@ class PnmReader {
     size_.height = TakeText();
   }
 
-  // To be called before numbers are taken. Throws InputError unless so many bytes follow.
+  // Reads the maximum value. Call before Take(). Throws InputError if the file is too short for its
+  // pixels.
   void Begin() {
     most_ = TakeText();
     if (most_ < 1 || most_ > 65535) throw DamagedImage(path_);
-    ++at_;  // one blank
+    ++at_;  // separator
     const std::size_t numbers = channels() * size_.pixels();
-    // Of text each number takes a digit and what parts it from the next.
+    // A number as text has at least one digit, and a separator before the next number.
     const std::size_t least = is_text() ? 2 * numbers - 1 : numbers * bits() / 8;
     ThrowIf(at_ > bytes_.size() || bytes_.size() - at_ < least, path_, " is truncated");
   }
@@ -44,12 +45,12 @@ class PnmReader {
     return number;
   }
 
-  // Blanks and comments, to the end of their lines, may stand before a number.
+  // Skips blanks and comment lines, then reads a number.
   int TakeText() {
     while (at_ < bytes_.size() && (std::isspace(Byte(at_)) != 0 || bytes_[at_] == '#'))
       at_ = bytes_[at_] == '#' ? bytes_.find_first_of("\r\n", at_) : at_ + 1;
     ThrowIf(at_ >= bytes_.size() || std::isdigit(Byte(at_)) == 0, path_,
-            " is truncated or damaged: it lacks a number");
+            " is truncated or damaged: a number is missing");
     constexpr int kMost = 1 << 20;
     int number = 0;
     for (; at_ < bytes_.size() && std::isdigit(Byte(at_)) != 0; ++at_)

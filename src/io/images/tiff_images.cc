@@ -1,4 +1,4 @@
-// TIFF files by libtiff, from memory: the first picture of a file.
+// Decodes the first image of a TIFF file in memory with libtiff.
 #include <tiffio.h>
 
 #include <algorithm>
@@ -11,7 +11,6 @@
 namespace surfit {
 namespace {
 
-// A file in memory, as libtiff reads it.
 struct TiffSource {
   const std::string& bytes;
   std::uint64_t at = 0;
@@ -38,7 +37,7 @@ toff_t TiffSeek(thandle_t handle, toff_t offset, int from) {
 int TiffLeaveOpen(thandle_t) { return 0; }
 toff_t TiffByteCount(thandle_t handle) { return static_cast<TiffSource*>(handle)->bytes.size(); }
 
-// Errors are told by what functions return; that nothing is printed is what these see to.
+// Suppresses messages of libtiff. Errors are detected by return values.
 int TiffSilent(TIFF*, void*, const char*, const char*, va_list) { return 1; }
 
 struct TiffOptionsFreer {
@@ -50,11 +49,12 @@ struct TiffCloser {
 
 class TiffFile {
  public:
-  // Throws InputError unless the bytes begin with a directory.
+  // Reads the first directory. Throws InputError with `path`. Both arguments must outlive the
+  // object.
   TiffFile(const std::string& bytes, const std::string& path) : path_(path), source_{bytes} {
     const std::unique_ptr<TIFFOpenOptions, TiffOptionsFreer> options(TIFFOpenOptionsAlloc());
     if (options == nullptr) throw std::bad_alloc();
-    constexpr tmsize_t kMostAtOnce = tmsize_t{1} << 30;  // bytes; the largest image's are fewer
+    constexpr tmsize_t kMostAtOnce = tmsize_t{1} << 30;  // bytes, enough for the largest image
     TIFFOpenOptionsSetMaxSingleMemAlloc(options.get(), kMostAtOnce);
     TIFFOpenOptionsSetErrorHandlerExtR(options.get(), TiffSilent, nullptr);
     TIFFOpenOptionsSetWarningHandlerExtR(options.get(), TiffSilent, nullptr);
@@ -81,7 +81,7 @@ class TiffFile {
 
   Image<Rgb8> ReadColor() const {
     std::vector<std::uint32_t> pixels(size_.pixels());
-    // As the file's rows stand, however it would have them turned.
+    // The orientation of the file itself is requested, so libtiff does not rotate the image.
     Require(TIFFReadRGBAImageOriented(tiff_.get(), size_.width, size_.height, pixels.data(),
                                       Tag<std::uint16_t>(TIFFTAG_ORIENTATION),
                                       /*stop_on_error=*/1) != 0);
@@ -99,7 +99,7 @@ class TiffFile {
     if (!holds) throw DamagedImage(path_);
   }
 
-  // Of a tag that the file has not, what TIFF takes for granted, or else 0.
+  // Value of a tag. If the tag is missing: its default in the TIFF specification, or else 0.
   template <typename T>
   T Tag(std::uint32_t tag) const {
     T value = 0;

@@ -13,22 +13,22 @@ namespace surfit {
 namespace {
 
 constexpr int kWait_ms = 100;
-// A camera that is silent for so long has hung, or is gone without a word.
+// Time without images after which the camera is considered disconnected.
 constexpr std::chrono::seconds kSilence(5);
-// For how many images exposure and white balance find their values before they are locked.
+// Number of colour images for automatic exposure and white balance before both are locked.
 constexpr int kImagesUntilLock = 60;
 
-// The devices that are there, of which recordings are none.
+// Connected devices, without recordings.
 std::vector<OniDeviceInfo> Devices(const OpenNiLibrary& library) {
   OniDeviceInfo* devices = nullptr;
   int count = 0;
-  library.Require(library.oniGetDeviceList(&devices, &count), "OpenNI2 lists no devices");
+  library.Require(library.oniGetDeviceList(&devices, &count), "OpenNI2 cannot list devices");
   std::vector<OniDeviceInfo> list(devices, devices + count);
   library.oniReleaseDeviceList(devices);
   return list;
 }
 
-// That a path names: a URI, or any.
+// URI of the device that `path` names: a URI, or "any" for the first device.
 std::string UriOf(const OpenNiLibrary& library, const std::string& path) {
   const std::vector<OniDeviceInfo> devices = Devices(library);
   std::string all;
@@ -36,7 +36,7 @@ std::string UriOf(const OpenNiLibrary& library, const std::string& path) {
     if (path == "any" || path == device.uri) return device.uri;
     all += Concat(all.empty() ? "" : ", ", device.uri, " (", device.vendor, " ", device.name, ")");
   }
-  throw InputError("no camera '", path, "': OpenNI2 sees ", all.empty() ? "none" : all);
+  throw InputError("no camera '", path, "': OpenNI2 finds ", all.empty() ? "none" : all);
 }
 
 }  // namespace
@@ -85,13 +85,13 @@ std::optional<DeviceImage> CameraLink::Next() {
   try {
     if (!is_gone_) image = device_->Next(kWait_ms);
   } catch (const InputError&) {
-    if (!is_gone_) throw;  // else it went while it was read
+    if (!is_gone_) throw;  // a device that is unplugged during reading is no error
   }
   const Clock::time_point now = Clock::now();
   if (!image) {
     if (!is_gone_ && now - silent_since_ < kSilence) return std::nullopt;
-    LOG(WARNING) << name() << (is_gone_ ? " is unplugged" : " is silent")
-                 << ": the run pauses until it is back";
+    LOG(WARNING) << name() << (is_gone_ ? " is unplugged" : " sends no images")
+                 << ": the run pauses until the camera is connected again";
     device_.reset();
     return std::nullopt;
   }
@@ -102,7 +102,7 @@ std::optional<DeviceImage> CameraLink::Next() {
     later_us_ = static_cast<std::int64_t>(last_us_) + away.count() -
                 static_cast<std::int64_t>(image->stamp_us);
     paused_before_s_ = 1e-6 * static_cast<double>(away.count());
-    LOG(WARNING) << name() << " is back after " << paused_before_s_ << " s";
+    LOG(WARNING) << name() << " is connected again after " << paused_before_s_ << " s";
   }
   image->stamp_us =
       static_cast<std::uint64_t>(static_cast<std::int64_t>(image->stamp_us) + later_us_);
@@ -117,7 +117,7 @@ bool CameraLink::TryToReopen() {
   if (uri.empty()) return false;
   try {
     Open(uri);
-  } catch (const InputError& error) {  // it may still be starting
+  } catch (const InputError& error) {  // the device may still be starting
     VLOG(1) << error.what();
     device_.reset();
     return false;
@@ -126,7 +126,7 @@ bool CameraLink::TryToReopen() {
   return true;
 }
 
-// A device that is plugged in again may have another URI.
+// Finds the device by vendor and product: its URI may change when it is reconnected.
 std::string CameraLink::FindAgain() const {
   for (const OniDeviceInfo& device : Devices(*library_)) {
     if (device.usbVendorId == info_.usbVendorId && device.usbProductId == info_.usbProductId &&
@@ -139,7 +139,7 @@ std::string CameraLink::FindAgain() const {
 void CameraLink::LockExposureInTime(const DeviceImage& image) {
   if (images_until_lock_ == 0 || image.is_depth() || --images_until_lock_ > 0) return;
   if (!device_->LockExposure())
-    LOG(WARNING) << name() << " cannot lock its exposure and white balance";
+    LOG(WARNING) << name() << " cannot lock exposure and white balance, which stay automatic";
 }
 
 }  // namespace surfit

@@ -13,30 +13,31 @@
 
 namespace surfit {
 
-// A camera that may be unplugged and plugged in again. Its stamps ascend all the while: after a
-// pause they go on by the time that has passed. For one thread.
+// Camera connection that survives unplugging. Timestamps continue after a pause with the elapsed
+// time added. Not thread-safe.
 class CameraLink {
  public:
-  // Throws InputError naming the device if it is not there, or cannot be set up.
+  // Opens and starts the device. Throws InputError with its name if it is not connected or cannot
+  // be configured.
   explicit CameraLink(const SequenceOptions& options);
   ~CameraLink();
   CameraLink& operator=(CameraLink&&) = delete;
 
+  // Valid until the device is disconnected.
   const OpenNiDevice& device() const { return *device_; }
   std::string name() const;
 
-  // The next image; nothing if none came within a tenth of a second, as while the camera is away.
+  // Next image; std::nullopt without an image within 0.1 s or while the camera is disconnected.
   std::optional<DeviceImage> Next();
-  // How long it was away before the image that Next() gave, 0 if it was not.
+  // Duration of a disconnection before the last image of Next(), s; 0: none.
   double paused_before_s() const { return paused_before_s_; }
 
  private:
   using Clock = std::chrono::steady_clock;
 
   void Open(const std::string& uri);
-  // Whether it is there again.
   bool TryToReopen();
-  std::string FindAgain() const;
+  std::string FindAgain() const;  // URI of the reconnected device; empty: not found
   void LockExposureInTime(const DeviceImage& image);
 
   static void HandleDisconnected(const OniDeviceInfo* device, void* self);
@@ -44,16 +45,16 @@ class CameraLink {
   SequenceOptions options_;
   std::shared_ptr<const OpenNiLibrary> library_;
   OniCallbackHandle callbacks_ = nullptr;
-  std::unique_ptr<OpenNiDevice> device_;  // null while it is away
+  std::unique_ptr<OpenNiDevice> device_;  // null while the device is disconnected
   OniDeviceInfo info_ = {};
-  std::mutex mutex_;  // of uri_, which the device's thread reads
+  std::mutex mutex_;  // protects uri_, which the callback thread of OpenNI2 reads
   std::string uri_;
   std::atomic<bool> is_gone_{false};
-  Clock::time_point last_came_;     // the last image
-  Clock::time_point silent_since_;  // then, or since it was opened
-  std::uint64_t last_us_ = 0;       // stamp of the last image that was given
-  std::int64_t later_us_ = 0;       // what is added to the device's stamps
-  bool comes_after_pause_ = false;  // the next image does
+  Clock::time_point last_came_;     // arrival of the last image
+  Clock::time_point silent_since_;  // arrival of the last image, or time of opening
+  std::uint64_t last_us_ = 0;       // largest timestamp of the images so far
+  std::int64_t later_us_ = 0;       // offset that is added to timestamps of the device
+  bool comes_after_pause_ = false;  // the next image follows a disconnection
   double paused_before_s_ = 0;
   int images_until_lock_ = 0;
 };

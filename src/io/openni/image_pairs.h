@@ -7,25 +7,24 @@
 
 namespace surfit {
 
-// Depth with the colour that belongs to it; colour is empty where none is within
-// kMaxBetweenImages_s.
+// Depth image with its colour image. Colour is empty if no image is within kMaxBetweenImages_s.
 struct ImagePair {
   DeviceImage depth;
   DeviceImage color;
 };
 
-// Pairs depth and colour by their stamps while they come: depth with the nearest colour, each
-// colour with one depth at most. What pairs depth is decided when colour of its time or later has
-// come, or depth of two frames later.
+// Pairs depth and colour by timestamp as images arrive. Each depth image gets the nearest colour
+// image; a colour image is used at most once. A pair is complete when a colour image with the same
+// or a later timestamp has arrived, or two more depth images.
 class ImagePairs {
  public:
-  // Without colour each image of depth is a pair at once.
+  // If not `has_color`, each depth image is a complete pair.
   explicit ImagePairs(bool has_color) : has_color_(has_color) {}
 
   void Add(DeviceImage image);
-  // The next pair in order of depth's stamps, once it is decided.
+  // Removes the next complete pair, in order of arrival of depth; std::nullopt if there is none.
   std::optional<ImagePair> Take();
-  // What waits is forgotten, as when the device is gone.
+  // Discards waiting images, for example after a disconnection.
   void Clear();
 
  private:

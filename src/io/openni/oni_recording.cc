@@ -15,8 +15,9 @@
 namespace surfit {
 namespace {
 
-constexpr int kPatience_ms = 5000;  // images come at once
-// OpenNI2's player now and then goes on by two images, and then the first is lost for this round.
+constexpr int kPatience_ms = 5000;  // timeout per image
+// Number of playback loops. The player of OpenNI2 occasionally skips an image, which the next loop
+// delivers.
 constexpr int kRounds = 5;
 
 struct UsedNames {
@@ -29,11 +30,11 @@ UsedNames& Used() {
   return *used;
 }
 
-// A name for a file that nothing in this process has while this lives: devices of one name share a
-// position in the file.
+// Unique path of a file in this process. OpenNI2 shares the playback position among devices with
+// the same path. "./" is repeated in the path until it is unique.
 class PlayerName {
  public:
-  // Throws InputError where OpenNI2 holds no name of that length.
+  // Throws InputError if the path is too long for OpenNI2.
   explicit PlayerName(const std::string& path) {
     UsedNames& used = Used();
     const std::lock_guard<std::mutex> lock(used.mutex);
@@ -62,11 +63,10 @@ class PlayerName {
   std::string text_;
 };
 
-// A recording of OpenNI2 (.oni), played image by image. Depth and colour are paired by their
-// stamps, as images of TUM folders are.
+// OpenNI2 recording (.oni). Depth and colour are paired by timestamp, as in TUM folders.
 class OniRecording : public Recording {
  public:
-  // Plays all of it once, for its stamps. Throws InputError naming the file.
+  // Plays the file once to read its timestamps. Throws InputError with the path.
   explicit OniRecording(const SequenceOptions& options)
       : options_(options),
         name_(options.path),
@@ -74,13 +74,13 @@ class OniRecording : public Recording {
     device_.PlayOnRequest(options_);
     device_.Start();
     ThrowIf(device_.depth_count() < 1, options_.path,
-            " tells of no image of depth, as where its recording was not ended");
+            " has no depth images: the recording may not have been finished");
     Pair(ListImages());
   }
 
   int frame_count() const override { return static_cast<int>(frames_.size()); }
   FrameStamps stamps(int index) const override { return frames_[index].stamps; }
-  // Quick for one frame after the other; for an earlier one the rest of the file is played first.
+  // Fast for ascending frames. For an earlier frame, the rest of the file is played first.
   FrameImages Read(int index) const override {
     const Frame& frame = frames_[index];
     FrameImages images;
@@ -95,11 +95,11 @@ class OniRecording : public Recording {
       if (!image) break;
       const bool is_sought = image->number == (image->is_depth() ? frame.depth : frame.color);
       std::optional<DeviceImage>& last = image->is_depth() ? depth_ : color_;
-      // The other image of the frame may come first by some.
+      // An image of the frame is kept until the other image of the frame arrives.
       const bool is_kept = last && last->number == (image->is_depth() ? frame.depth : frame.color);
       if (is_sought || !is_kept) last = std::move(image);
     }
-    ThrowIf(!has_come(), images.depth_name, " or its colour cannot be played");
+    ThrowIf(!has_come(), images.depth_name, " or its colour image cannot be played");
     images.depth = depth_->depth;
     if (frame.color > 0) images.color = color_->color;
     return images;
@@ -110,7 +110,7 @@ class OniRecording : public Recording {
   int unpaired_images() const { return unpaired_images_; }  // OpenedRecording
 
  private:
-  // Numbers of images in the file; color is 0 without one.
+  // Image numbers in the file. `color` 0: none.
   struct Frame {
     FrameStamps stamps;
     int depth = 0, color = 0;
@@ -120,7 +120,7 @@ class OniRecording : public Recording {
     int number = 0;
   };
   struct Images {
-    std::vector<StampedNumber> depth, color;  // in order of their stamps
+    std::vector<StampedNumber> depth, color;  // sorted by timestamp
   };
 
   Images ListImages() {
@@ -139,9 +139,9 @@ class OniRecording : public Recording {
           .push_back({SecondsOf(image->stamp_us), image->number});
     }
     if (depth_seen.size() != depth_count || color_seen.size() != color_count) {
-      warnings_.push_back(Concat(options_.path, ": ", depth_seen.size(), " of ", depth_count,
-                                 " images of depth and ", color_seen.size(), " of ", color_count,
-                                 " of colour can be played"));
+      warnings_.push_back(Concat(options_.path, ": only ", depth_seen.size(), " of ", depth_count,
+                                 " depth images and ", color_seen.size(), " of ", color_count,
+                                 " colour images can be played"));
     }
     for (std::vector<StampedNumber>* list : {&images.depth, &images.color}) {
       std::sort(list->begin(), list->end(), [](const StampedNumber& a, const StampedNumber& b) {
@@ -170,16 +170,15 @@ class OniRecording : public Recording {
     }
     unpaired_images_ =
         static_cast<int>(images.color.size() + images.depth.size() - 2 * frames_.size());
-    ThrowIf(frames_.empty(), options_.path, ": no stamp of colour is within ", kMaxBetweenImages_s,
-            " s of one of depth");
+    ThrowIf(frames_.empty(), options_.path, ": no colour timestamp is within ", kMaxBetweenImages_s,
+            " s of a depth timestamp");
   }
-  // How many images are played in some rounds of the file.
   int ImagesInRounds() const { return kRounds * (device_.depth_count() + device_.color_count()); }
 
   SequenceOptions options_;
   PlayerName name_;
   mutable OpenNiDevice device_;
-  mutable std::optional<DeviceImage> depth_, color_;  // the last ones that were played
+  mutable std::optional<DeviceImage> depth_, color_;  // last played images
   std::vector<Frame> frames_;
   std::vector<std::string> warnings_;
   int unpaired_images_ = 0;
@@ -194,7 +193,7 @@ OpenedRecording OpenOni(const SequenceOptions& options) {
   opened.warnings = recording->warnings();
   opened.unpaired_images = recording->unpaired_images();
   opened.tell_camera = [played = recording.get()] {
-    return ToldCamera{played->Camera(), "the file's field of view"};
+    return ToldCamera{played->Camera(), "the field of view in the file"};
   };
   opened.frames = std::move(recording);
   return opened;

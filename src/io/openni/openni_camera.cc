@@ -20,16 +20,15 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// A frame that came from the camera.
 struct CameraFrame {
   int index = 0;
   ImagePair images;
   double paused_before_s = 0;
   int dropped_before = 0;
-  Clock::time_point came;
+  Clock::time_point came;  // arrival
 };
 
-// Takes the images as they come, on a thread of its own, and keeps the newest `capacity` frames.
+// Reads images in a background thread and keeps the newest `capacity` frames.
 class FrameQueue {
  public:
   FrameQueue(const SequenceOptions& options, int capacity)
@@ -38,7 +37,7 @@ class FrameQueue {
         capacity_(static_cast<std::size_t>(capacity)) {}
   ~FrameQueue() { Stop(); }
 
-  // Before Start(): then it is the thread's.
+  // Call before Start() only: afterwards, the thread uses the link.
   const CameraLink& link() const { return link_; }
 
   void Start() {
@@ -52,9 +51,10 @@ class FrameQueue {
     });
   }
 
-  // The next frame, or nothing once `stop` is true. Throws what ended the thread.
+  // Waits for the next frame. Returns std::nullopt if `stop` is true. Rethrows an exception of the
+  // thread.
   std::optional<CameraFrame> Next(const std::atomic<bool>& stop) {
-    constexpr std::chrono::milliseconds kWakeUp(20);  // signals wake nobody up
+    constexpr std::chrono::milliseconds kWakeUp(20);  // polling interval of `stop`
     std::unique_lock<std::mutex> lock(mutex_);
     while (queue_.empty() && !stop) {
       if (failure_) std::rethrow_exception(failure_);
@@ -78,13 +78,13 @@ class FrameQueue {
     if (link_.paused_before_s() > 0) {
       pairs_.Clear();
       paused_before_s_ = link_.paused_before_s();
-      last_depth_ = 0;  // a device begins to count anew
+      last_depth_ = 0;  // a reopened device restarts its image numbers
     }
     pairs_.Add(std::move(*image));
     while (std::optional<ImagePair> pair = pairs_.Take()) Add(std::move(*pair));
   }
 
-  // Images that OpenNI2 replaced by newer ones before they were taken here are dropped frames.
+  // Number of depth images that OpenNI2 replaced by newer images before they were read.
   int DroppedBefore(int number) {
     const int missing = last_depth_ > 0 ? std::max(number - last_depth_ - 1, 0) : 0;
     last_depth_ = number;
@@ -102,10 +102,10 @@ class FrameQueue {
     came_.notify_one();
   }
 
-  // What is told of the oldest is told of the next.
+  // Drops the oldest frame. Its counts of dropped frames and pauses are added to the next frame.
   void DropOldest() {
     CameraFrame& oldest = queue_.front();
-    late_.Tell(Concat("frame ", oldest.index, " was dropped: it was not taken in time"));
+    late_.Tell(Concat("frame ", oldest.index, " was dropped: processing is too slow"));
     const int dropped = oldest.dropped_before + 1;
     const double paused_s = oldest.paused_before_s;
     queue_.pop_front();
@@ -121,14 +121,14 @@ class FrameQueue {
   ImagePairs pairs_;
   const std::size_t capacity_;
   double paused_before_s_ = 0;
-  int last_depth_ = 0;  // the number of the last image of depth; 0: none
+  int last_depth_ = 0;  // number of the last depth image; 0: none
   int index_ = 0;
   RepeatedWarning late_{"frames dropped"};
 
-  std::mutex mutex_;  // of what follows
+  std::mutex mutex_;  // protects the members up to failure_
   std::condition_variable came_;
   std::deque<CameraFrame> queue_;
-  int dropped_ = 0;  // before the frame that is to come
+  int dropped_ = 0;  // dropped frames before the next frame
   std::exception_ptr failure_;
 
   std::atomic<bool> ends_{false};
@@ -145,7 +145,7 @@ class OpenNiCamera : public RawFrames {
         has_color_(queue->link().device().has_color()),
         queue_(std::move(queue)) {}
 
-  // Of the first frame that has all that it should have; it is the first of the sequence, too.
+  // Images of the first complete frame, which is also the first frame of the sequence.
   std::vector<FrameImages> FirstImages() override {
     queue_->Start();
     int dropped = 0;
@@ -157,7 +157,7 @@ class OpenNiCamera : public RawFrames {
       is_first_ = true;
       return {ImagesOf(last_)};
     }
-    throw InputError(name_, ": it was stopped before a frame came");
+    throw InputError(name_, ": stopped before the first frame");
   }
 
   std::optional<RawFrame> Next() override {
@@ -178,7 +178,7 @@ class OpenNiCamera : public RawFrames {
   FrameImages Read() override { return ImagesOf(std::exchange(last_, {})); }
 
  private:
-  // The next arrival becomes the last.
+  // Moves the next frame to last_, false without one.
   bool TakeArrival() {
     if (std::exchange(is_first_, false)) return true;
     std::optional<CameraFrame> arrival = queue_->Next(stop_);
@@ -206,7 +206,8 @@ class OpenNiCamera : public RawFrames {
     frame->stamps = {depth_s, depth_s};
     if (!has_color_) return;
     if (last_.images.color.color.empty()) {
-      frame->head.error = Concat(name_, ": no colour within ", kMaxBetweenImages_s, " s of depth");
+      frame->head.error =
+          Concat(name_, ": no colour image within ", kMaxBetweenImages_s, " s of the depth image");
     } else {
       frame->stamps.color_s = SecondsOf(last_.images.color.stamp_us);
     }
@@ -217,8 +218,8 @@ class OpenNiCamera : public RawFrames {
   const std::string name_;
   const bool has_color_;
   std::unique_ptr<FrameQueue> queue_;
-  CameraFrame last_;       // the last that was taken
-  bool is_first_ = false;  // it was not given out yet
+  CameraFrame last_;       // last frame from the queue
+  bool is_first_ = false;  // last_ is the first frame and was not returned by Next() yet
 };
 
 }  // namespace
@@ -232,7 +233,7 @@ RawSequence OpenOpenNiCamera(const SequenceOptions& options, int capacity,
   ResolveCamera(
       options,
       [&]() -> ToldCamera {
-        return {queue->link().device().Camera(options), queue->link().name() + "'s field of view"};
+        return {queue->link().device().Camera(options), queue->link().name() + " (field of view)"};
       },
       &info);
   return MakeRawSequence(std::move(info),

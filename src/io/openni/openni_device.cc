@@ -13,7 +13,7 @@
 namespace surfit {
 namespace {
 
-// What pixels the frames of this format have; nothing if they are not read.
+// Supported pixel formats.
 bool IsDepth(OniPixelFormat format) {
   return format == ONI_PIXEL_FORMAT_DEPTH_1_MM || format == ONI_PIXEL_FORMAT_DEPTH_100_UM;
 }
@@ -21,7 +21,7 @@ bool IsColor(OniPixelFormat format) {
   return format == ONI_PIXEL_FORMAT_RGB888 || format == ONI_PIXEL_FORMAT_GRAY8;
 }
 
-// Each row of the frame by `convert`, from left to right of the camera.
+// Copies a frame with `convert` per pixel and undoes mirroring.
 template <typename From, typename To, typename Convert>
 Image<To> ImageOf(const OniFrame& frame, bool is_mirrored, const Convert& convert) {
   Image<To> image(frame.width, frame.height);
@@ -65,7 +65,7 @@ OpenNiDevice::OpenNiDevice(std::shared_ptr<const OpenNiLibrary> library, const s
 }
 
 OpenNiDevice::~OpenNiDevice() {
-  // By then the player waits for the next request, and does not look at the streams.
+  // The player thread must be idle before the streams are destroyed.
   if (is_played_) std::this_thread::sleep_for(std::chrono::milliseconds(20));
   for (const Stream* stream : {&depth_, &color_}) {
     if (stream->stream == nullptr) continue;
@@ -80,7 +80,7 @@ OpenNiDevice::Stream OpenNiDevice::Create(OniSensorType sensor) const {
   if (library_->oniDeviceGetSensorInfo(device_, sensor) == nullptr) return stream;
   library_->Require(
       library_->oniDeviceCreateStream(device_, sensor, &stream.stream),
-      name_ + (sensor == ONI_SENSOR_DEPTH ? ": no stream of depth" : ": no stream of colour"));
+      name_ + (sensor == ONI_SENSOR_DEPTH ? ": no depth stream" : ": no colour stream"));
   return stream;
 }
 
@@ -98,11 +98,11 @@ void OpenNiDevice::SetMode(const SequenceOptions& options, OniSensorType sensor,
         mode.fps != options.device_fps)
       continue;
     if (Set(*stream, ONI_STREAM_PROPERTY_VIDEO_MODE, mode)) return;
-    throw InputError(name_, " refuses ", ToText(mode), ": ", library_->Reason());
+    throw InputError(name_, " rejects ", ToText(mode), ": ", library_->Reason());
   }
   throw InputError("device_width, device_height and device_fps are ", options.device_width, ", ",
-                   options.device_height, " and ", options.device_fps, ", must be of ",
-                   sensor == ONI_SENSOR_DEPTH ? "depth" : "colour", " of ", name_, ": ", all);
+                   options.device_height, " and ", options.device_fps, ", must be a ",
+                   sensor == ONI_SENSOR_DEPTH ? "depth" : "colour", " mode of ", name_, ": ", all);
 }
 
 void OpenNiDevice::SetUp(const SequenceOptions& options) {
@@ -120,15 +120,15 @@ void OpenNiDevice::SetUp(const SequenceOptions& options) {
         device_, ONI_DEVICE_PROPERTY_IMAGE_REGISTRATION, &mode, sizeof(mode));
     is_registered_ = is_registered_ && status == ONI_STATUS_OK;
   }
-  library_->oniDeviceEnableDepthColorSync(device_);  // of those that can
+  library_->oniDeviceEnableDepthColorSync(device_);  // not supported by all devices
 }
 
 void OpenNiDevice::PlayOnRequest(const SequenceOptions& options) {
-  is_registered_ = options.device_registration;  // recordings do not tell
+  is_registered_ = options.device_registration;  // not stored in recordings
   is_played_ = true;
   const float on_request = -1;
-  // At the end of a file that is not repeated OpenNI2's player has nothing to wait for, and looks
-  // again and again through the list of streams, also while they are destroyed.
+  // Without repetition, the player of OpenNI2 polls the streams at the end of the file, even while
+  // they are destroyed.
   const OniBool repeats = TRUE;
   library_->Require(library_->oniDeviceSetProperty(device_, ONI_DEVICE_PROPERTY_PLAYBACK_SPEED,
                                                    &on_request, sizeof(on_request)),
@@ -145,10 +145,10 @@ void OpenNiDevice::Start() {
     stream->is_mirrored =
         Get<OniBool>(*stream, ONI_STREAM_PROPERTY_MIRRORING).value_or(FALSE) != FALSE;
     const OniPixelFormat format = stream->mode.pixelFormat;
-    ThrowIf(stream == &depth_ ? !IsDepth(format) : !IsColor(format), name_, ": pixels of ",
-            stream == &depth_ ? "depth" : "colour", " have OpenNI2's format ",
+    ThrowIf(stream == &depth_ ? !IsDepth(format) : !IsColor(format), name_, ": the ",
+            stream == &depth_ ? "depth" : "colour", " stream has the OpenNI2 pixel format ",
             static_cast<int>(format), ", must be ",
-            stream == &depth_ ? "depth of 1 or 0.1 mm" : "RGB or grey of 8 bits");
+            stream == &depth_ ? "depth in units of 1 or 0.1 mm" : "8-bit RGB or grey");
   }
   for (const Stream* stream : {&depth_, &color_}) {
     if (stream->stream == nullptr) continue;
@@ -180,9 +180,9 @@ DeviceImage OpenNiDevice::Take(const OniFrame& frame, const Stream& stream) cons
           frame.stride < frame.width * pixel_bytes ||
           static_cast<std::int64_t>(frame.stride) * (frame.height - 1) + frame.width * pixel_bytes >
               frame.dataSize,
-      name_, ": image ", frame.frameIndex, " is not as its stream says");
+      name_, ": image ", frame.frameIndex, " does not match the format of its stream");
   ThrowIf(frame.croppingEnabled != FALSE, name_, ": image ", frame.frameIndex,
-          " is cropped, must be whole");
+          " is cropped, must be the full image");
   DeviceImage image;
   image.stamp_us = frame.timestamp;
   image.number = frame.frameIndex;
@@ -205,7 +205,7 @@ PinholeCamera OpenNiDevice::PinholeOf(const Stream& stream) const {
   if (!horizontal_rad || !vertical_rad || !(*horizontal_rad > 0) || !(*vertical_rad > 0)) {
     throw InputError(
         name_,
-        " does not tell its field of view: give a camera.yaml, a preset as camera, or intrinsics");
+        " does not report its field of view: set a camera.yaml, a preset as camera, or intrinsics");
   }
   PinholeCamera camera;
   camera.width = stream.mode.resolutionX;
@@ -218,19 +218,18 @@ PinholeCamera OpenNiDevice::PinholeOf(const Stream& stream) const {
 }
 
 RgbdCamera OpenNiDevice::Camera(const SequenceOptions& options) const {
-  RgbdCamera camera = CameraPreset("xtion");  // noise and shutter of these sensors
-  camera.latency_s = 0;                       // stamps are of the device's own clock
+  RgbdCamera camera = CameraPreset("xtion");  // noise and shutter
+  camera.latency_s = 0;                       // timestamps are from the device clock
   camera.depth_units_per_metre =
       depth_.mode.pixelFormat == ONI_PIXEL_FORMAT_DEPTH_1_MM ? 1000 : 10000;
   if (depth_.mode.fps > 0) camera.frames_per_second = depth_.mode.fps;
   camera.color_is_registered = !has_color() || is_registered_;
-  // Registered depth is as the colour camera sees.
+  // Registered depth has the intrinsics of the colour camera.
   const bool sees_as_color = has_color() && is_registered_;
   if (!options.intrinsics) camera.depth = PinholeOf(sees_as_color ? color_ : depth_);
   if (camera.color_is_registered) return camera;
-  ThrowIf(
-      !options.color_from_depth, name_,
-      " does not register depth to colour: give color_from_depth, or a camera.yaml that has it");
+  ThrowIf(!options.color_from_depth, name_,
+          " does not register depth to colour: set color_from_depth, or a camera.yaml with it");
   if (!options.color_intrinsics) camera.color = PinholeOf(color_);
   return camera;
 }

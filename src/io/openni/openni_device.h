@@ -12,48 +12,49 @@
 
 namespace surfit {
 
-// An image of a device: of depth or of colour, the other is empty.
+// Depth image or colour image of a device; the other image is empty.
 struct DeviceImage {
-  std::uint64_t stamp_us = 0;  // of the device's clock
-  int number = 0;              // of its stream's images, in steps of 1
-  Image<std::uint16_t> depth;
+  std::uint64_t stamp_us = 0;  // device clock
+  int number = 0;              // image number of the stream, in steps of 1
+  Image<std::uint16_t> depth;  // counts of the device, 1 or 0.1 mm
   Image<Rgb8> color;
 
   bool is_depth() const { return !depth.empty(); }
 };
 
-// A stamp as the number that it is in a list of text, to the last bit.
+// Timestamp in s, bitwise identical to the same timestamp in a text file.
 double SecondsOf(std::uint64_t stamp_us);
 
-// A camera, or a recording of one, that OpenNI2 has opened: its streams of depth and, if it has
-// any, of colour. Images are those of the camera itself: devices mirror them if nothing else is
-// said, which is undone. All calls throw InputError naming the device.
+// Camera or recording opened with OpenNI2, with a depth stream and an optional colour stream.
+// Mirroring of images is undone. All calls throw InputError with the name of the device.
 class OpenNiDevice {
  public:
   OpenNiDevice(std::shared_ptr<const OpenNiLibrary> library, const std::string& uri);
   ~OpenNiDevice();
   OpenNiDevice& operator=(OpenNiDevice&&) = delete;
 
-  // Of a camera, before Start(): size, rate and registration.
+  // Configures image size, frame rate and registration of a camera. Call before Start().
   void SetUp(const SequenceOptions& options);
-  // Of a recording, before Start(): its images come when they are asked for, over and over.
+  // Configures a recording: images are played on request, in an endless loop. Call before Start().
   void PlayOnRequest(const SequenceOptions& options);
   void Start();
 
   const OniDeviceInfo& info() const { return info_; }
   bool has_color() const { return color_.stream != nullptr; }
   bool is_registered() const { return is_registered_; }
-  int depth_count() const { return CountOf(depth_); }  // of a recording
+  // Number of images of a recording.
+  int depth_count() const { return CountOf(depth_); }
   int color_count() const { return CountOf(color_); }
 
-  // The next image, or nothing if none came in time.
+  // Waits for the next image; std::nullopt after a timeout of `wait_ms`.
   std::optional<DeviceImage> Next(int wait_ms);
 
-  // The camera by the fields of view. Where colour is not registered, color_from_depth is the
-  // options', for no device tells it.
+  // Camera with intrinsics from the fields of view. Devices do not report color_from_depth: if
+  // colour is not registered, the options must set it, or it throws InputError.
   RgbdCamera Camera(const SequenceOptions& options) const;
 
-  // Ends automatic exposure and white balance: they stay as they are. False if the device cannot.
+  // Disables automatic exposure and white balance; the current values stay. Returns false if the
+  // device does not support it.
   bool LockExposure();
 
  private:
@@ -90,7 +91,7 @@ class OpenNiDevice {
   OniDeviceInfo info_ = {};
   Stream depth_, color_;
   bool is_registered_ = true;
-  bool is_played_ = false;  // a recording
+  bool is_played_ = false;  // true for a recording
 };
 
 }  // namespace surfit

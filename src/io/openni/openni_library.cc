@@ -11,17 +11,17 @@ namespace {
 
 void* Find(void* library, const char* call, const std::string& name) {
   if (void* const found = dlsym(library, call)) return found;
-  throw InputError(name, " has no ", call, ", so it is not OpenNI2");
+  throw InputError(name, " has no function ", call, ": it is not OpenNI2");
 }
 
 }  // namespace
 
 OpenNiLibrary::OpenNiLibrary(const std::string& name)
-    // It stays loaded: its drivers have threads.
+    // RTLD_NODELETE: the library must stay loaded, because its drivers run threads.
     : library_(dlopen(name.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE)) {
   if (library_ == nullptr) {
     throw InputError("OpenNI2 cannot be loaded (", dlerror(),
-                     "): install Debian's libopenni2-0, or name a library as openni2_library");
+                     "): install the Debian package libopenni2-0, or set openni2_library");
   }
 #define SURFIT_OPENNI_FIND(call) \
   call = reinterpret_cast<decltype(call)>(Find(library_, #call, name));
@@ -41,7 +41,7 @@ std::string OpenNiLibrary::Reason() const {
   while (!reason.empty() && (reason.back() == '\n' || reason.back() == '\t')) reason.pop_back();
   std::replace_if(
       reason.begin(), reason.end(), [](char c) { return c == '\n' || c == '\t'; }, ' ');
-  return reason.empty() ? "OpenNI2 gives no reason" : reason;
+  return reason.empty() ? "OpenNI2 reports no reason" : reason;
 }
 
 }  // namespace surfit

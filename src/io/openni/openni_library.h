@@ -6,7 +6,6 @@
 
 namespace surfit {
 
-// The functions of OpenNI2 that are used here.
 #define SURFIT_OPENNI_CALLS(X)     \
   X(oniInitialize)                 \
   X(oniShutdown)                   \
@@ -32,24 +31,24 @@ namespace surfit {
   X(oniFrameRelease)               \
   X(oniDeviceIsImageRegistrationModeSupported)
 
-// OpenNI2, loaded when it is asked for and initialised while this lives: programs do not link it,
-// for they need not have it.
+// OpenNI2, loaded with dlopen() by the constructor, so that programs run without it. The destructor
+// calls oniShutdown().
 class OpenNiLibrary {
  public:
-  // `name` as for dlopen(). Throws InputError where it cannot be loaded, is another library, or
-  // does not initialise.
+  // `name`: argument of dlopen(). Throws InputError if loading or initialisation fails, or the file
+  // is another library.
   explicit OpenNiLibrary(const std::string& name);
   ~OpenNiLibrary();
   OpenNiLibrary& operator=(OpenNiLibrary&&) = delete;
 
-// NOLINTNEXTLINE(bugprone-macro-parentheses): a member has its name
+// NOLINTNEXTLINE(bugprone-macro-parentheses): `call` is the name of a member
 #define SURFIT_OPENNI_MEMBER(call) decltype(&::call) call = nullptr;
   SURFIT_OPENNI_CALLS(SURFIT_OPENNI_MEMBER)
 #undef SURFIT_OPENNI_MEMBER
 
-  // Throws InputError unless `status` is OK: what could not be done, and OpenNI2's reason.
+  // Throws InputError with `what` and the reason of OpenNI2 unless `status` is OK.
   void Require(OniStatus status, const std::string& what) const;
-  // Its reason for the last failure, in one line.
+  // Error message of the last failure, in one line.
   std::string Reason() const;
 
  private:

@@ -1,4 +1,4 @@
-// What stands in for io/openni where OpenNI2's headers are missing.
+// Replacement of io/openni for builds without the OpenNI2 headers.
 #include "io/sequences/raw_frames.h"
 #include "surfit/core/error.h"
 
@@ -6,9 +6,9 @@ namespace surfit {
 namespace {
 
 [[noreturn]] void Refuse(const SequenceOptions& options) {
-  throw InputError(
-      options.path,
-      ": this build of Surfit has no OpenNI2; build it where Debian's libopenni2-dev is installed");
+  throw InputError(options.path,
+                   ": this build of Surfit has no OpenNI2: install the Debian package "
+                   "libopenni2-dev and rebuild");
 }
 
 }  // namespace

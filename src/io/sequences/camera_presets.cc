@@ -20,8 +20,8 @@ RgbdCamera Registered(const PinholeCamera& camera, double depth_units_per_metre)
   return rgbd;
 }
 
-// A Kinect v1 (fr1, fr2) or an Xtion (fr3), stamped on arrival: RgbdCamera::latency_s. Against the
-// motion capture of freiburg1's sequences, trajectories are off least with 20 ms.
+// Kinect v1 (fr1, fr2) or Xtion (fr3), with timestamps at arrival. A latency of 20 ms gives the
+// smallest trajectory errors for the freiburg1 sequences.
 RgbdCamera Tum(const PinholeCamera& camera) {
   RgbdCamera rgbd = Registered(camera, 5000);
   rgbd.latency_s = 0.02;
@@ -29,7 +29,7 @@ RgbdCamera Tum(const PinholeCamera& camera) {
   return rgbd;
 }
 
-// The colour camera's figures are measured on the red kitchen; its pose is not published.
+// The colour intrinsics were estimated from the red kitchen. The extrinsics are not published.
 RgbdCamera SevenScenes() {
   RgbdCamera rgbd = Registered(Vga(585, 585, 320, 240), 1000);
   rgbd.readout_s = kKinectReadout_s;
@@ -38,13 +38,14 @@ RgbdCamera SevenScenes() {
   return rgbd;
 }
 
-// Sensors as they come, without a calibration of their own. Their priors tell how far one of the
-// series may be off; docs/understand.md has a table of where each number is from. What has no
-// source is marked as assumed.
+// Sensor models without individual calibration. The priors are standard deviations between devices
+// of one model. docs/understand.md lists the source of each number. Numbers without a source are
+// marked as assumed.
 
-// PrimeSense's sensor, registered by OpenNI. TUM's three calibrated ones have focal lengths that
-// are off from the driver's 525 by -1.5, -0.8 and 2.3 %, ratios by 0.4 % and centres by 9 px (root
-// mean squares); depth is off by a few centimetres (Boehm 2014, 18 sensors): a step of disparity.
+// PrimeSense sensor, registered by OpenNI. The three calibrated sensors of TUM differ from the
+// driver default: focal length 525 px by -1.5, -0.8 and 2.3 %, aspect ratio by 0.4 %, and centre by
+// 9 px (RMS). Depth errors are a few centimetres (Boehm 2014, 18 sensors), which is one disparity
+// step.
 RgbdCamera PrimeSense() {
   RgbdCamera rgbd = Registered(Vga(525, 525, 319.5, 239.5), 1000);
   rgbd.latency_s = 0.02;
@@ -55,7 +56,7 @@ RgbdCamera PrimeSense() {
   return rgbd;
 }
 
-// A sensor whose images are of one moment, stamped at it (assumed, to 10 ms).
+// Sensor with a global shutter and timestamps at the exposure (assumed, to 10 ms).
 RgbdCamera GlobalShutter(const PinholeCamera& camera, double inverse_depth_sigma,
                          const CalibrationPrior& prior) {
   RgbdCamera rgbd = Registered(camera, 1000);
@@ -66,34 +67,34 @@ RgbdCamera GlobalShutter(const PinholeCamera& camera, double inverse_depth_sigma
   return rgbd;
 }
 
-// The intrinsics of the device that libfreenect2's users pass on; another's centre is 2 px and 5 px
-// from it, and the image's middle 1 px and 6 px. Noise of 4 mm and errors of 20 mm, both at 2 m,
-// and the focal length: assumed.
+// Intrinsics of one device that libfreenect2 users share. The principal point of another device
+// differs by 2 px and 5 px, the image centre by 1 px and 6 px. Assumed: depth noise of 4 mm and
+// depth error of 20 mm at 2 m, and the prior of the focal length.
 RgbdCamera KinectV2() {
   const PinholeCamera camera = {
       512, 424, 365.456, 365.456, 254.878, 205.395, {0.0905474, -0.26819, 0, 0, 0.0950862}};
   return GlobalShutter(camera, 0.001, {0.005, 0.001, 4, 0.005});
 }
 
-// A factory calibration (Azure Kinect Sensor SDK, issue 1617) for narrow, unbinned images that are
-// undistorted, as its polynomials are not OpenCV's five. Depth is off by 11 mm and 0.1 % (data
-// sheet; Toelgyessy et al., Sensors 2021, up to 3.5 m): by 13 mm at 2 m. Noise of 4 mm at 2 m, how
-// far others are from this one: assumed.
+// Factory calibration of the narrow, unbinned mode (Azure Kinect Sensor SDK, issue 1617). Images
+// must be undistorted: the distortion model has more coefficients than the five of OpenCV. The
+// depth error is 11 mm plus 0.1 % (data sheet; Toelgyessy et al., Sensors 2021, up to 3.5 m): 13 mm
+// at 2 m. Assumed: depth noise of 4 mm at 2 m, and the priors.
 RgbdCamera AzureKinect() {
   return GlobalShutter({640, 576, 503.8, 503.7, 321.5, 329.0, {}}, 0.001, {0.005, 0.001, 5, 0.003});
 }
 
-// Stereo of 848 x 480, with a noise of disparity of 0.1 px (as in BAD SLAM). Z is right to `share`
-// at `range_m`. Factory calibrations of three D435 have focal lengths of 422.7, 424.2 and 426.8 px,
-// and a D455's centre is 8 px and 10 px from the image's.
+// Stereo camera at 848 x 480 with a disparity noise of 0.1 px (as in BAD SLAM). `share`: relative
+// depth error at `range_m`. Factory calibrations of three D435 have focal lengths of 422.7, 424.2
+// and 426.8 px. The principal point of a D455 is 8 px and 10 px from the image centre.
 RgbdCamera RealSense(double focal_px, double baseline_m, double share, double range_m) {
   return GlobalShutter({848, 480, focal_px, focal_px, 423.5, 239.5, {}},
                        0.1 / (focal_px * baseline_m), {0.005, 0.001, 6, share / range_m});
 }
 
-// Reads its rows one after the other, in half a frame's time or so: assumed.
+// Rolling shutter with a readout time of half a frame period (assumed).
 RgbdCamera RealSenseD415() {
-  RgbdCamera rgbd = RealSense(665.5, 0.055, 0.02, 2);  // 65 degrees across
+  RgbdCamera rgbd = RealSense(665.5, 0.055, 0.02, 2);  // horizontal field of view of 65 degrees
   rgbd.readout_s = 1. / 60;
   rgbd.prior.readout_s = 1. / 120;
   return rgbd;

@@ -16,7 +16,7 @@
 namespace surfit {
 namespace {
 
-// One node of the file, if it is there, with the words to complain about it.
+// YAML node with its name for error messages. The node may be missing.
 class Node {
  public:
   Node(const YamlNode* node, const std::string& name) : node_(node), name_(name) {}
@@ -31,7 +31,7 @@ class Node {
             " must be a map of keys to values");
     for (const std::string& key : node_->keys) {
       ThrowIf(std::find(known.begin(), known.end(), key) == known.end(), name_, ": '", key,
-              "' is no known key");
+              "' is not a known key");
     }
   }
   double Number() const {
@@ -63,7 +63,7 @@ class Node {
   std::string name_;
 };
 
-// The numbers of a table by their names.
+// Collects the fields of an option table by name. All fields must be doubles.
 class Numbers : public OptionVisitor {
  public:
   std::vector<std::pair<std::string, double*>> all;
@@ -122,8 +122,8 @@ Rigid3d ReadTransform(const Node& node, const std::string& name) {
   const auto t = node["translation_m"].Numbers<3>();
   const auto q = node["rotation_xyzw"].Numbers<4>();
   const Eigen::Quaterniond rotation(q[3], q[0], q[1], q[2]);
-  ThrowIf(!(std::abs(rotation.norm() - 1) < 0.01), name, ": rotation_xyzw has length ",
-          rotation.norm(), ", must have 1");
+  ThrowIf(!(std::abs(rotation.norm() - 1) < 0.01), name, ": rotation_xyzw has norm ",
+          rotation.norm(), ", must be 1");
   return Rigid3d(rotation.normalized(), {t[0], t[1], t[2]});
 }
 
@@ -137,7 +137,7 @@ RgbdCamera ReadCamera(const Node& root, const std::string& path) {
   camera.depth = ReadPinhole(root["depth_camera"]);
   if (root["disparity"].Exists()) {
     ThrowIf(root["depth_units_per_metre"].Exists(), path,
-            ": depth_units_per_metre and disparity exclude each other");
+            ": has depth_units_per_metre and disparity, must have only one of them");
     camera.disparity = ReadDisparity(root["disparity"], path + ": disparity");
   } else {
     camera.depth_units_per_metre = root["depth_units_per_metre"].Number();
@@ -154,7 +154,7 @@ RgbdCamera ReadCamera(const Node& root, const std::string& path) {
   camera.color_is_registered = !root["color_camera"].Exists();
   if (!camera.color_is_registered) camera.color = ReadPinhole(root["color_camera"]);
   if (root["color_from_depth"].Exists()) {
-    ThrowIf(camera.color_is_registered, path, ": color_from_depth needs a color_camera beside it");
+    ThrowIf(camera.color_is_registered, path, ": color_from_depth needs color_camera");
     camera.color_from_depth = ReadTransform(root["color_from_depth"], path + ": color_from_depth");
   }
   camera.Validate(path);
@@ -200,7 +200,7 @@ void WriteField(cv::FileStorage& file, const InverseDepthField& field) {
   file << "]";
 }
 
-// Unless it is that of a camera.yaml without any.
+// Writes the prior unless it is equal to the default.
 void WritePrior(cv::FileStorage& file, CalibrationPrior prior) {
   CalibrationPrior usual;
   const Numbers numbers = NumbersOf(&prior), defaults = NumbersOf(&usual);
@@ -212,9 +212,10 @@ void WritePrior(cv::FileStorage& file, CalibrationPrior prior) {
   file << "}";
 }
 
-// Lists and maps within others are read by recursion: a camera has a dozen.
+// Reads a file with a limited number of lists and maps, because the parser is recursive. A camera
+// file has about 12.
 std::string ReadShallowText(const std::string& path) {
-  constexpr std::size_t kMost = 1 << 16;  // bytes, of which 360 levels can be indented
+  constexpr std::size_t kMost = 1 << 16;  // bytes, enough for 360 levels of indentation
   constexpr int kMostOpened = 200;
   ThrowIf(!HasFile(path), path, " does not exist");
   std::string text = ReadFile(path, kMost);

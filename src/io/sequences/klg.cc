@@ -32,7 +32,7 @@ class KlgRecording : public Recording {
   KlgRecording(const std::string& path, ImageSize size) : file_(path), size_(size) {
     Index();
     if (const auto claimed = SizeOfFirstJpeg()) size_ = *claimed;
-    ThrowIf(size_ == ImageSize(), path, " does not give the size of its images: name a camera");
+    ThrowIf(size_ == ImageSize(), path, " does not store the image size: set camera");
   }
 
   int claimed_count() const { return claimed_count_; }
@@ -52,7 +52,7 @@ class KlgRecording : public Recording {
   }
 
  private:
-  // Walks over the frames' headers, as far as the file goes.
+  // Reads the frame headers. Stops at the first invalid or truncated frame.
   void Index() {
     constexpr std::uint64_t kHeader = 16;  // bytes before the images of a frame
     const std::string count = file_.Read(0, sizeof(claimed_count_));
@@ -96,8 +96,9 @@ void Put(T value, std::ostream& out) {
   out.write(reinterpret_cast<const char*>(&value), sizeof(T));
 }
 
+// Converts depth to mm. Values above 65534 mm become 0 and are counted in *beyond.
 Image<std::uint16_t> Millimetres(const Image<float>& depth_m, std::int64_t* beyond) {
-  constexpr long kMost = 65534;  // 65535 means missing elsewhere
+  constexpr long kMost = 65534;  // 65535 is missing depth in other formats
   Image<std::uint16_t> depth(depth_m.width(), depth_m.height());
   for (std::size_t i = 0; i < depth.size(); ++i) {
     const long value = std::lround(1000. * depth_m[i]);
@@ -112,7 +113,8 @@ std::string RawBytes(const Image<T>& image) {
   return {reinterpret_cast<const char*>(image.data()), image.size() * sizeof(T)};
 }
 
-// Empty if that takes as many bytes as raw, or more: the reader tells by the size.
+// Compressed bytes; empty if they are not smaller than raw. Readers recognise raw images by the
+// size.
 std::string Deflated(const std::string& raw) {
   constexpr int kLevel = 6;
   std::string bytes = Deflate(raw.data(), raw.size(), kLevel);
@@ -129,7 +131,7 @@ std::string ColorBytes(const Image<Rgb8>& color, int jpeg_quality) {
   std::string raw = RawBytes(color);
   if (color.empty() || jpeg_quality == 0) return raw;
   const std::string jpeg = EncodeJpeg(color, jpeg_quality);
-  return jpeg.size() == raw.size() ? raw : jpeg;  // the reader tells by the size
+  return jpeg.size() == raw.size() ? raw : jpeg;  // readers recognise raw images by the size
 }
 
 void WriteFrame(const RgbdFrame& frame, const KlgOptions& options, std::ostream& out,
@@ -143,8 +145,8 @@ void WriteFrame(const RgbdFrame& frame, const KlgOptions& options, std::ostream&
   out << depth << color;
 }
 
-// The frames' camera, in the source's convention if that is mirrored. Their stamps are written less
-// the latency: it is zero from there on.
+// Camera of the written frames. For mirrored sources, fy is negative as in the source. The latency
+// is 0, because it is already subtracted from the written timestamps.
 RgbdCamera FrameCamera(const SequenceInfo& info) {
   RgbdCamera camera;
   camera.depth = info.pinhole;
@@ -171,7 +173,7 @@ KlgSummary WriteKlg(FrameSource* source, const std::string& path, const KlgOptio
   KlgSummary summary;
   RepeatedWarning skipped("frames skipped");
   WriteFileAtomically(path, [&](std::ostream& out) {
-    Put(std::int32_t{0}, out);  // their number, once it is known
+    Put(std::int32_t{0}, out);  // number of frames, written at the end
     while (const auto result = source->Next()) {
       if (result->frame) {
         WriteFrame(*result->frame, options, out, &summary);

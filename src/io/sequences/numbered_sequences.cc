@@ -24,7 +24,8 @@ bool IsImage(const std::string& name) {
                      [&](const char* ending) { return EndsWith(name, ending); });
 }
 
-// The images of a folder by number. Of two with one number the one with the shorter name counts.
+// Images of a folder by number. If two images have the same number, calls `twice` with a message
+// and keeps the image with the shorter name.
 std::map<long, std::string> NumberedImages(const std::string& folder, const TwiceCall& twice) {
   std::map<long, std::string> images;
   for (const std::string& name : NamesIn(folder)) {
@@ -33,13 +34,13 @@ std::map<long, std::string> NumberedImages(const std::string& folder, const Twic
     const auto [it, is_new] = images.emplace(*number, name);
     if (is_new) continue;
     twice(Concat(folder, ": ", it->second, " and ", name, " are both number ", *number,
-                 ", must be one image a number"));
+                 ", must be one image per number"));
     if (name.size() < it->second.size()) it->second = name;
   }
   return images;
 }
 
-// The images of a folder by time, if all names are times; else nothing.
+// Images of a folder by the timestamps in their names; empty unless all names are timestamps.
 std::map<double, std::string> StampedImages(const std::string& folder) {
   std::map<double, std::string> images;
   for (const std::string& name : NamesIn(folder)) {
@@ -58,7 +59,7 @@ std::vector<double> Stamps(const std::map<double, std::string>& images) {
   return stamps_s;
 }
 
-// Each depth image with the colour image of about the same time; colour may be missing altogether.
+// Pairs depth and colour images by timestamp. `color_folder` empty: frames without colour.
 std::vector<FrameFiles> PairStamped(const std::map<double, std::string>& depth,
                                     const std::string& color_folder, int* unpaired_images) {
   std::vector<FrameFiles> frames;
@@ -73,11 +74,12 @@ std::vector<FrameFiles> PairStamped(const std::map<double, std::string>& depth,
   }
   *unpaired_images = static_cast<int>(color.size() + depth.size() - 2 * frames.size());
   if (!frames.empty()) return frames;
-  throw InputError("no image in ", color_folder, " has a name within ", kMaxBetweenImages_s,
-                   " s of those of depth, which are times in seconds");
+  throw InputError("no image name in ", color_folder, " is within ", kMaxBetweenImages_s,
+                   " s of a depth image name (names are timestamps)");
 }
 
-// The image of this number, or the name it should have: another folder's with our ending.
+// File name of the image with this number. If it is missing: the expected name, from the name in
+// the other folder and the file extension of this folder.
 std::string NameOf(long number, const std::map<long, std::string>& images,
                    const std::map<long, std::string>& others) {
   const auto it = images.find(number);
@@ -87,7 +89,7 @@ std::string NameOf(long number, const std::map<long, std::string>& images,
   return other.substr(0, other.rfind('.')) + some.substr(some.rfind('.'));
 }
 
-// Blocks of one line of numbers, the first of which is the frame's, and a 4 x 4 pose.
+// Reads blocks of five lines: the frame position (first number of its line) and a 4 x 4 pose.
 Trajectory ReadLog(const std::string& path, double frames_per_second) {
   const auto rows = ReadTextRows(path);
   Trajectory poses;
@@ -98,12 +100,11 @@ Trajectory ReadLog(const std::string& path, double frames_per_second) {
   return poses;
 }
 
-// Whether the name is frame-<number><ending>.
 bool IsFrameFile(const std::string& name, const std::string& ending) {
   return name.compare(0, 6, "frame-") == 0 && EndsWith(name, ending) && NumberInName(name);
 }
 
-// A 4 x 4 matrix a line, row by row.
+// Parses a line with a row-major 4 x 4 matrix.
 Rigid3d ParseLine(const TextRow& row) {
   ThrowIf(row.columns.size() != 16, row.place, " has ", row.columns.size(),
           " columns, must have 16");

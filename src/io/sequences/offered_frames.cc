@@ -51,11 +51,12 @@ class OfferedFrames final : public FrameSource {
     return start_ + std::chrono::duration_cast<Clock::duration>(since_start);
   }
 
-  // A frame is too old once `capacity` later ones have been offered.
+  // Drops frames that have at least `capacity` later offered frames. Returns the number of dropped
+  // frames.
   int DropOldFrames() {
     int dropped = 0;
     while (next_ + capacity_ < frames_.size() && TimeOf(next_ + capacity_) < Clock::now()) {
-      late_.Tell(Concat("frame ", frames_[next_].index, " was dropped: it was not taken in time"));
+      late_.Tell(Concat("frame ", frames_[next_].index, " was dropped: processing is too slow"));
       frames_[next_++].frame.reset();
       ++dropped;
     }
@@ -67,8 +68,8 @@ class OfferedFrames final : public FrameSource {
   const std::size_t capacity_;
   std::vector<ReadResult> frames_;
   bool is_read_ = false;
-  Clock::time_point start_;  // when the first frame is offered
-  std::size_t next_ = 0;     // of frames_
+  Clock::time_point start_;  // time of the first frame
+  std::size_t next_ = 0;     // index of frames_
   RepeatedWarning late_{"frames dropped"};
 };
 

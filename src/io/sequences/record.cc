@@ -27,9 +27,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kUnitsOfMetres = 5000;  // TUM's
+constexpr double kUnitsOfMetres = 5000;  // depth counts per metre, as in TUM data sets
 
-// The shortest text that reads as the same number.
+// Shortest text with the same value.
 std::string ToText(double stamp_s) {
   std::array<char, 400> text;
   const auto end =
@@ -37,7 +37,7 @@ std::string ToText(double stamp_s) {
   return {text.data(), end.ptr};
 }
 
-// Metres as counts.
+// Converts depth from m to counts. Values that do not fit in 16 bits become 0.
 Image<std::uint16_t> ToCounts(const Image<float>& depth_m, RecordSummary* summary) {
   summary->depth_is_rounded = true;
   Image<std::uint16_t> counts(depth_m.width(), depth_m.height());
@@ -51,25 +51,25 @@ Image<std::uint16_t> ToCounts(const Image<float>& depth_m, RecordSummary* summar
   return counts;
 }
 
-// A folder that is being filled, by frames that all have colour or all have none.
+// Either all frames have colour or none.
 class RecordedFolder {
  public:
   RecordedFolder(const RecordOptions& options, const RawSequence& sequence)
       : folder_(options.output), info_(sequence.info), field_(sequence.field) {
     const std::string list = folder_ + "/depth.txt";
-    ThrowIf(fs::exists(list), list, " exists: name a folder without a recording");
+    ThrowIf(fs::exists(list), list, " exists: choose a folder without a recording");
     std::error_code error;
     for (const char* name : {"/depth", "/rgb"}) fs::create_directories(folder_ + name, error);
     ThrowIf(!fs::is_directory(folder_ + "/depth") || !fs::is_directory(folder_ + "/rgb"), folder_,
-            " cannot be made a folder with depth/ and rgb/");
+            ": cannot create the folders depth/ and rgb/");
   }
 
-  // Throws InputError naming the file that cannot be written.
+  // Appends a frame. Throws InputError with the path of a file that cannot be written.
   void Write(const FrameImages& images, const FrameStamps& stamps, RecordSummary* summary) {
     if (!depth_list_) Begin(images);
     if (images.color.empty() != (color_list_ == nullptr)) {
       throw InputError(images.depth_name + (color_list_ ? " has no colour" : " has colour") +
-                       ", must be as the first frame");
+                       ", must be like the first frame");
     }
     char name[32];
     std::snprintf(name, sizeof(name), "%06d.png", summary->frames_written);
@@ -78,14 +78,15 @@ class RecordedFolder {
     if (!color_list_) return depth_list_->Append(depth_row + "\n");
     const std::string color_row = ToText(stamps.color_s) + " rgb/" + name;
     WriteImage(std::string("/rgb/") + name, EncodePng(images.color), summary);
-    // The pairs first: where they stand alone, it is they that are read.
+    // The pairs are written first: associations.txt takes precedence over rgb.txt and depth.txt.
     pair_list_->Append(color_row + " " + depth_row + "\n");
     color_list_->Append(color_row + "\n");
     depth_list_->Append(depth_row + "\n");
   }
 
  private:
-  // What the first frame tells: whether there is colour, and what depth is.
+  // Writes camera, ground truth and list headers. The first frame determines the depth unit and
+  // whether there is colour.
   void Begin(const FrameImages& first) {
     RgbdCamera camera = info_.camera;
     if (std::holds_alternative<Image<float>>(first.depth)) {
@@ -130,7 +131,8 @@ class RecordedFolder {
   std::unique_ptr<AppendedFile> depth_list_, color_list_, pair_list_;
 };
 
-// Counts the frame and gives its images; nothing, with a warning, where it has none.
+// Reads the images of a frame and updates the summary. Returns std::nullopt, with a warning, for an
+// unreadable frame.
 std::optional<FrameImages> ReadImages(const RawFrame& frame, RawFrames* frames,
                                       RepeatedWarning* skipped, RecordSummary* summary) {
   summary->frames_dropped += frame.head.dropped_before;
@@ -149,22 +151,22 @@ std::optional<FrameImages> ReadImages(const RawFrame& frame, RawFrames* frames,
 }  // namespace
 
 void RecordOptions::Visit(OptionVisitor& v) {
-  v.AddPart(sequence, "sequence", "what to record");
+  v.AddPart(sequence, "sequence", "sequence to record");
   v.Group("recording");
   v.Add(output, SharedOption("output", Required(), Everyday()));
   v.Add(max_frames, "max_frames", "maximum number of frames", AtLeast(0), ZeroIs("no limit"),
         Everyday());
-  v.Add(max_seconds, "max_seconds", "end after so much time by the stamps", InUnit("s"), AtLeast(0),
+  v.Add(max_seconds, "max_seconds", "maximum duration by the timestamps", InUnit("s"), AtLeast(0),
         ZeroIs("no limit"), AsFlag("seconds"), Everyday());
-  v.Add(queue_capacity, "queue_capacity", "of a camera: frames that may wait to be written",
-        AtLeast(1), AsFlag());
+  v.Add(queue_capacity, "queue_capacity",
+        "maximum number of frames of a live camera that wait for writing", AtLeast(1), AsFlag());
   v.Check([this] {
     const PrepareOptions as_they_come;
     if (sequence.prepare.downsample == as_they_come.downsample &&
         sequence.prepare.max_depth_m == as_they_come.max_depth_m)
       return;
     throw InputError(
-        "downsample and max_depth_m must be left alone: images are recorded as they come");
+        "downsample and max_depth_m must have their default values: images are recorded unchanged");
   });
 }
 

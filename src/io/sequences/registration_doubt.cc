@@ -11,23 +11,24 @@
 namespace surfit {
 namespace {
 
-// Colour is looked at in cells, a hundred and sixtieth of the width each.
+// Colour gradients are averaged in square cells of 1/160 of the image width.
 constexpr int kCellsAcross = 160;
-constexpr int kReach = 8;  // cells that colour may be moved by
+constexpr int kReach = 8;  // maximum shift of colour, cells
 constexpr std::array kScales = {.8,    .83,  .86,  .89,  .92,  .95, .975, 1.,
                                 1.025, 1.05, 1.08, 1.12, 1.16, 1.2, 1.25};
-constexpr int kGiven = 7;                                       // of the scales
-constexpr float kJump = 0.08F;                                  // of depth, as a share
-constexpr std::size_t kFewestJumps = 200, kEnoughJumps = 2000;  // pixels of a frame
-// How much better another place must be than the given, in standard deviations over all places: by
-// all frames, and by either half of them, for where the camera turns fast colour that was taken at
-// another time than depth lies beside it, now on this side and now on that.
+constexpr int kGiven = 7;       // index of scale 1
+constexpr float kJump = 0.08F;  // minimum relative depth difference at a depth edge
+constexpr std::size_t kFewestJumps = 200, kEnoughJumps = 2000;  // depth edge pixels per frame
+// Minimum advantage of an alignment over the given registration, in standard deviations over all
+// alignments: for all frames, and for each half of the frames. The halves must agree, because fast
+// rotation shifts colour with another capture time in changing directions.
 constexpr double kMargin = 1, kMarginOfHalf = 0.5;
 
 struct Pixel {
   int u = 0, v = 0;
 };
 
+// Pixels at depth edges: the relative depth difference over `gap` pixels exceeds kJump.
 template <typename T>
 std::vector<Pixel> DepthJumps(const Image<T>& depth, int gap) {
   const auto valid = [](T d) { return d > 0 && static_cast<float>(d) != 65535; };
@@ -46,7 +47,7 @@ std::vector<Pixel> DepthJumps(const Image<T>& depth, int gap) {
   return pixels;
 }
 
-// How much colour changes in each cell, in standard deviations from its mean.
+// Gradient magnitude per cell, normalised to mean 0 and standard deviation 1.
 Image<float> ColorChanges(const Image<Rgb8>& color, int cell) {
   const auto grey = [&](int u, int v) {
     const Rgb8& c = color(u, v);
@@ -75,11 +76,12 @@ Image<float> ColorChanges(const Image<Rgb8>& color, int cell) {
   return cells;
 }
 
-// Of colour against depth: larger by kScales[scale] about the image's middle, then moved by cells.
+// Alignment of colour to depth: scaling by kScales[scale] about the image centre, then a shift in
+// cells.
 struct Place {
   int scale = kGiven, right = 0, down = 0;
 
-  // As given, as far as cells tell.
+  // True for the given registration, to the resolution of scales and cells.
   bool IsGiven() const {
     return std::abs(scale - kGiven) <= 1 && std::abs(right) <= 1 && std::abs(down) <= 1;
   }
@@ -102,7 +104,7 @@ void ForEachPlace(const Function& function) {
   }
 }
 
-// The mean change of colour at the pixels, for each place; nothing is outside of the image.
+// Adds the mean colour gradient at the pixels for each alignment. Pixels outside the image add 0.
 void AddScores(const std::vector<Pixel>& pixels, const Image<float>& cells, int cell,
                std::vector<double>* scores) {
   const double middle_u = 0.5 * cell * cells.width(), middle_v = 0.5 * cell * cells.height();
@@ -124,7 +126,8 @@ void AddScores(const std::vector<Pixel>& pixels, const Image<float>& cells, int 
   }
 }
 
-// Of the frames [first, last): zero where they tell nothing.
+// Sum of the scores of the frames [first, last). Frames with few depth edges, or with different
+// sizes of colour and depth, add 0.
 std::vector<double> ScoresOf(const std::vector<FrameImages>& frames, std::size_t first,
                              std::size_t last, int cell) {
   std::vector<double> scores(kPlaces);
@@ -146,7 +149,8 @@ std::vector<double> ScoresOf(const std::vector<FrameImages>& frames, std::size_t
   return scores;
 }
 
-// By how many standard deviations over all places one is better than what is given.
+// Score margin of an alignment over the given registration, in standard deviations over all
+// alignments.
 double Advantage(const Place& place, const std::vector<double>& scores) {
   double mean = 0, variance = 0, given = -std::numeric_limits<double>::infinity();
   for (const double score : scores) mean += score / static_cast<double>(kPlaces);
@@ -165,10 +169,10 @@ std::string Sentence(const RegistrationFit& found, const PinholeCamera& c) {
     return std::round(found.scale * (center - 0.5 * size) + 0.5 * size + moved_px);
   };
   return Concat(
-      "edges of colour do not lie where depth jumps: they fit best with colour ",
-      std::lround(100 * found.scale), " % as large as depth, ", found.right_px,
+      "colour may not be registered to depth: colour edges match depth edges best with colour at ",
+      std::lround(100 * found.scale), " % of the size of depth, ", found.right_px,
       " px to the right and ", found.down_px,
-      " px down. Colour may not be registered to depth; if so, give its own camera, about ",
+      " px down. If colour is not registered, set its intrinsics, about ",
       std::round(found.scale * c.fx), ",", std::round(found.scale * c.fy), ",",
       fit(c.cx, c.width, found.right_px), ",", fit(c.cy, c.height, found.down_px),
       ", as color_camera in a camera.yaml or as color_intrinsics");

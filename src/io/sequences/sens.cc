@@ -14,21 +14,25 @@
 namespace surfit {
 namespace {
 
-// The head of a .sens file (ScanNet's SensorData, version 4), little endian: uint32 version, uint64
-// length and name of the sensor, 4 x 4 floats (row by row) intrinsics and extrinsics of colour,
-// then of depth; int32 compression of colour (0 raw, 1 PNG, 2 JPEG) and of depth (0 raw, 1 zlib, 2
-// occi); uint32 width and height of colour, then of depth; float depth counts per metre; uint64
-// number of frames.
+// Header of a .sens file (SensorData of ScanNet, version 4), little endian:
+// - uint32 version
+// - uint64 length of the sensor name, sensor name
+// - row-major 4 x 4 floats: intrinsics and extrinsics of colour, then of depth
+// - int32 compression of colour (0 raw, 1 PNG, 2 JPEG)
+// - int32 compression of depth (0 raw, 1 zlib, 2 occi)
+// - uint32 width and height of colour, then of depth
+// - float depth counts per metre
+// - uint64 number of frames
 struct SensHeader {
   enum class DepthCoding { kRaw = 0, kZlib = 1 };
 
-  // Extrinsics map the sensor's frame to a camera's. ScanNet's are identities: it registers colour
-  // to depth by intrinsics alone.
+  // Extrinsics are camera_from_sensor. In ScanNet they are identity transforms: the intrinsics
+  // alone register colour to depth.
   RgbdCamera camera;
-  bool raw_color = false;  // else PNG or JPEG, as the bytes say
+  bool raw_color = false;  // false: PNG or JPEG, detected per image
   DepthCoding depth_coding = DepthCoding::kZlib;
   std::uint64_t frame_count = 0;
-  std::uint64_t size = 0;  // bytes
+  std::uint64_t size = 0;  // bytes of the header
 };
 
 Eigen::Matrix4d TakeMatrix(Cursor* reader) {
@@ -64,7 +68,7 @@ void RequireColorCoding(std::int32_t coding, const std::string& path) {
                    ", must be 0 (raw), 1 (PNG) or 2 (JPEG)");
 }
 
-// How long the part before the sensor's name is, with the name.
+// Number of bytes up to the end of the sensor name.
 std::uint64_t SizeWithName(const BinaryFile& file) {
   constexpr std::uint64_t kBeforeName = 12;
   const std::string bytes = file.Read(0, kBeforeName);
@@ -72,13 +76,13 @@ std::uint64_t SizeWithName(const BinaryFile& file) {
   const auto version = reader.Take<std::uint32_t>();
   ThrowIf(version != 4, file.path(), " has version ", version, ", must be 4");
   const auto length = reader.Take<std::uint64_t>();
-  ThrowIf(!file.Has(kBeforeName, length), file.path(), ": the sensor's name has ", length,
-          " bytes, beyond the end");
+  ThrowIf(!file.Has(kBeforeName, length), file.path(), ": the sensor name has ", length,
+          " bytes, more than the file");
   return kBeforeName + length;
 }
 
-// Throws InputError naming the file and what is wrong; depth compressed by occipital's encoder,
-// which is not public, is refused.
+// Throws InputError with the path and the reason. Depth in the occi format is rejected, because its
+// decoder is not public.
 SensHeader ReadSensHeader(const BinaryFile& file) {
   constexpr std::uint64_t kAfterName = 4 * 64 + 2 * 4 + 4 * 4 + 4 + 8;
   const std::uint64_t begin = SizeWithName(file);
@@ -141,7 +145,7 @@ class SensRecording : public Recording {
                       {frame.color_at, frame.color_bytes, SizeOf(camera.color), header_.raw_color});
   }
 
-  // The poses that are there.
+  // All finite poses.
   Trajectory Poses() const {
     Trajectory poses;
     for (int i = 0; i < frame_count(); ++i) {
@@ -154,7 +158,7 @@ class SensRecording : public Recording {
   }
 
  private:
-  // Walks over the frames' headers, as far as the file goes.
+  // Reads the frame headers. Stops at the first truncated frame.
   void Index() {
     constexpr std::uint64_t kHeader = 64 + 4 * 8;  // bytes before the images of a frame
     std::uint64_t at = header_.size;

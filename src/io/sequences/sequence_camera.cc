@@ -14,8 +14,8 @@
 namespace surfit {
 namespace {
 
-// A camera as Open3D writes it: JSON with width, height and the column-major 3 x 3
-// intrinsic_matrix. Throws InputError naming the file and what is wrong.
+// Reads a camera of Open3D: JSON with width, height and the column-major 3 x 3 intrinsic_matrix.
+// Throws InputError with the path and the reason.
 PinholeCamera ReadOpen3dCamera(const std::string& path) {
   PinholeCamera camera;
   try {
@@ -36,7 +36,7 @@ PinholeCamera ReadOpen3dCamera(const std::string& path) {
   return camera;
 }
 
-// The drivers' default of the Kinect, with TUM's depth scale.
+// Kinect with the default intrinsics of the ROS driver and the depth scale of TUM.
 RgbdCamera RosDefault() {
   RgbdCamera camera = CameraPreset("redwood");
   camera.depth_units_per_metre = 5000;
@@ -54,7 +54,7 @@ ToldCamera RedwoodCamera(const std::string& folder) {
   for (const char* name : {"/camera_intrinsic.json", "/intrinsic.json"}) {
     if (!HasFile(folder + name)) continue;
     camera.depth = ReadOpen3dCamera(folder + name);
-    return {camera, folder + name + " (the depth scale is Redwood's)"};
+    return {camera, folder + name + " (with the depth scale of Redwood)"};
   }
   return Guessed(camera);
 }
@@ -77,8 +77,9 @@ RgbdCamera ReadCamParams(const std::string& path) {
   return camera;
 }
 
-// cam_params.json of the folder, or of the one above it (as NICE-SLAM's download has it), or else
-// the preset `replica`. Throws InputError naming the file if it is malformed.
+// Reads cam_params.json in the folder or in its parent folder (as in the NICE-SLAM download).
+// Without this file: the preset `replica`. Throws InputError with the path if the file is
+// malformed.
 ToldCamera ReplicaCamera(const std::string& folder) {
   for (const char* name : {"/cam_params.json", "/../cam_params.json"}) {
     if (HasFile(folder + name)) return {ReadCamParams(folder + name), folder + name};
@@ -86,7 +87,7 @@ ToldCamera ReplicaCamera(const std::string& folder) {
   return Preset("replica");
 }
 
-// Frames that are merely numbered may be of any camera; poses have the data set's own name.
+// Any camera may have numbered frames. Only a ground-truth file *.gt.freiburg proves ICL-NUIM.
 ToldCamera IclNuimCamera(const SequenceOptions& options) {
   const auto names = NamesIn(options.path);
   const bool is_named = std::any_of(names.begin(), names.end(), [](const std::string& name) {
@@ -96,9 +97,9 @@ ToldCamera IclNuimCamera(const SequenceOptions& options) {
   return Guessed(CameraPreset("icl_nuim"));
 }
 
-// The preset of the camera that the head of a list names, as in TUM's downloads:
+// Preset by the recording name in the head of a list, as in TUM downloads:
 //   # file: 'rgbd_dataset_freiburg1_desk.bag'
-// Empty where it names none.
+// Empty without such a name.
 std::string PresetInHead(const std::string& list) {
   constexpr std::string_view kName = "freiburg";
   std::istringstream lines(ReadFile(list));
@@ -111,35 +112,34 @@ std::string PresetInHead(const std::string& list) {
   return "";
 }
 
-// Nothing if the folder's lists do not name their camera.
+// Camera by the recording name in rgb.txt or depth.txt; std::nullopt without such a name.
 std::optional<ToldCamera> TumCamera(const std::string& folder) {
   for (const char* name : {"/rgb.txt", "/depth.txt"}) {
     const std::string list = folder + name;
     const std::string preset = HasFile(list) ? PresetInHead(list) : "";
     if (preset.empty()) continue;
-    return Preset(preset, ", by the recording's name in " + list);
+    return Preset(preset, ", by the recording name in " + list);
   }
   return std::nullopt;
 }
 
 std::string GuessWarning(const std::string& path, const RgbdCamera& camera) {
   std::string text =
-      Concat(path, " does not name its camera, which is GUESSED: ", DepthFigures(camera),
-             ". With a wrong one poses and map are bent. ");
-  if (camera.depth.fy < 0) text += "It is ICL-NUIM's, whose images are mirrored. ";
+      Concat(path, " does not specify its camera, which is GUESSED: ", DepthFigures(camera),
+             ". A wrong camera distorts poses and map. ");
+  if (camera.depth.fy < 0) text += "The guess is ICL-NUIM, whose images are mirrored. ";
   return text +
-         "Give the camera's own numbers in a camera.yaml (surfit_convert --make_camera_yaml writes "
-         "one to fill in) or as intrinsics and depth_scale, or name a preset as camera";
+         "Set the camera with a camera.yaml (surfit_convert --make_camera_yaml writes a template), "
+         "with intrinsics and depth_scale, or with a preset as camera";
 }
 
-// The camera before any figure of the options.
 ToldCamera BaseCamera(const SequenceOptions& options, const std::string& format,
                       const TellCamera& tell) {
   const std::string yaml = CameraFile(options, format);
   if (!yaml.empty()) return {ReadCameraYaml(yaml), yaml};
   if (!options.camera.empty()) return Preset(options.camera);
   if (tell) return tell();
-  if (format == "sens") return {ReadSensCamera(options.path), "the file's head"};
+  if (format == "sens") return {ReadSensCamera(options.path), "the file header"};
   if (format == "redwood" || format == "watch") return RedwoodCamera(options.path);
   if (format == "replica") return ReplicaCamera(options.path);
   if (format == "icl_nuim") return IclNuimCamera(options);
@@ -164,40 +164,41 @@ void OverrideColor(const SequenceOptions& options, RgbdCamera* camera) {
     SetIntrinsics(*options.color_intrinsics, &camera->color);
   }
   ThrowIf(camera->color_is_registered && (options.color_distortion || options.color_from_depth),
-          "color_distortion and color_from_depth are of a colour camera of its own: give "
+          "color_distortion and color_from_depth need a separate colour camera: set "
           "color_intrinsics too");
   if (options.color_distortion) camera->color.distortion = *options.color_distortion;
   if (options.color_from_depth) camera->color_from_depth = *options.color_from_depth;
 }
 
-// Image sizes that are not known yet are checked once they are.
+// Checks all values except unknown image sizes.
 void ValidateFigures(RgbdCamera camera) {
   for (PinholeCamera* c : {&camera.depth, &camera.color}) {
     if (c->width == 0 && c->height == 0) c->width = c->height = 1;
   }
   camera.Validate("camera");
   ThrowIf(!camera.color_is_registered && (camera.color.fy < 0) != (camera.depth.fy < 0),
-          "camera: fy is ", camera.depth.fy, " of depth and ", camera.color.fy,
-          " of colour, must have one sign");
+          "camera: fy is ", camera.depth.fy, " for depth and ", camera.color.fy,
+          " for colour, must have the same sign");
 }
 
-// A folder's camera.yaml; of a file F.klg it is F.klg.yaml. A device has none.
+// Path of the camera file: camera.yaml in a folder, F.klg.yaml for a file F.klg, "" for a live
+// camera.
 std::string OwnCameraFile(const SequenceOptions& options, const std::string& format) {
   if (format == "openni2") return "";
   const bool is_file = MayBeFile(format) && !IsFolder(options.path);
   return options.path + (is_file ? ".yaml" : "/camera.yaml");
 }
 
-// Where the camera is from once the options' figures are in.
+// Origin of the camera after the values of the options are applied.
 std::string OriginWithFigures(const SequenceOptions& options, const ToldCamera& base) {
   const bool scale = options.depth_units_per_metre.has_value();
-  if (options.intrinsics && scale) return "as given";
-  if (options.intrinsics) return "as given, the depth scale " + base.from;
-  return base.from + (scale ? ", the depth scale as given" : "");
+  if (options.intrinsics && scale) return "the options";
+  if (options.intrinsics) return "the options, depth scale: " + base.from;
+  return base.from + (scale ? ", depth scale: the options" : "");
 }
 
-// What the user should know where the sequence's own file tells another camera. It may be no
-// camera's at all, which is why another one is given.
+// Adds a warning if the camera file of the sequence contains another camera. The file may be
+// invalid.
 void AddOverrideWarning(const SequenceOptions& options, const std::string& own,
                         const RgbdCamera& camera, std::vector<std::string>* warnings) {
   std::string told;
@@ -209,9 +210,9 @@ void AddOverrideWarning(const SequenceOptions& options, const std::string& own,
   const std::string taken = DepthFigures(camera);
   if (told.empty() || told == taken) return;
   const bool is_named = !options.camera.empty() && !options.intrinsics;
-  warnings->push_back(Concat("the depth camera is ", taken, ", as ",
-                             is_named ? options.camera + " says" : "given", "; ", own, " says ",
-                             told));
+  warnings->push_back(Concat("the depth camera is ", taken, ", from ",
+                             is_named ? options.camera + " (camera)" : "the options",
+                             "; ignored: ", own, ": ", told));
 }
 
 }  // namespace
@@ -220,14 +221,14 @@ std::string DepthFigures(const RgbdCamera& camera) {
   const PinholeCamera& c = camera.depth;
   std::string text = Concat(c.fx, " ", c.fy, " ", c.cx, " ", c.cy, " px");
   if (c.HasDistortion()) {
-    text += ", distorted by";
+    text += ", distortion";
     for (const double number : c.distortion) text += Concat(" ", number);
   }
   if (!camera.disparity.IsGiven())
-    return Concat(text, ", ", camera.depth_units_per_metre, " units of depth a metre");
+    return Concat(text, ", ", camera.depth_units_per_metre, " depth units per metre");
   const Disparity& d = camera.disparity;
-  return Concat(text, ", disparities of ", d.counts_per_px, " units a px from ",
-                d.count_at_infinity, " on, of a baseline of ", d.baseline_m, " m at ", d.focal_px,
+  return Concat(text, ", disparity with ", d.counts_per_px, " units per px, ", d.count_at_infinity,
+                " units at infinity, baseline ", d.baseline_m, " m, focal length ", d.focal_px,
                 " px");
 }
 
@@ -271,8 +272,9 @@ void ResolveCamera(const SequenceOptions& options, const TellCamera& tell, Seque
 
 void DropLatency(const SequenceOptions& options, RgbdCamera* camera) {
   if (options.latency_s && *options.latency_s != 0) {
-    throw InputError("latency_s is ", *options.latency_s, ", must be 0 or absent: stamps of ",
-                     options.path, " are the frames' own, no clock's");
+    throw InputError("latency_s is ", *options.latency_s,
+                     ", must be 0 or absent: the timestamps of ", options.path,
+                     " are not from a clock");
   }
   camera->latency_s = 0;
 }

@@ -16,12 +16,12 @@ struct StampedFile {
   std::string path;
 };
 
-// A list names files of its own folder: it may come from anywhere.
+// Rejects files outside the folder, because lists may be untrusted.
 StampedFile ParseStampedFile(const TextRow& row, int column, const std::string& folder) {
   const std::string& name = row.columns[column + 1];
   const std::filesystem::path normal = std::filesystem::path(name).lexically_normal();
   ThrowIf(normal.is_absolute() || *normal.begin() == "..", row.place, ": '", name,
-          "' leaves the folder of the sequence");
+          "' is outside the folder of the sequence");
   return {ParseNumber(row.columns[column], row.place), FollowTextLink(folder, name)};
 }
 
@@ -30,11 +30,11 @@ void RequireColumns(const TextRow& row, std::size_t count, const char* meaning) 
           " columns, must have ", count, ": ", meaning);
 }
 
-// rgb.txt or depth.txt, in order of time.
+// Reads rgb.txt or depth.txt and sorts by timestamp.
 std::vector<StampedFile> ReadStampedFiles(const std::string& folder, const std::string& name) {
   std::vector<StampedFile> files;
   ForEachTextRow(Concat(folder, "/", name), [&](const TextRow& row) {
-    RequireColumns(row, 2, "stamp and file");
+    RequireColumns(row, 2, "timestamp and file");
     files.push_back(ParseStampedFile(row, 0, folder));
   });
   std::stable_sort(files.begin(), files.end(), [](const StampedFile& a, const StampedFile& b) {
@@ -62,17 +62,18 @@ std::vector<FrameFiles> PairByTime(const std::string& folder, int* unpaired_imag
   for (const auto [c, d] : MatchStamps(Stamps(color), Stamps(depth), kMaxBetweenImages_s))
     frames.push_back({{depth[d].stamp_s, color[c].stamp_s}, depth[d].path, color[c].path});
   ThrowIf(frames.empty() && !depth.empty() && !color.empty(), folder,
-          ": no stamp in rgb.txt is within ", kMaxBetweenImages_s, " s of one in depth.txt");
+          ": no timestamp in rgb.txt is within ", kMaxBetweenImages_s,
+          " s of a timestamp in depth.txt");
   *unpaired_images = static_cast<int>(color.size() + depth.size() - 2 * frames.size());
   return frames;
 }
 
-// Colour stands first (TUM) or second (ICL-NUIM): the folder that is called depth
-// tells.
+// Reads associations.txt. Colour is first (TUM) or second (ICL-NUIM). Depth has "depth" in its
+// path.
 std::vector<FrameFiles> ReadAssociations(const std::string& folder) {
   std::vector<FrameFiles> frames;
   ForEachTextRow(folder + "/associations.txt", [&](const TextRow& row) {
-    RequireColumns(row, 4, "stamp and file of colour and of depth");
+    RequireColumns(row, 4, "timestamp and file of colour, timestamp and file of depth");
     const bool depth_first = row.columns[1].find("depth") != std::string::npos;
     const StampedFile depth = ParseStampedFile(row, depth_first ? 0 : 2, folder);
     const StampedFile color = ParseStampedFile(row, depth_first ? 2 : 0, folder);

@@ -19,42 +19,43 @@
 namespace surfit {
 namespace {
 
-constexpr std::chrono::milliseconds kPause(10);
-constexpr std::chrono::seconds kPatience(2);
+constexpr std::chrono::milliseconds kPause(10);  // polling interval
+constexpr std::chrono::seconds kPatience(2);     // timeout for an incomplete frame
 
-// A frame that arrived, or that was given up.
+// Frame that was read, or an error.
 struct Arrival {
   FrameStamps stamps;
   std::optional<FrameImages> images;
-  std::string error;     // why there are none
-  double decode_ms = 0;  // time spent reading it
+  std::string error;     // reason for missing images
+  double decode_ms = 0;  // reading time
 };
 
-// Waits for numbered images, see WatchFolder().
+// Reads numbered images as they appear, see WatchFolder().
 class WatchedFolder {
  public:
   WatchedFolder(std::string path, double frames_per_second, const std::atomic<bool>& stop)
       : path_(std::move(path)), frames_per_second_(frames_per_second), stop_(stop) {}
 
-  // The next frame once it is there, or nothing at the end.
+  // Waits for the next frame; std::nullopt at the end.
   std::optional<Arrival> Next();
 
  private:
   using Clock = std::chrono::steady_clock;
 
-  // Adds new frames to those waiting.
+  // Adds new frames to waiting_.
   void List();
-  // The first waiting frame, if it is complete or has to be given up.
+  // Removes the first waiting frame if it is complete, or incomplete after the timeout;
+  // std::nullopt otherwise.
   std::optional<Arrival> TakeFirst(bool ended);
 
   std::string path_;
   double frames_per_second_;
   const std::atomic<bool>& stop_;
-  std::optional<std::string> color_folder_;  // once known; empty: frames without colour
-  std::map<long, FrameFiles> waiting_;       // by number
+  std::optional<std::string> color_folder_;  // set by the first frame; "": frames without colour
+  std::map<long, FrameFiles> waiting_;       // by frame number
   std::set<long> taken_;
-  std::set<std::string> told_;                  // of images with one number
-  std::optional<Clock::time_point> first_try_;  // of the first frame that waits
+  std::set<std::string> told_;                  // logged warnings about duplicate numbers
+  std::optional<Clock::time_point> first_try_;  // first attempt to read the first waiting frame
 };
 
 void WatchedFolder::List() {
@@ -76,7 +77,8 @@ std::optional<Arrival> WatchedFolder::TakeFirst(bool ended) {
   Arrival arrival;
   arrival.stamps = files.stamps;
   if (!taken_.empty() && number < *taken_.rbegin()) {
-    arrival.error = Concat(files.depth_path, " came after frame ", *taken_.rbegin(), " was taken");
+    arrival.error =
+        Concat(files.depth_path, " arrived after frame ", *taken_.rbegin(), " was read");
   } else {
     try {
       const StageTimer timer("decode", static_cast<int>(taken_.size()), &arrival.decode_ms);
@@ -96,7 +98,7 @@ std::optional<Arrival> WatchedFolder::TakeFirst(bool ended) {
 
 std::optional<Arrival> WatchedFolder::Next() {
   while (!stop_) {
-    // Checked before the frames are listed, so that no frame written before it is missed.
+    // Checked before the frames are listed, so that no frame before `done` is missed.
     const bool ended = IsFile(path_ + "/done");
     List();
     if (auto arrival = TakeFirst(ended)) return arrival;
@@ -111,14 +113,14 @@ class WatchedFrames : public RawFrames {
   WatchedFrames(const SequenceOptions& options, WatchedFolder folder)
       : options_(options), folder_(std::move(folder)) {}
 
-  // Of the first readable frame; it and those before it stay queued in ahead_.
+  // Images of the first readable frame. The frames up to this one stay in ahead_.
   std::vector<FrameImages> FirstImages() override {
     while (std::optional<Arrival> arrival = folder_.Next()) {
       ahead_.push_back(std::move(*arrival));
       if (ahead_.back().images) return {*ahead_.back().images};
     }
     throw InputError("no frame of ", options_.path,
-                     " can be read: ", ahead_.empty() ? "none came" : ahead_.front().error);
+                     " can be read: ", ahead_.empty() ? "no frame arrived" : ahead_.front().error);
   }
 
   std::optional<RawFrame> Next() override {
@@ -150,9 +152,9 @@ class WatchedFrames : public RawFrames {
 
   const SequenceOptions options_;
   WatchedFolder folder_;
-  std::deque<Arrival> ahead_;          // taken, but not given out yet
-  std::optional<FrameImages> images_;  // of the frame that was given out last
-  int count_ = 0;                      // of frames so far, whether chosen or not
+  std::deque<Arrival> ahead_;          // frames that FirstImages() read ahead
+  std::optional<FrameImages> images_;  // images of the last frame of Next()
+  int count_ = 0;                      // number of frames so far, including skipped frames
 };
 
 }  // namespace

@@ -9,7 +9,8 @@
 
 namespace surfit {
 
-// Values from the left (lower) edge of an axis to the right (upper) one; begin > end turns it.
+// Values at the left (lower) and at the right (upper) end of an axis. begin > end reverses the
+// axis.
 struct AxisRange {
   double begin, end;
 };
@@ -18,23 +19,24 @@ struct AxisRanges {
   AxisRange x, y;
 };
 
-// Ranges about the centres of the given ones with the same number of units per pixel on both axes
-// of a box; at least one of the given ranges fills 90 % of its side, none more. Directions are
-// kept; a range shorter than 1 mm counts as 1 mm.
+// Widens the ranges about their centres to the same number of units per pixel on both axes of a
+// box. One of the given ranges fills 90 % of its side, the other one less. Directions are kept.
+// Ranges below 1 mm are treated as 1 mm.
 AxisRanges EqualAspect(const AxisRanges& ranges, double box_width_px, double box_height_px);
 
-// Of ticks and labels.
+// Colour of ticks and labels.
 inline constexpr Rgb8 kAxisInk = {40, 40, 40};
 
-// Round numbers in the range, ascending: at most `most`, 1, 2 or 5 times a power of ten apart.
+// At most `most` round numbers in the range, ascending, with steps of 1, 2 or 5 times a power of
+// ten.
 std::vector<double> RoundTicks(AxisRange range, int most);
-// Of values from low to high, 0 < low: the powers of ten or, where those are few, also 2 and 5
-// times them.
+// Ticks from low to high, 0 < low. The ticks are powers of ten, and for ranges below two decades
+// also 2 and 5 times the powers of ten.
 std::vector<double> LogarithmicTicks(double low, double high);
-// The shortest text of a tick.
+// Text of a tick with up to 6 digits.
 std::string TickText(double value);
 
-// A box of an image in which values are drawn over two axes.
+// Axes of a chart: the box in the image in px, and the values at its edges.
 struct Axes {
   PixelBox box;
   AxisRanges ranges;
@@ -43,19 +45,20 @@ struct Axes {
   PixelPoint At(double x, double y) const;
 };
 
-// The frame with a grid and numbers; the title and the label of y stand above it, that of x below.
+// Draws the frame with grid and numbers. Title and y label are above the frame, the x label is
+// below.
 void DrawAxes(Image<Rgb8>* image, const Axes& axes);
 
-// Which of the world's axes (0, 1, 2 for x, y, z) a drawing of a path shows.
+// World axes of a view of a path: 0, 1, 2 for x, y, z.
 struct ShownAxes {
   std::string title;
   int horizontal, vertical;
-  bool vertical_downward;  // coordinates grow down the page
+  bool vertical_downward;  // coordinates increase downwards in the picture
 };
 
-// A view from above and one from the side, for the world axis nearest to up. Neither is a mirror
-// image: page right x page up points to the reader. From above, that is up, and both axes grow as
-// usual; from the side, the page shows the horizontal axis of the larger extent, and up is upwards.
+// A view from above and a view from the side, for the world axis nearest to `up`. Both views are
+// right-handed: right x up points to the viewer. In the view from above, `up` points to the viewer.
+// The view from the side shows the horizontal axis with the larger extent, and `up` is upwards.
 std::array<ShownAxes, 2> ChooseTrajectoryAxes(const Eigen::Vector3d& up,
                                               const Eigen::Vector3d& extent_m);
 

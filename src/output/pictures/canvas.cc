@@ -18,9 +18,9 @@ namespace {
 static_assert(sizeof(Rgb8) == 3, "images are shared with OpenCV");
 
 constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
-constexpr int kFiner = 4;        // text is drawn this much larger, then averaged
-constexpr int kShift = 4;        // fractional bits of OpenCV's coordinates
-constexpr double kCapital = 21;  // height of the font's capitals at scale 1
+constexpr int kFiner = 4;        // supersampling factor of text
+constexpr int kShift = 4;        // fractional bits of OpenCV coordinates
+constexpr double kCapital = 21;  // height of capital letters at scale 1, px
 
 cv::Scalar AsScalar(Rgb8 color) { return {1. * color.r, 1. * color.g, 1. * color.b}; }
 
@@ -28,7 +28,7 @@ cv::Point Fixed(PixelPoint p) {
   return {cvRound(p.u * (1 << kShift)), cvRound(p.v * (1 << kShift))};
 }
 
-// The strokes of a text in the finer pixels.
+// Size of a text in supersampled pixels.
 struct Strokes {
   double scale, capital;
   int thickness;
@@ -43,7 +43,7 @@ struct Strokes {
   }
 };
 
-constexpr float kHeadlight = 0.35f;  // enough to see shapes, little enough to read the scale by
+constexpr float kHeadlight = 0.35f;  // shows shapes and keeps the colour scale readable
 
 std::uint8_t UnitToByte(float component) {
   return static_cast<std::uint8_t>(std::clamp(127.5f * (1 + component) + 0.5f, 0.f, 255.f));
@@ -86,7 +86,7 @@ void DrawLine(Image<Rgb8>* image, const std::vector<PixelPoint>& points, Rgb8 co
   std::vector<cv::Point> line;
   line.reserve(points.size());
   for (const PixelPoint& point : points) line.push_back(Fixed(point));
-  const int thickness = std::max(1, cvRound(width_px) - 1);  // the smooth edge takes a pixel more
+  const int thickness = std::max(1, cvRound(width_px) - 1);  // antialiasing adds one pixel
   cv::polylines(AsMat(image), line, false, AsScalar(color), thickness, cv::LINE_AA, kShift);
 }
 
@@ -178,7 +178,7 @@ SurfelColoring ColorByNormal(const SurfelMap& map) {
     const Eigen::Vector3f normal = map[id].normal_in_world;
     return Rgb8{UnitToByte(normal.x()), UnitToByte(normal.y()), UnitToByte(normal.z())};
   };
-  coloring.legend = "(red, green, blue) = (1 + n) / 2 for the normal n in the world frame";
+  coloring.legend = "(red, green, blue) = (1 + n) / 2 with the normal n in the world frame";
   return coloring;
 }
 
@@ -198,7 +198,7 @@ SurfelColoring ColorByConfidence(const SurfelMap& map) {
     return scale.ColorOf(map[id].confidence);
   };
   coloring.headlight = kHeadlight;
-  coloring.legend = "sum of the observations' weights";
+  coloring.legend = "sum of observation weights";
   return coloring;
 }
 

@@ -13,7 +13,7 @@
 
 namespace surfit {
 
-// A place in an image, in pixels; the first pixel's centre is (0, 0).
+// Point in an image, px. The centre of the first pixel is (0, 0).
 struct PixelPoint {
   double u, v;
 };
@@ -23,43 +23,42 @@ struct PixelBox {
 };
 
 struct TextStyle {
-  double height_px = 18;  // of a line of text
-  double justify = 0;     // text begins at its point with 0, is centred with 0.5, ends with 1
+  double height_px = 18;  // line height
+  double justify = 0;     // 0: text begins at the point, 0.5: is centred, 1: ends at the point
   Rgb8 color = {20, 20, 20};
 };
 
-// The same pixels, for OpenCV.
+// View of the image for OpenCV. Shares the pixels.
 cv::Mat AsMat(Image<Rgb8>* image);
 
-// The pixels that a text takes, without margin.
+// Width of a text without margins, px.
 double TextWidth(const std::string& text, const TextStyle& style);
 
-// Lines, discs and text have smooth edges, boxes are whole pixels; what lies outside the image is
-// left out. Text is ASCII, centred vertically at its point.
+// Drawing functions. Lines, discs and text are antialiased, boxes are whole pixels. All are clipped
+// to the image. Text must be ASCII and is centred vertically at its point.
 void DrawText(Image<Rgb8>* image, PixelPoint at, const std::string& text,
               const TextStyle& style = {});
 void DrawLine(Image<Rgb8>* image, const std::vector<PixelPoint>& points, Rgb8 color,
               double width_px);
 void DrawDisc(Image<Rgb8>* image, PixelPoint center, double radius_px, Rgb8 color);
 void FillBox(Image<Rgb8>* image, const PixelBox& box, Rgb8 color);
-// Draws an image into a box of another size by averaging.
+// Resizes an image to the box by area averaging.
 void DrawImage(Image<Rgb8>* image, const cv::Rect& box, const Image<Rgb8>& source);
 
-// Throws InputError naming the path where the file cannot be written.
+// Throws InputError with the path if writing fails.
 void WritePng(const Image<Rgb8>& image, const std::string& path);
 
-// Colours for numbers from low to high: viridis, dark blue through green to yellow, even to the
-// eye.
+// Viridis colour map for values from low to high: dark blue, green, yellow.
 class ColorScale {
  public:
-  // Where logarithmic, 0 < low. Needs low <= high.
+  // Aborts unless low <= high, and 0 < low if logarithmic.
   ColorScale(double low, double high, bool logarithmic);
 
   double low() const { return low_; }
   double high() const { return high_; }
   bool logarithmic() const { return logarithmic_; }
 
-  // 0 at low, 1 at high, clamped to them.
+  // Position of a value in [0, 1]; values outside [low, high] are clamped.
   double Position(double value) const;
   Rgb8 ColorAt(double position) const;
   Rgb8 ColorOf(double value) const { return ColorAt(Position(value)); }
@@ -70,34 +69,34 @@ class ColorScale {
   std::array<Rgb8, 256> colors_;
 };
 
-// A bar of the scale's colours, low on the left, with numbers below it.
+// Draws a colour bar, low on the left, with ticks below it.
 void DrawColorBar(Image<Rgb8>* image, const ColorScale& scale, const PixelBox& box);
 
-// The image that the function gives for each pixel and its index, computed in parallel.
+// Computes the colour of each pixel from its index. Calls `color_of` in parallel.
 Image<Rgb8> ColorIndices(const Image<std::int32_t>& indices,
                          const std::function<Rgb8(int u, int v, std::int32_t index)>& color_of);
 
-// The colour at this share of its brightness, 0 <= brightness <= 1.
+// Multiplies a colour by `brightness` in [0, 1].
 Rgb8 Dimmed(Rgb8 color, float brightness);
 
-// One way of colouring the surfels of a map, with what a reader must know to read the colours.
-// Refers to the map: it must outlive the colouring.
+// Colouring of the surfels of a map, with its legend. The map must outlive the colouring.
 struct SurfelColoring {
   std::string title;
-  std::function<Rgb8(std::int32_t)> color_of;  // of the surfel with this id
-  // The share of the colour that is lit from the camera: 0 = the same brightness everywhere.
+  std::function<Rgb8(std::int32_t)> color_of;  // colour by surfel id
+  // Share of the brightness that depends on the angle between normal and viewing ray; 0: no
+  // shading.
   float headlight = 0;
-  std::string legend;               // in words
-  std::optional<ColorScale> scale;  // as a bar of colours
+  std::string legend;               // text of the legend
+  std::optional<ColorScale> scale;  // scale of the colour bar; empty: no bar
 };
 
-// The surfels' own colours.
+// Surfel colours.
 SurfelColoring ColorByColor(const SurfelMap& map);
-// (1 + n) / 2 of the normal in the world: x red, y green, z blue.
+// (1 + n) / 2 with the normal n in the world frame: x red, y green, z blue.
 SurfelColoring ColorByNormal(const SurfelMap& map);
-// From min(1, least) to the greatest confidence, logarithmic, but at most four decades.
+// Logarithmic scale up to the largest confidence, over at most four decades.
 SurfelColoring ColorByConfidence(const SurfelMap& map);
-// From the first to the last frame in which any surfel was last seen.
+// Linear scale over the values of last_seen.
 SurfelColoring ColorByLastSeen(const SurfelMap& map);
 
 }  // namespace surfit

@@ -10,10 +10,10 @@
 namespace surfit {
 namespace {
 
-constexpr Rgb8 kBackground = {70, 77, 86};  // neither white nor black things are lost before it
+constexpr Rgb8 kBackground = {70, 77, 86};  // contrasts with white and black objects
 const cv::Scalar kLetters(230, 230, 230), kAlarm(205, 20, 20);
 
-// The image at its own proportions, in the middle of a picture.
+// Scales an image with its aspect ratio and centres it in a picture.
 Image<Rgb8> Centered(const Image<Rgb8>& image) {
   Image<Rgb8> picture(LivePictures::kWidth, LivePictures::kHeight, kBackground);
   if (image.empty()) return picture;
@@ -27,7 +27,7 @@ Image<Rgb8> Centered(const Image<Rgb8>& image) {
   return picture;
 }
 
-// Light with a dark edge: readable on any picture.
+// Light letters with dark edges, readable on any background.
 void WriteCaption(const std::string& text, Image<Rgb8>* picture) {
   const cv::Point place(8, 20);
   for (const auto& [ink, width] : {std::pair(cv::Scalar(0, 0, 0), 3), std::pair(kLetters, 1)}) {
@@ -37,7 +37,7 @@ void WriteCaption(const std::string& text, Image<Rgb8>* picture) {
 }
 
 Image<Rgb8> DepthPicture(const Image<float>& depth_m) {
-  constexpr float kWhite = 0.5f;  // metres and nearer
+  constexpr float kWhite = 0.5f;  // up to this depth in m, pixels are white
   Image<Rgb8> picture(depth_m.width(), depth_m.height());
   for (std::size_t i = 0; i < picture.size(); ++i) {
     const float share = depth_m[i] > 0 ? std::min(1.f, kWhite / depth_m[i]) : 0;
@@ -47,8 +47,8 @@ Image<Rgb8> DepthPicture(const Image<float>& depth_m) {
   return picture;
 }
 
-// Between discs some pixels stay free. Those that lie between two others, side by side or one upon
-// the other, show one of them.
+// Fills one-pixel gaps between discs: a gap with a left and a right neighbour, or an upper and a
+// lower neighbour, gets the surfel of a neighbour.
 Image<std::int32_t> WithoutHoles(const Image<std::int32_t>& ids) {
   Image<std::int32_t> filled = ids;
   const auto fill = [&](int u, int v, std::int32_t before, std::int32_t after) {
@@ -64,7 +64,7 @@ Image<std::int32_t> WithoutHoles(const Image<std::int32_t>& ids) {
   return filled;
 }
 
-// White letters on a red band.
+// Draws white text on a red band and a red frame.
 void DrawAlarm(const std::string& text, cv::Mat picture) {
   constexpr int kBand_px = 48, kEdge_px = 8;
   cv::rectangle(picture, cv::Rect(0, 0, picture.cols, picture.rows), kAlarm, 2 * kEdge_px);
@@ -75,8 +75,8 @@ void DrawAlarm(const std::string& text, cv::Mat picture) {
 
 }  // namespace
 
-// What draws the model, as coarsely as still fills the picture. By discs: the run waits for it, and
-// DrawBlended() takes many times as long.
+// Renderer of the model at reduced resolution. Uses the disc renderer, because DrawBlended() is
+// much slower and would delay the run.
 struct LivePictures::Tools {
   DepthSensor sensor;
   ModelRenderer renderer{RenderOptions()};
@@ -111,7 +111,7 @@ Image<Rgb8> LivePictures::OfModel(const SurfelMap& map, const Rigid3d& world_fro
 
 Image<Rgb8> LivePictures::OfLost(const Image<Rgb8>& last_good) const {
   Image<Rgb8> picture = Centered(last_good);
-  DrawAlarm("LOST: go back to this view", AsMat(&picture));
+  DrawAlarm("LOST: return to this view", AsMat(&picture));
   return picture;
 }
 

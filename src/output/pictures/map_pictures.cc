@@ -13,7 +13,7 @@
 namespace surfit {
 namespace {
 
-// The surfels seen in the four views, for all colourings.
+// Visible surfels of the four views, used by all colourings.
 struct RenderedViews {
   std::array<PictureView, 4> views;
   std::array<Image<std::int32_t>, 4> surfel_indices;
@@ -29,7 +29,7 @@ RenderedViews Render(const SurfelMap& map, const std::vector<std::uint8_t>& show
   return rendered;
 }
 
-// The colours of one view. The headlight shines along the pixel's ray.
+// Colours a view. The headlight shines along the viewing ray.
 Image<Rgb8> Color(const SurfelMap& map, const SurfelColoring& coloring, const PictureView& view,
                   const Image<std::int32_t>& indices) {
   const Eigen::Matrix3d world_from_camera =
@@ -54,8 +54,8 @@ SurfelMap Shown(const SurfelMap& map, const std::vector<std::uint8_t>& shown) {
   return copy;
 }
 
-// The surfels' own colours, blended for people to look at. No sensor looks from there: by its noise
-// at this distance a table and the floor beneath would be one surface.
+// Blended surfel colours. The sensor noise is set to 0: at the distance of these views, the noise
+// would merge a table with the floor below it.
 Image<Rgb8> Blended(const SurfelMap& map, const PictureView& view) {
   const DepthNoise none = {0};
   const BlendedView drawn = DrawBlended(map, {view.camera, none}, view.camera_from_world.Inverse());
@@ -135,8 +135,9 @@ void WriteMapPictures(const SurfelMap& map, const Trajectory& camera_path,
                                     PictureSheet::kCellWidth * PictureSheet::kSupersampling,
                                     PictureSheet::kCellHeight * PictureSheet::kSupersampling);
   const auto count = std::count(shown.begin(), shown.end(), 1);
-  const std::string some = Concat(count, " of ", map.size(), " surfels, those of confidence ",
-                                  std::round(100 * least) / 100, " and more");
+  const std::string some =
+      Concat(count, " of ", map.size(), " surfels, with confidence of at least ",
+             std::round(100 * least) / 100, "");
   const RenderedViews trusted = Render(map, shown, views);
   WriteColorSheet(Shown(map, shown), some, views, prefix + "color.png");
   WriteSheet(map, ColorByNormal(map), some, trusted, prefix + "normals.png");

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-// Some of the shown surfels, evenly over the map: enough to choose views by.
+// Evenly distributed sample of the shown surfels.
 struct Sample {
   std::vector<Eigen::Vector3f> points, normals;
   std::vector<float> areas;
@@ -32,10 +32,10 @@ Sample DrawSample(const SurfelMap& map, const std::vector<std::uint8_t>& shown) 
   return sample;
 }
 
-// The mean normal of the surfels that look upwards: floors and tables. Cameras are held at a pitch,
-// so the search begins wide about their mean up, and narrows.
+// Refines the up direction to the mean normal of horizontal surfaces (floors, tables). Cameras are
+// usually pitched, so the search begins with a wide angle about `up` and narrows.
 Eigen::Vector3d RefineUp(const Sample& sample, Eigen::Vector3d up) {
-  constexpr double kLeastShare = 0.02;  // of all area; below it there is no floor to go by
+  constexpr double kLeastShare = 0.02;  // minimum ratio of horizontal area to total area
   const double total = std::accumulate(sample.areas.begin(), sample.areas.end(), 0.);
   for (const double gate_rad : {0.75, 0.5, 0.35, 0.25}) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -49,13 +49,13 @@ Eigen::Vector3d RefineUp(const Sample& sample, Eigen::Vector3d up) {
   return up;
 }
 
-// Two horizontal directions along the walls, and up.
+// Axes of a room: two horizontal directions along the walls, and up.
 struct RoomAxes {
   Eigen::Vector3d across, along, up;  // right-handed
 };
 
-// Walls have horizontal normals, at right angles to each other: the mean of exp(4 i azimuth) over
-// all surfels has four times the walls' azimuth.
+// Wall normals are horizontal and at right angles to each other. So the mean of exp(4 i azimuth)
+// over all surfels has an argument of four times the azimuth of the walls.
 RoomAxes FindRoomAxes(const Sample& sample, const Eigen::Vector3d& up) {
   const Eigen::Vector3d x = up.unitOrthogonal(), y = up.cross(x);
   double sum_cos = 0, sum_sin = 0;
@@ -72,7 +72,7 @@ RoomAxes FindRoomAxes(const Sample& sample, const Eigen::Vector3d& up) {
   return {across, up.cross(across), up};
 }
 
-// Where the scene is and how large.
+// Centre and size of the scene.
 struct Bounds {
   Eigen::Vector3d center;
   double diagonal_m;
@@ -89,7 +89,7 @@ Bounds FindBounds(const Sample& sample) {
   return {(low + high) / 2, std::max(1e-3, (high - low).norm())};
 }
 
-// A view along `forward` from outside the scene, fitted to the surfels that face it.
+// View along `forward` from outside the scene, fitted to the surfels that face the camera.
 PictureView OutsideView(const std::string& label, const Sample& sample, const Bounds& bounds,
                         const Eigen::Vector3d& forward, const Eigen::Vector3d& up,
                         double distance_in_diagonals, int width, int height) {
@@ -108,8 +108,9 @@ PictureView OutsideView(const std::string& label, const Sample& sample, const Bo
   return view;
 }
 
-// From straight above, so far away that walls are almost lines; the page's up is the horizontal
-// axis that shows the scene largest, on the side of the first camera's view.
+// View from straight above, from a large distance, so that walls are almost lines. The vertical
+// axis of the picture is the horizontal room axis that gives the largest scale. Its sign is the
+// viewing direction of the first camera.
 PictureView TopView(const Sample& sample, const Bounds& bounds, const RoomAxes& axes,
                     const Eigen::Vector3d& first_forward, int width, int height) {
   constexpr double kDistance = 4;
@@ -123,7 +124,7 @@ PictureView TopView(const Sample& sample, const Bounds& bounds, const RoomAxes& 
   return best;
 }
 
-// From the azimuth from which the largest area of surfels is seen from its front.
+// Oblique view from above. The azimuth shows the largest area of front faces.
 PictureView BirdView(const Sample& sample, const Bounds& bounds, const RoomAxes& axes, int width,
                      int height) {
   constexpr double kDistance = 1.5, kElevation = 0.65;
@@ -145,7 +146,7 @@ PictureView BirdView(const Sample& sample, const Bounds& bounds, const RoomAxes&
   return OutsideView("bird's eye", sample, bounds, best_forward, axes.up, kDistance, width, height);
 }
 
-// The median depth of the points before the camera; 1 m where there are none.
+// Median depth of the points in a 90 degree cone in front of the camera; 1 m without points.
 double MedianDepth(const Sample& sample, const Rigid3d& camera_from_world) {
   std::vector<float> depths;
   for (const Eigen::Vector3f& point : sample.points) {
@@ -155,11 +156,12 @@ double MedianDepth(const Sample& sample, const Rigid3d& camera_from_world) {
   return Quantile(std::move(depths), 0.5, 1);
 }
 
-// From a pose of the path, pulled back along its own optical axis.
+// View from a pose of the path, moved back along the optical axis.
 PictureView PulledBackView(const std::string& label, const Sample& sample, const Rigid3d& pose,
                            int width, int height) {
-  constexpr double kPulledBack = 0.2;  // of the median depth
-  constexpr double kFocal = 0.75;      // of the width: about 67 degrees across
+  constexpr double kPulledBack = 0.2;  // distance relative to the median depth
+  constexpr double kFocal =
+      0.75;  // focal length relative to the width: 67 degrees of field of view
   PictureView view;
   view.label = label;
   view.camera_from_world = pose.Inverse();

@@ -12,22 +12,22 @@
 
 namespace surfit {
 
-// A picture of equal cells, each above a caption, in rows below a header for title and legend.
+// Picture with a header for title and legend, and rows of equal cells with captions.
 class PictureSheet {
  public:
   static constexpr int kCellWidth = 800, kCellHeight = 600;
   static constexpr int kHeaderHeight = 76, kCaptionHeight = 34, kGap = 8;
-  // Cells are drawn in this many pixels per pixel of the sheet, in each direction.
+  // Rendered pixels per pixel of the sheet, in each direction.
   static constexpr int kSupersampling = 2;
   static constexpr Rgb8 kPaper = {255, 255, 255}, kInk = {20, 20, 20};
-  // Behind what a cell shows: neither white nor black things are lost before it.
+  // Background of cells, contrasts with white and black objects.
   static constexpr Rgb8 kScene = {109, 120, 134};
 
   PictureSheet(int columns, int rows);
 
-  // Fills the cell from an image of kSupersampling times its size, by averaging.
+  // Fills a cell from an image of kSupersampling times its size by area averaging.
   void SetCell(int cell, const Image<Rgb8>& finer);
-  // Writes below the cell.
+  // Writes the caption below a cell.
   void DrawCaption(int cell, const std::string& text);
 
   Image<Rgb8>* image() { return &image_; }
@@ -42,14 +42,14 @@ class PictureSheet {
   Image<Rgb8> image_;
 };
 
-// Four views of the surfels with shown[id] != 0, each width x height pixels: from above, from a
-// bird's place, from the first camera pulled back, and from the camera that looks most elsewhere.
+// Four views of the surfels with shown[id] != 0, in width x height pixels: from above, oblique from
+// above, from behind the first camera, and from behind the camera of MostDifferentPose().
 std::array<PictureView, 4> ChooseMapViews(const SurfelMap& map,
                                           const std::vector<std::uint8_t>& shown,
                                           const Trajectory& camera_path, int width, int height);
 
-// The pose of the path whose view differs most from the first's: by the angle in rad plus the
-// distance in units of scene_depth_m. 0 for a path of one pose.
+// Index of the pose that differs most from the first pose: by the angle in rad plus the distance in
+// units of scene_depth_m. 0 for a path with one pose.
 std::size_t MostDifferentPose(const Trajectory& camera_path, double scene_depth_m);
 
 }  // namespace surfit

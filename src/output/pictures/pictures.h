@@ -13,60 +13,60 @@
 namespace surfit {
 
 // Writes map_color.png, map_normals.png, map_confidence.png and map_last_seen.png into the
-// directory. Each is a sheet of four views of the map: from above, from an oblique bird's eye, from
-// the first camera pulled back a little, and from the camera whose view differs most from the
-// first. Up is the mean of the cameras' upward (-y) axes, refined by the normals of floors and
-// tables, so any world frame will do.
+// directory. Each sheet has four views of the map: from above, oblique from above, from behind the
+// first camera, and from behind the camera whose view differs most from the first camera. The up
+// direction is the mean upward (-y) axis of the cameras, refined by the normals of floors and
+// tables. The world frame may have any orientation.
 //
-// Surfels that face away are not drawn, which opens the ceiling and the near walls. map_confidence
-// shows all surfels, the other sheets only those of confidence >= DustConfidence(). Normals are
-// coloured (1 + n) / 2 for n in the world frame: x red, y green, z blue.
+// Back faces are not drawn, so ceiling and near walls do not occlude the room. map_confidence shows
+// all surfels, the other sheets only surfels with confidence >= DustConfidence(). The colour of a
+// normal n in the world frame is (1 + n) / 2: x red, y green, z blue.
 //
-// An empty map gives pictures that say so. Throws InputError where a file cannot be written.
+// For an empty map, the pictures have the text "empty map". Throws InputError if writing fails.
 void WriteMapPictures(const SurfelMap& map, const Trajectory& camera_path,
                       const std::string& directory);
 
-// Below this confidence a surfel is taken for dust: 3 (about as many central observations), or a
-// tenth of the map's 90 % quantile where that is less, as after few frames. 0 for an empty map.
+// Confidence below which surfels are treated as noise: 3 (about three central observations), or a
+// tenth of the 90 % quantile of the map if it is less, for example after few frames. 0 for an empty
+// map.
 float DustConfidence(const SurfelMap& map);
 
-// Writes a PNG of the camera's path from above and from the side, in metres along the world's axes,
-// with equal scale on both axes of a view. The vertical axis is the world axis nearest to the mean
-// upward (-y) axis of the cameras. ground_truth may be empty. Otherwise the caller has aligned both
-// paths, and a panel shows the position error over time at the poses with a true pose. Throws
-// InputError if the file cannot be written.
+// Writes a PNG of the camera path from above and from the side, in m along the world axes. Both
+// axes of a view have the same scale. The vertical axis is the world axis nearest to the mean
+// upward (-y) axis of the cameras. `ground_truth` may be empty. Otherwise, both paths must be
+// aligned, and a chart shows the position error over time. Throws InputError if writing fails.
 void WriteTrajectoryPicture(const Trajectory& estimate, const Trajectory& ground_truth,
                             const std::string& path);
 
-// Writes a PNG of two point clouds, source in orange and target in blue, seen from the target's
-// camera and obliquely from the side. Points are in metres in the target camera's frame (x right, y
-// down, z forward); a target that is not in front of that camera is seen along z from far enough
-// away. Each pixel shows the nearest point: surfaces that coincide show both colours mixed. Throws
-// InputError where the file cannot be written.
+// Writes a PNG of two point clouds, source in orange and target in blue, from the target camera and
+// from an oblique direction. Points are in m in the target camera frame (x right, y down, z
+// forward). If the target is not in front of this camera, the first view is along z from outside.
+// Each pixel shows the nearest point, so coinciding surfaces show both colours. Throws InputError
+// if writing fails.
 void WriteTwoCloudPicture(const std::vector<Eigen::Vector3f>& source,
                           const std::vector<Eigen::Vector3f>& target, const std::string& path);
 
-// What a picture of the map shows of the surfels that a camera sees.
+// Colouring of the model in a live picture.
 enum class ModelColors { kNormals, kColor };
 
-// Pictures of a run in progress, kWidth x kHeight pixels each. What they show keeps its proportions
-// and stands in the middle.
+// Pictures of a run in progress, kWidth x kHeight px. Images are centred and keep their aspect
+// ratio.
 class LivePictures {
  public:
   static constexpr int kWidth = 480, kHeight = 360;
 
-  // The sensor of the frames.
+  // `sensor`: sensor of the frames.
   explicit LivePictures(const DepthSensor& sensor);
   ~LivePictures();
   LivePictures(const LivePictures&) = delete;
   LivePictures& operator=(const LivePictures&) = delete;
 
-  // The frame's colours; where it has none, the nearer the brighter.
+  // Colour image of the frame. Without colour: depth image, near pixels are bright.
   Image<Rgb8> OfFrame(const RgbdFrame& frame) const;
-  // The map as predicted from a pose. Normals are coloured as in WriteMapPictures().
+  // Rendering of the map at a pose. Normals are coloured as in WriteMapPictures().
   Image<Rgb8> OfModel(const SurfelMap& map, const Rigid3d& world_from_camera, ModelColors colors);
-  // In place of the model: that tracking is lost, and the last image whose pose was known, for who
-  // holds the camera to go back to. Nothing but the words where there is none.
+  // Picture for lost tracking, shown instead of the model: the image of the last tracked frame with
+  // an alarm. Tells the camera operator where to return. `last_good` may be empty.
   Image<Rgb8> OfLost(const Image<Rgb8>& last_good) const;
 
  private:

@@ -10,7 +10,6 @@ namespace {
 
 constexpr int kGrain = 4096;
 
-// A view in single precision, and the image it fills.
 struct Canvas {
   Canvas(const PictureView& view, NearestIndexImage* nearest)
       : rotation(view.camera_from_world.rotation.toRotationMatrix().cast<float>()),
@@ -26,7 +25,6 @@ struct Canvas {
   NearestIndexImage& image;
 };
 
-// Pixels [begin, end) in one direction.
 struct PixelRange {
   int begin, end;
 };
@@ -36,16 +34,18 @@ PixelRange Clip(float first, float last, int size) {
           static_cast<int>(std::clamp(std::floor(last) + 1, 0.f, static_cast<float>(size)))};
 }
 
-// Offers the pixels whose rays meet the disc (c, n, radius), all in the camera frame. With c = z r,
-// r = (x, y, 1), the ray r + e, e = (ex, ey, 0), meets the disc's plane at depth z + k where
+// Offers the pixels whose rays intersect the disc (c, n, radius) in the camera frame. With c = z r
+// and r = (x, y, 1), the ray r + e with e = (ex, ey, 0) intersects the plane of the disc at depth z
+// + k:
 //   n . ((z + k) (r + e) - z r) = 0,   k = -z n.e / n.(r + e),
-// at the offset (z + k) e + k r from c: no difference of large numbers, so single precision does.
+// at the offset (z + k) e + k r from c. There is no cancellation, so single precision is
+// sufficient.
 void DrawDisc(const Canvas& canvas, const Eigen::Vector3f& c, const Eigen::Vector3f& n,
               float radius, std::int32_t index) {
   const float x = c.x() / c.z(), y = c.y() / c.z(), z = c.z();
   const float u = canvas.focal_px * x + canvas.cx, v = canvas.focal_px * y + canvas.cy;
-  // The disc's point c + d lies f a.d / (z + dz) pixels from u, a = (1, 0, -x); the largest a.d is
-  // the radius times the length of a's part in the disc's plane.
+  // The point c + d of the disc is f a.d / (z + dz) px from u, with a = (1, 0, -x). The maximum of
+  // a.d is the radius times the length of the projection of a onto the plane of the disc.
   const float nearest_z = z - radius * std::sqrt(std::max(0.f, 1 - n.z() * n.z()));
   const auto reach = [&](float slope, float along_normal) {
     const float in_plane = std::max(0.f, 1 + slope * slope - along_normal * along_normal);
@@ -66,13 +66,13 @@ void DrawDisc(const Canvas& canvas, const Eigen::Vector3f& c, const Eigen::Vecto
       const float k = -z * n_e / (n_r + n_e);
       const Eigen::Vector3f offset((z + k) * ex + k * x, (z + k) * ey + k * y, k);
       if (offset.squaredNorm() > radius * radius) continue;
-      // Never below nearest_z, not even by rounding: else the test above would depend on the order.
+      // Clamped against rounding: with depths below nearest_z, IsHidden() would make the result
+      // depend on the order of surfels.
       canvas.image.Offer(column, row, std::max(z + k, nearest_z), index);
     }
   }
 }
 
-// Offers size x size pixels about the projection of c.
 void DrawSquare(const Canvas& canvas, const Eigen::Vector3f& c, int size, std::int32_t index) {
   const float u = canvas.focal_px * c.x() / c.z() + canvas.cx - 0.5f * size;
   const float v = canvas.focal_px * c.y() / c.z() + canvas.cy - 0.5f * size;

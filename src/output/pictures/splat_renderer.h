@@ -12,8 +12,8 @@
 
 namespace surfit {
 
-// A z-buffer: keeps for each pixel the index of the nearest thing offered there, of equally near
-// ones the lowest index. The result does not depend on the order of the offers.
+// Z-buffer of indices. Keeps the index with the smallest depth for each pixel; for equal depths,
+// the lowest index. The result does not depend on the order of calls.
 class NearestIndexImage {
  public:
   static constexpr std::int32_t kNothing = -1;
@@ -26,7 +26,8 @@ class NearestIndexImage {
   int width() const { return width_; }
   int height() const { return height_; }
 
-  // Thread-safe. depth > 0; (u, v) inside the image.
+  // Writes the pixel if it is nearer than the stored depth. Thread-safe. `depth` must be positive
+  // and (u, v) inside the image.
   void Offer(int u, int v, float depth, std::int32_t index) {
     const std::uint64_t key = Key(depth, index);
     auto& nearest = keys_[static_cast<std::size_t>(v) * width_ + u];
@@ -35,13 +36,13 @@ class NearestIndexImage {
     }
   }
 
-  // Whether something nearer than the depth is there already, so that an offer would be in vain.
+  // True if the stored depth is smaller than `depth`, so that Offer() would have no effect.
   bool IsHidden(int u, int v, float depth) const {
     const auto& nearest = keys_[static_cast<std::size_t>(v) * width_ + u];
     return nearest.load(std::memory_order_relaxed) < Key(depth, 0);
   }
 
-  // kNothing where nothing was offered.
+  // Indices of all pixels; kNothing for pixels without a call of Offer().
   Image<std::int32_t> Indices() const {
     Image<std::int32_t> indices(width_, height_);
     for (std::size_t i = 0; i < indices.size(); ++i) {
@@ -51,14 +52,15 @@ class NearestIndexImage {
   }
 
  private:
-  // Ordered by depth, then by index: the bits of positive floats are ordered as the floats.
+  // Key that is ordered by depth, then by index. Bit patterns of positive floats have the order of
+  // the floats.
   static std::uint64_t Key(float depth, std::int32_t index) {
     std::uint32_t bits;
     std::memcpy(&bits, &depth, sizeof bits);
     return std::uint64_t{bits} << 32 | static_cast<std::uint32_t>(index);
   }
 
-  // Its lower half reads as kNothing.
+  // The lower 32 bits are kNothing.
   static constexpr std::uint64_t kFarthest = std::numeric_limits<std::uint64_t>::max();
 
   int width_;
@@ -66,15 +68,15 @@ class NearestIndexImage {
   std::vector<std::atomic<std::uint64_t>> keys_;
 };
 
-// The id of the surfel that each pixel of the view sees, NearestIndexImage::kNothing where none.
-// Surfels are opaque discs: a pixel is covered where its ray meets the disc, and so is the pixel
-// that holds the projected centre, so that none is lost between pixels. Surfels with shown[id] ==
-// 0, those that face away from the camera and those nearer than two radii are not drawn.
+// Renders the id of the visible surfel of each pixel; NearestIndexImage::kNothing without surfel.
+// Surfels are opaque discs. A disc covers the pixels whose rays intersect it, and always the pixel
+// of its projected centre, so that small discs are visible. Not drawn: surfels with shown[id] == 0,
+// back faces, and surfels nearer than two radii.
 Image<std::int32_t> RenderSurfels(const SurfelMap& map, const std::vector<std::uint8_t>& shown,
                                   const PictureView& view);
 
-// The index of the point that each pixel sees; a point covers size_px x size_px pixels about its
-// projection. Points are in the view's world.
+// Renders the index of the nearest point of each pixel; NearestIndexImage::kNothing without point.
+// A point covers size_px x size_px pixels around its projection.
 Image<std::int32_t> RenderPoints(const std::vector<Eigen::Vector3f>& points_in_world, int size_px,
                                  const PictureView& view);
 

@@ -20,9 +20,10 @@ constexpr const char* kAxisLabels[] = {"x [m]", "y [m]", "z [m]"};
 
 struct PathStyle {
   Rgb8 color;
-  double width_px, mark_px;  // of the line; half the width of a mark
+  double width_px, mark_px;  // line width; half the width of a marker
 };
-// The ground truth is below the estimate and wider, so both are visible if they coincide.
+// The ground truth is wider and drawn below the estimate, so that both are visible if they
+// coincide.
 constexpr PathStyle kEstimateStyle = {{230, 90, 0}, 3, 6}, kTruthStyle = {{145, 190, 250}, 9, 11};
 constexpr PathStyle kLegendStyle = {kInk, 3, 6};
 
@@ -34,7 +35,6 @@ void DrawEnd(Image<Rgb8>* image, PixelPoint at, const PathStyle& style) {
   FillBox(image, {at.u - half, at.v - half, at.u + half, at.v + half}, style.color);
 }
 
-// The x, y and z coordinates of a path in the world.
 using Path = std::array<std::vector<double>, 3>;
 
 Path PositionsOf(const Trajectory& trajectory) {
@@ -47,7 +47,7 @@ Path PositionsOf(const Trajectory& trajectory) {
   return path;
 }
 
-// Of both paths together; 0 to 1 where both are empty.
+// Coordinate ranges of both paths; 0 to 1 if both are empty.
 std::array<AxisRange, 3> FindRanges(const Path& a, const Path& b) {
   std::array<AxisRange, 3> ranges;
   for (int axis = 0; axis < 3; ++axis) {
@@ -60,7 +60,6 @@ std::array<AxisRange, 3> FindRanges(const Path& a, const Path& b) {
   return ranges;
 }
 
-// A view of both paths, the estimate on top.
 void DrawView(const ShownAxes& shown, const std::array<AxisRange, 3>& ranges, const PixelBox& box,
               const Path& truth, const Path& estimate, Image<Rgb8>* image) {
   AxisRange vertical = ranges[shown.vertical];
@@ -82,7 +81,6 @@ void DrawView(const ShownAxes& shown, const std::array<AxisRange, 3>& ranges, co
   }
 }
 
-// Entries from left to right: the colours of the lines, then the meaning of the marks.
 void DrawLegend(bool has_ground_truth, Image<Rgb8>* image) {
   constexpr double kMiddle = 32, kLine = 50, kSpace = 14, kBetween = 40;
   double u = kBoxes[0].left;
@@ -103,7 +101,6 @@ void DrawLegend(bool has_ground_truth, Image<Rgb8>* image) {
   text("end");
 }
 
-// The distance of each matched pose to its true pose over the time since begin_s.
 void DrawErrors(const std::vector<MatchedPose>& poses, double begin_s, Image<Rgb8>* image) {
   std::vector<double> times_s, errors_m;
   for (const MatchedPose& pose : poses) {

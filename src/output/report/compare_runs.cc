@@ -10,7 +10,6 @@
 namespace surfit {
 namespace {
 
-// To the disc (c, n, r): along its normal, and from its rim where p lies beside it.
 float DistanceToDisc(const Eigen::Vector3f& p, const Surfel& disc) {
   const Eigen::Vector3f offset = p - disc.position_in_world;
   const float height = disc.normal_in_world.dot(offset);

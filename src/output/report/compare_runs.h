@@ -10,20 +10,20 @@
 
 namespace surfit {
 
-// How the world of a run lies in that of another one.
+// Alignment of the world frames of two runs.
 struct RunAlignment {
   Rigid3d target_from_source;
-  std::size_t poses = 0;  // at equal stamps, that tell so
-  double rms_m = 0;       // of what remains between their positions
+  std::size_t poses = 0;  // number of pose pairs with equal timestamps
+  double rms_m = 0;       // RMS distance of the aligned positions
 };
 
-// By the poses of equal stamps: the rigid motion that brings their positions together best. Where
-// that leaves a rotation open, as along a straight path, the pose in the middle decides. Nothing
-// where fewer than three stamps are equal.
+// Aligns two runs by the positions of poses with equal timestamps. If the rotation is unobservable,
+// for example on a straight path, the middle pose pair determines the transform. Returns
+// std::nullopt for fewer than three equal timestamps.
 std::optional<RunAlignment> AlignRuns(const Trajectory& source, const Trajectory& target);
 
-// How far each surfel's centre is from a map: from the disc of the map's surfel whose centre is
-// nearest, in metres. kFarFromMap where no centre is within that.
+// Distance of each surfel centre to the map, m: distance to the disc of the map surfel with the
+// nearest centre. kFarFromMap if no centre is within kFarFromMap.
 constexpr float kFarFromMap = 0.5f;
 std::vector<float> DistancesFromMap(const std::vector<Surfel>& surfels,
                                     const Rigid3d& map_from_surfels,

@@ -23,8 +23,8 @@ std::size_t ReverseBits(std::size_t value, int bits) {
   return reversed;
 }
 
-// 0, ..., count - 1, so that the first few are evenly spread however many they are: numbers with
-// their bits reversed (J. G. van der Corput's sequence).
+// Permutation of 0, ..., count - 1 by reversed bits (van der Corput sequence). Every prefix is
+// evenly distributed.
 std::vector<std::size_t> SpreadOrder(std::size_t count) {
   int bits = 0;
   while (std::size_t{1} << bits < count) ++bits;
@@ -37,7 +37,7 @@ std::vector<std::size_t> SpreadOrder(std::size_t count) {
   return order;
 }
 
-// A column of the table: `size` values of type T of each surfel.
+// Column of the table as base64: `size` values of type T per surfel.
 template <typename T, typename F>
 std::string Column(const std::vector<Surfel>& surfels, int size, const F& values_of) {
   std::vector<T> column;
@@ -55,10 +55,11 @@ float LargestRadius(const std::vector<Surfel>& surfels) {
   return largest;
 }
 
-// Each view's `files` become `pictures`: the same names, with what the files hold.
+// Replaces the key `files` of each view by `pictures`, with the file contents as data URLs.
 void EmbedPictures(const std::string& folder, Json* views) {
   for (Json& view : *views) {
-    const Json files = view.at("files");  // a copy: setting a key moves the view's values
+    const Json files =
+        view.at("files");  // copy, because inserting a key moves the values of the view
     for (const auto& [name, file] : files.items()) {
       const std::string bytes = ReadFile(folder + "/" + file.get<std::string>());
       view["pictures"][name] = "data:image/jpeg;base64," + EncodeBase64(bytes);
@@ -78,11 +79,10 @@ std::string TextOf(const std::string& file) {
   return std::filesystem::exists(file) ? ReadFile(file) : "";
 }
 
-// Its pictures with it.
 Json ReadPoses(const std::string& folder, std::size_t max_thumbnails) {
   Json poses = ReadJson(folder + "/poses.json");
   EmbedPictures(folder, &poses.at("views"));
-  if (poses.contains("thumbnails")) {  // which a run of an older release has not
+  if (poses.contains("thumbnails")) {  // missing in runs of older releases
     poses["thumbnails"] = EvenlySpread(poses["thumbnails"], max_thumbnails);
     EmbedPictures(folder, &poses["thumbnails"]);
   }
@@ -90,7 +90,7 @@ Json ReadPoses(const std::string& folder, std::size_t max_thumbnails) {
 }
 
 Trajectory TrajectoryOf(const Json& poses) {
-  constexpr double kFarthest_m = 1e9;  // sums of squares stay finite
+  constexpr double kFarthest_m = 1e9;  // keeps sums of squares finite
   Trajectory trajectory;
   for (const Json& row : poses.at("poses")) {
     const auto number = [&](int i) { return row.at(i).get<double>(); };
@@ -102,7 +102,6 @@ Trajectory TrajectoryOf(const Json& poses) {
   return trajectory;
 }
 
-// The last parts of a path, joined.
 std::string Ending(const std::filesystem::path& path, int parts) {
   const std::vector<std::filesystem::path> all(path.begin(), path.end());
   std::filesystem::path ending;

@@ -16,10 +16,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Of all runs together: about 40 kB each, beside about 18 MB of the default number of surfels.
+// Maximum for all runs together. A thumbnail has about 40 kB; the default number of surfels has 18
+// MB.
 constexpr std::size_t kMostThumbnails = 120;
 
-// How the worlds of all runs lie in that of the first; none where stamps do not tell.
+// Alignments of all runs to the first run; std::nullopt without equal timestamps.
 std::vector<std::optional<RunAlignment>> AlignWithFirst(const std::vector<ReportedRun>& runs) {
   std::vector<std::optional<RunAlignment>> alignments = {RunAlignment()};
   for (std::size_t i = 1; i < runs.size(); ++i) {
@@ -38,7 +39,7 @@ Json ToJson(const RunAlignment& alignment) {
           {"rms_m", alignment.rms_m}};
 }
 
-// The first run is compared with the second, all others with the first.
+// The first run is compared with the second run, all other runs with the first run.
 void Compare(const std::vector<ReportedRun>& runs, std::size_t max_points,
              std::vector<Json>* pages) {
   if (runs.size() < 2) return;
@@ -62,7 +63,7 @@ void ReportOptions::Visit(OptionVisitor& v) {
   v.Add(runs, SharedOption("run", InField("runs"), Required(), Repeatable()));
   v.Add(output, SharedOption("output", Required()));
   v.Add(max_points, "max_points",
-        "surfels of all runs together that the page holds; larger maps are sampled evenly",
+        "maximum number of surfels of all runs together; larger maps are sampled evenly",
         AtLeast(1000), AsFlag());
 }
 

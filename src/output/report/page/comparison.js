@@ -1,5 +1,5 @@
 'use strict';
-// The page of a comparison of solvers; its data are as src/run/comparison_page.cc writes them.
+// Page of a comparison of solvers. src/apps/solvers/comparison_page.cc writes its data.
 surfit.timeSeries = [['linearize_ms', 'linearise'], ['solve_ms', 'solve'], ['total_ms', 'total']];
 
 surfit.groupOf = (row) => `${row.residual}, ${row.association}`;
@@ -9,7 +9,7 @@ surfit.figure = (value) => {
   return value < 100 ? String(Number(value.toPrecision(3))) : value.toFixed(0);
 };
 
-// Whole powers of ten around all times.
+// Exponents of the powers of ten around all times.
 surfit.timeRange = (rows) => {
   const logs = rows.flatMap((row) => surfit.timeSeries.map(([key]) => row[key]))
     .filter((value) => value > 0).map(Math.log10);
@@ -57,7 +57,7 @@ surfit.showTimes = (rows) => {
   }
 };
 
-// A small table of shares, each cell in its colour with its percent.
+// Adds a table of ratios as coloured percentages.
 surfit.addShares = (parent, shares, rowLabels, columnLabels) => {
   const table = surfit.element('table', parent, { className: 'shares' });
   const head = surfit.element('tr', table);
@@ -79,8 +79,8 @@ surfit.addShares = (parent, shares, rowLabels, columnLabels) => {
 surfit.showBasins = (rows, data) => {
   surfit.byId('basins').hidden = !rows.some((row) => row.shares);
   if (surfit.byId('basins').hidden) return;
-  surfit.byId('basins-title').textContent = `Percent of the starts that end within ${
-    data.max_rotation_error_deg} deg and ${data.max_translation_error_m} m of the truth`;
+  surfit.byId('basins-title').textContent = `Percentage of initial poses with a final error below ${
+    data.max_rotation_error_deg} deg and ${data.max_translation_error_m} m`;
   const residuals = [...surfit.groupBy(rows, (row) => row.residual).keys()];
   const table = surfit.element('table', surfit.byId('basins'), { className: 'basins' });
   const head = surfit.element('tr', table);
@@ -97,13 +97,13 @@ surfit.showBasins = (rows, data) => {
   }
 };
 
-// Lines that lie upon each other all show: the later ones lie below, and are wider.
+// Coinciding lines are all visible: later lines are wider and below.
 surfit.showLosses = (rows, data) => {
   const widest = 9, narrowest = 1.5;
   const titles = [...surfit.groupBy(rows, (row) => row.title).keys()];
   surfit.byId('losses-title').textContent = data.refinement ? 'Cost at each iteration'
-    : `Loss at each iteration, from a start ${data.start.rotation_deg} deg and ${
-      data.start.translation_m} m off`;
+    : `Loss at each iteration, initial pose error ${data.start.rotation_deg} deg and ${
+      data.start.translation_m} m`;
   for (const [title, group] of surfit.groupBy(rows, surfit.groupOf)) {
     const lines = group.map((row) => {
       const i = titles.indexOf(row.title);
@@ -125,7 +125,7 @@ surfit.showFigures = (rows) => {
 (() => {
   surfit.connectTheme();
   const [data] = surfit.takeData('comparison');
-  const once = data.rows.filter((row) => row.threads === data.rows[0].threads);  // results are the same
+  const once = data.rows.filter((row) => row.threads === data.rows[0].threads);  // results do not depend on threads
   surfit.byId('headline').textContent = data.notes.map((note) => `Note: ${note}.`).join(' ');
   surfit.byId('times-note').hidden = data.known_pairs || data.refinement;
   surfit.showTimes(data.rows);

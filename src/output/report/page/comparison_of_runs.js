@@ -1,8 +1,8 @@
 'use strict';
-// How far a run's surfels are from another run's map. WriteReport() has them in tenths of a millimetre.
+// Distances of the surfels of a run to the map of another run, in units of 0.1 mm (WriteReport()).
 surfit.farFromMap = 65535;
 
-// In millimetres: of the surfels that have a distance, the share that is at most so far.
+// Quantile `share` of the known distances, mm; NaN without distances.
 surfit.distanceQuantile = (map, share) => {
   if (!map.distance) return NaN;
   const near = map.distance.filter((tenths) => tenths !== surfit.farFromMap).sort();
@@ -10,18 +10,18 @@ surfit.distanceQuantile = (map, share) => {
 };
 
 surfit.comparisonText = (run) => {
-  if (!run.compared_with) return 'Not compared: no three frames have the times of the other run.';
+  if (!run.compared_with) return 'Not compared: fewer than three frames have timestamps of the other run.';
   const { map } = run;
   const far = map.distance.reduce((count, tenths) => count + (tenths === surfit.farFromMap), 0);
   const how = run.first_from_run.poses === 0 ? ''
-    : `, moved by ${run.first_from_run.poses} poses of equal times, which then differ by ${
-      (1000 * run.first_from_run.rms_m).toFixed(1)} mm (RMS)`;
-  return `Surfels are ${surfit.distanceQuantile(map, 0.5).toFixed(1)} mm from ${run.compared_with} in the median, ${
-    surfit.distanceQuantile(map, 0.9).toFixed(1)} mm for nine of ten; ${
-    (100 * far / Math.max(map.shown, 1)).toFixed(1)} % have nothing within 50 cm${how}.`;
+    : `. The run is aligned by ${run.first_from_run.poses} poses with equal timestamps (RMS difference ${
+      (1000 * run.first_from_run.rms_m).toFixed(1)} mm)`;
+  return `Median distance of surfels: ${surfit.distanceQuantile(map, 0.5).toFixed(1)} mm to ${
+    run.compared_with}, 90 % quantile: ${surfit.distanceQuantile(map, 0.9).toFixed(1)} mm; ${
+    (100 * far / Math.max(map.shown, 1)).toFixed(1)} % have no surfel within 50 cm${how}.`;
 };
 
-// The transform from a run's world to that of the first run; the identity where it is not known.
+// Transform from the world frame of a run to the world frame of the first run; identity if unknown.
 surfit.firstFromRun = (run) => {
   const matrix = new THREE.Matrix4();
   if (!run.first_from_run) return matrix;

@@ -1,10 +1,11 @@
 'use strict';
-// A box along the floor's axes (to the right of and along the first run's mean line of sight, and up),
-// outside of which no surfels are drawn.
+// Crop box: surfels outside are not drawn. Its axes are right of and along the mean viewing direction of the first
+// run, and up.
 surfit.boxNames = ['right', 'ahead', 'up'];
 
 surfit.CropBox = class {
-  // axes: three unit vectors in the first run's world; points: some of the maps'; changed is called.
+  // axes: three unit vectors in the world of the first run. points: sample of the maps. changed: called after each
+  // change of the box.
   constructor(axes, points, changed) {
     this.boxFromWorld = new THREE.Matrix3().set(...axes.flatMap((axis) => axis.toArray()));
     const margin = 0.05;
@@ -55,7 +56,7 @@ surfit.CropBox = class {
     return ['x', 'y', 'z'].every((k) => p[k] >= this.low[k] && p[k] <= this.high[k]);
   }
 
-  // Pairs of points: the twelve edges.
+  // The twelve edges as pairs of points.
   edges() {
     const worldFromBox = this.boxFromWorld.clone().transpose();
     const corner = (bits) => new THREE.Vector3(...[0, 1, 2].map(

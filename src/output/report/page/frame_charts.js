@@ -1,24 +1,24 @@
 'use strict';
-// Figures of every frame: one chart for all runs where they compare, one per run where values are stacked.
+// Charts over frames. Comparable values have one chart for all runs, stacked values have one chart per run.
 surfit.states = ['skipped', 'lost', 'frozen', 'degenerate', 'tracked', 'given', 'first', 'relocalised', 'new_map'];
 surfit.stages = ['decode', 'preprocess', 'predict', 'track', 'fuse'];
 
-// Sizes of the map after each frame.
+// Number of surfels after each frame.
 surfit.mapSizes = (frames) => {
   let size = 0;
   return frames.added.map((added, i) => (size += added - frames.removed[i]));
 };
 
-// A figure of registration; NaN for frames that were not registered, nothing where the run is older than it.
+// Values of the registration: NaN for frames without registration, empty for runs of older releases.
 surfit.ofRegistration = (frames, column, unit = 1) => (frames[column] || []).map(
   (value, i) => (frames.termination[i] ? unit * value : NaN));
 
 // [title, unit, values of each frame]
 surfit.sharedCharts = [
-  ['inlier share', '', (frames) => surfit.ofRegistration(frames, 'inlier_share')],
+  ['inlier ratio', '', (frames) => surfit.ofRegistration(frames, 'inlier_share')],
   ['inliers', 'points', (frames) => surfit.ofRegistration(frames, 'inliers')],
   ['RMSE of registration', 'mm', (frames) => surfit.ofRegistration(frames, 'rmse_m', 1000)],
-  ['share of the view that moves by itself', '%',
+  ['moving objects, share of the view', '%',
     (frames) => surfit.ofRegistration(frames, 'moving_share', 100)],
   ['surfels in the map', '', surfit.mapSizes],
   ['time per frame', 'ms', (frames) => frames.frame_ms],
@@ -34,7 +34,7 @@ surfit.showRunCharts = ({ label, frames }, parent) => {
   const addChart = (title, names, ending, y, more) => surfit.addChart(column, title,
     names.map((name, i) => surfit.line(name, surfit.runColor(i),
       surfit.pairs(frames.index, frames[name + ending]), more)), { x: surfit.axis('frame'), y });
-  addChart('time by stage (decode runs ahead in the background)', surfit.stages, '_ms',
+  addChart('time by stage (decoding runs in the background)', surfit.stages, '_ms',
     surfit.axis('ms', { stacked: true, beginAtZero: true }), { fill: true, borderWidth: 0 });
   addChart('surfels merged, added and removed', ['merged', 'added', 'removed'], '',
     surfit.axis('surfels', { beginAtZero: true }));
@@ -49,7 +49,7 @@ surfit.showFrames = (allRuns) => {
   for (const [title, unit, valuesOf] of surfit.sharedCharts) {
     addChart(title, valuesOf, surfit.axis(unit, { beginAtZero: true }));
   }
-  addChart('state of tracking', (frames) => frames.state.map((state) => surfit.states.indexOf(state)),
+  addChart('tracking state', (frames) => frames.state.map((state) => surfit.states.indexOf(state)),
     surfit.stateAxis, { stepped: true, pointRadius: 1 },
     { tooltip: { callbacks: { label: (item) => surfit.states[item.parsed.y] } } });
   for (const run of runs) surfit.showRunCharts(run, surfit.byId('run-charts'));

@@ -1,9 +1,9 @@
 'use strict';
-// One frame: what it saw beside the model's view from there, and what is known of it. Pictures are those of
-// its thumbnail, or of a kept view, which are larger; of other frames those of the nearest that has some.
+// Panel of one frame: input pictures, model pictures and statistics. Pictures come from the thumbnail of the frame or
+// from its stored view, which is larger. Frames without pictures show those of the nearest frame.
 
 surfit.pictureNames = { input_color: 'input', model_color: 'model', input_depth: 'input depth',
-  model_depth: 'model depth, same colours' };
+  model_depth: 'model depth, same colour scale' };
 
 surfit.picturesOf = (run) => {
   if (!run.pictures) {
@@ -28,14 +28,14 @@ surfit.frameFacts = (run, frame) => {
         `RMSE ${(1000 * frames.rmse_m[row]).toFixed(1)} mm`);
     }
   }
-  if (run.errors.has(frame)) facts.push(`${(1000 * run.errors.get(frame)).toFixed(1)} mm from the truth`);
+  if (run.errors.has(frame)) facts.push(`position error ${(1000 * run.errors.get(frame)).toFixed(1)} mm`);
   const count = (kind) => run.loops.filter(
     (loop) => loop.kind === kind && (loop.source === frame || loop.target === frame)).length;
-  if (run.loops.length > 0) facts.push(`loops: ${count('accepted')}, refused: ${count('refused')}`);
+  if (run.loops.length > 0) facts.push(`loops: ${count('accepted')}, rejected: ${count('refused')}`);
   return facts.join(', ');
 };
 
-// Appends at most `most` pictures of the nearest frame with pictures. The caption names another frame.
+// Appends at most `most` pictures of the nearest frame with pictures. If this is another frame, the caption names it.
 surfit.addFramePictures = (parent, run, frame, most = Infinity) => {
   const view = surfit.nearestPicture(run, frame);
   if (view) surfit.addPictures(parent, view, most, view.index === frame ? ''
@@ -72,7 +72,7 @@ surfit.selectFrame = (run, frame) => {
   }
   surfit.selected = { run, frame };
   surfit.byId('frame-number').value = frame;
-  const text = run.poseOfFrame.has(frame) ? '' : '; it has no pose';
+  const text = run.poseOfFrame.has(frame) ? '' : '; no pose';
   surfit.byId('frame-facts').textContent = surfit.frameFacts(run, frame) + text;
   surfit.byId('look-from-frame').disabled = !run.poseOfFrame.has(frame) || !surfit.mapView;
   for (const [id, most] of [['frame-pictures', Infinity], ['map-frame-pictures', 2]]) {
@@ -89,7 +89,7 @@ surfit.selectFrame = (run, frame) => {
   if (surfit.mapView) surfit.mapView.select(run, [frame]);
 };
 
-// Not scrollIntoView(), which would move the page as well.
+// Replaces scrollIntoView(), which would scroll the page as well.
 surfit.scrollAlong = (strip, button) => {
   strip.scrollLeft = button.offsetLeft - strip.offsetLeft - (strip.clientWidth - button.clientWidth) / 2;
 };
@@ -97,7 +97,7 @@ surfit.scrollAlong = (strip, button) => {
 surfit.frameRange = (run) => surfit.range(
   [...(run.frames ? run.frames.index : []), ...run.poses.poses.map((pose) => pose[0])]);
 
-// To the next frame that has a picture, or the one before.
+// Selects the next or the previous frame with pictures.
 surfit.stepFrame = (step) => {
   const { run, frame } = surfit.selected.run ? surfit.selected : { run: surfit.runs[0], frame: -1 };
   const indices = surfit.picturesOf(run).map((view) => view.index);
@@ -110,7 +110,7 @@ surfit.showNextFrame = (step) => {
   surfit.showMapFrame();
 };
 
-// The pictures beside the map.
+// Shows the pictures next to the map if the run has pictures.
 surfit.showMapFrame = () => {
   const { run } = surfit.selected;
   surfit.byId('map-frame').hidden = !run || surfit.picturesOf(run).length === 0;
@@ -137,18 +137,18 @@ surfit.showFramePanel = (runs) => {
   });
 };
 
-// The kept views of a run: the frame beside the model's view, with a slider.
+// Stored views of each run: input next to model, with a slider.
 surfit.showViews = (runs) => {
   for (const run of runs) {
     const { views } = run.poses;
     const column = surfit.element('div', surfit.byId('view-columns'), { className: 'views' });
     surfit.element('h3', column, { textContent: run.label });
     if (views.length === 0) {
-      surfit.say(column, 'This run kept no views: surfit_slam keeps them with --report.');
+      surfit.say(column, 'This run has no stored views: surfit_slam stores views with --report.');
       continue;
     }
     const slider = surfit.element('input', column, { type: 'range', min: 0, max: views.length - 1,
-      value: Math.floor(views.length / 2), ariaLabel: `which of ${views.length} views of ${run.label}` });
+      value: Math.floor(views.length / 2), ariaLabel: `one of ${views.length} views of ${run.label}` });
     const title = surfit.element('span', column);
     const pictures = surfit.element('div', column, { className: 'pictures' });
     const show = () => {

@@ -1,5 +1,5 @@
 'use strict';
-// Loops over time: an arc between its two frames for each, above a band of what became of each frame.
+// Loops over time: an arc between the two frames of each loop, above a band with the state of each frame.
 surfit.timeline = { high: 170, band: 16, side: 10 };
 surfit.stateColors = { tracked: '#7fa8d9', given: '#7fa8d9', first: '#20242a', degenerate: '#e0b400',
   frozen: '#9aa2ad', lost: '#d1495b', skipped: '#6b3fa0', relocalised: '#2e9e5b', new_map: '#e08a00' };
@@ -21,13 +21,13 @@ surfit.loopText = (loop) => {
   return facts.join(', ');
 };
 
-// The loops that the filter lets through: a kind, a reason, or all.
+// Loops that match the filter: a kind, a reason, or all.
 surfit.filteredLoops = (run) => {
   const filter = surfit.byId('loop-filter').value;
   return run.loops.filter((loop) => filter === 'all' || loop.kind === filter || loop.reason === filter);
 };
 
-// Stretches of frames with equal states: [first, last, state].
+// Groups of consecutive frames with equal state: [first, last, state].
 surfit.stretches = ({ index, state }) => {
   const found = [];
   index.forEach((frame, i) => {
@@ -49,7 +49,7 @@ surfit.drawBand = (svg, run, x, top) => {
   }
 };
 
-// The longer the higher.
+// Draws an arc whose height increases with its length.
 surfit.drawArc = (svg, run, loop, x, base, longestPx) => {
   const [a, b] = [x(loop.target), x(loop.source)].sort((p, q) => p - q);
   const rise = (base - 6) * (0.15 + 0.85 * (b - a) / longestPx);
@@ -85,7 +85,7 @@ surfit.drawTimeline = (box, run) => {
   });
 };
 
-// 1, 2 or 5 times a power of ten, not less than so much.
+// Smallest of 1, 2 and 5 times a power of ten that is at least `least`.
 surfit.niceStep = (least) => {
   const power = 10 ** Math.floor(Math.log10(Math.max(least, 1)));
   return [1, 2, 5, 10].map((k) => k * power).find((step) => step >= least) || 1;
@@ -101,7 +101,7 @@ surfit.selectLoop = (run, loop) => {
   surfit.mapView.select(run, [loop.source, loop.target]);
 };
 
-surfit.loopHeads = ['frames', 'verdict', 'features agree', 'inliers', 'RMSE, mm'];
+surfit.loopHeads = ['frames', 'result', 'consistent features', 'inliers', 'RMSE, mm'];
 surfit.mostRows = 200;
 
 surfit.loopCells = (run, loop) => {
@@ -126,7 +126,7 @@ surfit.showLoopTable = (runs) => {
   }
 };
 
-// An option per kind, and per reason of refused loops, the most frequent reason first.
+// One option per kind, and one per reason of rejected loops, ordered by frequency.
 surfit.fillLoopFilter = (loops) => {
   const select = surfit.byId('loop-filter');
   const add = (value, text, { length }) => surfit.element('option', select, { value, textContent: `${text} (${length})` });
@@ -136,7 +136,7 @@ surfit.fillLoopFilter = (loops) => {
   }
   const reasons = [...surfit.groupBy(kinds.get('refused') || [], (loop) => loop.reason)];
   for (const [reason, refused] of reasons.sort((a, b) => b[1].length - a[1].length)) {
-    add(reason, `refused: ${surfit.reasonText(reason)}`, refused);
+    add(reason, `rejected: ${surfit.reasonText(reason)}`, refused);
   }
   add('all', 'all', loops);
   if (!kinds.has('accepted')) select.value = 'all';
@@ -159,8 +159,8 @@ surfit.showLoops = (runs) => {
   const boxes = runs.map((run) => {
     surfit.element('h3', parent, { textContent: run.label });
     const keyframes = `${run.poses.keyframes.length} keyframes (ticks); `;
-    surfit.say(parent, keyframes + (run.loops.length > 0 ? `pairs of them tried as loops: ${run.loops.length}.`
-      : 'no pair of them was tried as a loop (surfit_slam looks for loops with --loop_closure).'));
+    surfit.say(parent, keyframes + (run.loops.length > 0 ? `loop candidates: ${run.loops.length}.`
+      : 'no loop candidates (surfit_slam searches for loops with --loop_closure).'));
     surfit.showStateLegend(parent, run);
     return surfit.element('div', parent, { className: 'timeline' });
   });
@@ -169,5 +169,5 @@ surfit.showLoops = (runs) => {
     surfit.showLoopTable(runs);
   };
   surfit.on('loop-filter', 'change', draw);
-  surfit.whenInSight(parent, () => new ResizeObserver(draw).observe(parent));  // which calls once at the beginning
+  surfit.whenInSight(parent, () => new ResizeObserver(draw).observe(parent));  // also calls `draw` at the start
 };

@@ -1,10 +1,10 @@
 'use strict';
 surfit.headline = (run) => {
   const s = run.summary;
-  if (!run.frames) return `${s.poses} poses refined by ${s.keyframes} keyframes, ${s.map_points} surfels`;
+  if (!run.frames) return `${s.poses} poses refined with ${s.keyframes} keyframes, ${s.map_points} surfels`;
   const ate = s.ate_rmse_m === null ? 'ATE unknown' : `ATE ${(1000 * s.ate_rmse_m).toFixed(2)} mm`;
   return `${s.frames_total} frames, ${s.frames_tracked} tracked, ${ate}, ${s.map_points} surfels, ${
-    s.frame_ms.median.toFixed(1)} ms a frame`;
+    s.frame_ms.median.toFixed(1)} ms per frame`;
 };
 
 (() => {

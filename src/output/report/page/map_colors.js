@@ -5,13 +5,13 @@ surfit.scalarModes = {
     show: (value) => (10 ** value).toPrecision(3) },
   last_seen: { legend: 'last seen in frame', of: (map, i) => map.last_seen[i], show: String },
   first_seen: { legend: 'first seen in frame', of: (map, i) => map.first_seen[i], show: String },
-  distance: { legend: 'distance to the other run (grey: nothing within 50 cm)',
+  distance: { legend: 'distance to the other run (grey: more than 50 cm)',
     of: (map, i) => (!map.distance || map.distance[i] === surfit.farFromMap ? NaN : map.distance[i] / 10),
     show: (value) => `${value.toPrecision(3)} mm` },
 };
 
-// The range of a mode over all maps, so that colours are comparable: at most four decades of confidence, 95 % of
-// the distances.
+// Range of a mode over all maps, so that colours are comparable. Confidence: at most four decades; distance: up to
+// the 95 % quantile.
 surfit.modeRange = (runs, mode) => {
   if (mode === 'distance') {
     const shares = runs.map(({ map }) => surfit.distanceQuantile(map, 0.95)).filter(Number.isFinite);
@@ -33,8 +33,8 @@ surfit.showLegend = (mode, range) => {
   const legend = surfit.byId('map-legend');
   legend.textContent = '';
   const say = (textContent) => surfit.element('span', legend, { textContent });
-  if (mode === 'color') return say('the colours of the surfels');
-  if (mode === 'normal') return say('(1 + n) / 2 of the normal in the world: x red, y green, z blue');
+  if (mode === 'color') return say('surfel colours');
+  if (mode === 'normal') return say('(1 + n) / 2 with the normal n in the world frame: x red, y green, z blue');
   const { legend: name, show } = surfit.scalarModes[mode];
   say(name);
   say(show(range[0]));
@@ -42,7 +42,7 @@ surfit.showLegend = (mode, range) => {
   return say(show(range[1]));
 };
 
-// Less confident surfels are dust: DustConfidence() of surfit/pictures/pictures.h.
+// Surfels below this confidence are noise. Same as DustConfidence() of output/pictures/pictures.h.
 surfit.dustConfidence = (map) => {
   const sorted = map.confidence.slice().sort();
   return sorted.length === 0 ? 0 : Math.min(3, 0.1 * sorted[Math.round(0.9 * (sorted.length - 1))]);

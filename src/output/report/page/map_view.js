@@ -1,9 +1,9 @@
 'use strict';
-// The maps of all runs on one canvas, seen by one camera: side by side, or one above the other on a narrow canvas.
-// A change is drawn at once with a part of the surfels, so that turning is smooth without a graphics card. All
-// surfels are drawn after a moment without changes.
-surfit.pointsWhileChanging = 100000;  // of all maps
-surfit.restMs = 200;
+// The maps of all runs on one canvas with a common camera: side by side, or stacked on a narrow canvas. During changes,
+// only a part of the surfels is drawn, so that rotation is smooth without a graphics card. All surfels are drawn
+// shortly after the last change.
+surfit.pointsWhileChanging = 100000;  // total of all maps
+surfit.restMs = 200;  // delay after the last change
 surfit.narrowPx = 700;
 surfit.clickPx = 14;  // largest distance of a click from a camera
 
@@ -39,7 +39,7 @@ surfit.MapView = class extends surfit.Scene {
 
   makeCell(run) {
     const { camera, poses, truth } = run.poses, { size } = this.bounds;
-    const step = Math.max(1, Math.ceil(poses.length / 30));  // of the shown cameras
+    const step = Math.max(1, Math.ceil(poses.length / 30));  // every step-th camera is shown
     const cell = { run, scene: new THREE.Scene(), root: new THREE.Group(), paths: new THREE.Group(),
       discs: surfit.makeDiscs(new THREE.BufferGeometry(), run.map.origin, run.map.extent),
       estimate: surfit.makeLines(0xd1495b, poses.map(surfit.positionOf), THREE.Line),
@@ -108,7 +108,7 @@ surfit.MapView = class extends surfit.Scene {
     this.draw();
   }
 
-  // share: 0 shows all surfels, 1 the most confident surfels. Linear in the logarithm.
+  // share: 0: all surfels, 1: the most confident surfels only. Logarithmic scale.
   setLeastConfidence(share) {
     const [low, high] = surfit.modeRange(this.runs, 'confidence');
     this.leastConfidence = share > 0 ? 10 ** (low + share * (high - low)) : 0;
@@ -144,7 +144,7 @@ surfit.MapView = class extends surfit.Scene {
     for (const { paths } of this.cells) paths.visible = visible;
   }
 
-  // From a camera of a run with a level horizon. Paths are hidden: they would be in front of the surfels.
+  // Looks from a camera of a run with a level horizon. Hides the paths, which would occlude surfels.
   lookFrom(run, pose) {
     const { root } = this.cells.find((cell) => cell.run === run);
     const eye = surfit.positionOf(pose).applyMatrix4(root.matrix);
@@ -155,7 +155,7 @@ surfit.MapView = class extends surfit.Scene {
     this.showPaths(false);
   }
 
-  // Shows the cameras of frames larger, and a line between the two of a loop.
+  // Highlights the cameras of frames. For two frames, also draws a line between them.
   select(run, frames) {
     for (const cell of this.cells) {
       const poses = cell.run !== run ? []
@@ -167,7 +167,7 @@ surfit.MapView = class extends surfit.Scene {
     this.draw();
   }
 
-  // The places of the cells on the canvas, in its CSS pixels from the top left.
+  // Boxes of the cells on the canvas, in CSS pixels from the top left.
   places() {
     const { width, height } = this.canvasSize(), count = this.runs.length;
     return this.runs.map((_, i) => (width < surfit.narrowPx
@@ -175,7 +175,7 @@ surfit.MapView = class extends surfit.Scene {
       : { left: i * width / count, top: 0, width: width / count, height }));
   }
 
-  // The index of the cell at a place of the canvas, -1 outside.
+  // Index of the cell at a point of the canvas; -1 outside.
   cellAt(x, y) {
     return this.places().findIndex(
       (p) => x >= p.left && x < p.left + p.width && y >= p.top && y < p.top + p.height);
@@ -211,7 +211,7 @@ surfit.MapView = class extends surfit.Scene {
     this.showMeasured();
   }
 
-  // A cross at each place and a line between them.
+  // Draws a cross at each point and a line between two points.
   showMeasured() {
     const arm = 0.01 * this.bounds.size;
     for (const cell of this.cells) {
@@ -223,7 +223,7 @@ surfit.MapView = class extends surfit.Scene {
     this.draw();
   }
 
-  // The pose whose camera is nearest to a place of the canvas, null if no camera is within clickPx.
+  // Pose of the camera that is nearest to a point of the canvas; null if no camera is within clickPx.
   poseNear(cell, x, y) {
     let [nearest, best] = [null, surfit.clickPx];
     for (const pose of cell.run.poses.poses) {
@@ -234,7 +234,7 @@ surfit.MapView = class extends surfit.Scene {
     return nearest;
   }
 
-  // The place of a point of a run's world on the canvas, in CSS pixels. Null behind the camera.
+  // Projects a point in the world of a run to the canvas, in CSS pixels. Null behind the camera.
   onCanvas(cell, point) {
     const place = this.places()[this.cells.indexOf(cell)];
     this.setAspect(place);
@@ -270,7 +270,7 @@ surfit.MapView = class extends surfit.Scene {
     });
   }
 
-  // At most `most` surfels per map: its first surfels, which are an even share of the map.
+  // Draws at most `most` surfels per map: the first surfels, which are evenly spread over the map.
   drawNow(most) {
     this.fitCanvas(window.devicePixelRatio);
     const places = this.places();
@@ -289,7 +289,7 @@ surfit.MapView = class extends surfit.Scene {
   }
 };
 
-// Positions of about 5000 surfels in the run's world.
+// Positions of about 5000 surfels in the world of the run.
 surfit.sampleOf = (map) => {
   const points = [];
   const step = Math.ceil(map.shown / 5000);
@@ -309,13 +309,13 @@ surfit.showMapLabels = (runs) => {
     const label = surfit.element('div', surfit.byId('map-labels'));
     surfit.element('h3', label, { textContent: run.label });
     surfit.say(label, points === shown ? `all ${points} surfels`
-      : `${shown} of ${points} surfels, evenly thinned out to what a browser holds`);
+      : `${shown} of ${points} surfels, sampled evenly (--max_points)`);
     if (runs.length > 1) surfit.say(label, surfit.comparisonText(run));
   }
 };
 
-// Calls `call` with the place of a click, in CSS pixels from the element's top left. A long press or a drag turns
-// the map and is no click.
+// Calls `call` with the position of a click, in CSS pixels from the top left of the element. A long press or a drag
+// rotates the map and is not a click.
 surfit.onClick = (element, call) => {
   const mostPx = 5, mostMs = 600;
   let down = null;

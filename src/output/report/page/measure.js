@@ -1,8 +1,8 @@
 'use strict';
-// Distances between places on the surfaces, clicked one after the other.
+// Measures the distance between two clicked points on surfaces.
 
-// Where a ray meets the discs that are shown, in the run's world; null where it meets none. Discs are
-// taken half as large again, so that seams between them are no holes.
+// Intersection of a ray with the shown discs, in the world of the run; null if there is none. Discs are enlarged by
+// 50 % to close the gaps between them.
 surfit.pick = (map, ray, { cull, leastConfidence, isCropped }) => {
   const reach = 1.5 * map.max_radius * surfit.growth(map, map.shown) / 65535;
   const { origin: o, direction: d } = ray;
@@ -29,7 +29,7 @@ surfit.Measure = class {
   constructor(button, says) {
     this.button = button;
     this.says = says;
-    this.places = [];  // {cell, point}; two of them are a measurement, a third begins anew
+    this.places = [];  // {cell, point}; two points are a measurement, a third point starts a new one
   }
 
   isOn() { return this.button.getAttribute('aria-pressed') === 'true'; }
@@ -53,7 +53,7 @@ surfit.Measure = class {
   tell() {
     const metres = this.metres();
     this.says.textContent = metres !== null ? `Measured: ${metres.toFixed(3)} m`
-      : this.places.length === 1 ? 'Click the second place.'
-        : this.isOn() ? 'Click a place on a surface.' : '';
+      : this.places.length === 1 ? 'Click the second point.'
+        : this.isOn() ? 'Click a point on a surface.' : '';
   }
 };

@@ -1,10 +1,10 @@
 'use strict';
-// The pose graph of a run: keyframes [frame, parent's frame or -1, submap], and the loops that were
-// tried, rows of loops.csv. A loop is of one of three kinds.
+// Pose graph of a run: keyframes [frame, parent frame or -1, submap], and loop candidates (rows of loops.csv) of three
+// kinds.
 surfit.loopKinds = {
   accepted: { color: '#2e9e5b', name: 'accepted' },
-  overruled: { color: '#e08a00', name: 'accepted, but it contradicts others' },
-  refused: { color: '#d1495b', name: 'refused' },
+  overruled: { color: '#e08a00', name: 'accepted, but inconsistent with others' },
+  refused: { color: '#d1495b', name: 'rejected' },
 };
 
 surfit.parseLoops = (csv) => (csv ? surfit.parseCsv(csv) : []).map((loop) => Object.assign(loop, {
@@ -12,7 +12,7 @@ surfit.parseLoops = (csv) => (csv ? surfit.parseCsv(csv) : []).map((loop) => Obj
 
 surfit.reasonText = (reason) => reason.replaceAll('_', ' ');
 
-// Lines between the cameras of pairs of frames.
+// Lines between the cameras of frame pairs.
 surfit.makeEdges = (run, pairs, color) => surfit.makeLines(color, pairs.map(
   ([a, b]) => [run.poseOfFrame.get(a), run.poseOfFrame.get(b)]).filter(([a, b]) => a && b).flat()
   .map(surfit.positionOf));

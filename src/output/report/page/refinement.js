@@ -1,5 +1,5 @@
 'use strict';
-// How the depth camera was found to be, while running and in the end, and how a refinement went.
+// Estimated calibrations of the depth camera, during the run and at its end, and the course of a refinement.
 surfit.cameraNumbers = ['fx', 'fy', 'cx', 'cy'];
 
 surfit.withSigma = (value, sigma, digits) => (value === undefined ? ''
@@ -10,16 +10,16 @@ surfit.calibrationRow = (name, record) => {
   return [name, String(record.keyframes),
     ...surfit.cameraNumbers.map((key) => surfit.withSigma(record.found[key], sigmas[key], 1)),
     surfit.withSigma(1000 * record.found.readout_s, sigmas.readout_s && 1000 * sigmas.readout_s, 1),
-    record.termination + (record.as_given ? ', as given' : '')];
+    record.termination + (record.as_given ? ', input calibration kept' : '')];
 };
 
-// Of a run, of surfit_slam's or surfit_refine's: rows of what was found.
+// Rows with the calibrations of a run of surfit_slam or surfit_refine.
 surfit.calibrationRows = ({ summary }) => {
   const rows = (summary.calibrations || []).map(
-    (record) => surfit.calibrationRow(`from frame ${record.frame + 1} on`, record));
+    (record) => surfit.calibrationRow(`from frame ${record.frame + 1}`, record));
   if (summary.refinement) {
     const { rounds, seconds } = summary.refinement;
-    rows.push(surfit.calibrationRow(`refined in the end (${rounds} rounds, ${seconds.toFixed(1)} s)`, summary.refinement));
+    rows.push(surfit.calibrationRow(`final refinement (${rounds} rounds, ${seconds.toFixed(1)} s)`, summary.refinement));
   }
   if (summary.calibration) {
     const { before, after, standard_deviations: sigmas } = summary.calibration;
@@ -49,13 +49,13 @@ surfit.showRefinement = (runs) => {
   }
 };
 
-// What was left between frames and surfels, before the first round and after each.
+// Residual between frames and surfels before the first round and after each round.
 surfit.showRounds = (run, parent) => {
   const { rounds } = run.summary;
   if (!Array.isArray(rounds) || rounds.length === 0) return;
   const data = [rounds[0].before, ...rounds.map((round) => round.after)].map(
     (fit, x) => ({ x, y: 1000 * fit.rms_m }));
-  surfit.addChart(parent, 'what is left between frames and surfels', [
+  surfit.addChart(parent, 'residual between frames and surfels', [
     surfit.line(run.label, surfit.runColor(0), data, { pointRadius: 3 })], {
     x: surfit.axis('round'), y: surfit.axis('RMS, mm') });
 };

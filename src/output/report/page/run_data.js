@@ -1,6 +1,6 @@
 'use strict';
-// The runs of the page as src/report/report_data.h describes them. The texts of frames.csv and loops.csv become
-// columns and rows, the base64 of the map becomes typed arrays.
+// Runs of the page, in the format of src/output/report/report_data.h. Parses frames.csv to columns and loops.csv to
+// rows, and decodes the base64 of the map to typed arrays.
 surfit.decode = (base64, Type) => {
   const text = atob(base64);
   const bytes = new Uint8Array(text.length);
@@ -8,7 +8,7 @@ surfit.decode = (base64, Type) => {
   return new Type(bytes.buffer);
 };
 
-// Triples with a fourth, unused number: vertex data are aligned to four bytes.
+// Pads triples to four numbers, because vertex data must be aligned to four bytes.
 surfit.padTriples = (triples) => {
   const padded = new triples.constructor(triples.length / 3 * 4);
   for (let from = 0, to = 0; from < triples.length; from += 3, to += 4) {
@@ -19,14 +19,14 @@ surfit.padTriples = (triples) => {
 
 surfit.textColumns = ['state', 'termination', 'reason'];
 
-// Rows as objects of numbers and, in surfit.textColumns, texts.
+// Rows as objects. Values are numbers, except texts in surfit.textColumns.
 surfit.parseCsv = (csv) => {
   const [names, ...rows] = csv.trim().split('\n').map((line) => line.split(','));
   return rows.map((row) => Object.fromEntries(
     names.map((name, k) => [name, surfit.textColumns.includes(name) ? row[k] : Number(row[k])])));
 };
 
-// Columns by name. Null for a run without frames.csv.
+// Columns by name; null for a run without frames.csv.
 surfit.parseFrames = (csv) => {
   if (!csv) return null;
   const rows = surfit.parseCsv(csv);
@@ -47,7 +47,7 @@ surfit.decodeMap = (map) => {
 surfit.readRuns = () => surfit.takeData('run').map((run) => {
   run.frames = surfit.parseFrames(run.frames);
   run.loops = surfit.parseLoops(run.loops);
-  run.errors = new Map(run.poses.errors_m || []);  // frame's index to metres
+  run.errors = new Map(run.poses.errors_m || []);  // position error in m by frame index
   run.poseOfFrame = new Map(run.poses.poses.map((pose) => [pose[0], pose]));
   run.poses.thumbnails = run.poses.thumbnails || [];
   run.poses.keyframes = run.poses.keyframes || [];

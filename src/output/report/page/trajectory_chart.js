@@ -1,13 +1,13 @@
 'use strict';
-// The paths from above, and the error along them.
+// Charts of the paths from above and of the position error.
 
-// Unit vectors: to the right of the mean line of sight, along it, and up.
+// Unit vectors to the right of the mean viewing direction, along it, and up.
 surfit.floorDirections = ({ poses: { poses } }) => {
   const up = surfit.upOf(poses), ahead = surfit.level(surfit.forwardOf(poses), up);
   return [new THREE.Vector3().crossVectors(ahead, up), ahead, up];
 };
 
-// Makes a metre as long upwards as sideways, once the chart knows its size.
+// Sets the same scale on both axes. Call after the layout of the chart.
 surfit.equalAspect = (chart) => {
   const points = chart.data.datasets.flatMap((set) => set.data);
   const spans = ['x', 'y'].map((k) => surfit.range(points.map((p) => p[k])));
@@ -41,12 +41,12 @@ surfit.showTrajectories = (runs) => {
       onFloor(run, truth.map((row) => new THREE.Vector3(...row.slice(1, 4)))), { borderDash: [5, 3] })];
   });
   surfit.say(parent, errors.length === 0 ? 'No ground truth: errors are unknown.'
-    : `Points are coloured by their distance from the ground truth, dark 0 to bright ${
-      (1000 * most).toFixed(1)} mm; each ground truth is moved onto its run as for ATE.`);
+    : `Colours show the position error from 0 (dark) to ${
+      (1000 * most).toFixed(1)} mm (bright). Each ground truth is aligned to its run as for the ATE.`);
   surfit.addChart(parent, 'from above', datasets, {
     x: surfit.axis('right, m'), y: surfit.axis('ahead, m'), className: 'chart tall', zoomMode: 'xy',
     plugins: { tooltip: { enabled: false } } }, (chart) => {
-    // Observers call once at the beginning, too.
+    // The observer also calls once at the start.
     new ResizeObserver(() => surfit.equalAspect(chart)).observe(chart.canvas.parentElement);
   });
   if (errors.length === 0) return;
