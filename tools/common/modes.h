@@ -44,7 +44,7 @@ class Modes {
 
   const Mode& selected() const { return modes_[selected_]; }
 
-  // The flags for help: of the selected mode if the command line names one, else of all modes.
+  // Flags for help: flags of the mode on the command line, or of all modes if none is given.
   std::vector<FlagHelp> Described() const;
 
   // Sentence that names the modes with this flag. Empty if no mode has the flag.

@@ -12,7 +12,7 @@ GridCell ShownStart(const CompareOptions& options) {
   return has_second ? GridCell{1, 1} : GridCell{0, 0};
 }
 
-// By rotation and translation of the initial pose; null if the truth is unknown.
+// Rows are rotations, columns are translations of the initial pose; null if the truth is unknown.
 Json SharesOf(const ComparedRuns& runs, const CompareOptions& options) {
   if (!runs.runs.front().converged) return nullptr;
   Json shares = Json::array();

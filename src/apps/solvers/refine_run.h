@@ -22,7 +22,7 @@ struct RefineRunOptions {
   double keyframe_translation_m = 0.1;
   double keyframe_rotation_rad = 0.15;
   // Maximum number of keyframes: both limits grow until it holds. 0: no limit. A keyframe uses 16
-  // bytes per pixel for images, and about as much for observations of surfels.
+  // bytes per pixel for images, and about 16 more for observations of surfels.
   int max_keyframes = 600;
   PreprocessOptions preprocess;
   RefinementOptions refinement;
