@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
-# Makes docs/accuracy.md: what each part of the tracking and mapping buys, as the error of the
-# trajectory without it, or with it where it is off by default. On two idle cores it takes about
-# half an hour; on busy ones longer, with the same errors.
+# Creates docs/accuracy.md: the ATE without each part of tracking and mapping, or with a part that
+# is off by default. Takes about half an hour on two idle cores. The errors do not depend on the
+# load.
 #
 #   tools/scripts/accuracy.sh [--quick] [--tools=DIR] [--output=FILE] [DATA]
 #
-#   --quick    two rows over two tiny simulated rooms: shows that the script works
-#   --tools    folder of the programs; otherwise they are built
-#   DATA       folder of recorded sequences; what it lacks is left out
+#   --quick    two rows with two tiny simulated rooms, to test the script
+#   --tools    folder of the programs; default: they are built
+#   DATA       folder of recorded sequences; missing sequences are skipped
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 data=${SURFIT_DATA_DIR:-$root/../shared/data}
@@ -33,31 +33,31 @@ fi
 # The rows: a name, and flags of surfit_slam.
 rows=(
   "default|"
-  "the camera as given, not calibrated|--nocalibrate"
+  "no calibration of the camera|--nocalibrate"
   "point-to-plane residual|--residual=point_to_plane"
   "plane-to-plane residual (GICP)|--residual=plane_to_plane"
   "point-to-point residual|--residual=point_to_point"
-  "intensities too|--photometric_weight=0.01"
+  "photometric residuals|--photometric_weight=0.01"
   "no robust kernel|--kernel=none"
-  "kernel's scale estimated|--estimate_scale"
-  "a tenth of the depth noise in weights, filter and gates|--inverse_depth_sigma=0.0002"
-  "no gate on normals|--max_normal_angle_deg=0"
+  "estimated kernel scale|--estimate_scale"
+  "depth noise / 10 in weights, filter and gates|--inverse_depth_sigma=0.0002"
+  "no gate on the normal angle|--max_normal_angle_deg=0"
   "no depth filter|--depth_filter_radius=0"
-  "one resolution|--pyramid_levels=1"
-  "all rows of points|--min_source_rows=0"
-  "moves along directions that nothing holds|--min_eigenvalue=0"
-  "every frame fused, every frame a view of its own|--map_period=1"
+  "one pyramid level|--pyramid_levels=1"
+  "all image rows|--min_source_rows=0"
+  "steps along unobservable directions|--min_eigenvalue=0"
+  "every frame fused, with a model view per frame|--map_period=1"
   "uniform weights in the map|--weighting=uniform"
-  "keeps surfels that others make superfluous|--duplicate_share=0"
-  "keeps surfels seen once|--lasting_confidence=0"
-  "keeps surfels in free space|--free_space_margin_m=100"
-  "leaves surfels alone that 50 frames have not seen|--active_frames=50"
-  "loops closed|--loop_closure"
-  "start: the last pose|--motion_model=constant_pose"
-  "start: the last pose, turned|--motion_model=so3"
+  "no removal of duplicate surfels|--duplicate_share=0"
+  "no removal of surfels observed once|--lasting_confidence=0"
+  "no removal of surfels in free space|--free_space_margin_m=100"
+  "surfels inactive after 50 frames without observation|--active_frames=50"
+  "loop closure|--loop_closure"
+  "prediction: last pose|--motion_model=constant_pose"
+  "prediction: last pose and rotation of the image|--motion_model=so3"
   "every third frame|--stride=3"
-  "every third frame, start: the last pose|--stride=3 --motion_model=constant_pose"
-  "every third frame, start: the last pose, turned|--stride=3 --motion_model=so3"
+  "every third frame, prediction: last pose|--stride=3 --motion_model=constant_pose"
+  "every third frame, prediction: last pose and rotation of the image|--stride=3 --motion_model=so3"
   "every third frame, point-to-plane residual|--stride=3 --residual=point_to_plane"
   "frame to frame|--tracking=frame_to_frame"
   "frame to frame, point-to-plane residual|--tracking=frame_to_frame --residual=point_to_plane"
@@ -76,12 +76,12 @@ for seed in "${seeds[@]}"; do
     --downsample="$downsample" --sensor=kinect >>"$scratch/log" 2>&1
 done
 
-# The figures of a run: ATE in mm or none, frames that were lost, and seconds of processor time.
+# Figures of a run: ATE in mm or none, number of lost frames, CPU time in s.
 run() {
   local code=0 TIMEFORMAT='%U %S'
   { time "$tools/surfit_slam" --output="$scratch/run" --nopictures "$@" >>"$scratch/log" 2>&1; } \
     2>"$scratch/time" || code=$?
-  if ((code != 0 && code != 2)); then  # 2: tracked nothing
+  if ((code != 0 && code != 2)); then  # 2: tracking failed
     tail -3 "$scratch/log" >&2
     exit 1
   fi
@@ -133,23 +133,23 @@ done
 
 kitchen=
 if [[ ! $quick && -d $data/seven_scenes_kitchen ]]; then
-  echo "all of seven_scenes_kitchen" >&2
+  echo "all frames of seven_scenes_kitchen" >&2
   figures=$(run --sequence="$data/seven_scenes_kitchen")
   read -r ate lost cpu_s <<<"$figures"
-  kitchen="All frames of seven_scenes_kitchen, by default: $(with_losses "$ate" "$lost") mm."
+  kitchen="All frames of seven_scenes_kitchen with default options: $(with_losses "$ate" "$lost") mm."
 fi
 
 {
   echo "# Accuracy"
   echo
-  echo "Made by \`tools/scripts/accuracy.sh${quick:+ --quick}\` on $(date +%F), commit" \
+  echo "Created by \`tools/scripts/accuracy.sh${quick:+ --quick}\` on $(date +%F), commit" \
     "$(git -C "$root" rev-parse --short HEAD):"
   echo "$(nproc) processors, $(sed -n 's/^model name\s*: //p' /proc/cpuinfo | head -1)."
   echo
-  echo "What each part buys: ATE RMSE in mm with the flags given, all else by default. Simulated"
-  echo "rooms are \`surfit_simulate --sensor=kinect --downsample=$downsample --frames=$frames\`," \
-    "seeds ${seeds[*]}. CPU time is"
-  echo "that of all processors, start to end, as a multiple of the default's."
+  echo "ATE RMSE in mm with the given flags, and default options otherwise. Simulated rooms:"
+  echo "\`surfit_simulate --sensor=kinect --downsample=$downsample --frames=$frames\`," \
+    "seeds ${seeds[*]}. CPU time: total"
+  echo "of all processors, relative to the default options."
   echo
   echo "$table"
   echo
