@@ -108,7 +108,7 @@ int Main(int argc, char** argv) {
       "them into fragments, and runs the jobs with Snakemake on this machine or a cluster. Each "
       "--sequence is a recording. The same command continues an interrupted scan.",
       {"step",
-       "all: the whole scan, other steps: a single job, which Snakemake runs; plan: split the "
+       "all: the whole scan; other steps are jobs that Snakemake runs; plan: split the "
        "recordings into overlapping fragments; candidates: find loop candidates between fragments; "
        "link: verify the candidates of two fragments; graph: optimise the pose graph of all "
        "fragments; tile: fuse one tile of the map; report: write summary.json, trajectory.txt, "

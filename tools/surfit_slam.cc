@@ -170,8 +170,9 @@ void PrintSummary(const SlamRunSummary& s, const SlamRunOptions& options) {
     std::printf("%d frames were dropped, because the run was too slow\n", s.frames_dropped);
   }
   if (s.frames_hurried > 0) {
-    std::printf("frames were late: fewer frames were fused during %d frames, at worst one of %d\n",
-                s.frames_hurried, s.longest_map_period);
+    std::printf(
+        "frames arrived too fast: during %d frames only a part was fused, at worst one of %d\n",
+        s.frames_hurried, s.longest_map_period);
   }
   if (s.pauses > 0) {
     std::printf("the camera was disconnected %d times, %.1f s in total\n", s.pauses, s.paused_s);

@@ -95,8 +95,8 @@ int RunMap(const MapOptions& options) {
   const PointCloud reference = ReadPointCloud(options.reference);
   const MapError error = ComputeMapError(map, reference.points, reference.normals, options.error);
   PrintJson(ToJson(error, reference_from_map, options));
-  std::cerr << "mean accuracy " << error.accuracy_m.mean << " m, " << error.accuracy_m.p90
-            << " m at 90 %; " << 100 * error.completeness
+  std::cerr << "mean accuracy " << error.accuracy_m.mean << " m, 90 % quantile "
+            << error.accuracy_m.p90 << " m; " << 100 * error.completeness
             << " % of the reference points have a map point within "
             << options.error.completeness_distance_m << " m" << std::endl;
   return kDone;

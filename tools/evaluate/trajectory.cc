@@ -17,7 +17,7 @@ namespace {
 
 struct TrajectoryOptions {
   std::string groundtruth, estimate, frames;
-  std::string time_offset_s;  // a number, estimate, or empty
+  std::string time_offset_s;  // number, "estimate" or empty
   TrajectoryEvaluationOptions evaluation;
 
   void Visit(OptionVisitor& v) {

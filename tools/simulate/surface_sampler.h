@@ -18,7 +18,8 @@ class SurfaceSampler {
   // Adds the exact points of `rendering` at pixels with a measurement. Each row has its own pose.
   void Add(const Rendering& rendering, const Image<float>& measured_depth_m,
            const PinholeCamera& camera, const PoseOfRow& world_from_camera);
-  // Adds the points of another sampler with the same grid. The result is equal to a single sampler.
+  // Adds the points of another sampler with the same grid. The result is the same as with a single
+  // sampler.
   void Add(const PointCloud& cloud);
 
   const PointCloud& cloud() const { return cloud_; }

@@ -107,7 +107,7 @@ class LiveRun {
   bool is_done() const { return is_done_; }
   double frames_per_second() const { return frame_s_ > 0 ? 1 / frame_s_ : 0; }  // running mean
   const std::vector<Advice>& advice() const { return advice_; }
-  const Trajectory& path() const { return path_; }  // with all corrections so far
+  const Trajectory& path() const { return path_; }  // includes all corrections so far
   const std::vector<LoopSegment>& loops() const { return loops_; }
   // Frame indices of the last loop closure.
   const std::optional<std::pair<int, int>>& last_loop() const { return last_loop_; }
