@@ -1,4 +1,3 @@
-// Registration of two frames.
 #include "bindings/bind.h"
 #include "bindings/frame.h"
 #include "bindings/options_class.h"

@@ -31,7 +31,6 @@ std::vector<Eigen::Vector3f> VectorsOf(const py::object& array, const char* what
 // the row.
 Trajectory TrajectoryOf(const py::object& rows, const char* what);
 
-// N x 8 array of a trajectory.
 py::array_t<double> RowsOf(const Trajectory& trajectory);
 
 // Read-only array of memory of `owner`, without copy. The array keeps `owner` alive.

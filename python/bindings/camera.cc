@@ -1,4 +1,3 @@
-// Cameras and camera presets.
 #include "bindings/bind.h"
 #include "bindings/options_class.h"
 #include "core/field_count.h"

@@ -1,4 +1,3 @@
-// Point clouds: files and registration.
 #include <filesystem>
 #include <optional>
 #include <utility>

@@ -1,4 +1,3 @@
-// Evaluation of trajectories with ground truth.
 #include <algorithm>
 #include <filesystem>
 

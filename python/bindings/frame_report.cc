@@ -1,4 +1,3 @@
-// Reports of frames.
 #include "bindings/bind.h"
 #include "bindings/options_class.h"
 #include "surfit/slam/slam.h"

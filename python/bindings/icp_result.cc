@@ -1,4 +1,3 @@
-// Results of registrations.
 #include "bindings/bind.h"
 #include "bindings/options_class.h"
 #include "surfit/registration/far_registration.h"

@@ -1,4 +1,3 @@
-// Triangle meshes of maps.
 #include <filesystem>
 
 #include "bindings/arrays.h"
@@ -10,7 +9,6 @@
 namespace surfit::python {
 namespace {
 
-// Mesh with its statistics.
 struct MadeMesh : TriangleMesh {
   MeshSummary summary;
 };

@@ -41,7 +41,6 @@ std::map<std::type_index, FieldType>& FieldTypes() {
   return types;
 }
 
-// Field of options.
 struct Field {
   const std::type_info* type = nullptr;
   void* address = nullptr;

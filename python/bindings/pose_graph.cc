@@ -1,4 +1,3 @@
-// Pose graphs.
 #include <algorithm>
 #include <filesystem>
 

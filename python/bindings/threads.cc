@@ -1,4 +1,3 @@
-// Errors, warnings and threads of the module.
 #include <glog/logging.h>
 
 #include <memory>
@@ -10,7 +9,6 @@
 namespace surfit::python {
 namespace {
 
-// ThreadLimit for a with statement.
 class ScopedThreadLimit {
  public:
   explicit ScopedThreadLimit(int threads) : threads_(threads) {}

@@ -10,7 +10,6 @@
 
 namespace surfit::tools {
 
-// Help of a flag.
 struct FlagHelp {
   std::string name, default_value, help, group;
   bool everyday = false;
@@ -40,7 +39,6 @@ bool HasFlag(const OptionTable& table, const std::string& flag);
 // construction.
 class Flags {
  public:
-  // Registers the flags with gflags.
   explicit Flags(OptionTable table);
   Flags(const Flags&) = delete;
 

@@ -53,8 +53,8 @@ class Modes {
  private:
   ModeFlag flag_;
   std::vector<Mode> modes_;
-  std::optional<std::string> given_;  // value of the flag
-  std::string name_;                  // of the selected mode
+  std::optional<std::string> given_;
+  std::string name_;
   std::size_t selected_ = 0;
 };
 

@@ -7,7 +7,6 @@
 
 namespace surfit::tools {
 
-// Exit codes of all programs.
 enum ExitCode { kDone = 0, kBadInput = 1, kAlgorithmFailed = 2, kFaultsFound = 3 };
 
 // Runs a program. Flags are defined by the option table of the selected mode. Default values are
@@ -17,7 +16,6 @@ enum ExitCode { kDone = 0, kBadInput = 1, kAlgorithmFailed = 2, kFaultsFound = 3
 int ToolMain(int argc, char** argv, const std::string& summary, const ModeFlag& flag,
              std::vector<Mode> modes);
 
-// Runs a program with one mode.
 template <typename Options>
 int ToolMain(int argc, char** argv, const std::string& summary, int (*run)(const Options&),
              void (*prepare)(Options*) = nullptr) {

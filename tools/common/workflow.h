@@ -7,7 +7,6 @@
 
 namespace surfit::tools {
 
-// Options for running the jobs of a program with Snakemake.
 struct WorkflowOptions {
   int cores = 2;
   std::string profile = "local";

@@ -14,7 +14,6 @@
 
 namespace surfit::tools {
 
-// Options of a simulation.
 struct SimulateOptions {
   std::string output;
   std::string scene = "room";
@@ -35,8 +34,8 @@ struct SimulateOptions {
   bool image_y_up = false;
   double surface_grid_m = 0.005;
   int threads = 2;
-  int parts = 1;  // number of parts
-  int part = 0;   // part to render, starting at 1; 0: all
+  int parts = 1;
+  int part = 0;  // part to render, starting at 1; 0: all
   bool join = false;
 
   void Visit(OptionVisitor& visitor);
@@ -45,7 +44,6 @@ struct SimulateOptions {
 // Error of the inverse depth. All functions throw InputError with the name of the flag.
 InverseDepthField DepthErrorOf(const SimulateOptions& options);
 
-// True camera.
 RgbdCamera TrueCameraOf(const SimulateOptions& options);
 
 // Camera in camera.yaml.

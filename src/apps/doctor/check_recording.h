@@ -12,7 +12,6 @@ namespace surfit {
 
 class OptionVisitor;
 
-// Options of CheckRecording().
 struct RecordingCheckOptions {
   SequenceOptions sequence;
   bool track = true;  // run SLAM to check calibration and latency; slower

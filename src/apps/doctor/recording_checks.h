@@ -13,7 +13,6 @@
 
 namespace surfit {
 
-// Results of tracking a recording.
 struct TrackedRecording {
   int frames = 0, lost = 0;
   std::string calibration_doubt;                // message of DoubtOfGiven(); empty: no doubt

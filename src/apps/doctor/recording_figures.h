@@ -10,14 +10,12 @@
 
 namespace surfit {
 
-// Statistics of a colour image.
 struct ColorFigures {
   double brightness = 0;             // the mean, from 0 to 1
   double saturated_share = 0;        // ratio of saturated pixels
   std::optional<double> edge_width;  // EdgeWidth()
 };
 
-// Statistics of a recorded frame.
 struct FrameFigures {
   int index = 0;
   FrameStamps stamps;

@@ -58,12 +58,10 @@ std::vector<RelativePoses> FindRevisits(const std::vector<TruePosedFrame>& frame
   return revisits;
 }
 
-// Errors of one trajectory for a pair of frames.
 struct PairErrors {
   double surface_m, icp_translation_m, icp_rotation_deg;
 };
 
-// Errors of one trajectory for all pairs.
 struct Errors {
   std::vector<double> surface_m, icp_translation_m, icp_rotation_deg;
 

@@ -10,7 +10,6 @@ namespace surfit {
 
 class OptionVisitor;
 
-// Options of EvaluateViews().
 struct ViewEvaluationOptions {
   SequenceOptions sequence;  // sequence of the run, with the same options
   std::string run;           // output folder of a run: poses.json, map.ply and summary.json
@@ -34,9 +33,8 @@ struct ViewError {
   double depth_error_median_m = 0, depth_error_mean_m = 0;
 };
 
-// Evaluated view with its errors.
 struct JudgedView {
-  int frame = 0;  // frame index
+  int frame = 0;
   ViewError error;
 };
 

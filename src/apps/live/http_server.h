@@ -9,9 +9,9 @@
 namespace surfit {
 
 struct HttpRequest {
-  std::string method;  // GET, POST, ...
-  std::string target;  // path and query
-  std::string host;    // Host header; empty if missing
+  std::string method;
+  std::string target;
+  std::string host;  // Host header; empty if missing
   std::optional<std::string> origin;
 };
 

@@ -28,7 +28,6 @@ struct SamplePlace {
   std::uint32_t slot = 0;     // next slot of this round
 };
 
-// Changes of a sample after a SamplePlace.
 struct SampleChanges {
   std::uint32_t epoch = 0;    // if it differs from the page, the page clears its slots
   std::uint32_t level = 0;    // the page drops every second slot until it has this level

@@ -17,18 +17,16 @@ class OptionVisitor;
 //   table.csv, summary.json, report.html    ReportBatch()
 // All functions throw InputError with the name of the file or option.
 
-// Options of PlanBatch().
 struct BatchOptions {
-  std::string sequences;  // folder of the sequences
-  std::string output;     // output folder
-  SlamRunOptions run;     // options of each run; sequence path and output are set per run
-  int memory_mb = 4000;   // maximum memory of a run, MB; for clusters
-  int minutes = 600;      // maximum time of a run; for clusters
+  std::string sequences;
+  std::string output;
+  SlamRunOptions run;    // options of each run; sequence path and output are set per run
+  int memory_mb = 4000;  // maximum memory of a run, MB; for clusters
+  int minutes = 600;     // maximum time of a run; for clusters
 
   void Visit(OptionVisitor& visitor);
 };
 
-// Sequence of a batch.
 struct BatchRun {
   // File name, with %XX for characters other than letters, digits, dot, hyphen and underscore.
   std::string name;
@@ -45,8 +43,8 @@ std::vector<BatchRun> PlanBatch(const BatchOptions& options);
 
 // Result of a sequence. Unknown figures are std::nullopt.
 struct BatchRow {
-  std::string sequence;  // name
-  std::string state;     // done, failed, or open: not finished
+  std::string sequence;
+  std::string state;  // done, failed, or open: not finished
   std::optional<int> frames, frames_tracked, frames_lost, frames_skipped;
   std::optional<double> ate_rmse_m, rpe_translation_rmse_m, rpe_rotation_rmse_deg;
   std::optional<double> seconds, frame_ms, peak_mb;  // frame_ms: mean

@@ -14,7 +14,6 @@
 namespace surfit {
 namespace {
 
-// Keyframe of the search.
 struct Place {
   int fragment = 0;  // position in the plan
   int recording = 0;

@@ -182,12 +182,11 @@ std::vector<ScanTile> FindTiles(const std::string& scan, const ScanPlan& plan,
   return finder.Tiles();
 }
 
-// Result of the graph for a recording.
 struct RecordingResult {
   std::vector<PosedFrame> frames;
   SequenceInfo info;
-  Trajectory trajectory;             // of `frames`
-  std::vector<MatchedPose> matched;  // matches with the ground truth
+  Trajectory trajectory;
+  std::vector<MatchedPose> matched;
   std::optional<AbsoluteTrajectoryError> ate;
 
   RecordingResult(std::vector<PosedFrame> of_frames, const SequenceOptions& sequence)

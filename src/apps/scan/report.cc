@@ -226,7 +226,6 @@ class ScanReporter {
     page->Table(rows);
   }
 
-  // Adds the largest ground-truth error.
   void AddWorst(const std::string& what, const std::string& key, PlainPage* page) const {
     if (graph_.is_null() || graph_.at(key).is_null()) return;
     const Json& worst = graph_.at(key);

@@ -10,7 +10,6 @@
 
 namespace surfit {
 
-// Fragment of a scan in the pose graph.
 struct GraphFragment {
   RunPlaces places;  // in the world frame of the fragment; features and images are not used
   std::vector<Rigid3d> solved;            // world_from_camera of the keyframes; empty: disconnected
@@ -51,7 +50,6 @@ class ScanGraph {
   std::vector<PosedFrame> Frames(int recording) const;
 
  private:
-  // Relative pose of two fragments.
   struct Connection {
     std::size_t a = 0, b = 0;
     Rigid3d a_from_b;

@@ -27,7 +27,6 @@ class OptionVisitor;
 // equal output. All functions throw InputError with the name of the file or option. A fragment
 // without places.bin has failed and is skipped.
 
-// Options of FindCandidates().
 struct CandidatesOptions {
   std::string scan;  // folder of the plan
   // Output folder for A_B.json, created if missing. Unchanged files keep their modification time.
@@ -41,7 +40,6 @@ struct CandidatesOptions {
   void Visit(OptionVisitor& visitor);
 };
 
-// Counts of a candidate search.
 struct CandidatesResult {
   int fragments = 0, missing = 0, keyframes = 0;
   int looked_up = 0;  // keyframes within the memory limit
@@ -49,11 +47,10 @@ struct CandidatesResult {
 };
 CandidatesResult FindCandidates(const CandidatesOptions& options);
 
-// Options of LinkFragments().
 struct LinkOptions {
   std::string scan;        // folder of the plan
   std::string candidates;  // candidate file of a pair of fragments
-  std::string output;      // output file
+  std::string output;
   int threads = 1;
 
   void Visit(OptionVisitor& visitor);
@@ -68,7 +65,6 @@ struct ScanLink {
 // that are close to each other according to an accepted link.
 std::vector<ScanLink> LinkFragments(const LinkOptions& options);
 
-// Options of BuildScanGraph().
 struct GraphOptions {
   std::string scan;    // folder of the plan
   std::string output;  // output folder, created if missing
@@ -76,7 +72,6 @@ struct GraphOptions {
   void Visit(OptionVisitor& visitor);
 };
 
-// Result of BuildScanGraph().
 struct GraphResult {
   int fragments = 0, missing = 0;
   int apart = 0;  // fragments that are not connected to the largest part
@@ -98,7 +93,6 @@ struct GraphResult {
 // map) and trajectory_R.png.
 GraphResult BuildScanGraph(const GraphOptions& options);
 
-// Options of FuseTile().
 struct TileOptions {
   std::string scan;       // folder of the plan
   std::string tile;       // name in graph/tiles.json
@@ -115,19 +109,16 @@ struct TileOptions {
 std::size_t FuseTile(const TileOptions& options, const std::atomic<bool>& interrupted,
                      const std::function<void(int frames)>& progress);
 
-// Options of ReportScan().
 struct ScanReportOptions {
   std::string scan;  // folder of the plan and of the results
 
   void Visit(OptionVisitor& visitor);
 };
-// Result of a recording.
 struct ScannedRecording {
-  std::string sequence;              // path
+  std::string sequence;
   int frames_total = 0, frames = 0;  // `frames`: frames with a pose; 0: not connected
   std::optional<double> ate_rmse_m;  // separate alignment
 };
-// Result of a scan.
 struct ScanSummary {
   std::string digest;                // hash of trajectories and tiles
   int frames_total = 0, frames = 0;  // of all recordings; `frames`: frames with a pose

@@ -12,7 +12,7 @@ class OptionVisitor;
 // Options of PlanScan(), which splits recordings of one place into fragments. Fragments are tracked
 // independently.
 struct ScanPlanOptions {
-  std::vector<std::string> sequences;  // paths; at least one
+  std::vector<std::string> sequences;
   // Options of the fragment runs. `output` is the folder of the scan. `sequence` has the read
   // options of all recordings.
   SlamRunOptions run;
@@ -34,7 +34,6 @@ struct ScanFragment {
   int recording = 0;        // position in the plan
 };
 
-// Plan of a scan.
 struct ScanPlan {
   SlamRunOptions run;  // options of the fragment runs, except sequence and output
   std::vector<SequenceOptions> recordings;

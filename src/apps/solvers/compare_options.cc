@@ -1,4 +1,3 @@
-// Options of CompareSolvers().
 #include "apps/solvers/pose_problem.h"
 #include "core/shared_options.h"
 #include "run/posed_views.h"

@@ -24,7 +24,6 @@ PoseProblems ProblemsOf(const CompareOptions& options) {
   return FramePairProblems(options);
 }
 
-// Runs all combinations from all initial poses.
 class ComparisonRun {
  public:
   ComparisonRun(const CompareOptions& options, const std::atomic<bool>& interrupted,

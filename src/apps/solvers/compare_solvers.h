@@ -110,7 +110,6 @@ struct SlamComparisonRow {
   std::optional<double> surface_distance_mean_m, surface_distance_p90_m, shared_surface;
 };
 
-// Progress of a comparison.
 struct CompareProgress {
   std::string unit;  // "run", or "frame" for SLAM
   int done = 0;
@@ -118,7 +117,6 @@ struct CompareProgress {
   double elapsed_s = 0;  // since the first run or frame
 };
 
-// Results of a comparison.
 struct Comparison {
   std::vector<ComparisonRow> rows;
   std::vector<SlamComparisonRow> slam;

@@ -9,7 +9,6 @@
 
 namespace surfit {
 
-// Run of a combination from an initial pose.
 struct ComparedRun {
   int problem = 0;
   GridCell cell;

@@ -23,7 +23,6 @@ std::vector<SolverCombination> SolverCombinations(const CompareOptions& options)
 // True for slow combinations, which run on few problems.
 bool IsSlow(const SolverCombination& combination);
 
-// Cell of the perturbation grid.
 struct GridCell {
   int rotation = 0;  // indices in rotations_deg and translations_m
   int translation = 0;
@@ -75,12 +74,10 @@ PoseProblems CloudProblems(const CompareOptions& options);
 PoseProblems ReplayProblems(const CompareOptions& options);
 PoseProblems RefinementProblems(const CompareOptions& options);  // all initial poses are equal
 
-// Problem of two frames.
 PoseProblem FramePairProblem(FramePyramid source, FramePyramid target,
                              const std::optional<Rigid3d>& truth, const Rigid3d& center,
                              const IcpOptions& icp);
 
-// Sets solver, residual and association.
 void SetCombination(const SolverCombination& combination, IcpOptions* icp);
 
 // Sets the median times of the solves.

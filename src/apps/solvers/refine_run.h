@@ -13,7 +13,6 @@ namespace surfit {
 
 class OptionVisitor;
 
-// Options of RunRefinement().
 struct RefineRunOptions {
   SequenceOptions sequence;  // sequence of the run, with the same options
   std::string trajectory;    // of the run: TUM format, pose convention of the sequence

@@ -14,12 +14,11 @@ namespace surfit {
 
 class OptionVisitor;
 
-// Options of RunAlign().
 struct AlignRunOptions {
   SequenceOptions sequence;  // first, last and stride are not used
-  int source = 0;            // frame index
-  int target = 1;            // frame index
-  std::string output;        // output folder, created if missing
+  int source = 0;
+  int target = 1;
+  std::string output;  // output folder, created if missing
   PreprocessOptions preprocess;
   InitializeOptions initialize;
   IcpOptions icp = FarIcpOptions();
@@ -28,7 +27,6 @@ struct AlignRunOptions {
   void Visit(OptionVisitor& visitor);
 };
 
-// Result of RunAlign().
 struct AlignRunResult {
   FarVerdict registration;
   // Error of the identity; std::nullopt without ground truth.
@@ -44,10 +42,9 @@ AlignRunResult RunAlign(const AlignRunOptions& options);
 
 class OptionVisitor;
 
-// Options of RunRegister().
 struct RegisterRunOptions {
   std::string source;  // source cloud, which is moved: PLY or PCD, m
-  std::string target;  // target cloud
+  std::string target;
   std::string output;  // output folder, created if missing
   CloudSensor sensor;  // sensor of both clouds
   CloudNormalOptions normals;
@@ -57,7 +54,6 @@ struct RegisterRunOptions {
   void Visit(OptionVisitor& visitor);
 };
 
-// Statistics of a cloud file.
 struct RegisteredCloud {
   std::size_t points = 0;
   std::size_t not_finite = 0;      // removed points
@@ -65,7 +61,6 @@ struct RegisteredCloud {
   double normal_radius_m = 0;      // minimum radius of normal estimation; 0: normals of the file
 };
 
-// Result of RunRegister().
 struct RegisterRunResult {
   IcpResult icp;
   RegisteredCloud source, target;

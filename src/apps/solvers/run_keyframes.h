@@ -10,7 +10,6 @@
 
 namespace surfit {
 
-// Keyframes of a run for refinement.
 struct RunKeyframes {
   SequenceInfo info;
   Trajectory trajectory;           // of the run, in the pose convention of the frames
