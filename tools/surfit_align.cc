@@ -1,4 +1,4 @@
-// Registers two frames of a sequence and shows how well they fit.
+// Registers two frames of a sequence and prints the quality of the result.
 
 #include <cstdio>
 
@@ -17,8 +17,8 @@ void PrintResult(const AlignRunResult& result, bool verified) {
       icp.eigenvalues[0]);
   if (verified) {
     std::printf(
-        "verified by: overlap share %.3f, correlation of brightness %.3f, of its detail %.3f, lead "
-        "over other poses %.3f\n",
+        "verification: overlap share %.3f, brightness correlation %.3f, detail correlation %.3f, "
+        "score margin %.3f\n",
         result.registration.overlap_share, result.registration.value_correlation,
         result.registration.detail_correlation, result.registration.lead);
   }

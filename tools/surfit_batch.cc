@@ -1,4 +1,5 @@
-// SLAM over all sequences of a folder, each by a process of its own, and one table of the results.
+// Runs SLAM on all sequences of a folder, one process per sequence, and prints a table of the
+// results.
 
 #include <iomanip>
 #include <iostream>
@@ -17,11 +18,11 @@ struct Options {
   BatchOptions batch;
   WorkflowOptions workflow;
 
-  Options() { batch.run.threads = 1; }  // of as many runs at a time as there are cores
+  Options() { batch.run.threads = 1; }  // several runs share the cores
 
   void Visit(OptionVisitor& v) {
-    v.AddPart(batch, "batch", "which sequences are run, and how");
-    v.AddPart(workflow, "workflow", "how the jobs are run");
+    v.AddPart(batch, "batch", "sequences and their runs");
+    v.AddPart(workflow, "workflow", "jobs");
   }
 };
 
@@ -63,7 +64,7 @@ int Run(const Options& options) {
     std::cerr << "warning: " << row.sequence << ": " << row.error << '\n';
     has_failed |= row.state == "failed";
   }
-  if (has_failed) std::cerr << "warning: --retry_failed does again what has failed" << std::endl;
+  if (has_failed) std::cerr << "warning: set --retry_failed to repeat the failed runs" << std::endl;
   if (!ended) return kBadInput;
   return has_failed ? kAlgorithmFailed : kDone;
 }
@@ -74,9 +75,8 @@ int Run(const Options& options) {
 int main(int argc, char** argv) {
   return surfit::tools::ToolMain(
       argc, argv,
-      "runs surfit_slam over all sequences of a folder, as jobs of Snakemake on this machine or a "
-      "cluster, and puts trajectories' errors, times and what failed into one table. Flags of "
-      "surfit_slam are for each of them. The same command goes on with a batch that was "
-      "interrupted.",
+      "runs surfit_slam on all sequences of a folder, as Snakemake jobs on this machine or a "
+      "cluster, and writes a table of trajectory errors, times and failures. Flags of surfit_slam "
+      "apply to all runs. The same command continues an interrupted batch.",
       surfit::tools::Run);
 }

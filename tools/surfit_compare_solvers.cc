@@ -1,4 +1,4 @@
-// Compares pose solvers, residuals and associations: what they cost and from where they converge.
+// Compares cost and convergence of pose solvers, residuals and associations.
 
 #include <atomic>
 #include <cstdio>
@@ -22,7 +22,7 @@ void ShowProgress(const CompareProgress& progress) {
   line.Show(text, left == 0);
 }
 
-// "-" for what does not apply.
+// "-" for a missing value.
 std::string Cell(const char* format, const std::optional<double>& value, double scale = 1) {
   if (!value) return "-";
   char text[50];
@@ -34,7 +34,7 @@ void PrintTable(const std::vector<ComparisonRow>& rows) {
   std::vector<std::vector<std::string>> table = {
       {"association", "residual", "solver", "threads", "points", "runs", "build ms", "linearize ms",
        "solve ms", "total ms", "iterations", "iteration ms", "memory MB", "final cost", "error deg",
-       "error mm", "converged", "ended mostly as"}};
+       "error mm", "converged", "usual termination"}};
   for (const ComparisonRow& row : rows) {
     table.push_back(
         {row.combination.association, row.combination.residual, row.combination.SolverTitle(),
@@ -69,7 +69,7 @@ void PrintSlamTable(const std::vector<SlamComparisonRow>& rows) {
 int Run(const CompareOptions& options) {
   const std::atomic<bool>& interrupted = CatchInterruptions();
   const Comparison comparison = CompareSolvers(options, interrupted, ShowProgress);
-  if (interrupted) std::fputc('\n', stderr);  // ends the line of progress
+  if (interrupted) std::fputc('\n', stderr);  // ends the progress line
   if (!comparison.rows.empty()) PrintTable(comparison.rows);
   if (!comparison.slam.empty()) PrintSlamTable(comparison.slam);
   for (const std::string& note : comparison.notes) std::printf("Note: %s.\n", note.c_str());
@@ -88,9 +88,8 @@ void Prepare(CompareOptions* options) {
 int main(int argc, char** argv) {
   return surfit::tools::ToolMain(
       argc, argv,
-      "compares pose solvers, residuals and associations from starts around the truth: times, "
-      "iterations, final errors and the share that converged, on frames of a sequence or two "
-      "clouds; "
-      "or the solvers of joint refinement on the keyframes of --run",
+      "compares pose solvers, residuals and associations from initial poses around the truth: "
+      "times, iterations, final errors and the ratio of converged runs, on frames of a sequence or "
+      "two clouds; or the solvers of joint refinement on the keyframes of --run",
       surfit::tools::Run, surfit::tools::Prepare);
 }

@@ -1,4 +1,4 @@
-// Converts sequences, maps and trajectories to what other programs read.
+// Converts sequences, maps and trajectories to formats of other programs.
 
 #include <cstdio>
 #include <filesystem>
@@ -23,7 +23,7 @@ struct Options {
   KlgOptions klg;
 
   void Visit(OptionVisitor& v) {
-    v.AddPart(sequence, "sequence", "what to read", OptionalPart());
+    v.AddPart(sequence, "sequence", "input sequence", OptionalPart());
     v.Group("input");
     v.Add(cloud, "cloud", "instead of a sequence: a map or point cloud (PLY or PCD)", Everyday());
     v.Add(trajectory, "trajectory", "instead of a sequence: a trajectory in TUM format",
@@ -31,10 +31,10 @@ struct Options {
     v.Group("output");
     v.Add(output, SharedOption("output", Everyday()));
     v.Add(make_camera_yaml, "make_camera_yaml",
-          "of a sequence write the camera that it is read with as a camera.yaml, to be filled in; "
-          "default of --output: camera.yaml in the folder of the sequence",
+          "write the camera of the sequence to a camera.yaml, as a template; default of --output: "
+          "camera.yaml in the folder of the sequence",
           Everyday());
-    v.AddPart(klg, "klg", "how .klg is written");
+    v.AddPart(klg, "klg", ".klg file");
   }
 };
 
@@ -52,12 +52,12 @@ void ConvertSequence(const Options& options) {
   RequireEnding(options.output, EndsWith(options.output, ".klg"), ".klg");
   const auto source = ReadAhead(OpenSequence(options.sequence), kFramesAhead);
   const KlgSummary summary = WriteKlg(source.get(), options.output, options.klg);
-  std::printf("%s: %d frames, %d skipped, %lld depths beyond 65.534 m left out\n",
+  std::printf("%s: %d frames, %d skipped, %lld depths above 65.534 m removed\n",
               options.output.c_str(), summary.frames_written, summary.frames_skipped,
               static_cast<long long>(summary.depths_beyond));
 }
 
-// Where the sequence's own camera.yaml is looked for.
+// Path of the camera.yaml that is used for the sequence by default.
 std::string OwnCameraFile(const std::string& sequence) {
   return std::filesystem::is_directory(sequence) ? sequence + "/camera.yaml" : sequence + ".yaml";
 }
@@ -67,13 +67,15 @@ void MakeCameraYaml(const Options& options) {
   const std::string path = own ? OwnCameraFile(options.sequence.path) : options.output;
   RequireEnding(path, EndsWith(path, ".yaml"), ".yaml");
   if (own && std::filesystem::exists(path)) {
-    throw InputError(path + " exists: it is the sequence's camera; name another file as --output");
+    throw InputError(path +
+                     " exists and is the camera of the sequence: set another file with --output");
   }
   const auto source = OpenSequence(options.sequence);
   const SequenceInfo& info = source->info();
   WriteCameraYaml(info.camera, path, ReadDepthField(options.sequence, info.format));
-  std::printf("%s: %s%s\n", path.c_str(), info.assumed.c_str(),
-              info.camera_is_guessed ? "; replace what is guessed by your camera's numbers" : "");
+  std::printf(
+      "%s: %s%s\n", path.c_str(), info.assumed.c_str(),
+      info.camera_is_guessed ? "; replace the guessed values by the values of your camera" : "");
 }
 
 void ConvertCloud(const Options& options) {
@@ -100,7 +102,7 @@ int Run(const Options& options) {
   if (inputs != 1)
     throw InputError(Concat(inputs, " of --sequence, --cloud and --trajectory are set, must be 1"));
   if (options.make_camera_yaml && options.sequence.path.empty())
-    throw InputError("--make_camera_yaml needs a --sequence");
+    throw InputError("--make_camera_yaml requires --sequence");
   if (options.make_camera_yaml) {
     MakeCameraYaml(options);
     return kDone;
@@ -118,7 +120,7 @@ int Run(const Options& options) {
 int main(int argc, char** argv) {
   return surfit::tools::ToolMain(argc, argv,
                                  "converts a sequence to .klg (with its camera as .klg.yaml), a "
-                                 "map or cloud to PCD or PLY, or a trajectory to KITTI's poses; "
-                                 "writes a sequence's camera as camera.yaml",
+                                 "map or cloud to PCD or PLY, or a trajectory to KITTI poses; "
+                                 "writes the camera of a sequence as camera.yaml",
                                  surfit::tools::Run);
 }

@@ -1,4 +1,4 @@
-// Says what is wrong with a recording.
+// Checks a recording for faults.
 
 #include <iostream>
 
@@ -19,7 +19,7 @@ struct Options {
   RecordingCheckOptions check;
 
   void Visit(OptionVisitor& v) {
-    v.AddPart(check, "check", "what is looked at");
+    v.AddPart(check, "check", "checks");
     v.Group("run");
     v.Add(summary, SharedOption("summary", Everyday()));
   }
@@ -39,14 +39,13 @@ void PrintTable(const RecordingReport& report) {
 
 void PrintFaults(const RecordingReport& report) {
   if (report.interrupted) {
-    std::cout << "interrupted: only the first " << report.frames << " frames were looked at\n";
+    std::cout << "interrupted: only the first " << report.frames << " frames were checked\n";
   }
-  if (report.IsSound()) std::cout << "nothing is wrong with " << report.frames << " frames\n";
+  if (report.IsSound()) std::cout << "no fault in " << report.frames << " frames\n";
   for (const RecordingCheck& check : report.checks) {
     if (!check.IsSound()) {
       std::cout << "\n"
-                << check.name << ": " << check.fault << ".\n  What to do: " << check.advice
-                << ".\n";
+                << check.name << ": " << check.fault << ".\n  Remedy: " << check.advice << ".\n";
     }
   }
   std::cout << std::flush;
@@ -94,8 +93,8 @@ int Run(const Options& options) {
 int main(int argc, char** argv) {
   return surfit::tools::ToolMain(
       argc, argv,
-      "says what is wrong with an RGB-D recording, and what to do: the depth's scale, colour's "
-      "place "
-      "and time, exposure, blur, missing frames, calibration, share and range of depth.",
+      "checks an RGB-D recording, and prints faults and remedies: depth scale, colour "
+      "registration and latency, exposure, blur, missing frames, calibration, ratio and range of "
+      "valid depth.",
       surfit::tools::Run);
 }

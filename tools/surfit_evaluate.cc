@@ -10,12 +10,12 @@ int main(int argc, char** argv) {
       "compares results with a reference. Prints JSON on stdout and a summary on stderr, for views "
       "a summary on stdout. Flags take precedence over the options of --run.",
       {"what",
-       "what is compared; trajectory: ATE after rigid alignment without scale, RPE and coverage; "
+       "type of comparison; trajectory: ATE after rigid alignment without scale, RPE and coverage; "
        "map: distances of map points to a reference surface (accuracy) and of reference points to "
-       "the map (completeness), --map may be a folder of tiles; views: map of --run drawn at the "
-       "poses of frames against these "
-       "frames, PSNR, SSIM, depth; revisits: distance of the surfaces of two visits to one place "
-       "along --estimate and along the poses of the sequence"},
+       "the map (completeness), --map may be a folder of tiles; views: PSNR, SSIM and depth error "
+       "of "
+       "the map of --run, rendered at the poses of frames; revisits: distance between the surfaces "
+       "of two visits to a place, with --estimate and with the poses of the sequence"},
       {TrajectoryEvaluationMode(), MapEvaluationMode(), ViewEvaluationMode(),
        RevisitEvaluationMode()});
 }

@@ -1,4 +1,4 @@
-// Makes a triangle mesh of a map.
+// Creates a triangle mesh of a map.
 
 #include <cstdio>
 #include <filesystem>
@@ -28,9 +28,9 @@ struct Options {
     v.Add(run, SharedOption("run", Everyday()));
     v.Add(map, SharedOption("map", Everyday()));
     v.Add(output, SharedOption("output", Required(), Everyday()));
-    v.AddPart(mesh, "mesh", "how fine it is, and how far it reaches");
-    v.AddPart(texture, "texture", "what picture it gets");
-    v.AddPart(sequence, "sequence", "as the run read it", OptionalPart());
+    v.AddPart(mesh, "mesh", "resolution and extent of the mesh");
+    v.AddPart(texture, "texture", "texture");
+    v.AddPart(sequence, "sequence", "sequence of the run, with the same options", OptionalPart());
     v.Add(threads, SharedOption("threads", Everyday()));
   }
 
@@ -40,7 +40,7 @@ struct Options {
   }
 };
 
-// What was made, how large it is, and how near to the points.
+// Prints the size of the mesh and its distance to the points.
 void Print(const Options& options, const PointCloud& cloud, std::size_t not_finite,
            const TriangleMesh& mesh, const MeshSummary& summary) {
   std::printf("%s: %zu points, %zu not finite; %zu vertices, %zu triangles in %zu pieces, %.1f MB",
@@ -48,35 +48,36 @@ void Print(const Options& options, const PointCloud& cloud, std::size_t not_fini
               mesh.triangles.size(), summary.pieces,
               1e-6 * static_cast<double>(std::filesystem::file_size(options.output)));
   if (summary.pieces_dropped > 0) {
-    std::printf("; %zu pieces smaller than %g m left out, with %zu triangles",
+    std::printf("; removed %zu pieces smaller than %g m, with %zu triangles",
                 summary.pieces_dropped, options.mesh.min_piece_m, summary.triangles_dropped);
   }
   if (summary.decimation_m > 0) {
-    std::printf("; of %zu triangles, which moved the surface by %.2f mm", summary.triangles_found,
-                1e3 * summary.decimation_m);
+    std::printf("; decimated from %zu triangles, which moved the surface by %.2f mm",
+                summary.triangles_found, 1e3 * summary.decimation_m);
   }
   if (options.mesh.watertight) {
     std::printf(
-        "; watertight: %zu holes filled with %zu triangles where nothing was seen, the longest rim "
-        "%.2f m, %zu triangles cut out",
+        "; watertight: %zu holes filled with %zu triangles in unobserved areas, longest hole "
+        "boundary "
+        "%.2f m, %zu triangles removed",
         summary.holes_filled, summary.triangles_added, summary.longest_rim_m,
         summary.triangles_cut);
   }
   std::printf(
-      "; half of the points are within %.2f mm of the mesh, 90 %% within %.2f mm, %.1f %% "
-      "beside none\n",
+      "; half of the points are within %.2f mm of the mesh, 90 %% within %.2f mm, %.1f %% have no "
+      "surface nearby\n",
       1e3 * summary.median_distance_m, 1e3 * summary.p90_distance_m, 100 * (1 - summary.covered));
 }
 
 void Print(const MeshTexture& texture, const TextureSummary& summary) {
   std::printf(
-      "picture: %d x %d texels, %.2f to a pixel's side, of %d of %d frames in %zu charts; %zu "
-      "triangles that no frame shows have the map's colours\n",
+      "texture: %d x %d texels, %.2f texels per pixel, from %d of %d frames in %zu charts; %zu "
+      "triangles that no frame observes have the colours of the map\n",
       texture.image.width(), texture.image.height(), summary.pixel_share, summary.frames_shown,
       summary.frames, summary.charts, summary.triangles_unseen);
 }
 
-// Where the run is, and how its frames are read.
+// Sets the map and the options of the sequence of the run.
 void Prepare(Options* options) {
   if (options->run.empty()) {
     RequireFlag("map or --run", options->map);
@@ -90,14 +91,14 @@ MeshTexture MakeTexture(const Options& options, const TriangleMesh& mesh, Progre
                         TextureSummary* summary) {
   const TextureFrames frames =
       TextureFramesOf(options.run, options.sequence, options.texture.max_texture_frames);
-  const char* stage = "looking at frames, ";
+  const char* stage = "reading frames, ";
   const auto shown = [&](const auto& visit) {
     int count = 0;
     frames([&](const TextureFrame& frame) {
       progress->Show(Concat(stage, ++count), false);
       visit(frame);
     });
-    stage = "painting the picture, frame ";
+    stage = "rendering the texture, frame ";
   };
   return TextureMesh(mesh, shown, options.texture, summary);
 }
@@ -134,9 +135,11 @@ int Run(const Options& options) {
 int main(int argc, char** argv) {
   return surfit::tools::ToolMain(
       argc, argv,
-      "makes a triangle mesh with colours of a map: the surface of its surfels, smoothed by their "
-      "noise and confidence, with holes where nothing was seen. --output is a .ply, .obj or .glb "
-      "file. The map is --map, or the map of --run; .obj and .glb of a run get a picture of its "
-      "sharpest frames",
+      "creates a coloured triangle mesh of a map: the surface of its surfels, smoothed by their "
+      "noise and confidence, with holes in unobserved areas. --output is a .ply, .obj or .glb "
+      "file. "
+      "The map is --map, or the map of --run; .obj and .glb of a run have a texture of its "
+      "sharpest "
+      "frames",
       surfit::tools::Run, surfit::tools::Prepare);
 }

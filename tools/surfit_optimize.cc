@@ -20,11 +20,11 @@ struct Options {
   PoseGraphOptions optimization;
 
   void Visit(OptionVisitor& v) {
-    v.Add(graph, "graph", "the pose graph: .g2o with VERTEX_SE3:QUAT and EDGE_SE3:QUAT", Required(),
+    v.Add(graph, "graph", "pose graph: .g2o with VERTEX_SE3:QUAT and EDGE_SE3:QUAT", Required(),
           AsFlag());
     v.Add(output, SharedOption("output"));
     v.Add(summary, SharedOption("summary"));
-    v.AddPart(optimization, "optimization", "how the graph is optimised");
+    v.AddPart(optimization, "optimization", "optimisation");
   }
 };
 
@@ -35,19 +35,20 @@ void PrintIterations(const PoseGraphSummary& summary) {
     if (i.round != round) iteration = 0;
     round = i.round;
     rows.push_back({std::to_string(round), std::to_string(iteration++), Number(i.cost, 10),
-                    i.accepted ? Number(i.step_norm) : "refused", Number(i.time_ms, 4)});
+                    i.accepted ? Number(i.step_norm) : "rejected", Number(i.time_ms, 4)});
   }
   std::cout << TextTable(rows, 0);
 }
 
 void PrintOutcome(const PoseGraph& graph, const PoseGraphSummary& s) {
   std::cout << ToString(s.termination) << ": " << graph.poses.size() << " poses (" << s.held_count
-            << " held), " << graph.edges.size() << " edges (" << s.loop_count << " loops, "
-            << s.outlier_edges.size() << " left out as wrong)\n"
-            << "cost " << Number(s.given_cost, 10) << " as given, " << Number(s.initial_cost, 10)
-            << " initialised in " << Number(s.initialize_ms, 4) << " ms, "
-            << Number(s.final_cost, 10) << " optimised in " << Number(s.solve_ms, 4) << " ms with "
-            << s.sparse_backend << std::endl;
+            << " fixed), " << graph.edges.size() << " edges (" << s.loop_count << " loops, "
+            << s.outlier_edges.size() << " outliers)\n"
+            << "cost " << Number(s.given_cost, 10) << " of the input, "
+            << Number(s.initial_cost, 10) << " after initialisation in "
+            << Number(s.initialize_ms, 4) << " ms, " << Number(s.final_cost, 10)
+            << " after optimisation in " << Number(s.solve_ms, 4) << " ms with " << s.sparse_backend
+            << std::endl;
 }
 
 void PrintIgnored(const G2oFile& file) {
@@ -56,7 +57,7 @@ void PrintIgnored(const G2oFile& file) {
   }
 }
 
-// Wrong loops as pairs of ids, in the file's order.
+// Outlier loops as pairs of ids, in the order of the file.
 Json OutlierIds(const PoseGraph& graph, const PoseGraphSummary& summary) {
   Json ids = Json::array();
   for (const std::size_t i : summary.outlier_edges) {
@@ -101,7 +102,7 @@ int Run(const Options& options) {
                         [&](std::ostream& out) { out << ToText(ToJson(file, summary, options)); });
   }
   if (!summary.Succeeded()) {
-    std::cerr << "failed: the solver gave up" << std::endl;
+    std::cerr << "failed: the solver found no solution" << std::endl;
     return kAlgorithmFailed;
   }
   if (!options.output.empty()) WriteG2o(file.graph, options.output);

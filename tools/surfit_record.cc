@@ -1,4 +1,4 @@
-// Records what a camera sends, or another sequence, as a folder in TUM's format.
+// Records a camera or another sequence as a folder in TUM format.
 
 #include <atomic>
 #include <cstdio>
@@ -23,9 +23,9 @@ void PrintSummary(const RecordSummary& s, const std::string& output) {
   std::printf("%s: %d frames over %.2f s, %d skipped, %d dropped%s\n", output.c_str(),
               s.frames_written, s.seconds, s.frames_skipped, s.frames_dropped,
               s.interrupted ? ", interrupted" : "");
-  if (s.pauses > 0) std::printf("the camera was away %d times\n", s.pauses);
+  if (s.pauses > 0) std::printf("the camera was disconnected %d times\n", s.pauses);
   if (s.depth_is_rounded) {
-    std::printf("depth in metres was rounded to 0.2 mm; %lld depths beyond 13.1 m are left out\n",
+    std::printf("depth in metres was rounded to 0.2 mm; %lld depths above 13.1 m were removed\n",
                 static_cast<long long>(s.depths_beyond));
   }
 }
@@ -33,7 +33,7 @@ void PrintSummary(const RecordSummary& s, const std::string& output) {
 int Run(const RecordOptions& options) {
   const std::atomic<bool>& interrupted = CatchInterruptions();
   const RecordSummary summary = RecordSequence(options, interrupted, ShowProgress);
-  std::fputc('\n', stderr);  // ends the line of progress
+  std::fputc('\n', stderr);  // ends the progress line
   PrintSummary(summary, options.output);
   return kDone;
 }
@@ -43,7 +43,7 @@ int Run(const RecordOptions& options) {
 
 int main(int argc, char** argv) {
   return surfit::tools::ToolMain(argc, argv,
-                                 "records a camera, or another sequence, as a folder in TUM's "
-                                 "format, to the last bit",
+                                 "records a camera or another sequence as a folder in TUM format, "
+                                 "without loss",
                                  surfit::tools::Run);
 }

@@ -1,4 +1,4 @@
-// Refines a run of surfit_slam: poses, surfels and the camera's calibration, all at once.
+// Refines a run of surfit_slam: joint optimisation of poses, surfels and the camera calibration.
 
 #include <cmath>
 #include <iostream>
@@ -21,7 +21,7 @@ struct Options {
   void Visit(OptionVisitor& v) {
     v.Group("run");
     v.Add(run, SharedOption("run", Everyday()));
-    v.AddPart(refine, "refine", "how it is refined");
+    v.AddPart(refine, "refine", "refinement");
   }
 };
 
@@ -45,7 +45,7 @@ void AddCalibrationRows(const RefineRunSummary& s, std::vector<Row>* rows) {
   const DepthCalibration &a = s.given, &b = s.calibration;
   const auto add = [&](const std::string& name, double before, double after, int i) {
     const double variance = s.refinement.calibration_covariance(i, i);
-    const std::string sigma = variance > 0 ? Number(std::sqrt(variance), 3) : "held";
+    const std::string sigma = variance > 0 ? Number(std::sqrt(variance), 3) : "fixed";
     rows->push_back({name, Number(before), Number(after), sigma});
   };
   add("fx, px", a.camera.fx, b.camera.fx, 0);
@@ -59,12 +59,13 @@ void AddCalibrationRows(const RefineRunSummary& s, std::vector<Row>* rows) {
   add("readout, s", a.readout_s, b.readout_s, static_cast<int>(4 + InverseDepthField::kSize));
 }
 
-// Whether the calibration is another one, and how it was told.
+// Result of the significance test of the calibration; empty without a test.
 std::string CalibrationLine(const RefinementSummary& s) {
   if (s.calibration_limit == 0) return "";
-  return Concat("the calibration that was found differs ",
-                s.calibration_kept ? "by no more than noise would make it; the given one is kept"
-                                   : "from the given one by more than noise",
+  return Concat("the estimated calibration differs ",
+                s.calibration_kept
+                    ? "only insignificantly from the input calibration, which is kept"
+                    : "significantly from the input calibration",
                 " (squared distance ", Number(s.calibration_distance, 3), ", limit ",
                 Number(s.calibration_limit, 3), ")\n");
 }
@@ -80,7 +81,7 @@ void PrintOutcome(const RefineRunSummary& s, const std::string& output) {
             << s.poses << " poses, " << s.map_points << " surfels in the map, "
             << Number(s.total_s, 3) << " s\n"
             << TextTable(rows, 1) << CalibrationLine(s.refinement)
-            << "scale is held: nothing in a sequence tells the size of the world" << std::endl;
+            << "the scale is fixed: it is not observable" << std::endl;
 }
 
 int Run(const Options& given) {
@@ -102,8 +103,9 @@ int main(int argc, char** argv) {
   return surfit::tools::ToolMain(
       argc, argv,
       "refines a run of surfit_slam: the poses of keyframes, the surfels that they share and the "
-      "camera's calibration by joint least squares; moves the other poses along and fuses the map "
-      "anew. The sequence is read with the options and the camera of --run unless flags say "
-      "otherwise.",
+      "camera calibration by joint least squares; corrects the other poses and fuses the map "
+      "again. "
+      "The sequence is read with the options and the camera of --run, except for flags that are "
+      "set.",
       surfit::tools::Run, surfit::tools::TakeRun);
 }

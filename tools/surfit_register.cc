@@ -1,4 +1,4 @@
-// Registers two point clouds and shows how well they fit.
+// Registers two point clouds and prints the quality of the result.
 
 #include <cstdio>
 
@@ -11,9 +11,9 @@ namespace {
 
 void PrintCloud(const char* name, const RegisteredCloud& cloud) {
   std::printf("%s: %zu points", name, cloud.points);
-  if (cloud.not_finite > 0) std::printf(", %zu more not finite", cloud.not_finite);
+  if (cloud.not_finite > 0) std::printf(", %zu non-finite points removed", cloud.not_finite);
   if (cloud.normal_radius_m > 0) {
-    std::printf(", normals from %.4f m around", cloud.normal_radius_m);
+    std::printf(", normals from a radius of %.4f m", cloud.normal_radius_m);
   }
   std::printf(", %zu without normal\n", cloud.without_normal);
 }

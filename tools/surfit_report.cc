@@ -1,4 +1,4 @@
-// Writes one page about runs of surfit_slam, side by side.
+// Writes a page that shows one or more runs of surfit_slam.
 
 #include "common/outcomes.h"
 #include "common/tool_main.h"
@@ -22,9 +22,10 @@ void SetOutput(ReportOptions* options) {
 int main(int argc, char** argv) {
   return surfit::tools::ToolMain(
       argc, argv,
-      "writes one HTML page, to be opened in a browser without network, about one or more runs of "
-      "surfit_slam: maps and trajectories in 3D, errors, figures of every frame, views, options. "
-      "Several --run stand side by side. The default of --output is report.html in the folder of "
-      "the first run. Pictures of the input beside the model's views come from runs with --report.",
+      "writes one HTML page about one or more runs of surfit_slam, which a browser can open "
+      "without "
+      "network: maps and trajectories in 3D, errors, figures per frame, views, options. Several "
+      "--run are shown side by side. The default of --output is report.html in the folder of the "
+      "first run. Input images next to the model views require runs with --report.",
       surfit::tools::Run, surfit::tools::SetOutput);
 }

@@ -1,4 +1,4 @@
-// A scan of any length: plans its jobs and has Snakemake run them. Each job is a step.
+// Scan of any length: plans its jobs, which Snakemake runs. Each job is a step.
 
 #include <iostream>
 
@@ -18,8 +18,8 @@ struct ScanOptions {
   WorkflowOptions workflow;
 
   void Visit(OptionVisitor& v) {
-    v.AddPart(plan, "plan", "how the sequence is cut into fragments");
-    v.AddPart(workflow, "workflow", "how the jobs are run");
+    v.AddPart(plan, "plan", "fragments");
+    v.AddPart(workflow, "workflow", "jobs");
   }
 };
 
@@ -41,7 +41,7 @@ int RunAll(const ScanOptions& options) {
   }
   for (const std::string& failed : summary.failed) std::cerr << "warning: " << failed << '\n';
   if (!summary.failed.empty()) {
-    std::cerr << "warning: --retry_failed does again what has failed" << std::endl;
+    std::cerr << "warning: set --retry_failed to repeat the failed jobs" << std::endl;
   }
   return summary.frames == 0 || 2 * summary.frames < summary.frames_total ? kAlgorithmFailed
                                                                           : kDone;
@@ -61,8 +61,8 @@ int RunPlan(const ScanPlanOptions& options) {
 int RunCandidates(const CandidatesOptions& options) {
   const CandidatesResult result = FindCandidates(options);
   std::cout << result.fragments << " fragments (" << result.missing << " missing), "
-            << result.keyframes << " keyframes (" << result.looked_up
-            << " looked up): " << result.pairs << " pairs of fragments look alike" << std::endl;
+            << result.keyframes << " keyframes (" << result.looked_up << " used): " << result.pairs
+            << " pairs of fragments have candidates" << std::endl;
   return kDone;
 }
 
@@ -70,17 +70,16 @@ int RunLink(const LinkOptions& options) {
   int accepted = 0;
   const std::vector<ScanLink> links = LinkFragments(options);
   for (const ScanLink& link : links) accepted += link.verdict.accepted();
-  std::cout << accepted << " of " << links.size() << " pairs of keyframes show the same place"
-            << std::endl;
+  std::cout << accepted << " of " << links.size() << " keyframe pairs are verified" << std::endl;
   return kDone;
 }
 
 int RunGraph(const GraphOptions& options) {
   const GraphResult result = BuildScanGraph(options);
   std::cout << result.fragments << " fragments (" << result.missing << " missing, " << result.apart
-            << " apart), " << result.keyframes << " keyframes, " << result.frames << " frames; "
-            << result.links_accepted << " links, " << result.links_left_out << " left out; "
-            << result.tiles << " tiles";
+            << " disconnected), " << result.keyframes << " keyframes, " << result.frames
+            << " frames; " << result.links_accepted << " links, " << result.links_left_out
+            << " outliers; " << result.tiles << " tiles";
   if (result.ate_rmse_m) std::cout << "; ATE " << 1000 * *result.ate_rmse_m << " mm";
   std::cout << std::endl;
   return kDone;
@@ -105,14 +104,15 @@ int RunReport(const ScanReportOptions& options) {
 int Main(int argc, char** argv) {
   return ToolMain(
       argc, argv,
-      "turns recordings of one place, of any length, into trajectories and a map in tiles: cuts "
-      "them into fragments, and has Snakemake run the jobs on this machine or a cluster. Each "
-      "--sequence is a recording. The same command goes on with a scan that was interrupted.",
+      "turns recordings of one place, of any length, into trajectories and a map in tiles: splits "
+      "them into fragments, and runs the jobs with Snakemake on this machine or a cluster. Each "
+      "--sequence is a recording. The same command continues an interrupted scan.",
       {"step",
-       "all: the whole scan, else the job of a scan that Snakemake runs; plan: cut the recordings "
-       "into fragments that overlap; candidates: find pairs of fragments that look alike; link: "
-       "verify a pair; graph: solve the pose graph of all fragments; tile: fuse one tile of the "
-       "map; report: write summary.json, trajectory.txt, pictures and report.html"},
+       "all: the whole scan; other steps are jobs that Snakemake runs; plan: split the "
+       "recordings into overlapping fragments; candidates: find loop candidates between fragments; "
+       "link: verify the candidates of two fragments; graph: optimise the pose graph of all "
+       "fragments; tile: fuse one tile of the map; report: write summary.json, trajectory.txt, "
+       "pictures and report.html"},
       {MakeMode("all", RunAll), MakeMode("plan", RunPlan), MakeMode("candidates", RunCandidates),
        MakeMode("link", RunLink), MakeMode("graph", RunGraph), MakeMode("tile", RunTile),
        MakeMode("report", RunReport)});

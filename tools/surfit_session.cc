@@ -25,19 +25,21 @@ struct Options {
 
   void Visit(OptionVisitor& v) {
     v.Group("session");
-    v.Add(command, "command",
-          "what to do, as the first word or this flag: list what it holds; check it for damage; "
-          "export trajectory.txt (all runs), run-N.txt (each run), map.ply and places.bin to "
-          "--output; merge others into a new one; compact it",
-          OneOf({"list", "check", "export", "merge", "compact"}), Required(), Everyday());
+    v.Add(
+        command, "command",
+        "command, as the first word or with this flag; list: print the contents; check: check for "
+        "damage; export: write trajectory.txt (all runs), run-N.txt (each run), map.ply and "
+        "places.bin to --output; merge: merge other sessions into a new session; compact: reduce "
+        "the size",
+        OneOf({"list", "check", "export", "merge", "compact"}), Required(), Everyday());
     v.Add(session, SharedOption("session", Required(), Everyday()));
     v.Add(output, SharedOption("output", Everyday()));
-    v.Add(from, "from", "a session to be merged; once for each", Repeatable(), Everyday());
-    v.AddPart(loops, "loops", "how sessions that are merged find each other", NoFlags());
+    v.Add(from, "from", "session to merge; set once per session", Repeatable(), Everyday());
+    v.AddPart(loops, "loops", "loop closure between sessions", NoFlags());
   }
 };
 
-// Without trailing fractions of what nobody asks for.
+// Size in MB, rounded.
 std::string Size(std::int64_t bytes) { return Concat((bytes + 500000) / 1000000, " MB"); }
 
 int List(const Options& options) {
@@ -51,7 +53,7 @@ int List(const Options& options) {
   for (const SessionRun& run : ReadSessionRuns(options.session)) {
     std::cout << "run " << ++number << ": " << run.sequence << " (" << run.format << ") from frame "
               << run.first << ", stride " << run.stride << ", as frame " << run.first + run.shift
-              << " of the session" << (run.ended ? "" : ", not ended") << '\n';
+              << " of the session" << (run.ended ? "" : ", not finished") << '\n';
   }
   return kDone;
 }
@@ -60,11 +62,11 @@ int Check(const Options& options) {
   const std::vector<std::string> damages = CheckSession(options.session);
   for (const std::string& damage : damages) std::cerr << "damaged: " << damage << '\n';
   if (!damages.empty()) return kAlgorithmFailed;
-  std::cout << options.session << ": all is intact" << std::endl;
+  std::cout << options.session << ": no damage" << std::endl;
   return kDone;
 }
 
-// The run that a frame of the session is of.
+// Run of a frame of the session.
 std::size_t RunOf(const std::vector<SessionRun>& runs, int frame) {
   std::size_t run = 0;
   while (run + 1 < runs.size() && runs[run + 1].first + runs[run + 1].shift <= frame) ++run;
@@ -116,9 +118,10 @@ int Merge(const Options& options) {
   std::cout << options.session << ": " << merged.sessions << " sessions, " << merged.frames
             << " frames, " << merged.keyframes << " keyframes, " << merged.loops_between
             << " loops between sessions, " << merged.surfels << " surfels ("
-            << merged.merged_doubles << " became part of others)" << std::endl;
+            << merged.merged_doubles << " duplicates merged)" << std::endl;
   for (const std::string& apart : merged.apart) {
-    std::cerr << "warning: " << apart << " could not be joined to the first: it stands beside it\n";
+    std::cerr << "warning: " << apart
+              << " has no loop closure to the first session: it stays a separate map\n";
   }
   return merged.apart.empty() ? kDone : kAlgorithmFailed;
 }
@@ -138,7 +141,7 @@ int Run(const Options& options) {
   return options.command == "merge" ? Merge(options) : Compact(options);
 }
 
-// The first word, if it is no flag, as the flag that it stands for.
+// A first word without dash is the value of --command.
 int Main(int argc, char** argv) {
   std::vector<std::string> words(argv, argv + argc);
   if (argc > 1 && words[1].rfind('-', 0) != 0) words[1] = "--command=" + words[1];
@@ -146,8 +149,7 @@ int Main(int argc, char** argv) {
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
   return ToolMain(argc, pointers.data(),
-                  "lists, checks, exports, merges and compacts sessions that surfit_slam keeps",
-                  Run);
+                  "lists, checks, exports, merges and compacts sessions of surfit_slam", Run);
 }
 
 }  // namespace

@@ -23,7 +23,7 @@
 namespace surfit::tools {
 namespace {
 
-// The surface is sampled in each fifth frame: the camera then has moved by 5 to 10 cm.
+// The surface is sampled in every fifth frame. Between these frames the camera moves by 5 to 10 cm.
 constexpr int kSurfaceStride = 5;
 
 struct SimulatedFrame {
@@ -31,7 +31,7 @@ struct SimulatedFrame {
   Image<float> depth_m;
 };
 
-// What the frames are taken with.
+// Options, camera and renderer of the frames.
 struct Studio {
   const SimulateOptions& options;
   PinholeCamera camera;
@@ -56,7 +56,7 @@ void ShowProgress(int done, int total, ProgressLine* line) {
              done == total);
 }
 
-// The frames of a part, from 1 on; 0: all.
+// Range of the frames of a part, starting at part 1; 0: all frames.
 std::pair<int, int> FramesOfPart(int part, const SimulateOptions& options) {
   if (part == 0) return {0, options.frames};
   const auto begin = [&](std::int64_t p) {
@@ -69,7 +69,7 @@ std::string FolderOfPart(int part, const SimulateOptions& options) {
   return part == 0 ? options.output : Concat(options.output, ".", part);
 }
 
-// Frames are rendered and written side by side, the surface is collected in their order.
+// Frames are rendered and written in parallel. The surface is collected in frame order.
 SurfaceSampler WriteFrames(const Studio& studio, const Trajectory& path,
                            const SequenceWriter& writer) {
   constexpr int kBatch = 10;
@@ -98,7 +98,7 @@ SurfaceSampler WriteFrames(const Studio& studio, const Trajectory& path,
 
 std::string SurfaceFile(const std::string& folder) { return folder + "/surface.ply"; }
 
-// In their order, so that surface and files are those of a simulation in one.
+// Parts are joined in their order, so that surface and files are the same as without parts.
 SurfaceSampler JoinParts(const SimulateOptions& options, const SequenceWriter& writer) {
   SurfaceSampler surface(options.surface_grid_m);
   for (int part = 1; part <= options.parts; ++part) {
@@ -108,13 +108,13 @@ SurfaceSampler JoinParts(const SimulateOptions& options, const SequenceWriter& w
     const int images = writer.LinkImages(folder), needed = 2 * (past - first);
     if (images != needed) {
       throw InputError(Concat(folder, " has ", images, " images, must have ", needed,
-                              ": render it again by --part=", part, " and the flags of --join"));
+                              ": render it again with --part=", part, " and the flags of --join"));
     }
   }
   return surface;
 }
 
-// When all is joined. A part without a surface is none, wherever this ends.
+// Deletes the joined parts. A part without surface is invalid, so the surface is deleted first.
 void RemoveParts(const SimulateOptions& options) {
   for (int part = 1; part <= options.parts; ++part) {
     std::filesystem::remove(SurfaceFile(FolderOfPart(part, options)));
@@ -139,7 +139,9 @@ SequenceTruth TruthOf(const Studio& studio, const RgbdCamera& camera, const Traj
 int Run(const SimulateOptions& options) {
   const InverseDepthField error = DepthErrorOf(options);
   if (options.image_y_up && options.latency_s != 0) {
-    throw InputError("--latency_s is for stamps: with --image_y_up frames have numbers");
+    throw InputError(
+        "--latency_s is set, must be 0 with --image_y_up, which replaces timestamps by frame "
+        "numbers");
   }
   if (options.part > options.parts) {
     throw InputError(
@@ -177,7 +179,7 @@ int Run(const SimulateOptions& options) {
 int main(int argc, char** argv) {
   return surfit::tools::ToolMain(argc, argv,
                                  "simulates an RGB-D sequence (TUM layout) with exact ground "
-                                 "truth. The folder --output is empty, new or has a former "
+                                 "truth. The folder --output must be empty, new or of an earlier "
                                  "simulation. Each seed has its own room, path and noise.",
                                  surfit::tools::Run);
 }

@@ -1,4 +1,4 @@
-// Dense SLAM over a recorded sequence: trajectory, surfel map, figures and pictures.
+// Dense SLAM on an RGB-D sequence: trajectory, surfel map, figures and pictures.
 
 #include <glog/logging.h>
 
@@ -26,20 +26,20 @@ struct Options {
   ServeOptions serve;
 
   void Visit(OptionVisitor& v) {
-    v.AddPart(run, "run", "the run");
-    v.AddPart(serve, "serve", "pages for browsers");
+    v.AddPart(run, "run", "run");
+    v.AddPart(serve, "serve", "live web page");
   }
 };
 
 void ShowRefinement(const SlamRunProgress& progress) {
   static ProgressLine line;
-  line.Show(Concat("poses and camera refined: round ", progress.refinement_rounds), false);
+  line.Show(Concat("refining poses and camera: round ", progress.refinement_rounds), false);
 }
 
 void ShowFinalMap(const SlamRunProgress& progress) {
   static ProgressLine line;
   char text[200];
-  std::snprintf(text, sizeof(text), "fused anew along the final poses: %d/%d  map %.2f M surfels",
+  std::snprintf(text, sizeof(text), "re-integrating with final poses: %d/%d  map %.2f M surfels",
                 progress.frames_fused_anew, progress.frames_done,
                 static_cast<double>(progress.map_points) * 1e-6);
   line.Show(text, progress.frames_fused_anew == progress.frames_done);
@@ -64,23 +64,23 @@ void ShowProgress(const SlamRunProgress& progress) {
 }
 
 void PrintLoops(const BackendCounts& c) {
-  std::printf("%zu keyframes, %zu loops accepted of %zu tried, %zu corrections of the map\n",
+  std::printf("%zu keyframes, %zu of %zu loop candidates accepted, %zu map corrections\n",
               c.keyframes, c.loops_accepted, c.loops_proposed, c.corrections);
-  if (c.relocalisations > 0) std::printf("lost and found again %zu times\n", c.relocalisations);
+  if (c.relocalisations > 0) std::printf("relocalised %zu times\n", c.relocalisations);
   if (c.submaps_apart > 0) {
-    std::printf("%zu of %zu maps could not be joined to the first: they stand beside it\n",
+    std::printf("%zu of %zu maps have no loop closure to the first map: they stay separate\n",
                 c.submaps_apart, c.submaps);
   }
 }
 
-// What the error would be with other stamps, where that makes a difference.
+// Prints the ATE with other timestamps, if they differ.
 void PrintOtherClocks(const SlamRunSummary& s) {
   if (s.sensor_latency_s != 0 && s.ate_without_latency) {
-    std::printf("  %.4f m with the files' stamps, without the sensor's latency of %g s\n",
+    std::printf("  %.4f m with the timestamps of the files, without the sensor latency of %g s\n",
                 s.ate_without_latency->translation_m.rmse, s.sensor_latency_s);
   }
   if (s.time_offset && s.time_offset->offset_s != 0) {
-    std::printf("  %.4f m with stamps moved by %.4f s, which fits the ground truth best\n",
+    std::printf("  %.4f m with a time offset of %.4f s, which fits the ground truth best\n",
                 s.time_offset->ate.translation_m.rmse, s.time_offset->offset_s);
   }
 }
@@ -102,7 +102,7 @@ void PrintRefinement(const SlamRunSummary& s) {
   if (!s.refinement) return;
   const CalibrationRecord& record = s.refinement->record;
   if (record.summary.Succeeded()) {
-    std::printf("poses were refined by %zu keyframes in %.1f s\n", record.keyframes,
+    std::printf("poses were refined with %zu keyframes in %.1f s\n", record.keyframes,
                 s.refinement->seconds);
   } else {
     std::printf("poses were not refined: %s, %zu keyframes\n",
@@ -113,7 +113,7 @@ void PrintRefinement(const SlamRunSummary& s) {
 void PrintColorLatency(const SlamRunSummary& s, const std::string& output) {
   if (s.color_latency_s == 0) return;
   std::printf(
-      "colour was seen %.1f ms %s than its stamps say (standard deviation %.1f ms): in "
+      "colour was captured %.1f ms %s than its timestamps (standard deviation %.1f ms), see "
       "%s/camera.yaml\n",
       1e3 * std::abs(s.color_latency_s), s.color_latency_s > 0 ? "earlier" : "later",
       1e3 * s.calibrations.back().color_latency.sigma_s, output.c_str());
@@ -124,49 +124,50 @@ void PrintCalibration(const SlamRunSummary& s, const std::string& output) {
   PrintColorLatency(s, output);
   const CalibrationRecord& last = LastCalibration(s);
   if (!s.calibration) {
-    std::printf("the camera is as given, as far as %zu keyframes tell\n", last.keyframes);
+    std::printf("the input calibration is kept: no significant difference with %zu keyframes\n",
+                last.keyframes);
     return;
   }
   const PinholeCamera& camera = s.calibration->camera;
-  std::printf("the camera is not as given: fx %.1f fy %.1f cx %.1f cy %.1f", camera.fx, camera.fy,
-              camera.cx, camera.cy);
+  std::printf("the calibration differs from the input: fx %.1f fy %.1f cx %.1f cy %.1f", camera.fx,
+              camera.fy, camera.cx, camera.cy);
   if (const Eigen::MatrixXd& covariance = last.summary.calibration_covariance;
       covariance.size() > 0) {
     const Eigen::VectorXd sigma = covariance.diagonal().cwiseSqrt();
     std::printf(" (standard deviations %.1f %.1f %.1f %.1f px)", sigma[0], sigma[1], sigma[2],
                 sigma[3]);
   }
-  std::printf("; all of it is in %s/camera.yaml\n", output.c_str());
+  std::printf("; all values are in %s/camera.yaml\n", output.c_str());
   if (!s.calibration_doubt.empty()) std::cerr << "warning: " << s.calibration_doubt << std::endl;
 }
 
 void WarnOfMotion(const SlamRunSummary& s) {
   if (s.frames_apart > 0) {
-    std::fprintf(
-        stderr,
-        "warning: in %d frames parts of the view move apart: the camera may be seen "
-        "against something that moves, and then its poses are wrong (apart in frames.csv)\n",
-        s.frames_apart);
+    std::fprintf(stderr,
+                 "warning: %d frames show two motions, their poses may be wrong: the camera may be "
+                 "registered "
+                 "to a moving object (apart in frames.csv)\n",
+                 s.frames_apart);
   }
   if (20 * s.frames_with_motion <= s.frames_total && s.frames_lost_in_motion == 0) return;
-  std::fprintf(
-      stderr,
-      "warning: in %d frames more than a tenth of the view moves by itself: it is left out "
-      "of tracking and map; %d frames were lost there\n",
-      s.frames_with_motion, s.frames_lost_in_motion);
+  std::fprintf(stderr,
+               "warning: in %d frames moving objects cover more than 10 %% of the view and are "
+               "excluded from "
+               "tracking and map; %d frames were lost after such frames\n",
+               s.frames_with_motion, s.frames_lost_in_motion);
 }
 
 void PrintSession(const SlamRunSummary& s, const SlamRunOptions& options) {
   if (options.session.empty()) return;
   if (const auto& found = s.localization) {
     std::printf(
-        "localised in %s: %d of %d frames, found by a place %d times, lost for %.2f s at most; "
-        "standard deviation %.1f mm, %.2f deg\n",
+        "localised in %s: %d of %d frames, %d relocalisations, longest loss %.2f s; standard "
+        "deviation %.1f mm, %.2f deg\n",
         options.session.c_str(), found->frames, s.frames_total, found->relocalisations,
         found->longest_loss_s, 1e3 * found->median_sigma_m, found->median_sigma_rad * 180 / M_PI);
     return;
   }
-  std::printf("%s keeps it all; %lld times the run waited for it to be written\n",
+  std::printf("session %s is saved; the run waited %lld times for the disk\n",
               options.session.c_str(), static_cast<long long>(s.session_waits));
 }
 
@@ -176,25 +177,25 @@ void PrintSummary(const SlamRunSummary& s, const SlamRunOptions& options) {
               s.frames_tracked, s.frames_lost, s.frames_skipped,
               s.interrupted ? ", interrupted" : "");
   if (s.frames_dropped > 0) {
-    std::printf("%d frames were offered, but not taken in time\n", s.frames_dropped);
+    std::printf("%d frames were dropped, because the run was too slow\n", s.frames_dropped);
   }
   if (s.frames_hurried > 0) {
     std::printf(
-        "frames were late: while %d of them came fewer were fused, at the worst one of %d\n",
+        "frames arrived too fast: during %d frames only a part was fused, at worst one of %d\n",
         s.frames_hurried, s.longest_map_period);
   }
   if (s.pauses > 0) {
-    std::printf("the camera was away %d times, %.1f s in all\n", s.pauses, s.paused_s);
+    std::printf("the camera was disconnected %d times, %.1f s in total\n", s.pauses, s.paused_s);
   }
   if (s.frames_without_intensities > 0) {
-    std::printf("%d frames without intensities, tracked by their shapes alone\n",
+    std::printf("%d frames without intensities, tracked by geometry only\n",
                 s.frames_without_intensities);
   }
   std::printf("updated %lld, added %lld, removed %lld, total points %zu, compression %.1f : 1\n",
               static_cast<long long>(s.updated), static_cast<long long>(s.added),
               static_cast<long long>(s.removed), s.map_points, s.compression_ratio);
   if (s.refused > 0) {
-    std::printf("the map is full: %lld surfels found no place (--max_map_points)\n",
+    std::printf("the map is full: %lld surfels were rejected (--max_map_points)\n",
                 static_cast<long long>(s.refused));
   }
   const bool closes_loops = options.slam.loops.enabled || !options.session.empty();
@@ -208,16 +209,16 @@ void PrintSummary(const SlamRunSummary& s, const SlamRunOptions& options) {
     PrintOtherClocks(s);
     PrintMount(s);
   } else if (s.evaluation) {
-    std::printf("ATE unknown: %d of %d frames with ground truth have a pose, 3 must have one\n",
+    std::printf("ATE unknown: %d of %d frames with ground truth have a pose, must be at least 3\n",
                 s.evaluation->matched, s.evaluation->expected);
   } else {
     std::printf("ATE unknown: no ground truth\n");
   }
   PrintRefinement(s);
   if (s.final_map_s) {
-    std::printf("the map was fused anew along the final poses in %.1f s\n", *s.final_map_s);
+    std::printf("the map was re-integrated with the final poses in %.1f s\n", *s.final_map_s);
   }
-  std::printf("%.1f s in all\n", s.total_s);
+  std::printf("%.1f s in total\n", s.total_s);
 }
 
 void PrintTimes(const char* name, const TimeStatistics& times, double share) {
@@ -230,13 +231,13 @@ void PrintStages(const SlamRunSummary& s, bool offered) {
   for (const StageStatistics& stage : s.stages) {
     PrintTimes(stage.name.c_str(), stage.times, stage.share);
   }
-  PrintTimes("frame", s.frame, 1);  // less than their sum where decode runs beside the others
+  PrintTimes("frame", s.frame, 1);  // less than the sum if decoding runs in parallel
   if (!offered) return;
   const TimeStatistics &pose = s.pose_latency, &whole = s.latency;
-  std::printf("to pose    %9.1f %9.1f %9.1f, from being offered on\n", pose.mean_ms, pose.median_ms,
+  std::printf("to pose    %9.1f %9.1f %9.1f, from arrival to pose\n", pose.mean_ms, pose.median_ms,
               pose.p95_ms);
-  std::printf("latency    %9.1f %9.1f %9.1f, until it is fused\n", whole.mean_ms, whole.median_ms,
-              whole.p95_ms);
+  std::printf("latency    %9.1f %9.1f %9.1f, from arrival to fusion\n", whole.mean_ms,
+              whole.median_ms, whole.p95_ms);
 }
 
 void AddViewers(const Options& options, LiveRun* run) {
@@ -258,7 +259,7 @@ int Run(const Options& all) {
   const auto keep = [&](const SlamRunResult& result) { live_run.Keep(result); };
   const SlamRunSummary summary = RunSlam(options, interrupted, progress, keep);
   const bool live = IsLive(options.sequence);
-  if (summary.interrupted || live) std::fputc('\n', stderr);  // ends the line of progress
+  if (summary.interrupted || live) std::fputc('\n', stderr);  // ends the progress line
   PrintSummary(summary, options);
   PrintStages(summary, options.OffersFrames());
   if (options.keep_views) WriteAndPrintReport({{options.output}, options.output + "/report.html"});

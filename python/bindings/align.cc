@@ -1,4 +1,3 @@
-// Registration of two frames.
 #include "bindings/bind.h"
 #include "bindings/frame.h"
 #include "bindings/options_class.h"
@@ -34,7 +33,7 @@ FarVerdict Align(const Frame& source, const Frame& target, const InitializeOptio
 void BindAlign(py::module_& module) {
   module.def(
       "align",
-      // Options by value: another thread may change them while this one works.
+      // Options are copied, because another thread may change them during the call.
       [](const Frame& source, const Frame& target, InitializeOptions initialize,
          std::optional<IcpOptions> icp, PreprocessOptions preprocess) {
         const py::gil_scoped_release release;
@@ -42,9 +41,9 @@ void BindAlign(py::module_& module) {
       },
       py::arg("source"), py::arg("target"), py::arg("initialize") = InitializeOptions(),
       py::arg("icp") = py::none(), py::arg("preprocess") = PreprocessOptions(),
-      "Registers two frames, by far_icp_options() unless icp says otherwise, from where "
-      "initialize.method says: from the identity, or from afar, and verified then. Other threads "
-      "run meanwhile; Ctrl-C is not heard before the call returns.");
+      "Registers two frames. icp: far_icp_options() if None. initialize.method selects the initial "
+      "pose; results of other methods than identity are verified. Other threads run during the "
+      "call. Ctrl-C takes effect after the call.");
 }
 
 }  // namespace surfit::python

@@ -22,7 +22,8 @@ Image<Pixel> ImageOf(const Dense<T>& array) {
   return image;
 }
 
-// Other integers, as Pillow reads 16-bit PNG. Throws InputError for a value that is no such count.
+// Converts other integer types, e.g. of 16-bit PNG in Pillow. Throws InputError for a value outside
+// of 16 bits.
 Image<std::uint16_t> CountsOf(const Dense<std::int64_t>& array) {
   Image<std::uint16_t> counts;
   counts.Resize(static_cast<int>(array.shape(1)), static_cast<int>(array.shape(0)));

@@ -11,28 +11,29 @@
 
 namespace surfit::python {
 
-// "(480, 640)".
+// Text of a shape, e.g. "(480, 640)".
 std::string ShapeOf(const py::array& array);
 
-// From a height x width array of integers (counts) or of a floating-point type (metres). Throws
-// InputError naming shape or type for any other.
+// Depth image from a height x width array of integers (raw depth) or floats (metres). Throws
+// InputError with the shape or the type of other arrays.
 RawDepth DepthOf(const py::array& depth);
 
-// From a height x width x 3 array of uint8, red first; empty from None. Throws InputError naming
-// shape or type for any other.
+// Colour image from a height x width x 3 array of uint8, red first; empty for None. Throws
+// InputError with the shape or the type of other arrays.
 Image<Rgb8> ColorOf(const py::object& color);
 
-// From an N x 3 array of numbers; empty from None. Throws InputError naming `what` and its shape.
+// Vectors from an N x 3 array; empty for None. Throws InputError with `what` and the shape of other
+// arrays.
 std::vector<Eigen::Vector3f> VectorsOf(const py::object& array, const char* what);
 
-// From an N x 8 array: stamp tx ty tz qx qy qz qw, sorted by time; quaternions of any length but
-// zero. Or, from a path, ReadTumTrajectory(). Throws InputError naming `what` and the row.
+// Trajectory from an N x 8 array (stamp tx ty tz qx qy qz qw), sorted by time, or from the path of
+// a TUM file. Quaternions are normalised, and must not be zero. Throws InputError with `what` and
+// the row.
 Trajectory TrajectoryOf(const py::object& rows, const char* what);
 
-// The N x 8 array of a trajectory.
 py::array_t<double> RowsOf(const Trajectory& trajectory);
 
-// An array that looks at memory of `owner` and keeps it alive: no copy, and not to be written.
+// Read-only array of memory of `owner`, without copy. The array keeps `owner` alive.
 template <typename T>
 py::array_t<T> ViewOf(const T* data, std::vector<py::ssize_t> shape, const py::object& owner) {
   py::array_t<T> view(std::move(shape), data, owner);
@@ -40,7 +41,7 @@ py::array_t<T> ViewOf(const T* data, std::vector<py::ssize_t> shape, const py::o
   return view;
 }
 
-// Makes such a view of rows of numbers: N x M, or N if each row is one number.
+// Read-only array of rows of numbers: N x M, or N if each row is one number.
 template <typename Scalar, typename Row>
 py::array_t<Scalar> RowsView(const std::vector<Row>& rows, const py::object& owner) {
   std::vector<py::ssize_t> shape = {static_cast<py::ssize_t>(rows.size())};
@@ -48,7 +49,7 @@ py::array_t<Scalar> RowsView(const std::vector<Row>& rows, const py::object& own
   return ViewOf(reinterpret_cast<const Scalar*>(rows.data()), shape, owner);
 }
 
-// Binds a field that holds such rows.
+// Binds a vector of such rows.
 template <typename Scalar, typename Owner, typename Struct, typename Row>
 void BindRows(py::class_<Owner>* owner, const char* name, std::vector<Row> Struct::*rows,
               const char* doc) {

@@ -10,14 +10,14 @@
 
 #include "bindings/pose_caster.h"
 
-// Gives the name of a field and the field, as def_readonly() takes them.
+// Name and pointer of a field, for def_readonly().
 #define FIELD(Struct, name) #name, &Struct::name
 
 namespace surfit::python {
 
 namespace py = pybind11;
 
-// Each of these adds one concept to the module, in the order in which they need one another.
+// Each function binds one topic, in the order of their dependencies.
 void BindErrors();
 void BindThreads(py::module_& module);
 void BindCamera(py::module_& module);

@@ -1,4 +1,3 @@
-// Cameras and the well-known ones.
 #include "bindings/bind.h"
 #include "bindings/options_class.h"
 #include "core/field_count.h"
@@ -13,55 +12,57 @@ static_assert(FieldCount<PinholeCamera>() == 7 && FieldCount<Disparity>() == 4 &
 
 void BindCamera(py::module_& module) {
   BindPlain<PinholeCamera>(module, "PinholeCamera",
-                           "A pinhole camera: u = fx x/z + cx, v = fy y/z + cy; x right, y down, z "
+                           "Pinhole camera: u = fx x/z + cx, v = fy y/z + cy; x right, y down, z "
                            "forward; the centre of the first pixel is (0, 0).")
-      .def_readwrite(FIELD(PinholeCamera, width), "px")
-      .def_readwrite(FIELD(PinholeCamera, height), "px")
-      .def_readwrite(FIELD(PinholeCamera, fx), "px")
-      .def_readwrite(FIELD(PinholeCamera, fy), "px; negative in files whose image y axis points up")
-      .def_readwrite(FIELD(PinholeCamera, cx), "px")
-      .def_readwrite(FIELD(PinholeCamera, cy), "px")
-      .def_readwrite(FIELD(PinholeCamera, distortion), "OpenCV's k1 k2 p1 p2 k3");
+      .def_readwrite(FIELD(PinholeCamera, width), "image width, px")
+      .def_readwrite(FIELD(PinholeCamera, height), "image height, px")
+      .def_readwrite(FIELD(PinholeCamera, fx), "focal length, px")
+      .def_readwrite(FIELD(PinholeCamera, fy),
+                     "focal length, px; negative if the image y axis points up")
+      .def_readwrite(FIELD(PinholeCamera, cx), "principal point, px")
+      .def_readwrite(FIELD(PinholeCamera, cy), "principal point, px")
+      .def_readwrite(FIELD(PinholeCamera, distortion), "distortion of OpenCV: k1 k2 p1 p2 k3");
 
   BindOptions<DepthNoise>(module, "DepthNoise",
                           "Noise of a depth sensor, constant in inverse depth.");
   BindOptions<CalibrationPrior>(module, "CalibrationPrior",
-                                "What is known of a calibration: standard deviations.");
+                                "Prior of a calibration: standard deviations.");
   BindPlain<Disparity>(module, "Disparity",
-                       "How disparities become depth: 1/z = (count - count_at_infinity) / "
+                       "Conversion of disparities to depth: 1/z = (count - count_at_infinity) / "
                        "(counts_per_px * focal_px * baseline_m).")
-      .def_readwrite(FIELD(Disparity, focal_px), "that the disparities were made with")
-      .def_readwrite(FIELD(Disparity, baseline_m), "metres; 0: depth images are no disparities")
-      .def_readwrite(FIELD(Disparity, counts_per_px),
-                     "negative where counts fall with the disparity")
-      .def_readwrite(FIELD(Disparity, count_at_infinity), "that is no depth's");
-  BindPlain<RgbdCamera>(module, "RgbdCamera",
-                        "A depth sensor: a depth camera with a colour camera beside it.")
-      .def_readwrite(FIELD(RgbdCamera, depth), "the depth camera")
-      .def_readwrite(FIELD(RgbdCamera, color), "the colour camera; unused if color_is_registered")
+      .def_readwrite(FIELD(Disparity, focal_px), "focal length used to compute the disparities, px")
+      .def_readwrite(FIELD(Disparity, baseline_m),
+                     "baseline, m; 0: depth images are not disparities")
+      .def_readwrite(
+          FIELD(Disparity, counts_per_px),
+          "raw values per pixel of disparity; negative if raw values decrease with the disparity")
+      .def_readwrite(FIELD(Disparity, count_at_infinity), "raw value at infinite depth");
+  BindPlain<RgbdCamera>(module, "RgbdCamera", "RGB-D sensor: a depth camera and a colour camera.")
+      .def_readwrite(FIELD(RgbdCamera, depth), "depth camera")
+      .def_readwrite(FIELD(RgbdCamera, color), "colour camera; unused if color_is_registered")
       .def_readwrite(FIELD(RgbdCamera, color_is_registered),
-                     "whether colour pixels see the same rays as depth pixels")
+                     "True if colour pixels are registered to depth pixels")
       .def_readwrite(FIELD(RgbdCamera, color_from_depth),
-                     "4 x 4, metres; unused if color_is_registered")
+                     "extrinsics, 4 x 4, m; unused if color_is_registered")
       .def_readwrite(FIELD(RgbdCamera, depth_units_per_metre),
-                     "counts of uint16 depth in a metre; unused where disparity is given")
-      .def_readwrite(FIELD(RgbdCamera, disparity), "how depth images of disparities become depth")
-      .def_readwrite(FIELD(RgbdCamera, noise), "of the depth")
-      .def_readwrite(FIELD(RgbdCamera, frames_per_second), "for files without stamps")
-      .def_readwrite(FIELD(RgbdCamera, latency_s),
-                     "how long before its stamp the middle of a depth frame's exposure and readout "
-                     "lies, seconds")
+                     "raw depth units per metre; unused with disparity")
+      .def_readwrite(FIELD(RgbdCamera, disparity), "conversion of disparity images to depth")
+      .def_readwrite(FIELD(RgbdCamera, noise), "depth noise")
+      .def_readwrite(FIELD(RgbdCamera, frames_per_second), "frame rate of files without timestamps")
+      .def_readwrite(
+          FIELD(RgbdCamera, latency_s),
+          "time from the middle of the exposure and readout of depth to the timestamp, s")
       .def_readwrite(FIELD(RgbdCamera, color_latency_s),
-                     "how much longer the middle of a colour frame's exposure and readout lies "
-                     "before its stamp, seconds")
-      .def_readwrite(FIELD(RgbdCamera, readout_s),
-                     "of a rolling shutter: from the first row that is read, at the top, to the "
-                     "last, seconds; 0: none")
-      .def_readwrite(FIELD(RgbdCamera, prior), "what is known of the other numbers");
+                     "latency of colour in addition to the latency of depth, s")
+      .def_readwrite(
+          FIELD(RgbdCamera, readout_s),
+          "time from the first row of a rolling shutter, at the top, to the last row, s; "
+          "0: global shutter")
+      .def_readwrite(FIELD(RgbdCamera, prior), "prior of the calibration");
 
   module.def("camera_preset", &CameraPreset, py::arg("name"),
-             "The camera of a well-known data set: see camera_preset_names().");
-  module.def("camera_preset_names", &CameraPresetNames, "The names that camera_preset() knows.");
+             "Camera of a public data set, see camera_preset_names().");
+  module.def("camera_preset_names", &CameraPresetNames, "Names of the camera presets.");
 }
 
 }  // namespace surfit::python

@@ -1,4 +1,3 @@
-// Point clouds: files, and registration.
 #include <filesystem>
 #include <optional>
 #include <utility>
@@ -25,7 +24,7 @@ PointCloud CloudOf(const py::object& points, const py::object& normals, const st
   return cloud;
 }
 
-// Returns nothing if there are no rows.
+// Returns std::nullopt without rows.
 template <typename Scalar, typename Row>
 std::optional<py::array_t<Scalar>> RowsOrNone(const py::object& cloud,
                                               std::vector<Row> PointCloud::*field) {
@@ -36,23 +35,23 @@ std::optional<py::array_t<Scalar>> RowsOrNone(const py::object& cloud,
 
 void BindPointCloud(py::module_& module) {
   py::class_<PointCloud> cloud(module, "PointCloud",
-                               "Points of a file. The arrays are views of its memory.");
+                               "Point cloud of a file. Arrays are views without copy.");
   BindRows<float>(&cloud, FIELD(PointCloud, points), "N x 3, float32, metres");
   cloud.def_property_readonly(
       "normals",
       [](const py::object& self) { return RowsOrNone<float>(self, &PointCloud::normals); },
-      "N x 3, float32; None without");
+      "N x 3, float32; None without normals");
   cloud.def_property_readonly(
       "colors",
       [](const py::object& self) { return RowsOrNone<std::uint8_t>(self, &PointCloud::colors); },
-      "N x 3, uint8, red first; None without");
+      "N x 3, uint8, red first; None without colours");
   module.def(
       "read_point_cloud",
       [](const std::filesystem::path& path) {
         const py::gil_scoped_release release;
         return ReadPointCloud(path.string());
       },
-      py::arg("path"), "Reads a PLY or PCD file. Coordinates come as they are, NaN included.");
+      py::arg("path"), "Reads a PLY or PCD file. NaN coordinates are kept.");
 }
 
 IcpResult RegisterPoints(PointCloud source, PointCloud target, const Rigid3d& start,
@@ -89,8 +88,8 @@ void BindClouds(py::module_& module) {
       py::arg("options") = RegisterCloudsOptions(), py::arg("sensor") = CloudSensor(),
       py::arg("normals") = CloudNormalOptions(),
       "Registers two clouds, N x 3 arrays in metres, by ICP with nearest neighbours, coarse to "
-      "fine, from a 4 x 4 pose (the identity if None). Points that are not finite are left out. "
-      "Normals are estimated where none are given.");
+      "fine. target_from_source: initial pose, 4 x 4; the identity if None. Points that are not "
+      "finite are removed. Normals are estimated if they are None.");
 }
 
 }  // namespace surfit::python

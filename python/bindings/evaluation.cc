@@ -1,4 +1,3 @@
-// Trajectories against ground truth.
 #include <algorithm>
 #include <filesystem>
 
@@ -12,22 +11,22 @@ namespace surfit::python {
 namespace {
 
 void BindErrors(py::module_& module) {
-  BindReport<ErrorStatistics>(module, "ErrorStatistics", "What is said of a set of errors.")
-      .def_readonly(FIELD(ErrorStatistics, count), "how many")
+  BindReport<ErrorStatistics>(module, "ErrorStatistics", "Statistics of a set of errors.")
+      .def_readonly(FIELD(ErrorStatistics, count), "number of errors")
       .def_readonly(FIELD(ErrorStatistics, rmse), "root mean square")
       .def_readonly(FIELD(ErrorStatistics, mean), "mean")
       .def_readonly(FIELD(ErrorStatistics, median), "median")
-      .def_readonly(FIELD(ErrorStatistics, p90), "90 % of the errors are at most this")
+      .def_readonly(FIELD(ErrorStatistics, p90), "90 % quantile")
       .def_readonly(FIELD(ErrorStatistics, max), "largest");
 
   BindReport<AbsoluteTrajectoryError>(
       module, "AbsoluteTrajectoryError",
-      "How far camera centres are off, once the estimate is placed as well as a rigid motion can.")
-      .def_readonly(FIELD(AbsoluteTrajectoryError, translation_m), "metres")
+      "Absolute trajectory error (ATE) of camera positions after rigid alignment.")
+      .def_readonly(FIELD(AbsoluteTrajectoryError, translation_m), "position error, m")
       .def_property_readonly(
           "ground_truth_from_estimate",
           [](const AbsoluteTrajectoryError& error) { return error.alignment.target_from_source; },
-          "4 x 4, metres")
+          "alignment, 4 x 4, m")
       .def_property_readonly(
           "rotation_is_unique",
           [](const AbsoluteTrajectoryError& error) {
@@ -45,11 +44,12 @@ void BindErrors(py::module_& module) {
                               "False if the path does not determine the fit")
                 .def_readonly(FIELD(MountFit, ate), "AbsoluteTrajectoryError of the true body");
           },
-          "False on a straight path: other rotations fit as well, with the same error");
+          "False for a straight path: the rotation of the alignment is not unique");
 
-  BindReport<RelativePoseError>(module, "RelativePoseError", "Drift over a fixed interval.")
-      .def_readonly(FIELD(RelativePoseError, translation_m), "metres")
-      .def_readonly(FIELD(RelativePoseError, rotation_deg), "degrees");
+  BindReport<RelativePoseError>(module, "RelativePoseError",
+                                "Relative pose error (RPE) over a fixed interval.")
+      .def_readonly(FIELD(RelativePoseError, translation_m), "translation error, m")
+      .def_readonly(FIELD(RelativePoseError, rotation_deg), "rotation error, degrees");
 }
 
 std::vector<double> StampsOf(const std::optional<std::vector<double>>& stamps_s,
@@ -65,14 +65,15 @@ std::vector<double> StampsOf(const std::optional<std::vector<double>>& stamps_s,
 void BindEvaluation(py::module_& module) {
   BindErrors(module);
   BindReport<TrajectoryEvaluation>(module, "TrajectoryEvaluation",
-                                   "All that is said of an estimated trajectory.")
+                                   "Errors of an estimated trajectory.")
       .def_readonly(FIELD(TrajectoryEvaluation, expected),
-                    "frames that should have a pose: those that the ground truth knows")
+                    "number of expected frames with ground truth")
       .def_readonly(FIELD(TrajectoryEvaluation, matched),
-                    "poses of the estimate that the ground truth knows")
+                    "number of estimated poses with ground truth")
       .def_readonly(FIELD(TrajectoryEvaluation, coverage), "matched / expected")
       .def_readonly(FIELD(TrajectoryEvaluation, ate), "None if fewer than 3 poses match")
-      .def_readonly(FIELD(TrajectoryEvaluation, rpe), "None if no two poses are delta apart");
+      .def_readonly(FIELD(TrajectoryEvaluation, rpe),
+                    "None if no two poses have a distance of delta");
 
   module.def(
       "evaluate",
@@ -86,13 +87,13 @@ void BindEvaluation(py::module_& module) {
       },
       py::arg("ground_truth"), py::arg("estimate"), py::arg("frame_stamps_s") = py::none(),
       py::arg("options") = TrajectoryEvaluationOptions(),
-      "ATE and RPE of a trajectory. Both are N x 8 arrays, stamp tx ty tz qx qy qz qw, or paths of "
-      "TUM files. frame_stamps_s are those of all frames that should have a pose; if None, the "
-      "ground truth's.");
+      "Computes ATE and RPE of a trajectory. Both trajectories are N x 8 arrays (stamp tx ty tz qx "
+      "qy qz qw) or paths of TUM files. frame_stamps_s: timestamps of all expected frames; None: "
+      "timestamps of the ground truth.");
   module.def(
       "read_trajectory",
       [](const std::filesystem::path& path) { return RowsOf(ReadTumTrajectory(path.string())); },
-      py::arg("path"), "Reads a TUM file: N x 8, stamp tx ty tz qx qy qz qw.");
+      py::arg("path"), "Reads a TUM file as an N x 8 array: stamp tx ty tz qx qy qz qw.");
 }
 
 }  // namespace surfit::python

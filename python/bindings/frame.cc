@@ -50,36 +50,39 @@ Frame FrameMaker::Make(const py::object& color, const py::array& depth, double s
 }
 
 void BindFrame(py::module_& module) {
-  py::class_<Frame>(module, "Frame",
-                    "A depth image with its colours, undistorted, in the pixels of one pinhole "
-                    "camera. The arrays are views of its memory.")
-      .def(py::init([](const py::object& color, const py::array& depth, const CameraChoice& camera,
-                       double stamp_s, int index, const PrepareOptions& prepare) {
-             return FrameMaker(CameraOf(camera), prepare).Make(color, depth, stamp_s, index);
-           }),
-           py::arg("color"), py::arg("depth"), py::arg("camera"), py::arg("stamp_s") = 0.,
-           py::arg("index") = 0, py::arg("prepare") = PrepareOptions(),
-           "From a height x width x 3 array of uint8 (red first) or None, and a height x width "
-           "array of integers (counts of 1 / depth_units_per_metre; 0 and 65535 are missing) or "
-           "floating-point numbers (metres). stamp_s is when they came: the camera's latency is "
-           "taken off it. The camera is a PinholeCamera, an RgbdCamera or a preset's name; where "
-           "fy < 0 the frame is mirrored: see Sequence.mirrored.")
-      .def_property_readonly("depth_m", &DepthView,
-                             "height x width, float32, metres along the optical axis; 0 = missing")
+  py::class_<Frame>(
+      module, "Frame",
+      "Undistorted depth image with colour in the pixels of one pinhole camera. Arrays "
+      "are views without copy.")
+      .def(
+          py::init([](const py::object& color, const py::array& depth, const CameraChoice& camera,
+                      double stamp_s, int index, const PrepareOptions& prepare) {
+            return FrameMaker(CameraOf(camera), prepare).Make(color, depth, stamp_s, index);
+          }),
+          py::arg("color"), py::arg("depth"), py::arg("camera"), py::arg("stamp_s") = 0.,
+          py::arg("index") = 0, py::arg("prepare") = PrepareOptions(),
+          "color: height x width x 3 array of uint8, red first, or None. depth: height x width "
+          "array of integers (units of 1 / depth_units_per_metre; 0 and 65535 are missing) or "
+          "floats (metres). stamp_s: timestamp; the latency of the camera is subtracted. camera: a "
+          "PinholeCamera, an RgbdCamera or the name of a preset. If fy < 0, the frame is mirrored, "
+          "see Sequence.mirrored.")
+      .def_property_readonly(
+          "depth_m", &DepthView,
+          "height x width, float32, depth along the optical axis in m; 0: missing")
       .def_property_readonly("color", &ColorView,
                              "height x width x 3, uint8, red first; None without colour; (0, 0, 0) "
-                             "where the colour camera does not see the depth pixel")
+                             "outside of the colour image")
       .def_property_readonly(
-          "camera", [](const Frame& frame) { return frame.sensor.camera; }, "of these pixels")
+          "camera", [](const Frame& frame) { return frame.sensor.camera; }, "camera of the pixels")
       .def_property_readonly(
-          "noise", [](const Frame& frame) { return frame.sensor.noise; }, "of the depth")
+          "noise", [](const Frame& frame) { return frame.sensor.noise; }, "depth noise")
       .def_readonly(FIELD(Frame, mirrored), "see Sequence.mirrored")
       .def_property_readonly(
           "stamp_s", [](const Frame& frame) { return frame.images.stamp_s; },
-          "the moment that depth shows, seconds: its stamp less the camera's latency")
+          "capture time of depth, s: timestamp minus latency_s of the camera")
       .def_property_readonly(
           "color_stamp_s", [](const Frame& frame) { return frame.images.color_stamp_s; },
-          "the same of colour, less the same latency")
+          "capture time of colour, s: timestamp minus latency_s and color_latency_s of the camera")
       .def_property_readonly(
           "index", [](const Frame& frame) { return frame.images.index; },
           "position in the sequence");

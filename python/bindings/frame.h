@@ -10,22 +10,22 @@
 
 namespace surfit::python {
 
-// A frame with the sensor that its pixels belong to.
+// Frame with the sensor of its pixels.
 struct Frame {
   RgbdFrame images;
   DepthSensor sensor;
   bool mirrored = false;  // see SequenceInfo::mirrored
 };
 
-// A preset's name, an RgbdCamera, or a PinholeCamera that depth and colour share.
+// Name of a preset, an RgbdCamera, or a PinholeCamera for both depth and colour.
 using CameraChoice = std::variant<std::string, RgbdCamera, PinholeCamera>;
 RgbdCamera CameraOf(const CameraChoice& camera);
 
-// Makes frames from arrays as a sequence does from files: undistorted, colour registered to depth,
-// and mirrored where fy < 0.
+// Creates frames from arrays like a sequence from files: undistorted, colour registered to depth,
+// and mirrored if fy < 0.
 class FrameMaker {
  public:
-  // Throws InputError for a bad camera or bad options.
+  // Throws InputError for an invalid camera or invalid options.
   FrameMaker(const RgbdCamera& camera, const PrepareOptions& options);
 
   DepthSensor sensor() const {
@@ -33,8 +33,8 @@ class FrameMaker {
   }
   bool mirrored() const { return mirrored_; }
 
-  // Arrays as for DepthOf() and ColorOf(). Holds the GIL only while it reads them. Throws
-  // InputError for arrays that are not of the camera's size.
+  // Arrays as in DepthOf() and ColorOf(). Releases the GIL after reading the arrays. Throws
+  // InputError if the image sizes differ from the camera.
   Frame Make(const py::object& color, const py::array& depth, double stamp_s, int index) const;
 
  private:

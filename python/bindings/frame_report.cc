@@ -1,4 +1,3 @@
-// What became of one frame.
 #include "bindings/bind.h"
 #include "bindings/options_class.h"
 #include "surfit/slam/slam.h"
@@ -7,25 +6,25 @@ namespace surfit::python {
 namespace {
 
 void BindFusionReport(py::module_& module) {
-  BindReport<FusionReport>(module, "FusionReport", "What the fusion of one frame did.")
+  BindReport<FusionReport>(module, "FusionReport", "Result of the fusion of a frame.")
       .def_readonly(FIELD(FusionReport, input_points), "pixels with depth and normal")
-      .def_readonly(FIELD(FusionReport, merged_points), "of those, that met a surfel")
+      .def_readonly(FIELD(FusionReport, merged_points), "input points merged with a surfel")
       .def_readonly(FIELD(FusionReport, covered_points),
-                    "points without one that a new surfel of a pixel beside stands for")
-      .def_readonly(FIELD(FusionReport, merged), "surfels updated")
-      .def_readonly(FIELD(FusionReport, added), "surfels")
-      .def_readonly(FIELD(FusionReport, refused), "surfels that max_map_points left no place for")
-      .def_readonly(FIELD(FusionReport, removed), "surfels");
+                    "input points covered by a new surfel of a neighbouring pixel")
+      .def_readonly(FIELD(FusionReport, merged), "updated surfels")
+      .def_readonly(FIELD(FusionReport, added), "added surfels")
+      .def_readonly(FIELD(FusionReport, refused), "surfels rejected because of max_map_points")
+      .def_readonly(FIELD(FusionReport, removed), "removed surfels");
 }
 
 void BindStageTimes(py::module_& module) {
-  BindReport<StageTimes>(module, "StageTimes", "Wall time spent in each stage, milliseconds.")
+  BindReport<StageTimes>(module, "StageTimes", "Wall time per stage, ms.")
       .def_readonly("preprocess_ms", &StageTimes::prepare_ms, "depth filter, normals, pyramid")
       .def_readonly(FIELD(StageTimes, predict_ms),
-                    "drawing the map, for this frame or ahead for the next")
+                    "rendering of the map, for this frame or in advance for the next frame")
       .def_readonly(FIELD(StageTimes, track_ms), "registration")
       .def_readonly(FIELD(StageTimes, fuse_ms), "fusion")
-      .def_readonly(FIELD(StageTimes, correct_ms), "of the map, by loops");
+      .def_readonly(FIELD(StageTimes, correct_ms), "map correction");
 }
 
 std::optional<Rigid3d> PoseOfReport(const FrameReport& report) {
@@ -38,23 +37,23 @@ std::optional<Rigid3d> PoseOfReport(const FrameReport& report) {
 void BindFrameReport(py::module_& module) {
   BindFusionReport(module);
   BindStageTimes(module);
-  BindReport<FrameReport>(module, "FrameReport", "What became of one frame.")
-      .def_readonly(FIELD(FrameReport, index), "the frame's")
-      .def_readonly(FIELD(FrameReport, stamp_s), "the frame's")
+  BindReport<FrameReport>(module, "FrameReport", "Result of a frame.")
+      .def_readonly(FIELD(FrameReport, index), "frame index")
+      .def_readonly(FIELD(FrameReport, stamp_s), "capture time of depth, s")
       .def_property_readonly(
           "state", [](const FrameReport& report) { return ToString(report.state); },
-          "first, tracked, degenerate (some directions as predicted), frozen (depth repeats the "
-          "last frame's), given (fused at a given pose), relocalised (found by a keyframe), "
-          "new_map (the first of a map apart), or lost: no pose, nothing fused")
+          "first, tracked, degenerate (unobservable directions keep the prediction), frozen (depth "
+          "is equal to the last frame), given (fused at a given pose), relocalised (found by a "
+          "keyframe), new_map (first frame of a new submap), or lost (no pose, not fused)")
       .def_property_readonly("world_from_camera", &PoseOfReport, "4 x 4, metres; None if lost")
-      .def_readonly(FIELD(FrameReport, has_own_view), "the map was drawn for it")
+      .def_readonly(FIELD(FrameReport, has_own_view), "True if the map was rendered for this frame")
       .def_readonly(FIELD(FrameReport, is_held_out),
-                    "it is left out of the map (SlamOptions.hold_out)")
-      .def_readonly(FIELD(FrameReport, is_fused), "into the map")
-      .def_readonly(FIELD(FrameReport, found_again), "tracked after a jump")
-      .def_readonly(FIELD(FrameReport, icp), "of a tracked or lost frame")
-      .def_readonly(FIELD(FrameReport, fusion), "what it did to the map")
-      .def_readonly(FIELD(FrameReport, times), "of the stages");
+                    "True if the frame is excluded from the map (SlamOptions.hold_out)")
+      .def_readonly(FIELD(FrameReport, is_fused), "True if the frame was fused")
+      .def_readonly(FIELD(FrameReport, found_again), "True if the frame was tracked after a jump")
+      .def_readonly(FIELD(FrameReport, icp), "registration of a tracked or lost frame")
+      .def_readonly(FIELD(FrameReport, fusion), "result of the fusion")
+      .def_readonly(FIELD(FrameReport, times), "times of the stages");
 }
 
 }  // namespace surfit::python

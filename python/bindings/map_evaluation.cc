@@ -1,4 +1,4 @@
-// Maps against surfaces, and against what the camera saw.
+// Evaluation of maps: distance to a reference surface, and rendered views.
 #include "apps/evaluate/view_evaluation.h"
 #include "bindings/arrays.h"
 #include "bindings/bind.h"
@@ -11,15 +11,15 @@ namespace surfit::python {
 namespace {
 
 void BindMapError(py::module_& module) {
-  BindReport<MapError>(module, "MapError", "How near a map is to a surface, and how much it holds.")
+  BindReport<MapError>(module, "MapError", "Accuracy and completeness of a map.")
       .def_readonly(FIELD(MapError, accuracy_m),
-                    "from each map point to the nearest reference point, metres")
+                    "distances from map points to the nearest reference points, m")
       .def_readonly(FIELD(MapError, plane_accuracy_m),
-                    "to that point's plane, metres; None where the reference has no normals")
+                    "distances to the planes of these points, m; None without reference normals")
       .def_readonly(FIELD(MapError, completeness),
-                    "share of the reference with a map point near by")
-      .def_readonly(FIELD(MapError, map_points), "that are finite")
-      .def_readonly(FIELD(MapError, reference_points), "that are finite");
+                    "ratio of reference points with a map point nearby")
+      .def_readonly(FIELD(MapError, map_points), "number of finite map points")
+      .def_readonly(FIELD(MapError, reference_points), "number of finite reference points");
   module.def(
       "evaluate_map",
       [](const py::object& map, const py::object& reference, const py::object& reference_normals,
@@ -33,34 +33,35 @@ void BindMapError(py::module_& module) {
       },
       py::arg("map"), py::arg("reference"), py::arg("reference_normals") = py::none(),
       py::arg("options") = MapErrorOptions(),
-      "Compares the points of a map with those of a reference surface, N x 3 arrays in metres in "
-      "one frame.");
+      "Compares the points of a map with a reference surface: N x 3 arrays in metres, in the same "
+      "frame.");
 }
 
 void BindViewError(py::module_& module) {
   BindReport<ViewError>(module, "ViewError",
-                        "How a map, drawn from a frame's pose, differs from it.")
-      .def_readonly(FIELD(ViewError, psnr_covered_db), "over what the map covers")
+                        "Difference between a frame and the map rendered from its pose.")
+      .def_readonly(FIELD(ViewError, psnr_covered_db), "over pixels covered by the map")
       .def_readonly(FIELD(ViewError, psnr_covered_by_gain_db),
-                    "the same with a gain of its own for each channel of a view")
+                    "over covered pixels, with a gain per view and channel")
       .def_readonly(FIELD(ViewError, psnr_registered_db),
-                    "over what the map covers from where the frame's colours fit it best")
-      .def_readonly(FIELD(ViewError, ssim_registered), "likewise")
-      .def_readonly(FIELD(ViewError, ssim_covered), "over what the map covers")
+                    "over covered pixels, from the pose registered by colour")
+      .def_readonly(FIELD(ViewError, ssim_registered),
+                    "over covered pixels, from the pose registered by colour")
+      .def_readonly(FIELD(ViewError, ssim_covered), "over covered pixels")
       .def_readonly(FIELD(ViewError, psnr_db), "over all pixels")
       .def_readonly(FIELD(ViewError, ssim), "over all pixels")
-      .def_readonly(FIELD(ViewError, coverage), "share of the pixels")
-      .def_readonly(FIELD(ViewError, depth_error_median_m), "of drawn depth")
-      .def_readonly(FIELD(ViewError, depth_error_mean_m), "of drawn depth");
-  BindReport<JudgedView>(module, "JudgedView", "A view of the map.")
-      .def_readonly(FIELD(JudgedView, frame), "index")
-      .def_readonly(FIELD(JudgedView, error), "how far it is from the frame");
-  BindReport<ViewEvaluation>(module, "ViewEvaluation", "How much a map looks like what was seen.")
-      .def_readonly(FIELD(ViewEvaluation, held_out), "the frames were left out of the map")
-      .def_readonly(FIELD(ViewEvaluation, views), "one for each frame judged by")
-      .def_readonly(FIELD(ViewEvaluation, mean), "of the views")
-      .def_readonly(FIELD(ViewEvaluation, without_color), "frames left out")
-      .def_readonly(FIELD(ViewEvaluation, worst_view), "its picture; empty without one");
+      .def_readonly(FIELD(ViewError, coverage), "ratio of covered pixels")
+      .def_readonly(FIELD(ViewError, depth_error_median_m), "error of rendered depth, m")
+      .def_readonly(FIELD(ViewError, depth_error_mean_m), "error of rendered depth, m");
+  BindReport<JudgedView>(module, "JudgedView", "Evaluated view of the map.")
+      .def_readonly(FIELD(JudgedView, frame), "frame index")
+      .def_readonly(FIELD(JudgedView, error), "difference to the frame");
+  BindReport<ViewEvaluation>(module, "ViewEvaluation", "Evaluation of a map by rendered views.")
+      .def_readonly(FIELD(ViewEvaluation, held_out), "True if the frames are not part of the map")
+      .def_readonly(FIELD(ViewEvaluation, views), "one view per evaluated frame")
+      .def_readonly(FIELD(ViewEvaluation, mean), "mean errors")
+      .def_readonly(FIELD(ViewEvaluation, without_color), "skipped frames")
+      .def_readonly(FIELD(ViewEvaluation, worst_view), "picture of the worst view; empty: none");
   module.def(
       "evaluate_views",
       [](const ViewEvaluationOptions& options, const py::object& progress) {
@@ -69,8 +70,8 @@ void BindViewError(py::module_& module) {
         });
       },
       py::arg("options"), py::arg("progress") = py::none(),
-      "Judges the run that the options name by views of its map, and writes what "
-      "surfit_evaluate --what=views writes. progress is called with the number of views done.");
+      "Evaluates the run of the options by rendered views of its map, and writes the files of "
+      "surfit_evaluate --what=views. Calls progress(number of views).");
 }
 
 }  // namespace

@@ -1,4 +1,3 @@
-// Triangle meshes of maps.
 #include <filesystem>
 
 #include "bindings/arrays.h"
@@ -10,22 +9,21 @@
 namespace surfit::python {
 namespace {
 
-// A mesh and how it was made.
 struct MadeMesh : TriangleMesh {
   MeshSummary summary;
 };
 
 void BindMeshSummary(py::module_& module) {
-  BindReport<MeshSummary>(module, "MeshSummary", "What was made of a cloud.")
-      .def_readonly(FIELD(MeshSummary, pieces), "that are left")
-      .def_readonly(FIELD(MeshSummary, pieces_dropped), "below min_piece_m")
-      .def_readonly(FIELD(MeshSummary, triangles_dropped), "of these")
+  BindReport<MeshSummary>(module, "MeshSummary", "Statistics of a mesh.")
+      .def_readonly(FIELD(MeshSummary, pieces), "connected pieces of the mesh")
+      .def_readonly(FIELD(MeshSummary, pieces_dropped), "removed pieces smaller than min_piece_m")
+      .def_readonly(FIELD(MeshSummary, triangles_dropped), "triangles of removed pieces")
       .def_readonly(FIELD(MeshSummary, triangles_found), "before decimation")
-      .def_readonly(FIELD(MeshSummary, decimation_m), "that it moved the surface by")
+      .def_readonly(FIELD(MeshSummary, decimation_m), "motion of the surface by decimation, m")
       .def_readonly(FIELD(MeshSummary, median_distance_m),
-                    "from the points to the mesh before decimation")
-      .def_readonly(FIELD(MeshSummary, p90_distance_m), "nine tenths are no farther")
-      .def_readonly(FIELD(MeshSummary, covered), "share of points with mesh within 3 cells");
+                    "median distance from the points to the mesh before decimation")
+      .def_readonly(FIELD(MeshSummary, p90_distance_m), "90 % quantile of these distances")
+      .def_readonly(FIELD(MeshSummary, covered), "ratio of points with a surface within 3 cells");
 }
 
 }  // namespace
@@ -33,14 +31,15 @@ void BindMeshSummary(py::module_& module) {
 void BindMesh(py::module_& module) {
   BindMeshSummary(module);
   py::class_<MadeMesh> mesh(module, "TriangleMesh",
-                            "A surface. The arrays are views of its memory.");
+                            "Triangle mesh. Arrays are views without copy.");
   BindRows<float>(&mesh, FIELD(TriangleMesh, vertices), "N x 3, float32, metres");
-  BindRows<float>(&mesh, FIELD(TriangleMesh, normals), "N x 3, float32, to the side that was seen");
+  BindRows<float>(&mesh, FIELD(TriangleMesh, normals), "N x 3, float32, towards the observer");
   BindRows<std::uint8_t>(&mesh, FIELD(TriangleMesh, colors),
-                         "N x 3, uint8, red first; empty without");
-  BindRows<std::uint32_t>(&mesh, FIELD(TriangleMesh, triangles),
-                          "M x 3, uint32: vertices, counterclockwise from the side that was seen");
-  mesh.def_readonly(FIELD(MadeMesh, summary), "how it was made")
+                         "N x 3, uint8, red first; empty without colours");
+  BindRows<std::uint32_t>(
+      &mesh, FIELD(TriangleMesh, triangles),
+      "M x 3, uint32: vertex indices, counterclockwise as seen by the observer");
+  mesh.def_readonly(FIELD(MadeMesh, summary), "statistics")
       .def(
           "write",
           [](const MadeMesh& made, const std::filesystem::path& path) {
@@ -66,8 +65,8 @@ void BindMesh(py::module_& module) {
         });
       },
       py::arg("cloud"), py::arg("options") = MeshOptions(), py::arg("progress") = py::none(),
-      "The surface of a map (read_point_cloud('map.ply')) or of another cloud with normals. "
-      "progress is called with what is being done and the share of all that is done.");
+      "Creates a mesh of a map (read_point_cloud('map.ply')) or of another cloud with normals. "
+      "Calls progress(stage, completed ratio).");
 }
 
 }  // namespace surfit::python

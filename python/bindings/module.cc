@@ -1,10 +1,10 @@
-// The extension module surfit._surfit; surfit/__init__.py makes it the package.
+// Extension module surfit._surfit. surfit/__init__.py exports it as the package.
 #include "bindings/bind.h"
 #include "core/shared_options.h"
 
 PYBIND11_MODULE(_surfit, module) {
   using namespace surfit::python;
-  // Classes and functions are known by the package's name, not by this module's.
+  // Classes and functions have the name of the package, not of this module.
   const py::object name = module.attr("__name__");
   module.attr("__name__") = "surfit";
   BindErrors();

@@ -43,11 +43,10 @@ std::map<std::type_index, FieldType>& FieldTypes() {
   return types;
 }
 
-// A field of options.
 struct Field {
   const std::type_info* type = nullptr;
   void* address = nullptr;
-  OptionText* text = nullptr;  // where its type is not known
+  OptionText* text = nullptr;  // set if the type has no FieldType
 };
 
 Field FieldOf(const OptionValue& value) {
@@ -64,7 +63,7 @@ Field FieldOf(const OptionValue& value) {
       value);
 }
 
-// Calls a function for each field of one struct, parts included but not what is in them.
+// Calls a function for each field of a struct. A part is a field; its own fields are not visited.
 class FieldVisitor final : public OptionVisitor {
  public:
   using Function = std::function<void(const Option&, const Field&)>;
@@ -99,7 +98,7 @@ py::object Get(const Field& field, py::handle options) {
   return FieldTypes().at(*field.type).get(field.address, options);
 }
 
-// Paths are texts as well.
+// Paths are accepted as texts.
 void Set(const std::string& name, const Field& field, const py::object& value) {
   try {
     const bool is_path = py::hasattr(value, "__fspath__");
@@ -166,7 +165,7 @@ void AddFieldType(std::type_index type, FieldType field_type) {
 void AddProperties(py::object options_class, const OptionTable& defaults,
                    const std::function<OptionTable(py::handle)>& table_of) {
   py::options docstrings;
-  docstrings.disable_function_signatures();  // they would not tell the fields' types
+  docstrings.disable_function_signatures();  // they do not contain the types of the fields
   const py::object property = py::module_::import("builtins").attr("property");
   const auto class_name = options_class.attr("__name__").cast<std::string>();
   const std::string self = "(self: surfit." + class_name;
@@ -199,7 +198,7 @@ py::dict PropertiesOf(const py::object& object) {
     if (!py::isinstance(name_and_member[1], property)) continue;
     const py::object name = name_and_member[0];
     const py::object value = object.attr(name);
-    // Parts of options are references, which would end with the whole.
+    // Parts of options are references, which must not outlive the whole.
     properties[name] = py::hasattr(value, "__copy__") ? copy(value) : value;
   }
   return properties;

@@ -9,52 +9,52 @@
 
 namespace surfit::python {
 
-// "Name(a=1, b='x')", of all properties of the object's class.
+// Text "Name(a=1, b='x')" with all properties.
 std::string ReprOfOptions(const py::object& options);
 
-// "Name(a=1, b='x')", of the properties that are a number, a text, a switch or None: the others may
-// be long.
+// Text "Name(a=1, b='x')" with the properties that are numbers, strings, bools or None. Other
+// properties may be long.
 std::string ReprOfReport(const py::object& report);
 
-// The properties by their names, copied.
+// Copies of the properties, by name.
 py::dict PropertiesOf(const py::object& object);
 
-// What pickle is to do: the same properties come back as a types.SimpleNamespace.
+// Support of pickle: a report is restored as a types.SimpleNamespace with the same properties.
 py::tuple ReductionOf(const py::object& report);
 
 // Makes old names of attributes (PresentName()) work, with a DeprecationWarning.
 void AddOldNames(py::object python_class);
 
-// What a program says of a frame, a run, ...: Python can print it and, as plain numbers, keep it.
+// Binds a result (of a frame, a run, ...), with repr() and pickle support.
 template <typename T>
 py::class_<T> BindReport(py::module_& module, const char* name, const char* doc) {
   py::class_<T> report(module, name, doc);
   report.def("__repr__", &ReprOfReport);
   report.def("__reduce__", &ReductionOf,
-             "Pickled, it comes back as a types.SimpleNamespace of the same attributes.");
+             "Pickle restores a types.SimpleNamespace with the same attributes.");
   AddOldNames(report);
   return report;
 }
 
-// Sets the named options. Throws TypeError for a name that is none.
+// Sets options by name. Throws TypeError for an unknown name.
 void SetOptions(const py::kwargs& values, py::object options);
 
-// How Python sees a field of some type.
+// Conversion of fields of a type between C++ and Python.
 struct FieldType {
-  std::string name;  // in docstrings
+  std::string name;  // type in docstrings
   std::function<py::object(void* field, py::handle options)> get;
   std::function<void(void* field, py::handle value)> set;
 };
 
-// Of types that are neither plain nor known here Python sees the text.
+// Registers a type. Fields of types without registration are strings in Python.
 void AddFieldType(std::type_index type, FieldType field_type);
 
-// Makes each option of the table a property; `table_of` binds the table to an object.
+// Adds each option of the table as a property. `table_of` returns the table of an object.
 void AddProperties(py::object options_class, const OptionTable& defaults,
                    const std::function<OptionTable(py::handle)>& table_of);
 
-// A struct of options as a part of nothing but its class: it may lack what is required, as that may
-// be set later.
+// Options with the name of their class, for validation. Required options may be missing, because
+// they can be set later.
 template <typename T>
 struct NamedOptions {
   T* options;
@@ -63,15 +63,15 @@ struct NamedOptions {
   void Visit(OptionVisitor& v) { v.AddPart(*options, Option(name, "", OptionalPart())); }
 };
 
-// Throws InputError naming class, option, value and constraint.
+// Throws InputError with class, option, value and constraint.
 template <typename T>
 void RequireValues(T* options, const std::string& name) {
   NamedOptions<T> named = {options, name};
   ValidateTable(TableOf(&named));
 }
 
-// A plain struct as a Python class that is made from keywords, which `check` may refuse; its
-// attributes are added later.
+// Binds a plain struct, which Python constructs from keywords. `check` may reject them. Attributes
+// are added later.
 template <typename T>
 py::class_<T> BindPlain(
     py::module_& module, const char* name, const char* doc,
@@ -84,7 +84,7 @@ py::class_<T> BindPlain(
               check(&options, name);
               return options;
             }),
-            "Defaults, but for the options named.");
+            "Default values, except for the given keywords.");
   plain.def("__repr__", &ReprOfOptions);
   plain.def(py::pickle([](const py::object& options) { return PropertiesOf(options); },
                        [](const py::dict& values) {
@@ -109,7 +109,7 @@ py::class_<T> BindPlain(
   return plain;
 }
 
-// A struct of options, its attributes by its table.
+// Binds a struct of options. Its table defines the attributes.
 template <typename T>
 void BindOptions(py::module_& module, const char* name, const char* doc) {
   namespace py = pybind11;
@@ -119,7 +119,7 @@ void BindOptions(py::module_& module, const char* name, const char* doc) {
                 [](py::handle options) { return TableOf(options.cast<T*>()); });
   options_class.def(
       "validate", [](const T& options) { Validate(options); },
-      "Raises ValueError naming an option, its value and the constraint it breaks.");
+      "Raises ValueError with the first invalid option, its value and its constraint.");
 }
 
 }  // namespace surfit::python

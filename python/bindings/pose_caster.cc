@@ -15,7 +15,7 @@ Rigid3d PoseOf(const py::array_t<double>& matrix) {
   for (int row = 0; row < 4; ++row) {
     for (int column = 0; column < 4; ++column) m(row, column) = matrix.at(row, column);
   }
-  // What single precision leaves of a rotation matrix is within 1e-6 of one.
+  // A rotation matrix in single precision has errors of about 1e-6.
   constexpr double kTolerance = 1e-5;
   const Eigen::Matrix3d rotation = m.topLeftCorner<3, 3>();
   const bool is_rigid =
@@ -23,7 +23,8 @@ Rigid3d PoseOf(const py::array_t<double>& matrix) {
       (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).norm() < kTolerance &&
       rotation.determinant() > 0;
   ThrowIf(!is_rigid,
-          "pose is not a rigid motion: must be a rotation and a translation above (0, 0, 0, 1)");
+          "pose is not a rigid motion: must be a rotation and a translation, with (0, 0, 0, 1) as "
+          "last row");
   return Rigid3d(rotation, Eigen::Vector3d(m.topRightCorner<3, 1>()));
 }
 

@@ -7,10 +7,10 @@
 
 namespace surfit::python {
 
-// The pose of a 4 x 4 matrix. Throws InputError unless it is a rigid motion.
+// Pose of a 4 x 4 matrix. Throws InputError if the matrix is not a rigid motion.
 Rigid3d PoseOf(const pybind11::array_t<double>& matrix);
 
-// The 16 numbers of its 4 x 4 matrix, row by row.
+// Writes the 16 values of the 4 x 4 matrix, row by row.
 void WriteMatrix(const Rigid3d& pose, double* numbers);
 pybind11::array_t<double> MatrixOf(const Rigid3d& pose);
 

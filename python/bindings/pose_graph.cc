@@ -1,4 +1,3 @@
-// Pose graphs.
 #include <algorithm>
 #include <filesystem>
 
@@ -49,34 +48,33 @@ std::vector<std::int64_t> IdsOf(const PoseGraph& graph) {
 
 void BindGraphSummary(py::module_& module) {
   using Summary = PoseGraphSummary;
-  BindReport<Summary>(module, "PoseGraphSummary", "The outcome of an optimisation.")
-      .def_property_readonly("succeeded", &Summary::Succeeded, "whether the poses were moved")
+  BindReport<Summary>(module, "PoseGraphSummary", "Result of an optimisation.")
+      .def_property_readonly("succeeded", &Summary::Succeeded, "True if the poses were optimised")
       .def_property_readonly(
           "termination", [](const Summary& s) { return ToString(s.termination); },
           "converged, max_iterations; or failed")
-      .def_readonly(FIELD(Summary, sparse_backend), "the solver of sparse systems")
-      .def_readonly(FIELD(Summary, given_cost), "as it came, all edges")
-      .def_readonly(FIELD(Summary, initial_cost), "where it began, all edges")
-      .def_readonly(FIELD(Summary, final_cost), "in the end, of the edges that count")
-      .def_readonly(FIELD(Summary, round_count), "solves")
-      .def_readonly(FIELD(Summary, held_count), "poses that were not moved")
-      .def_readonly(FIELD(Summary, loop_count), "edges that may be wrong")
-      .def_readonly(FIELD(Summary, outlier_edges),
-                    "loops left out as wrong: indices of edges in their order")
-      .def_readonly(FIELD(Summary, initialize_ms), "wall time")
-      .def_readonly(FIELD(Summary, solve_ms), "wall time");
+      .def_readonly(FIELD(Summary, sparse_backend), "solver of sparse systems")
+      .def_readonly(FIELD(Summary, given_cost), "cost of the input, all edges")
+      .def_readonly(FIELD(Summary, initial_cost), "cost after initialisation, all edges")
+      .def_readonly(FIELD(Summary, final_cost), "final cost, without outlier edges")
+      .def_readonly(FIELD(Summary, round_count), "number of solves")
+      .def_readonly(FIELD(Summary, held_count), "number of fixed poses")
+      .def_readonly(FIELD(Summary, loop_count), "number of loop edges")
+      .def_readonly(FIELD(Summary, outlier_edges), "rejected loops: indices of edges, ascending")
+      .def_readonly(FIELD(Summary, initialize_ms), "wall time of the initialisation, ms")
+      .def_readonly(FIELD(Summary, solve_ms), "wall time of the solver, ms");
 }
 
 }  // namespace
 
 void BindPoseGraph(py::module_& module) {
   BindGraphSummary(module);
-  py::class_<PoseGraph>(module, "PoseGraph", "Poses and what was measured between them.")
-      .def(py::init<>(), "Without poses.")
+  py::class_<PoseGraph>(module, "PoseGraph", "Poses and relative pose measurements.")
+      .def(py::init<>(), "Empty pose graph.")
       .def_static(
           "read", [](const std::filesystem::path& path) { return ReadG2o(path.string()).graph; },
           py::arg("path"),
-          "Reads a .g2o file; edges between ids that do not follow one another are loops.")
+          "Reads a .g2o file. Edges between ids that are not consecutive are loops.")
       .def(
           "write",
           [](const PoseGraph& graph, const std::filesystem::path& path) {
@@ -89,7 +87,7 @@ void BindPoseGraph(py::module_& module) {
             graph.poses.push_back({id, world_from_pose, fixed});
           },
           py::arg("id"), py::arg("world_from_pose"), py::arg("fixed") = false,
-          "Adds a pose, 4 x 4; fixed: it is known, and never moved.")
+          "Adds a pose, 4 x 4. A fixed pose is not optimised.")
       .def(
           "add_edge",
           [](PoseGraph& graph, std::int64_t a, std::int64_t b, const Rigid3d& a_from_b,
@@ -97,13 +95,14 @@ void BindPoseGraph(py::module_& module) {
              bool loop) { AddEdge(&graph, a, b, a_from_b, information, loop); },
           py::arg("a"), py::arg("b"), py::arg("a_from_b"), py::arg("information") = py::none(),
           py::arg("loop") = false,
-          "Adds a measurement between the poses of two ids, 4 x 4. information is 6 x 6, of the "
-          "left increment (rotation, translation), as IcpResult's; the identity if None. A loop "
-          "may be wrong.")
-      .def_property_readonly("ids", &IdsOf, "of the poses, in their order")
+          "Adds a relative pose measurement, 4 x 4, between the poses of two ids. information: 6 x "
+          "6, for the left perturbation (rotation, translation), as in IcpResult; the identity if "
+          "None. A loop may be rejected as outlier.")
+      .def_property_readonly("ids", &IdsOf, "ids of the poses")
       .def_property_readonly("poses", &PosesOf, "N x 4 x 4, world from pose, metres")
       .def_property_readonly(
-          "edge_count", [](const PoseGraph& graph) { return graph.edges.size(); }, "measurements")
+          "edge_count", [](const PoseGraph& graph) { return graph.edges.size(); },
+          "number of measurements")
       .def_property_readonly("cost", &Cost, "half the sum of the squared errors of all edges")
       .def(
           "optimize",
@@ -111,7 +110,7 @@ void BindPoseGraph(py::module_& module) {
             const py::gil_scoped_release release;
             return OptimizePoseGraph(options, &graph);
           },
-          py::arg("options") = PoseGraphOptions(), "Moves the poses to the least cost.")
+          py::arg("options") = PoseGraphOptions(), "Optimises the poses.")
       .def("__repr__", [](const PoseGraph& graph) {
         return Concat("<surfit.PoseGraph of ", graph.poses.size(), " poses and ",
                       graph.edges.size(), " edges>");

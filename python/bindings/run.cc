@@ -1,4 +1,4 @@
-// Whole runs with all their files, as surfit_slam makes them.
+// SLAM runs with all their files, like surfit_slam.
 #include <atomic>
 
 #include "bindings/bind.h"
@@ -9,61 +9,63 @@ namespace surfit::python {
 namespace {
 
 void BindRunProgress(py::module_& module) {
-  BindReport<SlamRunProgress>(module, "SlamRunProgress", "How far a run has come.")
-      .def_readonly(FIELD(SlamRunProgress, frames_done), "frames")
-      .def_readonly(FIELD(SlamRunProgress, frames_total), "frames")
-      .def_readonly(FIELD(SlamRunProgress, map_points), "surfels")
-      .def_readonly(FIELD(SlamRunProgress, elapsed_s), "since the run began")
-      .def_readonly(FIELD(SlamRunProgress, frames_fused_anew), "of the final map");
+  BindReport<SlamRunProgress>(module, "SlamRunProgress", "Progress of a run.")
+      .def_readonly(FIELD(SlamRunProgress, frames_done), "processed frames")
+      .def_readonly(FIELD(SlamRunProgress, frames_total), "all frames; -1: unknown")
+      .def_readonly(FIELD(SlamRunProgress, map_points), "surfels of the map")
+      .def_readonly(FIELD(SlamRunProgress, elapsed_s), "time since the start, s")
+      .def_readonly(FIELD(SlamRunProgress, frames_fused_anew), "frames fused into the final map");
 }
 
 void BindRunSummary(py::module_& module) {
   using Summary = SlamRunSummary;
-  BindReport<Summary>(module, "SlamRunSummary", "The outcome of a run: see summary.json for times.")
-      .def_readonly(FIELD(Summary, frames_total), "read or attempted")
-      .def_readonly(FIELD(Summary, frames_tracked), "all but lost and skipped ones")
-      .def_readonly(FIELD(Summary, frames_lost), "not registered")
+  BindReport<Summary>(module, "SlamRunSummary",
+                      "Result of a run. The times of stages are in summary.json.")
+      .def_readonly(FIELD(Summary, frames_total), "frames read or attempted")
+      .def_readonly(FIELD(Summary, frames_tracked), "all frames except lost and skipped frames")
+      .def_readonly(FIELD(Summary, frames_lost), "lost frames")
       .def_readonly(FIELD(Summary, frames_with_motion),
-                    "tracked ones, of whose points more than a tenth move by themselves")
+                    "tracked frames with more than 10 % moving points")
       .def_readonly(FIELD(Summary, frames_confirmed),
-                    "of those lost, the ones that the next frame has given a pose")
+                    "lost frames whose pose was confirmed by the next frame")
       .def_readonly(FIELD(Summary, frames_lost_in_motion),
-                    "lost ones, where such a one is the last that was tracked")
+                    "lost frames whose last tracked frame has moving objects")
       .def_readonly(FIELD(Summary, frames_apart),
-                    "of whose views parts move apart: the camera may be seen against what moves")
-      .def_readonly(FIELD(Summary, frames_fused), "into the map")
-      .def_readonly(FIELD(Summary, frames_skipped), "that could not be read")
-      .def_readonly(FIELD(Summary, frames_dropped), "offered, but not taken in time")
+                    "frames with two motions: the camera may be registered to a moving object")
+      .def_readonly(FIELD(Summary, frames_fused), "fused frames")
+      .def_readonly(FIELD(Summary, frames_skipped), "unreadable frames")
+      .def_readonly(FIELD(Summary, frames_dropped), "frames dropped because the run was too slow")
       .def_readonly(FIELD(Summary, frames_hurried),
-                    "offered too fast: fewer of them were fused than map_period says")
-      .def_readonly(FIELD(Summary, longest_map_period),
-                    "at the worst one of so many frames was fused; 0 where none are offered")
-      .def_readonly(FIELD(Summary, pauses), "that a camera was unplugged, and came back")
-      .def_readonly(FIELD(Summary, paused_s), "in all")
+                    "frames that arrived too fast: fewer were fused than map_period requires")
+      .def_readonly(
+          FIELD(Summary, longest_map_period),
+          "largest number of frames per fused frame; 0 unless frames arrive at sensor rate")
+      .def_readonly(FIELD(Summary, pauses), "number of disconnections of the camera")
+      .def_readonly(FIELD(Summary, paused_s), "total time of disconnections, s")
       .def_readonly(FIELD(Summary, frames_without_intensities),
-                    "tracked by their shapes alone though intensities were asked for")
-      .def_readonly(FIELD(Summary, input_points), "pixels of all frames read")
-      .def_readonly(FIELD(Summary, input_points_valid), "of those, with depth")
-      .def_readonly(FIELD(Summary, updated), "surfels, summed over all frames")
-      .def_readonly(FIELD(Summary, added), "surfels, summed over all frames")
-      .def_readonly(FIELD(Summary, removed), "surfels, summed over all frames")
+                    "frames tracked without intensities although they were requested")
+      .def_readonly(FIELD(Summary, input_points), "pixels of all frames")
+      .def_readonly(FIELD(Summary, input_points_valid), "pixels with depth")
+      .def_readonly(FIELD(Summary, updated), "updated surfels, sum over all frames")
+      .def_readonly(FIELD(Summary, added), "added surfels, sum over all frames")
+      .def_readonly(FIELD(Summary, removed), "removed surfels, sum over all frames")
       .def_readonly(FIELD(Summary, map_points), "surfels at the end")
       .def_readonly(FIELD(Summary, compression_ratio), "input_points / map_points")
-      .def_readonly(FIELD(Summary, evaluation), "None without ground truth")
+      .def_readonly(FIELD(Summary, evaluation), "errors; None without ground truth")
       .def_readonly(FIELD(Summary, sensor_latency_s),
-                    "that poses are earlier than the files' stamps")
+                    "latency subtracted from the timestamps of the files, s")
       .def_readonly(FIELD(Summary, ate_without_latency),
-                    "the absolute error if poses had the files' stamps; None without ground truth")
+                    "ATE with the timestamps of the files; None without ground truth")
       .def_readonly(FIELD(Summary, mount),
                     "MountFit with the option fit_mount and ground truth, else None")
-      .def_readonly(FIELD(Summary, total_s), "wall time")
+      .def_readonly(FIELD(Summary, total_s), "wall time, s")
       .def_readonly(FIELD(Summary, final_map_s),
-                    "of it to fuse the map anew; None where it was not")
-      .def_readonly(FIELD(Summary, peak_rss_bytes), "of the process")
-      .def_readonly(FIELD(Summary, digest), "of trajectory and map: see Slam.digest");
+                    "time for the final map, s; None without final map")
+      .def_readonly(FIELD(Summary, peak_rss_bytes), "peak memory of the process")
+      .def_readonly(FIELD(Summary, digest), "hash of trajectory and map, see Slam.digest");
 }
 
-// A signal or an exception of `progress` ends the run, which writes all its files first.
+// After a signal or an exception of `progress`, the run ends and writes all files.
 SlamRunSummary RunInterruptibly(const SlamRunOptions& options, const py::object& progress) {
   std::atomic<bool> interrupted{false};
   std::optional<py::error_already_set> error;
@@ -97,10 +99,11 @@ void BindRun(py::module_& module) {
         return RunInterruptibly(options, progress);
       },
       py::arg("options"), py::arg("progress") = py::none(),
-      "Runs SLAM over a sequence and writes what surfit_slam writes. progress is called with a "
-      "SlamRunProgress after every frame, and after every one of the final map. An exception "
-      "there, or Ctrl-C, ends the run after the frame at work; the files are written, and the "
-      "exception goes on.");
+      "Runs SLAM on a sequence and writes the files of surfit_slam. Calls "
+      "progress(SlamRunProgress) "
+      "after every frame, and after every frame of the final map. After an exception of progress, "
+      "or Ctrl-C, the run ends with the current frame, writes its files, and raises the "
+      "exception.");
 }
 
 }  // namespace surfit::python

@@ -1,4 +1,4 @@
-// Sequences of files, read ahead.
+// Sequences of files with read-ahead.
 #include "surfit/io/sequence.h"
 
 #include <filesystem>
@@ -17,7 +17,7 @@
 namespace surfit::python {
 namespace {
 
-// Iterates over the frames that can be read; what cannot is warned of and kept in skipped().
+// Iterates over the readable frames. Unreadable frames raise a warning and are listed in skipped().
 class Sequence {
  public:
   Sequence(const SequenceOptions& options, int queue_capacity)
@@ -69,50 +69,52 @@ void BindSequence(py::module_& module) {
   const int default_capacity = SlamRunOptions().queue_capacity;
   py::class_<Sequence>(
       module, "Sequence",
-      "The frames of a folder or recording in their order, read ahead on another thread:\n"
+      "Frames of a folder or recording, read ahead by another thread:\n"
       "    for frame in surfit.Sequence('living_room', last=99): ...\n"
-      "Frames that cannot be read are left out with a RuntimeWarning, and listed in skipped.")
+      "Unreadable frames are skipped with a RuntimeWarning, and listed in skipped.")
       .def(py::init([](const py::object& path, int queue_capacity, const py::kwargs& options) {
              const SequenceOptions all = OptionsOf(path, options);
              const py::gil_scoped_release release;
              return std::make_unique<Sequence>(all, queue_capacity);
            }),
            py::arg("path"), py::kw_only(), py::arg("queue_capacity") = default_capacity,
-           "Of the path of a folder or recording, or of SequenceOptions; keywords are options of "
+           "path: path of a folder or recording, or SequenceOptions. Keywords are options of "
            "SequenceOptions. At most queue_capacity frames are read ahead.")
       .def("__iter__", [](Sequence& sequence) -> Sequence& { return sequence; })
       .def("__next__", &Sequence::Next)
       .def("__len__", [](const Sequence& sequence) { return sequence.info().frame_count; })
       .def_property_readonly(
           "format", [](const Sequence& sequence) { return sequence.info().format; },
-          "as SequenceOptions.format names it")
+          "format, as in SequenceOptions.format")
       .def_property_readonly(
           "camera", [](const Sequence& sequence) { return sequence.info().camera; },
-          "as the files have it, fy < 0 included")
+          "camera of the files, which may have fy < 0")
       .def_property_readonly(
           "pinhole", [](const Sequence& sequence) { return sequence.info().pinhole; },
-          "of the frames: undistorted, downsampled, fy > 0")
+          "camera of the frames: undistorted, downsampled, fy > 0")
       .def_property_readonly(
           "mirrored", [](const Sequence& sequence) { return sequence.info().mirrored; },
-          "The files' image y axis points up (fy < 0, left-handed): camera and world are mirrored "
-          "by S = diag(1, -1, 1) when read, and poses become S pose S.")
+          "True if the image y axis of the files points up (fy < 0, left-handed). Camera and world "
+          "are "
+          "then mirrored by S = diag(1, -1, 1), and poses become S pose S.")
       .def_property_readonly(
           "ground_truth",
           [](const Sequence& sequence) { return RowsOf(sequence.info().ground_truth); },
-          "N x 8: stamp tx ty tz qx qy qz qw, world from camera, mirrored if so; for evaluation")
+          "N x 8: stamp tx ty tz qx qy qz qw, world from camera, mirrored like the frames; for "
+          "evaluation")
       .def_property_readonly(
           "assumed", [](const Sequence& sequence) { return sequence.info().assumed; },
-          "what is taken for granted, in two lines: format, sizes, registration of colour; depth "
-          "camera and scale, and where they are from")
+          "assumptions about the sequence, in two lines: format, image sizes and colour "
+          "registration; depth camera and depth scale with their origin")
       .def("__repr__",
            [](const Sequence& sequence) {
              return "<surfit.Sequence: " + sequence.info().assumed + ">";
            })
       .def_property_readonly(
           "warnings", [](const Sequence& sequence) { return sequence.info().warnings; },
-          "what the user should know: doubtful camera, depth scale")
+          "warnings, e.g. on a doubtful camera or depth scale")
       .def_property_readonly("skipped", &Sequence::skipped,
-                             "(index, reason) of the frames so far that could not be read");
+                             "(index, reason) of unreadable frames so far");
 }
 
 }  // namespace surfit::python

@@ -55,7 +55,7 @@ void SlamSession::Start(const DepthSensor& sensor, bool mirrored) {
 template <typename Work>
 auto SlamSession::Locked(const Work& work) {
   ThrowIf(worker_ == std::this_thread::get_id(),
-          "what is called with a pose must not call its Slam, which is at work");
+          "the callback of on_pose() must not call its Slam");
   const py::gil_scoped_release release;
   const std::lock_guard<std::mutex> lock(mutex_);
   struct Worker {
@@ -93,7 +93,7 @@ FrameReport SlamSession::Process(const Frame& frame,
 FrameReport SlamSession::Process(const py::object& color, const py::array& depth, double stamp_s,
                                  std::optional<int> index,
                                  const std::optional<Rigid3d>& world_from_camera) {
-  if (!maker_) throw InputError("camera is not set, must be for frames that are arrays");
+  if (!maker_) throw InputError("camera is not set, must be set for frames that are arrays");
   const int frame_index = index ? *index : Locked([&] { return next_index_; });
   return Process(maker_->Make(color, depth, stamp_s, frame_index), world_from_camera);
 }

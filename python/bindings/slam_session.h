@@ -17,27 +17,27 @@
 
 namespace surfit::python {
 
-// A Slam with what Python wants beside it: arrays made frames, and the trajectory so far. Safe for
-// several threads, one at a time; none of its methods holds the GIL while it works or waits.
+// Slam for Python: converts arrays to frames, and stores the trajectory. Thread-safe: calls run one
+// after another. All functions release the GIL while they run or wait.
 class SlamSession {
  public:
-  // Without a camera, the first frame's is taken. Throws InputError for bad options.
+  // Without a camera, the camera of the first frame is used. Throws InputError for invalid options.
   SlamSession(const SlamOptions& options, const std::optional<RgbdCamera>& camera,
               const PrepareOptions& prepare, const Rigid3d& world_from_first_camera);
 
-  // Throws InputError unless the frame has the session's sensor.
+  // Throws InputError if the sensor of the frame differs from the sensor of the session.
   FrameReport Process(const Frame& frame, const std::optional<Rigid3d>& world_from_camera);
 
-  // Without an index, that after the last frame's. Throws InputError without a camera.
+  // Without an index, uses the index after the last frame. Throws InputError without a camera.
   FrameReport Process(const py::object& color, const py::array& depth, double stamp_s,
                       std::optional<int> index, const std::optional<Rigid3d>& world_from_camera);
 
-  // See Slam::OnPose(). What it throws is thrown by Process() in the end.
+  // See Slam::OnPose(). Exceptions of the callback are thrown at the end of Process().
   void OnPose(std::function<void(const FrameReport&)> call);
 
   // See Slam::Finish().
   void Finish();
-  // By which the last frame was seen, where that is not as given.
+  // Estimated calibration; std::nullopt: the input calibration is kept.
   std::optional<DepthCalibration> FoundCalibration();
 
   py::array_t<double> TrajectoryRows();
@@ -47,31 +47,31 @@ class SlamSession {
   std::string DigestOfResult();
   bool mirrored() const { return mirrored_; }
 
-  // Throw InputError naming the file if it cannot be written.
+  // Throw InputError with the name of the file if it cannot be written.
   void WriteTrajectory(const std::string& path);
   void WriteMap(const std::string& path);
 
  private:
-  // What `work` returns of the state, which nobody else has meanwhile. Throws InputError where it
-  // is called by what Process() calls, which would wait for itself.
+  // Returns the result of `work`, which has exclusive access to the state. Throws InputError if it
+  // is called from the callback of Process(): this would be a deadlock.
   template <typename Work>
   auto Locked(const Work& work);
   void Start(const DepthSensor& sensor, bool mirrored);
-  Trajectory CurrentTrajectory() const;  // to be called while locked
+  Trajectory CurrentTrajectory() const;  // call while locked
 
   SlamOptions options_;
   Rigid3d world_from_first_camera_;
   std::optional<FrameMaker> maker_;
 
-  std::mutex mutex_;                       // of all below
-  std::atomic<std::thread::id> worker_{};  // who has locked it
+  std::mutex mutex_;                       // guards the members below
+  std::atomic<std::thread::id> worker_{};  // thread that holds the lock
   std::function<void(const FrameReport&)> on_pose_;
-  std::exception_ptr thrown_;  // by that
+  std::exception_ptr thrown_;  // exception of on_pose_
   std::unique_ptr<Slam> slam_;
   DepthSensor sensor_;
   bool mirrored_ = false;
   int next_index_ = 0;
-  Trajectory trajectory_;  // as it was at the time
+  Trajectory trajectory_;  // without later corrections
 };
 
 }  // namespace surfit::python

@@ -20,8 +20,8 @@ SurfelColumns ColumnsOf(const SurfelMap& map) {
 }
 
 void BindSurfels(py::module_& module) {
-  py::class_<SurfelColumns> surfels(
-      module, "Surfels", "The surfels of a map at one moment. The arrays are views of its memory.");
+  py::class_<SurfelColumns> surfels(module, "Surfels",
+                                    "Surfels of a map at one time. Arrays are views without copy.");
   surfels.def("__len__", [](const SurfelColumns& columns) { return columns.radius_m.size(); });
   BindRows<float>(&surfels, FIELD(SurfelColumns, position_in_world), "N x 3, float32, metres");
   BindRows<float>(&surfels, FIELD(SurfelColumns, normal_in_world),
@@ -29,7 +29,7 @@ void BindSurfels(py::module_& module) {
   BindRows<std::uint8_t>(&surfels, FIELD(SurfelColumns, color), "N x 3, uint8, red first");
   BindRows<float>(&surfels, FIELD(SurfelColumns, radius_m), "N, float32, metres");
   BindRows<float>(&surfels, FIELD(SurfelColumns, confidence),
-                  "N, float32, sum of the weights of its observations");
+                  "N, float32, sum of the weights of observations");
   BindRows<std::int32_t>(&surfels, FIELD(SurfelColumns, first_seen), "N, int32, frame index");
   BindRows<std::int32_t>(&surfels, FIELD(SurfelColumns, last_seen), "N, int32, frame index");
 }

@@ -8,7 +8,7 @@
 
 namespace surfit::python {
 
-// The surfels of a map as plain columns, in the order of SurfelMap::Ids().
+// Surfels of a map as columns, in the order of SurfelMap::Ids().
 struct SurfelColumns {
   std::vector<Eigen::Vector3f> position_in_world, normal_in_world;
   std::vector<Rgb8> color;

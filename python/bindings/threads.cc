@@ -1,4 +1,3 @@
-// Errors and threads: what all of the module shares.
 #include <glog/logging.h>
 
 #include <memory>
@@ -10,7 +9,6 @@
 namespace surfit::python {
 namespace {
 
-// A ThreadLimit for a with statement.
 class ScopedThreadLimit {
  public:
   explicit ScopedThreadLimit(int threads) : threads_(threads) {}
@@ -32,10 +30,10 @@ void BindErrors() {
       PyErr_SetString(PyExc_ValueError, error.what());
     }
   });
-  // Warnings go to stderr, without glog's remark that nobody set it up, and to no files.
+  // Warnings are written to stderr, not to files. The initialisation avoids a message of glog.
   if (!google::IsGoogleLoggingInitialized()) {
     FLAGS_logtostderr = true;
-    FLAGS_minloglevel = google::GLOG_WARNING;  // what is taken for granted is Sequence.assumed
+    FLAGS_minloglevel = google::GLOG_WARNING;  // assumptions are in Sequence.assumed
     google::InitGoogleLogging("surfit");
   }
 }
@@ -43,9 +41,9 @@ void BindErrors() {
 void BindThreads(py::module_& module) {
   py::class_<ScopedThreadLimit>(
       module, "ThreadLimit",
-      "Bounds the threads that compute at the same time in this process, reading included:\n"
+      "Limits the threads that compute at the same time in this process, including readers:\n"
       "    with surfit.ThreadLimit(2): ...\n"
-      "Of nested limits the smallest holds. Results do not depend on it.")
+      "The smallest of nested limits applies. Results do not depend on the limit.")
       .def(py::init<int>(), py::arg("threads"))
       .def("__enter__",
            [](ScopedThreadLimit& limit) -> ScopedThreadLimit& {
@@ -54,7 +52,7 @@ void BindThreads(py::module_& module) {
            })
       .def("__exit__", [](ScopedThreadLimit& limit, const py::args&) { limit.Exit(); });
   module.def("thread_count", &ThreadCount,
-             "The number of threads that may compute at the same time now.");
+             "Present limit of threads that compute at the same time.");
 }
 
 }  // namespace surfit::python

@@ -6,8 +6,8 @@
 
 namespace surfit::python {
 
-// Runs `work` while other Python threads run, with a function that calls `progress`, unless that
-// is None, with the values it is given. Its first exception is raised when the work is done.
+// Runs `work` without the GIL. The argument of `work` is a function that calls `progress`, unless
+// `progress` is None. The first exception of `progress` is raised when the work is done.
 template <typename Work>
 auto WithoutGil(const py::object& progress, const Work& work) {
   namespace py = pybind11;

@@ -1,4 +1,4 @@
-"""SLAM over a folder, and a picture of map and path: slam_folder.py FOLDER [PICTURE]"""
+"""Runs SLAM on a folder and shows the map with the path: slam_folder.py FOLDER [PICTURE]"""
 
 import sys
 

@@ -1,8 +1,8 @@
 # %% [markdown]
-# # From a folder of images to a map, and what can be asked of it
+# # From a folder of images to a map
 #
-# Cells of a notebook as VS Code, Spyder and Jupytext open them; or all at once:
-# `tour.py FOLDER PICTURES` writes each picture into a folder.
+# Notebook cells for VS Code, Spyder and Jupytext. As a script, `tour.py FOLDER PICTURES` writes
+# each picture into a folder.
 
 # %%
 import pathlib
@@ -16,14 +16,14 @@ folder, pictures = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
 
 
 def show(name):
-    """Writes the picture; in a notebook, plt.show() is all."""
+    """Writes the picture; in a notebook, use plt.show()."""
     plt.savefig(pictures / f"{name}.png", dpi=80, bbox_inches="tight")
     plt.close()
 
 
 # %% [markdown]
-# ## What was recorded
-# Depth is in metres, 0 where nothing was measured. Poses are 4 x 4 arrays, world_from_camera.
+# ## Recorded images
+# Depth is in metres; 0 is missing. Poses are 4 x 4 arrays, world_from_camera.
 
 # %%
 sequence = surfit.Sequence(folder)
@@ -36,7 +36,7 @@ show("frame")
 
 # %% [markdown]
 # ## SLAM, frame by frame
-# Each report tells what became of a frame, how well it fits, and how sure that is.
+# Each report contains the state of a frame, the result of its registration, and times.
 
 # %%
 slam = surfit.Slam(surfit.SlamOptions(), sequence.camera)
@@ -51,7 +51,7 @@ plt.legend()
 show("time")
 
 # %% [markdown]
-# ## The map from above, with the camera's path
+# ## Map from above, with the path of the camera
 
 # %%
 surfels = slam.surfels()
@@ -62,7 +62,7 @@ plt.gca().set(aspect="equal", xlabel="x, m", ylabel="z, m")
 show("map")
 
 # %% [markdown]
-# ## How far it is off, where that is known
+# ## Error, if ground truth is available
 
 # %%
 truth = folder / "groundtruth.txt"
@@ -71,7 +71,7 @@ if truth.exists():
     print(f"absolute trajectory error {1000 * error.rmse:.1f} mm")
 
 # %% [markdown]
-# ## A mesh of the map
+# ## Mesh of the map
 
 # %%
 slam.write_map(pictures / "map.ply")

@@ -6,12 +6,13 @@
         slam.process(frame)
     slam.write_map("map.ply")
 
-Lengths are in metres, stamps in seconds, angles in radians unless a name ends in _deg. Poses are
-4 x 4 arrays, a_from_b: point_in_a = a_from_b @ point_in_b. Trajectories are N x 8 arrays, stamp tx
-ty tz qx qy qz qw, as in TUM files. Cameras look along +z, x right, y down. Colours are red first.
+Lengths are in metres, timestamps in seconds, and angles in radians, except for names that end in
+_deg. Poses are 4 x 4 arrays a_from_b: point_in_a = a_from_b @ point_in_b. Trajectories are N x 8
+arrays as in TUM files: stamp tx ty tz qx qy qz qw. Camera axes: x right, y down, z forward. Colours
+are red first.
 
-Bad input raises ValueError with a sentence that names it. Other Python threads run while Surfit
-works. Ctrl-C takes effect after the call at work, run_slam() after the frame at work.
+Invalid input raises ValueError with the name of the input. Other Python threads run during calls.
+Ctrl-C takes effect after the current call; in run_slam() after the current frame.
 """
 
 import warnings as _warnings

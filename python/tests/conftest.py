@@ -1,4 +1,4 @@
-"""What the tests share: the programs, a simulated room, recorded sequences."""
+"""Helpers of the tests: programs, a simulated room, recorded sequences."""
 
 import json
 import os
@@ -11,7 +11,7 @@ FRAMES = 12
 
 
 def run_tool(name, *flags):
-    """Runs a program; returns what it printed."""
+    """Runs a program and returns its output."""
     tool = pathlib.Path(os.environ["SURFIT_TOOLS_DIR"]) / name
     done = subprocess.run([tool, *flags], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
@@ -19,7 +19,7 @@ def run_tool(name, *flags):
 
 
 def run_surfit_slam(sequence, output, *flags):
-    """The summary of a run of the program."""
+    """Runs surfit_slam and returns its summary."""
     run_tool("surfit_slam", f"--sequence={sequence}", f"--output={output}", "--pictures=false",
              *flags)
     return json.loads((output / "summary.json").read_text())
@@ -27,7 +27,7 @@ def run_surfit_slam(sequence, output, *flags):
 
 @pytest.fixture(scope="session")
 def room(tmp_path_factory):
-    """A simulated Kinect's walk through a room, at 160 x 120 pixels."""
+    """Simulated Kinect sequence of a room, 160 x 120 pixels."""
     path = tmp_path_factory.mktemp("simulated") / "room"
     run_tool("surfit_simulate", f"--output={path}", f"--frames={FRAMES}", "--downsample=4")
     return path
@@ -35,7 +35,7 @@ def room(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def office():
-    """ICL-NUIM's office: fy < 0."""
+    """Office of ICL-NUIM: fy < 0."""
     data = os.environ.get("SURFIT_DATA_DIR") or os.environ["SURFIT_DEFAULT_DATA_DIR"]
     path = pathlib.Path(data) / "icl_office"
     if not path.is_dir():

@@ -1,4 +1,4 @@
-"""What follows SLAM: refinement, meshes, evaluation of maps and views, pose graphs; reports."""
+"""Refinement, meshes, evaluation of maps and views, pose graphs, and reports."""
 
 import pickle
 
@@ -10,7 +10,7 @@ import surfit
 
 @pytest.fixture(scope="module")
 def run(room, tmp_path_factory):
-    """A run over the room, and its summary."""
+    """SLAM run on the room, and its summary."""
     output = tmp_path_factory.mktemp("after") / "out"
     options = surfit.SlamRunOptions(output=output, pictures=False, threads=1)
     options.sequence.path = room
@@ -45,7 +45,7 @@ def test_a_map_becomes_a_mesh(run, tmp_path):
                             lambda stage, share: stages.append(share))
     assert stages == sorted(stages) and stages[-1] <= 1
     assert mesh.triangles.max() == len(mesh.vertices) - 1 and mesh.summary.pieces >= 1
-    # The room is some metres wide, as its cloud is.
+    # The mesh is as large as the cloud.
     assert np.all(mesh.vertices.min(0) > cloud.points.min(0) - 0.1)
     assert np.all(mesh.vertices.max(0) < cloud.points.max(0) + 0.1)
     mesh.write(tmp_path / "mesh.ply")
@@ -54,7 +54,7 @@ def test_a_map_becomes_a_mesh(run, tmp_path):
         mesh.write(tmp_path / "mesh.xyz")
 
 
-def test_a_map_is_held_against_a_surface(room, run):
+def test_a_map_is_compared_with_a_surface(room, run):
     output, _ = run
     surface = surfit.read_point_cloud(room / "surface.ply")
     error = surfit.evaluate_map(surface.points, surface.points, surface.normals)
@@ -63,7 +63,7 @@ def test_a_map_is_held_against_a_surface(room, run):
         surfit.evaluate_map(surface.points, surface.points, np.zeros((1, 3)))
 
 
-def test_a_map_is_judged_by_its_views(room, run):
+def test_a_map_is_evaluated_by_views(room, run):
     output, _ = run
     options = surfit.ViewEvaluationOptions(run=output, every=4, pictures=1, threads=1)
     options.sequence.path = room
@@ -74,7 +74,7 @@ def test_a_map_is_judged_by_its_views(room, run):
 
 
 def turned(angle, x):
-    """A turn about z, moved along x."""
+    """Rotation about z, with a translation along x."""
     pose = np.eye(4)
     pose[:2, :2] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
     pose[0, 3] = x
@@ -101,7 +101,7 @@ def test_a_pose_graph_is_optimised(tmp_path):
         graph.add_edge(10, 11, np.eye(4), np.eye(3))
 
 
-def test_reports_are_told_and_kept(room, run):
+def test_reports_have_repr_and_pickle(room, run):
     _, summary = run
     assert repr(summary).startswith("SlamRunSummary(frames_total=")
     kept = pickle.loads(pickle.dumps(summary))
@@ -113,7 +113,7 @@ def test_reports_are_told_and_kept(room, run):
     assert pickle.loads(pickle.dumps(report)).fusion.added == report.fusion.added
 
 
-def test_sequences_tell_what_they_take_for_granted(room):
+def test_sequences_list_their_assumptions(room):
     sequence = surfit.Sequence(room)
     assert sequence.assumed.startswith("format tum, ") and "camera.yaml" in sequence.assumed
     assert "format tum" in repr(sequence)

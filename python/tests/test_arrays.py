@@ -1,4 +1,4 @@
-"""Arrays in and out."""
+"""Conversion of arrays to frames, and of maps to arrays."""
 
 import gc
 
@@ -17,7 +17,7 @@ def depth_and_color():
     return depth, random.integers(1, 255, (48, 64, 3), dtype=np.uint8)
 
 
-def test_a_frame_holds_what_the_arrays_say():
+def test_a_frame_contains_the_arrays():
     depth, color = depth_and_color()
     frame = surfit.Frame(color, depth, CAMERA, stamp_s=2.5, index=7)
     np.testing.assert_array_equal(frame.depth_m, depth)
@@ -25,7 +25,7 @@ def test_a_frame_holds_what_the_arrays_say():
     assert (frame.stamp_s, frame.index, frame.camera.fx) == (2.5, 7, 60)
 
 
-def test_counts_become_metres():
+def test_raw_depth_is_converted_to_metres():
     depth, _ = depth_and_color()
     camera = surfit.RgbdCamera(depth=CAMERA, depth_units_per_metre=1000)
     frame = surfit.Frame(None, np.rint(depth * 1000).astype(np.uint16), camera)
@@ -33,7 +33,7 @@ def test_counts_become_metres():
     assert frame.color is None
 
 
-def test_a_frame_shows_what_was_before_its_stamp():
+def test_latency_is_subtracted_from_timestamps():
     depth, color = depth_and_color()
     camera = surfit.RgbdCamera(depth=CAMERA, latency_s=0.02)
     frame = surfit.Frame(color, depth, camera, stamp_s=2.5)
@@ -41,7 +41,7 @@ def test_a_frame_shows_what_was_before_its_stamp():
 
 
 @pytest.mark.parametrize("missing", [np.nan, np.inf, -1, 0])
-def test_what_is_no_depth_is_missing(missing):
+def test_invalid_depth_is_missing(missing):
     depth, _ = depth_and_color()
     depth[3, 4] = missing
     assert surfit.Frame(None, depth, CAMERA).depth_m[3, 4] == 0
@@ -61,7 +61,7 @@ def test_views_share_memory_outlive_their_owner_and_are_read_only():
         first[0, 0] = 1
 
 
-def test_inputs_are_not_kept():
+def test_inputs_are_copied():
     depth, color = depth_and_color()
     frame = surfit.Frame(color, depth, CAMERA)
     depth[:] = 9
@@ -75,7 +75,7 @@ def test_a_plane_becomes_surfels_of_the_plane():
     surfels = slam.surfels()
     assert len(surfels) == slam.surfel_count == report.fusion.added > 0
     assert surfels.position_in_world.shape == surfels.normal_in_world.shape == (len(surfels), 3)
-    # A plane z = 2 seen exactly: float maps keep it to 1e-5 of the depth.
+    # An exact plane z = 2: single precision has errors of 1e-5 of the depth.
     np.testing.assert_allclose(surfels.position_in_world[:, 2], 2, atol=2e-5)
     np.testing.assert_allclose(surfels.normal_in_world, [[0, 0, -1]] * len(surfels), atol=1e-4)
     np.testing.assert_array_equal(surfels.color, [[200, 100, 50]] * len(surfels))

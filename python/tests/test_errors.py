@@ -1,4 +1,4 @@
-"""Bad input raises ValueError with a sentence that names it; wrong types raise TypeError."""
+"""Invalid input raises ValueError with its name; wrong types raise TypeError."""
 
 import warnings
 

@@ -1,4 +1,4 @@
-"""evaluate against the program and against formulas."""
+"""evaluate() compared with surfit_evaluate and with formulas."""
 
 import json
 
@@ -10,7 +10,7 @@ from conftest import run_tool
 
 
 def walk(count=50):
-    """A smooth path in TUM rows."""
+    """Smooth path as TUM rows."""
     t = np.arange(count) / 30
     rows = np.zeros((count, 8))
     rows[:, 0] = t

@@ -1,4 +1,4 @@
-"""The example runs as its docstring says."""
+"""The examples run as documented."""
 
 import os
 import pathlib
@@ -20,7 +20,7 @@ def test_slam_over_a_folder_draws_a_picture(room, tmp_path):
     assert picture.stat().st_size > 10000
 
 
-def test_the_tour_shows_each_of_its_pictures(room, tmp_path):
+def test_the_tour_writes_all_pictures(room, tmp_path):
     pyplot = pytest.importorskip("matplotlib.pyplot")
     done = subprocess.run([sys.executable, EXAMPLE.with_name("tour.py"), room, tmp_path],
                           capture_output=True, text=True,

@@ -1,4 +1,4 @@
-"""Ctrl-C, and other threads beside Surfit's work."""
+"""Ctrl-C, and other threads during a call."""
 
 import shutil
 import signal
@@ -41,7 +41,7 @@ FRAMES = 10000
 
 @pytest.fixture(scope="module")
 def endless_room(room, tmp_path_factory):
-    """The room's frames over and over, so many that no run is done before it is interrupted."""
+    """The room with repeated frames, so that each run is interrupted before its end."""
     copy = tmp_path_factory.mktemp("endless") / "room"
     shutil.copytree(room, copy)
     table = copy / "associations.txt"
@@ -76,8 +76,8 @@ def test_an_exception_of_progress_ends_the_run(room, tmp_path):
     assert (tmp_path / "out/summary.json").exists()
 
 
-def test_other_threads_run_meanwhile():
-    """While register() works on a large cloud, this thread must get to count."""
+def test_other_threads_run_during_a_call():
+    """While register() works on a large cloud, this thread can run."""
     random = np.random.default_rng(5)
     cloud = random.uniform(0, 1, (150000, 3)).astype(np.float32)
     cloud[np.arange(len(cloud)), np.arange(len(cloud)) % 3] = 0
@@ -91,7 +91,7 @@ def test_other_threads_run_meanwhile():
         now = time.monotonic()
         longest, last = max(longest, now - last), now
     worker.join()
-    # Held throughout, the lock would make one pause of nearly all that time.
+    # If register() did not release the GIL, there would be one pause of nearly the whole time.
     assert longest < 0.5 * (last - began)
 
 

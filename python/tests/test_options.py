@@ -1,4 +1,4 @@
-"""Options are real attributes, complete and documented."""
+"""Options are attributes, complete and documented."""
 
 import copy
 import inspect
@@ -17,7 +17,7 @@ def properties(cls):
     return {name: member for name, member in vars(cls).items() if isinstance(member, property)}
 
 
-def test_all_options_are_looked_at():
+def test_classes_include_the_main_options():
     assert {surfit.SlamOptions, surfit.IcpOptions, surfit.FusionOptions,
             surfit.SequenceOptions, surfit.PinholeCamera} <= set(CLASSES)
 
@@ -71,7 +71,7 @@ def test_bad_values_are_refused_at_construction():
         surfit.SlamOptions(tracking="x")
     with pytest.raises(ValueError, match="IcpOptions.max_iterations is -1, must be "):
         surfit.IcpOptions(max_iterations=-1)
-    surfit.SlamRunOptions(threads=1)  # what is required may come later
+    surfit.SlamRunOptions(threads=1)  # required options can be set later
 
 
 @pytest.mark.parametrize("cls", CLASSES, ids=lambda cls: cls.__name__)

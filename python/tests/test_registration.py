@@ -1,4 +1,4 @@
-"""align and register."""
+"""align() and register()."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ def pose(angle_rad, translation_m):
 
 
 def corner(count):
-    """Exact points on three planes at right angles, with their normals."""
+    """Exact points on three orthogonal planes, with their normals."""
     random = np.random.default_rng(3)
     points = random.uniform(0, 1, (count, 3))
     normals = np.zeros((count, 3))
@@ -40,13 +40,13 @@ def test_register_finds_a_known_motion(solver):
     options.icp.solver = solver
     result = surfit.register(source, target, source_normals, target_normals, options=options)
     assert result.succeeded
-    # Exact points: single precision leaves 1e-6 of a metre.
+    # Exact points: single precision has errors of 1e-6 m.
     np.testing.assert_allclose(result.target_from_source @ source_from_target, np.eye(4), atol=2e-5)
     assert result.information.shape == result.covariance.shape == (6, 6)
     assert result.inlier_share > 0.9
 
 
-def test_register_starts_where_told_and_estimates_normals():
+def test_register_uses_the_initial_pose_and_estimates_normals():
     target, _ = corner(6000)
     source_from_target = pose(0.6, [0.5, 0, 0.3])
     source = target @ source_from_target[:3, :3].T + source_from_target[:3, 3]
@@ -57,11 +57,11 @@ def test_register_starts_where_told_and_estimates_normals():
     np.testing.assert_allclose(result.target_from_source @ source_from_target, np.eye(4), atol=2e-3)
 
 
-def test_register_says_where_it_failed():
+def test_register_reports_failures():
     target, normals = corner(3000)
     result = surfit.register(target + 50, target, normals, normals)
     assert not result.succeeded and result.termination == "too_few_inliers"
-    with pytest.raises(ValueError, match="source: there is no finite point"):
+    with pytest.raises(ValueError, match="source: contains no finite points"):
         surfit.register(np.full((5, 3), np.nan), target)
     with pytest.raises(ValueError, match=r"target has shape \(3000, 2\), must be \(N, 3\)"):
         surfit.register(target, target[:, :2])
@@ -70,7 +70,7 @@ def test_register_says_where_it_failed():
 
 
 def matrix_of(row):
-    """The 4 x 4 matrix of a trajectory's row."""
+    """4 x 4 matrix of a row of a trajectory."""
     x, y, z, w = row[4:]
     cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
     matrix = np.eye(4)
@@ -87,7 +87,7 @@ def test_align_finds_the_true_motion(room):
     result = surfit.align(frames[4], frames[0])
     assert result.accepted and result.reason == "accepted"
     error = np.linalg.inv(true_motion) @ result.icp.target_from_source - np.eye(4)
-    # Far less than the motion itself, which the identity would be off by.
+    # The error is much smaller than the motion, which is the error of the identity.
     assert np.abs(error).max() < 0.1 * np.abs(true_motion - np.eye(4)).max()
     with pytest.raises(ValueError, match="method is 'luck', must be one of"):
         surfit.align(frames[4], frames[0], surfit.InitializeOptions(method="luck"))

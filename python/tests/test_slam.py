@@ -1,4 +1,4 @@
-"""SLAM from Python against the program surfit_slam."""
+"""SLAM in Python compared with surfit_slam."""
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ def slam_over(sequence, slam=None):
 
 @pytest.fixture(scope="module")
 def program(room, tmp_path_factory):
-    """What the program makes of the room: output folder and summary; the map as it came to be."""
+    """Output folder and summary of surfit_slam for the room, without final map."""
     output = tmp_path_factory.mktemp("program") / "out"
     return output, run_surfit_slam(room, output, "--nofinal_map")
 
@@ -45,7 +45,7 @@ def test_counts_and_strided_arrays_give_the_programs_digest(room, program):
     assert slam.digest == program[1]["digest"]
 
 
-def test_poses_are_told_as_soon_as_they_are_known(room, program):
+def test_on_pose_is_called_for_each_frame(room, program):
     slam, told = surfit.Slam(), []
     slam.on_pose(lambda *pose: told.append(pose))
     reports = [slam.process(frame) for frame in surfit.Sequence(room)]
@@ -58,7 +58,7 @@ def test_poses_are_told_as_soon_as_they_are_known(room, program):
     assert len(told) == len(reports)
 
 
-def test_what_is_raised_where_a_pose_is_told_is_raised_after_the_frame_is_fused(room):
+def test_exceptions_of_on_pose_are_raised_after_fusion(room):
     slam, frames = surfit.Slam(), iter(surfit.Sequence(room))
     slam.on_pose(lambda *_: 1 / 0)
     with pytest.raises(ZeroDivisionError):
@@ -90,7 +90,7 @@ def test_options_reach_the_pipeline(room, tmp_path):
     assert slam.digest == summary["digest"]
 
 
-def test_tells_the_camera_that_it_found(room, tmp_path):
+def test_returns_the_estimated_calibration(room, tmp_path):
     assert slam_over(surfit.Sequence(room)).calibration is None
     path = tmp_path / "tilted"
     run_tool("surfit_simulate", f"--output={path}", "--frames=60", "--downsample=2",
@@ -140,7 +140,7 @@ def test_run_slam_does_what_the_program_does(room, program, tmp_path):
     numbers = range(1, FRAMES + 1)
     assert states[:FRAMES] == [(i, 0) for i in numbers]
     assert {done for done, _ in states[FRAMES:]} == {FRAMES}
-    # The final map is fused, and then has its colours made: a frame counts when part of it is done.
+    # The count includes fusion and colouring of the final map: a frame counts after a part of both.
     fused_anew = [fused for _, fused in states[FRAMES:]]
     assert fused_anew == sorted(fused_anew) and fused_anew[0] == 1 and fused_anew[-1] == FRAMES
     assert summary.final_map_s > 0

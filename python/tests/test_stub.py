@@ -1,4 +1,4 @@
-"""The type stub."""
+"""Type stub of the package."""
 
 import ast
 import importlib.util
@@ -41,7 +41,7 @@ def test_names_everything_public():
 
 @pytest.fixture(scope="module")
 def check(tmp_path_factory):
-    """Runs mypy on a file; returns its exit code and what it said."""
+    """Runs mypy on a file, and returns its exit code and its output."""
     if importlib.util.find_spec("mypy") is None:
         pytest.skip("mypy is not installed")
     cache = tmp_path_factory.mktemp("cache")

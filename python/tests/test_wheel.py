@@ -1,4 +1,4 @@
-"""The wheel, installed where nothing else of Surfit is."""
+"""The wheel, installed in an environment without Surfit."""
 
 import os
 import pathlib
@@ -12,7 +12,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
 def run(*command):
-    """What it prints; without the package of the build."""
+    """Runs a command without the package of the build, and returns its output."""
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     done = subprocess.run([str(part) for part in command], capture_output=True, text=True,
                           env=environment)
@@ -22,7 +22,7 @@ def run(*command):
 
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory):
-    """Of what is built already, made by pip as anybody would."""
+    """Wheel of the existing build, created with pip."""
     if subprocess.run([sys.executable, "-m", "pip", "--version"], capture_output=True).returncode:
         pytest.skip("pip is not installed")
     folder = tmp_path_factory.mktemp("wheel")
@@ -31,8 +31,8 @@ def wheel(tmp_path_factory):
     return next(folder.glob("surfit-*.whl"))
 
 
-def test_runs_in_an_environment_of_its_own(wheel, room, tmp_path):
-    """NumPy alone is the system's."""
+def test_runs_in_a_separate_environment(wheel, room, tmp_path):
+    """Only NumPy is from the system."""
     run(sys.executable, "-m", "venv", "--system-site-packages", "--without-pip", tmp_path / "venv")
     python = tmp_path / "venv" / "bin" / "python"
     run(sys.executable, "-m", "pip", f"--python={python}", "install", "--no-index", wheel)
@@ -48,6 +48,6 @@ print(surfit.__file__, surfit.__version__, slam.surfel_count > 1000)
     assert "surfit" in run(sys.executable, "-m", "pip", f"--python={python}", "show", "surfit")
 
 
-def test_holds_the_package_with_its_types_and_licence(wheel):
+def test_contains_the_package_with_types_and_licence(wheel):
     names = {name.split("/")[-1] for name in zipfile.ZipFile(wheel).namelist()}
     assert {"__init__.py", "__init__.pyi", "py.typed", "LICENSE", "RECORD"} <= names

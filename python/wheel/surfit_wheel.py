@@ -1,10 +1,10 @@
-"""What `pip wheel .` calls (PEP 517): builds the Python package with CMake, and packs it (PEP 427).
+"""PEP 517 backend of `pip wheel .`: builds the Python package with CMake, and packs it (PEP 427).
 
-The module holds Surfit's libraries; those that they link (OpenCV, Ceres, ...) stay Debian's, as
-third_party_notes.md lists them. NumPy must be there for the Python that runs this.
+The module contains the libraries of Surfit. Their dependencies (OpenCV, Ceres, ...) are Debian
+packages, see third_party_notes.md. The Python that runs this script must have NumPy.
 
     pip wheel .                                                builds in build/wheel
-    pip wheel . --config-settings=build-dir=build/release      takes what is built there
+    pip wheel . --config-settings=build-dir=build/release      packs an existing build
 """
 
 import base64
@@ -19,8 +19,7 @@ import tempfile
 import zipfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-# What the build of the package alone takes; as one file of code at a time it would take twice as
-# long.
+# Configuration for the package only. The unity build takes half the time of a normal build.
 CONFIGURATION = ["-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_UNITY_BUILD=ON",
                  "-DCMAKE_UNITY_BUILD_BATCH_SIZE=8", "-DSURFIT_BUILD_TOOLS=OFF",
                  "-DSURFIT_BUILD_TESTS=OFF", "-DSURFIT_BUILD_PYTHON=ON",
@@ -45,13 +44,13 @@ Tag: {tag}
 
 
 def cmake(*arguments):
-    """Runs CMake with Python's own packages, which pip hides from what it calls."""
+    """Runs CMake without the PYTHONPATH of pip, which hides the installed packages."""
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     subprocess.run(["cmake", *map(str, arguments)], check=True, env=environment)
 
 
 def project():
-    """Version and summary, as CMakeLists.txt has them."""
+    """Version and summary of CMakeLists.txt."""
     text = (ROOT / "CMakeLists.txt").read_text()
     return re.search(r"project\(surfit VERSION (\S+)[^)]*DESCRIPTION \"([^\"]*)\"", text).groups()
 
@@ -62,7 +61,7 @@ def tag():
 
 
 def built(config_settings):
-    """The folder of a build that has the package."""
+    """Folder of a build with the package."""
     named = (config_settings or {}).get("build-dir")
     if named:
         return ROOT / named
@@ -73,11 +72,11 @@ def built(config_settings):
 
 
 def pack(files, records, wheel):
-    """Writes the files, by their names, and last the record of their checksums."""
+    """Writes the files by name, and then the record of their checksums."""
     rows = []
     with zipfile.ZipFile(wheel, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, content in files:
-            # Without the time: the same files make the same wheel.
+            # No modification times, so that equal files give equal wheels.
             entry = zipfile.ZipInfo(name)
             entry.compress_type = zipfile.ZIP_DEFLATED
             entry.external_attr = 0o644 << 16
@@ -88,14 +87,14 @@ def pack(files, records, wheel):
 
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
-    """Gives the name of the wheel that it writes into the folder."""
+    """Writes the wheel into the folder and returns its name."""
     version, summary = project()
     with tempfile.TemporaryDirectory() as prefix:
         cmake("--install", built(config_settings), "--component", "python", "--strip",
               "--prefix", prefix)
         package = next(pathlib.Path(prefix).rglob("surfit/__init__.py"), None)
         if package is None:
-            sys.exit("error: the Python package is not built there")
+            sys.exit("error: the build has no Python package")
         files = [(f"surfit/{path.name}", path.read_bytes())
                  for path in sorted(package.parent.iterdir())]
     about = f"surfit-{version}.dist-info"
@@ -112,4 +111,4 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
 
 
 def build_sdist(sdist_directory, config_settings=None):
-    raise NotImplementedError("the sources are a Git repository: git archive makes an archive")
+    raise NotImplementedError("use git archive to create a source archive")

@@ -17,7 +17,7 @@
 #include "surfit/core/error.h"
 
 namespace google {
-// gflags' exit function: exported by the library for its own tests, declared in no header.
+// Exit function of gflags. The library exports it for its own tests, without a header.
 extern void (*gflags_exitfunc)(int);
 }  // namespace google
 
@@ -28,7 +28,7 @@ bool IsFlagFileFlag(const std::string& argument) {
   return argument == "--flagfile" || argument == "-flagfile";
 }
 
-// The file of --flagfile=F.
+// Returns F of --flagfile=F; std::nullopt for other arguments.
 std::optional<std::string> FlagFileOf(const std::string& argument) {
   const std::size_t equals = argument.find('=');
   if (equals == argument.npos || !IsFlagFileFlag(argument.substr(0, equals))) return std::nullopt;
@@ -55,7 +55,8 @@ void AppendLines(const std::string& path, std::vector<std::string>* arguments) {
     const std::string flag = Trimmed(line);
     if (flag.empty() || flag[0] == '#') continue;
     if (IsFlagFileFlag(flag) || FlagFileOf(flag)) {
-      throw InputError(Concat("flagfile '", path, "' says ", flag, ", must not name another one"));
+      throw InputError(
+          Concat("flagfile '", path, "' contains ", flag, ", must not include another flag file"));
     }
     arguments->push_back(flag);
   }
@@ -64,7 +65,7 @@ void AppendLines(const std::string& path, std::vector<std::string>* arguments) {
 std::string InFlagsWords(const std::string& argument) {
   static const std::string kHelp = "--help=";
   if (argument == "-h") return "--help";
-  if (argument == "--serve" || argument == "-serve") return "--serve=0";  // at any port
+  if (argument == "--serve" || argument == "-serve") return "--serve=0";  // any free port
   const std::string value = argument.rfind(kHelp, 0) == 0 ? argument.substr(kHelp.size()) : "";
   const bool is_group =
       std::any_of(value.begin(), value.end(), [](char c) { return c >= 'a' && c <= 'z'; }) &&
@@ -73,8 +74,8 @@ std::string InFlagsWords(const std::string& argument) {
   return value == "all" ? "--helpfull" : "--helpon=" + value;
 }
 
-// How many letters must be added, left out, changed, or swapped with the next to make one of the
-// other (optimal string alignment).
+// Edit distance with insertions, deletions, changes, and swaps of neighbouring letters (optimal
+// string alignment).
 std::size_t Distance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> before, above, row(b.size() + 1);
   std::iota(row.begin(), row.end(), 0);
@@ -91,8 +92,8 @@ std::size_t Distance(const std::string& a, const std::string& b) {
   return row.back();
 }
 
-// The name nearest to one that no flag has, or the only one that begins with it; nothing if none is
-// near.
+// Most similar flag of an unknown name, or the only flag that starts with the name. Empty if there
+// is none.
 std::string Meant(const std::string& name, const std::vector<FlagHelp>& flags) {
   std::string nearest;
   std::size_t least = (name.size() + 1) / 3 + 1;
@@ -110,7 +111,7 @@ std::string Meant(const std::string& name, const std::vector<FlagHelp>& flags) {
   return nearest.empty() && begun.size() == 1 ? begun[0] : nearest;
 }
 
-// gflags' lines as one sentence, with what was meant.
+// Joins the error lines of gflags to a sentence, and suggests flags for unknown names.
 std::string Sentence(const std::string& message, const std::vector<FlagHelp>& flags,
                      const UnknownFlag& unknown) {
   static const std::string kError = "ERROR: ", kUnknown = "unknown command line flag '";
@@ -134,10 +135,10 @@ std::string Sentence(const std::string& message, const std::vector<FlagHelp>& fl
   return sentence;
 }
 
-// gflags prints and then exits on a bad flag; this exception takes the place of its exit.
+// gflags exits after an error message. This exception replaces the exit.
 struct GflagsExit {};
 
-// What gflags says of bad flags; nothing if all are good. What is no flag stays in the arguments.
+// Returns the error messages of gflags; empty if all flags are valid. Other arguments stay in argv.
 std::string LetGflagsParse(int* argc, char*** argv) {
   char* text = nullptr;
   std::size_t size = 0;

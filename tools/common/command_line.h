@@ -8,10 +8,10 @@
 
 namespace surfit::tools {
 
-// The arguments with each --flagfile=F (or --flagfile F) replaced by the lines of F, one flag a
-// line, without empty lines and # comments. gflags' own reader passes over flags that it does not
-// know; as arguments they are refused, wherever they stand. Throws InputError naming a file that
-// cannot be read, or that names another one.
+// Replaces each --flagfile=F (or --flagfile F) by the lines of F, one flag per line, without empty
+// lines and # comments. gflags ignores unknown flags in its own flag files; as arguments they are
+// rejected. Throws InputError with the name of a file that cannot be read, or that includes another
+// flag file.
 std::vector<std::string> ExpandFlagFiles(const std::vector<std::string>& arguments);
 
 // The arguments with the present names of renamed flags. Logs a warning per renamed flag.
@@ -20,16 +20,15 @@ std::vector<std::string> WithPresentNames(std::vector<std::string> arguments);
 // Explains why a program does not have a flag. Returns an empty text for unknown flags.
 using UnknownFlag = std::function<std::string(const std::string& flag)>;
 
-// Gives gflags the arguments of the program, flag files expanded. -h is --help, --help=all is
-// --helpfull and --help=GROUP is --helpon=GROUP. Throws InputError for a bad flag. The message has
-// the sentence of `unknown`, or the described flag with the most similar name.
+// Parses the arguments with gflags, after ExpandFlagFiles(). -h is --help, --help=all is --helpfull
+// and --help=GROUP is --helpon=GROUP. Throws InputError for an invalid flag. The message contains
+// the sentence of `unknown`, or the flag with the most similar name.
 void ParseCommandLine(std::vector<std::string> arguments, const std::vector<FlagHelp>& flags,
                       const UnknownFlag& unknown);
 
-// What is asked for instead of a run: help, the version, or the words that complete a command line
-// (--help=words: see CompletionWords()); an empty text if nothing is. `flags` are those of the
-// selected mode, `all` those of all modes. Throws InputError that lists the groups if help on
-// another one is asked for.
+// Returns the text of --help, --version or --help=words (CompletionWords()); empty if a run is
+// requested. `flags` are the flags of the selected mode, `all` the flags of all modes. Throws
+// InputError with a list of the groups for help on an unknown group.
 std::string AskedFor(const std::string& program, const std::string& summary,
                      const std::vector<FlagHelp>& flags, const std::vector<FlagHelp>& all);
 

@@ -54,7 +54,8 @@ std::atomic<bool> interrupted{false};
 void PrepareStreams() {
   constexpr int kStreams[] = {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO};
   for (const int stream : kStreams) {
-    if (fcntl(stream, F_GETFD) < 0) open("/dev/null", O_RDWR);  // takes the least free number
+    // Gets the smallest free number: `stream`.
+    if (fcntl(stream, F_GETFD) < 0) open("/dev/null", O_RDWR);
   }
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);

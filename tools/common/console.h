@@ -7,13 +7,12 @@
 
 namespace surfit::tools {
 
-// How far a program is, on stderr: one line that is written over on a terminal, and now and then a
-// new one elsewhere.
+// Progress on stderr: one line that is overwritten on a terminal; otherwise a new line every 10 s.
 class ProgressLine {
  public:
   ProgressLine();
   void Show(const std::string& text, bool last);
-  double elapsed_s() const;  // since the line was made
+  double elapsed_s() const;  // since construction
 
  private:
   bool terminal_;
@@ -21,24 +20,24 @@ class ProgressLine {
   double shown_s_ = 0;
 };
 
-// Lines of columns that are as wide as their widest cell: the first `left_columns` of them begin
-// together, the others end together. All rows have the same number of cells.
+// Text table. Columns are as wide as their widest cell. The first `left_columns` columns are
+// aligned to the left, the others to the right. All rows have the same number of cells.
 std::string TextTable(const std::vector<std::vector<std::string>>& rows, std::size_t left_columns);
 
-// A number with this many significant digits.
+// Text of a number with `digits` significant digits.
 std::string Number(double value, int digits = 6);
 
-// Opens stdin, stdout and stderr that the program was started without on /dev/null: else the next
-// files that it opens would be taken for them. And what is written to a closed pipe, or beyond the
-// largest size that files may have, fails where it is written instead of ending the program.
+// Opens closed standard streams (stdin, stdout, stderr) on /dev/null, so that other files do not
+// get their numbers. Ignores SIGPIPE and SIGXFSZ: writing to a closed pipe, or beyond the limit of
+// the file size, fails instead of ending the program.
 void PrepareStreams();
 
-// From now on SIGINT (Ctrl-C), SIGTERM and SIGHUP (the terminal is gone) set the flag that is
-// returned instead of ending the program, so that it can finish what it writes. Those that whoever
-// started the program wants to be ignored, as nohup does, stay so.
+// SIGINT (Ctrl-C), SIGTERM and SIGHUP (closed terminal) set the returned flag instead of ending the
+// program, so that it can complete its files. Signals that are ignored at the start, as under
+// nohup, stay ignored.
 const std::atomic<bool>& CatchInterruptions();
 
-// Sets that flag, also where signals are ignored. Any thread may call it.
+// Sets this flag without a signal. Thread-safe.
 void Interrupt();
 
 }  // namespace surfit::tools

@@ -9,11 +9,11 @@ namespace surfit::tools {
 namespace {
 
 constexpr std::size_t kWidth = 80;   // columns of a line
-constexpr std::size_t kIndent = 26;  // of what is said of a flag
-constexpr std::size_t kFew = 20;     // flags that need no groups
+constexpr std::size_t kIndent = 26;  // column of the help text
+constexpr std::size_t kFew = 20;     // maximum number of flags without groups
 
 const FlagHelp kFlagFile = {
-    "flagfile", "", "read flags from this file, one a line", "", true, false, {}, {}};
+    "flagfile", "", "read flags from this file, one per line", "", true, false, {}, {}};
 
 std::string Listed(const std::vector<std::string>& names) {
   std::string text;
@@ -54,7 +54,7 @@ std::string Texts(const std::vector<FlagHelp>& flags, const Wanted& wanted) {
   return text;
 }
 
-// In the order in which they appear.
+// Groups in the order of their first flag.
 std::vector<std::string> Groups(const std::vector<FlagHelp>& flags) {
   std::vector<std::string> groups;
   for (const FlagHelp& flag : flags) {
@@ -77,7 +77,8 @@ std::string EverydayHelp(const std::vector<FlagHelp>& flags, const std::vector<F
   const std::string text =
       (few ? "Options:\n" : "Everyday options:\n") + Texts(flags, wanted) + Text(kFlagFile);
   if (all.size() <= kFew) return text;
-  return text + "\nMore: --help=GROUP, of " + Listed(Groups(all)) + ";\n--help=all for all.\n";
+  return text + "\nMore: --help=GROUP with GROUP one of " + Listed(Groups(all)) +
+         ";\n--help=all for all options.\n";
 }
 
 std::string FullHelp(const std::vector<FlagHelp>& flags) {

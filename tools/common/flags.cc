@@ -61,7 +61,7 @@ void SetValue(const Option& option, const FlagValue& flag, const OptionValue& va
       value);
 }
 
-// gflags keeps a flag's last value only, but shows each one to its validator.
+// gflags stores only the last value of a flag, but passes each value to the validator.
 std::map<std::string, std::vector<std::string>>& AllValues() {
   static std::map<std::string, std::vector<std::string>> values;
   return values;

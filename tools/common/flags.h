@@ -10,43 +10,41 @@
 
 namespace surfit::tools {
 
-// What help says of one flag.
 struct FlagHelp {
   std::string name, default_value, help, group;
   bool everyday = false;
   bool is_switch = false;            // --name or --noname
-  std::vector<std::string> choices;  // what it may be, or usually is
-  std::vector<std::string> modes;    // modes of the program that have it; empty: all
+  std::vector<std::string> choices;  // possible values, or usual values
+  std::vector<std::string> modes;    // modes with this flag; empty: all
 };
 
-// The everyday flags, or all flags if these are few, and how to see the flags of `all` beside them.
+// Help on the everyday flags, or on all flags if these are few, with a hint on the help for `all`.
 std::string EverydayHelp(const std::vector<FlagHelp>& flags, const std::vector<FlagHelp>& all);
-// All flags, group by group.
+// Help on all flags, by group.
 std::string FullHelp(const std::vector<FlagHelp>& flags);
-// Throws InputError that lists the groups if there is no such one.
+// Help on a group of flags. Throws InputError with a list of the groups for an unknown group.
 std::string GroupHelp(const std::vector<FlagHelp>& flags, const std::string& group);
 
-// What completes a command line, one a line: --name= of each flag, --name and --noname of a switch,
-// and --name=value for each of the choices.
+// Words for shell completion, one per line: --name= for a flag, --name and --noname for a switch,
+// and --name=value for each choice.
 std::string CompletionWords(const std::vector<FlagHelp>& flags);
 
-// Help of the flags of a table, with the present values of the options as defaults.
+// Help of the flags of a table. Default values are the present values of the options.
 std::vector<FlagHelp> Describe(const OptionTable& table);
 
-// Whether one of the options has such a flag.
+// True if an option has this flag.
 bool HasFlag(const OptionTable& table, const std::string& flag);
 
-// The flags of a program: those that its table of options names. Their defaults are the values that
-// the options have when the flags are made.
+// Flags of a program, from its table of options. Default values are the values of the options at
+// construction.
 class Flags {
  public:
-  // Registers them with gflags.
   explicit Flags(OptionTable table);
   Flags(const Flags&) = delete;
 
-  // Gives the options the values of the flags that are set, and leaves the others alone.
+  // Sets the options whose flags are set. Other options keep their values.
   void Apply() const;
-  // Throws InputError naming the first flag whose option has a value that it must not have.
+  // Throws InputError with the name of the first flag with an invalid value.
   void Check() const;
 
  private:
@@ -56,7 +54,7 @@ class Flags {
   };
 
   OptionTable table_;
-  std::map<std::string, Storage> storage_;  // by name; gflags keeps pointers
+  std::map<std::string, Storage> storage_;  // by name; gflags has pointers to the values
 };
 
 }  // namespace surfit::tools

@@ -44,7 +44,7 @@ class Modes {
 
   const Mode& selected() const { return modes_[selected_]; }
 
-  // The flags for help: of the selected mode if the command line names one, else of all modes.
+  // Flags for help: flags of the mode on the command line, or of all modes if none is given.
   std::vector<FlagHelp> Described() const;
 
   // Sentence that names the modes with this flag. Empty if no mode has the flag.
@@ -53,8 +53,8 @@ class Modes {
  private:
   ModeFlag flag_;
   std::vector<Mode> modes_;
-  std::optional<std::string> given_;  // value of the flag
-  std::string name_;                  // of the selected mode
+  std::optional<std::string> given_;
+  std::string name_;
   std::size_t selected_ = 0;
 };
 

@@ -15,16 +15,17 @@ namespace {
 std::string Failure(const IcpResult& icp, const IcpOptions& options) {
   switch (icp.termination) {
     case Termination::kTooFewInliers:
-      return Concat("inlier share is ", icp.inlier_share, ", pairs must be at least min_inliers (",
-                    options.min_inliers, ") and a share of ", options.min_inlier_share);
+      return Concat("inlier ratio is ", icp.inlier_share, ", required are at least min_inliers (",
+                    options.min_inliers, ") correspondences and a ratio of ",
+                    options.min_inlier_share);
     case Termination::kSingularSystem:
-      return Concat("the surfaces leave ", icp.free_directions.size(),
-                    " direction(s) of motion free: smallest eigenvalue is ", icp.eigenvalues[0],
+      return Concat("the surfaces do not constrain ", icp.free_directions.size(),
+                    " direction(s) of motion: smallest eigenvalue is ", icp.eigenvalues[0],
                     ", must be above min_eigenvalue (", options.held.min_eigenvalue,
                     ") and min_information_ratio (", options.held.min_information_ratio,
-                    ") times what noise of the normals feigns");
+                    ") times the spurious information of normal noise");
     case Termination::kFreeSpaceFilled:
-      return Concat("free-space share is ", icp.free_space_share,
+      return Concat("ratio of free-space violations is ", icp.free_space_share,
                     ", must be at most max_free_space_share (", options.max_free_space_share, ")");
     case Termination::kConverged:
     case Termination::kRmseIncreased:

@@ -6,16 +6,16 @@
 
 namespace surfit::tools {
 
-// Loss and inliers of each iteration, on stdout.
+// Prints loss and number of inliers per iteration on stdout.
 void PrintIterations(const IcpResult& icp);
 
-// target_from_source as a 4 x 4 matrix, on stdout.
+// Prints target_from_source as a 4 x 4 matrix on stdout.
 void PrintPose(const IcpResult& icp);
 
-// The exit code; says on stderr what an unsuccessful registration lacks, value and constraint.
+// Returns the exit code. Prints the value and the constraint of a failed registration on stderr.
 ExitCode PrintFailure(const IcpResult& icp, const IcpOptions& options);
 
-// Writes the report and says where it is and what of the maps it shows. Throws like WriteReport().
+// Writes the report, and prints its path and its number of surfels. Throws like WriteReport().
 void WriteAndPrintReport(const ReportOptions& options);
 
 }  // namespace surfit::tools

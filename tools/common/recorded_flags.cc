@@ -13,7 +13,7 @@
 namespace surfit::tools {
 namespace {
 
-// What a camera.yaml tells.
+// Flags that a camera.yaml replaces.
 constexpr std::array kFlagsOfCamera = {
     "camera",           "intrinsics",          "distortion",
     "depth_scale",      "inverse_depth_sigma", "color_intrinsics",
@@ -24,13 +24,13 @@ bool IsOfCamera(const std::string& flag) {
   return std::find(kFlagsOfCamera.begin(), kFlagsOfCamera.end(), flag) != kFlagsOfCamera.end();
 }
 
-// Empty if the run found none.
+// Path of the calibrated camera of a run; empty if there is none.
 std::string FoundCamera(const std::string& run) {
   const std::string path = run + "/camera.yaml";
   return std::filesystem::is_regular_file(path) ? path : "";
 }
 
-// Whether a program has the flag, and the command line has not set it.
+// True if the program has the flag and the command line does not set it.
 bool IsDefault(const std::string& name) {
   gflags::CommandLineFlagInfo flag;
   return gflags::GetCommandLineFlagInfo(name.c_str(), &flag) && flag.is_default;
@@ -50,7 +50,7 @@ void TakeRecordedFlags(const std::string& run, const OptionTable& sequence,
     if (!camera.empty() && IsOfCamera(name)) continue;
     if (gflags::SetCommandLineOption(name.c_str(), value->second.c_str()).empty()) {
       throw InputError(Concat(summary_json, ": options: ", name, " is '", value->second,
-                              "', which --", name, " does not take"));
+                              "', which --", name, " does not accept"));
     }
   }
   if (!camera.empty()) gflags::SetCommandLineOption("camera", camera.c_str());

@@ -8,21 +8,21 @@
 
 namespace surfit::tools {
 
-// By which camera frames are read: the one that a run found, or the one that it was given, for who
-// has what was found from elsewhere.
+// Camera for reading the frames: the camera that the run calibrated, or the input camera of the
+// run. kGiven is for programs that read the calibration from another file.
 enum class RecordedCamera { kFound, kGiven };
 
-// Gives the flags of a sequence what a run of surfit_slam has recorded: those of its summary.json,
-// and where the camera that it found is wanted and it wrote a camera.yaml, this in place of the
-// camera that it was given. Flags that the command line has set stay as they are; with --camera
-// none of the run's camera.yaml counts. Those left out, and those that the program has not, do as
-// well. Throws InputError naming the file if it cannot be read or tells no such options, and the
-// flag whose value does not fit.
+// Sets the flags of a sequence to the options in summary.json of a surfit_slam run. With kFound,
+// the camera.yaml of the run, if it exists, replaces the flags of the camera.
+// Flags on the command line, flags in `left_out` and flags that the program does not have are not
+// set. With --camera, the camera.yaml of the run is not used. Throws InputError with the name of
+// the file if it cannot be read or has no options, and with the name of a flag with an invalid
+// value.
 void TakeRecordedFlags(const std::string& run, const OptionTable& sequence,
                        const std::set<std::string>& left_out = {},
                        RecordedCamera camera = RecordedCamera::kFound);
 
-// A sequence as such a run read it, with the camera that the run found, if it found one.
+// Options of the sequence of a run, with the calibrated camera if there is one.
 SequenceOptions WithFoundCamera(const SequenceOptions& sequence, const std::string& run);
 
 }  // namespace surfit::tools

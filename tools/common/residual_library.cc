@@ -16,7 +16,7 @@ OptionTable ResidualLibrary::With(const OptionTable& options) {
     options(v);
     v.Group("registration");
     v.Add(path_, "residual_library",
-          "library with residuals of your own, to be chosen by their names", AsFlag());
+          "shared library with additional residuals, which are selected by name", AsFlag());
   };
 }
 
@@ -26,7 +26,7 @@ void ResidualLibrary::Load() const {
   const auto refused = [&](const std::string& why) {
     return InputError(Concat("--residual_library is '", path_, "', which ", why));
   };
-  // It stays: what it registers is code of its own.
+  // The library stays loaded, because the residuals are its code.
   void* const library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (library == nullptr) throw refused(Concat("cannot be loaded: ", dlerror()));
   void* const register_all = dlsym(library, "SurfitRegisterResiduals");

@@ -6,14 +6,14 @@
 
 namespace surfit::tools {
 
-// A library of residuals of a user's own, which programs that register can load.
+// Shared library with residuals of the user, for programs that register.
 class ResidualLibrary {
  public:
-  // The options of a program, with the flag that names the library where one of them is a residual.
+  // Adds the flag of the library to the options of a program that has a residual flag.
   OptionTable With(const OptionTable& options);
 
-  // Loads it, if one is named, and has it register its residuals. Throws InputError if it cannot be
-  // loaded, or registers none.
+  // Loads the library, if one is set, and calls its registration function. Throws InputError if it
+  // cannot be loaded, or if it registers no residual.
   void Load() const;
 
  private:

@@ -21,7 +21,7 @@
 namespace surfit::tools {
 namespace {
 
-// The flags of our programs that name what is written, and what is read.
+// Flags with output paths and with input paths.
 constexpr std::array kOutputs = {"output", "summary", "trace", "dump_failures"};
 constexpr std::array kInputs = {"sequence",   "sequences", "graph",       "cloud",
                                 "trajectory", "estimate",  "groundtruth", "map",
@@ -32,8 +32,8 @@ bool IsOneOf(const std::array<const char*, kCount>& names, const FlagHelp& flag)
   return std::find(names.begin(), names.end(), flag.name) != names.end();
 }
 
-// No file or folder that a flag names to be read may be one that is written. The flags have their
-// present values as defaults.
+// Throws InputError if an input is also an output. Default values of the flags are their present
+// values.
 void RequireInputsKept(const std::vector<FlagHelp>& flags) {
   namespace fs = std::filesystem;
   for (const FlagHelp& output : flags) {
@@ -43,20 +43,20 @@ void RequireInputsKept(const std::vector<FlagHelp>& flags) {
       if (IsOneOf(kInputs, input) &&
           fs::equivalent(input.default_value, output.default_value, none)) {
         throw InputError(Concat("--", output.name, " is '", output.default_value, "', which --",
-                                input.name, " reads, must be another"));
+                                input.name, " reads, must be another path"));
       }
     }
   }
 }
 
-// What stands before a line of the log: what it is, and of our own faults where.
+// Prefix of a line of the log: its kind and, for faults of the program, the source line.
 void WriteKind(std::ostream& line, const google::LogMessageInfo& message, void*) {
   const char kind = message.severity[0];
   line << (kind == 'I' ? "note:" : kind == 'W' ? "warning:" : "fault:");
   if (kind != 'I' && kind != 'W') line << ' ' << message.filename << ':' << message.line_number;
 }
 
-// Results that are not taken are none: the disk is full, or the pipe closed.
+// Throws InputError if stdout was not written completely, e.g. due to a full disk or a closed pipe.
 void RequireOutputTaken() {
   std::cout.flush();
   const bool failed = std::fflush(stdout) != 0 || std::ferror(stdout) != 0 || !std::cout;
@@ -106,10 +106,10 @@ int ToolMain(int argc, char** argv, const std::string& summary, const ModeFlag& 
     RequireOutputTaken();
     return exit_code;
   } catch (const std::bad_alloc&) {
-    std::cerr << "error: memory is exhausted" << std::endl;
+    std::cerr << "error: out of memory" << std::endl;
     return kBadInput;
   } catch (const std::exception& error) {
-    const std::string hint = argc > 1 ? "" : "; " + program + " --help shows what it takes";
+    const std::string hint = argc > 1 ? "" : "; " + program + " --help lists the options";
     std::cerr << "error: " << error.what() << hint << std::endl;
     return kBadInput;
   }

@@ -24,7 +24,7 @@ fs::path WorkflowFolder(const std::string& rules) {
     fs::path path = (ProgramFolder() / folder).lexically_normal();
     if (fs::exists(path / rules)) return path;
   }
-  throw InputError(Concat(ProgramFolder() / "workflow", ": no ", rules, " there"));
+  throw InputError(Concat(ProgramFolder() / "workflow", ": ", rules, " not found"));
 }
 
 std::string ProfileFolder(const std::string& profile, const fs::path& workflow) {
@@ -35,7 +35,7 @@ std::string ProfileFolder(const std::string& profile, const fs::path& workflow) 
                           "', must be local, slurm or a folder with a Snakemake config.yaml"));
 }
 
-// The exit code; 128 + signal where one ended it. Throws InputError if there is no such program.
+// Returns the exit code, or 128 + signal. Throws InputError if the program does not exist.
 int RunCommand(std::vector<std::string> command) {
   std::vector<char*> argv;
   argv.reserve(command.size() + 1);
@@ -45,7 +45,7 @@ int RunCommand(std::vector<std::string> command) {
   const int error = posix_spawnp(&pid, argv[0], nullptr, nullptr, argv.data(), environ);
   if (error != 0) {
     throw InputError(Concat("cannot run ", command[0], ": ", std::strerror(error),
-                            "; Debian's package snakemake has it"));
+                            "; install it, e.g. by the Debian package snakemake"));
   }
   int status = 0;
   while (waitpid(pid, &status, 0) < 0) {
@@ -58,12 +58,11 @@ int RunCommand(std::vector<std::string> command) {
 
 void WorkflowOptions::Visit(OptionVisitor& v) {
   v.Group("jobs");
-  v.Add(cores, "cores", "cores of this machine for jobs, with profile local", Between(1, 1024),
-        AsFlag(), Everyday());
-  v.Add(profile, "profile",
-        "how Snakemake runs the jobs: local, slurm, or the folder of a Snakemake profile",
+  v.Add(cores, "cores", "number of cores of this machine for jobs, with profile local",
+        Between(1, 1024), AsFlag(), Everyday());
+  v.Add(profile, "profile", "profile of Snakemake: local, slurm, or the folder of another profile",
         Required(), AsFlag(), Everyday());
-  v.Add(retry_failed, "retry_failed", "do again what has failed", AsFlag(), Everyday());
+  v.Add(retry_failed, "retry_failed", "repeat failed jobs", AsFlag(), Everyday());
 }
 
 Workflow::Workflow(const WorkflowOptions& options, const std::string& folder,
@@ -72,7 +71,7 @@ Workflow::Workflow(const WorkflowOptions& options, const std::string& folder,
   const fs::path workflow = WorkflowFolder(rules);
   command_ = {"snakemake", "--snakefile", workflow / rules, "--directory", folder, "--profile",
               ProfileFolder(options.profile, workflow),
-              // What has been done is told by files' times alone.
+              // Only file times decide which jobs are repeated.
               "--rerun-triggers", "mtime", "--rerun-incomplete", "--nolock"};
   if (options.profile == "local") {
     command_.insert(command_.end(), {"--cores", std::to_string(options.cores)});
@@ -83,20 +82,20 @@ Workflow::Workflow(const WorkflowOptions& options, const std::string& folder,
 void Workflow::Lock() const {
   std::error_code error;
   fs::create_directories(folder_, error);
-  if (error) throw InputError(Concat(folder_, ": cannot be made: ", error.message()));
+  if (error) throw InputError(Concat(folder_, ": cannot be created: ", error.message()));
   const std::string path = folder_ + "/.surfit_jobs.lock";
   const int lock = open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW, 0666);
-  if (lock < 0) throw InputError(Concat(path, ": cannot be made: ", std::strerror(errno)));
+  if (lock < 0) throw InputError(Concat(path, ": cannot be created: ", std::strerror(errno)));
   if (flock(lock, LOCK_EX | LOCK_NB) != 0) {
-    throw InputError(folder_ + " is being worked in by another process, which must end first");
+    throw InputError(folder_ + " is in use by another process: wait until it ends");
   }
 }
 
 bool Workflow::Run() const {
   const int code = RunCommand(command_);
   if (code == 0) return true;
-  std::cerr << "error: some jobs have not come to an end (Snakemake's exit code is " << code
-            << "); the same command goes on where they stopped; see " << folder_ << "/jobs"
+  std::cerr << "error: some jobs did not finish (exit code of Snakemake: " << code
+            << "): run the same command again to continue; logs: " << folder_ << "/jobs"
             << std::endl;
   return false;
 }

@@ -7,7 +7,6 @@
 
 namespace surfit::tools {
 
-// How Snakemake runs the jobs of a program.
 struct WorkflowOptions {
   int cores = 2;
   std::string profile = "local";
@@ -16,19 +15,20 @@ struct WorkflowOptions {
   void Visit(OptionVisitor& visitor);
 };
 
-// A folder whose jobs Snakemake runs. Its lock is held by this process and by Snakemake, which it
-// starts, until both have ended.
+// Folder whose jobs are run by Snakemake. The folder is locked until this process and Snakemake
+// end.
 class Workflow {
  public:
-  // Finds the file of rules (tools/workflow), beside the programs or as installed, and the profile.
-  // Throws InputError naming the one that is missing.
+  // Finds the file of rules (tools/workflow), next to the programs or as installed, and the
+  // profile. Throws InputError with the name of the missing one.
   Workflow(const WorkflowOptions& options, const std::string& folder, const std::string& rules);
 
-  // Makes the folder. Throws InputError if it cannot, or if another process works in it.
+  // Creates and locks the folder. Throws InputError if this fails, or if another process uses the
+  // folder.
   void Lock() const;
 
-  // Whether all jobs have come to an end, failed or not. Else it is told on stderr. Throws
-  // InputError if there is no Snakemake.
+  // Runs the jobs. Returns true if all jobs finished, successfully or not. Otherwise prints an
+  // error on stderr. Throws InputError if Snakemake is not installed.
   bool Run() const;
 
  private:

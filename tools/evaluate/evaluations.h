@@ -4,7 +4,6 @@
 
 namespace surfit::tools {
 
-// The evaluations of surfit_evaluate.
 Mode TrajectoryEvaluationMode();
 Mode MapEvaluationMode();
 Mode ViewEvaluationMode();

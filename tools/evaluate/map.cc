@@ -26,17 +26,18 @@ struct MapOptions {
   void Visit(OptionVisitor& v) {
     v.Group("map");
     v.Add(map, SharedOption("map", Required(), Everyday()));
-    v.Add(reference, "reference",
-          "reference surface, a dense point cloud (PLY or PCD). The alignment of --estimate to "
-          "--groundtruth moves the map to it; without them the map stays in place",
-          Required(), Everyday());
+    v.Add(
+        reference, "reference",
+        "reference surface: a dense point cloud, PLY or PCD; with --estimate and --groundtruth the "
+        "map is moved by their alignment",
+        Required(), Everyday());
     v.Add(estimate, SharedOption("estimate"));
     v.Add(groundtruth, SharedOption("groundtruth"));
-    v.AddPart(error, "error", "how they are compared");
+    v.AddPart(error, "error", "map comparison");
   }
 };
 
-// Of a folder all of its files that are clouds, by name.
+// Points of a cloud file, or of all cloud files of a folder in the order of their names.
 std::vector<Eigen::Vector3f> ReadMapPoints(const std::string& path) {
   namespace fs = std::filesystem;
   if (!fs::is_directory(path)) return ReadPointCloud(path).points;
@@ -45,7 +46,7 @@ std::vector<Eigen::Vector3f> ReadMapPoints(const std::string& path) {
     const fs::path extension = entry.path().extension();
     if (extension == ".ply" || extension == ".pcd") files.insert(entry.path());
   }
-  if (files.empty()) throw InputError(path + ": has no .ply or .pcd file");
+  if (files.empty()) throw InputError(path + ": contains no .ply or .pcd file");
   std::vector<Eigen::Vector3f> points;
   for (const fs::path& file : files) {
     const PointCloud part = ReadPointCloud(file);
@@ -54,7 +55,7 @@ std::vector<Eigen::Vector3f> ReadMapPoints(const std::string& path) {
   return points;
 }
 
-// By the rigid motion that takes the trajectory as near to the truth as one can.
+// Rigid alignment of the estimate to the ground truth; the identity without both.
 Rigid3d ReferenceFromMap(const MapOptions& options) {
   if (options.estimate.empty() && options.groundtruth.empty()) return Rigid3d();
   RequireFlag("estimate", options.estimate);
@@ -63,9 +64,10 @@ Rigid3d ReferenceFromMap(const MapOptions& options) {
   const auto evaluation =
       EvaluateTrajectory(truth, ReadTumTrajectory(options.estimate), Stamps(truth), {});
   if (!evaluation.ate || evaluation.ate->alignment.status != AlignmentStatus::kAligned) {
-    throw InputError(Concat("the ", evaluation.matched, " poses of ", options.estimate,
-                            " that match ", options.groundtruth,
-                            " place no map, must be at least 3 that are not in a line"));
+    throw InputError(
+        Concat("the ", evaluation.matched, " poses of ", options.estimate, " that match ",
+               options.groundtruth,
+               " do not define an alignment, must be at least 3 poses that are not collinear"));
   }
   return evaluation.ate->alignment.target_from_source;
 }
@@ -93,8 +95,9 @@ int RunMap(const MapOptions& options) {
   const PointCloud reference = ReadPointCloud(options.reference);
   const MapError error = ComputeMapError(map, reference.points, reference.normals, options.error);
   PrintJson(ToJson(error, reference_from_map, options));
-  std::cerr << "accuracy " << error.accuracy_m.mean << " m mean, " << error.accuracy_m.p90
-            << " m for 90 %; " << 100 * error.completeness << " % of the reference mapped within "
+  std::cerr << "mean accuracy " << error.accuracy_m.mean << " m, 90 % quantile "
+            << error.accuracy_m.p90 << " m; " << 100 * error.completeness
+            << " % of the reference points have a map point within "
             << options.error.completeness_distance_m << " m" << std::endl;
   return kDone;
 }

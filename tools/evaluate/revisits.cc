@@ -1,5 +1,5 @@
-// Tells whether an estimate or its pseudo ground truth lays the surfaces of two visits to one place
-// better over each other.
+// Compares an estimate with its pseudo ground truth: agreement of the surfaces of two visits to a
+// place.
 
 #include "apps/evaluate/revisits.h"
 
@@ -25,13 +25,13 @@ struct AllRevisitOptions {
   AllRevisitOptions() { revisits.sequence.stride = 5; }
 
   void Visit(OptionVisitor& v) {
-    v.AddPart(revisits, "revisits", "what is compared");
+    v.AddPart(revisits, "revisits", "revisits");
     v.Add(run, SharedOption("run", Everyday()));
     v.Add(threads, SharedOption("threads", Everyday()));
   }
 };
 
-// The trajectory of the run is the estimate.
+// Uses the trajectory of the run as estimate.
 void TakeRun(AllRevisitOptions* options) {
   if (options->run.empty()) return;
   TakeRecordedFlags(options->run, TableOf(&options->revisits.sequence), {"stride"});
@@ -47,8 +47,8 @@ void SetAgreement(const std::string& name, const RevisitAgreement& agreement, Js
 }
 
 void PrintSummary(const std::string& name, const RevisitAgreement& agreement) {
-  std::cerr << name << ": surfaces " << 1000 * agreement.surface_m.median
-            << " mm apart, dense ICP goes " << 1000 * agreement.icp_translation_m.median
+  std::cerr << name << ": surface distance " << 1000 * agreement.surface_m.median
+            << " mm, correction by dense ICP " << 1000 * agreement.icp_translation_m.median
             << " mm and " << agreement.icp_rotation_deg.median << " deg (medians)" << std::endl;
 }
 
@@ -64,8 +64,8 @@ int RunRevisits(const AllRevisitOptions& options) {
   SetAgreement("groundtruth", report.ground_truth, &json);
   SetAgreement("estimate", report.estimate, &json);
   PrintJson(json);
-  std::cerr << report.pairs << " pairs of frames of the same place, " << report.unregistered
-            << " of them not registered, seen by " << NameOfCamera(options.revisits.sequence)
+  std::cerr << report.pairs << " frame pairs of the same place, " << report.unregistered
+            << " of them not registered, camera: " << NameOfCamera(options.revisits.sequence)
             << std::endl;
   if (report.unregistered == report.pairs) return kAlgorithmFailed;
   PrintSummary("ground truth", report.ground_truth);

@@ -19,7 +19,7 @@ namespace {
 
 struct TrajectoryOptions {
   std::string groundtruth, estimate, frames;
-  std::string time_offset_s;  // a number, estimate, or empty
+  std::string time_offset_s;  // number, "estimate" or empty
   bool fit_mount = false, fit_scale = false;
   TrajectoryEvaluationOptions evaluation;
 
@@ -28,16 +28,18 @@ struct TrajectoryOptions {
     v.Add(groundtruth, SharedOption("groundtruth", Required(), Everyday()));
     v.Add(estimate, SharedOption("estimate", Required(), Everyday()));
     v.Add(frames, "frames",
-          "list of the frames that coverage refers to, timestamps first (rgb.txt); empty: the "
-          "poses of the ground truth",
+          "list of frames for the coverage, timestamps first (rgb.txt); empty: the poses of the "
+          "ground "
+          "truth",
           AsFlag("frame_list"));
-    v.Add(time_offset_s, "time_offset_s",
-          "beside the plain error, tell that with the estimate's stamps moved by so much; "
-          "estimate: by what makes it least",
-          InUnit("s"), AsFlag());
+    v.Add(
+        time_offset_s, "time_offset_s",
+        "time offset of the estimate for an additional ATE; estimate: the offset with the smallest "
+        "ATE; empty: none",
+        InUnit("s"), AsFlag());
     v.Add(fit_mount, SharedOption("fit_mount"));
     v.Add(fit_scale, "fit_scale", "with fit_mount: also fit the scale of the estimate", AsFlag());
-    v.AddPart(evaluation, "evaluation", "how they are compared");
+    v.AddPart(evaluation, "evaluation", "trajectory comparison");
     v.Check([this] {
       GivenOffset();
       if (fit_scale && !fit_mount) {
@@ -46,7 +48,7 @@ struct TrajectoryOptions {
     });
   }
 
-  // Nothing where it is not given as a number.
+  // std::nullopt if the offset is not a number.
   std::optional<double> GivenOffset() const {
     std::optional<double> offset_s;
     if (time_offset_s == "estimate") return offset_s;
@@ -66,7 +68,7 @@ std::string DescribeStamps(const Trajectory& trajectory) {
                 trajectory.front().stamp_s, " to ", trajectory.back().stamp_s, " s");
 }
 
-// Nothing where none is asked for.
+// Returns std::nullopt if no offset is requested.
 std::optional<TimeOffset> FindTimeOffset(const Trajectory& ground_truth, const Trajectory& estimate,
                                          const TrajectoryOptions& options) {
   if (options.time_offset_s.empty()) return std::nullopt;
@@ -77,7 +79,7 @@ std::optional<TimeOffset> FindTimeOffset(const Trajectory& ground_truth, const T
   if (offset) return offset;
   throw InputError(Concat("time_offset_s is '", options.time_offset_s,
                           "': fewer than 3 poses match with ",
-                          given ? "it" : "each offset of up to 0.1 s"));
+                          given ? "this offset" : "any offset up to 0.1 s"));
 }
 
 Json ToJson(const TrajectoryEvaluation& e, const std::optional<TimeOffset>& offset,
@@ -114,18 +116,18 @@ void PrintMount(const MountFit& mount) {
 void PrintSummary(const TrajectoryEvaluation& e, const std::optional<TimeOffset>& offset,
                   const TrajectoryOptions& options) {
   std::cerr << "ATE RMSE " << e.ate->translation_m.rmse << " m over " << e.matched << " of "
-            << e.expected << (options.frames.empty() ? " true poses" : " frames");
+            << e.expected << (options.frames.empty() ? " ground-truth poses" : " frames");
   if (e.rpe) {
     std::cerr << ", RPE RMSE " << e.rpe->translation_m.rmse << " m and " << e.rpe->rotation_deg.rmse
-              << " deg a step of ";
+              << " deg per step of ";
   } else {
-    std::cerr << ", no RPE: no two poses are apart by ";
+    std::cerr << ", no RPE: no two poses have a distance of ";
   }
   const RelativePoseErrorOptions& rpe = options.evaluation.rpe;
   const bool frames = rpe.delta_unit == RelativePoseErrorOptions::Unit::kFrames;
   std::cerr << rpe.delta << (frames ? " frames" : " seconds") << std::endl;
   if (!offset) return;
-  std::cerr << "with the estimate's stamps moved by " << offset->offset_s << " s: ATE RMSE "
+  std::cerr << "with a time offset of " << offset->offset_s << " s: ATE RMSE "
             << offset->ate.translation_m.rmse << " m" << std::endl;
 }
 

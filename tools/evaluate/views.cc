@@ -1,4 +1,4 @@
-// Tells how much the map of a run looks like what its camera saw.
+// Compares rendered views of the map of a run with its frames.
 
 #include <iostream>
 
@@ -15,19 +15,18 @@ namespace {
 void Print(const ViewEvaluation& evaluation) {
   const ViewError& mean = evaluation.mean;
   std::printf(
-      "%zu frames%s: PSNR %.2f dB over covered pixels (%.2f dB with a gain of its own for each "
-      "view's "
-      "channel, %.2f dB from where its own colours fit best), %.2f dB over all; SSIM %.3f and "
-      "%.3f; %.1f %% covered; depth off by %.1f mm (median), %.1f mm (mean)\n",
+      "%zu frames%s: PSNR %.2f dB over covered pixels (%.2f dB with a gain per view and channel, "
+      "%.2f dB from poses registered by colour), %.2f dB over all pixels; SSIM %.3f and %.3f; "
+      "%.1f %% covered; depth error %.1f mm (median), %.1f mm (mean)\n",
       evaluation.views.size(), evaluation.held_out ? " that are not in the map" : "",
       mean.psnr_covered_db, mean.psnr_covered_by_gain_db, mean.psnr_registered_db, mean.psnr_db,
       mean.ssim_covered, mean.ssim, 100 * mean.coverage, 1000 * mean.depth_error_median_m,
       1000 * mean.depth_error_mean_m);
   if (evaluation.without_color > 0) {
-    std::printf("%d frames have no colour and are left out\n", evaluation.without_color);
+    std::printf("%d frames without colour were skipped\n", evaluation.without_color);
   }
   if (!evaluation.held_out) {
-    std::printf("the map was made of these frames: surfit_slam --hold_out=10 leaves some out\n");
+    std::printf("the map contains these frames: set surfit_slam --hold_out=10 to exclude some\n");
   }
   if (!evaluation.worst_view.empty()) std::printf("worst: %s\n", evaluation.worst_view.c_str());
 }
@@ -41,7 +40,7 @@ int RunViews(const ViewEvaluationOptions& options) {
   return kDone;
 }
 
-// The poses.json of a run has the camera that the run found.
+// The calibrated camera is in poses.json of the run, so the frames are read with the input camera.
 void TakeWhatTheRunRead(ViewEvaluationOptions* options) {
   RequireFlag("run", options->run);
   TakeRecordedFlags(options->run, TableOf(&options->sequence), {}, RecordedCamera::kGiven);

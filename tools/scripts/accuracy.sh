@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
-# Makes docs/accuracy.md: what each part of the tracking and mapping buys, as the error of the
-# trajectory without it, or with it where it is off by default. On two idle cores it takes about
-# half an hour; on busy ones longer, with the same errors.
+# Creates docs/accuracy.md: the ATE without each part of tracking and mapping, or with a part that
+# is off by default. Takes about half an hour on two idle cores. The errors do not depend on the
+# load.
 #
 #   tools/scripts/accuracy.sh [--quick] [--tools=DIR] [--output=FILE] [DATA]
 #
-#   --quick    two rows over two tiny simulated rooms: shows that the script works
-#   --tools    folder of the programs; otherwise they are built
-#   DATA       folder of recorded sequences; what it lacks is left out
+#   --quick    two rows with two tiny simulated rooms, to test the script
+#   --tools    folder of the programs; default: they are built
+#   DATA       folder of recorded sequences; missing sequences are skipped
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 data=${SURFIT_DATA_DIR:-$root/../shared/data}
@@ -76,12 +76,12 @@ for seed in "${seeds[@]}"; do
     --downsample="$downsample" --sensor=kinect >>"$scratch/log" 2>&1
 done
 
-# The figures of a run: ATE in mm or none, frames that were lost, and seconds of processor time.
+# Figures of a run: ATE in mm or none, number of lost frames, CPU time in s.
 run() {
   local code=0 TIMEFORMAT='%U %S'
   { time "$tools/surfit_slam" --output="$scratch/run" --nopictures "$@" >>"$scratch/log" 2>&1; } \
     2>"$scratch/time" || code=$?
-  if ((code != 0 && code != 2)); then  # 2: tracked nothing
+  if ((code != 0 && code != 2)); then  # 2: tracking failed
     tail -3 "$scratch/log" >&2
     exit 1
   fi
@@ -133,7 +133,7 @@ done
 
 kitchen=
 if [[ ! $quick && -d $data/seven_scenes_kitchen ]]; then
-  echo "all of seven_scenes_kitchen" >&2
+  echo "all frames of seven_scenes_kitchen" >&2
   figures=$(run --sequence="$data/seven_scenes_kitchen")
   read -r ate lost cpu_s <<<"$figures"
   kitchen="All frames of seven_scenes_kitchen with the defaults: $(with_losses "$ate" "$lost") mm."
@@ -142,7 +142,7 @@ fi
 {
   echo "# Accuracy"
   echo
-  echo "Made by \`tools/scripts/accuracy.sh${quick:+ --quick}\` on $(date +%F), commit" \
+  echo "Created by \`tools/scripts/accuracy.sh${quick:+ --quick}\` on $(date +%F), commit" \
     "$(git -C "$root" rev-parse --short HEAD):"
   echo "$(nproc) processors, $(sed -n 's/^model name\s*: //p' /proc/cpuinfo | head -1)."
   echo

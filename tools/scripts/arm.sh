@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Compiles for 64-bit ARM, where lanes become NEON's instructions, and runs the fast tests of all that
-# computes over lanes in an emulator (qemu-user). Installs what that needs.
+# Cross-compiles for 64-bit ARM, where SIMD lanes are NEON instructions. Runs the fast tests of
+# vectorised code in an emulator (qemu-user). Installs the required packages.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 scripts=$root/tools/scripts

@@ -6,7 +6,7 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 preset=$1
 shift
 
-# Hits survive a move of the source folder.
+# ccache hits do not depend on the path of the source folder.
 export CCACHE_BASEDIR=$root CCACHE_NOHASHDIR=1
 cd "$root"
 cmake --preset "$preset" --log-level=WARNING ${CI:+-DCMAKE_COMPILE_WARNING_AS_ERROR=ON}

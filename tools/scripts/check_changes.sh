@@ -1,16 +1,16 @@
 #!/usr/bin/env bash
-# Holds the C++ files that changed to clang-format and clang-tidy, and compiles public headers alone:
+# Checks the format of changed C++ files, runs clang-tidy, and compiles changed public headers separately:
 #   check_changes.sh [BASE]
-# BASE is the commit that they are compared with, by default the last one at least a day older than
-# HEAD. clang-tidy takes a minute a file: of more than SURFIT_TIDY_FILES (4) changed ones it looks at
-# those that changed most, and says how many it left out. `cmake --build --preset tidy` looks at all.
+# BASE: commit to compare with; default: the last commit that is at least one day older than HEAD.
+# clang-tidy takes a minute per file, so it checks only the SURFIT_TIDY_FILES (4) files with the largest
+# changes. `cmake --build --preset tidy` checks all files.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 cd "$root"
 most=${SURFIT_TIDY_FILES:-4}
 day_before=$(($(git log -1 --format=%ct) - 86400))
 base=${1:-$(git rev-list -1 --before="$day_before" HEAD)}
-base=${base:-$(git hash-object -t tree /dev/null)}  # a history of less than a day: all files
+base=${base:-$(git hash-object -t tree /dev/null)}  # no such commit: all files
 
 changed() { git diff --name-only --diff-filter=d "$base" -- "$@"; }
 mapfile -t files < <(changed '*.h' '*.cc')
@@ -23,18 +23,18 @@ clang-format --dry-run -Werror "${files[@]}"
 
 mapfile -t headers < <(changed 'include/*.h')
 if ((${#headers[@]} > 0)); then
-  echo "compiled alone: ${#headers[@]} headers"
+  echo "compiled separately: ${#headers[@]} headers"
   printf '#include "%s"\0' "${headers[@]#include/}" |
     xargs --null --max-args=1 --max-procs="$(nproc)" sh -c \
       'echo "$0" | c++ -std=c++17 -fsyntax-only -I include $(pkg-config --cflags eigen3) -x c++ -'
 fi
 
-# A renamed file is three fields of numstat: the counts, the old name, the new name.
+# numstat prints three fields for a renamed file: counts, old name, new name.
 mapfile -t sources < <(git diff --numstat -z --diff-filter=d "$base" -- 'src/*.cc' 'tools/*.cc' |
   tr '\0' '\n' | awk '/\t$/ { counts = $0; getline; getline name; print counts name; next } { print }' |
   sort -k1,1nr -k3 | cut -f 3)
 looked_at=("${sources[@]:0:most}")
-echo "clang-tidy: ${#looked_at[@]} files, $((${#sources[@]} - ${#looked_at[@]})) changed ones left out"
+echo "clang-tidy: ${#looked_at[@]} files, $((${#sources[@]} - ${#looked_at[@]})) changed files skipped"
 ((${#looked_at[@]} > 0)) || exit 0
 cmake --preset tidy --log-level=WARNING >/dev/null
 printf '%s\n' "${looked_at[@]}" |

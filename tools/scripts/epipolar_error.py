@@ -1,22 +1,21 @@
 #!/usr/bin/env python3
-"""Tells which poses agree best with what colour images alone show, without any depth:
+"""Compares poses with the epipolar geometry of colour images, without depth:
 
     tools/scripts/epipolar_error.py --camera=525,525,312,240 --center=-0.025,0,0 \\
         'DATA/seven_scenes_kitchen/*.color.jpg' given='DATA/seven_scenes_kitchen/*.pose.txt' \\
         found=out/trajectory.txt
 
-Images are those of a pattern, in their order, 30 a second; NAME=POSES is a TUM trajectory whose stamps
-count from the first image, or a pattern of files with one 4 x 4 matrix for each image. All images that
-lie GAP apart are matched (SIFT, ratio test), and wrong matches left out by the essential matrix that
-fits the matches themselves best (RANSAC). What is left must lie on the epipolar lines of the poses:
-the table has the median over pairs of the median distance of a pair, in pixels. --camera is the colour
-camera's fx,fy,cx,cy, --center where it stands in the depth camera, whose poses they are, in metres.
+The images match a pattern, sorted by name, with 30 images per second. NAME=POSES is a TUM trajectory
+with timestamps relative to the first image, or a pattern of files with one 4 x 4 matrix per image.
+Images with a distance of GAP frames are matched (SIFT, ratio test). RANSAC with the essential matrix
+removes wrong matches. The table shows the epipolar error of the poses in pixels: the median over image
+pairs of the median per pair. --camera: fx,fy,cx,cy of the colour camera. --center: position of the
+colour camera in the frame of the depth camera, in metres; the poses are those of the depth camera.
 
-Poses that were found together with the depth camera's calibration belong to a depth camera that looks
-another way: --fit finds, for each of NAME=POSES, the colour camera's rotation and place in the depth
-camera and its focal length from every other pair of images (least squares, Huber's kernel), and the table
-is of those left.
-Needs Debian's python3-opencv.
+If poses were estimated together with the calibration of the depth camera, the extrinsics have changed.
+--fit estimates the rotation, position and focal length of the colour camera for each NAME=POSES from
+every other image pair (least squares with Huber kernel). The table then shows the remaining pairs.
+Requires the Debian package python3-opencv.
 """
 
 import argparse
@@ -34,7 +33,7 @@ MAX_MATCH_ERROR_PX = 3
 
 
 def read_poses(path, count):
-    """One (rotation, translation) for each image, None where there is none."""
+    """One (rotation, translation) per image; None without a pose."""
     files = sorted(glob.glob(path))
     if len(files) > 1:
         matrices = [np.loadtxt(file) for file in files]
@@ -42,8 +41,8 @@ def read_poses(path, count):
     poses = [None] * count
     for row in np.loadtxt(path):
         index = round(row[0] * FPS)
-        if abs(row[0] * FPS - index) > 0.7:  # a stamp may be less the sensor's latency
-            sys.exit(f"{path}: stamp {row[0]} is none of {FPS} frames a second")
+        if abs(row[0] * FPS - index) > 0.7:  # the sensor latency may be subtracted
+            sys.exit(f"{path}: timestamp {row[0]} does not fit {FPS} frames per second")
         x, y, z, w = row[4:8]
         rotation = np.array(
             [[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
@@ -55,7 +54,7 @@ def read_poses(path, count):
 
 
 def matched_rays(a, b, camera):
-    """Rays (x, y, 1) of points that two images share, or None."""
+    """Rays (x, y, 1) of the matched points of two images, or None."""
     (points_a, descriptors_a), (points_b, descriptors_b) = a, b
     pairs = cv2.BFMatcher().knnMatch(descriptors_a, descriptors_b, k=2)
     good = [best for best, second in pairs if best.distance < 0.7 * second.distance]
@@ -78,8 +77,9 @@ def rotation_matrix(vector):
 
 
 def epipolar_distances_px(pair, mount, focal):
-    """Of each match of a pair (rays a, rays b, poses of a and b), by the mount of colour's camera: its
-    rotation vector and place in the depth camera, and the logarithm of its focal length over `focal`."""
+    """Signed epipolar error of each match of a pair (rays a, rays b, poses of a and b), in pixels. `mount`
+    has the rotation vector and the position of the colour camera in the depth camera, and the logarithm of
+    the ratio of its focal length to `focal`."""
     rays_a, rays_b, (rotation_a, at_a), (rotation_b, at_b) = pair
     turn, center, scale = rotation_matrix(mount[:3]), mount[3:6], np.exp(-mount[6])
     rays_a, rays_b = (rays * [scale, scale, 1] for rays in (rays_a, rays_b))
@@ -94,7 +94,7 @@ def epipolar_distances_px(pair, mount, focal):
 
 
 def fitted_mount(pairs, start, focal):
-    """The mount that pairs of images are best explained by: Gauss-Newton, damped."""
+    """Mount with the smallest epipolar errors, by damped Gauss-Newton."""
     mount, steps = start.copy(), np.array([1e-5] * 3 + [1e-5] * 3 + [1e-5])
     pairs = [(a[::len(a) // 40 + 1], b[::len(b) // 40 + 1], *poses) for a, b, *poses in pairs]
     for _ in range(10):
@@ -127,7 +127,7 @@ def main():
     sift = cv2.SIFT_create(1500)
     features = {i: sift.detectAndCompute(cv2.imread(files[i], cv2.IMREAD_GRAYSCALE), None)
                 for i in range(0, len(files), STRIDE)}
-    matched = {gap: [] for gap in GAPS}  # images, and the rays they share
+    matched = {gap: [] for gap in GAPS}  # indices of two images, and their matched rays
     for gap in GAPS:
         for i in range(0, len(files) - gap, STRIDE):
             if any(of[i] is None or of[i + gap] is None for of in poses.values()):
@@ -145,7 +145,7 @@ def main():
             mount = fitted_mount([pair for of_gap in pairs.values() for pair in of_gap[::2]], start,
                                  camera[0])
             pairs = {gap: of_gap[1::2] for gap, of_gap in pairs.items()}
-            print(f"{name}: colour camera turned by {np.degrees(mount[:3]).round(3)} deg, at "
+            print(f"{name}: colour camera rotated by {np.degrees(mount[:3]).round(3)} deg, at "
                   f"{mount[3:6].round(4)} m, focal length {camera[0] * np.exp(mount[6]):.1f} px")
         medians[name] = {
             gap: (len(of_gap), np.median([np.median(np.abs(epipolar_distances_px(pair, mount, camera[0])))

@@ -1,27 +1,27 @@
 #!/usr/bin/env bash
-# Installs with apt what this Debian 12 lacks, and with npm, where there is one, what reports do
-# without otherwise:
-#   install_dependencies.sh            all that building, running and testing Surfit needs
-#   install_dependencies.sh programs   what building and running the programs needs
-#   install_dependencies.sh cluster    what the test of scans on Slurm needs besides (label cluster)
-#   install_dependencies.sh arm        what compiling for ARM needs besides, whose libraries are
+# Installs missing packages: Debian 12 packages with apt, and JavaScript packages for optional parts of
+# reports with npm, if it is available:
+#   install_dependencies.sh            all packages for building, running and testing Surfit
+#   install_dependencies.sh programs   packages for building and running the programs
+#   install_dependencies.sh cluster    additional packages for the test of scans on Slurm (label cluster)
+#   install_dependencies.sh arm        additional packages for compiling for ARM; its libraries are
 #                                      unpacked into build/arm-system
-# Needs no root, and does nothing, when nothing is missing.
+# If no package is missing, the script does nothing and needs no root.
 set -euo pipefail
 group=${1:-all}
-[[ $group =~ ^(all|programs|cluster|arm)$ ]] || { echo "error: '$group' is none of all, programs, cluster, arm" >&2; exit 1; }
+[[ $group =~ ^(all|programs|cluster|arm)$ ]] || { echo "error: group is '$group', must be all, programs, cluster or arm" >&2; exit 1; }
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
-npm_packages() {  # npm_packages FOLDER PACKAGE WHAT_LACKS_WITHOUT: what FOLDER/package-lock.json names
+npm_packages() {  # npm_packages FOLDER PACKAGE CONSEQUENCE: installs the packages of FOLDER/package-lock.json
   [[ ! -e $1/node_modules/$2 ]] && command -v npm >/dev/null || return 0
-  # Without peers: Chart.js is Debian's.
+  # Without peer dependencies: Chart.js is a Debian package.
   npm ci --prefix "$1" --legacy-peer-deps --ignore-scripts --no-audit --no-fund </dev/null ||
-    echo "warning: npm failed, so $3" >&2
+    echo "warning: npm failed: $3" >&2
 }
 [[ $group =~ ^(cluster|arm)$ ]] ||
-  npm_packages "$root/src/browser/npm" chartjs-plugin-zoom "the plots of reports will not zoom"
+  npm_packages "$root/src/browser/npm" chartjs-plugin-zoom "plots in reports cannot be zoomed"
 [[ $group != all ]] ||
-  npm_packages "$root/tests/tools/bags" @mcap/core "no test writes MCAP files"
+  npm_packages "$root/tests/tools/bags" @mcap/core "tests cannot write MCAP files"
 
 packages=(
   # compiler and build tools
@@ -32,13 +32,13 @@ packages=(
   libturbojpeg0-dev libpng-dev libtiff-dev libdeflate-dev liblzf-dev libmeshoptimizer-dev
   liblz4-dev libzstd-dev libbz2-dev libsqlite3-dev
   libopenni2-dev
-  # what reports hold
+  # JavaScript libraries of reports
   libjs-three libjs-chart.js
-  # CMake looks for these at once
+  # required by CMake
   libgtest-dev libgmock-dev
 )
 test_packages=(
-  # format and clang-tidy of what changed
+  # format and clang-tidy of changed files
   git clang-format clang-tidy
   # documentation, manual pages and Debian packages
   doxygen help2man dpkg-dev
@@ -60,7 +60,7 @@ done
 [[ $group != arm ]] || packages=(g++-aarch64-linux-gnu qemu-user mmdebstrap)
 
 if ! command -v dpkg-query apt-get >/dev/null; then
-  echo "error: no dpkg-query and apt-get here; install what third_party_notes.md lists by hand" >&2
+  echo "error: dpkg-query or apt-get is missing: install the packages of third_party_notes.md manually" >&2
   exit 1
 fi
 
@@ -71,7 +71,8 @@ unpack_for_arm() {
   rm -rf "$system.part"
   mmdebstrap --variant=extract --architectures=arm64 --include="${arm_packages[*]}" \
     "$(. /etc/os-release && echo "$VERSION_CODENAME")" "$system.part"
-  # What installing does besides: Debian's alternatives, and Ceres' files name libraries by path.
+  # Other steps of an installation: the alternatives for BLAS and LAPACK, and the library paths of
+  # Ceres.
   local libraries=usr/lib/aarch64-linux-gnu
   for name in blas lapack; do
     ln -s "$name/lib$name.so" "$name/lib$name.so.3" "$system.part/$libraries"
@@ -92,8 +93,8 @@ if [[ $(id -u) == 0 ]]; then
 elif command -v sudo >/dev/null; then
   as_root=(sudo env)
 else
-  echo "error: Debian packages are missing, and this is neither root nor is there sudo;" >&2
-  echo "have an administrator run: apt-get install --no-install-recommends ${missing[*]}" >&2
+  echo "error: Debian packages are missing, and their installation requires root or sudo:" >&2
+  echo "run as administrator: apt-get install --no-install-recommends ${missing[*]}" >&2
   exit 1
 fi
 
@@ -102,6 +103,6 @@ apt() {
     apt-get -o Acquire::Retries=3 -o DPkg::Lock::Timeout=300 "$@" </dev/null
 }
 echo "Installing ${missing[*]}"
-apt update -q || echo "warning: apt-get update failed, trying with the lists at hand" >&2
+apt update -q || echo "warning: apt-get update failed, using the existing package lists" >&2
 apt install -q -y --no-install-recommends "${missing[@]}"
 unpack_for_arm

@@ -1,17 +1,17 @@
 #!/usr/bin/env python3
-"""Puts a frame beside what maps of several runs show from its pose:
+"""Shows a frame next to the map views of several runs from its pose:
 
     surfit_slam --sequence=DIR --output=before --hold_out=10 --nofinal_map
     surfit_slam --sequence=DIR --output=after --hold_out=10
     for run in before after; do surfit_evaluate --what=views --run=$run --view_pictures=100; done
     tools/scripts/look_pictures.py --frame=99 --output=looks.jpg before after
 
-From left to right: the frame, and the view of each run, which must be among its view_pictures.
-Without --frame, the views from above of the runs' map_color.png:
+The picture shows the frame on the left, followed by the view of each run (one of its view_pictures).
+Without --frame, the top views in map_color.png of the runs are shown:
 
     tools/scripts/look_pictures.py --output=maps.jpg before after
 
-Needs Debian's python3-opencv.
+Requires the Debian package python3-opencv.
 """
 
 import argparse
@@ -21,16 +21,17 @@ import sys
 import cv2
 import numpy as np
 
-HEADER_PX = 28  # the caption above view_pictures
-# Of map_color.png: the title, and the first of its four cells without the caption below.
+HEADER_PX = 28  # height of the caption of view_pictures
+# Layout of map_color.png: height of the title, and size of the first of four cells without its
+# caption.
 TITLE_PX, CELL_WIDTH_PX, CELL_HEIGHT_PX = 76, 800, 600
 
 
 def view_of(run, frame):
-    """The frame and the map's view of it, from the picture of the judged view."""
+    """The frame and the map view, from a picture in view_pictures."""
     with open(f"{run}/views.csv", encoding="utf-8") as file:
         views = list(csv.DictReader(file))
-    # Pictures are numbered from the worst on.
+    # Pictures are numbered from the worst to the best view.
     views.sort(key=lambda view: float(view["psnr_covered_db"]))
     for rank, view in enumerate(views):
         if int(view["frame"]) != frame:
@@ -55,7 +56,7 @@ def main():
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--frame", type=int)
     parser.add_argument("--output", required=True)
-    parser.add_argument("--width", type=int, default=1500, help="of the whole picture, px")
+    parser.add_argument("--width", type=int, default=1500, help="width of the picture, px")
     parser.add_argument("runs", nargs="+")
     args = parser.parse_args()
     if args.frame is None:

@@ -133,14 +133,14 @@ def build(source, jobs):
 
 
 class Results:
-    """The results of all faults, in a file."""
+    """File with the results of all faults."""
 
     def __init__(self, path):
         self.path = path
         self.of = json.loads(path.read_text()) if path.is_file() else {"faults": {}, "passed": []}
 
     def of_fault(self, fault):
-        """The result of a fault, or None. A fault that was changed in the table has none."""
+        """The result of a fault, or None. A changed fault has no result."""
         result = self.of["faults"].get(fault["name"])
         return result if result and result["replacement"] == fault["replacement"] else None
 

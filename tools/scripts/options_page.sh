@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Prints docs/options.md: each flag once, with its programs, from --help=all of all programs.
 #   options_page.sh PROGRAMS_FOLDER > docs/options.md
-#   options_page.sh PROGRAMS_FOLDER --compare=docs/options.md    exits with 1 if that is out of date
+#   options_page.sh PROGRAMS_FOLDER --compare=docs/options.md    exits with 1 if the page is outdated
 # Exits with 1 if two programs have different texts for one flag.
 set -euo pipefail
 programs=$1
@@ -20,19 +20,19 @@ print_page() {
   cat <<'END'
 # Options
 
-All flags of all programs, each once: its default, its text, and in brackets its programs without `surfit_`.
-`batch=1` is the default in `surfit_batch`, if it differs. `evaluate (map, views)` are the values of `--what`,
-`scan (link, tile)` those of `--step`, that the flag belongs to.
+All flags of all programs. Each entry has the default value, the description, and in brackets the programs, without
+`surfit_`. `batch=1`: the default in `surfit_batch` is 1. `evaluate (map, views)` and `scan (link, tile)` list the
+values of `--what` and `--step` with this flag.
 
-`--help` of a program shows the everyday flags, `--help=GROUP` those of a group, `--help=all` all. All programs
-have `--flagfile=F`: it reads flags from a file, one a line; `#` begins a comment.
-In C++ and Python options have more fields than there are flags: see the structs' headers.
+`--help` prints the everyday flags of a program, `--help=GROUP` the flags of a group, `--help=all` all flags.
+`--flagfile=F` reads flags from a file, one per line; `#` starts a comment.
+In C++ and Python, the options have more fields than there are flags: see the headers of the structs.
 
-`tools/scripts/options_page.sh build/release/tools > docs/options.md` makes this page; a test holds
-it to what the programs say.
+`tools/scripts/options_page.sh build/release/tools > docs/options.md` creates this page. A test compares the page with
+the help of the programs.
 END
   print_help | awk '
-    # Words in lines of 80 columns, indented by 30.
+    # Wraps words to 84 columns, with an indent of 30.
     function wrapped(text, column,    words, count, i, lines) {
       count = split(text, words, " ")
       for (i = 1; i <= count; ++i) {
@@ -104,7 +104,7 @@ case $page in
   '') echo "$text" ;;
   --compare=*)
     if ! diff "${page#*=}" <(echo "$text"); then
-      echo "${page#*=} is out of date: see the head of $0" >&2
+      echo "${page#*=} is outdated: see the usage at the top of $0" >&2
       exit 1
     fi
     ;;

@@ -1,17 +1,17 @@
 #!/usr/bin/env bash
-# Makes docs/performance.md: times of frames, of hot functions, and beside other systems where these
-# are installed. On an otherwise idle machine it takes about ten minutes.
+# Creates docs/performance.md: times of frames and of hot functions, and a comparison with other systems
+# that are installed. Takes about ten minutes on an idle machine.
 #
 #   tools/scripts/performance.sh [--peer-frames=N] [DATA]
 #
-# DATA: folder of recorded sequences. N: how many frames the systems that it compares with follow,
-# 200 if not given; all 1000 of seven_scenes_kitchen take more than half an hour.
+# DATA: folder of recorded sequences. N: number of frames for the other systems, default 200; all 1000
+# frames of seven_scenes_kitchen take more than half an hour.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 peer_frames=200
 if [[ ${1:-} == --peer-frames=* ]]; then
   peer_frames=${1#*=}
-  [[ $peer_frames =~ ^[1-9][0-9]*$ ]] || { echo "error: --peer-frames=$peer_frames is no count" >&2; exit 1; }
+  [[ $peer_frames =~ ^[1-9][0-9]*$ ]] || { echo "error: --peer-frames is '$peer_frames', must be a positive number" >&2; exit 1; }
   shift
 fi
 data=${1:-${SURFIT_DATA_DIR:-../shared/data}}
@@ -22,7 +22,7 @@ trap 'rm -rf "$scratch"' EXIT
 
 tools/scripts/build.sh release all benchmarks
 
-# A heading, and what a command prints.
+# Adds a section with the output of a command.
 table() {
   local title=$1
   shift
@@ -43,12 +43,12 @@ for sequence in seven_scenes_kitchen icl_office icl_office_kinect; do
 done
 if [[ -d $data/seven_scenes_kitchen ]]; then
   for loops in --noloop_closure --loop_closure; do
-    table "1000 frames of seven_scenes_kitchen offered at 30 Hz, $loops" build/release/tools/surfit_slam \
+    table "1000 frames of seven_scenes_kitchen at sensor rate (30 Hz), $loops" build/release/tools/surfit_slam \
       --sequence="$data/seven_scenes_kitchen" --output="$scratch/run" --pictures=false \
       --offered_fps=30 "$loops"
   done
   for solver in closed_form_ldlt ceres closed_form_ldlt ceres; do
-    table "The first 200 of seven_scenes_kitchen, solver $solver" \
+    table "First 200 frames of seven_scenes_kitchen, solver $solver" \
       "$benchmarks/frame_time" "$data/seven_scenes_kitchen" "$scratch/run" 200 1e9 "$solver"
   done
   if [[ -x $benchmarks/peers/slam_peers ]]; then
@@ -64,13 +64,13 @@ for benchmark in tracking mapping cost_functions; do
   table "Functions: $benchmark" "$benchmarks/benchmark_$benchmark"
 done
 
-# Worked out by hand, and kept.
+# The budget is written by hand, and kept.
 budget=$(sed -n '/^## Budget$/,/^## Frames/p' "$out" | sed '/^## Frames/d')
 
 {
   echo "# Performance"
   echo
-  echo "Made by \`tools/scripts/performance.sh\` on $(date +%F), commit $(git rev-parse --short HEAD):"
+  echo "Created by \`tools/scripts/performance.sh\` on $(date +%F), commit $(git rev-parse --short HEAD):"
   echo "$(nproc) processors, $(sed -n 's/^model name\s*: //p' /proc/cpuinfo | head -1)."
   echo
   if [[ -n $budget ]]; then

@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
-"""Records a RealSense to a folder that surfit_slam reads: record_realsense.py FOLDER
+"""Records a RealSense camera to a folder that surfit_slam can read: record_realsense.py FOLDER
 
-Takes Debian's python3-numpy and python3-pil, and pyrealsense2 of Intel's SDK. Ctrl-C ends it.
+Requires the Debian packages python3-numpy and python3-pil, and pyrealsense2 of the Intel SDK. Ctrl-C
+stops the recording.
 
-    FOLDER/depth/STAMP.png    16-bit counts
-    FOLDER/color/STAMP.png    8-bit colour, as the colour camera has it
-    FOLDER/camera.yaml        both cameras as the factory calibrated them, and where one is
-                              to the other
+    FOLDER/depth/STAMP.png    16-bit depth images
+    FOLDER/color/STAMP.png    8-bit images of the colour camera
+    FOLDER/camera.yaml        factory calibration of both cameras, and their extrinsics
 
-STAMP is the time in seconds of the sensor's clock. Images are written beside the recording, so
-that no frame waits for the disk.
+STAMP is the time of the sensor clock in seconds. A separate thread writes the images, so that no
+frame waits for the disk.
 """
 
 import argparse
@@ -23,10 +23,10 @@ from PIL import Image
 
 
 def pinhole_text(intrinsics):
-    """A stream's intrinsics as camera.yaml has them."""
+    """Intrinsics of a stream in the format of camera.yaml."""
     brown_conrady = (rs.distortion.brown_conrady, rs.distortion.none)
     if any(intrinsics.coeffs) and intrinsics.model not in brown_conrady:
-        print(f"warning: {intrinsics.model} is not OpenCV's distortion: taken as none")
+        print(f"warning: {intrinsics.model} is not a distortion model of OpenCV: distortion is ignored")
         coefficients = [0.0] * 5
     else:
         coefficients = list(intrinsics.coeffs)
@@ -36,7 +36,7 @@ def pinhole_text(intrinsics):
 
 
 def quaternion_xyzw(rotation):
-    """Of a rotation matrix: the eigenvector of Bar-Itzhack's (2000) symmetric matrix."""
+    """Quaternion of a rotation matrix: eigenvector of a symmetric matrix (Bar-Itzhack, 2000)."""
     (a, b, c), (d, e, f), (g, h, i) = rotation
     k = np.array([[a - e - i, b + d, c + g, h - f],
                   [b + d, e - a - i, f + h, c - g],
@@ -50,7 +50,7 @@ def camera_text(profile):
     depth = profile.get_stream(rs.stream.depth).as_video_stream_profile()
     color = profile.get_stream(rs.stream.color).as_video_stream_profile()
     color_from_depth = depth.get_extrinsics_to(color)
-    rotation = np.array(color_from_depth.rotation).reshape(3, 3).T  # column by column
+    rotation = np.array(color_from_depth.rotation).reshape(3, 3).T  # column-major
     unit_m = profile.get_device().first_depth_sensor().get_depth_scale()
     numbers = lambda values: [float(value) for value in values]
     return "\n".join([
@@ -64,7 +64,7 @@ def camera_text(profile):
 
 
 def write_images(images):
-    """Writes what comes by the queue, until None does."""
+    """Writes images from the queue until None."""
     for path, image in iter(images.get, None):
         Image.fromarray(image).save(path, compress_level=1)
 
@@ -72,7 +72,7 @@ def write_images(images):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=pathlib.Path)
-    parser.add_argument("--frames", type=int, default=-1, help="how many; -1 = until Ctrl-C")
+    parser.add_argument("--frames", type=int, default=-1, help="number of frames; -1: until Ctrl-C")
     parser.add_argument("--width", type=int, default=848)
     parser.add_argument("--height", type=int, default=480)
     parser.add_argument("--fps", type=int, default=30)
@@ -98,7 +98,7 @@ def main():
                 continue
             for name, frame in (("depth", depth), ("color", color)):
                 stamp_s = frame.get_timestamp() / 1000
-                # A copy: the SDK uses the memory again.
+                # A copy, because the SDK reuses the memory.
                 images.put((options.folder / name / f"{stamp_s:.6f}.png",
                             np.array(frame.get_data())))
             count += 1

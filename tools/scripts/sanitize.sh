@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# The tests but for the slow ones under AddressSanitizer and UBSan, those of threads under
-# ThreadSanitizer: two builds more, half an hour on two cores. For changes of readers, of memory and
-# of threads, and before each release. A log is shown only where a test fails.
+# Runs the tests except slow tests with AddressSanitizer and UBSan, and the thread tests with
+# ThreadSanitizer. Takes two builds, and half an hour on two cores. Run it after changes of file readers,
+# memory management or threads, and before each release. Logs of passed tests are not shown.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 scripts=$root/tools/scripts
@@ -21,7 +21,8 @@ sanitized() {
   fi
 }
 bash "$scripts/build.sh" asan
-# Twice where it fails: LeakSanitizer itself has crashed when a passed program ended ("Tracer caught signal").
+# Repeated after a failure: LeakSanitizer sometimes crashes at the end of a passed test ("Tracer
+# caught signal").
 sanitized asan --repeat until-pass:2
 bash "$scripts/build.sh" tsan thread_tests
 sanitized tsan

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""What a second core makes of a scan on this machine:
+"""Measures the effect of a second core on a scan:
 
     scan_cores.py --sequence=DIR --output=DIR [--tools=build/release/tools] [--rounds=1] [FLAG...]
 
-scans the sequence with one core and with two, in turns, --rounds times each, and once in one process
-by surfit_slam with --loop_closure. Other FLAGs go to surfit_scan. Told are, for each, the time by the
-clock, the processors' time, and ATE; for scans also how long two, one and no job was at work at a
-time: what nobody works at is Snakemake's own. On a busy machine the clock tells little; so what the
-receipts of the run with one core say is also replayed on paper (scan_speedup.py).
+Scans the sequence with one core and with two cores alternately, --rounds times each, and once in one
+process with surfit_slam --loop_closure. Other FLAGs are passed to surfit_scan. Prints wall time, CPU
+time and ATE of each run. For scans, prints also the time with no job, one job and two jobs running;
+the time without a job is the overhead of Snakemake. Wall times are unreliable on a busy machine, so
+the receipts of the run with one core are also replayed by list scheduling (scan_speedup.py).
 """
 import argparse
 import json
@@ -23,7 +23,7 @@ import scan_speedup  # noqa: E402
 
 
 def measure(command):
-    """Seconds by the clock and of processors, of a program and all that it started."""
+    """Wall time and CPU time of a program and its child processes, in seconds."""
     before, begin = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
     with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as program:
         err = program.communicate()[1]
@@ -35,7 +35,7 @@ def measure(command):
 
 
 def seconds_at_work(scan, wall_s):
-    """For how long so many jobs were at work: [none, one, two or more]."""
+    """Seconds with no running job, one job, and two or more jobs."""
     steps = []
     for path in (scan / "jobs").glob("*.json"):
         seconds = json.loads(path.read_text(encoding="utf-8"))["seconds"]
@@ -51,7 +51,7 @@ def seconds_at_work(scan, wall_s):
 
 
 def on_paper(scan, cores):
-    """The time of the scan's jobs by list scheduling."""
+    """Time of the jobs of a scan by list scheduling."""
     measured = scan_speedup.Scan(scan)
     jobs = scan_speedup.chain({rule: times for rule, times in measured.times.items() if times})
     return scan_speedup.replay(jobs, cores).seconds
@@ -65,9 +65,9 @@ def main():
     parser.add_argument("--rounds", default=1, type=int)
     options, flags = parser.parse_known_args()
     if options.output.exists():
-        sys.exit(f"error: {options.output} exists: scans would go on with what is done there")
+        sys.exit(f"error: {options.output} exists: scans would continue with its files, must be a new folder")
     options.output.mkdir(parents=True)
-    print("| run | clock | processors | ATE | none, one, two at work |\n|---|---|---|---|---|")
+    print("| run | wall time | CPU time | ATE | no job, one, two |\n|---|---|---|---|---|")
     for number in range(options.rounds):
         for cores in (1, 2):
             scan = options.output / f"cores_{cores}_{number}"
@@ -83,7 +83,7 @@ def main():
     ate_m = json.loads((whole / "summary.json").read_text())["ate_rmse_m"]
     print(f"| surfit_slam --loop_closure | {wall_s:.0f} s | {cpu_s:.0f} s | {1000 * ate_m:.1f} mm | |")
     one, two = (on_paper(options.output / "cores_1_0", cores) for cores in (1, 2))
-    print(f"\nOn paper the jobs take {one:.0f} s with one core and {two:.0f} s with two: {two / one:.2f} of it.")
+    print(f"\nReplayed jobs take {one:.0f} s with one core and {two:.0f} s with two, ratio {two / one:.2f}.")
 
 
 if __name__ == "__main__":

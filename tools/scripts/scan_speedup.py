@@ -1,38 +1,38 @@
 #!/usr/bin/env python3
-"""What more workers would make of a scan: replays the jobs of measured scans on paper.
+"""Predicts the speed-up of scans by more workers: replays the jobs of measured scans.
 
     scan_speedup.py SCAN SCAN... [--frames=N,...] [--workers=N,...]
 
-Each SCAN is the folder of a scan by surfit_scan, all with the same flags, of recordings of at least
-two lengths: what grows how is told by them. From plan.json and the receipts in jobs/ come, for each
-rule, how many jobs there are and what they take; a job's time is the processors' time if it waited
-for others on a busy machine, else the clock's (seconds, cpu_seconds).
+SCAN: output folder of surfit_scan. All scans have the same flags, and recordings of at least two
+lengths. plan.json and the receipts in jobs/ contain the number and the times of the jobs of each rule.
+The time of a job is the smaller of its wall time and its CPU time, because jobs wait for each other on
+a busy machine (seconds, cpu_seconds).
 
-For a recording of F frames there are then
+Jobs of a recording of F frames:
 
-  camera      one job, as long as any: it sees the first frames alone
-  fragment    as many as fragments of the same length, each as long as any
-  candidates  one job, of a + b F^p: each place is looked up among all. Beyond --index_frames, which
-              fill the index (--max_index_bytes of surfit_scan --step=candidates), as long as for so many
-  link        as many for each frame as in the longest scan, each as long as there: a keyframe has so
-              many candidates at most (--max_alike), so that their number is linear in F. In short
-              scans, few pairs of fragments are far enough apart to be looked at
-  graph       one job, of a + b F: frames are read, a sparse system is solved. At least: links that
-              become more for each frame make it slower
-  tile        as many for each frame as in the longest scan, each as long as there: a camera that
-              sees new places all the time. One that returns makes fewer that take longer
-  report      one job, of a + b F: all tiles are read
+  camera      one job of constant time: it reads only the first frames
+  fragment    number proportional to F, constant time per job
+  candidates  one job of a + b F^p: each keyframe is compared with all others. Constant above
+              --index_frames, where the index is full (--max_index_bytes of surfit_scan
+              --step=candidates)
+  link        number proportional to F, as in the longest scan, constant time per job: each keyframe
+              has at most --max_alike candidates. Short scans have fewer jobs, because few fragments
+              are far enough apart
+  graph       one job of a + b F: reads the frames and solves a sparse system. This is a lower bound:
+              more links per frame take more time
+  tile        number proportional to F, as in the longest scan, constant time per job: the camera
+              always sees new places. A camera that returns has fewer tiles, which take more time
+  report      one job of a + b F: reads all tiles
 
-a and b, neither below 0, are fitted to the scans that are given, and p = 1 or 2 as fits better (1
-where both fit). A scan may lack rules, as one that was stopped before its tiles. Times of jobs are those
-measured in the longest scan that has any, again and again in their order.
+a and b are not negative, and are fitted to the given scans. p is 1 or 2, depending on the better fit;
+1 for equal fits. A scan may lack rules, e.g. if it was stopped before its tiles. Job times are the
+times of the longest scan with this rule, repeated in their order.
 
-List scheduling: a job that is ready starts on the worker that is free first, in the order in which
-jobs became ready. Before each job a worker takes --start_s to begin it, and jobs are begun at most
-at --jobs_per_second, as by the scheduler of the profile. --job_s is what Snakemake itself takes for
-each job, by one thread, before the jobs of a rule can be begun.
+List scheduling: jobs start in the order in which they become ready, each on the first free worker. A
+worker needs --start_s to start a job. At most --jobs_per_second jobs are started, as by the scheduler
+of the profile. Snakemake needs --job_s per job in one thread, before the jobs of a rule can start.
 
-The speed-up is the time of one worker without any of this, over the time to the end.
+The speed-up is the time of one worker without these overheads, divided by the total time.
 """
 import argparse
 import heapq
@@ -44,25 +44,25 @@ from pathlib import Path
 
 RULES = ["camera", "fragment", "candidates", "link", "graph", "tile", "report"]
 ONE_JOB = ("camera", "candidates", "graph", "report")
-GROWING = {"candidates": (1, 2), "graph": (1,), "report": (1,)}  # by which powers of frames
+GROWING = {"candidates": (1, 2), "graph": (1,), "report": (1,)}  # possible powers of the number of frames
 
 
 @dataclass
 class Job:
     seconds: float
-    after: list = field(default_factory=list)  # names of jobs that it waits for
+    after: list = field(default_factory=list)  # names of jobs that must end before
     rule: str = ""
-    on_worker: bool = True  # else it starts at once, beside the workers
+    on_worker: bool = True  # False: starts without a worker
 
 
 @dataclass
 class Replay:
-    seconds: float  # to the end of the last job
-    path: list      # names of jobs: what each waited for, a job before it or its worker's last
+    seconds: float  # until the last job ends
+    path: list      # critical path: names of jobs
 
 
 def replay(jobs, workers, start_s=0.0, jobs_per_second=math.inf):
-    """List scheduling of {name: Job} on so many equal workers; names are in the order of the list."""
+    """List scheduling of {name: Job} on equal workers. Names are in the order of the list."""
     position = {name: i for i, name in enumerate(jobs)}
     waits_for = {name: len(job.after) for name, job in jobs.items()}
     then = {name: [] for name in jobs}
@@ -71,8 +71,8 @@ def replay(jobs, workers, start_s=0.0, jobs_per_second=math.inf):
             then[before].append(name)
     ready = [(0.0, position[name], name, None) for name, count in waits_for.items() if count == 0]
     heapq.heapify(ready)
-    free = [(0.0, i, None) for i in range(workers)]  # since when, and by the end of which job
-    begun = []                                       # jobs at work, by their ends
+    free = [(0.0, i, None) for i in range(workers)]  # time, worker, and last job of the worker
+    begun = []                                       # running jobs by end time
     cause = {}
     next_start = 0.0
     end = 0.0
@@ -108,7 +108,7 @@ def replay(jobs, workers, start_s=0.0, jobs_per_second=math.inf):
 
 
 def frames_of(fragments):
-    """All frames of the recordings that were cut into these fragments."""
+    """Number of frames of the recordings of these fragments."""
     ends = {}
     for fragment in fragments:
         first, last = ends.get(fragment.get("recording"), (fragment["first"], fragment["last"]))
@@ -117,7 +117,7 @@ def frames_of(fragments):
 
 
 class Scan:
-    """What a scan took: the times of its jobs by rule, in seconds."""
+    """Times of the jobs of a scan by rule, in seconds."""
 
     def __init__(self, folder):
         folder = Path(folder)
@@ -134,18 +134,18 @@ class Scan:
 
 @dataclass
 class Growth:
-    """Seconds of a rule's one job by the number of frames: start_s + per_frame_s * frames ** power."""
+    """Seconds of the single job of a rule: start_s + per_frame_s * frames ** power."""
     start_s: float
     per_frame_s: float
     power: int
-    error: float  # of the fit, sum of squares
+    error: float  # sum of squared residuals
 
     def at(self, frames):
         return self.start_s + self.per_frame_s * frames ** self.power
 
 
 def fit(points, power):
-    """By least squares, of (frames, seconds); neither term is below 0."""
+    """Least-squares fit to (frames, seconds). Both terms are at least 0."""
     xs, ys = [float(frames) ** power for frames, _ in points], [seconds for _, seconds in points]
     mean_x, mean_y = sum(xs) / len(xs), sum(ys) / len(ys)
     spread = sum((x - mean_x) ** 2 for x in xs)
@@ -159,12 +159,12 @@ def fit(points, power):
 
 
 def growth(points, powers):
-    """What fits best; the first of those that fit as well."""
+    """Fit with the smallest error; the first of equal fits."""
     return min((fit(points, power) for power in powers), key=lambda fitted: round(fitted.error, 9))
 
 
 class Law:
-    """The jobs of a scan of any length, as told by measured ones."""
+    """Jobs of a scan of any length, extrapolated from measured scans."""
 
     def __init__(self, scans, index_frames=math.inf):
         self.longest, self.growths, self.index_frames = {}, {}, index_frames
@@ -176,7 +176,7 @@ class Law:
             if rule not in GROWING:
                 continue
             if len({scan.frames for scan in having}) < 2:
-                sys.exit(f"error: how {rule} grows is told by scans of at least two lengths")
+                sys.exit(f"error: all scans with {rule} have the same length, must be at least two lengths")
             self.growths[rule] = growth([(scan.frames, sum(scan.times[rule])) for scan in having], GROWING[rule])
 
     def times(self, rule, frames):
@@ -188,12 +188,12 @@ class Law:
         return [measured[i % len(measured)] for i in range(count)]
 
     def jobs(self, frames, job_s=0.0):
-        """All jobs of a scan of so many frames."""
+        """All jobs of a scan with this number of frames."""
         return chain({rule: self.times(rule, frames) for rule in self.longest}, job_s)
 
 
 def chain(times, job_s=0.0):
-    """{name: Job} of jobs' times by rule, each rule's after all of the rule before."""
+    """{name: Job} from job times by rule. Jobs of a rule start after all jobs of the rule before."""
     jobs, before = {}, []
     for rule, of_rule in times.items():
         names = [f"{rule}_{i}" for i in range(len(of_rule))]
@@ -201,7 +201,7 @@ def chain(times, job_s=0.0):
             jobs[f"snakemake_{rule}"] = Job(job_s * len(names), before, "snakemake", False)
             before = [f"snakemake_{rule}"]
         jobs.update({name: Job(seconds, before, rule) for name, seconds in zip(names, of_rule)})
-        if len(names) > 1:  # one node for all to wait for
+        if len(names) > 1:  # common dependency of the next rule
             jobs[f"all_{rule}"] = Job(0.0, names, "", False)
             names = [f"all_{rule}"]
         before = names
@@ -209,7 +209,7 @@ def chain(times, job_s=0.0):
 
 
 def time_of_path(jobs, path):
-    """Seconds of the path by rule, longest first."""
+    """Seconds of the jobs of a path by rule, longest first."""
     seconds = {}
     for name in path:
         if jobs[name].rule:
@@ -230,7 +230,7 @@ def print_laws(scans, law):
     for rule in RULES:
         cells = [f"{len(times)} x {sum(times) / len(times):.2f} s" if times else ""
                  for times in (scan.times[rule] for scan in scans)]
-        grows = "as it is" if rule in ONE_JOB else "so many for each frame"
+        grows = "constant" if rule in ONE_JOB else "number proportional to F"
         if rule in law.growths:
             found = law.growths[rule]
             grows = f"{found.start_s:.2f} s + {found.per_frame_s:.2g} s F" + ("" if found.power == 1 else "^2")
@@ -252,7 +252,7 @@ def main():
     law = Law(scans, options.index_frames)
     print_laws(scans, law)
     print("\n| frames | jobs | one worker | " + " | ".join(f"{workers}" for workers in options.workers) +
-          " | with any number | the longest path |")
+          " | unlimited workers | critical path |")
     print("|---|---|---|" + "---|" * (len(options.workers) + 2))
     for frames in options.frames:
         bare = law.jobs(frames)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Makes the pictures of docs/understand.md anew, of two pages that surfit_compare_solvers wrote:
+"""Creates the pictures of docs/understand.md from two pages of surfit_compare_solvers:
 
     tools/scripts/solver_pictures.py KNOWN_PAIRS/comparison.html FRAMES/comparison.html
 """

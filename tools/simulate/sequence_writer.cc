@@ -22,22 +22,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Stands in each folder that this program made, and allows it to empty it.
+// Marks a folder of this program, which the program may empty.
 constexpr char kMark[] = "simulated_by_surfit.txt";
 
 void MakeEmptyFolder(const std::string& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
-  if (!fs::is_directory(folder)) throw InputError(Concat(folder, " cannot be made a folder"));
+  if (!fs::is_directory(folder)) throw InputError(Concat(folder, " cannot be created"));
   if (!fs::is_empty(folder)) {
     if (!fs::exists(folder + "/" + kMark)) {
       throw InputError(
-          Concat(folder, " holds other files, must be empty, new or of a former simulation"));
+          Concat(folder, " contains other files, must be empty, new or of an earlier simulation"));
     }
     for (const auto& entry : fs::directory_iterator(folder)) fs::remove_all(entry.path());
   }
   WriteFileAtomically(folder + "/" + kMark, [](std::ostream& out) {
-    out << "The next simulation into this folder deletes all that is in it.\n";
+    out << "The next simulation into this folder deletes all of its files.\n";
   });
   fs::create_directory(folder + "/rgb");
   fs::create_directory(folder + "/depth");
@@ -51,7 +51,7 @@ void WritePng(const Image<T>& image, const std::string& path) {
   if (!file.flush()) throw InputError(Concat(path, " cannot be written"));
 }
 
-// Depths beyond what 16 bits hold are missing.
+// Depths above the 16-bit range become 0 (missing).
 Image<std::uint16_t> ToUnits(const Image<float>& depth_m, double units_per_metre) {
   Image<std::uint16_t> units(depth_m.width(), depth_m.height());
   std::transform(depth_m.begin(), depth_m.end(), units.begin(), [&](float depth) {

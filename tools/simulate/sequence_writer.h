@@ -11,41 +11,43 @@
 
 namespace surfit::tools {
 
-// How a sequence's folder looks.
+// Folder layout of a sequence.
 enum class SequenceLayout {
-  kTum,      // rgb.txt, depth.txt, associations.txt (colour first); files named after their stamps
-  kIclNuim,  // associations.txt (depth first), simulated.gt.freiburg; files named after, and stamps
-             // equal to, the frame's number; the image y axis points up: fy < 0, poses S pose S
+  // rgb.txt, depth.txt, associations.txt (colour first). File names are timestamps.
+  kTum,
+  // associations.txt (depth first), simulated.gt.freiburg. File names and timestamps are frame
+  // numbers. The image y axis points up: fy < 0, and poses are S pose S with S = diag(1, -1, 1).
+  kIclNuim,
 };
 
-// What is true of a sequence and its camera.yaml may not tell.
+// True values, which camera.yaml may not contain.
 struct SequenceTruth {
-  RgbdCamera camera;        // stamps of images are later than poses by its latency
-  InverseDepthField field;  // what its depth needs to be right
+  RgbdCamera camera;        // its latency delays image timestamps
+  InverseDepthField field;  // correction of the depth
   double color_readout_s = 0, exposure_s = 0;
-  std::vector<double> color_moments_s;  // the middle of each frame's exposure and readout
-  std::vector<Eigen::Vector3f> gains;   // what the channels of its light are multiplied by
+  std::vector<double> color_moments_s;  // middle of exposure and readout per frame
+  std::vector<Eigen::Vector3f> gains;   // gains of the colour channels per frame
 };
 
-// Writes an RGB-D sequence: rgb/, depth/ (16 bit PNG, 0 = missing), camera.yaml, groundtruth.txt
+// Writes an RGB-D sequence: rgb/, depth/ (16-bit PNG, 0: missing), camera.yaml, groundtruth.txt
 // and the lists of the layout.
 class SequenceWriter {
  public:
-  // `camera` is what camera.yaml tells. It and the poses are upright and right-handed in both
-  // layouts; the writer mirrors what the layout wants mirrored. Makes the folder, or empties that
-  // of a former run; a folder that holds anything else is refused. Images have stamps that are
-  // later by latency_s; not so in the layout that numbers them. Throws InputError naming the folder
-  // or file, as do all others.
+  // Creates the folder, or empties the folder of an earlier simulation. `camera` is written to
+  // camera.yaml. In both layouts, the arguments are upright and right-handed; the writer mirrors
+  // them for kIclNuim. Image timestamps are later by latency_s, except for kIclNuim. Throws
+  // InputError if the folder contains other files. All functions throw InputError with the name of
+  // the folder or file.
   SequenceWriter(const std::string& folder, SequenceLayout layout, const RgbdCamera& camera,
                  double latency_s);
 
-  // All but the images: the lists and the poses.
+  // Writes the lists and the poses.
   void WriteLists(const Trajectory& world_from_camera) const;
-  // truth_camera.yaml and truth_color.txt.
+  // Writes truth_camera.yaml and truth_color.txt.
   void WriteTruth(const Trajectory& world_from_camera, const SequenceTruth& truth) const;
-  // All images of another folder of the layout are here as well, as links. Returns their number.
+  // Links all images of another folder with the same layout into this folder. Returns their number.
   int LinkImages(const std::string& folder) const;
-  // The images of frame i; different frames may be written at the same time.
+  // Writes the images of frame i. Calls for different frames may run in parallel.
   void WriteFrame(int i, double stamp_s, const Image<Rgb8>& color,
                   const Image<float>& depth_m) const;
 

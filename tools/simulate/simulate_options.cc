@@ -10,30 +10,28 @@
 namespace surfit::tools {
 namespace {
 
-// What a camera does, and what its user is told of it.
+// True values of the sensor, and their errors in camera.yaml.
 void VisitSensor(OptionVisitor& v, SimulateOptions* o) {
   v.Group("sensor");
   v.Add(o->inverse_depth_offset, "inverse_depth_offset",
-        "what a sensor out of calibration adds to each 1 / z: 0.00667 makes 3 m too near by 2 %; "
-        "camera.yaml does not tell",
+        "offset of 1 / z that camera.yaml does not contain; 0.00667 shortens 3 m by 2 %",
         Between(-0.1, 0.1), InUnit("1/m"), AsFlag());
   v.Add(o->inverse_depth_distortion, "inverse_depth_distortion",
-        "c1,c2,c3,c4,c5: what it adds besides, c1 x + c2 y + c3 x^2 + c4 x y + c5 y^2 at the ray "
-        "(x, y, 1); camera.yaml does not tell",
+        "c1,c2,c3,c4,c5: error of 1 / z that camera.yaml does not contain: c1 x + c2 y + c3 x^2 + "
+        "c4 x y + c5 y^2 at the ray (x, y, 1)",
         InUnit("1/m"), AsFlag());
   v.Add(o->latency_s, SharedOption("latency_s"));
   v.Add(o->color_latency_s, SharedOption("color_latency_s"));
   v.Add(o->readout_s, SharedOption("readout_s"));
-  v.AddPart(o->color, "color", "how colours are taken");
+  v.AddPart(o->color, "color", "colour camera");
   v.Add(o->given_focal_error, "given_focal_error",
-        "ex,ey: camera.yaml tells a focal length that is too long by such shares: 0.01 is 1 %",
-        AsFlag());
+        "ex,ey: relative errors of the focal lengths in camera.yaml; 0.01: 1 % too long", AsFlag());
   v.Add(o->given_center_error, "given_center_error",
-        "ex,ey: camera.yaml tells a principal point that is too far right and down by so much",
-        InUnit("px"), AsFlag());
+        "ex,ey: errors of the principal point in camera.yaml, to the right and down", InUnit("px"),
+        AsFlag());
   v.Add(o->known, "known",
-        "which of latency_s, color_latency_s and readout_s camera.yaml tells, with commas between "
-        "them; empty: none, as if they were 0",
+        "values that camera.yaml contains: latency_s, color_latency_s and readout_s, "
+        "comma-separated; the others are 0 in camera.yaml",
         AsFlag());
 }
 
@@ -42,30 +40,29 @@ void VisitSensor(OptionVisitor& v, SimulateOptions* o) {
 void SimulateOptions::Visit(OptionVisitor& v) {
   v.Group("simulation");
   v.Add(output, SharedOption("output", Required(), Everyday()));
-  v.Add(scene, "scene", "scene; three_rooms: 1500 frames lead through them and back",
+  v.Add(scene, "scene", "scene; three_rooms needs 1500 frames to visit all rooms and return",
         OneOf(SceneNames()), AsFlag(), Everyday());
-  v.AddPart(building, "building", "its size");
+  v.AddPart(building, "building", "size of the building");
   v.Add(frames, "frames", "number of frames", AtLeast(1), AsFlag(), Everyday());
   v.Add(seed, SharedOption("seed", AtLeast(0), Everyday()));
   v.Add(sensor, "sensor", "exact depth, or the noise model of a Kinect v1",
         OneOf({"ideal", "kinect"}), AsFlag(), Everyday());
   v.Add(downsample, SharedOption("downsample", Everyday()));
   v.Add(image_y_up, "image_y_up",
-        "write the convention of ICL-NUIM: numbered frames, fy < 0, the poses those of the scene "
-        "mirrored by diag(1, -1, 1); surface.ply is right-handed all the same",
+        "write the convention of ICL-NUIM: numbered frames, fy < 0, poses mirrored by "
+        "diag(1, -1, 1); surface.ply stays right-handed",
         AsFlag(), Everyday());
   v.Add(surface_grid_m, "surface_grid_m", "distance between the points of surface.ply",
         AtLeast(0.001), AsFlag(), Everyday());
   v.Add(threads, SharedOption("threads", Everyday()));
-  v.AddPart(path, "path", "how the camera moves");
+  v.AddPart(path, "path", "camera path");
   VisitSensor(v, this);
   v.Group("parts");
-  v.Add(parts, "parts", "parts of about as many frames each, to be rendered apart", AtLeast(1),
-        AsFlag());
-  v.Add(part, "part", "render this part alone, into a folder of its own, OUTPUT.part",
-        ZeroIs("all of them"), AtLeast(0), AsFlag());
+  v.Add(parts, "parts", "number of parts that are rendered separately", AtLeast(1), AsFlag());
+  v.Add(part, "part", "render only this part, into the folder OUTPUT.part", ZeroIs("all parts"),
+        AtLeast(0), AsFlag());
   v.Add(join, "join",
-        "put all parts together, which are then gone: files are the same as of a simulation in one",
+        "join all parts and delete their folders; the files are the same as without parts",
         AsFlag());
 }
 
@@ -80,8 +77,8 @@ InverseDepthField DepthErrorOf(const SimulateOptions& options) {
   error.coefficients[0] = options.inverse_depth_offset;
   for (const double coefficient : varying) {
     if (!(std::abs(coefficient) <= kLargest))
-      throw InputError(Concat("--inverse_depth_distortion has ", coefficient, ", must be from ",
-                              -kLargest, " to ", kLargest));
+      throw InputError(Concat("--inverse_depth_distortion contains ", coefficient,
+                              ", must be from ", -kLargest, " to ", kLargest));
   }
   return error;
 }
@@ -106,7 +103,7 @@ RgbdCamera GivenCameraOf(const SimulateOptions& options, RgbdCamera camera) {
                                             {"readout_s", &camera.readout_s}};
   for (const std::string& name : options.known) {
     if (unknown.erase(name) == 0) {
-      throw InputError(Concat("--known has '", name,
+      throw InputError(Concat("--known contains '", name,
                               "', must be latency_s, color_latency_s or readout_s, each once"));
     }
   }

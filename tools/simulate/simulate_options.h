@@ -14,7 +14,6 @@
 
 namespace surfit::tools {
 
-// What to simulate.
 struct SimulateOptions {
   std::string output;
   std::string scene = "room";
@@ -35,23 +34,22 @@ struct SimulateOptions {
   bool image_y_up = false;
   double surface_grid_m = 0.005;
   int threads = 2;
-  int parts = 1;  // that the frames are cut into
-  int part = 0;   // to be rendered, from 1 on; 0: all
+  int parts = 1;
+  int part = 0;  // part to render, starting at 1; 0: all
   bool join = false;
 
   void Visit(OptionVisitor& visitor);
 };
 
-// What the sensor adds to each inverse depth. Throws InputError naming the flag, as do the others.
+// Error of the inverse depth. All functions throw InputError with the name of the flag.
 InverseDepthField DepthErrorOf(const SimulateOptions& options);
 
-// The camera as it is in truth.
 RgbdCamera TrueCameraOf(const SimulateOptions& options);
 
-// As its user is told.
+// Camera in camera.yaml.
 RgbdCamera GivenCameraOf(const SimulateOptions& options, RgbdCamera camera);
 
-// Whether camera.yaml and the images themselves may not tell all.
+// True if camera.yaml and the images may not contain all true values.
 bool HasHiddenTruth(const SimulateOptions& options);
 
 }  // namespace surfit::tools

@@ -5,7 +5,7 @@
 namespace surfit::tools {
 
 bool SurfaceSampler::IsFirstInItsCube(const Eigen::Vector3f& point_in_world) {
-  // 21 bits for each axis: 5 mm cubes reach 5 km either way.
+  // 21 bits per axis: with cubes of 5 mm, the range is 5 km in each direction.
   constexpr std::int64_t kOffset = 1 << 20;
   constexpr int kBits = 21;
   std::uint64_t key = 0;

@@ -9,16 +9,17 @@
 
 namespace surfit::tools {
 
-// Collects points of the exact surface that a sensor saw, in the world's frame: the first to fall
-// into each cube of a grid.
+// Collects points of the exact surface that a sensor observed, in the world frame: the first point
+// in each cube of a grid.
 class SurfaceSampler {
  public:
   explicit SurfaceSampler(double grid_m) : grid_m_(grid_m) {}
 
-  // Adds what is exact in `rendering` where the sensor measured anything, each row by its pose.
+  // Adds the exact points of `rendering` at pixels with a measurement. Each row has its own pose.
   void Add(const Rendering& rendering, const Image<float>& measured_depth_m,
            const PinholeCamera& camera, const PoseOfRow& world_from_camera);
-  // What another one of the same grid has collected: as if all had been added here.
+  // Adds the points of another sampler with the same grid. The result is the same as with a single
+  // sampler.
   void Add(const PointCloud& cloud);
 
   const PointCloud& cloud() const { return cloud_; }

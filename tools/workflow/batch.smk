@@ -1,13 +1,13 @@
-# The runs of a batch (surfit_batch), in its folder, which holds batch.json. Each leaves a receipt in
-# jobs/ (job.py): it is done where there is one, failed or not. config: tools, the folder of the
-# programs.
+# Runs of a batch (surfit_batch). They run in the folder of the batch, which contains batch.json.
+# Each run writes a receipt to jobs/ (job.py). A run with a receipt is done, even if it failed.
+# Key of config: tools, the folder of the programs.
 import json
 from pathlib import Path
 from shlex import quote
 
 with open("batch.json", encoding="utf-8") as file:
     batch = json.load(file)
-# A cluster writes its logs there before a job could make it.
+# A cluster writes its logs there, before a job can create the folder.
 Path("jobs").mkdir(exist_ok=True)
 
 
@@ -16,7 +16,7 @@ def receipts(_):
 
 
 def literal(path):
-    """A path in a shell command, whose braces are Snakemake's."""
+    """A path in a shell command. Braces are for Snakemake."""
     return quote(str(path)).replace("{", "{{").replace("}", "}}")
 
 

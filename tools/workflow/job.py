@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Runs one job of a scan and writes a receipt of it:
+"""Runs one job of a workflow and writes its receipt:
 
     job.py RECEIPT PRODUCT -- PROGRAM [ARGUMENT...]
 
-PRODUCT, the file that the program is to write, if any, is removed first. A program that ends by
-itself, with exit code 0, 1 or 2, gets a receipt with that code, its time, the processors' time, the
-most memory that it held and its error; then the job is done, failed or not, and the others go on.
-One that a signal has ended, or that could not be started, gets none: job.py fails, and the job is to
-be given again. What the program says goes to RECEIPT's name with .log.
+PRODUCT: output file of the program, if any; it is deleted first. If the program ends with exit code 0,
+1 or 2, the receipt contains the exit code, the wall time, the CPU time, the peak memory and the error.
+Then the job is done, even if it failed, and other jobs continue. If a signal ends the program, or if
+it cannot be started, there is no receipt: job.py fails, and the job must be repeated. The output of
+the program is written to RECEIPT with the ending .log.
 """
 import fcntl
 import json
@@ -20,7 +20,7 @@ import time
 
 
 def last_error(log):
-    """The last line of the log that tells of an error; without one its last line."""
+    """The last error in the log; without an error, the last line."""
     with open(log, encoding="utf-8", errors="replace") as file:
         lines = [line.strip() for line in file if line.strip()]
     errors = [line for line in lines if line.startswith("error: ")]
@@ -34,16 +34,16 @@ def main():
     stem = os.path.splitext(receipt)[0]
     for path in (os.path.dirname(receipt), os.path.dirname(product)):
         os.makedirs(path or ".", exist_ok=True)
-    # Held as long as the program lives, whatever becomes of this process: who runs the job again
-    # waits for one that is left over.
+    # The program holds the lock until it ends, even if job.py ends before. A repeated job waits for
+    # it.
     lock = os.open(stem + ".lock", os.O_RDWR | os.O_CREAT, 0o666)
     fcntl.flock(lock, fcntl.LOCK_EX)
     if os.path.exists(product):
         os.remove(product)
     begin = time.monotonic()
     with open(stem + ".log", "wb") as log:
-        # Not in this process's group: who interrupts a scan is to end the program, which else would
-        # write what it has so far.
+        # A separate process group: an interrupted scan has to kill the program. With SIGINT, the
+        # program would write partial results.
         program = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log,
                                    stderr=subprocess.STDOUT, pass_fds=[lock], start_new_session=True)
         for ending in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):

@@ -1,13 +1,13 @@
-# A simulation in parts: surfit_simulate renders each by a job, and joins them in sequence/.
-# config: flags, of surfit_simulate; parts, how many; tools, the folder of the programs, unless they
-# are on the PATH.
+# Simulation in parts: surfit_simulate renders each part in a job, and joins the parts in sequence/.
+# Keys of config: flags of surfit_simulate; parts, the number of parts; tools, the folder of the
+# programs, if it is not in PATH.
 from pathlib import Path
 from shlex import quote
 
 PARTS = int(config["parts"])
 PROGRAM = quote(str(Path(config["tools"]) / "surfit_simulate")) if "tools" in config else "surfit_simulate"
 COMMAND = f"{PROGRAM} {config['flags']} --output=sequence --parts={PARTS}".replace("{", "{{").replace("}", "}}")
-# A cluster writes its logs there before a job could make it.
+# A cluster writes its logs there, before a job can create the folder.
 Path("jobs").mkdir(exist_ok=True)
 
 
@@ -19,7 +19,7 @@ rule part:
     resources: mem_mb=1000, minutes=600
     shell: COMMAND + " --part={wildcards.part} --threads=1"
 
-# The parts are gone when they are joined.
+# Joining deletes the parts.
 rule join:
     input: [f"sequence.{part}/surface.ply" for part in range(1, PARTS + 1)]
     output: "sequence/surface.ply"

@@ -18,10 +18,10 @@
 namespace surfit {
 namespace {
 
-constexpr int kSamples = 24;         // frames that are looked at for scale and registration
-constexpr double kFitsBetter = 0.7;  // of the error
+constexpr int kSamples = 24;  // frames sampled for the checks of depth scale and registration
+constexpr double kFitsBetter = 0.7;  // maximum ratio of ATE with and without time offset
 
-// Tracks a camera and keeps what of it tells of the recording.
+// Runs SLAM on the frames and collects calibration, latencies and the number of lost frames.
 class RecordingTracker {
  public:
   explicit RecordingTracker(const SequenceInfo& info)
@@ -40,7 +40,7 @@ class RecordingTracker {
       tracked_.calibration = *backend.calibration();
       tracked_.calibration_doubt = DoubtOfGiven(info_.sensor(), *tracked_.calibration);
     }
-    // Where the camera is not the given one, what else seems wrong may come of that.
+    // Latencies estimated with a wrong calibration are unreliable.
     if (!tracked_.calibration_doubt.empty()) return tracked_;
     if (has_color_ && !backend.calibrations().empty())
       tracked_.color_latency_s = backend.color_latency_s();
@@ -49,8 +49,8 @@ class RecordingTracker {
   }
 
  private:
-  // By how much longer than given frames take to their stamps. An offset that hardly makes the
-  // estimate fit better tells nothing.
+  // Correction of the configured latency from ground truth. std::nullopt without a common clock or
+  // an overlap in time; 0 if the best offset hardly reduces the ATE.
   std::optional<double> LatenessByTruth(const Trajectory& estimate) const {
     if (!info_.has_clock) return std::nullopt;
     const auto as_it_is = EvaluateTimeOffset(info_.ground_truth, estimate, 0, {});
@@ -76,7 +76,7 @@ class RecordingLook {
     if (options.track) tracker_ = std::make_unique<RecordingTracker>(sequence_.info);
   }
 
-  // False at the end.
+  // Reads and checks the next frame. Returns false at the end of the recording.
   bool Next() {
     const std::optional<RawFrame> raw = sequence_.frames->Next();
     if (!raw) return false;
@@ -129,12 +129,12 @@ class RecordingLook {
 
   RawSequence sequence_;
   RecordingFigures figures_;
-  RepeatedWarning unreadable_{"frames that cannot be read"};
+  RepeatedWarning unreadable_{"unreadable frames"};
   const int sample_every_;
   int count_ = 0, sampled_depths_ = 0;
   std::vector<std::string> doubted_scales_;
-  std::vector<FrameImages> samples_;           // as they are used
-  std::unique_ptr<RecordingTracker> tracker_;  // null unless asked for
+  std::vector<FrameImages> samples_;           // metric depth and registered colour
+  std::unique_ptr<RecordingTracker> tracker_;  // null without options.track
 };
 
 }  // namespace

@@ -12,43 +12,42 @@ namespace surfit {
 
 class OptionVisitor;
 
-// Which recording is looked at, and how.
 struct RecordingCheckOptions {
   SequenceOptions sequence;
-  bool track = true;  // by SLAM, which tells of calibration and latency; slower
-  int threads = 2;    // that compute at the same time
+  bool track = true;  // run SLAM to check calibration and latency; slower
+  int threads = 2;
 
   void Visit(OptionVisitor& visitor);
 };
 
-// One thing that was looked at.
+// Result of one check.
 struct RecordingCheck {
   std::string name;             // "median_depth"
-  std::optional<double> value;  // what was measured; nothing where the recording does not tell
-  std::string unit;             // of the value: "m", "px", "%", "ms", ...
-  std::string constraint;       // what a sound recording has: "0.4 to 5 m"
-  // Of a fault: a sentence with the value and the constraint, and one that says what to do. Empty
-  // where nothing is wrong.
+  std::optional<double> value;  // measured value; std::nullopt: not observable
+  std::string unit;             // unit of the value: "m", "px", "%", "ms", ...
+  std::string constraint;       // accepted values: "0.4 to 5"
+  // Fault: measured value and constraint. Advice: remedy. Both are empty if the check passes.
   std::string fault, advice;
 
   bool IsSound() const { return fault.empty(); }
 };
 
-// What is known of a recording once all of it was read.
+// Results of all checks of a recording.
 struct RecordingReport {
   SequenceInfo info;
-  int frames = 0;  // that were read
+  int frames = 0;  // includes unreadable frames
   std::vector<RecordingCheck> checks;
-  bool interrupted = false;  // only the frames so far were looked at
+  bool interrupted = false;  // true: only the frames before the interruption were checked
 
   bool IsSound() const;
 };
 
-// Reads a recording from one end to the other, tracks its camera, and tells what is wrong with it:
-// the depth's scale, colour's registration and latency, exposure, blur, frames that are missing or
-// repeated, the calibration, the share and range of valid depth, the images' size. `progress` is
-// called with the frames read so far. Throws InputError for bad options, or if no frame can be
-// read.
+// Checks all frames of a recording: depth scale, depth range, ratio of valid depth, image size,
+// registration and latency of colour, exposure, blur, missing and repeated frames, timestamps, and,
+// with `track`, the calibration.
+// Calls `progress` with the number of frames read so far. Stops before the next frame if
+// `interrupted` is true. Throws InputError for invalid options, or if the recording cannot be
+// opened.
 RecordingReport CheckRecording(const RecordingCheckOptions& options,
                                const std::atomic<bool>& interrupted,
                                const std::function<void(int frames)>& progress);

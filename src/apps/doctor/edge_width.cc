@@ -8,10 +8,10 @@
 namespace surfit {
 namespace {
 
-constexpr int kWindow = 15;             // pixels that are averaged: wider edges are not told apart
-constexpr int kUsualWidth_px = 640;     // larger images are looked at at about this width
-constexpr float kContrast = 0.1F;       // within the window, of intensities from 0 to 1: an edge
-constexpr double kFewestEdges = 0.002;  // of the pixels
+constexpr int kWindow = 15;  // averaging window in pixels; upper limit of the measured width
+constexpr int kUsualWidth_px = 640;     // larger images are downsampled to about this width
+constexpr float kContrast = 0.1F;       // minimum range of intensities in [0, 1] around an edge
+constexpr double kFewestEdges = 0.002;  // minimum ratio of edge pixels
 
 Image<float> SmallGrey(const Image<Rgb8>& color, int factor) {
   Image<float> grey(color.width() / factor, color.height() / factor, 0.F);
@@ -23,9 +23,10 @@ Image<float> SmallGrey(const Image<Rgb8>& color, int factor) {
   return grey;
 }
 
-// Sums over the lines of an image in one direction.
+// Sums over all rows or over all columns of an image.
 struct EdgeSums {
-  double differences = 0, lost = 0;  // of intensities; by averaging
+  // Absolute intensity differences, and their loss by averaging.
+  double differences = 0, lost = 0;
   std::size_t edges = 0;
 };
 

@@ -6,11 +6,10 @@
 namespace surfit {
 
 void RecordingCheckOptions::Visit(OptionVisitor& v) {
-  v.AddPart(sequence, "sequence", "what to read");
+  v.AddPart(sequence, "sequence", "recording to check");
   v.Group("run");
-  v.Add(track, "track",
-        "track the camera, which tells of its calibration and of the latency of colour", AsFlag(),
-        Everyday());
+  v.Add(track, "track", "track the camera to check its calibration and the colour latency",
+        AsFlag(), Everyday());
   v.Add(threads, SharedOption("threads", Everyday()));
 }
 

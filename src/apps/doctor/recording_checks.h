@@ -13,33 +13,34 @@
 
 namespace surfit {
 
-// What tracking has found of a recording.
 struct TrackedRecording {
   int frames = 0, lost = 0;
-  std::string calibration_doubt;                // DoubtOfGiven(), empty without one
-  std::optional<DepthCalibration> calibration;  // nothing where it is as given
-  std::optional<double> color_latency_s;        // beyond the given one; nothing where not seen
-  std::optional<double> late_s;  // likewise of the stamps, by ground truth of a clock
+  std::string calibration_doubt;                // message of DoubtOfGiven(); empty: no doubt
+  std::optional<DepthCalibration> calibration;  // std::nullopt: as configured
+  // Added to the configured latency; std::nullopt: unknown.
+  std::optional<double> color_latency_s;
+  // Depth latency by ground truth, added to the configured latency; std::nullopt: unknown.
+  std::optional<double> late_s;
 };
 
-// All that is known of a recording when it is judged.
+// Input of the checks.
 struct RecordingEvidence {
   const SequenceInfo& info;
   const std::vector<FrameFigures>& frames;
-  int sampled_depths = 0;                       // that were looked at for their scale
-  std::vector<std::string> doubted_scales;      // DepthScaleWarning() of those that are doubtful
-  std::optional<double> inverse_depth_step;     // RecordingFigures
-  std::optional<RegistrationFit> registration;  // nothing where nothing tells
-  std::optional<TrackedRecording> tracked;      // nothing where it was not
+  int sampled_depths = 0;                       // frames that were sampled for the depth scale
+  std::vector<std::string> doubted_scales;      // messages of DepthScaleWarning()
+  std::optional<double> inverse_depth_step;     // RecordingFigures::InverseDepthStep()
+  std::optional<RegistrationFit> registration;  // std::nullopt: not observable
+  std::optional<TrackedRecording> tracked;      // std::nullopt: tracking is off
 };
 
-// Of single frames and of their stamps.
+// Checks of images and of timestamps.
 std::vector<RecordingCheck> ChecksOfFrames(const RecordingEvidence& evidence);
 std::vector<RecordingCheck> ChecksOfStamps(const RecordingEvidence& evidence);
-// Of depth, of colour's place and time, and of what tracking found.
+// Checks of depth, colour registration, latencies, calibration and tracking.
 std::vector<RecordingCheck> ChecksOfSensor(const RecordingEvidence& evidence);
 
-// A value for a sentence, with three digits.
+// Text of a value with three significant digits.
 inline std::string Rounded(double value) { return Concat(std::setprecision(3), value); }
 
 }  // namespace surfit

@@ -8,12 +8,15 @@
 namespace surfit {
 namespace {
 
-constexpr double kLeastValid = 0.4;                          // of the pixels, in most frames
-constexpr double kNear_m = 0.5, kFar_m = 4, kMostOff = 0.2;  // median depths, share of the frames
-constexpr double kDark = 0.12, kMostSaturated = 0.25;        // brightness, share of the pixels
-constexpr double kJump = 0.1, kMostJumps = 0.05;  // of brightness between two frames, and of these
-// Width of edges as a share of the image's, 7 px of 640, and share of the frames. Those of a Kinect
-// at rest are 4 px wide.
+constexpr double kLeastValid = 0.4;  // minimum median ratio of pixels with depth
+// Limits of the median depth, and maximum ratio of frames outside of these limits.
+constexpr double kNear_m = 0.5, kFar_m = 4, kMostOff = 0.2;
+// Minimum brightness, and maximum ratio of saturated pixels in a frame.
+constexpr double kDark = 0.12, kMostSaturated = 0.25;
+// Relative change of the brightness between two frames, and maximum ratio of such changes.
+constexpr double kJump = 0.1, kMostJumps = 0.05;
+// Edge width of a blurred frame relative to the image width (7 px of 640 px), and maximum ratio of
+// blurred frames. A Kinect at rest has edges of 4 px.
 constexpr double kBlurred = 0.011, kMostBlurred = 0.25;
 constexpr int kLeastWidth_px = 300, kLeastHeight_px = 220;
 
@@ -40,7 +43,7 @@ std::optional<double> PercentOf(const std::vector<double>& values,
   return 100. * static_cast<double>(count) / static_cast<double>(values.size());
 }
 
-// What is to be at most so many percent.
+// Check with a maximum percentage.
 RecordingCheck AtMost(const char* name, std::optional<double> percent, double most,
                       const std::string& of_what, const char* advice) {
   RecordingCheck check = {name, percent, "%", Concat("at most ", 100 * most), "", ""};
@@ -59,8 +62,8 @@ RecordingCheck Unreadable(const RecordingEvidence& evidence) {
     ++*check.value;
   }
   if (first.empty()) return check;
-  check.fault = Concat(*check.value, " frames cannot be read, must be 0; the first: ", first);
-  check.advice = "copy the files anew, or leave these frames out";
+  check.fault = Concat(*check.value, " unreadable frames, must be 0; first error: ", first);
+  check.advice = "copy the files again, or remove these frames";
   return check;
 }
 
@@ -75,7 +78,7 @@ RecordingCheck Resolution(const RecordingEvidence& evidence) {
   if (depth.width >= kLeastWidth_px && depth.height >= kLeastHeight_px) return check;
   check.fault = Concat("depth images are ", depth.width, " x ", depth.height,
                        " pixels, must be at least ", kLeastWidth_px, " x ", kLeastHeight_px);
-  check.advice = "choose a mode of the camera with more pixels";
+  check.advice = "choose a camera mode with a higher resolution";
   return check;
 }
 
@@ -85,11 +88,11 @@ RecordingCheck ValidDepth(const RecordingEvidence& evidence) {
   if (!valid) return check;
   check.value = 100 * *valid;
   if (*valid >= kLeastValid) return check;
-  check.fault = Concat("half of the frames have depth in ", Rounded(*check.value),
-                       " % of their pixels or less, must be ", check.constraint, " %");
+  check.fault = Concat("the median ratio of pixels with depth is ", Rounded(*check.value),
+                       " %, must be ", check.constraint, " %");
   check.advice =
-      "keep the sensor's least distance, and away from glass, black or shining surfaces, sun, and "
-      "other depth cameras";
+      "respect the minimum distance of the sensor, and avoid glass, black or reflective surfaces, "
+      "sunlight and other depth cameras";
   return check;
 }
 
@@ -100,10 +103,10 @@ std::vector<RecordingCheck> Distances(const RecordingEvidence& evidence) {
   return {
       AtMost("too_close", PercentOf(depths_m, [](double z) { return z < kNear_m; }), kMostOff,
              Concat("the frames have a median depth below ", kNear_m, " m"),
-             "stay farther away: near surfaces have holes and leave little of the scene in view"),
+             "increase the distance: near surfaces have depth holes and fill the field of view"),
       AtMost("too_far", PercentOf(depths_m, [](double z) { return z > kFar_m; }), kMostOff,
              Concat("the frames have a median depth above ", kFar_m, " m"),
-             "go nearer: the noise of depth grows with the square of the distance")};
+             "reduce the distance: depth noise grows with the square of the distance")};
 }
 
 RecordingCheck Darkness(const RecordingEvidence& evidence) {
@@ -114,9 +117,9 @@ RecordingCheck Darkness(const RecordingEvidence& evidence) {
   if (!bright) return check;
   check.value = 100 * *bright;
   if (*bright >= kDark) return check;
-  check.fault = Concat("colour is dark: ", Rounded(*check.value),
-                       " % of full brightness on average, must be ", check.constraint, " %");
-  check.advice = "more light, or a longer exposure and a slower camera";
+  check.fault = Concat("colour images are dark: median brightness ", Rounded(*check.value),
+                       " %, must be ", check.constraint, " %");
+  check.advice = "add light, or use a longer exposure and move the camera more slowly";
   return check;
 }
 
@@ -126,12 +129,11 @@ RecordingCheck Saturation(const RecordingEvidence& evidence) {
   });
   return AtMost("saturated", PercentOf(shares, [](double s) { return s > kMostSaturated; }),
                 kMostOff,
-                Concat("the frames have more than ", 100 * kMostSaturated,
-                       " % of their pixels as bright as can be"),
-                "a shorter exposure, or no window or lamp in view");
+                Concat("the frames have more than ", 100 * kMostSaturated, " % saturated pixels"),
+                "use a shorter exposure, or keep windows and lamps out of view");
 }
 
-// Between one frame and the next the view hardly changes.
+// Consecutive views are similar, so a change of the brightness is a change of the exposure.
 RecordingCheck ExposureChanges(const RecordingEvidence& evidence) {
   std::vector<double> changes;
   for (std::size_t i = 1; i < evidence.frames.size(); ++i) {
@@ -142,7 +144,7 @@ RecordingCheck ExposureChanges(const RecordingEvidence& evidence) {
   }
   return AtMost("exposure_changes", PercentOf(changes, [](double c) { return c > kJump; }),
                 kMostJumps,
-                Concat("the frames are brighter or darker than the one before by more than ",
+                Concat("the frames differ in brightness from the previous frame by more than ",
                        100 * kJump, " %"),
                 "lock exposure and white balance (--device_lock_exposure of surfit_record)");
 }
@@ -152,9 +154,9 @@ RecordingCheck Blur(const RecordingEvidence& evidence) {
       evidence, [](const FrameFigures& f) { return f.color ? f.color->edge_width : std::nullopt; });
   return AtMost(
       "blurred", PercentOf(widths, [](double w) { return w > kBlurred; }), kMostBlurred,
-      Concat("the frames have edges of colour wider than ", 100 * kBlurred, " % of the image"),
-      "move more slowly, with more light and a shorter exposure, and look whether the "
-      "lens is in focus");
+      Concat("the frames have colour edges wider than ", 100 * kBlurred, " % of the image width"),
+      "move the camera more slowly, use more light and a shorter exposure, and check the focus of "
+      "the lens");
 }
 
 }  // namespace

@@ -9,13 +9,13 @@
 namespace surfit {
 namespace {
 
-// Kinect v1, Xtion and Carmine measure disparity in eighths of a pixel of about 580, at a baseline
-// of 0.075 m.
+// Kinect v1, Xtion and Carmine: disparity steps of 1/8 px, a focal length of about 580 px, and a
+// baseline of 0.075 m.
 constexpr double kStepOfKinect = 1 / (8 * 580 * 0.075);  // 1/m
 constexpr double kStepTolerance = 0.05;
 constexpr std::array<double, 6> kScales = {1000, 2000, 4000, 5000, 6553.5, 10000};
-constexpr double kMostLatency_s = 0.01;  // of colour
-constexpr double kMostLate_s = 0.02;     // by ground truth, whose own clock is hardly better
+constexpr double kMostLatency_s = 0.01;  // maximum colour latency
+constexpr double kMostLate_s = 0.02;     // maximum depth latency by ground truth
 constexpr double kMostLost = 0.1;
 
 RecordingCheck DepthScale(const RecordingEvidence& evidence) {
@@ -27,13 +27,15 @@ RecordingCheck DepthScale(const RecordingEvidence& evidence) {
   check.value = Quantile(depths_m, 0.5);
   const auto doubted = static_cast<int>(evidence.doubted_scales.size());
   if (2 * doubted <= evidence.sampled_depths) return check;
-  check.fault = Concat(evidence.doubted_scales.front(), " (so of ", doubted, " of ",
-                       evidence.sampled_depths, " frames; must be ", check.constraint, " m)");
-  check.advice = "give the right scale: --depth_scale, or depth_units_per_metre in a camera.yaml";
+  check.fault =
+      Concat(evidence.doubted_scales.front(), " (in ", doubted, " of ", evidence.sampled_depths,
+             " sampled frames; must be ", check.constraint, " m)");
+  check.advice = "set the depth scale: --depth_scale, or depth_units_per_metre in camera.yaml";
   return check;
 }
 
-// A scale that another one would make the steps of a Kinect of.
+// Common depth scale that explains the inverse depth steps by a Kinect. std::nullopt if the
+// configured scale already explains them, or if no common scale does.
 std::optional<double> ScaleOfKinect(double step, double scale) {
   if (std::abs(step / kStepOfKinect - 1) < kStepTolerance) return std::nullopt;
   for (const double other : kScales) {
@@ -44,40 +46,40 @@ std::optional<double> ScaleOfKinect(double step, double scale) {
 
 RecordingCheck DepthSteps(const RecordingEvidence& evidence) {
   RecordingCheck check = {
-      "inverse_depth_step", evidence.inverse_depth_step, "1/m", "that of a sensor", "", ""};
+      "inverse_depth_step", evidence.inverse_depth_step, "1/m", "step of the sensor", "", ""};
   const RgbdCamera& camera = evidence.info.camera;
   if (!check.value) return check;
   const auto scale = ScaleOfKinect(*check.value, camera.depth_units_per_metre);
   if (!scale) return check;
   check.fault =
-      Concat("depth goes in steps of ", Rounded(*check.value), " 1/m at ",
-             camera.depth_units_per_metre, " units per metre; those of a Kinect or Xtion, ",
-             Rounded(kStepOfKinect), " 1/m, would be at ", *scale);
-  check.advice = Concat("if it is such a sensor, give --depth_scale=", *scale,
-                        ", or the same in a camera.yaml");
+      Concat("the inverse depth step is ", Rounded(*check.value), " 1/m with ",
+             camera.depth_units_per_metre, " units per metre; a Kinect or Xtion has steps of ",
+             Rounded(kStepOfKinect), " 1/m, which correspond to a depth scale of ", *scale);
+  check.advice = Concat("for a Kinect or Xtion, set --depth_scale=", *scale,
+                        ", or depth_units_per_metre in camera.yaml");
   return check;
 }
 
 RecordingCheck Registration(const RecordingEvidence& evidence) {
-  RecordingCheck check = {"color_offset", {}, "px", "that of the camera as given", "", ""};
+  RecordingCheck check = {
+      "color_offset", {}, "px", "consistent with the configured camera", "", ""};
   if (!evidence.registration) return check;
   const RegistrationFit& fit = *evidence.registration;
   check.value = std::hypot(fit.right_px, fit.down_px);
   if (!fit.is_doubtful) return check;
-  check.fault = Concat(
-      "edges of colour do not lie where depth jumps, as they must: they fit best "
-      "with colour ",
-      std::lround(100 * fit.scale), " % as large, ", fit.right_px, " px to the right and ",
-      fit.down_px, " px down");
+  check.fault =
+      Concat("colour edges do not match depth edges; the best match has colour scaled to ",
+             std::lround(100 * fit.scale), " % and shifted by ", fit.right_px,
+             " px to the right and ", fit.down_px, " px down");
   check.advice = evidence.info.camera.color_is_registered
-                     ? "let the camera register depth to colour, or give colour a camera of its "
-                       "own (color_camera and color_from_depth in a camera.yaml)"
-                     : "calibrate the colour camera: color_camera and color_from_depth in the "
-                       "camera.yaml are off";
+                     ? "register depth to colour in the camera, or set color_camera and "
+                       "color_from_depth in camera.yaml"
+                     : "calibrate the colour camera: color_camera and color_from_depth in "
+                       "camera.yaml are wrong";
   return check;
 }
 
-// A latency beyond the given one.
+// Check of a latency in addition to the configured latency.
 RecordingCheck Latency(const char* name, const char* what, const std::optional<double>& latency_s,
                        const char* advice, double given_s, double most_s) {
   RecordingCheck check = {name, {}, "ms", Concat("-", 1000 * most_s, " to ", 1000 * most_s),
@@ -85,24 +87,22 @@ RecordingCheck Latency(const char* name, const char* what, const std::optional<d
   if (!latency_s) return check;
   check.value = 1000 * *latency_s;
   if (std::abs(*latency_s) <= most_s) return check;
-  check.fault = Concat(what, " ", Rounded(std::abs(*check.value)), " ms ",
-                       *latency_s > 0 ? "earlier" : "later",
-                       " than the stamps and the camera as "
-                       "given say, must be within ",
-                       1000 * most_s, " ms");
+  check.fault = Concat(
+      what, " ", Rounded(std::abs(*check.value)), " ms ", *latency_s > 0 ? "earlier" : "later",
+      " than its timestamp minus the configured latency, must be within ", 1000 * most_s, " ms");
   check.advice = Concat(advice, Rounded(given_s + *latency_s));
   return check;
 }
 
 RecordingCheck Calibration(const RecordingEvidence& evidence) {
-  RecordingCheck check = {"focal_error", {}, "%", "what is known of the sensor", "", ""};
+  RecordingCheck check = {"focal_error", {}, "%", "prior of the sensor", "", ""};
   const TrackedRecording& tracked = *evidence.tracked;
   const PinholeCamera& given = evidence.info.pinhole;
   if (tracked.calibration) check.value = 100 * (given.fx / tracked.calibration->camera.fx - 1);
   if (!tracked.calibration_doubt.empty()) {
     check.fault = tracked.calibration_doubt;
     check.advice =
-        "give the sensor's own intrinsics at this size of image: a camera.yaml, --intrinsics or "
+        "set the intrinsics of the sensor for this image size: camera.yaml, --intrinsics or "
         "--camera";
   }
   return check;
@@ -112,9 +112,10 @@ RecordingCheck Guess(const RecordingEvidence& evidence) {
   RecordingCheck check = {
       "camera_guessed", evidence.info.camera_is_guessed ? 1. : 0., "", "0", "", ""};
   if (!evidence.info.camera_is_guessed) return check;
-  check.fault = "nothing tells the camera: a usual one is taken, whose numbers may be off";
+  check.fault =
+      "the recording does not contain its camera: default intrinsics are used and may be wrong";
   check.advice =
-      "give the sensor's own numbers: surfit_convert --make_camera_yaml writes a file to fill in";
+      "set the intrinsics of the sensor: surfit_convert --make_camera_yaml writes a template";
   return check;
 }
 
@@ -126,10 +127,9 @@ RecordingCheck Lost(const TrackedRecording& tracked) {
                           "",
                           ""};
   if (*check.value <= 100 * kMostLost) return check;
-  check.fault = Concat("tracking loses ", tracked.lost, " of ", tracked.frames, " frames (",
+  check.fault = Concat("tracking lost ", tracked.lost, " of ", tracked.frames, " frames (",
                        Rounded(*check.value), " %, must be ", check.constraint, " %)");
-  check.advice =
-      "see to the other faults first; else move more slowly, with more structure in view";
+  check.advice = "fix the other faults first, then move more slowly, with more structure in view";
   return check;
 }
 
@@ -142,11 +142,11 @@ std::vector<RecordingCheck> ChecksOfSensor(const RecordingEvidence& evidence) {
   const TrackedRecording& tracked = *evidence.tracked;
   checks.push_back(Calibration(evidence));
   const RgbdCamera& camera = evidence.info.camera;
-  checks.push_back(Latency("color_latency", "colour was taken", tracked.color_latency_s,
-                           "give the colour camera's delay beyond depth's: --color_latency_s=",
+  checks.push_back(Latency("color_latency", "colour was captured", tracked.color_latency_s,
+                           "set the colour latency relative to depth: --color_latency_s=",
                            camera.color_latency_s, kMostLatency_s));
-  checks.push_back(Latency("stamps_late", "by the ground truth, depth was taken", tracked.late_s,
-                           "give depth's delay: --latency_s=", camera.latency_s, kMostLate_s));
+  checks.push_back(Latency("stamps_late", "by ground truth, depth was captured", tracked.late_s,
+                           "set the depth latency: --latency_s=", camera.latency_s, kMostLate_s));
   checks.push_back(Lost(tracked));
   return checks;
 }

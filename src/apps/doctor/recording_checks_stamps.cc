@@ -8,9 +8,10 @@
 namespace surfit {
 namespace {
 
-constexpr double kMostMissing = 0.05, kMostRepeated = 0.05, kMostUnpaired = 0.1;  // shares
-constexpr double kGap = 1.5;            // intervals: a frame is missing between
-constexpr double kMostApart_s = 0.015;  // depth and colour of a frame, by their stamps
+// Maximum ratios.
+constexpr double kMostMissing = 0.05, kMostRepeated = 0.05, kMostUnpaired = 0.1;
+constexpr double kGap = 1.5;  // minimum interval with a missing frame, in median intervals
+constexpr double kMostApart_s = 0.015;  // maximum offset between depth and colour timestamps
 
 double Percent(double part, std::size_t whole) {
   return whole == 0 ? 0 : 100 * part / static_cast<double>(whole);
@@ -23,7 +24,7 @@ std::vector<double> IntervalsOf(const std::vector<FrameFigures>& frames) {
   return intervals_s;
 }
 
-// Of frames by the intervals of their stamps, as shares of all that there should be.
+// Missing frames, estimated from timestamp intervals, relative to the expected number of frames.
 RecordingCheck MissingFrames(const RecordingEvidence& evidence) {
   RecordingCheck check = {
       "missing_frames", {}, "%", Concat("at most ", 100 * kMostMissing), "", ""};
@@ -38,11 +39,10 @@ RecordingCheck MissingFrames(const RecordingEvidence& evidence) {
   check.value = Percent(missing, evidence.frames.size() + static_cast<std::size_t>(missing));
   if (*check.value <= 100 * kMostMissing) return check;
   check.fault = Concat(missing, " frames are missing (", Rounded(*check.value), " %, must be ",
-                       check.constraint, "): stamps are up to ", Rounded(longest_s),
-                       " s apart, and usually ", Rounded(usual_s), " s");
+                       check.constraint, "): the longest interval between timestamps is ",
+                       Rounded(longest_s), " s, the median is ", Rounded(usual_s), " s");
   check.advice =
-      "record to a faster disk or without compression, at a USB port of its own, and with nothing "
-      "else running";
+      "use a faster disk, no compression and a separate USB port, and stop other programs";
   return check;
 }
 
@@ -50,8 +50,9 @@ RecordingCheck StampOrder(const RecordingEvidence& evidence) {
   RecordingCheck check = {"stamps_not_ascending", 0., "", "0", "", ""};
   for (const double interval_s : IntervalsOf(evidence.frames)) *check.value += !(interval_s > 0);
   if (*check.value == 0) return check;
-  check.fault = Concat(*check.value, " stamps are not later than the one before, must be 0");
-  check.advice = "sort the frames by their stamps, and leave out those that are there twice";
+  check.fault =
+      Concat(*check.value, " timestamps are not later than the previous timestamp, must be 0");
+  check.advice = "sort the frames by timestamp, and remove duplicates";
   return check;
 }
 
@@ -63,12 +64,11 @@ RecordingCheck Unpaired(const RecordingEvidence& evidence) {
                           "",
                           ""};
   if (*check.value <= 100 * kMostUnpaired) return check;
-  check.fault = Concat(Rounded(*check.value), " % of the images of depth and colour, must be ",
-                       check.constraint, " %, have no image of the other within ",
-                       1000 * kMaxBetweenImages_s, " ms, and are left out");
+  check.fault = Concat(Rounded(*check.value), " % of the depth and colour images, must be ",
+                       check.constraint, " %, have no colour or depth image within ",
+                       1000 * kMaxBetweenImages_s, " ms, and are skipped");
   check.advice =
-      "let the camera synchronise depth and colour at one frame rate, and look whether one of them "
-      "is dropped";
+      "synchronise depth and colour at one frame rate in the camera, and check for dropped images";
   return check;
 }
 
@@ -79,10 +79,10 @@ RecordingCheck Repeated(const std::string& name, const char* what, std::size_t r
                           "",   ""};
   if (*check.value <= 100 * kMostRepeated) return check;
   check.fault = Concat(repeated, " ", what, " images (", Rounded(*check.value), " %, must be ",
-                       check.constraint, ") repeat the one before to the last bit");
+                       check.constraint, ") are bitwise identical to the previous image");
   check.advice =
-      "the camera or its driver delivers an image twice where it missed one: take a lower frame "
-      "rate or resolution, or a USB port of its own";
+      "the camera or its driver repeats an image after a drop: lower the frame rate or the "
+      "resolution, or use a separate USB port";
   return check;
 }
 
@@ -99,10 +99,10 @@ RecordingCheck ColorStamps(const RecordingEvidence& evidence) {
   if (after_ms.empty()) return check;
   check.value = Quantile(after_ms, 0.5);
   if (std::abs(*check.value) <= 1000 * kMostApart_s) return check;
-  check.fault = Concat("colour is stamped ", Rounded(std::abs(*check.value)), " ms ",
-                       *check.value > 0 ? "later" : "earlier", " than depth (median, must be ",
-                       check.constraint, " ms)");
-  check.advice = "let the camera synchronise both, or stamp both by one clock";
+  check.fault = Concat("colour timestamps are ", Rounded(std::abs(*check.value)), " ms ",
+                       *check.value > 0 ? "later" : "earlier",
+                       " than depth timestamps (median, must be ", check.constraint, " ms)");
+  check.advice = "synchronise depth and colour in the camera, or use one clock for both";
   return check;
 }
 

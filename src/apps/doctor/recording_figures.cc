@@ -10,11 +10,12 @@
 namespace surfit {
 namespace {
 
-constexpr int kBrightest = 250;  // of a pixel's channels: no brighter one is told apart
-// A count that so few pixels of a frame have, on average, is no step of the sensor's: it comes of
-// depth that was averaged.
+constexpr int kBrightest = 250;  // minimum channel value of a saturated pixel
+// Minimum mean number of pixels per frame with a raw depth value. Rarer values come from averaged
+// depth, not from the steps of the sensor.
 constexpr double kFewestPixels = 0.2;
-// Steps of fewer counts are those of the file's unit, not the sensor's.
+// Minimum step in raw depth values. Smaller steps come from the unit of the file, not from the
+// sensor.
 constexpr int kFewestCounts = 4;
 constexpr std::size_t kFewestSteps = 30;
 

@@ -23,8 +23,7 @@ std::array<cv::Mat, 3> ChannelsOf(const Image<Rgb8>& image) {
   return channels;
 }
 
-// Of each channel of the pixels that are compared: sums of squares and products, which are whole
-// numbers, and exact.
+// Per-channel sums over the compared pixels. All terms are integers, so the sums are exact.
 struct ChannelSums {
   ChannelSums(const Image<Rgb8>& image, const Image<Rgb8>& reference, const PixelMask& compared) {
     CHECK_EQ(image.size(), reference.size());

@@ -8,7 +8,7 @@
 namespace surfit {
 
 void RevisitOptions::Visit(OptionVisitor& v) {
-  v.AddPart(sequence, "sequence", "what to read", WithoutFlags({"first", "last"}));
+  v.AddPart(sequence, "sequence", "input sequence", WithoutFlags({"first", "last"}));
   v.Group("revisits");
   v.Add(estimate, SharedOption("estimate", Required(), Everyday()));
   v.Add(min_gap, "min_gap", "minimum number of frames between two visits", AtLeast(1),
@@ -17,17 +17,18 @@ void RevisitOptions::Visit(OptionVisitor& v) {
         Positive(), AsFlag("revisit_distance_m"), Everyday());
   v.Add(max_angle_rad, "max_angle_rad", "maximum angle between the cameras of two visits",
         Positive(), AsFlag("revisit_angle_rad"), Everyday());
-  v.AddPart(preprocess, "preprocess", "how depth images become surfaces", NoFlags());
+  v.AddPart(preprocess, "preprocess", "depth preprocessing", NoFlags());
 }
 
 void ViewEvaluationOptions::Visit(OptionVisitor& v) {
-  v.AddPart(sequence, "sequence", "as the run read it");
+  v.AddPart(sequence, "sequence", "sequence of the run, with the same options");
   v.Group("views");
   v.Add(run, SharedOption("run", Required(), Everyday()));
   v.Add(output, SharedOption("output", Everyday()));
-  v.Add(every, "every", "judge by every n-th frame; a run with --hold_out by what it held out",
+  v.Add(every, "every",
+        "evaluate every n-th frame with a pose; for a run with --hold_out: all held-out frames",
         AtLeast(1), Everyday());
-  v.Add(pictures, "pictures", "number of views with a picture, the worst first",
+  v.Add(pictures, "pictures", "number of pictures, worst views first",
         Between(0, kMostViewPictures), AsFlag("view_pictures"), Everyday());
   v.Add(threads, SharedOption("threads", Everyday()));
 }

@@ -26,7 +26,7 @@ std::vector<TruePosedFrame> ReadFrames(const RevisitOptions& options, int* witho
   const std::unique_ptr<FrameSource> source = OpenSequence(options.sequence);
   const SequenceInfo& info = source->info();
   if (info.ground_truth.empty()) {
-    throw InputError(Concat(options.sequence.path, ": there is no ground truth to compare with"));
+    throw InputError(Concat(options.sequence.path, ": the sequence has no ground truth"));
   }
   const Trajectory estimate = ReadEstimate(options.estimate, info);
   std::vector<TruePosedFrame> frames;
@@ -58,12 +58,10 @@ std::vector<RelativePoses> FindRevisits(const std::vector<TruePosedFrame>& frame
   return revisits;
 }
 
-// What one trajectory says of a pair.
 struct PairErrors {
   double surface_m, icp_translation_m, icp_rotation_deg;
 };
 
-// The errors of one trajectory so far.
 struct Errors {
   std::vector<double> surface_m, icp_translation_m, icp_rotation_deg;
 
@@ -84,7 +82,7 @@ IcpOptions ThoroughIcp() {
   return options;
 }
 
-// Nothing if the views cannot be registered from the pose.
+// Returns std::nullopt if the views do not overlap at the given pose, or if ICP fails.
 std::optional<PairErrors> Measure(const FramePyramid& source, const FramePyramid& target,
                                   const Rigid3d& target_from_source) {
   const auto surface_m =

@@ -11,11 +11,12 @@ namespace surfit {
 
 class OptionVisitor;
 
-// Which frames count as a return to the same place, by the true poses.
+// Options of CompareAtRevisits(). Two frames are a revisit if their true poses are within the
+// limits.
 struct RevisitOptions {
-  SequenceOptions sequence;  // its stride is that of the frames that are looked at
-  std::string estimate;      // trajectory file, TUM format, in the sequence's convention
-  int min_gap = 300;         // frames between the two
+  SequenceOptions sequence;  // `stride` selects the compared frames
+  std::string estimate;      // trajectory file, TUM format, in the pose convention of the sequence
+  int min_gap = 300;         // minimum number of frames between two visits
   double max_distance_m = 0.3;
   double max_angle_rad = 0.26;
   PreprocessOptions preprocess;
@@ -23,28 +24,29 @@ struct RevisitOptions {
   void Visit(OptionVisitor& visitor);
 };
 
-// How well a trajectory lays the surfaces of two visits over each other. Nothing is aligned, and no
-// other pose is assumed to be true.
+// Agreement of the surfaces of two visits under the poses of a trajectory. The trajectory is not
+// aligned to ground truth.
 struct RevisitAgreement {
-  // Of each pair of frames the median of |n . (p' - q)| over projected pixels.
+  // Median of |n . (p' - q)| over projected pixels, per pair of frames.
   ErrorStatistics surface_m;
-  // How far dense ICP goes from the trajectory's relative pose.
+  // Change of the relative pose by dense ICP.
   ErrorStatistics icp_translation_m, icp_rotation_deg;
 };
 
-// What the pairs of frames say of both trajectories.
+// Surface agreement of the estimate and of the ground truth.
 struct RevisitReport {
-  int pairs = 0;         // of frames
-  int unregistered = 0;  // of these, pairs left out: ICP failed from either trajectory
-  int without_pose = 0;  // frames left out
-  // Zeros unless a pair is left.
+  int pairs = 0;         // number of revisits
+  int unregistered = 0;  // skipped pairs: no overlap, or ICP failed
+  int without_pose = 0;  // skipped frames
+  // 0 if no pair has a result.
   RevisitAgreement ground_truth, estimate;
 };
 
-// Compares estimate and ground truth where the camera returns to where it was. Surfaces that agree
-// are no proof of right poses: a trajectory bends to agree with a distorted sensor, before which
-// true poses look inconsistent. `progress` is called with the pairs done and all of them. Throws
-// InputError for bad options, unreadable files, or a sequence without ground truth.
+// Compares the surface agreement of estimate and ground truth at revisits. A good agreement does
+// not prove correct poses: with a distorted sensor, an estimate can agree better than the ground
+// truth.
+// Calls `progress` with the number of processed pairs and the number of all pairs. Throws
+// InputError for invalid options, unreadable files, or a sequence without ground truth.
 RevisitReport CompareAtRevisits(const RevisitOptions& options,
                                 const std::function<void(int, int)>& progress);
 

@@ -8,7 +8,8 @@
 namespace surfit {
 namespace {
 
-constexpr int kPasses = 3;  // the motion of the pixel found last tells where to look next
+// Fixed-point iterations: the motion depends on the depth at the result.
+constexpr int kPasses = 3;
 
 struct RowPlace {
   double u, v;
@@ -19,13 +20,13 @@ class Roller {
   Roller(const BlendedView& view, const PinholeCamera& camera, const CameraMotion& motion)
       : view_(view), camera_(camera), motion_(motion) {}
 
-  // The place in the picture of what is at (u, v) a time t later.
+  // Position in the picture of the point that appears at (u, v) a time t later.
   RowPlace OriginOf(int u, int v, double t) const {
     RowPlace at = {1. * u, 1. * v};
     for (int pass = 0; pass < kPasses; ++pass) {
       const int near_u = Nearest(at.u, camera_.width), near_v = Nearest(at.v, camera_.height);
       const double z = view_.depth_m(near_u, near_v);
-      // Where nothing is shown, what is far away: it moves by the turn alone.
+      // A pixel without surface is infinitely far away: only the rotation moves it.
       const Eigen::Vector3d ray = camera_.Ray(near_u, near_v), x = (z > 0 ? z : 1) * ray;
       const Eigen::Vector3d way =
           motion_.turn_rad_per_s.cross(x) + (z > 0 ? 1. : 0.) * motion_.velocity_m_per_s;

@@ -6,20 +6,19 @@
 
 namespace surfit {
 
-// When a camera has read the rows of an image: the middle one so long after the moment of a picture
-// of the map, the others before and after it.
+// Capture times of image rows in a rolling shutter, relative to the time of a rendered view.
 struct RowTimes {
-  double middle_s = 0;
-  double readout_s = 0;
+  double middle_s = 0;   // middle row
+  double readout_s = 0;  // from the first row to the last row
 };
 
-// A camera that sees so many pixels more on each side, to draw what comes into view meanwhile.
+// Margin on each side of a rendered view, for surfaces that enter the view during the readout.
 inline constexpr int kRollMargin_px = 32;
 PinholeCamera WithRollMargin(PinholeCamera camera);
 
-// A picture that was drawn with that margin, as the camera shows it that moves while it reads the
-// rows: a point X that stands still is at X - t (turn x X + velocity) a time t after the picture's
-// moment. Colours are bilinear between pixels that show the map, depth is the nearest pixel's.
+// Rolling-shutter view, resampled from a view that was rendered with the margin. `motion` is in the
+// camera frame: a static point X is at X - t (turn x X + velocity) at time t. Colour is
+// interpolated bilinearly between pixels with surface. Depth is taken from the nearest pixel.
 BlendedView Rolled(const BlendedView& with_margin, const PinholeCamera& camera,
                    const CameraMotion& motion, const RowTimes& times);
 

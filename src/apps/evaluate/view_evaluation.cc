@@ -26,7 +26,7 @@ namespace surfit {
 namespace {
 
 constexpr int kReadAhead = 4;
-constexpr int kRegisteredColumns = 320;  // of the pictures that frames are registered to, about
+constexpr int kRegisteredColumns = 320;  // approximate width of the views for colour registration
 
 PixelMask MaskOf(const Image<Rgb8>& color) {
   PixelMask mask(color.width(), color.height());
@@ -102,7 +102,7 @@ class Judge {
       progress(static_cast<int>(result_.views.size()));
     }
     if (result_.views.empty()) {
-      throw InputError(Concat(options_.run, ": no frame with colour and a pose to be judged by"));
+      throw InputError(Concat(options_.run, ": no frame has both colour and a pose"));
     }
     result_.mean = MeanOf(result_.views);
     result_.worst_view = worst.Write(folder_);
@@ -156,7 +156,7 @@ class Judge {
   SurfelMap map_;
   const std::unique_ptr<FrameSource> source_;
   const OutputFolder owned_;
-  int posed_count_ = 0;  // frames that have one
+  int posed_count_ = 0;  // frames with a pose
   ViewEvaluation result_;
 };
 

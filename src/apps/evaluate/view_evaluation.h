@@ -10,53 +10,51 @@ namespace surfit {
 
 class OptionVisitor;
 
-// Which run is judged by its views, and by which of them.
 struct ViewEvaluationOptions {
-  SequenceOptions sequence;  // as the run read it
+  SequenceOptions sequence;  // sequence of the run, with the same options
   std::string run;           // output folder of a run: poses.json, map.ply and summary.json
-  std::string output;        // folder for the results, made if missing; empty: the run's
-  int every = 10;            // of frames with a pose; a run that held frames out is judged by these
-  int pictures = 12;         // of the worst views
-  int threads = 2;           // that compute at the same time
+  std::string output;        // output folder, created if missing; empty: the folder of the run
+  int every = 10;            // interval of evaluated frames; unused if the run has held-out frames
+  int pictures = 12;         // number of pictures, worst views first
+  int threads = 2;
 
   void Visit(OptionVisitor& visitor);
 };
 
-// How the map, drawn from a frame's pose, differs from the frame; of several views the means.
+// Difference between a frame and the map rendered from its pose. Means for several views.
 struct ViewError {
-  double psnr_covered_db = 0, ssim_covered = 0;  // over the pixels that the map covers
-  double psnr_db = 0, ssim = 0;                  // over all; black where it does not cover them
-  double psnr_covered_by_gain_db = 0;            // PsnrByGain() over the pixels that it covers
-  // From where the frame's own colours fit the map best, over the pixels that it covers there.
+  double psnr_covered_db = 0, ssim_covered = 0;  // over pixels covered by the map
+  double psnr_db = 0, ssim = 0;                  // over all pixels; uncovered pixels are black
+  double psnr_covered_by_gain_db = 0;            // PsnrByGain() over covered pixels
+  // Over covered pixels, from the pose that registers the colours of the frame to the map.
   double psnr_registered_db = 0, ssim_registered = 0;
-  double coverage = 0;  // the share of the pixels, from the frame's pose
-  // Of |drawn - measured| depth, where there are both, metres.
+  double coverage = 0;  // ratio of covered pixels
+  // |rendered - measured| depth where both are valid.
   double depth_error_median_m = 0, depth_error_mean_m = 0;
 };
 
-// A view of the map, and how far it is from the frame.
 struct JudgedView {
-  int frame = 0;  // index
+  int frame = 0;
   ViewError error;
 };
 
-// The outcome: what views.json and views.csv say.
+// Results, which are also written to views.json and views.csv.
 struct ViewEvaluation {
-  bool held_out = false;  // the frames were left out of the map
+  bool held_out = false;  // the frames are not part of the map
   std::vector<JudgedView> views;
   ViewError mean;
-  int without_color = 0;   // frames left out
-  std::string worst_view;  // its picture, empty without one
+  int without_color = 0;   // skipped frames
+  std::string worst_view;  // path of its picture; empty: no picture
 };
 
-// Draws the map of a run (DrawBlended()) from the poses of frames and compares it with these. Each
-// row is shown from where the camera was when it was read: rows one after the other, colour at its
-// own stamp. How much of what differs is the pose's error is told by drawing each view once more
-// from where its frame's own colours have it. Pixels that the colour camera does not see, (0, 0,
-// 0), are not compared. Writes views.json (the means), views.csv (each view) and view_pictures/:
-// frame, map and their difference side by side, the worst first, by psnr_covered_db. `progress` is
-// called with the views done. Throws InputError for bad options, files that cannot be read, or a
-// run without a frame to be judged by.
+// Renders the map of a run from the poses of frames (DrawBlended()) and compares the views with the
+// frames. The views include the rolling-shutter readout and the time offset of colour. Each view is
+// also rendered from a pose that is registered by colour: the difference of both errors is the
+// effect of the pose error. Pixels outside of the colour image, (0, 0, 0), are not compared.
+// Writes views.json (means), views.csv (per view) and view_pictures/: frame, map and difference
+// side by side, worst psnr_covered_db first. Calls `progress` with the number of processed views.
+// Throws InputError for invalid options, unreadable files, a camera that differs from the camera of
+// the run, or if no frame has both colour and a pose.
 ViewEvaluation EvaluateViews(const ViewEvaluationOptions& options,
                              const std::function<void(int views)>& progress);
 

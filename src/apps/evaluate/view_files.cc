@@ -16,7 +16,7 @@
 namespace surfit {
 namespace {
 
-constexpr int kHeader_px = 28;  // above the pictures, for the caption
+constexpr int kHeader_px = 28;  // height of the caption above the pictures
 
 bool IsWorse(const ComparedView& a, const ComparedView& b) {
   return a.view.error.psnr_covered_db < b.view.error.psnr_covered_db;
@@ -26,14 +26,14 @@ std::string Caption(const JudgedView& view) {
   std::array<char, 200> text;
   std::snprintf(
       text.data(), text.size(),
-      "frame %d, map, difference: PSNR %.1f dB where covered (%.1f by its gain), %.1f dB in "
-      "all, %.1f %% covered, depth %.1f mm off (median)",
+      "frame %d, map, difference: PSNR %.1f dB over covered pixels (%.1f with gain), %.1f dB over "
+      "all, %.1f %% covered, median depth error %.1f mm",
       view.frame, view.error.psnr_covered_db, view.error.psnr_covered_by_gain_db,
       view.error.psnr_db, 100 * view.error.coverage, 1000 * view.error.depth_error_median_m);
   return text.data();
 }
 
-// Twice the difference about grey.
+// Double difference, plus 128.
 Rgb8 Difference(Rgb8 a, Rgb8 b) {
   const auto of = [](int x, int y) {
     return static_cast<std::uint8_t>(std::clamp(128 + 2 * (x - y), 0, 255));
@@ -92,7 +92,8 @@ std::string WorstViews::Write(const std::string& folder) const {
   if (views_.empty()) return "";
   std::error_code error;
   std::filesystem::create_directories(folder + "/view_pictures", error);
-  if (error) throw InputError(Concat(folder, "/view_pictures: cannot be made: ", error.message()));
+  if (error)
+    throw InputError(Concat(folder, "/view_pictures: cannot be created: ", error.message()));
   for (std::size_t i = 0; i < views_.size(); ++i) {
     WritePng(SideBySide(views_[i]), folder + "/" + ViewPictureName(static_cast<int>(i)));
   }

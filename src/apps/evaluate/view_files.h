@@ -8,28 +8,28 @@
 
 namespace surfit {
 
-// A view that was judged, and what it was judged by.
+// Evaluated view with the frame and the rendered image.
 struct ComparedView {
   JudgedView view;
   Image<Rgb8> frame, drawn;
 };
 
-// Keeps those of least psnr_covered_db.
+// Keeps the views with the lowest psnr_covered_db.
 class WorstViews {
  public:
   explicit WorstViews(int most) : most_(most) {}
 
   void Offer(ComparedView view);
-  // Writes their pictures into the folder, and returns the path of the first one, empty without.
-  // Throws InputError naming the file.
+  // Writes the pictures into the folder. Returns the path of the first picture; empty without
+  // pictures. Throws InputError with the file name.
   std::string Write(const std::string& folder) const;
 
  private:
   int most_;
-  std::vector<ComparedView> views_;  // the worst first
+  std::vector<ComparedView> views_;  // worst first
 };
 
-// Writes views.json and views.csv. Throws InputError naming the file.
+// Writes views.json and views.csv. Throws InputError with the file name.
 void WriteViewFiles(const ViewEvaluation& evaluation, const std::string& folder);
 
 }  // namespace surfit

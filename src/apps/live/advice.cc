@@ -6,10 +6,10 @@
 namespace surfit {
 namespace {
 
-// What a frame's depth is like, by every eighth pixel of every eighth row.
+// Statistics of a depth image, from every eighth pixel of every eighth row.
 struct DepthLook {
   double valid_share = 0;
-  double median_m = 0;  // 0 where nothing is valid
+  double median_m = 0;  // 0: no valid pixel
 };
 
 DepthLook LookAtDepth(const Image<float>& depth_m) {
@@ -28,7 +28,7 @@ DepthLook LookAtDepth(const Image<float>& depth_m) {
   return {static_cast<double>(depths.size()) / pixels, *middle};
 }
 
-// How far the image moves from one frame to the next, as a share of its width.
+// Approximate image motion between two frames, relative to the image width.
 double ImageShift(const Rigid3d& before, const Rigid3d& now, const PinholeCamera& camera,
                   double depth_m) {
   const Rigid3d moved = before.Inverse() * now;
@@ -39,16 +39,17 @@ double ImageShift(const Rigid3d& before, const Rigid3d& now, const PinholeCamera
 }  // namespace
 
 std::vector<Advice> Advise(const SlamRunFrame& frame, const Rigid3d* world_from_camera_before) {
-  // Half of SlamOptions::max_view_shift, beyond which a registration is doubted.
+  // Half of SlamOptions::max_view_shift, so that the advice comes before registrations become
+  // unreliable.
   constexpr double kFast = 0.05;
-  constexpr double kClose_m = 0.45;     // most sensors begin there
-  constexpr double kLittleDepth = 0.3;  // of the pixels
-  constexpr double kMuchMoves = 0.1;    // of the points
+  constexpr double kClose_m = 0.45;     // minimum range of most sensors
+  constexpr double kLittleDepth = 0.3;  // ratio of pixels
+  constexpr double kMuchMoves = 0.1;    // ratio of points
   const FrameReport& report = frame.report;
   const DepthLook depth = LookAtDepth(frame.frame.depth_m);
   std::vector<Advice> all;
   if (!report.HasPose()) {
-    all.push_back({"lost", "Lost: turn back to where you were"});
+    all.push_back({"lost", "Lost: go back to the last tracked view"});
   } else if (world_from_camera_before && depth.median_m > 0 &&
              ImageShift(*world_from_camera_before, report.world_from_camera, frame.sensor.camera,
                         depth.median_m) > kFast) {
@@ -60,10 +61,10 @@ std::vector<Advice> Advise(const SlamRunFrame& frame, const Rigid3d* world_from_
     all.push_back({"little_depth", "Little depth: surfaces are too close, too far or too shiny"});
   }
   if (report.state == FrameState::kDegenerate) {
-    all.push_back({"little_shape", "Little shape: keep corners or furniture in view"});
+    all.push_back({"little_shape", "Little structure: keep corners or furniture in view"});
   }
   if (report.is_apart || report.moving_share > kMuchMoves) {
-    all.push_back({"moving", "Something moves: let the view be still"});
+    all.push_back({"moving", "Moving objects: keep them out of view"});
   }
   return all;
 }

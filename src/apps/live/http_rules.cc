@@ -26,7 +26,7 @@ std::string Lower(std::string text) {
   return text;
 }
 
-// Without the port that may follow.
+// Host name in lower case, without the port.
 std::string NameOf(const std::string& host) {
   const std::size_t bracket = host.rfind(']'), colon = host.rfind(':');
   const bool has_port =
@@ -45,7 +45,7 @@ std::string MachineName() {
 std::string RandomToken() {
   std::array<unsigned char, 16> bytes;
   if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) {
-    throw InputError("the system gives no random numbers for a token");
+    throw InputError("the system has no random numbers for the access token");
   }
   std::string token;
   for (const unsigned char byte : bytes) {

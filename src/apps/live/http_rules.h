@@ -7,30 +7,30 @@
 
 namespace surfit {
 
-// 128 bits from the system's source of randomness, as 32 digits. Throws InputError where it has
-// none.
+// Access token: 128 random bits of the system as 32 hexadecimal digits. Throws InputError if the
+// system has no random numbers.
 std::string RandomToken();
 
-// Whether the texts are the same, in a time that tells nothing of where they differ.
+// Compares two secrets in a time that does not depend on the position of the first difference.
 bool IsSameSecret(const std::string& a, const std::string& b);
 
-// What a request asks for: /TOKEN/page?name=1&name=2.
+// Request target of the form /TOKEN/page?name=1&name=2.
 struct HttpTarget {
   std::string token;
   std::string page;
   std::map<std::string, std::uint32_t> numbers;
 
-  std::uint32_t Number(const std::string& name) const;  // 0 where it is not given
+  std::uint32_t Number(const std::string& name) const;  // 0 if missing
 };
 
-// Nothing where it is of another form.
+// Returns std::nullopt for any other form.
 std::optional<HttpTarget> ParseTarget(const std::string& target);
 
-// Whether a page under this host (the header, a port may follow) is ours: no name of somebody
-// else's that leads here. The machine's addresses, localhost and the machine's own name.
+// True if the Host header is an IP address, localhost or the name of this machine, with or without
+// port. Other host names are rejected, because they may point to this machine by DNS rebinding.
 bool IsOwnHost(const std::string& host);
 
-// Whether the origin of a request is a page under its own host.
+// True if the Origin header is a page of the given host.
 bool IsOwnOrigin(const std::string& origin, const std::string& host);
 
 }  // namespace surfit

@@ -30,8 +30,8 @@ namespace http = beast::http;
 using asio::ip::tcp;
 using boost::system::error_code;
 
-// On Linux a thread has its own: where others work on its core it has a thirtieth of it. In a batch
-// it does not interrupt them.
+// Lowers the priority of the calling thread only (Linux). At nice 15 it gets about 1/30 of a busy
+// core. With SCHED_BATCH it does not preempt other threads.
 void TakeLessPriority() {
   constexpr int kThisThread = 0, kLessPriority = 15;
   const sched_param no_priority = {};
@@ -48,7 +48,7 @@ std::chrono::steady_clock::duration Seconds(double seconds) {
 
 class HttpSession;
 
-// Its thread owns all of it but for `io`.
+// The server thread owns all members except `io`.
 struct HttpServer::State {
   State(const HttpLimits& of_clients, Handler of_requests)
       : limits(of_clients), handler(std::move(of_requests)) {}
@@ -61,15 +61,16 @@ struct HttpServer::State {
 
   HttpLimits limits;
   Handler handler;
-  std::map<std::uint64_t, std::weak_ptr<HttpSession>> sessions;  // outlives them, which are io's
+  // Outlives `io`, which owns the sessions.
+  std::map<std::uint64_t, std::weak_ptr<HttpSession>> sessions;
   std::uint64_t next_session = 0;
   asio::io_context io{1};
   tcp::acceptor acceptor{io};
-  asio::steady_timer pause{io};  // before accepting again, when that has failed
+  asio::steady_timer pause{io};  // delay after a failed accept
   std::thread thread;
 };
 
-// One connection: requests are read and answered one after the other.
+// Connection of a client. Requests are answered in order.
 class HttpSession : public std::enable_shared_from_this<HttpSession> {
  public:
   HttpSession(tcp::socket socket, std::uint64_t id, HttpServer::State* server)
@@ -92,7 +93,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
         [self = shared_from_this()](error_code error, std::size_t) { self->TakeRequest(error); });
   }
 
-  // Looks again for the answer that is waited for.
+  // Calls the handler again if a request waits.
   void Wake() {
     if (waits_) Ask(/*must=*/false);
   }
@@ -151,7 +152,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     Write(status, "text/plain; charset=utf-8", nullptr);
   }
 
-  // All that the pages hold comes from here, and nobody else may have it.
+  // The headers forbid caching, frames and access by other origins.
   void Write(http::status status, const std::string& type,
              std::shared_ptr<const std::string> body) {
     const bool has_body = status != http::status::no_content;
@@ -211,7 +212,7 @@ void HttpServer::State::Accept() {
       Add(std::move(socket));
       return Accept();
     }
-    pause.expires_after(std::chrono::milliseconds(100));  // files may be had again then
+    pause.expires_after(std::chrono::milliseconds(100));  // file descriptors may be free again
     pause.async_wait([this](error_code stopped) {
       if (!stopped) Accept();
     });
@@ -234,13 +235,13 @@ void HttpServer::State::WakeAll() {
   for (const auto& session : Open()) session->Wake();
 }
 
-// A failure, as of memory, is its connection's only.
+// After an exception, e.g. for lack of memory, the loop continues for the other connections.
 void HttpServer::State::Run() {
   for (bool is_over = false; !is_over;) {
     try {
       io.run();
       is_over = true;
-    } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): the loop goes on
+    } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): the loop continues
     }
   }
 }
@@ -250,7 +251,7 @@ HttpServer::HttpServer(const std::string& address, int port, const HttpLimits& l
     : state_(std::make_unique<State>(limits, std::move(handler))) {
   error_code error;
   const auto ip = asio::ip::make_address(address, error);
-  if (error) throw InputError(Concat("address '", address, "' is none, must be an IP address"));
+  if (error) throw InputError(Concat("address '", address, "' is invalid, must be an IP address"));
   tcp::acceptor& acceptor = state_->acceptor;
   const tcp::endpoint endpoint(ip, static_cast<std::uint16_t>(port));
   acceptor.open(endpoint.protocol(), error);
@@ -258,7 +259,8 @@ HttpServer::HttpServer(const std::string& address, int port, const HttpLimits& l
   if (!error) acceptor.bind(endpoint, error);
   if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
   if (error) {
-    throw InputError(Concat("port ", port, " of ", address, " cannot be had: ", error.message()));
+    throw InputError(
+        Concat("port ", port, " of ", address, " cannot be opened: ", error.message()));
   }
   state_->Accept();
   state_->thread = std::thread([this] {
@@ -282,7 +284,8 @@ void HttpServer::Wake() {
   asio::post(state_->io, [state = state_.get()] { state->WakeAll(); });
 }
 
-// A thread cannot take back what it gave away: another one goes on, where there can be one.
+// A thread cannot raise its priority again, so a new thread with the priority of the caller
+// replaces it. If no thread can be created, the old thread continues.
 void HttpServer::TakePriority() {
   std::promise<void> handed_over;
   std::thread other;

@@ -9,9 +9,9 @@
 namespace surfit {
 
 struct HttpRequest {
-  std::string method;  // as it was sent: GET, POST, ...
-  std::string target;  // path and query, as it was sent
-  std::string host;    // of the header; empty where there is none
+  std::string method;
+  std::string target;
+  std::string host;  // Host header; empty if missing
   std::optional<std::string> origin;
 };
 
@@ -19,31 +19,32 @@ struct HttpAnswer {
   int status = 200;
   std::string type = "text/plain; charset=utf-8";
   std::shared_ptr<const std::string> body;
-  bool knows_token = false;  // who asks may
+  bool knows_token = false;  // the request has the valid token
 };
 
-// What clients may take up, each and all together.
+// Resource limits of the server.
 struct HttpLimits {
-  std::size_t strangers = 32;       // connections that have not shown the token: the oldest goes
-  std::size_t clients = 64;         // and those that have: a further one is refused
-  std::size_t header_bytes = 8192;  //
+  // Connections without valid token; the oldest one above the limit is closed.
+  std::size_t strangers = 32;
+  std::size_t clients = 64;  // connections with valid token; further connections are refused
+  std::size_t header_bytes = 8192;
   std::size_t body_bytes = 1024;
-  double request_s = 5;  // in which a stranger must have sent a request
-  double idle_s = 60;    // between the requests of others
-  double hold_s = 5;     // that an answer may be waited for
-  double write_s = 20;   // in which an answer must have been taken
+  double request_s = 5;  // maximum time until a request with valid token
+  double idle_s = 60;    // maximum time between requests with valid token
+  double hold_s = 5;     // maximum delay of an answer
+  double write_s = 20;   // maximum time to send an answer
 };
 
-// A server of HTTP/1.1 on a thread of its own. No client can make it wait for them, nor keep more
-// memory than one answer.
+// HTTP/1.1 server on its own thread. A slow client does not block other clients. A connection
+// stores at most one answer.
 class HttpServer {
  public:
-  // Answers a request; nothing where the answer is to wait for Wake(), which is asked for again
-  // then, or when no more time is left (`must`).
+  // Answers a request, on the server thread. Returns std::nullopt to delay the answer: the handler
+  // is called again after Wake(). After HttpLimits::hold_s it is called with `must`.
   using Handler = std::function<std::optional<HttpAnswer>(const HttpRequest& request, bool must)>;
 
-  // Its thread has less priority than who makes it, until TakePriority(). Port 0: any that is free.
-  // Throws InputError naming address and port if they cannot be had.
+  // Starts the server thread with low priority, see TakePriority(). Port 0: any free port. Throws
+  // InputError with address and port if the port cannot be opened.
   HttpServer(const std::string& address, int port, const HttpLimits& limits, Handler handler);
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;
@@ -51,9 +52,10 @@ class HttpServer {
 
   std::string address() const;
   int port() const;
-  // Any thread may call it.
+  // Calls the handler again for delayed answers. Thread-safe.
   void Wake();
-  // From now on its thread has the priority of who calls this, if there can be another thread.
+  // Gives the server thread the priority of the calling thread. No effect if no thread can be
+  // created.
   void TakePriority();
 
   struct State;

@@ -17,7 +17,7 @@ HttpAnswer Bare(int status) {
   return answer;
 }
 
-// Without a body: there is nothing yet.
+// Status 204 if there is no data yet.
 HttpAnswer Found(const std::string& type, ShownRun::Text body) {
   if (!body) return Bare(204);
   return {200, type, std::move(body), false};
@@ -37,7 +37,7 @@ const char* const kJson = "application/json";
 
 }  // namespace
 
-// Who does not know the token is told nothing but that.
+// Requests without the valid token get status 403 for every page.
 std::optional<HttpAnswer> LivePages::Answer(const HttpRequest& request, bool must) {
   const std::optional<HttpTarget> target = ParseTarget(request.target);
   const bool may = IsOwnHost(request.host) &&
@@ -83,10 +83,10 @@ std::optional<HttpAnswer> LivePages::Get(const std::string& page, const HttpTarg
   return Found("image/jpeg", shown_.Picture(picture->second, target.Number("number")));
 }
 
-// All viewers together get so much of the map a second; what is too much waits.
+// Limits the map data of all clients together. Requests above the limit wait.
 std::optional<HttpAnswer> LivePages::Map(const HttpTarget& target, bool must) {
   constexpr double kBytesPerSecond = 16e6;
-  constexpr std::size_t kMost = 16384;  // 20 bytes each
+  constexpr std::size_t kMost = 16384;  // surfels per answer, 20 bytes each
   shown_.Want(Shown::kMap);
   const double now_s = Now_s();
   map_bytes_ = std::min(map_bytes_ + kBytesPerSecond * (now_s - map_bytes_at_s_), kBytesPerSecond);

@@ -12,16 +12,16 @@
 
 namespace surfit {
 
-// Answers what browsers ask for: who may, and what there is.
+// HTTP pages of a live run, with access control.
 class LivePages {
  public:
   LivePages(std::string token, LiveRun* run, ShownRun* shown)
       : token_(std::move(token)), run_(*run), shown_(*shown) {}
 
-  // HttpServer::Handler.
+  // Implements HttpServer::Handler.
   std::optional<HttpAnswer> Answer(const HttpRequest& request, bool must);
 
-  // For how long nobody who may ask has been answered. Any thread may call it.
+  // Time since the last answer to a request with valid token. Thread-safe.
   double SinceLastAnswer_s() const;
 
  private:
@@ -33,7 +33,7 @@ class LivePages {
   LiveRun& run_;
   ShownRun& shown_;
   std::atomic<double> answered_at_s_{0};
-  // What may still be sent of the map, bytes: it grows with time.
+  // Number of bytes of map data that may be sent now. It grows with time.
   double map_bytes_ = 0;
   double map_bytes_at_s_ = 0;
 };

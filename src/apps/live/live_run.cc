@@ -50,13 +50,13 @@ void LiveRun::Step() {
   steps_ = true;
 }
 
-// A second interruption might be taken for the wish to end without results.
+// A second interruption could end the run without results.
 void LiveRun::Stop() {
   if (!stops_.exchange(true) && !interrupted_) interrupt_();
 }
 
 void LiveRun::Note(const SlamRunFrame& frame) {
-  constexpr double kNew = 0.1;  // the share of the last frame in the mean
+  constexpr double kNew = 0.1;  // weight of the last frame in the mean
   const double seconds = std::chrono::duration<double>(Clock::now() - left_).count();
   frame_s_ = frame_s_ == 0 ? seconds : frame_s_ + kNew * (seconds - frame_s_);
   state_ = frame.report.state;
@@ -68,7 +68,7 @@ void LiveRun::Note(const SlamRunFrame& frame) {
   NotePath(frame);
 }
 
-// All of the path moves only where something is corrected, and grows by one pose otherwise.
+// The whole path changes only after a correction. Otherwise it grows by one pose.
 void LiveRun::NotePath(const SlamRunFrame& frame) {
   const FrameReport& report = frame.report;
   if (!frame.backend) return path_.push_back({report.stamp_s, report.world_from_camera});
@@ -102,11 +102,11 @@ void LiveRun::NoteLoops(const Backend& backend) {
 std::string LiveRun::Status() const {
   if (is_done_) return "done";
   if (progress_.frames_fused_anew > 0) {
-    return Concat("the map is fused anew: ", progress_.frames_fused_anew, "/",
+    return Concat("re-integrating frames: ", progress_.frames_fused_anew, "/",
                   progress_.frames_done);
   }
   if (progress_.refinement_rounds > 0) {
-    return Concat("poses and camera are refined: round ", progress_.refinement_rounds);
+    return Concat("refining poses and camera: round ", progress_.refinement_rounds);
   }
   std::string total;
   if (progress_.frames_total >= 0) total = "/" + std::to_string(progress_.frames_total);

@@ -19,13 +19,13 @@
 
 namespace surfit {
 
-// How often a thing is done again beside the run: not more often than every min_gap_s, and so
-// seldom that it takes no more than a share of the time.
+// Limits the rate of a periodic task: at least min_gap_s between two calls, and at most a ratio
+// `share` of the time.
 class Pace {
  public:
   Pace(double min_gap_s, double share) : min_gap_(min_gap_s), share_(share) {}
 
-  // Calls act() if it is time, or if it must be.
+  // Calls act() if it is due, or if `must` is true.
   template <typename Act>
   void ActIfDue(bool must, const Act& act) {
     const Clock::time_point begin = Clock::now();
@@ -43,76 +43,77 @@ class Pace {
   Clock::time_point next_;
 };
 
-// What who holds the camera had better do.
+// Advice for the operator of the camera.
 struct Advice {
   std::string kind;  // lost, too_fast, too_close, little_depth, little_shape, moving
   std::string text;
 };
 
-// What a frame and its report give reason to. The pose of the frame before is null where it has
-// none, or there is none.
+// Advice for a frame. `world_from_camera_before` is the pose of the previous frame; null: no pose.
 std::vector<Advice> Advise(const SlamRunFrame& frame, const Rigid3d* world_from_camera_before);
 
-// Where two cameras were that a loop joins, in the world.
+// Camera positions at both ends of a loop closure, in the world frame.
 struct LoopSegment {
   Eigen::Vector3d a, b;
 };
 
-// Who shows a run, as pages in browsers do. Called by the run's own thread, which waits.
+// Viewer of a run, e.g. web pages. The thread of the run calls these functions and waits for them.
 class RunViewer {
  public:
   virtual ~RunViewer() = default;
-  // After each frame.
+  // Called after each frame.
   virtual void Show(const SlamRunFrame& frame) = 0;
-  // Again and again while the run pauses after that frame, for about wait_ms.
+  // Called repeatedly while the run is paused after this frame. Blocks for about wait_ms.
   virtual void Wait(const SlamRunFrame& frame, int wait_ms) = 0;
-  // While the result is made.
+  // Called during refinement and re-integration.
   virtual void ShowWork() = 0;
-  // What the run has come to. Goes on being shown in Stay().
+  // Receives the final result, which is shown until Stay() returns.
   virtual void Keep(const SlamRunResult& result) = 0;
-  // Returns when nobody looks any more.
+  // Blocks until the result is no longer viewed.
   virtual void Stay() = 0;
 };
 
-// A run while it goes on, as all who show it know it: told by RunSlam(), paused and stopped by
-// viewers. It changes nothing of what the run computes.
+// State of a run for its viewers. RunSlam() reports the progress, and viewers pause or stop the
+// run. Viewers do not change the results.
 class LiveRun {
  public:
-  // `interrupted` ends a pause. `interrupt`, which any thread may call, is to set it: as Ctrl-C.
+  // `interrupted` ends a pause and must outlive the LiveRun. `interrupt` has to set it, like
+  // Ctrl-C, and must be thread-safe.
   LiveRun(const std::atomic<bool>& interrupted, std::function<void()> interrupt);
 
-  // To be called before the run.
+  // Call before the run.
   void Add(std::unique_ptr<RunViewer> viewer) { viewers_.push_back(std::move(viewer)); }
 
-  // For RunSlam(). Update() returns when the run is to go on.
+  // Callbacks of RunSlam(). Update() blocks while the run is paused.
   void Update(const SlamRunProgress& progress);
   void Keep(const SlamRunResult& result);
-  // To be called when results have been told: returns when nobody looks any more.
+  // Call after the results are reported. Blocks until the result is no longer viewed.
   void Stay();
 
-  // Any thread may call these. Nothing is paused once the last frame is done.
+  // These functions are thread-safe. Pauses end with the last frame.
   void Pause() { pauses_ = true; }
   void GoOn() { pauses_ = false; }
-  void Step();  // one frame, and pauses
+  void Step();  // one frame, then a pause
   void Stop();
   bool is_paused() const { return pauses_ && !is_at_result_; }
   bool is_interrupted() const { return interrupted_; }
   bool MayGoOn() const { return !pauses_ || steps_ || interrupted_; }
 
-  // The rest is for the run's own thread.
-  const SlamRunProgress& progress() const { return progress_; }  // without its frame
+  // Functions for the thread of the run only.
+  const SlamRunProgress& progress() const { return progress_; }  // without frame
   FrameState state() const { return state_; }                    // of the last frame
   bool is_lost() const { return state_ == FrameState::kLost; }
-  bool is_at_result() const { return is_at_result_; }  // no more frames will come
+  bool is_at_result() const { return is_at_result_; }  // all frames are processed
   bool is_done() const { return is_done_; }
-  double frames_per_second() const { return frame_s_ > 0 ? 1 / frame_s_ : 0; }  // lately
+  double frames_per_second() const { return frame_s_ > 0 ? 1 / frame_s_ : 0; }  // running mean
   const std::vector<Advice>& advice() const { return advice_; }
-  const Trajectory& path() const { return path_; }  // as corrected so far
+  const Trajectory& path() const { return path_; }  // includes all corrections so far
   const std::vector<LoopSegment>& loops() const { return loops_; }
-  // The frames that the last loop joins.
+  // Frame indices of the last loop closure.
   const std::optional<std::pair<int, int>>& last_loop() const { return last_loop_; }
-  const Image<Rgb8>& last_good() const { return last_good_; }  // the last image with a known pose
-  // One line on how far the run is.
+  // Image of the last frame with a pose.
+  const Image<Rgb8>& last_good() const { return last_good_; }
+  // Progress in one line.
   std::string Status() const;
 
  private:
@@ -129,14 +130,15 @@ class LiveRun {
   FrameState state_ = FrameState::kFirst;
   std::vector<Advice> advice_;
   Trajectory path_;
-  std::array<std::size_t, 3> corrections_{};  // that path and loops have
+  std::array<std::size_t, 3> corrections_{};  // included in path_ and loops_
   std::vector<LoopSegment> loops_;
   std::optional<std::pair<int, int>> last_loop_;
-  std::optional<Rigid3d> last_pose_;  // of the last frame
+  std::optional<Rigid3d> last_pose_;  // std::nullopt: last frame is lost
   Image<Rgb8> last_good_;
-  double frame_s_ = 0;  // lately, without the time spent here
+  double frame_s_ = 0;  // running mean, without the time of the viewers
   Clock::time_point left_ = Clock::now();
-  std::vector<std::unique_ptr<RunViewer>> viewers_;  // whose threads use what stands above
+  // Last member: their threads use the members above.
+  std::vector<std::unique_ptr<RunViewer>> viewers_;
 };
 
 }  // namespace surfit

@@ -25,7 +25,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t kSlotsAtOnce = 8192;
 constexpr std::array kViews = {Shown::kFrame, Shown::kModel, Shown::kNormals};
 
-// Every so-many-th pose, and the last; the last loops.
+// Limits the numbers of poses and loops. The last pose and the last loops are kept.
 ShownPath Thinned(const LiveRun& run) {
   constexpr std::size_t kMostPlaces = 2000, kMostLoops = 1000;
   ShownPath thin;
@@ -50,15 +50,17 @@ std::string HostOf(const std::string& address) {
 }  // namespace
 
 void ServeOptions::Visit(OptionVisitor& v) {
-  v.Add(port, "port",
-        "show the run in any browser, under an address that is told on stderr; 0: at a port that "
-        "is free, -1: not at all",
-        Between(-1, 65535), AsFlag("serve"), Everyday());
-  v.Add(address, "address",
-        "with serve: the machine's IP address that browsers reach; 127.0.0.1 is for those on the "
-        "machine itself, 0.0.0.0 for all",
-        Required(), AsFlag("serve_address"));
-  v.Add(max_surfels, "max_surfels", "with serve: surfels of the map that pages show at most",
+  v.Add(
+      port, "port",
+      "port of the live web page, whose address is printed on stderr; 0: any free port, -1: no web "
+      "page",
+      Between(-1, 65535), AsFlag("serve"), Everyday());
+  v.Add(
+      address, "address",
+      "with serve: IP address of the web page; 127.0.0.1: this machine only, 0.0.0.0: all network "
+      "interfaces",
+      Required(), AsFlag("serve_address"));
+  v.Add(max_surfels, "max_surfels", "with serve: maximum number of surfels on the web page",
         Between(1000, 1000000), AsFlag("serve_surfels"));
 }
 
@@ -87,18 +89,18 @@ struct LiveServer::Parts {
   ShownRun shown;
   std::string token;
   LivePages pages;
-  std::optional<LivePictures> pictures;  // from the first frame on
+  std::optional<LivePictures> pictures;  // empty before the first frame
   PinholeCamera camera;
-  // Of the run's time: all together at most four hundredths, and only of what is asked for.
+  // Time limits: together at most 4 % of the run time, and only for requested data.
   Pace state_pace{0.1, 0.005}, path_pace{1, 0.003}, views_pace{0.1, 0.024}, map_pace{0, 0.008};
-  std::array<bool, kShownCount> is_exact{};  // as it is after the last frame
+  std::array<bool, kShownCount> is_exact{};  // in the state of the last frame
   bool is_state_exact = false;
-  int map_rounds = 0;                          // since the last frame
-  std::optional<Clock::time_point> last_turn;  // of map, path and views
-  HttpServer server;                           // ends before all that it uses
+  int map_rounds = 0;                          // complete rounds since the last frame
+  std::optional<Clock::time_point> last_turn;  // last update of map, path and views
+  HttpServer server;                           // last member: it uses the members above
 };
 
-// In a pause `must` holds, and all is given once.
+// During a pause, `must` is true and all data are sent once.
 template <typename Act>
 void LiveServer::Parts::Give(Shown what, Pace* pace, bool must, const Act& act) {
   bool& exact = is_exact[static_cast<std::size_t>(what)];
@@ -107,7 +109,8 @@ void LiveServer::Parts::Give(Shown what, Pace* pace, bool must, const Act& act) 
   if (exact) server.Wake();
 }
 
-// Also where nobody asks: who comes is to have it at once. In a pause all that is new is told.
+// The state is updated without requests as well, so that new clients get it at once. During a
+// pause, it is updated once.
 void LiveServer::Parts::GiveStateIfDue(bool must) {
   const bool is_new = must && !std::exchange(is_state_exact, true);
   state_pace.ActIfDue(is_new, [&] { GiveState(is_new); });
@@ -130,15 +133,15 @@ void LiveServer::Parts::GiveState(bool must) {
   server.Wake();
 }
 
-// Where the camera is lost, the last image whose pose is known: what to turn back to.
+// For a lost camera: the image of the last frame with a pose, as a target for the operator.
 Image<Rgb8> LiveServer::Parts::ModelPicture(const SurfelMap& map, ModelColors colors) {
   if (run.is_lost() && !run.is_done()) return pictures->OfLost(run.last_good());
   const Trajectory& path = run.path();
   return pictures->OfModel(map, path.empty() ? Rigid3d() : path.back().world_from_camera, colors);
 }
 
-// What the frame shows and what the map shows from its pose are of one moment, so that they can be
-// compared. Whether they were given.
+// Frame and model views have the same pose, so that they can be compared. Returns false if the
+// update was skipped.
 bool LiveServer::Parts::GiveViews(const RgbdFrame& frame, const SurfelMap& map,
                                   const std::vector<Shown>& wanted, bool must) {
   std::map<Shown, Image<Rgb8>> views;
@@ -169,8 +172,8 @@ void LiveServer::Parts::GiveViewsIfDue(const SlamRunFrame& frame, bool must) {
   });
 }
 
-// Of the map a part after each frame, so that none takes long. It is exact when a round has begun
-// after the last frame and has ended.
+// A part of the map is updated after each frame to limit the time. The map is exact after a round
+// that started after the last frame.
 void LiveServer::Parts::GiveAll(const SlamRunFrame& frame, bool must) {
   if (!pictures) pictures.emplace(frame.sensor);
   Give(Shown::kMap, &map_pace, must, [&] {
@@ -197,7 +200,7 @@ std::string LiveServer::url() const {
                 parts_->token, "/");
 }
 
-// While a camera's next frame waits, pages wait as well, but not for ever.
+// If camera frames wait for the run, map, path and views are updated only once per second.
 void LiveServer::Show(const SlamRunFrame& frame) {
   constexpr double kCameraGap_ms = 33;
   constexpr std::chrono::seconds kLongest(1);
@@ -223,7 +226,7 @@ void LiveServer::ShowWork() {
   parts_->state_pace.ActIfDue(/*must=*/false, [&] { parts_->GiveState(/*must=*/false); });
 }
 
-// The views are those of the last pose. Nothing is tracked any more that pages could keep waiting.
+// Shows the views of the last pose. Tracking is over, so the server thread gets normal priority.
 void LiveServer::Keep(const SlamRunResult& result) {
   Parts& parts = *parts_;
   parts.server.TakePriority();
@@ -237,8 +240,8 @@ void LiveServer::Keep(const SlamRunResult& result) {
   parts.GiveState(/*must=*/true);
 }
 
-// Pages ask for all that is new at once, and then for a newer state, which does not come: where
-// nobody has been answered for a while, all have all.
+// Pages request all new data, and then wait for a newer state. If no request was answered for
+// kWhile_s, all pages have all data.
 void LiveServer::Stay() {
   constexpr double kMost_s = 10, kWhile_s = 2;
   Parts& parts = *parts_;
@@ -247,7 +250,7 @@ void LiveServer::Stay() {
   while (gone_s() < kMost_s && parts.shown.IsWanted(Shown::kState) &&
          std::min(gone_s(), parts.pages.SinceLastAnswer_s()) < kWhile_s) {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    parts.server.Wake();  // who waits for a share of what may be sent
+    parts.server.Wake();  // for requests above the data limit
   }
 }
 

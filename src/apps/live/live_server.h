@@ -10,32 +10,34 @@ namespace surfit {
 
 class OptionVisitor;
 
-// Where the pages of a run are to be had.
+// Address and size of the live web page.
 struct ServeOptions {
-  int port = -1;                      // -1: nowhere; 0: any that is free
-  std::string address = "127.0.0.1";  // of the machine; 0.0.0.0: all that it has
-  std::size_t max_surfels = 131072;   // that pages show of the map
+  int port = -1;  // -1: no web page; 0: any free port
+  // IP address of this machine; 0.0.0.0: all network interfaces.
+  std::string address = "127.0.0.1";
+  std::size_t max_surfels = 131072;  // maximum number of surfels on a page
 
   void Visit(OptionVisitor& visitor);
 };
 
-// Shows a run in any browser: pages that who knows their address, with a random token in it, may
-// open, over HTTP. They get the map as it changes, pictures, path and state, and can pause and stop
-// the run. They never make it wait: who is slow gets less. Nothing of the disk can be had.
+// Live web page of a run over HTTP. Each request needs the random token, which is part of the
+// address. Pages show the map, pictures, path and state, and can pause and stop the run. Slow
+// clients get fewer updates and never block the run. No files are served.
 class LiveServer : public RunViewer {
  public:
-  // Throws InputError for bad options, or where the port cannot be had. The run outlives it.
+  // Throws InputError for invalid options, or if the port cannot be opened. `run` must outlive the
+  // server.
   LiveServer(const ServeOptions& options, LiveRun* run);
   ~LiveServer() override;
 
-  // What a browser opens, http://ADDRESS:PORT/TOKEN/.
+  // Address of the web page: http://ADDRESS:PORT/TOKEN/.
   std::string url() const;
 
   void Show(const SlamRunFrame& frame) override;
   void Wait(const SlamRunFrame& frame, int wait_ms) override;
   void ShowWork() override;
   void Keep(const SlamRunResult& result) override;
-  // Until all who look on have the map that the run has come to, some seconds at most.
+  // Blocks until all pages have the final map, at most 10 s.
   void Stay() override;
 
  private:

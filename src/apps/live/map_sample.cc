@@ -6,8 +6,8 @@
 namespace surfit {
 namespace {
 
-constexpr int kRadius = 14, kConfidence = 15;  // places in ShownSurfel
-constexpr std::uint32_t kBlock = 256;          // slots
+constexpr int kRadius = 14, kConfidence = 15;  // byte positions in ShownSurfel
+constexpr std::uint32_t kBlock = 256;          // slots per block
 
 std::uint64_t Millimetres(float metres) {
   constexpr double kBorder = 1 << 20;
@@ -38,8 +38,8 @@ ShownSurfel PackSurfel(const Surfel& surfel) {
   return packed;
 }
 
-// As many slots as the map's ids take, half of them as often as these are too many. Versions stay:
-// a page does the same.
+// Adds slots for the ids of the map. Above the limit, drops every second slot. Versions are kept,
+// because pages drop the same slots.
 void MapSample::Fit(const SurfelMap& map) {
   const auto ids = static_cast<std::uint64_t>(map.id_end());
   const auto needed = [&] {
@@ -103,7 +103,7 @@ void MapSample::Reset(const SurfelMap& map) {
 
 SampleChanges MapSample::ChangesFrom(SamplePlace place, std::size_t most) const {
   if (place.epoch != epoch_ || place.level > level_) place = {epoch_, level_, 0, 0};
-  // Half a slot before the place is looked at again.
+  // Halving rounds down, so one slot may be sent again.
   while (place.level < level_) {
     ++place.level;
     place.slot /= 2;
@@ -115,7 +115,7 @@ SampleChanges MapSample::ChangesFrom(SamplePlace place, std::size_t most) const 
   changes.version = version_;
   for (std::uint32_t slot = place.slot; slot < changes.slots; ++slot) {
     if (newest_[slot / kBlock] <= place.version) {
-      slot |= kBlock - 1;  // its last: nothing of the block has changed
+      slot |= kBlock - 1;  // last slot of the block, which has not changed
       continue;
     }
     if (versions_[slot] <= place.version) continue;
@@ -135,7 +135,7 @@ std::uint8_t MapSample::Dust() const {
     if (surfel[kRadius] != 0) ++counts[surfel[kConfidence]];
   }
   std::size_t below = 0;
-  int quantile = 0;  // of 90 %
+  int quantile = 0;  // 90 % quantile
   while (quantile < 255 && 10 * (below += counts[quantile]) < 9 * shown_) ++quantile;
   return WeightByte::From(
       std::min(3.f, 0.1f * WeightByte::ToFloat(static_cast<std::uint8_t>(quantile))));

@@ -23,7 +23,7 @@ Json ToJson(const std::vector<Advice>& all) {
   return json;
 }
 
-// Coordinates of the places in millimetres.
+// Appends the coordinates in millimetres.
 template <typename Vector>
 void AppendPlace(const Vector& place, Json* json) {
   for (int i = 0; i < 3; ++i) {
@@ -91,7 +91,7 @@ void ShownRun::ResetMap(const SurfelMap& map) {
 }
 
 bool ShownRun::IsWanted(Shown what) const {
-  constexpr std::int64_t kLately_ms = 8000;  // longer than an answer is waited for
+  constexpr std::int64_t kLately_ms = 8000;  // longer than HttpLimits::hold_s
   const std::int64_t asked_ms = asked_ms_[PlaceOf(what)];
   return asked_ms > 0 && Now_ms() - asked_ms < kLately_ms;
 }
@@ -154,7 +154,7 @@ ShownRun::Text ShownRun::Path() {
   return item.text;
 }
 
-// Encodes without keeping the run from giving.
+// Encodes without the lock, so that the run can update data.
 ShownRun::Text ShownRun::Picture(Shown which, std::uint32_t asked) {
   constexpr int kQuality = 80;
   Image<Rgb8> picture;

@@ -20,11 +20,11 @@
 
 namespace surfit {
 
-// What pages can ask for.
+// Data that pages can request.
 enum class Shown { kState, kMap, kPath, kFrame, kModel, kNormals };
 constexpr std::size_t kShownCount = 6;
 
-// How far a run is, as pages are told.
+// State of a run for pages.
 struct ShownState {
   std::string status;
   FrameState frame_state = FrameState::kFirst;
@@ -32,70 +32,71 @@ struct ShownState {
   double frames_per_second = 0;
   bool is_at_result = false, is_done = false;
   std::vector<Advice> advice;
-  std::optional<Rigid3d> world_from_camera;  // of the last frame that has a pose
+  std::optional<Rigid3d> world_from_camera;  // pose of the last frame with a pose
   PinholeCamera camera;
   std::size_t loops = 0;
   std::optional<std::pair<int, int>> last_loop;
 };
 
-// The path and the loops, of a bounded size.
+// Path and loops, with limited size.
 struct ShownPath {
   std::vector<Eigen::Vector3f> places;
   std::vector<LoopSegment> loops;
 };
 
-// What is shown of a run, between its thread, which gives, and the server's, which takes. The run
-// never waits: where the server is just looking, it gives nothing this time. All that is given has
-// a number, larger each time.
+// Data for pages, shared by the thread of the run, which updates, and the server thread, which
+// reads. The run never waits: if the server holds the lock, the update is skipped. Each update gets
+// an increasing number.
 class ShownRun {
  public:
   explicit ShownRun(std::size_t max_surfels) : sample_(max_surfels) {}
 
-  // The run's side: whether it has been given. `must` waits: for what the run has come to.
+  // Functions for the run. They return false if the update was skipped. `must` waits for the lock.
   bool GiveState(const ShownState& state, bool must);
   bool GivePath(const ShownPath& path, bool must);
-  // Of one moment: they get one number.
+  // Pictures of the same frame get the same number.
   bool GivePictures(const std::map<Shown, Image<Rgb8>>& pictures, bool must);
-  // MapSample's: whether all has been looked at; nothing where it was not given.
+  // Calls MapSample::Update() and returns its result. std::nullopt if the update was skipped.
   std::optional<bool> UpdateMap(const SurfelMap& map, std::size_t slots);
   void ResetMap(const SurfelMap& map);
-  // Whether somebody has asked for it within the last seconds.
+  // True if a page requested this kind of data in the last 8 s.
   bool IsWanted(Shown what) const;
 
-  // The server's side. JSON; nothing where the state is not newer than `number`.
+  // Functions for the server. JSON; null if the state is not newer than `number`.
   using Text = std::shared_ptr<const std::string>;
   Text StateAfter(std::uint32_t number, bool is_paused);
-  // JSON; nothing where none has been given yet.
+  // JSON; null if there is no path yet.
   Text Path();
-  // A JPEG, if it has this number still; 0: whichever it has.
+  // JPEG; null if the number of the picture is not `asked`. 0: any number.
   Text Picture(Shown which, std::uint32_t asked);
-  // SampleChanges, little endian: epoch, level, slots, version, next and count as uint32, as many
-  // slots as uint32, and as many ShownSurfel.
+  // SampleChanges, little endian: epoch, level, slots, version, next and count as uint32, then
+  // `count` slots as uint32, then `count` ShownSurfel.
   Text Map(const SamplePlace& place, std::size_t most);
   void Want(Shown what);
-  // The state is another one, without being given.
+  // Marks the state as changed.
   void Renew() { ++number_; }
 
  private:
   struct Item {
     std::uint32_t number = 0;
-    Text text;  // made when it is asked for
+    Text text;  // encoded at the first request
   };
-  // Calls act() with the mutex. Without `must`: false if the server has it.
+  // Calls act() with the lock. Returns false if `must` is false and the server has the lock.
   template <typename Act>
   bool Give(bool must, const Act& act);
   void Number(Shown what);
   std::string StateJson(bool is_paused) const;
 
-  std::mutex mutex_;  // of all but what is atomic
+  std::mutex mutex_;  // guards all members that are not atomic
   ShownState state_;
   ShownPath path_;
   std::array<Image<Rgb8>, kShownCount> pictures_;
   std::array<Item, kShownCount> items_;
   MapSample sample_;
-  std::uint8_t dust_ = 0;  // MapSample's
+  std::uint8_t dust_ = 0;  // MapSample::Dust()
   std::atomic<std::uint32_t> number_{0};
-  std::array<std::atomic<std::int64_t>, kShownCount> asked_ms_{};  // 0: never
+  // Time of the last request; 0: never.
+  std::array<std::atomic<std::int64_t>, kShownCount> asked_ms_{};
 };
 
 }  // namespace surfit

@@ -10,56 +10,54 @@ namespace surfit {
 
 class OptionVisitor;
 
-// A batch runs SLAM over sequences that have nothing to do with each other, each by a process of
-// its own. Its folder has:
+// A batch runs one surfit_slam process per sequence. Files in its folder:
 //   batch.json, flags/NAME.flags    PlanBatch()
-//   runs/NAME/                      what surfit_slam writes for a sequence
-//   jobs/run_NAME.json, .log        what became of it (tools/workflow/job.py)
+//   runs/NAME/                      output of surfit_slam for a sequence
+//   jobs/run_NAME.json, .log        receipt and log of a job (tools/workflow/job.py)
 //   table.csv, summary.json, report.html    ReportBatch()
-// All functions throw InputError naming the file or option at fault.
+// All functions throw InputError with the name of the file or option.
 
-// Which sequences are run, and how.
 struct BatchOptions {
-  std::string sequences;  // the folder that they are in
-  std::string output;     // folder for all results
-  SlamRunOptions run;     // of each; which sequence and where to is left open
-  int memory_mb = 4000;   // that a run may take; for clusters, which end it beyond that
-  int minutes = 600;      // that a run may take; likewise
+  std::string sequences;
+  std::string output;
+  SlamRunOptions run;    // options of each run; sequence path and output are set per run
+  int memory_mb = 4000;  // maximum memory of a run, MB; for clusters
+  int minutes = 600;     // maximum time of a run; for clusters
 
   void Visit(OptionVisitor& visitor);
 };
 
-// A sequence of a batch.
 struct BatchRun {
-  // That of its folder or file, with what is no letter, digit, dot, hyphen or underscore as %XX.
+  // File name, with %XX for characters other than letters, digits, dot, hyphen and underscore.
   std::string name;
   std::string path;  // absolute
 };
 
-// All folders and recordings (.klg, .sens, .bag, .db3, .mcap) in the folder of the sequences, by
-// name; what begins with a dot is passed over. Writes into the output folder batch.json and, for
-// each, flags/NAME.flags: what surfit_slam is to be given for it. Files that would say the same
-// stay as they are, so that nothing is done again. Throws InputError where there is no sequence, or
-// the output is among them. Whether they can be read is found out by the runs.
+// Finds all folders and recordings (.klg, .sens, .bag, .db3, .mcap) in the folder of the sequences.
+// Hidden files are skipped. Returns them sorted by name.
+// Writes batch.json and flags/NAME.flags (--flagfile of surfit_slam) into the output folder.
+// Unchanged files keep their modification time, so that finished runs are not repeated. The
+// sequences are not opened. Throws InputError if there is no sequence, or if the output folder is
+// one of them.
 std::vector<BatchRun> PlanBatch(const BatchOptions& options);
 
-// What came of one sequence. Figures that are not known are nothing.
+// Result of a sequence. Unknown figures are std::nullopt.
 struct BatchRow {
-  std::string sequence;  // its name
-  std::string state;     // done, failed, or open: its job has not come to an end
+  std::string sequence;
+  std::string state;  // done, failed, or open: not finished
   std::optional<int> frames, frames_tracked, frames_lost, frames_skipped;
   std::optional<double> ate_rmse_m, rpe_translation_rmse_m, rpe_rotation_rmse_deg;
-  std::optional<double> seconds, frame_ms, peak_mb;  // of the process; frame_ms: the mean
+  std::optional<double> seconds, frame_ms, peak_mb;  // frame_ms: mean
   std::optional<double> map_points;
-  std::string digest, error;  // empty if there is none
+  std::string digest, error;  // empty: none
 };
 
-// One row for each sequence of the batch, from what its job and its run have left. Writes them as
-// table.csv and summary.json, and report.html.
+// Collects the result of each sequence from the receipt of its job and the output of its run.
+// Writes table.csv, summary.json and report.html.
 std::vector<BatchRow> ReportBatch(const std::string& batch);
 
-// Removes the receipts of runs that are to be done again: of those whose results are gone and, if
-// asked for, of those that failed.
+// Deletes the receipts of runs to repeat: runs with missing results and, with `retry_failed`,
+// failed runs.
 void ForgetRuns(const std::string& batch, bool retry_failed);
 
 }  // namespace surfit

@@ -1,4 +1,3 @@
-// The options of this module.
 #include "apps/scan/batch.h"
 #include "core/shared_options.h"
 #include "surfit/core/error.h"
@@ -10,21 +9,19 @@ namespace surfit {
 void BatchOptions::Visit(OptionVisitor& v) {
   v.Group("batch");
   v.Add(sequences, "sequences",
-        "folder of the sequences: each folder in it, and each .klg, .sens, .bag, .db3 and .mcap "
-        "file, is one",
+        "folder of the sequences: its folders, and its .klg, .sens, .bag, .db3 and .mcap files",
         Required(), AsFlag(), Everyday());
   v.Add(output, SharedOption("output", Required(), Everyday()));
-  v.Add(memory_mb, "memory_mb", "that a run may take, of a node of a cluster", AtLeast(1),
-        InUnit("MB"), AsFlag());
-  v.Add(minutes, "minutes", "that a run may take, on a cluster", AtLeast(1), InUnit("min"),
+  v.Add(memory_mb, "memory_mb", "maximum memory of a run, for clusters", AtLeast(1), InUnit("MB"),
         AsFlag());
-  v.AddPart(run, "run", "how each sequence is run", OptionalPart(),
+  v.Add(minutes, "minutes", "maximum time of a run, for clusters", AtLeast(1), InUnit("min"),
+        AsFlag());
+  v.AddPart(run, "run", "options of each run", OptionalPart(),
             WithoutFlags({"sequence", "output", "trace", "dump_failures", "session", "continue",
                           "localize"}));
   v.Check([this] {
     if (!IsLive(run.sequence)) return;
-    throw InputError("format is '", run.sequence.format,
-                     "', must be one of a sequence that is recorded");
+    throw InputError("format is '", run.sequence.format, "', must be the format of a recording");
   });
 }
 

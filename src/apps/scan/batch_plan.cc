@@ -25,7 +25,7 @@ bool IsSequence(const fs::directory_entry& entry) {
          std::find(kRecordings.begin(), kRecordings.end(), path.extension()) != kRecordings.end();
 }
 
-// A name that shells, Snakemake and addresses take as it is.
+// Name without characters that are special in shells, Snakemake or URLs.
 std::string RunNameOf(const std::string& file_name) {
   std::string name;
   for (const char c : file_name) {
@@ -45,11 +45,11 @@ std::vector<BatchRun> FindSequences(const BatchOptions& options) {
     if (!IsSequence(entry)) continue;
     std::error_code none;
     ThrowIf(fs::equivalent(entry.path(), options.output, none), "output is '", options.output,
-            "', which is in the folder of the ", "sequences, must be elsewhere");
+            "', which is in the folder of the ", "sequences, must be another folder");
     runs.push_back({RunNameOf(entry.path().filename()), AbsolutePath(entry.path())});
   }
   if (error) throw InputError(options.sequences, ": ", error.message());
-  ThrowIf(runs.empty(), options.sequences, ": has no folder and no recording");
+  ThrowIf(runs.empty(), options.sequences, ": contains no folders and no recordings");
   std::sort(runs.begin(), runs.end(),
             [](const BatchRun& a, const BatchRun& b) { return a.name < b.name; });
   return runs;

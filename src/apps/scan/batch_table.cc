@@ -25,7 +25,7 @@ PlannedBatch ReadBatch(const std::string& batch) {
     json.at("sequences").get_to(planned.sequences);
     for (const Json& name : json.at("runs")) planned.names.push_back(name);
   } catch (const Json::exception& error) {
-    throw InputError(path, ": no plan of a batch: ", error.what());
+    throw InputError(path, ": invalid batch plan: ", error.what());
   }
   return planned;
 }
@@ -39,7 +39,7 @@ void Take(const Json& json, const char* key, std::optional<T>* value) {
   if (json.contains(key) && json[key].is_number()) *value = json[key].get<T>();
 }
 
-// What the run has written; of one that failed, as far as it came.
+// Reads the figures of a run. A failed run may have only some of them.
 void TakeSummary(const std::string& path, BatchRow* row) {
   const Json json = ReadJson(path);
   Take(json, "frames_total", &row->frames);
@@ -62,7 +62,7 @@ BatchRow RowOf(const std::string& batch, const std::string& name) {
   const std::string receipt_path = ReceiptPath(batch, "run_" + name);
   if (!fs::exists(receipt_path)) {
     row.state = "open";
-    row.error = "its job has not come to an end";
+    row.error = "job not finished";
     return row;
   }
   const JobReceipt receipt = ReadReceipt(receipt_path);
@@ -115,7 +115,7 @@ void WriteBatchPage(const std::string& batch, const std::string& sequences,
                         CountRows(rows, "failed"), " failed, ", CountRows(rows, "open"), " open."));
   std::vector<std::vector<PlainPage::Cell>> table = {
       {"sequence", "state", "frames", "tracked", "lost", "skipped", "ATE (mm)", "RPE (mm)", "(deg)",
-       "s", "ms a frame", "MB", "surfels (M)"}};
+       "s", "ms/frame", "MB", "surfels (M)"}};
   for (const BatchRow& row : rows) {
     const auto link = [&](const std::string& file) {
       const std::string path = RunFile(row.sequence, file);
@@ -138,8 +138,8 @@ void WriteBatchPage(const std::string& batch, const std::string& sequences,
          InTable(row.map_points, 1e6, 2)});
   }
   page.Table(table);
-  page.Section("What failed");
-  if (CountRows(rows, "done") == static_cast<int>(rows.size())) page.Paragraph("Nothing.");
+  page.Section("Failed jobs");
+  if (CountRows(rows, "done") == static_cast<int>(rows.size())) page.Paragraph("None.");
   for (const BatchRow& row : rows) {
     if (row.state != "done") page.Paragraph(Concat(row.sequence, ": ", row.error));
   }

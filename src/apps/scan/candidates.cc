@@ -14,12 +14,11 @@
 namespace surfit {
 namespace {
 
-// A keyframe that is looked up.
 struct Place {
   int fragment = 0;  // position in the plan
   int recording = 0;
   int frame = 0;
-  PlaceView view;  // its features alone
+  PlaceView view;  // features only
 };
 
 class CandidateSearch {
@@ -40,7 +39,7 @@ class CandidateSearch {
   }
 
  private:
-  // Each so-many-th keyframe can be held in memory, its features twice and an index of them.
+  // Returns the step between keyframes for which the features and their index fit into memory.
   int StepWithinMemory() {
     std::size_t bytes = 0;
     for (const ScanFragment& fragment : plan_.fragments) {
@@ -71,7 +70,7 @@ class CandidateSearch {
     }
   }
 
-  // Of each two keyframes the later one is the source.
+  // The later keyframe of a pair is the source.
   void Propose(int source) {
     const Place& from = places_[source];
     const auto found = index_.Query(from.view, options_.max_alike, [&](int p) {
@@ -85,7 +84,7 @@ class CandidateSearch {
     }
   }
 
-  // Files of pairs that are none any more would be taken for some.
+  // Files of former pairs are deleted, because the next jobs would use them.
   void Write() const {
     MakeFolder(options_.output);
     std::set<std::string> written;

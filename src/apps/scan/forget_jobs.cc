@@ -26,7 +26,7 @@ void ForgetJobs(const std::string& scan, bool retry_failed) {
   for (const std::string& pair : FilesIn(scan + "/candidates", ".json")) {
     if (!has("link_" + fs::path(pair).stem().string())) forget("graph");
   }
-  // That is quickly made, and so always anew.
+  // The summary is cheap, so it is always written again.
   fs::remove(scan + "/summary.json");
 }
 

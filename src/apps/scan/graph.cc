@@ -45,7 +45,7 @@ class LinkReader {
     }
   }
 
-  // Those that were accepted.
+  // Returns the accepted links.
   std::vector<GraphLink> Read(const std::vector<std::string>& paths) const {
     std::vector<GraphLink> links;
     for (const std::string& path : paths) {
@@ -75,17 +75,17 @@ class LinkReader {
   std::pair<std::size_t, int> Find(const std::string& path, const std::string& name,
                                    int frame) const {
     const auto fragment = fragments_.find(name);
-    ThrowIf(fragment == fragments_.end(), path, ": fragment '", name, "' is none of the plan");
+    ThrowIf(fragment == fragments_.end(), path, ": fragment '", name, "' is not in the plan");
     const auto keyframe = fragment->second.keyframes.find(frame);
     ThrowIf(keyframe == fragment->second.keyframes.end(), path, ": frame ", frame,
-            " is no keyframe of fragment ", name);
+            " is not a keyframe of fragment ", name);
     return {fragment->second.position, keyframe->second};
   }
 
   std::map<std::string, Fragment> fragments_;
 };
 
-// Which frames see what part of space.
+// Finds the frames that observe each tile.
 class TileFinder {
  public:
   TileFinder(double tile_m, std::size_t recordings) : tile_m_(tile_m), recordings_(recordings) {}
@@ -127,10 +127,10 @@ class TileFinder {
   using Cell = std::array<int, 3>;
   struct Tile {
     int points = 0;
-    std::vector<std::vector<FrameRange>> frames;  // of each recording
+    std::vector<std::vector<FrameRange>> frames;  // per recording
   };
-  static constexpr int kStep = 4;          // pixels between those that are looked at
-  static constexpr int kLeastPoints = 10;  // fewer are noise
+  static constexpr int kStep = 4;          // pixels
+  static constexpr int kLeastPoints = 10;  // tiles with fewer points are noise
 
   std::map<Cell, int> Seen(const PlaceView& view, const Rigid3d& world_from_camera) const {
     std::map<Cell, int> seen;
@@ -182,12 +182,11 @@ std::vector<ScanTile> FindTiles(const std::string& scan, const ScanPlan& plan,
   return finder.Tiles();
 }
 
-// What the graph makes of one recording.
 struct RecordingResult {
   std::vector<PosedFrame> frames;
   SequenceInfo info;
-  Trajectory trajectory;             // of the frames
-  std::vector<MatchedPose> matched;  // with the ground truth
+  Trajectory trajectory;
+  std::vector<MatchedPose> matched;
   std::optional<AbsoluteTrajectoryError> ate;
 
   RecordingResult(std::vector<PosedFrame> of_frames, const SequenceOptions& sequence)
@@ -230,7 +229,7 @@ Json ToJson(const ScanPlan& plan, const std::vector<RecordingResult>& results) {
   return recordings;
 }
 
-// Nothing between recordings: what their ground truths have in common is not known.
+// Returns std::nullopt between recordings, because their ground truths may have different frames.
 std::optional<PoseError> ErrorOf(const ScanPlan& plan, const ScanGraph& graph,
                                  const std::vector<RecordingResult>& results,
                                  const GraphLink& link) {
@@ -304,7 +303,7 @@ Json ToJson(const ScanPlan& plan, const ScanGraph& graph,
           {"links", links}};
 }
 
-// Of pairs that are candidates; others are of a former plan.
+// Link files of the present candidates. Files of a former plan are skipped.
 std::vector<std::string> LinkFiles(const std::string& scan) {
   std::vector<std::string> paths;
   for (const std::string& pair : FilesIn(scan + "/candidates", ".json")) {
@@ -314,7 +313,7 @@ std::vector<std::string> LinkFiles(const std::string& scan) {
   return paths;
 }
 
-// What a former graph has left in the folder, of other recordings, too.
+// Files of graphs in the folder, including the files of former recordings.
 std::vector<std::string> GraphFiles(const std::string& folder) {
   std::vector<std::string> names = {"graph.json", "tiles.json"};
   for (const char* const ending : {".txt", ".png"}) {

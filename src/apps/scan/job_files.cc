@@ -37,7 +37,7 @@ std::string AbsolutePath(const std::string& path) {
 
 SequenceOptions WithAbsolutePaths(SequenceOptions sequence) {
   sequence.path = AbsolutePath(sequence.path);
-  // Else it is a preset.
+  // Otherwise `camera` is a preset.
   if (fs::exists(sequence.camera)) sequence.camera = AbsolutePath(sequence.camera);
   return sequence;
 }
@@ -63,7 +63,7 @@ JobReceipt ReadReceipt(const std::string& path) {
     return {json.at("job"),     json.at("exit"),  json.at("seconds"),
             json.at("peak_mb"), json.at("error"), json.at("product")};
   } catch (const Json::exception& error) {
-    throw InputError(Concat(path, ": no receipt of a job: ", error.what()));
+    throw InputError(Concat(path, ": invalid job receipt: ", error.what()));
   }
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 RunPlaces PlacesNamed(const std::string& scan, const std::string& name) {
   auto places = PlacesOf(scan, {name}, PlacesPart::kAll);
-  if (!places) throw InputError(scan, "/fragments/", name, ": has no places.bin");
+  if (!places) throw InputError(scan, "/fragments/", name, ": places.bin is missing");
   return *std::move(places);
 }
 
@@ -22,12 +22,12 @@ int RecordingOf(const ScanPlan& plan, const std::string& fragment) {
   for (const ScanFragment& each : plan.fragments) {
     if (each.name == fragment) return each.recording;
   }
-  throw InputError("fragment '", fragment, "' is none of the plan");
+  throw InputError("fragment '", fragment, "' is not in the plan");
 }
 
 class Linker {
  public:
-  // Of one recording, frames must be min_gap apart.
+  // Frames of the same recording must be at least min_gap apart.
   Linker(const FindLoopsOptions& options, RunPlaces source, RunPlaces target, bool of_one_recording)
       : options_(options),
         source_(std::move(source)),
@@ -39,7 +39,7 @@ class Linker {
       Try(KeyframeAt(source_, proposal.source_frame), KeyframeAt(target_, proposal.target_frame),
           {});
     }
-    // What was accepted tells where the fragments are, and so what else is near.
+    // An accepted link aligns both fragments, and predicts further keyframe pairs.
     const std::vector<ScanLink> by_looks = links_;
     for (const ScanLink& link : by_looks) {
       if (link.verdict.accepted()) TryNear(link);
@@ -51,11 +51,11 @@ class Linker {
   static const Keyframe& KeyframeAt(const RunPlaces& places, int frame) {
     const auto at = std::find_if(places.keyframes.begin(), places.keyframes.end(),
                                  [&](const Keyframe& k) { return k.frame_index == frame; });
-    ThrowIf(at == places.keyframes.end(), "frame ", frame, " is no keyframe");
+    ThrowIf(at == places.keyframes.end(), "frame ", frame, " is not a keyframe");
     return *at;
   }
 
-  // Of the keyframes that come next to those of a link.
+  // Verifies further keyframe pairs at the poses that a link predicts.
   void TryNear(const ScanLink& link) {
     const Rigid3d target_from_source_world =
         KeyframeAt(target_, link.target_frame).world_from_camera * link.verdict.target_from_source *
@@ -86,7 +86,7 @@ class Linker {
         {from.frame_index, to.frame_index, VerifyLoop(from.view, to.view, options_.verify, prior)});
   }
 
-  // As far as drift lets a link tell where others are.
+  // Maximum frame distance at which a link still predicts poses in spite of drift.
   static constexpr int kReachFrames = 100;
 
   const FindLoopsOptions& options_;

@@ -19,7 +19,7 @@ FarReason ReasonFrom(const std::string& name) {
   for (const FarReason reason : FarReasons()) {
     if (ToString(reason) == name) return reason;
   }
-  throw InputError("reason is '", name, "', must be one of a verdict");
+  throw InputError("reason is '", name, "', must be a verification result");
 }
 
 template <typename Read>
@@ -28,7 +28,7 @@ void ReadPair(const std::string& path, const Read& read) {
   try {
     read(json);
   } catch (const Json::exception& error) {
-    throw InputError(path, ": no pair of fragments: ", error.what());
+    throw InputError(path, ": invalid fragment pair: ", error.what());
   } catch (const InputError& error) {
     throw InputError(path, ": ", error.what());
   }

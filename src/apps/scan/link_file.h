@@ -10,23 +10,24 @@
 
 namespace surfit {
 
-// Two keyframes that may show one place, by their frames' indices; source is of the later fragment.
+// Loop candidate: keyframes of two fragments, by frame index. The source is in the later fragment.
 struct PlaceProposal {
   int source_frame = 0, target_frame = 0;
   double similarity = 0;
 };
 
-// Two fragments that may have seen the same places.
+// Loop candidates between two fragments.
 struct PairCandidates {
   std::string target, source;  // names of fragments
   std::vector<PlaceProposal> proposals;
 };
 
-// All throw InputError naming the file.
+// All functions throw InputError with the name of the file.
 void WriteCandidates(const PairCandidates& pair, const std::string& path);
 PairCandidates ReadCandidates(const std::string& path);
 
-// Links of which all the graph needs is read again: frames, reason, pose and information.
+// Links between two fragments. ReadLinks() reads only the members that the graph needs: frames,
+// reason, overlap, pose and information.
 struct PairLinks {
   std::string target, source;
   std::vector<ScanLink> links;
@@ -34,7 +35,7 @@ struct PairLinks {
 void WriteLinks(const PairLinks& pair, const std::string& path);
 PairLinks ReadLinks(const std::string& path);
 
-// The places of a fragment; nothing if it has failed.
+// Keyframes of a fragment; std::nullopt if it has no places.bin.
 std::optional<RunPlaces> PlacesOf(const std::string& scan, const ScanFragment& fragment,
                                   PlacesPart part);
 

@@ -7,13 +7,13 @@
 
 namespace surfit {
 
-// By how much a measured motion between two keyframes misses the true one; nothing where the ground
-// truth does not know both. Keyframes by their positions.
+// Error of a measured motion between two keyframes. Keyframes are given by position. Returns
+// std::nullopt if the ground truth does not cover both keyframes.
 std::optional<PoseError> ErrorOfLink(const Trajectory& ground_truth, const RunPlaces& source,
                                      int source_keyframe, const RunPlaces& target,
                                      int target_keyframe, const Rigid3d& target_from_source);
 
-// Of two errors the one that is farther, or the one there is.
+// Replaces `worst` if it is empty or has a smaller translation error.
 void KeepWorse(const std::optional<PoseError>& error, std::optional<PoseError>* worst);
 
 }  // namespace surfit

@@ -1,4 +1,3 @@
-// The options of this module.
 #include "surfit/core/options.h"
 
 #include <set>
@@ -22,25 +21,25 @@ void ScanPlanOptions::Visit(OptionVisitor& v) {
   v.Add(sequences,
         SharedOption("sequence", InField("sequences"), Required(), Repeatable(), Everyday()));
   v.AddPart(
-      run, "run", "how each fragment is tracked", OptionalPart(),
+      run, "run", "options of the fragment runs", OptionalPart(),
       WithoutFlags({"sequence", "loop_closure", "calibrate", "refine", "final_map", "pictures",
                     "report", "keep_places", "session", "continue", "localize", "trace",
                     "dump_failures", "offered_fps", "real_time", "poses", "initial_pose"}));
   v.Group("fragments");
-  v.Add(fragment_frames, "fragment_frames", "frames of a fragment at most", AtLeast(2), AsFlag(),
-        Everyday());
-  v.Add(overlap_frames, "overlap_frames", "frames that a fragment shares with the next", AtLeast(1),
-        AsFlag());
+  v.Add(fragment_frames, "fragment_frames", "maximum number of frames of a fragment", AtLeast(2),
+        AsFlag(), Everyday());
+  v.Add(overlap_frames, "overlap_frames", "number of frames shared by consecutive fragments",
+        AtLeast(1), AsFlag());
   v.Add(camera_frames, "camera_frames",
-        "frames at the beginning of a sequence by which its depth camera is calibrated", AtLeast(0),
-        ZeroIs("it is as given"), AsFlag());
-  v.Add(tile_m, "tile_m", "side of a tile of the map, a cube", AtLeast(0.5), AsFlag());
+        "number of frames at the start of a sequence for the calibration of the depth camera",
+        AtLeast(0), ZeroIs("no calibration"), AsFlag());
+  v.Add(tile_m, "tile_m", "edge length of a map tile", AtLeast(0.5), AsFlag());
   v.Add(pictures, SharedOption("pictures"));
   v.Check([this] {
     ThrowIf(run.output.empty(), "output is missing, must be set");
     const std::set<std::string> different(sequences.begin(), sequences.end());
     ThrowIf(different.size() < sequences.size() || different.count("") > 0,
-            "sequence has one twice or without a name, must have different ones");
+            "sequence contains a duplicate or an empty path, must be different paths");
     if (overlap_frames < fragment_frames) return;
     throw InputError("overlap_frames is ", overlap_frames, ", must be below fragment_frames, ",
                      fragment_frames);
@@ -52,20 +51,20 @@ void CandidatesOptions::Visit(OptionVisitor& v) {
   v.Add(scan, Scan());
   v.Add(output, SharedOption("output", Required(), Everyday()));
   v.Group("places");
-  v.Add(min_gap, "min_gap", "frames between two keyframes that are looked at", AtLeast(1),
-        AsFlag());
-  v.Add(max_alike, "max_alike", "keyframes of other fragments that look most alike", AtLeast(1),
-        AsFlag());
-  v.Add(max_index_bytes, "max_index_bytes",
-        "memory for the index of all places; beyond, only each n-th keyframe is looked up",
+  v.Add(min_gap, "min_gap", "minimum number of frames between two keyframes of a recording",
         AtLeast(1), AsFlag());
+  v.Add(max_alike, "max_alike", "maximum number of candidates per keyframe", AtLeast(1), AsFlag());
+  v.Add(max_index_bytes, "max_index_bytes",
+        "memory limit of the keyframe index; above, only every n-th keyframe is used", AtLeast(1),
+        AsFlag());
 }
 
 void LinkOptions::Visit(OptionVisitor& v) {
   v.Group("run");
   v.Add(scan, Scan());
-  v.Add(candidates, "candidates", "file of a pair of fragments, written by --step=candidates",
-        Required(), AsFlag(), Everyday());
+  v.Add(candidates, "candidates",
+        "file with the candidates of two fragments, written by --step=candidates", Required(),
+        AsFlag(), Everyday());
   v.Add(output, SharedOption("output", Required(), Everyday()));
   v.Add(threads, SharedOption("threads", Everyday()));
 }
@@ -79,9 +78,9 @@ void GraphOptions::Visit(OptionVisitor& v) {
 void TileOptions::Visit(OptionVisitor& v) {
   v.Group("run");
   v.Add(scan, Scan());
-  v.Add(tile, "tile", "its name in graph/tiles.json", Required(), AsFlag(), Everyday());
+  v.Add(tile, "tile", "name of the tile in graph/tiles.json", Required(), AsFlag(), Everyday());
   v.Add(output, SharedOption("output", Required(), Everyday()));
-  v.Add(margin_m, "margin_m", "around the tile is fused as well", Positive(), AsFlag());
+  v.Add(margin_m, "margin_m", "margin around the tile that is fused as well", Positive(), AsFlag());
   v.Add(threads, SharedOption("threads", Everyday()));
 }
 

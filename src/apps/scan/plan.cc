@@ -20,20 +20,20 @@ std::string NameOf(std::int64_t fragment) {
   return name.data();
 }
 
-// How fragments are tracked.
+// Options of the fragment runs.
 SlamRunOptions RunOfFragments(SlamRunOptions run) {
   run.slam.loops.enabled = run.keep_places = true;
   run.slam.calibration.enabled = run.refine = run.final_map = run.pictures = false;
   return run;
 }
 
-// How the camera is calibrated for all of them.
+// Options of the calibration run.
 SlamRunOptions CameraRunOf(SlamRunOptions run, int frames) {
   SequenceOptions& sequence = run.sequence;
   const std::int64_t last = sequence.first + (frames - std::int64_t{1}) * sequence.stride;
   if (sequence.last < 0 || last < sequence.last) sequence.last = static_cast<int>(last);
   run.slam.loops.enabled = run.keep_places = false;
-  // Poses and camera are refined where a final map is made.
+  // Refinement requires a final map.
   run.slam.calibration.enabled = run.refine = run.final_map = true;
   return run;
 }
@@ -42,7 +42,8 @@ std::string FoundCamera(const std::string& scan, std::size_t recording) {
   return Concat(scan, "/camera/", recording, "/camera.yaml");
 }
 
-// The same sequence by another camera, of which that file says all.
+// Uses another camera. The options of the camera are cleared, because the file contains all of
+// them.
 SequenceOptions WithCamera(SequenceOptions sequence, const std::string& camera) {
   sequence.camera = camera;
   sequence.intrinsics = sequence.color_intrinsics = {};
@@ -58,8 +59,8 @@ SequenceOptions WithCamera(SequenceOptions sequence, const std::string& camera) 
 
 std::vector<ScanFragment> CutIntoFragments(int first, int frame_count, int stride,
                                            int fragment_frames, int overlap_frames) {
-  ThrowIf(frame_count < 1, "the sequence has no frame to be cut into fragments");
-  // Without what it shares with the next, a fragment has so many frames at most.
+  ThrowIf(frame_count < 1, "the sequence has no frames");
+  // Maximum number of frames per fragment, without the frames shared with the next fragment.
   const std::int64_t step = fragment_frames - overlap_frames;
   const std::int64_t own = std::max(1, frame_count - overlap_frames);
   const std::int64_t count = (own + step - 1) / step;
@@ -82,7 +83,7 @@ SequenceOptions OptionsOfRecording(const ScanPlan& plan, const std::string& path
   return WithAbsolutePaths(sequence);
 }
 
-// Of each recording, numbered on.
+// Fragments of all recordings, with consecutive names.
 std::vector<ScanFragment> CutRecordings(const ScanPlan& plan, const ScanPlanOptions& options) {
   std::vector<ScanFragment> all;
   for (std::size_t r = 0; r < plan.recordings.size(); ++r) {
@@ -99,7 +100,7 @@ std::vector<ScanFragment> CutRecordings(const ScanPlan& plan, const ScanPlanOpti
   return all;
 }
 
-// What surfit_slam is given for a recording's fragments, and to find its camera.
+// Writes the flag files of surfit_slam for the fragments and for the calibration of the cameras.
 void WriteFlagFiles(const ScanPlan& plan, const std::string& scan) {
   MakeFolder(scan + "/fragments");
   for (const ScanFragment& fragment : plan.fragments) {
@@ -175,11 +176,11 @@ ScanPlan ReadScanPlan(const std::string& scan) {
         continue;
       }
       throw InputError(plan_json, ": fragment ", plan.fragments.back().name,
-                       " is of no recording of the plan");
+                       " refers to a recording that is not in the plan");
     }
   } catch (const Json::exception& error) {
-    throw InputError(plan_json, ": no plan of a scan that this version reads (", error.what(),
-                     "): plan it again with surfit_scan --step=plan");
+    throw InputError(plan_json, ": invalid or incompatible scan plan (", error.what(),
+                     "): create it again with surfit_scan --step=plan");
   }
   for (std::size_t r = 0; r < plan.recordings.size() && plan.camera_frames > 0; ++r) {
     const std::string camera = FoundCamera(scan, r);

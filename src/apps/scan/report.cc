@@ -26,7 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Those of the plan and of what came of it; others are of a former plan.
+// Receipts of the given jobs. Receipts of a former plan are skipped.
 std::vector<JobReceipt> ReadReceipts(const std::string& scan, const std::set<std::string>& jobs) {
   std::vector<JobReceipt> receipts;
   for (const std::string& path : FilesIn(scan + "/jobs", ".json")) {
@@ -41,7 +41,8 @@ std::string Hex(const Fnv1a& hash) {
   return text.str();
 }
 
-// Of the whole map so many surfels at most, evenly, grown to cover what lies between them.
+// Uniform sample of the map with at most kMostSurfels surfels. Radii are scaled to keep the covered
+// area.
 SurfelMap ThinnedMap(const std::vector<std::string>& paths) {
   constexpr std::size_t kMostSurfels = 2000000;
   constexpr std::uintmax_t kBytesOfSurfel = 43;  // WriteSurfelPly()
@@ -70,7 +71,7 @@ ScannedRecording RecordingFrom(const Json& json) {
   return recording;
 }
 
-// All that is known of a scan when its other jobs have ended.
+// Collects the results of all other jobs of a scan.
 class ScanReporter {
  public:
   explicit ScanReporter(const std::string& scan) : scan_(scan), plan_(ReadScanPlan(scan)) {
@@ -127,7 +128,7 @@ class ScanReporter {
   }
 
  private:
-  // Of a former plan.
+  // Deletes files of a former plan.
   void RemoveFormerFiles() const {
     std::set<std::string> trajectories;
     for (std::size_t r = 0; r < plan_.recordings.size(); ++r)
@@ -151,7 +152,7 @@ class ScanReporter {
     return RecordingFile("trajectory", recording, "txt");
   }
 
-  // Of all recordings, one after the other.
+  // Trajectories of all recordings, in their order.
   Trajectory Path() const {
     Trajectory path;
     for (std::size_t r = 0; r < plan_.recordings.size(); ++r) {
@@ -184,13 +185,14 @@ class ScanReporter {
                           summary.fragments, " fragments, ", summary.links_accepted, " links, ",
                           summary.tiles, " tiles."));
     if (summary.ate_rmse_m) {
-      page.Paragraph(Concat("ATE: ", Fixed(1000 * *summary.ate_rmse_m, 1), " mm",
-                            plan_.recordings.size() > 1 ? ", all recordings aligned as one" : ""));
+      page.Paragraph(
+          Concat("ATE: ", Fixed(1000 * *summary.ate_rmse_m, 1), " mm",
+                 plan_.recordings.size() > 1 ? ", with one alignment of all recordings" : ""));
     }
     AddWorst("link between fragments", "worst_link", &page);
     AddWorst("loop within a fragment", "worst_loop", &page);
-    page.Section("What failed");
-    if (summary.failed.empty()) page.Paragraph("Nothing.");
+    page.Section("Failed jobs");
+    if (summary.failed.empty()) page.Paragraph("None.");
     for (const std::string& failed : summary.failed) page.Paragraph(failed);
     if (!graph_.is_null()) {
       page.Section("Map and path");
@@ -213,7 +215,7 @@ class ScanReporter {
 
   static void AddRecordings(const ScanSummary& summary, PlainPage* page) {
     std::vector<std::vector<PlainPage::Cell>> rows = {
-        {"recording", "sequence", "frames", "with a pose", "ATE (mm), aligned by itself"}};
+        {"recording", "sequence", "frames", "with a pose", "ATE (mm), separate alignment"}};
     for (std::size_t r = 0; r < summary.recordings.size(); ++r) {
       const ScannedRecording& recording = summary.recordings[r];
       rows.push_back({Concat(r), recording.sequence, Concat(recording.frames_total),
@@ -224,11 +226,10 @@ class ScanReporter {
     page->Table(rows);
   }
 
-  // What the ground truth says of it.
   void AddWorst(const std::string& what, const std::string& key, PlainPage* page) const {
     if (graph_.is_null() || graph_.at(key).is_null()) return;
     const Json& worst = graph_.at(key);
-    page->Paragraph(Concat("The ", what, " that misses the ground truth most: by ",
+    page->Paragraph(Concat("Largest ground-truth error of a ", what, ": ",
                            Fixed(1000 * worst.at("translation_m").get<double>(), 1), " mm, ",
                            Fixed(worst.at("rotation_deg"), 2), " degrees"));
   }
@@ -261,7 +262,8 @@ class ScanReporter {
     page->Table(rows);
   }
 
-  // Of each pair of fragments: what was tried, with which verdicts, and how the accepted ones fit.
+  // Adds a table of fragment pairs: number of verified links per result, and residuals of the
+  // graph.
   void AddLinks(PlainPage* page) const {
     struct Residuals {
       int accepted = 0, left_out = 0;
@@ -278,9 +280,9 @@ class ScanReporter {
         of_pair.most_rad = std::max<double>(of_pair.most_rad, link.at("residual_rad"));
       }
     }
-    std::vector<std::vector<PlainPage::Cell>> rows = {{"fragments", "tried", "accepted", "left out",
-                                                       "largest residual (mm)", "(deg)",
-                                                       "refused"}};
+    std::vector<std::vector<PlainPage::Cell>> rows = {{"fragments", "verified", "accepted",
+                                                       "outliers", "largest residual (mm)", "(deg)",
+                                                       "rejected"}};
     for (const std::string& pair : pairs_) {
       const std::string path = Concat(scan_, "/links/", pair, ".json");
       if (!fs::exists(path)) continue;
@@ -316,19 +318,19 @@ class ScanReporter {
       cost.peak_mb = std::max(cost.peak_mb, receipt.peak_mb);
     }
     std::vector<std::vector<PlainPage::Cell>> rows = {
-        {"rule", "jobs", "s, all", "s, longest", "MB, most"}};
+        {"rule", "jobs", "total (s)", "longest (s)", "peak (MB)"}};
     for (const auto& [rule, cost] : costs) {
       rows.push_back({rule, Concat(cost.jobs), Fixed(cost.seconds, 1), Fixed(cost.longest, 1),
                       Fixed(cost.peak_mb, 0)});
     }
-    page->Section("What it cost");
+    page->Section("Time and memory");
     page->Table(rows);
   }
 
   const std::string& scan_;
   ScanPlan plan_;
-  std::vector<std::string> pairs_;  // of fragments, as their files are named
-  Json graph_;                      // null where there is none
+  std::vector<std::string> pairs_;  // file names of the fragment pairs
+  Json graph_;                      // null: no graph
   std::set<std::string> tiles_;
   std::vector<JobReceipt> receipts_;
 };
@@ -352,7 +354,7 @@ ScanSummary ReadScanSummary(const std::string& scan) {
     }
     json.at("failed").get_to(summary.failed);
   } catch (const Json::exception& error) {
-    throw InputError(path, ": no summary of a scan: ", error.what());
+    throw InputError(path, ": invalid scan summary: ", error.what());
   }
   return summary;
 }

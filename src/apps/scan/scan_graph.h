@@ -10,58 +10,56 @@
 
 namespace surfit {
 
-// A fragment of a scan in the graph.
 struct GraphFragment {
-  RunPlaces places;             // in a world of its own; features and images are not needed
-  std::vector<Rigid3d> solved;  // world_from_camera of its keyframes; empty if it is apart
-  std::vector<PoseGraphEdge> kept_loops;  // of its own edges those that fit all others
+  RunPlaces places;  // in the world frame of the fragment; features and images are not used
+  std::vector<Rigid3d> solved;            // world_from_camera of the keyframes; empty: disconnected
+  std::vector<PoseGraphEdge> kept_loops;  // inlier loop closures within the fragment
 };
 
-// A verified pair of keyframes that was accepted, by positions of fragments and of their keyframes.
+// Accepted link between two keyframes, by positions of fragments and keyframes.
 struct GraphLink {
   std::size_t source = 0, target = 0;
   int source_keyframe = 0, target_keyframe = 0;
   Rigid3d target_from_source;
-  Matrix6d information = Matrix6d::Zero();  // the verdict's
+  Matrix6d information = Matrix6d::Zero();  // from the verification
   double overlap_share = 0;
-  bool is_left_out = false;  // it does not fit the others, or joins what is apart
+  bool is_left_out = false;  // outlier, or link of a disconnected fragment
 };
 
-// The pose graph over the keyframes of all fragments.
+// Pose graph of the keyframes of all fragments.
 class ScanGraph {
  public:
-  // With each fragment's recording: neighbours of one share frames.
+  // `fragments` contains std::nullopt for missing fragments, and `recordings` the recording of each
+  // fragment. Consecutive fragments of a recording share frames.
   ScanGraph(std::vector<std::optional<RunPlaces>> fragments, std::vector<int> recordings,
             std::vector<GraphLink> links, const LoopOptions& options);
 
-  // False where the solver gave up.
+  // Returns false if the solver fails.
   bool Solve();
 
-  // Nothing for a fragment that is missing.
+  // std::nullopt: missing fragment.
   const std::vector<std::optional<GraphFragment>>& fragments() const { return fragments_; }
   const std::vector<GraphLink>& links() const { return links_; }
-  // By how much a link's measurement misses the poses of its keyframes; nothing if one is apart.
+  // Residual of a link at the optimised poses; std::nullopt for a disconnected fragment.
   std::optional<Rigid3d> Residual(const GraphLink& link) const;
   bool IsApart(std::size_t fragment) const {
     return fragments_[fragment] && fragments_[fragment]->solved.empty();
   }
-  // All frames of a recording that are in the largest part, ascending. Between two neighbours the
-  // pose goes from one's to the other's over the frames that they share.
+  // Poses of all frames of a recording in the largest part, ascending. In frames that two fragments
+  // share, the poses are blended.
   std::vector<PosedFrame> Frames(int recording) const;
 
  private:
-  // How two fragments' worlds lie to each other.
   struct Connection {
     std::size_t a = 0, b = 0;
     Rigid3d a_from_b;
-    std::optional<PoseGraphEdge>
-        joint;             // by shared frames: keyframes by their fragments' positions
-    std::size_t link = 0;  // else
+    std::optional<PoseGraphEdge> joint;  // edge of a shared frame; keyframes by position
+    std::size_t link = 0;                // position of the link, without `joint`
   };
 
   std::vector<Connection> Connections() const;
   std::optional<Connection> Joint(std::size_t a, std::size_t b) const;
-  // Of each fragment, its part: connections that come first count first.
+  // Connected part of each fragment. Each fragment is placed by its first connection.
   std::vector<int> Parts(const std::vector<Connection>& connections,
                          std::vector<Rigid3d>* world_from_fragment) const;
   int LargestPart(const std::vector<int>& parts) const;

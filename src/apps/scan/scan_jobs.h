@@ -14,135 +14,127 @@ namespace surfit {
 
 class OptionVisitor;
 
-// The jobs of a scan, whose folder has:
+// Jobs of a scan. Files in the folder of a scan:
 //   plan.json, fragments/NAME.flags        PlanScan()
-//   fragments/NAME/                        what surfit_slam writes for a fragment, with places.bin
-//   candidates/A_B.json                    which pairs of keyframes of A and B may show one place
-//   links/A_B.json                         which of these do
-//   graph/                                 the poses of all frames, and which frames see which tile
-//                                          (of each recording R = 0, 1, ..., poses_R.txt, ...)
-//   tiles/NAME.ply                         the map, tile by tile
-//   summary.json, report.html, ...         what came of it
-// Each job reads what others wrote and writes its own, whole or not at all; the same input gives
-// the same output. All throw InputError naming the file or option at fault. A fragment without
-// places.bin has failed, and is left out.
+//   fragments/NAME/                        output of surfit_slam for a fragment, with places.bin
+//   candidates/A_B.json                    loop candidates between the fragments A and B
+//   links/A_B.json                         verification results of these candidates
+//   graph/                                 poses of all frames, and frames per tile
+//                                          (poses_R.txt, ... for each recording R = 0, 1, ...)
+//   tiles/NAME.ply                         tiles of the map
+//   summary.json, report.html, ...         results
+// Each job reads the files of other jobs and writes its own files atomically. Equal input gives
+// equal output. All functions throw InputError with the name of the file or option. A fragment
+// without places.bin has failed and is skipped.
 
-// Which fragments may have seen the same place.
 struct CandidatesOptions {
   std::string scan;  // folder of the plan
-  // Folder for A_B.json of each pair, made if missing. Files that would say the same stay as they
-  // are, others go.
+  // Output folder for A_B.json, created if missing. Unchanged files keep their modification time.
+  // Files of other pairs are deleted.
   std::string output;
-  int min_gap = 100;  // frames between two keyframes of one recording, by their indices
-  int max_alike = 3;  // keyframes of other fragments that look most alike
-  // Of the index of all places; with more, only each n-th keyframe is looked up.
+  int min_gap = 100;  // minimum index difference of two keyframes of a recording
+  int max_alike = 3;  // maximum number of candidates per keyframe
+  // Memory limit of the keyframe index. Above this limit, only every n-th keyframe is used.
   std::size_t max_index_bytes = std::size_t{500} << 20;
 
   void Visit(OptionVisitor& visitor);
 };
 
-// How many there were.
 struct CandidatesResult {
   int fragments = 0, missing = 0, keyframes = 0;
-  int looked_up = 0;  // of the keyframes: all, but for want of memory
-  int pairs = 0;      // of fragments
+  int looked_up = 0;  // keyframes within the memory limit
+  int pairs = 0;      // pairs of fragments
 };
 CandidatesResult FindCandidates(const CandidatesOptions& options);
 
-// Two fragments whose keyframes are to be joined.
 struct LinkOptions {
   std::string scan;        // folder of the plan
-  std::string candidates;  // the pair's file
-  std::string output;      // the link's file
-  int threads = 1;         // that compute at the same time
+  std::string candidates;  // candidate file of a pair of fragments
+  std::string output;
+  int threads = 1;
 
   void Visit(OptionVisitor& visitor);
 };
 
-// A pair of keyframes that was verified, of two fragments, by the frames' indices.
+// Verified keyframe pair of two fragments, by frame index.
 struct ScanLink {
   int source_frame = 0, target_frame = 0;
   FarVerdict verdict;
 };
-// Verifies all candidates of a pair, each both ways, and then pairs that are near each other by one
-// that was accepted (VerifyLoop).
+// Verifies all candidates of two fragments (VerifyLoop()). Then verifies further keyframe pairs
+// that are close to each other according to an accepted link.
 std::vector<ScanLink> LinkFragments(const LinkOptions& options);
 
-// How fragments and links become one trajectory.
 struct GraphOptions {
   std::string scan;    // folder of the plan
-  std::string output;  // folder for the results; made if missing
+  std::string output;  // output folder, created if missing
 
   void Visit(OptionVisitor& visitor);
 };
 
-// What the graph has made of them.
 struct GraphResult {
   int fragments = 0, missing = 0;
-  int apart = 0;  // of those there are: nothing joins them to the largest part
+  int apart = 0;  // fragments that are not connected to the largest part
   int keyframes = 0, frames = 0;
   int frames_total = 0;                        // of all recordings
-  int links_accepted = 0, links_left_out = 0;  // verified pairs of keyframes; wrong for the others
+  int links_accepted = 0, links_left_out = 0;  // inlier and outlier links
   int tiles = 0;
-  // By one alignment of all recordings to their ground truths, which must have one frame.
+  // ATE after one alignment of all recordings. Their ground truths must have the same frame.
   std::optional<double> ate_rmse_m;
-  // Of the links between fragments, and of the loops within them, the one that misses the ground
-  // truth most; what is left out does not count.
+  // Largest ground-truth error of inlier links between fragments, and of inlier loop closures
+  // within fragments.
   std::optional<PoseError> worst_link, worst_loop;
 };
-// The largest part of fragments that shared frames or links join, by the pose graph of all its
-// keyframes. Neighbours of one recording are joined by the poses that both give a frame in the
-// middle of those they share, recordings by links alone. Loops and links that do not fit the others
-// are left out (GNC). Writes of each recording R trajectory_R.txt (TUM format, in the sequence's
-// convention), poses_R.txt (index stamp tx ty tz qx qy qz qw, in that of the map) and
-// trajectory_R.png; graph.json and tiles.json.
+// Optimises the pose graph of all keyframes in the largest connected part. Consecutive fragments of
+// a recording are connected by the middle frame of their shared frames. Recordings are connected by
+// links only. Outlier loops and links are rejected (GNC).
+// Writes graph.json, tiles.json and for each recording R: trajectory_R.txt (TUM format, pose
+// convention of the sequence), poses_R.txt (index stamp tx ty tz qx qy qz qw, in the frame of the
+// map) and trajectory_R.png.
 GraphResult BuildScanGraph(const GraphOptions& options);
 
-// One tile of the map.
 struct TileOptions {
   std::string scan;       // folder of the plan
-  std::string tile;       // its name in graph/tiles.json
-  std::string output;     // the .ply file
-  double margin_m = 0.2;  // around the tile is fused as well, so that its border is as its inside
-  int threads = 1;        // that compute at the same time
+  std::string tile;       // name in graph/tiles.json
+  std::string output;     // output file, .ply
+  double margin_m = 0.2;  // margin that is fused as well, for a complete border
+  int threads = 1;
 
   void Visit(OptionVisitor& visitor);
 };
-// Fuses what frames of all recordings see of the tile along the final poses (FusePart); returns how
-// many surfels it has. Tiles are half-open cubes: each surfel is in one. Indices of its frames are
-// counted on from one recording to the next (FirstFrames()).
+// Fuses the frames of all recordings that observe a tile, with the final poses (FusePart()).
+// Returns the number of surfels. Tiles are half-open cubes, so each surfel is in one tile.
+// FirstFrames() is added to the frame indices of a recording. Calls `progress` with the number of
+// fused frames.
 std::size_t FuseTile(const TileOptions& options, const std::atomic<bool>& interrupted,
                      const std::function<void(int frames)>& progress);
 
-// What is said of a scan.
 struct ScanReportOptions {
-  std::string scan;  // folder of the plan; results are written there
+  std::string scan;  // folder of the plan and of the results
 
   void Visit(OptionVisitor& visitor);
 };
-// What came of one recording.
 struct ScannedRecording {
-  std::string sequence;              // its path
-  int frames_total = 0, frames = 0;  // and those with a pose: none if nothing joins it
-  std::optional<double> ate_rmse_m;  // by an alignment of its own
+  std::string sequence;
+  int frames_total = 0, frames = 0;  // `frames`: frames with a pose; 0: not connected
+  std::optional<double> ate_rmse_m;  // separate alignment
 };
-// What came of a scan.
 struct ScanSummary {
-  std::string digest;                // of trajectories and tiles
-  int frames_total = 0, frames = 0;  // of all recordings, and those with a pose
+  std::string digest;                // hash of trajectories and tiles
+  int frames_total = 0, frames = 0;  // of all recordings; `frames`: frames with a pose
   int fragments = 0, links_accepted = 0, tiles = 0;
-  std::optional<double> ate_rmse_m;          // GraphResult's
-  std::vector<ScannedRecording> recordings;  // none where there is no graph
-  std::vector<std::string> failed;           // jobs, with their errors
+  std::optional<double> ate_rmse_m;          // see GraphResult
+  std::vector<ScannedRecording> recordings;  // empty: no graph
+  std::vector<std::string> failed;           // failed jobs with their errors
 };
-// Writes summary.json, trajectory.txt (of several recordings trajectory_0.txt, trajectory_1.txt,
-// ...), pictures of the map and report.html, and removes tiles that are none any more. Where there
-// is no graph, they say so.
+// Writes summary.json, trajectory.txt (for several recordings: trajectory_0.txt, trajectory_1.txt,
+// ...), pictures of the map and report.html. Deletes trajectories and tiles of a former plan.
+// Without a graph, all counts are 0 except the number of fragments.
 ScanSummary ReportScan(const ScanReportOptions& options);
 ScanSummary ReadScanSummary(const std::string& scan);
 
-// Removes the receipts of jobs that are to be done again: of those whose products are gone, if
-// asked for of failed ones, and of all that come after one without a receipt.
+// Deletes the receipts of jobs to repeat: successful jobs with missing product, failed jobs if
+// `retry_failed` is set, and the jobs that depend on them.
 void ForgetJobs(const std::string& scan, bool retry_failed);
 
 }  // namespace surfit

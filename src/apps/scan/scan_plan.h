@@ -9,32 +9,33 @@ namespace surfit {
 
 class OptionVisitor;
 
-// How recordings of one place are cut into fragments that are tracked apart from each other.
+// Options of PlanScan(), which splits recordings of one place into fragments. Fragments are tracked
+// independently.
 struct ScanPlanOptions {
-  std::vector<std::string> sequences;  // of one place: at least one
-  // Of each fragment; its output is the scan's folder. Its sequence says how all are read.
+  std::vector<std::string> sequences;
+  // Options of the fragment runs. `output` is the folder of the scan. `sequence` has the read
+  // options of all recordings.
   SlamRunOptions run;
-  int fragment_frames = 300;  // of a fragment at most, those it shares with others included
-  int overlap_frames = 30;    // that a fragment shares with the next
-  // At the beginning of each recording, by which the depth camera is calibrated for all its
-  // fragments: one is too short to do so by itself. 0 = the camera is as given.
+  int fragment_frames = 300;  // maximum, including shared frames
+  int overlap_frames = 30;    // shared by consecutive fragments
+  // Number of frames at the start of each recording for the calibration of the depth camera. A
+  // single fragment is too short for a calibration. 0: no calibration.
   int camera_frames = 600;
-  double tile_m = 4;     // side of a tile of the map, a cube of the world
-  bool pictures = true;  // of the map, in the report
+  double tile_m = 4;     // edge length of a map tile
+  bool pictures = true;  // pictures of the map in the report
 
   void Visit(OptionVisitor& visitor);
 };
 
-// A stretch of a recording.
+// Segment of a recording.
 struct ScanFragment {
-  std::string name;         // "0000", "0001", ... in their order, recording after recording
-  int first = 0, last = 0;  // indices in the sequence, before its stride, both inclusive
+  std::string name;         // "0000", "0001", ... through all recordings
+  int first = 0, last = 0;  // frame indices in the sequence, both inclusive
   int recording = 0;        // position in the plan
 };
 
-// What the jobs of a scan begin with.
 struct ScanPlan {
-  SlamRunOptions run;  // of each fragment, but for its sequence and its output
+  SlamRunOptions run;  // options of the fragment runs, except sequence and output
   std::vector<SequenceOptions> recordings;
   std::vector<ScanFragment> fragments;
   int camera_frames = 0;
@@ -42,21 +43,22 @@ struct ScanPlan {
   bool pictures = true;
 };
 
-// Cuts the frames first, first + stride, ... into the fewest fragments, all about as long, of which
-// neighbours share overlap_frames. Throws InputError unless there is a frame.
+// Splits the frames first, first + stride, ... into the smallest number of fragments, with about
+// equal lengths. Consecutive fragments share overlap_frames. Throws InputError without a frame.
 std::vector<ScanFragment> CutIntoFragments(int first, int frame_count, int stride,
                                            int fragment_frames, int overlap_frames);
 
-// Opens each sequence, which tells what is wrong with it, and writes into the scan's folder
-// plan.json and, for each fragment, fragments/NAME.flags: what surfit_slam is to be given for it
-// (--flagfile). So are, of each recording R (0, 1, ...), camera_R.flags, by which the camera is
-// calibrated, and found_camera_R.flags, which come after a fragment's where it was found to be
-// another one. Files that would say the same stay as they are, so that nothing is done again. No
-// data are copied. Throws InputError for bad options, or a sequence that cannot be read.
+// Opens each sequence to check it, and writes plan.json and the flag files of surfit_slam
+// (--flagfile) into the folder of the scan:
+//   fragments/NAME.flags    run of a fragment
+//   camera_R.flags          calibration run of recording R (0, 1, ...)
+//   found_camera_R.flags    calibrated camera of recording R, in addition to fragments/NAME.flags
+// Unchanged files keep their modification time, so that finished jobs are not repeated. No data are
+// copied. Throws InputError for invalid options, or a sequence that cannot be read.
 ScanPlan PlanScan(const ScanPlanOptions& options);
 
-// The plan in a scan's folder, with the cameras that were found. Throws InputError naming the file
-// if it cannot be read or is no plan.
+// Reads the plan of a scan, with the calibrated cameras. Throws InputError with the name of the
+// file if the plan is missing or invalid.
 ScanPlan ReadScanPlan(const std::string& scan);
 
 }  // namespace surfit

@@ -10,26 +10,25 @@
 
 namespace surfit {
 
-// A cube of the world, and the frames that see something in it.
+// Cube of the map, and the frames that observe it.
 struct ScanTile {
   std::string name;
   Eigen::AlignedBox3f box;
-  std::vector<std::vector<FrameRange>> frames;  // of each recording
+  std::vector<std::vector<FrameRange>> frames;  // per recording
 };
 
-// How many frames come before each recording, if the frames of all are counted on: by their ranges
-// in the plan.
+// Offset of the frame indices of each recording, for unique indices over all recordings.
 std::vector<int> FirstFrames(const ScanPlan& plan);
 
-// Where the graph's results of a recording are, in its folder: NAME_R.ENDING.
+// File NAME_R.ENDING of recording R in the graph folder.
 std::string RecordingFile(const std::string& name, std::size_t recording,
                           const std::string& ending);
 
-// All throw InputError naming the file.
+// All functions throw InputError with the name of the file.
 void WriteTiles(const std::vector<ScanTile>& tiles, const std::string& path);
 std::vector<ScanTile> ReadTiles(const std::string& path);
 
-// Index, stamp and pose of each frame, a line each, without loss.
+// One line per frame: index, timestamp and pose, without loss of precision.
 void WriteFramePoses(const std::vector<PosedFrame>& frames, const std::string& path);
 std::vector<PosedFrame> ReadFramePoses(const std::string& path);
 

@@ -70,7 +70,7 @@ std::vector<ScanTile> ReadTiles(const std::string& path) {
       tiles.push_back(tile);
     }
   } catch (const Json::exception& error) {
-    throw InputError(path, ": no tiles of a scan: ", error.what());
+    throw InputError(path, ": invalid tiles of a scan: ", error.what());
   }
   return tiles;
 }
@@ -102,7 +102,7 @@ std::vector<PosedFrame> ReadFramePoses(const std::string& path) {
     text >> frame.index >> frame.stamp_s >> t.x() >> t.y() >> t.z() >> q.x() >> q.y() >> q.z() >>
         q.w();
     ThrowIf(!text || (!frames.empty() && frame.index <= frames.back().index), path, ":", number,
-            ": is no pose of a frame, or in disorder");
+            ": invalid frame pose, or index not ascending");
     frames.push_back(frame);
   }
   return frames;
@@ -110,7 +110,7 @@ std::vector<PosedFrame> ReadFramePoses(const std::string& path) {
 
 namespace {
 
-// The sequences of a scan with the poses that the graph gave them.
+// Sequences of a scan with their optimised poses.
 class PosedRecordings {
  public:
   PosedRecordings(const ScanPlan& plan, const std::string& scan)
@@ -127,7 +127,7 @@ class PosedRecordings {
   }
   PosedRecordings(const PosedRecordings&) = delete;
 
-  // Those that see something of the tile.
+  // Recordings that observe the tile.
   std::vector<MapSource> Of(const ScanTile& tile) const {
     const std::vector<int> first = FirstFrames(plan_);
     std::vector<MapSource> sources;
@@ -143,7 +143,7 @@ class PosedRecordings {
   std::vector<std::vector<int>> indices_;
   std::set<int> all_stay_;
   std::map<int, Image<std::uint8_t>> nothing_moves_;
-  std::vector<KnownSequence> known_;  // refers to the others
+  std::vector<KnownSequence> known_;  // refers to the members above
 };
 
 }  // namespace
@@ -160,7 +160,8 @@ std::size_t FuseTile(const TileOptions& options, const std::atomic<bool>& interr
   ThrowIf(tile == tiles.end(), tiles_json, ": has no tile '", options.tile, "'");
   const PosedRecordings recordings(plan, options.scan);
   const MapPart part = {tile->box, static_cast<float>(options.margin_m), recordings.Of(*tile)};
-  ThrowIf(part.sources.empty(), tiles_json, ": tile ", tile->name, " is seen by no recording");
+  ThrowIf(part.sources.empty(), tiles_json, ": tile ", tile->name,
+          " is not observed by any recording");
   const auto map = FusePart(part, interrupted, [&](int frames, std::size_t) { progress(frames); });
   if (!map) throw InputError("interrupted: ", options.output, " is not written");
   WriteSurfelPly(*map, options.output);

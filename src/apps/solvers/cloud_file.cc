@@ -12,14 +12,14 @@ namespace {
 void KeepFinitePoints(const std::string& what, PointCloud* cloud, RegisteredCloud* about) {
   about->not_finite = RemoveNonFinite(cloud);
   about->points = cloud->points.size();
-  if (cloud->points.empty()) throw InputError(Concat(what, ": there is no finite point"));
+  if (cloud->points.empty()) throw InputError(Concat(what, ": contains no finite points"));
   if (cloud->points.size() > std::size_t{1} << 30) {
     throw InputError(
-        Concat(what, ": there are ", cloud->points.size(), " points, must be at most 2^30"));
+        Concat(what, ": contains ", cloud->points.size(), " points, must be at most 2^30"));
   }
 }
 
-// Normals of unit length; what has none, or none that is finite, gets (0, 0, 0).
+// Scales normals to unit length. Zero and non-finite normals become (0, 0, 0).
 void Normalize(std::vector<Eigen::Vector3f>* normals) {
   for (Eigen::Vector3f& normal : *normals) {
     const float length = normal.norm();
@@ -31,7 +31,7 @@ void Normalize(std::vector<Eigen::Vector3f>* normals) {
   }
 }
 
-// Gives the cloud the normals that it lacks.
+// Estimates normals if the cloud has none.
 PointSet MakePointSet(const CloudSensor& sensor, const CloudNormalOptions& normals,
                       double floor_sigma_m, PointCloud* cloud, RegisteredCloud* about) {
   PointSet set;

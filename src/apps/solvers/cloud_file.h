@@ -7,18 +7,19 @@
 
 namespace surfit {
 
-// A cloud, ready to be registered.
+// Point cloud, ready for registration.
 struct PreparedCloud {
-  PointCloud cloud;  // its finite points, with the normals that it had or was given
+  PointCloud cloud;  // finite points with given or estimated normals
   PointSet points;
   RegisteredCloud about;
 };
 
-// Normals and sigmas as in RunRegister(). Throws InputError naming `what`.
+// Estimates normals and sigmas as described at RunRegister(). `what` names the cloud in the
+// InputError that is thrown for a cloud without finite points.
 PreparedCloud PrepareCloud(PointCloud cloud, const std::string& what, const CloudSensor& sensor,
                            const CloudNormalOptions& normals, double floor_sigma_m);
 
-// The same of a file. Throws InputError naming the file.
+// Reads and prepares a file. Throws InputError with the name of the file.
 PreparedCloud ReadCloudFile(const std::string& path, const CloudSensor& sensor,
                             const CloudNormalOptions& normals, double floor_sigma_m);
 

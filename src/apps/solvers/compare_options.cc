@@ -1,4 +1,3 @@
-// What solvers are compared on, and how.
 #include "apps/solvers/pose_problem.h"
 #include "core/shared_options.h"
 #include "run/posed_views.h"
@@ -15,17 +14,17 @@ void RequireSource(const CompareOptions& options) {
                       (clouds ? 1 : 0) + (options.replay.empty() ? 0 : 1);
   ThrowIf(sources != 1,
           "synthetic_points, sequence or run, source with target, and replay: ", sources,
-          " of them are set, must be one");
+          " of these inputs are set, must be one");
   ThrowIf(!options.run.empty() && options.sequence.path.empty(), "run is '", options.run,
-          "', must have its sequence");
+          "', requires its sequence");
   ThrowIf(clouds && (options.source.empty() || options.target.empty()),
-          "source and target are two clouds: both must be set");
+          "source or target is missing, both must be set");
 }
 
 void RequireGrid(const char* option, const std::vector<double>& sizes, double max) {
-  ThrowIf(sizes.empty(), option, " is empty, must have a number");
+  ThrowIf(sizes.empty(), option, " is empty, must contain a number");
   for (const double size : sizes) {
-    ThrowIf(!(size >= 0 && size <= max), option, " has ", size, ", must be from 0 to ", max);
+    ThrowIf(!(size >= 0 && size <= max), option, " contains ", size, ", must be from 0 to ", max);
   }
 }
 
@@ -35,9 +34,9 @@ void CheckTogether(const CompareOptions& options) {
   ThrowIf(points != 0 && (points < 10 || points > 100'000'000), "synthetic_points is ", points,
           ", must be from 10 to 100000000");
   ThrowIf(options.pairs == 0 && !options.slam, "pairs is 0, must be positive");
-  ThrowIf(options.slam && options.sequence.path.empty(), "slam is set, must have a sequence");
-  ThrowIf(options.slam && !options.run.empty(), "slam is set, must not be with run, '", options.run,
-          "'");
+  ThrowIf(options.slam && options.sequence.path.empty(), "slam is set, requires a sequence");
+  ThrowIf(options.slam && !options.run.empty(), "slam is set, cannot be combined with run, '",
+          options.run, "'");
   if (!options.truth.empty()) {
     ParsePose("truth", options.truth);
     ThrowIf(options.source.empty(), "truth is '", options.truth,
@@ -46,11 +45,11 @@ void CheckTogether(const CompareOptions& options) {
   RequireGrid("rotations_deg", options.rotations_deg, 180);
   RequireGrid("translations_m", options.translations_m, 100);
   ThrowIf(options.max_keyframes == 1, "max_keyframes is 1, must be 0 (no limit) or at least 2");
-  ThrowIf(options.threads.empty(), "threads is empty, must have a number");
+  ThrowIf(options.threads.empty(), "threads is empty, must contain a number");
   for (const int count : options.threads) {
-    ThrowIf(count < 1 || count > 1024, "threads has ", count, ", must be from 1 to 1024");
+    ThrowIf(count < 1 || count > 1024, "threads contains ", count, ", must be from 1 to 1024");
   }
-  SolverCombinations(options);  // throws where names or combinations are impossible
+  SolverCombinations(options);  // throws for invalid names or combinations
 }
 
 }  // namespace
@@ -58,53 +57,55 @@ void CheckTogether(const CompareOptions& options) {
 void CompareOptions::Visit(OptionVisitor& v) {
   v.Group("problem");
   v.Add(synthetic_points, "synthetic_points",
-        "compare on this many random points whose pairs are known, without a robust kernel",
+        "compare on this number of random points with known correspondences, without robust kernel",
         ZeroIs("none"), Everyday());
-  v.Add(noise_m, "noise_m", "standard deviation of these points' coordinates", AtLeast(0),
-        AsFlag());
+  v.Add(noise_m, "noise_m", "standard deviation of the coordinates of the random points",
+        AtLeast(0), AsFlag());
   v.AddPart(sequence, "sequence", "compare on frames of a sequence", WithoutFlags({"stride"}),
             OptionalPart());
-  v.Add(pairs, "pairs", "pairs of frames of the sequence, evenly spread; 0 = none, with slam",
+  v.Add(pairs, "pairs",
+        "number of frame pairs, evenly spread over the sequence; 0: none, requires slam",
         AtLeast(0), Everyday());
-  v.Add(gap, "gap", "frames from the source to the target of a pair", AtLeast(1), AsFlag());
-  v.Add(slam, "slam",
-        "also run SLAM over all of these frames with each combination, and compare the maps",
+  v.Add(gap, "gap", "number of frames from source to target of a pair", AtLeast(1), AsFlag());
+  v.Add(slam, "slam", "also run SLAM on the sequence with each combination, and compare the maps",
         Everyday());
   v.Add(source, SharedOption("source", Everyday()));
   v.Add(target, SharedOption("target", Everyday()));
   v.Add(truth, "truth",
-        "true target_from_source of the clouds as tx,ty,tz,qx,qy,qz,qw; empty = unknown", AsFlag());
+        "true target_from_source of the clouds as tx,ty,tz,qx,qy,qz,qw; empty: unknown", AsFlag());
   v.Add(replay, "replay",
-        "compare on a frame that tracking lost: a folder frame-XXXXXX of surfit_slam "
-        "--dump_failures, with its own start and options of registration",
+        "compare on a failed registration: a folder frame-XXXXXX of surfit_slam --dump_failures, "
+        "with its initial pose and registration options",
         AsFlag());
   v.Add(run, SharedOption("run", Everyday()));
   v.Add(max_keyframes, SharedOption("max_keyframes"));
   v.Group("comparison");
   v.Add(output, SharedOption("output", Required(), Everyday()));
   v.Add(solvers, "solvers",
-        "pose solvers (with run: reduced, ceres), with commas between them; empty = all, of which "
-        "ceres_per_point on known pairs only",
+        "pose solvers (with run: reduced, ceres), comma-separated; empty: all, but ceres_per_point "
+        "only with synthetic_points",
         Everyday());
   v.Add(linear_solvers, "linear_solvers",
-        "linear solvers of ceres_per_point (with run: of ceres); empty = all", AsFlag());
-  v.Add(residuals, "residuals", "residuals (with run: planes, planes_and_textures); empty = all",
+        "linear solvers of ceres_per_point (with run: of ceres); empty: all", AsFlag());
+  v.Add(residuals, "residuals", "residuals (with run: planes, planes_and_textures); empty: all",
         Everyday());
-  v.Add(associations, "associations", "associations; empty = all that the data allows", AsFlag());
-  v.Add(threads, "threads", "numbers of threads, with commas between them: a row for each",
+  v.Add(associations, "associations", "data associations; empty: all that the input allows",
+        AsFlag());
+  v.Add(threads, "threads", "numbers of threads, comma-separated; one row per number",
         AsFlag("thread_counts"), Everyday());
-  v.Add(rotations_deg, "rotations_deg", "angles that starts are turned by from the truth",
+  v.Add(rotations_deg, "rotations_deg", "rotations of the initial poses relative to the truth",
         AsFlag());
   v.Add(translations_m, "translations_m",
-        "distances that they are shifted by, each with each angle", AsFlag());
+        "translations of the initial poses relative to the truth, combined with each rotation",
+        AsFlag());
   v.Add(seed, SharedOption("seed"));
   v.Add(max_rotation_error_deg, "max_rotation_error_deg",
-        "what ends nearer to the truth counts as converged", Positive(), AsFlag());
+        "maximum rotation error of a converged run", Positive(), AsFlag());
   v.Add(max_translation_error_m, "max_translation_error_m",
-        "what ends nearer to the truth counts as converged", Positive(), AsFlag());
-  v.AddPart(preprocess, "preprocess", "how depth images become surfaces");
+        "maximum translation error of a converged run", Positive(), AsFlag());
+  v.AddPart(preprocess, "preprocess", "depth preprocessing");
   v.AddPart(
-      icp, "icp", "registration, but for what is compared",
+      icp, "icp", "registration, except the compared options",
       WithoutFlags({"solver", "linear_solver", "residual", "association", "min_source_rows"}));
   v.Check([this] { CheckTogether(*this); });
 }

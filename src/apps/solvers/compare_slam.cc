@@ -72,7 +72,7 @@ std::vector<SlamComparisonRow> CompareSlam(
         progress({"frame", before * p.frames_total + p.frames_done, runs * p.frames_total,
                   1e-3 * time.Milliseconds()});
       });
-      if (summary.interrupted) return rows;  // it has not seen what the others saw
+      if (summary.interrupted) return rows;  // not comparable: it has fewer frames
       rows.push_back(RowOf(summary, combination, threads));
       const PointCloud map = ReadPly(run.output + "/map.ply");
       const bool comparable = before > 0 &&

@@ -24,7 +24,6 @@ PoseProblems ProblemsOf(const CompareOptions& options) {
   return FramePairProblems(options);
 }
 
-// Runs everything from everywhere.
 class ComparisonRun {
  public:
   ComparisonRun(const CompareOptions& options, const std::atomic<bool>& interrupted,
@@ -56,7 +55,8 @@ class ComparisonRun {
   }
 
  private:
-  // Combinations take turns. Slow ones run on the first problem from the grid's diagonal.
+  // Combinations alternate. Slow combinations run only on the first problem, from the initial poses
+  // on the diagonal of the grid.
   template <typename F>
   void ForEach(const F& f) {
     for (int i = 0; i < problems_.count; ++i) {
@@ -98,30 +98,33 @@ std::vector<std::string> NotesOf(const CompareOptions& options,
   std::vector<std::string> notes;
   if (!options.run.empty()) {
     notes.emplace_back(
-        "memory is the most that was resident while a solver built and solved, beyond what was "
-        "before");
+        "memory is the increase of the peak resident memory while a solver builds and solves the "
+        "problem");
     return notes;
   }
   bool slow = false;
   for (const ComparedRuns& runs : all) slow = slow || IsSlow(runs.combination);
   if (slow) {
     notes.emplace_back(
-        "ceres_per_point ran from the starts on the grid's diagonal only, of the first pair");
+        "ceres_per_point ran only on the first pair, from the initial poses on the diagonal of the "
+        "grid");
   } else if (options.solvers.empty()) {
     notes.emplace_back(
-        "ceres_per_point is left out: --solvers=ceres_per_point,... takes it, on "
-        "the first pair and the starts on the grid's diagonal");
+        "ceres_per_point did not run: set --solvers=ceres_per_point,... to run it on the first "
+        "pair, "
+        "from the initial poses on the diagonal of the grid");
   }
   if (!options.replay.empty()) {
     const TrackingDump dump = ReadTrackingDump(options.replay);
     notes.push_back(Concat("frame ", dump.frame, " was lost with ", dump.icp.solver, ", ",
-                           dump.icp.residual, ", ", dump.icp.association, " ending in ",
+                           dump.icp.residual, ", ", dump.icp.association, ", with termination ",
                            dump.termination));
     return notes;
   }
   for (const ComparedRuns& runs : all) {
     if (runs.runs.empty() || runs.runs.front().converged) continue;
-    notes.emplace_back("the truth is unknown: starts are about the identity, and no errors shown");
+    notes.emplace_back(
+        "the truth is unknown: initial poses are close to the identity, and errors are not shown");
     break;
   }
   return notes;

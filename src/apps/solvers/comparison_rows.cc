@@ -8,7 +8,7 @@
 namespace surfit {
 namespace {
 
-// The median of what a function gives of runs, without those of which it gives nothing.
+// Median over the runs with a value; std::nullopt without values.
 template <typename F>
 std::optional<double> Median(const std::vector<ComparedRun>& runs, const F& value_of) {
   std::vector<double> values;
@@ -39,7 +39,7 @@ std::string MostFrequentTermination(const std::vector<ComparedRun>& runs) {
   return most == counts.end() ? "" : most->first;
 }
 
-// Those that converged or, where the truth is unknown, ended without failure.
+// Runs that converged or, if the truth is unknown, succeeded.
 std::vector<ComparedRun> GoodRuns(const std::vector<ComparedRun>& runs) {
   std::vector<ComparedRun> good;
   std::copy_if(runs.begin(), runs.end(), std::back_inserter(good), [](const ComparedRun& run) {
@@ -67,7 +67,7 @@ ComparedRun Compare(SolveOutcome outcome, const std::optional<Rigid3d>& truth,
 ComparisonRow RowOf(const ComparedRuns& compared) {
   using Optional = std::optional<double>;
   const std::vector<ComparedRun> good = GoodRuns(compared.runs);
-  // What failures take says little: they end early, or never.
+  // Times of failed runs are not representative: these runs end early or use all iterations.
   const std::vector<ComparedRun>& runs = good.empty() ? compared.runs : good;
   const auto median = [&](auto value_of) {
     return Median(runs, [&](auto& run) { return Optional(value_of(run.outcome)); });

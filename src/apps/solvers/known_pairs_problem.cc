@@ -1,4 +1,4 @@
-// Pairs that are known: what solvers cost by themselves.
+// Registration with known correspondences, to measure solvers without data association.
 #include <memory>
 #include <random>
 
@@ -11,7 +11,7 @@ namespace surfit {
 namespace {
 
 constexpr int kMaxSteps = 50;
-constexpr double kSmallestStep = 1e-6;  // rad, m: far above the rounding of single precision
+constexpr double kSmallestStep = 1e-6;  // rad, m; far above the rounding of single precision
 constexpr double kTruthRotation_rad = 0.3, kTruthTranslation_m = 0.5;
 
 Eigen::Vector3d RandomVector(double size, std::mt19937_64* rng) {
@@ -21,8 +21,8 @@ Eigen::Vector3d RandomVector(double size, std::mt19937_64* rng) {
   return vector;
 }
 
-// Source points in a cube of 2 m, 3 m in front of the camera, with normals to all sides, and the
-// same points moved, with noise.
+// Source points in a cube of 2 m, 3 m in front of the camera, with normals in all directions.
+// Target points are the moved source points with noise.
 PairBuffer MakePairs(const CompareOptions& options, const Rigid3d& target_from_source) {
   std::mt19937_64 rng(options.seed);
   std::normal_distribution<double> noise(0, 1);
@@ -41,7 +41,7 @@ PairBuffer MakePairs(const CompareOptions& options, const Rigid3d& target_from_s
   return pairs;
 }
 
-// Sets the source of `moved` to that of the pairs after a motion, array by array.
+// Writes the source of the pairs after a motion into `moved`, array by array.
 void MoveSource(const PairBuffer& pairs, const Rigid3d& motion, PairBuffer* moved) {
   const Eigen::Matrix3f r = motion.rotation.toRotationMatrix().cast<float>();
   const Eigen::Vector3f t = motion.translation.cast<float>();
@@ -71,7 +71,7 @@ PoseSolverOptions SolverOptionsOf(const SolverCombination& combination, const Ic
   return options;
 }
 
-// Steps until the minimum is reached.
+// Iterates until the minimum is reached.
 SolveOutcome Solve(const PairBuffer& pairs, const PoseSolverOptions& options,
                    const Rigid3d& start) {
   const std::unique_ptr<PoseSolver> solver = MakePoseSolver(options);

@@ -8,19 +8,20 @@
 namespace surfit {
 
 void RefineRunOptions::Visit(OptionVisitor& v) {
-  v.AddPart(sequence, "sequence", "as the run read it");
+  v.AddPart(sequence, "sequence", "sequence of the run, with the same options");
   v.Group("run");
-  v.Add(trajectory, "trajectory", "the run's trajectory, in TUM format", Required());
+  v.Add(trajectory, "trajectory", "trajectory of the run, TUM format", Required());
   v.Add(output, SharedOption("output", Required(), Everyday()));
   v.Add(threads, SharedOption("threads", Everyday()));
   v.Group("keyframes");
-  v.Add(keyframe_translation_m, "keyframe_translation_m",
-        "a frame this far from the last keyframe is the next", Positive(), AsFlag());
-  v.Add(keyframe_rotation_rad, "keyframe_rotation_rad", "and so is a frame turned this far",
+  v.Add(keyframe_translation_m, "keyframe_translation_m", "minimum translation between keyframes",
         Positive(), AsFlag());
+  v.Add(keyframe_rotation_rad, "keyframe_rotation_rad",
+        "minimum rotation between keyframes; one of both limits is sufficient", Positive(),
+        AsFlag());
   v.Add(max_keyframes, SharedOption("max_keyframes"));
-  v.AddPart(preprocess, "preprocess", "how depth images become surfaces", NoFlags());
-  v.AddPart(refinement, "refinement", "what is estimated, and how");
+  v.AddPart(preprocess, "preprocess", "depth preprocessing", NoFlags());
+  v.AddPart(refinement, "refinement", "joint refinement");
   v.Check([this] {
     if (max_keyframes != 1) return;
     throw InputError("max_keyframes is 1, must be 0 (no limit) or at least 2");
@@ -34,13 +35,13 @@ void RegisterRunOptions::Visit(OptionVisitor& v) {
   v.Group("run");
   v.Add(output, SharedOption("output", Required(), Everyday()));
   v.Add(threads, SharedOption("threads", Everyday()));
-  v.AddPart(sensor, "sensor", "what both were measured with");
-  v.AddPart(normals, "normals", "how normals are estimated");
-  v.AddPart(registration, "registration", "how the clouds are registered");
+  v.AddPart(sensor, "sensor", "sensor of both clouds");
+  v.AddPart(normals, "normals", "normal estimation");
+  v.AddPart(registration, "registration", "registration");
 }
 
 void AlignRunOptions::Visit(OptionVisitor& v) {
-  v.AddPart(sequence, "sequence", "what to read", WithoutFlags({"first", "last", "stride"}));
+  v.AddPart(sequence, "sequence", "input sequence", WithoutFlags({"first", "last", "stride"}));
   v.Add(source, "source", "index of the source frame, which is moved", AtLeast(0),
         AsFlag("source_frame"), Everyday());
   v.Add(target, "target", "index of the target frame", AtLeast(0), AsFlag("target_frame"),
@@ -48,9 +49,9 @@ void AlignRunOptions::Visit(OptionVisitor& v) {
   v.Group("run");
   v.Add(output, SharedOption("output", Required(), Everyday()));
   v.Add(threads, SharedOption("threads", Everyday()));
-  v.AddPart(preprocess, "preprocess", "how depth images become surfaces");
-  v.AddPart(initialize, "initialize", "where registration starts");
-  v.AddPart(icp, "icp", "the registration", WithoutFlags({"min_source_rows"}));
+  v.AddPart(preprocess, "preprocess", "depth preprocessing");
+  v.AddPart(initialize, "initialize", "initial pose");
+  v.AddPart(icp, "icp", "registration", WithoutFlags({"min_source_rows"}));
 }
 
 }  // namespace surfit

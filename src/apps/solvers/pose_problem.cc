@@ -36,7 +36,7 @@ std::vector<GridCell> AllCells(int rotations, int translations) {
 
 Rigid3d Perturbed(const Rigid3d& target_from_source, double rotation_rad, double translation_m,
                   std::uint64_t seed) {
-  if (rotation_rad == 0 && translation_m == 0) return target_from_source;  // bit for bit
+  if (rotation_rad == 0 && translation_m == 0) return target_from_source;  // bitwise identical
   std::mt19937_64 rng(seed);
   Eigen::Matrix<double, 6, 1> increment;
   increment.head<3>() = rotation_rad * RandomUnitVector(&rng);
@@ -46,7 +46,7 @@ Rigid3d Perturbed(const Rigid3d& target_from_source, double rotation_rad, double
 
 void SetTimes(const std::vector<SolveReport>& reports, SolveOutcome* outcome) {
   outcome->build_ms = MedianOf(reports, &SolveReport::build_ms);
-  if (outcome->build_ms == 0) outcome->build_ms.reset();  // nothing was built
+  if (outcome->build_ms == 0) outcome->build_ms.reset();  // no Ceres problem
   outcome->linearize_ms = MedianOf(reports, &SolveReport::linearize_ms);
   outcome->solve_ms = MedianOf(reports, &SolveReport::solve_ms);
 }
@@ -67,7 +67,7 @@ SolveOutcome OutcomeOf(const IcpResult& result, int points, double total_ms) {
     }
   }
   SetTimes(reports, &outcome);
-  // The pose is the one before where the last step made the fit worse.
+  // If the last step increased the RMSE, the result is the pose before this step.
   const std::size_t back = result.termination == Termination::kRmseIncreased ? 2 : 1;
   if (result.iterations.size() >= back) {
     outcome.final_cost = (result.iterations.end() - back)->cost;

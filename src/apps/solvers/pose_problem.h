@@ -12,21 +12,19 @@
 namespace surfit {
 
 inline constexpr char kKnownAssociation[] = "known";
-// Of joint refinement.
+// Residuals of joint refinement.
 inline constexpr char kPlaneResidual[] = "planes";
 inline constexpr char kTexturedResidual[] = "planes_and_textures";
 
-// The combinations that the options ask for, residual by residual. Throws InputError that lists
-// what is possible for unknown names, and for solvers and residuals that were both named and do not
-// go together.
+// Combinations that the options select, grouped by residual. Throws InputError with the valid names
+// for unknown names, and for a named solver that does not support a named residual.
 std::vector<SolverCombination> SolverCombinations(const CompareOptions& options);
 
-// Whether a combination is so slow that it runs on little.
+// True for slow combinations, which run on few problems.
 bool IsSlow(const SolverCombination& combination);
 
-// A place in the grid of perturbations.
 struct GridCell {
-  int rotation = 0;  // indices of what is perturbed by
+  int rotation = 0;  // indices in rotations_deg and translations_m
   int translation = 0;
   bool on_diagonal() const { return rotation == translation; }
   friend bool operator==(const GridCell& a, const GridCell& b) {
@@ -34,60 +32,58 @@ struct GridCell {
   }
 };
 
-// All cells, rotation by rotation.
+// All cells, row by row; a row has one rotation.
 std::vector<GridCell> AllCells(int rotations, int translations);
 
-// The pose turned about the target's origin by an angle and shifted by a distance, about and along
-// axes that are random and depend on the seed alone.
+// Pose after a rotation about the origin of the target and a translation, about and along random
+// axes. The axes depend on `seed` only.
 Rigid3d Perturbed(const Rigid3d& target_from_source, double rotation_rad, double translation_m,
                   std::uint64_t seed);
 
-// What one combination made of one start.
+// Result of a combination from an initial pose.
 struct SolveOutcome {
   Rigid3d target_from_source;
-  std::string termination;  // empty over known pairs
+  std::string termination;  // empty for known correspondences
   bool succeeded = false;
   int points = 0;
   int iterations = 0;
-  std::optional<double> build_ms, linearize_ms, solve_ms;  // medians of the finest level's solves
+  std::optional<double> build_ms, linearize_ms, solve_ms;  // medians on the finest level
   double total_ms = 0;
   double final_cost = 0;
-  std::vector<double> losses;  // m^2, weighted mean of |r|^2 at each iteration; of refinement costs
-  std::optional<double> iteration_ms, memory_bytes;  // of refinement: ComparisonRow
+  std::vector<double> losses;  // weighted mean of |r|^2 per iteration, m^2; refinement: cost
+  std::optional<double> iteration_ms, memory_bytes;  // refinement only, see ComparisonRow
 };
 
-// Two surfaces, and how to solve for the motion between them.
+// Two surfaces, and a function that estimates the motion between them.
 struct PoseProblem {
   std::optional<Rigid3d> truth;  // target_from_source
-  Rigid3d center;                // what starts are perturbations of
+  Rigid3d center;                // centre of the initial poses
   std::function<SolveOutcome(const SolverCombination&, const Rigid3d& start)> solve;
 };
 
-// Problems, each made when it is its turn.
+// Problems, created one after another.
 struct PoseProblems {
   int count = 0;
   std::function<PoseProblem(int)> make;
 };
 
-// Of the options' synthetic_points, sequence, clouds, replay, or run.
+// Problems for synthetic_points, sequence, source and target, replay, and run.
 PoseProblems KnownPairsProblems(const CompareOptions& options);
 PoseProblems FramePairProblems(const CompareOptions& options);
 PoseProblems CloudProblems(const CompareOptions& options);
 PoseProblems ReplayProblems(const CompareOptions& options);
-PoseProblems RefinementProblems(const CompareOptions& options);  // starts are all alike
+PoseProblems RefinementProblems(const CompareOptions& options);  // all initial poses are equal
 
-// Two frames.
 PoseProblem FramePairProblem(FramePyramid source, FramePyramid target,
                              const std::optional<Rigid3d>& truth, const Rigid3d& center,
                              const IcpOptions& icp);
 
-// Makes the options those of a combination.
 void SetCombination(const SolverCombination& combination, IcpOptions* icp);
 
-// Sets the times from what the solves of one start took.
+// Sets the median times of the solves.
 void SetTimes(const std::vector<SolveReport>& reports, SolveOutcome* outcome);
 
-// A registration by ICP, taken from its result and the time it took.
+// Converts the result of ICP and its time.
 SolveOutcome OutcomeOf(const IcpResult& result, int points, double total_ms);
 
 }  // namespace surfit

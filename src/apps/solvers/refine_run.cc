@@ -30,7 +30,7 @@
 namespace surfit {
 namespace {
 
-constexpr double kSameStamp = 1e-5;  // s; trajectories have 6 decimals
+constexpr double kSameStamp = 1e-5;  // s; trajectory files have 6 decimals
 
 Trajectory InSourceConvention(Trajectory trajectory, bool mirrored) {
   if (!mirrored) return trajectory;
@@ -38,7 +38,7 @@ Trajectory InSourceConvention(Trajectory trajectory, bool mirrored) {
   return trajectory;
 }
 
-// The pose at a frame's stamp.
+// Position of the pose at the timestamp of a frame; std::nullopt if there is none.
 std::optional<std::size_t> PoseAt(const Trajectory& trajectory, double stamp_s) {
   const auto at =
       std::lower_bound(trajectory.begin(), trajectory.end(), stamp_s - kSameStamp,
@@ -60,7 +60,7 @@ class RefineRun {
                              {"trajectory.txt", "map.ply", "camera.yaml", "poses.json",
                               "refinement.json", "report.html"},
                              {options_.trajectory, options_.sequence.camera});
-    // Frames come with the given field applied.
+    // The depth of the frames is already corrected by the input field.
     const DepthCalibration given = {run_.info.pinhole, {}, run_.info.camera.readout_s};
     summary_.refinement = Refine(options_.refinement, given, &run_.keyframes,
                                  [&](const RefinementRound& round) { Tell(round); });
@@ -87,14 +87,15 @@ class RefineRun {
     summary_.keyframes = run_.keyframes.size();
     summary_.frames_without_pose = run_.frames_without_pose;
     summary_.frames_unreadable = run_.frames_unreadable;
-    progress_(Concat(summary_.keyframes, " keyframes of ", summary_.poses, " poses, seen by ",
-                     NameOfCamera(options_.sequence)));
+    progress_(Concat(summary_.keyframes, " keyframes of ", summary_.poses,
+                     " poses, camera: ", NameOfCamera(options_.sequence)));
   }
 
   void Tell(const RefinementRound& round) {
     progress_(Concat("round: ", round.surfels, " surfels, ", round.observations, " observations, ",
-                     round.texture_observations, " of texture, rms ", 1000 * round.before.rms_m,
-                     " -> ", 1000 * round.after.rms_m, " mm in ", round.iterations, " steps"));
+                     round.texture_observations, " texture observations, rms ",
+                     1000 * round.before.rms_m, " -> ", 1000 * round.after.rms_m, " mm in ",
+                     round.iterations, " steps"));
   }
 
   void Apply() {
@@ -159,7 +160,7 @@ class RefineRun {
   const std::function<void(const std::string&)>& progress_;
   RunKeyframes run_;
   RefineRunSummary summary_;
-  Failures failures_;  // what is refined is saved as far as it can be
+  Failures failures_;  // collects errors, so that the other results are written
 };
 
 }  // namespace

@@ -13,46 +13,44 @@ namespace surfit {
 
 class OptionVisitor;
 
-// What is refined, and with which frames.
 struct RefineRunOptions {
-  SequenceOptions sequence;  // as the run read it
-  std::string trajectory;    // of the run: TUM format, in the sequence's convention
-  std::string output;        // folder for all results; made if missing
-  // A frame is a keyframe if the camera has moved so far from the last one, in one way or the
-  // other.
+  SequenceOptions sequence;  // sequence of the run, with the same options
+  std::string trajectory;    // of the run: TUM format, pose convention of the sequence
+  std::string output;        // output folder, created if missing
+  // Minimum translation or rotation since the last keyframe for a new keyframe.
   double keyframe_translation_m = 0.1;
   double keyframe_rotation_rad = 0.15;
-  // With more of them, both are enlarged; 0 = no limit. A keyframe takes 16 bytes for each pixel,
-  // and as much again for what it has measured of surfels.
+  // Maximum number of keyframes: both limits grow until it holds. 0: no limit. A keyframe uses 16
+  // bytes per pixel for images, and about 16 more for observations of surfels.
   int max_keyframes = 600;
   PreprocessOptions preprocess;
   RefinementOptions refinement;
-  int threads = 2;  // that compute at the same time
+  int threads = 2;
 
   void Visit(OptionVisitor& visitor);
 };
 
-// The outcome: what refinement.json says.
+// Results, which are also written to refinement.json.
 struct RefineRunSummary {
   RefinementSummary refinement;
-  // Of the undistorted and downsampled images, y down; before, and after where refinement
-  // succeeded.
+  // Calibration of the undistorted and downsampled images, y down: input, and estimate if
+  // refinement succeeded.
   DepthCalibration given, calibration;
   std::size_t poses = 0, keyframes = 0;
-  int frames_without_pose = 0;  // of those read: the run had lost them
+  int frames_without_pose = 0;  // frames that the run lost
   int frames_unreadable = 0;
-  // Of the trajectory before and after, where there is ground truth.
+  // Errors before and after refinement; std::nullopt without ground truth.
   std::optional<TrajectoryEvaluation> before, after;
   std::size_t map_points = 0;
   double total_s = 0;
-  std::string failure;  // what was not written
+  std::string failure;  // errors of files that were not written
 };
 
-// Refines the keyframes of a run and, as the options say, the camera's calibration; moves the other
-// poses along, and fuses the map anew. Writes trajectory.txt, map.ply, camera.yaml and
-// refinement.json, the first three only where refinement succeeded.
-// Throws InputError for bad options, files that cannot be read, or a trajectory of other frames.
-// What goes wrong once it is refined is thrown, too, when all else is written.
+// Refines the keyframes of a run and, depending on the options, the calibration of the camera.
+// Corrects the other poses, and fuses the map again. Writes refinement.json and, if refinement
+// succeeded, trajectory.txt, map.ply, camera.yaml and poses.json.
+// Throws InputError for invalid options, unreadable files, or a trajectory without a pose at a
+// frame of the sequence. Errors after the refinement are thrown when all other files are written.
 RefineRunSummary RunRefinement(const RefineRunOptions& options,
                                const std::function<void(const std::string&)>& progress);
 

@@ -1,4 +1,4 @@
-// A round of joint refinement over a run's keyframes, to its least cost.
+// Problem of one round of joint refinement of the keyframes of a run.
 #include <fstream>
 #include <memory>
 #include <string>
@@ -17,10 +17,10 @@ namespace surfit {
 namespace {
 
 constexpr int kMaxIterations = 50;
-// Of textures where the options give them none.
+// Weight of texture residuals if the options have none.
 constexpr double kPhotometricWeight = 0.03;
 
-// A figure of the process, in bytes; nothing where the system does not tell.
+// Memory figure of the process, in bytes; std::nullopt if the system does not provide it.
 std::optional<double> MemoryFigure(const std::string& name) {
   std::ifstream status("/proc/self/status");
   for (std::string line; std::getline(status, line);) {
@@ -29,15 +29,15 @@ std::optional<double> MemoryFigure(const std::string& name) {
   return std::nullopt;
 }
 
-// The most memory that has been resident since, beyond what was at the start.
+// Increase of the peak resident memory since construction.
 class PeakMemory {
  public:
   PeakMemory() {
 #if defined(__GLIBC__)
-    malloc_trim(0);  // what was freed before is no place for what comes
+    malloc_trim(0);  // returns freed memory, which new allocations would reuse
 #endif
     std::ofstream reset("/proc/self/clear_refs");
-    reset << "5" << std::flush;  // the peak is what is resident now
+    reset << "5" << std::flush;  // resets the peak to the current value
     if (reset) before_ = MemoryFigure("VmRSS");
   }
   std::optional<double> Bytes() const {
@@ -63,7 +63,6 @@ RefinementOptions OptionsOf(const SolverCombination& combination, const CompareO
   return options;
 }
 
-// Takes the report's figures.
 void SetReport(const JointReport& report, const RefinementOptions& options, SolveOutcome* outcome) {
   outcome->succeeded = report.iterations != kNoSolution;
   const bool used_up = report.iterations == options.max_iterations;
@@ -76,7 +75,7 @@ void SetReport(const JointReport& report, const RefinementOptions& options, Solv
   outcome->losses = report.costs;
 }
 
-// The kernel is that of the last rounds.
+// Uses the kernel of the last rounds.
 SolveOutcome Solve(const RunKeyframes& run, const SolverCombination& combination,
                    const CompareOptions& compared) {
   const RefinementOptions options = OptionsOf(combination, compared);

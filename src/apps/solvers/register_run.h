@@ -14,12 +14,11 @@ namespace surfit {
 
 class OptionVisitor;
 
-// Which two frames to register, and how.
 struct AlignRunOptions {
-  SequenceOptions sequence;  // its first, last and stride are not used
-  int source = 0;            // index in the sequence
-  int target = 1;            // index in the sequence
-  std::string output;        // folder for clouds and pictures; made if missing
+  SequenceOptions sequence;  // first, last and stride are not used
+  int source = 0;
+  int target = 1;
+  std::string output;  // output folder, created if missing
   PreprocessOptions preprocess;
   InitializeOptions initialize;
   IcpOptions icp = FarIcpOptions();
@@ -28,27 +27,26 @@ struct AlignRunOptions {
   void Visit(OptionVisitor& visitor);
 };
 
-// The outcome of a run.
 struct AlignRunResult {
   FarVerdict registration;
-  std::optional<PoseError> initial_error;  // of the identity, where there is ground truth
+  // Error of the identity; std::nullopt without ground truth.
+  std::optional<PoseError> initial_error;
   std::optional<PoseError> final_error;
 };
 
-// Registers two frames of a sequence from where the options say and writes before.ply, after.ply,
-// before.png and after.png into the output folder: both frames' points in the target camera's
-// frame, source in orange and target in blue, before and after. Throws InputError for bad options
-// or frames that cannot be read.
+// Registers two frames of a sequence. `initialize` sets the initial pose. Writes before.ply,
+// after.ply, before.png and after.png into the output folder: the points of both frames in the
+// frame of the target camera, source in orange, target in blue. Throws InputError for invalid
+// options or unreadable frames.
 AlignRunResult RunAlign(const AlignRunOptions& options);
 
 class OptionVisitor;
 
-// Which two clouds to register, and how.
 struct RegisterRunOptions {
-  std::string source;  // the file of the cloud to be moved: PLY or PCD, metres
-  std::string target;  // the file of the cloud to be met
-  std::string output;  // folder for the pose, the aligned cloud and pictures; made if missing
-  CloudSensor sensor;  // of both
+  std::string source;  // source cloud, which is moved: PLY or PCD, m
+  std::string target;
+  std::string output;  // output folder, created if missing
+  CloudSensor sensor;  // sensor of both clouds
   CloudNormalOptions normals;
   RegisterCloudsOptions registration;
   int threads = 2;
@@ -56,27 +54,27 @@ struct RegisterRunOptions {
   void Visit(OptionVisitor& visitor);
 };
 
-// What came of a file.
 struct RegisteredCloud {
   std::size_t points = 0;
-  std::size_t not_finite = 0;      // left out
-  std::size_t without_normal = 0;  // of the points
-  double normal_radius_m = 0;      // at least; 0 where the normals are the file's
+  std::size_t not_finite = 0;      // removed points
+  std::size_t without_normal = 0;  // remaining points without normal
+  double normal_radius_m = 0;      // minimum radius of normal estimation; 0: normals of the file
 };
 
-// The outcome of a run.
 struct RegisterRunResult {
   IcpResult icp;
   RegisteredCloud source, target;
 };
 
-// Registers two clouds from the identity. Normals are the files' where they have them, and are
-// estimated otherwise; sigma of a point is floor_sigma_m of the error model and, if estimated, the
-// deviation of the points around it from their plane. Writes into the output folder:
-// transform.txt (target_from_source, 4 x 4), registration.json (the same, how well it is known, and
-// how it came about), aligned.ply (the source in the target's frame, with its normals and colours),
-// before.png and after.png (source in orange, target in blue).
-// Throws InputError for bad options, files that cannot be read and clouds without a finite point.
+// Registers two clouds from the identity. Normals are read from the files, and estimated if they
+// are missing. The sigma of a point is floor_sigma_m of the error model. For estimated normals, the
+// deviation of the neighbours from their plane is added in quadrature.
+// Files in the output folder:
+//   transform.txt            target_from_source, 4 x 4
+//   registration.json        target_from_source, its covariance, and the statistics of ICP
+//   aligned.ply              source in the frame of the target, with normals and colours
+//   before.png, after.png    source in orange, target in blue
+// Throws InputError for invalid options, unreadable files, and clouds without finite points.
 RegisterRunResult RunRegister(const RegisterRunOptions& options);
 
 }  // namespace surfit

@@ -1,5 +1,4 @@
-// What is registered to compare solvers: pairs of frames of a sequence, a frame that tracking lost,
-// two clouds.
+// Registration problems: frame pairs of a sequence, a failed registration, or two clouds.
 #include <algorithm>
 #include <memory>
 
@@ -13,7 +12,7 @@
 namespace surfit {
 namespace {
 
-// Index of the source frame of pair i: spread evenly from the first to the last possible one.
+// Index of the source frame of pair i. Pairs are evenly spread from `first` to `last`.
 int SourceOf(int i, int pairs, int first, int last) {
   return pairs == 1 ? first
                     : first + static_cast<int>(std::int64_t{last - first} * i / (pairs - 1));

@@ -104,7 +104,7 @@ void WriteRefinementJson(const RefineRunSummary& s, const RefineRunOptions& opti
       {"limit", s.refinement.calibration_limit}};
   j["fit"] = {{"before", ToJson(s.refinement.before)}, {"after", ToJson(s.refinement.after)}};
   j["largest_standard_deviations_of_poses"] = LargestSigmasOf(s.refinement.pose_covariances);
-  j["scale"] = "held: nothing in a sequence tells the size of the world";
+  j["scale"] = "fixed: not observable";
   j["rounds"] = Json::array();
   for (const RefinementRound& round : s.refinement.rounds) j["rounds"].push_back(ToJson(round));
   j["map_points"] = s.map_points;

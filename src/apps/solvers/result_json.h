@@ -7,13 +7,12 @@
 
 namespace surfit {
 
-// Writes refinement.json: outcome, errors before and after, calibration before and after with
-// standard deviations, rounds, options; null for what is not known. Throws InputError naming the
-// file if it cannot be written.
+// Writes refinement.json: result, errors and calibration before and after, standard deviations,
+// rounds and options. Unknown values are null. Throws InputError with the name of the file.
 void WriteRefinementJson(const RefineRunSummary& summary, const RefineRunOptions& options,
                          const std::string& path);
 
-// Writes what came of a registration as JSON. Throws InputError naming the file.
+// Writes the result of a registration as JSON. Throws InputError with the name of the file.
 void WriteRegistrationJson(const RegisterRunResult& result, const RegisterRunOptions& options,
                            const std::string& path);
 

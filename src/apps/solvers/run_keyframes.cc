@@ -42,8 +42,8 @@ RunKeyframes ReadRunKeyframes(const RefineRunOptions& options) {
                             MotionAt(run.trajectory, read->frame->stamp_s), options.preprocess)});
   }
   if (run.keyframes.empty()) {
-    throw InputError(Concat(options.trajectory, " has no pose at a stamp of a frame of ",
-                            options.sequence.path));
+    throw InputError(
+        Concat(options.trajectory, " has no pose at a frame timestamp of ", options.sequence.path));
   }
   return run;
 }

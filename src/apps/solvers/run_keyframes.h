@@ -10,19 +10,19 @@
 
 namespace surfit {
 
-// The keyframes of a run, as refinement needs them.
 struct RunKeyframes {
   SequenceInfo info;
-  Trajectory trajectory;           // of the run, in the convention of the sequence's frames
-  std::vector<double> stamps_s;    // of all frames
-  std::vector<std::size_t> poses;  // of the trajectory: the keyframes'
+  Trajectory trajectory;           // of the run, in the pose convention of the frames
+  std::vector<double> stamps_s;    // timestamps of all frames
+  std::vector<std::size_t> poses;  // positions of the keyframes in `trajectory`
   std::vector<RefinementKeyframe> keyframes;
-  int frames_without_pose = 0, frames_unreadable = 0;  // of those read
-  std::vector<std::size_t> frame_poses;                // of the trajectory: those with a frame,
-  std::vector<int> frames;                             // and their frames' indices
+  int frames_without_pose = 0, frames_unreadable = 0;  // of all frames
+  std::vector<std::size_t> frame_poses;  // positions in `trajectory` of poses with a frame
+  std::vector<int> frames;               // frame indices of these poses
 };
 
-// Reads them. Throws InputError for files that cannot be read, or a trajectory of other frames.
+// Reads the keyframes of a run. Throws InputError for unreadable files, or a trajectory without a
+// pose at a frame of the sequence.
 RunKeyframes ReadRunKeyframes(const RefineRunOptions& options);
 
 }  // namespace surfit

@@ -11,12 +11,12 @@ namespace {
 
 constexpr char kPerPoint[] = "ceres_per_point";
 
-// The named ones, or all.
+// Returns the named values; all if none is named. Throws InputError for unknown names.
 std::vector<std::string> Chosen(const char* option, const std::vector<std::string>& named,
                                 const std::vector<std::string>& all) {
   for (const std::string& name : named) {
     if (std::find(all.begin(), all.end(), name) != all.end()) continue;
-    throw InputError(option, " has '", name, "', must be of: ", Listed(all));
+    throw InputError(option, " contains '", name, "', must be one of: ", Listed(all));
   }
   return named.empty() ? all : named;
 }
@@ -51,7 +51,7 @@ std::vector<std::string> ChosenAssociations(const CompareOptions& options) {
   if (options.synthetic_points > 0) {
     if (options.associations.empty()) return {kKnownAssociation};
     throw InputError("associations is ", Listed(options.associations),
-                     ", must be empty with synthetic_points, whose pairs are known");
+                     ", must be empty with synthetic_points, whose correspondences are known");
   }
   const bool clouds = !options.source.empty();
   return Chosen("associations", options.associations,
@@ -64,9 +64,9 @@ bool IsPossible(const std::string& solver, const std::string& residual) {
 
 void RequirePossible(const std::string& solver, const std::string& residual) {
   if (IsPossible(solver, residual)) return;
-  throw InputError("solvers has 'svd' and residuals has '", residual,
-                   "', which do not go together: svd takes point_to_point only, ",
-                   "all other solvers take ", Listed(ResidualTypeNames()));
+  throw InputError("solvers contains 'svd' and residuals contains '", residual,
+                   "', which are incompatible: svd supports point_to_point only, ",
+                   "all other solvers support ", Listed(ResidualTypeNames()));
 }
 
 }  // namespace
@@ -102,7 +102,7 @@ std::vector<SolverCombination> SolverCombinations(const CompareOptions& options)
       }
     }
   }
-  if (combinations.empty()) {  // svd alone, and point_to_point not among the residuals
+  if (combinations.empty()) {  // svd is the only solver, and point_to_point is not a residual
     RequirePossible(solvers.front(), residuals.front());
   }
   return combinations;

@@ -1,12 +1,12 @@
 'use strict';
-// Asks the server for what is new, each thing by a loop of its own: who gets it slowly asks seldom. Nothing is
-// asked for while nobody sees the page.
+// Requests new data from the server. Each kind of data has its own loop, so slow connections send fewer requests.
+// Hidden pages send no requests.
 surfit.retryMs = 1000;
 surfit.mapGapMs = 150;
 surfit.pictureGapMs = 60;
 surfit.stateGapMs = 60;
 
-// The bits of what is to be kept ready for the page (enum Shown).
+// Bits of the data that the page requests (enum Shown).
 surfit.shownBits = { map: 2, path: 4, frame: 8, model: 16, normals: 32 };
 
 surfit.sleep = (ms) => new Promise((done) => { setTimeout(done, ms); });
@@ -24,9 +24,9 @@ surfit.Live = class {
     this.scene = scene;
     this.panel = panel;
     this.state = null;
-    this.waiting = [];  // for a new state
-    this.seen = {};  // the numbers of what has been taken
-    this.last = {};  // the pictures that the run ended with
+    this.waiting = [];  // callbacks for the next state
+    this.seen = {};  // numbers of received data
+    this.last = {};  // pictures of the final state
   }
 
   async get(path) {
@@ -35,7 +35,7 @@ surfit.Live = class {
     return answer;
   }
 
-  // Calls `turn` again and again, and after failures later.
+  // Calls `turn` repeatedly, with a delay after failures.
   async repeat(turn) {
     for (;;) {
       await surfit.whenSeen();
@@ -62,7 +62,7 @@ surfit.Live = class {
       this.state = await answer.json();
     } catch (error) {
       const isOver = this.state && this.state.done;
-      this.panel.showLink(isOver ? 'the run is over; this is what it came to' : 'no connection', !isOver);
+      this.panel.showLink(isOver ? 'the run is over; this is the result' : 'no connection', !isOver);
       throw error;
     }
     this.panel.showLink('');
@@ -72,7 +72,7 @@ surfit.Live = class {
     await surfit.sleep(surfit.stateGapMs);
   }
 
-  // Waits for a thing that is newer than the last one that was taken of this name, and returns its number.
+  // Waits until the server has newer data of this name, and returns its number.
   async newer(name) {
     while (!this.state || this.state.numbers[name] <= (this.seen[name] || 0)) await this.nextState();
     return this.state.numbers[name];
@@ -95,8 +95,8 @@ surfit.Live = class {
     this.seen.path = number;
   }
 
-  // Frame and model of one moment, which have one number; where newer ones have come meanwhile, these. In the end
-  // the model by colours and normals, as nobody can be asked for it later.
+  // Loads the frame and model pictures with the same number, which belong to the same frame. Outdated pictures are
+  // skipped. After the run, loads colours and normals of the model, because the server ends soon.
   async takePictures() {
     const name = surfit.modelName();
     const { numbers = {}, done = false } = this.state || {};
@@ -137,7 +137,7 @@ surfit.connectButtons = (live, scene) => {
   surfit.on('pause', 'click', () => surfit.post(live.state && live.state.paused ? 'go_on' : 'pause'));
   surfit.on('step', 'click', () => surfit.post('step'));
   surfit.on('stop', 'click', () => {
-    if (window.confirm('Stop the run? What it has so far is written.')) surfit.post('stop');
+    if (window.confirm('Stop the run? The results so far are written.')) surfit.post('stop');
   });
   if (!scene) return;
   const follow = (on) => {
@@ -153,7 +153,7 @@ surfit.connectButtons = (live, scene) => {
   surfit.on('colors', 'change', ({ value }) => scene.setColors(value));
 };
 
-// The buttons with keys.
+// Keys of the buttons.
 surfit.buttonKeys = { ' ': 'pause', s: 'step', n: 'normals', f: 'follow', r: 'whole' };
 
 (() => {

@@ -1,6 +1,6 @@
 'use strict';
-// What the page says in words and pictures.
-surfit.adviceMs = 1500;  // that advice stays at least
+// Texts and pictures of the page.
+surfit.adviceMs = 1500;  // minimum display time of advice
 
 surfit.pillOfState = { lost: 'bad', degenerate: 'warn', relocalised: 'warn', new_map: 'warn' };
 
@@ -32,7 +32,7 @@ surfit.Panel = class {
     set('surfels', state.map_points.toLocaleString('en'));
     set('shown', state.shown.toLocaleString('en'));
     set('loops', state.last_loop ? `${state.loops} (${state.last_loop.join(' and ')})` : state.loops);
-    set('pause', state.paused ? 'go on' : 'pause');
+    set('pause', state.paused ? 'resume' : 'pause');
     const isOver = state.done || state.at_result;
     for (const id of ['pause', 'step']) surfit.byId(id).disabled = isOver;
     surfit.byId('stop').disabled = state.done;
@@ -45,7 +45,7 @@ surfit.Panel = class {
     surfit.byId('path-length').textContent = `${metres.toFixed(2)} m`;
   }
 
-  // Long enough to be read.
+  // Shows each advice for at least surfit.adviceMs.
   showAdvice(advice) {
     const now = performance.now();
     for (const { kind, text } of advice) this.advice.set(kind, { text, until: now + surfit.adviceMs });
@@ -65,7 +65,7 @@ surfit.Panel = class {
     link.className = `pill ${isBad ? 'bad' : 'plain'}`;
   }
 
-  // All at once, when all are ready.
+  // Replaces all pictures at the same time, after decoding.
   async showPictures(ids, blobs) {
     const ready = blobs.map((blob) => Object.assign(new Image(), { src: URL.createObjectURL(blob) }));
     await Promise.all(ready.map((image) => image.decode()));

@@ -1,12 +1,12 @@
 'use strict';
-surfit.slowMs = 150;  // longest time of a drawing before its resolution is reduced
+surfit.slowMs = 150;  // maximum rendering time; above this time the resolution is reduced
 
-// The map with path, camera and loops, drawn after changes. The whole map is in view until the user turns it.
+// Map with path, camera and loops, rendered after changes. The whole map is in view until the user turns it.
 surfit.LiveScene = class extends surfit.Scene {
   constructor(canvas) {
     super(canvas);
     this.pixelRatio = Math.min(window.devicePixelRatio, 2);
-    this.nextAt = 0;  // earliest time of the next drawing
+    this.nextAt = 0;  // earliest time of the next rendering
     this.scene = new THREE.Scene();
     this.map = new surfit.ShownMap();
     this.coloring = surfit.colorings.color;
@@ -19,7 +19,7 @@ surfit.LiveScene = class extends surfit.Scene {
       line.renderOrder = 1;
     }
     this.scene.add(this.discs, this.path, this.frustum, this.loops);
-    this.ups = new THREE.Vector3();  // sum over the poses
+    this.ups = new THREE.Vector3();  // sum of the up directions of all poses
     this.places = [];
     this.state = {};
     this.follows = false;
@@ -39,7 +39,7 @@ surfit.LiveScene = class extends surfit.Scene {
     this.lookAtAll(surfit.boundsOf(points, this.places), this.ahead || new THREE.Vector3(0, 0, 1), this.up());
   }
 
-  // Looks from behind and above the camera of the run. A view turned by the user keeps its place to that camera.
+  // View from behind and above the camera of the run. If the user turns the view, its offset to this camera is kept.
   lookFromCamera() {
     if (!this.place) return;
     const at = (x, y, z) => new THREE.Vector3(x, y, z).applyQuaternion(this.rotation).add(this.place);
@@ -70,7 +70,7 @@ surfit.LiveScene = class extends surfit.Scene {
     this.draw();
   }
 
-  // The path and the newest place, which the server may not have added to the path yet.
+  // Path and newest position, which the server may not have added to the path yet.
   showPath() { surfit.setPoints(this.path, [...this.places, ...(this.place ? [this.place] : [])]); }
 
   setState(state) {
@@ -94,7 +94,7 @@ surfit.LiveScene = class extends surfit.Scene {
     this.controls.update();
   }
 
-  // Draws at most half of the time: a browser may draw on the CPU.
+  // Renders for at most half of the time, because a browser may render on the CPU.
   draw() {
     if (this.waits) return;
     this.waits = true;
@@ -103,7 +103,8 @@ surfit.LiveScene = class extends surfit.Scene {
       const begin = performance.now();
       this.drawNow();
       const context = this.renderer.getContext();
-      context.readPixels(0, 0, 1, 1, context.RGBA, context.UNSIGNED_BYTE, new Uint8Array(4));  // waits for the drawing
+      // Waits for the end of rendering.
+      context.readPixels(0, 0, 1, 1, context.RGBA, context.UNSIGNED_BYTE, new Uint8Array(4));
       const end = performance.now();
       this.nextAt = end + (end - begin);
       if (end - begin > surfit.slowMs) this.pixelRatio = Math.max(0.7 * this.pixelRatio, 0.5);
@@ -116,7 +117,7 @@ surfit.LiveScene = class extends surfit.Scene {
     const { uniforms } = this.discs.material, { map_points: points = 1, shown = 1, dust = 0 } = this.state;
     uniforms.pixelsAtOneMetre.value = this.pixelsAtOneMetre(this.canvasSize().height);
     uniforms.metresPerRadius.value = 255 * surfit.metresPerRadius * surfit.growth({ points }, shown);
-    uniforms.leastConfidence.value = Math.max(dust, 1) - 0.5;  // 0: an empty slot
+    uniforms.leastConfidence.value = Math.max(dust, 1) - 0.5;  // 0: empty slot
     this.renderer.render(this.scene, this.camera);
   }
 };

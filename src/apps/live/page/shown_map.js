@@ -1,11 +1,11 @@
 'use strict';
-// The part of the map that the server sends: slots, most of which hold a surfel. Every answer of the server
-// brings changes (ShownRun::Map()): a round goes through all slots, and the next one asks for what has changed
-// since this one began.
+// Part of the map on this page: slots, most of which contain a surfel. Each answer of the server contains changes
+// (ShownRun::Map()). A round goes through all slots. The next round requests the changes since the start of this
+// round.
 surfit.headWords = 6;  // epoch, level, slots, version, next, count
 surfit.bytesPerSurfel = 16;
 surfit.metresPerRadius = 0.0005;
-// Types and numbers per slot.
+// Type and number of values per slot.
 surfit.slotArrays = { position: [Float32Array, 3], normal: [Int8Array, 4], color: [Uint8Array, 4],
   radius: [Uint8Array, 1], confidence: [Uint8Array, 1], shade: [Uint8Array, 4] };
 
@@ -16,7 +16,7 @@ surfit.ShownMap = class {
     this.forget();
   }
 
-  // Grows all arrays to so many slots.
+  // Grows all arrays to `slots` slots.
   reserve(slots) {
     for (const [name, [Type, items]] of Object.entries(surfit.slotArrays)) {
       const array = new Type(slots * items);
@@ -34,12 +34,12 @@ surfit.ShownMap = class {
     Object.assign(this, { epoch: 0, level: 0, slots: 0, since: 0, slot: 0, begun: 0 });
   }
 
-  // What to ask the server for.
+  // Parameters of the next request.
   query() {
     return `epoch=${this.epoch}&level=${this.level}&since=${this.since}&slot=${this.slot}`;
   }
 
-  // Keeps every other slot.
+  // Drops every second slot.
   halve() {
     const left = Math.ceil(this.slots / 2);
     for (const [name, [, items]] of Object.entries(surfit.slotArrays)) {
@@ -51,7 +51,7 @@ surfit.ShownMap = class {
     ++this.level;
   }
 
-  // Takes an answer; returns whether the round goes on.
+  // Applies an answer. Returns true if the round continues.
   take(buffer, coloring) {
     const [epoch, level, slots, version, next, count] = new Uint32Array(buffer, 0, surfit.headWords);
     if (epoch !== this.epoch) {
@@ -99,7 +99,7 @@ surfit.ShownMap = class {
 
   count() { return this.radius.subarray(0, this.slots).filter((radius) => radius > 0).length; }
 
-  // Places of about `most` surfels.
+  // Positions of about `most` surfels.
   places(most) {
     const step = Math.max(1, Math.floor(this.slots / most));
     const places = [];
@@ -110,6 +110,6 @@ surfit.ShownMap = class {
   }
 };
 
-// Confidence is a WeightByte, which is logarithmic: from dust to the most confident surfels.
+// The confidence is a WeightByte, which is logarithmic. The colours range from dust to confident surfels.
 surfit.liveColorings = { ...surfit.colorings,
   confidence: surfit.scaledColoring((map, i) => map.confidence[i], [150, 220]) };
