@@ -1,6 +1,6 @@
-// Optimises a generated pose graph, or the pose graph of a file, with Surfit and with Ceres as in
-// its examples: one residual block with autodiff per edge, and separate blocks for position and
-// quaternion. Prints costs and CPU time per iteration.
+// Optimises a generated pose graph, or the pose graph of a file, with Surfit and with Ceres.
+// Ceres is used as in its examples: one residual block with autodiff per edge, and separate blocks
+// for position and quaternion. Prints costs and CPU time per iteration.
 //
 //   pose_graph_time sphere|torus|grid SIZE [MAX_RATIO [ITERATIONS [REPEATS]]]
 //   pose_graph_time FILE.g2o

@@ -18,10 +18,10 @@ namespace {
 // the timestamps 0, 1, 2, 3. One corner of the estimate is lifted by `lift_m`.
 //
 // ATE by hand: the only error is the lift h along z at corner (1, 1). To first order in h, the best
-// rigid motion is the plane z = a + b x + c y that is fitted to (0, 0, h, 0) at the corners: a =
-// h/4, b = c = h/4. x and y change in second order only. The fit has 3 parameters for 4 values. The
-// remaining component is along (1, -1, 1, -1)/2: the error of every corner is h/4, so
-// rmse = mean = median = max = h/4.
+// rigid motion is the plane z = a + b x + c y that is fitted to (0, 0, h, 0) at the corners.
+// Its parameters are a = b = c = h/4. The coordinates x and y change in second order only. The fit
+// has 3 parameters for 4 values. The remaining component is along (1, -1, 1, -1)/2: the error of
+// every corner is h/4, so rmse = mean = median = max = h/4.
 std::vector<MatchedPose> SquareWithALiftedCorner(double lift_m) {
   const Eigen::Vector3d corners[] = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
   std::vector<MatchedPose> poses(4);
@@ -202,7 +202,7 @@ TEST(RelativePoseError, SupportsStepInPoses) {
 }
 
 // The ground truth is constant. The estimate rotates by 2 degrees per frame about its z axis and
-// moves by 0.1 m along its x axis: this is the error of each step, for any heading.
+// moves by 0.1 m along its x axis. This is the error of each step, for any heading.
 TEST(RelativePoseError, IsDriftPerFrame) {
   const double turn_rad = 2 * std::acos(-1) / 180;
   const Rigid3d step(QuaternionExp<double>({0, 0, turn_rad}), {0.1, 0, 0});
@@ -246,7 +246,7 @@ TEST(RelativePoseError, IsIndependentOfWorldFrames) {
 }
 
 // Timestamps 0, 1, 2, 5 with h = 0.3 at the third pose. Only poses 0 and 1 have a pose one second
-// later. For pose 2, the nearest is more than a tenth of a second away.
+// later. For pose 2, the nearest pose has a deviation of more than a tenth of a second.
 TEST(RelativePoseError, SupportsStepInSeconds) {
   auto poses = SquareWithALiftedCorner(0.3);
   poses[3].stamp_s = 5;

@@ -46,9 +46,9 @@ VectorImage Normals(const Image<float>& depth_m, const PinholeCamera& camera,
 }
 
 // Error of a normal. Inverse depth has two roundings, and a slope at most the same error, because
-// it is one or more symmetric differences. So the error of the vector (f r_u, f r_v, ...) is at
-// most sqrt(2) f, plus the same in its third component: at most 3 f, because |u - cx| < f. The
-// length of the vector is at least r / |ray|.
+// it is one or more symmetric differences. The error of the vector (f r_u, f r_v, ...) is at most
+// sqrt(2) f, plus the same in its third component. The sum is at most 3 f, because |u - cx| < f.
+// The length of the vector is at least r / |ray|.
 double NormalTolerance(const PinholeCamera& camera) {
   return 3 * camera.fx * 2 * kFloatRounding * kLongestRay;
 }

@@ -69,8 +69,8 @@ RgbdCamera TwoCameras() {
   return camera;
 }
 
-// Red is the column and green the row of a pixel. Bilinear interpolation of these ramps is exact,
-// except for the tap (1/512) and the rounding (1/2).
+// The red value is the column of a pixel, and the green value is the row. Bilinear interpolation of
+// these ramps is exact, except for the tap (1/512) and the rounding (1/2).
 constexpr double kColorTolerance = 0.503;
 
 Image<Rgb8> Ramps(const PinholeCamera& camera) {

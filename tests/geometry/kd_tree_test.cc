@@ -30,8 +30,8 @@ Points GridPoints(int count, int seed) {
   return points;
 }
 
-// Index of the nearest point, in the arithmetic of the tree. Of equal distances, the first point.
-// -1: no point within the bound.
+// Index of the nearest point, in the arithmetic of the tree. Returns the first of several nearest
+// points. -1: no point within the bound.
 int BruteForceNearest(const Points& points, const Eigen::Vector3f& q, float bound) {
   int nearest = -1;
   for (std::size_t i = 0; i < points.size(); ++i) {

@@ -15,7 +15,8 @@ namespace {
 PinholeCamera ColorCamera() { return {120, 90, 100, 100, 59.5, 44.5, {}}; }
 const Eigen::Vector3f kTowards = {0, 0, -1};
 
-// Red is twice the column, and green twice the row: a colour determines a pixel to half a pixel.
+// The red value is twice the column, and the green value is twice the row. So a colour determines a
+// position to half a pixel.
 RgbdFrame PlaceFrame() {
   RgbdFrame frame = BlankFrame(ColorCamera(), 0).frame;
   for (const auto [u, v] : PixelsOf(frame.color)) {

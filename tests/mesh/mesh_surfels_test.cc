@@ -125,7 +125,7 @@ TEST(MeshSurfels, MakesClosedSphereFromExactSurfels) {
 }
 
 // The mesh has less than half of the noise of 2 mm and of 0.1 per axis of normals. An average over
-// 20 surfels would leave a quarter. The curvature of the sphere adds the rest.
+// 20 surfels would leave a quarter. The curvature of the sphere causes the remaining error.
 TEST(MeshSurfels, HalvesNoiseOfSphere) {
   const float noise_m = 0.002f, tilt = 0.1f;
   const TriangleMesh mesh = Mesh(Sphere(noise_m, tilt));

@@ -16,8 +16,8 @@ struct RandomProblem {
   JointState state;
 };
 
-// Adds texture observations to all keyframes of the surfel except the first. Intensities change by
-// about one sigma per px. Taps are a few tenths of a pixel from the projected points.
+// Adds texture observations to all keyframes of the surfel except the first keyframe. Intensities
+// change by about one sigma per px. Taps are a few tenths of a pixel from the projected points.
 inline void AddTexture(double noise_sigmas, std::mt19937_64* random, SharedSurfel* surfel,
                        RandomProblem* problem) {
   constexpr float kInverseSigma = 5;

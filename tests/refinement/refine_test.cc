@@ -110,8 +110,8 @@ struct Wall {
   }
 };
 
-// All keyframes except the first have an initial error of 12 mm (0.8 px). The exposure increases
-// from keyframe to keyframe.
+// All keyframes except the first keyframe have an initial error of 12 mm (0.8 px). The exposure
+// increases from keyframe to keyframe.
 Wall MakeWall() {
   Wall wall;
   for (int k = 0; k < 5; ++k) {

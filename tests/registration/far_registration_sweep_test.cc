@@ -49,8 +49,8 @@ struct Outcome {
   }
 };
 
-// Ratio of source points that are visible in the target: their distance to the target surface is
-// within kFreeSpaceSigmas of the depth noise of both views.
+// Ratio of source points that are visible in the target. A point is visible if its distance to the
+// target surface is within kFreeSpaceSigmas of the depth noise of both views.
 double TrueOverlap(const FrameLevel& source, const FrameLevel& target,
                    const Rigid3d& target_from_source) {
   const ErrorModel error_model;

@@ -170,7 +170,7 @@ TEST(Observe, IgnoresSpuriousInformationOfNormalNoise) {
   EXPECT_GT(trusted(5, 5), 0.95 * system.hessian(5, 5));
   EXPECT_THAT(kScale * TrustedInformation(held, 1),
               VectorNear(held.hessian, 0.05 * held.hessian.norm()));
-  // Along x all information is spurious: the mean of 20,000 values with a relative spread of 2 has
+  // All information along x is spurious: the mean of 20,000 values with a relative spread of 2 has
   // an error of 1 %.
   EXPECT_NEAR(system.FeignedInformation()(3, 3), system.hessian(3, 3),
               5 * 0.01 * system.hessian(3, 3));

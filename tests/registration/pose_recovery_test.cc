@@ -1,6 +1,5 @@
 // Pose test of BAD SLAM: three exact planes, with perturbations of every degree of freedom in both
-// directions. Points within 2.5 m and poses are rounded to float, and p' = R p + t has three more
-// roundings. In the worst case, the common error of all p' is 5 * 2^-24 * 2.5 m = 7e-7 m.
+// directions.
 #include <gtest/gtest.h>
 
 #include "registration/three_planes.h"
@@ -12,8 +11,8 @@
 namespace surfit::testing {
 namespace {
 
-// Points within 2.5 m and poses are rounded to float, p' = R p + t with three roundings more: each
-// p' is off by 5 * 2^-24 * 2.5 m = 7e-7 m at most, all in the same way at worst.
+// Points within 2.5 m and poses are rounded to float, and p' = R p + t has three more roundings. In
+// the worst case, the common error of all p' is 5 * 2^-24 * 2.5 m = 7e-7 m.
 constexpr double kExactToM = 1e-6;
 constexpr double kExactToRad = 1e-6;
 

@@ -7,8 +7,8 @@
 
 namespace surfit::testing {
 
-// Correspondences as in a room: points in a cube of 2 m around `center`, residuals of `noise_m`,
-// random normals with small differences, information of 1 to 3 per m^2.
+// Correspondences as in a room: points in a cube of 2 m around `center`, residuals of `noise_m` and
+// information of 1 to 3 per m^2. Normals are random, and differ slightly between source and target.
 inline Correspondences RandomCorrespondences(int count, double noise_m, std::mt19937_64* rng,
                                              const Eigen::Vector3d& center = {0, 0, 3}) {
   Correspondences pairs;

@@ -54,9 +54,9 @@ TEST(RegisterClouds, RecoversEachDegreeOfFreedom) {
   }
 }
 
-// A wall of N = 10,000 points with an RMS distance of 0.41 m to its centre constrains two rotations
-// to sqrt(2) sigma / (0.41 sqrt(N)) = 7e-5 rad, with the noise of both clouds. 4 sigma of three
-// rotations is 4.8e-4 rad, and 1.1 mm at the origin, 2.3 m away.
+// A wall has N = 10,000 points with an RMS distance of 0.41 m to its centre. It constrains two
+// rotations to sqrt(2) sigma / (0.41 sqrt(N)) = 7e-5 rad, with the noise of both clouds. 4 sigma of
+// three rotations is 4.8e-4 rad, and 1.1 mm at the origin, 2.3 m away.
 TEST(RegisterClouds, FindsMotionOfNoisyClouds) {
   std::mt19937_64 rng(5);
   for (int i = 0; i < 3; ++i) {

@@ -139,8 +139,9 @@ struct CornerViews {
   }
 };
 
-// A term of a gradient in single precision has a relative rounding error of 1e-7, and the sum over
-// 1e4 points 1e-9 of the absolute terms. Weakly constrained directions amplify the error.
+// A term of a gradient in single precision has a relative rounding error of 1e-7. The sum over 1e4
+// points has an error of 1e-9 of the absolute terms. Weakly constrained directions amplify the
+// error.
 constexpr double kTolerance = 1e-7;
 
 class CeresSolvers : public ::testing::TestWithParam<std::string> {

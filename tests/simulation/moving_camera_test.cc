@@ -42,11 +42,12 @@ TEST(SmoothPath, ReproducesItsPosesExactly) {
   }
 }
 
-// The error of a cubic spline is at most 5/384 h^4 times the fourth derivative (Hall and Meyer
-// 1976), if the second derivatives at its ends are correct. This holds for positions. The error of
-// wrong end conditions decreases by a factor of 3.7 per pose and is zero after fifteen poses. With
-// the half angle b = kAngle / 2 times the sine, the fourth derivative of the quaternions is at most
-// kOmega^4 (b + 7 b^2 + 6 b^3 + b^4). The angle error is twice the quaternion error.
+// A cubic spline has an error of at most 5/384 h^4 times the fourth derivative (Hall and Meyer
+// 1976). The bound requires correct second derivatives at its ends, which holds for positions. The
+// error of wrong end conditions decreases by a factor of 3.7 per pose and is zero after fifteen
+// poses. With the half angle b = kAngle / 2 times the sine, the fourth derivative of the
+// quaternions is at most kOmega^4 (b + 7 b^2 + 6 b^3 + b^4). The angle error is twice the
+// quaternion error.
 TEST(SmoothPath, HasErrorOfCubicSpline) {
   const SmoothPath path(Swing());
   const double spline = 5. / 384 * std::pow(kFrame_s * kOmega, 4), b = kAngle / 2;
@@ -130,7 +131,7 @@ TEST_F(MovingCameraTest, RendersEachRowAtItsCaptureTime) {
 }
 
 // The camera rotates by 0.5 to 1.5 degrees per frame. Half of the rows are captured more than a
-// quarter of a frame from the middle: their pixels are displaced by 262 px * 0.0087 / 4 = 0.6 px or
+// quarter of a frame from the middle. Their pixels are displaced by 262 px * 0.0087 / 4 = 0.6 px or
 // more, up to six times as much. The correction to the nearest pixel leaves at most 0.5 px, and
 // 0.25 px on average.
 TEST_F(MovingCameraTest, IsInvertedByReadoutCorrection) {

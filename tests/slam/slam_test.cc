@@ -42,8 +42,8 @@ void ExpectAllTracked(const SlamRun& run) {
   }
 }
 
-// With exact depth, the error is far below half a pixel. Edges and curved surfaces cause the rest
-// of the error.
+// With exact depth, the error is far below half a pixel. Edges and curved surfaces cause the
+// remaining error.
 TEST(Slam, TracksIdealSensorWithinHalfPixel) {
   ExpectAllTracked(IdealRun());
   const PoseErrors errors = ErrorsOf(IdealRun(), IdealRoom().world_from_camera);

@@ -1,5 +1,5 @@
-// Compares point-to-plane ICP with nearest neighbours in Surfit, PCL and Open3D, as far as they
-// were found at configure time.
+// Compares point-to-plane ICP with nearest neighbours in Surfit, PCL and Open3D.
+// Only libraries that were found at configure time are included.
 //
 //   registration_peers [folder of sequences] [repetitions]
 //

@@ -1,5 +1,6 @@
 // Compares SLAM of Surfit with RGB-D odometry of OpenCV (RgbdICPOdometry) and Open3D, and with
-// dense SLAM of Open3D, as far as they were found at configure time.
+// dense SLAM of Open3D.
+// Only systems that were found at configure time are included.
 //
 //   slam_peers [sequence] [frames]
 //
