@@ -135,7 +135,7 @@ class RulesTest(unittest.TestCase):
 
     def test_accepts_25_words_and_flags_26(self):
         text = " ".join(["The"] + ["frame"] * 24)
-        self.assertNotIn("long", broken_rules(text + " 12 + 0.5."))
+        self.assertNotIn("long", broken_rules(text + " 12 + 0.5 * x^2 n . R."))
         self.assertIn("long", broken_rules(text + " frame."))
 
     def test_accepts_pronoun_after_another_sentence(self):
@@ -195,16 +195,38 @@ class ReadersTest(FolderTest):
         self.assertEqual(self.read("a.cc", text), [])
 
     def test_reads_help_texts_of_flags(self):
-        text = 'v.Add(a, "name", Range(1, 2),\n      "number of threads "\n      "of the solver");\nLog("no help text, I think");\n'
+        text = (
+            'v.Add(a, "name", Range(1, 2),\n      "number of threads "\n      "of the solver");\n'
+            'Log("no help text, I think");\n'
+        )
         self.assertEqual(self.read("a.cc", text), [(2, 3, "number of threads of the solver")])
 
     def test_reads_help_text_after_a_lambda(self):
-        text = 'm.def("f", [](int a) { return Text("not a help text (at all)"); }, "Returns the number of frames.");\n'
+        text = (
+            'm.def("f", [](int a) { return Text("not a help text (at all)"); },'
+            ' "Returns the number of frames.");\n'
+        )
         self.assertEqual(self.read("a.cc", text), [(1, 1, "Returns the number of frames.")])
 
     def test_skips_code_and_licences(self):
         text = "// Copyright of all of the authors.\n\n// for (int i = 0; i < 3; ++i) {\n//   a(b, c);\n// }\n"
         self.assertEqual(self.read("a.cc", text), [])
+
+    def test_skips_indented_code_but_not_list_items(self):
+        text = (
+            "// Prints the errors of a run:\n//   print_errors the folder of the run\n"
+            "// - errors of all\n//   poses of the run\n"
+        )
+        expected = [(1, 1, "Prints the errors of a run:"), (3, 4, "errors of all poses of the run")]
+        self.assertEqual(self.read("a.cc", text), expected)
+
+    def test_skips_indented_code_in_docstrings(self):
+        text = (
+            'def f():\n    """Prints the errors of a run.\n\n        f(the folder of a run)\n\n'
+            '    Returns the number of errors.\n    """\n'
+        )
+        expected = [(2, 2, "Prints the errors of a run."), (6, 6, "Returns the number of errors.")]
+        self.assertEqual(self.read("a.py", text), expected)
 
     def test_separates_list_items(self):
         text = "// - depth image in metres, float\n// - colour image with three channels\n"

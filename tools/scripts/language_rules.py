@@ -131,7 +131,7 @@ ADVICE = {
     "long": f"split sentences of more than {MAX_WORDS} words",
 }
 CODE = re.compile(r"`[^`]*`|https?://\S+")
-COUNTED_WORD = re.compile(r"(?<!\S)\S*[A-Za-z]\S*")  # without numbers and operators
+COUNTED_WORD = re.compile(r"(?<!\S)[\"'(\[]*(?:[a-z][a-z'_-]+|a|`code`)[\"')\].,;:!?]*(?!\S)", re.I)  # no formulas
 
 
 def broken_rules(text, follows=False):

@@ -3,6 +3,7 @@
 import ast
 import collections
 import re
+import textwrap
 
 MIN_WORDS = 4
 
@@ -24,13 +25,23 @@ def is_prose(text):
     return 2 * letters >= len("".join(text.split()))
 
 
+def indentation(text):
+    return len(text) - len(text.lstrip())
+
+
 def split_passages(lines):
-    """Splits a block, a list of (line, text), at blank lines, list items and lines of code."""
-    passage = []
+    """Splits a block, a list of (line, text), at blank lines, list items and lines of code.
+
+    Lines that are indented by two or more blanks are code, except continuations of list items.
+    """
+    margin = min((indentation(text) for _, text in lines if text.strip()), default=0)
+    passage, is_item = [], False
     for line, text in lines:
         bullet = BULLET.match(text)
         stripped = text[bullet.end() :].strip() if bullet else text.strip()
-        is_code = stripped[-1:] in ("{", "}", ";") and len(PLAIN_WORD.findall(stripped)) < MIN_WORDS
+        is_item = bool(bullet or is_item and passage)
+        is_code = indentation(text) > margin + 1 and not is_item
+        is_code |= stripped[-1:] in ("{", "}", ";") and len(PLAIN_WORD.findall(stripped)) < MIN_WORDS
         is_text = stripped and not is_code and not NOT_PROSE.match(stripped)
         if passage and (bullet or not is_text):
             yield passage
@@ -158,7 +169,9 @@ def python_blocks(source):
         elif isinstance(node, ast.keyword) and node.arg in ("help", "description", "epilog"):
             literal = node.value
         if isinstance(literal, ast.Constant) and isinstance(literal.value, str):
-            blocks.append(list(enumerate(literal.value.split("\n"), literal.lineno)))
+            first, *others = literal.value.split("\n")
+            others = textwrap.dedent("\n".join(others)).split("\n") if others else []
+            blocks.append(list(enumerate([first.lstrip(), *others], literal.lineno)))
     return blocks
 
 
@@ -200,8 +213,8 @@ def markdown_blocks(source):
         if is_fence or is_fenced or was_code or was_blank or row.lstrip().startswith(("#", "<", "![")):
             lines.append((line, ""))
             continue
-        row = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", row)
-        if not row.lstrip().startswith("|"):
+        row = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", row.strip())
+        if not row.startswith("|"):
             lines.append((line, row))
             continue
         for cell in re.split(r"(?<!\\)\|", row):
