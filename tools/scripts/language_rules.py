@@ -15,6 +15,10 @@ PREP = (
     "|beyond|against|into)"
 )
 PRONOUN = "(?:it|them|ones?|none|this|that|these|those|both|some|others?|two|most|few|more|less|each|any|all)"
+PRONOUNS = (
+    "it its they them their one ones none this that these those both some other others two most few more less each"
+    " any all neither rest"
+)
 DEMONSTRATIVE = "(?:These|Those|Both|Others?|Some|That|Neither)"
 STOP = "(?:[.,;:)]|$)"
 
@@ -84,7 +88,7 @@ RULES = [
          rf"\bas \w+ (?:{AUX}|says?|takes?|tells?|gives?|comes?|stands?|made|saw|sees|found)"
          rf"(?: (?:it|them|that|so|now|there))?(?:{STOP}| (?:in|on|at|by)\b)|^As (?:if|\w+ \w+ (?:it|them))\b",
          "write a separate sentence"),
-    rule("pronoun-first", 2, "",
+    rule("pronoun-first", 2, PRONOUNS,
          rf"^{DEMONSTRATIVE}(?:,|$| (?:{AUX}|of|to)\b)|^(?:[Ii]t|[Tt]hey|[Ii]ts|[Tt]heir)\b"
          r"|^[Tt]he (?:others?|rest)\b",
          "begin with the noun"),
@@ -103,7 +107,7 @@ RULES = [
          r"|\bheld (?:poorly|loosely|least)\b|\b(?:leaves?|left) (?:\w+ )?(?:free|open)\b"
          r"|\bthe way (?:of|between|over)\b",
          "write the term of the field"),
-    rule("bare-pronoun", 1, "",
+    rule("bare-pronoun", 1, PRONOUNS,
          rf"(?i:\b{PREP}) {PRONOUN}(?:{STOP}| (?:is|are|has|have)\b)|\b(?:those|that|these) of\b",
          "repeat the noun"),
     rule("as-given", 1, "as", r"\bas (?:it|they|given|if|far|read|measured|kept)\b", "name the value"),
