@@ -105,7 +105,6 @@ void Print(const std::string& name, const TimeStatistics& times) {
               times.median_ms, times.p95_ms);
 }
 
-// Multiple of one run.
 double Measure(const SlamRunOptions& options) {
   const SlamRunSummary summary = RunSlam(options, std::atomic<bool>(false), [](const auto&) {});
   const ThreadLimit threads(options.threads);

@@ -24,7 +24,6 @@ class CpuTimer {
   std::clock_t begin_;
 };
 
-// Data per frame for the evaluation of loops.
 struct EvaluatedFrame {
   int index;
   int keyframe;  // index of the keyframe

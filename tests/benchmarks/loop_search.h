@@ -13,7 +13,6 @@
 
 namespace surfit::testing {
 
-// Input and options of a loop search.
 struct LoopSearchOptions {
   SequenceOptions sequence;
   std::string
@@ -42,7 +41,6 @@ struct FoundLoop {
   bool disputed = false;  // wrong, but the surfaces fit better than at the true pose
 };
 
-// Comparison of the loops with the ground truth.
 struct LoopEvaluation {
   int revisiting = 0;  // frames that return to a place
   int linked = 0;      // revisiting frames with an accepted loop to a frame before `revisit_gap`

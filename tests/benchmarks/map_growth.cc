@@ -30,7 +30,6 @@ constexpr int kWarmUps = 5;
 constexpr const char* kCsv = "map_growth.csv";
 constexpr const char* kPicture = "map_growth.png";
 
-// Measurement at one size of the map.
 struct Growth {
   std::vector<double> surfels, frame_ms, rss_bytes;
 };

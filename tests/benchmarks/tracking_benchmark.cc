@@ -13,7 +13,6 @@ namespace {
 
 PinholeCamera FullCamera() { return {640, 480, 525, 525, 319.5, 239.5, {}}; }
 
-// Depth of the default room at full resolution.
 const Image<float>& RoomDepth() {
   static const Image<float> depth_m = [] {
     const Scene scene = MakeScene("room");

@@ -20,7 +20,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Returns the threads that run the blocks of a loop.
 std::set<std::thread::id> ThreadsOfLoop() {
   std::set<std::thread::id> ids;  // no lock: the blocks run one after another
   ParallelFor(0, 64, 1, [&](int, int) {

@@ -156,7 +156,6 @@ TYPED_TEST(PoseRecovery, RecoversEachDegreeOfFreedom) {
   }
 }
 
-// With noise, the minimum does not depend on the parameterisation.
 TYPED_TEST(PoseRecovery, ReachesSameMinimumWithAllParameterisations) {
   const Rigid3d truth(QuaternionExp<double>({0.2, -0.1, 0.3}), {0.1, 0.2, -0.1});
   const auto functors = RandomFunctors<TypeParam>(200, truth, 0.02, 8);
@@ -199,7 +198,6 @@ TEST(Dual, AgreesWithCeresJets) {
   }
 }
 
-// The results are bitwise identical for all instruction sets.
 TEST(Instructions, GiveBitwiseIdenticalResults) {
   const auto compute = [](auto instructions, float* results) {
     using V = Lanes<float, decltype(instructions)>;

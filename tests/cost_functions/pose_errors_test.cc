@@ -108,7 +108,6 @@ Evaluation Evaluate(const ceres::CostFunction& cost, const Rigid3d& a, const Rig
   return e;
 }
 
-// Compares at an error of `size`, in rad and m.
 void ExpectAutodiffAgrees(double size, std::mt19937_64* rng) {
   const Rigid3d a = RandomPose(1, 5, rng), a_from_b = RandomPose(1, 2, rng);
   const Rigid3d b = a * RandomPose(size, size, rng) * a_from_b;

@@ -63,7 +63,6 @@ std::vector<Functor> RandomFunctors(int count, const Rigid3d& target_from_source
   return functors;
 }
 
-// Functor without data, for batches.
 template <typename Functor>
 Functor Definition() {
   return Functor();
@@ -101,7 +100,6 @@ ceres::CostFunction* PerPointCost(const Functor& functor) {
       new Functor(functor));
 }
 
-// Solves for the pose with one residual block per point.
 template <typename Functor>
 Rigid3d SolvePerPoint(const std::vector<Functor>& functors, const Rigid3d& initial,
                       ceres::Manifold* manifold) {

@@ -31,7 +31,6 @@ Eigen::Matrix<double, kPoseSize, 6, Eigen::RowMajor> PlusJacobian(const PoseBloc
   return plus;
 }
 
-// Expansion per point, with Jets.
 template <typename Functor>
 Expansion PerPoint(const std::vector<Functor>& functors, const PoseBlock& pose,
                    const RobustKernel& kernel) {

@@ -32,7 +32,6 @@ TEST(TimeOffset, RecoversTimestampDelay) {
     EXPECT_NEAR(found->offset_s, -late_s, 2e-4);
     EXPECT_LT(found->ate.translation_m.rmse, kInterpolation_m);
     EXPECT_GT(plain_m, 10 * kInterpolation_m);
-    // Evaluation with the found offset gives the same ATE.
     EXPECT_EQ(EvaluateTimeOffset(truth, estimate, found->offset_s, {})->ate.translation_m.rmse,
               found->ate.translation_m.rmse);
   }

@@ -27,7 +27,6 @@ TEST(VertexMap, VerticesAreOnRaysOfTheirPixels) {
     // (u - cx) / fx < 1: cx, the difference, 1 / fx and two products are rounded.
     const Eigen::Vector3d point = vertex(u, v).cast<double>();
     EXPECT_LT((point - z * camera.Ray(u, v)).norm(), 6 * kFloatRounding * z);
-    // The projection of the point is its pixel.
     const Eigen::Vector2d pixel = camera.Project(point);
     EXPECT_LT((pixel - Eigen::Vector2d(u, v)).norm(), 6 * kFloatRounding * camera.fx);
   }
@@ -85,7 +84,6 @@ TEST(NormalMap, IsZeroOnSteepSurface) {
   }
 }
 
-// Rough surface with steps and holes.
 Image<float> RoughDepth(const PinholeCamera& camera) {
   std::mt19937_64 rng(5);
   std::normal_distribution<double> noise(0, 0.001);

@@ -172,7 +172,6 @@ TEST(BuildPyramid, KeepsPlanesExactOnEveryLevel) {
     for (const auto [u, v] : Pixels(1, expected.width - 1, 1, expected.height - 1)) {
       const Eigen::Vector3d x = level.vertex(u, v).cast<double>();
       const double z = 1 / plane.InverseDepth(expected.Ray(u, v));
-      // Eight roundings per level.
       const double tolerance = kMeanTolerance * static_cast<double>(i + 1);
       ASSERT_THAT(x, VectorNear(z * expected.Ray(u, v), tolerance * x.norm()));
       // Mean of normals of the finest level (normal_map_test.cc).

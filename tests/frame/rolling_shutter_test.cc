@@ -30,13 +30,11 @@ double DepthAt(const Rigid3d& world_from_camera, const Eigen::Vector3d& ray) {
   return depth;
 }
 
-// Pose of a constant motion after `seconds`.
 Rigid3d PoseAfter(double seconds) {
   return Rigid3d(QuaternionExp<double>(seconds * kMotion.turn_rad_per_s),
                  seconds * kMotion.velocity_m_per_s);
 }
 
-// Frame with rows captured over `readout_s`.
 RgbdFrame FrameOf(double readout_s) {
   RgbdFrame frame;
   frame.depth_m = Image<float>(kWidth, kHeight);

@@ -25,12 +25,10 @@ constexpr int kWidth = 32, kHeight = 24;
 
 void Nothing(const TempFolder&) {}
 
-// Camera file of a .klg file.
 void Camera(const TempFolder& folder) { folder.Write("file.klg.yaml", SmallCameraYaml()); }
 
 void TumFolder(const TempFolder& folder) { WriteTumSequence(folder, 2); }
 
-// TUM folder with lists of missing colour images.
 void TumFolderWithoutColor(const TempFolder& folder) {
   TumFolder(folder);
   std::filesystem::rename(folder / "rgb", folder / "elsewhere");
@@ -103,7 +101,6 @@ void ReadSequenceOf(const std::string& path, const char* format) {
   ReadAll(OpenSequence(options).get());
 }
 
-// Flags of surfit_slam.
 struct SlamFlags {
   SlamRunOptions usual, options;
   tools::Flags flags{TableOf(&options)};

@@ -23,7 +23,6 @@ class Rigid3Test : public ::testing::Test {
   using Vector3 = Eigen::Matrix<Scalar, 3, 1>;
   using Vector6 = Eigen::Matrix<Scalar, 6, 1>;
 
-  // A few rounding errors of values near 10.
   static constexpr Scalar kTolerance = 100 * std::numeric_limits<Scalar>::epsilon();
 
   Vector3 RandomVector(Scalar size) {

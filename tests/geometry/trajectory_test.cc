@@ -18,7 +18,6 @@ Rigid3d Pose(double turn_rad, double x_m) {
   return Rigid3d(QuaternionExp<double>({0, turn_rad, 0}), {x_m, 0, 0});
 }
 
-// Gaps of 0.1 s and 1 s.
 const Trajectory kTrajectory = {{1.0, Pose(0, 0)}, {1.1, Pose(0.4, 2)}, {2.1, Pose(1, 5)}};
 
 TEST(InterpolatePose, IsLinearBetweenNearPoses) {

@@ -5,7 +5,6 @@
 namespace surfit::testing {
 namespace {
 
-// Value i of record k.
 float NumberAt(int k, int i) { return static_cast<float>(10 * k + i); }
 
 TEST(EightRecords, LoadTransposesAndStoreReversesIt) {

@@ -40,7 +40,6 @@ TEST(FusionDormancy, CountsFusedFramesOnly) {
   }
 }
 
-// A wall, then empty frames, then the wall again.
 TEST(FusionActiveFrames, MapsInactiveSurfacesAgain) {
   for (const int active_frames : {0, 3, 4}) {
     FusionOptions options;
@@ -88,7 +87,6 @@ TEST(FusionFreeSpace, RemovesStableSurfelsInFreeSpace) {
   }
 }
 
-// Surfels within one pixel of the missing depth are kept.
 TEST(FusionFreeSpace, KeepsSurfelsNextToMissingDepth) {
   FloatingPatch patch(1);
   patch.f.frame.depth_m(32, 24) = 0;

@@ -91,7 +91,6 @@ Coverage CheckView(const SurfelMap& map, const ModelView& view, const RenderOpti
         if (!disc.Covers()) continue;
         EXPECT_FALSE(disc.CertainlyHides(discs[drawn])) << u << " " << v;
         if (!disc.IsCertainlyCloserToTheRay(discs[drawn])) continue;
-        // A closer disc must be hidden.
         EXPECT_TRUE(std::any_of(
             discs.begin(), discs.end(),
             [&](const DiscAtPixel& other) { return other.MayCover() && other.MayHide(disc); }))

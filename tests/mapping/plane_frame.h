@@ -13,7 +13,6 @@
 
 namespace surfit::testing {
 
-// Frame with exact vertex and normal maps.
 struct FrameWithSurface {
   RgbdFrame frame;
   FrameLevel surface;
@@ -26,7 +25,6 @@ inline void SetPixel(int u, int v, double depth_m, const Eigen::Vector3d& normal
   f->surface.normal.Set(u, v, normal_in_camera.cast<float>());
 }
 
-// Frame without measurements.
 inline FrameWithSurface BlankFrame(const PinholeCamera& camera, int index) {
   const int width = camera.width, height = camera.height;
   FrameWithSurface f;

@@ -9,7 +9,6 @@
 
 namespace surfit::testing {
 
-// All values of a surfel, for comparison and sorting.
 inline auto AsTuple(const Surfel& s) {
   const auto& p = s.position_in_world;
   const auto& n = s.normal_in_world;

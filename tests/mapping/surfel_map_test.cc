@@ -126,7 +126,6 @@ TEST(RemoveMarked, KeepsFractionsOfColors) {
   EXPECT_EQ(StoredColor(map, 0), last);
 }
 
-// The memory of removed surfels is reused.
 TEST(RemoveMarked, ReusesMemory) {
   std::mt19937_64 rng(8);
   SurfelMap map;

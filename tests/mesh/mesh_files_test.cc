@@ -18,7 +18,6 @@ namespace {
 
 using ::testing::ElementsAre;
 
-// Two triangles of a square.
 TriangleMesh Square() {
   TriangleMesh mesh;
   mesh.vertices = {{0, 0, 1}, {0.5f, 0, 1}, {0.5f, 0.25f, 1}, {0, 0.25f, 1}};

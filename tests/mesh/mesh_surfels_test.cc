@@ -174,7 +174,6 @@ TEST(MeshSurfels, IsTheSameAtAnyNumberOfThreads) {
   }
 }
 
-// A patch of 5 cm next to the plane.
 TEST(MeshSurfels, CountsRemovedPieces) {
   PointCloud cloud = TornPlane(0, 0, 0);
   NoisySurfels loose(0, 0);

@@ -80,7 +80,6 @@ std::vector<TextureFrame> FourNearAndOneFar() {
   return frames;
 }
 
-// Bilinear interpolation, as in mesh viewers.
 Rgb8 PixelAt(const Image<Rgb8>& image, const Eigen::Vector2f& place) {
   const float u = place.x() * static_cast<float>(image.width()) - 0.5f;
   const float v = place.y() * static_cast<float>(image.height()) - 0.5f;
@@ -95,7 +94,6 @@ Rgb8 PixelAt(const Image<Rgb8>& image, const Eigen::Vector2f& place) {
   return {mix(&Rgb8::r), mix(&Rgb8::g), mix(&Rgb8::b)};
 }
 
-// Centre of a triangle, and the texture at the centre.
 Eigen::Vector3f MiddleOf(const TriangleMesh& mesh, std::size_t i) {
   const TriangleMesh::Triangle& t = mesh.triangles[i];
   return (mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]) / 3;

@@ -200,7 +200,6 @@ TEST(OptimizePoseGraph, FinalCostIsChiSquareOfNoise) {
 TEST(OptimizePoseGraph, FixesOnePosePerComponentWithoutFixedPose) {
   TrueGraph sphere = MakeSphere(6, 12);
   PoseGraph graph = sphere.graph;
-  // Second component: a copy of the graph with other ids.
   const std::size_t count = graph.poses.size();
   for (const PoseGraphPose& pose : sphere.graph.poses) {
     graph.poses.push_back(pose);

@@ -106,7 +106,6 @@ FrameLevel WallAt(float depth_m) {
       .levels.front();
 }
 
-// Keyframe at the origin with a wall at 2 m.
 Keyframe KeyframeAtOrigin() {
   return {100, 0, Rigid3d(), MakePlaceView({{WallAt(2)}}, {}, PlaceViewOptions())};
 }

@@ -15,7 +15,6 @@ namespace surfit::testing {
 
 inline PinholeCamera PlaceCamera() { return {320, 240, 262, 262, 159.5, 119.5, {}}; }
 
-// Frame of a Kinect-like camera at a pose.
 inline RgbdFrame SeenFrom(const Scene& scene, const Rigid3d& world_from_camera, int index = 0) {
   RgbdFrame frame = RenderFrame(scene, PlaceCamera(), world_from_camera, index, index / 30.);
   frame.depth_m = KinectDepth(frame.depth_m, PlaceCamera(), 100 + index);

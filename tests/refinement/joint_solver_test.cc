@@ -20,7 +20,6 @@ namespace {
 
 constexpr int kPoses = 12, kSurfels = 600;
 
-// Minimum cost, computed by Ceres.
 double CeresCost(const RandomProblem& problem) {
   using Plane = ceres::AutoDiffCostFunction<PlaneInverseDepth, 1, kPoseSize, kCalibrationSize, 1>;
   using Texture = ceres::AutoDiffCostFunction<SurfelTexture, 2, kPoseSize, kCalibrationSize, 1, 2>;

@@ -55,7 +55,6 @@ JointPrior GivenPrior(const RandomProblem& problem, const RefinementOptions& opt
 constexpr JointKernels kFixedKernels = {{RobustKernelType::kGemanMcClure, 6},
                                         {RobustKernelType::kHuber, 3}};
 
-// Cost at the poses and the calibration.
 double CostOf(const RandomProblem& problem, const JointPrior& prior) {
   return (FitOf(problem.shared, problem.state, kFixedKernels).rho + prior.Rho(problem.state)) / 2;
 }

@@ -236,7 +236,6 @@ TEST(Refine, KeepsCorrectCalibrationAndPosesWithinStandardDeviations) {
   EXPECT_TRUE(summary.calibration_kept);
   EXPECT_EQ(summary.calibration.camera.fx, TrueCamera().fx);
   EXPECT_TRUE(summary.calibration.field.IsZero());
-  // Upper bounds of the standard deviations.
   const double most[] = {0.005 * TrueCamera().fx, 0.005 * TrueCamera().fy, 0.005 * TrueCamera().fx,
                          0.005 * TrueCamera().fy, 0.001};
   for (int i = 0; i < 5; ++i) {

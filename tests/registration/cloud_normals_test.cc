@@ -87,7 +87,6 @@ TEST(CloudNormals, AreMissingForNoiseWithoutGrowth) {
             0.9 * points.size());
 }
 
-// Two walls at a right angle along y.
 TEST(CloudNormals, AreOfOneWallOrMissingAtEdge) {
   const double half_pi = M_PI / 2;
   Points points = Rectangle(1, 1, 20000, 0.001, {Eigen::Quaterniond::Identity(), {0.5, 0, 2}});

@@ -53,7 +53,6 @@ inline std::vector<Jet> DualResiduals(const Correspondences& c, int i, ResidualT
   return {white[0], white[1], white[2]};
 }
 
-// Normal system by dual numbers.
 inline NormalSystem DualSystem(const Correspondences& c, ResidualType type,
                                const RobustKernel& kernel = {}) {
   NormalSystem system;

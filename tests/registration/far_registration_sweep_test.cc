@@ -134,7 +134,6 @@ Outcome RegisterRecorded(const std::string& sequence, int stride, const Bound& b
   });
 }
 
-// Room of surfit_simulate with Kinect noise.
 Outcome RegisterSimulated(std::uint64_t seed, int stride) {
   constexpr int kFrames = 200;
   const PinholeCamera camera = {640, 480, 525, 525, 319.5, 239.5, {}};

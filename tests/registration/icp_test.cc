@@ -138,7 +138,6 @@ TEST(Register, ReportsTooFewInliers) {
   EXPECT_EQ(Register(views.source, views.target, Rigid3d(), options).termination,
             Termination::kTooFewInliers);
 
-  // Cameras with opposite directions have no overlap.
   const Rigid3d around(QuaternionExp<double>({0, M_PI, 0}), {0, 0, 0});
   const IcpResult apart = Register(views.source, views.target, around, IcpOptions());
   EXPECT_EQ(apart.termination, Termination::kTooFewInliers);

@@ -156,7 +156,6 @@ TEST(MeasureFit, MeasuresFreeSpaceAndTexture) {
 // The error is below half a pixel of the coarsest level. A pixel is 1 / 33 rad, 1.7 degrees.
 constexpr double kHalfAPixel = 0.87 * kRadPerDeg;
 
-// Views from the same position, rotated by 10 degrees.
 const SimulatedColoredViews& TurnedViews() {
   static const auto* const views = new SimulatedColoredViews(MakeTurnedViews(
       70, Rigid3d(QuaternionExp<double>({0.05, 0.16, -0.05}), Eigen::Vector3d::Zero()), 12));

@@ -29,7 +29,6 @@ std::string NameOf(const ::testing::TestParamInfo<Combination>& info) {
   return info.param.solver + "_" + ToString(info.param.residual);
 }
 
-// Solves with constant correspondences until convergence.
 Rigid3d SolveKnown(const Correspondences& pairs, const PoseSolverOptions& options) {
   constexpr int kMaxSteps = 30;
   const std::unique_ptr<PoseSolver> solver = MakePoseSolver(options);

@@ -96,7 +96,6 @@ TEST_P(LinearizeResidual, BesidesProductsContainsRemainingSums) {
   ExpectNear(rest, whole, 1e-14);
 }
 
-// Values beyond size are ignored.
 TEST_P(LinearizeResidual, IgnoresValuesBeyondSize) {
   std::mt19937_64 rng(3);
   const Correspondences pairs = RandomCorrespondences(9, 0.1, &rng);

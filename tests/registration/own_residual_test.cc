@@ -23,7 +23,6 @@ struct AcrossAnAxis : PointFunctor<AcrossAnAxis, 7, 2> {
   }
 };
 
-// Registers the residuals once per process.
 void RegisterThem() {
   static const bool once = [] {
     RegisterResidual<PointToPoint>("my_point_to_point");

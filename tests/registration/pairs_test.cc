@@ -14,7 +14,6 @@
 namespace surfit::testing {
 namespace {
 
-// Numbers of frame pairs.
 struct PairCounts {
   int pairs = 0;
   int accurate = 0;  // final error below 3 mm and 0.1 deg

@@ -71,7 +71,6 @@ TEST(PhotometricIcp, ScalesIntensityWeightWithRowStride) {
   }
 }
 
-// Step of a solver with geometric and photometric residuals.
 Vector6d StepOf(const std::string& solver, const WallFrames& frames) {
   PoseSolverOptions options;
   options.name = solver;
@@ -94,7 +93,6 @@ TEST(PhotometricStep, AgreesBetweenPerPointAndReducedSolvers) {
   EXPECT_THAT(StepOf("tiny", frames), VectorNear(reduced, 1e-6));
 }
 
-// Sums in single precision compared with rows in double precision.
 TEST(PhotometricStep, AgreesBetweenQrAndNormalEquations) {
   const WallFrames frames(AlongTheWall());
   const Vector6d system = StepOf("closed_form_ldlt", frames);

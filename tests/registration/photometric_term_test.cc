@@ -85,7 +85,6 @@ TEST_F(PhotometricTermTest, IgnoresOccludedPointsAndUnknownColors) {
   }
 }
 
-// The correspondences are bitwise identical for all instruction sets.
 TEST_F(PhotometricTermTest, IsBitwiseIdenticalForAllInstructionSets) {
   TexturedPoints points;
   for (int i = 0; i < 83; ++i) {

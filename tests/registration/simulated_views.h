@@ -50,7 +50,6 @@ inline SimulatedViews MakeViews(int first, int gap, std::uint64_t seed = 1) {
   return {view(source), view(target), target.Inverse() * source};
 }
 
-// Two views with colour.
 struct SimulatedColoredViews {
   ColoredView source, target;
   Rigid3d target_from_source;

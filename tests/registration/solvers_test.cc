@@ -197,7 +197,6 @@ TEST(MakePoseSolver, RejectsUnknownLinearSolverAndListsKnownNames) {
   ExpectInputError([&] { Validate(options); }, Names("linear_solver", "magic"));
 }
 
-// Random positive definite covariance.
 Matrix6d RandomCovariance() {
   std::mt19937_64 generator(1);
   std::normal_distribution<double> normal;

@@ -12,7 +12,6 @@
 
 namespace surfit::testing {
 
-// Solvers that support point_to_plane.
 inline std::vector<std::string> PointToPlaneSolverNames() {
   std::vector<std::string> names = PoseSolverNames();
   names.erase(std::find(names.begin(), names.end(), "svd"));

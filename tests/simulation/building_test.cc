@@ -120,7 +120,6 @@ TEST(Building, RouteVisitsEveryRoomAndBothStaircases) {
   }
   EXPECT_THAT(climbed, ElementsAre(std::pair(false, 0), std::pair(false, 1), std::pair(true, 0),
                                    std::pair(true, 1)));
-  // Corners of the closed route are close to their neighbours.
   for (std::size_t i = 0; i < route.size(); ++i) {
     EXPECT_LT((route[(i + 1) % route.size()] - route[i]).norm(), 1.6) << i;
   }

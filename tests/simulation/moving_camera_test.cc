@@ -93,7 +93,6 @@ TEST_F(MovingCameraTest, AgreesWithRenderWithoutEffects) {
   const Rendering frame = MovingCamera(scene_, camera_, path_).Frame(kAt);
   EXPECT_TRUE(frame.depth_m == plain.depth_m);
   EXPECT_TRUE(frame.color == plain.color);
-  // Rendering row by row gives the same images.
   const auto still = [&](int) { return pose; };
   const Rendering rows = RenderRows(scene_, camera_.depth, still);
   EXPECT_TRUE(rows.depth_m == plain.depth_m);

@@ -93,7 +93,6 @@ TEST(SlamCalibration, CorrectsWrongCalibration) {
     const CalibratedRun run = CalibratedRunOf(room);
     ASSERT_TRUE(run.is_recalibrated) << seed;
     EXPECT_LT(run.rms_m, UncalibratedRms(room) / 2) << seed;
-    // Each parameter is within three standard deviations.
     const Eigen::VectorXd sigma =
         run.calibrations.back().summary.calibration_covariance.diagonal().cwiseSqrt();
     const PinholeCamera &found = run.found.camera, truth = TrueCamera();

@@ -53,7 +53,6 @@ TEST(CompareMotions, CountsPointsOfPoseAndOfOtherMotion) {
   EXPECT_TRUE(Compare({20, 25, 10}).IsRefuted());
 }
 
-// Static points in two distant cameras.
 TEST(CompareMotions, FindsNoMotionOfStaticPoints) {
   const Rigid3d world_from_source(QuaternionExp<double>({0.3, -0.2, 0.1}), {1, 2, 3});
   const Rigid3d world_from_target(QuaternionExp<double>({0.1, 0.2, -0.3}), {1.5, 1.8, 2.7});

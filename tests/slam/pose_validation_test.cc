@@ -77,7 +77,6 @@ FrameLevel SurfaceOf(const RgbdFrame& frame) {
   return pyramid.levels.front();
 }
 
-// Brightness of the cells of a frame.
 Image<float> GreyOfCells(const Image<Rgb8>& color) {
   const ViewGrid grid(SimulatedCamera());
   Image<float> grey(grid.width, grid.height);

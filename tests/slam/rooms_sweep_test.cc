@@ -46,7 +46,6 @@ const PinholeCamera kCamera = {320, 240, 262.5, 262.5, 159.5, 119.5, {}};
 constexpr int kLength = 1500;
 constexpr int kRightPerWrong = 9;  // 10 % of all loops are wrong
 
-// Kind of error of a wrong loop.
 enum class Wrong {
   kNone,      // no wrong loops
   kAnywhere,  // to any earlier keyframe, with any pose in a room

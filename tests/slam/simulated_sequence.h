@@ -16,7 +16,6 @@ namespace surfit::testing {
 
 inline PinholeCamera SimulatedCamera() { return {160, 120, 131.25, 131.25, 79.5, 59.5, {}}; }
 
-// Frames of a simulated scene with exact poses.
 struct SimulatedSequence {
   PinholeCamera camera = SimulatedCamera();
   std::vector<RgbdFrame> frames;
@@ -106,14 +105,12 @@ void ExpectSamePoses(const std::vector<Frame>& a, const std::vector<Frame>& b) {
   }
 }
 
-// Frames of a room with an ideal sensor.
 inline const SimulatedSequence& IdealRoom() {
   constexpr int kFrames = 25;
   static const auto* const room = new SimulatedSequence(SimulateRoom(1, kFrames, Sensor::kIdeal));
   return *room;
 }
 
-// Frame of IdealRoom() without depth.
 inline RgbdFrame Blank(int index) {
   RgbdFrame frame = IdealRoom().frames[index];
   frame.depth_m = Image<float>(frame.depth_m.width(), frame.depth_m.height(), 0.f);

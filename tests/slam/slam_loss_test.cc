@@ -59,7 +59,6 @@ TEST(Slam, ContinuesOverLostFramesWithMotionPrior) {
   EXPECT_EQ(state_after_loss(), FrameState::kTracked);
 }
 
-// A near ball instead of the room.
 TEST(Slam, LosesFrameOfOtherPlace) {
   const SimulatedSequence& room = IdealRoom();
   const Scene elsewhere = MakeScene("sphere");

@@ -222,7 +222,6 @@ TEST(Slam, PredictsNoMotionBetweenDistantFrames) {
             run_with(0, 0.05).reports.back().world_from_camera.Matrix());
 }
 
-// Cameras can deliver duplicate frames.
 TEST(Slam, DuplicateFrameKeepsPoseAndIsNotFused) {
   const SimulatedSequence& room = IdealRoom();
   Slam slam({room.camera, {}}, SlamOptions(), {});

@@ -36,7 +36,6 @@ Rigid3d ToRigid(const o3c::Tensor& matrix) {
   return {Eigen::Quaterniond(rotation).normalized(), {at(0, 3), at(1, 3), at(2, 3)}};
 }
 
-// Pyramid of vertex maps and normals, coarse to fine.
 struct DepthPyramid {
   struct Level {
     o3c::Tensor vertices, normals, intrinsics;

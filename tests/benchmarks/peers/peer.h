@@ -17,7 +17,6 @@ struct PeerCloud {
   std::vector<Eigen::Vector3f> points, normals;
 };
 
-// Settings of a registration.
 struct PeerRules {
   double max_distance_m = 0.1;
   int threads = 1;
@@ -45,7 +44,6 @@ std::unique_ptr<Peer> MakeSurfitPeer();
 std::unique_ptr<Peer> MakePclPeer();
 std::unique_ptr<Peer> MakeOpen3dPeer();
 
-// SLAM or odometry system for RGB-D cameras.
 class SlamPeer {
  public:
   virtual ~SlamPeer() = default;

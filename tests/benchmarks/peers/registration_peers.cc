@@ -75,7 +75,6 @@ std::vector<Scene> ReadScenes(const std::string& folder) {
   return scenes;
 }
 
-// Result of a library for one scene and one setting.
 struct Outcome {
   double time_ms = 0, translation_error_m = 0, rotation_error_deg = 0;
 };
@@ -85,7 +84,6 @@ double Median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-// Prints one line per peer and setting.
 std::vector<Outcome> Compare(const Scene& scene, const PeerRules& rules, int repetitions,
                              const std::vector<std::unique_ptr<Peer>>& peers) {
   std::vector<Outcome> outcomes(peers.size());

@@ -36,7 +36,6 @@ struct System {
   MakeSlamPeer make;
 };
 
-// Result of a system, passed through a pipe.
 struct Outcome {
   int frames = 0, lost = 0;
   double ate_m = -1;  // unknown
